@@ -7,13 +7,14 @@ mod dependence;
 pub mod equation;
 pub mod motion;
 pub mod overlaps;
+pub mod rigid_wall_contact;
 pub mod system;
 pub mod tie;
 pub mod user_motion;
 
 use self::contact::curve::Carrier;
 use crate::kernel::topology::ElementNodes;
-use crate::load::Slot;
+use crate::load::GeneralizedForce;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
@@ -32,7 +33,7 @@ pub trait Constraint: Persist + Send + Sync {
     fn begin(&mut self, _dofs: &mut Dofs) {}
 
     /// Generalised forces that it passes on from nodes to rigid bodies: one where it carries nodes, else none.
-    fn slots(&self) -> Vec<Slot> {
+    fn slots(&self) -> Vec<GeneralizedForce> {
         Vec::new()
     }
 

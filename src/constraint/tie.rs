@@ -2,7 +2,7 @@
 //! Never here: the motion of rigid bodies.
 
 use super::Constraint;
-use crate::load::{Account, Slot};
+use crate::load::{Account, GeneralizedForce};
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist};
 use crate::state::dofs::Dofs;
@@ -44,8 +44,8 @@ impl Constraint for Tie {
         }
     }
 
-    fn slots(&self) -> Vec<Slot> {
-        vec![Slot { body: self.body, account: Account::Tie }]
+    fn slots(&self) -> Vec<GeneralizedForce> {
+        vec![GeneralizedForce::along_z(self.body, Account::Tie)]
     }
 
     /// The sum along z. Forces along r meet themselves around the ring.

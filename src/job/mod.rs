@@ -29,8 +29,8 @@ use crate::overview::Overview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
 use crate::solve::{
-    self, Control, Energy, Every, Exit, FlightSummary, Instant, LOST, LimitsOverTime, Outcome, Progress, Rest, Sink,
-    SinkError, StepSummary, UnfitState,
+    self, Control, Energy, Every, Exit, Instant, LOST, LimitsOverTime, Outcome, PenetrationSummary, Progress, Rest,
+    Sink, SinkError, StepSummary, UnfitState,
 };
 use crate::state::archive::{Archive, Persist};
 use crate::user::{Routines, host};
@@ -206,7 +206,7 @@ pub struct Summary {
     pub rests: Vec<Rest>,
     /// What has become of bodies with six degrees of freedom.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub flights: Vec<FlightSummary>,
+    pub penetrations: Vec<PenetrationSummary>,
     /// Bodies that are still on their way in a target, or behind it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unfinished: Vec<String>,
@@ -650,7 +650,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: History) -> Summary
         lost: outcome.lost,
         digest: outcome.digest,
         rests: outcome.rests,
-        flights: outcome.flights,
+        penetrations: outcome.penetrations,
         unfinished: outcome.unfinished,
         exits: outcome.exits,
         deleted_elements: outcome.deleted,

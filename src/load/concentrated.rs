@@ -1,82 +1,92 @@
-//! A concentrated force (`*CLOAD`).
+//! A concentrated force or moment (`*CLOAD`).
 //! Never here: distributed loads.
 
-use super::{Account, Load, Slot, View};
+use super::{Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneView, Targets};
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist};
-use crate::state::flight::{Flight, Wrench};
+use crate::state::dofs::Dofs;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
-use crate::state::magnitude::{Clock, Magnitude};
+use crate::state::magnitude::Magnitude;
+use crate::state::rigid_body_3d::Wrench;
 use crate::user::Locked;
 
-/// The same force along one axis on each of some bodies and nodes.
+/// The same force or moment along one degree of freedom of each of some bodies and nodes.
 #[derive(Clone, Debug)]
 pub struct Concentrated {
     /// Its row of the ledger.
     pub id: EffectId,
-    /// Bodies, pushed along z.
+    /// Bodies along z.
     pub bodies: Vec<usize>,
-    /// Bodies with six degrees of freedom, by their index, pushed along 2 at a height on their axis.
-    pub flights: Vec<(usize, f64)>,
+    /// Bodies in space, with the height in the mesh of the ring on which the force is spread.
+    pub spatial: Vec<(usize, f64)>,
     /// Nodes.
     pub nodes: Vec<usize>,
-    /// 0 along r, 1 along z.
-    pub axis: usize,
+    /// The degree of freedom from 0: along 1, 2, 3, about 1, 2, 3; of nodes 0 along r or of a rotation, 1 along z.
+    pub dof: usize,
     /// Force on each.
     pub magnitude: Magnitude,
 }
 
+impl Concentrated {
+    /// The force on a body in space at a height on its axis.
+    fn wrench(&self, (body, height): (usize, f64), dofs: &Dofs, magnitude: f64) -> Wrench {
+        let mut components = [0.0; 6];
+        components[self.dof] = magnitude;
+        let wrench = Wrench::of(components);
+        match &dofs.bodies[body].spatial {
+            Some(spatial) if self.dof < 3 => Wrench::at(spatial.arm([0.0, height], 0.0), wrench.force),
+            _ => wrench,
+        }
+    }
+}
+
 impl Load for Concentrated {
-    fn id(&self) -> EffectId {
+    fn effect(&self) -> EffectId {
         self.id
     }
 
-    fn slots(&self) -> Vec<Slot> {
-        self.bodies.iter().map(|&body| Slot { body, account: Account::Work }).collect()
+    fn targets(&self) -> Targets {
+        let along_z = self.bodies.iter().map(|&body| GeneralizedForce::along_z(body, Account::Work));
+        let in_space = self.spatial.iter().flat_map(|&(body, _)| GeneralizedForce::in_space(body, Account::Work));
+        Targets { bodies: along_z.chain(in_space).collect(), nodes: !self.nodes.is_empty() }
     }
 
-    fn acts_on_nodes(&self) -> bool {
-        !self.nodes.is_empty()
-    }
-
-    fn on_nodes(&mut self, view: &View<'_>, _: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
-        let force = self.magnitude.at(&view.clock);
-        self.nodes.iter().for_each(|&n| forces[n][self.axis] += force);
-        Ok(())
-    }
-
-    fn on_bodies(&mut self, view: &View<'_>, _: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt> {
-        out.fill(self.magnitude.at(&view.clock));
-        Ok(())
-    }
-
-    fn on_flights(&mut self, clock: &Clock<'_>, flights: &mut [Flight]) -> Result<(), Halt> {
-        let force = [0.0, self.magnitude.at(clock), 0.0];
-        for &(flight, height) in &self.flights {
-            let arm = flights[flight].arm([0.0, height], 0.0);
-            flights[flight].forces[0].add(&Wrench::at(arm, force));
+    fn apply(
+        &mut self,
+        scene: &SceneView<'_>,
+        _: &mut Locked<'_>,
+        forces: &mut Forces<'_>,
+    ) -> Result<Dissipation, Halt> {
+        let magnitude = self.magnitude.at(&scene.clock);
+        match forces {
+            Forces::OnNodes(forces) => self.nodes.iter().for_each(|&n| forces[n][self.dof] += magnitude),
+            Forces::OnBodies(forces) => {
+                let (along_z, in_space) = forces.split_at_mut(self.bodies.len());
+                along_z.fill(magnitude);
+                for (out, &place) in in_space.chunks_exact_mut(6).zip(&self.spatial) {
+                    out.copy_from_slice(&self.wrench(place, scene.dofs, magnitude).components());
+                }
+            }
         }
-        Ok(())
+        Ok(Dissipation::default())
     }
 
-    fn limit(&self, view: &View<'_>) -> Limit {
-        self.magnitude.limit(&view.clock)
+    fn max_increment(&self, scene: &SceneView<'_>) -> Limit {
+        self.magnitude.limit(&scene.clock)
     }
+}
 
+impl LoadOutput for Concentrated {
     fn arrays(&self) -> Vec<(&'static str, usize)> {
         let places = size_of::<usize>() * (self.bodies.capacity() + self.nodes.capacity());
-        let places = places + size_of::<(usize, f64)>() * self.flights.capacity();
+        let places = places + size_of::<(usize, f64)>() * self.spatial.capacity();
         vec![("places", places), ("amplitude", self.magnitude.bytes())]
-    }
-
-    fn copy(&self) -> Box<dyn Load> {
-        Box::new(self.clone())
     }
 }
 
 impl Persist for Concentrated {
     fn persist(&mut self, _archive: &mut Archive<'_>) {
-        let Concentrated { id: _, bodies: _, flights: _, nodes: _, axis: _, magnitude: _ } = self;
+        let Concentrated { id: _, bodies: _, spatial: _, nodes: _, dof: _, magnitude: _ } = self;
     }
 }

@@ -1,6 +1,7 @@
 //! What loads show of the surfaces that they act on.
 //! Never here: files.
 
+use crate::load::stations::stations;
 use crate::mesh::surface::{Face, Surface};
 use crate::state::dofs::Dofs;
 use crate::variables::Variable;
@@ -42,8 +43,14 @@ impl FacetFields {
     pub fn uniform(surface: &Surface, pressure: f64, dofs: &Dofs) -> FacetFields {
         let mut fields = FacetFields::default();
         for patch in &surface.patches {
-            let velocity = dofs.bodies[patch.body].velocity;
-            patch.facets.iter().for_each(|(e, f)| fields.push(*e, pressure, velocity * f.normal[1]));
+            let body = &dofs.bodies[patch.body];
+            match &body.spatial {
+                None => patch.facets.iter().for_each(|(e, f)| fields.push(*e, pressure, body.velocity * f.normal[1])),
+                Some(spatial) => {
+                    let all = stations(patch, spatial);
+                    all.iter().for_each(|s| fields.push(s.element, pressure, s.normal_velocity(spatial)));
+                }
+            }
         }
         let skin = &surface.skin;
         for ((&face, &element), &carries) in skin.faces.iter().zip(&skin.elements).zip(&skin.carries) {

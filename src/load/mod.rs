@@ -6,15 +6,16 @@ pub mod concentrated;
 pub mod fields;
 pub mod gravity;
 pub mod pressure;
+pub mod stations;
 pub mod stiffness;
 pub mod user_amplitude;
 pub mod user_load;
 
+use crate::kernel::attitude::Vector;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
-use crate::state::flight::Flight;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
 use crate::state::magnitude::Clock;
@@ -37,11 +38,68 @@ pub enum Account {
 
 /// A generalised force of one effect on one body, and the account of its work.
 #[derive(Clone, Copy, Debug)]
-pub struct Slot {
+pub struct GeneralizedForce {
     /// Body index.
     pub body: usize,
+    /// Along (0 to 2) or about (3 to 5) 1, 2, 3; of a body along z always 1.
+    pub coordinate: u32,
     /// Where its work is booked.
     pub account: Account,
+}
+
+impl GeneralizedForce {
+    /// The force along z.
+    pub fn along_z(body: usize, account: Account) -> Self {
+        GeneralizedForce { body, coordinate: 1, account }
+    }
+
+    /// Forces along 1, 2, 3 and moments about the centre of mass of a body in space.
+    pub fn in_space(body: usize, account: Account) -> impl Iterator<Item = Self> {
+        (0..6).map(move |coordinate| GeneralizedForce { body, coordinate, account })
+    }
+}
+
+/// What a load acts on.
+#[derive(Clone, Debug, Default)]
+pub struct Targets {
+    /// The generalised forces on rigid bodies that it writes.
+    pub bodies: Vec<GeneralizedForce>,
+    /// Whether it acts on nodes.
+    pub nodes: bool,
+}
+
+/// Where a load puts its forces: first those on nodes are asked for, because forces of tied nodes count among those on their bodies,
+/// which resistances see; then those on rigid bodies.
+pub enum Forces<'a> {
+    /// Forces on nodes, `[r, z]` of each: it adds to them.
+    OnNodes(&'a mut [[f64; 2]]),
+    /// Generalised forces on rigid bodies in the order of its [`Targets`]: it writes them.
+    OnBodies(&'a mut [f64]),
+}
+
+/// Part of the work of forces on nodes over the previous increment that is dissipated in a target.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Dissipation {
+    /// By opening a cavity.
+    pub cavity: f64,
+    /// By friction.
+    pub friction: f64,
+}
+
+impl Dissipation {
+    /// Adds another one.
+    pub fn add(&mut self, other: Dissipation) {
+        self.cavity += other.cavity;
+        self.friction += other.friction;
+    }
+}
+
+/// A change of the scene that loads follow.
+pub enum SceneChange<'a> {
+    /// Elements with these boundaries have been deleted: loads on their faces end.
+    DeletedElements(&'a [ElementNodes]),
+    /// The masses of all nodes, which have changed.
+    Masses(&'a [f64]),
 }
 
 /// What a load makes of velocity.
@@ -57,39 +115,30 @@ pub enum VelocityUse {
 
 /// The scene as loads see it at an instant.
 #[derive(Clone, Copy)]
-pub struct View<'a> {
+pub struct SceneView<'a> {
     /// When.
     pub clock: Clock<'a>,
     /// All that moves.
     pub dofs: &'a Dofs,
-    /// Part of the increment behind over which the velocity of nodes is carried on from its middle: half of it for a
-    /// second-order estimate of the velocity at the instant's own time, none for the velocity lagging behind.
-    pub reach: f64,
+    /// Part of the previous increment over which the velocity of nodes is extrapolated from its middle: half of it for a
+    /// second-order estimate of the velocity at the instant's own time, none for the lagged velocity.
+    pub velocity_extrapolation: f64,
     /// Under area weighting, by how much a force on the plane section around each node is multiplied to act on its ring.
     pub rings: Option<&'a [f64]>,
 }
 
-impl View<'_> {
+impl SceneView<'_> {
     /// The velocity of a node that loads are shown.
     #[inline]
     pub fn velocity(&self, node: usize) -> [f64; 2] {
-        self.dofs.nodes.velocity_after(node, self.reach)
+        self.dofs.nodes.velocity_after(node, self.velocity_extrapolation)
     }
 }
 
-/// How a rigid body is at the end of a run that has not come to rest in a target.
+/// What has become of a rigid body in a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unfinished {
-    /// It still moves in it.
-    Moving,
-    /// It has left it through its back.
-    Through,
-}
-
-/// What has become of a body with six degrees of freedom in a target.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum How {
-    /// It lies still in it.
+pub enum PenetrationOutcome {
+    /// It is at rest in it.
     AtRest,
     /// It still moves in it.
     Moving,
@@ -101,118 +150,119 @@ pub enum How {
     NotMet,
 }
 
-impl How {
+impl PenetrationOutcome {
     /// In words, as results have it.
     pub fn words(self) -> &'static str {
         match self {
-            How::AtRest => "at rest",
-            How::Moving => "in the target",
-            How::Through => "through",
-            How::Ricochet => "ricochet",
-            How::NotMet => "not met",
+            PenetrationOutcome::AtRest => "at rest",
+            PenetrationOutcome::Moving => "in the target",
+            PenetrationOutcome::Through => "through",
+            PenetrationOutcome::Ricochet => "ricochet",
+            PenetrationOutcome::NotMet => "not met",
         }
     }
 }
 
-/// How the flight of a body with six degrees of freedom stands to a target.
+/// A rigid body and a target.
 #[derive(Clone, Copy, Debug)]
-pub struct FlightEnd {
-    /// Index of the flight.
-    pub flight: usize,
+pub struct Penetration {
+    /// Index of the body.
+    pub body: usize,
     /// What has become of it.
-    pub how: How,
-    /// Total time at which it had left the target.
-    pub time: Option<f64>,
-    /// Angle between its velocity and the target's normal, radians, 0 to pi/2.
-    pub obliquity: f64,
+    pub outcome: PenetrationOutcome,
+    /// Its motion, of a body in space.
+    pub in_space: Option<MotionAtEnd>,
 }
 
-/// A load. Forces on nodes come first: those of tied nodes count among the forces on their bodies, which resistances meet.
-pub trait Load: Persist + Send + Sync {
+/// How a body in space moves at the end; angles in degrees.
+#[derive(Clone, Copy, Debug)]
+pub struct MotionAtEnd {
+    /// Total time at which it had left the target.
+    pub exit_time: Option<f64>,
+    /// Velocity of the centre of mass.
+    pub velocity: Vector,
+    /// Angular velocity.
+    pub rotational_velocity: Vector,
+    /// Speed of the centre of mass.
+    pub speed: f64,
+    /// Between the velocity and the target's normal, 0 to 90.
+    pub obliquity: f64,
+    /// Between the axis and the velocity, 0 to 90.
+    pub yaw: f64,
+    /// Between the axis and direction 2.
+    pub tilt: f64,
+}
+
+/// A load.
+pub trait Load: LoadOutput + CopyLoad + Persist + Send + Sync {
     /// Its row of the ledger.
-    fn id(&self) -> EffectId;
+    fn effect(&self) -> EffectId;
 
-    /// The generalised forces on rigid bodies that it will write.
-    fn slots(&self) -> Vec<Slot>;
+    /// What it acts on.
+    fn targets(&self) -> Targets;
 
-    /// Whether it acts on nodes.
-    fn acts_on_nodes(&self) -> bool;
-
-    /// Adds its forces on nodes, `[r, z]` of each.
-    ///
-    /// # Errors
-    /// Where no finite force can be given; the run halts.
-    fn on_nodes(&mut self, view: &View<'_>, user: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt>;
-
-    /// Writes its generalised forces along z on rigid bodies, in the order of its slots.
-    ///
-    /// # Errors
-    /// Where no finite force can be given; the run halts.
-    fn on_bodies(&mut self, view: &View<'_>, user: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt>;
-
-    /// Adds its forces and moments to those of bodies with six degrees of freedom.
-    ///
-    /// # Errors
-    /// Where no finite force can be given; the run halts.
-    fn on_flights(&mut self, _clock: &Clock<'_>, _flights: &mut [Flight]) -> Result<(), Halt> {
-        Ok(())
-    }
-
-    /// Indices of the bodies with six degrees of freedom that it resists.
-    fn resists(&self) -> Vec<usize> {
-        Vec::new()
-    }
-
-    /// What has become of these.
-    fn ends(&self, _dofs: &Dofs) -> Vec<FlightEnd> {
-        Vec::new()
-    }
-
-    /// What it makes of velocity.
-    fn velocity(&self) -> VelocityUse {
+    /// How it depends on velocity.
+    fn velocity_use(&self) -> VelocityUse {
         VelocityUse::None
     }
 
+    /// Puts its forces on nodes or on bodies. Returns what those on nodes dissipated over the previous increment; of bodies each
+    /// generalised force has its account.
+    ///
+    /// # Errors
+    /// Where no finite force can be given; the run halts.
+    fn apply(
+        &mut self,
+        scene: &SceneView<'_>,
+        user: &mut Locked<'_>,
+        forces: &mut Forces<'_>,
+    ) -> Result<Dissipation, Halt>;
+
     /// How far the next increment may go.
-    fn limit(&self, view: &View<'_>) -> Limit;
-
-    /// What it was found to add to the stiffness of nodes, where that has made motion grow.
-    fn stiffness(&self) -> Option<&Stiffness> {
-        None
+    fn max_increment(&self, _scene: &SceneView<'_>) -> Limit {
+        Limit::NONE
     }
 
-    /// Of the work that its forces on nodes did over the increment behind what is dissipated: by opening a cavity and by
-    /// friction. Called behind [`Load::on_nodes`].
-    fn dissipated(&self, _behind: &LastIncrement<'_>) -> [f64; 2] {
-        [0.0; 2]
-    }
+    /// Follows a change of the scene.
+    fn scene_changed(&mut self, _change: &SceneChange<'_>) {}
+}
 
-    /// Rigid bodies that have not come to their end in what resists them: a depth that is read now is not their last.
-    fn unfinished(&self, _dofs: &Dofs) -> Vec<(usize, Unfinished)> {
-        Vec::new()
-    }
-
-    /// Elements with these boundaries are deleted: what acts on their faces ends.
-    fn release(&mut self, _deleted: &[ElementNodes]) {}
-
-    /// The masses of nodes have changed.
-    fn weigh(&mut self, _mass: &[f64]) {}
+/// What a load shows.
+pub trait LoadOutput {
+    /// Names and bytes of the arrays it holds.
+    fn arrays(&self) -> Vec<(&'static str, usize)>;
 
     /// What it shows on a surface in a frame.
     fn fields(&self, _dofs: &Dofs) -> Option<FacetFields> {
         None
     }
 
-    /// Names and bytes of the arrays it holds.
-    fn arrays(&self) -> Vec<(&'static str, usize)>;
+    /// What has become of the rigid bodies that it resists.
+    fn penetrations(&self, _dofs: &Dofs) -> Vec<Penetration> {
+        Vec::new()
+    }
 
+    /// What it was found to add to the stiffness of nodes, where that has made motion grow.
+    fn stiffness(&self) -> Option<&Stiffness> {
+        None
+    }
+}
+
+/// Copies a load with its state.
+pub trait CopyLoad {
     /// Another one in the same state.
     fn copy(&self) -> Box<dyn Load>;
 }
 
+impl<T: Load + Clone + 'static> CopyLoad for T {
+    fn copy(&self) -> Box<dyn Load> {
+        Box::new(self.clone())
+    }
+}
+
 impl Clone for Box<dyn Load> {
     fn clone(&self) -> Self {
-        self.copy()
+        (**self).copy()
     }
 }
 

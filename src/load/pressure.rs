@@ -1,9 +1,9 @@
 //! A prescribed pressure on a surface (`P`).
 //! Never here: pressures that depend on motion.
 
-use super::{Account, Load, Slot, View};
+use super::{Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneChange, SceneView, Targets};
+use crate::kernel::attitude::times;
 use crate::kernel::facet::{ring_pressure, section_pressure, shell_pressure};
-use crate::kernel::topology::ElementNodes;
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{Face, Surface};
 use crate::state::EffectId;
@@ -14,14 +14,14 @@ use crate::state::limit::Limit;
 use crate::state::magnitude::Magnitude;
 use crate::user::Locked;
 
-/// A pressure; positive pushes against the outward normal. On a body that only shifts along z the facets enter by the sum of
-/// their axial areas alone.
+/// A pressure; positive pushes against the outward normal. On a rigid body its resultant lies on the axis: the facets enter by the sum
+/// of their axial areas alone, in space as along z.
 #[derive(Clone, Debug)]
 pub struct Pressure {
     id: EffectId,
     surface: Surface,
-    /// Of each patch, the sum of area times n_z.
-    axial_areas: Vec<f64>,
+    /// Of each patch, the sum of area times n_z, and whether its body moves in space.
+    axial_areas: Vec<(f64, bool)>,
     magnitude: Magnitude,
     /// Pressure at the last evaluation, for frames.
     current: f64,
@@ -29,61 +29,79 @@ pub struct Pressure {
 
 impl Pressure {
     /// A pressure on a surface.
-    pub fn new(id: EffectId, surface: Surface, magnitude: Magnitude) -> Self {
+    pub fn new(id: EffectId, surface: Surface, magnitude: Magnitude, dofs: &Dofs) -> Self {
         let axial =
             |facets: &[(usize, crate::kernel::facet::Facet)]| facets.iter().map(|(_, f)| f.area * f.normal[1]).sum();
-        let axial_areas = surface.patches.iter().map(|p| axial(&p.facets)).collect();
+        let patches = surface.patches.iter();
+        let axial_areas = patches.map(|p| (axial(&p.facets), dofs.bodies[p.body].is_spatial())).collect();
         Pressure { id, surface, axial_areas, magnitude, current: 0.0 }
+    }
+
+    fn on_bodies(&self, dofs: &Dofs, mut forces: &mut [f64]) {
+        for (patch, &(area, in_space)) in self.surface.patches.iter().zip(&self.axial_areas) {
+            let (own, others) = forces.split_at_mut(if in_space { 3 } else { 1 });
+            let force = -self.current * area;
+            match &dofs.bodies[patch.body].spatial {
+                None => own[0] = force,
+                Some(body) => own.copy_from_slice(&times(force, body.attitude.axis())),
+            }
+            forces = others;
+        }
     }
 }
 
 impl Load for Pressure {
-    fn id(&self) -> EffectId {
+    fn effect(&self) -> EffectId {
         self.id
     }
 
-    fn slots(&self) -> Vec<Slot> {
-        self.surface.patches.iter().map(|p| Slot { body: p.body, account: Account::Work }).collect()
-    }
-
-    fn acts_on_nodes(&self) -> bool {
-        self.surface.skin.most() > 0
-    }
-
-    fn on_nodes(&mut self, view: &View<'_>, _: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
-        self.current = self.magnitude.at(&view.clock);
-        for (face, shell) in self.surface.skin.carrying_shells() {
-            push(&Face::new(face, &view.dofs.nodes), shell, self.current, view.rings, forces);
+    fn targets(&self) -> Targets {
+        let mut bodies = Vec::new();
+        for (patch, &(_, in_space)) in self.surface.patches.iter().zip(&self.axial_areas) {
+            match in_space {
+                true => bodies.extend(GeneralizedForce::in_space(patch.body, Account::Work).take(3)),
+                false => bodies.push(GeneralizedForce::along_z(patch.body, Account::Work)),
+            }
         }
-        Ok(())
+        Targets { bodies, nodes: self.surface.skin.most() > 0 }
     }
 
-    fn on_bodies(&mut self, view: &View<'_>, _: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt> {
-        self.current = self.magnitude.at(&view.clock);
-        for (force, area) in out.iter_mut().zip(&self.axial_areas) {
-            *force = -self.current * area;
+    fn apply(
+        &mut self,
+        scene: &SceneView<'_>,
+        _: &mut Locked<'_>,
+        forces: &mut Forces<'_>,
+    ) -> Result<Dissipation, Halt> {
+        self.current = self.magnitude.at(&scene.clock);
+        match forces {
+            Forces::OnNodes(forces) => {
+                for (face, shell) in self.surface.skin.carrying_shells() {
+                    push(&Face::new(face, &scene.dofs.nodes), shell, self.current, scene.rings, forces);
+                }
+            }
+            Forces::OnBodies(forces) => self.on_bodies(scene.dofs, forces),
         }
-        Ok(())
+        Ok(Dissipation::default())
     }
 
-    fn limit(&self, view: &View<'_>) -> Limit {
-        self.magnitude.limit(&view.clock)
+    fn max_increment(&self, scene: &SceneView<'_>) -> Limit {
+        self.magnitude.limit(&scene.clock)
     }
 
-    fn release(&mut self, deleted: &[ElementNodes]) {
-        self.surface.skin.release(deleted);
+    fn scene_changed(&mut self, change: &SceneChange<'_>) {
+        if let SceneChange::DeletedElements(deleted) = change {
+            self.surface.skin.release(deleted);
+        }
     }
+}
 
+impl LoadOutput for Pressure {
     fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {
         Some(FacetFields::uniform(&self.surface, self.current, dofs))
     }
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
         vec![("surface", self.surface.bytes()), ("amplitude", self.magnitude.bytes())]
-    }
-
-    fn copy(&self) -> Box<dyn Load> {
-        Box::new(self.clone())
     }
 }
 

@@ -24,6 +24,7 @@ impl Builder<'_> {
     /// and 2 (z), the reference node of a rigid one the rotation 6 as well, which symmetry holds (ABAQUS Analysis User's
     /// Guide 1.2.2, "Conventions").
     fn missing_degrees(&mut self) {
+        let oblique = self.has_oblique_impact();
         // A body with an attitude may have six degrees of freedom.
         let in_space = |nodes: &[usize]| self.model.attitudes.iter().any(|a| nodes.contains(&a.reference));
         let velocities = self.model.initial_conditions.iter().filter_map(|c| match c.kind {
@@ -37,7 +38,7 @@ impl Builder<'_> {
             _ => None,
         });
         let forces = self.model.steps.iter().flat_map(|s| &s.loads).filter_map(|l| match &l.kind {
-            LoadKind::Concentrated { nodes, dof, set } if *dof > 2 && l.magnitude != 0.0 => {
+            LoadKind::Concentrated { nodes, dof, set } if *dof > 2 && l.magnitude != 0.0 && !oblique => {
                 let (dofs, nodes) = ([*dof; 2], nodes.clone());
                 Some(Rotational { span: l.span, set: set.clone(), dofs, nodes, lost: "is loaded", value: l.magnitude })
             }
@@ -61,6 +62,11 @@ impl Builder<'_> {
             told.push(condition.span);
             self.diagnostics.push(missing(&condition));
         }
+    }
+
+    /// Whether rigid bodies may move in space.
+    pub(super) fn has_oblique_impact(&self) -> bool {
+        !self.model.attitudes.is_empty() || self.model.targets.iter().any(|target| target.obliquity != 0.0)
     }
 
     /// Nodes that turn because shells meet there, ascending.

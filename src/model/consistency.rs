@@ -416,7 +416,7 @@ impl Check<'_> {
             }
             LoadKind::Gravity { elements, direction } => {
                 self.elements(load.span, elements.as_deref().unwrap_or_default());
-                let length = direction[0].hypot(direction[1]);
+                let length = direction[0].hypot(direction[1]).hypot(direction[2]);
                 self.value((length - 1.0).abs() < 1e-9, load.span, || "GRAV needs a unit vector as direction".into());
             }
             LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) => self.sides(load.span, sides),

@@ -45,7 +45,7 @@ impl Builder<'_> {
             }
         }
         for line in card.lines.iter().filter(|l| card.keyword.name == "DLOAD" && !is(l, "GRAV")) {
-            if let Some(word) = line.field(3).or(line.field(4)) {
+            if let Some(word) = line.field(3).or(line.field(4)).or(line.field(5)) {
                 let finding = Diagnostic::error("M161", format!("`{}` is one value too many", word.text));
                 self.diagnostics.push(finding.at(word.span, "only GRAV has a direction"));
             }
@@ -187,18 +187,22 @@ impl Builder<'_> {
             None => None,
         };
         let magnitude = self.number(line, 2, "the acceleration")?;
-        let (r, z) = (self.number_or(line, 3, 0.0)?, self.number_or(line, 4, 0.0)?);
-        let length = r.hypot(z);
+        let mut direction = [0.0; 3];
+        for (i, component) in direction.iter_mut().enumerate() {
+            *component = self.number_or(line, 3 + i, 0.0)?;
+        }
+        let [r, z, third] = direction;
+        let length = r.hypot(z).hypot(third);
         if length == 0.0 {
-            self.out_of_range(line.span, "GRAV needs a direction: magnitude, r, z");
+            self.out_of_range(line.span, "GRAV needs a direction: magnitude, r, z (in oblique impact 1, 2, 3)");
             return None;
         }
-        if r != 0.0 && magnitude != 0.0 {
-            let message = "gravity along r is none in a body of revolution: only its part along z acts";
+        if (r != 0.0 || third != 0.0) && magnitude != 0.0 && !self.has_oblique_impact() {
+            let message = "a body of revolution has no weight along r: only the component of gravity along z acts";
             let finding = Diagnostic::warning("M152", message).at(line.span, "a direction with a part along r");
             self.diagnostics.push(finding.help("give the direction as 0., 1. or 0., -1."));
         }
-        Some((LoadKind::Gravity { elements, direction: [r / length, z / length] }, magnitude))
+        Some((LoadKind::Gravity { elements, direction: direction.map(|d| d / length) }, magnitude))
     }
 }
 

@@ -127,7 +127,7 @@ pub fn set(model: &mut Model, place: Place, value: f64) -> bool {
             let mut given = false;
             for load in loads {
                 let constant = matches!(load.kind, LoadKind::Pressure(_) | LoadKind::Concentrated { .. })
-                    || matches!(load.kind, LoadKind::Gravity { direction: [r, _], .. } if r == 0.0);
+                    || matches!(load.kind, LoadKind::Gravity { direction: [r, _, third], .. } if r == 0.0 && third == 0.0);
                 if !constant || load.amplitude.is_some() {
                     return false;
                 }

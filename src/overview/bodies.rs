@@ -6,7 +6,6 @@ use serde::Serialize;
 use crate::model::{ElementKind, Model};
 use crate::plan::{Plan, State};
 use crate::state::BodyState;
-use crate::state::flight::Flight;
 
 /// A section of what deforms, or a rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -132,6 +131,5 @@ pub(super) fn mass(plan: &Plan, state: &State) -> f64 {
 pub(super) fn kinetic_energy(state: &State) -> f64 {
     let nodes = state.dofs.nodes.as_slice().iter().zip(&state.dofs.nodes.mass);
     let of_nodes: f64 = nodes.map(|(node, mass)| 0.5 * mass * (node.v_r * node.v_r + node.v_z * node.v_z)).sum();
-    let flying: f64 = state.dofs.flights.iter().map(Flight::kinetic).sum();
-    of_nodes + state.dofs.bodies.iter().map(BodyState::kinetic).sum::<f64>() + flying
+    of_nodes + state.dofs.bodies.iter().map(BodyState::kinetic).sum::<f64>()
 }

@@ -27,8 +27,8 @@ pub struct Body {
     pub nodes: Vec<usize>,
     /// Its elements.
     pub elements: Vec<usize>,
-    /// Its index among bodies with six degrees of freedom; `None` where it moves along z.
-    pub flight: Option<usize>,
+    /// Whether it has six degrees of freedom; otherwise it moves along z.
+    pub spatial: bool,
     /// Velocity along z at the start.
     pub initial_velocity: f64,
     /// The card.
@@ -100,8 +100,7 @@ impl Compiler<'_> {
             }
         }
         let lumped_mass = self.lumped_mass(rigid, &nodes);
-        let before = self.bodies.iter().filter(|b| b.flight.is_some()).count();
-        let flight = self.is_oblique(rigid).then_some(before);
+        let spatial = self.is_oblique(rigid);
         let body = Body {
             name: rigid.name.clone(),
             reference: rigid.reference,
@@ -109,11 +108,11 @@ impl Compiler<'_> {
             tied_mass: 0.0,
             nodes,
             elements: rigid.elements.clone(),
-            flight,
+            spatial,
             initial_velocity: 0.0,
             span: rigid.span,
         };
-        let how = if flight.is_some() { "moves and turns in space" } else { "moves along z" };
+        let how = if spatial { "moves and turns in space" } else { "moves along z" };
         let detail = format!("reference node {}, {how}", mesh.node_names[rigid.reference]);
         self.cause(rigid.span, "rigid body", body.nodes.len(), "nodes", detail);
         let detail = format!("mass {}", body.mass());
@@ -178,7 +177,7 @@ impl Compiler<'_> {
                 continue;
             };
             if dof != 2 {
-                if self.is_of_flight(&condition.members) {
+                if self.starts_in_space(&condition.members) {
                     self.cause(
                         condition.span,
                         "initial velocity",

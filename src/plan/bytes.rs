@@ -6,7 +6,7 @@ use super::ledger::Ledger;
 use super::{Plan, State};
 use crate::state::BodyState;
 use crate::state::EffectId;
-use crate::state::flight::Flight;
+use crate::state::rigid_body_3d::RigidBody3d;
 
 /// One in the plan, one in the run.
 const COPIES: usize = 2;
@@ -16,7 +16,7 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
     let ledger = &mut plan.ledger;
     for step in &plan.steps {
         for load in &step.loads {
-            load.arrays().into_iter().for_each(|(name, bytes)| add(ledger, load.id(), name, COPIES * bytes));
+            load.arrays().into_iter().for_each(|(name, bytes)| add(ledger, load.effect(), name, COPIES * bytes));
         }
         for constraint in &step.constraints {
             add(ledger, constraint.id(), "constraint", COPIES * constraint.bytes());
@@ -36,13 +36,14 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
             row.into_iter().for_each(|row| add(ledger, row, "temperatures", bytes));
         }
     }
-    let pushed = state.elements.has_links() || plan.steps.iter().flat_map(|s| &s.loads).any(|l| l.acts_on_nodes());
+    let pushed = state.elements.has_links() || plan.steps.iter().flat_map(|s| &s.loads).any(|l| l.targets().nodes);
     if let Some(row) = plan.rows.gather.filter(|_| pushed) {
         add(ledger, row, "forces", state.dofs.nodes.bytes_of_forces());
     }
     if let Some(row) = plan.rows.integration {
         add(ledger, row, "rigid bodies", size_of::<BodyState>() * state.dofs.bodies.capacity());
-        add(ledger, row, "bodies in space", size_of::<Flight>() * state.dofs.flights.capacity());
+        let spatial = state.dofs.bodies.iter().filter(|body| body.is_spatial()).count();
+        add(ledger, row, "bodies in space", size_of::<RigidBody3d>() * spatial);
         add(ledger, row, "steps", plan.steps.iter().map(size_of_val).sum());
     }
     if let Some(row) = plan.rows.output {

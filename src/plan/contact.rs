@@ -31,7 +31,8 @@ impl Compiler<'_> {
         let (mut found, mut pairs, mut laws) = (Found::default(), Vec::new(), Vec::<Law>::new());
         let mut springs: Vec<Law> = Vec::new();
         let mut spans = Vec::new();
-        let wanted = self.pairs[step].clone();
+        let mut wanted = self.pairs[step].clone();
+        wanted.retain(|pair| self.spatial_side(pair).is_none());
         if wanted.is_empty() {
             return None;
         }

@@ -10,14 +10,16 @@ use crate::deck::Diagnostic;
 use crate::kernel::amplitude::Curve;
 use crate::kernel::quad::corner_masses;
 use crate::kernel::solid;
-use crate::load::Load as Effect;
 use crate::load::concentrated::Concentrated;
 use crate::load::gravity::Gravity;
 use crate::load::pressure::Pressure;
 use crate::load::user_load::{Description, UserLoad, Volume};
-use crate::mesh::surface::Surface;
+use crate::load::{Account, GeneralizedForce, Load as Effect};
 use crate::model::{AmplitudeDefinition, AmplitudeId, ElementKind, Load, LoadKind, Sides, Step};
 use crate::state::magnitude::{Magnitude, Shape};
+
+/// Names of forces and moments in space.
+const COMPONENTS: [&str; 6] = ["F_1", "F_2", "F_3", "M_1", "M_2", "M_3"];
 
 impl Compiler<'_> {
     /// Whether a load can do anything; one that cannot is noted as unused.
@@ -41,7 +43,7 @@ impl Compiler<'_> {
         match &load.kind {
             LoadKind::Concentrated { nodes, dof, set } => self.concentrated(load, nodes, *dof, set),
             LoadKind::Gravity { elements, direction } => self.gravity(load, elements.as_deref(), *direction, state),
-            LoadKind::Pressure(sides) => self.pressure(load, sides),
+            LoadKind::Pressure(sides) => self.pressure(load, sides, state),
             LoadKind::User { sides, load_type } => self.user_load(load, sides, *load_type, state),
             LoadKind::UserBody { elements, set, load_type } => self.user_body(load, elements, set, *load_type, state),
             LoadKind::Cavity { sides, target, friction } => self.cavity(load, sides, *target, *friction, step, state),
@@ -70,36 +72,22 @@ impl Compiler<'_> {
             let detail = format!("M = {}{}", load.magnitude, self.amplitude_name(load));
             let id = self.cause(load.span, "concentrated moment", turning.len(), "nodes", detail);
             let magnitude = self.magnitude(load.magnitude, load.amplitude);
-            return Some(Box::new(Concentrated {
-                id,
-                bodies: Vec::new(),
-                flights: Vec::new(),
-                nodes: turning,
-                axis: 0,
-                magnitude,
-            }));
+            let (bodies, spatial) = (Vec::new(), Vec::new());
+            return Some(Box::new(Concentrated { id, bodies, spatial, nodes: turning, dof: 0, magnitude }));
         }
         let (mut bodies, mut deforming, mut stray) = (Vec::new(), Vec::new(), false);
-        let mut flights = Vec::new();
+        let mut spatial = Vec::new();
         for node in nodes {
             match (self.places.free_node(*node), self.body_of_node.get(node)) {
                 (Some(place), _) => deforming.push(place),
-                (_, Some(&body)) => match self.bodies[body].flight {
-                    Some(flight) => flights.push((flight, self.model.mesh.points[*node][1])),
-                    None => bodies.push(body),
-                },
+                (_, Some(&body)) if self.bodies[body].spatial => spatial.push((body, self.model.mesh.points[*node][1])),
+                (_, Some(&body)) => bodies.push(body),
                 _ => stray = true,
             }
         }
         if stray {
             let message = format!("a force acts on nodes of `{set}` that belong to no body");
             self.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
-        }
-        if dof != 2 && !flights.is_empty() {
-            let name =
-                self.bodies.iter().find(|b| b.flight == Some(flights[0].0)).map_or(String::new(), |b| b.name.clone());
-            self.refuse_on_flight(load.span, &name, "a concentrated force that is not along 2, or a moment,");
-            flights.clear();
         }
         if dof != 2 && !bodies.is_empty() {
             self.unused(load.span, "*CLOAD", "a rigid body of revolution moves along z only");
@@ -109,11 +97,13 @@ impl Compiler<'_> {
             self.unused(load.span, "*CLOAD", "nodes of a body of revolution move along r and z only");
             deforming.clear();
         }
-        let count = bodies.len() + flights.len() + deforming.len();
+        let count = bodies.len() + spatial.len() + deforming.len();
         if count == 0 {
             return None;
         }
         let axis = usize::from(dof) - 1;
+        let along =
+            if spatial.is_empty() { ["F_r", "F_z"].get(axis).copied().unwrap_or_default() } else { COMPONENTS[axis] };
         if deforming.iter().any(|&n| self.idle.contains(&(n, axis))) {
             let message = format!(
                 "a force acts on `{set}`, which has no mass and on which nothing hangs along {}",
@@ -122,29 +112,26 @@ impl Compiler<'_> {
             let finding = Diagnostic::error("P062", message).at(load.span, "here");
             self.diagnostics.push(finding.help("couple that degree of freedom, or put a *MASS on the node"));
         }
-        let detail = format!("F_{} = {}{}", ["r", "z"][axis], load.magnitude, self.amplitude_name(load));
+        let detail = format!("{along} = {}{}", load.magnitude, self.amplitude_name(load));
         let id = self.cause(load.span, "concentrated force", count, "nodes", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
-        Some(Box::new(Concentrated { id, bodies, flights, nodes: deforming, axis, magnitude }))
+        Some(Box::new(Concentrated { id, bodies, spatial, nodes: deforming, dof: axis, magnitude }))
     }
 
     fn gravity(
         &mut self,
         load: &Load,
         elements: Option<&[usize]>,
-        direction: [f64; 2],
+        direction: [f64; 3],
         state: &State,
     ) -> Option<Box<dyn Effect>> {
         let axial = load.magnitude * direction[1];
-        let flies = self.bodies.iter().any(|b| b.flight.is_some());
-        if axial == 0.0 && !(flies && direction[0] != 0.0) {
+        let in_space = self.bodies.iter().any(|b| b.spatial);
+        if axial == 0.0 && !in_space {
             self.unused(load.span, "GRAV", "it has no component along z, and a body of revolution moves along z only");
             return None;
         }
-        let along_z = (0..self.bodies.len()).filter(|&b| self.bodies[b].flight.is_none());
-        let bodies: Vec<(usize, f64)> =
-            along_z.filter_map(|b| Some((b, self.weighed(&self.bodies[b], elements)?))).collect();
-        let flights = self.weighed_flights(load, elements);
+        let (bodies, count) = self.forces_of_gravity(load, elements, direction);
         let nodes: Vec<(usize, f64)> = match elements {
             None => {
                 let masses = state.dofs.nodes.mass.iter().copied().enumerate().filter(|m| m.1 > 0.0);
@@ -153,36 +140,46 @@ impl Compiler<'_> {
             }
             Some(list) => self.masses_of(list),
         };
-        if bodies.is_empty() && flights.is_empty() && nodes.is_empty() {
+        if count == 0 && nodes.is_empty() {
             let message = "gravity acts on elements that belong to no body";
             self.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
         }
-        let detail = format!("a_z = {axial}{}", self.amplitude_name(load));
-        let (count, unit) = if nodes.is_empty() {
-            (bodies.len() + flights.len(), "bodies")
-        } else {
-            (bodies.len() + nodes.len(), "nodes")
+        let detail = match (in_space, direction) {
+            (true, [a, b, c]) => {
+                let [a, b, c] = [a, b, c].map(|d| load.magnitude * d + 0.0);
+                format!("a = ({a}, {b}, {c}){}", self.amplitude_name(load))
+            }
+            (false, _) => format!("a_z = {axial}{}", self.amplitude_name(load)),
         };
+        let (count, unit) = if nodes.is_empty() { (count, "bodies") } else { (count + nodes.len(), "nodes") };
         let id = self.cause(load.span, "gravity", count, unit, detail);
-        let acceleration = self.magnitude(axial, load.amplitude);
-        let across = self.magnitude(load.magnitude * direction[0], load.amplitude);
-        Some(Box::new(Gravity { id, bodies, flights, nodes, whole: elements.is_none(), acceleration, across }))
+        let acceleration = self.magnitude(load.magnitude, load.amplitude);
+        Some(Box::new(Gravity { id, bodies, nodes, whole: elements.is_none(), acceleration, along_z: direction[1] }))
     }
 
-    /// Bodies with six degrees of freedom on which gravity acts, all of the mass of each at its centre.
-    fn weighed_flights(&mut self, load: &Load, elements: Option<&[usize]>) -> Vec<(usize, f64)> {
-        let mut flights = Vec::new();
-        for b in 0..self.bodies.len() {
-            let body = &self.bodies[b];
-            let (Some(flight), Some(mass)) = (body.flight, self.weighed(body, elements)) else { continue };
-            if mass == body.mass() {
-                flights.push((flight, mass));
+    /// Generalised forces of gravity on rigid bodies, each with mass times the component of the direction, and on how many bodies.
+    fn forces_of_gravity(
+        &mut self,
+        load: &Load,
+        elements: Option<&[usize]>,
+        direction: [f64; 3],
+    ) -> (Vec<(GeneralizedForce, f64)>, usize) {
+        let (mut forces, mut count) = (Vec::new(), 0);
+        for index in 0..self.bodies.len() {
+            let body = &self.bodies[index];
+            let Some(mass) = self.weighed(body, elements) else { continue };
+            count += 1;
+            if !body.spatial {
+                forces.push((GeneralizedForce::along_z(index, Account::Work), mass * direction[1]));
+            } else if mass == body.mass() {
+                let along = GeneralizedForce::in_space(index, Account::Work).zip(direction);
+                forces.extend(along.map(|(force, component)| (force, mass * component)));
             } else {
                 let name = body.name.clone();
-                self.refuse_on_flight(load.span, &name, "gravity on a part of its mass");
+                self.refuse_on_spatial_body(load.span, &name, "gravity on a part of its mass");
             }
         }
-        flights
+        (forces, count)
     }
 
     /// The mass of a body on which gravity acts: all of it, or of the elements named its own, or that of the point masses among
@@ -222,32 +219,22 @@ impl Compiler<'_> {
         masses.into_iter().collect()
     }
 
-    fn pressure(&mut self, load: &Load, sides: &Sides) -> Option<Box<dyn Effect>> {
+    fn pressure(&mut self, load: &Load, sides: &Sides, state: &State) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
-        self.refuse_on_patches(load, &surface);
         let detail = format!("on {}, p = {}{}", sides.name, load.magnitude, self.amplitude_name(load));
         let id = self.cause(load.span, "pressure", surface.count(), "facets", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
-        Some(Box::new(Pressure::new(id, surface, magnitude)))
-    }
-
-    /// Refuses a load on surfaces of bodies with six degrees of freedom.
-    fn refuse_on_patches(&mut self, load: &Load, surface: &Surface) {
-        let oblique = surface.patches.iter().map(|p| &self.bodies[p.body]).find(|b| b.flight.is_some());
-        if let Some(name) = oblique.map(|body| body.name.clone()) {
-            self.refuse_on_flight(load.span, &name, kind_name(&load.kind));
-        }
+        Some(Box::new(Pressure::new(id, surface, magnitude, &state.dofs)))
     }
 
     /// `PNU` and `P1NU` to `P4NU`.
     fn user_load(&mut self, load: &Load, sides: &Sides, load_type: i32, state: &State) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
-        self.refuse_on_patches(load, &surface);
         // The manual: normals point out of a surface element's loaded side, and into a solid.
         let solid = |e: usize| !matches!(self.model.mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
         let inward = sides.faces.first().is_some_and(|f| solid(f.0));
         let load = self.described(load, "user load", &sides.name, load_type, inward, surface.count())?;
-        Some(Box::new(UserLoad::on_surface(load, &surface, &state.dofs.nodes)))
+        Some(Box::new(UserLoad::on_surface(load, &surface, &state.dofs)))
     }
 
     /// `BRNU` and `BZNU`: the load integration point of a solid is its centre, its weight the volume.
@@ -268,9 +255,9 @@ impl Compiler<'_> {
             }
             let corners: Vec<[f64; 2]> = mesh.elements[element].nodes.iter().map(|&n| mesh.points[n]).collect();
             match self.body_of_element.get(&element) {
-                Some(&body) if self.bodies[body].flight.is_some() => {
+                Some(&body) if self.bodies[body].spatial => {
                     let name = self.bodies[body].name.clone();
-                    self.refuse_on_flight(load.span, &name, "a user body force");
+                    self.refuse_on_spatial_body(load.span, &name, "a user body force");
                     return None;
                 }
                 Some(&body) if corners.len() > 2 => {

@@ -15,7 +15,6 @@ mod equations;
 mod erosion;
 mod expressions;
 mod fields;
-mod flights;
 mod general_contact;
 mod heat;
 mod heat_ties;
@@ -33,6 +32,7 @@ mod pieces;
 mod places;
 mod precision;
 pub(crate) mod revise;
+mod rigid_bodies_3d;
 mod shells;
 mod soft_material;
 mod solid;
@@ -43,6 +43,7 @@ mod targets;
 mod ties;
 mod user;
 mod user_material;
+mod wall_contact;
 
 use std::collections::HashSet;
 
@@ -275,13 +276,12 @@ fn compile_with(
     state.thermal = compiler.thermal(&state);
     state.elements.fields = compiler.predefined_fields(&state);
     state.dofs.bodies = compiler.bodies_at_start();
-    state.dofs.flights = compiler.flights();
     compiler.erosion(&mut state);
     compiler.find_pairs();
     let (columns, fields) = compiler.variables(&mut state);
     let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, &state)).collect();
     compiler.scale_and_estimate(&mut state);
-    compiler.refuse_on_flights(&state);
+    compiler.refuse_on_spatial_bodies();
     compiler.check_complete(!state.elements.is_empty());
     compiler.tell_overlaps();
     compiler.list_inert();
@@ -371,7 +371,7 @@ impl Compiler<'_> {
     fn loads(&mut self, index: usize, state: &State) -> Vec<Box<dyn Load>> {
         let step = &self.model.steps[index];
         let mut loads: Vec<Box<dyn Load>> = step.loads.iter().filter_map(|load| self.load(load, step, state)).collect();
-        loads.sort_by_key(|load| load.velocity() == VelocityUse::Resists);
+        loads.sort_by_key(|load| load.velocity_use() == VelocityUse::Resists);
         loads
     }
 
@@ -391,6 +391,7 @@ impl Compiler<'_> {
         constraints.extend(self.equations(step, state, &given));
         // Tied nodes follow what contact does to a body that moves freely.
         constraints.extend(self.contact(index, &given.all, state));
+        constraints.extend(self.wall_contacts(index, state));
         constraints.extend(self.strangers(state));
         constraints.extend(self.ties.iter().map(|tie| Box::new(tie.clone()) as Box<dyn Constraint>));
         let scaling = self.mass_scaling(index, state);
@@ -460,7 +461,7 @@ impl Compiler<'_> {
             detail += &format!(", at most {largest:e}");
         }
         self.cause(step.span, "central difference", 1, "step", detail);
-        if loads.iter().any(|l| l.velocity() != VelocityUse::None) {
+        if loads.iter().any(|l| l.velocity_use() != VelocityUse::None) {
             let scheme = match step.load_velocity {
                 LoadVelocity::Predicted => "second-order estimate at the increment's own time",
                 LoadVelocity::Lagged => "mid-increment velocity behind (LAGGED)",

@@ -51,9 +51,9 @@ impl Compiler<'_> {
                 continue;
             }
             let Some(&body) = self.body_of_node.get(&node) else { continue };
-            if self.bodies[body].flight.is_some() {
+            if self.bodies[body].spatial {
                 let name = self.bodies[body].name.clone();
-                self.refuse_on_flight(boundary.span, &name, "a prescribed motion (*BOUNDARY)");
+                self.refuse_on_spatial_body(boundary.span, &name, "a prescribed motion (*BOUNDARY)");
                 continue;
             }
             if boundary.dof != 2 {

@@ -298,7 +298,7 @@ impl Compiler<'_> {
                 let turning = parts.iter().filter(|p| p.variable.is_of_rotations());
                 found.extend(turning.map(|&part| (part, name(node), Source::Node(rotation))));
             }
-            if let Some(&body) = self.body_of_node.get(&node).filter(|&&b| self.bodies[b].flight.is_some()) {
+            if let Some(&body) = self.body_of_node.get(&node).filter(|&&b| self.bodies[b].spatial) {
                 let source = Source::Body { body, node };
                 found.extend(in_space(asked, &parts).map(|part| (part, name(node), source)));
                 continue;
@@ -308,7 +308,7 @@ impl Compiler<'_> {
                 (_, Some(&body)) => Source::Body { body, node },
                 _ => continue,
             };
-            let moving = parts.iter().filter(|p| !p.variable.is_of_rotations() && !of_flights(p.variable));
+            let moving = parts.iter().filter(|p| !p.variable.is_of_rotations() && !is_spatial(p.variable));
             found.extend(moving.map(|&part| (part, name(node), source)));
         }
         self.columns_of_set(set, members.len(), &found, &request.statistics, columns);
@@ -363,7 +363,7 @@ impl Compiler<'_> {
         match variable.row().preselected {
             Preselected::Conducting => self.solves_for_temperatures(),
             Preselected::Meeting => !self.pair_names.is_empty(),
-            Preselected::Oblique => self.bodies.iter().any(|b| b.flight.is_some()),
+            Preselected::Oblique => self.bodies.iter().any(|b| b.spatial),
             _ => true,
         }
     }
@@ -477,6 +477,7 @@ impl Compiler<'_> {
         let deforms = self.deforms();
         let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
         let springs = self.pairs.iter().flatten().any(|pair| pair.penalty.is_some());
+        let walls = self.pairs.iter().flatten().any(|pair| self.spatial_side(pair).is_some());
         let is_there = move |v: &Variable| {
             let there = match v.row().preselected {
                 Preselected::Conducting => conducts,
@@ -484,7 +485,8 @@ impl Compiler<'_> {
                 Preselected::Deleting => deletes,
                 _ => true,
             };
-            v.place() == Place::Energy && (deforms || !v.row().deforming) && there
+            let lost = walls && *v == Variable::ConstraintWork;
+            v.place() == Place::Energy && (deforms || lost || !v.row().deforming) && there
         };
         Variable::ALL.iter().copied().filter(is_there)
     }
@@ -503,7 +505,7 @@ impl Compiler<'_> {
             }
             let parts = self.parts_of(variable);
             match variable.place() {
-                Place::Node if !self.has_nodal(variable) || of_flights(variable) => {}
+                Place::Node if !self.has_nodal(variable) || is_spatial(variable) => {}
                 Place::Node if variable != Variable::Coordinate => fields.push(FrameField::new(parts)),
                 Place::Point | Place::Element if variable.row().numbered => {
                     let field = |p: Part| {
@@ -538,8 +540,8 @@ impl Compiler<'_> {
     }
 }
 
-/// Whether rigid bodies with six degrees of freedom alone have it.
-fn of_flights(variable: Variable) -> bool {
+/// Whether rigid bodies with six degrees of freedom alone have a variable.
+fn is_spatial(variable: Variable) -> bool {
     variable.row().preselected == Preselected::Oblique
 }
 

@@ -69,8 +69,8 @@ impl Compiler<'_> {
     }
 
     /// Whether what an element belongs to moves in space.
-    fn flies(&self, element: usize) -> bool {
-        self.body_of_element.get(&element).is_some_and(|&b| self.bodies[b].flight.is_some())
+    fn is_spatial(&self, element: usize) -> bool {
+        self.body_of_element.get(&element).is_some_and(|&b| self.bodies[b].spatial)
     }
 
     /// The pieces that solids make, in the order of their first elements.
@@ -145,7 +145,7 @@ impl Compiler<'_> {
     fn pieces_of(&self, is: impl Fn(ElementKind) -> bool) -> Vec<Piece> {
         let mesh = &self.model.mesh;
         let solids: Vec<usize> =
-            (0..mesh.elements.len()).filter(|&e| is(mesh.elements[e].kind) && !self.flies(e)).collect();
+            (0..mesh.elements.len()).filter(|&e| is(mesh.elements[e].kind) && !self.is_spatial(e)).collect();
         let piece = |elements: Vec<usize>| {
             let places: Vec<[f64; 2]> =
                 elements.iter().flat_map(|&e| &mesh.elements[e].nodes).map(|&n| mesh.points[n]).collect();

@@ -10,7 +10,7 @@ use super::{Compiler, Plan, State, bodies::Body, links, surface_ties};
 use crate::constraint::tie::Tie;
 use crate::deck::{Diagnostics, Span};
 use crate::model::Model;
-use crate::state::EffectId;
+use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
 
 /// What compilation found out by names and places.
@@ -46,7 +46,7 @@ impl Reviser {
             && model.constraints.links.is_empty()
             && model.constraints.ties.is_empty()
             && model.attitudes.is_empty()
-            && state.dofs.flights.is_empty()
+            && !state.dofs.bodies.iter().any(BodyState::is_spatial)
             && compiler.pairs.iter().all(Vec::is_empty)
             && compiler.told == 0
             && compiler.amplitudes.is_empty();

@@ -66,10 +66,10 @@ impl Compiler<'_> {
         }
         // Increments that the deck gives follow no accuracy.
         let travel = travel.min(DEFAULT_ACCURACY.sqrt());
-        for (patch, flight) in oblique {
+        for patch in oblique {
             let tilt = Tilt::new(target.front, target.obliquity.to_radians());
-            let of = &state.dofs.flights[flight];
-            effect = effect.with_oblique(&patch, (flight, of), (tilt, target.direction), travel);
+            let Some(body) = &state.dofs.bodies[patch.body].spatial else { continue };
+            effect = effect.with_oblique(&patch, body, (tilt, target.direction), travel);
         }
         Some(Box::new(effect))
     }
@@ -79,16 +79,12 @@ impl Compiler<'_> {
         None
     }
 
-    /// Takes from a surface what lies on bodies with six degrees of freedom, with their indices.
-    fn take_oblique(&self, surface: &mut Surface) -> Vec<(Patch, usize)> {
+    /// Takes from a surface its patches on bodies in space.
+    fn take_oblique(&self, surface: &mut Surface) -> Vec<Patch> {
         let (oblique, along_z): (Vec<Patch>, Vec<Patch>) =
-            std::mem::take(&mut surface.patches).into_iter().partition(|p| self.bodies[p.body].flight.is_some());
+            std::mem::take(&mut surface.patches).into_iter().partition(|p| self.bodies[p.body].spatial);
         surface.patches = along_z;
         oblique
-            .into_iter()
-            .filter_map(|patch| Some((self.bodies[patch.body].flight?, patch)))
-            .map(|(f, p)| (p, f))
-            .collect()
     }
 
     fn target_rows(&mut self, target: &Target) {

@@ -1,12 +1,11 @@
 //! Central differences: accelerations from forces, velocities half an increment on, displacements (ABAQUS Theory Guide 2.4.5)
-//! of all degrees of freedom, those of rigid bodies and those of nodes.
+//! of nodes; those of rigid bodies are in `state`.
 //! Never here: which forces act, what constrains the motion, the length of an increment.
 
 use rayon::prelude::*;
 
 use crate::element::elements::Elements;
 use crate::element::quiescent::FEW;
-use crate::state::BodyState;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
 
@@ -14,33 +13,6 @@ use crate::state::nodes::{Node, Nodes};
 const PARALLEL: usize = 1000;
 /// Nodes that a thread takes at once: fixed, so that sums do not depend on the number of threads.
 const CHUNK: usize = 512;
-
-/// Accelerations of bodies from their forces; those of prescribed ones are still to be replaced.
-#[inline]
-pub(super) fn accelerate_body(body: &mut BodyState) {
-    body.before.acceleration = body.acceleration;
-    body.acceleration = body.force * body.inverse_mass;
-}
-
-/// Velocities of bodies at the instant's own time, an increment `behind` after the last.
-#[inline]
-pub(super) fn velocities_from_half(bodies: &mut [BodyState], behind: f64) {
-    let half = 0.5 * behind;
-    for body in bodies {
-        body.velocity = body.velocity_half + half * body.acceleration;
-    }
-}
-
-/// Carries bodies over an increment.
-#[inline]
-pub(super) fn advance_bodies(bodies: &mut [BodyState], dt: f64) {
-    for body in bodies {
-        body.before.displacement = body.displacement;
-        body.before.velocity = body.velocity;
-        body.velocity_half = body.velocity + 0.5 * dt * body.acceleration;
-        body.displacement += dt * body.velocity_half;
-    }
-}
 
 /// Accelerations of nodes from their forces, their kinetic energy, and the work of forces over the increment behind. `parts` is
 /// room for the energies of chunks.

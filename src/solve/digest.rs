@@ -42,11 +42,7 @@ impl Run<'_> {
         bits.add(&[self.now.step_time, self.now.total_time]);
         for body in &self.dofs.bodies {
             bits.add(&[body.displacement, body.velocity, body.acceleration]);
-        }
-        for flight in &self.dofs.flights {
-            let vectors = [flight.centre, flight.velocity, flight.momentum, flight.total.force, flight.total.moment];
-            vectors.iter().for_each(|vector| bits.add(vector));
-            bits.add(&flight.attitude.0);
+            body.numbers_in_space(&mut |numbers| bits.add(numbers));
         }
         self.dofs.nodes.as_slice().iter().for_each(|n| bits.add(&n.as_array()));
         self.dofs.nodes.acceleration.iter().for_each(|a| bits.add(a));

@@ -4,13 +4,11 @@
 use serde::Serialize;
 
 use crate::element::removed::Books;
-use crate::load::Account;
-use crate::load::Slot;
+use crate::load::{Account, GeneralizedForce};
 use crate::state::BodyState;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::Dofs;
 use crate::state::energies::Energies;
-use crate::state::flight::ACCOUNTS;
 
 /// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLCAV - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -81,8 +79,6 @@ pub struct Balance {
     done: f64,
     /// The part of loads and motions.
     external: f64,
-    /// Work on bodies with six degrees of freedom, by account.
-    flown: [f64; ACCOUNTS],
     /// What tied nodes have passed on to bodies.
     tied: f64,
     largest: f64,
@@ -94,10 +90,11 @@ pub struct Balance {
     solid_initial: Option<f64>,
 }
 
-/// The work of one slot in this step.
+/// The work of one generalised force in this step.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     body: usize,
+    coordinate: u32,
     account: Account,
     /// 1 for the work of loads and motions, else 0.
     external: f64,
@@ -138,7 +135,6 @@ impl Balance {
             kinetic,
             done: 0.0,
             external: 0.0,
-            flown: [0.0; ACCOUNTS],
             tied: 0.0,
             largest: kinetic,
             departure: 0.0,
@@ -194,14 +190,14 @@ impl Balance {
     }
 
     /// A new step with its forces, in which the motions of some bodies are prescribed.
-    pub fn begin(&mut self, slots: &[Slot], bodies: &[BodyState]) {
+    pub fn begin(&mut self, forces: &[GeneralizedForce], bodies: &[BodyState]) {
         self.settle();
-        let entry = |s: &Slot| {
-            let is = |account| if s.account == account { 1.0 } else { 0.0 };
+        let entry = |&GeneralizedForce { body, coordinate, account }: &GeneralizedForce| {
+            let is = |of| if account == of { 1.0 } else { 0.0 };
             let (external, tied) = (is(Account::Work), is(Account::Tie));
-            Entry { body: s.body, account: s.account, external, tied, force: 0.0, last: 0.0, work: 0.0 }
+            Entry { body, coordinate, account, external, tied, force: 0.0, last: 0.0, work: 0.0 }
         };
-        self.entries = slots.iter().map(entry).collect();
+        self.entries = forces.iter().map(entry).collect();
         let prescribed = (0..bodies.len()).filter(|&b| bodies[b].prescribed);
         self.prescribed = prescribed.map(|body| Prescribed { body, kinetic: f64::NAN }).collect();
     }
@@ -213,8 +209,7 @@ impl Balance {
         let (mut done, mut external, mut tied) = (self.done, self.external, self.tied);
         for (entry, &force) in self.entries.iter_mut().zip(forces) {
             let body = &bodies[entry.body];
-            let mean = if afresh { entry.force } else { 0.5 * (entry.force + force) };
-            let work = mean * (body.displacement - body.before.displacement);
+            let work = body.work(entry.coordinate, [entry.force, force], afresh);
             entry.force = force;
             entry.last = work;
             entry.work += work;
@@ -233,18 +228,12 @@ impl Balance {
             external += reaction;
         }
         let kinetic = kinetic(dofs);
-        self.flown = [0.0; ACCOUNTS];
-        for flight in &dofs.flights {
-            self.flown.iter_mut().zip(flight.work).for_each(|(sum, work)| *sum += work);
-        }
-        self.largest = self.largest.max(kinetic).max((external + self.flown[0]).abs());
+        self.largest = self.largest.max(kinetic).max(external.abs());
         (self.kinetic, self.done, self.external, self.tied) = (kinetic, done, external, tied);
         let mut departure = kinetic - self.settled.initial - done;
-        if !dofs.flights.is_empty() {
-            departure -= self.flown.iter().sum::<f64>();
-        }
-        if deforms {
-            departure += self.book_nodes(&dofs.energies);
+        // Of rigid bodies alone contact loses energy.
+        if deforms || dofs.energies.contact != 0.0 || dofs.energies.friction != 0.0 {
+            departure += self.book_nodes(&dofs.energies, deforms);
         }
         self.departure_now = departure.abs();
         self.departure = larger(self.departure, self.departure_now);
@@ -252,10 +241,10 @@ impl Balance {
 
     /// Books what deforms, after the bodies: what it passes on to them stays in the scene. Returns by how much its sum has
     /// departed from that at the start.
-    fn book_nodes(&mut self, energies: &Energies) -> f64 {
+    fn book_nodes(&mut self, energies: &Energies, deforms: bool) -> f64 {
         self.solid = *energies;
         let sum = energies.sum() + self.tied - energies.external;
-        let initial = *self.solid_initial.get_or_insert(sum);
+        let initial = *self.solid_initial.get_or_insert(if deforms { sum } else { 0.0 });
         self.largest = self.largest.max(energies.kinetic).max(energies.internal).max(energies.external.abs());
         sum - initial
     }
@@ -271,10 +260,6 @@ impl Balance {
     pub fn energy(&self) -> Energy {
         let mut energy = Energy { kinetic: self.kinetic, ..self.settled };
         self.entries.iter().for_each(|entry| entry.add_to(&mut energy));
-        let [work, rubbed, pressed] = self.flown;
-        energy.work += work;
-        energy.friction -= rubbed;
-        energy.cavity -= pressed;
         let solid = &self.solid;
         energy.kinetic += solid.kinetic;
         energy.work += solid.external;
@@ -307,7 +292,7 @@ impl Persist for Energy {
 
 impl Persist for Entry {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Entry { body: _, account: _, external: _, tied: _, force, last, work } = self;
+        let Entry { body: _, coordinate: _, account: _, external: _, tied: _, force, last, work } = self;
         persist_fields!(archive; force, last, work);
     }
 }
@@ -329,7 +314,6 @@ impl Persist for Balance {
             kinetic,
             done,
             external,
-            flown,
             tied,
             largest,
             departure,
@@ -338,14 +322,13 @@ impl Persist for Balance {
             solid_initial,
         } = self;
         persist_fields!(archive; entries.as_mut_slice(), prescribed.as_mut_slice(), settled, kinetic, done, external);
-        persist_fields!(archive; flown, tied, largest, departure, departure_now, solid, solid_initial);
+        persist_fields!(archive; tied, largest, departure, departure_now, solid, solid_initial);
     }
 }
 
 /// Kinetic energy of rigid bodies.
 fn kinetic(dofs: &Dofs) -> f64 {
-    let along_z: f64 = dofs.bodies.iter().map(BodyState::kinetic).sum();
-    dofs.flights.iter().fold(along_z, |sum, flight| sum + flight.kinetic())
+    dofs.bodies.iter().map(BodyState::kinetic).sum()
 }
 
 /// The larger of two; not a number stays, so that it is found.

@@ -3,8 +3,8 @@
 
 use indexmap::IndexMap;
 
+use super::body_surfaces::{Point, on_cells};
 use super::energy::Energy;
-use super::flight_frames::{Point, on_cells};
 use super::run::Run;
 use crate::constraint::contact::curve::Carrier;
 use crate::constraint::{Constraint, reaction};
@@ -156,8 +156,8 @@ impl Run<'_> {
 
     /// A number of a node (of the mesh) of a rigid body. Axial symmetry keeps it at its radius.
     fn body_value(&self, body: usize, node: usize, part: Part) -> f64 {
-        if let Some(flight) = self.plan.bodies[body].flight {
-            return self.flight_value(flight, node, part);
+        if let Some(value) = self.value_in_space(body, node, part) {
+            return value;
         }
         let state = &self.dofs.bodies[body];
         match (part.variable, part.component) {
@@ -189,7 +189,7 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
         of_point.push((Owner::Node(place, run.plan.places.rotations.get(&node).copied()), node));
     }
     let mut elements: Vec<usize> = run.plan.places.elements.keys().copied().collect();
-    for (b, body) in run.plan.bodies.iter().enumerate().filter(|(_, body)| body.flight.is_none()) {
+    for (b, body) in run.plan.bodies.iter().enumerate().filter(|(b, _)| run.dofs.bodies[*b].stations().is_none()) {
         for &node in body.nodes.iter().filter(|n| !run.plan.places.tied.contains_key(n)) {
             let [r, z] = mesh.points[node];
             point_of_node[node] = frame.points.len();
@@ -242,10 +242,10 @@ enum Owner {
 
 /// Adds the surfaces of bodies in space, behind what lies in the plane of the mesh.
 fn add_surfaces(run: &Run<'_>, frame: &mut Frame, elements: &mut Vec<usize>, of_point: &mut Vec<(Owner, usize)>) {
-    if run.dofs.flights.is_empty() {
+    let (planar, surfaces) = (frame.points.len(), run.surfaces());
+    if surfaces.points.is_empty() {
         return;
     }
-    let (planar, surfaces) = (frame.points.len(), run.surfaces());
     (frame.third, frame.third_at_start) = (vec![0.0; planar], vec![0.0; planar]);
     for (point, [x, y, z], start) in surfaces.points {
         frame.points.push([x, y]);
@@ -269,7 +269,9 @@ fn third(variable: Variable) -> Option<Variable> {
 }
 
 fn in_space(run: &Run<'_>, field: &FrameField) -> bool {
-    !run.dofs.flights.is_empty() && field.parts.len() == 2 && third(field.variable()).is_some()
+    run.dofs.bodies.iter().any(|body| body.stations().is_some())
+        && field.parts.len() == 2
+        && third(field.variable()).is_some()
 }
 
 /// A vector over points with its third component.

@@ -55,7 +55,7 @@ impl Run<'_> {
             } else {
                 "since then increments follow it"
             };
-            let row = &self.plan.ledger.effects[load.id()];
+            let row = &self.plan.ledger.effects[load.effect()];
             let Stiffness { rate, point, place: [r, z], time, .. } = found;
             self.outcome.warnings.push(format!(
                 "{} ({}): the pressure grows by {rate:.3e} for each unit of length that the surface moves out, at point {} \

@@ -5,12 +5,10 @@ use super::limits::Limiter;
 use crate::constraint::Constraint;
 use crate::element::elements::Elements;
 use crate::heat::field::Heat;
-use crate::kernel::attitude::{Vector, norm, plus};
-use crate::load::{Load, View};
+use crate::load::{Load, SceneView};
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
 use crate::state::archive::{Archive, Persist, persist_fields};
-use crate::state::flight::Flight;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
 use crate::state::{BodyState, Instant};
@@ -26,8 +24,6 @@ pub enum End {
     Jump,
     /// This body comes to rest there.
     Rest(usize),
-    /// This body with six degrees of freedom comes to rest there.
-    FlightRest(usize),
 }
 
 /// The next increment.
@@ -89,7 +85,7 @@ const GROWTH: f64 = 2.0;
 const RESOLUTION: f64 = 0.25;
 /// The most by which the stiffness of loads shortens the increment of elements: what is beyond it is taken for a jump.
 const STIFFEST: f64 = 100.0;
-/// Part of the fastest motion below which a body with six degrees of freedom that is resisted lies still, in units of the resolution.
+/// Part of the largest speed below which a body in space that is resisted is at rest, in units of the resolution.
 const SLOW: f64 = 0.1;
 /// The last increment of a step may be longer by this fraction.
 const SLIVER: f64 = 1e-3;
@@ -97,7 +93,7 @@ const SLIVER: f64 = 1e-3;
 /// What the length of an increment follows from.
 pub struct Scene<'a> {
     /// What loads see.
-    pub view: View<'a>,
+    pub view: SceneView<'a>,
     /// Elements.
     pub elements: &'a Elements,
     /// Temperatures of nodes, where they are solved for.
@@ -161,7 +157,7 @@ impl IncrementController {
             resolution: RESOLUTION * accuracy.sqrt(),
             largest,
             free: FIRST * largest / GROWTH,
-            speed: bodies.iter().map(|b| b.velocity.abs()).collect(),
+            speed: bodies.iter().map(BodyState::speed).collect(),
         }
     }
 
@@ -184,14 +180,13 @@ impl IncrementController {
                 }
                 next.bound(self.most, Limiter::Longest);
                 let loads = scene.loads.iter();
-                loads.for_each(|load| next.shorten(load.limit(&scene.view), Limiter::Effect(load.id())));
+                loads.for_each(|load| next.shorten(load.max_increment(&scene.view), Limiter::Effect(load.effect())));
                 let constraints = scene.constraints.iter();
                 constraints.for_each(|c| next.shorten(c.limit(&scene.view.clock), Limiter::Effect(c.id())));
             }
         }
         self.fit_step(&mut next, scene.remaining);
-        meet_rest(&mut next, scene.bodies());
-        flights_meet_rest(&mut next, &scene.view.dofs.flights, SLOW * self.resolution);
+        meet_rest(&mut next, scene.bodies(), SLOW * self.resolution);
         next
     }
 
@@ -199,29 +194,12 @@ impl IncrementController {
     fn automatic(&mut self, scene: &Scene<'_>) -> f64 {
         self.free = (GROWTH * self.free).min(self.largest);
         for (body, speed) in scene.bodies().iter().zip(&mut self.speed).filter(|(b, _)| !b.tied) {
-            *speed = speed.max(body.velocity.abs());
-            let acceleration = body.acceleration.abs();
+            *speed = speed.max(body.speed());
+            let [acceleration, change] = body.acceleration_and_change();
             let scale = speed.max(acceleration * self.largest);
             if body.reads_velocity && acceleration * self.free > self.resolution * scale {
                 self.free = self.resolution * scale / acceleration;
             }
-            let change = (body.acceleration - body.before.acceleration).abs();
-            let bound = self.resolution * self.resolution * scale * scene.behind;
-            if scene.behind > 0.0 && change * self.free * self.free > bound {
-                self.free = (bound / change).sqrt();
-            }
-        }
-        for flight in &scene.view.dofs.flights {
-            let speed = &mut self.speed[flight.body];
-            *speed = speed.max(flight.reach(&flight.motion()));
-            let size = |[linear, angular]: [Vector; 2]| norm(linear) + flight.size * norm(angular);
-            let ([linear, angular], [linear_before, angular_before]) = (flight.kicks(), flight.before);
-            let acceleration = size([linear, angular]);
-            let scale = speed.max(acceleration * self.largest);
-            if flight.resisted && acceleration * self.free > self.resolution * scale {
-                self.free = self.resolution * scale / acceleration;
-            }
-            let change = size([plus(linear, -1.0, linear_before), plus(angular, -1.0, angular_before)]);
             let bound = self.resolution * self.resolution * scale * scene.behind;
             if scene.behind > 0.0 && change * self.free * self.free > bound {
                 self.free = (bound / change).sqrt();
@@ -242,46 +220,20 @@ impl IncrementController {
 }
 
 /// A body under loads that read its velocity meets rest exactly: x + v^2 / 2|a| after the time v / |a|. An increment
-/// that would end just short of rest stops half way, so that a growing force cannot turn the velocity unnoticed.
+/// that would end just short of rest stops half way, so that a growing force cannot turn the velocity unnoticed. `slow` is for
+/// bodies in space.
 #[inline]
-fn meet_rest(next: &mut Increment, bodies: &[BodyState]) {
+fn meet_rest(next: &mut Increment, bodies: &[BodyState], slow: f64) {
     for (b, body) in bodies.iter().enumerate() {
-        let (v, a) = (body.velocity, body.acceleration);
-        // Far from rest, the common case, needs no division.
-        if !body.reads_velocity || body.prescribed || v * a >= 0.0 || v.abs() >= 1.25 * next.length * a.abs() {
+        if !body.reads_velocity || body.prescribed {
             continue;
         }
-        let rest = -v / a;
-        if rest <= next.length {
-            *next = Increment { length: rest, end: End::Rest(b), by: Limiter::Rest };
+        let Some(rest) = body.time_to_rest(next.length, slow) else { continue };
+        *next = if rest <= next.length {
+            Increment { length: rest, end: End::Rest(b), by: Limiter::Rest }
         } else {
-            *next = Increment { length: 0.5 * rest, end: End::Plain, by: Limiter::Rest };
-        }
-    }
-}
-
-/// A body with six degrees of freedom that is resisted meets rest where its kinetic energy T would be spent at the power P of all
-/// forces as under even deceleration, after 2T/|P|: of one that flies straight this is v/|a|. What turns while it slows comes to
-/// lie still in the same way, for at the end of its way the forces oppose what is left of its motion. Below the part `slow` of its
-/// fastest motion, where resistances have not come up, it lies still.
-fn flights_meet_rest(next: &mut Increment, flights: &[Flight], slow: f64) {
-    for (index, flight) in flights.iter().enumerate().filter(|(_, f)| f.resisted && !f.rests) {
-        let motion = flight.motion();
-        let (energy, power) = (flight.kinetic(), flight.total.power(&motion));
-        if power < 0.0 && flight.reach(&motion) < slow * flight.fastest {
-            next.end = End::FlightRest(index);
-            next.by = Limiter::Rest;
-            continue;
-        }
-        if power >= 0.0 || 2.0 * energy >= -1.25 * next.length * power {
-            continue;
-        }
-        let rest = -2.0 * energy / power;
-        if rest <= next.length {
-            *next = Increment { length: rest, end: End::FlightRest(index), by: Limiter::Rest };
-        } else {
-            *next = Increment { length: 0.5 * rest, end: End::Plain, by: Limiter::Rest };
-        }
+            Increment { length: 0.5 * rest, end: End::Plain, by: Limiter::Rest }
+        };
     }
 }
 

@@ -1,17 +1,17 @@
 //! The time loop: steps and their increments.
 //! Never here: what happens in an increment, deck words, files.
 
+mod body_surfaces;
 mod central_difference;
 mod digest;
 mod energy;
-mod flight_frames;
-mod flights;
 mod frames;
 mod guard;
 mod increment;
 mod limits;
 mod observe;
 mod outcome;
+mod penetrations;
 mod restart;
 mod routines;
 mod run;
@@ -31,7 +31,7 @@ use increment::IncrementController;
 pub use limits::{Limits, LimitsOverTime};
 use observe::Observing;
 pub use observe::{Progress, Sink, SinkError};
-pub use outcome::{Exit, FlightSummary, Outcome, Rest, StepSummary};
+pub use outcome::{Exit, Outcome, PenetrationSummary, Rest, StepSummary};
 use restart::{At, Checkpointer, begin_step, take_up};
 pub use restart::{Control, Every, LOST, lost};
 use run::Run;
@@ -106,8 +106,7 @@ pub fn run_with(
     }
     plan.routines.memory.iter().for_each(|memory| memory.end());
     run.warn_of_energy();
-    run.tell_unfinished();
-    run.tell_flights();
+    run.report_penetrations();
     show_warnings(&mut run, sink);
     run.outcome.digest = run.digest();
     run.outcome.deleted = run.elements.deleted();

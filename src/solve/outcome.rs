@@ -22,7 +22,7 @@ pub struct Outcome {
     /// When bodies came to rest.
     pub rests: Vec<Rest>,
     /// What has become of bodies with six degrees of freedom in the targets that they meet.
-    pub flights: Vec<FlightSummary>,
+    pub penetrations: Vec<PenetrationSummary>,
     /// Bodies that are still on their way in a target, or behind it: a depth read now is not their last.
     pub unfinished: Vec<String>,
     /// How many of these still move in it.
@@ -96,7 +96,7 @@ pub struct StepSummary {
 
 /// How a body with six degrees of freedom ended; vectors along 1, 2, 3, angles in degrees.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct FlightSummary {
+pub struct PenetrationSummary {
     /// Name of the body.
     pub body: String,
     /// `at rest`, `in the target`, `through`, `ricochet` or `not met`.

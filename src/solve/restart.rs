@@ -290,7 +290,7 @@ impl Persist for Run<'_> {
             resistances: _,
             ties: _,
             now_before,
-            reach: _,
+            velocity_extrapolation: _,
             behind,
             last_increment,
             bearable: _,

@@ -5,7 +5,7 @@ use super::central_difference;
 use super::energy::{Balance, Energy};
 use super::increment::{End, Increment, IncrementController, Scene};
 use super::limits::Limits;
-use super::outcome::{Exit, Outcome, Rest, StepSummary};
+use super::outcome::{Outcome, Rest, StepSummary};
 use super::timing::Timing;
 use super::watch::Watch;
 use crate::constraint::Constraint;
@@ -17,14 +17,13 @@ use crate::heat::Thermal;
 use crate::heat::field::Heat;
 use crate::kernel::amplitude::Track;
 use crate::load::user_amplitude::UserAmplitude;
-use crate::load::{Account, LastIncrement, Load, Slot, Unfinished, VelocityUse, View};
+use crate::load::{Account, Dissipation, Forces, GeneralizedForce, Load, SceneChange, SceneView, VelocityUse};
 use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, State, StepPlan};
 use crate::state::dofs::Dofs;
-use crate::state::flight::Flight;
 use crate::state::halt::Halt;
 use crate::state::magnitude::Clock;
-use crate::state::{Before, BodyState, Instant, direction};
+use crate::state::{BodyState, Instant};
 use crate::user::{Locked, RunAction, SavedMemory};
 
 /// Everything an increment touches. Aligned, so that what it costs does not depend on where the stack begins.
@@ -49,19 +48,19 @@ pub(super) struct Run<'a> {
     pub(super) motions: Vec<UserMotion>,
     /// The user's routines.
     pub(super) user: Locked<'a>,
-    /// Generalised forces on bodies, one slot after the other: those of constraints, then of loads; and where each load's end.
+    /// Generalised forces on bodies: those of constraints, then of loads; what each is; and where each load's end.
     pub(super) forces: Vec<f64>,
-    pub(super) slots: Vec<Slot>,
-    /// Indices of the slots in order of their bodies.
+    pub(super) slots: Vec<GeneralizedForce>,
+    /// Indices of the generalised forces in order of their bodies.
     pub(super) slots_by_body: Vec<usize>,
     pub(super) ends: Vec<usize>,
     /// Index of the first load that resists; such loads come last.
     pub(super) resistances: usize,
-    /// The first slots are those of tied nodes.
+    /// The first generalised forces are those of tied nodes.
     pub(super) ties: usize,
     pub(super) now_before: Instant,
-    /// Part of the increment behind over which loads see the velocity carried on: half of it, or none.
-    pub(super) reach: f64,
+    /// Part of the previous increment over which the velocity that loads see is extrapolated from its middle: half of it, or none.
+    pub(super) velocity_extrapolation: f64,
     /// Length of the increment behind; 0 where central differences of bodies start afresh with the half step.
     pub(super) behind: f64,
     /// The increment that led here, for the energy balance and for output.
@@ -114,7 +113,7 @@ impl<'a> Run<'a> {
             resistances: 0,
             ties: 0,
             now_before: Instant::default(),
-            reach: 0.0,
+            velocity_extrapolation: 0.0,
             behind: 0.0,
             last_increment: 0.0,
             bearable: f64::INFINITY,
@@ -181,7 +180,12 @@ impl<'a> Run<'a> {
     fn choose(&self, control: &mut IncrementController) -> Increment {
         let clock = Clock { now: self.now, told: &self.told };
         control.choose(&Scene {
-            view: View { clock, dofs: &self.dofs, reach: self.reach, rings: self.elements.ring_factors() },
+            view: SceneView {
+                clock,
+                dofs: &self.dofs,
+                velocity_extrapolation: self.velocity_extrapolation,
+                rings: self.elements.ring_factors(),
+            },
             elements: &self.elements,
             heat: self.heat(),
             loads: &self.loads,
@@ -211,7 +215,7 @@ impl<'a> Run<'a> {
         self.motions.clone_from(&step.user_motions);
         self.scaling.clone_from(&step.scaling);
         self.begin_slots();
-        self.reach = match step.load_velocity {
+        self.velocity_extrapolation = match step.load_velocity {
             LoadVelocity::Predicted => 0.5,
             LoadVelocity::Lagged => 0.0,
         };
@@ -240,31 +244,36 @@ impl<'a> Run<'a> {
         self.slots.extend(self.constraints.iter().flat_map(|c| c.slots()));
         self.ties = self.slots.len();
         for load in &self.loads {
-            self.slots.extend(load.slots());
+            self.slots.extend(load.targets().bodies);
             self.ends.push(self.slots.len());
         }
-        self.resistances = self.loads.iter().filter(|l| l.velocity() != VelocityUse::Resists).count();
+        self.resistances = self.loads.iter().filter(|l| l.velocity_use() != VelocityUse::Resists).count();
         self.forces = vec![0.0; self.slots.len()];
         self.slots_by_body = (0..self.slots.len()).collect();
         self.slots_by_body.sort_by_key(|&i| self.slots[i].body);
         for (b, body) in self.dofs.bodies.iter_mut().enumerate() {
             (body.reads_velocity, body.prescribed, body.contact) = (false, false, 0.0);
             body.tied = self.slots[..self.ties].iter().any(|s| s.body == b);
-            body.slots = self.slots.iter().filter(|s| s.body == b).count();
+            body.slots = self.slots.iter().filter(|s| s.body == b).count() as u32;
+            body.set_resisted(false);
         }
-        let reading = self.loads.iter().filter(|l| l.velocity() != VelocityUse::None);
-        for slot in reading.flat_map(|l| l.slots()) {
-            self.dofs.bodies[slot.body].reads_velocity = true;
-        }
-        self.dofs.flights.iter_mut().for_each(|flight| flight.resisted = false);
-        for flight in self.loads.iter().flat_map(|load| load.resists()) {
-            self.dofs.flights[flight].resisted = true;
+        for load in &self.loads {
+            let resists = load.velocity_use() == VelocityUse::Resists;
+            if load.velocity_use() == VelocityUse::None {
+                continue;
+            }
+            for force in load.targets().bodies {
+                self.dofs.bodies[force.body].reads_velocity = true;
+                if resists {
+                    self.dofs.bodies[force.body].set_resisted(true);
+                }
+            }
         }
     }
 
     fn begin_constraints(&mut self) {
         self.elements.begin(self.constraints.iter().any(|c| c.moves_nodes()));
-        let pushed = self.elements.has_links() || self.loads.iter().any(|l| l.acts_on_nodes());
+        let pushed = self.elements.has_links() || self.loads.iter().any(|l| l.targets().nodes);
         self.dofs.nodes.make_room(pushed);
         self.constraints.iter_mut().for_each(|c| c.begin(&mut self.dofs));
     }
@@ -296,9 +305,6 @@ impl<'a> Run<'a> {
             turn_resting_bodies(&mut self.dofs.bodies, &self.slots[..applied], &self.forces);
             self.push_bodies(self.resistances, self.loads.len())?;
         }
-        if !self.dofs.flights.is_empty() {
-            self.evaluate_flights()?;
-        }
         Ok(())
     }
 
@@ -306,12 +312,13 @@ impl<'a> Run<'a> {
     #[inline]
     fn push_bodies(&mut self, first: usize, end: usize) -> Result<(), Halt> {
         let clock = Clock { now: self.now, told: &self.told };
-        let view = View { clock, dofs: &self.dofs, reach: self.reach, rings: None };
+        let view =
+            SceneView { clock, dofs: &self.dofs, velocity_extrapolation: self.velocity_extrapolation, rings: None };
         let mut start = first.checked_sub(1).map_or(self.ties, |before| self.ends[before]);
         for (load, &end) in self.loads[first..end].iter_mut().zip(&self.ends[first..end]) {
             let clock = self.timing.start();
-            load.on_bodies(&view, &mut self.user, &mut self.forces[start..end])?;
-            self.timing.stop(clock, load.id());
+            load.apply(&view, &mut self.user, &mut Forces::OnBodies(&mut self.forces[start..end]))?;
+            self.timing.stop(clock, load.effect());
             start = end;
         }
         Ok(())
@@ -411,7 +418,8 @@ impl<'a> Run<'a> {
         if !self.elements.scale_masses(scaling, &self.now, &mut self.dofs, changed) {
             return;
         }
-        self.loads.iter_mut().for_each(|load| load.weigh(&self.dofs.nodes.mass));
+        let masses = SceneChange::Masses(&self.dofs.nodes.mass);
+        self.loads.iter_mut().for_each(|load| load.scene_changed(&masses));
         if let Some(summary) = self.outcome.steps.last_mut() {
             summary.added_mass = self.elements.added_mass(&self.dofs.nodes);
         }
@@ -420,7 +428,7 @@ impl<'a> Run<'a> {
     fn release_faces(&mut self) {
         let deleted = self.elements.newly_deleted();
         if !deleted.is_empty() {
-            self.loads.iter_mut().for_each(|load| load.release(deleted));
+            self.loads.iter_mut().for_each(|load| load.scene_changed(&SceneChange::DeletedElements(deleted)));
             self.constraints.iter_mut().for_each(|c| c.release(deleted));
             if let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
                 heat.release(deleted);
@@ -431,27 +439,27 @@ impl<'a> Run<'a> {
     fn push_nodes(&mut self) -> Result<(), Halt> {
         // Out of the way of what loads look at.
         let mut forces = std::mem::take(&mut self.dofs.nodes.forces[0]);
-        let mut dissipated = [0.0; 2];
-        let view = View {
+        let mut dissipated = Dissipation::default();
+        let view = SceneView {
             clock: Clock { now: self.now, told: &self.told },
             dofs: &self.dofs,
-            reach: self.reach,
+            velocity_extrapolation: self.velocity_extrapolation,
             rings: self.elements.ring_factors(),
         };
-        let behind = LastIncrement::new(&self.dofs);
         let mut result = Ok(());
-        for load in self.loads.iter_mut().filter(|load| load.acts_on_nodes()) {
+        for load in &mut self.loads {
             let clock = self.timing.start();
-            result = load.on_nodes(&view, &mut self.user, &mut forces);
-            if result.is_err() {
-                break;
+            match load.apply(&view, &mut self.user, &mut Forces::OnNodes(&mut forces)) {
+                Ok(work) => dissipated.add(work),
+                Err(halt) => {
+                    result = Err(halt);
+                    break;
+                }
             }
-            let [cavity, friction] = load.dissipated(&behind);
-            dissipated = [dissipated[0] + cavity, dissipated[1] + friction];
-            self.timing.stop(clock, load.id());
+            self.timing.stop(clock, load.effect());
         }
         self.dofs.nodes.forces[0] = forces;
-        let [cavity, friction] = dissipated;
+        let Dissipation { cavity, friction } = dissipated;
         self.dofs.energies.cavity += cavity;
         self.dofs.energies.friction += friction;
         self.dofs.energies.external += cavity + friction;
@@ -492,13 +500,12 @@ impl<'a> Run<'a> {
         let mut start = 0;
         for b in 0..self.dofs.bodies.len() {
             let body = &mut self.dofs.bodies[b];
-            let own = &self.slots_by_body[start..start + body.slots];
-            start += body.slots;
-            body.force = own.iter().fold(0.0, |sum, &slot| sum + self.forces[slot]);
-            if body.velocity_load == 0.0 && body.direction != 0.0 && body.force * body.direction <= 0.0 {
+            let own = &self.slots_by_body[start..start + body.slots as usize];
+            start += own.len();
+            let forces = own.iter().map(|&i| (self.slots[i].coordinate, self.forces[i]));
+            if body.accelerate(forces) {
                 self.hold(b);
             }
-            central_difference::accelerate_body(&mut self.dofs.bodies[b]);
         }
         if !self.elements.is_empty() {
             let clock = self.timing.start();
@@ -529,7 +536,6 @@ impl<'a> Run<'a> {
 
     /// The resistances on a body at rest give just what the other forces ask of them, and do no work.
     fn hold(&mut self, body: usize) {
-        self.dofs.bodies[body].force = 0.0;
         for (slot, force) in self.slots.iter().zip(&mut self.forces) {
             if slot.body == body && matches!(slot.account, Account::Friction | Account::Cavity) {
                 *force = 0.0;
@@ -541,8 +547,11 @@ impl<'a> Run<'a> {
         let b = self.dofs.bodies.iter().position(|b| !b.acceleration.is_finite()).unwrap_or_default();
         let (name, time, body) = (&self.plan.bodies[b].name, self.now.total_time, &self.dofs.bodies[b]);
         let reason = format!(
-            "the acceleration of rigid body `{name}` is {} at increment {}, time {time:e} (force {}, mass {})",
-            body.acceleration, self.now.increment, body.force, body.mass
+            "the acceleration of rigid body `{name}` is {} at increment {}, time {time:e} ({}, mass {})",
+            body.acceleration,
+            self.now.increment,
+            body.describe_force(),
+            body.mass
         );
         Halt { code: "R203", reason }
     }
@@ -551,7 +560,7 @@ impl<'a> Run<'a> {
         if self.behind == 0.0 {
             return;
         }
-        central_difference::velocities_from_half(&mut self.dofs.bodies, self.behind);
+        self.dofs.bodies.iter_mut().for_each(|body| body.complete_velocity(self.behind));
         self.prescribe_velocities();
     }
 
@@ -563,8 +572,7 @@ impl<'a> Run<'a> {
 
     fn make_increment(&mut self, next: Increment) {
         let dt = next.length;
-        central_difference::advance_bodies(&mut self.dofs.bodies, dt);
-        self.advance_flights(dt);
+        self.dofs.bodies.iter_mut().for_each(|body| body.advance(dt));
         if !self.elements.is_empty() {
             central_difference::advance_nodes(&self.elements, &mut self.dofs, dt, self.threads);
             self.elements.moved();
@@ -580,7 +588,7 @@ impl<'a> Run<'a> {
             heat.advance(&clock, dt);
         }
         for body in &mut self.dofs.bodies {
-            body.show(body.velocity_half + self.reach * dt * body.acceleration);
+            body.show_velocity_after(self.velocity_extrapolation * dt);
         }
         self.complete = false;
         self.now_before = self.now;
@@ -596,11 +604,10 @@ impl<'a> Run<'a> {
     /// After an instant of rest or a jump of a force the next increment of bodies starts as the first did, from the velocity
     /// at its own time.
     fn start_afresh(&mut self, end: End) {
-        central_difference::velocities_from_half(&mut self.dofs.bodies, self.behind);
+        self.dofs.bodies.iter_mut().for_each(|body| body.complete_velocity(self.behind));
         self.prescribe_velocities();
-        self.restart_flights(if let End::FlightRest(flight) = end { Some(flight) } else { None });
         if let End::Rest(b) = end {
-            self.dofs.bodies[b].velocity = 0.0;
+            self.dofs.bodies[b].arrest();
             let (body, displacement) = (self.plan.bodies[b].name.clone(), self.dofs.bodies[b].displacement);
             self.outcome.rests.push(Rest { body, time: self.now.total_time, displacement });
         }
@@ -608,31 +615,9 @@ impl<'a> Run<'a> {
         self.show_own_velocity();
     }
 
-    /// At the end: what resists says which bodies have not come to theirs.
-    pub(super) fn tell_unfinished(&mut self) {
-        for (index, how) in self.loads.iter().flat_map(|load| load.unfinished(&self.dofs)) {
-            let (name, velocity) = (&self.plan.bodies[index].name, self.dofs.bodies[index].velocity);
-            if how == Unfinished::Through {
-                self.outcome.exits.push(Exit { body: name.clone(), velocity });
-            }
-            self.outcome.unfinished.push(match how {
-                Unfinished::Moving => {
-                    self.outcome.still_moving += 1;
-                    format!("{name} still moves in the target, v_z = {velocity:.4e}: a depth read now is not its last")
-                }
-                Unfinished::Through => {
-                    format!("{name} has left the target through its back, v_z = {velocity:.4e}: it has no depth")
-                }
-            });
-        }
-    }
-
     /// Where central differences start, loads see the velocity itself.
     fn show_own_velocity(&mut self) {
-        for body in &mut self.dofs.bodies {
-            body.show(body.velocity);
-        }
-        self.dofs.flights.iter_mut().for_each(Flight::show_own_motion);
+        self.dofs.bodies.iter_mut().for_each(BodyState::show_own_velocity);
     }
 
     /// After a failure: the state of the last instant that was complete.
@@ -640,11 +625,7 @@ impl<'a> Run<'a> {
         if self.now.increment == 0 || self.complete {
             return;
         }
-        for body in &mut self.dofs.bodies {
-            let Before { displacement, velocity, acceleration } = body.before;
-            (body.displacement, body.velocity, body.acceleration) = (displacement, velocity, acceleration);
-        }
-        self.dofs.flights.iter_mut().for_each(Flight::step_back);
+        self.dofs.bodies.iter_mut().for_each(BodyState::step_back);
         self.now = self.now_before;
     }
 
@@ -665,9 +646,9 @@ impl<'a> Run<'a> {
 }
 
 /// A body at rest would start the way the other forces push it: that is what a resistance then opposes.
-fn turn_resting_bodies(bodies: &mut [BodyState], applied: &[Slot], forces: &[f64]) {
+fn turn_resting_bodies(bodies: &mut [BodyState], applied: &[GeneralizedForce], forces: &[f64]) {
     for (b, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.direction == 0.0) {
         let on = applied.iter().zip(forces).filter(|(s, _)| s.body == b);
-        body.direction = direction(on.map(|(_, f)| f).sum());
+        body.probe(on.map(|(s, &force)| (s.coordinate, force)));
     }
 }

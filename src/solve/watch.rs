@@ -5,8 +5,8 @@
 use super::energy::{Balance, Energy};
 use super::run::Run;
 use crate::model::IncrementControl;
-use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::{BodyState, Instant};
 
 /// Internal energy below this fraction of the largest energy is too small to compare artificial energy with.
 pub(super) const SMALL: f64 = 0.01;
@@ -189,7 +189,7 @@ impl Run<'_> {
     }
 
     /// Whether all energies so far are within what rounding of coordinates makes: the mass at a velocity of as much in an
-    /// increment.
+    /// increment; or within what contact keeps from bodies at rest in each.
     pub(super) fn is_noise(&self) -> bool {
         const ROUNDINGS: f64 = 100.0;
         let nodes = &self.dofs.nodes;
@@ -197,7 +197,8 @@ impl Run<'_> {
         let speed = ROUNDINGS * f64::EPSILON * extent / self.last_increment;
         let rounding = 0.5 * nodes.mass.iter().sum::<f64>() * speed * speed;
         // Below the second products of energies are lost.
-        self.balance.largest() <= rounding.max(f64::MIN_POSITIVE / f64::EPSILON)
+        let stopped: f64 = self.dofs.bodies.iter().map(BodyState::energy_stopped).sum();
+        self.balance.largest() <= rounding.max(stopped).max(f64::MIN_POSITIVE / f64::EPSILON)
     }
 
     /// At the end: what is beyond sound bounds then, since when, and where the mesh is folded most.

@@ -1,11 +1,9 @@
-//! All degrees of freedom of a scene: rigid bodies, which move along z or, where their impact is oblique, in space, and nodes,
-//! which move along r and z.
+//! All degrees of freedom of a scene: rigid bodies, with one along z or with six, and nodes, which move along r and z.
 //! Never here: what makes them move.
 
 use super::BodyState;
 use super::archive::{Archive, Persist, persist_fields};
 use super::energies::Energies;
-use super::flight::Flight;
 use super::nodes::Nodes;
 
 /// One degree of freedom.
@@ -22,8 +20,6 @@ pub enum Dof {
 pub struct Dofs {
     /// Rigid bodies.
     pub bodies: Vec<BodyState>,
-    /// Rigid bodies with six degrees of freedom; those along z that they have among `bodies` never move.
-    pub flights: Vec<Flight>,
     /// Nodes of what deforms.
     pub nodes: Nodes,
     /// Energies of what deforms.
@@ -68,10 +64,7 @@ impl Dofs {
 
 impl Persist for Dofs {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Dofs { bodies, flights, nodes, energies } = self;
+        let Dofs { bodies, nodes, energies } = self;
         persist_fields!(archive; bodies.as_mut_slice(), nodes, energies);
-        if !flights.is_empty() {
-            flights.as_mut_slice().persist(archive);
-        }
     }
 }

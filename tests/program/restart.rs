@@ -141,14 +141,14 @@ fn bodies_in_space() {
         text.replace("stations  = 64", "stations = 16").replace("n     = 20", "n = 8").replace("m     = 10", "m = 3");
     let ricochet = text.replace("V         = 500.", "V = 400.").replace("obliquity = 30.", "obliquity = 65.");
     let outcome = goes_on("ricochet", &ricochet, Routines::none);
-    assert_eq!(outcome.flights[0].end, "ricochet");
+    assert_eq!(outcome.penetrations[0].end, "ricochet");
     let stuck = text
         .replace("V         = 500.", "V = 250.")
         .replace("shank = 0.0593", "shank = 0.002")
         .replace("friction = 0.", "friction = 0.05")
         .replace("yaw       = 0.", "yaw = 3.");
     let outcome = goes_on("rest", &stuck, Routines::none);
-    assert_eq!(outcome.flights[0].end, "at rest");
+    assert_eq!(outcome.penetrations[0].end, "at rest");
 }
 
 #[test]

@@ -255,6 +255,31 @@ fn import_cycles_are_small() {
     assert!(large.is_empty(), "{large:#?}");
 }
 
+/// Folders that may know how a rigid body moves in space. Others see what all bodies have, and the motion of their points.
+const IN_SPACE: &[&str] = &["constraint", "load", "plan", "state"];
+
+#[test]
+fn four_folders_know_how_bodies_move_in_space() {
+    let knows = |text: &str| text.contains("RigidBody3d") || text.contains("spatial") || text.contains("Wrench");
+    let sources = texts("src", ".rs").into_iter().filter(|(_, text)| knows(text));
+    let folders: BTreeSet<String> = sources.filter_map(|(path, _)| Some(path.split('/').nth(1)?.to_owned())).collect();
+    assert_eq!(folders, IN_SPACE.iter().map(|name| (*name).to_owned()).collect());
+}
+
+/// The central traits, with the most methods that each may have.
+const TRAITS: &[(&str, &str, usize)] = &[("src/load/mod.rs", "pub trait Load:", 8)];
+
+#[test]
+fn central_traits_have_few_methods() {
+    for &(file, name, most) in TRAITS {
+        let text = fs::read_to_string(project(file)).expect("a source");
+        let body = text.split(name).nth(1).unwrap_or_else(|| panic!("{file} has no `{name}`"));
+        let body = body.split("\n}\n").next().unwrap_or_default();
+        let methods = body.lines().filter(|line| line.starts_with("    fn ")).count();
+        assert!((1..=most).contains(&methods), "`{name}` has {methods} methods, at most {most} are allowed");
+    }
+}
+
 /// Returns the texts of all files below a folder with a file name ending, by path from the project.
 fn texts(folder: &str, end: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();

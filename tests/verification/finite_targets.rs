@@ -384,7 +384,7 @@ fn speed(text: &str, settings: &[(&str, &str)]) -> (f64, bool) {
     let last = &memory.rows.last().expect("rows").1;
     let named =
         prepared.plan.columns.iter().zip(last).filter(|c| ["V1@REF", "V2@REF", "V3@REF"].contains(&c.0.name.as_str()));
-    (named.map(|(_, v)| v * v).sum::<f64>().sqrt(), !outcome.flights.is_empty())
+    (named.map(|(_, v)| v * v).sum::<f64>().sqrt(), !outcome.penetrations.is_empty())
 }
 
 /// In a target that is tilted by next to nothing the stations of a body with six degrees of freedom feel what facets feel.

@@ -39,6 +39,7 @@ mod rates;
 mod reference_nodes;
 mod resistance;
 mod rigid;
+mod rigid_wall;
 mod rings;
 mod scene;
 mod shells;

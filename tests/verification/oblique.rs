@@ -100,7 +100,7 @@ impl Shot {
         let mut memory = Memory::default();
         let (outcome, state) = revolve::solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
         assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
-        let six = state.dofs.flights.len();
+        let six = state.dofs.bodies.iter().filter(|b| b.is_spatial()).count();
         Run { names, memory, outcome, six }
     }
 
@@ -303,7 +303,7 @@ fn without_an_angle_the_axisymmetric_path_keeps_its_bits() {
         .replace("*Surface, name=NOSE", "*Attitude, ref node=REF, stations=32\n 0., 0.\n*Surface, name=NOSE")
         .replace("direction=-1\n", "direction=-1, obliquity=0.\n");
     let prepared = common::prepared(&text, &[], &Routines::none());
-    assert!(prepared.state.dofs.flights.is_empty());
+    assert!(!prepared.state.dofs.bodies.iter().any(|b| b.is_spatial()));
     assert!(prepared.plan.ledger.effects.iter().all(|e| e.effect != "six degrees of freedom"));
     let outcome = common::run(&text, &[], &Routines::none()).0;
     assert_eq!((outcome.digest, outcome.increments), (plain.digest, plain.increments));
@@ -326,7 +326,7 @@ fn a_vanishing_angle_comes_to_normal_impact() {
         assert!((a.displacement / b.displacement - 1.0).abs() < 5e-4, "{a:?} {b:?}");
         assert!((a.time / b.time - 1.0).abs() < 5e-3, "{a:?} {b:?}");
         assert!(tilted.outcome.energy.drift < 1e-3, "{}", tilted.outcome.energy.drift);
-        assert_eq!(tilted.outcome.flights[0].end, "at rest");
+        assert_eq!(tilted.outcome.penetrations[0].end, "at rest");
     }
 }
 
@@ -350,7 +350,7 @@ fn books_of_energy_and_momentum_are_kept() {
             let run = Shot { accuracy, ..shot.clone() }.run();
             println!(
                 "{name} {accuracy:e}: drift {:.2e}, {} increments, {:?}",
-                run.outcome.energy.drift, run.outcome.increments, run.outcome.flights
+                run.outcome.energy.drift, run.outcome.increments, run.outcome.penetrations
             );
             if accuracy == 1e-4 {
                 momentum(&shot, &run);
@@ -423,7 +423,7 @@ fn torque_free_spin_is_the_closed_form() {
         assert!(norm(std::array::from_fn(|i| l[i] - momentum[i])) < 1e-11 * norm(momentum), "row {row}");
         assert!((run.value("ALLKE", row) / run.value("ALLKE", 0) - 1.0).abs() < 1e-12);
     }
-    assert_eq!(run.outcome.flights[0].end, "not met");
+    assert_eq!(run.outcome.penetrations[0].end, "not met");
 }
 
 /// A sphere goes the same way whatever its attitude and its spin where nothing rubs; the facets of its meridian are what is left. A
@@ -448,11 +448,11 @@ fn a_sphere_is_indifferent_to_its_attitude() {
         let others = [([90.0, 0.0], still), ([-47.0, 31.0], still), ([20.0, -70.0], spinning)];
         let far = others.map(|(angles, starts)| {
             let other = shot(facets, angles, starts).run();
-            assert_eq!(other.outcome.flights[0].end, "through");
+            assert_eq!(other.outcome.penetrations[0].end, "through");
             let (a, b) = (one.vector("V", one.last()), other.vector("V", other.last()));
             norm(std::array::from_fn(|i| a[i] - b[i])) / SPEED
         });
-        println!("{facets} facets: {far:?}, {:?}", one.outcome.flights);
+        println!("{facets} facets: {far:?}, {:?}", one.outcome.penetrations);
         far.into_iter().fold(0.0, f64::max)
     });
     assert!(errors[2] < 0.35 * errors[0] && errors[2] < 3e-3, "{errors:?}");

@@ -52,7 +52,7 @@ pub const CARDS: &[Keyword] = &[
         "magnitude",
         "direction along r" read "Of GRAV",
         "direction along z" read "Of GRAV",
-        "third direction" only ["0"] "gravity acts in the r-z plane",
+        "third direction" read "Of GRAV, on bodies in oblique impact",
     ])]),
     row!("DSLOAD", "Loads on surfaces: pressure, user pressure, cavity expansion", (step), {
         "OP" read "MOD (default) or NEW",

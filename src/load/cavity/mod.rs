@@ -13,18 +13,19 @@ mod skin;
 mod stack;
 mod tunnel;
 
-use super::{Account, FlightEnd, LastIncrement, Load, Slot, Unfinished, VelocityUse, View};
-use crate::kernel::topology::ElementNodes;
+use super::{
+    Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, Penetration, SceneChange, SceneView, Targets,
+    VelocityUse,
+};
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{Patch, Surface};
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::Dofs;
-use crate::state::flight::Flight;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
-use crate::state::magnitude::Clock;
 use crate::state::nodes::Nodes;
+use crate::state::rigid_body_3d::RigidBody3d;
 use crate::user::Locked;
 pub use finite::{Bounds, Crater, Finite};
 use nose::Nose;
@@ -40,7 +41,7 @@ pub struct CavityExpansion {
     friction: f64,
     stack: Stack,
     noses: Vec<Nose>,
-    /// Bodies with six degrees of freedom.
+    /// Bodies in space.
     oblique: Vec<Oblique>,
     skin: Resisted,
 }
@@ -53,17 +54,16 @@ impl CavityExpansion {
         CavityExpansion { id, friction, stack, noses, oblique: Vec::new(), skin: Resisted::new(surface.skin) }
     }
 
-    /// The same on a patch of a body with six degrees of freedom, given by its index, with the planes tilted;
-    /// layers follow each other along `direction`.
+    /// The same on a patch of a body in space, with the planes tilted; layers follow each other along `direction`.
     #[must_use]
     pub fn with_oblique(
         mut self,
         patch: &Patch,
-        flight: (usize, &Flight),
+        body: &RigidBody3d,
         (tilt, direction): (Tilt, f64),
         travel: f64,
     ) -> Self {
-        self.oblique.push(Oblique::new(patch, flight, (tilt, direction), (self.friction, travel)));
+        self.oblique.push(Oblique::new(patch, body, (tilt, direction), (self.friction, travel)));
         self
     }
 
@@ -77,92 +77,108 @@ impl CavityExpansion {
     fn forces_of_a_body(&self) -> usize {
         if self.friction > 0.0 { 2 } else { 1 }
     }
-}
 
-impl Load for CavityExpansion {
-    fn id(&self) -> EffectId {
-        self.id
-    }
-
-    fn slots(&self) -> Vec<Slot> {
-        let accounts = &[Account::Cavity, Account::Friction][..self.forces_of_a_body()];
-        let of_nose = |nose: &Nose| {
-            let body = nose.body;
-            accounts.iter().map(move |&account| Slot { body, account })
-        };
-        self.noses.iter().flat_map(of_nose).collect()
-    }
-
-    fn unfinished(&self, dofs: &Dofs) -> Vec<(usize, Unfinished)> {
-        let of_nose = |nose: &Nose| Some((nose.body, nose.unfinished(&self.stack, &dofs.bodies[nose.body])?));
-        self.noses.iter().filter_map(of_nose).collect()
-    }
-
-    fn acts_on_nodes(&self) -> bool {
-        !self.skin.is_empty()
-    }
-
-    fn on_nodes(&mut self, view: &View<'_>, _: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
-        let refused = self.skin.resist(&self.stack, self.friction, view, forces);
-        refused.map_err(|speed| not_finite(view, speed))
+    fn on_nodes(&mut self, scene: &SceneView<'_>, forces: &mut [[f64; 2]]) -> Result<Dissipation, Halt> {
+        if self.skin.is_empty() {
+            return Ok(Dissipation::default());
+        }
+        let refused = self.skin.resist(&self.stack, self.friction, scene, forces);
+        refused.map_err(|speed| not_finite(scene, speed))?;
+        Ok(self.skin.dissipated(scene.dofs))
     }
 
     #[inline]
-    fn on_bodies(&mut self, view: &View<'_>, _: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt> {
+    fn on_bodies(&mut self, scene: &SceneView<'_>, out: &mut [f64]) -> Result<(), Halt> {
         let each = self.forces_of_a_body();
-        for (nose, out) in self.noses.iter_mut().zip(out.chunks_exact_mut(each)) {
-            let body = &view.dofs.bodies[nose.body];
+        let (along_z, in_space) = out.split_at_mut(each * self.noses.len());
+        for (nose, out) in self.noses.iter_mut().zip(along_z.chunks_exact_mut(each)) {
+            let body = &scene.dofs.bodies[nose.body];
             let Some([normal, tangential]) = nose.resist(&self.stack, body) else {
-                return Err(not_finite(view, body.velocity_load.abs()));
+                return Err(not_finite(scene, body.velocity_load.abs()));
             };
             out[0] = normal;
             if let Some(friction) = out.get_mut(1) {
                 *friction = self.friction * tangential;
             }
         }
-        Ok(())
-    }
-
-    fn on_flights(&mut self, clock: &Clock<'_>, flights: &mut [Flight]) -> Result<(), Halt> {
-        let time = clock.now.total_time;
-        for oblique in &mut self.oblique {
-            oblique
-                .resist(&self.stack, flights, time)
-                .ok_or_else(|| unbounded(time, flights[oblique.flight()].fastest))?;
+        for (oblique, out) in self.oblique.iter_mut().zip(in_space.chunks_exact_mut(6 * each)) {
+            let body = &scene.dofs.bodies[oblique.body];
+            let wrenches = oblique.resist(&self.stack, body, scene.clock.now.total_time);
+            let [friction, pressure] = wrenches.ok_or_else(|| not_finite(scene, body.speed()))?;
+            let (rubbed, pressed) = out.split_at_mut(6 * (each - 1));
+            pressed.copy_from_slice(&pressure.components());
+            if !rubbed.is_empty() {
+                rubbed.copy_from_slice(&friction.components());
+            }
         }
         Ok(())
     }
+}
 
-    fn resists(&self) -> Vec<usize> {
-        self.oblique.iter().map(Oblique::flight).collect()
+impl Load for CavityExpansion {
+    fn effect(&self) -> EffectId {
+        self.id
     }
 
-    fn ends(&self, dofs: &Dofs) -> Vec<FlightEnd> {
-        self.oblique.iter().map(|oblique| oblique.end(&dofs.flights)).collect()
+    fn targets(&self) -> Targets {
+        let each = self.forces_of_a_body();
+        let accounts = &[Account::Cavity, Account::Friction][..each];
+        let along_z = |nose: &Nose| {
+            let body = nose.body;
+            accounts.iter().map(move |&account| GeneralizedForce::along_z(body, account))
+        };
+        // Friction first: the order of sums.
+        let accounts = &[Account::Friction, Account::Cavity][2 - each..];
+        let in_space = |oblique: &Oblique| {
+            let body = oblique.body;
+            accounts.iter().flat_map(move |&account| GeneralizedForce::in_space(body, account))
+        };
+        let bodies = self.noses.iter().flat_map(along_z).chain(self.oblique.iter().flat_map(in_space)).collect();
+        Targets { bodies, nodes: !self.skin.is_empty() }
     }
 
-    fn velocity(&self) -> VelocityUse {
+    fn velocity_use(&self) -> VelocityUse {
         VelocityUse::Resists
     }
 
-    fn limit(&self, view: &View<'_>) -> Limit {
-        let noses = self.noses.iter().map(|nose| nose.limit(&self.stack, &view.dofs.bodies[nose.body]));
-        let oblique = self.oblique.iter().map(|oblique| oblique.limit(&self.stack, &view.dofs.flights));
-        noses.chain(oblique).fold(self.skin.limit(&self.stack, &view.dofs.nodes), Limit::nearer)
+    #[inline]
+    fn apply(
+        &mut self,
+        scene: &SceneView<'_>,
+        _: &mut Locked<'_>,
+        forces: &mut Forces<'_>,
+    ) -> Result<Dissipation, Halt> {
+        match forces {
+            Forces::OnNodes(forces) => self.on_nodes(scene, forces),
+            Forces::OnBodies(forces) => self.on_bodies(scene, forces).map(|()| Dissipation::default()),
+        }
     }
 
-    fn dissipated(&self, behind: &LastIncrement<'_>) -> [f64; 2] {
-        self.skin.dissipated(behind)
+    fn max_increment(&self, scene: &SceneView<'_>) -> Limit {
+        let bodies = &scene.dofs.bodies;
+        let noses = self.noses.iter().map(|nose| nose.limit(&self.stack, &bodies[nose.body]));
+        let oblique = self.oblique.iter().map(|oblique| oblique.limit(&self.stack, &bodies[oblique.body]));
+        noses.chain(oblique).fold(self.skin.limit(&self.stack, &scene.dofs.nodes), Limit::nearer)
     }
 
-    fn release(&mut self, deleted: &[ElementNodes]) {
-        self.skin.release(deleted);
+    fn scene_changed(&mut self, change: &SceneChange<'_>) {
+        if let SceneChange::DeletedElements(deleted) = change {
+            self.skin.remove_elements(deleted);
+        }
+    }
+}
+
+impl LoadOutput for CavityExpansion {
+    fn penetrations(&self, dofs: &Dofs) -> Vec<Penetration> {
+        let of_nose = |nose: &Nose| nose.penetration(&self.stack, &dofs.bodies[nose.body]);
+        let noses = self.noses.iter().filter_map(of_nose);
+        noses.chain(self.oblique.iter().filter_map(|o| o.penetration(&dofs.bodies[o.body]))).collect()
     }
 
     fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {
         let mut fields = FacetFields::default();
         self.noses.iter().for_each(|nose| nose.show(&self.stack, &dofs.bodies[nose.body], &mut fields));
-        self.oblique.iter().for_each(|oblique| oblique.show(&self.stack, &dofs.flights, &mut fields));
+        self.oblique.iter().for_each(|oblique| oblique.show(&self.stack, &dofs.bodies[oblique.body], &mut fields));
         self.skin.show(&self.stack, &dofs.nodes, &mut fields);
         Some(fields)
     }
@@ -173,19 +189,11 @@ impl Load for CavityExpansion {
             self.oblique.iter().map(Oblique::bytes).sum::<usize>() + size_of::<Oblique>() * self.oblique.capacity();
         vec![("facets", noses + self.skin.bytes()), ("rings", oblique), ("layers", self.stack.bytes())]
     }
-
-    fn copy(&self) -> Box<dyn Load> {
-        Box::new(self.clone())
-    }
 }
 
 #[cold]
-fn not_finite(view: &View<'_>, speed: f64) -> Halt {
-    unbounded(view.clock.now.total_time, speed)
-}
-
-#[cold]
-fn unbounded(time: f64, speed: f64) -> Halt {
+fn not_finite(scene: &SceneView<'_>, speed: f64) -> Halt {
+    let time = scene.clock.now.total_time;
     Halt { code: "R202", reason: format!("the resistance is not finite at time {time:e}, speed {speed:e}") }
 }
 

@@ -7,8 +7,8 @@ use super::shadow;
 use super::stack::{Stack, is_level};
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
-use crate::load::Unfinished;
 use crate::load::fields::FacetFields;
+use crate::load::{Penetration, PenetrationOutcome};
 use crate::mesh::surface::Patch;
 use crate::state::BodyState;
 use crate::state::archive::{Archive, Persist};
@@ -180,7 +180,7 @@ impl Nose {
     }
 
     /// Whether the body still moves in the stack, or has left it at the side that it moves to.
-    pub(super) fn unfinished(&self, stack: &Stack, body: &BodyState) -> Option<Unfinished> {
+    pub(super) fn penetration(&self, stack: &Stack, body: &BodyState) -> Option<Penetration> {
         let direction = body.velocity.signum();
         if body.velocity == 0.0 || body.prescribed || self.front(direction).facets.is_empty() {
             return None;
@@ -189,7 +189,9 @@ impl Nose {
         let (first, last) = (stack.planes[0], stack.planes[stack.planes.len() - 1]);
         let through = if direction > 0.0 { low >= last } else { high <= first };
         let inside = high > first && low < last;
-        if through { Some(Unfinished::Through) } else { inside.then_some(Unfinished::Moving) }
+        let outcome =
+            if through { Some(PenetrationOutcome::Through) } else { inside.then_some(PenetrationOutcome::Moving) };
+        outcome.map(|outcome| Penetration { body: self.body, outcome, in_space: None })
     }
 
     /// Adds what frames show.

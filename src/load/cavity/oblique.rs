@@ -5,11 +5,12 @@ use super::rings::{Rings, Scene};
 use super::stack::Stack;
 use crate::kernel::attitude::{Vector, dot, norm};
 use crate::load::fields::FacetFields;
-use crate::load::{FlightEnd, How};
+use crate::load::{MotionAtEnd, Penetration, PenetrationOutcome};
 use crate::mesh::surface::Patch;
+use crate::state::BodyState;
 use crate::state::archive::{Archive, Persist, persist_fields};
-use crate::state::flight::{Flight, Motion, Wrench};
 use crate::state::limit::Limit;
+use crate::state::rigid_body_3d::{Motion, RigidBody3d, Wrench};
 
 /// Speed over which pressure and friction come up, as a part of the body's own; below a tenth of the fastest there was it is no
 /// longer in proportion. A law that jumps where a wall begins to move into the material would turn the motion across the wall in
@@ -48,7 +49,7 @@ impl Tilt {
 /// Facets of one body in a tilted stack.
 #[derive(Clone, Debug)]
 pub(super) struct Oblique {
-    flight: usize,
+    pub(super) body: usize,
     tilt: Tilt,
     friction: f64,
     /// Part of what of the body lies across planes that an increment may travel; it also scales the onset.
@@ -68,13 +69,13 @@ pub(super) struct Oblique {
 impl Oblique {
     pub(super) fn new(
         patch: &Patch,
-        (flight, of): (usize, &Flight),
+        of: &RigidBody3d,
         (tilt, direction): (Tilt, f64),
         (friction, travel): (f64, f64),
     ) -> Oblique {
         let facets = patch.facets.iter().map(|f| &f.1);
         Oblique {
-            flight,
+            body: patch.body,
             tilt,
             friction,
             travel,
@@ -87,41 +88,38 @@ impl Oblique {
         }
     }
 
-    fn scene(&self, flight: &Flight, motion: &Motion) -> Scene {
-        let body = |v: Vector| flight.attitude.to_body(v);
+    fn scene(&self, body: &RigidBody3d, motion: &Motion) -> Scene {
+        let own = |v: Vector| body.attitude.to_body(v);
         // What lies still is asked at next to no speed, for all that it can hold.
-        let floor = if flight.rests { 0.0 } else { SLOW * flight.fastest };
-        let speed = flight.reach(motion).max(floor);
+        let floor = if body.rests { 0.0 } else { SLOW * body.fastest };
+        let speed = body.speed_bound(motion).max(floor);
         Scene {
-            velocity: body(motion.velocity),
-            turning: body(motion.turning),
-            up: body(self.tilt.up),
-            height: self.tilt.height(flight.centre),
-            beside_pivot: body(self.tilt.beside_pivot(flight.centre)),
+            velocity: own(motion.velocity),
+            turning: own(motion.turning),
+            up: own(self.tilt.up),
+            height: self.tilt.height(body.centre),
+            beside_pivot: own(self.tilt.beside_pivot(body.centre)),
             onset: (ONSET * self.travel * speed).max(f64::MIN_POSITIVE),
             friction: self.friction,
         }
     }
 
-    /// Adds its forces to those of its flight; `None` where they are not finite.
-    pub(super) fn resist(&mut self, stack: &Stack, flights: &mut [Flight], time: f64) -> Option<()> {
-        let flight = &mut flights[self.flight];
-        let scene = self.scene(flight, &flight.shown);
+    /// Friction and pressure on its body; `None` where they are not finite.
+    pub(super) fn resist(&mut self, stack: &Stack, body: &BodyState, time: f64) -> Option<[Wrench; 2]> {
+        let body = body.spatial.as_ref()?;
+        let scene = self.scene(body, &body.shown);
         let [low, high] = self.rings.heights(&scene);
         self.look(stack, [low, high], time);
         self.damping = 0.0;
         if high <= stack.planes[0] || low >= stack.planes[stack.planes.len() - 1] {
-            return Some(());
+            return Some(Default::default());
         }
         let sum = self.rings.resist(stack, &scene);
         self.damping = sum.damping;
-        let attitude = flight.attitude;
+        let attitude = body.attitude;
         let world = |w: &Wrench| Wrench { force: attitude.to_world(w.force), moment: attitude.to_world(w.moment) };
-        let [_, rubbed, pressed] = &mut flight.forces;
-        pressed.add(&world(&sum.pressure));
-        rubbed.add(&world(&sum.friction));
-        let all = norm(pressed.force) + norm(pressed.moment) + norm(rubbed.force) + norm(rubbed.moment);
-        all.is_finite().then_some(())
+        let wrenches = [world(&sum.friction), world(&sum.pressure)];
+        wrenches.iter().all(Wrench::is_finite).then_some(wrenches)
     }
 
     /// Whether it has met the stack, and has left it.
@@ -136,34 +134,38 @@ impl Oblique {
         }
     }
 
-    /// What has become of its flight here, and the angle between its velocity and the normal of the planes.
-    pub(super) fn end(&self, flights: &[Flight]) -> FlightEnd {
-        let flight = &flights[self.flight];
-        let speed = norm(flight.velocity);
-        let along = dot(flight.velocity, self.tilt.up).abs();
+    /// What has become of its body here.
+    pub(super) fn penetration(&self, body: &BodyState) -> Option<Penetration> {
+        let body = body.spatial.as_ref()?;
+        let speed = norm(body.velocity);
+        let along = dot(body.velocity, self.tilt.up).abs();
         let obliquity = if speed > 0.0 { libm::acos((along / speed).min(1.0)) } else { 0.0 };
-        let how = match self.left {
-            Some((_, through)) => {
-                if through {
-                    How::Through
-                } else {
-                    How::Ricochet
-                }
-            }
-            None if !self.met => How::NotMet,
-            None if flight.rests => How::AtRest,
-            None => How::Moving,
+        let outcome = match self.left {
+            Some((_, true)) => PenetrationOutcome::Through,
+            Some((_, false)) => PenetrationOutcome::Ricochet,
+            None if !self.met => PenetrationOutcome::NotMet,
+            None if body.rests => PenetrationOutcome::AtRest,
+            None => PenetrationOutcome::Moving,
         };
-        FlightEnd { flight: self.flight, how, time: self.left.map(|left| left.0), obliquity }
+        let in_space = MotionAtEnd {
+            exit_time: self.left.map(|left| left.0),
+            velocity: body.velocity,
+            rotational_velocity: body.motion().turning,
+            speed,
+            obliquity: obliquity.to_degrees(),
+            yaw: body.yaw().to_degrees(),
+            tilt: body.tilt().to_degrees(),
+        };
+        Some(Penetration { body: self.body, outcome, in_space: Some(in_space) })
     }
 
     /// How far the next increment may go: to the next plane and a part of the body beyond, and no longer than what damps lets it.
-    pub(super) fn limit(&self, stack: &Stack, flights: &[Flight]) -> Limit {
-        let flight = &flights[self.flight];
-        let motion = flight.motion();
-        let scene = self.scene(flight, &motion);
+    pub(super) fn limit(&self, stack: &Stack, body: &BodyState) -> Limit {
+        let Some(body) = &body.spatial else { return Limit::NONE };
+        let motion = body.motion();
+        let scene = self.scene(body, &motion);
         let [low, high] = self.rings.heights(&scene);
-        let speed = dot(motion.velocity, self.tilt.up).abs() + flight.size * norm(motion.turning);
+        let speed = dot(motion.velocity, self.tilt.up).abs() + body.size * norm(motion.turning);
         let inside = high > stack.planes[0] && low < stack.planes[stack.planes.len() - 1];
         let changes = inside && stack.finite.is_some();
         let cut = changes || stack.planes.iter().any(|p| (low..=high).contains(p));
@@ -172,23 +174,18 @@ impl Oblique {
         let distance = ahead + self.travel * (high - low);
         let mut time = if speed > 0.0 { distance / speed } else { f64::INFINITY };
         if inside && self.damping > 0.0 {
-            let yields = 1.0 / flight.mass + flight.size * flight.size / flight.inertia.transverse;
+            let yields = 1.0 / body.mass + body.size * body.size / body.inertia.transverse;
             time = time.min(DAMPED / (self.damping * yields));
         }
         Limit { time, jump: false }
     }
 
     /// Adds what frames show: each element as often as there are stations.
-    pub(super) fn show(&self, stack: &Stack, flights: &[Flight], fields: &mut FacetFields) {
-        let flight = &flights[self.flight];
-        let scene = self.scene(flight, &flight.motion());
+    pub(super) fn show(&self, stack: &Stack, body: &BodyState, fields: &mut FacetFields) {
+        let Some(body) = &body.spatial else { return };
+        let scene = self.scene(body, &body.motion());
         self.rings
             .show(stack, &scene, |ring, _, [pressure, velocity]| fields.push(self.elements[ring], pressure, velocity));
-    }
-
-    /// The flight that it acts on.
-    pub(super) fn flight(&self) -> usize {
-        self.flight
     }
 
     /// Bytes of its arrays.
@@ -200,7 +197,7 @@ impl Oblique {
 impl Persist for Oblique {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Oblique {
-            flight: _,
+            body: _,
             tilt: _,
             friction: _,
             travel: _,

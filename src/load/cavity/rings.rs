@@ -13,7 +13,8 @@ use super::stack::Stack;
 use crate::kernel::attitude::{Vector, dot};
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
-use crate::state::flight::Wrench;
+use crate::load::stations::centroid;
+use crate::state::rigid_body_3d::Wrench;
 
 /// Stations side by side: enough that compilers leave loops over them to their vectoriser.
 const LANES: usize = 16;
@@ -38,11 +39,8 @@ pub struct Ring {
 
 impl Ring {
     fn new(facet: &Facet, height_of_centre: f64, stations: usize) -> Ring {
-        let ([a, b], [low, high]) = ([facet.low[0], facet.high[0]], [facet.low, facet.high]);
-        // Where the centroid of the frustum's area lies between the ends.
-        let share = if a + b > 0.0 { (a + 2.0 * b) / (3.0 * (a + b)) } else { 0.5 };
-        let at = |i: usize| low[i] + share * (high[i] - low[i]);
-        let (radius, height) = (at(0), at(1) - height_of_centre);
+        let (low, high, [radius, z]) = (facet.low, facet.high, centroid(facet));
+        let height = z - height_of_centre;
         let normal = facet.normal;
         Ring {
             normal,

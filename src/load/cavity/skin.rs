@@ -7,10 +7,11 @@ use crate::kernel::facet::Facet;
 use crate::kernel::topology::ElementNodes;
 use crate::load::fields::FacetFields;
 use crate::load::pressure::on_solid;
-use crate::load::{LastIncrement, View};
+use crate::load::{Dissipation, LastIncrement, SceneView};
 use crate::mesh::surface::{Face, Skin};
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::direction;
+use crate::state::dofs::Dofs;
 use crate::state::limit::Limit;
 use crate::state::nodes::Nodes;
 
@@ -54,7 +55,7 @@ impl Resisted {
         &mut self,
         stack: &Stack,
         friction: f64,
-        view: &View<'_>,
+        view: &SceneView<'_>,
         forces: &mut [[f64; 2]],
     ) -> Result<(), f64> {
         let faces = self.skin.faces.iter().zip(&self.skin.carries);
@@ -72,20 +73,22 @@ impl Resisted {
         Ok(())
     }
 
-    /// Work over the increment behind against pressure and friction.
-    pub(super) fn dissipated(&self, behind: &LastIncrement<'_>) -> [f64; 2] {
+    /// Work over the previous increment against pressure and friction.
+    pub(super) fn dissipated(&self, dofs: &Dofs) -> Dissipation {
+        let last = LastIncrement::new(dofs);
         let mut against = [0.0; 2];
         for (nodes, [now, before]) in self.skin.faces.iter().zip(&self.forces) {
             for (sum, (now, before)) in against.iter_mut().zip(now.iter().zip(before)) {
                 for (&n, (now, before)) in nodes.iter().zip(now.iter().zip(before)) {
-                    *sum -= behind.work(n, *now, *before);
+                    *sum -= last.work(n, *now, *before);
                 }
             }
         }
-        against
+        let [cavity, friction] = against;
+        Dissipation { cavity, friction }
     }
 
-    pub(super) fn release(&mut self, deleted: &[ElementNodes]) {
+    pub(super) fn remove_elements(&mut self, deleted: &[ElementNodes]) {
         self.skin.release(deleted);
     }
 
@@ -119,14 +122,14 @@ impl Resisted {
     }
 }
 
-fn is_met(tunnel: &Tunnel, nodes: [usize; 2], view: &View<'_>) -> bool {
+fn is_met(tunnel: &Tunnel, nodes: [usize; 2], view: &SceneView<'_>) -> bool {
     let face = Face::new(nodes, &view.dofs.nodes);
     tunnel.is_met_by(&face, direction(face.mean(|n| view.velocity(n))[1]))
 }
 
 /// Pressure by the normal velocity of the face's middle, times the share of the face's area in each layer; friction against
 /// the tangential velocity.
-fn on_face(stack: &Stack, friction: f64, view: &View<'_>, nodes: [usize; 2]) -> Result<Pair, f64> {
+fn on_face(stack: &Stack, friction: f64, view: &SceneView<'_>, nodes: [usize; 2]) -> Result<Pair, f64> {
     let mut pair = Pair::default();
     let face = Face::new(nodes, &view.dofs.nodes);
     let (velocity, normal) = (face.mean(|n| view.velocity(n)), face.normal);

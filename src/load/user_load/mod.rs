@@ -1,12 +1,14 @@
 //! A load given by the user's routine: a pressure on a surface (`PNU` and its kin), a body force (`BRNU`, `BZNU`).
 //! Never here: how the routine was made or loaded.
 
-mod points;
-mod shown;
+mod surface_map;
+mod surface_view;
 
-use super::{Account, Load, Slot, VelocityUse, View};
-use crate::kernel::topology::ElementNodes;
+use super::{
+    Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneChange, SceneView, Targets, VelocityUse,
+};
 use crate::load::fields::FacetFields;
+use crate::load::stations::stations;
 use crate::load::stiffness::Stiffness;
 use crate::mesh::hidden::Hidden;
 use crate::mesh::surface::{Face, Surface};
@@ -18,7 +20,7 @@ use crate::state::limit::Limit;
 use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
 use crate::user::{Locked, MAX_BLOCK};
-use points::{Block, Carrier};
+use surface_map::{Block, SurfaceMap};
 
 /// What is the same for all points of a load.
 #[derive(Clone, Debug)]
@@ -50,8 +52,8 @@ pub struct Volume {
 #[derive(Clone, Debug)]
 pub struct UserLoad {
     load: Description,
-    /// Bodies, each with one force.
-    bodies: Vec<usize>,
+    /// Generalised forces on bodies.
+    bodies: Vec<GeneralizedForce>,
     blocks: Vec<Block>,
     /// Blocks of the first ones that act on nodes.
     on_nodes: usize,
@@ -62,18 +64,26 @@ pub struct UserLoad {
 }
 
 impl UserLoad {
-    /// A pressure on a surface whose nodes are at their places at the start.
-    pub fn on_surface(load: Description, surface: &Surface, nodes: &Nodes) -> Self {
-        let skin = &surface.skin;
+    /// A pressure on a surface, with the degrees of freedom at the start.
+    pub fn on_surface(load: Description, surface: &Surface, dofs: &Dofs) -> Self {
+        let (skin, nodes) = (&surface.skin, &dofs.nodes);
         let (first_hidden, most, hidden) = (skin.faces.len(), skin.most(), skin.hidden().cloned().unwrap_or_default());
         let block = |first: usize| Block::of_faces(skin.part(first, MAX_BLOCK), (most - first).min(MAX_BLOCK), nodes);
         let mut blocks: Vec<Block> = (0..most).step_by(MAX_BLOCK).map(block).collect();
         let on_nodes = blocks.len();
-        for (slot, patch) in surface.patches.iter().enumerate() {
+        let mut bodies = Vec::new();
+        for patch in &surface.patches {
+            let slot = bodies.len();
+            if let Some(spatial) = &dofs.bodies[patch.body].spatial {
+                let all = stations(patch, spatial);
+                blocks.extend(all.chunks(MAX_BLOCK).map(|part| Block::of_stations(slot, patch.body, part)));
+                bodies.extend(GeneralizedForce::in_space(patch.body, Account::Work));
+                continue;
+            }
             blocks.extend(patch.facets.chunks(MAX_BLOCK).map(|part| Block::of_facets(&load, slot, patch.body, part)));
+            bodies.push(GeneralizedForce::along_z(patch.body, Account::Work));
         }
         let middles = hidden.faces().iter().map(|&f| Face::new(f, nodes).middle()).collect();
-        let bodies = surface.patches.iter().map(|p| p.body).collect();
         UserLoad { bodies, load, blocks, on_nodes, hidden, middles, first_hidden }
     }
 
@@ -85,7 +95,7 @@ impl UserLoad {
         let mut bodies = Vec::new();
         for of_body in volume.rigid.chunk_by(|a, b| a.0 == b.0) {
             blocks.extend(of_body.chunks(MAX_BLOCK).map(|part| Block::of_solids(&load, bodies.len(), part)));
-            bodies.push(of_body[0].0);
+            bodies.push(GeneralizedForce::along_z(of_body[0].0, Account::Work));
         }
         let (hidden, middles) = (Hidden::default(), Vec::new());
         UserLoad { load, bodies, blocks, on_nodes, hidden, middles, first_hidden: 0 }
@@ -96,31 +106,17 @@ impl UserLoad {
         let (i, face, element) = self.hidden.came(at);
         self.blocks[(self.first_hidden + at) / MAX_BLOCK].add_face((face, element), self.middles[i]);
     }
-}
 
-impl Load for UserLoad {
-    fn id(&self) -> EffectId {
-        self.load.id
-    }
-
-    fn slots(&self) -> Vec<Slot> {
-        self.bodies.iter().map(|&body| Slot { body, account: Account::Work }).collect()
-    }
-
-    fn acts_on_nodes(&self) -> bool {
-        self.on_nodes > 0
-    }
-
-    fn on_nodes(&mut self, view: &View<'_>, user: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
+    fn on_nodes(&mut self, scene: &SceneView<'_>, user: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
         let Some(routine) = user.load.as_deref_mut() else { return Ok(()) };
         for (i, block) in self.blocks[..self.on_nodes].iter_mut().enumerate() {
-            block.on_nodes(&self.load, view, routine, i * MAX_BLOCK, forces)?;
+            block.on_nodes(&self.load, scene, routine, i * MAX_BLOCK, forces)?;
         }
         Ok(())
     }
 
     #[inline]
-    fn on_bodies(&mut self, view: &View<'_>, user: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt> {
+    fn on_bodies(&mut self, scene: &SceneView<'_>, user: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt> {
         out.fill(0.0);
         let Some(routine) = user.load.as_deref_mut() else { return Ok(()) };
         let (mut first, mut body) = (0, usize::MAX);
@@ -129,8 +125,15 @@ impl Load for UserLoad {
             let slot = block.slot();
             first = if slot == body { first + MAX_BLOCK } else { 0 };
             body = slot;
-            match block.on_body(&self.load, view, routine, first) {
-                Ok(force) => out[slot] += force,
+            let force = match &scene.dofs.bodies[block.body()].spatial {
+                None => block.on_body(&self.load, scene, routine, first).map(|force| out[slot] += force),
+                Some(body) => block.on_stations(&self.load, scene, routine, (first, body)).map(|wrench| {
+                    let components = out[slot..].iter_mut().zip(wrench.components());
+                    components.for_each(|(sum, force)| *sum += force);
+                }),
+            };
+            match force {
+                Ok(()) => {}
                 Err(halt) => {
                     // Frames show the last pressures that all were accepted.
                     self.blocks[self.on_nodes..=i].iter_mut().for_each(Block::swap_pressures);
@@ -140,28 +143,55 @@ impl Load for UserLoad {
         }
         Ok(())
     }
+}
 
-    fn velocity(&self) -> VelocityUse {
+impl Load for UserLoad {
+    fn effect(&self) -> EffectId {
+        self.load.id
+    }
+
+    fn targets(&self) -> Targets {
+        Targets { bodies: self.bodies.clone(), nodes: self.on_nodes > 0 }
+    }
+
+    fn velocity_use(&self) -> VelocityUse {
         VelocityUse::Reads
     }
 
-    fn limit(&self, view: &View<'_>) -> Limit {
-        self.load.magnitude.limit(&view.clock)
+    #[inline]
+    fn apply(
+        &mut self,
+        scene: &SceneView<'_>,
+        user: &mut Locked<'_>,
+        forces: &mut Forces<'_>,
+    ) -> Result<Dissipation, Halt> {
+        match forces {
+            Forces::OnNodes(forces) => self.on_nodes(scene, user, forces)?,
+            Forces::OnBodies(forces) => self.on_bodies(scene, user, forces)?,
+        }
+        Ok(Dissipation::default())
     }
 
-    fn stiffness(&self) -> Option<&Stiffness> {
-        let found = self.blocks[..self.on_nodes].iter().filter_map(Block::stiffness);
-        found.reduce(|most, other| if other.squared > most.squared { other } else { most })
+    fn max_increment(&self, scene: &SceneView<'_>) -> Limit {
+        self.load.magnitude.limit(&scene.clock)
     }
 
     /// The routine goes on to be shown a face that went; its answer no longer counts. Faces that come follow all others.
-    fn release(&mut self, deleted: &[ElementNodes]) {
+    fn scene_changed(&mut self, change: &SceneChange<'_>) {
+        let SceneChange::DeletedElements(deleted) = change else { return };
         for block in &mut self.blocks {
-            if let Carrier::Faces { skin, .. } = &mut block.carrier {
+            if let SurfaceMap::Faces { skin, .. } = &mut block.map {
                 skin.release(deleted);
             }
         }
         self.hidden.release(deleted).for_each(|at| self.add_face(at));
+    }
+}
+
+impl LoadOutput for UserLoad {
+    fn stiffness(&self) -> Option<&Stiffness> {
+        let found = self.blocks[..self.on_nodes].iter().filter_map(Block::stiffness);
+        found.reduce(|most, other| if other.squared > most.squared { other } else { most })
     }
 
     fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {
@@ -177,7 +207,7 @@ impl Load for UserLoad {
         let mut arrays = vec![("points", size_of::<Block>() * self.blocks.capacity() + self.load.magnitude.bytes())];
         arrays[0].1 += self.hidden.bytes() + size_of::<[f64; 2]>() * self.middles.capacity();
         for block in &self.blocks {
-            arrays[0].1 += block.carrier.bytes();
+            arrays[0].1 += block.map.bytes();
             for (name, bytes) in block.arrays() {
                 match arrays.iter_mut().find(|a| a.0 == name) {
                     Some(array) => array.1 += bytes,
@@ -186,10 +216,6 @@ impl Load for UserLoad {
             }
         }
         arrays
-    }
-
-    fn copy(&self) -> Box<dyn Load> {
-        Box::new(self.clone())
     }
 }
 

@@ -30,12 +30,12 @@ pub enum LoadKind {
         /// What the deck called them.
         set: String,
     },
-    /// `*DLOAD … GRAV`: an acceleration; the direction is a unit vector `[r, z]`.
+    /// `*DLOAD … GRAV`: an acceleration; the direction is a unit vector.
     Gravity {
         /// Element indices; `None` means everything with mass.
         elements: Option<Vec<usize>>,
-        /// Unit vector `[r, z]`.
-        direction: [f64; 2],
+        /// Unit vector along r, z; in oblique impact along 1, 2, 3.
+        direction: [f64; 3],
     },
     /// `P`: a pressure on sides.
     Pressure(Sides),

@@ -1,5 +1,5 @@
-//! The arrays that the user's load routine is shown and answers in.
-//! Never here: what carries the points, how the routine was made or loaded.
+//! Points of a surface as loads see them: position, normal and motion, and the pressures that they write.
+//! Never here: what the points lie on, how the routine was made or loaded.
 
 use super::Description;
 use crate::state::Instant;
@@ -10,7 +10,7 @@ use crate::user::{LoadFailure, LoadPoints, MAX_BLOCK, UserLoad};
 
 /// The arrays of one call, for at most [`MAX_BLOCK`] points; what they hold is said at [`LoadPoints`].
 #[derive(Clone, Debug)]
-pub(super) struct Shown {
+pub(super) struct SurfaceView {
     count: usize,
     /// r of all points, z of all points, and NaN.
     pub(super) coordinates: Vec<f64>,
@@ -26,12 +26,12 @@ pub(super) struct Shown {
 /// A NaN that is noticed wherever it is used, even in a comparison: what lies behind two coordinates.
 const SIGNALLING: u64 = 0x7ff4_0000_0000_0000;
 
-impl Shown {
+impl SurfaceView {
     /// Arrays for so many points, without values, with room for `most`.
     pub(super) fn new(count: usize, most: usize) -> Self {
         let slabs = |slabs: usize, value: f64| vec![value; slabs * most];
         let no_number = f64::from_bits(SIGNALLING);
-        Shown {
+        SurfaceView {
             count,
             coordinates: slabs(3, no_number),
             motion: slabs(6, 0.0),
@@ -182,11 +182,11 @@ impl Shown {
     }
 }
 
-impl Persist for Shown {
+impl Persist for SurfaceView {
     /// Motion, too, of which a routine that does not ask for all has only a part kept up. The number of points follows from the
     /// faces that have come to lie bare.
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Shown { count: _, coordinates, motion, directions: _, normal_r: _, normal_z: _, pressure } = self;
+        let SurfaceView { count: _, coordinates, motion, directions: _, normal_r: _, normal_z: _, pressure } = self;
         persist_fields!(archive; coordinates.as_mut_slice(), motion.as_mut_slice(), pressure.as_mut_slice());
     }
 }

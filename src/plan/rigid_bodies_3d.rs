@@ -1,12 +1,13 @@
-//! Rigid bodies whose impact is oblique: which they are, their inertia and motion at the start, and what is refused on them.
+//! Rigid bodies whose impact is oblique, which move in space: which they are, their inertia and motion at the start, and what is
+//! unsupported on them.
 //! Never here: bodies along z, what resists them.
 
-use super::{Body, Compiler, State};
+use super::{Body, Compiler};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::attitude::{Attitude, Inertia, Vector, cross, norm, plus};
 use crate::model::{self, ElementKind, InitialKind, LoadKind, RigidBody, STATIONS};
 use crate::state::BodyState;
-use crate::state::flight::{Flight, Place};
+use crate::state::rigid_body_3d::{Pose, RigidBody3d};
 
 /// Places and weights of three points of Gauss on -1 to 1: exact up to the fifth power.
 const GAUSS: [[f64; 2]; 3] =
@@ -76,24 +77,22 @@ impl Compiler<'_> {
     }
 
     /// Whether a velocity at the start is one of an oblique body, which takes it whatever its direction.
-    pub(super) fn is_of_flight(&self, members: &[usize]) -> bool {
-        self.bodies.iter().any(|b| b.flight.is_some() && members.contains(&b.reference))
+    pub(super) fn starts_in_space(&self, members: &[usize]) -> bool {
+        self.bodies.iter().any(|b| b.spatial && members.contains(&b.reference))
     }
 
-    /// Bodies along z at the start; what of them has six degrees of freedom moves elsewhere.
-    pub(super) fn bodies_at_start(&self) -> Vec<BodyState> {
-        let flying = |b: &Body| match b.flight {
-            None => BodyState::new(b.mass(), b.initial_velocity),
-            Some(_) => BodyState::default(),
-        };
-        self.bodies.iter().map(flying).collect()
-    }
-
-    /// Bodies with six degrees of freedom at the start.
-    pub(super) fn flights(&mut self) -> Vec<Flight> {
+    /// Rigid bodies at the start.
+    pub(super) fn bodies_at_start(&mut self) -> Vec<BodyState> {
         self.check_attitudes();
-        let oblique: Vec<usize> = (0..self.bodies.len()).filter(|&b| self.bodies[b].flight.is_some()).collect();
-        oblique.into_iter().map(|body| self.flight(body)).collect()
+        (0..self.bodies.len()).map(|index| self.body_at_start(index)).collect()
+    }
+
+    fn body_at_start(&mut self, index: usize) -> BodyState {
+        let body = &self.bodies[index];
+        match body.spatial {
+            false => BodyState::new(body.mass(), body.initial_velocity),
+            true => BodyState::in_space(self.body_in_space(index)),
+        }
     }
 
     fn check_attitudes(&mut self) {
@@ -115,7 +114,7 @@ impl Compiler<'_> {
                     let message = "a rotary inertia lies on a node of no rigid body";
                     self.diagnostics.push(Diagnostic::error("P005", message).at(inertia.span, "here"));
                 }
-                Some(body) if body.flight.is_none() => {
+                Some(body) if !body.spatial => {
                     self.unused(
                         inertia.span,
                         "*ROTARY INERTIA",
@@ -127,7 +126,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn flight(&mut self, index: usize) -> Flight {
+    fn body_in_space(&mut self, index: usize) -> RigidBody3d {
         let rigid = &self.model.rigid_bodies[index];
         let body = &self.bodies[index];
         let (mass, mesh) = (body.mass(), &self.model.mesh);
@@ -147,8 +146,7 @@ impl Compiler<'_> {
         let starts = self.starts(rigid.reference);
         let (own, turning): (Vector, Vector) = ([starts[0], starts[1], starts[2]], [starts[3], starts[4], starts[5]]);
         let far = |n: &usize| mesh.points[*n][0].hypot(mesh.points[*n][1] - height);
-        let mut flight = Flight {
-            body: index,
+        let mut spatial = RigidBody3d {
             mass,
             inertia,
             heights: [height, z],
@@ -158,12 +156,12 @@ impl Compiler<'_> {
             attitude,
             velocity: plus(own, 1.0, cross(turning, arm)),
             momentum: inertia.momentum(attitude.axis(), turning),
-            ..Flight::default()
+            ..RigidBody3d::default()
         };
-        flight.start = Place { centre: flight.centre, attitude, moving: [flight.velocity, flight.momentum] };
-        flight.last = flight.start;
-        flight.rests = norm(flight.velocity) == 0.0 && norm(flight.momentum) == 0.0;
-        flight.show_own_motion();
+        spatial.start = Pose { centre: spatial.centre, attitude, moving: [spatial.velocity, spatial.momentum] };
+        spatial.previous = spatial.start;
+        spatial.rests = norm(spatial.velocity) == 0.0 && norm(spatial.momentum) == 0.0;
+        spatial.show_own_motion();
         let detail = format!(
             "{}: centre of mass at z = {height:.6}, inertia {:.6e} about the axis, {:.6e} across",
             mesh.node_names[rigid.reference], inertia.axial, inertia.transverse
@@ -176,7 +174,7 @@ impl Compiler<'_> {
             self.no_inertia(span, index, inertia);
         }
         self.cause(span, "six degrees of freedom", 1, "body", detail);
-        flight
+        spatial
     }
 
     fn no_inertia(&mut self, span: Span, body: usize, inertia: Inertia) {
@@ -248,15 +246,13 @@ impl Compiler<'_> {
         self.attitude(&self.model.rigid_bodies[body]).map_or(STATIONS, |a| a.stations)
     }
 
-    /// Refuses what acts on a body with six degrees of freedom and is not carried over to it.
-    pub(super) fn refuse_on_flights(&mut self, state: &State) {
-        let names: Vec<String> = state.dofs.flights.iter().map(|f| self.bodies[f.body].name.clone()).collect();
-        let Some(name) = names.first() else { return };
-        let flies = |node: &usize| self.body_of_node.get(node).is_some_and(|&b| self.bodies[b].flight.is_some());
+    /// Refuses what acts on a body in space and is not carried over to it.
+    pub(super) fn refuse_on_spatial_bodies(&mut self) {
+        let Some(name) = self.bodies.iter().find(|b| b.spatial).map(|b| b.name.clone()) else { return };
+        let in_space = |node: &usize| self.body_of_node.get(node).is_some_and(|&b| self.bodies[b].spatial);
         let model = self.model;
-        let contact = self.pairs.iter().flatten().next().map(|pair| (pair.span, "contact"));
-        let on_nodes = |list: &[usize]| list.iter().any(&flies);
-        let tie = self.ties.iter().find(|tie| self.bodies[tie.body].flight.is_some());
+        let on_nodes = |list: &[usize]| list.iter().any(&in_space);
+        let tie = self.ties.iter().find(|tie| self.bodies[tie.body].spatial);
         let tied = tie.map(|tie| (self.bodies[tie.body].span, "deformable elements that share its nodes"));
         let spring = model
             .discrete
@@ -264,19 +260,20 @@ impl Compiler<'_> {
             .iter()
             .find(|c| c.elements.iter().any(|&e| on_nodes(&model.mesh.elements[e].nodes)));
         let spring = spring.map(|c| (c.span, "a spring or a dashpot"));
-        let equation = model.constraints.equations.iter().find(|e| e.terms.iter().any(|t| flies(&t.0)));
+        let equation = model.constraints.equations.iter().find(|e| e.terms.iter().any(|t| in_space(&t.0)));
         let equation = equation.map(|e| (e.span, "an *EQUATION"));
-        let found = [contact, tied, spring, equation];
+        let found = [tied, spring, equation];
         let findings: Vec<_> = found.into_iter().flatten().collect();
         for (span, what) in findings {
-            self.refuse_on_flight(span, name, what);
+            self.refuse_on_spatial_body(span, &name, what);
         }
     }
 
-    /// Says that something cannot be on an oblique body.
-    pub(super) fn refuse_on_flight(&mut self, span: Span, body: &str, what: &str) {
+    /// Says that something cannot act on an oblique body.
+    pub(super) fn refuse_on_spatial_body(&mut self, span: Span, body: &str, what: &str) {
         let message = format!("the impact of rigid body `{body}` is oblique: {what} cannot act on it");
-        let help = "an oblique body takes the resistance of targets (CAVITY), gravity, and *CLOAD along 2";
+        let help = "an oblique body takes the resistance of targets (CAVITY), pressures (P, PNU), gravity, *CLOAD, and hard \
+                    contact with an analytical surface that is held";
         self.diagnostics.push(Diagnostic::error("P132", message).at(span, "here").help(help));
     }
 }

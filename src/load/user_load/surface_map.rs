@@ -1,13 +1,14 @@
-//! Blocks of load integration points, and what carries them: facets and solids of rigid bodies, faces and elements that
-//! deform. Never here: the load as the integrator sees it.
+//! Points of a surface and what they lie on: facets and solids of rigid bodies along z, circumferential stations of those in space, faces
+//! and elements that deform. Never here: the load as the integrator sees it.
 
 use super::Description;
-use super::shown::Shown;
+use super::surface_view::SurfaceView;
 use crate::kernel::facet::Facet;
 use crate::kernel::quad::{corner_masses, section};
-use crate::load::View;
+use crate::load::SceneView;
 use crate::load::fields::FacetFields;
 use crate::load::pressure::{on_ends, push};
+use crate::load::stations::Station;
 use crate::load::stiffness::{Seen, Stiffness, Watch};
 use crate::mesh::surface::{Face, Skin};
 use crate::state::BodyState;
@@ -15,23 +16,26 @@ use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::Dofs;
 use crate::state::halt::Halt;
 use crate::state::nodes::Nodes;
+use crate::state::rigid_body_3d::{RigidBody3d, Wrench};
 use crate::user::{LoadFailure, MAX_BLOCK};
 
 /// At most [`MAX_BLOCK`] points.
 #[derive(Clone, Debug)]
 pub(super) struct Block {
-    pub(super) carrier: Carrier,
-    shown: Shown,
+    pub(super) map: SurfaceMap,
+    view: SurfaceView,
     /// Of points of a rigid body, pressures of the evaluation before: what frames show if the routine fails now.
     pressure_before: Vec<f64>,
 }
 
-/// What carries the points of a block.
+/// What the points of a block lie on: the way from positions and motion to a [`SurfaceView`], and from its pressures to forces.
 #[derive(Clone, Debug)]
-pub(super) enum Carrier {
+pub(super) enum SurfaceMap {
     /// A rigid body: which of the load's forces is its, the force along z for a value of one (minus area times n_z, or the
     /// volume), z at the start, and the elements in the mesh.
     Body { slot: usize, body: usize, weight: Vec<f64>, z_start: Vec<f64>, elements: Vec<usize> },
+    /// Stations of a rigid body in space: the first of the load's forces that are its.
+    Stations { slot: usize, body: usize, stations: Vec<Station> },
     /// Faces of deformable elements, with their middles at the start (and room for those to come), and what is known of the load's
     /// stiffness.
     Faces { skin: Skin, start: Vec<[f64; 2]>, watch: Watch },
@@ -39,15 +43,16 @@ pub(super) enum Carrier {
     Elements { corners: Vec<[u32; 4]>, start: Vec<[f64; 2]>, axis: usize },
 }
 
-impl Carrier {
+impl SurfaceMap {
     pub(super) fn bytes(&self) -> usize {
         let places = |list: &Vec<[f64; 2]>| size_of::<[f64; 2]>() * list.capacity();
         match self {
-            Carrier::Body { weight, z_start, elements, .. } => {
+            SurfaceMap::Body { weight, z_start, elements, .. } => {
                 8 * (weight.capacity() + z_start.capacity() + elements.capacity())
             }
-            Carrier::Faces { skin, start, watch } => skin.bytes() + places(start) + watch.bytes(),
-            Carrier::Elements { corners, start, .. } => size_of::<[u32; 4]>() * corners.capacity() + places(start),
+            SurfaceMap::Stations { stations, .. } => size_of::<Station>() * stations.capacity(),
+            SurfaceMap::Faces { skin, start, watch } => skin.bytes() + places(start) + watch.bytes(),
+            SurfaceMap::Elements { corners, start, .. } => size_of::<[u32; 4]>() * corners.capacity() + places(start),
         }
     }
 }
@@ -75,13 +80,13 @@ impl Block {
 
     fn of_body(load: &Description, slot: usize, body: usize, points: Vec<(usize, [f64; 2], [f64; 2], f64)>) -> Block {
         let n = points.len();
-        let mut shown = Shown::new(n, n);
+        let mut view = SurfaceView::new(n, n);
         for (i, &(_, place, normal, _)) in points.iter().enumerate() {
-            shown.coordinates[i] = place[0];
-            shown.coordinates[n + i] = place[1];
-            shown.set_normal(i, normal, load.inward);
+            view.coordinates[i] = place[0];
+            view.coordinates[n + i] = place[1];
+            view.set_normal(i, normal, load.inward);
         }
-        let carrier = Carrier::Body {
+        let map = SurfaceMap::Body {
             slot,
             body,
             weight: points.iter().map(|p| p.3).collect(),
@@ -89,7 +94,14 @@ impl Block {
             elements: points.iter().map(|p| p.0).collect(),
         };
         let pressure_before = (0..=MAX_BLOCK).map(|i| if i < n { 0.0 } else { f64::NAN }).collect();
-        Block { carrier, shown, pressure_before }
+        Block { map, view, pressure_before }
+    }
+
+    /// Stations of a rigid body in space.
+    pub(super) fn of_stations(slot: usize, body: usize, stations: &[Station]) -> Block {
+        let map = SurfaceMap::Stations { slot, body, stations: stations.to_vec() };
+        let pressure_before = (0..=MAX_BLOCK).map(|i| if i < stations.len() { 0.0 } else { f64::NAN }).collect();
+        Block { map, view: SurfaceView::new(stations.len(), stations.len()), pressure_before }
     }
 
     /// Faces of deformable elements, with room for so many at most.
@@ -97,46 +109,52 @@ impl Block {
         let mut start = vec![[0.0; 2]; most];
         start.iter_mut().zip(&skin.faces).for_each(|(start, face)| *start = Face::new(*face, nodes).middle());
         let watch = Watch::new(most);
-        let shown = Shown::new(skin.faces.len(), most);
+        let view = SurfaceView::new(skin.faces.len(), most);
         skin.make_room(most - skin.faces.len());
-        Block { carrier: Carrier::Faces { skin, start, watch }, shown, pressure_before: Vec::new() }
+        Block { map: SurfaceMap::Faces { skin, start, watch }, view, pressure_before: Vec::new() }
     }
 
     /// Adds a face that has come to lie bare, whose middle was there at the start.
     pub(super) fn add_face(&mut self, (face, element): ([usize; 2], usize), middle: [f64; 2]) {
-        let Carrier::Faces { skin, start, .. } = &mut self.carrier else { return };
+        let SurfaceMap::Faces { skin, start, .. } = &mut self.map else { return };
         start[skin.faces.len()] = middle;
         skin.push(face, element);
-        self.shown.resize(skin.faces.len());
+        self.view.resize(skin.faces.len());
     }
 
     /// Goes back to so many faces.
     pub(super) fn cut(&mut self, count: usize) {
-        if let Carrier::Faces { skin, .. } = &mut self.carrier
+        if let SurfaceMap::Faces { skin, .. } = &mut self.map
             && skin.faces.len() > count
         {
             skin.cut(count);
-            self.shown.resize(count);
+            self.view.resize(count);
         }
     }
 
     /// Deformable elements.
     pub(super) fn of_elements(load: &Description, elements: &[[u32; 4]], nodes: &Nodes) -> Block {
-        let mut shown = Shown::new(elements.len(), elements.len());
-        (0..elements.len()).for_each(|i| shown.set_normal(i, [0.0; 2], false));
+        let mut view = SurfaceView::new(elements.len(), elements.len());
+        (0..elements.len()).for_each(|i| view.set_normal(i, [0.0; 2], false));
         let start = elements.iter().map(|e| middle(*e, nodes, |_| [0.0; 2])[0]).collect();
         let axis = if load.load_type == 1 { 0 } else { 1 };
-        let carrier = Carrier::Elements { corners: elements.to_vec(), start, axis };
-        Block { carrier, shown, pressure_before: Vec::new() }
+        let map = SurfaceMap::Elements { corners: elements.to_vec(), start, axis };
+        Block { map, view, pressure_before: Vec::new() }
     }
 
     /// Which of the load's forces on bodies it adds to.
     pub(super) fn slot(&self) -> usize {
-        if let Carrier::Body { slot, .. } = self.carrier { slot } else { 0 }
+        if let SurfaceMap::Body { slot, .. } | SurfaceMap::Stations { slot, .. } = self.map { slot } else { 0 }
+    }
+
+    /// The rigid body of its points.
+    #[inline]
+    pub(super) fn body(&self) -> usize {
+        if let SurfaceMap::Body { body, .. } | SurfaceMap::Stations { body, .. } = self.map { body } else { 0 }
     }
 
     pub(super) fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let mut arrays = self.shown.arrays().to_vec();
+        let mut arrays = self.view.arrays().to_vec();
         arrays.push(("value", 8 * self.pressure_before.capacity()));
         arrays
     }
@@ -146,102 +164,127 @@ impl Block {
     pub(super) fn on_body(
         &mut self,
         load: &Description,
-        view: &View<'_>,
+        scene: &SceneView<'_>,
         routine: &mut dyn crate::user::UserLoad,
         first: usize,
     ) -> Result<f64, Halt> {
         self.swap_pressures();
-        let Carrier::Body { body, weight, z_start, .. } = &self.carrier else { return Ok(0.0) };
-        show_body(&mut self.shown, z_start, &view.dofs.bodies[*body], load.reads_motion);
-        let called = self.shown.call(load, &view.clock, routine);
-        let force = dot(self.shown.pressure(), weight);
-        let accepted = called.and_then(|()| self.shown.accept(force.is_finite()));
-        accepted.map_err(|failure| self.shown.failure(load, first, &view.clock.now, &failure))?;
+        let SurfaceMap::Body { body, weight, z_start, .. } = &self.map else { return Ok(0.0) };
+        show_body(&mut self.view, z_start, &scene.dofs.bodies[*body], load.reads_motion);
+        let called = self.view.call(load, &scene.clock, routine);
+        let force = dot(self.view.pressure(), weight);
+        let accepted = called.and_then(|()| self.view.accept(force.is_finite()));
+        accepted.map_err(|failure| self.view.failure(load, first, &scene.clock.now, &failure))?;
         Ok(force)
     }
 
+    /// Calls the routine for stations of a rigid body in space, of which so many came before, and sums up force and moment.
+    pub(super) fn on_stations(
+        &mut self,
+        load: &Description,
+        scene: &SceneView<'_>,
+        routine: &mut dyn crate::user::UserLoad,
+        (first, body): (usize, &RigidBody3d),
+    ) -> Result<Wrench, Halt> {
+        self.swap_pressures();
+        let SurfaceMap::Stations { stations, .. } = &self.map else { return Ok(Wrench::default()) };
+        self.view.forget();
+        for (i, station) in stations.iter().enumerate() {
+            let point = station.in_plane(body);
+            self.view.set_point(i, point.place, point.start, point.velocity, point.acceleration);
+            self.view.set_normal(i, point.normal, load.inward);
+        }
+        let called = self.view.call(load, &scene.clock, routine);
+        let mut sum = Wrench::default();
+        let loaded = stations.iter().zip(self.view.pressure());
+        loaded.for_each(|(station, &pressure)| sum.add(&station.push(body, pressure)));
+        let accepted = called.and_then(|()| self.view.accept(sum.is_finite()));
+        accepted.map_err(|failure| self.view.failure(load, first, &scene.clock.now, &failure))?;
+        Ok(sum)
+    }
+
     pub(super) fn swap_pressures(&mut self) {
-        std::mem::swap(&mut self.shown.pressure, &mut self.pressure_before);
+        std::mem::swap(&mut self.view.pressure, &mut self.pressure_before);
     }
 
     /// Calls the routine for points that deform, of which so many came before, and adds the forces on nodes.
     pub(super) fn on_nodes(
         &mut self,
         load: &Description,
-        view: &View<'_>,
+        scene: &SceneView<'_>,
         routine: &mut dyn crate::user::UserLoad,
         first: usize,
         forces: &mut [[f64; 2]],
     ) -> Result<(), Halt> {
-        if self.shown.is_empty() {
+        if self.view.is_empty() {
             return Ok(());
         }
-        self.show_nodes(load, view);
-        let finite = |shown: &Shown| shown.pressure().iter().all(|p| p.is_finite());
-        let called = self.shown.call(load, &view.clock, routine);
-        let accepted = called.and_then(|()| self.shown.accept(finite(&self.shown)));
-        accepted.map_err(|failure: LoadFailure| self.shown.failure(load, first, &view.clock.now, &failure))?;
-        self.add(&view.dofs.nodes, view.rings, forces);
-        self.watch(view, first);
+        self.show_nodes(load, scene);
+        let finite = |view: &SurfaceView| view.pressure().iter().all(|p| p.is_finite());
+        let called = self.view.call(load, &scene.clock, routine);
+        let accepted = called.and_then(|()| self.view.accept(finite(&self.view)));
+        accepted.map_err(|failure: LoadFailure| self.view.failure(load, first, &scene.clock.now, &failure))?;
+        self.add(&scene.dofs.nodes, scene.rings, forces);
+        self.watch(scene, first);
         Ok(())
     }
 
     /// Looks for what the pressures follow of the motion of the faces that carry them.
-    fn watch(&mut self, view: &View<'_>, first: usize) {
-        let (nodes, increment) = (&view.dofs.nodes, view.dofs.nodes.unbooked());
-        let Carrier::Faces { skin, watch, .. } = &mut self.carrier else { return };
+    fn watch(&mut self, scene: &SceneView<'_>, first: usize) {
+        let (nodes, increment) = (&scene.dofs.nodes, scene.dofs.nodes.unbooked());
+        let SurfaceMap::Faces { skin, watch, .. } = &mut self.map else { return };
         for (i, &face) in skin.faces.iter().enumerate().filter(|(i, _)| skin.carries[*i]) {
             let face = Face::new(face, nodes);
             let shell = skin.shells.get(i).copied().unwrap_or(false);
-            let unit = on_ends(&face, shell, 1.0, view.rings);
+            let unit = on_ends(&face, shell, 1.0, scene.rings);
             let [a, b] = [0, 1].map(|k| unit[k][0].hypot(unit[k][1]) / nodes.mass[face.nodes[k]]);
-            let pressure = self.shown.pressure[i];
+            let pressure = self.view.pressure[i];
             let seen = Seen { place: face.middle(), normal: face.normal, pressure, mobility: a.max(b) };
-            watch.look(i, &seen, increment, first + i, view.clock.now.total_time);
+            watch.look(i, &seen, increment, first + i, scene.clock.now.total_time);
         }
     }
 
     /// The stiffness found so far.
     pub(super) fn stiffness(&self) -> Option<&Stiffness> {
-        if let Carrier::Faces { watch, .. } = &self.carrier { watch.most() } else { None }
+        if let SurfaceMap::Faces { watch, .. } = &self.map { watch.most() } else { None }
     }
 
     /// Brings the arrays to this instant and empties the answer.
-    fn show_nodes(&mut self, load: &Description, view: &View<'_>) {
-        let (nodes, shown) = (&view.dofs.nodes, &mut self.shown);
-        shown.forget();
-        match &self.carrier {
-            Carrier::Body { .. } => {}
-            Carrier::Faces { skin, start, .. } => {
+    fn show_nodes(&mut self, load: &Description, scene: &SceneView<'_>) {
+        let (nodes, view) = (&scene.dofs.nodes, &mut self.view);
+        view.forget();
+        match &self.map {
+            SurfaceMap::Body { .. } | SurfaceMap::Stations { .. } => {}
+            SurfaceMap::Faces { skin, start, .. } => {
                 for (i, (&face, start)) in skin.faces.iter().zip(start).enumerate() {
                     let face = Face::new(face, nodes);
                     let acceleration = face.mean(|n| nodes.acceleration[n]);
-                    shown.set_point(i, face.middle(), *start, face.mean(|n| view.velocity(n)), acceleration);
-                    shown.set_normal(i, face.normal, load.inward);
+                    view.set_point(i, face.middle(), *start, face.mean(|n| scene.velocity(n)), acceleration);
+                    view.set_normal(i, face.normal, load.inward);
                 }
             }
-            Carrier::Elements { corners, start, .. } => {
+            SurfaceMap::Elements { corners, start, .. } => {
                 for (i, (&element, start)) in corners.iter().zip(start).enumerate() {
-                    let [place, velocity] = middle(element, nodes, |n| view.velocity(n));
+                    let [place, velocity] = middle(element, nodes, |n| scene.velocity(n));
                     let acceleration = middle(element, nodes, |n| nodes.acceleration[n])[1];
-                    shown.set_point(i, place, *start, velocity, acceleration);
+                    view.set_point(i, place, *start, velocity, acceleration);
                 }
             }
         }
     }
 
     fn add(&self, nodes: &Nodes, rings: Option<&[f64]>, forces: &mut [[f64; 2]]) {
-        match &self.carrier {
-            Carrier::Body { .. } => {}
-            Carrier::Faces { skin, .. } => {
+        match &self.map {
+            SurfaceMap::Body { .. } | SurfaceMap::Stations { .. } => {}
+            SurfaceMap::Faces { skin, .. } => {
                 let shell = |i: usize| skin.shells.get(i).copied().unwrap_or(false);
-                let loaded = skin.faces.iter().zip(self.shown.pressure()).zip(&skin.carries).enumerate();
+                let loaded = skin.faces.iter().zip(self.view.pressure()).zip(&skin.carries).enumerate();
                 for (i, ((&face, &pressure), _)) in loaded.filter(|face| *face.1.1) {
                     push(&Face::new(face, nodes), shell(i), pressure, rings, forces);
                 }
             }
-            Carrier::Elements { corners, axis, .. } => {
-                for (element, &force) in corners.iter().zip(self.shown.pressure()) {
+            SurfaceMap::Elements { corners, axis, .. } => {
+                for (element, &force) in corners.iter().zip(self.view.pressure()) {
                     let places = element.map(|n| nodes[n as usize].place());
                     // The part of the volume, or under area weighting of the section, that belongs to each corner.
                     let shares = match rings {
@@ -261,21 +304,27 @@ impl Block {
 
     /// Adds what frames show.
     pub(super) fn show_fields(&self, dofs: &Dofs, fields: &mut FacetFields) {
-        match &self.carrier {
-            Carrier::Body { body, elements, .. } => {
+        match &self.map {
+            SurfaceMap::Body { body, elements, .. } => {
                 let velocity = dofs.bodies[*body].velocity;
-                for ((&e, &pressure), n) in elements.iter().zip(self.shown.pressure()).zip(&self.shown.normal_z) {
+                for ((&e, &pressure), n) in elements.iter().zip(self.view.pressure()).zip(&self.view.normal_z) {
                     fields.push(e, pressure, n * velocity);
                 }
             }
-            Carrier::Faces { skin, .. } => {
+            SurfaceMap::Stations { body, stations, .. } => {
+                let Some(body) = &dofs.bodies[*body].spatial else { return };
+                for (station, &pressure) in stations.iter().zip(self.view.pressure()) {
+                    fields.push(station.element, pressure, station.normal_velocity(body));
+                }
+            }
+            SurfaceMap::Faces { skin, .. } => {
                 let faces = skin.faces.iter().zip(&skin.elements).zip(&skin.carries);
-                for (((&face, &e), &carries), &pressure) in faces.zip(self.shown.pressure()) {
+                for (((&face, &e), &carries), &pressure) in faces.zip(self.view.pressure()) {
                     let velocity = Face::new(face, &dofs.nodes).normal_velocity(&dofs.nodes);
                     fields.push(e, if carries { pressure } else { 0.0 }, velocity);
                 }
             }
-            Carrier::Elements { .. } => {}
+            SurfaceMap::Elements { .. } => {}
         }
     }
 }
@@ -283,9 +332,9 @@ impl Block {
 /// Brings the arrays of points on a rigid body to this instant and empties the answer, in one pass: for a few facets the
 /// passes would cost more than what they write.
 #[inline]
-fn show_body(shown: &mut Shown, z_start: &[f64], body: &BodyState, all: bool) {
+fn show_body(view: &mut SurfaceView, z_start: &[f64], body: &BodyState, all: bool) {
     let n = z_start.len();
-    let Shown { coordinates, motion, pressure, .. } = shown;
+    let SurfaceView { coordinates, motion, pressure, .. } = view;
     let (z, v) = (&mut coordinates[n..2 * n], &mut motion[n..2 * n]);
     // Four at a time: each tile is read before it is written, so nothing need be known of where the arrays lie.
     let tiles = z.as_chunks_mut::<4>().0.iter_mut().zip(v.as_chunks_mut::<4>().0);
@@ -338,9 +387,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
 }
 
-impl Persist for Carrier {
+impl Persist for SurfaceMap {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        if let Carrier::Faces { skin, start: _, watch } = self {
+        if let SurfaceMap::Faces { skin, start: _, watch } = self {
             persist_fields!(archive; skin, watch);
         }
     }
@@ -349,7 +398,7 @@ impl Persist for Carrier {
 impl Persist for Block {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         // The pressures before are those of the instant that is kept, once the next evaluation has begun.
-        let Block { carrier, shown, pressure_before: _ } = self;
-        persist_fields!(archive; carrier, shown);
+        let Block { map, view, pressure_before: _ } = self;
+        persist_fields!(archive; map, view);
     }
 }

@@ -1,0 +1,99 @@
+//! Circumferential stations: facets of a rigid body that moves in space, cut into equal parts around its axis.
+//! Never here: what acts on them.
+
+use std::f64::consts::PI;
+
+use crate::kernel::attitude::{Vector, cross, dot, plus};
+use crate::kernel::facet::Facet;
+use crate::mesh::surface::Patch;
+use crate::state::rigid_body_3d::{RigidBody3d, Wrench};
+
+/// One station: position and outward normal in the frame of the body, from its centre of mass.
+#[derive(Clone, Copy, Debug)]
+pub struct Station {
+    /// Index of its element in the mesh.
+    pub element: usize,
+    /// From the centre of mass.
+    pub arm: Vector,
+    /// Outward unit normal.
+    pub normal: Vector,
+    /// Area.
+    pub area: f64,
+}
+
+/// A station in the plane of direction 2 and of the horizontal direction of its normal: as a point of a body of revolution that is
+/// not turned lies in the plane of r and z.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanarPoint {
+    /// Distance from the axis 2, and position along it.
+    pub place: [f64; 2],
+    /// The same at the start.
+    pub start: [f64; 2],
+    /// Outward unit normal.
+    pub normal: [f64; 2],
+    /// Velocity that loads see.
+    pub velocity: [f64; 2],
+    /// Acceleration.
+    pub acceleration: [f64; 2],
+}
+
+impl Station {
+    /// Its position and motion now. The horizontal direction is that of the normal, away from the axis 2; so the normal velocity is that
+    /// in space.
+    pub fn in_plane(&self, body: &RigidBody3d) -> PlanarPoint {
+        let arm = body.attitude.to_world(self.arm);
+        let [x, y, z] = plus(body.centre, 1.0, arm);
+        let normal = body.attitude.to_world(self.normal);
+        let level = normal[0].hypot(normal[2]);
+        let outwards = if normal[0] * x + normal[2] * z < 0.0 { -1.0 } else { 1.0 };
+        let across =
+            if level > 0.0 { [outwards * normal[0] / level, outwards * normal[2] / level] } else { [1.0, 0.0] };
+        let flat = |v: Vector| [v[0] * across[0] + v[2] * across[1], v[1]];
+        let velocity = plus(body.shown.velocity, 1.0, cross(body.shown.turning, arm));
+        let start = plus(body.start.centre, 1.0, body.start.attitude.to_world(self.arm));
+        PlanarPoint {
+            place: [x.hypot(z), y],
+            start: [start[0].hypot(start[2]), start[1]],
+            normal: flat(normal),
+            velocity: flat(velocity),
+            acceleration: flat(body.acceleration_at(arm)),
+        }
+    }
+
+    /// What a pressure on it comes to.
+    pub fn push(&self, body: &RigidBody3d, pressure: f64) -> Wrench {
+        let force = body.attitude.to_world(self.normal).map(|n| -pressure * self.area * n);
+        Wrench::at(body.attitude.to_world(self.arm), force)
+    }
+
+    /// Velocity along the outward normal.
+    pub fn normal_velocity(&self, body: &RigidBody3d) -> f64 {
+        dot(body.velocity_at(body.attitude.to_world(self.arm)), body.attitude.to_world(self.normal))
+    }
+}
+
+/// Radius and height of the circle on which centroids of stations of a facet lie.
+pub fn centroid(facet: &Facet) -> [f64; 2] {
+    let (low, high) = (facet.low, facet.high);
+    let (a, b) = (low[0], high[0]);
+    let share = if a + b > 0.0 { (a + 2.0 * b) / (3.0 * (a + b)) } else { 0.5 };
+    [0, 1].map(|i| low[i] + share * (high[i] - low[i]))
+}
+
+/// The stations of a body's facets: those of the first facet around the axis, then those of the next.
+pub fn stations(patch: &Patch, body: &RigidBody3d) -> Vec<Station> {
+    let count = body.stations;
+    let around = |k: usize| libm::sincos(2.0 * PI * (k as f64 + 0.5) / count as f64);
+    let mut all = Vec::with_capacity(count * patch.facets.len());
+    for &(element, facet) in &patch.facets {
+        let [r, z] = centroid(&facet);
+        let [n_r, n_z] = facet.normal;
+        all.extend((0..count).map(around).map(|(sine, cosine)| Station {
+            element,
+            arm: [r * cosine, z - body.heights[0], r * sine],
+            normal: [n_r * cosine, n_z, n_r * sine],
+            area: facet.area / count as f64,
+        }));
+    }
+    all
+}

@@ -1,0 +1,326 @@
+//! Contact of oblique rigid bodies with analytical walls, and loads on them.
+//! Goal: the plastic bounce of a tilted body in closed form, a ball that slides until it rolls, bodies at rest with the weight as
+//! reaction, a ball in a bowl as a pendulum, gravity, forces, moments and pressures in any direction; momentum and energy closed.
+//! Sources: Routh, Dynamics of a System of Rigid Bodies, I, 179 (impulse at a point); Lamb, Dynamics, 64 (rolling at 5/7 v0).
+
+use std::f64::consts::PI;
+
+use revolve::solve::Outcome;
+use revolve::user::{LoadPoints, Routines};
+
+use crate::common::{self, Memory};
+
+const MASS: f64 = 0.05;
+const GRAVITY: f64 = 9.81;
+
+/// A body, its wall and what acts on it.
+#[derive(Clone)]
+struct Scene {
+    points: Vec<[f64; 2]>,
+    height: f64,
+    /// About the axis and across it.
+    inertia: [f64; 2],
+    angles: [f64; 2],
+    starts: [f64; 6],
+    /// Data lines of the wall's surface.
+    wall: String,
+    friction: f64,
+    loads: String,
+    time: f64,
+    accuracy: f64,
+}
+
+impl Scene {
+    fn new(points: Vec<[f64; 2]>, height: f64) -> Scene {
+        Scene {
+            points,
+            height,
+            inertia: [1e-6, 8e-6],
+            angles: [0.0; 2],
+            starts: [0.0; 6],
+            wall: floor(-1.0),
+            friction: 0.0,
+            loads: String::new(),
+            time: 1e-3,
+            accuracy: 1e-4,
+        }
+    }
+
+    fn deck(&self) -> String {
+        let nodes = self.points.iter().enumerate().map(|(i, [r, z])| format!(" {}, {r:e}, {z:e}\n", i + 1));
+        let elements = (1..self.points.len()).map(|i| format!(" {i}, {i}, {}\n", i + 1));
+        let starts = (1..=6).map(|dof| format!(" REF, {dof}, {:e}\n", self.starts[dof - 1]));
+        let Scene { height, inertia: [axial, across], angles: [a, b], wall, friction, loads, time, accuracy, .. } =
+            self;
+        format!(
+            "*Node\n{}*Node, nset=REF\n 9999, 0., {height:e}\n*Node, nset=WREF\n 9000, 0., 0.\n\
+             *Element, type=RAX2, elset=SKIN\n{}*Element, type=MASS, elset=M\n 9998, 9999\n*Mass, elset=M\n {MASS}\n\
+             *Element, type=ROTARYI, elset=I\n 9997, 9999\n*Rotary Inertia, elset=I\n {across:e}, {axial:e}, {across:e}\n\
+             *Rigid Body, ref node=REF, elset=SKIN\n*Attitude, ref node=REF, stations=64\n {a:e}, {b:e}\n\
+             *Surface, name=SKIN\n SKIN, SNEG\n*Surface, type=SEGMENTS, name=WALL\n{wall}\
+             *Rigid Body, ref node=WREF, analytical surface=WALL\n*Surface Interaction, name=RUB\n*Friction\n {friction:e},\n\
+             *Initial Conditions, type=VELOCITY\n{}*Step\n*Dynamic, Explicit, accuracy={accuracy:e}\n , {time:e}\n\
+             *Boundary\n WREF, 2, 2\n*Contact Pair, interaction=RUB\n SKIN, WALL\n{loads}*Output, history, frequency=1\n\
+             *Node Output, nset=REF\n U, V, A, UR, VR, AR, TILT\n*Node Output, nset=WREF\n RF\n\
+             *Contact Output\n CFN, CFS\n*Energy Output\n ALLKE, ALLWK, ALLFD, ALLCW, ETOTAL\n*End Step\n",
+            nodes.collect::<String>(),
+            elements.collect::<String>(),
+            starts.collect::<String>(),
+        )
+    }
+
+    fn run(&self) -> Run {
+        self.run_with(&Routines::none())
+    }
+
+    fn run_with(&self, routines: &Routines) -> Run {
+        let prepared = common::prepared(&self.deck(), &[], routines);
+        let names = prepared.plan.column_names();
+        let mut memory = Memory::default();
+        let (outcome, _) = revolve::solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
+        assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+        Run { names, memory, outcome }
+    }
+}
+
+struct Run {
+    names: Vec<String>,
+    memory: Memory,
+    outcome: Outcome,
+}
+
+impl Run {
+    fn column(&self, name: &str) -> Vec<f64> {
+        let at = self.names.iter().position(|n| n == name).unwrap_or_else(|| panic!("no {name} in {:?}", self.names));
+        self.memory.rows.iter().map(|row| row.1[at]).collect()
+    }
+
+    fn last(&self, name: &str) -> f64 {
+        self.column(name).last().copied().unwrap_or(f64::NAN)
+    }
+
+    fn times(&self) -> Vec<f64> {
+        self.memory.rows.iter().map(|row| row.0).collect()
+    }
+}
+
+/// A plane that faces +z.
+fn floor(z: f64) -> String {
+    format!(" START, 0., {z:e}\n LINE, 9., {z:e}\n")
+}
+
+fn gravity(direction: [f64; 3]) -> String {
+    let [a, b, c] = direction;
+    format!("*Dload\n , GRAV, {GRAVITY}, {a:e}, {b:e}, {c:e}\n")
+}
+
+fn cylinder(radius: f64, length: f64) -> Vec<[f64; 2]> {
+    vec![[0.0, 0.0], [radius, 0.0], [radius, 0.5 * length], [radius, length], [0.0, length]]
+}
+
+fn sphere(facets: usize, radius: f64) -> Vec<[f64; 2]> {
+    let angle = |i: usize| PI * i as f64 / facets as f64;
+    let place = |i: usize| if i == 0 || i == facets { 0.0 } else { radius * angle(i).sin() };
+    (0..=facets).map(|i| [place(i), radius * (1.0 - angle(i).cos())]).collect()
+}
+
+/// A ball whose axis lies along 3, with its lowest point at z = 0.
+fn ball(radius: f64) -> Scene {
+    let inertia = 0.4 * MASS * radius * radius;
+    Scene { inertia: [inertia; 2], angles: [0.0, 90.0], wall: floor(0.0), ..Scene::new(sphere(24, radius), radius) }
+}
+
+/// A tilted cylinder falls on an edge: J = v / (1/m + x^2/I), V = -v + J/m, w = x J/I.
+#[test]
+fn plastic_bounce_of_a_tilted_body_is_that_of_the_closed_form() {
+    let (radius, length, tilt, speed) = (0.006, 0.04, 30.0_f64, 10.0);
+    let (sine, cosine) = tilt.to_radians().sin_cos();
+    // The edge of the foot at angle 0 on the side to which it is turned.
+    let (x, y) = (-radius * cosine + 0.5 * length * sine, -radius * sine - 0.5 * length * cosine);
+    let base = Scene::new(cylinder(radius, length), 0.5 * length);
+    let scene = Scene {
+        angles: [tilt, 0.0],
+        wall: floor(0.5 * length + y - 1e-4),
+        starts: [0.0, -speed, 0.0, 0.0, 0.0, 0.0],
+        time: 4e-5,
+        accuracy: 1e-8,
+        ..base
+    };
+    let run = scene.run();
+    let across = scene.inertia[1];
+    let impulse = speed / (1.0 / MASS + x * x / across);
+    let expected = [-speed + impulse / MASS, x * impulse / across, 0.5 * speed * impulse];
+    let found = [run.last("V2@REF"), run.last("VR3@REF"), run.last("ALLCW")];
+    println!("bounce: {found:?} for {expected:?}, drift {:e}", run.outcome.energy.drift);
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found / expected - 1.0).abs() < 2e-3, "{found} for {expected}");
+    }
+    assert!(run.last("V1@REF").abs() < 1e-9 && run.outcome.energy.drift < 1e-9);
+    // Momentum: forces of contact times the time over which they act.
+    let (times, forces) = (run.times(), run.column("CFN2@SKIN_WALL"));
+    let given: f64 = (1..times.len()).map(|i| forces[i] * (times[i] - times[i - 1])).sum();
+    assert!((given / impulse - 1.0).abs() < 2e-3, "{given} for {impulse}");
+}
+
+/// A ball that slides on a floor rolls at 5/7 of its speed; friction takes 2/7 of its energy.
+#[test]
+fn a_sliding_ball_comes_to_roll() {
+    let (radius, speed) = (0.01, 1.0);
+    let scene = Scene {
+        starts: [speed, 0.0, 0.0, 0.0, 0.0, 0.0],
+        friction: 0.3,
+        loads: gravity([0.0, -1.0, 0.0]),
+        time: 0.15,
+        ..ball(radius)
+    };
+    let run = scene.run();
+    let (v, w) = (run.last("V1@REF"), run.last("VR3@REF"));
+    let energy = 0.5 * MASS * speed * speed;
+    println!(
+        "rolling: v {v}, w r {}, friction {}, drift {:e}",
+        w * radius,
+        run.last("ALLFD") / energy,
+        run.outcome.energy.drift
+    );
+    assert!((v / (5.0 / 7.0 * speed) - 1.0).abs() < 2e-3 && (w * radius / v + 1.0).abs() < 1e-6);
+    assert!((run.last("ALLFD") / energy - 2.0 / 7.0).abs() < 2e-3 && run.last("ALLCW").abs() < 1e-3 * energy);
+    assert!((run.last("RF2@WREF") / (MASS * GRAVITY) - 1.0).abs() < 1e-3 && run.outcome.energy.drift < 1e-3);
+    assert!((run.last("U2@REF")).abs() < 1e-3 * radius);
+}
+
+/// A cylinder on its side: the floor bears its weight, friction holds it on a slope below the coefficient and not above it.
+#[test]
+fn a_body_at_rest_weighs_on_the_floor() {
+    let scene = |across: f64| Scene {
+        angles: [90.0, 0.0],
+        wall: floor(0.02 - 0.006),
+        friction: 0.3,
+        loads: gravity([across, -1.0, 0.0]),
+        time: 0.05,
+        ..Scene::new(cylinder(0.006, 0.04), 0.02)
+    };
+    let down = |across: f64| MASS * GRAVITY / across.hypot(1.0);
+    let still = scene(0.2).run();
+    assert_eq!(still.outcome.warnings, Vec::<String>::new());
+    let reaction = still.last("RF2@WREF") / down(0.2);
+    println!("at rest: reaction {reaction}, speed {:e}, drift {:e}", still.last("V1@REF"), still.outcome.energy.drift);
+    assert!((reaction - 1.0).abs() < 1e-6);
+    assert!(
+        still.last("V1@REF").abs() + still.last("V2@REF").abs() < 1e-6 && (still.last("TILT@REF") - 90.0).abs() < 1e-3
+    );
+    let slides = scene(0.5).run();
+    let expected = 0.05 * GRAVITY * (0.5 - 0.3) / 0.5_f64.hypot(1.0);
+    println!("on a slope: {} for {expected}", slides.last("V1@REF"));
+    assert!((slides.last("V1@REF") / expected - 1.0).abs() < 5e-3 && slides.outcome.energy.drift < 1e-3);
+}
+
+/// Without friction a ball in a bowl is a pendulum as long as the difference of both radii.
+#[test]
+fn a_ball_in_a_bowl_is_a_pendulum() {
+    let (radius, bowl, angle) = (0.01, 0.11, 0.5_f64);
+    let arm = bowl - radius;
+    let wall = format!(" START, 0., 0.\n CIRCL, {bowl:e}, {bowl:e}, 0., {bowl:e}\n");
+    let speed = (2.0 * GRAVITY * arm * (1.0 - angle.cos())).sqrt();
+    let scene = Scene {
+        wall,
+        starts: [speed, 0.0, 0.0, 0.0, 0.0, 0.0],
+        loads: gravity([0.0, -1.0, 0.0]),
+        time: 0.4,
+        ..ball(radius)
+    };
+    let run = scene.run();
+    let highest = run.column("U2@REF").into_iter().fold(0.0, f64::max);
+    let expected = arm * (1.0 - angle.cos());
+    let loss = run.last("ALLCW") / (0.5 * MASS * speed * speed);
+    println!("pendulum: rises to {} of {expected}, lost {loss:e}, drift {:e}", highest, run.outcome.energy.drift);
+    assert!((highest / expected - 1.0).abs() < 5e-3 && loss.abs() < 1e-2 && run.outcome.energy.drift < 1e-2);
+}
+
+/// Gravity along 3, a force along 1 off the centre and a moment about 1, over a time in which nothing turns far.
+#[test]
+fn forces_and_moments_act_in_all_directions() {
+    let time = 1e-3;
+    let loads = format!("{}*Cload\n 3, 1, 2.\n 9999, 4, 1e-3\n", gravity([0.0, 0.0, 1.0]));
+    let scene = Scene { angles: [0.0, 30.0], loads, time, ..Scene::new(cylinder(0.006, 0.04), 0.01) };
+    let run = scene.run();
+    let (sine, cosine) = 30.0_f64.to_radians().sin_cos();
+    // Node 3 lies 0.01 above the centre of mass, on the axis (0, cos, sin).
+    let [axial, across] = scene.inertia;
+    let moment = [1e-3, 2.0 * 0.01 * sine, -2.0 * 0.01 * cosine];
+    let along = moment[1] * cosine + moment[2] * sine;
+    let spin = along * (1.0 / axial - 1.0 / across);
+    let angular = [moment[0] / across, moment[1] / across + spin * cosine, moment[2] / across + spin * sine];
+    for (i, expected) in [2.0 / MASS, 0.0, GRAVITY].into_iter().enumerate() {
+        assert!((run.last(&format!("V{}@REF", i + 1)) - expected * time).abs() < 1e-9);
+    }
+    for (i, expected) in angular.into_iter().enumerate() {
+        let found = run.last(&format!("VR{}@REF", i + 1));
+        assert!((found - expected * time).abs() < 2e-2 * norm(angular) * time, "{found} for {}", expected * time);
+    }
+    assert!(run.outcome.energy.drift < 1e-6, "{}", run.outcome.energy.drift);
+}
+
+fn norm([a, b, c]: [f64; 3]) -> f64 {
+    a.hypot(b).hypot(c)
+}
+
+/// A pressure all over a tilted body's foot pushes along its axis, as a prescribed one and as one of the user's routine.
+#[test]
+fn pressures_push_along_the_axis_of_a_tilted_body() {
+    let (radius, pressure, time) = (0.006, 1e5, 1e-4);
+    let scene = |loads: &str| Scene {
+        angles: [20.0, 35.0],
+        loads: format!("*Dsload\n FOOT, {loads}\n"),
+        time,
+        ..Scene::new(cylinder(radius, 0.04), 0.02)
+    };
+    let run = |scene: &Scene, routines: &Routines| {
+        let scene = Scene { wall: scene.wall.clone(), ..scene.clone() };
+        let deck = scene.deck().replace(
+            "*Surface, name=SKIN\n",
+            "*Elset, elset=FOOT\n 1\n*Surface, name=FOOT\n FOOT, SNEG\n*Surface, name=SKIN\n",
+        );
+        let prepared = common::prepared(&deck, &[], routines);
+        let names = prepared.plan.column_names();
+        let mut memory = Memory::default();
+        let (outcome, _) = revolve::solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
+        Run { names, memory, outcome }
+    };
+    let uniform = run(&scene(&format!("P, {pressure:e}")), &Routines::none());
+    let routine = Routines::none().with_pressure(move |_: &LoadPoints<'_>, _| pressure);
+    let own = run(&scene("PNU"), &routine);
+    let expected = pressure * PI * radius * radius / MASS * time;
+    let velocity = |run: &Run| [1, 2, 3].map(|i| run.last(&format!("V{i}@REF")));
+    let (a, b) = (velocity(&uniform), velocity(&own));
+    println!("pressure: {a:?} and {b:?}, {} for {expected}", norm(a));
+    assert!((norm(a) / expected - 1.0).abs() < 1e-9 && (norm(b) / expected - 1.0).abs() < 1e-9);
+    assert!((0..3).all(|i| (a[i] - b[i]).abs() < 1e-9 * expected));
+    assert!(own.column("VR3@REF").iter().all(|w| w.abs() < 1e-6));
+    // A routine sees the normal velocity in space: of a foot that moves along its axis all of it.
+    let seen = std::sync::Arc::new(std::sync::Mutex::new(0.0_f64));
+    let noted = seen.clone();
+    let routine = Routines::none().with_pressure(move |points: &LoadPoints<'_>, i| {
+        let normal = points.velocity_r[i] * points.normal_r[i] + points.velocity_z[i] * points.normal_z[i];
+        let mut most = noted.lock().expect("one thread");
+        *most = most.max(-normal);
+        pressure
+    });
+    run(&scene("PNU"), &routine);
+    let most = *seen.lock().expect("one thread");
+    assert!((most / expected - 1.0).abs() < 1e-6, "{most} for {expected}");
+}
+
+/// What cannot be is refused with a reason.
+#[test]
+fn unsupported_contact_is_refused() {
+    let scene = ball(0.01);
+    let moving =
+        scene.deck().replace(" WREF, 2, 2\n", " WREF, 2, 2, 1.\n").replace("*Boundary\n", "*Boundary, type=VELOCITY\n");
+    let soft =
+        scene.deck().replace("*Friction\n", "*Surface Behavior, pressure-overclosure=LINEAR\n 1e9,\n*Friction\n");
+    for (deck, reason) in [(moving, "is not held"), (soft, "gives way")] {
+        let prepared = revolve::job::prepare_text("wall.inp", &deck, &[], &Routines::none());
+        let text = prepared.diagnostics.render(&prepared.deck.sources);
+        assert!(text.contains("P132") && text.contains(reason), "{text}");
+    }
+}
