@@ -61,6 +61,7 @@ fn standing_place(keyword: &Keyword) -> String {
     let place = match keyword.place {
         Place::Anywhere => String::new(),
         Place::Step => " in a step".into(),
+        Place::EachStep => " in a step, or before the first".into(),
         Place::Below(parent) => format!(" below its *{parent}"),
     };
     match (keyword.times, place.as_str()) {
@@ -75,8 +76,13 @@ fn standing_place(keyword: &Keyword) -> String {
 fn about(rule: &Rule) -> String {
     let mark = mark(rule.extension);
     match rule.usage {
-        Usage::Read if rule.help.is_empty() => mark.into(),
-        Usage::Read => format!("{mark}: {}", rule.help),
+        Usage::Read => {
+            let allowed = rule.value.allowed();
+            let default = rule.value.default_text().map(|text| format!("default {text}")).unwrap_or_default();
+            let parts = [rule.help, allowed.as_str(), default.as_str()].into_iter().filter(|part| !part.is_empty());
+            let text = parts.collect::<Vec<_>>().join("; ");
+            if text.is_empty() { mark.into() } else { format!("{mark}: {text}") }
+        }
         Usage::Only(values, why) => format!("{mark}: only {}; other values are refused: {why}", values.join(" or ")),
         Usage::Inert(note) => format!("{mark}: inert: {note}"),
         Usage::Refused(why) => format!("{mark}: refused: {why}"),

@@ -17,12 +17,15 @@ pub mod number;
 mod parameters;
 mod parser;
 mod printable;
+pub mod read;
 mod render;
 pub mod rows;
+pub mod rule;
 pub mod source;
 pub mod syntax;
-mod table;
+pub mod table;
 pub mod template;
+pub mod value;
 pub mod ways;
 
 use std::path::Path;

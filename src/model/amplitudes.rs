@@ -4,100 +4,62 @@
 use super::builder::Builder;
 use super::names::upper;
 use super::types::{Amplitude, AmplitudeDefinition, AmplitudeId};
+use crate::deck::table::steps as cards;
 use crate::deck::{Card, Word};
+
+/// Definitions by their place among the words of `DEFINITION`.
+const SMOOTH_STEP: usize = 1;
+const EQUALLY_SPACED: usize = 2;
+const USER: usize = 3;
 
 impl Builder<'_> {
     pub(super) fn amplitude(&mut self, card: &Card) {
-        let Some(name) = self.required(card, "NAME") else { return };
-        let definition = card.value("DEFINITION").map_or("TABULAR".into(), |w| upper(&w.text).replace(' ', ""));
-        let mut values = Vec::new();
-        for word in card.lines.iter().flat_map(|l| &l.fields).filter(|w| !w.text.is_empty()) {
-            values.extend(word.number(&mut self.diagnostics));
-        }
-        let mut points: Vec<[f64; 2]> = match definition.as_str() {
-            "USER" => {
-                self.user_amplitude(card, upper(&name.text), values);
-                return;
-            }
-            "TABULAR" | "SMOOTHSTEP" => values.chunks(2).filter(|p| p.len() == 2).map(|p| [p[0], p[1]]).collect(),
-            "EQUALLYSPACED" => self.equally_spaced(card, &values),
-            other => {
-                let help = "TABULAR, SMOOTH STEP, EQUALLY SPACED and USER are";
-                self.unsupported(card.span, format!("DEFINITION={other} is not supported"), help);
-                return;
-            }
-        };
-        if definition != "EQUALLYSPACED" && values.len() % 2 == 1 {
-            self.out_of_range(card.span, format!("{} numbers are not pairs of time and value", values.len()));
-        }
-        let Some(()) = self.scale_and_shift(card, &mut points) else { return };
-        if points.windows(2).any(|w| w[1][0] <= w[0][0]) || points.is_empty() {
-            self.out_of_range(card.span, "an amplitude needs times that ascend");
-            return;
-        }
-        let absolute = self.is_absolute(card);
-        let total_time = card.value("TIME").is_some_and(|w| upper(&w.text).starts_with("TOTAL"));
-        let smooth = definition == "SMOOTHSTEP";
-        let definition = AmplitudeDefinition::Curve { points, smooth, total_time };
-        self.model.amplitudes.push(Amplitude { name: upper(&name.text), definition, absolute, span: card.span });
-    }
-
-    /// `SCALEX`, `SCALEY`, `SHIFTX`, `SHIFTY`: x SCALE + SHIFT on times and values.
-    fn scale_and_shift(&mut self, card: &Card, points: &mut [[f64; 2]]) -> Option<()> {
-        for (i, (scale, shift)) in [("SCALEX", "SHIFTX"), ("SCALEY", "SHIFTY")].into_iter().enumerate() {
-            let mut number =
-                |name, default| card.value(name).map_or(Some(default), |w| w.number(&mut self.diagnostics));
-            let (scale, shift) = (number(scale, 1.0)?, number(shift, 0.0)?);
-            points.iter_mut().for_each(|p| p[i] = p[i] * scale + shift);
-        }
-        Some(())
-    }
-
-    /// `DEFINITION=USER`: constants for the routine, and how many variables it keeps.
-    fn user_amplitude(&mut self, card: &Card, name: String, properties: Vec<f64>) {
-        let mut count = |parameter| -> Option<Option<usize>> {
-            let Some(word) = card.value(parameter) else { return Some(None) };
-            Some(Some(word.integer(&mut self.diagnostics)?.max(0) as usize))
-        };
-        let (Some(expected), Some(variables)) = (count("PROPERTIES"), count("VARIABLES")) else { return };
-        let expected = expected.unwrap_or(0);
-        if expected != properties.len() {
-            let message = format!("PROPERTIES={expected}, but {} constants are given", properties.len());
-            self.out_of_range(card.span, message);
-            return;
-        }
-        let definition = AmplitudeDefinition::User { properties, variables: variables.unwrap_or(0) };
-        let absolute = self.is_absolute(card);
+        let amplitude: cards::Amplitude = self.values(card);
+        let Some(definition) = self.amplitude_definition(card, &amplitude) else { return };
+        let (name, absolute) = (amplitude.name, amplitude.absolute);
         self.model.amplitudes.push(Amplitude { name, definition, absolute, span: card.span });
     }
 
-    /// `VALUE=ABSOLUTE`: the values on the data lines of loads and motions are ignored (ABAQUS Keywords Reference Guide,
-    /// *AMPLITUDE).
-    fn is_absolute(&mut self, card: &Card) -> bool {
-        match card.value("VALUE") {
-            None => false,
-            Some(word) if word.is("RELATIVE") => false,
-            Some(word) if word.is("ABSOLUTE") => true,
-            Some(word) => {
-                self.out_of_range(word.span, format!("VALUE is RELATIVE or ABSOLUTE, not {}", word.text));
-                false
+    fn amplitude_definition(&mut self, card: &Card, amplitude: &cards::Amplitude) -> Option<AmplitudeDefinition> {
+        let values = &amplitude.values;
+        let mut points: Vec<[f64; 2]> = match amplitude.definition {
+            USER => return self.user_amplitude(card, amplitude),
+            EQUALLY_SPACED => {
+                let Some(interval) = amplitude.interval else {
+                    self.out_of_range(card.span, "EQUALLY SPACED needs FIXED INTERVAL=");
+                    return None;
+                };
+                values.iter().enumerate().map(|(i, v)| [amplitude.begin + i as f64 * interval, *v]).collect()
             }
+            _ => values.as_chunks::<2>().0.to_vec(),
+        };
+        if amplitude.definition != EQUALLY_SPACED && values.len() % 2 == 1 {
+            self.out_of_range(card.span, format!("{} numbers are not pairs of time and value", values.len()));
         }
+        let (scale, shift) = ([amplitude.scale_time, amplitude.scale], [amplitude.shift_time, amplitude.shift]);
+        points.iter_mut().for_each(|p| *p = [0, 1].map(|i: usize| p[i] * scale[i] + shift[i]));
+        if points.windows(2).any(|w| w[1][0] <= w[0][0]) || points.is_empty() {
+            self.out_of_range(card.span, "an amplitude needs times that ascend");
+            return None;
+        }
+        let (smooth, total_time) = (amplitude.definition == SMOOTH_STEP, amplitude.total_time);
+        Some(AmplitudeDefinition::Curve { points, smooth, total_time })
+    }
+
+    /// `DEFINITION=USER`: constants for the routine, and how many variables it keeps.
+    fn user_amplitude(&mut self, card: &Card, amplitude: &cards::Amplitude) -> Option<AmplitudeDefinition> {
+        let (expected, properties) = (amplitude.properties.unwrap_or(0), amplitude.values.clone());
+        if expected != properties.len() {
+            let message = format!("PROPERTIES={expected}, but {} constants are given", properties.len());
+            self.out_of_range(card.span, message);
+            return None;
+        }
+        Some(AmplitudeDefinition::User { properties, variables: amplitude.variables })
     }
 
     /// The magnitude that an amplitude scales: 1 where its values are magnitudes themselves.
     pub(super) fn scaled(&self, magnitude: f64, amplitude: Option<AmplitudeId>) -> f64 {
         if amplitude.is_some_and(|i| self.model.amplitudes[i].absolute) { 1.0 } else { magnitude }
-    }
-
-    fn equally_spaced(&mut self, card: &Card, values: &[f64]) -> Vec<[f64; 2]> {
-        let number = |b: &mut Self, name: &str| card.value(name).and_then(|w| w.number(&mut b.diagnostics));
-        let begin = number(self, "BEGIN").unwrap_or(0.0);
-        let Some(interval) = number(self, "FIXED INTERVAL").filter(|i| *i > 0.0) else {
-            self.out_of_range(card.span, "EQUALLY SPACED needs FIXED INTERVAL= above zero");
-            return Vec::new();
-        };
-        values.iter().enumerate().map(|(i, v)| [begin + i as f64 * interval, *v]).collect()
     }
 
     /// The amplitude of a card; `Err` if it is named and unknown (reported).

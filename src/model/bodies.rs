@@ -4,9 +4,15 @@
 use super::builder::Builder;
 use super::names::{qualified, upper};
 use super::types::{
-    Attitude, ElementKind, InitialCondition, InitialKind, PointMass, RigidBody, RotaryInertia, STATIONS, SurfaceId,
+    Attitude, ElementKind, InitialCondition, InitialKind, PointMass, RigidBody, RotaryInertia, SurfaceId,
 };
+use crate::deck::read::FromValue;
+use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Diagnostic, Word};
+
+/// Kinds of initial conditions by their place among the words of `TYPE`.
+const FIELD: usize = 5;
+const SOLUTION: usize = 6;
 
 impl Builder<'_> {
     pub(super) fn rigid_body(&mut self, card: &Card) {
@@ -24,11 +30,8 @@ impl Builder<'_> {
         for name in ["PIN NSET", "TIE NSET"] {
             tied.extend(card.value(name).and_then(|w| self.node_members(w)).unwrap_or_default());
         }
-        let density = card.value("DENSITY").map_or(Some(0.0), |w| w.number(&mut self.diagnostics)).unwrap_or(0.0);
-        let thickness = card.lines.first().and_then(|l| self.number_or(l, 0, 0.0)).unwrap_or(0.0);
-        if density < 0.0 || thickness < 0.0 {
-            self.out_of_range(card.span, "density and thickness of a rigid body must not be below zero");
-        }
+        let density = card.read("DENSITY");
+        let thickness = f64::from_value(card.given_field(0, 0));
         let name = card.value("ELSET").map_or_else(|| "RIGID BODY".into(), |w| upper(&w.text));
         self.model.rigid_bodies.push(RigidBody {
             name,
@@ -44,12 +47,7 @@ impl Builder<'_> {
     /// The mass is kept with its set and given to nodes at the end: MASS elements may follow.
     pub(super) fn mass(&mut self, card: &Card) {
         let Some(set) = self.required(card, "ELSET") else { return };
-        let Some(line) = self.first_line(card) else { return };
-        let Some(mass) = self.number(line, 0, "the mass") else { return };
-        if mass < 0.0 {
-            self.out_of_range(line.span, format!("a mass must not be below zero, not {mass}"));
-            return;
-        }
+        let cards::Mass { mass: [mass] } = self.values(card);
         let elements = match self.point_elements(card, set, ElementKind::Mass) {
             Ok(elements) => elements,
             Err(finding) => {
@@ -84,17 +82,11 @@ impl Builder<'_> {
     /// Rotary inertia of ROTARYI elements: a body of revolution is as heavy to turn about 1 as about 3, and has no products.
     pub(super) fn rotary_inertia(&mut self, card: &Card) {
         let Some(set) = self.required(card, "ELSET") else { return };
-        let Some(line) = self.first_line(card) else { return };
-        let Some(first) = self.number(line, 0, "the moment of inertia I11") else { return };
-        let (Some(axial), Some(third)) = (self.number_or(line, 1, first), self.number_or(line, 2, first)) else {
-            return;
-        };
-        if first < 0.0 || axial < 0.0 || first != third {
-            let message = format!(
-                "I11 and I33 of a body of revolution are equal, and none is below zero, not {first}, {axial}, {third}"
-            );
-            self.out_of_range(line.span, message);
-            return;
+        let cards::RotaryInertia { moments: [first, axial, third] } = self.values(card);
+        let [axial, third] = [axial, third].map(|moment| if moment.is_nan() { first } else { moment });
+        if first != third {
+            let message = format!("I11 and I33 of a body of revolution must be equal, found {first} and {third}");
+            return self.out_of_range(card.span, message);
         }
         let elements = match self.point_elements(card, set, ElementKind::RotaryInertia) {
             Ok(elements) => elements,
@@ -115,21 +107,8 @@ impl Builder<'_> {
             self.out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
             return;
         };
-        let stations = card.value("STATIONS").map_or(Some(STATIONS as f64), |w| w.number(&mut self.diagnostics));
-        let uniform = card.value("INERTIA");
-        if let Some(word) = uniform.filter(|w| upper(&w.text) != "UNIFORM") {
-            self.unsupported(word.span, format!("INERTIA={} is not known", word.text), "UNIFORM is");
-            return;
-        }
-        let uniform = uniform.is_some();
-        let line = card.lines.first();
-        let angle = |builder: &mut Self, at| line.map_or(Some(0.0), |line| builder.number_or(line, at, 0.0));
-        let (Some(stations), Some(first), Some(second)) = (stations, angle(self, 0), angle(self, 1)) else { return };
-        if stations.fract() != 0.0 || !(4.0..=4096.0).contains(&stations) {
-            self.out_of_range(card.span, format!("STATIONS is a whole number from 4 to 4096, not {stations}"));
-            return;
-        }
-        let (angles, stations) = ([first, second], stations as usize);
+        let cards::Attitude { stations, inertia, angles } = self.values(card);
+        let uniform = inertia.is_some();
         self.model.attitudes.push(Attitude { reference, angles, stations, uniform, span: card.span });
     }
 
@@ -139,76 +118,34 @@ impl Builder<'_> {
     }
 
     pub(super) fn initial_conditions(&mut self, card: &Card) {
-        let Some(kind) = self.required(card, "TYPE") else { return };
-        let name = upper(&kind.text);
-        if name == "SOLUTION" {
-            self.initial_state(card);
-            return;
+        let kind: usize = card.read("TYPE");
+        if kind == SOLUTION {
+            return self.initial_state(card);
         }
-        let Some(variable) = self.field_variable(card, &name) else { return };
-        for line in &card.lines {
+        if let Some(word) = card.value("VARIABLE").filter(|_| kind != FIELD) {
+            return self.unsupported(word.span, "VARIABLE is one of TYPE=FIELD", "remove it");
+        }
+        for (at, line) in card.lines.iter().enumerate() {
             let Some(set) = line.field(0) else { continue };
-            let found = match name.as_str() {
-                "VELOCITY" => {
-                    let (Some(dof), Some(v)) =
-                        (self.integer(line, 1, "the degree of freedom"), self.number_or(line, 2, 0.0))
-                    else {
-                        continue;
-                    };
-                    if !(1..=6).contains(&dof) {
-                        self.out_of_range(line.span, format!("degree of freedom {dof}: 1 is r, 2 is z"));
-                        continue;
-                    }
-                    self.node_members(set).map(|m| (InitialKind::Velocity(dof as u8, v), m))
-                }
-                "TEMPERATURE" => {
-                    let Some(value) = self.number(line, 1, "the temperature") else { continue };
-                    self.node_members(set).map(|m| (InitialKind::Temperature(value), m))
-                }
-                "STRESS" => {
-                    let values: Vec<f64> =
-                        (1..line.fields.len()).filter_map(|i| self.number_or(line, i, 0.0)).collect();
-                    self.element_members(set).map(|m| (InitialKind::Stress(values), m))
-                }
-                "SPECIFIC ENERGY" => {
-                    let Some(value) = self.number(line, 1, "the energy a mass") else { continue };
-                    self.element_members(set).map(|m| (InitialKind::Energy(value), m))
-                }
-                "HARDENING" => {
-                    let Some(value) = self.number(line, 1, "the equivalent plastic strain") else { continue };
-                    if value < 0.0 {
-                        self.out_of_range(line.span, format!("a plastic strain of {value} lies below zero"));
-                        continue;
-                    }
-                    self.element_members(set).map(|m| (InitialKind::Hardening(value), m))
-                }
-                "FIELD" => {
-                    let Some(value) = self.number(line, 1, "the value of the field") else { continue };
-                    self.node_members(set).map(|m| (InitialKind::Field(variable, value), m))
-                }
-                other => {
-                    let help = "VELOCITY, TEMPERATURE, STRESS, SPECIFIC ENERGY, HARDENING, SOLUTION and FIELD are";
-                    self.unsupported(kind.span, format!("TYPE={other} is not supported"), help);
-                    return;
-                }
+            let value = |field| f64::from_value(card.given_field(at, field));
+            let kind = match kind {
+                0 => InitialKind::Velocity(value(1) as u8, value(2)),
+                1 => InitialKind::Temperature(value(1)),
+                2 => InitialKind::Stress(
+                    (1..line.fields.len()).map(|at| if line.field(at).is_some() { value(at) } else { 0.0 }).collect(),
+                ),
+                3 => InitialKind::Energy(value(1)),
+                4 => InitialKind::Hardening(value(1)),
+                _ => InitialKind::Field(card.read::<usize>("VARIABLE") - 1, value(1)),
             };
-            if let Some((kind, members)) = found {
+            let members = if kind.is_of_elements() { self.element_members(set) } else { self.node_members(set) };
+            if let Some(members) = members {
                 self.model.initial_conditions.push(InitialCondition { kind, members, span: line.span });
             }
         }
     }
 
-    /// VARIABLE of `*INITIAL CONDITIONS, TYPE=FIELD`, counted from 0; the first without it.
-    fn field_variable(&mut self, card: &Card, kind: &str) -> Option<usize> {
-        let Some(word) = card.value("VARIABLE") else { return Some(0) };
-        if kind != "FIELD" {
-            self.unsupported(word.span, "VARIABLE is one of TYPE=FIELD", "take it away");
-            return None;
-        }
-        self.numbered_field(card)
-    }
-
-    /// Surface index by name.
+    /// The surface of a name.
     pub(super) fn surface_id(&mut self, word: &Word) -> Option<SurfaceId> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(index) = self.model.surfaces.faces.get_index_of(&name) {

@@ -23,15 +23,10 @@ impl Degrees {
 
 impl Builder<'_> {
     pub(super) fn boundary(&mut self, card: &Card) {
-        let kind = match card.value("TYPE").map(|w| upper(&w.text)).as_deref() {
-            None | Some("DISPLACEMENT") => Motion::Displacement,
-            Some("VELOCITY") => Motion::Velocity,
-            Some("ACCELERATION") => Motion::Acceleration,
-            Some(other) => {
-                let help = "DISPLACEMENT, VELOCITY and ACCELERATION are";
-                self.unsupported(card.span, format!("TYPE={other} on *BOUNDARY is not supported"), help);
-                return;
-            }
+        let kinds = [Motion::Displacement, Motion::Velocity, Motion::Acceleration];
+        let kind = match card.read::<Option<usize>>("TYPE") {
+            None if card.has("TYPE") => return,
+            kind => kinds[kind.unwrap_or(0)],
         };
         let user = card.has("USER");
         let ramp = self.step.as_ref().is_some_and(|s| s.ramp);

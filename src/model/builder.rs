@@ -4,8 +4,9 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use crate::deck::keywords::Tier;
+use crate::deck::keywords::{Place, Tier};
 use crate::deck::names::nearest;
+use crate::deck::read::ReadCard;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 
 use indexmap::IndexMap;
@@ -195,30 +196,8 @@ impl<'a> Builder<'a> {
             "RIGID SURFACE" => self.rigid_surface(card),
             "MESH" => self.mesh_file(card),
             "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => self.block(card),
-            "MATERIAL"
-            | "DENSITY"
-            | "ELASTIC"
-            | "PLASTIC"
-            | "RATE DEPENDENT"
-            | "INELASTIC HEAT FRACTION"
-            | "SPECIFIC HEAT"
-            | "CONDUCTIVITY"
-            | "EXPANSION"
-            | "EOS"
-            | "DETONATION POINT"
-            | "HYPERELASTIC"
-            | "CRUSHABLE FOAM"
-            | "CRUSHABLE FOAM HARDENING"
-            | "DAMPING"
-            | "SHEAR FAILURE"
-            | "TENSILE FAILURE"
-            | "DAMAGE INITIATION"
-            | "DAMAGE EVOLUTION"
-            | "USER MATERIAL"
-            | "USER DEFINED FIELD"
-            | "CHARACTERISTIC LENGTH"
-            | "DEPVAR"
-            | "CAVITY EXPANSION" => self.material_card(card),
+            "MATERIAL" => self.begin_material(card),
+            _ if card.keyword.place == Place::Below("MATERIAL") => self.material_card(card),
             "PHYSICAL CONSTANTS" => self.physical_constants(card),
             "SOLID SECTION" => self.solid_section(card),
             "SHELL SECTION" => self.shell_section(card),
@@ -254,16 +233,12 @@ impl<'a> Builder<'a> {
             "TARGET" => self.target(card),
             "AMPLITUDE" => self.amplitude(card),
             "INITIAL CONDITIONS" => self.initial_conditions(card),
-            "STEP"
-            | "END STEP"
-            | "DYNAMIC"
-            | "DYNAMIC TEMPERATURE-DISPLACEMENT"
-            | "BULK VISCOSITY"
-            | "FIXED MASS SCALING"
-            | "VARIABLE MASS SCALING"
-            | "ENERGY LIMIT" => {
-                self.step_card(card);
-            }
+            "STEP" => self.begin_step(card),
+            "END STEP" => self.end_step(card),
+            "DYNAMIC" | "DYNAMIC TEMPERATURE-DISPLACEMENT" => self.dynamic(card),
+            "BULK VISCOSITY" => self.bulk_viscosity(card),
+            "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => self.mass_scaling(card),
+            "ENERGY LIMIT" => self.energy_limit(card),
             "BOUNDARY" => self.boundary(card),
             "CLOAD" | "DLOAD" | "DSLOAD" => self.load_card(card),
             "FIELD" => self.prescribed_fields(card),
@@ -308,6 +283,11 @@ impl<'a> Builder<'a> {
         self.model.origin.inert.push(Inert { keyword: card.keyword.name.into(), span: card.span, why });
     }
 
+    /// The values of a card, which have been checked.
+    pub fn values<T: ReadCard>(&self, card: &Card) -> T {
+        T::read(card)
+    }
+
     /// A parameter value that must be there.
     pub fn required<'c>(&mut self, card: &'c Card, name: &str) -> Option<&'c Word> {
         let value = card.value(name);
@@ -345,17 +325,6 @@ impl<'a> Builder<'a> {
                 None
             }
         }
-    }
-
-    /// A parameter that is a number above zero, where it is given; `None` where it is given and is none (reported).
-    pub fn positive_parameter(&mut self, card: &Card, name: &str) -> Option<Option<f64>> {
-        let Some(word) = card.value(name) else { return Some(None) };
-        let value = word.number(&mut self.diagnostics)?;
-        if value > 0.0 && value.is_finite() {
-            return Some(Some(value));
-        }
-        self.out_of_range(word.span, format!("{name} must be above zero, not {value}"));
-        None
     }
 
     pub fn out_of_range(&mut self, span: Span, message: impl Into<String>) {

@@ -3,6 +3,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::check_values::{check_lines, check_parameter, check_required_parameters, check_value};
 use super::names::upper;
 use super::types::Inert;
 use crate::deck::keywords::{Place, Rule, Shape, Tier, Times, Usage};
@@ -19,8 +20,14 @@ const NO_EFFECT: &str = "no result depends on it";
 /// an error tells of a parameter or a data line.
 pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<Inert>, HashSet<Span>) {
     let sources = &deck.sources;
-    let mut checker =
-        Checker { sources, diagnostics, inert: Vec::new(), blocks: Blocks::default(), given: HashMap::new() };
+    let mut checker = Checker {
+        sources,
+        diagnostics,
+        inert: Vec::new(),
+        blocks: Blocks::default(),
+        of_values: Diagnostics::default(),
+        given: HashMap::new(),
+    };
     let mut faulty = HashSet::new();
     for card in &deck.cards {
         checker.blocks.pass(card);
@@ -34,6 +41,7 @@ pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<Inert>, 
             if checker.diagnostics.error_count() == told {
                 checker.data(card);
             }
+            check_required_parameters(card, checker.diagnostics);
         }
         match card.keyword.tier {
             Tier::Inert(why) => checker.inert(card.keyword.name.into(), card.span, why),
@@ -66,6 +74,8 @@ struct Blocks {
     parents: usize,
     /// Steps begun so far; 0 before the first.
     step: usize,
+    /// Whether one is open.
+    in_step: bool,
     /// Part or instance whose names these are.
     scope: String,
 }
@@ -81,7 +91,8 @@ impl Blocks {
             self.parent = None;
         }
         match name {
-            "STEP" => self.step += 1,
+            "STEP" => (self.step, self.in_step) = (self.step + 1, true),
+            "END STEP" => self.in_step = false,
             "PART" | "INSTANCE" => self.scope = format!("{name} {}", card.value("NAME").map_or("", |w| &w.text)),
             "END PART" | "END INSTANCE" => self.scope.clear(),
             _ => {}
@@ -92,7 +103,7 @@ impl Blocks {
     fn place(&self, card: &Card) -> String {
         match card.keyword.place {
             Place::Anywhere => self.scope.clone(),
-            Place::Step => self.step.to_string(),
+            Place::Step | Place::EachStep => self.step.to_string(),
             Place::Below(_) => self.parent.map_or(0, |p| p.1).to_string(),
         }
     }
@@ -103,16 +114,27 @@ struct Checker<'d> {
     diagnostics: &'d mut Diagnostics,
     inert: Vec<(Inert, usize)>,
     blocks: Blocks,
+    /// Findings on values of the card that is being checked.
+    of_values: Diagnostics,
     /// Where a card was given first, by keyword, place and name.
     given: HashMap<(&'static str, String, String), Span>,
 }
 
 impl Checker<'_> {
     fn place(&mut self, card: &Card) {
-        if let (Place::Below(parent), None) = (card.keyword.place, self.blocks.parent) {
-            let message = format!("*{} belongs below a *{parent}", card.keyword.name);
-            let finding = Diagnostic::error("M105", message).at(card.span, format!("no *{parent} is open here"));
-            self.diagnostics.push(finding.help(format!("move it below its *{parent}, before any other kind of card")));
+        let name = card.keyword.name;
+        match card.keyword.place {
+            Place::Below(parent) if self.blocks.parent.is_none() => {
+                let message = format!("*{name} belongs below a *{parent}");
+                let finding = Diagnostic::error("M105", message).at(card.span, format!("no *{parent} is open here"));
+                let help = format!("move it below its *{parent}, before any other kind of card");
+                self.diagnostics.push(finding.help(help));
+            }
+            Place::Step if !self.blocks.in_step => {
+                let message = format!("*{name} belongs into a *STEP");
+                self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no step is open"));
+            }
+            _ => {}
         }
     }
 
@@ -130,7 +152,7 @@ impl Checker<'_> {
         self.given.insert(key, first);
         let message = match (card.keyword.times, card.keyword.place) {
             (Times::Unique(_), _) => format!("*{} {name} is defined twice", card.keyword.name),
-            (_, Place::Step) => format!("*{} is given twice in the step", card.keyword.name),
+            (_, Place::Step | Place::EachStep) => format!("*{} is given twice in the step", card.keyword.name),
             (_, Place::Below(parent)) => format!("*{} is given twice below its *{parent}", card.keyword.name),
             _ => format!("*{} is given twice", card.keyword.name),
         };
@@ -143,7 +165,7 @@ impl Checker<'_> {
             let Some(rule) = card.keyword.rule(parameter.name) else { continue };
             let (name, keyword) = (parameter.name, card.keyword.name);
             match rule.usage {
-                Usage::Read => {}
+                Usage::Read => check_parameter(card, rule, parameter, self.diagnostics),
                 Usage::Refused(why) => {
                     let message = format!("{name} on *{keyword} is not supported");
                     self.refuse(parameter.span, message, why);
@@ -178,6 +200,7 @@ impl Checker<'_> {
             }
             return;
         }
+        let told = self.diagnostics.error_count();
         let mut faults = Faults::default();
         let mut before = 0;
         let behind = |before: usize, fields: usize| match shape {
@@ -197,6 +220,14 @@ impl Checker<'_> {
             before = behind(before, count);
         }
         faults.tell(card, self.diagnostics);
+        let of_values = std::mem::take(&mut self.of_values);
+        // Where a value is one too many, others are not what was meant.
+        if self.diagnostics.error_count() == told {
+            self.diagnostics.append(of_values);
+        }
+        if self.diagnostics.error_count() == told {
+            check_lines(card, self.diagnostics);
+        }
     }
 
     fn line(
@@ -216,9 +247,9 @@ impl Checker<'_> {
             // A temperature on the only row decides nothing.
             let idle = rule.name == "temperature" && card.line_count() == 1;
             match rule.usage {
-                Usage::Read if !idle => {}
                 Usage::Read => {
-                    if let Some(meant) = decimal_comma(line, k) {
+                    check_value(card, rule, word, &mut self.of_values);
+                    if let Some(meant) = decimal_comma(line, k).filter(|_| idle) {
                         faults.note(Fault::Comma(rule, meant), word, line);
                     }
                 }

@@ -5,48 +5,27 @@
 use super::builder::Builder;
 use super::names::upper;
 use super::types::{AssignedClearance, Clearance};
+use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Word};
 
 impl Builder<'_> {
     /// ABAQUS Keywords Reference Guide, *CONTACT CLEARANCE.
     pub(super) fn contact_clearance(&mut self, card: &Card) {
-        let Some(gap) = self.not_below_zero(card, "CLEARANCE") else { return };
-        self.add_clearance(card, gap.unwrap_or(0.0), None);
+        let cards::ContactClearance { name, gap, above, below } = self.values(card);
+        self.clearances.push((name, Clearance { gap, above, below }));
     }
 
     /// ABAQUS Keywords Reference Guide, *CONTACT INITIALIZATION DATA: without a clearance overlaps alone are resolved.
     pub(super) fn contact_initialization(&mut self, card: &Card) {
-        let Some(gap) = self.not_below_zero(card, "INITIAL CLEARANCE") else { return };
-        self.add_clearance(card, gap.unwrap_or(0.0), gap.is_none().then_some(0.0));
-    }
-
-    /// Without a word of the card gaps up to `above` count.
-    fn add_clearance(&mut self, card: &Card, gap: f64, above: Option<f64>) {
-        let Some(name) = self.required(card, "NAME") else { return };
-        let searched = ["SEARCH ABOVE", "SEARCH BELOW"].map(|name| self.not_below_zero(card, name));
-        let [Some(up), Some(below)] = searched else { return };
-        let clearance = Clearance { gap, above: up.or(above), below };
-        self.clearances.push((upper(&name.text), clearance));
-    }
-
-    /// A number that is not below zero; `Some(None)` where it is not given.
-    fn not_below_zero(&mut self, card: &Card, name: &str) -> Option<Option<f64>> {
-        let Some(word) = card.value(name) else { return Some(None) };
-        let value = word.number(&mut self.diagnostics)?;
-        if value >= 0.0 && value.is_finite() {
-            return Some(Some(value));
-        }
-        self.out_of_range(word.span, format!("{name} must not be below zero, not {value}"));
-        None
+        let cards::ContactInitializationData { name, gap, above, below } = self.values(card);
+        let above = above.or(gap.is_none().then_some(0.0));
+        self.clearances.push((name, Clearance { gap: gap.unwrap_or(0.0), above, below }));
     }
 
     /// ABAQUS Keywords Reference Guide, *CLEARANCE: an initial clearance of all pairs of a set.
     pub(super) fn pair_clearance(&mut self, card: &Card) {
         let Some(set) = self.required(card, "CPSET").cloned() else { return };
-        if self.required(card, "VALUE").is_none() {
-            return;
-        }
-        let Some(Some(gap)) = self.not_below_zero(card, "VALUE") else { return };
+        let cards::Clearance { gap } = self.values(card);
         let [above, below] = [Some(f64::INFINITY); 2];
         self.state().pair_clearances.push((set, Clearance { gap, above, below }));
     }

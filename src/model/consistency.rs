@@ -8,6 +8,8 @@ use super::types::{
     ElementKind, Erosion, Friction, IncrementControl, InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion,
     OutputRequest, Region, ShellSection, ShellThinning, Side, Sides, Step, SurfaceContact, Target,
 };
+use crate::deck::keywords::Keyword;
+use crate::deck::table::{constraints, materials, steps};
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::variables::request::VariableRequest;
 
@@ -63,6 +65,15 @@ impl Check<'_> {
         }
     }
 
+    /// Says that a value is not one that its card could have.
+    pub(super) fn in_range(&mut self, span: Span, of: &str, row: &Keyword, field: &str, value: Option<f64>) {
+        let (Some(allowed), Some(value)) = (row.value(field), value) else { return };
+        self.value(allowed.allows(value), span, || {
+            let of = if of.is_empty() { String::new() } else { format!("`{of}`: ") };
+            format!("{of}{field} of *{} must be {}, found {value}", row.name, allowed.allowed())
+        });
+    }
+
     /// Says which index leads nowhere.
     fn indices(&mut self, code: &'static str, span: Span, what: &str, indices: &[usize], count: usize) {
         if let Some(stray) = indices.iter().find(|i| **i >= count) {
@@ -80,13 +91,16 @@ impl Check<'_> {
 
     fn erosion(&mut self, erosion: &Erosion) {
         self.elements(erosion.span, erosion.elements.as_deref().unwrap_or_default());
-        let jacobian = erosion.distortion.is_none_or(|d| (0.0..1.0).contains(&d));
-        let limits = [erosion.plastic, erosion.strain, erosion.increment];
-        let good = jacobian && limits.iter().flatten().all(|limit| above_zero(*limit));
-        let any = erosion.distortion.is_some() || limits.iter().any(Option::is_some);
-        self.value(good && any, erosion.span, || {
-            "erosion needs a limit: DISTORTION from 0 on and below 1, others above zero".into()
-        });
+        let row = &materials::Erosion::ROW;
+        let limits = [
+            ("DISTORTION", erosion.distortion),
+            ("PLASTIC STRAIN", erosion.plastic),
+            ("PRINCIPAL STRAIN", erosion.strain),
+            ("INCREMENT", erosion.increment),
+        ];
+        limits.iter().for_each(|(field, limit)| self.in_range(erosion.span, "", row, field, *limit));
+        let any = limits.iter().any(|limit| limit.1.is_some());
+        self.value(any, erosion.span, || "erosion needs a limit".into());
     }
 
     fn amplitude(&mut self, span: Span, id: Option<AmplitudeId>) {
@@ -187,20 +201,20 @@ impl Check<'_> {
         }
         for point in &model.discrete.masses {
             self.nodes(point.span, &[point.node]);
-            self.value(not_below(point.mass), point.span, || {
-                format!("a mass must not be below zero, not {}", point.mass)
-            });
+            self.in_range(point.span, "", &constraints::Mass::ROW, "mass", Some(point.mass));
         }
         for attitude in &model.attitudes {
             self.nodes(attitude.span, &[attitude.reference]);
-            let good = attitude.angles.iter().all(|a| a.is_finite()) && (4..=4096).contains(&attitude.stations);
-            self.value(good, attitude.span, || "an attitude has finite angles and 4 to 4096 stations".into());
+            let good = attitude.angles.iter().all(|a| a.is_finite());
+            self.value(good, attitude.span, || "an attitude has finite angles".into());
+            let stations = Some(attitude.stations as f64);
+            self.in_range(attitude.span, "", &constraints::Attitude::ROW, "STATIONS", stations);
         }
         for inertia in &model.discrete.inertias {
             self.nodes(inertia.span, &[inertia.node]);
-            self.value(inertia.axial_transverse.iter().all(|i| not_below(*i)), inertia.span, || {
-                "a rotary inertia must not be below zero".into()
-            });
+            for moment in inertia.axial_transverse {
+                self.in_range(inertia.span, "", &constraints::RotaryInertia::ROW, "I11", Some(moment));
+            }
         }
         for surface in model.surfaces.analytical.values() {
             self.nodes(surface.span, surface.reference.as_slice());
@@ -213,11 +227,12 @@ impl Check<'_> {
     }
 
     fn shell_section(&mut self, section: &ShellSection) {
-        let good = above_zero(section.thickness) && section.points >= 3 && section.points % 2 == 1;
-        self.value(good && not_below(section.per_area), section.span, || {
-            "a shell needs a thickness above zero, an odd number of points from 3 on, and no mass an area below zero"
-                .into()
-        });
+        let row = &materials::ShellSection::ROW;
+        self.in_range(section.span, "", row, "thickness", Some(section.thickness));
+        self.in_range(section.span, "", row, "points", Some(section.points as f64));
+        self.in_range(section.span, "", row, "DENSITY", Some(section.per_area));
+        let odd = section.points % 2 == 1;
+        self.value(odd, section.span, || format!("a shell needs an odd number of points, not {}", section.points));
         let ratio = |r: f64| r > -1.0 && r <= 0.5;
         let thins = !matches!(section.thinning, ShellThinning::Ratio(r) if !ratio(r));
         self.value(thins, section.span, || "POISSON of a shell lies above -1 and is 0.5 at most".into());
@@ -234,13 +249,10 @@ impl Check<'_> {
     }
 
     fn target(&mut self, target: &Target) {
-        let good = target.front.is_finite()
-            && target.direction.abs() == 1.0
-            && !target.layers.is_empty()
-            && target.obliquity.abs() < 90.0;
-        self.value(good, target.span, || {
-            "a target needs a front, the direction +1 or -1, an obliquity below 90 degrees, and layers".into()
-        });
+        let good = target.front.is_finite() && target.direction.abs() == 1.0 && !target.layers.is_empty();
+        self.value(good, target.span, || "a target needs a front, the direction +1 or -1, and layers".into());
+        let row = &constraints::Target::ROW;
+        self.in_range(target.span, &target.name, row, "OBLIQUITY", Some(target.obliquity));
         for layer in &target.layers {
             self.value(layer.thickness > 0.0 && layer.radius > 0.0, layer.span, || {
                 format!("a layer must be thicker and wider than zero, not {} by {}", layer.thickness, layer.radius)
@@ -319,11 +331,10 @@ impl Check<'_> {
             };
             self.value(finite, condition.span, || "an initial condition needs finite values".into());
             self.value(ascend(&condition.members), condition.span, || "members must ascend".into());
-            match condition.kind {
-                InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::Hardening(_) | InitialKind::State(_) => {
-                    self.elements(condition.span, &condition.members)
-                }
-                _ => self.nodes(condition.span, &condition.members),
+            if condition.kind.is_of_elements() {
+                self.elements(condition.span, &condition.members);
+            } else {
+                self.nodes(condition.span, &condition.members);
             }
             if let InitialKind::Velocity(dof, _) = condition.kind {
                 self.degree(condition.span, dof, 6);
@@ -333,15 +344,17 @@ impl Check<'_> {
     }
 
     fn step(&mut self, step: &Step) {
-        self.value(above_zero(step.duration), step.span, || {
-            format!("the length of the step must be above zero, not {}", step.duration)
-        });
+        let row = &steps::Dynamic::ROW;
+        self.in_range(step.span, &step.name, row, "length of the step", Some(step.duration));
+        self.in_range(step.span, &step.name, row, "SCALE FACTOR", Some(step.scale_factor));
         let increment = match step.increment {
-            IncrementControl::Automatic { accuracy, largest, .. } => (1e-14..=0.1).contains(&accuracy) && largest > 0.0,
+            IncrementControl::Automatic { accuracy, largest, .. } => {
+                self.in_range(step.span, &step.name, row, "ACCURACY", Some(accuracy));
+                largest > 0.0
+            }
             IncrementControl::Fixed(increment) => increment > 0.0 && increment <= step.duration,
         };
         self.value(increment, step.span, || format!("no increment can be chosen by {:?}", step.increment));
-        self.value(step.scale_factor > 0.0, step.span, || "SCALE FACTOR must be above zero".into());
         self.value(step.bulk_viscosity.iter().all(|b| not_below(*b)), step.span, || {
             "bulk viscosity must not be below zero".into()
         });
@@ -383,8 +396,9 @@ impl Check<'_> {
         }
         for scaling in &step.mass_scalings {
             self.elements(scaling.span, scaling.elements.as_deref().unwrap_or_default());
-            let good = above_zero(scaling.factor) && scaling.target.is_none_or(|t| above_zero(t.1));
-            self.value(good, scaling.span, || "FACTOR and DT of mass scaling must be above zero".into());
+            let row = &steps::FixedMassScaling::ROW;
+            self.in_range(scaling.span, "", row, "FACTOR", Some(scaling.factor));
+            self.in_range(scaling.span, "", row, "DT", scaling.target.map(|t| t.1));
         }
     }
 

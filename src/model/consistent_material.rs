@@ -2,12 +2,14 @@
 //! Never here: which laws can stand beside each other, which the plan says.
 
 use super::consistency::{Check, above_zero, not_below};
-use super::eos::{is_explosive, stiffens};
+use super::eos::stiffens;
 use super::rubber::ORDER;
 use super::types::{
-    DamageEvolution, EosKind, Expansion, FailureCriterion, FoamShape, Hyperelastic, Material, Plastic, RateDependence,
-    RubberShape, StrainAtFailure,
+    DamageEvolution, EosKind, FailureCriterion, FoamShape, Hyperelastic, Material, Plastic, RateDependence,
+    RubberShape, StateVariables, StrainAtFailure,
 };
+use crate::deck::keywords::Keyword;
+use crate::deck::table::materials as cards;
 use crate::kernel::levels::NestedTable;
 
 /// Whether temperatures ascend in rows; one row needs none.
@@ -15,47 +17,124 @@ fn by_temperature(rows: &[[f64; 3]]) -> bool {
     !rows.is_empty() && (rows.len() == 1 || rows.windows(2).all(|w| w[0][2] < w[1][2]))
 }
 
+/// Fields of a card with the values of a model.
+type Fields<'a> = &'a [(&'static str, Option<f64>)];
+
 impl Check<'_> {
     pub(super) fn material(&mut self, material: &Material) {
+        self.elasticity(material);
+        self.compressible(material);
+        self.heat(material);
+        self.flow(material);
+        self.failure(material);
+        let (name, span, user) = (&material.name, material.span, &material.user);
+        let of_fields = user.fields.iter().chain(&user.lengths).flat_map(|f| &f.0);
+        let mut constants = user.material.iter().flatten().chain(of_fields);
+        let StateVariables { count, delete } = user.state;
+        let good = constants.all(|c| c.is_finite()) && count <= 10_000 && delete.is_none_or(|d| d < count);
+        self.value(good, span, || format!("material `{name}`: constants or state variables of the user out of range"));
+    }
+
+    /// Values of a card, by the ranges that decks are held to.
+    fn card(&mut self, material: &Material, row: &Keyword, fields: Fields<'_>) {
+        fields.iter().for_each(|(field, value)| self.in_range(material.span, &material.name, row, field, *value));
+    }
+
+    fn rows<const N: usize>(
+        &mut self,
+        material: &Material,
+        row: &Keyword,
+        names: [&'static str; N],
+        rows: &[[f64; N]],
+    ) {
+        for values in rows {
+            let given = |i: usize| (names[i], Some(values[i]).filter(|v| names[i] != "temperature" || !v.is_nan()));
+            self.card(material, row, &std::array::from_fn::<_, N, _>(given));
+        }
+    }
+
+    fn elasticity(&mut self, material: &Material) {
+        self.card(material, &cards::Density::ROW, &[("density", material.density)]);
+        let names = ["Young's modulus", "Poisson's ratio"];
+        self.rows(material, &cards::Elastic::ROW, names, material.elastic.as_slice());
+        self.card(material, &cards::Elastic::ROW, &[("shear modulus", material.shear_modulus)]);
+        self.card(material, &cards::Damping::ROW, &[("ALPHA", material.damping.map(|d| d.0))]);
         let (name, span) = (&material.name, material.span);
         let mut need = |good: bool, what: &str| self.value(good, span, || format!("material `{name}`: {what}"));
-        need(material.density.is_none_or(above_zero), "the density must be above zero");
-        need(
-            material.elastic.is_none_or(|[e, nu]| above_zero(e) && nu > -1.0 && nu < 0.5),
-            "Young's modulus must be above 0, Poisson's ratio between -1 and 0.5",
-        );
         need(is_elastic_table(&material.elastic_table), "rows of the moduli out of range");
-        need(material.shear_modulus.is_none_or(above_zero), "the shear modulus must be above zero");
         need(material.hyperelastic.as_ref().is_none_or(is_rubber), "constants of the rubber out of range");
-        need(is_foam(material), "constants of the foam out of range");
-        need(material.damping.is_none_or(|d| above_zero(d.0)), "mass proportional damping must be above zero");
-        let heat = |rows: &Vec<[f64; 2]>| !rows.is_empty() && rows.iter().all(|r| above_zero(r[0]));
-        need(material.thermal.specific_heat.as_ref().is_none_or(heat), "the specific heat must be above zero");
-        let conducts = material.thermal.conductivity.as_ref().is_none_or(|(rows, _)| heat(rows));
-        need(conducts, "the conductivity must be above zero");
-        let expands =
-            |e: &Expansion| !e.rows.is_empty() && e.rows.iter().all(|r| r[0].is_finite()) && e.zero.is_finite();
-        need(material.thermal.expansion.as_ref().is_none_or(expands), "coefficients of the expansion must be finite");
-        let fraction = material.thermal.inelastic_heat_fraction.is_none_or(f64::is_finite);
-        need(fraction, "the inelastic heat fraction must be finite");
-        need(
-            material.eos.as_ref().is_none_or(|eos| is_equation(&eos.kind)),
-            "constants of the equation of state out of range",
-        );
+    }
+
+    /// Equation of state and foam.
+    fn compressible(&mut self, material: &Material) {
+        let row = &cards::Eos::ROW;
+        match material.eos.as_ref().map(|eos| &eos.kind) {
+            Some(EosKind::IdealGas(values)) => {
+                self.rows(material, row, ["gas constant", "ambient pressure"], &[*values]);
+            }
+            Some(EosKind::UsUp(values)) => self.rows(material, row, ["c0", "s", "Gamma0"], &[*values]),
+            Some(EosKind::Jwl(values)) => self.rows(material, row, JWL, &[*values]),
+            Some(EosKind::Tabular(rows)) => {
+                let good = stiffens(rows) && rows.windows(2).all(|w| w[0][2] > w[1][2]);
+                self.value(good, material.span, || "rows of the equation of state out of range".into());
+            }
+            None => {}
+        }
+        let [first, second, third] =
+            ["compression yield stress ratio", "hydrostatic yield stress ratio", "plastic Poisson's ratio"];
+        match material.foam.shape {
+            Some((FoamShape::Volumetric(values), _)) => {
+                self.rows(material, &cards::CrushableFoam::ROW, [first, second], &[values]);
+                self.value(values[0] > 0.0, material.span, || format!("{first} must be above 0"));
+            }
+            Some((FoamShape::Isotropic(values), _)) => {
+                self.rows(material, &cards::CrushableFoam::ROW, [first, third], &[values]);
+            }
+            None => {}
+        }
+        let rows = &material.foam.hardening;
+        let names = ["yield stress in uniaxial compression", "plastic strain in compression"];
+        self.rows(material, &cards::CrushableFoamHardening::ROW, names, rows);
+        let starts = rows.first().is_none_or(|r| r[1] == 0.0) && rows.windows(2).all(|w| w[0][1] < w[1][1]);
+        self.value(starts, material.span, || "plastic strains of the foam must begin at 0 and ascend".into());
+    }
+
+    fn heat(&mut self, material: &Material) {
+        let thermal = &material.thermal;
+        self.card(material, &cards::InelasticHeatFraction::ROW, &[("fraction", thermal.inelastic_heat_fraction)]);
+        let capacity = thermal.specific_heat.as_deref().unwrap_or_default();
+        self.rows(material, &cards::SpecificHeat::ROW, ["specific heat", "temperature"], capacity);
+        let conductivity = thermal.conductivity.as_ref().map_or(&[][..], |(rows, _)| rows);
+        self.rows(material, &cards::Conductivity::ROW, ["conductivity", "temperature"], conductivity);
+        let expansion = thermal.expansion.as_ref().map_or(&[][..], |e| &e.rows);
+        self.rows(material, &cards::Expansion::ROW, ["coefficient", "temperature"], expansion);
+        let zero = thermal.expansion.as_ref().map(|e| e.zero);
+        self.card(material, &cards::Expansion::ROW, &[("ZERO", zero)]);
+    }
+
+    fn flow(&mut self, material: &Material) {
+        let (name, span) = (&material.name, material.span);
+        let mut need = |good: bool, what: &str| self.value(good, span, || format!("material `{name}`: {what}"));
         need(material.plastic.as_ref().is_none_or(yields), "rows of the yield stress out of range");
         need(material.rate.as_ref().is_none_or(is_rate), "rows of the rate dependence out of range");
-        need(material.failures.iter().all(fails), "strain at failure or damage out of range");
-        need(material.tensile_failure.is_none_or(|t| above_zero(t.cutoff)), "the cutoff must be above zero (tension)");
-        let resists =
-            material.cavity.is_none_or(|c| above_zero(c.yield_stress) && [c.a, c.b, c.c].map(not_below) == [true; 3]);
-        need(resists, "a resistance needs YIELD above zero and A, B, C not below zero");
-        let of_fields = material.user.fields.iter().chain(&material.user.lengths).flat_map(|f| &f.0);
-        let constants = material.user.material.iter().flatten().chain(of_fields);
-        need(constants.into_iter().all(|c| c.is_finite()), "constants of the user must be finite");
-        let state = material.user.state;
-        need(state.count <= 10_000 && state.delete.is_none_or(|d| d < state.count), "state variables out of range");
+        let Some(law) = material.cavity else { return };
+        let row = &cards::CavityExpansion::ROW;
+        let values = [("YIELD", law.yield_stress), ("A", law.a), ("B", law.b), ("C", law.c)];
+        self.card(material, row, &values.map(|(field, value)| (field, Some(value))));
+    }
+
+    fn failure(&mut self, material: &Material) {
+        let cutoff = material.tensile_failure.map(|t| t.cutoff);
+        self.card(material, &cards::TensileFailure::ROW, &[("mean stress, tension", cutoff)]);
+        let (name, span) = (&material.name, material.span);
+        let good = material.failures.iter().all(fails);
+        self.value(good, span, || format!("material `{name}`: strain at failure or damage out of range"));
     }
 }
+
+/// Constants of an explosive, in their order.
+const JWL: [&str; 8] =
+    ["detonation wave speed", "A", "B", "omega", "R1", "R2", "detonation energy", "pre-detonation bulk modulus"];
 
 fn is_elastic_table(rows: &[Vec<f64>]) -> bool {
     let good = |r: &Vec<f64>| r.len() > 2 && above_zero(r[0]) && r[1] > -1.0 && r[1] < 0.5;
@@ -74,27 +153,6 @@ fn is_rubber(rubber: &Hyperelastic) -> bool {
         RubberShape::Ogden(terms) => terms.iter().all(|t| t[0].is_finite() && t[1].is_finite() && t[1] != 0.0),
     };
     above_zero(rubber.shape.shear()) && rubber.compressibility.iter().all(|d| not_below(*d)) && alike && shape
-}
-
-/// The plan says what is missing.
-fn is_foam(material: &Material) -> bool {
-    let shape = match material.foam.shape {
-        None => true,
-        Some((FoamShape::Volumetric([k, kt]), _)) => k > 0.0 && k < 3.0 && not_below(kt),
-        Some((FoamShape::Isotropic([k, ratio]), _)) => (0.0..3.0).contains(&k) && ratio > -1.0 && ratio < 0.5,
-    };
-    let rows = &material.foam.hardening;
-    let starts = rows.first().is_none_or(|r| r[1] == 0.0);
-    shape && starts && rows.iter().all(|r| above_zero(r[0])) && rows.windows(2).all(|w| w[0][1] < w[1][1])
-}
-
-fn is_equation(kind: &EosKind) -> bool {
-    match kind {
-        EosKind::IdealGas([gas_constant, ambient]) => above_zero(*gas_constant) && not_below(*ambient),
-        EosKind::UsUp([c0, s, gamma0]) => above_zero(*c0) && not_below(*s) && not_below(*gamma0),
-        EosKind::Tabular(rows) => stiffens(rows) && rows.windows(2).all(|w| w[0][2] > w[1][2]),
-        EosKind::Jwl(values) => is_explosive(values),
-    }
 }
 
 /// The plan says more of tables.

@@ -193,7 +193,7 @@ impl Builder<'_> {
     }
 
     pub(super) fn contact_pair(&mut self, card: &Card) {
-        let Some(adds) = self.pair_operation(card) else { return };
+        let adds = card.read("OP");
         if let Some(word) = card.value("INTERACTION") {
             self.interactions_used.push(word.clone());
         }
@@ -236,20 +236,6 @@ impl Builder<'_> {
     pub(super) fn no_pair_to_delete(&mut self, span: Span) {
         let message = "there is no such contact pair to delete";
         self.diagnostics.push(Diagnostic::error("M114", message).at(span, "in force here"));
-    }
-
-    /// Whether a card adds pairs (the default) or deletes them; `None` once refused (ABAQUS Keywords Reference Guide,
-    /// *CONTACT PAIR).
-    fn pair_operation(&mut self, card: &Card) -> Option<bool> {
-        match card.value("OP") {
-            None => Some(true),
-            Some(word) if word.is("ADD") => Some(true),
-            Some(word) if word.is("DELETE") => Some(false),
-            Some(word) => {
-                self.out_of_range(word.span, format!("OP is ADD or DELETE, not {}", word.text));
-                None
-            }
-        }
     }
 
     /// Gives contacts the friction of their interactions, once all are known: a pair may name one that comes later.

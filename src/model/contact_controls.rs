@@ -3,16 +3,17 @@
 
 use super::builder::Builder;
 use crate::deck::Card;
+use crate::deck::table::constraints as cards;
 
 impl Builder<'_> {
     /// ABAQUS Keywords Reference Guide, *CONTACT CONTROLS: a factor on the stiffness of the penalty springs of a set of pairs.
     pub(super) fn contact_controls(&mut self, card: &Card) {
         let Some(set) = self.required(card, "CPSET").cloned() else { return };
-        let Some(factor) = self.above_zero(card, "SCALE PENALTY") else { return };
+        let cards::ContactControls { penalty, reset } = self.values(card);
         let factors = &mut self.state().penalty_factors;
-        if card.has("RESET") {
+        if reset {
             factors.push((set.clone(), 1.0));
         }
-        factors.extend(factor.map(|f| (set, f)));
+        factors.extend(penalty.map(|f| (set, f)));
     }
 }

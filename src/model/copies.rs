@@ -3,7 +3,7 @@
 
 use super::budget::Good;
 use super::builder::Builder;
-use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
+use crate::deck::{Card, DataLine, Diagnostic, Span};
 
 /// A motion of points in the r-z plane: origin, and what the unit vectors along r and z become.
 #[derive(Clone, Copy, Debug)]
@@ -74,29 +74,29 @@ impl Builder<'_> {
             let placement = if card.lines.is_empty() { None } else { Some(self.placement(card)?) };
             return Some(Box::new(move |_, p| placement.as_ref().map_or(p, |placement| placement.apply(p))));
         }
-        let Some(word) = card.value("REFLECT") else {
+        let Some(kind) = card.read::<Option<usize>>("REFLECT") else {
             let finding = Diagnostic::error("M101", "*NCOPY needs SHIFT or REFLECT=");
             self.diagnostics.push(finding.at(card.span, "where do the copies stand?"));
             return None;
         };
-        let mapping = self.reflection(card, word)?;
+        let mapping = self.reflection(card, kind)?;
         Some(Box::new(move |_, p| mapping.apply(p)))
     }
 
-    fn reflection(&mut self, card: &Card, word: &Word) -> Option<Mapping> {
+    fn reflection(&mut self, card: &Card, kind: usize) -> Option<Mapping> {
         let line = self.first_line(card)?;
         let [a, b] = [self.space_point(line, 0)?, self.space_point(line, 3)?];
         let way = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
         let (flat, leaves) = ([a[0], a[1]], "this reflection leaves the r-z plane");
-        let found = if word.is("POINT") {
+        let found = if kind == 0 {
             (a[2] == 0.0).then(|| Mapping::through(flat))
-        } else if word.is("LINE") {
+        } else if kind == 1 {
             match (way[2] == 0.0, way[0] == 0.0 && way[1] == 0.0) {
                 (true, _) if a[2] == 0.0 => Mapping::mirror(flat, [way[0], way[1]]),
                 (false, true) => Some(Mapping::through(flat)),
                 _ => None,
             }
-        } else if word.is("MIRROR") {
+        } else {
             let second = card.lines.get(1).unwrap_or(line);
             let c = self.space_point(second, 0)?;
             let other = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
@@ -108,9 +108,6 @@ impl Builder<'_> {
             ];
             let upright = normal[2].abs() <= 1e-9 * normal[0].abs().max(normal[1].abs());
             if upright { Mapping::mirror(flat, [-normal[1], normal[0]]) } else { None }
-        } else {
-            self.out_of_range(word.span, "REFLECT is POINT, LINE or MIRROR");
-            return None;
         };
         if found.is_none() {
             self.diagnostics.push(Diagnostic::error("M126", leaves).at(line.span, "these points"));
@@ -162,18 +159,9 @@ impl Builder<'_> {
     /// about an axis that stands on the r-z plane, with angles in degrees.
     pub(super) fn nmap(&mut self, card: &Card) {
         let Some(nodes) = self.required(card, "NSET").and_then(|w| self.node_members(w)) else { return };
-        let Some(kind) = self.required(card, "TYPE") else { return };
         let Some(line) = self.first_line(card) else { return };
         let (Some(a), Some(b)) = (self.space_point(line, 0), self.space_point(line, 3)) else { return };
-        let polar = kind.is("CYLINDRICAL");
-        if !polar && !kind.is("RECTANGULAR") {
-            self.unsupported(
-                kind.span,
-                format!("TYPE={} is not supported", kind.text),
-                "RECTANGULAR and CYLINDRICAL are",
-            );
-            return;
-        }
+        let polar = card.read("TYPE");
         let alone = line.fields.len() <= 3;
         let c = match card.lines.get(1) {
             Some(second) => self.space_point(second, 0),

@@ -5,6 +5,7 @@
 use super::builder::Builder;
 use super::derivation::Asked;
 use super::types::{CavityExpansion, Derivation, Material, Plastic, RateDependence};
+use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 use crate::resistance::fit::Weight;
 use crate::resistance::rate::{Factor, Rate};
@@ -17,7 +18,7 @@ const STRAINS: [f64; 2] = [1e-5, 30.0];
 
 impl Builder<'_> {
     /// Notes the request; the other cards of the material may follow.
-    pub(super) fn derivation(&mut self, card: &Card) {
+    pub(super) fn derivation(&mut self, card: &Card, values: &cards::CavityExpansion) {
         // A target finds the material resisting; the constants come when all cards are read.
         self.last_material().cavity =
             Some(CavityExpansion { yield_stress: 0.0, a: 0.0, b: 0.0, c: 0.0, derived: None, span: card.span });
@@ -26,40 +27,19 @@ impl Builder<'_> {
             self.out_of_range(word.span, message);
             return;
         }
-        let Some(line) = self.first_line(card) else { return };
-        let (Some(from), Some(to), Some(points)) = (
-            self.number(line, 0, "the lowest velocity"),
-            self.number(line, 1, "the highest velocity"),
-            self.number_or(line, 2, derive::POINTS as f64),
-        ) else {
-            return;
-        };
-        let (Some(radius), Some(tension)) =
-            (self.positive_parameter(card, "RADIUS"), self.positive_parameter(card, "TENSION"))
-        else {
-            return;
-        };
-        let linear = match card.value("TERMS") {
-            None => true,
-            Some(word) if word.is("3") => true,
-            Some(word) if word.is("2") => false,
-            Some(word) => return self.out_of_range(word.span, format!("TERMS is 2 or 3, not {}", word.text)),
-        };
-        let weight = match card.value("WEIGHT") {
-            None => Weight::Even,
-            Some(word) if word.is("EVEN") => Weight::Even,
-            Some(word) if word.is("RELATIVE") => Weight::Relative,
-            Some(word) if word.is("VELOCITY") => Weight::Velocity,
-            Some(word) => {
-                return self
-                    .out_of_range(word.span, format!("WEIGHT is EVEN, RELATIVE or VELOCITY, not {}", word.text));
-            }
-        };
+        let [from, to, points] = values.values;
+        let weight = [Weight::Even, Weight::Relative, Weight::Velocity][values.weight];
         // Beyond the fit's own limits any number is told there.
         let points = if points.fract() == 0.0 { points as usize } else { 0 };
-        let request = Request { range: [from, to], points, linear, pinned: card.has("STATIC"), weight };
+        let request = Request { range: [from, to], points, linear: values.linear, pinned: values.pinned, weight };
         let material = self.model.materials.len() - 1;
-        self.derivations.push(Asked { material, request, radius, tension, span: card.span });
+        self.derivations.push(Asked {
+            material,
+            request,
+            radius: values.radius,
+            tension: values.tension,
+            span: card.span,
+        });
     }
 
     /// Once all cards are read.

@@ -4,62 +4,33 @@
 use super::builder::Builder;
 use super::history::{History, StepTime};
 use super::types::{Model, PrescribedField};
+use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine};
 
 /// Field variables that a deck may give.
 pub(super) const MOST_FIELDS: usize = 100;
-/// Field variables that a table may depend on: as many as fit behind its other columns on a line of eight.
-const MOST_DEPENDENCIES: usize = 5;
 
 impl Builder<'_> {
     /// `*FIELD`: a value without amplitude is there at once (ABAQUS Analysis User's Guide 34.6.1, "Predefined fields", and
     /// 34.1.2, "Amplitude curves").
     pub(super) fn prescribed_fields(&mut self, card: &Card) {
-        if self.step.is_none() {
-            self.outside_step(card);
-            return;
-        }
         let Ok(amplitude) = self.amplitude_of(card) else { return };
         if self.step.as_ref().is_some_and(|s| s.ramp) && amplitude.is_none() {
             self.unsupported(card.span, "*STEP, AMPLITUDE=RAMP with *FIELD is not supported", "give AMPLITUDE=");
             return;
         }
-        let Some(variable) = self.numbered_field(card) else { return };
+        let variable = card.read::<usize>("VARIABLE") - 1;
         if self.operation(card, "FIELD") {
             self.state().history.fields.clear();
         }
-        for line in &card.lines {
+        for (at, line) in card.lines.iter().enumerate() {
             let Some(set) = line.field(0) else { continue };
-            let Some(value) = self.number(line, 1, "the value of the field") else { continue };
+            let value = f64::from_value(card.given_field(at, 1));
             let Some(nodes) = self.node_members(set) else { continue };
             let value = self.scaled(value, amplitude);
             let (set, span) = (set.text.clone(), line.span);
             self.state().fields.push(PrescribedField { variable, nodes, set, value, amplitude, span });
         }
-    }
-
-    /// VARIABLE, counted from 0; the first without it.
-    pub(super) fn numbered_field(&mut self, card: &Card) -> Option<usize> {
-        let Some(word) = card.value("VARIABLE") else { return Some(0) };
-        let number = word.integer(&mut self.diagnostics)?;
-        let variable = usize::try_from(number).ok().filter(|n| (1..=MOST_FIELDS).contains(n));
-        if variable.is_none() {
-            self.out_of_range(word.span, format!("VARIABLE={number} must lie between 1 and {MOST_FIELDS}"));
-        }
-        variable.map(|n| n - 1)
-    }
-
-    /// DEPENDENCIES: how many field variables a table depends on, from the first on (ABAQUS Analysis User's Guide 21.1.2,
-    /// "Material data definition").
-    pub(super) fn dependencies(&mut self, card: &Card) -> Option<usize> {
-        let Some(word) = card.value("DEPENDENCIES") else { return Some(0) };
-        let number = word.integer(&mut self.diagnostics)?;
-        let count = usize::try_from(number).ok().filter(|n| *n <= MOST_DEPENDENCIES);
-        if count.is_none() {
-            let message = format!("DEPENDENCIES={number} must lie between 0 and {MOST_DEPENDENCIES}");
-            self.out_of_range(word.span, message);
-        }
-        count
     }
 
     /// Rows of some values, the temperature and so many field variables. Where no row has a temperature it is 0 in all.

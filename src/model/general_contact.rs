@@ -2,8 +2,8 @@
 //! Never here: which surfaces there are, pairs that the deck names one by one.
 
 use super::builder::Builder;
-use super::names::upper;
 use super::types::{AssignedClearance, AssignedInteraction, ContactDomain, GeneralContact, Law};
+use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 impl Builder<'_> {
@@ -23,29 +23,22 @@ impl Builder<'_> {
             self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *CONTACT above"));
             return;
         }
-        if card.has("ALL EXTERIOR")
-            && let Some(general) = &mut self.state().general_contact
-        {
-            general.all = true;
+        if let Some(general) = &mut self.state().general_contact {
+            general.all |= card.has("ALL EXTERIOR");
+            // With NODAL EROSION=NO, the default, nodes whose faces have all eroded stay in contact as point masses, with YES they
+            // do not (ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT).
+            if card.has("NODAL EROSION") {
+                general.drops_points = card.read("NODAL EROSION");
+            }
         }
-        if card.keyword.name == "CONTACT CONTROLS ASSIGNMENT" {
-            self.nodal_erosion(card);
-        }
-        for line in &card.lines {
+        for (at, line) in card.lines.iter().enumerate() {
             let Some(domains) = self.domains(line) else { continue };
-            let third = line.field(2).filter(|w| !w.text.is_empty()).cloned();
-            let factor = match card.keyword.name {
-                "CONTACT CONTROLS ASSIGNMENT" => match self.penalty_factor(line) {
-                    None => continue,
-                    factor => factor,
-                },
-                _ => None,
-            };
+            let (third, factor) = (line.field(2).cloned(), f64::from_value(card.given_field(at, 2)));
             let Some(general) = &mut self.state().general_contact else { continue };
             match (card.keyword.name, third) {
                 ("CONTACT INCLUSIONS", _) => general.included.push((domains, line.span)),
                 ("CONTACT EXCLUSIONS", _) => general.excluded.push(domains),
-                ("CONTACT CONTROLS ASSIGNMENT", _) => general.penalties.extend(factor.map(|f| (domains, f))),
+                ("CONTACT CONTROLS ASSIGNMENT", _) => general.penalties.push((domains, factor)),
                 (_, None) => {}
                 ("CONTACT PROPERTY ASSIGNMENT", Some(interaction)) => {
                     self.interactions_used.push(interaction.clone());
@@ -54,33 +47,6 @@ impl Builder<'_> {
                 }
                 (_, Some(name)) => general.clearances.push(AssignedClearance { domains, name, clearance: None }),
             }
-        }
-    }
-
-    /// ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT, TYPE=SCALE PENALTY.
-    fn penalty_factor(&mut self, line: &DataLine) -> Option<f64> {
-        let factor = self.number(line, 2, "factor on the penalty stiffness")?;
-        if factor > 0.0 && factor.is_finite() {
-            return Some(factor);
-        }
-        self.out_of_range(line.span, format!("a factor on the penalty stiffness must be above zero, not {factor}"));
-        None
-    }
-
-    /// ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT: with NODAL EROSION=NO, the default, nodes whose faces have
-    /// all eroded stay in contact as point masses, with YES they do not.
-    fn nodal_erosion(&mut self, card: &Card) {
-        let drops = match card.value("NODAL EROSION").map(|w| upper(&w.text)).as_deref() {
-            Some("YES") => true,
-            Some("NO") => false,
-            Some(other) => {
-                self.unsupported(card.span, format!("NODAL EROSION={other} is not supported"), "YES and NO are");
-                return;
-            }
-            None => return,
-        };
-        if let Some(general) = &mut self.state().general_contact {
-            general.drops_points = drops;
         }
     }
 

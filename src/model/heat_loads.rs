@@ -9,10 +9,6 @@ use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 impl Builder<'_> {
     pub(super) fn heat_card(&mut self, card: &Card) {
-        if self.step.is_none() {
-            self.outside_step(card);
-            return;
-        }
         let Ok(amplitude) = self.amplitude_of(card) else { return };
         let Ok(of_film) = self.film_amplitude(card) else { return };
         let family = card.keyword.name;
@@ -57,10 +53,6 @@ impl Builder<'_> {
             if family == "FILM" { self.element_sides(line, 'F', "F1 to F4")? } else { self.surface_sides(line)? };
         let fluid = self.number(line, 2, "the temperature of the fluid")?;
         let coefficient = self.number(line, 3, "the film coefficient")?;
-        if coefficient < 0.0 {
-            self.out_of_range(line.span, format!("a film coefficient must not be below zero, not {coefficient}"));
-            return None;
-        }
         Some((LoadKind::Film { sides, coefficient: self.scaled(coefficient, amplitude), amplitude }, fluid))
     }
 

@@ -70,8 +70,7 @@ impl Builder<'_> {
         };
         let points = &self.model.mesh.points;
         let distance = |n: usize| (points[n][0] - points[node][0]).hypot(points[n][1] - points[node][1]);
-        if let Some(word) = card.value("INFLUENCE RADIUS") {
-            let Some(radius) = word.number(&mut self.diagnostics) else { return };
+        if let Some(radius) = card.read::<Option<f64>>("INFLUENCE RADIUS") {
             members.retain(|&n| distance(n) <= radius);
         }
         if members.is_empty() {
@@ -137,9 +136,11 @@ impl Builder<'_> {
         for line in card.lines.iter().filter(|l| l.field(0).is_some()) {
             let first = self.integer(line, 0, "the first degree of freedom")?;
             let last = line.field(1).map_or(Some(first), |w| w.integer(&mut self.diagnostics))?;
-            if !(1..=6).contains(&first) || !(first..=6).contains(&last) {
-                let message = format!("degrees of freedom {first} to {last}: 1 is r, 2 is z, 6 the rotation");
-                self.out_of_range(line.span, message);
+            if last < first {
+                self.out_of_range(
+                    line.span,
+                    format!("the last degree of freedom, {last}, is below the first, {first}"),
+                );
                 return None;
             }
             for (i, coupled) in coupled.iter_mut().enumerate() {
@@ -157,17 +158,9 @@ impl Builder<'_> {
         let distances: Vec<f64> = coupling.nodes.iter().map(|&n| (points[n][0] - r).hypot(points[n][1] - z)).collect();
         let farthest = distances.iter().copied().fold(0.0, f64::max);
         let parts = distances.iter().map(|d| if farthest > 0.0 { d / farthest } else { 0.0 });
-        let fall: fn(f64) -> f64 = match card.value("WEIGHTING METHOD").map(|w| upper(&w.text)).as_deref() {
-            None | Some("UNIFORM") => |_| 1.0,
-            Some("LINEAR") => |x| 1.0 - x,
-            Some("QUADRATIC") => |x| 1.0 - x * x,
-            Some("CUBIC") => |x| 1.0 - 3.0 * x * x + 2.0 * x * x * x,
-            Some(other) => {
-                let message = format!("WEIGHTING METHOD={other} is not one of *DISTRIBUTING");
-                self.unsupported(card.span, message, "UNIFORM, LINEAR, QUADRATIC and CUBIC are");
-                return None;
-            }
-        };
+        let falls: [fn(f64) -> f64; 4] =
+            [|_| 1.0, |x| 1.0 - x, |x| 1.0 - x * x, |x| 1.0 - 3.0 * x * x + 2.0 * x * x * x];
+        let fall = falls[card.read::<usize>("WEIGHTING METHOD")];
         let weights: Vec<f64> = parts.zip(&coupling.areas).map(|(x, area)| fall(x) * area).collect();
         if weights.iter().sum::<f64>() <= 0.0 {
             self.out_of_range(card.span, "all weights of this coupling are zero: its nodes are equally far away");
@@ -190,26 +183,7 @@ impl Builder<'_> {
         if self.first_line(card).is_none() {
             return;
         }
-        let adjust = match card.value("ADJUST") {
-            None => true,
-            Some(word) if word.is("YES") => true,
-            Some(word) if word.is("NO") => false,
-            Some(word) => {
-                self.out_of_range(word.span, format!("ADJUST is YES or NO, not {}", word.text));
-                return;
-            }
-        };
-        let tolerance = match card.value("POSITION TOLERANCE") {
-            None => None,
-            Some(word) => match word.number(&mut self.diagnostics) {
-                Some(value) if value >= 0.0 => Some(value),
-                Some(value) => {
-                    self.out_of_range(word.span, format!("POSITION TOLERANCE must not be below zero, not {value}"));
-                    return;
-                }
-                None => return,
-            },
-        };
+        let (adjust, tolerance) = (card.read("ADJUST"), card.read("POSITION TOLERANCE"));
         let chosen = match card.value("TIED NSET") {
             None => None,
             Some(word) => match self.node_members(word) {

@@ -11,11 +11,6 @@ const LABELS: &str = "GRAV, P, P1 to P4, PNU, P1NU to P4NU, BRNU, BZNU, CAVITY";
 
 impl Builder<'_> {
     pub(super) fn load_card(&mut self, card: &Card) {
-        if self.step.is_none() {
-            let message = format!("*{} belongs into a *STEP", card.keyword.name);
-            self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no step is open"));
-            return;
-        }
         let Ok(amplitude) = self.amplitude_of(card) else { return };
         let family = card.keyword.name;
         if self.operation(card, family) {
@@ -55,13 +50,9 @@ impl Builder<'_> {
     fn concentrated(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
         let set = self.region(line)?;
         let nodes = self.node_members(set)?;
-        let dof = self.integer(line, 1, "the degree of freedom")?;
+        let dof = self.integer(line, 1, "the degree of freedom")? as u8;
         let magnitude = self.number(line, 2, "the force")?;
-        if !(1..=6).contains(&dof) {
-            self.out_of_range(line.span, format!("degree of freedom {dof}: 1 is r, 2 is z"));
-            return None;
-        }
-        Some((LoadKind::Concentrated { nodes, dof: dof as u8, set: set.text.clone() }, magnitude))
+        Some((LoadKind::Concentrated { nodes, dof, set: set.text.clone() }, magnitude))
     }
 
     pub(super) fn region<'l>(&mut self, line: &'l DataLine) -> Option<&'l Word> {
@@ -173,11 +164,7 @@ impl Builder<'_> {
             let names: Vec<String> = self.model.targets.iter().map(|t| t.name.clone()).collect();
             self.unknown("M113", "target", word, |_| names.clone());
         }
-        let friction = card.value("FRICTION").map_or(Some(0.0), |w| w.number(&mut self.diagnostics))?;
-        if friction < 0.0 {
-            self.out_of_range(card.span, format!("FRICTION must not be below zero, not {friction}"));
-            return None;
-        }
+        let friction = card.read("FRICTION");
         Some(LoadKind::Cavity { sides, target: TargetId::new(target?), friction })
     }
 

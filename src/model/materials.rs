@@ -7,26 +7,31 @@ use super::types::{
     CavityExpansion, Element, ElementKind, Expansion, Material, MaterialId, Plastic, RateDependence, SectionControls,
     SolidSection,
 };
+use crate::deck::table::materials as cards;
 use crate::deck::{Card, DataLine, Diagnostic};
 use crate::kernel::levels::NestedTable;
 
+/// Kinds of hardening, by their place among the words of `HARDENING`.
+const ISOTROPIC: usize = 0;
+const KINEMATIC: usize = 1;
+const USER: usize = 3;
+
 impl Builder<'_> {
-    pub(super) fn material_card(&mut self, card: &Card) {
-        if card.keyword.name == "MATERIAL" {
-            if let Some(name) = self.required(card, "NAME") {
-                let material = Material { name: upper(&name.text), span: card.span, ..Material::default() };
-                self.model.materials.push(material);
-            }
-            return;
+    pub(super) fn begin_material(&mut self, card: &Card) {
+        if let Some(name) = self.required(card, "NAME") {
+            let material = Material { name: upper(&name.text), span: card.span, ..Material::default() };
+            self.model.materials.push(material);
         }
+    }
+
+    /// A card below a `*MATERIAL`; where that has no name there may be none.
+    pub(super) fn material_card(&mut self, card: &Card) {
         if self.model.materials.is_empty() {
-            let message = format!("*{} belongs below a *MATERIAL", card.keyword.name);
-            self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no material above"));
             return;
         }
         match card.keyword.name {
             "DENSITY" => {
-                let rows = self.over_temperature(card, "the density").unwrap_or_default();
+                let cards::Density { rows } = self.values(card);
                 let material = self.last_material();
                 material.density = rows.first().map(|r| r[0]);
                 material.densities = if rows.iter().any(|r| r[1].is_nan()) { Vec::new() } else { rows };
@@ -45,18 +50,21 @@ impl Builder<'_> {
             "PLASTIC" => self.plastic(card),
             "RATE DEPENDENT" => self.rate_dependent(card),
             "INELASTIC HEAT FRACTION" => {
-                let fraction = card.lines.first().map_or(Some(0.9), |l| self.number_or(l, 0, 0.9));
-                self.last_material().thermal.inelastic_heat_fraction = fraction;
+                let cards::InelasticHeatFraction { fraction: [fraction] } = self.values(card);
+                self.last_material().thermal.inelastic_heat_fraction = Some(fraction);
             }
             "SPECIFIC HEAT" => {
-                let rows = self.over_temperature(card, "the specific heat");
-                self.last_material().thermal.specific_heat = rows;
+                let cards::SpecificHeat { rows } = self.values(card);
+                self.last_material().thermal.specific_heat = Some(rows);
             }
             "CONDUCTIVITY" => {
-                let rows = self.over_temperature(card, "the conductivity");
-                self.last_material().thermal.conductivity = rows.map(|rows| (rows, card.span));
+                let cards::Conductivity { rows } = self.values(card);
+                self.last_material().thermal.conductivity = Some((rows, card.span));
             }
-            "EXPANSION" => self.expansion(card),
+            "EXPANSION" => {
+                let cards::Expansion { zero, rows } = self.values(card);
+                self.last_material().thermal.expansion = Some(Expansion { rows, zero, span: card.span });
+            }
             "USER MATERIAL" => self.user_material(card),
             "USER DEFINED FIELD" => self.user_fields(card),
             "CHARACTERISTIC LENGTH" => self.characteristic_length(card),
@@ -79,59 +87,22 @@ impl Builder<'_> {
         line
     }
 
-    pub(super) fn positive(&mut self, card: &Card, what: &str) -> Option<f64> {
-        let line = self.first_line(card)?;
-        let value = self.number(line, 0, what)?;
-        if value > 0.0 {
-            return Some(value);
-        }
-        self.out_of_range(line.span, format!("{what} must be above zero, not {value}"));
-        None
-    }
-
-    /// Rows of a value above zero and its temperature (NaN where the only row has none), ascending.
-    fn over_temperature(&mut self, card: &Card, what: &str) -> Option<Vec<[f64; 2]>> {
-        self.first_line(card)?;
-        let mut rows = Vec::with_capacity(card.lines.len());
-        for line in &card.lines {
-            let row = [self.number(line, 0, what)?, self.number_or(line, 1, f64::NAN)?];
-            if row[0] <= 0.0 {
-                self.out_of_range(line.span, format!("{what} must be above zero, not {}", row[0]));
-                return None;
-            }
-            rows.push(row);
-        }
-        if rows.len() > 1 && !rows.windows(2).all(|w| w[1][1] > w[0][1]) {
-            self.out_of_range(card.span, format!("rows of {what} need temperatures that ascend"));
-            return None;
-        }
-        Some(rows)
-    }
-
     fn elastic(&mut self, card: &Card) {
-        let kind = card.value("TYPE").map_or("ISOTROPIC".into(), |w| upper(&w.text));
-        if kind != "SHEAR" && !kind.starts_with("ISO") {
-            self.unsupported(card.span, format!("TYPE={kind} is not supported"), "ISOTROPIC and SHEAR are");
+        let cards::Elastic { shear, fields } = self.values(card);
+        if shear {
+            let [modulus]: [f64; 1] = card.read_lines();
+            self.last_material().shear_modulus = Some(modulus);
             return;
         }
-        if kind == "SHEAR" {
-            let shear = self.positive(card, "the shear modulus");
-            self.last_material().shear_modulus = shear;
-            return;
-        }
-        let mut stiffest: Option<[f64; 2]> = None;
-        for line in &card.lines {
-            let Some(row) = self.moduli(line) else { return };
-            stiffest = Some(stiffest.filter(|s| s[0] >= row[0]).unwrap_or(row));
-        }
-        if self.first_line(card).is_some() && self.elastic_table(card).is_some() {
+        let rows: Vec<[f64; 2]> = card.read_lines();
+        let stiffest = rows.into_iter().reduce(|stiffest, row| if row[0] > stiffest[0] { row } else { stiffest });
+        if self.elastic_table(card, fields).is_some() {
             self.last_material().elastic = stiffest;
         }
     }
 
     /// Rows over temperature and field variables, where the moduli are not constant.
-    fn elastic_table(&mut self, card: &Card) -> Option<()> {
-        let fields = self.dependencies(card)?;
+    fn elastic_table(&mut self, card: &Card, fields: usize) -> Option<()> {
         let rows = self.rows_over_fields(card, 2, fields)?;
         let over: Vec<&[f64]> = rows.iter().map(|r| &r[1..]).collect();
         if NestedTable::new(&over).is_none() {
@@ -146,64 +117,40 @@ impl Builder<'_> {
         Some(())
     }
 
-    /// Young's modulus and Poisson's ratio of a line.
-    fn moduli(&mut self, line: &DataLine) -> Option<[f64; 2]> {
-        let (e, nu) = (self.number(line, 0, "Young's modulus")?, self.number_or(line, 1, 0.0)?);
-        if e <= 0.0 {
-            self.out_of_range(line.fields[0].span, format!("Young's modulus must be above zero, not {e}"));
-            return None;
-        }
-        if nu <= -1.0 || nu >= 0.5 {
-            let message = format!("Poisson's ratio must lie between -1 and 0.5, not be {nu}");
-            let finding =
-                Diagnostic::error("M103", message).at(line.fields.get(1).map_or(line.span, |w| w.span), "here");
-            let help = "what keeps its volume has no stable increment: give 0.49 or less";
-            self.diagnostics.push(if nu >= 0.5 { finding.help(help) } else { finding });
-            return None;
-        }
-        Some([e, nu])
-    }
-
     fn plastic(&mut self, card: &Card) {
-        let hardening = card.value("HARDENING").map_or("ISOTROPIC".into(), |w| upper(&w.text).replace(' ', ""));
-        let Some(extrapolates) = self.extrapolation(card, &hardening) else { return };
+        let cards::Plastic { hardening, fields, extrapolates } = self.values(card);
+        let extrapolates = match (extrapolates, card.value("EXTRAPOLATION")) {
+            (Some(_), Some(word)) if hardening != ISOTROPIC => {
+                let message = "EXTRAPOLATION is of tables, HARDENING=ISOTROPIC";
+                return self.unsupported(word.span, message, "remove EXTRAPOLATION");
+            }
+            (extrapolates, _) => extrapolates.unwrap_or(false),
+        };
         self.last_material().extrapolates = extrapolates;
-        let Some(fields) = self.dependencies(card) else { return };
         if fields > 0 {
-            self.plastic_over_fields(card, (&hardening, extrapolates), fields);
+            return self.plastic_over_fields(card, hardening != ISOTROPIC, fields);
+        }
+        if hardening != USER && self.first_line(card).is_none() {
             return;
         }
-        match hardening.as_str() {
-            "JOHNSONCOOK" => {
-                let Some(line) = self.first_line(card) else { return };
-                if let Some(values) = self.numbers::<6>(line, &[0.0; 6]) {
-                    self.last_material().plastic = Some(Plastic::JohnsonCook(values));
-                }
-            }
-            "ISOTROPIC" => {
-                let rows =
-                    card.lines.iter().filter_map(|l| self.numbers::<3>(l, &[0.0, 0.0, f64::NAN])).collect::<Vec<_>>();
-                if self.first_line(card).is_some() && self.plastic_strains_ascend(card, &rows) {
+        match hardening {
+            ISOTROPIC => {
+                let rows: Vec<[f64; 3]> = card.read_lines();
+                if self.plastic_strains_ascend(card, &rows) {
                     self.last_material().plastic = Some(Plastic::Tabular(rows));
                 }
             }
-            "KINEMATIC" => self.kinematic(card),
-            "USER" => self.user_hardening(card),
-            other => self.unsupported(
-                card.span,
-                format!("HARDENING={other} is not supported"),
-                "ISOTROPIC, KINEMATIC, JOHNSON COOK and USER are",
-            ),
+            KINEMATIC => self.kinematic(card),
+            USER => self.user_hardening(card),
+            _ => self.last_material().plastic = Some(Plastic::JohnsonCook(card.read_lines())),
         }
     }
 
     /// A table of the yield stress over the plastic strain, temperature and field variables.
-    fn plastic_over_fields(&mut self, card: &Card, (hardening, extrapolates): (&str, bool), fields: usize) {
-        if hardening != "ISOTROPIC" || extrapolates {
-            let with = if extrapolates { "EXTRAPOLATION=LINEAR".into() } else { format!("HARDENING={hardening}") };
-            let message = format!("DEPENDENCIES with {with} is not supported");
-            self.unsupported(card.span, message, "tables of HARDENING=ISOTROPIC depend on field variables");
-            return;
+    fn plastic_over_fields(&mut self, card: &Card, other: bool, fields: usize) {
+        if other || self.last_material().extrapolates {
+            let message = "DEPENDENCIES are of tables, HARDENING=ISOTROPIC without EXTRAPOLATION=LINEAR";
+            return self.unsupported(card.span, message, "remove DEPENDENCIES");
         }
         let Some(rows) = self.rows_over_fields(card, 2, fields) else { return };
         let starts = |w: &[Vec<f64>]| w[0][2..] == w[1][2..] || w[1][1] == 0.0;
@@ -238,32 +185,9 @@ impl Builder<'_> {
         true
     }
 
-    /// Whether EXTRAPOLATION is LINEAR: of the yield stress over the plastic strain; over temperature and rate it is constant
-    /// all the same (ABAQUS Keywords Reference Guide, *PLASTIC).
-    fn extrapolation(&mut self, card: &Card, hardening: &str) -> Option<bool> {
-        let word = match card.value("EXTRAPOLATION") {
-            None => return Some(false),
-            Some(word) if hardening == "ISOTROPIC" => word,
-            Some(word) => {
-                let message = format!("EXTRAPOLATION with HARDENING={hardening} is not supported");
-                self.unsupported(word.span, message, "it is of tables, HARDENING=ISOTROPIC");
-                return None;
-            }
-        };
-        match word {
-            word if word.is("CONSTANT") => Some(false),
-            word if word.is("LINEAR") => Some(true),
-            word => {
-                self.out_of_range(word.span, format!("EXTRAPOLATION is CONSTANT or LINEAR, not {}", word.text));
-                None
-            }
-        }
-    }
-
     /// Linear kinematic hardening: two rows give its line, at each temperature where there are some.
     fn kinematic(&mut self, card: &Card) {
-        let rows: Vec<[f64; 3]> =
-            card.lines.iter().filter_map(|l| self.numbers::<3>(l, &[0.0, 0.0, f64::NAN])).collect();
+        let rows: Vec<[f64; 3]> = card.read_lines();
         let cold = rows.iter().all(|r| r[2].is_nan());
         let (pairs, rest) = rows.as_chunks::<2>();
         let matched = pairs.iter().all(|[a, b]| cold || a[2] == b[2]) && (pairs.len() == 1 || !cold);
@@ -291,48 +215,14 @@ impl Builder<'_> {
         }
     }
 
-    pub(super) fn numbers<const N: usize>(&mut self, line: &DataLine, defaults: &[f64; N]) -> Option<[f64; N]> {
-        let mut values = *defaults;
-        for (i, value) in values.iter_mut().enumerate() {
-            *value = self.number_or(line, i, *value)?;
-        }
-        Some(values)
-    }
-
     fn rate_dependent(&mut self, card: &Card) {
-        let kind = card.value("TYPE").map_or("POWERLAW".into(), |w| upper(&w.text).replace(' ', ""));
-        if self.first_line(card).is_none() {
-            return;
-        }
-        let defaults = [0.0, 1.0, f64::NAN];
-        let rows: Vec<[f64; 3]> = card.lines.iter().filter_map(|l| self.numbers::<3>(l, &defaults)).collect();
-        let rate = match kind.as_str() {
-            "JOHNSONCOOK" => {
-                self.first_line(card).zip(rows.first()).map(|(_, r)| RateDependence::JohnsonCook([r[0], r[1]]))
-            }
-            "POWERLAW" => self.power_law(card, rows),
-            "YIELDRATIO" => self.yield_ratios(card, rows),
-            other => {
-                self.unsupported(
-                    card.span,
-                    format!("TYPE={other} is not supported"),
-                    "JOHNSON COOK, POWER LAW and YIELD RATIO are",
-                );
-                None
-            }
+        let cards::RateDependent { kind } = self.values(card);
+        let rate = match kind {
+            0 => Some(RateDependence::PowerLaw(card.read_lines())),
+            1 => self.yield_ratios(card, card.read_lines()),
+            _ => Some(RateDependence::JohnsonCook(card.read_lines())),
         };
         self.last_material().rate = rate;
-    }
-
-    /// Rows of D, n and temperature: one, or more at ascending temperatures.
-    fn power_law(&mut self, card: &Card, rows: Vec<[f64; 3]>) -> Option<RateDependence> {
-        let good = rows.iter().all(|r| r[0] > 0.0 && r[1] > 0.0);
-        if !good || rows.len() > 1 && !rows.windows(2).all(|w| w[1][2] > w[0][2]) {
-            let message = "rows give D and n above zero, and temperatures that ascend where there is more than one row";
-            self.out_of_range(card.span, message);
-            return None;
-        }
-        Some(RateDependence::PowerLaw(rows))
     }
 
     /// Rows of ratio, rate and temperature: rates ascend at each temperature, and temperatures from block to block.
@@ -349,21 +239,14 @@ impl Builder<'_> {
     }
 
     fn cavity_expansion(&mut self, card: &Card) {
-        if card.has("DERIVE") {
-            return self.derivation(card);
+        let values: cards::CavityExpansion = self.values(card);
+        if values.derives {
+            return self.derivation(card, &values);
         }
-        let Some(yield_word) = self.required(card, "YIELD") else { return };
-        let Some(yield_stress) = yield_word.number(&mut self.diagnostics) else { return };
-        let Some(line) = self.first_line(card) else { return };
-        let (Some(a), Some(b), Some(c)) =
-            (self.number(line, 0, "A"), self.number(line, 1, "B"), self.number(line, 2, "C"))
-        else {
-            return;
-        };
-        if yield_stress <= 0.0 || a < 0.0 || b < 0.0 || c < 0.0 {
-            self.out_of_range(line.span, "a resistance needs YIELD above zero and A, B, C not below zero");
+        if self.required(card, "YIELD").is_none() {
             return;
         }
+        let (yield_stress, [a, b, c]) = (values.yield_stress.unwrap_or(f64::NAN), values.values);
         self.last_material().cavity = Some(CavityExpansion { yield_stress, a, b, c, derived: None, span: card.span });
     }
 
@@ -402,21 +285,6 @@ impl Builder<'_> {
             return None;
         }
         Some((elements, MaterialId::new(index)))
-    }
-
-    /// `*EXPANSION`: coefficients of any sign, over temperature.
-    fn expansion(&mut self, card: &Card) {
-        let zero = card.value("ZERO").map_or(Some(0.0), |w| w.number(&mut self.diagnostics));
-        if self.first_line(card).is_none() {
-            return;
-        }
-        let rows: Option<Vec<[f64; 2]>> = card.lines.iter().map(|l| self.numbers::<2>(l, &[0.0, f64::NAN])).collect();
-        let (Some(zero), Some(rows)) = (zero, rows) else { return };
-        if rows.len() > 1 && !rows.windows(2).all(|w| w[1][1] > w[0][1]) {
-            self.out_of_range(card.span, "rows of the expansion need temperatures that ascend");
-            return;
-        }
-        self.last_material().thermal.expansion = Some(Expansion { rows, zero, span: card.span });
     }
 
     /// Gives sections their controls, which may stand behind them in the deck.

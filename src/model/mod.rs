@@ -7,6 +7,7 @@ mod boundary;
 mod budget;
 mod builder;
 mod check;
+mod check_values;
 mod clearance;
 pub mod codes;
 mod completion;

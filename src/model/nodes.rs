@@ -168,15 +168,8 @@ impl Builder<'_> {
 
     /// Rows of nodes between corresponding nodes of two sets (ABAQUS Keywords Guide, *NFILL).
     pub(super) fn nfill(&mut self, card: &Card) {
-        let bias = match card.value("BIAS") {
-            Some(word) => word.number(&mut self.diagnostics).unwrap_or(1.0),
-            None => 1.0,
-        };
-        if bias <= 0.0 {
-            self.out_of_range(card.span, "BIAS must be positive");
-            return;
-        }
-        let Some(spacing) = self.spacing(card, bias) else { return };
+        let singular = card.read::<Option<usize>>("SINGULAR").unwrap_or(0);
+        let spacing = Spacing { bias: card.read("BIAS"), two_step: card.has("TWO STEP"), singular };
         let mut made = Vec::new();
         for line in &card.lines {
             if let Some(nodes) = self.nfill_line(line, &spacing) {
@@ -184,23 +177,6 @@ impl Builder<'_> {
             }
         }
         self.collect_nodes(card, made);
-    }
-
-    /// How the nodes of `*NFILL` lie: `BIAS`, `TWO STEP`, `SINGULAR`.
-    fn spacing(&mut self, card: &Card, bias: f64) -> Option<Spacing> {
-        let singular = match card.value("SINGULAR") {
-            None if card.has("SINGULAR") => None,
-            None => Some(0),
-            Some(word) => word.integer(&mut self.diagnostics),
-        };
-        let two_step = card.has("TWO STEP");
-        match singular {
-            Some(singular @ 0..=2) => Some(Spacing { bias, two_step, singular }),
-            _ => {
-                self.out_of_range(card.span, "SINGULAR is 1, for the first set, or 2, for the second");
-                None
-            }
-        }
     }
 
     fn nfill_line(&mut self, line: &DataLine, spacing: &Spacing) -> Option<Vec<usize>> {
@@ -260,7 +236,7 @@ struct Spacing {
     bias: f64,
     two_step: bool,
     /// 1 or 2: quarter-point spacing at the first or second line; 0 without.
-    singular: i64,
+    singular: usize,
 }
 
 /// Where the inner nodes lie, 0 to 1: each interval is `bias` times as long as the one after it, with `TWO STEP` each

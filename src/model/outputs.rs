@@ -7,18 +7,16 @@ use super::types::{
     ElementSetId, Inert, Interval, NodeSetId, OutputCard, OutputKind, OutputRequest, Position, Region, Restart,
     TimePoints, TimePointsId, WhichPairs,
 };
-use crate::deck::names::fold;
 use crate::deck::{Card, Diagnostic, Word};
 use crate::variables::request::{self, SectionPoint, VariableRequest};
 use crate::variables::statistic::Statistic;
 
+/// Operations of `*OUTPUT` by their place among the words of `OP`.
+const NEW: usize = 0;
+const ADD: usize = 1;
+
 impl Builder<'_> {
     pub(super) fn output_card(&mut self, card: &Card) {
-        if self.step.is_none() {
-            let message = format!("*{} belongs into a *STEP", card.keyword.name);
-            self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no step is open"));
-            return;
-        }
         if card.keyword.name == "OUTPUT" {
             self.request(card);
         } else {
@@ -34,9 +32,7 @@ impl Builder<'_> {
             return;
         }
         let Some(interval) = self.interval(card) else { return };
-        if !self.output_operation(card, kind, interval) {
-            return;
-        }
+        self.output_operation(card, kind, interval);
         self.note_time_marks(card);
         let variables = self.default_variables(card);
         let Some(sensor) = self.sensor(card) else { return };
@@ -59,22 +55,17 @@ impl Builder<'_> {
 
     /// What a request does to those of earlier steps: NEW, the default, ends them all, fields and histories; REPLACE those of
     /// its type and frequency; ADD none (ABAQUS Keywords Reference Guide, *OUTPUT).
-    fn output_operation(&mut self, card: &Card, kind: OutputKind, interval: Interval) -> bool {
-        match card.value("OP").map(|w| upper(&w.text)).as_deref() {
-            None | Some("NEW") => {
+    fn output_operation(&mut self, card: &Card, kind: OutputKind, interval: Interval) {
+        match card.read::<usize>("OP") {
+            NEW => {
                 self.state().earlier_outputs.clear();
                 if !self.state().cleared.contains(&"OUTPUT") {
                     self.state().cleared.push("OUTPUT");
                 }
             }
-            Some("ADD") => {}
-            Some("REPLACE") => self.state().earlier_outputs.retain(|o| (o.kind, o.interval) != (kind, interval)),
-            Some(other) => {
-                self.out_of_range(card.span, format!("OP is NEW, ADD or REPLACE, not {other}"));
-                return false;
-            }
+            ADD => {}
+            _ => self.state().earlier_outputs.retain(|o| (o.kind, o.interval) != (kind, interval)),
         }
-        true
     }
 
     /// `*RESTART, WRITE`, in force until another takes its place; without an interval once a step, FREQUENCY=0 never.
@@ -122,21 +113,18 @@ impl Builder<'_> {
     /// `*TIME POINTS`: times of the step, listed or counted (ABAQUS Keywords Reference Guide, *TIME POINTS).
     pub(super) fn time_points(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
-        let mut times = Vec::new();
-        for line in &card.lines {
-            if card.has("GENERATE") {
-                let Some([first, last, step]) = self.numbers::<3>(line, &[0.0; 3]) else { return };
+        let mut times: Vec<f64> = Vec::new();
+        if card.has("GENERATE") {
+            for (line, [first, last, step]) in card.lines.iter().zip(card.read_lines::<Vec<[f64; 3]>>()) {
                 let count = ((last - first) / step * (1.0 + 1e-12)).floor();
-                if !(step > 0.0 && (0.0..=MOST as f64).contains(&count)) {
-                    self.out_of_range(line.span, "time points are counted from a first to a last in steps above zero");
+                if !(0.0..=MOST as f64).contains(&count) {
+                    self.out_of_range(line.span, "time points are counted from a first to a last");
                     return;
                 }
                 times.extend((0..=count as usize).map(|i| first + i as f64 * step));
-                continue;
             }
-            for word in line.fields.iter().filter(|w| !w.text.is_empty()) {
-                times.extend(word.number(&mut self.diagnostics));
-            }
+        } else {
+            times = card.read_lines();
         }
         if !times.windows(2).all(|w| w[0] < w[1]) {
             self.out_of_range(card.span, "time points ascend");
@@ -154,30 +142,14 @@ impl Builder<'_> {
             }
             return found.map(|index| Interval::Points(TimePointsId::new(index)));
         }
-        if card.value("FREQUENCY").is_some_and(|w| w.is("0")) {
-            return Some(Interval::Never);
-        }
-        if let Some(word) = card.value("TIME INTERVAL") {
-            let value = word.number(&mut self.diagnostics)?;
-            if value > 0.0 {
-                return Some(Interval::Time(value));
-            }
-            self.out_of_range(word.span, "TIME INTERVAL must be above zero");
-            return None;
-        }
-        for (name, make) in
-            [("NUMBER INTERVAL", Interval::Number as fn(u32) -> Interval), ("FREQUENCY", Interval::Increments)]
-        {
-            if let Some(word) = card.value(name) {
-                let value = word.integer(&mut self.diagnostics)?;
-                if let Some(count) = u32::try_from(value).ok().filter(|c| *c > 0) {
-                    return Some(make(count));
-                }
-                self.out_of_range(word.span, format!("{name} must be a whole number above zero"));
-                return None;
-            }
-        }
-        Some(Interval::Default)
+        let count = |name| card.read::<Option<usize>>(name).map(|count| u32::try_from(count).unwrap_or(u32::MAX));
+        Some(match (card.read("TIME INTERVAL"), count("NUMBER INTERVAL"), count("FREQUENCY")) {
+            (.., Some(0)) => Interval::Never,
+            (Some(time), ..) => Interval::Time(time),
+            (_, Some(number), _) => Interval::Number(number),
+            (.., Some(increments)) => Interval::Increments(increments),
+            _ => Interval::Default,
+        })
     }
 
     fn sub_request(&mut self, card: &Card) {
@@ -267,23 +239,17 @@ impl Builder<'_> {
         let Some(word) = card.value("POSITION").filter(|_| card.keyword.name == "ELEMENT OUTPUT") else {
             return Position::Element;
         };
-        match fold(&word.text).as_str() {
-            "INTEGRATIONPOINTS" | "CENTROIDAL" => Position::Element,
-            "NODES" | "AVERAGEDATNODES" if kind == OutputKind::Field => {
-                let message = "elements have one integration point; a node shows the mean over the elements around it";
-                self.diagnostics.push(Diagnostic::note("M153", message).at(word.span, "on nodes"));
-                Position::Nodes
-            }
-            "NODES" | "AVERAGEDATNODES" => {
-                let message = "histories of elements are always those of their integration points";
-                self.diagnostics.push(Diagnostic::warning("M153", message).at(word.span, "not at nodes"));
-                Position::Element
-            }
-            _ => {
-                self.out_of_range(word.span, "POSITION is INTEGRATION POINTS, CENTROIDAL, NODES or AVERAGED AT NODES");
-                Position::Element
-            }
+        if card.read::<usize>("POSITION") < 2 {
+            return Position::Element;
         }
+        if kind == OutputKind::History {
+            let message = "histories of elements are always those of their integration points";
+            self.diagnostics.push(Diagnostic::warning("M153", message).at(word.span, "not at nodes"));
+            return Position::Element;
+        }
+        let message = "elements have one integration point; a node shows the mean over the elements around it";
+        self.diagnostics.push(Diagnostic::note("M153", message).at(word.span, "on nodes"));
+        Position::Nodes
     }
 
     /// `STATISTICS` (extension): what a history shows of the whole set.
@@ -306,17 +272,11 @@ impl Builder<'_> {
     }
 
     /// What `VARIABLE=` asks for.
-    fn default_variables(&mut self, card: &Card) -> Vec<VariableRequest> {
-        let Some(word) = card.value("VARIABLE") else { return Vec::new() };
-        let text = fold(&word.text);
-        match ["PRESELECT", "ALL"].map(|name| !text.is_empty() && name.starts_with(&text)) {
-            [true, _] => vec![VariableRequest::Preselect],
-            [_, true] => vec![VariableRequest::All],
-            _ => {
-                self.out_of_range(word.span, "VARIABLE is PRESELECT or ALL; names of variables stand on data lines");
-                Vec::new()
-            }
-        }
+    fn default_variables(&self, card: &Card) -> Vec<VariableRequest> {
+        card.read::<Option<usize>>("VARIABLE")
+            .map(|place| [VariableRequest::Preselect, VariableRequest::All][place])
+            .into_iter()
+            .collect()
     }
 
     /// A surface under a name, for integrals (ABAQUS Keywords Reference Guide, *INTEGRATED OUTPUT SECTION).

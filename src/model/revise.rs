@@ -4,11 +4,12 @@
 
 use super::types::{CavityExpansion, InitialKind, LoadKind, Model};
 use crate::deck::template::{At, OpenWord};
+use crate::deck::value::Value;
 use crate::deck::{Card, Deck, Span};
 
 /// A number of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+enum Place {
     /// Velocity at the start, by the index of the condition.
     Velocity(usize),
     /// Mass of points, by their card.
@@ -27,8 +28,24 @@ pub enum Place {
     Magnitude(Span),
 }
 
+/// A number of the model that may be given other values, and what its card allows.
+#[derive(Clone, Copy, Debug)]
+pub struct Revisable {
+    place: Place,
+    allowed: Value,
+}
+
 /// The number that an open word gives; `None` where more than a number follows from it.
-pub fn place_of(model: &Model, deck: &Deck, word: &OpenWord) -> Option<Place> {
+pub fn revisable(model: &Model, deck: &Deck, word: &OpenWord) -> Option<Revisable> {
+    let card = &deck.cards[word.card];
+    let rule = match word.at {
+        At::Parameter(name) => card.keyword.rule(name),
+        At::Field(line, field) => card.given_field(line, field).rule,
+    };
+    Some(Revisable { place: place_of(model, deck, word)?, allowed: rule?.value })
+}
+
+fn place_of(model: &Model, deck: &Deck, word: &OpenWord) -> Option<Place> {
     let card = &deck.cards[word.card];
     let given = |card: &Card| {
         let of_card = |c: &CavityExpansion| c.span == card.span && c.derived.is_none();
@@ -77,7 +94,10 @@ fn target(model: &Model, card: &Card) -> Option<usize> {
 }
 
 /// Gives a number of the model another value; `false` where the deck could not have it, or where it changes what there is.
-pub fn set(model: &mut Model, place: Place, value: f64) -> bool {
+pub fn set(model: &mut Model, Revisable { place, allowed }: Revisable, value: f64) -> bool {
+    if !allowed.allows(value) {
+        return false;
+    }
     match place {
         Place::Velocity(at) => match &mut model.initial_conditions[at].kind {
             InitialKind::Velocity(2, velocity) => *velocity = value,
@@ -92,22 +112,16 @@ pub fn set(model: &mut Model, place: Place, value: f64) -> bool {
             points.for_each(|point| point.mass = value);
         }
         Place::Density(at) => {
-            if value <= 0.0 || model.materials[at].density.replace(value).is_none() {
+            if model.materials[at].density.replace(value).is_none() {
                 return false;
             }
         }
         Place::Resistance(at, part) => {
             let Some(law) = &mut model.materials[at].cavity else { return false };
-            if value < 0.0 || part == 0 && value == 0.0 {
-                return false;
-            }
             *[&mut law.yield_stress, &mut law.a, &mut law.b, &mut law.c][part] = value;
         }
         Place::Front(target) => model.targets[target].front = value,
         Place::Thickness(target, layer) => {
-            if value <= 0.0 {
-                return false;
-            }
             model.targets[target].layers[layer].thickness = value;
         }
         Place::Friction(first, last) => {
@@ -120,7 +134,7 @@ pub fn set(model: &mut Model, place: Place, value: f64) -> bool {
                     (*friction, given) = (value, true);
                 }
             }
-            return given && value >= 0.0;
+            return given;
         }
         Place::Magnitude(span) => {
             let loads = model.steps.iter_mut().flat_map(|s| &mut s.loads).filter(|l| l.span == span);

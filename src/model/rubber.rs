@@ -2,12 +2,14 @@
 //! Never here: stresses.
 
 use super::builder::Builder;
-use super::names::upper;
 use super::types::{FoamShape, Hyperelastic, RubberShape};
 use crate::deck::Card;
+use crate::deck::table::materials as cards;
 
 /// The highest order of a polynomial.
 pub(super) const ORDER: usize = 6;
+/// That of a sum after Ogden.
+const OGDEN_ORDER: usize = 3;
 
 /// The forms of `*HYPERELASTIC` that are known.
 const FORMS: [&str; 6] = ["NEO HOOKE", "MOONEY-RIVLIN", "YEOH", "OGDEN", "POLYNOMIAL", "REDUCED POLYNOMIAL"];
@@ -76,13 +78,13 @@ impl Builder<'_> {
             self.out_of_range(word.span, format!("{form} has no order N"));
             return None;
         }
-        let order = word.integer(&mut self.diagnostics)?;
-        let most = if form == "OGDEN" { 3 } else { ORDER as i64 };
-        if !(1..=most).contains(&order) {
-            self.out_of_range(word.span, format!("N of {form} lies between 1 and {most}, not {order}"));
+        let cards::Hyperelastic { order } = self.values(card);
+        let order = order.unwrap_or(1);
+        if form == "OGDEN" && order > OGDEN_ORDER {
+            self.out_of_range(word.span, format!("N of OGDEN must be from 1 to {OGDEN_ORDER}, found {order}"));
             return None;
         }
-        Some(order as usize)
+        Some(order)
     }
 
     /// So many constants, eight a line; those that are not given are zero, but for the first. A temperature may follow.
@@ -111,53 +113,16 @@ impl Builder<'_> {
 
     /// `*CRUSHABLE FOAM`: the shape of the yield surface.
     pub(super) fn crushable_foam(&mut self, card: &Card) {
-        let growth = card.value("HARDENING").map_or("VOLUMETRIC".into(), |w| upper(&w.text));
-        let Some(line) = self.first_line(card) else { return };
-        let Some(k) = self.number(line, 0, "the compression yield stress ratio") else { return };
-        let shape = match growth.as_str() {
-            "VOLUMETRIC" => {
-                let Some(kt) = self.number_or(line, 1, 1.0) else { return };
-                if !(k > 0.0 && k < 3.0 && kt >= 0.0) {
-                    let message = format!(
-                        "the compression yield stress ratio {k} must lie between 0 and 3, the hydrostatic yield stress \
-                         ratio {kt} not below 0"
-                    );
-                    self.out_of_range(line.span, message);
-                    return;
-                }
-                FoamShape::Volumetric([k, kt])
-            }
-            "ISOTROPIC" => {
-                let Some(ratio) = self.number_or(line, 1, 0.0) else { return };
-                let allowed = (0.0..3.0).contains(&k) && ratio > -1.0 && ratio < 0.5;
-                if !allowed {
-                    let message = format!(
-                        "the compression yield stress ratio {k} must lie between 0 and 3, the plastic Poisson's ratio \
-                         {ratio} between -1 and 0.5"
-                    );
-                    self.out_of_range(line.span, message);
-                    return;
-                }
-                FoamShape::Isotropic([k, ratio])
-            }
-            other => {
-                self.out_of_range(card.span, format!("HARDENING is VOLUMETRIC or ISOTROPIC, not {other}"));
-                return;
-            }
-        };
+        let cards::CrushableFoam { isotropic, ratios } = self.values(card);
+        let shape = if isotropic { FoamShape::Isotropic(ratios) } else { FoamShape::Volumetric(ratios) };
         self.last_material().foam.shape = Some((shape, card.span));
     }
 
     /// `*CRUSHABLE FOAM HARDENING`: both columns are given positive in compression.
     pub(super) fn foam_hardening(&mut self, card: &Card) {
-        if self.first_line(card).is_none() {
-            return;
-        }
-        let rows: Option<Vec<[f64; 2]>> = card.lines.iter().map(|l| self.numbers::<2>(l, &[0.0; 2])).collect();
-        let Some(rows) = rows else { return };
-        let ascends = rows.windows(2).all(|w| w[0][1] < w[1][1]);
-        if rows[0][1] != 0.0 || !ascends || rows.iter().any(|r| r[0] <= 0.0) {
-            self.out_of_range(card.span, "yield stresses must be above zero, plastic strains start at 0 and ascend");
+        let cards::CrushableFoamHardening { rows } = self.values(card);
+        if rows.first().is_some_and(|row| row[1] != 0.0) {
+            self.out_of_range(card.span, "plastic strains must begin at 0");
             return;
         }
         self.last_material().foam.hardening = rows;
@@ -165,13 +130,8 @@ impl Builder<'_> {
 
     /// `*DAMPING`: a factor of zero is none.
     pub(super) fn damping(&mut self, card: &Card) {
-        let Some(word) = card.value("ALPHA") else { return };
-        let Some(alpha) = word.number(&mut self.diagnostics) else { return };
-        if alpha < 0.0 || !alpha.is_finite() {
-            self.out_of_range(word.span, format!("ALPHA must not be below zero, not {alpha}"));
-            return;
-        }
-        self.last_material().damping = (alpha != 0.0).then_some((alpha, card.span));
+        let cards::Damping { alpha } = self.values(card);
+        self.last_material().damping = alpha.filter(|alpha| *alpha != 0.0).map(|alpha| (alpha, card.span));
     }
 }
 

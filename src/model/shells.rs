@@ -3,31 +3,20 @@
 
 use super::builder::Builder;
 use super::types::{ElementKind, ShellSection, ShellThinning};
+use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
-
-/// Points through the thickness without a word of the deck (ABAQUS Keywords Guide, *SHELL SECTION).
-const POINTS: i64 = 5;
 
 impl Builder<'_> {
     pub(super) fn shell_section(&mut self, card: &Card) {
         let Some((elements, material)) = self.section_of(card, |kind| kind == ElementKind::Sax1) else { return };
-        let Some(line) = self.first_line(card) else { return };
-        let Some(thickness) = self.number(line, 0, "the thickness") else { return };
-        let Some(points) = line.field(1).map_or(Some(POINTS), |w| w.integer(&mut self.diagnostics)) else { return };
-        if thickness <= 0.0 {
-            self.out_of_range(line.span, format!("a thickness must be above zero, not {thickness}"));
-            return;
+        let cards::ShellSection { per_area, thickness_points: [thickness, points] } = self.values(card);
+        let points = points as usize;
+        if points.is_multiple_of(2) {
+            let message = format!("Simpson's rule takes an odd number of points, not {points}");
+            return self.out_of_range(card.span, message);
         }
-        if points < 3 || points % 2 == 0 || points > 1001 {
-            self.out_of_range(
-                line.span,
-                format!("Simpson's rule takes an odd number of points from 3 on, not {points}"),
-            );
-            return;
-        }
-        let per_area = card.value("DENSITY").map_or(Some(0.0), |w| w.number(&mut self.diagnostics));
-        let (Some(per_area), Some(thinning)) = (per_area, self.thinning(card)) else { return };
-        let (points, span) = (points as usize, card.span);
+        let Some(thinning) = self.thinning(card) else { return };
+        let span = card.span;
         self.model.shell_sections.push(ShellSection {
             elements,
             material,

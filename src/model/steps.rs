@@ -3,11 +3,11 @@
 
 use super::builder::Builder;
 use super::history::{History, StepTime};
-use super::names::upper;
 use super::types::{
     Boundary, Clearance, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind,
     OutputRequest, PrescribedField, Restart, Step, SurfaceContact,
 };
+use crate::deck::table::steps as cards;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Increments of a given length that a step may take at most: at ten nanoseconds each, four months.
@@ -66,27 +66,17 @@ pub(super) struct Procedure {
 pub const BULK_VISCOSITY: [f64; 2] = [0.06, 1.2];
 
 impl Builder<'_> {
-    pub(super) fn step_card(&mut self, card: &Card) {
-        match card.keyword.name {
-            "STEP" => self.begin_step(card),
-            "END STEP" => {
-                self.close("STEP", card);
-                self.close_step();
-            }
-            "DYNAMIC" | "DYNAMIC TEMPERATURE-DISPLACEMENT" => self.dynamic(card),
-            "BULK VISCOSITY" => self.bulk_viscosity(card),
-            "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => self.mass_scaling(card),
-            "ENERGY LIMIT" => self.energy_limit(card),
-            _ => {}
-        }
+    pub(super) fn end_step(&mut self, card: &Card) {
+        self.close("STEP", card);
+        self.close_step();
     }
 
-    fn begin_step(&mut self, card: &Card) {
+    pub(super) fn begin_step(&mut self, card: &Card) {
         self.close_step();
         self.open("STEP", card);
         let number = self.model.steps.len() + 1;
         let name = card.value("NAME").map_or_else(|| format!("Step-{number}"), |w| w.text.clone());
-        let ramp = self.step_amplitude(card);
+        let ramp = card.read("AMPLITUDE");
         let mut carried = self.carried.clone();
         carried.earlier_outputs = std::mem::take(&mut carried.outputs);
         if !carried.boundaries.is_empty() {
@@ -96,19 +86,6 @@ impl Builder<'_> {
         }
         let fresh = StepState { name, span: card.span, ramp, procedure: None, cleared: Vec::new(), ..carried };
         self.step = Some(StepState { new_boundaries: None, ..fresh });
-    }
-
-    /// Whether conditions without amplitude grow over the step.
-    fn step_amplitude(&mut self, card: &Card) -> bool {
-        match card.value("AMPLITUDE") {
-            None => false,
-            Some(word) if word.is("STEP") => false,
-            Some(word) if word.is("RAMP") => true,
-            Some(word) => {
-                self.out_of_range(word.span, format!("AMPLITUDE is STEP or RAMP, not {}", word.text));
-                false
-            }
-        }
     }
 
     pub(super) fn close_step(&mut self) {
@@ -177,108 +154,63 @@ impl Builder<'_> {
         }
     }
 
-    fn dynamic(&mut self, card: &Card) {
+    pub(super) fn dynamic(&mut self, card: &Card) {
         if !card.has("EXPLICIT") {
             let help = format!("write *{}, EXPLICIT", card.keyword.name);
             self.unsupported(card.span, "implicit dynamics is not supported", &help);
             return;
         }
         let Some(line) = self.first_line(card) else { return };
-        let Some(duration) = self.number(line, 1, "the length of the step") else { return };
-        if duration <= 0.0 {
-            self.out_of_range(line.span, format!("the length of the step must be above zero, not {duration}"));
-            return;
-        }
-        let Some(increment) = self.increment_control(card, line, duration) else { return };
-        let scale_factor =
-            card.value("SCALE FACTOR").map_or(Some(1.0), |w| w.number(&mut self.diagnostics)).unwrap_or(1.0);
-        if scale_factor <= 0.0 {
-            self.out_of_range(card.span, "SCALE FACTOR must be above zero");
-            return;
-        }
-        let Some(load_velocity) = self.load_velocity(card) else { return };
-        let (span, adiabatic, coupled) = (card.span, card.has("ADIABATIC"), card.keyword.name != "DYNAMIC");
-        let procedure = Procedure { span, duration, increment, scale_factor, load_velocity, adiabatic, coupled };
-        match &mut self.step {
-            Some(step) => step.procedure = Some(procedure),
-            None => self.outside_step(card),
-        }
+        let (values, coupled) = match card.keyword.name {
+            "DYNAMIC" => (self.values(card), false),
+            _ => (cards::Dynamic::from(self.values::<cards::CoupledDynamic>(card)), true),
+        };
+        let Some(increment) = self.increment_control(card, line, &values) else { return };
+        let load_velocity = if values.lagged { LoadVelocity::Lagged } else { LoadVelocity::Predicted };
+        let procedure = Procedure {
+            span: card.span,
+            duration: values.times[1],
+            increment,
+            scale_factor: values.scale_factor,
+            load_velocity,
+            adiabatic: values.adiabatic,
+            coupled,
+        };
+        self.state().procedure = Some(procedure);
     }
 
-    pub(super) fn outside_step(&mut self, card: &Card) {
-        let message = format!("*{} belongs into a *STEP", card.keyword.name);
-        self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no step is open"));
-    }
-
-    fn increment_control(&mut self, card: &Card, line: &DataLine, duration: f64) -> Option<IncrementControl> {
-        if card.has("DIRECT USER CONTROL") {
-            let increment = self.number(line, 0, "the increment (DIRECT USER CONTROL)")?;
-            if increment > 0.0 && duration / increment > MOST_INCREMENTS {
-                let message =
-                    format!("the step would take {:.1e} increments: it would never end", duration / increment);
-                self.out_of_range(line.span, message);
-                return None;
-            }
-            if increment > 0.0 && increment <= duration {
-                return Some(IncrementControl::Fixed(increment));
-            }
-            self.out_of_range(
-                line.span,
-                format!("the increment {increment} must be above zero and not above {duration}"),
-            );
-            return None;
-        }
-        let accuracy = card.value("ACCURACY").map_or(Some(DEFAULT_ACCURACY), |w| w.number(&mut self.diagnostics))?;
-        if !(1e-14..=0.1).contains(&accuracy) {
-            self.out_of_range(card.span, format!("ACCURACY must lie between 1e-14 and 0.1, not {accuracy}"));
-            return None;
-        }
-        let element_by_element = card.has("ELEMENT BY ELEMENT");
-        if element_by_element && card.has("GLOBAL") {
-            self.out_of_range(card.span, "GLOBAL and ELEMENT BY ELEMENT exclude each other");
-            return None;
-        }
-        let largest = self.largest_increment(line, duration)?;
-        Some(IncrementControl::Automatic { accuracy, element_by_element, largest })
-    }
-
-    /// The fourth field of an automatic step; infinite where it is empty or zero (ABAQUS Keywords Reference Guide, *DYNAMIC).
-    fn largest_increment(&mut self, line: &DataLine, duration: f64) -> Option<f64> {
-        let given = self.number_or(line, 3, 0.0)?;
-        if given < 0.0 {
-            self.out_of_range(line.span, format!("the largest increment must not be below zero, not {given}"));
-            return None;
-        }
+    fn increment_control(&mut self, card: &Card, line: &DataLine, values: &cards::Dynamic) -> Option<IncrementControl> {
+        let [increment, duration, _, largest] = values.times;
+        let given = if values.direct { increment } else { largest };
         if given > 0.0 && duration / given > MOST_INCREMENTS {
             let message = format!("the step would take {:.1e} increments: it would never end", duration / given);
             self.out_of_range(line.span, message);
             return None;
         }
-        Some(if given == 0.0 { f64::INFINITY } else { given })
-    }
-
-    fn load_velocity(&mut self, card: &Card) -> Option<LoadVelocity> {
-        match card.value("LOAD VELOCITY") {
-            None => Some(LoadVelocity::Predicted),
-            Some(word) if word.is("PREDICTED") => Some(LoadVelocity::Predicted),
-            Some(word) if word.is("LAGGED") => Some(LoadVelocity::Lagged),
-            Some(word) => {
-                self.out_of_range(word.span, format!("LOAD VELOCITY is PREDICTED or LAGGED, not {}", word.text));
-                None
+        if values.direct {
+            if increment <= duration {
+                return Some(IncrementControl::Fixed(increment));
             }
+            self.out_of_range(line.span, format!("the increment {increment} must not be above {duration}"));
+            return None;
         }
+        let element_by_element = values.element_by_element;
+        if element_by_element && values.global {
+            self.out_of_range(card.span, "GLOBAL and ELEMENT BY ELEMENT exclude each other");
+            return None;
+        }
+        // An empty field or zero is no limit (ABAQUS Keywords Reference Guide, *DYNAMIC).
+        let largest = if largest == 0.0 { f64::INFINITY } else { largest };
+        Some(IncrementControl::Automatic { accuracy: values.accuracy, element_by_element, largest })
     }
 
     /// In force from this step on, until another step gives others.
-    fn bulk_viscosity(&mut self, card: &Card) {
-        let Some(line) = self.first_line(card) else { return };
-        let (Some(linear), Some(quadratic)) = (self.number_or(line, 0, 0.06), self.number_or(line, 1, 1.2)) else {
+    pub(super) fn bulk_viscosity(&mut self, card: &Card) {
+        if self.first_line(card).is_none() {
             return;
-        };
-        match &mut self.step {
-            None => self.outside_step(card),
-            Some(step) => step.bulk_viscosity = Some([linear, quadratic]),
         }
+        let cards::BulkViscosity { factors } = self.values(card);
+        self.state().bulk_viscosity = Some(factors);
         if !self.model.mesh.elements.iter().any(|e| e.kind.is_solid() || e.kind == super::ElementKind::Sax1) {
             self.inert(card, "nothing here deforms".into());
         }
@@ -303,14 +235,7 @@ impl Builder<'_> {
     }
 
     /// Whether OP is NEW; MOD is the default.
-    pub(super) fn is_new(&mut self, card: &Card) -> bool {
-        match card.value("OP").map(|w| upper(&w.text)).as_deref() {
-            None | Some("MOD") => false,
-            Some("NEW") => true,
-            Some(other) => {
-                self.out_of_range(card.span, format!("OP is MOD or NEW, not {other}"));
-                false
-            }
-        }
+    pub(super) fn is_new(&self, card: &Card) -> bool {
+        card.read("OP")
     }
 }

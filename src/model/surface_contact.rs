@@ -29,7 +29,7 @@ impl Builder<'_> {
                 None => return,
             },
         };
-        let Some(penalty) = self.penalty_of_pair(card) else { return };
+        let penalty = card.read::<bool>("MECHANICAL CONSTRAINT").then_some(1.0);
         let same = |c: &SurfaceContact| {
             let names = [&c.sides[0].name, &c.sides[1].name];
             names == [&sides[0].name, &sides[1].name] || names == [&sides[1].name, &sides[0].name]
@@ -57,21 +57,6 @@ impl Builder<'_> {
             law,
             span: line.span,
         });
-    }
-
-    /// Factor on the stiffness of penalty springs; `Some(None)` of a pair without any, `None` once refused (ABAQUS Keywords
-    /// Reference Guide, *CONTACT PAIR).
-    pub(super) fn penalty_of_pair(&mut self, card: &Card) -> Option<Option<f64>> {
-        match card.value("MECHANICAL CONSTRAINT") {
-            None => Some(None),
-            Some(word) if word.is("KINEMATIC") => Some(None),
-            Some(word) if word.is("PENALTY") => Some(Some(1.0)),
-            Some(word) => {
-                let message = format!("MECHANICAL CONSTRAINT is KINEMATIC or PENALTY, not {}", word.text);
-                self.out_of_range(word.span, message);
-                None
-            }
-        }
     }
 
     /// The sides of a surface of elements.

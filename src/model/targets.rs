@@ -2,40 +2,23 @@
 //! Never here: what a layer resists with (`materials`), loads.
 
 use super::builder::Builder;
-use super::names::upper;
 use super::types::{FreeSurfaces, Layer, Target};
-use crate::deck::{Card, DataLine, Diagnostic};
+use crate::deck::read::FromValue;
+use crate::deck::table::constraints as cards;
+use crate::deck::{Card, Diagnostic};
 use crate::kernel::free_surface::FiniteSphere;
 
 impl Builder<'_> {
     pub(super) fn target(&mut self, card: &Card) {
-        let Some(name) = self.required(card, "NAME") else { return };
-        let front = card.value("FRONT").map_or(Some(0.0), |w| w.number(&mut self.diagnostics));
-        let direction = card.value("DIRECTION").map_or(Some(-1.0), |w| w.number(&mut self.diagnostics));
-        let obliquity = card.value("OBLIQUITY").map_or(Some(0.0), |w| w.number(&mut self.diagnostics));
-        let (Some(front), Some(direction), Some(obliquity)) = (front, direction, obliquity) else { return };
-        if obliquity.is_nan() || obliquity.abs() >= 90.0 {
-            self.out_of_range(card.span, format!("OBLIQUITY lies between -90 and 90 degrees, not at {obliquity}"));
-            return;
+        let values: cards::Target = self.values(card);
+        if values.direction.abs() != 1.0 {
+            return self.out_of_range(card.span, format!("DIRECTION must be 1 or -1, found {}", values.direction));
         }
-        if direction.abs() != 1.0 {
-            self.out_of_range(card.span, format!("DIRECTION is +1 or -1, not {direction}"));
-            return;
-        }
-        let (Some(free_surfaces), Some(radius)) = (self.free_surfaces(card), self.positive_parameter(card, "RADIUS"))
-        else {
-            return;
-        };
-        let (Some(crater), Some(shear_strength)) =
-            (self.positive_parameter(card, "CRATER"), self.positive_parameter(card, "SHEAR STRENGTH"))
-        else {
-            return;
-        };
         if self.first_line(card).is_none() {
             return;
         }
-        let radius = radius.unwrap_or(f64::INFINITY);
-        let layers: Vec<Layer> = card.lines.iter().filter_map(|line| self.layer(line, radius)).collect();
+        let radius = values.radius.unwrap_or(f64::INFINITY);
+        let layers: Vec<Layer> = (0..card.lines.len()).filter_map(|at| self.layer(card, at, radius)).collect();
         if let Some(layer) = layers.iter().rev().skip(1).find(|l| l.thickness.is_infinite()) {
             let span = layer.span;
             self.out_of_range(span, "only the last layer may be without end");
@@ -44,61 +27,29 @@ impl Builder<'_> {
             let span = gap.span;
             self.out_of_range(span, "a gap lies between two layers: the first and the last need a material");
         }
-        let (Some(separation), span) = (self.separation(card), card.span) else { return };
-        let name = upper(&name.text);
+        let free_surfaces = [FreeSurfaces::Off, FreeSurfaces::Plates, FreeSurfaces::Layers][values.free_surface];
         self.model.targets.push(Target {
-            name,
-            front,
-            direction,
-            obliquity,
+            name: values.name,
+            front: values.front,
+            direction: values.direction,
+            obliquity: values.obliquity,
             layers,
             free_surfaces,
-            crater,
-            shear_strength,
-            separation,
-            span,
+            crater: values.crater,
+            shear_strength: values.shear_strength,
+            separation: values.separation,
+            span: card.span,
         });
     }
 
-    fn free_surfaces(&mut self, card: &Card) -> Option<FreeSurfaces> {
-        let Some(word) = card.value("FREE SURFACE") else { return Some(FreeSurfaces::Off) };
-        match upper(&word.text).as_str() {
-            "OFF" => Some(FreeSurfaces::Off),
-            "ON" => Some(FreeSurfaces::Plates),
-            "LAYERS" => Some(FreeSurfaces::Layers),
-            other => {
-                self.out_of_range(word.span, format!("FREE SURFACE is ON, LAYERS or OFF, not {other}"));
-                None
-            }
-        }
-    }
-
-    fn separation(&mut self, card: &Card) -> Option<bool> {
-        let Some(word) = card.value("SEPARATION") else { return Some(card.has("SEPARATION")) };
-        match upper(&word.text).as_str() {
-            "ON" => Some(true),
-            "OFF" => Some(false),
-            other => {
-                self.out_of_range(word.span, format!("SEPARATION is ON or OFF, not {other}"));
-                None
-            }
-        }
-    }
-
-    fn layer(&mut self, line: &DataLine, radius: f64) -> Option<Layer> {
+    fn layer(&mut self, card: &Card, at: usize, radius: f64) -> Option<Layer> {
+        let line = &card.lines[at];
         let material = match line.field(0) {
             Some(word) => Some(self.material(word)?),
             None => None,
         };
-        let (thickness, radius) = (self.number_or(line, 1, f64::INFINITY)?, self.number_or(line, 2, radius)?);
-        if thickness.is_nan() || thickness <= 0.0 {
-            self.out_of_range(line.span, format!("a layer must be thicker than zero, not {thickness}"));
-            return None;
-        }
-        if radius.is_nan() || radius <= 0.0 {
-            self.out_of_range(line.span, format!("the radius of a layer must be above zero, not {radius}"));
-            return None;
-        }
+        let given = |field| Option::<f64>::from_value(card.given_field(at, field));
+        let (thickness, radius) = (given(1).unwrap_or(f64::INFINITY), given(2).unwrap_or(radius));
         if let Some(properties) = material.map(|m| &self.model.materials[m])
             && (properties.cavity.is_none() || properties.density.is_none())
         {

@@ -3,8 +3,8 @@
 //! Never here: the routine.
 
 use super::builder::Builder;
-use super::names::upper;
 use super::types::{InitialCondition, InitialKind, Plastic, StateVariables};
+use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine};
 
 /// Constants on a full line.
@@ -30,31 +30,21 @@ impl Builder<'_> {
 
     /// `*CHARACTERISTIC LENGTH`: the root of the area, or what the routine of the user gives.
     pub(super) fn characteristic_length(&mut self, card: &Card) {
-        match card.value("DEFINITION").map(|w| upper(&w.text).replace(' ', "")).as_deref() {
-            None | Some("GEOMETRICMEAN") => {}
-            Some("USER") => {
-                self.last_material().user.lengths = self.constants(card, "PROPERTIES").map(|list| (list, card.span));
-            }
-            Some(other) => {
-                let message = format!("DEFINITION is GEOMETRIC MEAN or USER, not {other}");
-                self.out_of_range(card.span, message);
-            }
+        if card.read("DEFINITION") {
+            self.last_material().user.lengths = self.constants(card, "PROPERTIES").map(|list| (list, card.span));
         }
     }
 
     /// As many constants as a parameter says, none without it: eight a line, and an empty field is zero; a line that ends
     /// earlier is filled with zeros where another follows.
     fn constants(&mut self, card: &Card, parameter: &str) -> Option<Vec<f64>> {
-        let wanted = match card.value(parameter) {
-            Some(word) => usize::try_from(word.integer(&mut self.diagnostics)?).ok(),
-            None => Some(0),
-        };
+        let wanted: usize = card.read(parameter);
         let mut constants = Vec::new();
         for (row, line) in card.lines.iter().enumerate() {
             constants.resize(ROW * row, 0.0);
             let filled = line.fields.iter().rposition(|w| !w.text.is_empty()).map_or(0, |last| last + 1);
             // Empty fields at the end are zeros as far as constants are wanted.
-            let empty = line.fields.len().min(wanted.unwrap_or(0).saturating_sub(ROW * row));
+            let empty = line.fields.len().min(wanted.saturating_sub(ROW * row));
             if filled > ROW {
                 let message = format!("a line holds {ROW} constants at most, not {filled}");
                 self.out_of_range(line.span, message);
@@ -64,7 +54,7 @@ impl Builder<'_> {
                 constants.push(self.number_or(line, i, 0.0)?);
             }
         }
-        if wanted == Some(constants.len()) {
+        if wanted == constants.len() {
             return Some(constants);
         }
         let wanted = card.value(parameter).map_or(String::new(), |word| format!("{parameter}={}, but ", word.text));
@@ -85,23 +75,12 @@ impl Builder<'_> {
             self.inert(card, "it serves routines of the user, and this deck asks none at points".into());
             return;
         }
-        let Some(line) = self.first_line(card) else { return };
-        let Some(count) = self.integer(line, 0, "the number of state variables") else { return };
-        let Some(count) = usize::try_from(count).ok().filter(|c| *c <= 10_000) else {
-            self.out_of_range(
-                line.span,
-                format!("the number of state variables must lie between 0 and 10000, not {count}"),
-            );
-            return;
-        };
-        let mut delete = None;
-        if let Some(word) = card.value("DELETE") {
-            let Some(number) = word.integer(&mut self.diagnostics) else { return };
-            delete = usize::try_from(number).ok().filter(|n| (1..=count).contains(n)).map(|n| n - 1);
-            if delete.is_none() {
-                self.out_of_range(word.span, format!("DELETE={number} is none of the {count} state variables"));
-            }
+        let count = usize::from_value(card.given_field(0, 0));
+        let delete = card.read::<Option<usize>>("DELETE");
+        if let Some((number, word)) = delete.zip(card.value("DELETE")).filter(|(number, _)| *number > count) {
+            self.out_of_range(word.span, format!("DELETE={number} is none of the {count} state variables"));
         }
+        let delete = delete.filter(|number| *number <= count).map(|number| number - 1);
         self.last_material().user.state = StateVariables { count, delete };
         let names = card.lines[1..].iter().filter_map(|line| self.state_name(line, count)).collect();
         self.last_material().user.state_names = names;

@@ -13,7 +13,7 @@ use crate::deck::names::nearest;
 use crate::deck::template::Template;
 use crate::deck::{self, Deck, Diagnostics};
 use crate::job::{self, Overrides};
-use crate::model::revise::{self, Place};
+use crate::model::revise::{self, Revisable};
 use crate::model::{self, Model};
 use crate::output::History;
 use crate::plan::revise::Reviser;
@@ -348,7 +348,7 @@ struct Worker {
 /// A plan whose numbers change from sample to sample.
 struct ReusablePlan {
     template: Template,
-    places: Vec<Place>,
+    places: Vec<Revisable>,
     model: Model,
     routines: Routines,
     plan: Plan,
@@ -370,7 +370,7 @@ impl ReusablePlan {
         let (deck, _) = evaluator.source.read(&evaluator.fixed);
         let template = Template::of(&deck, &evaluator.names)?;
         let model = model::build(&deck).0;
-        let places = template.words.iter().map(|word| revise::place_of(&model, &deck, word));
+        let places = template.words.iter().map(|word| revise::revisable(&model, &deck, word));
         let places = places.collect::<Option<Vec<_>>>()?;
         let (mut plan, state, _, reviser) = plan::revise::compile(&model, &routines);
         evaluator.look_less(&mut plan);

@@ -11,6 +11,7 @@ use std::path::Path;
 
 use crate::common::{self, Memory};
 use revolve::deck::keywords::{Keyword, Rule, Shape, Tier, Usage, keywords};
+use revolve::deck::value::Kind;
 use revolve::deck::{self, Card, DataLine, Deck};
 use revolve::job;
 use revolve::solve;
@@ -336,6 +337,35 @@ fn what_is_refused_says_why() {
             assert!(!refused(&card(value)), "{name}={value}: {:?}", said(&card(value)));
         }
     }
+}
+
+/// A number that a value may not be, if there is one.
+fn out_of_range(rule: &Rule) -> Option<f64> {
+    let checked = matches!(rule.value.kind, Kind::Number | Kind::Integer);
+    [-1000.0, 1e6, 0.0].into_iter().find(|number| checked && !rule.value.allows(*number))
+}
+
+#[test]
+fn values_out_of_range_are_refused_with_the_range() {
+    let mut tried = 0;
+    for (name, keyword, rule) in entries() {
+        let Some(number) = out_of_range(rule) else { continue };
+        let parameter = keyword.parameters.iter().any(|r| std::ptr::eq(r, rule));
+        let text = match parameter {
+            true => Some(format!("*{}, {}={number}\n", keyword.name, rule.name)),
+            false => with_field(keyword, rule, &format!("{number}")),
+        };
+        let Some(text) = text else { continue };
+        let (deck, mut diagnostics) = deck::read_text("card.inp", &text, &[]);
+        diagnostics.append(revolve::model::build(&deck).1);
+        if diagnostics.iter().any(|d| d.message.contains("needs a value")) {
+            continue;
+        }
+        let range = format!("must be {}, found {number}", rule.value.allowed());
+        assert!(diagnostics.iter().any(|d| d.code == "M103" && d.message.contains(&range)), "{name}: {diagnostics:?}");
+        tried += 1;
+    }
+    assert!(tried > 80, "{tried}");
 }
 
 #[test]

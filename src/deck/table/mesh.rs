@@ -3,6 +3,7 @@
 
 use super::row;
 use crate::deck::keywords::Keyword;
+use crate::deck::value::{INTEGER, POSITIVE, variant, word};
 
 /// The rows.
 pub const CARDS: &[Keyword] = &[
@@ -16,8 +17,8 @@ pub const CARDS: &[Keyword] = &[
     }, []),
     row!("PARAMETER", "Defines parameters for use as <name>", (), {
         "INDEPENDENT" refused "parameter studies are made with `revolve sweep`",
-        "DEPENDENT" refused "define parameters as `name = expression`",
-        "TABLE" refused "define parameters as `name = expression`",
+    } refused {
+        "define parameters as `name = expression`": "DEPENDENT", "TABLE";
     }, [(text "name = expression" read "Names are case-sensitive; + - * / // % **, functions, text in quotes, # comments; / is true division")]),
     row!("NODE", "Defines nodes; of a node given more than once the last place counts, with a warning", (), {
         "NSET" read "Node set to put them in",
@@ -48,8 +49,8 @@ pub const CARDS: &[Keyword] = &[
     ]),
     row!("NFILL", "Fills the space between two lines of nodes with nodes", (), {
         "NSET" read "Node set to put them in",
-        "BIAS" read "Length of each interval over that of the next",
-        "SINGULAR" read "1 or 2: the node next to the first or second line stands at a quarter of its two intervals",
+        "BIAS" (POSITIVE.or(1.0)) "Length of each interval over that of the next",
+        "SINGULAR" (INTEGER.from(0.0).to(2.0)) "1 or 2: the node next to the first or second line stands at a quarter of its two intervals",
         "TWO STEP" read "BIAS holds between pairs of intervals; the two of a pair are equally long",
     }, [(rows ["first set", "second set", "number of intervals", "increment"])]),
     row!("NCOPY", "Copies nodes to other numbers and places", (), {
@@ -57,7 +58,7 @@ pub const CARDS: &[Keyword] = &[
         "CHANGE NUMBER" read "Added to their numbers",
         "NEW SET" read "Node set to put the copies in",
         "SHIFT" read "Data lines move, then turn them, as those of *INSTANCE do; without data lines they stay",
-        "REFLECT" read "POINT, LINE or MIRROR: the data lines give points of it",
+        "REFLECT" (word(&["POINT", "LINE", "MIRROR"])) "The data lines give points of it",
         "MULTIPLE" only ["1"] "give a *NCOPY for each turn",
         "POLE" refused "of infinite elements",
     }, [
@@ -71,7 +72,7 @@ pub const CARDS: &[Keyword] = &[
     ]),
     row!("NMAP", "Takes the coordinates of nodes as those of a local system", (), {
         "NSET" read "Nodes",
-        "TYPE" read "RECTANGULAR, or CYLINDRICAL about an axis that stands on the r-z plane (radius, angle in degrees)",
+        "TYPE" (variant(&["RECTANGULAR", "CYLINDRICAL"]).required()) "CYLINDRICAL about an axis that stands on the r-z plane (radius, angle in degrees)",
         "DEFINITION" only ["COORDINATES"] "give coordinates",
     }, [(lines
         ["r of a", "z of a", "third coordinate of a", "r of b", "z of b", "third coordinate of b"]
@@ -150,18 +151,16 @@ pub const CARDS: &[Keyword] = &[
         "NAME" read "Name of the surface",
         "TYPE" read "ELEMENT (default), NODE, or SEGMENTS for lines and arcs",
         "INTERNAL" inert "written by CAE; no meaning",
-        "COMBINE" refused "give the faces of the surface",
-        "CROP" refused "give the faces of the surface",
         "DEFINITION" refused "coordinates on analytical surfaces are r and z",
         "FILLET RADIUS" read "Rounds the corners between segments",
-        "MAX RATIO" refused "of the contact of shells",
         "NO OFFSET" inert "of shells",
         "NO THICK" inert "of shells",
-        "PROPERTY" refused "of the contact of shells",
         "REGION TYPE" refused "meshes are not adaptive",
         "TRIM" refused "surfaces are not trimmed: give their faces",
-        "SCALE THICK" refused "of the contact of shells",
         "DISCRETIZATION" inert "written by some preprocessors; no meaning",
+    } refused {
+        "give the faces of the surface": "COMBINE", "CROP";
+        "of the contact of shells": "MAX RATIO", "PROPERTY", "SCALE THICK";
     }, [
         (when "TYPE" = "NODE" rows ["node or set", "area" inert "areas serve contact stresses, which nothing here computes"]),
         (when "TYPE" = "SEGMENTS" rows ["segment" read "START, then LINE or CIRCL; the front is to the left of the way along them",
@@ -186,9 +185,9 @@ pub const CARDS: &[Keyword] = &[
     row!("INSTANCE", "Places a part in the assembly", (unique "NAME"), {
         "NAME" read "Name of the instance",
         "PART" read "Part to place",
-        "LIBRARY" refused "states of another job are not imported",
-        "INSTANCE" refused "states of another job are not imported",
         "INTERNAL" inert "written by CAE; no meaning",
+    } refused {
+        "states of another job are not imported": "LIBRARY", "INSTANCE";
     }, [(lines
         ["translation along r", "translation along z", "third translation" only ["0"] "an axisymmetric model lies in the r-z plane"]
         ["r of the first point", "z of the first point", "third coordinate of the first point",

@@ -1,38 +1,135 @@
 //! Cards of steps: procedure, increments, mass scaling, and amplitudes.
 //! Never here: loads and prescribed motions.
 
-use super::row;
+use super::{card, row};
 use crate::deck::keywords::Keyword;
+use crate::deck::value::{COUNT, INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEXT, ZERO, variant, word};
+
+card!(Dynamic: "DYNAMIC", "Explicit dynamics", (once step), {
+    explicit: bool = "EXPLICIT" read "Must be there",
+    adiabatic: bool = "ADIABATIC" read "Heat stays where plastic work makes it",
+    element_by_element: bool = "ELEMENT BY ELEMENT" read "Stable increment element by element",
+    global: bool = "GLOBAL" read "Stable increment from the highest frequency (default)",
+    "FIXED TIME INCREMENTATION" refused "give DIRECT USER CONTROL",
+    direct: bool = "DIRECT USER CONTROL" read "The increment is given on the data line",
+    scale_factor: f64 = "SCALE FACTOR" (POSITIVE.or(1.0)) "Factor on the stable increment",
+    "IMPROVED DT METHOD" inert "of three-dimensional elements",
+    accuracy: f64 = "ACCURACY" extension (NUMBER.from(1e-14).to(0.1).or(1e-4)) "Relative error of the motion aimed at where nothing else limits the increment",
+    lagged: bool = "LOAD VELOCITY" extension (word(&["PREDICTED", "LAGGED"]).or(0.0)) "Which velocity loads are given",
+    "DIRECT" refused "of implicit dynamics: give DIRECT USER CONTROL",
+} refused {
+    "of implicit dynamics": "ALPHA", "APPLICATION", "BETA", "GAMMA", "HAFTOL", "HALFINC SCALE FACTOR", "IMPACT",
+        "INCREMENTATION", "INITIAL", "NOHAF", "SINGULAR MASS", "SUBSPACE", "TIME INTEGRATOR";
+}, times: [f64; 4] = [
+    (when "DIRECT USER CONTROL" = "" lines [
+        "increment" (POSITIVE.required()), "length of the step" (POSITIVE.required()),
+        "third field" only ["0"] "the manual leaves it empty",
+        "largest of given increments" only ["0"] "the increment is given",
+    ]),
+    (lines [
+        "first field" only ["0"] "the increment is automatic: leave it empty, or give DIRECT USER CONTROL",
+        "length of the step" (POSITIVE.required()),
+        "third field" only ["0"] "the manual leaves it empty",
+        "largest increment" (NOT_NEGATIVE.or(0.0)),
+    ]),
+]);
+
+card!(CoupledDynamic: "DYNAMIC TEMPERATURE-DISPLACEMENT", "Explicit dynamics with conduction of heat", (once step), {
+    explicit: bool = "EXPLICIT" read "Must be there",
+    element_by_element: bool = "ELEMENT BY ELEMENT" read "Stable increment element by element",
+    "GLOBAL" inert "the default",
+    "FIXED TIME INCREMENTATION" refused "give DIRECT USER CONTROL",
+    direct: bool = "DIRECT USER CONTROL" read "The increment is given on the data line",
+    scale_factor: f64 = "SCALE FACTOR" (POSITIVE.or(1.0)) "Factor on the stable increment",
+    "IMPROVED DT METHOD" inert "of three-dimensional elements",
+}, times: [f64; 4] = [
+    (when "DIRECT USER CONTROL" = "" lines [
+        "increment" (POSITIVE.required()), "length of the step" (POSITIVE.required()),
+        "third field" only ["0"] "the manual leaves it empty",
+        "largest of given increments" only ["0"] "the increment is given",
+    ]),
+    (lines [
+        "first field" only ["0"] "the increment is automatic: leave it empty, or give DIRECT USER CONTROL",
+        "length of the step" (POSITIVE.required()),
+        "third field" only ["0"] "the manual leaves it empty",
+        "largest increment" (NOT_NEGATIVE.or(0.0)),
+    ]),
+]);
+
+card!(BulkViscosity: "BULK VISCOSITY", "Linear and quadratic bulk viscosity", (once step), {}, factors: [f64; 2] = [
+    (lines ["linear factor" (NUMBER.or(0.06)), "quadratic factor" (NUMBER.or(1.2))]),
+]);
+
+card!(EnergyLimit: extension "ENERGY LIMIT", "Warns or halts where the energy balance or hourglass control goes wrong", (once step), {
+    error: Option<f64> = "ERROR" (POSITIVE) "Largest drift of ETOTAL over the largest energy met, in place of the 20 % at which every run halts",
+    artificial: Option<f64> = "ARTIFICIAL" (POSITIVE) "Largest ALLAE over ALLIE, from the time that ALLIE is 1 % of the largest energy",
+    halts: bool = "ACTION" (variant(&["WARN", "HALT"]).or(0.0)) "WARN does so once a step",
+}, []);
+
+card!(FixedMassScaling: "FIXED MASS SCALING", "Scales masses at the start of the step", (step), {
+    "ELSET" read "Elements; all if absent",
+    factor: Option<f64> = "FACTOR" (POSITIVE) "Factor on the mass",
+    dt: Option<f64> = "DT" (POSITIVE) "Stable increment aimed at",
+    kind: usize = "TYPE" (variant(&["BELOW MIN", "UNIFORM", "SET EQUAL DT"]).or(0.0)),
+}, []);
+
+card!(VariableMassScaling: "VARIABLE MASS SCALING", "Scales masses during the step", (step), {
+    "ELSET" read "Elements; all if absent",
+    dt: Option<f64> = "DT" (POSITIVE) "Stable increment aimed at",
+    kind: usize = "TYPE" (variant(&["BELOW MIN", "UNIFORM", "SET EQUAL DT"]).or(0.0)),
+    frequency: Option<usize> = "FREQUENCY" (COUNT) "Every so many increments",
+    intervals: Option<usize> = "NUMBER INTERVAL" (COUNT) "So many times in the step, instead of FREQUENCY",
+} refused {
+    "of rolling": "CROSS SECTION NODES", "EXTRUDED LENGTH", "FEED RATE";
+}, []);
+
+card!(Amplitude: "AMPLITUDE", "A function of time", (unique "NAME"), {
+    name: String = "NAME" (TEXT.required()) "Name of the amplitude",
+    definition: usize = "DEFINITION" (variant(&["TABULAR", "SMOOTH STEP", "EQUALLY SPACED", "USER"]).or(0.0)),
+    total_time: bool = "TIME" (word(&["STEP TIME", "TOTAL TIME"]).or(0.0)),
+    absolute: bool = "VALUE" (word(&["RELATIVE", "ABSOLUTE"]).or(0.0)) "Factors on magnitudes, or magnitudes themselves",
+    "SMOOTH" refused "tables have kinks; give SMOOTH STEP",
+    "INPUT" read "File with the data lines",
+    interval: Option<f64> = "FIXED INTERVAL" (POSITIVE) "Interval of EQUALLY SPACED",
+    begin: f64 = "BEGIN" (ZERO) "Start time of EQUALLY SPACED",
+    scale_time: f64 = "SCALEX" (POSITIVE.or(1.0)) "Factor on time",
+    scale: f64 = "SCALEY" (NUMBER.or(1.0)) "Factor on value",
+    shift_time: f64 = "SHIFTX" (ZERO) "Added to time",
+    shift: f64 = "SHIFTY" (ZERO) "Added to value",
+    variables: usize = "VARIABLES" (INTEGER.from(0.0).or(0.0)) "Number of variables that a user amplitude keeps",
+    properties: Option<usize> = "PROPERTIES" (INTEGER.from(0.0)) "Number of constants of a user amplitude, on the data lines",
+    "INTERNAL" inert "written by CAE; no meaning",
+}, values: Vec<f64> = [
+    (when "DEFINITION" = "EQUALLY SPACED" list "value of EQUALLY SPACED" (NUMBER)),
+    (when "DEFINITION" = "USER" list "constant of a user amplitude" (NUMBER)),
+    (stream ["time" (NUMBER), "value" (NUMBER)]),
+]);
+
+impl From<CoupledDynamic> for Dynamic {
+    fn from(card: CoupledDynamic) -> Dynamic {
+        Dynamic {
+            explicit: card.explicit,
+            adiabatic: false,
+            element_by_element: card.element_by_element,
+            global: false,
+            direct: card.direct,
+            scale_factor: card.scale_factor,
+            accuracy: 1e-4,
+            lagged: false,
+            times: card.times,
+        }
+    }
+}
 
 /// The rows.
 pub const CARDS: &[Keyword] = &[
-    row!("AMPLITUDE", "A function of time", (unique "NAME"), {
-        "NAME" read "Name of the amplitude",
-        "DEFINITION" read "TABULAR (default), SMOOTH STEP, EQUALLY SPACED or USER",
-        "TIME" read "STEP TIME (default) or TOTAL TIME",
-        "VALUE" read "RELATIVE (default), factors on magnitudes; or ABSOLUTE, magnitudes themselves",
-        "SMOOTH" refused "tables have kinks; give SMOOTH STEP",
-        "INPUT" read "File with the data lines",
-        "FIXED INTERVAL" read "Interval of EQUALLY SPACED",
-        "BEGIN" read "Start time of EQUALLY SPACED",
-        "SCALEX" read "Factor on time",
-        "SCALEY" read "Factor on value",
-        "SHIFTX" read "Added to time",
-        "SHIFTY" read "Added to value",
-        "VARIABLES" read "Number of variables that a user amplitude keeps",
-        "PROPERTIES" read "Number of constants of a user amplitude, on the data lines",
-        "INTERNAL" inert "written by CAE; no meaning",
-    }, [
-        (when "DEFINITION" = "EQUALLY SPACED" list "value of EQUALLY SPACED"),
-        (when "DEFINITION" = "USER" list "constant of a user amplitude"),
-        (stream ["time", "value"]),
-    ]),
+    Amplitude::ROW,
     row!("STEP", "Begins a step", (), {
         "NAME" read "Name of the step",
         "NLGEOM" only ["YES"] "displacements may be large",
         "INC" inert "of implicit analyses",
         "PERTURBATION" refused "of linear analyses",
-        "AMPLITUDE" read "STEP (default): conditions without amplitude act at once; RAMP: they grow over the step",
+        "AMPLITUDE" (word(&["STEP", "RAMP"]).or(0.0)) "RAMP: conditions without amplitude grow over the step in place of acting at once",
         "EXTRAPOLATION" inert "of implicit analyses",
         "UNSYMM" inert "of implicit analyses",
         "CONVERT SDI" inert "of implicit analyses",
@@ -41,87 +138,10 @@ pub const CARDS: &[Keyword] = &[
         "MIXED" inert "of implicit analyses",
     }, [(text "subtitle" inert "for people")]),
     row!("END STEP", "Ends a step", (), {}, []),
-    row!("DYNAMIC", "Explicit dynamics", (once step), {
-        "EXPLICIT" read "Must be there",
-        "ADIABATIC" read "Heat stays where plastic work makes it",
-        "ELEMENT BY ELEMENT" read "Stable increment element by element",
-        "GLOBAL" read "Stable increment from the highest frequency (default)",
-        "FIXED TIME INCREMENTATION" refused "give DIRECT USER CONTROL",
-        "DIRECT USER CONTROL" read "The increment is given on the data line",
-        "SCALE FACTOR" read "Factor on the stable increment",
-        "IMPROVED DT METHOD" inert "of three-dimensional elements",
-        "ACCURACY" extension "Relative error of the motion aimed at where nothing else limits the increment (1e-4)",
-        "LOAD VELOCITY" extension "PREDICTED (default) or LAGGED: which velocity loads are given",
-        "ALPHA" refused "of implicit dynamics",
-        "APPLICATION" refused "of implicit dynamics",
-        "BETA" refused "of implicit dynamics",
-        "DIRECT" refused "of implicit dynamics: give DIRECT USER CONTROL",
-        "GAMMA" refused "of implicit dynamics",
-        "HAFTOL" refused "of implicit dynamics",
-        "HALFINC SCALE FACTOR" refused "of implicit dynamics",
-        "IMPACT" refused "of implicit dynamics",
-        "INCREMENTATION" refused "of implicit dynamics",
-        "INITIAL" refused "of implicit dynamics",
-        "NOHAF" refused "of implicit dynamics",
-        "SINGULAR MASS" refused "of implicit dynamics",
-        "SUBSPACE" refused "of implicit dynamics",
-        "TIME INTEGRATOR" refused "of implicit dynamics",
-    }, [
-        (when "DIRECT USER CONTROL" = "" lines [
-            "increment", "length of the step",
-            "third field" only ["0"] "the manual leaves it empty",
-            "largest of given increments" only ["0"] "the increment is given",
-        ]),
-        (lines [
-            "first field" only ["0"] "the increment is automatic: leave it empty, or give DIRECT USER CONTROL",
-            "length of the step",
-            "third field" only ["0"] "the manual leaves it empty",
-            "largest increment",
-        ]),
-    ]),
-    row!("DYNAMIC TEMPERATURE-DISPLACEMENT", "Explicit dynamics with conduction of heat", (once step), {
-        "EXPLICIT" read "Must be there",
-        "ELEMENT BY ELEMENT" read "Stable increment element by element",
-        "GLOBAL" inert "the default",
-        "FIXED TIME INCREMENTATION" refused "give DIRECT USER CONTROL",
-        "DIRECT USER CONTROL" read "The increment is given on the data line",
-        "SCALE FACTOR" read "Factor on the stable increment",
-        "IMPROVED DT METHOD" inert "of three-dimensional elements",
-    }, [
-        (when "DIRECT USER CONTROL" = "" lines [
-            "increment", "length of the step",
-            "third field" only ["0"] "the manual leaves it empty",
-            "largest of given increments" only ["0"] "the increment is given",
-        ]),
-        (lines [
-            "first field" only ["0"] "the increment is automatic: leave it empty, or give DIRECT USER CONTROL",
-            "length of the step",
-            "third field" only ["0"] "the manual leaves it empty",
-            "largest increment",
-        ]),
-    ]),
-    row!("BULK VISCOSITY", "Linear and quadratic bulk viscosity", (once step), {}, [
-        (lines ["linear factor" read "0.06 without it", "quadratic factor" read "1.2 without it"]),
-    ]),
-    row!(extension "ENERGY LIMIT", "Warns or halts where the energy balance or hourglass control goes wrong", (once step), {
-        "ERROR" read "Largest drift of ETOTAL over the largest energy met, in place of the 20 % at which every run halts",
-        "ARTIFICIAL" read "Largest ALLAE over ALLIE, from the time that ALLIE is 1 % of the largest energy",
-        "ACTION" read "WARN (default) once a step, or HALT",
-    }, []),
-    row!("FIXED MASS SCALING", "Scales masses at the start of the step", (step), {
-        "ELSET" read "Elements; all if absent",
-        "FACTOR" read "Factor on the mass",
-        "DT" read "Stable increment aimed at",
-        "TYPE" read "BELOW MIN (default), UNIFORM or SET EQUAL DT",
-    }, []),
-    row!("VARIABLE MASS SCALING", "Scales masses during the step", (step), {
-        "ELSET" read "Elements; all if absent",
-        "DT" read "Stable increment aimed at",
-        "TYPE" read "BELOW MIN (default), UNIFORM or SET EQUAL DT",
-        "FREQUENCY" read "Every so many increments",
-        "NUMBER INTERVAL" read "So many times in the step, instead of FREQUENCY",
-        "CROSS SECTION NODES" refused "of rolling",
-        "EXTRUDED LENGTH" refused "of rolling",
-        "FEED RATE" refused "of rolling",
-    }, []),
+    Dynamic::ROW,
+    CoupledDynamic::ROW,
+    BulkViscosity::ROW,
+    EnergyLimit::ROW,
+    FixedMassScaling::ROW,
+    VariableMassScaling::ROW,
 ];

@@ -4,419 +4,301 @@
 use super::row;
 use crate::deck::keywords::Keyword;
 
+/// Rows of keywords that nothing reads: what is done with them, and for each summary the keywords.
+macro_rules! unread {
+    ($tier:ident: $($summary:literal: $($name:literal),+;)*) => { &[$($(row!($tier, $name, $summary)),+),*] };
+}
+
 /// Output of another program: these cards change no result.
-pub const OUTPUT_ONLY: &[Keyword] = &[
-    row!(OutputOnly, "PREPRINT", "Echo of the input"),
-    row!(OutputOnly, "NODE PRINT", "Printed tables of nodal values"),
-    row!(OutputOnly, "EL PRINT", "Printed tables of element values"),
-    row!(OutputOnly, "ENERGY PRINT", "Printed energies"),
-    row!(OutputOnly, "CONTACT PRINT", "Printed contact values"),
-    row!(OutputOnly, "SECTION PRINT", "Printed section forces"),
-    row!(OutputOnly, "NODE FILE", "Results file: nodal values"),
-    row!(OutputOnly, "EL FILE", "Results file: element values"),
-    row!(OutputOnly, "ENERGY FILE", "Results file: energies"),
-    row!(OutputOnly, "CONTACT FILE", "Results file: contact values"),
-    row!(OutputOnly, "SECTION FILE", "Results file: section forces"),
-    row!(OutputOnly, "FILE OUTPUT", "Results file: when to write"),
-    row!(OutputOnly, "FILE FORMAT", "Results file: format"),
-    row!(OutputOnly, "MONITOR", "One degree of freedom in the status file"),
-    row!(OutputOnly, "PRINT", "What the message and status files hold"),
-    row!(OutputOnly, "FILTER", "Filter for history output"),
-    row!(OutputOnly, "SURFACE OUTPUT", "Surface variables of an *OUTPUT request"),
-    row!(OutputOnly, "RADIATION OUTPUT", "Radiation variables of an *OUTPUT request"),
-    row!(OutputOnly, "MODAL OUTPUT", "Modal variables of an *OUTPUT request"),
-    row!(OutputOnly, "TRACER PARTICLE", "Particles that follow the material in adaptive meshes"),
-];
+pub const OUTPUT_ONLY: &[Keyword] = unread!(OutputOnly:
+    "Echo of the input": "PREPRINT";
+    "Printed tables of nodal values": "NODE PRINT";
+    "Printed tables of element values": "EL PRINT";
+    "Printed energies": "ENERGY PRINT";
+    "Printed contact values": "CONTACT PRINT";
+    "Printed section forces": "SECTION PRINT";
+    "Results file: nodal values": "NODE FILE";
+    "Results file: element values": "EL FILE";
+    "Results file: energies": "ENERGY FILE";
+    "Results file: contact values": "CONTACT FILE";
+    "Results file: section forces": "SECTION FILE";
+    "Results file: when to write": "FILE OUTPUT";
+    "Results file: format": "FILE FORMAT";
+    "One degree of freedom in the status file": "MONITOR";
+    "What the message and status files hold": "PRINT";
+    "Filter for history output": "FILTER";
+    "Surface variables of an *OUTPUT request": "SURFACE OUTPUT";
+    "Radiation variables of an *OUTPUT request": "RADIATION OUTPUT";
+    "Modal variables of an *OUTPUT request": "MODAL OUTPUT";
+    "Particles that follow the material in adaptive meshes": "TRACER PARTICLE";
+);
 
 /// Known, and the answer would change without them.
-pub const PHYSICS: &[Keyword] = &[
-    row!(UnsupportedPhysics, "LATENT HEAT", "Heat of phase change"),
-    row!(UnsupportedPhysics, "ACOUSTIC MEDIUM", "Acoustic material"),
-    row!(UnsupportedPhysics, "ADAPTIVE MESH", "Adaptive meshing"),
-    row!(UnsupportedPhysics, "ADAPTIVE MESH CONTROLS", "Controls of adaptive meshing"),
-    row!(UnsupportedPhysics, "ADAPTIVE MESH CONSTRAINT", "Motion prescribed to an adaptive mesh"),
-    row!(UnsupportedPhysics, "ANNEAL", "Annealing procedure"),
-    row!(UnsupportedPhysics, "ANNEAL TEMPERATURE", "Loss of hardening above a temperature"),
-    row!(UnsupportedPhysics, "BASE MOTION", "Motion of the base in modal analyses"),
-    row!(UnsupportedPhysics, "BEAM GENERAL SECTION", "Beams"),
-    row!(UnsupportedPhysics, "BEAM SECTION", "Beams"),
-    row!(UnsupportedPhysics, "BRITTLE CRACKING", "Cracking of concrete"),
-    row!(UnsupportedPhysics, "BRITTLE FAILURE", "Failure of cracked concrete"),
-    row!(UnsupportedPhysics, "BRITTLE SHEAR", "Shear of cracked concrete"),
-    row!(UnsupportedPhysics, "BUCKLE", "Buckling procedure"),
-    row!(UnsupportedPhysics, "CAP PLASTICITY", "Cap model of soils"),
-    row!(UnsupportedPhysics, "CAP HARDENING", "Cap model of soils"),
-    row!(UnsupportedPhysics, "CAPACITY", "Heat capacity of gases"),
-    row!(UnsupportedPhysics, "CHANGE FRICTION", "Friction changed in a step"),
-    row!(UnsupportedPhysics, "CLAY PLASTICITY", "Clay model of soils"),
-    row!(UnsupportedPhysics, "COHESIVE SECTION", "Cohesive elements"),
-    row!(UnsupportedPhysics, "COHESIVE BEHAVIOR", "Cohesive surfaces"),
-    row!(UnsupportedPhysics, "CONCRETE", "Smeared cracking of concrete"),
-    row!(UnsupportedPhysics, "CONCRETE DAMAGED PLASTICITY", "Damaged plasticity of concrete"),
-    row!(UnsupportedPhysics, "CONCRETE COMPRESSION HARDENING", "Damaged plasticity of concrete"),
-    row!(UnsupportedPhysics, "CONCRETE COMPRESSION DAMAGE", "Damaged plasticity of concrete"),
-    row!(UnsupportedPhysics, "CONCRETE TENSION STIFFENING", "Damaged plasticity of concrete"),
-    row!(UnsupportedPhysics, "CONCRETE TENSION DAMAGE", "Damaged plasticity of concrete"),
-    row!(UnsupportedPhysics, "CONNECTOR SECTION", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR BEHAVIOR", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR ELASTICITY", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR DAMPING", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR MOTION", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR LOAD", "Connectors"),
-    row!(UnsupportedPhysics, "CONTACT DAMPING", "Damping of contact"),
-    row!(UnsupportedPhysics, "CONTACT FORMULATION", "Form of general contact"),
-    row!(UnsupportedPhysics, "CONTACT INTERFERENCE", "Interference of contact"),
-    row!(UnsupportedPhysics, "CONTACT STABILIZATION", "Stabilisation of contact"),
-    row!(UnsupportedPhysics, "COUPLED TEMPERATURE-DISPLACEMENT", "Implicit thermomechanical procedure"),
-    row!(UnsupportedPhysics, "CREEP", "Creep"),
-    row!(UnsupportedPhysics, "CYCLED PLASTIC", "Cyclic hardening"),
-    row!(UnsupportedPhysics, "CYCLIC HARDENING", "Cyclic hardening"),
-    row!(UnsupportedPhysics, "DAMAGE STABILIZATION", "Viscous regularisation of damage"),
-    row!(UnsupportedPhysics, "DEFORMATION PLASTICITY", "Deformation theory of plasticity"),
-    row!(UnsupportedPhysics, "DIRECT CYCLIC", "Cyclic procedure"),
-    row!(UnsupportedPhysics, "DISCRETE SECTION", "Particles"),
-    row!(UnsupportedPhysics, "DISPLAY BODY", "Bodies shown only"),
-    row!(UnsupportedPhysics, "DRUCKER PRAGER", "Soil and polymer plasticity"),
-    row!(UnsupportedPhysics, "DRUCKER PRAGER HARDENING", "Soil and polymer plasticity"),
-    row!(UnsupportedPhysics, "EMBEDDED ELEMENT", "Elements embedded in others"),
-    row!(UnsupportedPhysics, "EOS COMPACTION", "Compaction of porous materials"),
-    row!(UnsupportedPhysics, "EULERIAN SECTION", "Eulerian elements"),
-    row!(UnsupportedPhysics, "EXTREME VALUE", "Stop at an extreme value"),
-    row!(UnsupportedPhysics, "EXTREME ELEMENT VALUE", "Stop at an extreme value"),
-    row!(UnsupportedPhysics, "EXTREME NODE VALUE", "Stop at an extreme value"),
-    row!(UnsupportedPhysics, "FABRIC", "Fabrics"),
-    row!(UnsupportedPhysics, "FAIL STRAIN", "Strain failure"),
-    row!(UnsupportedPhysics, "FAIL STRESS", "Stress failure"),
-    row!(UnsupportedPhysics, "FASTENER", "Fasteners"),
-    row!(UnsupportedPhysics, "FLUID BEHAVIOR", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID BULK MODULUS", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID CAVITY", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID DENSITY", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID EXCHANGE", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID INFLATOR", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FREQUENCY", "Eigenvalue procedure"),
-    row!(UnsupportedPhysics, "GAP", "Gap elements"),
-    row!(UnsupportedPhysics, "GASKET SECTION", "Gaskets"),
-    row!(UnsupportedPhysics, "GEOSTATIC", "Geostatic procedure"),
-    row!(UnsupportedPhysics, "HEAT GENERATION", "Heat sources of a user routine"),
-    row!(UnsupportedPhysics, "HEAT TRANSFER", "Heat transfer procedure"),
-    row!(UnsupportedPhysics, "HYPERFOAM", "Foam elasticity"),
-    row!(UnsupportedPhysics, "HYPOELASTIC", "Rate-form elasticity"),
-    row!(UnsupportedPhysics, "IMPERFECTION", "Imperfect geometry"),
-    row!(UnsupportedPhysics, "IMPORT", "State of another job"),
-    row!(UnsupportedPhysics, "INCIDENT WAVE", "Blast and shock waves"),
-    row!(UnsupportedPhysics, "INCIDENT WAVE INTERACTION", "Blast and shock waves"),
-    row!(UnsupportedPhysics, "INCIDENT WAVE INTERACTION PROPERTY", "Blast and shock waves"),
-    row!(UnsupportedPhysics, "CONWEP CHARGE PROPERTY", "Blast of a charge"),
-    row!(UnsupportedPhysics, "INERTIA RELIEF", "Inertia relief"),
-    row!(UnsupportedPhysics, "JOINT", "Joints"),
-    row!(UnsupportedPhysics, "KINEMATIC COUPLING", "Coupling of an older form"),
-    row!(UnsupportedPhysics, "DISTRIBUTING COUPLING", "Coupling of an older form"),
-    row!(UnsupportedPhysics, "LOW DENSITY FOAM", "Foam elasticity"),
-    row!(UnsupportedPhysics, "MASS DIFFUSION", "Diffusion procedure"),
-    row!(UnsupportedPhysics, "MASS FLOW RATE", "Flow through elements"),
-    row!(UnsupportedPhysics, "MEMBRANE SECTION", "Membranes"),
-    row!(UnsupportedPhysics, "MODEL CHANGE", "Elements removed or added"),
-    row!(UnsupportedPhysics, "MOHR COULOMB", "Soil plasticity"),
-    row!(UnsupportedPhysics, "MOHR COULOMB HARDENING", "Soil plasticity"),
-    row!(UnsupportedPhysics, "MULLINS EFFECT", "Softening of rubber"),
-    row!(UnsupportedPhysics, "NONSTRUCTURAL MASS", "Added mass"),
-    row!(UnsupportedPhysics, "ORNL", "Hardening of steels"),
-    row!(UnsupportedPhysics, "PERIODIC MEDIA", "Periodic analyses"),
-    row!(UnsupportedPhysics, "POROUS METAL PLASTICITY", "Porous metals"),
-    row!(UnsupportedPhysics, "POROUS FAILURE CRITERIA", "Porous metals"),
-    row!(UnsupportedPhysics, "VOID NUCLEATION", "Porous metals"),
-    row!(UnsupportedPhysics, "POTENTIAL", "Anisotropic yield"),
-    row!(UnsupportedPhysics, "PRE-TENSION SECTION", "Pre-tensioned sections"),
-    row!(UnsupportedPhysics, "PRESSURE PENETRATION", "Pressure that enters gaps"),
-    row!(UnsupportedPhysics, "PROGRESSIVE FAILURE", "Composite failure"),
-    row!(UnsupportedPhysics, "RADIATE", "Radiation"),
-    row!(UnsupportedPhysics, "RATIOS", "Anisotropic yield ratios"),
-    row!(UnsupportedPhysics, "REACTION RATE", "Ignition and growth"),
-    row!(UnsupportedPhysics, "REBAR", "Reinforcement"),
-    row!(UnsupportedPhysics, "REBAR LAYER", "Reinforcement"),
-    row!(UnsupportedPhysics, "RELEASE", "Released rotations"),
-    row!(UnsupportedPhysics, "SHELL GENERAL SECTION", "Shells"),
-    row!(UnsupportedPhysics, "SHELL TO SOLID COUPLING", "Shells"),
-    row!(UnsupportedPhysics, "SOILS", "Soils procedure"),
-    row!(UnsupportedPhysics, "SRADIATE", "Radiation"),
-    row!(UnsupportedPhysics, "STATIC", "Static procedure"),
-    row!(UnsupportedPhysics, "STEADY STATE DYNAMICS", "Harmonic procedure"),
-    row!(UnsupportedPhysics, "STEADY STATE TRANSPORT", "Rolling procedure"),
-    row!(UnsupportedPhysics, "SUBMODEL", "Submodelling"),
-    row!(UnsupportedPhysics, "SUBSTRUCTURE PATH", "Substructures"),
-    row!(UnsupportedPhysics, "SURFACE PROPERTY ASSIGNMENT", "Surface properties of general contact"),
-    row!(UnsupportedPhysics, "SWELLING", "Swelling"),
-    row!(UnsupportedPhysics, "SYMMETRIC MODEL GENERATION", "Model from another by symmetry"),
-    row!(UnsupportedPhysics, "TEMPERATURE", "Prescribed temperatures"),
-    row!(UnsupportedPhysics, "TORQUE", "Torques"),
-    row!(UnsupportedPhysics, "TRIAXIAL TEST DATA", "Soil tests"),
-    row!(UnsupportedPhysics, "TRS", "Temperature shift of viscoelasticity"),
-    row!(UnsupportedPhysics, "UEL PROPERTY", "User elements"),
-    row!(UnsupportedPhysics, "USER ELEMENT", "User elements"),
-    row!(UnsupportedPhysics, "VISCO", "Creep procedure"),
-    row!(UnsupportedPhysics, "VISCOELASTIC", "Viscoelasticity"),
-    row!(UnsupportedPhysics, "VISCOUS", "Two-layer viscoplasticity"),
-    row!(UnsupportedPhysics, "WAVE", "Water waves"),
-    row!(UnsupportedPhysics, "UNIAXIAL TEST DATA", "Tests that a law is fitted to"),
-    row!(UnsupportedPhysics, "BIAXIAL TEST DATA", "Tests that a law is fitted to"),
-    row!(UnsupportedPhysics, "PLANAR TEST DATA", "Tests that a law is fitted to"),
-    row!(UnsupportedPhysics, "VOLUMETRIC TEST DATA", "Tests that a law is fitted to"),
-    row!(UnsupportedPhysics, "NODAL THICKNESS", "Thickness of shells"),
-    row!(UnsupportedPhysics, "NORMAL", "Normals of shells and surfaces"),
-    row!(UnsupportedPhysics, "DISTRIBUTION", "Properties that vary over elements"),
-    row!(UnsupportedPhysics, "DISTRIBUTION TABLE", "Properties that vary over elements"),
-    row!(UnsupportedPhysics, "MAP SOLUTION", "State mapped from another job"),
-    row!(UnsupportedPhysics, "SUBCYCLING", "Part of the mesh with its own increment"),
-    row!(UnsupportedPhysics, "PARAMETER DEPENDENCE", "Tabulated parameters"),
-    row!(UnsupportedPhysics, "PARAMETER SHAPE VARIATION", "Shapes that depend on parameters"),
-    row!(UnsupportedPhysics, "DESIGN PARAMETER", "Parameters of a sensitivity analysis"),
-    row!(UnsupportedPhysics, "BASELINE CORRECTION", "Correction of an acceleration record"),
-    row!(UnsupportedPhysics, "SURFACE SECTION", "Surface elements with mass"),
-    row!(UnsupportedPhysics, "CONNECTOR STOP", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR LOCK", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR FAILURE", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR FRICTION", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR PLASTICITY", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR HARDENING", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR POTENTIAL", "Connectors"),
-    row!(UnsupportedPhysics, "JOULE HEAT FRACTION", "Electric heating"),
-    row!(UnsupportedPhysics, "HOURGLASS STIFFNESS", "Hourglass stiffness of implicit analyses"),
-    row!(UnsupportedPhysics, "IMPEDANCE", "Acoustic boundaries"),
-    row!(UnsupportedPhysics, "SIMPEDANCE", "Acoustic boundaries"),
-    row!(UnsupportedPhysics, "IMPEDANCE PROPERTY", "Acoustic boundaries"),
-    row!(UnsupportedPhysics, "MODAL DYNAMIC", "Modal procedure"),
-    row!(UnsupportedPhysics, "MODAL DAMPING", "Modal procedure"),
-    row!(UnsupportedPhysics, "RESPONSE SPECTRUM", "Modal procedure"),
-    row!(UnsupportedPhysics, "RANDOM RESPONSE", "Modal procedure"),
-    row!(UnsupportedPhysics, "COMPLEX FREQUENCY", "Modal procedure"),
-    row!(UnsupportedPhysics, "SUBSTRUCTURE GENERATE", "Substructures"),
-    row!(UnsupportedPhysics, "TRANSVERSE SHEAR STIFFNESS", "Shells and beams"),
-];
+pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
+    "Heat of phase change": "LATENT HEAT";
+    "Acoustic material": "ACOUSTIC MEDIUM";
+    "Adaptive meshing": "ADAPTIVE MESH";
+    "Controls of adaptive meshing": "ADAPTIVE MESH CONTROLS";
+    "Motion prescribed to an adaptive mesh": "ADAPTIVE MESH CONSTRAINT";
+    "Annealing procedure": "ANNEAL";
+    "Loss of hardening above a temperature": "ANNEAL TEMPERATURE";
+    "Motion of the base in modal analyses": "BASE MOTION";
+    "Beams": "BEAM GENERAL SECTION", "BEAM SECTION";
+    "Cracking of concrete": "BRITTLE CRACKING";
+    "Failure of cracked concrete": "BRITTLE FAILURE";
+    "Shear of cracked concrete": "BRITTLE SHEAR";
+    "Buckling procedure": "BUCKLE";
+    "Cap model of soils": "CAP PLASTICITY", "CAP HARDENING";
+    "Heat capacity of gases": "CAPACITY";
+    "Friction changed in a step": "CHANGE FRICTION";
+    "Clay model of soils": "CLAY PLASTICITY";
+    "Cohesive elements": "COHESIVE SECTION";
+    "Cohesive surfaces": "COHESIVE BEHAVIOR";
+    "Smeared cracking of concrete": "CONCRETE";
+    "Damaged plasticity of concrete": "CONCRETE DAMAGED PLASTICITY", "CONCRETE COMPRESSION HARDENING",
+        "CONCRETE COMPRESSION DAMAGE", "CONCRETE TENSION STIFFENING", "CONCRETE TENSION DAMAGE";
+    "Connectors": "CONNECTOR SECTION", "CONNECTOR BEHAVIOR", "CONNECTOR ELASTICITY", "CONNECTOR DAMPING", "CONNECTOR MOTION",
+        "CONNECTOR LOAD", "CONNECTOR STOP", "CONNECTOR LOCK", "CONNECTOR FAILURE", "CONNECTOR FRICTION", "CONNECTOR PLASTICITY",
+        "CONNECTOR HARDENING", "CONNECTOR POTENTIAL";
+    "Damping of contact": "CONTACT DAMPING";
+    "Form of general contact": "CONTACT FORMULATION";
+    "Interference of contact": "CONTACT INTERFERENCE";
+    "Stabilisation of contact": "CONTACT STABILIZATION";
+    "Implicit thermomechanical procedure": "COUPLED TEMPERATURE-DISPLACEMENT";
+    "Creep": "CREEP";
+    "Cyclic hardening": "CYCLED PLASTIC", "CYCLIC HARDENING";
+    "Viscous regularisation of damage": "DAMAGE STABILIZATION";
+    "Deformation theory of plasticity": "DEFORMATION PLASTICITY";
+    "Cyclic procedure": "DIRECT CYCLIC";
+    "Particles": "DISCRETE SECTION";
+    "Bodies shown only": "DISPLAY BODY";
+    "Soil and polymer plasticity": "DRUCKER PRAGER", "DRUCKER PRAGER HARDENING";
+    "Elements embedded in others": "EMBEDDED ELEMENT";
+    "Compaction of porous materials": "EOS COMPACTION";
+    "Eulerian elements": "EULERIAN SECTION";
+    "Stop at an extreme value": "EXTREME VALUE", "EXTREME ELEMENT VALUE", "EXTREME NODE VALUE";
+    "Fabrics": "FABRIC";
+    "Strain failure": "FAIL STRAIN";
+    "Stress failure": "FAIL STRESS";
+    "Fasteners": "FASTENER";
+    "Fluid cavities": "FLUID BEHAVIOR", "FLUID BULK MODULUS", "FLUID CAVITY", "FLUID DENSITY", "FLUID EXCHANGE",
+        "FLUID INFLATOR";
+    "Eigenvalue procedure": "FREQUENCY";
+    "Gap elements": "GAP";
+    "Gaskets": "GASKET SECTION";
+    "Geostatic procedure": "GEOSTATIC";
+    "Heat sources of a user routine": "HEAT GENERATION";
+    "Heat transfer procedure": "HEAT TRANSFER";
+    "Foam elasticity": "HYPERFOAM", "LOW DENSITY FOAM";
+    "Rate-form elasticity": "HYPOELASTIC";
+    "Imperfect geometry": "IMPERFECTION";
+    "State of another job": "IMPORT";
+    "Blast and shock waves": "INCIDENT WAVE", "INCIDENT WAVE INTERACTION", "INCIDENT WAVE INTERACTION PROPERTY";
+    "Blast of a charge": "CONWEP CHARGE PROPERTY";
+    "Inertia relief": "INERTIA RELIEF";
+    "Joints": "JOINT";
+    "Coupling of an older form": "KINEMATIC COUPLING", "DISTRIBUTING COUPLING";
+    "Diffusion procedure": "MASS DIFFUSION";
+    "Flow through elements": "MASS FLOW RATE";
+    "Membranes": "MEMBRANE SECTION";
+    "Elements removed or added": "MODEL CHANGE";
+    "Soil plasticity": "MOHR COULOMB", "MOHR COULOMB HARDENING";
+    "Softening of rubber": "MULLINS EFFECT";
+    "Added mass": "NONSTRUCTURAL MASS";
+    "Hardening of steels": "ORNL";
+    "Periodic analyses": "PERIODIC MEDIA";
+    "Porous metals": "POROUS METAL PLASTICITY", "POROUS FAILURE CRITERIA", "VOID NUCLEATION";
+    "Anisotropic yield": "POTENTIAL";
+    "Pre-tensioned sections": "PRE-TENSION SECTION";
+    "Pressure that enters gaps": "PRESSURE PENETRATION";
+    "Composite failure": "PROGRESSIVE FAILURE";
+    "Radiation": "RADIATE", "SRADIATE";
+    "Anisotropic yield ratios": "RATIOS";
+    "Ignition and growth": "REACTION RATE";
+    "Reinforcement": "REBAR", "REBAR LAYER";
+    "Released rotations": "RELEASE";
+    "Shells": "SHELL GENERAL SECTION", "SHELL TO SOLID COUPLING";
+    "Soils procedure": "SOILS";
+    "Static procedure": "STATIC";
+    "Harmonic procedure": "STEADY STATE DYNAMICS";
+    "Rolling procedure": "STEADY STATE TRANSPORT";
+    "Submodelling": "SUBMODEL";
+    "Substructures": "SUBSTRUCTURE PATH", "SUBSTRUCTURE GENERATE";
+    "Surface properties of general contact": "SURFACE PROPERTY ASSIGNMENT";
+    "Swelling": "SWELLING";
+    "Model from another by symmetry": "SYMMETRIC MODEL GENERATION";
+    "Prescribed temperatures": "TEMPERATURE";
+    "Torques": "TORQUE";
+    "Soil tests": "TRIAXIAL TEST DATA";
+    "Temperature shift of viscoelasticity": "TRS";
+    "User elements": "UEL PROPERTY", "USER ELEMENT";
+    "Creep procedure": "VISCO";
+    "Viscoelasticity": "VISCOELASTIC";
+    "Two-layer viscoplasticity": "VISCOUS";
+    "Water waves": "WAVE";
+    "Tests that a law is fitted to": "UNIAXIAL TEST DATA", "BIAXIAL TEST DATA", "PLANAR TEST DATA", "VOLUMETRIC TEST DATA";
+    "Thickness of shells": "NODAL THICKNESS";
+    "Normals of shells and surfaces": "NORMAL";
+    "Properties that vary over elements": "DISTRIBUTION", "DISTRIBUTION TABLE";
+    "State mapped from another job": "MAP SOLUTION";
+    "Part of the mesh with its own increment": "SUBCYCLING";
+    "Tabulated parameters": "PARAMETER DEPENDENCE";
+    "Shapes that depend on parameters": "PARAMETER SHAPE VARIATION";
+    "Parameters of a sensitivity analysis": "DESIGN PARAMETER";
+    "Correction of an acceleration record": "BASELINE CORRECTION";
+    "Surface elements with mass": "SURFACE SECTION";
+    "Electric heating": "JOULE HEAT FRACTION";
+    "Hourglass stiffness of implicit analyses": "HOURGLASS STIFFNESS";
+    "Acoustic boundaries": "IMPEDANCE", "SIMPEDANCE", "IMPEDANCE PROPERTY";
+    "Modal procedure": "MODAL DYNAMIC", "MODAL DAMPING", "RESPONSE SPECTRUM", "RANDOM RESPONSE", "COMPLEX FREQUENCY";
+    "Shells and beams": "TRANSVERSE SHEAR STIFFNESS";
+);
 
 /// Keywords of ABAQUS that are of other analyses, or of what is not simulated.
-pub const ELSEWHERE: &[Keyword] = &[
-    row!(UnsupportedPhysics, "ACOUSTIC CONTRIBUTION", "Contributions to acoustic pressure"),
-    row!(UnsupportedPhysics, "ACOUSTIC FLOW VELOCITY", "Flow of an acoustic medium"),
-    row!(UnsupportedPhysics, "ACOUSTIC WAVE FORMULATION", "Form of incident waves"),
-    row!(UnsupportedPhysics, "ACTIVATE ELEMENTS", "Elements that come into being"),
-    row!(UnsupportedPhysics, "ADAPTIVE MESH REFINEMENT", "Refinement of Eulerian meshes"),
-    row!(UnsupportedPhysics, "ADJUST", "Nodes moved to a surface"),
-    row!(UnsupportedPhysics, "ANISOTROPIC HYPERELASTIC", "Anisotropic rubber"),
-    row!(UnsupportedPhysics, "AQUA", "Fluid around slender structures"),
-    row!(UnsupportedPhysics, "AXIAL", "Axial behaviour of beams"),
-    row!(UnsupportedPhysics, "BEAM ADDED INERTIA", "Inertia of beams"),
-    row!(UnsupportedPhysics, "BEAM FLUID INERTIA", "Inertia of beams in a fluid"),
-    row!(UnsupportedPhysics, "BEAM SECTION GENERATE", "Meshed sections of beams"),
-    row!(UnsupportedPhysics, "BEAM SECTION OFFSET", "Sections of beams"),
-    row!(UnsupportedPhysics, "BLOCKAGE", "Surfaces that block a fluid exchange"),
-    row!(UnsupportedPhysics, "BOND", "Bonds of spot welds"),
-    row!(UnsupportedPhysics, "C ADDED MASS", "Added mass in waves"),
-    row!(UnsupportedPhysics, "CAP CREEP", "Creep of soils"),
-    row!(UnsupportedPhysics, "CAST IRON COMPRESSION HARDENING", "Plasticity of cast iron"),
-    row!(UnsupportedPhysics, "CAST IRON PLASTICITY", "Plasticity of cast iron"),
-    row!(UnsupportedPhysics, "CAST IRON TENSION HARDENING", "Plasticity of cast iron"),
-    row!(UnsupportedPhysics, "CAVITY DEFINITION", "Cavities that radiate"),
-    row!(UnsupportedPhysics, "CECHARGE", "Electric charges"),
-    row!(UnsupportedPhysics, "CECURRENT", "Electric currents"),
-    row!(UnsupportedPhysics, "CENTROID", "Centroid of a beam section"),
-    row!(UnsupportedPhysics, "CFLOW", "Flow into nodes"),
-    row!(UnsupportedPhysics, "CLAY HARDENING", "Clay model of soils"),
-    row!(UnsupportedPhysics, "CO-SIMULATION", "Two programs at once"),
-    row!(UnsupportedPhysics, "CO-SIMULATION CONTROLS", "Two programs at once"),
-    row!(UnsupportedPhysics, "CO-SIMULATION REGION", "Two programs at once"),
-    row!(UnsupportedPhysics, "COMBINED TEST DATA", "Tests that a law is fitted to"),
-    row!(UnsupportedPhysics, "COMPOSITE MODAL DAMPING", "Modal procedure"),
-    row!(UnsupportedPhysics, "CONCRETE FAILURE", "Deletion of damaged concrete"),
-    row!(UnsupportedPhysics, "CONNECTOR CONSTITUTIVE REFERENCE", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR DAMAGE EVOLUTION", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR DAMAGE INITIATION", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR DERIVED COMPONENT", "Connectors"),
-    row!(UnsupportedPhysics, "CONNECTOR UNIAXIAL BEHAVIOR", "Connectors"),
-    row!(UnsupportedPhysics, "CONTACT PERMEABILITY", "Flow across contact"),
-    row!(UnsupportedPhysics, "CONTACT RESPONSE", "Contact in sensitivity analyses"),
-    row!(UnsupportedPhysics, "CORRELATION", "Random loads"),
-    row!(UnsupportedPhysics, "COUPLED THERMAL-ELECTRICAL", "Electric heating procedure"),
-    row!(UnsupportedPhysics, "CRADIATE", "Radiation of nodes"),
-    row!(UnsupportedPhysics, "CREEP STRAIN RATE CONTROL", "Loads that follow a creep rate"),
-    row!(UnsupportedPhysics, "CRUSH STRESS", "Crushing of elements"),
-    row!(UnsupportedPhysics, "CRUSH STRESS VELOCITY FACTOR", "Crushing of elements"),
-    row!(UnsupportedPhysics, "CYCLIC", "Cyclic symmetry"),
-    row!(UnsupportedPhysics, "CYCLIC SYMMETRY MODEL", "Cyclic symmetry"),
-    row!(UnsupportedPhysics, "D ADDED MASS", "Added mass in waves"),
-    row!(UnsupportedPhysics, "DAMPING CONTROLS", "Which damping acts in a step"),
-    row!(UnsupportedPhysics, "DEBOND", "Crack growth between surfaces"),
-    row!(UnsupportedPhysics, "DECHARGE", "Electric charges"),
-    row!(UnsupportedPhysics, "DECURRENT", "Electric currents"),
-    row!(UnsupportedPhysics, "DESIGN GRADIENT", "Sensitivities"),
-    row!(UnsupportedPhysics, "DFLOW", "Flow into elements"),
-    row!(UnsupportedPhysics, "DIELECTRIC", "Dielectric material"),
-    row!(UnsupportedPhysics, "DIFFUSIVITY", "Mass diffusion"),
-    row!(UnsupportedPhysics, "DISCRETE ELASTICITY", "Elasticity of particles"),
-    row!(UnsupportedPhysics, "DRAG CHAIN", "Drag chains"),
-    row!(UnsupportedPhysics, "DRUCKER PRAGER CREEP", "Creep of soils"),
-    row!(UnsupportedPhysics, "DSECHARGE", "Electric charges"),
-    row!(UnsupportedPhysics, "DSECURRENT", "Electric currents"),
-    row!(UnsupportedPhysics, "DSFLOW", "Flow into surfaces"),
-    row!(UnsupportedPhysics, "ELECTRICAL CONDUCTIVITY", "Electric conduction"),
-    row!(UnsupportedPhysics, "ELECTROMAGNETIC", "Electromagnetic procedure"),
-    row!(UnsupportedPhysics, "ELEMENT PROGRESSIVE ACTIVATION", "Elements that come into being"),
-    row!(UnsupportedPhysics, "EMISSIVITY", "Radiation of surfaces"),
-    row!(UnsupportedPhysics, "ENRICHMENT", "Cracks through elements"),
-    row!(UnsupportedPhysics, "ENRICHMENT ACTIVATION", "Cracks through elements"),
-    row!(UnsupportedPhysics, "EPJOINT", "Joints of soils"),
-    row!(UnsupportedPhysics, "EULERIAN BOUNDARY", "Boundaries of Eulerian meshes"),
-    row!(UnsupportedPhysics, "EULERIAN MESH MOTION", "Motion of Eulerian meshes"),
-    row!(UnsupportedPhysics, "EVENT SERIES", "Events over time and space"),
-    row!(UnsupportedPhysics, "EXTERNAL FIELD", "Fields of another program"),
-    row!(UnsupportedPhysics, "FIELD IMPORT", "Fields of another job"),
-    row!(UnsupportedPhysics, "FILM PROPERTY", "Heat exchange with a fluid"),
-    row!(UnsupportedPhysics, "FLEXIBLE BODY", "Bodies of other programs"),
-    row!(UnsupportedPhysics, "FLOW", "Flow through surfaces"),
-    row!(UnsupportedPhysics, "FLUID CONDUCTIVITY", "Heat conduction of a fluid"),
-    row!(UnsupportedPhysics, "FLUID EXCHANGE ACTIVATION", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID EXCHANGE PROPERTY", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID EXPANSION", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID FLUX", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID INFLATOR ACTIVATION", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID INFLATOR MIXTURE", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID INFLATOR PROPERTY", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID LEAKOFF", "Flow into crack faces"),
-    row!(UnsupportedPhysics, "FLUID LINK", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FLUID PROPERTY", "Fluid cavities"),
-    row!(UnsupportedPhysics, "FOUNDATION", "Elastic foundations"),
-    row!(UnsupportedPhysics, "FRACTURE CRITERION", "Crack growth"),
-    row!(UnsupportedPhysics, "FRAME SECTION", "Frames"),
-    row!(UnsupportedPhysics, "GAP ELECTRICAL CONDUCTANCE", "Electric current across contact"),
-    row!(UnsupportedPhysics, "GAP FLOW", "Flow in gaps"),
-    row!(UnsupportedPhysics, "GAP RADIATION", "Radiation across contact"),
-    row!(UnsupportedPhysics, "GAS SPECIFIC HEAT", "Products of an explosive"),
-    row!(UnsupportedPhysics, "GASKET BEHAVIOR", "Gaskets"),
-    row!(UnsupportedPhysics, "GASKET CONTACT AREA", "Gaskets"),
-    row!(UnsupportedPhysics, "GASKET ELASTICITY", "Gaskets"),
-    row!(UnsupportedPhysics, "GASKET THICKNESS BEHAVIOR", "Gaskets"),
-    row!(UnsupportedPhysics, "GEL", "Gels in pores"),
-    row!(UnsupportedPhysics, "GLOBAL DAMPING", "Damping of modal analyses"),
-    row!(UnsupportedPhysics, "HYSTERESIS", "Hysteresis of rubber"),
-    row!(UnsupportedPhysics, "IMPORT CONTROLS", "State of another job"),
-    row!(UnsupportedPhysics, "IMPORT ELSET", "State of another job"),
-    row!(UnsupportedPhysics, "IMPORT NSET", "State of another job"),
-    row!(UnsupportedPhysics, "INCIDENT WAVE FLUID PROPERTY", "Blast and shock waves"),
-    row!(UnsupportedPhysics, "INCIDENT WAVE PROPERTY", "Blast and shock waves"),
-    row!(UnsupportedPhysics, "INCIDENT WAVE REFLECTION", "Blast and shock waves"),
-    row!(UnsupportedPhysics, "INTERFACE", "Contact elements"),
-    row!(UnsupportedPhysics, "ITS", "Supports of tubes"),
-    row!(UnsupportedPhysics, "JOINT ELASTICITY", "Joints"),
-    row!(UnsupportedPhysics, "JOINT PLASTICITY", "Joints"),
-    row!(UnsupportedPhysics, "JOINTED MATERIAL", "Jointed rock"),
-    row!(UnsupportedPhysics, "KAPPA", "Mass diffusion"),
-    row!(UnsupportedPhysics, "LOAD CASE", "Load cases of linear analyses"),
-    row!(UnsupportedPhysics, "LOADING DATA", "Connectors and fabrics"),
-    row!(UnsupportedPhysics, "MAGNETIC PERMEABILITY", "Electromagnetic procedure"),
-    row!(UnsupportedPhysics, "MASS ADJUST", "Masses brought to a target"),
-    row!(UnsupportedPhysics, "MATRIX ASSEMBLE", "Matrices of other jobs"),
-    row!(UnsupportedPhysics, "MATRIX INPUT", "Matrices of other jobs"),
-    row!(UnsupportedPhysics, "MEDIA TRANSPORT", "Transport through elements"),
-    row!(UnsupportedPhysics, "MOISTURE SWELLING", "Swelling of pores"),
-    row!(UnsupportedPhysics, "MOLECULAR WEIGHT", "Fluid cavities"),
-    row!(UnsupportedPhysics, "MOTION", "Motion of cavities that radiate"),
-    row!(UnsupportedPhysics, "NETWORK STIFFNESS RATIO", "Viscoelastic networks"),
-    row!(UnsupportedPhysics, "NO COMPRESSION", "Elasticity without compression"),
-    row!(UnsupportedPhysics, "NO TENSION", "Elasticity without tension"),
-    row!(UnsupportedPhysics, "NODAL ENERGY RATE", "Crack growth"),
-    row!(UnsupportedPhysics, "NONLINEAR BH", "Electromagnetic procedure"),
-    row!(UnsupportedPhysics, "PARAMETER TABLE", "Tables of user routines"),
-    row!(UnsupportedPhysics, "PARAMETER TABLE TYPE", "Tables of user routines"),
-    row!(UnsupportedPhysics, "PARTICLE GENERATOR", "Particles"),
-    row!(UnsupportedPhysics, "PARTICLE GENERATOR FLOW", "Particles"),
-    row!(UnsupportedPhysics, "PARTICLE GENERATOR INLET", "Particles"),
-    row!(UnsupportedPhysics, "PARTICLE GENERATOR MIXTURE", "Particles"),
-    row!(UnsupportedPhysics, "PERFECTLY MATCHED LAYER", "Acoustic boundaries"),
-    row!(UnsupportedPhysics, "PERIODIC", "Cavities that radiate"),
-    row!(UnsupportedPhysics, "PERMANENT MAGNETIZATION", "Electromagnetic procedure"),
-    row!(UnsupportedPhysics, "PERMEABILITY", "Flow through pores"),
-    row!(UnsupportedPhysics, "PIEZOELECTRIC", "Piezoelectric material"),
-    row!(UnsupportedPhysics, "PIPE-SOIL INTERACTION", "Pipes in soil"),
-    row!(UnsupportedPhysics, "PIPE-SOIL STIFFNESS", "Pipes in soil"),
-    row!(UnsupportedPhysics, "PLASTIC AXIAL", "Plasticity of frames"),
-    row!(UnsupportedPhysics, "PLASTIC M1", "Plasticity of frames"),
-    row!(UnsupportedPhysics, "PLASTIC M2", "Plasticity of frames"),
-    row!(UnsupportedPhysics, "PLASTIC TORQUE", "Plasticity of frames"),
-    row!(UnsupportedPhysics, "PLASTICITY CORRECTION", "Plasticity of notches"),
-    row!(UnsupportedPhysics, "PLY FABRICATION", "Composites"),
-    row!(UnsupportedPhysics, "POROUS BULK MODULI", "Flow through pores"),
-    row!(UnsupportedPhysics, "PRESSURE STRESS", "Prescribed pressure stress"),
-    row!(UnsupportedPhysics, "PROPERTY TABLE", "Tables of user routines"),
-    row!(UnsupportedPhysics, "PROPERTY TABLE TYPE", "Tables of user routines"),
-    row!(UnsupportedPhysics, "PSD-DEFINITION", "Random loads"),
-    row!(UnsupportedPhysics, "RADIATION SYMMETRY", "Cavities that radiate"),
-    row!(UnsupportedPhysics, "RADIATION VIEWFACTOR", "Cavities that radiate"),
-    row!(UnsupportedPhysics, "REFLECTION", "Cavities that radiate"),
-    row!(UnsupportedPhysics, "RETAINED NODAL DOFS", "Substructures"),
-    row!(UnsupportedPhysics, "SECTION ORIGIN", "Sections of beams"),
-    row!(UnsupportedPhysics, "SECTION POINTS", "Sections of beams"),
-    row!(UnsupportedPhysics, "SELECT CYCLIC SYMMETRY MODES", "Cyclic symmetry"),
-    row!(UnsupportedPhysics, "SELECT EIGENMODES", "Modal procedure"),
-    row!(UnsupportedPhysics, "SFLOW", "Flow into surfaces"),
-    row!(UnsupportedPhysics, "SHEAR CENTER", "Sections of beams"),
-    row!(UnsupportedPhysics, "SHEAR RETENTION", "Cracking of concrete"),
-    row!(UnsupportedPhysics, "SHEAR TEST DATA", "Tests that a law is fitted to"),
-    row!(UnsupportedPhysics, "SIMPLE SHEAR TEST DATA", "Tests that a law is fitted to"),
-    row!(UnsupportedPhysics, "SLIDE LINE", "Contact elements"),
-    row!(UnsupportedPhysics, "SLOAD", "Loads of substructures"),
-    row!(UnsupportedPhysics, "SOLUBILITY", "Mass diffusion"),
-    row!(UnsupportedPhysics, "SORPTION", "Flow through pores"),
-    row!(UnsupportedPhysics, "SPECTRUM", "Response spectra"),
-    row!(UnsupportedPhysics, "STEADY STATE CRITERIA", "Steady states of rolling"),
-    row!(UnsupportedPhysics, "STEADY STATE DETECTION", "Steady states of rolling"),
-    row!(UnsupportedPhysics, "SUBMODEL CONTROLS", "Submodelling"),
-    row!(UnsupportedPhysics, "SUBSTRUCTURE COPY", "Substructures"),
-    row!(UnsupportedPhysics, "SUBSTRUCTURE DAMPING", "Substructures"),
-    row!(UnsupportedPhysics, "SUBSTRUCTURE LOAD CASE", "Substructures"),
-    row!(UnsupportedPhysics, "SUBSTRUCTURE MATRIX OUTPUT", "Substructures"),
-    row!(UnsupportedPhysics, "SUBSTRUCTURE PROPERTY", "Substructures"),
-    row!(UnsupportedPhysics, "SURFACE FLAW", "Flaws of surfaces"),
-    row!(UnsupportedPhysics, "SURFACE PROPERTY", "Properties of surfaces that radiate"),
-    row!(UnsupportedPhysics, "TABLE COLLECTION", "Tables of user routines"),
-    row!(UnsupportedPhysics, "TENSION CUTOFF", "Soil plasticity"),
-    row!(UnsupportedPhysics, "TENSION STIFFENING", "Cracking of concrete"),
-    row!(UnsupportedPhysics, "TRACTION SEPARATION", "Cohesive behaviour of surfaces"),
-    row!(UnsupportedPhysics, "TRANSPORT VELOCITY", "Rolling procedure"),
-    row!(UnsupportedPhysics, "UNDEX CHARGE PROPERTY", "Underwater explosions"),
-    row!(UnsupportedPhysics, "UNIAXIAL", "Connectors and fabrics"),
-    row!(UnsupportedPhysics, "UNLOADING DATA", "Connectors and fabrics"),
-    row!(UnsupportedPhysics, "VISCOSITY", "Shear viscosity of a fluid"),
-    row!(UnsupportedPhysics, "WIND", "Wind on slender structures"),
-];
+pub const ELSEWHERE: &[Keyword] = unread!(UnsupportedPhysics:
+    "Contributions to acoustic pressure": "ACOUSTIC CONTRIBUTION";
+    "Flow of an acoustic medium": "ACOUSTIC FLOW VELOCITY";
+    "Form of incident waves": "ACOUSTIC WAVE FORMULATION";
+    "Elements that come into being": "ACTIVATE ELEMENTS", "ELEMENT PROGRESSIVE ACTIVATION";
+    "Refinement of Eulerian meshes": "ADAPTIVE MESH REFINEMENT";
+    "Nodes moved to a surface": "ADJUST";
+    "Anisotropic rubber": "ANISOTROPIC HYPERELASTIC";
+    "Fluid around slender structures": "AQUA";
+    "Axial behaviour of beams": "AXIAL";
+    "Inertia of beams": "BEAM ADDED INERTIA";
+    "Inertia of beams in a fluid": "BEAM FLUID INERTIA";
+    "Meshed sections of beams": "BEAM SECTION GENERATE";
+    "Sections of beams": "BEAM SECTION OFFSET", "SECTION ORIGIN", "SECTION POINTS", "SHEAR CENTER";
+    "Surfaces that block a fluid exchange": "BLOCKAGE";
+    "Bonds of spot welds": "BOND";
+    "Added mass in waves": "C ADDED MASS", "D ADDED MASS";
+    "Creep of soils": "CAP CREEP", "DRUCKER PRAGER CREEP";
+    "Plasticity of cast iron": "CAST IRON COMPRESSION HARDENING", "CAST IRON PLASTICITY", "CAST IRON TENSION HARDENING";
+    "Cavities that radiate": "CAVITY DEFINITION", "PERIODIC", "RADIATION SYMMETRY", "RADIATION VIEWFACTOR", "REFLECTION";
+    "Electric charges": "CECHARGE", "DECHARGE", "DSECHARGE";
+    "Electric currents": "CECURRENT", "DECURRENT", "DSECURRENT";
+    "Centroid of a beam section": "CENTROID";
+    "Flow into nodes": "CFLOW";
+    "Clay model of soils": "CLAY HARDENING";
+    "Two programs at once": "CO-SIMULATION", "CO-SIMULATION CONTROLS", "CO-SIMULATION REGION";
+    "Tests that a law is fitted to": "COMBINED TEST DATA", "SHEAR TEST DATA", "SIMPLE SHEAR TEST DATA";
+    "Modal procedure": "COMPOSITE MODAL DAMPING", "SELECT EIGENMODES";
+    "Deletion of damaged concrete": "CONCRETE FAILURE";
+    "Connectors": "CONNECTOR CONSTITUTIVE REFERENCE", "CONNECTOR DAMAGE EVOLUTION", "CONNECTOR DAMAGE INITIATION",
+        "CONNECTOR DERIVED COMPONENT", "CONNECTOR UNIAXIAL BEHAVIOR";
+    "Flow across contact": "CONTACT PERMEABILITY";
+    "Contact in sensitivity analyses": "CONTACT RESPONSE";
+    "Random loads": "CORRELATION", "PSD-DEFINITION";
+    "Electric heating procedure": "COUPLED THERMAL-ELECTRICAL";
+    "Radiation of nodes": "CRADIATE";
+    "Loads that follow a creep rate": "CREEP STRAIN RATE CONTROL";
+    "Crushing of elements": "CRUSH STRESS", "CRUSH STRESS VELOCITY FACTOR";
+    "Cyclic symmetry": "CYCLIC", "CYCLIC SYMMETRY MODEL", "SELECT CYCLIC SYMMETRY MODES";
+    "Which damping acts in a step": "DAMPING CONTROLS";
+    "Crack growth between surfaces": "DEBOND";
+    "Sensitivities": "DESIGN GRADIENT";
+    "Flow into elements": "DFLOW";
+    "Dielectric material": "DIELECTRIC";
+    "Mass diffusion": "DIFFUSIVITY", "KAPPA", "SOLUBILITY";
+    "Elasticity of particles": "DISCRETE ELASTICITY";
+    "Drag chains": "DRAG CHAIN";
+    "Flow into surfaces": "DSFLOW", "SFLOW";
+    "Electric conduction": "ELECTRICAL CONDUCTIVITY";
+    "Electromagnetic procedure": "ELECTROMAGNETIC", "MAGNETIC PERMEABILITY", "NONLINEAR BH", "PERMANENT MAGNETIZATION";
+    "Radiation of surfaces": "EMISSIVITY";
+    "Cracks through elements": "ENRICHMENT", "ENRICHMENT ACTIVATION";
+    "Joints of soils": "EPJOINT";
+    "Boundaries of Eulerian meshes": "EULERIAN BOUNDARY";
+    "Motion of Eulerian meshes": "EULERIAN MESH MOTION";
+    "Events over time and space": "EVENT SERIES";
+    "Fields of another program": "EXTERNAL FIELD";
+    "Fields of another job": "FIELD IMPORT";
+    "Heat exchange with a fluid": "FILM PROPERTY";
+    "Bodies of other programs": "FLEXIBLE BODY";
+    "Flow through surfaces": "FLOW";
+    "Heat conduction of a fluid": "FLUID CONDUCTIVITY";
+    "Fluid cavities": "FLUID EXCHANGE ACTIVATION", "FLUID EXCHANGE PROPERTY", "FLUID EXPANSION", "FLUID FLUX",
+        "FLUID INFLATOR ACTIVATION", "FLUID INFLATOR MIXTURE", "FLUID INFLATOR PROPERTY", "FLUID LINK", "FLUID PROPERTY",
+        "MOLECULAR WEIGHT";
+    "Flow into crack faces": "FLUID LEAKOFF";
+    "Elastic foundations": "FOUNDATION";
+    "Crack growth": "FRACTURE CRITERION", "NODAL ENERGY RATE";
+    "Frames": "FRAME SECTION";
+    "Electric current across contact": "GAP ELECTRICAL CONDUCTANCE";
+    "Flow in gaps": "GAP FLOW";
+    "Radiation across contact": "GAP RADIATION";
+    "Products of an explosive": "GAS SPECIFIC HEAT";
+    "Gaskets": "GASKET BEHAVIOR", "GASKET CONTACT AREA", "GASKET ELASTICITY", "GASKET THICKNESS BEHAVIOR";
+    "Gels in pores": "GEL";
+    "Damping of modal analyses": "GLOBAL DAMPING";
+    "Hysteresis of rubber": "HYSTERESIS";
+    "State of another job": "IMPORT CONTROLS", "IMPORT ELSET", "IMPORT NSET";
+    "Blast and shock waves": "INCIDENT WAVE FLUID PROPERTY", "INCIDENT WAVE PROPERTY", "INCIDENT WAVE REFLECTION";
+    "Contact elements": "INTERFACE", "SLIDE LINE";
+    "Supports of tubes": "ITS";
+    "Joints": "JOINT ELASTICITY", "JOINT PLASTICITY";
+    "Jointed rock": "JOINTED MATERIAL";
+    "Load cases of linear analyses": "LOAD CASE";
+    "Connectors and fabrics": "LOADING DATA", "UNIAXIAL", "UNLOADING DATA";
+    "Masses brought to a target": "MASS ADJUST";
+    "Matrices of other jobs": "MATRIX ASSEMBLE", "MATRIX INPUT";
+    "Transport through elements": "MEDIA TRANSPORT";
+    "Swelling of pores": "MOISTURE SWELLING";
+    "Motion of cavities that radiate": "MOTION";
+    "Viscoelastic networks": "NETWORK STIFFNESS RATIO";
+    "Elasticity without compression": "NO COMPRESSION";
+    "Elasticity without tension": "NO TENSION";
+    "Tables of user routines": "PARAMETER TABLE", "PARAMETER TABLE TYPE", "PROPERTY TABLE", "PROPERTY TABLE TYPE",
+        "TABLE COLLECTION";
+    "Particles": "PARTICLE GENERATOR", "PARTICLE GENERATOR FLOW", "PARTICLE GENERATOR INLET", "PARTICLE GENERATOR MIXTURE";
+    "Acoustic boundaries": "PERFECTLY MATCHED LAYER";
+    "Flow through pores": "PERMEABILITY", "POROUS BULK MODULI", "SORPTION";
+    "Piezoelectric material": "PIEZOELECTRIC";
+    "Pipes in soil": "PIPE-SOIL INTERACTION", "PIPE-SOIL STIFFNESS";
+    "Plasticity of frames": "PLASTIC AXIAL", "PLASTIC M1", "PLASTIC M2", "PLASTIC TORQUE";
+    "Plasticity of notches": "PLASTICITY CORRECTION";
+    "Composites": "PLY FABRICATION";
+    "Prescribed pressure stress": "PRESSURE STRESS";
+    "Substructures": "RETAINED NODAL DOFS", "SUBSTRUCTURE COPY", "SUBSTRUCTURE DAMPING", "SUBSTRUCTURE LOAD CASE",
+        "SUBSTRUCTURE MATRIX OUTPUT", "SUBSTRUCTURE PROPERTY";
+    "Cracking of concrete": "SHEAR RETENTION", "TENSION STIFFENING";
+    "Loads of substructures": "SLOAD";
+    "Response spectra": "SPECTRUM";
+    "Steady states of rolling": "STEADY STATE CRITERIA", "STEADY STATE DETECTION";
+    "Submodelling": "SUBMODEL CONTROLS";
+    "Flaws of surfaces": "SURFACE FLAW";
+    "Properties of surfaces that radiate": "SURFACE PROPERTY";
+    "Soil plasticity": "TENSION CUTOFF";
+    "Cohesive behaviour of surfaces": "TRACTION SEPARATION";
+    "Rolling procedure": "TRANSPORT VELOCITY";
+    "Underwater explosions": "UNDEX CHARGE PROPERTY";
+    "Shear viscosity of a fluid": "VISCOSITY";
+    "Wind on slender structures": "WIND";
+);
 
 /// Known, and the answer stays.
-pub const INERT: &[Keyword] = &[
-    row!(UnsupportedInert, "CONTROLS", "Controls of implicit iterations"),
-    row!(UnsupportedInert, "SOLVER CONTROLS", "Controls of linear solvers"),
-    row!(UnsupportedInert, "DIAGNOSTICS", "Controls of warnings"),
-    row!(UnsupportedInert, "DOMAIN DECOMPOSITION", "Division among processors"),
-    row!(UnsupportedInert, "ELEMENT MATRIX OUTPUT", "Files of element matrices"),
-    row!(UnsupportedInert, "MATRIX GENERATE", "Files of matrices"),
-    row!(UnsupportedInert, "MATRIX OUTPUT", "Files of matrices"),
-    row!(UnsupportedInert, "NODE RESPONSE", "Sensitivities of an *OUTPUT request"),
-    row!(UnsupportedInert, "ELEMENT RESPONSE", "Sensitivities of an *OUTPUT request"),
-    row!(UnsupportedInert, "DESIGN RESPONSE", "Sensitivities of an *OUTPUT request"),
-    row!(UnsupportedInert, "WAVEFRONT MINIMIZATION", "Numbering for solvers"),
-    row!(UnsupportedInert, "END", "Written by some preprocessors at the end of the deck"),
-    row!(UnsupportedInert, "ELEMENT OPERATOR OUTPUT", "Files of element matrices"),
-    row!(UnsupportedInert, "ELEMENT RECOVERY MATRIX", "Substructures"),
-    row!(UnsupportedInert, "CONSTRAINT CONTROLS", "Controls of overconstraint checks"),
-    row!(UnsupportedInert, "FIELD MAPPER CONTROLS", "Controls of mapping"),
-    row!(UnsupportedInert, "MATRIX CHECK", "Checks of matrices"),
-    row!(UnsupportedInert, "SOLUTION TECHNIQUE", "Iterations of implicit analyses"),
-    row!(UnsupportedInert, "SURFACE SMOOTHING", "Smoothing of contact surfaces of implicit analyses"),
-    row!(UnsupportedInert, "TORQUE PRINT", "Printed torques"),
-    row!(UnsupportedInert, "SUBSTRUCTURE DIRECTORY", "Files of substructures"),
-    row!(UnsupportedInert, "SUBSTRUCTURE DELETE", "Files of substructures"),
-    row!(UnsupportedInert, "MODAL FILE", "Results file: modal values"),
-    row!(UnsupportedInert, "MODAL PRINT", "Printed modal values"),
-    row!(UnsupportedInert, "RADIATION FILE", "Results file: radiation"),
-    row!(UnsupportedInert, "RADIATION PRINT", "Printed radiation"),
-    row!(UnsupportedInert, "VIEWFACTOR OUTPUT", "View factors of an *OUTPUT request"),
-    row!(UnsupportedInert, "USER OUTPUT VARIABLES", "Number of output variables of a user routine"),
-];
+pub const INERT: &[Keyword] = unread!(UnsupportedInert:
+    "Controls of implicit iterations": "CONTROLS";
+    "Controls of linear solvers": "SOLVER CONTROLS";
+    "Controls of warnings": "DIAGNOSTICS";
+    "Division among processors": "DOMAIN DECOMPOSITION";
+    "Files of element matrices": "ELEMENT MATRIX OUTPUT", "ELEMENT OPERATOR OUTPUT";
+    "Files of matrices": "MATRIX GENERATE", "MATRIX OUTPUT";
+    "Sensitivities of an *OUTPUT request": "NODE RESPONSE", "ELEMENT RESPONSE", "DESIGN RESPONSE";
+    "Numbering for solvers": "WAVEFRONT MINIMIZATION";
+    "Written by some preprocessors at the end of the deck": "END";
+    "Substructures": "ELEMENT RECOVERY MATRIX";
+    "Controls of overconstraint checks": "CONSTRAINT CONTROLS";
+    "Controls of mapping": "FIELD MAPPER CONTROLS";
+    "Checks of matrices": "MATRIX CHECK";
+    "Iterations of implicit analyses": "SOLUTION TECHNIQUE";
+    "Smoothing of contact surfaces of implicit analyses": "SURFACE SMOOTHING";
+    "Printed torques": "TORQUE PRINT";
+    "Files of substructures": "SUBSTRUCTURE DIRECTORY", "SUBSTRUCTURE DELETE";
+    "Results file: modal values": "MODAL FILE";
+    "Printed modal values": "MODAL PRINT";
+    "Results file: radiation": "RADIATION FILE";
+    "Printed radiation": "RADIATION PRINT";
+    "View factors of an *OUTPUT request": "VIEWFACTOR OUTPUT";
+    "Number of output variables of a user routine": "USER OUTPUT VARIABLES";
+);

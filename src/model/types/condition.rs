@@ -68,6 +68,13 @@ pub enum InitialKind {
     Field(usize, f64),
 }
 
+impl InitialKind {
+    /// Whether it is given for elements in place of nodes.
+    pub fn is_of_elements(&self) -> bool {
+        matches!(self, Self::Stress(_) | Self::Energy(_) | Self::Hardening(_) | Self::State(_))
+    }
+}
+
 /// A prescribed motion.
 #[derive(Clone, Debug)]
 pub struct Boundary {
