@@ -43,7 +43,7 @@ pub fn variable_manual() -> String {
     text += SETS;
     text += "\n## Names for several\n\n";
     text.extend(FAMILIES.iter().map(|f| format!("- `{}`: {} ({})\n", f.name, f.words, members(f))));
-    text += "\n## UnsimulatedVariable and not simulated\n\nA request for them is listed as unused.\n\n";
+    text += "\n## Known and not simulated\n\nA request for them is listed as unused.\n\n";
     text.extend(NOT_SIMULATED.iter().map(|k| format!("- `{}`: {}\n", k.name, k.words)));
     text
 }
