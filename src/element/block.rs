@@ -17,7 +17,6 @@ use crate::kernel::moduli::Moduli;
 use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, squares, sums};
 use crate::kernel::real::Real;
 use crate::kernel::rotation::{SpinOver, turned, turned_by};
-use crate::kernel::stress::mises;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{Material, PlasticFlow};
 use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
@@ -259,13 +258,31 @@ impl<S: Clone> ElementBlock<S> {
         scratch: &mut Workspace,
         corners: &mut Corners,
     ) {
-        let eroded = self.mask::<M>(material, nodes, scratch);
+        let eroded = self.mask(material, nodes, scratch);
         let owed = M::EQUATION_OF_STATE.then(|| scratch.owe(corners, &self.nodes, (nodes, dt), before));
-        let mut kept = scratch.kept();
         self.measure_strain::<M, AREA>(constants, dt, nodes, scratch);
         if M::EQUATION_OF_STATE {
             self.measure_volume::<AREA>(scratch);
         }
+        self.finish::<M, AREA>(material, (constants, dt), eroded.as_ref(), nodes, scratch, corners);
+        if let Some(owed) = owed {
+            scratch.pay(&owed, corners, nodes, dt);
+            material.add_heat(&mut self.state, &scratch.stress.heat, &self.mass);
+        }
+    }
+
+    /// The second part of an increment, whose strains are known: stresses and corner forces.
+    #[inline(always)]
+    pub(super) fn finish<M: Material<State = S>, const AREA: bool>(
+        &mut self,
+        material: &M,
+        (constants, dt): (&Constants, f64),
+        eroded: Option<&Eroded>,
+        nodes: &Nodes,
+        scratch: &mut Workspace,
+        corners: &mut Corners,
+    ) {
+        let mut kept = scratch.kept();
         let enhanced = !scratch.task.enhanced.is_empty();
         let shares = if enhanced { self.shares(material) } else { [1.0; LANES] };
         self.update_stress(material, constants, scratch);
@@ -280,13 +297,9 @@ impl<S: Clone> ElementBlock<S> {
         if M::EQUATION_OF_STATE {
             scratch.resist_patterns((dt, constants.hourglass.viscosity), nodes, &self.inverse_mass, corners);
         }
-        self.clear::<M>(material, eroded.as_ref(), corners);
+        self.clear(material, eroded, corners);
         if M::MODULI_VARY {
             scratch.keep_own_rates();
-        }
-        if let Some(owed) = owed {
-            scratch.pay(&owed, corners, nodes, dt);
-            material.add_heat(&mut self.state, &scratch.stress.heat, &self.mass);
         }
     }
 
@@ -670,10 +683,6 @@ impl<T: Real> Workspace<T> {
                 viscous: if viscous { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() },
                 ..TaskState::default()
             },
-            strain: StrainIncrement {
-                moduli: Moduli { bulk: constants.bulk, shear: constants.shear },
-                ..StrainIncrement::default()
-            },
             ..Workspace::default()
         }
     }
@@ -704,19 +713,9 @@ impl<T: Real> Workspace<T> {
         }
     }
 
-    /// A lane whose element is not there weighs nothing.
-    pub(super) fn mask(&mut self, lane: usize) {
-        self.weight[lane] = T::ZERO;
-    }
-
     /// Number of the block at hand; a float, as the sums keep it.
     pub(super) fn number(&self) -> T {
         self.block
-    }
-
-    /// Whether a lane counts.
-    pub(super) fn weighs(&self, lane: usize) -> bool {
-        self.weight[lane] > T::ZERO
     }
 
     /// What the block at hand keeps; zero where nothing is kept.
@@ -748,10 +747,11 @@ impl<T: Real> Workspace<T> {
 
     /// Begins a pass under a bound of frequencies.
     #[inline(always)]
-    pub(super) fn begin(&mut self, cap: f64, dt: f64) {
+    pub(super) fn begin(&mut self, cap: f64, dt: f64, constants: &Constants) {
         self.sums = Sums::default();
         self.stress.begin();
         self.strain.dt = dt;
+        self.strain.moduli = Moduli { bulk: constants.bulk, shear: constants.shear };
         (self.cap, self.deformed) = (T::of(cap * self.length), [[T::ZERO; LANES]; 2]);
     }
 
@@ -805,12 +805,18 @@ impl<T: Real> Workspace<T> {
     }
 }
 
-impl Workspace {
-    /// Part of the elastic trial's von Mises stress that a law left whose flow is not known: 1 but for rounding is 1.
-    pub(super) fn returned(&self, stress: [f64; 4], l: usize) -> f64 {
-        let (left, trial) = (mises(stress), mises(column(&self.stress.deviator, l)));
-        let part = left / trial;
-        if part < 1.0 - 1e-12 { part } else { 1.0 }
+impl<T: Real> Workspace<T> {
+    /// Adds the sums of a block that was updated with other scratch memory.
+    pub(super) fn add_sums(&mut self, block: &Workspace<T>) {
+        self.sums.add(&block.sums);
+        for l in 0..LANES {
+            self.stress.internal[l] += block.stress.internal[l];
+            self.stress.dissipated[l] += block.stress.dissipated[l];
+            for (most, list) in self.deformed.iter_mut().zip(&block.deformed) {
+                most[l] = larger(list[l], most[l]);
+            }
+        }
+        self.stress.deleted += block.stress.deleted;
     }
 }
 
@@ -830,9 +836,9 @@ impl<T: Real> Sums<T> {
     }
 }
 
-impl Sums {
+impl<T: Real> Sums<T> {
     /// Adds the sums of blocks that come behind, lane by lane.
-    pub(super) fn add(&mut self, behind: &Sums) {
+    fn add(&mut self, behind: &Sums<T>) {
         for l in 0..LANES {
             self.internal[l] += behind.internal[l];
             self.plastic[l] += behind.plastic[l];

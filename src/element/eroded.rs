@@ -7,7 +7,7 @@ use crate::state::archive::persist_struct;
 
 /// Elements of a block that were deleted from outside, whatever their laws say.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Eroded {
+pub struct Eroded {
     /// Height of the ring that stands in place of each; 0 of those that are there.
     height: Lanes,
 }

@@ -7,6 +7,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::element::block::{ElementBlock, Nodes, Sums, Workspace, across, is_larger};
+use crate::element::calls::Calls;
 use crate::element::constants::{Constants, damped};
 use crate::element::numbers::{Forces, IncrementInput, Numbers, widen};
 use crate::element::quiescent::Quiescence;
@@ -19,10 +20,10 @@ use crate::kernel::quad;
 use crate::kernel::real::Real;
 use crate::kernel::shell::Frame;
 use crate::kernel::topology::{ElementNodes, MOST_NODES, PerNode, Topology};
-use crate::material::{BlockStart, InitialValue, Material, PlasticFlow};
+use crate::material::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::mesh::corner_forces::Slots;
 use crate::state::Instant;
-use crate::state::archive::{Persist, persist_struct};
+use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
 use crate::state::halt::Halt;
 use crate::state::nodes::{Accelerated, Node};
 use crate::user::AtPoints;
@@ -289,21 +290,23 @@ pub(super) const PARALLEL: usize = 1000;
 
 /// Quadrilaterals of one material, weighted by volume or by area, in double precision or in single.
 pub struct Quads<M: Material<T>, const AREA: bool = false, T: Numbers = f64> {
-    material: Arc<M>,
-    constants: Constants,
-    count: usize,
-    blocks: Vec<ElementBlock<M::State, T>>,
-    tasks: Vec<Workspace<T>>,
+    pub(super) material: Arc<M>,
+    pub(super) constants: Constants,
+    pub(super) count: usize,
+    pub(super) blocks: Vec<ElementBlock<M::State, T>>,
+    pub(super) tasks: Vec<Workspace<T>>,
+    /// Scratch memory of user subroutines; `None` without any.
+    pub(super) calls: Option<Box<Calls<T>>>,
     /// Unit of lengths and times of both.
     length: f64,
     /// Speed of sound to a power of two, beside which velocities are rounded; 0 in double precision.
     sound: f64,
-    arch: Arch,
+    pub(super) arch: Arch,
     /// Elements whose deletion has been told.
     told: Vec<bool>,
     quiescence: Vec<Quiescence>,
     /// Highest frequency that counts.
-    cap: f64,
+    pub(super) cap: f64,
 }
 
 impl<M: Material> Quads<M> {
@@ -333,8 +336,8 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
     /// The same, weighted by volume or by area.
     pub fn weighted(material: M, constants: Constants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
         let length = T::length(extremes(elements, nodes));
-        let fresh = |part: &[_]| {
-            let state = material.initial_state(&block_start(part, nodes));
+        let fresh = |(index, part): (usize, &[_])| {
+            let state = material.initial_state(&block_start(index * LANES, part, nodes));
             let mut block = block(state, (density, length), part, nodes);
             if AREA {
                 block.inverse_mass =
@@ -342,8 +345,9 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
             }
             block
         };
-        let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
+        let blocks: Vec<_> = elements.chunks(LANES).enumerate().map(fresh).collect();
         Quads {
+            calls: material.calls().map(|calls| Box::new(Calls::new(calls, &constants, elements.len()))),
             material: Arc::new(material),
             constants,
             count: elements.len(),
@@ -363,6 +367,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Clone for Quads<M, AREA, T> {
     fn clone(&self) -> Self {
         Quads {
             material: Arc::clone(&self.material),
+            calls: self.calls.clone(),
             constants: self.constants,
             count: self.count,
             blocks: self.blocks.clone(),
@@ -388,7 +393,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
     const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled);
 
     /// Sets a value of an element; whether its material uses it.
-    fn set_value(&mut self, element: usize, value: InitialValue) -> bool {
+    fn set_value(&mut self, element: usize, value: PointValue) -> bool {
         self.material.set(&mut self.blocks[element / LANES].state, element % LANES, value)
     }
 
@@ -406,6 +411,17 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
     fn is_deleted(&self, element: usize) -> bool {
         let status = self.material.value(&self.blocks[element / LANES].state, element % LANES, Variable::Status.into());
         status == Some(0.0) || self.is_eroded(element)
+    }
+
+    /// What the tasks came to.
+    pub(super) fn totals(&self) -> Totals {
+        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
+        let still = self.cap * damped(xi);
+        let totals = totals(self.tasks.iter().map(Workspace::parts), |task| {
+            if self.quiescence[task].quiescent { still } else { f64::INFINITY }
+        });
+        Totals { rate: self.constants.with_assumed(totals.rate, self.cap), ..totals }
     }
 
     /// Unit of energies and masses of the blocks.
@@ -429,14 +445,16 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
 }
 
 /// Elements of a block at their places at the start. Lanes behind the last element repeat it.
-fn block_start(elements: &[[u32; 4]], nodes: &[Node]) -> BlockStart {
+fn block_start(first: usize, elements: &[[u32; 4]], nodes: &[Node]) -> BlockStart {
     let (area, volume, centre) = ([1.0; LANES], [1.0; LANES], [[0.0; LANES]; 2]);
-    let mut start = BlockStart { count: elements.len(), area, volume, centre };
+    let corners = [[[0.0; 4]; 2]; LANES];
+    let mut start = BlockStart { count: elements.len(), area, volume, centre, corners, first };
     for l in 0..LANES {
         let corners = elements[l.min(elements.len() - 1)].map(|n| nodes[n as usize].place());
         let [a, b, c, d] = corners;
         start.area[l] = quad::section(corners.map(|c| c[0]), corners.map(|c| c[1]));
         start.volume[l] = quad::volume(corners);
+        start.corners[l] = [corners.map(|c| c[0]), corners.map(|c| c[1])];
         for i in 0..2 {
             start.centre[i][l] = 0.25 * ((a[i] + b[i]) + (c[i] + d[i]));
         }
@@ -451,7 +469,7 @@ fn extremes(elements: &[[u32; 4]], nodes: &[Node]) -> [f64; 2] {
 }
 
 /// A block of at most eight elements at rest, in units of a length.
-pub(super) fn block<S, T: Real>(
+fn block<S, T: Real>(
     state: S,
     (density, length): (f64, f64),
     elements: &[[u32; 4]],
@@ -491,7 +509,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
             deletable: self.material.can_delete() || self.tasks.iter().any(|scratch| !scratch.task.eroded.is_empty()),
             damped: self.constants.damps(),
             holds_pressure: Self::HOLDS_PRESSURE,
-            fields: 0,
+            fields: self.material.calls().map_or(0, |calls| calls.fields()),
         }
     }
 
@@ -504,6 +522,9 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
     }
 
     fn update(&mut self, pass: Pass<'_>) -> Totals {
+        if M::CALLS {
+            return self.update_with_calls(pass);
+        }
         let Pass { nodes, dt, before, now, threads, corners, lacking, .. } = pass;
         let pass = Common {
             material: &*self.material,
@@ -555,13 +576,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
                 Forces::Wider(list) => parts.zip(list.par_chunks_mut(TASK).map(Forces::Wider)).for_each(each),
             }
         }
-        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
-        let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
-        let still = self.cap * damped(xi);
-        let totals = totals(self.tasks.iter().map(Workspace::parts), |task| {
-            if self.quiescence[task].quiescent { still } else { f64::INFINITY }
-        });
-        Totals { rate: self.constants.with_assumed(totals.rate, self.cap), ..totals }
+        self.totals()
     }
 
     fn value(&self, element: usize, part: Part) -> Option<f64> {
@@ -571,6 +586,11 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
             Variable::Mass => Some(self.unit() * block.mass[lane].wide()),
             Variable::Status => Some(f64::from(u8::from(!self.is_deleted(element)))),
             Variable::PlasticComponents if matches!(M::FLOW, PlasticFlow::None | PlasticFlow::Unknown) => None,
+            // What the material alone knows of dissipation is no part of the energy that is followed.
+            Variable::ElementStrainEnergy if M::FLOW == PlasticFlow::Unknown => {
+                let dissipated = self.value(element, Variable::ElementPlasticEnergy.into())?;
+                Some(self.followed(element)?.value(part)? - dissipated)
+            }
             _ => {
                 let own = self.material.value(&block.state, lane, part);
                 own.or_else(|| self.followed(element)?.value(part))
@@ -609,7 +629,11 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
     fn bytes(&self) -> usize {
         let kept: usize = self.tasks.iter().map(Workspace::bytes).sum();
         let quiescence: usize = self.quiescence.iter().map(Quiescence::bytes).sum();
-        size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + kept + quiescence + self.told.capacity()
+        let states: usize = self.blocks.iter().map(|block| self.material.bytes(&block.state)).sum();
+        let calls = self.calls.as_ref().map_or(0, |calls| calls.bytes());
+        let names = self.material.calls().map_or(0, |calls| calls.bytes());
+        let arrays = size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + self.told.capacity();
+        arrays + kept + quiescence + states + calls + names
     }
 
     fn copy(&self) -> Box<dyn ElementGroup> {
@@ -636,6 +660,26 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Extensions for Quads<M, AREA,
 
     fn temperatures(&mut self) -> Option<&mut dyn Temperatures> {
         Some(self)
+    }
+
+    fn fields(&mut self) -> Option<&mut dyn Fields> {
+        if M::CALLS { Some(self) } else { None }
+    }
+
+    fn user(&mut self) -> Option<&mut dyn UserCalls> {
+        if M::CALLS { Some(self) } else { None }
+    }
+}
+
+impl<M: Material<T>, const AREA: bool, T: Numbers> Fields for Quads<M, AREA, T> {
+    fn set_field(&mut self, element: usize, variable: usize, value: f64) {
+        self.set_value(element, PointValue::Field(variable, value));
+    }
+
+    fn set_fields(&mut self, variable: usize, values: &[f64]) {
+        for (element, value) in values.iter().enumerate() {
+            self.set_value(element, PointValue::NodalField(variable, *value));
+        }
     }
 }
 
@@ -697,32 +741,35 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> InitialState for Quads<M, ARE
         for (list, value) in block.stress.iter_mut().zip(stress.into_iter().flatten()) {
             list[lane] = T::of(value);
         }
+        if let Some(stress) = stress {
+            self.set_value(element, PointValue::Stress(stress));
+        }
         if let Some(temperature) = temperature {
-            self.set_value(element, InitialValue::Temperature(temperature));
+            self.set_value(element, PointValue::Temperature(temperature));
         }
     }
 
     fn set_state(&mut self, element: usize, variable: usize, value: f64) -> bool {
-        self.set_value(element, InitialValue::StateVariable(variable, value))
+        self.set_value(element, PointValue::StateVariable(variable, value))
     }
 
     fn set_plastic_strain(&mut self, element: usize, strain: f64) -> bool {
-        self.set_value(element, InitialValue::PlasticStrain(strain))
+        self.set_value(element, PointValue::PlasticStrain(strain))
     }
 
     fn set_energy(&mut self, element: usize, energy: f64) {
-        self.set_value(element, InitialValue::SpecificEnergy(energy));
+        self.set_value(element, PointValue::SpecificEnergy(energy));
     }
 
     fn set_length(&mut self, element: usize, length: f64) {
-        self.set_value(element, InitialValue::Length(length));
+        self.set_value(element, PointValue::Length(length));
     }
 }
 
 impl<M: Material<T>, const AREA: bool, T: Numbers> Temperatures for Quads<M, AREA, T> {
     fn set_temperatures(&mut self, temperatures: &[f64]) {
         for (e, temperature) in temperatures.iter().enumerate() {
-            self.set_value(e, InitialValue::Temperature(*temperature));
+            self.set_value(e, PointValue::NodalTemperature(*temperature));
         }
     }
 
@@ -739,7 +786,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Temperatures for Quads<M, ARE
     fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
         let mut work = 0.0;
         for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
-            if self.is_eroded(e) {
+            if self.is_eroded(e) || self.set_value(e, PointValue::ThermalStrain(*strain)) {
                 continue;
             }
             self.quiescence[e / (TASK * LANES)].quiescent = false;
@@ -786,7 +833,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> NullaryFnOnce for Task<'_, '_
     fn call(self) {
         let scratch = self.scratch;
         let pass = self.pass;
-        scratch.begin(pass.cap, pass.increment.dt);
+        scratch.begin(pass.cap, pass.increment.dt, pass.constants);
         let mut places = Nodes::default();
         let mut own = Corners::default();
         for (i, block) in self.blocks.iter_mut().enumerate() {
@@ -813,7 +860,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> NullaryFnOnce for Task<'_, '_
 }
 
 /// Adds the boundaries of elements whose deletion has not been listed, and counts it as listed.
-pub(super) fn tell_deleted(group: &dyn ElementGroup, told: &mut [bool], deleted: &mut Vec<ElementNodes>) {
+fn tell_deleted(group: &dyn ElementGroup, told: &mut [bool], deleted: &mut Vec<ElementNodes>) {
     for (element, told) in told.iter_mut().enumerate() {
         if !*told && group.is_deleted(element) {
             *told = true;
@@ -823,7 +870,7 @@ pub(super) fn tell_deleted(group: &dyn ElementGroup, told: &mut [bool], deleted:
 }
 
 /// Folds what tasks came to in their order: their sums and what deformed; no rate of a task is larger than `most` says.
-pub(super) fn totals(tasks: impl Iterator<Item = (Sums, [Lanes; 2])>, most: impl Fn(usize) -> f64) -> Totals {
+fn totals(tasks: impl Iterator<Item = (Sums, [Lanes; 2])>, most: impl Fn(usize) -> f64) -> Totals {
     let mut totals = Totals::default();
     let mut largest = 0.0;
     for (task, (sums, deformed)) in tasks.enumerate() {
@@ -849,8 +896,18 @@ pub(super) fn totals(tasks: impl Iterator<Item = (Sums, [Lanes; 2])>, most: impl
 persist_struct!(Quads<M, AREA, T> [M: Material<T>, const AREA: bool, T: Numbers] {
     cap, blocks: fixed, tasks: fixed, told: fixed, quiescence: fixed
 } derived {
-    material, constants, count, length, sound, arch
-});
+    material, constants, calls, count, length, sound, arch
+} then persist_called_moduli);
+
+/// The moduli of a user's material are those of its answer at time zero, which is not asked for again.
+fn persist_called_moduli<M: Material<T>, const AREA: bool, T: Numbers>(
+    quads: &mut Quads<M, AREA, T>,
+    archive: &mut Archive<'_>,
+) {
+    if M::CALLS {
+        persist_fields!(archive; &mut quads.constants.bulk, &mut quads.constants.shear);
+    }
+}
 
 persist_struct!(Totals { internal, plastic, viscous, artificial, rate, limiting, deformed });
 

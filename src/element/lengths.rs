@@ -3,7 +3,7 @@
 //! Never here: what takes a length, elements that ask routines at their points.
 
 use super::group::ElementGroup;
-use crate::kernel::quad::section;
+use crate::material::user::lengths::{ShownElements, above_zero, by_default, user_number};
 use crate::state::Instant;
 use crate::state::halt::Halt;
 use crate::state::nodes::Node;
@@ -63,7 +63,8 @@ impl AskedLengths {
         routine: &mut dyn UserLengths,
     ) -> Result<Vec<f64>, LoadFailure> {
         let count = corners.len();
-        let mut shown = Shown::new(corners);
+        let triangles = corners.iter().all(|element| element[2] == element[3]);
+        let mut shown = ShownElements::new(count, if triangles { 3 } else { 4 });
         let mut lengths = Vec::with_capacity(count);
         for (i, element) in corners.iter().enumerate() {
             let places = element.map(|n| nodes[n as usize].place());
@@ -91,59 +92,4 @@ impl AskedLengths {
         above_zero(&lengths)?;
         Ok(lengths)
     }
-}
-
-/// Where elements and their corners are, as a routine is shown them.
-#[derive(Clone, Debug)]
-pub(super) struct Shown {
-    /// Corners of an element: 3 where all are triangles, 4 else.
-    pub corners: usize,
-    /// `coordMp`.
-    middles: Vec<f64>,
-    /// `coordNode`.
-    pub places: Vec<f64>,
-}
-
-impl Shown {
-    pub fn new(elements: &[[u32; 4]]) -> Self {
-        let corners = if elements.iter().all(|e| e[2] == e[3]) { 3 } else { 4 };
-        let places = vec![0.0; 2 * corners * elements.len()];
-        Shown { corners, middles: vec![0.0; 2 * elements.len()], places }
-    }
-
-    /// Bytes of it.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&*self.middles) + size_of_val(&*self.places)
-    }
-
-    /// Puts an element there.
-    pub fn set(&mut self, element: usize, r: [f64; 4], z: [f64; 4]) {
-        let count = self.middles.len() / 2;
-        for (axis, x) in [r, z].into_iter().enumerate() {
-            for (corner, x) in x.into_iter().take(self.corners).enumerate() {
-                self.places[(axis * self.corners + corner) * count + element] = x;
-            }
-            self.middles[axis * count + element] = 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
-        }
-    }
-}
-
-/// The characteristic length unless a routine says otherwise: the root of the element's area in the (r, z) plane.
-pub(super) fn by_default(r: [f64; 4], z: [f64; 4]) -> f64 {
-    section(r, z).abs().sqrt()
-}
-
-/// Whether all lengths are above zero.
-///
-/// # Errors
-/// The first that is not.
-pub(super) fn above_zero(lengths: &[f64]) -> Result<(), LoadFailure> {
-    let Some(point) = lengths.iter().position(|l| !(*l > 0.0 && l.is_finite())) else { return Ok(()) };
-    let reason = format!("it gave charLength(k, 1) = {}; a length is above zero", lengths[point]);
-    Err(LoadFailure { point: Some(point), reason })
-}
-
-/// The user's number of an element, by its name.
-pub(super) fn user_number(name: &str) -> i32 {
-    name.rsplit('.').next().and_then(|number| number.parse().ok()).unwrap_or(0)
 }

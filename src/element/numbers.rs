@@ -4,6 +4,7 @@
 use super::block::{ElementBlock, Nodes, Workspace};
 use super::constants::Constants;
 use super::control::Spring;
+use super::eroded::Eroded;
 use crate::kernel::lanes::Corners;
 use crate::kernel::quad::UNIT;
 use crate::kernel::real::Real;
@@ -49,6 +50,17 @@ pub trait Numbers: Real + Persist {
         scratch: &mut Workspace<Self>,
         corners: &mut Corners<Self>,
     );
+
+    /// The second part of an increment, whose strains are known: stresses and corner forces.
+    fn finish<M: Material<Self>, const AREA: bool>(
+        block: &mut ElementBlock<M::State, Self>,
+        material: &M,
+        increment: (&Constants, f64),
+        eroded: Option<&Eroded>,
+        nodes: &Nodes<Self>,
+        scratch: &mut Workspace<Self>,
+        corners: &mut Corners<Self>,
+    );
 }
 
 impl Numbers for f64 {
@@ -78,6 +90,19 @@ impl Numbers for f64 {
         corners: &mut Corners,
     ) {
         block.update::<M, AREA>(material, constants, (increment.dt, increment.before), nodes, scratch, corners);
+    }
+
+    #[inline(always)]
+    fn finish<M: Material, const AREA: bool>(
+        block: &mut ElementBlock<M::State>,
+        material: &M,
+        increment: (&Constants, f64),
+        eroded: Option<&Eroded>,
+        nodes: &Nodes,
+        scratch: &mut Workspace,
+        corners: &mut Corners,
+    ) {
+        block.finish::<M, AREA>(material, increment, eroded, nodes, scratch, corners);
     }
 }
 
@@ -117,12 +142,27 @@ impl Numbers for f32 {
         const { assert!(!M::MODULI_VARY) };
         let dt = f32::of(increment.dt / scratch.length);
         let eroded = block.mask(material, nodes, scratch);
-        let mut kept = scratch.kept();
         block.measure_strain::<M, AREA>(constants, dt, nodes, scratch);
+        let increment = (constants, increment.dt);
+        Self::finish::<M, AREA>(block, material, increment, eroded.as_ref(), nodes, scratch, corners);
+    }
+
+    #[inline(always)]
+    fn finish<M: Material<f32>, const AREA: bool>(
+        block: &mut ElementBlock<M::State, f32>,
+        material: &M,
+        (constants, dt): (&Constants, f64),
+        eroded: Option<&Eroded>,
+        _nodes: &Nodes<f32>,
+        scratch: &mut Workspace<f32>,
+        corners: &mut Corners<f32>,
+    ) {
+        let dt = f32::of(dt / scratch.length);
+        let mut kept = scratch.kept();
         block.update_stress(material, constants, scratch);
         block.forces::<M, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut Spring);
         scratch.keep(kept);
-        block.clear(material, eroded.as_ref(), corners);
+        block.clear(material, eroded, corners);
     }
 }
 

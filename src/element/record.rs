@@ -4,11 +4,9 @@
 
 use pulp::NullaryFnOnce;
 
-use crate::element::block::Nodes;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
-use crate::kernel::lanes::{column, dot};
-use crate::kernel::quad::{Gradient, gradient};
+use crate::kernel::lanes::column;
 use crate::kernel::real::Real;
 use crate::kernel::rotation::{of_spin, turned};
 use crate::kernel::stress::mises;
@@ -59,26 +57,6 @@ impl Followed {
             _ => None,
         }
     }
-}
-
-/// Gradient operators at the middle of an increment.
-#[inline(always)]
-pub(super) fn middle(nodes: &Nodes, lane: usize, dt: f64) -> Gradient {
-    let place = |x: [f64; 4], v: [f64; 4]| [0, 1, 2, 3].map(|i| x[i] - 0.5 * dt * v[i]);
-    gradient(place(nodes.of(lane, 0), nodes.of(lane, 2)), place(nodes.of(lane, 1), nodes.of(lane, 3)))
-}
-
-/// Spin increment in the (r, z) plane, as the stress sees it.
-#[inline(always)]
-pub(super) fn spin(nodes: &Nodes, lane: usize, dt: f64) -> f64 {
-    let g = middle(nodes, lane, dt);
-    let per = dt / g.volume;
-    0.5 * (per * dot(g.z, nodes.of(lane, 2)) - per * dot(g.r, nodes.of(lane, 3)))
-}
-
-/// The same of all lanes.
-pub(super) fn spins(nodes: &Nodes, dt: f64) -> Lanes {
-    std::array::from_fn(|l| spin(nodes, l, dt))
 }
 
 /// What a record is shown of an increment, after the stress of its end is known. As one call, so that it is compiled for the

@@ -12,14 +12,16 @@ pub mod kinematic_rate;
 pub mod plasticity;
 pub mod point_law;
 pub mod strain_energy;
+pub mod user;
 pub mod volumetric;
 pub mod von_mises;
 
-use crate::kernel::lanes::Lanes;
+use crate::kernel::lanes::{LANES, Lanes};
 use crate::kernel::real::Real;
 use crate::state::archive::Persist;
 use crate::variables::Part;
 use increment::{StrainIncrement, StressUpdate};
+use user::PointCalls;
 
 /// The direction of plastic flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,14 +47,23 @@ pub struct BlockStart {
     pub volume: Lanes,
     /// Centres, `[r, z]`.
     pub centre: [Lanes; 2],
+    /// Corners of each lane: their r, then their z.
+    pub corners: [[[f64; 4]; 2]; LANES],
+    /// Place of the first element in its group.
+    pub first: usize,
 }
 
-/// A value that a deck or a user subroutine gives a material at the start of the analysis.
+/// A value that a material is given from outside: at the start of the analysis unless said otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum InitialValue {
+pub enum PointValue {
+    /// Stress rr, zz, hoop, rz.
+    Stress([f64; 4]),
     /// Temperature.
     Temperature(f64),
+    /// Temperature of the nodes at the end of an increment.
+    NodalTemperature(f64),
+    /// Thermal strain that the next increment subtracts.
+    ThermalStrain(f64),
     /// Energy per mass.
     SpecificEnergy(f64),
     /// Equivalent plastic strain.
@@ -63,6 +74,8 @@ pub enum InitialValue {
     StateVariable(usize, f64),
     /// Field variable, by its index.
     Field(usize, f64),
+    /// Field variable of the nodes at the end of an increment.
+    NodalField(usize, f64),
 }
 
 /// A material law, which gives the stress of a block of elements. The associated constants decide what an element compiles:
@@ -83,6 +96,8 @@ pub trait Material<T: Real = f64>: Send + Sync + 'static {
     const FAILS: bool = false;
     /// Whether [`StrainIncrement::spin`] is used.
     const USES_SPIN: bool = false;
+    /// Whether [`Material::calls`] calls user subroutines between the kinematics of elements and [`Material::update`].
+    const CALLS: bool = false;
 
     /// Returns the state of a block at the start of the analysis.
     fn initial_state(&self, start: &BlockStart) -> Self::State;
@@ -128,8 +143,18 @@ pub trait Material<T: Real = f64>: Send + Sync + 'static {
         None
     }
 
-    /// Sets a value of an element at the start of the analysis. Returns whether the material uses it.
-    fn set(&self, _state: &mut Self::State, _lane: usize, _value: InitialValue) -> bool {
+    /// Sets a value of an element. Returns whether the material uses it.
+    fn set(&self, _state: &mut Self::State, _lane: usize, _value: PointValue) -> bool {
         false
+    }
+
+    /// Returns the calls of user subroutines.
+    fn calls(&self) -> Option<&dyn PointCalls<Self::State>> {
+        None
+    }
+
+    /// Returns the bytes that the state of a block holds beside its own size.
+    fn bytes(&self, _state: &Self::State) -> usize {
+        0
     }
 }

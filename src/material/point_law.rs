@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::increment::{StrainIncrement, StressUpdate};
-use super::{BlockStart, InitialValue, Material, PlasticFlow};
+use super::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::kernel::lanes::{LANES, Lanes, column};
 use crate::kernel::stress::mises;
 use crate::state::archive::persist_struct;
@@ -118,9 +118,13 @@ impl Material for PointLaw {
         }
     }
 
-    fn set(&self, state: &mut PointState, lane: usize, value: InitialValue) -> bool {
+    fn bytes(&self, state: &PointState) -> usize {
+        size_of_val(&*state.variables)
+    }
+
+    fn set(&self, state: &mut PointState, lane: usize, value: PointValue) -> bool {
         match value {
-            InitialValue::StateVariable(variable, value) if variable < self.variables => {
+            PointValue::StateVariable(variable, value) if variable < self.variables => {
                 state.variables[lane * self.variables + variable] = value;
                 true
             }

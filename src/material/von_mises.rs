@@ -6,7 +6,7 @@ use super::failure::{Failure, Initiation, NoDamage, Seen};
 use super::increment::{StrainIncrement, StressUpdate, as_type};
 use super::plasticity::{Flow, Hardening};
 use super::volumetric::{PressureUpdate, Volumetric};
-use super::{BlockStart, InitialValue, Material, PlasticFlow};
+use super::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::kernel::lanes::{LANES, Lanes, column, near, wide};
 use crate::kernel::moduli::Moduli;
 use crate::kernel::real::Real;
@@ -146,16 +146,19 @@ impl<H: Hardening, V: Volumetric, F: Failure, T: Real> Material<T> for VonMises<
         }
     }
 
-    fn set(&self, state: &mut Self::State, lane: usize, value: InitialValue) -> bool {
+    fn set(&self, state: &mut Self::State, lane: usize, value: PointValue) -> bool {
         match value {
-            InitialValue::Temperature(temperature) => {
+            PointValue::Temperature(temperature) => {
                 self.hardening.heat(&mut state.hardening, lane, temperature);
                 self.volumetric.heat(&mut state.volumetric, lane, temperature);
             }
-            InitialValue::SpecificEnergy(energy) => self.volumetric.set_energy(&mut state.volumetric, lane, energy),
-            InitialValue::PlasticStrain(strain) => return self.hardening.harden(&mut state.hardening, lane, strain),
-            InitialValue::Length(length) => self.failure.set_length(&mut state.failure, lane, length),
-            InitialValue::StateVariable(..) | InitialValue::Field(..) => return false,
+            PointValue::SpecificEnergy(energy) => self.volumetric.set_energy(&mut state.volumetric, lane, energy),
+            PointValue::PlasticStrain(strain) => return self.hardening.harden(&mut state.hardening, lane, strain),
+            PointValue::Length(length) => self.failure.set_length(&mut state.failure, lane, length),
+            PointValue::NodalTemperature(temperature) => {
+                self.hardening.heat(&mut state.hardening, lane, temperature);
+            }
+            _ => return false,
         }
         true
     }

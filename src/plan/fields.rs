@@ -8,8 +8,8 @@ use super::solid_material::rate_factor;
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::element::predefined::{PredefinedFields, Prescribed, mean};
-use crate::element::user_law::{Elasticity, MOST_DEPENDENCIES, Yield, YieldOverFields};
 use crate::kernel::levels::NestedTable;
+use crate::material::user::description::{Elasticity, MOST_DEPENDENCIES, Yield, YieldOverFields};
 use crate::model::{InitialKind, Material, Plastic, SolidSection};
 
 /// Field variables that a material's tables depend on.

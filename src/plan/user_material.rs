@@ -9,12 +9,12 @@ use super::solid::add_masses;
 use super::solid_material::heating;
 use crate::deck::Diagnostic;
 use crate::element::constants::Constants;
-use crate::element::group::{ElementGroup, Quads, Settings};
-use crate::element::user_law::{Description, Flow, Yield};
-use crate::element::user_quads::UserQuads;
+use crate::element::group::{ElementGroup, Quads};
 use crate::kernel::heating::Heating;
 use crate::kernel::moduli::Moduli;
 use crate::material::point_law::PointLaw;
+use crate::material::user::UserMaterial;
+use crate::material::user::description::{Description, Flow, Yield};
 use crate::model::{Material, Plastic, SolidSection, StateVariables};
 use crate::state::nodes::Node;
 use crate::user::MaterialLaw;
@@ -89,12 +89,19 @@ impl Compiler<'_> {
             density,
         };
         let names = elements.iter().map(|&e| self.model.mesh.elements[e].name.to_string()).collect();
-        let mut group = UserQuads::new(description, constants, corners, nodes, names);
+        let triangles = corners.iter().all(|c| c[2] == c[3]);
+        let mut group: Box<dyn ElementGroup> = if description.flow.is_some() {
+            let law = UserMaterial::<true> { description, names, triangles };
+            Box::new(Quads::new(law, constants, density, corners, nodes))
+        } else {
+            let law = UserMaterial::<false> { description, names, triangles };
+            Box::new(Quads::new(law, constants, density, corners, nodes))
+        };
         if material.user.fields.is_some() {
             // The routine may ask for strains.
-            group.follow();
+            group.extensions().settings().follow();
         }
-        Some(Box::new(group))
+        Some(group)
     }
 
     /// The group of a section whose material has a law in Rust; `None` if a card is missing or the law does not take its

@@ -1,11 +1,10 @@
-//! Material points as the user's routine is shown them, and what it answers.
-//! Never here: geometry of elements.
+//! Arguments of a call of user subroutines: material points of up to eight blocks, components one after the other.
+//! Never here: what elements keep, their geometry.
 
-use crate::element::lengths::{Shown, above_zero, by_default};
-use crate::element::user_law::Description;
+use super::description::Description;
+use super::lengths::{ShownElements, above_zero};
 use crate::kernel::heating::Heating;
 use crate::state::Instant;
-use crate::state::archive::persist_struct;
 use crate::user::{
     FieldAnswer, FieldCall, LengthCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields,
     UserLengths, UserMaterial, host,
@@ -25,7 +24,7 @@ const FICTITIOUS: [f64; 4] = [2e-7, -0.5e-7, 1e-7, 0.75e-7];
 /// Values before and after an increment.
 type Pair = [Vec<f64>; 2];
 
-/// The points of one call, components one after the other as Fortran has them.
+/// The points of one call, components one after the other as Fortran has them: those before the increment and those after it.
 #[derive(Clone, Debug)]
 pub struct Points {
     pub(super) count: usize,
@@ -33,27 +32,23 @@ pub struct Points {
     fields: usize,
     /// User's numbers of the elements.
     pub(super) elements: Vec<i32>,
-    coordinates: Vec<f64>,
-    length: Vec<f64>,
+    pub(super) coordinates: Vec<f64>,
+    pub(super) length: Vec<f64>,
     /// Corners, where a routine of the user gives the lengths.
-    shown: Option<Shown>,
+    shown: Option<ShownElements>,
     pub(super) density: Vec<f64>,
     pub(super) strain: Vec<f64>,
     spin: Vec<f64>,
     pub(super) temperature: Pair,
-    /// Whether this increment has been given its temperatures, as nodes have them.
-    warmed: bool,
-    stretch: Pair,
-    gradient: Pair,
+    pub(super) stretch: Pair,
+    pub(super) gradient: Pair,
     pub(super) stress: Pair,
     pub(super) state: Pair,
     /// Field variables.
     pub(super) field: Pair,
-    /// Field variables as nodes have them, before a routine of the user changes those of the point.
-    given: Vec<f64>,
     /// Bulk and shear modulus of the stress; not a number before the first increment, empty where they are constant.
     pub(super) moduli: Pair,
-    internal: Pair,
+    pub(super) internal: Pair,
     pub(super) inelastic: Pair,
     /// Equivalent plastic strain, where it is not the routine's affair; else empty.
     pub(super) plastic: Pair,
@@ -73,125 +68,42 @@ fn pair(length: usize) -> Pair {
 }
 
 impl Points {
-    /// Points at rest, without stress, of elements with these numbers; the variable that deletes is 1.
-    pub fn new(material: &Description, corners: &[[u32; 4]], elements: Vec<i32>) -> Self {
-        let (count, variables, fields) = (elements.len(), material.variables, material.fields);
+    /// Room for so many points.
+    pub fn new(material: &Description, count: usize, triangles: bool) -> Self {
+        let (variables, fields) = (material.variables, material.fields);
         let flows = if material.flow.is_some() { count } else { 0 };
         let varying = if material.flow.as_ref().is_some_and(|f| f.elasticity.is_some()) { count } else { 0 };
         let mut points = Points {
             count,
             variables,
             fields,
-            elements,
+            elements: vec![0; count],
             coordinates: vec![f64::NAN; 3 * count],
             length: guarded(count),
-            shown: material.asks_lengths.as_ref().map(|_| Shown::new(corners)),
+            shown: material.asks_lengths.as_ref().map(|_| ShownElements::new(count, if triangles { 3 } else { 4 })),
             density: vec![0.0; count],
             strain: vec![0.0; (4 + SPARE) * count],
             spin: vec![0.0; count],
             temperature: [vec![0.0; count], vec![0.0; count]],
-            warmed: false,
             stretch: pair(4 * count),
             gradient: pair(5 * count),
             stress: pair((4 + SPARE) * count),
             state: pair(variables * count),
             field: pair(fields * count),
-            given: vec![0.0; fields * count],
             moduli: [vec![f64::NAN; varying], vec![f64::NAN; varying]],
             internal: pair(count),
             inelastic: pair(count),
             plastic: [vec![0.0; flows], vec![0.0; flows]],
             told: false,
         };
-        for list in points.stretch.iter_mut().chain(&mut points.gradient) {
-            list[..3 * count].fill(1.0);
-        }
-        if let Some(variable) = material.delete {
-            points.state.iter_mut().for_each(|s| s[variable * count..(variable + 1) * count].fill(1.0));
-        }
+        points.coordinates[2 * count..].fill(f64::NAN);
         points
     }
 
-    /// Stress and temperature of a point at the start.
-    pub fn start(&mut self, point: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
-        for (k, value) in stress.into_iter().flatten().enumerate() {
-            self.stress[0][k * self.count + point] = value;
-        }
-        if let Some(temperature) = temperature {
-            self.temperature.iter_mut().for_each(|list| list[point] = temperature);
-        }
-    }
-
-    /// State variable of a point at the start; whether it keeps it.
-    pub fn start_state(&mut self, point: usize, variable: usize, value: f64) -> bool {
-        if variable < self.variables {
-            self.state[0][variable * self.count + point] = value;
-        }
-        variable < self.variables
-    }
-
-    /// Equivalent plastic strain of a point at the start, where it is not the routine's affair; whether it is not.
-    pub fn harden(&mut self, point: usize, strain: f64) -> bool {
-        self.plastic.iter_mut().filter_map(|list| list.get_mut(point)).map(|p| *p = strain).count() > 0
-    }
-
-    /// Field variable of a point at the start, where its material has it.
-    pub fn start_field(&mut self, point: usize, variable: usize, value: f64) {
-        if variable < self.fields {
-            let at = variable * self.count + point;
-            self.field.iter_mut().for_each(|list| list[at] = value);
-            self.given[at] = value;
-        }
-    }
-
-    /// Gives points a field variable as their nodes have it.
-    pub fn give_field(&mut self, variable: usize, values: &[f64]) {
-        self.given[variable * self.count..(variable + 1) * self.count].copy_from_slice(values);
-    }
-
-    /// Field variables at the end of the increment are those of the nodes, until a routine of the user says otherwise.
-    pub fn carry_fields(&mut self) {
-        self.field[1][..self.given.len()].copy_from_slice(&self.given);
-    }
-
-    /// Gives points the temperatures at the end of the increment; those that they have are those before it.
-    pub fn warm(&mut self, temperatures: &[f64]) {
-        self.temperature[1].copy_from_slice(temperatures);
-        self.warmed = true;
-    }
-
-    /// Strain increment of a point in the frame of its stress.
-    pub fn set_strain(&mut self, point: usize, strain: [f64; 4]) {
-        for (k, value) in strain.into_iter().enumerate() {
-            self.strain[k * self.count + point] = value;
-        }
-    }
-
-    /// Where a point is, by the corners of its element, and its density at the middle of the increment.
-    pub fn set_place(&mut self, point: usize, r: [f64; 4], z: [f64; 4], density: f64) {
-        let mean = |x: [f64; 4]| 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
-        self.coordinates[point] = mean(r);
-        self.coordinates[self.count + point] = mean(z);
-        self.length[point] = by_default(r, z);
+    /// Takes the corners of a point's element, where a routine is shown them.
+    pub(super) fn show_corners(&mut self, point: usize, r: [f64; 4], z: [f64; 4]) {
         if let Some(shown) = &mut self.shown {
             shown.set(point, r, z);
-        }
-        self.density[point] = density;
-    }
-
-    /// Deformation gradient (rr, zz, hoop, rz, zr) of a point now, and its stretch: the root of F^T F, in the plane
-    /// (C + sqrt(det C) I) / sqrt(tr C + 2 sqrt(det C)).
-    pub fn set_gradient(&mut self, point: usize, gradient: [f64; 5]) {
-        let [rr, zz, hoop, rz, zr] = gradient;
-        let (c_rr, c_zz, c_rz) = (rr * rr + zr * zr, rz * rz + zz * zz, rr * rz + zr * zz);
-        let root = (rr * zz - rz * zr).abs();
-        let per = 1.0 / (c_rr + c_zz + 2.0 * root).sqrt();
-        let stretch = [per * (c_rr + root), per * (c_zz + root), hoop, per * c_rz];
-        for (k, value) in gradient.into_iter().enumerate() {
-            self.gradient[1][k * self.count + point] = value;
-        }
-        for (k, value) in stretch.into_iter().enumerate() {
-            self.stretch[1][k * self.count + point] = value;
         }
     }
 
@@ -202,7 +114,14 @@ impl Points {
             list.fill(value);
         }
         let [rr, zz, hoop, rz] = FICTITIOUS;
-        (0..self.count).for_each(|i| self.set_gradient(i, [1.0 + rr, 1.0 + zz, 1.0 + hoop, rz, rz]));
+        let gradient = [1.0 + rr, 1.0 + zz, 1.0 + hoop, rz, rz];
+        let stretch = stretch(gradient);
+        for (list, value) in self.gradient[1].chunks_mut(self.count).zip(gradient) {
+            list.fill(value);
+        }
+        for (list, value) in self.stretch[1].chunks_mut(self.count).zip(stretch) {
+            list.fill(value);
+        }
     }
 
     /// Bulk and shear modulus of the answer to the fictitious strains, the largest of all points: K = dp/d(dilation),
@@ -336,7 +255,7 @@ impl Points {
         material: &Description,
         properties: &[f64],
         routine: &mut dyn UserFields,
-        tells: &dyn Tells,
+        tells: &dyn PointAccess,
         (now, dt): (&Instant, f64),
     ) -> Result<(), LoadFailure> {
         let (n, m, f) = (self.count, self.variables, self.fields);
@@ -406,7 +325,6 @@ impl Points {
 
     /// An increment of no length: all stays as it is.
     pub fn keep(&mut self) {
-        self.carry_temperature();
         let Points { stress, state, internal, inelastic, field, plastic, .. } = self;
         for [old, new] in [stress, state, internal, inelastic, field, plastic] {
             new.copy_from_slice(old);
@@ -421,93 +339,42 @@ impl Points {
         }
     }
 
-    /// Temperatures at the end of the increment, before its heat is known: those that nodes gave, or as they were.
-    pub fn carry_temperature(&mut self) {
-        let [old, new] = &mut self.temperature;
-        if !self.warmed {
-            new.copy_from_slice(old);
-        }
-    }
-
-    /// What was new is old.
-    pub fn swap(&mut self) {
-        self.warmed = false;
-        let Points { stress, state, internal, inelastic, temperature, field, plastic, stretch, gradient, .. } = self;
-        for [old, new] in [stress, state, internal, inelastic, temperature, field, plastic, stretch, gradient] {
-            std::mem::swap(old, new);
-        }
-    }
-
-    /// Takes the stress of a deleted point away; the variable that deletes stays zero.
-    pub fn delete(&mut self, point: usize, variable: Option<usize>) {
-        (0..4).for_each(|k| self.stress[1][k * self.count + point] = 0.0);
-        if let Some(variable) = variable {
-            self.state[1][variable * self.count + point] = 0.0;
-        }
-    }
-
-    /// New stress of a point.
-    pub fn stress(&self, point: usize) -> [f64; 4] {
-        [0, 1, 2, 3].map(|k| self.stress[1][k * self.count + point])
-    }
-
-    /// New state variable of a point.
-    pub fn state(&self, point: usize, variable: usize) -> f64 {
-        self.state[1][variable * self.count + point]
-    }
-
-    /// State variable of a point before the next call.
-    pub fn state_before(&self, point: usize, variable: usize) -> f64 {
-        self.state[0][variable * self.count + point]
-    }
-
     /// Inelastic energy a mass of a point that the call added.
     pub fn dissipated(&self, point: usize) -> f64 {
         self.inelastic[1][point] - self.inelastic[0][point]
-    }
-
-    /// Inelastic energy a mass of a point.
-    pub fn inelastic(&self, point: usize) -> f64 {
-        self.inelastic[0][point]
-    }
-
-    /// Temperature of a point.
-    pub fn temperature(&self, point: usize) -> f64 {
-        self.temperature[0][point]
-    }
-
-    /// Equivalent plastic strain of a point, where it is not the routine's affair.
-    pub fn plastic(&self, point: usize) -> Option<f64> {
-        self.plastic[0].get(point).copied()
-    }
-
-    /// What the increment has added to it.
-    pub fn flowed(&self, point: usize) -> f64 {
-        self.plastic[1][point] - self.plastic[0][point]
     }
 
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         let Points { coordinates, length, density, strain, spin, elements, .. } = self;
         let Points { temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic, .. } = self;
-        let Points { given, moduli, .. } = self;
-        let single = [coordinates, length, density, strain, spin, given];
+        let Points { moduli, .. } = self;
+        let single = [coordinates, length, density, strain, spin];
         let pairs = [moduli, temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic];
         let numbers = single.into_iter().chain(pairs.into_iter().flatten()).map(|list| 8 * list.capacity());
-        let shown = self.shown.as_ref().map_or(0, Shown::bytes);
+        let shown = self.shown.as_ref().map_or(0, ShownElements::bytes);
         numbers.sum::<usize>() + 4 * elements.capacity() + shown
     }
 }
 
+/// Stretch of a deformation gradient (rr, zz, hoop, rz, zr): the root of F^T F, in the plane
+/// (C + sqrt(det C) I) / sqrt(tr C + 2 sqrt(det C)).
+pub(super) fn stretch([rr, zz, hoop, rz, zr]: [f64; 5]) -> [f64; 4] {
+    let (c_rr, c_zz, c_rz) = (rr * rr + zr * zr, rz * rz + zz * zz, rr * rz + zr * zz);
+    let root = (rr * zz - rz * zr).abs();
+    let per = 1.0 / (c_rr + c_zz + 2.0 * root).sqrt();
+    [per * (c_rr + root), per * (c_zz + root), hoop, per * c_rz]
+}
+
 /// What elements know of their points beside what [`Points`] hold.
-pub trait Tells {
+pub trait PointAccess {
     /// Component of an output variable of a point; `None` if it is not followed.
     fn component(&self, point: usize, part: Part) -> Option<f64>;
 }
 
 /// What points hold at the beginning of an increment.
 struct Held<'a> {
-    tells: &'a dyn Tells,
+    tells: &'a dyn PointAccess,
     count: usize,
     variables: usize,
     state: &'a [f64],
@@ -580,15 +447,3 @@ pub(super) fn answered(name: &str, list: &mut [f64], n: usize, components: usize
     let reason = format!("it gave {name}(k, {}) = {}{hint}", at / n + 1, values[at]);
     Err(LoadFailure { point: Some(at % n), reason })
 }
-
-// All of it: a deleted point goes on to be shown what it was shown last.
-// Set before each question.
-// Set and used within an increment.
-// Of the start, or given in each increment.
-persist_struct!(Points {
-    coordinates: fixed, length: fixed, density: fixed, strain: fixed, spin: fixed, temperature: fixed_lists,
-    stretch: fixed_lists, gradient: fixed_lists, stress: fixed_lists, state: fixed_lists, field: fixed_lists,
-    moduli: fixed_lists, internal: fixed_lists, inelastic: fixed_lists, plastic: fixed_lists
-} derived {
-    count, variables, fields, elements, shown, warmed, told, given
-});

@@ -4,8 +4,8 @@
 //! Never here: geometry of elements, laws of yield stresses.
 #![allow(clippy::needless_range_loop)] // Loops over points, of which several lists hold something.
 
-use crate::element::points::{Points, answered, marks, untouched};
-use crate::element::user_law::{AtFields, Description, Elasticity, Flow, Yield, YieldOverFields};
+use super::description::{AtFields, Description, Flow, Yield, YieldOverFields};
+use super::points::{Points, answered, marks, untouched};
 use crate::kernel::hardening::{YieldStress, plastic_increment};
 use crate::kernel::heating::Heating;
 use crate::state::Instant;
@@ -85,7 +85,7 @@ impl Returning {
 
 /// What a chunk's increment is under.
 #[derive(Clone, Copy)]
-pub struct Under<'a> {
+pub struct PointContext<'a> {
     /// The material.
     pub material: &'a Description,
     /// Its flow.
@@ -105,15 +105,12 @@ impl Points {
     /// The routine's own, and where it gave no yield stress or none that the stress can meet.
     pub fn flow(
         &mut self,
-        under: Under<'_>,
+        under: PointContext<'_>,
         routine: Option<&mut (dyn UserHardening + 'static)>,
         returning: &mut Returning,
     ) -> Result<(), LoadFailure> {
         self.keep_state();
-        match &under.flow.elasticity {
-            None => self.try_elastic(under.flow, &mut returning.trial),
-            Some(elasticity) => self.try_with_moduli(elasticity, &mut returning.trial),
-        }
+        self.try_elastic(under.flow, &mut returning.trial);
         returning.increment[..self.count].fill(0.0);
         match (&under.flow.yields, routine) {
             (Yield::Never, _) => {}
@@ -127,44 +124,24 @@ impl Points {
     }
 
     fn keep_state(&mut self) {
-        self.carry_temperature();
         for [old, new] in [&mut self.state, &mut self.inelastic, &mut self.plastic] {
             new.copy_from_slice(old);
-        }
-    }
-
-    /// The stress of an elastic increment, and its von Mises stress.
-    fn try_elastic(&mut self, flow: &Flow, trial: &mut [f64]) {
-        let n = self.count;
-        let shear2 = 2.0 * flow.shear;
-        for i in 0..n {
-            let strain = [0, 1, 2, 3].map(|k| self.strain[k * n + i]);
-            let old = [0, 1, 2, 3].map(|k| self.stress[0][k * n + i]);
-            let dilation = strain[0] + strain[1] + strain[2];
-            let mean = (old[0] + old[1] + old[2]) * (1.0 / 3.0);
-            let base = mean + shear2 * (1.0 / 3.0) * dilation;
-            let s = [0, 1, 2, 3].map(|k| old[k] - if k < 3 { base } else { 0.0 } + shear2 * strain[k]);
-            let pressure = mean + flow.bulk * dilation;
-            for (k, part) in s.into_iter().enumerate() {
-                self.stress[1][k * n + i] = if k < 3 { pressure + part } else { part };
-            }
-            let [a, b, c, d] = s.map(|s| s * s);
-            trial[i] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
         }
     }
 
     /// The stress of an elastic increment by the moduli of each point at its temperature and fields, and its von Mises stress.
     /// The stress is that of the whole elastic strain by the moduli now: what stood by the moduli before is scaled by their
     /// change (ABAQUS Analysis User's Guide 22.2.1, "Linear elastic behavior").
-    fn try_with_moduli(&mut self, elasticity: &Elasticity, trial: &mut [f64]) {
+    fn try_elastic(&mut self, flow: &Flow, trial: &mut [f64]) {
         let n = self.count;
         for i in 0..n {
             let at = |end: usize| {
                 let (temperature, field) = (self.temperature[end][i], &self.field[end]);
-                elasticity.moduli(temperature, |v| field[v * n + i])
+                let varying = flow.elasticity.as_ref().map(|e| e.moduli(temperature, |v| field[v * n + i]));
+                varying.unwrap_or([flow.bulk, flow.shear])
             };
             let [bulk, shear] = at(1);
-            let before = [self.moduli[0][i], self.moduli[1][i]];
+            let before = self.moduli.each_ref().map(|list| list.get(i).copied().unwrap_or(f64::NAN));
             let [bulk_before, shear_before] = if before[0].is_nan() { at(0) } else { before };
             let strain = [0, 1, 2, 3].map(|k| self.strain[k * n + i]);
             let old = [0, 1, 2, 3].map(|k| self.stress[0][k * n + i]);
@@ -180,7 +157,9 @@ impl Points {
             for (k, part) in s.into_iter().enumerate() {
                 self.stress[1][k * n + i] = if k < 3 { pressure + part } else { part };
             }
-            (self.moduli[0][i], self.moduli[1][i]) = (bulk, shear);
+            for (list, modulus) in self.moduli.iter_mut().zip([bulk, shear]) {
+                list.iter_mut().skip(i).take(1).for_each(|kept| *kept = modulus);
+            }
             let [a, b, c, d] = s.map(|s| s * s);
             trial[i] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
         }
@@ -192,19 +171,19 @@ impl Points {
     }
 
     /// The plastic strain of each point by a law that is built in.
-    fn meet(&self, law: &dyn YieldStress, under: Under<'_>, returning: &mut Returning) {
+    fn meet(&self, law: &dyn YieldStress, under: PointContext<'_>, returning: &mut Returning) {
         (0..self.count).for_each(|i| returning.increment[i] = self.increment(law, i, under, returning.trial[i]));
     }
 
     /// The same by a table over the fields of the point.
-    fn meet_over_fields(&self, law: &YieldOverFields, under: Under<'_>, returning: &mut Returning) {
+    fn meet_over_fields(&self, law: &YieldOverFields, under: PointContext<'_>, returning: &mut Returning) {
         for i in 0..self.count {
             let law = AtFields::new(law, |v| self.field[1][v * self.count + i]);
             returning.increment[i] = self.increment(&law, i, under, returning.trial[i]);
         }
     }
 
-    fn increment(&self, law: &dyn YieldStress, i: usize, under: Under<'_>, trial: f64) -> f64 {
+    fn increment(&self, law: &dyn YieldStress, i: usize, under: PointContext<'_>, trial: f64) -> f64 {
         let (strain, temperature) = (self.plastic[0][i], self.temperature[1][i]);
         plastic_increment(law, trial, strain, temperature, self.shear3(under.flow, i), under.dt)
     }
@@ -215,7 +194,7 @@ impl Points {
     fn search(
         &mut self,
         properties: &[f64],
-        under: Under<'_>,
+        under: PointContext<'_>,
         routine: &mut dyn UserHardening,
         returning: &mut Returning,
     ) -> Result<(), LoadFailure> {
@@ -279,7 +258,7 @@ impl Points {
     fn ask(
         &mut self,
         properties: &[f64],
-        under: Under<'_>,
+        under: PointContext<'_>,
         routine: &mut dyn UserHardening,
         (open, increment): (&[usize], &[f64]),
         asked: &mut Asked,
@@ -335,7 +314,7 @@ impl Points {
     }
 
     /// Puts before the routine what it is asked for.
-    fn gather(&self, under: Under<'_>, (open, increment): (&[usize], &[f64]), asked: &mut Asked) {
+    fn gather(&self, under: PointContext<'_>, (open, increment): (&[usize], &[f64]), asked: &mut Asked) {
         let per_dt = if under.dt > 0.0 { 1.0 / under.dt } else { 0.0 };
         refill(&mut asked.elements, open.iter().map(|&i| self.elements[i]));
         // As laws that are built in take it: without the heat of the increment.
@@ -363,7 +342,7 @@ impl Points {
     }
 
     /// The stress on the yield surface, its plastic strain, work and heat.
-    fn settle(&mut self, under: Under<'_>, returning: &Returning) {
+    fn settle(&mut self, under: PointContext<'_>, returning: &Returning) {
         let n = self.count;
         for i in 0..n {
             let shear3 = self.shear3(under.flow, i);

@@ -1,0 +1,489 @@
+//! Materials whose stress, yield stress or fields are given by user subroutines (VUMAT, VUHARD, VUSDFLD): what their elements keep,
+//! and what a call is shown of them.
+//! Never here: order of calls, geometry of elements.
+#![allow(clippy::needless_range_loop)] // Loops over lanes, of which several lists hold something.
+
+pub mod description;
+pub mod flow;
+pub mod lengths;
+pub mod points;
+
+use super::increment::{StrainIncrement, StressUpdate};
+use super::{BlockStart, Material, PlasticFlow, PointValue};
+use crate::kernel::lanes::{LANES, Lanes, column, dot};
+use crate::kernel::quad::{Gradient, gradient};
+use crate::kernel::rotation::{of_spin, turned};
+use crate::kernel::stress::mises;
+use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::user::{AtPoints, LoadFailure, MAX_MATERIAL_BLOCK};
+use crate::variables::{Part, Variable};
+use description::Description;
+use flow::{PointContext, Returning};
+use points::{PointAccess, Points, stretch};
+
+/// Blocks of elements of one call.
+pub const CALL_BLOCKS: usize = MAX_MATERIAL_BLOCK / LANES;
+
+/// A material that asks user subroutines at its points. With `FLOWS` the return to the yield surface is built in.
+pub struct UserMaterial<const FLOWS: bool> {
+    /// What the deck says of it.
+    pub description: Description,
+    /// Names of the elements, for messages.
+    pub names: Vec<String>,
+    /// Whether all elements are triangles.
+    pub triangles: bool,
+}
+
+/// State of a block. Tensors have the components rr, zz, hoop, rz in axes that rotate with the material.
+#[derive(Clone, Debug)]
+pub struct UserState {
+    /// The user's numbers of the elements.
+    numbers: [i32; LANES],
+    /// Geometry and masses at the start: densities and energies per mass are those of the material whatever scales masses.
+    start: [Gradient; LANES],
+    mass: Lanes,
+    /// Cosine and sine of the angle of those axes.
+    turn: [Lanes; 2],
+    deleted: [bool; LANES],
+    /// Thermal strain that the next increment takes off.
+    thermal: Lanes,
+    /// Centre, characteristic length, density.
+    place: [Lanes; 4],
+    /// Values at the end of the increment.
+    stress: [Lanes; 4],
+    stretch: [Lanes; 4],
+    gradient: [Lanes; 5],
+    /// Temperatures, and those at the end of the increment where nodes give them.
+    temperature: [Lanes; 2],
+    warmed: bool,
+    variables: Vec<Lanes>,
+    /// Field variables, and those that nodes have.
+    field: Vec<Lanes>,
+    given: Vec<Lanes>,
+    /// Bulk and shear modulus; not a number before the first increment, empty where they are constant.
+    moduli: Vec<Lanes>,
+    /// Equivalent plastic strain where it is not the subroutine's, and its increment; else empty.
+    plastic: Vec<Lanes>,
+    flowed: Lanes,
+    internal: Lanes,
+    inelastic: Lanes,
+    /// Inelastic energy per mass of the increment.
+    dissipated: Lanes,
+}
+
+/// What a call is shown of a block beside its state.
+pub struct Shown<'a> {
+    /// Strain increments rr, zz, hoop, rz (tensor shear), and spin increments.
+    pub strain: [Lanes; 4],
+    /// See [`Shown::strain`].
+    pub spin: Lanes,
+    /// Volumes in the middle of the increment; 0 for lanes without element.
+    pub volume: Lanes,
+    /// Corners `[r, z]` of a lane.
+    pub corners: &'a dyn Fn(usize) -> [[f64; 4]; 2],
+}
+
+/// The moment of a call.
+#[derive(Clone, Copy)]
+pub struct CallTime<'a> {
+    /// Clock, step and increment.
+    pub now: &'a Instant,
+    /// Length of the increment.
+    pub dt: f64,
+}
+
+/// Materials that user subroutines are called for between the kinematics and the stresses of their elements.
+pub trait PointCalls<S>: Send + Sync {
+    /// Returns the arguments of a call for so many points.
+    fn arguments(&self, count: usize) -> Points;
+
+    /// Returns scratch memory of the calls.
+    fn scratch(&self) -> Returning;
+
+    /// Copies the state of a block, by its place in the call, to the arguments.
+    fn gather(&self, points: &mut Points, block: usize, state: &mut S, shown: &Shown<'_>);
+
+    /// Calls the subroutines. An increment of no length leaves all as it is.
+    ///
+    /// # Errors
+    /// Those of the subroutines, and answers that are not valid.
+    fn call(
+        &self,
+        points: &mut Points,
+        user: AtPoints<'_>,
+        time: CallTime<'_>,
+        access: &dyn PointAccess,
+        returning: &mut Returning,
+    ) -> Result<(), LoadFailure>;
+
+    /// Returns bulk and shear modulus of the answer to fictitious strains, the largest of all points; `None` where they are known.
+    ///
+    /// # Errors
+    /// Those of the subroutine, and an answer that is not elastic.
+    fn probe(&self, points: &mut Points, user: AtPoints<'_>, now: &Instant) -> Result<Option<[f64; 2]>, LoadFailure>;
+
+    /// Copies the answers to the state of a block.
+    fn scatter(&self, points: &Points, block: usize, state: &mut S);
+
+    /// Name of the material, and of an element by its place in the group.
+    fn names(&self, element: Option<usize>) -> (&str, Option<&str>);
+
+    /// Number of field variables.
+    fn fields(&self) -> usize;
+
+    /// Bytes of the material.
+    fn bytes(&self) -> usize;
+}
+
+impl<const FLOWS: bool> Material for UserMaterial<FLOWS> {
+    type State = UserState;
+    const FLOW: PlasticFlow = if FLOWS { PlasticFlow::Deviatoric } else { PlasticFlow::Unknown };
+    const FAILS: bool = true;
+    const USES_SPIN: bool = true;
+    const CALLS: bool = true;
+
+    fn initial_state(&self, start: &BlockStart) -> UserState {
+        let material = &self.description;
+        let (zero, one) = ([0.0; LANES], [1.0; LANES]);
+        let varies = material.flow.as_ref().is_some_and(|flow| flow.elasticity.is_some());
+        let mut state = UserState {
+            numbers: std::array::from_fn(|l| {
+                let name = self.names.get(start.first + l.min(start.count - 1));
+                name.map_or(0, |name| lengths::user_number(name))
+            }),
+            start: std::array::from_fn(|l| {
+                let [r, z] = start.corners[l];
+                gradient(r, z)
+            }),
+            mass: start.volume.map(|volume| material.density * volume),
+            turn: [one, zero],
+            deleted: [false; LANES],
+            thermal: zero,
+            place: [zero; 4],
+            stress: [zero; 4],
+            stretch: [one, one, one, zero],
+            gradient: [one, one, one, zero, zero],
+            temperature: [zero; 2],
+            warmed: false,
+            variables: vec![zero; material.variables],
+            field: vec![zero; material.fields],
+            given: vec![zero; material.fields],
+            moduli: vec![[f64::NAN; LANES]; if varies { 2 } else { 0 }],
+            plastic: vec![zero; usize::from(FLOWS)],
+            flowed: zero,
+            internal: zero,
+            inelastic: zero,
+            dissipated: zero,
+        };
+        if let Some(delete) = material.delete {
+            state.variables[delete] = one;
+        }
+        state
+    }
+
+    /// Takes the subroutine's stress, and the work done on the way to it.
+    fn update(
+        &self,
+        state: &mut UserState,
+        stress: &mut [Lanes; 4],
+        strain: &StrainIncrement,
+        update: &mut StressUpdate,
+    ) {
+        for l in 0..strain.count {
+            self.delete(state, update, l);
+            let new = components(column(&state.stress, l), [state.turn[0][l], state.turn[1][l]]);
+            let double = |k: usize| strain.strain[k][l] * (strain.carried[k][l] + new[k]);
+            let work = 0.5 * strain.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+            if strain.volume[l] != 0.0 {
+                update.internal[l] += work;
+                update.dissipated[l] += state.mass[l] * state.dissipated[l];
+            }
+            stress.iter_mut().zip(new).for_each(|(list, value)| list[l] = value);
+        }
+        if !state.moduli.is_empty() {
+            // The direction of plastic flow where moduli change: that of the stress, not of what the largest moduli would try.
+            for l in 0..LANES {
+                let stress = column(stress, l);
+                let mean = (stress[0] + stress[1] + stress[2]) * (1.0 / 3.0);
+                for (k, list) in update.deviator.iter_mut().enumerate() {
+                    list[l] = if k < 3 { stress[k] - mean } else { stress[k] };
+                }
+            }
+        }
+        for l in 0..LANES {
+            let trial = mises(column(&update.deviator, l));
+            update.trial[l] = trial;
+            update.flow[l] = if FLOWS && !state.deleted[l] { state.flowed[l] } else { 0.0 };
+            // 1 but for rounding is 1.
+            let left = mises(column(stress, l)) / trial;
+            update.returned[l] = if left < 1.0 - 1e-12 { left } else { 1.0 };
+        }
+    }
+
+    fn share(&self, state: &UserState, lane: usize) -> f64 {
+        if state.deleted[lane] { 0.0 } else { 1.0 }
+    }
+
+    fn can_delete(&self) -> bool {
+        self.description.delete.is_some()
+    }
+
+    fn initial_volume(&self, state: &UserState, lane: usize) -> f64 {
+        state.mass[lane] / self.description.density
+    }
+
+    fn value(&self, state: &UserState, lane: usize, part: Part) -> Option<f64> {
+        match part.variable {
+            Variable::Temperature => Some(state.temperature[0][lane]),
+            Variable::State => Some(state.variables.get(part.component)?[lane]),
+            Variable::Status => Some(self.share(state, lane)),
+            Variable::PlasticStrain => Some(state.plastic.first()?[lane]),
+            Variable::ElementPlasticEnergy if !FLOWS => Some(state.mass[lane] * state.inelastic[lane]),
+            _ => None,
+        }
+    }
+
+    fn set(&self, state: &mut UserState, lane: usize, value: PointValue) -> bool {
+        let put = |list: Option<&mut Lanes>, value: f64| list.map(|list| list[lane] = value).is_some();
+        match value {
+            PointValue::Stress(stress) => {
+                state.stress.iter_mut().zip(stress).for_each(|(list, value)| list[lane] = value);
+                true
+            }
+            PointValue::Temperature(value) => {
+                state.temperature.iter_mut().for_each(|list| list[lane] = value);
+                true
+            }
+            PointValue::NodalTemperature(value) => {
+                state.warmed = true;
+                put(state.temperature.last_mut(), value)
+            }
+            PointValue::PlasticStrain(value) => put(state.plastic.first_mut(), value),
+            PointValue::StateVariable(variable, value) => put(state.variables.get_mut(variable), value),
+            PointValue::Field(variable, value) => {
+                put(state.field.get_mut(variable), value) && put(state.given.get_mut(variable), value)
+            }
+            PointValue::NodalField(variable, value) => put(state.given.get_mut(variable), value),
+            PointValue::ThermalStrain(strain) => {
+                state.thermal[lane] += strain;
+                true
+            }
+            PointValue::SpecificEnergy(_) | PointValue::Length(_) => false,
+        }
+    }
+
+    fn calls(&self) -> Option<&dyn PointCalls<UserState>> {
+        Some(self)
+    }
+
+    fn bytes(&self, state: &UserState) -> usize {
+        let UserState { variables, field, given, moduli, plastic, .. } = state;
+        [variables, field, given, moduli, plastic].map(|lists| size_of_val(&**lists)).iter().sum()
+    }
+}
+
+impl<const FLOWS: bool> UserMaterial<FLOWS> {
+    /// Deletes a point whose state variable says so.
+    fn delete(&self, state: &mut UserState, update: &mut StressUpdate, l: usize) {
+        let Some(variable) = self.description.delete else { return };
+        if state.variables[variable][l] == 0.0 && !state.deleted[l] {
+            state.deleted[l] = true;
+            update.deleted += 1;
+        }
+        if state.deleted[l] {
+            state.variables[variable][l] = 0.0;
+            state.stress.iter_mut().for_each(|list| list[l] = 0.0);
+        }
+    }
+}
+
+impl UserState {
+    /// Takes the geometry of a lane that has an element.
+    fn take_geometry(&mut self, l: usize, shown: &Shown<'_>) -> [[f64; 4]; 2] {
+        let [r, z] = (shown.corners)(l);
+        let per = 1.0 / self.start[l].volume;
+        let Gradient { r: by_r, z: by_z, hoop, .. } = self.start[l];
+        let gradient = [dot(by_r, r), dot(by_z, z), dot(hoop, r), dot(by_z, r), dot(by_r, z)].map(|x| per * x);
+        let mean = |x: [f64; 4]| 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
+        let place = [mean(r), mean(z), lengths::by_default(r, z), self.mass[l] / shown.volume[l]];
+        self.place.iter_mut().zip(place).for_each(|(list, value)| list[l] = value);
+        self.gradient.iter_mut().zip(gradient).for_each(|(list, value)| list[l] = value);
+        self.stretch.iter_mut().zip(stretch(gradient)).for_each(|(list, value)| list[l] = value);
+        [r, z]
+    }
+
+    /// Strain increments in the axes that rotate with the material, without the thermal strain.
+    fn rotate_strains(&mut self, shown: &Shown<'_>) -> [Lanes; 4] {
+        let mut rotated = [[0.0; LANES]; 4];
+        for l in 0..LANES {
+            let [c, s] = of_spin(shown.spin[l]);
+            let (cosine, sine) = (self.turn[0][l], self.turn[1][l]);
+            (self.turn[0][l], self.turn[1][l]) = (cosine * c - sine * s, sine * c + cosine * s);
+            let mut increment = column(&shown.strain, l);
+            increment[..3].iter_mut().for_each(|strain| *strain -= self.thermal[l]);
+            self.thermal[l] = 0.0;
+            let turned = components(increment, [self.turn[0][l], -self.turn[1][l]]);
+            rotated.iter_mut().zip(turned).for_each(|(list, value)| list[l] = value);
+        }
+        rotated
+    }
+}
+
+/// Components of a tensor in axes turned by an angle of this cosine and sine. Without a sine nothing turns, whatever sign its
+/// zero has: zeros among the components keep theirs.
+fn components(tensor: [f64; 4], [cosine, sine]: [f64; 2]) -> [f64; 4] {
+    turned(tensor, if sine == 0.0 { [1.0, 0.0] } else { [cosine, sine] })
+}
+
+/// Copies lanes of a block to a list of components one after the other, as far as its points go.
+fn put(list: &mut [f64], (count, first): (usize, usize), lanes: &[Lanes]) {
+    let points = LANES.min(count - first);
+    for (list, lanes) in list.chunks_mut(count).zip(lanes) {
+        list[first..first + points].copy_from_slice(&lanes[..points]);
+    }
+}
+
+/// Copies the points of a block from such a list.
+fn take(list: &[f64], (count, first): (usize, usize), lanes: &mut [Lanes]) {
+    let points = LANES.min(count - first);
+    for (list, lanes) in list.chunks(count).zip(lanes) {
+        lanes[..points].copy_from_slice(&list[first..first + points]);
+    }
+}
+
+impl<const FLOWS: bool> PointCalls<UserState> for UserMaterial<FLOWS> {
+    fn arguments(&self, count: usize) -> Points {
+        Points::new(&self.description, count, self.triangles)
+    }
+
+    fn scratch(&self) -> Returning {
+        Returning::new(&self.description)
+    }
+
+    fn gather(&self, points: &mut Points, block: usize, state: &mut UserState, shown: &Shown<'_>) {
+        let (first, count) = (block * LANES, points.count);
+        let at = (count, first);
+        // Before the increment.
+        put(&mut points.stretch[0], at, &state.stretch);
+        put(&mut points.gradient[0], at, &state.gradient);
+        for l in 0..LANES.min(count - first) {
+            points.elements[first + l] = state.numbers[l];
+            // An element that was deleted from outside is at rest in place of the one that was.
+            state.deleted[l] |= shown.volume[l] == 0.0;
+            if !state.deleted[l] {
+                let [r, z] = state.take_geometry(l, shown);
+                points.show_corners(first + l, r, z);
+            }
+        }
+        let strain = state.rotate_strains(shown);
+        put(&mut points.strain, at, &strain);
+        put(&mut points.coordinates, at, &state.place[..2]);
+        put(&mut points.length, at, &state.place[2..3]);
+        put(&mut points.density, at, &state.place[3..]);
+        put(&mut points.stretch[1], at, &state.stretch);
+        put(&mut points.gradient[1], at, &state.gradient);
+        put(&mut points.stress[0], at, &state.stress);
+        put(&mut points.state[0], at, &state.variables);
+        put(&mut points.internal[0], at, std::slice::from_ref(&state.internal));
+        put(&mut points.inelastic[0], at, std::slice::from_ref(&state.inelastic));
+        put(&mut points.field[0], at, &state.field);
+        put(&mut points.field[1], at, &state.given);
+        for (list, moduli) in points.moduli.iter_mut().zip(&state.moduli) {
+            put(list, at, std::slice::from_ref(moduli));
+        }
+        put(&mut points.plastic[0], at, &state.plastic);
+        let [old, nodal] = &state.temperature;
+        put(&mut points.temperature[0], at, std::slice::from_ref(old));
+        put(&mut points.temperature[1], at, std::slice::from_ref(if state.warmed { nodal } else { old }));
+        state.warmed = false;
+    }
+
+    fn call(
+        &self,
+        points: &mut Points,
+        user: AtPoints<'_>,
+        CallTime { now, dt }: CallTime<'_>,
+        access: &dyn PointAccess,
+        returning: &mut Returning,
+    ) -> Result<(), LoadFailure> {
+        let material = &self.description;
+        if dt == 0.0 {
+            points.keep();
+            return Ok(());
+        }
+        if let (Some(properties), Some(routine)) = (&material.asks_lengths, user.lengths) {
+            points.call_lengths(material, properties, routine, (now, dt))?;
+        }
+        if let (Some(properties), Some(routine)) = (&material.asks_fields, user.fields) {
+            points.call_fields(material, properties, routine, access, (now, dt))?;
+        }
+        if let Some(flow) = &material.flow {
+            let context = PointContext { material, flow, heating: &material.heating, now, dt };
+            return points.flow(context, user.hardening, returning);
+        }
+        let Some(routine) = user.material else { return Ok(()) };
+        points.call(material, routine, now, dt)?;
+        if !material.heating.is_none() {
+            points.heat(&material.heating);
+        }
+        Ok(())
+    }
+
+    fn probe(&self, points: &mut Points, user: AtPoints<'_>, now: &Instant) -> Result<Option<[f64; 2]>, LoadFailure> {
+        let material = &self.description;
+        if FLOWS {
+            return Ok(None);
+        }
+        if let (Some(properties), Some(routine)) = (&material.asks_lengths, user.lengths) {
+            points.call_lengths(material, properties, routine, (now, 0.0))?;
+        }
+        let Some(routine) = user.material else { return Ok(None) };
+        points.show_fictitious();
+        points.call(material, routine, now, 1.0)?;
+        points.moduli().map(Some)
+    }
+
+    fn scatter(&self, points: &Points, block: usize, state: &mut UserState) {
+        let (first, count) = (block * LANES, points.count);
+        let at = (count, first);
+        for l in 0..LANES.min(count - first) {
+            state.dissipated[l] = points.dissipated(first + l);
+            state.flowed[l] = if FLOWS { points.plastic[1][first + l] - points.plastic[0][first + l] } else { 0.0 };
+        }
+        take(&points.stress[1], at, &mut state.stress);
+        take(&points.state[1], at, &mut state.variables);
+        take(&points.internal[1], at, std::slice::from_mut(&mut state.internal));
+        take(&points.inelastic[1], at, std::slice::from_mut(&mut state.inelastic));
+        take(&points.field[1], at, &mut state.field);
+        for (list, moduli) in points.moduli.iter().zip(&mut state.moduli) {
+            take(list, at, std::slice::from_mut(moduli));
+        }
+        take(&points.plastic[1], at, &mut state.plastic);
+        take(&points.temperature[1], at, &mut state.temperature[..1]);
+    }
+
+    fn names(&self, element: Option<usize>) -> (&str, Option<&str>) {
+        (&self.description.name, element.and_then(|e| self.names.get(e)).map(String::as_str))
+    }
+
+    fn fields(&self) -> usize {
+        self.description.fields
+    }
+
+    fn bytes(&self) -> usize {
+        self.names.iter().map(|name| size_of_val(name) + name.capacity()).sum()
+    }
+}
+
+impl Persist for UserState {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let UserState { turn, deleted, thermal, place, stress, stretch, gradient, temperature, .. } = self;
+        persist_fields!(archive; turn, deleted, thermal, place, stress, stretch, gradient, temperature);
+        let UserState { variables, field, moduli, plastic, internal, inelastic, .. } = self;
+        for lists in [variables, field, moduli, plastic] {
+            lists.as_mut_slice().persist(archive);
+        }
+        persist_fields!(archive; internal, inelastic);
+    }
+}
