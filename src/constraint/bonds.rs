@@ -7,7 +7,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::system::{Freedom, System, load, shift};
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
 /// One equation: node, axis (0 along r, 1 along z) and coefficient of each term.
@@ -29,7 +29,7 @@ pub struct Alike {
 }
 
 /// What is prescribed, as node and axis.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Given {
     /// All that is.
     pub all: HashSet<(usize, usize)>,
@@ -347,7 +347,7 @@ impl Follower {
     }
 
     /// The part of the load that a degree of freedom takes whose motion is given.
-    pub fn pull(&self, node: usize, axis: usize) -> f64 {
+    pub fn constraint_force(&self, node: usize, axis: usize) -> f64 {
         let own = self.terms.iter().filter(|t| t.given && (t.node, t.axis) == (node, axis));
         own.map(|t| t.weight * self.load).sum()
     }
@@ -358,12 +358,9 @@ impl Follower {
     }
 }
 
-impl Persist for Follower {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Follower { members: _, axis: _, terms: _, load } = self;
-        load.persist(archive);
-    }
-}
+persist_struct!(Follower { load } derived { members, axis, terms });
+
+persist_struct!(Bonds { systems: fixed, followers: fixed });
 
 #[cfg(test)]
 mod tests {

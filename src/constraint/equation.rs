@@ -7,10 +7,10 @@
 //! equations, which takes in motions that are given and change within the increment. Nodes that move alike are one unknown
 //! with the mass and the forces of all; what has no mass follows ([`super::bonds`]).
 
-use super::Constraint;
 use super::bonds::Bonds;
+use super::{Constraint, ConstraintForces, ConstraintView, StoredConstraint};
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::magnitude::Clock;
 
@@ -34,7 +34,7 @@ impl Equations {
 }
 
 impl Constraint for Equations {
-    fn id(&self) -> EffectId {
+    fn effect(&self) -> EffectId {
         self.id
     }
 
@@ -60,28 +60,23 @@ impl Constraint for Equations {
         self.hold_velocities(dofs, dt, half);
     }
 
-    fn pull(&self, dof: Dof) -> f64 {
+    fn view(&self) -> ConstraintView<'_> {
+        ConstraintView { moves_nodes: true, forces: Some(self), ..ConstraintView::default() }
+    }
+}
+
+impl ConstraintForces for Equations {
+    fn constraint_force(&self, dof: Dof) -> f64 {
         let Dof::Node(node, axis) = dof else { return 0.0 };
-        let of_system = self.bonds.systems.iter().find_map(|s| s.pull(node, axis)).unwrap_or(0.0);
-        self.bonds.followers.iter().fold(of_system, |sum, f| sum + f.pull(node, axis))
+        let of_system = self.bonds.systems.iter().find_map(|s| s.constraint_force(node, axis)).unwrap_or(0.0);
+        self.bonds.followers.iter().fold(of_system, |sum, f| sum + f.constraint_force(node, axis))
     }
+}
 
-    fn moves_nodes(&self) -> bool {
-        true
-    }
-
+impl StoredConstraint for Equations {
     fn bytes(&self) -> usize {
         self.bonds.bytes()
     }
-
-    fn copy(&self) -> Box<dyn Constraint> {
-        Box::new(self.clone())
-    }
 }
 
-impl Persist for Equations {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Equations { id: _, bonds: Bonds { systems, followers } } = self;
-        persist_fields!(archive; systems.as_mut_slice(), followers.as_mut_slice());
-    }
-}
+persist_struct!(Equations { bonds } derived { id });

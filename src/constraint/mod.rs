@@ -12,9 +12,10 @@ pub mod system;
 pub mod tie;
 pub mod user_motion;
 
+use std::any::Any;
+
 use self::contact::curve::Carrier;
 use crate::kernel::topology::ElementNodes;
-use crate::load::GeneralizedForce;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
@@ -22,23 +23,15 @@ use crate::state::limit::Limit;
 use crate::state::magnitude::Clock;
 use crate::variables::Part;
 
-/// A constraint over a step. In each increment the integrator calls [`Constraint::passes_on`], [`Constraint::accelerations`],
-/// [`Constraint::velocities`] and, behind the motion, [`Constraint::motion`]; constraints follow each other in the order of the
-/// plan: prescribed motions, equations, contact, ties.
-pub trait Constraint: Persist + Send + Sync {
+/// A constraint in force. In each increment the integrator transfers forces to bodies that carry nodes ([`ConstraintView::carried`]), calls
+/// [`Constraint::accelerations`], [`Constraint::velocities`] and, after the motion, [`Constraint::motion`]; constraints follow each
+/// other in the order of the plan: prescribed motions, equations, contact, ties.
+pub trait Constraint: StoredConstraint + Send + Sync {
     /// Its row of the ledger.
-    fn id(&self) -> EffectId;
+    fn effect(&self) -> EffectId;
 
-    /// The step begins.
+    /// The constraints in force have changed: it begins, or goes on beside others.
     fn begin(&mut self, _dofs: &mut Dofs) {}
-
-    /// Generalised forces that it passes on from nodes to rigid bodies: one where it carries nodes, else none.
-    fn slots(&self) -> Vec<GeneralizedForce> {
-        Vec::new()
-    }
-
-    /// Writes these forces, given the force of elements and loads on a node.
-    fn passes_on(&self, _force: &dyn Fn(usize) -> [f64; 2], _out: &mut [f64]) {}
 
     /// Changes accelerations at the instant's own time.
     fn accelerations(&mut self, _dofs: &mut Dofs, _clock: &Clock<'_>) {}
@@ -51,8 +44,78 @@ pub trait Constraint: Persist + Send + Sync {
     fn motion(&mut self, dofs: &mut Dofs, clock: &Clock<'_>, dt: f64);
 
     /// How far the next increment may go.
-    fn limit(&self, _clock: &Clock<'_>) -> Limit {
+    fn max_increment(&self, _clock: &Clock<'_>) -> Limit {
         Limit::NONE
+    }
+
+    /// What others see of it.
+    fn view(&self) -> ConstraintView<'_> {
+        ConstraintView::default()
+    }
+
+    /// Where it follows changes of elements and masses, or has something to warn of.
+    fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
+        None
+    }
+}
+
+/// A constraint as an object of the state: saved, copied, measured, continued by the one that replaces it.
+pub trait StoredConstraint: Persist + CopyConstraint + Any {
+    /// Takes over the memory of a constraint that it replaces.
+    fn continue_from(&mut self, _previous: &dyn Constraint) {}
+
+    /// Bytes of its arrays.
+    fn bytes(&self) -> usize;
+}
+
+/// Copies of a constraint behind its interface.
+pub trait CopyConstraint {
+    /// Another one in the same state.
+    fn copy(&self) -> Box<dyn Constraint>;
+}
+
+impl<C: Constraint + Clone> CopyConstraint for C {
+    fn copy(&self) -> Box<dyn Constraint> {
+        Box::new(self.clone())
+    }
+}
+
+/// What others see of a constraint.
+#[derive(Clone, Copy, Default)]
+pub struct ConstraintView<'a> {
+    /// Nodes that a rigid body carries.
+    pub carried: Option<CarriedNodes<'a>>,
+    /// Whether it moves nodes after the passes over them, so that none may be passed over as quiescent.
+    pub moves_nodes: bool,
+    /// Forces of constraints on nodes.
+    pub forces: Option<&'a dyn ConstraintForces>,
+    /// What surfaces in contact show.
+    pub contact: Option<&'a dyn ContactResults>,
+    /// Heat that surfaces exchange.
+    pub heat: Option<&'a dyn HeatExchange>,
+}
+
+/// Nodes that a rigid body carries: it takes the sum of their forces along z. Forces along r balance around the ring.
+#[derive(Clone, Copy)]
+pub struct CarriedNodes<'a> {
+    /// The body.
+    pub body: usize,
+    /// The nodes, ascending.
+    pub nodes: &'a [usize],
+}
+
+impl CarriedNodes<'_> {
+    /// Sum of the forces along z, given the force of elements and loads on a node.
+    pub fn force(&self, of_node: impl Fn(usize) -> [f64; 2]) -> f64 {
+        self.nodes.iter().map(|&n| of_node(n)[1]).sum()
+    }
+}
+
+/// Forces of a constraint on degrees of freedom of nodes.
+pub trait ConstraintForces {
+    /// Node and axis of motions that it prescribes.
+    fn prescribed(&self) -> Vec<(usize, usize)> {
+        Vec::new()
     }
 
     /// Force of elements and loads on a degree of freedom whose motion it prescribes.
@@ -61,79 +124,57 @@ pub trait Constraint: Persist + Send + Sync {
     }
 
     /// Force that it exerts on a degree of freedom beside prescribed motions.
-    fn pull(&self, _dof: Dof) -> f64 {
+    fn constraint_force(&self, _dof: Dof) -> f64 {
         0.0
     }
+}
 
-    /// Elements with these boundaries are deleted.
-    fn release(&mut self, _deleted: &[ElementNodes]) {}
+/// Output variables of surfaces in contact.
+pub trait ContactResults {
+    /// Value at a point of a surface; `None` where that is in no contact.
+    fn value_at_point(&self, carrier: Carrier, part: Part) -> Option<f64>;
+
+    /// Value of a pair of surfaces; `None` where it is not in force.
+    fn value_of_pair(&self, pair: usize, part: Part) -> Option<f64>;
+}
+
+/// Heat that surfaces exchange.
+pub trait HeatExchange {
+    /// Gives nodes the heat a time that is exchanged over the increment `dt` whose motion has just been made, with temperatures at its
+    /// start; returns the part that friction has made.
+    fn exchange(&self, temperature: &[f64], dt: f64, into: &mut dyn FnMut(usize, f64)) -> f64;
+
+    /// Gives what nodes could at most exchange in the next increment, heat a time and temperature.
+    fn largest_exchange(&self, into: &mut dyn FnMut(usize, f64));
+}
+
+/// Changes that a constraint follows, and its warnings.
+pub trait ConstraintUpkeep {
+    /// Elements with these corner nodes have been deleted.
+    fn remove_elements(&mut self, _deleted: &[ElementNodes]) {}
 
     /// A node has another mass; its kinetic energy grew by so much along r and z.
-    fn mass_changed(&mut self, _node: usize, _gained: [f64; 2]) {}
+    fn masses_changed(&mut self, _node: usize, _gained: [f64; 2]) {}
 
-    /// Whether it moves nodes behind the passes over them, so that none may be passed over as quiescent.
-    fn moves_nodes(&self) -> bool {
-        false
-    }
-
-    /// Degrees of freedom of nodes whose motion it prescribes.
-    fn prescribes(&self) -> Vec<(usize, usize)> {
-        Vec::new()
-    }
-
-    /// Whether it holds them where they are.
-    fn holds(&self) -> bool {
-        false
-    }
-
-    /// Nodes that a rigid body carries.
-    fn carries(&self) -> &[usize] {
-        &[]
-    }
-
-    /// A number that it shows at a point of a surface.
-    fn at_point(&self, _carrier: Carrier, _part: Part) -> Option<f64> {
-        None
-    }
-
-    /// A number that it shows of two surfaces in contact.
-    fn of_pair(&self, _pair: usize, _part: Part) -> Option<f64> {
-        None
-    }
-
-    /// Gives nodes the heat a time that it passes on over the increment `dt` whose motion it has just made, with temperatures at its
-    /// start; returns what friction made of it.
-    fn heats(&self, _temperature: &[f64], _dt: f64, _into: &mut dyn FnMut(usize, f64)) -> f64 {
-        0.0
-    }
-
-    /// Tells what nodes could at most exchange through it in the increment ahead, heat a time and temperature.
-    fn conducts(&self, _into: &mut dyn FnMut(usize, f64)) {}
-
-    /// What the step that ends should be told.
+    /// Warnings when it ends.
     fn warnings(&mut self, _dofs: &Dofs, _clock: &Clock<'_>) -> Vec<String> {
         Vec::new()
     }
-
-    /// Bytes that it holds.
-    fn bytes(&self) -> usize;
-
-    /// Another one in the same state.
-    fn copy(&self) -> Box<dyn Constraint>;
 }
 
 impl Clone for Box<dyn Constraint> {
     fn clone(&self) -> Self {
-        self.copy()
+        (**self).copy()
     }
 }
 
-/// Force that constraints exert on a degree of freedom whose motion is prescribed; 0 where none is. A rigid body keeps its own.
+/// Reaction force on a degree of freedom whose motion is prescribed; 0 where none is. A rigid body keeps its own.
 pub fn reaction(constraints: &[Box<dyn Constraint>], dofs: &Dofs, dof: Dof) -> f64 {
     if let Dof::Body(b) = dof {
         return dofs.bodies[b].reaction;
     }
-    let Some(force) = constraints.iter().find_map(|c| c.free_force(dof)) else { return 0.0 };
-    let pull: f64 = constraints.iter().map(|c| c.pull(dof)).sum();
-    dofs.mass(dof) * dofs.acceleration(dof) - force - pull
+    let forces = || constraints.iter().filter_map(|c| c.view().forces);
+    let Some(free) = forces().find_map(|f| f.free_force(dof)) else { return 0.0 };
+    let others: f64 = forces().map(|f| f.constraint_force(dof)).sum();
+    dofs.mass(dof) * dofs.acceleration(dof) - free - others
 }

@@ -1,9 +1,12 @@
 //! Motions that are prescribed, whatever forces act (`*BOUNDARY`): of rigid bodies along z, of nodes along r and z.
 //! Never here: forces.
 
-use super::Constraint;
+use std::any::Any;
+use std::collections::HashMap;
+
+use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, StoredConstraint};
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::Limit;
 use crate::state::magnitude::{Clock, Magnitude, Shape};
@@ -65,9 +68,11 @@ pub struct PrescribedMotion {
     magnitudes: Vec<Magnitude>,
     bodies: Vec<BodyMotion>,
     nodes: Vec<NodeMotion>,
+    /// Whether it is in force already: what displacements count from is known.
+    has_begun: bool,
 }
 
-/// A rigid body, and its displacement at the start of the step, to which a prescribed displacement adds.
+/// A rigid body, and its displacement when the motion began, to which a prescribed displacement adds.
 #[derive(Clone, Copy, Debug)]
 struct BodyMotion {
     body: usize,
@@ -79,7 +84,7 @@ struct BodyMotion {
 struct NodeMotion {
     node: usize,
     axis: usize,
-    /// Coordinate at the start of the step, from which a prescribed displacement counts.
+    /// Coordinate when the motion began, from which a prescribed displacement counts.
     origin: f64,
     /// Force of elements and loads on the degree of freedom.
     force: f64,
@@ -109,7 +114,12 @@ impl PrescribedMotion {
                 }
             }
         }
-        PrescribedMotion { id, kind, magnitudes, bodies, nodes }
+        PrescribedMotion { id, kind, magnitudes, bodies, nodes, has_begun: false }
+    }
+
+    /// Whether it holds what it prescribes where it is.
+    fn holds(&self) -> bool {
+        self.magnitudes.iter().all(|m| m.value == 0.0) && self.kind != Prescribed::Acceleration
     }
 }
 
@@ -119,16 +129,16 @@ fn magnitude(magnitudes: &[Magnitude], i: usize) -> &Magnitude {
 }
 
 impl Constraint for PrescribedMotion {
-    fn id(&self) -> EffectId {
+    fn effect(&self) -> EffectId {
         self.id
     }
 
     fn begin(&mut self, dofs: &mut Dofs) {
-        for motion in &mut self.bodies {
-            let body = &mut dofs.bodies[motion.body];
-            body.prescribed = true;
-            motion.start = body.displacement;
+        self.bodies.iter().for_each(|motion| dofs.bodies[motion.body].prescribed = true);
+        if std::mem::replace(&mut self.has_begun, true) {
+            return;
         }
+        self.bodies.iter_mut().for_each(|motion| motion.start = dofs.bodies[motion.body].displacement);
         // A node that is held does not start with a velocity.
         let stops = dofs.nodes.behind == 0.0 && self.holds();
         for motion in &mut self.nodes {
@@ -203,57 +213,63 @@ impl Constraint for PrescribedMotion {
         }
     }
 
-    fn limit(&self, clock: &Clock<'_>) -> Limit {
+    fn max_increment(&self, clock: &Clock<'_>) -> Limit {
         self.magnitudes.iter().map(|m| m.limit(clock)).fold(Limit::NONE, Limit::nearer)
+    }
+
+    fn view(&self) -> ConstraintView<'_> {
+        ConstraintView { forces: Some(self), ..ConstraintView::default() }
+    }
+
+    fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
+        Some(self)
+    }
+}
+
+impl ConstraintForces for PrescribedMotion {
+    fn prescribed(&self) -> Vec<(usize, usize)> {
+        self.nodes.iter().map(|m| (m.node, m.axis)).collect()
     }
 
     fn free_force(&self, dof: Dof) -> Option<f64> {
         let own = |m: &&NodeMotion| Dof::Node(m.node, m.axis) == dof;
         self.nodes.iter().find(own).map(|m| m.force)
     }
+}
 
-    fn mass_changed(&mut self, node: usize, gained: [f64; 2]) {
-        // It books gains of kinetic energy as its own work: not these.
+impl ConstraintUpkeep for PrescribedMotion {
+    /// It books gains of kinetic energy as its own work: not these.
+    fn masses_changed(&mut self, node: usize, gained: [f64; 2]) {
         for motion in self.nodes.iter_mut().filter(|m| m.node == node) {
             motion.kinetic += gained[motion.axis];
         }
     }
+}
 
-    fn prescribes(&self) -> Vec<(usize, usize)> {
-        self.nodes.iter().map(|m| (m.node, m.axis)).collect()
-    }
-
-    fn holds(&self) -> bool {
-        self.magnitudes.iter().all(|m| m.value == 0.0) && self.kind != Prescribed::Acceleration
+impl StoredConstraint for PrescribedMotion {
+    fn continue_from(&mut self, previous: &dyn Constraint) {
+        let Some(previous) = (previous as &dyn Any).downcast_ref::<PrescribedMotion>() else { return };
+        for motion in &mut self.bodies {
+            if let Some(known) = previous.bodies.iter().find(|m| m.body == motion.body) {
+                (*motion, self.has_begun) = (*known, true);
+            }
+        }
+        let known: HashMap<_, _> = previous.nodes.iter().map(|m| ((m.node, m.axis), m)).collect();
+        for motion in &mut self.nodes {
+            if let Some(known) = known.get(&(motion.node, motion.axis)) {
+                (*motion, self.has_begun) = (**known, true);
+            }
+        }
     }
 
     fn bytes(&self) -> usize {
         let magnitudes: usize = self.magnitudes.iter().map(|m| size_of::<Magnitude>() + m.bytes()).sum();
         magnitudes + size_of::<BodyMotion>() * self.bodies.capacity() + size_of::<NodeMotion>() * self.nodes.capacity()
     }
-
-    fn copy(&self) -> Box<dyn Constraint> {
-        Box::new(self.clone())
-    }
 }
 
-impl Persist for BodyMotion {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let BodyMotion { body: _, start } = self;
-        start.persist(archive);
-    }
-}
+persist_struct!(BodyMotion { start } derived { body });
 
-impl Persist for NodeMotion {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let NodeMotion { node: _, axis: _, origin, force, kinetic, travel } = self;
-        persist_fields!(archive; origin, force, kinetic, travel);
-    }
-}
+persist_struct!(NodeMotion { origin, force, kinetic, travel } derived { node, axis });
 
-impl Persist for PrescribedMotion {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let PrescribedMotion { id: _, kind: _, magnitudes: _, bodies, nodes } = self;
-        persist_fields!(archive; bodies.as_mut_slice(), nodes.as_mut_slice());
-    }
-}
+persist_struct!(PrescribedMotion { bodies: fixed, nodes: fixed } derived { id, kind, magnitudes, has_begun });

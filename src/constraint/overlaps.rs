@@ -1,8 +1,8 @@
 //! Bodies between which nothing acts: whether they come to lie in each other. It is told, and changes nothing.
 //! Never here: contact; how bodies lie at the start.
 
-use super::Constraint;
 use super::contact::curve::Carrier;
+use super::{Constraint, ConstraintUpkeep, StoredConstraint};
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist};
 use crate::state::dofs::Dofs;
@@ -130,7 +130,7 @@ pub fn distance(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> (f64, f64) {
 }
 
 impl Constraint for Overlaps {
-    fn id(&self) -> EffectId {
+    fn effect(&self) -> EffectId {
         self.id
     }
 
@@ -147,19 +147,30 @@ impl Constraint for Overlaps {
         }
     }
 
+    fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
+        Some(self)
+    }
+}
+
+impl ConstraintUpkeep for Overlaps {
     fn warnings(&mut self, dofs: &Dofs, clock: &Clock<'_>) -> Vec<String> {
         let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time);
         self.look(dofs, |pair, [r, z]| found.push((pair, [time, r, z])));
-        let told = found.iter().map(|&(pair, [time, r, z])| {
+        let warnings = found.iter().map(|&(pair, [time, r, z])| {
             let [a, b] = self.pairs[pair as usize].0.map(|body| &self.outlines[body].name);
             format!(
                 "{a} and {b} lie in each other, noticed at time {time:.4e} near (r = {r:.4e}, z = {z:.4e}), and nothing acts between \
                  them: let them meet (*CONTACT PAIR, or *CONTACT with all that is outside)"
             )
         });
-        told.collect()
+        let warnings = warnings.collect();
+        found.clear();
+        self.found = found;
+        warnings
     }
+}
 
+impl StoredConstraint for Overlaps {
     fn bytes(&self) -> usize {
         let of = |o: &Outline| {
             o.points.capacity() * (size_of::<Carrier>() + size_of::<[f64; 2]>())
@@ -169,10 +180,6 @@ impl Constraint for Overlaps {
             + self.order.capacity() * size_of::<(f64, u32)>()
             + self.found.capacity() * size_of::<(u32, [f64; 3])>()
             + self.pairs.capacity() * size_of::<([usize; 2], bool)>()
-    }
-
-    fn copy(&self) -> Box<dyn Constraint> {
-        Box::new(self.clone())
     }
 }
 

@@ -7,12 +7,13 @@
 
 use std::f64::consts::PI;
 
-use super::Constraint;
+use super::contact::curve::Carrier;
+use super::{Constraint, ConstraintView, ContactResults, StoredConstraint};
 use crate::kernel::attitude::{Vector, cross, dot, norm, plus, times};
 use crate::kernel::interaction::Friction;
 use crate::kernel::profile::Profile;
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::limit::Limit;
 use crate::state::magnitude::Clock;
@@ -327,11 +328,12 @@ fn basis(normal: Vector) -> [Vector; 3] {
 }
 
 impl Constraint for RigidWallContact {
-    fn id(&self) -> EffectId {
+    fn effect(&self) -> EffectId {
         self.pair.id
     }
 
     fn begin(&mut self, dofs: &mut Dofs) {
+        self.points.reserve(self.rings.len() * (self.stations.len() + 1));
         if let Some(body) = &dofs.bodies[self.pair.bodies[0]].spatial {
             self.longest = self.look_ahead(body, [body.velocity, body.momentum]);
         }
@@ -366,11 +368,21 @@ impl Constraint for RigidWallContact {
         self.longest = self.look_ahead(body, body.half);
     }
 
-    fn limit(&self, _clock: &Clock<'_>) -> Limit {
+    fn max_increment(&self, _clock: &Clock<'_>) -> Limit {
         Limit { time: self.longest, jump: false }
     }
 
-    fn of_pair(&self, pair: usize, part: Part) -> Option<f64> {
+    fn view(&self) -> ConstraintView<'_> {
+        ConstraintView { contact: Some(self), ..ConstraintView::default() }
+    }
+}
+
+impl ContactResults for RigidWallContact {
+    fn value_at_point(&self, _carrier: Carrier, _part: Part) -> Option<f64> {
+        None
+    }
+
+    fn value_of_pair(&self, pair: usize, part: Part) -> Option<f64> {
         if pair != self.pair.number {
             return None;
         }
@@ -387,32 +399,17 @@ impl Constraint for RigidWallContact {
             _ => None,
         }
     }
+}
 
+impl StoredConstraint for RigidWallContact {
     fn bytes(&self) -> usize {
         size_of::<ContactPoint>() * self.points.capacity()
             + size_of::<[f64; 2]>() * (self.rings.capacity() + self.stations.capacity())
     }
-
-    fn copy(&self) -> Box<dyn Constraint> {
-        let mut copy = self.clone();
-        copy.points.reserve(self.rings.len() * (self.stations.len() + 1));
-        Box::new(copy)
-    }
 }
 
-impl Persist for RigidWallContact {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let RigidWallContact {
-            pair: _,
-            profile: _,
-            rings: _,
-            stations: _,
-            travel: _,
-            points: _,
-            forces,
-            longest,
-            previous_dt,
-        } = self;
-        persist_fields!(archive; forces, longest, previous_dt);
-    }
-}
+persist_struct!(RigidWallContact {
+    forces, longest, previous_dt
+} derived {
+    pair, profile, rings, stations, travel, points
+});

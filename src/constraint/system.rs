@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use super::bonds::Dependent;
 use super::dependence::sources;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
 /// One unknown of the equations: a degree of freedom, or several that move alike.
@@ -268,7 +268,7 @@ impl System {
     }
 
     /// The force of the equations on a degree of freedom.
-    pub(super) fn pull(&self, node: usize, axis: usize) -> Option<f64> {
+    pub(super) fn constraint_force(&self, node: usize, axis: usize) -> Option<f64> {
         let f = self.freedoms.iter().find(|f| f.axis == axis && f.members.contains(&node))?;
         Some(if f.members[0] == node { f.pull + f.inertia } else { 0.0 })
     }
@@ -323,17 +323,7 @@ pub(super) fn shift(dofs: &mut Dofs, node: usize, axis: usize, change: f64, dt: 
     }
 }
 
-impl Persist for Freedom {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Freedom { members: _, axis: _, softness: _, pull, change: _, value: _, inertia } = self;
-        persist_fields!(archive; pull, inertia);
-    }
-}
+persist_struct!(Freedom { pull, inertia } derived { members, axis, softness, change, value });
 
-impl Persist for System {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        // The factor follows from masses at the start of the step; the multipliers are solved for anew.
-        let System { freedoms, rows: _, spare: _, factor: _, last: _, lambda: _ } = self;
-        freedoms.as_mut_slice().persist(archive);
-    }
-}
+// The factor follows from masses at the start of the step; the multipliers are solved for anew.
+persist_struct!(System { freedoms: fixed } derived { rows, spare, factor, last, lambda });

@@ -1,10 +1,9 @@
 //! Nodes of deformable bodies that belong to a rigid body as well: they move with it, and it takes their forces.
 //! Never here: the motion of rigid bodies.
 
-use super::Constraint;
-use crate::load::{Account, GeneralizedForce};
+use super::{CarriedNodes, Constraint, ConstraintView, StoredConstraint};
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::magnitude::Clock;
 
@@ -33,7 +32,7 @@ impl Tie {
 }
 
 impl Constraint for Tie {
-    fn id(&self) -> EffectId {
+    fn effect(&self) -> EffectId {
         self.id
     }
 
@@ -42,15 +41,6 @@ impl Constraint for Tie {
             let velocity = dofs.bodies[self.body].velocity;
             self.follow(dofs, velocity);
         }
-    }
-
-    fn slots(&self) -> Vec<GeneralizedForce> {
-        vec![GeneralizedForce::along_z(self.body, Account::Tie)]
-    }
-
-    /// The sum along z. Forces along r meet themselves around the ring.
-    fn passes_on(&self, force: &dyn Fn(usize) -> [f64; 2], out: &mut [f64]) {
-        out[0] = self.nodes.iter().map(|&n| force(n)[1]).sum();
     }
 
     /// Tied nodes show the acceleration of their body.
@@ -64,25 +54,16 @@ impl Constraint for Tie {
         self.follow(dofs, velocity);
     }
 
-    fn moves_nodes(&self) -> bool {
-        true
+    fn view(&self) -> ConstraintView<'_> {
+        let carried = Some(CarriedNodes { body: self.body, nodes: &self.nodes });
+        ConstraintView { carried, moves_nodes: true, ..ConstraintView::default() }
     }
+}
 
-    fn carries(&self) -> &[usize] {
-        &self.nodes
-    }
-
+impl StoredConstraint for Tie {
     fn bytes(&self) -> usize {
         size_of::<usize>() * self.nodes.capacity()
     }
-
-    fn copy(&self) -> Box<dyn Constraint> {
-        Box::new(self.clone())
-    }
 }
 
-impl Persist for Tie {
-    fn persist(&mut self, _archive: &mut Archive<'_>) {
-        let Tie { id: _, body: _, nodes: _ } = self;
-    }
-}
+persist_struct!(Tie {} derived { id, body, nodes });

@@ -2,9 +2,9 @@
 //! Never here: how bodies and nodes follow them.
 
 use super::motion::Prescribed;
-use crate::kernel::amplitude::Track;
+use crate::kernel::amplitude::SampledAmplitude;
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::Halt;
 use crate::state::magnitude::{Clock, Magnitude};
@@ -25,6 +25,8 @@ pub struct UserMotion {
     pub first: usize,
     /// Length of the increment before.
     pub increment_before: f64,
+    /// Whether it has been asked before: what its displacements count from stays as it is.
+    pub has_begun: bool,
 }
 
 /// One degree of freedom.
@@ -36,7 +38,7 @@ pub struct UserDof {
     pub number: i32,
     /// Coordinates of a rigid body's reference node at the start.
     pub reference: [f64; 2],
-    /// Displacement when the step began: what follows the motion counts from there.
+    /// Displacement when the motion began: what follows it counts from there.
     pub offset: f64,
 }
 
@@ -51,7 +53,7 @@ impl UserMotion {
         increment: f64,
         dofs: &Dofs,
         reaction: &dyn Fn(Dof) -> f64,
-        told: &mut [Track],
+        told: &mut [SampledAmplitude],
         user: &mut Locked<'_>,
     ) -> Result<(), Halt> {
         let Some(routine) = user.motion.as_deref_mut() else { return Ok(()) };
@@ -59,7 +61,7 @@ impl UserMotion {
         for (i, asked) in self.asked.iter_mut().enumerate() {
             let state_of = |dof| [dofs.displacement(dof), dofs.velocity(dof), dofs.acceleration(dof), reaction(dof)];
             let state = state_of(asked.dof);
-            if increment == 0.0 {
+            if !self.has_begun {
                 asked.offset = state[0];
             }
             let (axis, coordinates, across) = match asked.dof {
@@ -86,11 +88,11 @@ impl UserMotion {
             });
             let what = || format!("the user motion of `{}` at node {}", self.set, asked.number);
             let value = answer.map_err(|failure| failure.halt(&what(), arrival))?;
-            // A displacement is the total one; the motion counts from the start of the step.
+            // A displacement is the total one; the motion counts from where it began.
             let base = if self.kind == Prescribed::Displacement { asked.offset } else { 0.0 };
             told[self.first + i].tell(arrival.total_time, value - base);
         }
-        self.increment_before = increment;
+        (self.increment_before, self.has_begun) = (increment, true);
         Ok(())
     }
 
@@ -100,16 +102,6 @@ impl UserMotion {
     }
 }
 
-impl Persist for UserDof {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let UserDof { dof: _, number: _, reference: _, offset } = self;
-        offset.persist(archive);
-    }
-}
+persist_struct!(UserDof { offset } derived { dof, number, reference });
 
-impl Persist for UserMotion {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let UserMotion { set: _, kind: _, amplitude: _, asked, first: _, increment_before } = self;
-        persist_fields!(archive; asked.as_mut_slice(), increment_before);
-    }
-}
+persist_struct!(UserMotion { asked: fixed, increment_before, has_begun } derived { set, kind, amplitude, first });

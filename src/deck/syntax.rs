@@ -64,7 +64,7 @@ pub struct Parameter {
 }
 
 /// A piece of text: quotes removed, blanks trimmed, parameters substituted.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Word {
     /// The text as written (case kept).
     pub text: String,

@@ -2,7 +2,7 @@
 //! Never here: what they answer.
 
 use crate::kernel::lanes::Lanes;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 
 /// What a block keeps of its patterns.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,9 +21,4 @@ impl Assumed {
     }
 }
 
-impl Persist for Assumed {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Assumed { stress, limit } = self;
-        persist_fields!(archive; stress, limit);
-    }
-}
+persist_struct!(Assumed { stress, limit });

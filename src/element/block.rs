@@ -20,7 +20,7 @@ use crate::kernel::rotation::{SpinOver, turned, turned_by};
 use crate::kernel::stress::mises;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{Material, PlasticFlow};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
 use crate::state::nodes::{Accelerated, Node};
 
 /// The largest square of the frequency of an hourglass pattern over that of the strains: a quarter leaves the stable increment
@@ -871,33 +871,20 @@ pub fn across(list: &Lanes) -> f64 {
     sums[0]
 }
 
-impl<S: Persist, T: Persist> Persist for ElementBlock<S, T> {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let ElementBlock { nodes: _, stress, mass, inverse_mass, state } = self;
-        persist_fields!(archive; stress, mass, inverse_mass, state);
-    }
-}
+persist_struct!(ElementBlock<S, T> [S: Persist, T: Persist] { stress, mass, inverse_mass, state } derived { nodes });
 
-impl<T: Persist> Persist for Sums<T> {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Sums { internal, plastic, viscous, artificial, rate, limiting } = self;
-        persist_fields!(archive; internal, plastic, viscous, artificial, rate, limiting);
-    }
-}
+persist_struct!(Sums<T> [T: Persist] { internal, plastic, viscous, artificial, rate, limiting });
 
-impl<T: Persist> Persist for TaskState<T> {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let TaskState { hourglass, enhanced, viscous, subzones, records, eroded, own_rates } = self;
-        persist_fields!(archive; eroded.as_mut_slice(), own_rates.as_mut_slice());
-        persist_fields!(archive; records.as_mut_slice(), hourglass.as_mut_slice(), enhanced.as_mut_slice());
-        persist_fields!(archive; viscous.as_mut_slice(), subzones.as_mut_slice());
-    }
-}
+persist_struct!(TaskState<T> [T: Persist] {
+    eroded: fixed, own_rates: fixed, records: fixed, hourglass: fixed, enhanced: fixed, viscous: fixed,
+    subzones: fixed
+});
 
-impl<T: Persist> Persist for Workspace<T> {
-    /// The rest of it is scratch memory of one pass; the sums hold while a task is quiescent.
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Workspace { sums, stress, task, .. } = self;
-        persist_fields!(archive; sums, &mut stress.internal, &mut stress.dissipated, task);
+// The rest of it is scratch memory of one pass; the sums hold while a task is quiescent.
+persist_struct!(Workspace<T> [T: Persist] { sums, task } derived { stress, r, z, v_r, v_z, middle, inverse, now, weight, strain, block, at, own_rate, length, cap, deformed } then Workspace::persist_work);
+
+impl<T: Persist> Workspace<T> {
+    fn persist_work(&mut self, archive: &mut Archive<'_>) {
+        persist_fields!(archive; &mut self.stress.internal, &mut self.stress.dissipated);
     }
 }

@@ -2,7 +2,7 @@
 //! their ends, SPRING1 and DASHPOT1 along an axis (ABAQUS Elements Guide, "Springs", "Dashpots").
 //! Never here: deck words, elements of a continuum.
 
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 
@@ -209,23 +209,8 @@ impl Connector {
     }
 }
 
-impl Persist for Connectors {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Connectors { list, bounds, sums: _ } = self;
-        persist_fields!(archive; list.as_mut_slice(), bounds);
-    }
-}
+persist_struct!(Connectors { list: fixed, bounds } derived { sums });
 
-impl Persist for Connector {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Connector { ends: _, axis: _, law: _, force } = self;
-        force.persist(archive);
-    }
-}
+persist_struct!(Connector { force } derived { ends, axis, law });
 
-impl Persist for Bounds {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Bounds { square, damping } = self;
-        persist_fields!(archive; square, damping);
-    }
-}
+persist_struct!(Bounds { square, damping });

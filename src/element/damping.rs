@@ -3,7 +3,7 @@
 //! Never here: bulk viscosity, dashpots.
 
 use super::group::ElementGroup;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
 /// Damping of all nodes whose elements have some.
@@ -78,9 +78,4 @@ impl Damping {
     }
 }
 
-impl Persist for Damping {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Damping { factors: _, half: _, coefficients, forces, started } = self;
-        persist_fields!(archive; coefficients.as_mut_slice(), forces.as_mut_slice(), started);
-    }
-}
+persist_struct!(Damping { coefficients: fixed, forces: fixed, started } derived { factors, half });

@@ -2,7 +2,7 @@
 //! line between their neighbours, where the element would turn inside out (ABAQUS Analysis User's Guide, "Section
 //! controls"). Never here: which elements are controlled, stress.
 
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 
@@ -159,19 +159,9 @@ impl DistortionControl {
     }
 }
 
-impl Persist for DistortionControl {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let DistortionControl { list, time } = self;
-        persist_fields!(archive; list.as_mut_slice(), time);
-    }
-}
+persist_struct!(DistortionControl { list: fixed, time });
 
-impl Persist for Controlled {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Controlled { place: _, corners: _, softness: _, offset: _, force } = self;
-        force.persist(archive);
-    }
-}
+persist_struct!(Controlled { force } derived { place, corners, softness, offset });
 
 #[cfg(test)]
 mod tests {

@@ -22,7 +22,7 @@ use crate::kernel::lanes::LANES;
 use crate::kernel::topology::ElementNodes;
 use crate::mesh::corner_forces::CornerForces;
 use crate::mesh::gather::Gather;
-use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
+use crate::state::archive::{Archive, persist_struct};
 use crate::state::dofs::Dofs;
 use crate::state::energies::Energies;
 use crate::state::halt::Halt;
@@ -363,67 +363,17 @@ fn add(totals: &Totals, energies: &mut Energies) {
     energies.artificial += totals.artificial;
 }
 
-impl Persist for Elements {
-    /// In a step that has begun.
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Elements {
-            groups,
-            ids: _,
-            limit,
-            deformed: _,
-            frequency,
-            frequency_asked,
-            averagings: _,
-            rings,
-            connectors,
-            damping,
-            // Asked once at the start; what came of it is the groups'.
-            lengths: _,
-            // They follow from the clock.
-            fields: _,
-            distortion,
-            erosion,
-            removed,
-            masses,
-            corners,
-            gather: _,
-            awake,
-            pending,
-            deleted,
-            failure: _,
-        } = self;
-        archive.mark("elements");
-        persist_fields!(archive; limit, awake, pending, deleted, frequency_asked);
-        if deleted.1 > deleted.0.len() {
+// Lengths are asked once at the start; what came of them is the groups'. Fields follow from the clock. Corner forces of elements that are
+// quiescent are zero, but zeros have signs, which reach the accelerations.
+persist_struct!(Elements {
+    limit, awake, pending, deleted, frequency_asked, connectors: present, damping: present, distortion: present, erosion: present,
+    removed: present, masses: present, frequency: present, rings: present, groups: each, corners
+} derived { ids, deformed, averagings, lengths, fields, gather, failure } then Elements::check_deleted);
+
+impl Elements {
+    fn check_deleted(&mut self, archive: &mut Archive<'_>) {
+        if self.deleted.1 > self.deleted.0.len() {
             archive.refuse(|| "more deleted elements have been told than there are".into());
         }
-        if let Some(connectors) = connectors {
-            connectors.persist(archive);
-        }
-        if let Some(damping) = damping {
-            damping.persist(archive);
-        }
-        if let Some(distortion) = distortion {
-            distortion.persist(archive);
-        }
-        if let Some(erosion) = erosion {
-            erosion.persist(archive);
-        }
-        if let Some(removed) = removed {
-            removed.persist(archive);
-        }
-        if let Some(masses) = masses {
-            masses.persist(archive);
-        }
-        if let Some(frequency) = frequency {
-            frequency.persist(archive);
-        }
-        if let Some(rings) = rings {
-            rings.persist(archive);
-        }
-        archive.mark("groups");
-        persist_all(groups, archive);
-        // Of elements that are quiescent they are zero, but zeros have signs, which reach the accelerations.
-        corners.persist(archive);
     }
 }

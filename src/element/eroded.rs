@@ -3,7 +3,7 @@
 
 use crate::kernel::lanes::Lanes;
 use crate::kernel::quad::UNIT;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 
 /// Elements of a block that were deleted from outside, whatever their laws say.
 #[derive(Clone, Copy, Debug, Default)]
@@ -41,9 +41,4 @@ pub(super) fn height(volume: f64) -> f64 {
     volume / (24.0 * UNIT)
 }
 
-impl Persist for Eroded {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Eroded { height } = self;
-        persist_fields!(archive; height);
-    }
-}
+persist_struct!(Eroded { height });

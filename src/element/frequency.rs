@@ -13,7 +13,7 @@ use sprs::CsMatI;
 use super::group::{ElementGroup, Stiffness};
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::nodes::Nodes;
 
 /// Steps of Lanczos' method.
@@ -345,20 +345,10 @@ impl HighestFrequency {
     }
 }
 
-impl Persist for HighestFrequency {
-    /// The operator is made anew with each estimate.
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let HighestFrequency { id: _, operator: _, roots, vectors: _, standing } = self;
-        persist_fields!(archive; roots.as_mut_slice(), standing);
-    }
-}
+// The operator is made anew with each estimate.
+persist_struct!(HighestFrequency { roots: fixed, standing } derived { id, operator, vectors });
 
-impl Persist for Standing {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Standing { found, grown, foreseen, age, pause, by_elements, gain, count, holds } = self;
-        persist_fields!(archive; found, grown, foreseen, age, pause, by_elements, gain, count, holds);
-    }
-}
+persist_struct!(Standing { found, grown, foreseen, age, pause, by_elements, gain, count, holds });
 
 #[cfg(test)]
 mod tests {

@@ -22,7 +22,7 @@ use crate::kernel::topology::{ElementNodes, MOST_NODES, PerNode, Topology};
 use crate::material::{BlockStart, InitialValue, Material, PlasticFlow};
 use crate::mesh::corner_forces::Slots;
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Persist, persist_struct};
 use crate::state::halt::Halt;
 use crate::state::nodes::{Accelerated, Node};
 use crate::user::AtPoints;
@@ -846,31 +846,13 @@ pub(super) fn totals(tasks: impl Iterator<Item = (Sums, [Lanes; 2])>, most: impl
     totals
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> Persist for Quads<M, AREA, T> {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Quads {
-            material: _,
-            constants: _,
-            count: _,
-            blocks,
-            tasks,
-            length: _,
-            sound: _,
-            arch: _,
-            told,
-            quiescence,
-            cap,
-        } = self;
-        persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), told.as_mut_slice(), quiescence.as_mut_slice());
-    }
-}
+persist_struct!(Quads<M, AREA, T> [M: Material<T>, const AREA: bool, T: Numbers] {
+    cap, blocks: fixed, tasks: fixed, told: fixed, quiescence: fixed
+} derived {
+    material, constants, count, length, sound, arch
+});
 
-impl Persist for Totals {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Totals { internal, plastic, viscous, artificial, rate, limiting, deformed } = self;
-        persist_fields!(archive; internal, plastic, viscous, artificial, rate, limiting, deformed);
-    }
-}
+persist_struct!(Totals { internal, plastic, viscous, artificial, rate, limiting, deformed });
 
 #[cfg(test)]
 mod tests {

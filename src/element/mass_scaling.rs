@@ -3,7 +3,7 @@
 //! Never here: the inner loop, deck words.
 
 use crate::kernel::topology::PerNode;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 
 /// How a stable increment that is aimed at decides on factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,6 +102,12 @@ pub struct Masses {
 }
 
 impl Scaling {
+    /// A step begins in which it goes on: what is due by the time of the step has just been done.
+    pub fn begin_step(&mut self) {
+        let by_time = self.variable.iter_mut().filter(|v| matches!(v.rhythm, Rhythm::Time(_)));
+        by_time.for_each(|variable| variable.due = 1);
+    }
+
     /// Bytes of its requests.
     pub fn bytes(&self) -> usize {
         let of = |r: &Request| size_of_val(r) + size_of::<(usize, usize)>() * r.elements.capacity();
@@ -109,19 +115,9 @@ impl Scaling {
     }
 }
 
-impl Persist for Variable {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Variable { request: _, rhythm: _, due } = self;
-        due.persist(archive);
-    }
-}
+persist_struct!(Variable { due } derived { request, rhythm });
 
-impl Persist for Scaling {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Scaling { fixed: _, variable, first } = self;
-        persist_fields!(archive; variable.as_mut_slice(), first);
-    }
-}
+persist_struct!(Scaling { variable: fixed, first } derived { fixed });
 
 impl Masses {
     /// Whether a node keeps its mass.
@@ -150,12 +146,9 @@ impl Masses {
     }
 }
 
-impl Persist for Masses {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        // Of nodes and elements, masses without factors and what stays are those of the plan; the scaled ones are computed anew.
-        let Masses { nodes: _, elements: _, left: _, fixed, factors, carried, sums: _ } = self;
-        for lists in [fixed, factors, carried] {
-            lists.iter_mut().for_each(|list| list.as_mut_slice().persist(archive));
-        }
-    }
-}
+// Of nodes and elements, masses without factors and what stays are those of the plan; the scaled ones are computed anew.
+persist_struct!(Masses {
+    fixed: fixed_lists, factors: fixed_lists, carried: fixed_lists
+} derived {
+    nodes, elements, left, sums
+});

@@ -5,7 +5,7 @@ use crate::element::lengths::{Shown, above_zero, by_default};
 use crate::element::user_law::Description;
 use crate::kernel::heating::Heating;
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::persist_struct;
 use crate::user::{
     FieldAnswer, FieldCall, LengthCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields,
     UserLengths, UserMaterial, host,
@@ -581,42 +581,14 @@ pub(super) fn answered(name: &str, list: &mut [f64], n: usize, components: usize
     Err(LoadFailure { point: Some(at % n), reason })
 }
 
-impl Persist for Points {
-    /// All of it: a deleted point goes on to be shown what it was shown last.
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Points {
-            count: _,
-            variables: _,
-            fields: _,
-            elements: _,
-            coordinates,
-            length,
-            // Set before each question.
-            shown: _,
-            density,
-            strain,
-            spin,
-            temperature,
-            // Set and used within an increment.
-            warmed: _,
-            told: _,
-            stretch,
-            gradient,
-            stress,
-            state,
-            field,
-            // Of the start, or given in each increment.
-            given: _,
-            moduli,
-            internal,
-            inelastic,
-            plastic,
-        } = self;
-        for list in [coordinates, length, density, strain, spin] {
-            list.as_mut_slice().persist(archive);
-        }
-        for pair in [temperature, stretch, gradient, stress, state, field, moduli, internal, inelastic, plastic] {
-            pair.iter_mut().for_each(|list| list.as_mut_slice().persist(archive));
-        }
-    }
-}
+// All of it: a deleted point goes on to be shown what it was shown last.
+// Set before each question.
+// Set and used within an increment.
+// Of the start, or given in each increment.
+persist_struct!(Points {
+    coordinates: fixed, length: fixed, density: fixed, strain: fixed, spin: fixed, temperature: fixed_lists,
+    stretch: fixed_lists, gradient: fixed_lists, stress: fixed_lists, state: fixed_lists, field: fixed_lists,
+    moduli: fixed_lists, internal: fixed_lists, inelastic: fixed_lists, plastic: fixed_lists
+} derived {
+    count, variables, fields, elements, shown, warmed, told, given
+});

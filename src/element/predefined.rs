@@ -26,7 +26,8 @@ pub struct PredefinedFields {
     pub id: EffectId,
     /// Of each variable the values of nodes at the start.
     start: Arc<Vec<Vec<f64>>>,
-    steps: Arc<Vec<Vec<Prescribed>>>,
+    /// Of each step; one list serves all steps that go on with it.
+    steps: Arc<Vec<Arc<[Prescribed]>>>,
     /// Groups that hold fields, with the boundaries of their elements.
     groups: Arc<Vec<(usize, Vec<ElementNodes>)>>,
     /// Of one variable: values of nodes, and of the elements of a group.
@@ -39,7 +40,7 @@ impl PredefinedFields {
     pub fn new(
         id: EffectId,
         start: Vec<Vec<f64>>,
-        steps: Vec<Vec<Prescribed>>,
+        steps: Vec<Arc<[Prescribed]>>,
         groups: &[Box<dyn ElementGroup>],
     ) -> Self {
         let holding = groups.iter().enumerate().filter(|(_, g)| g.properties().fields > 0);
@@ -83,7 +84,8 @@ impl PredefinedFields {
         let numbers = start.iter().map(Vec::capacity).sum::<usize>() + nodal.capacity() + means.capacity();
         let corners: usize = groups.iter().map(|g| size_of_val(&*g.1)).sum();
         let of = |f: &Prescribed| size_of_val(f) + size_of_val(&*f.nodes) + f.magnitude.bytes();
-        size_of::<f64>() * numbers + corners + steps.iter().flatten().map(of).sum::<usize>()
+        let lists = steps.iter().enumerate().filter(|(i, list)| *i == 0 || !Arc::ptr_eq(list, &steps[i - 1]));
+        size_of::<f64>() * numbers + corners + lists.flat_map(|list| list.1.iter()).map(of).sum::<usize>()
     }
 }
 

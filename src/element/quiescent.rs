@@ -4,7 +4,7 @@
 
 use super::group::{ElementGroup, TASK};
 use crate::kernel::lanes::LANES;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::{Archive, Persist, persist_struct};
 use crate::state::nodes::Node;
 
 /// Nodes that are passed over together.
@@ -104,12 +104,7 @@ impl ActiveNodes {
     }
 }
 
-impl Persist for Quiescence {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Quiescence { nodes: _, quiescent } = self;
-        quiescent.persist(archive);
-    }
-}
+persist_struct!(Quiescence { quiescent } derived { nodes });
 
 impl Persist for ActiveNodes {
     fn persist(&mut self, archive: &mut Archive<'_>) {

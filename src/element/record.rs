@@ -14,7 +14,7 @@ use crate::kernel::rotation::{of_spin, turned};
 use crate::kernel::stress::mises;
 use crate::material::PlasticFlow;
 use crate::material::increment::{StrainIncrement, StressUpdate};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::variables::{Part, Variable};
 
 /// Output variables of the eight elements of a block.
@@ -173,9 +173,4 @@ impl Record {
     }
 }
 
-impl Persist for Record {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Record { strain, plastic, rate, work } = self;
-        persist_fields!(archive; strain, plastic, rate, work);
-    }
-}
+persist_struct!(Record { strain, plastic, rate, work });

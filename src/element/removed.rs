@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::elements::Elements;
 use super::group::ElementGroup;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
@@ -134,10 +134,4 @@ impl Elements {
     }
 }
 
-impl Persist for Removed {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Removed { counted, around, points, mass, internal, seen } = self;
-        counted.iter_mut().for_each(|list| list.as_mut_slice().persist(archive));
-        persist_fields!(archive; around.as_mut_slice(), points, mass, internal, seen);
-    }
-}
+persist_struct!(Removed { counted: fixed_lists, around: fixed, points, mass, internal, seen });

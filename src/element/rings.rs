@@ -3,7 +3,7 @@
 //! Never here: the forces of elements.
 
 use super::group::ElementGroup;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::persist_struct;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
@@ -46,9 +46,4 @@ impl Rings {
     }
 }
 
-impl Persist for Rings {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Rings { quarters: _, factors } = self;
-        factors.as_mut_slice().persist(archive);
-    }
-}
+persist_struct!(Rings { factors: fixed } derived { quarters });

@@ -7,7 +7,7 @@
 use super::block::{Nodes, Workspace, is_larger};
 use crate::kernel::lanes::{Corners, LANES, Lanes, column};
 use crate::kernel::quad::{UNIT, at_corners, volume_gradient};
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::persist_struct;
 use crate::state::nodes::Node;
 
 /// The least part of its share of the volume for which the pressure of a quarter still rises.
@@ -159,13 +159,8 @@ impl Workspace {
     }
 }
 
-impl Persist for Subzones {
-    /// The shares are those of the mesh.
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Subzones { share: _, pressure } = self;
-        pressure.persist(archive);
-    }
-}
+// The shares are those of the mesh.
+persist_struct!(Subzones { pressure } derived { share });
 
 #[cfg(test)]
 mod tests {

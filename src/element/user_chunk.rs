@@ -20,7 +20,7 @@ use crate::kernel::stress::mises;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{BlockStart, Material, PlasticFlow};
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::nodes::Node;
 use crate::user::{AtPoints, LoadFailure, MAX_MATERIAL_BLOCK};
 use crate::variables::{Part, Variable};
@@ -404,17 +404,7 @@ fn deformation(start: &Gradient, r: [f64; 4], z: [f64; 4]) -> [f64; 5] {
     [dot(start.r, r), dot(start.z, z), dot(start.hoop, r), dot(start.z, r), dot(start.r, z)].map(|x| per * x)
 }
 
-impl Persist for Chunk {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Chunk { blocks, points, mass: _, start: _, turn, deleted, thermal } = self;
-        persist_fields!(archive; blocks.as_mut_slice(), points, turn.as_mut_slice(), deleted.as_mut_slice(), thermal);
-    }
-}
+persist_struct!(Chunk { blocks: fixed, points, turn: fixed, deleted: fixed, thermal } derived { mass, start });
 
-impl Persist for Scratch {
-    /// The rest of it is of one pass.
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Scratch { workspaces, nodes: _ } = self;
-        workspaces.as_mut_slice().persist(archive);
-    }
-}
+// The rest of it is of one pass.
+persist_struct!(Scratch { workspaces: fixed } derived { nodes });

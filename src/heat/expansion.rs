@@ -8,7 +8,7 @@ use super::field::Heat;
 use crate::element::elements::Elements;
 use crate::kernel::hardening::Table;
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
 /// How a group of elements expands: `alpha(T) (T - T0) - alpha(T_I) (T_I - T0)` from its temperatures T_I at the start (ABAQUS
@@ -80,10 +80,4 @@ impl Expansion {
     }
 }
 
-impl Persist for Expansion {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Expansion { list: _, strains, room: _ } = self;
-        archive.mark("expansion");
-        strains.iter_mut().for_each(|s| s.as_mut_slice().persist(archive));
-    }
-}
+persist_struct!(Expansion { strains: fixed_lists } derived { list, room });

@@ -10,7 +10,7 @@ use crate::constraint::bonds::Bonds;
 use crate::element::elements::Elements;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
 use crate::state::dofs::Dofs;
 use crate::state::limit::Limit;
 use crate::state::magnitude::Clock;
@@ -50,9 +50,9 @@ pub struct Heat {
     /// Its row of the ledger.
     pub id: EffectId,
     conductors: Arc<Conductors>,
-    /// Conditions of each step.
-    steps: Arc<Vec<Conditions>>,
-    /// Those of this one.
+    /// Conditions from a step on; `None` where those of the step before go on.
+    steps: Arc<Vec<Option<Conditions>>>,
+    /// Those in force.
     now: Conditions,
     /// Mass of each node by material, for capacities that depend on the temperature; empty where none does.
     masses: Vec<Vec<f64>>,
@@ -82,7 +82,7 @@ impl Heat {
     pub fn new(
         id: EffectId,
         conductors: Conductors,
-        steps: Vec<Conditions>,
+        steps: Vec<Option<Conditions>>,
         temperature: Vec<f64>,
         meets: bool,
     ) -> Self {
@@ -90,8 +90,8 @@ impl Heat {
         let varies = conductors.parts.iter().any(|p| p.properties.capacity.rows.len() > 1);
         let masses = masses(&conductors, nodes);
         let capacity = capacities(&conductors, &masses, &temperature);
-        let bound = steps.iter().any(|s| s.bonds.count() > 0);
-        let films = steps.iter().flat_map(|s| &s.sources).any(Source::exchanges);
+        let bound = steps.iter().flatten().any(|s| s.bonds.count() > 0);
+        let films = steps.iter().flatten().flat_map(|s| &s.sources).any(Source::exchanges);
         Heat {
             id,
             now: Conditions::default(),
@@ -113,9 +113,15 @@ impl Heat {
         }
     }
 
-    /// A step begins, counted from 0.
-    pub fn begin(&mut self, step: usize) {
-        self.now.clone_from(&self.steps[step]);
+    /// A step begins, counted from 0. Returns whether its conditions are others than those before.
+    pub fn begin(&mut self, step: usize) -> bool {
+        let Some(conditions) = &self.steps[step] else { return false };
+        let before = std::mem::replace(&mut self.now, conditions.clone());
+        for node in self.now.held.iter_mut().flat_map(|h| &mut h.nodes) {
+            let known = before.held.iter().flat_map(|h| &h.nodes).find(|n| n.node == node.node);
+            *node = known.copied().unwrap_or(*node);
+        }
+        true
     }
 
     /// Capacity of a node at a temperature.
@@ -223,7 +229,8 @@ impl Heat {
         }
         let mut exchange = std::mem::take(&mut self.exchange);
         if !exchange.is_empty() {
-            constraints.iter().for_each(|c| c.conducts(&mut |n, most| exchange[n] += BESIDE * most));
+            let exchanges = constraints.iter().filter_map(|c| c.view().heat);
+            exchanges.for_each(|heat| heat.largest_exchange(&mut |n, most| exchange[n] += BESIDE * most));
         }
         let rates = exchange.iter().enumerate().filter(|(_, e)| **e > 0.0);
         let most = rates.map(|(n, e)| e / self.capacity(n, self.temperature[n])).fold(0.0, f64::max);
@@ -280,8 +287,8 @@ impl Heat {
             return;
         }
         let Heat { power, temperature, energies, .. } = self;
-        for constraint in constraints {
-            energies.inelastic += dt * constraint.heats(temperature, dt, &mut |n, heat| power[n] += heat);
+        for exchange in constraints.iter().filter_map(|c| c.view().heat) {
+            energies.inelastic += dt * exchange.exchange(temperature, dt, &mut |n, heat| power[n] += heat);
         }
     }
 
@@ -379,7 +386,7 @@ impl Heat {
         let Heat { masses, capacity, temperature, power, exchange, aims, corners, means, warmed, largest, .. } = self;
         let singles = [capacity, temperature, power, exchange, aims, means, warmed];
         let singles = singles.into_iter().chain(masses).map(|list| size_of::<f64>() * list.capacity()).sum::<usize>();
-        let conditions = self.steps.iter().chain([&self.now]);
+        let conditions = self.steps.iter().flatten().chain([&self.now]);
         let sources: usize = conditions.clone().flat_map(|s| &s.sources).map(|s| size_of_val(s) + s.bytes()).sum();
         let bonds: usize = conditions.clone().map(|s| s.bonds.bytes()).sum();
         let held: usize = conditions.flat_map(|s| &s.held).map(|h| size_of_val(&*h.nodes) + h.magnitude.bytes()).sum();
@@ -410,12 +417,7 @@ fn capacities(conductors: &Conductors, masses: &[Vec<f64>], temperature: &[f64])
     temperature.iter().enumerate().map(of).collect()
 }
 
-impl Persist for HeatEnergies {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let HeatEnergies { external, internal, inelastic } = self;
-        persist_fields!(archive; external, internal, inelastic);
-    }
-}
+persist_struct!(HeatEnergies { external, internal, inelastic });
 
 impl Persist for Heat {
     /// In a step that has begun: it has the step's conditions.

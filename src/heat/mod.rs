@@ -11,7 +11,7 @@ pub mod field;
 pub mod sources;
 
 use crate::element::elements::Elements;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::magnitude::Clock;
 use expansion::Expansion;
@@ -44,14 +44,4 @@ impl Thermal {
     }
 }
 
-impl Persist for Thermal {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Thermal { heat, expansion } = self;
-        if let Some(heat) = heat {
-            heat.persist(archive);
-        }
-        if let Some(expansion) = expansion {
-            expansion.persist(archive);
-        }
-    }
-}
+persist_struct!(Thermal { heat: present, expansion: present });

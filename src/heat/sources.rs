@@ -5,7 +5,7 @@ use super::conductors::Conductors;
 use crate::kernel::topology::ElementNodes;
 use crate::mesh::surface::{Face, Skin};
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Archive, Persist, persist_struct};
 use crate::state::dofs::Dofs;
 use crate::state::limit::Limit;
 use crate::state::magnitude::{Clock, Magnitude};
@@ -148,16 +148,6 @@ impl Persist for Source {
     }
 }
 
-impl Persist for Held {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Held { id: _, magnitude: _, nodes } = self;
-        nodes.as_mut_slice().persist(archive);
-    }
-}
+persist_struct!(Held { nodes: fixed } derived { id, magnitude });
 
-impl Persist for HeldNode {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let HeldNode { node: _, made, reaction } = self;
-        persist_fields!(archive; made, reaction);
-    }
-}
+persist_struct!(HeldNode { made, reaction } derived { node });

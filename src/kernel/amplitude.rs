@@ -56,20 +56,20 @@ impl Curve {
 
 /// A function of time that is told value by value, as the run goes: linear between the last two, constant outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Track {
+pub struct SampledAmplitude {
     /// Time and value before the last.
     before: [f64; 2],
     /// Time and value told last.
     last: [f64; 2],
 }
 
-impl Default for Track {
+impl Default for SampledAmplitude {
     fn default() -> Self {
-        Track { before: [f64::NEG_INFINITY, 0.0], last: [f64::NEG_INFINITY, 0.0] }
+        SampledAmplitude { before: [f64::NEG_INFINITY, 0.0], last: [f64::NEG_INFINITY, 0.0] }
     }
 }
 
-impl Track {
+impl SampledAmplitude {
     /// Tells the value at a total time; the same time again replaces the last value.
     pub fn tell(&mut self, time: f64, value: f64) {
         if time > self.last[0] {
@@ -106,11 +106,11 @@ impl Track {
 
 #[cfg(test)]
 mod tests {
-    use super::{Curve, Track};
+    use super::{Curve, SampledAmplitude};
 
     #[test]
     fn a_track_is_linear_between_what_it_was_told() {
-        let mut track = Track::default();
+        let mut track = SampledAmplitude::default();
         assert_eq!((track.value(1.0), track.slope()), (0.0, 0.0));
         track.tell(0.0, 2.0);
         assert_eq!(track.value(-1.0), 2.0);

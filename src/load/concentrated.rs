@@ -3,7 +3,7 @@
 
 use super::{Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneView, Targets};
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
@@ -85,8 +85,4 @@ impl LoadOutput for Concentrated {
     }
 }
 
-impl Persist for Concentrated {
-    fn persist(&mut self, _archive: &mut Archive<'_>) {
-        let Concentrated { id: _, bodies: _, spatial: _, nodes: _, dof: _, magnitude: _ } = self;
-    }
-}
+persist_struct!(Concentrated {} derived { id, bodies, spatial, nodes, dof, magnitude });

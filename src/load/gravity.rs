@@ -3,7 +3,7 @@
 
 use super::{Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneChange, SceneView, Targets};
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
 use crate::state::magnitude::Magnitude;
@@ -77,9 +77,4 @@ impl LoadOutput for Gravity {
     }
 }
 
-impl Persist for Gravity {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Gravity { id: _, bodies: _, nodes, whole: _, acceleration: _, along_z: _ } = self;
-        persist_fields!(archive; nodes.as_mut_slice());
-    }
-}
+persist_struct!(Gravity { nodes: fixed } derived { id, bodies, whole, acceleration, along_z });

@@ -11,10 +11,12 @@ pub mod stiffness;
 pub mod user_amplitude;
 pub mod user_load;
 
+use std::any::Any;
+
 use crate::kernel::attitude::Vector;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
-use crate::state::archive::Persist;
+use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
 use crate::state::dofs::Dofs;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
@@ -136,7 +138,7 @@ impl SceneView<'_> {
 }
 
 /// What has become of a rigid body in a target.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PenetrationOutcome {
     /// It is at rest in it.
     AtRest,
@@ -147,6 +149,7 @@ pub enum PenetrationOutcome {
     /// It has left it through its front.
     Ricochet,
     /// It has not touched it.
+    #[default]
     NotMet,
 }
 
@@ -164,7 +167,7 @@ impl PenetrationOutcome {
 }
 
 /// A rigid body and a target.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Penetration {
     /// Index of the body.
     pub body: usize,
@@ -175,7 +178,7 @@ pub struct Penetration {
 }
 
 /// How a body in space moves at the end; angles in degrees.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct MotionAtEnd {
     /// Total time at which it had left the target.
     pub exit_time: Option<f64>,
@@ -228,7 +231,7 @@ pub trait Load: LoadOutput + CopyLoad + Persist + Send + Sync {
 }
 
 /// What a load shows.
-pub trait LoadOutput {
+pub trait LoadOutput: Any {
     /// Names and bytes of the arrays it holds.
     fn arrays(&self) -> Vec<(&'static str, usize)>;
 
@@ -236,6 +239,9 @@ pub trait LoadOutput {
     fn fields(&self, _dofs: &Dofs) -> Option<FacetFields> {
         None
     }
+
+    /// Takes over the memory of a load that it replaces.
+    fn continue_from(&mut self, _previous: &dyn Load) {}
 
     /// What has become of the rigid bodies that it resists.
     fn penetrations(&self, _dofs: &Dofs) -> Vec<Penetration> {
@@ -274,6 +280,19 @@ pub struct LastIncrement<'a> {
     /// An eighth of its square, where central differences started with it; else 0.
     start: f64,
     dofs: &'a Dofs,
+}
+
+persist_struct!(MotionAtEnd { exit_time, velocity, rotational_velocity, speed, obliquity, yaw, tilt });
+
+impl Persist for Penetration {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Penetration { body, outcome, in_space } = self;
+        let mut number = *outcome as u8;
+        persist_fields!(archive; body, &mut number, in_space);
+        use PenetrationOutcome::{AtRest, Moving, NotMet, Ricochet, Through};
+        let found = [AtRest, Moving, Through, Ricochet, NotMet].into_iter().find(|o| *o as u8 == number);
+        *outcome = found.unwrap_or_default();
+    }
 }
 
 impl<'a> LastIncrement<'a> {

@@ -1,7 +1,7 @@
 //! The stiffness of a load that follows the motion of what it pushes, measured from its own answers: what a pressure by a
 //! user's routine adds to the highest frequency. Never here: what the pressure is, the choice of an increment.
 
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 
 /// What a load was found to add to the stiffness of nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -79,10 +79,20 @@ impl Watch {
         self.most.as_ref()
     }
 
+    /// Goes on with what another one knows of a face.
+    pub fn continue_from(&mut self, i: usize, other: &Watch, at: usize) {
+        self.points[i] = other.points[at];
+        self.most = self.most.or(other.most);
+    }
+
     /// Looks at a face after an increment; the number of its point in the load, and total time.
     #[inline]
     pub fn look(&mut self, i: usize, seen: &Seen, increment: f64, point: usize, time: f64) {
         let Point { place, pressure, way, change } = self.points[i];
+        // At the start of a later step the instant has been looked at.
+        if increment == 0.0 && !place[0].is_nan() {
+            return;
+        }
         let now = Point {
             place: seen.place,
             pressure: seen.pressure,
@@ -105,26 +115,11 @@ impl Watch {
     }
 }
 
-impl Persist for Stiffness {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Stiffness { squared, rate, point, place, time } = self;
-        persist_fields!(archive; squared, rate, point, place, time);
-    }
-}
+persist_struct!(Stiffness { squared, rate, point, place, time });
 
-impl Persist for Point {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Point { place, pressure, way, change } = self;
-        persist_fields!(archive; place, pressure, way, change);
-    }
-}
+persist_struct!(Point { place, pressure, way, change });
 
-impl Persist for Watch {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Watch { points, most } = self;
-        persist_fields!(archive; points.as_mut_slice(), most);
-    }
-}
+persist_struct!(Watch { points: fixed, most });
 
 #[cfg(test)]
 mod tests {

@@ -1,8 +1,8 @@
 //! An amplitude computed by the user's routine (`*AMPLITUDE, DEFINITION=USER`).
 //! Never here: what it scales.
 
-use crate::kernel::amplitude::Track;
-use crate::state::archive::{Archive, Persist};
+use crate::kernel::amplitude::SampledAmplitude;
+use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::Halt;
 use crate::state::{EffectId, Instant};
@@ -50,7 +50,7 @@ impl UserAmplitude {
         arrival: &Instant,
         increment: f64,
         dofs: &Dofs,
-        told: &mut [Track],
+        told: &mut [SampledAmplitude],
         user: &mut Locked<'_>,
     ) -> Result<RunAction, Halt> {
         let Some(routine) = user.amplitude.as_deref_mut() else { return Ok(RunAction::Continue) };
@@ -94,19 +94,9 @@ impl UserAmplitude {
     }
 }
 
-impl Persist for UserAmplitude {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        // Values of sensors are read anew before each question; what was told is the run's.
-        let UserAmplitude {
-            id: _,
-            name: _,
-            properties: _,
-            variables,
-            sensor_names: _,
-            sensors: _,
-            sensor_values: _,
-            told: _,
-        } = self;
-        variables.as_mut_slice().persist(archive);
-    }
-}
+// Values of sensors are read anew before each question; what was told is the run's.
+persist_struct!(UserAmplitude {
+    variables: fixed
+} derived {
+    id, name, properties, sensor_names, sensors, sensor_values, told
+});

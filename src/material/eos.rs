@@ -6,7 +6,7 @@ use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::material::BlockStart;
 use crate::material::volumetric::{PressureUpdate, Volumetric};
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::persist_struct;
 
 /// Pressure at one density, linear in the energy a mass: p = cold + per_energy e.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -238,12 +238,7 @@ impl<P: Pressure> Volumetric for Eos<P> {
     }
 }
 
-impl Persist for Heat {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Heat { energy } = self;
-        energy.persist(archive);
-    }
-}
+persist_struct!(Heat { energy });
 
 #[cfg(test)]
 mod tests {

@@ -7,7 +7,7 @@ use super::eos::{Curve, Pressure, advance};
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::material::BlockStart;
 use crate::material::volumetric::{PressureUpdate, Volumetric};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 
 /// Elements over which the burn is spread (the same section).
 const WIDTH: f64 = 2.5;
@@ -152,12 +152,7 @@ impl Volumetric for Explosive {
     }
 }
 
-impl Persist for Burning {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Burning { energy, burnt, lit: _, pace: _ } = self;
-        persist_fields!(archive; energy, burnt);
-    }
-}
+persist_struct!(Burning { energy, burnt } derived { lit, pace });
 
 #[cfg(test)]
 mod tests {

@@ -5,7 +5,7 @@
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::kernel::levels::NestedTable;
 use crate::kernel::transcendental::{exp, ln};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Persist, persist_struct};
 
 /// Whether and how elements fail. An absent one is a type without state, and costs nothing.
 pub trait Failure: Send + Sync + 'static {
@@ -388,10 +388,5 @@ impl Criterion {
     }
 }
 
-impl Persist for Damaged {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        // A routine of the user may have given the length, and is not asked again.
-        let Damaged { alive, begun, damage, at_failure, length, volume: _, share } = self;
-        persist_fields!(archive; alive, begun, damage, at_failure, length, share);
-    }
-}
+// A routine of the user may have given the length, and is not asked again.
+persist_struct!(Damaged { alive, begun, damage, at_failure, length, share } derived { volume });

@@ -7,7 +7,7 @@ use crate::kernel::hardening::{RateFactor, Table};
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{BlockStart, Material, PlasticFlow};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::variables::{Part, Variable};
 
 /// How the surface grows.
@@ -210,12 +210,7 @@ impl Material for Foam {
     }
 }
 
-impl Persist for Crushed {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Crushed { strain } = self;
-        persist_fields!(archive; strain);
-    }
-}
+persist_struct!(Crushed { strain });
 
 #[cfg(test)]
 mod tests {

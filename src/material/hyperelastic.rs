@@ -8,7 +8,7 @@ use crate::kernel::transcendental::{exp, ln};
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::strain_energy::{Compression, Principal, StrainEnergy};
 use crate::material::{BlockStart, Material};
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::persist_struct;
 
 /// Neo-Hooke: U = C10 (J^(-2/3) tr B - 3) + (J - 1)^2 / D1, so the Cauchy stress is 2 C10 J^(-5/3) dev B + 2 (J - 1)/D1
 /// (ABAQUS Theory Guide, "Hyperelastic material behavior").
@@ -220,9 +220,4 @@ fn to_the_minus_two_thirds(volume: &Lanes) -> Lanes {
 /// The least modulus of a wave, over the initial one: rubber that softens still has an increment.
 const LEAST: f64 = 1e-2;
 
-impl Persist for Deformed {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Deformed { gradient } = self;
-        gradient.persist(archive);
-    }
-}
+persist_struct!(Deformed { gradient });

@@ -5,7 +5,7 @@
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::material::plasticity::{Flow, Hardening};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 
 /// Linear kinematic hardening of Prager and Ziegler (ABAQUS Analysis User's Guide, "Models for metals subjected to cyclic
 /// loading", linear kinematic hardening): the back stress grows by 2/3 C times the plastic strain and turns with the stress.
@@ -67,9 +67,4 @@ impl Hardening for Kinematic {
     }
 }
 
-impl Persist for BackStress {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let BackStress { strain, back } = self;
-        persist_fields!(archive; strain, back);
-    }
-}
+persist_struct!(BackStress { strain, back });

@@ -6,7 +6,7 @@ use crate::kernel::heating::Heating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::material::plasticity::{Flow, Hardening};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 
 /// Linear kinematic hardening over rate and temperature (ABAQUS Analysis User's Guide, "Models for metals subjected to cyclic
 /// loading"): the yield surface has the size that rate and temperature give it; the back stress grows by 2/3 C times the
@@ -96,9 +96,4 @@ impl Hardening for RateKinematic {
     }
 }
 
-impl Persist for RateBackStress {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let RateBackStress { strain, temperature, slope, back } = self;
-        persist_fields!(archive; strain, temperature, slope, back);
-    }
-}
+persist_struct!(RateBackStress { strain, temperature, slope, back });

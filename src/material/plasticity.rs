@@ -6,7 +6,7 @@ use crate::kernel::heating::Heating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::return_mapping::{TrialState, plastic_increments};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Persist, persist_struct};
 
 /// How the yield stress of von Mises plasticity develops. An absent one is a type without state.
 pub trait Hardening: Send + Sync + 'static {
@@ -222,12 +222,7 @@ impl Hardening for RateDependentHardening {
     }
 }
 
-impl Persist for PlasticState {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let PlasticState { strain, temperature, rate } = self;
-        persist_fields!(archive; strain, temperature, rate);
-    }
-}
+persist_struct!(PlasticState { strain, temperature, rate });
 
 #[cfg(test)]
 mod tests {

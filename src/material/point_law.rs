@@ -7,7 +7,7 @@ use super::increment::{StrainIncrement, StressUpdate};
 use super::{BlockStart, InitialValue, Material, PlasticFlow};
 use crate::kernel::lanes::{LANES, Lanes, column};
 use crate::kernel::stress::mises;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::user::law::{MaterialLaw, MaterialPoint};
 use crate::variables::{Part, Variable};
 
@@ -129,9 +129,4 @@ impl Material for PointLaw {
     }
 }
 
-impl Persist for PointState {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let PointState { variables, deleted, volume: _, total_time: _ } = self;
-        persist_fields!(archive; variables.as_mut_slice(), deleted);
-    }
-}
+persist_struct!(PointState { variables: fixed, deleted } derived { volume, total_time });

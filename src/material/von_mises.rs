@@ -12,7 +12,7 @@ use crate::kernel::moduli::Moduli;
 use crate::kernel::real::Real;
 use crate::kernel::rotation::rotated;
 use crate::kernel::stress;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Persist, persist_struct};
 use crate::variables::{Part, Variable};
 
 /// A material of three laws.
@@ -306,12 +306,7 @@ fn yield_stress<H: Hardening>(hardening: &H, state: &H::State, shear: f64, count
     high
 }
 
-impl<S: Persist, Q: Persist, X: Persist> Persist for VonMisesState<S, Q, X> {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let VonMisesState { hardening, volumetric, failure } = self;
-        persist_fields!(archive; hardening, volumetric, failure);
-    }
-}
+persist_struct!(VonMisesState<S, Q, X> [S: Persist, Q: Persist, X: Persist] { hardening, volumetric, failure });
 
 #[cfg(test)]
 mod tests {

@@ -31,6 +31,8 @@ pub(super) struct History {
     time: f64,
     /// Displacements that are known beforehand; before the first step all are zero.
     places: HashMap<Dof, f64>,
+    /// What the amplitudes of displacements in force began with, by their data lines.
+    first_values: HashMap<(Span, AmplitudeId), f64>,
     /// Whether a step is over.
     begun: bool,
 }
@@ -57,14 +59,15 @@ impl History {
         let merged = merge_boundaries(std::mem::take(&mut self.boundaries), given, words);
         self.boundaries = merged.iter().map(|b| self.settled_boundary(b, step, model)).collect();
         let places = self.places_after(&merged, step, model);
-        let begun = |b: Boundary| {
+        self.first_values.retain(|(span, _), _| !spans.contains(span));
+        let mut in_force = Vec::with_capacity(merged.len());
+        for b in merged {
             words.extend(self.unknown_start(&b, model));
             if spans.contains(&b.span) {
                 words.extend(self.jump(&b, model));
             }
-            self.since_start(b, model)
-        };
-        let in_force = merged.into_iter().map(begun).collect();
+            in_force.push(self.since_start(b, model));
+        }
         self.places = places;
         in_force
     }
@@ -167,18 +170,22 @@ impl History {
         Some(finding.help("let the amplitude begin with the displacement that the nodes have"))
     }
 
-    /// A displacement counts from where its nodes are: what its amplitude begins with is taken off.
-    fn since_start(&self, mut b: Boundary, model: &mut Model) -> Boundary {
+    /// A displacement counts from where its nodes are when it begins: what its amplitude begins with is taken off, in the steps
+    /// in which it goes on as well.
+    fn since_start(&mut self, mut b: Boundary, model: &mut Model) -> Boundary {
         if b.kind != Motion::Displacement || b.user {
             return b;
         }
-        let first = self.amplitude(b.amplitude, 0.0, model);
-        if let (Some(index), Some(first)) = (b.amplitude, first.filter(|f| *f != 0.0)) {
+        let Some(index) = b.amplitude else { return b };
+        let first =
+            self.first_values.get(&(b.span, index)).copied().or_else(|| self.amplitude(b.amplitude, 0.0, model));
+        self.first_values.extend(first.map(|first| ((b.span, index), first)));
+        if let Some(first) = first.filter(|f| *f != 0.0) {
             let mut shifted = model.amplitudes[index].clone();
             if let AmplitudeDefinition::Curve { points, .. } = &mut shifted.definition {
                 points.iter_mut().for_each(|p| p[1] -= first);
             }
-            b.amplitude = Some(push(shifted, model));
+            b.amplitude = Some(place_of(shifted, model));
         }
         b
     }
@@ -222,9 +229,13 @@ fn curve(amplitude: &Amplitude) -> Option<Curve> {
     }
 }
 
-fn push(amplitude: Amplitude, model: &mut Model) -> AmplitudeId {
-    model.amplitudes.push(amplitude);
-    AmplitudeId::new(model.amplitudes.len() - 1)
+/// The index of an amplitude; one that there is already serves again, so that what goes on unchanged is equal from step to step.
+fn place_of(amplitude: Amplitude, model: &mut Model) -> AmplitudeId {
+    let known = model.amplitudes.iter().position(|a| *a == amplitude);
+    AmplitudeId::new(known.unwrap_or_else(|| {
+        model.amplitudes.push(amplitude);
+        model.amplitudes.len() - 1
+    }))
 }
 
 /// An amplitude that stays at what another came to.
@@ -234,7 +245,7 @@ pub(super) fn constant(factor: f64, other: Option<AmplitudeId>, model: &mut Mode
         (other.name.clone(), other.span)
     });
     let definition = AmplitudeDefinition::Curve { points: vec![[0.0, factor]], smooth: false, total_time: false };
-    push(Amplitude { name, definition, absolute: false, span }, model)
+    place_of(Amplitude { name, definition, absolute: false, span }, model)
 }
 
 /// Value and amplitude of what grows linearly over a step from one value to another.
@@ -245,7 +256,7 @@ pub(super) fn ramp(from: f64, to: f64, span: Span, step: &StepTime, model: &mut 
     let value = if to == 0.0 { from } else { to };
     let points = vec![[0.0, from / value], [step.duration, to / value]];
     let definition = AmplitudeDefinition::Curve { points, smooth: false, total_time: false };
-    (value, Some(push(Amplitude { name: RAMP.into(), definition, absolute: false, span }, model)))
+    (value, Some(place_of(Amplitude { name: RAMP.into(), definition, absolute: false, span }, model)))
 }
 
 /// Whether two boundaries say the same of a degree of freedom.

@@ -12,12 +12,12 @@ use hmac_sha256::Hash;
 use super::write_durable;
 use crate::deck::{Diagnostic, files};
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
 
 /// Ending of the file.
 pub const CHECKPOINT: &str = ".checkpoint";
 /// The last byte counts the layouts that there have been.
-const MAGIC: [u8; 8] = *b"REVOLVE\x04";
+const MAGIC: [u8; 8] = *b"REVOLVE\x05";
 const SUM: usize = 32;
 
 /// Whose state it is. Each part is a hash in hexadecimal, or the thing itself.
@@ -60,12 +60,7 @@ pub fn hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-impl Persist for Identity {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Identity { deck, parameters, mesh, user, precision } = self;
-        persist_fields!(archive; deck, parameters, mesh, user, precision);
-    }
-}
+persist_struct!(Identity { deck, parameters, mesh, user, precision });
 
 impl Persist for Checkpoint {
     fn persist(&mut self, archive: &mut Archive<'_>) {

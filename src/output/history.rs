@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::csv;
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
 
 /// Name of the column behind the time: the number of the step, from 1.
 pub const STEP: &str = "step";
@@ -155,12 +155,7 @@ impl Persist for History {
     }
 }
 
-impl Persist for ColumnSummary {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let ColumnSummary { last, min, max, time_min, time_max } = self;
-        persist_fields!(archive; last, min, max, time_min, time_max);
-    }
-}
+persist_struct!(ColumnSummary { last, min, max, time_min, time_max });
 
 impl HistorySummary {
     /// Visits what the columns came to, which are those of the plan once a row has been seen.

@@ -1,33 +1,33 @@
-//! The bytes of the ledger: what plan, state and run have allocated, each under the effect that it serves. Loads and constraints
-//! stand in the plan as at the beginning of their step, and in the run as they are.
+//! The bytes of the ledger: what plan and state have allocated, each under the effect that it serves. What the first step has in
+//! force is in the state, what a later step adds is in the plan.
 //! Never here: how much of what is needed.
 
+use super::changes::ListChange;
 use super::ledger::Ledger;
 use super::{Plan, State};
 use crate::state::BodyState;
 use crate::state::EffectId;
 use crate::state::rigid_body_3d::RigidBody3d;
 
-/// One in the plan, one in the run.
-const COPIES: usize = 2;
-
 /// Puts bytes beside the effects.
 pub(super) fn book(plan: &mut Plan, state: &State) {
     let ledger = &mut plan.ledger;
-    for step in &plan.steps {
-        for load in &step.loads {
-            load.arrays().into_iter().for_each(|(name, bytes)| add(ledger, load.effect(), name, COPIES * bytes));
-        }
-        for constraint in &step.constraints {
-            add(ledger, constraint.id(), "constraint", COPIES * constraint.bytes());
-        }
-        if let Some(scaling) = &step.scaling {
-            let row = ledger.effects.iter().position(|row| row.effect == "mass scaling");
-            row.into_iter().for_each(|row| add(ledger, row, "requests", COPIES * scaling.bytes()));
-        }
+    let changes = || plan.steps.iter().map(|step| &step.changes);
+    let loads =
+        || state.loads.iter().map(|load| &**load).chain(changes().flat_map(|c| &c.loads).flat_map(ListChange::added));
+    for load in loads() {
+        load.arrays().into_iter().for_each(|(name, bytes)| add(ledger, load.effect(), name, bytes));
     }
-    for amplitude in &plan.amplitudes {
-        add(ledger, amplitude.id, "routine", COPIES * amplitude.bytes());
+    let added = changes().flat_map(|c| &c.constraints).flat_map(ListChange::added);
+    for constraint in state.constraints.iter().map(|constraint| &**constraint).chain(added) {
+        add(ledger, constraint.effect(), "constraint", constraint.bytes());
+    }
+    for scaling in changes().flat_map(|c| &c.scaling).chain([&state.scaling]).flatten() {
+        let row = ledger.effects.iter().position(|row| row.effect == "mass scaling");
+        row.into_iter().for_each(|row| add(ledger, row, "requests", scaling.bytes()));
+    }
+    for amplitude in &state.amplitude_routines {
+        add(ledger, amplitude.id, "routine", amplitude.bytes());
     }
     elements(ledger, state, plan.rows.gather);
     if let Some(thermal) = &state.thermal {
@@ -36,7 +36,7 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
             row.into_iter().for_each(|row| add(ledger, row, "temperatures", bytes));
         }
     }
-    let pushed = state.elements.has_links() || plan.steps.iter().flat_map(|s| &s.loads).any(|l| l.targets().nodes);
+    let pushed = state.elements.has_links() || loads().any(|load| load.targets().nodes);
     if let Some(row) = plan.rows.gather.filter(|_| pushed) {
         add(ledger, row, "forces", state.dofs.nodes.bytes_of_forces());
     }
@@ -44,7 +44,7 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
         add(ledger, row, "rigid bodies", size_of::<BodyState>() * state.dofs.bodies.capacity());
         let spatial = state.dofs.bodies.iter().filter(|body| body.is_spatial()).count();
         add(ledger, row, "bodies in space", size_of::<RigidBody3d>() * spatial);
-        add(ledger, row, "steps", plan.steps.iter().map(size_of_val).sum());
+        add(ledger, row, "steps", plan.steps.iter().map(|step| size_of_val(step) + step.changes.bytes()).sum());
     }
     if let Some(row) = plan.rows.output {
         let bodies = plan.bodies.iter().map(super::Body::bytes).sum();

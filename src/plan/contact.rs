@@ -31,13 +31,13 @@ impl Compiler<'_> {
         let (mut found, mut pairs, mut laws) = (Found::default(), Vec::new(), Vec::<Law>::new());
         let mut springs: Vec<Law> = Vec::new();
         let mut spans = Vec::new();
-        let mut wanted = self.pairs[step].clone();
-        wanted.retain(|pair| self.spatial_side(pair).is_none());
+        let all = self.pairs[step].clone();
+        let wanted: Vec<&SurfaceContact> = all.iter().filter(|pair| self.spatial_side(pair).is_none()).collect();
         if wanted.is_empty() {
             return None;
         }
         let around = Around { prescribed, kept: &self.kept.concerned(), skin: &self.solid_skin() };
-        for contact in &wanted {
+        for contact in wanted {
             let pair = match &contact.analytical {
                 Some(side) => self.analytical_pair((contact, side), &around, &mut found, state),
                 None => self.pair_of_curves(contact, step, &around, &mut found, state),

@@ -79,8 +79,12 @@ impl Compiler<'_> {
             return None;
         }
         let mut id = None;
-        let mut steps = Vec::new();
-        for step in &model.steps {
+        let mut steps: Vec<Arc<[Prescribed]>> = Vec::new();
+        for (index, step) in model.steps.iter().enumerate() {
+            if index > 0 && model.steps[index - 1].fields == step.fields {
+                steps.extend(steps.last().cloned());
+                continue;
+            }
             let mut list = Vec::new();
             for field in &step.fields {
                 let nodes: Vec<usize> = field.nodes.iter().filter_map(|n| self.places.nodes.get(n).copied()).collect();
@@ -90,7 +94,7 @@ impl Compiler<'_> {
                 let magnitude = self.magnitude(field.value, field.amplitude);
                 list.push(Prescribed { variable: field.variable, nodes, magnitude });
             }
-            steps.push(list);
+            steps.push(list.into());
         }
         let start = self.fields_at_start(state.dofs.nodes.len());
         Some(Box::new(PredefinedFields::new(id?, start, steps, groups)))

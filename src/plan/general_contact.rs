@@ -2,10 +2,11 @@
 //! Never here: curves, the contact itself.
 
 use std::collections::HashSet;
+use std::rc::Rc;
 
 use super::Compiler;
 use super::pieces::pieces;
-use crate::model::{ContactDomain, ElementKind, GeneralContact, Side, Sides, SurfaceContact};
+use crate::model::{ContactDomain, ElementKind, GeneralContact, Side, Sides, Step, SurfaceContact};
 
 type Face = (usize, Side);
 
@@ -27,7 +28,15 @@ impl Meeting {
 impl Compiler<'_> {
     /// Finds all pairs of surfaces of elements in force in each step: those that the deck names, and those of general contact.
     pub(super) fn find_pairs(&mut self) {
-        for step in &self.model.steps {
+        let steps = &self.model.steps;
+        for (index, step) in steps.iter().enumerate() {
+            let before = index.checked_sub(1).map(|i| &steps[i]);
+            let goes_on =
+                |b: &Step| b.surface_contacts == step.surface_contacts && b.general_contact == step.general_contact;
+            if before.is_some_and(goes_on) {
+                self.pairs.extend(self.pairs.last().cloned());
+                continue;
+            }
             let general = step.general_contact.iter().flat_map(|general| self.general_pairs(general));
             let pairs: Vec<SurfaceContact> = step.surface_contacts.iter().cloned().chain(general).collect();
             for name in pairs.iter().map(pair_name) {
@@ -35,7 +44,7 @@ impl Compiler<'_> {
                     self.pair_names.push(name);
                 }
             }
-            self.pairs.push(pairs);
+            self.pairs.push(Rc::new(pairs));
         }
     }
 

@@ -16,7 +16,7 @@ use crate::heat::sources::{Held, HeldNode, Kind, Source};
 use crate::kernel::hardening::Table;
 use crate::kernel::quad::corner_masses;
 use crate::mesh::hidden::Hidden;
-use crate::model::{InitialKind, Load, LoadKind, Material, Motion, SolidSection, Step};
+use crate::model::{Boundary, InitialKind, Load, LoadKind, Material, Motion, SolidSection, Step};
 use crate::state::nodes::Nodes;
 
 /// A section with the group of its elements.
@@ -119,8 +119,11 @@ impl Compiler<'_> {
         let conductors = Conductors::new(parts, list, state.dofs.nodes.len());
         let conducting: HashSet<usize> = conductors.list.iter().flat_map(|c| c.nodes).map(|n| n as usize).collect();
         let start = self.initial_temperatures(state);
-        let mut steps: Vec<Conditions> =
-            model.steps.iter().map(|s| self.conditions(s, &conductors, &conducting)).collect();
+        let mut steps = Vec::with_capacity(model.steps.len());
+        for (index, step) in model.steps.iter().enumerate() {
+            let goes_on = index > 0 && has_same_heat(&model.steps[index - 1], step);
+            steps.push((!goes_on).then(|| self.conditions(step, &conductors, &conducting)));
+        }
         self.tie_temperatures(&mut steps, &conductors, &conducting, &start);
         let meets = model.steps.iter().any(Step::has_contact);
         Some(Heat::new(id, conductors, steps, start, meets))
@@ -297,6 +300,14 @@ fn mean(group: &dyn ElementGroup, element: usize, nodal: &[f64], nodes: &Nodes) 
     let cells = || group.cells(element).map(conductor);
     let volume: f64 = cells().map(|c| c.mass()).sum();
     cells().map(|c| c.mean(nodal) * (c.mass() / volume)).sum()
+}
+
+/// Whether two steps give and hold the same heat.
+fn has_same_heat(a: &Step, b: &Step) -> bool {
+    let held = |b: &&Boundary| b.kind == Motion::Temperature;
+    let gives = |l: &&Load| is_heat(&l.kind);
+    a.boundaries.iter().filter(held).eq(b.boundaries.iter().filter(held))
+        && a.loads.iter().filter(gives).eq(b.loads.iter().filter(gives))
 }
 
 fn is_heat(kind: &LoadKind) -> bool {

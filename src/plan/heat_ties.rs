@@ -20,7 +20,7 @@ impl Compiler<'_> {
     /// Puts them into each step, with the temperatures that are held in it.
     pub(super) fn tie_temperatures(
         &mut self,
-        steps: &mut [Conditions],
+        steps: &mut [Option<Conditions>],
         conductors: &Conductors,
         conducting: &HashSet<usize>,
         start: &[f64],
@@ -33,6 +33,7 @@ impl Compiler<'_> {
         }
         let capacities = capacities_at(conductors, start);
         for (index, conditions) in steps.iter_mut().enumerate() {
+            let Some(conditions) = conditions else { continue };
             let held = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| (n.node, 0)).collect();
             let given = Given { all: held, ..Given::default() };
             match Bonds::new(&tied.equations, &[], &capacities, &given) {

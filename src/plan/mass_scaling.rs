@@ -80,7 +80,7 @@ impl Compiler<'_> {
     }
 
     /// What takes masses once and would not follow.
-    fn check_scalable_step(&mut self, step: &Step) {
+    pub(super) fn check_scalable_step(&mut self, step: &Step) {
         for load in &step.loads {
             if matches!(load.kind, LoadKind::Gravity { elements: Some(_), .. }) {
                 let help = "leave the element set of GRAV empty: it then acts on all that has mass";

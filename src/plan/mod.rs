@@ -5,6 +5,7 @@ mod analytical;
 mod averaging;
 mod bodies;
 mod bytes;
+pub mod changes;
 pub mod codes;
 mod connectors;
 mod contact;
@@ -37,6 +38,7 @@ mod shells;
 mod soft_material;
 mod solid;
 mod solid_material;
+mod steps;
 mod surface_ties;
 mod surfaces;
 mod targets;
@@ -46,19 +48,20 @@ mod user_material;
 mod wall_contact;
 
 use std::collections::HashSet;
+use std::rc::Rc;
 
 use indexmap::IndexMap;
 
 use crate::constraint::Constraint;
-use crate::constraint::bonds::Given;
 use crate::constraint::tie::Tie;
 use crate::constraint::user_motion::UserMotion;
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::element::elements::Elements;
 use crate::element::mass_scaling::Scaling;
 use crate::heat::Thermal;
+use crate::kernel::amplitude::SampledAmplitude;
+use crate::load::Load;
 use crate::load::user_amplitude::UserAmplitude;
-use crate::load::{Load, VelocityUse};
 use crate::model::{
     AmplitudeId, EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity, Material, Mesh, Model,
     Precision, Shared, SurfaceContact,
@@ -67,6 +70,8 @@ use crate::state::EffectId;
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::user::Routines;
 pub use bodies::Body;
+pub use changes::Changes;
+use changes::ListChange;
 pub use expressions::RowExpression;
 pub use labels::Labels;
 use ledger::{Ledger, Unused};
@@ -98,10 +103,6 @@ pub struct Plan {
     pub expressions: Vec<RowExpression>,
     /// Arrays of frames.
     pub fields: Vec<FrameField>,
-    /// User amplitudes: asked once an increment, whatever the step.
-    pub amplitudes: Vec<UserAmplitude>,
-    /// How many functions of time the user's routines tell.
-    pub told: usize,
     /// The user's routines, whose own memory no state of the run holds.
     pub routines: Routines,
     /// Rows of the ledger that belong to the integrator.
@@ -126,20 +127,42 @@ pub struct Rows {
     pub output: Option<EffectId>,
 }
 
-/// All that moves, at the start of a plan or at the end of a run.
+/// All that changes, at the start of a plan or at the end of a run.
 #[derive(Clone, Default)]
 pub struct State {
     /// Degrees of freedom.
     pub dofs: Dofs,
     /// Elements.
     pub elements: Elements,
-    /// Constraints of the step that has been run; none at the start.
-    pub constraints: Vec<Box<dyn Constraint>>,
     /// Temperatures of nodes and thermal strains; `None` where temperatures change nothing.
     pub thermal: Option<Box<Thermal>>,
+    /// Loads in force; those that resist come last.
+    pub loads: Vec<Box<dyn Load>>,
+    /// Constraints in force: prescribed motions, equations, contact, ties.
+    pub constraints: Vec<Box<dyn Constraint>>,
+    /// Mass scaling in force; `None` before a step asks for it.
+    pub scaling: Option<Scaling>,
+    /// User motions in force: asked once an increment.
+    pub user_motions: Vec<Box<UserMotion>>,
+    /// User amplitudes: asked once an increment, whatever the step.
+    pub amplitude_routines: Vec<UserAmplitude>,
+    /// Functions of time that the user's routines give.
+    pub user_amplitudes: Vec<SampledAmplitude>,
 }
 
-/// One step. Loads and constraints are as at its beginning; a run takes copies.
+impl State {
+    /// Puts in force what the first step adds.
+    fn begin_with(&mut self, first: Changes) {
+        let Changes { loads, constraints, user_motions, scaling } = first;
+        self.loads = loads.map_or_else(Vec::new, ListChange::into_first);
+        self.constraints = constraints.map_or_else(Vec::new, ListChange::into_first);
+        self.user_motions = user_motions.map_or_else(Vec::new, ListChange::into_first);
+        self.scaling = scaling.flatten();
+    }
+}
+
+/// One step: how it goes, and what it changes of what is in force in the step before; the first changes nothing of the state at
+/// the start.
 pub struct StepPlan {
     /// Name.
     pub name: String,
@@ -151,16 +174,10 @@ pub struct StepPlan {
     pub scale_factor: f64,
     /// What velocity loads are shown.
     pub load_velocity: LoadVelocity,
-    /// Loads; those that resist come last.
-    pub loads: Vec<Box<dyn Load>>,
-    /// Constraints: prescribed motions, equations, contact, ties.
-    pub constraints: Vec<Box<dyn Constraint>>,
+    /// What it changes.
+    pub changes: Changes,
     /// Limits on energies; `None` without any.
     pub energy_limit: Option<EnergyLimit>,
-    /// Mass scaling; `None` before a step asks for it.
-    pub scaling: Option<Scaling>,
-    /// User motions: asked once an increment.
-    pub user_motions: Vec<UserMotion>,
     /// When to write.
     pub outputs: Outputs,
 }
@@ -219,8 +236,10 @@ struct Compiler<'a> {
     /// Degrees of freedom of nodes without mass that nothing keeps.
     idle: HashSet<(usize, usize)>,
     /// Pairs of surfaces of elements that may meet in each step, and the names of all of them, as histories have them.
-    pairs: Vec<Vec<SurfaceContact>>,
+    pairs: Vec<Rc<Vec<SurfaceContact>>>,
     pair_names: Vec<String>,
+    /// What the step planned last has in force.
+    in_force: steps::InForce<'a>,
     /// Routines of the user that something calls.
     called: Vec<&'static str>,
 }
@@ -260,6 +279,7 @@ fn compile_with(
         idle: HashSet::new(),
         pairs: Vec::new(),
         pair_names: Vec::new(),
+        in_force: steps::InForce::default(),
         called: Vec::new(),
         diagnostics: Diagnostics::default(),
         ledger: Ledger::default(),
@@ -279,7 +299,7 @@ fn compile_with(
     compiler.erosion(&mut state);
     compiler.find_pairs();
     let (columns, fields) = compiler.variables(&mut state);
-    let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, &state)).collect();
+    let steps = compiler.steps(&mut state);
     compiler.scale_and_estimate(&mut state);
     compiler.refuse_on_spatial_bodies();
     compiler.check_complete(!state.elements.is_empty());
@@ -295,6 +315,8 @@ fn compile_with(
     }
     let Compiler { ledger, bodies, places, amplitudes, told, sections, sets, expressions, diagnostics: found, .. } =
         compiler;
+    state.amplitude_routines = amplitudes;
+    state.user_amplitudes = vec![SampledAmplitude::default(); told];
     let labels = Labels::of(model);
     diagnostics.append(found);
     // Notes on a plan that cannot run would only bury what is wrong with it.
@@ -314,8 +336,6 @@ fn compile_with(
         sets,
         expressions,
         fields,
-        amplitudes,
-        told,
         routines,
         rows,
         labels,
@@ -367,51 +387,6 @@ impl Compiler<'_> {
         }
     }
 
-    /// The loads of a step; those that resist come last.
-    fn loads(&mut self, index: usize, state: &State) -> Vec<Box<dyn Load>> {
-        let step = &self.model.steps[index];
-        let mut loads: Vec<Box<dyn Load>> = step.loads.iter().filter_map(|load| self.load(load, step, state)).collect();
-        loads.sort_by_key(|load| load.velocity_use() == VelocityUse::Resists);
-        loads
-    }
-
-    /// Gives a step that has been planned the loads of its model as it is now.
-    fn reload(&mut self, index: usize, step: &mut StepPlan, state: &State) {
-        step.loads = self.loads(index, state);
-        self.increment_rows(&self.model.steps[index], &step.loads);
-    }
-
-    fn step(&mut self, index: usize, state: &State) -> StepPlan {
-        let step = &self.model.steps[index];
-        let loads = self.loads(index, state);
-        let mut user_motions = Vec::new();
-        let mut constraints = self.motions(step, &mut user_motions);
-        let held = constraints.iter().filter(|c| c.holds()).flat_map(|c| c.prescribes()).collect();
-        let given = Given { all: constraints.iter().flat_map(|c| c.prescribes()).collect(), held };
-        constraints.extend(self.equations(step, state, &given));
-        // Tied nodes follow what contact does to a body that moves freely.
-        constraints.extend(self.contact(index, &given.all, state));
-        constraints.extend(self.wall_contacts(index, state));
-        constraints.extend(self.strangers(state));
-        constraints.extend(self.ties.iter().map(|tie| Box::new(tie.clone()) as Box<dyn Constraint>));
-        let scaling = self.mass_scaling(index, state);
-        let energy_limit = self.energy_limit(step);
-        self.increment_rows(step, &loads);
-        StepPlan {
-            name: step.name.clone(),
-            duration: step.duration,
-            control: step.increment,
-            scale_factor: step.scale_factor,
-            load_velocity: step.load_velocity,
-            loads,
-            constraints,
-            energy_limit,
-            scaling,
-            user_motions,
-            outputs: self.outputs(step),
-        }
-    }
-
     fn scale_and_estimate(&mut self, state: &mut State) {
         if state.elements.is_empty() {
             return;
@@ -443,31 +418,6 @@ impl Compiler<'_> {
         let detail = format!("{}, {}", parts.join(", "), if limit.halts { "halt" } else { "warn" });
         self.cause(limit.span, "energy limit", 1, "step", detail);
         Some(limit)
-    }
-
-    fn increment_rows(&mut self, step: &crate::model::Step, loads: &[Box<dyn Load>]) {
-        let mut detail = match step.increment {
-            IncrementControl::Automatic { .. } if !self.places.elements.is_empty() => {
-                format!("stable increment times {}", step.scale_factor)
-            }
-            IncrementControl::Fixed(dt) => format!("fixed increment {dt:e} (direct user control)"),
-            IncrementControl::Automatic { accuracy, .. } => {
-                format!("nothing limits the increment: error estimate, accuracy {accuracy:e}")
-            }
-        };
-        if let IncrementControl::Automatic { largest, .. } = step.increment
-            && largest.is_finite()
-        {
-            detail += &format!(", at most {largest:e}");
-        }
-        self.cause(step.span, "central difference", 1, "step", detail);
-        if loads.iter().any(|l| l.velocity_use() != VelocityUse::None) {
-            let scheme = match step.load_velocity {
-                LoadVelocity::Predicted => "second-order estimate at the increment's own time",
-                LoadVelocity::Lagged => "mid-increment velocity behind (LAGGED)",
-            };
-            self.cause(step.span, "load velocity", 1, "step", scheme.into());
-        }
     }
 
     fn check_complete(&mut self, deforms: bool) {

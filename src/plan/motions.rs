@@ -4,6 +4,7 @@
 use std::collections::HashSet;
 
 use super::Compiler;
+use super::steps::{ConstraintList, Origin};
 use crate::constraint::Constraint;
 use crate::constraint::motion::{Prescribed, PrescribedMotion};
 use crate::constraint::user_motion::{UserDof, UserMotion};
@@ -15,19 +16,22 @@ use crate::state::magnitude::Magnitude;
 /// Degrees of freedom whose motion is prescribed already, with what prescribes it.
 type Taken = Vec<(Dof, Prescribed, f64)>;
 
-impl Compiler<'_> {
-    /// What is prescribed in a step, and the axis, which holds r by itself. User motions are asked once an increment.
-    pub(super) fn motions(&mut self, step: &Step, asking: &mut Vec<UserMotion>) -> Vec<Box<dyn Constraint>> {
-        let mut motions: Vec<Box<dyn Constraint>> = Vec::new();
+impl<'a> Compiler<'a> {
+    /// Adds what is prescribed in a step, and the axis, which holds r by itself.
+    pub(super) fn motions(&mut self, step: &'a Step, list: &mut ConstraintList<'a>) {
         let (mut taken, mut nodes) = (Taken::new(), HashSet::new());
         for boundary in step.boundaries.iter().filter(|b| b.kind != model::Motion::Temperature) {
             let dofs = self.dofs(boundary, &mut taken, &mut nodes);
-            if !dofs.is_empty() {
-                motions.extend(self.motion(boundary, &self.ways(boundary, step), dofs, asking));
+            if dofs.is_empty() {
+                continue;
+            }
+            let origin = Origin::Motion(boundary, dofs.iter().map(|d| d.0).collect());
+            let Err(origin) = list.keep(origin) else { continue };
+            if let Some(motion) = self.motion(boundary, &self.ways(boundary, step), dofs, list) {
+                list.add(origin, motion);
             }
         }
-        motions.extend(self.axis(step, &nodes));
-        motions
+        self.axis(step, &nodes, list);
     }
 
     /// Degrees of freedom that a boundary prescribes, with their nodes of the mesh.
@@ -91,10 +95,10 @@ impl Compiler<'_> {
         boundary: &Boundary,
         ways: &str,
         dofs: Vec<(Dof, usize)>,
-        asking: &mut Vec<UserMotion>,
+        list: &mut ConstraintList<'a>,
     ) -> Option<Box<dyn Constraint>> {
         if boundary.user {
-            return self.user_motion(boundary, dofs, asking);
+            return self.user_motion(boundary, dofs, list);
         }
         let (kind, value) = prescribed(boundary);
         let detail = match (kind, value) {
@@ -112,7 +116,7 @@ impl Compiler<'_> {
         &mut self,
         boundary: &Boundary,
         dofs: Vec<(Dof, usize)>,
-        asking: &mut Vec<UserMotion>,
+        list: &mut ConstraintList<'a>,
     ) -> Option<Box<dyn Constraint>> {
         if boundary.dof == 6 {
             let message = "rotations of shells that a user's routine gives are not supported";
@@ -139,12 +143,12 @@ impl Compiler<'_> {
         self.told += dofs.len();
         let (set, asked) = (boundary.set.to_uppercase(), dofs.iter().map(asked).collect());
         let amplitude = self.magnitude(1.0, boundary.amplitude);
-        asking.push(UserMotion { set, kind, amplitude, asked, first, increment_before: 0.0 });
+        list.ask(UserMotion { set, kind, amplitude, asked, first, increment_before: 0.0, has_begun: false });
         let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
         Some(Box::new(PrescribedMotion::told(id, kind, first, &dofs)))
     }
 
-    fn axis(&mut self, step: &Step, nodes: &HashSet<Dof>) -> Option<Box<dyn Constraint>> {
+    fn axis(&mut self, step: &Step, nodes: &HashSet<Dof>, list: &mut ConstraintList<'a>) {
         let mesh = &self.model.mesh;
         let on_axis = |n: &usize| mesh.points[*n][0] == 0.0;
         let free = self.places.nodes.keys().filter(|n| on_axis(n)).filter_map(|n| self.places.free_node(*n));
@@ -157,10 +161,13 @@ impl Compiler<'_> {
         let all = free.chain(turning);
         let dofs: Vec<Dof> = all.map(|place| Dof::Node(place, 0)).filter(|dof| !nodes.contains(dof)).collect();
         if dofs.is_empty() {
-            return None;
+            return;
         }
-        let id = self.cause(step.span, "axis of symmetry", dofs.len(), "nodes", detail.into());
-        Some(Box::new(PrescribedMotion::new(id, Prescribed::Velocity, Magnitude::constant(0.0), &dofs)))
+        if let Err(origin) = list.keep(Origin::Axis(dofs.clone())) {
+            let id = self.cause(step.span, "axis of symmetry", dofs.len(), "nodes", detail.into());
+            let held = PrescribedMotion::new(id, Prescribed::Velocity, Magnitude::constant(0.0), &dofs);
+            list.add(origin, Box::new(held));
+        }
     }
 
     fn radial_boundary(&mut self, boundary: &Boundary) {
@@ -187,6 +194,12 @@ fn along(boundary: &Boundary) -> &'static str {
 
 fn unit(dofs: &[(Dof, usize)]) -> &'static str {
     if dofs.iter().all(|d| matches!(d.0, Dof::Body(_))) { "bodies" } else { "nodes" }
+}
+
+/// Whether a boundary holds its nodes where they are.
+pub(super) fn holds(boundary: &Boundary) -> bool {
+    let (kind, value) = prescribed(boundary);
+    value == 0.0 && kind != Prescribed::Acceleration
 }
 
 /// What a boundary prescribes, and its value at amplitude 1.

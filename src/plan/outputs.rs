@@ -352,7 +352,9 @@ impl Compiler<'_> {
     fn pair_columns(&self, asked: VariableRequest, which: &WhichPairs, columns: &mut Vec<Column>) {
         let asked = if matches!(asked, VariableRequest::Preselect) { VariableRequest::All } else { asked };
         let parts = self.parts(asked, |v| v.place() == Place::Pair);
-        let meant = |name: &str| self.pairs.iter().flatten().any(|c| pair_name(c) == name && which.means(c));
+        let meant = |name: &str| {
+            self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|c| pair_name(c) == name && which.means(c))
+        };
         for (index, name) in self.pair_names.iter().enumerate().filter(|n| meant(n.1)) {
             columns.extend(parts.iter().map(|&part| column(part, name, Source::Pair(index))));
         }
@@ -476,8 +478,8 @@ impl Compiler<'_> {
     fn energies(&self) -> impl Iterator<Item = Variable> + use<> {
         let deforms = self.deforms();
         let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
-        let springs = self.pairs.iter().flatten().any(|pair| pair.penalty.is_some());
-        let walls = self.pairs.iter().flatten().any(|pair| self.spatial_side(pair).is_some());
+        let springs = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());
+        let walls = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| self.spatial_side(pair).is_some());
         let is_there = move |v: &Variable| {
             let there = match v.row().preselected {
                 Preselected::Conducting => conducts,

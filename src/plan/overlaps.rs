@@ -79,7 +79,7 @@ impl Compiler<'_> {
     }
 
     /// A look at bodies that may come to lie in each other without contact; `None` where there are none.
-    pub(super) fn strangers(&mut self, state: &State) -> Option<Box<dyn Constraint>> {
+    pub(super) fn unpaired_bodies(&mut self, state: &State) -> Option<Box<dyn Constraint>> {
         let lines = self.pieces_of(|kind| kind == ElementKind::Rax2);
         let solids = self.pieces();
         let count = solids.len();
@@ -159,7 +159,10 @@ impl Compiler<'_> {
     fn may_meet(&self, pieces: [&Piece; 2]) -> bool {
         let on = |sides: &Sides, piece: &Piece| sides.faces.iter().any(|f| piece.elements.binary_search(&f.0).is_ok());
         let between = |c: &SurfaceContact, [a, b]: [&Piece; 2]| on(&c.sides[0], a) && on(&c.sides[1], b);
-        self.pairs.iter().flatten().any(|c| between(c, pieces) || between(c, [pieces[1], pieces[0]]))
+        self.pairs
+            .iter()
+            .flat_map(|pairs| pairs.iter())
+            .any(|c| between(c, pieces) || between(c, [pieces[1], pieces[0]]))
     }
 
     /// How many nodes of one piece lie within another, further behind its skin than what fits, and how deep.

@@ -3,9 +3,11 @@
 //! Never here: which numbers those are (`model/revise.rs`).
 
 use std::collections::HashSet;
+use std::rc::Rc;
 
 use indexmap::IndexMap;
 
+use super::steps::InForce;
 use super::{Compiler, Plan, State, bodies::Body, links, surface_ties};
 use crate::constraint::tie::Tie;
 use crate::deck::{Diagnostics, Span};
@@ -47,7 +49,7 @@ impl Reviser {
             && model.constraints.ties.is_empty()
             && model.attitudes.is_empty()
             && !state.dofs.bodies.iter().any(BodyState::is_spatial)
-            && compiler.pairs.iter().all(Vec::is_empty)
+            && compiler.pairs.iter().all(|pairs| pairs.is_empty())
             && compiler.told == 0
             && compiler.amplitudes.is_empty();
         rigid.then(|| Reviser {
@@ -85,7 +87,8 @@ impl Reviser {
             surface_ties: Vec::<surface_ties::TiedNode>::new(),
             kept: links::Kept::default(),
             idle: HashSet::new(),
-            pairs: vec![Vec::new(); model.steps.len()],
+            pairs: vec![Rc::default(); model.steps.len()],
+            in_force: InForce::default(),
             pair_names: std::mem::take(&mut self.pair_names),
             called: std::mem::take(&mut self.called),
         };

@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::element::removed::Books;
 use crate::load::{Account, GeneralizedForce};
 use crate::state::BodyState;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::energies::Energies;
 
@@ -202,6 +202,11 @@ impl Balance {
         self.prescribed = prescribed.map(|body| Prescribed { body, kinetic: f64::NAN }).collect();
     }
 
+    /// The forces at this instant are these from now on.
+    pub fn take_forces(&mut self, forces: &[f64]) {
+        self.entries.iter_mut().zip(forces).for_each(|(entry, &force)| entry.force = force);
+    }
+
     /// Books the increment that led to this instant. After one that ended in a jump (`afresh`) the forces behind it count.
     #[inline]
     pub fn book(&mut self, dofs: &Dofs, forces: &[f64], afresh: bool, deforms: bool) {
@@ -281,50 +286,30 @@ impl Balance {
     }
 }
 
-impl Persist for Energy {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Energy { kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact, .. } = self;
-        persist_fields!(archive; kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact);
-        let Energy { artificial, distortion, total, initial, drift, .. } = self;
-        persist_fields!(archive; artificial, distortion, total, initial, drift);
-    }
-}
+// Of heat, springs and deletion it is told by those who have them.
+persist_struct!(Energy {
+    kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact, artificial, distortion, total, initial, drift
+} derived { penalty, heat, internal_heat, removed });
 
-impl Persist for Entry {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Entry { body: _, coordinate: _, account: _, external: _, tied: _, force, last, work } = self;
-        persist_fields!(archive; force, last, work);
-    }
-}
+persist_struct!(Entry { force, last, work } derived { body, coordinate, account, external, tied });
 
-impl Persist for Prescribed {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Prescribed { body: _, kinetic } = self;
-        kinetic.persist(archive);
-    }
-}
+persist_struct!(Prescribed { kinetic } derived { body });
 
-impl Persist for Balance {
-    /// In a step that has begun: it has the entries of the step.
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Balance {
-            entries,
-            prescribed,
-            settled,
-            kinetic,
-            done,
-            external,
-            tied,
-            largest,
-            departure,
-            departure_now,
-            solid,
-            solid_initial,
-        } = self;
-        persist_fields!(archive; entries.as_mut_slice(), prescribed.as_mut_slice(), settled, kinetic, done, external);
-        persist_fields!(archive; tied, largest, departure, departure_now, solid, solid_initial);
-    }
-}
+// In a step that has begun: it has the entries of the step.
+persist_struct!(Balance {
+    entries: fixed,
+    prescribed: fixed,
+    settled,
+    kinetic,
+    done,
+    external,
+    tied,
+    largest,
+    departure,
+    departure_now,
+    solid,
+    solid_initial
+});
 
 /// Kinetic energy of rigid bodies.
 fn kinetic(dofs: &Dofs) -> f64 {

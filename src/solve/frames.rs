@@ -7,7 +7,7 @@ use super::body_surfaces::{Point, on_cells};
 use super::energy::Energy;
 use super::run::Run;
 use crate::constraint::contact::curve::Carrier;
-use crate::constraint::{Constraint, reaction};
+use crate::constraint::{Constraint, ContactResults, reaction};
 use crate::element::values;
 use crate::model::Position;
 use crate::output::{Field, Frame};
@@ -82,7 +82,7 @@ impl Run<'_> {
             Source::Element(group, e) => self.element_value((group, e), part),
             Source::Section(index) => self.section_value(&self.plan.sections[index], part),
             // A pair that is not in force in this step transmits nothing.
-            Source::Pair(index) => self.constraints.iter().find_map(|c| c.of_pair(index, part)).unwrap_or(0.0),
+            Source::Pair(index) => self.contacts().find_map(|c| c.value_of_pair(index, part)).unwrap_or(0.0),
             Source::Set(statistic, index) => self.statistic(statistic, &self.plan.sets[index], part, energy),
             Source::Expression(_) => f64::NAN,
         }
@@ -134,10 +134,14 @@ impl Run<'_> {
         }
     }
 
+    fn contacts(&self) -> impl Iterator<Item = &dyn ContactResults> {
+        self.constraints.iter().filter_map(|c| c.view().contact)
+    }
+
     /// A number of a point of a surface in contact. Elsewhere nothing presses, and there is no gap.
     fn contact_value(&self, carrier: Carrier, part: Part) -> f64 {
         let nowhere = if part.variable == Variable::ContactOpening { f64::NAN } else { 0.0 };
-        self.constraints.iter().find_map(|c| c.at_point(carrier, part)).unwrap_or(nowhere)
+        self.contacts().find_map(|c| c.value_at_point(carrier, part)).unwrap_or(nowhere)
     }
 
     /// A number of an element; not a number where its group does not have it. The temperature of one that conducts is that of

@@ -5,6 +5,8 @@
 use super::increment::shortened;
 use super::run::Run;
 use super::watch::SMALL;
+use crate::constraint::Constraint;
+use crate::load::Load;
 use crate::load::stiffness::Stiffness;
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
@@ -43,11 +45,11 @@ impl Run<'_> {
         }
     }
 
-    /// At the end of a step: which loads shortened the increment, or would have.
-    pub(super) fn warn_of_stiff_loads(&mut self) {
+    /// At the end of loads: which shortened the increment, or would have.
+    pub(super) fn warn_of_stiff_loads(&mut self, loads: &[Box<dyn Load>]) {
         let alone = self.elements.stable_increment();
         let fixed = matches!(self.step.control, IncrementControl::Fixed(_));
-        for load in &self.loads {
+        for load in loads {
             let Some(found) = load.stiffness() else { continue };
             let by = shortened(found.squared, alone);
             let done = if fixed {
@@ -70,12 +72,21 @@ impl Run<'_> {
         }
     }
 
-    /// At the end of a step: what constraints have noticed.
-    pub(super) fn warn_of_constraints(&mut self) {
+    /// At the end of constraints: what they have noticed.
+    pub(super) fn warn_of_constraints(&mut self, constraints: &mut [Box<dyn Constraint>]) {
         let clock = Clock { now: self.now, told: &self.told };
-        for constraint in &mut self.constraints {
-            self.outcome.warnings.extend(constraint.warnings(&self.dofs, &clock));
+        for constraint in constraints {
+            let upkeep = constraint.upkeep();
+            self.outcome.warnings.extend(upkeep.map_or_else(Vec::new, |c| c.warnings(&self.dofs, &clock)));
         }
+    }
+
+    /// At the end of the run: what the effects in force have noticed.
+    pub(super) fn warn_of_effects(&mut self) {
+        let (loads, mut constraints) = (std::mem::take(&mut self.loads), std::mem::take(&mut self.constraints));
+        self.warn_of_stiff_loads(&loads);
+        self.warn_of_constraints(&mut constraints);
+        (self.loads, self.constraints) = (loads, constraints);
     }
 
     #[inline(never)]

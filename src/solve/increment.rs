@@ -8,7 +8,7 @@ use crate::heat::field::Heat;
 use crate::load::{Load, SceneView};
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
 use crate::state::{BodyState, Instant};
@@ -161,6 +161,12 @@ impl IncrementController {
         }
     }
 
+    /// The pace of a step that changes nothing after this one.
+    pub fn continue_in(&mut self, step: &StepPlan, bodies: &[BodyState]) {
+        let (free, speed) = (self.free, std::mem::take(&mut self.speed));
+        *self = IncrementController { free, speed, ..IncrementController::new(step, bodies) };
+    }
+
     /// The next increment.
     #[inline]
     pub fn choose(&mut self, scene: &Scene<'_>) -> Increment {
@@ -182,7 +188,7 @@ impl IncrementController {
                 let loads = scene.loads.iter();
                 loads.for_each(|load| next.shorten(load.max_increment(&scene.view), Limiter::Effect(load.effect())));
                 let constraints = scene.constraints.iter();
-                constraints.for_each(|c| next.shorten(c.limit(&scene.view.clock), Limiter::Effect(c.id())));
+                constraints.for_each(|c| next.shorten(c.max_increment(&scene.view.clock), Limiter::Effect(c.effect())));
             }
         }
         self.fit_step(&mut next, scene.remaining);
@@ -237,9 +243,4 @@ fn meet_rest(next: &mut Increment, bodies: &[BodyState], slow: f64) {
     }
 }
 
-impl Persist for IncrementController {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let IncrementController { fixed: _, factor: _, most: _, resolution: _, largest: _, free, speed } = self;
-        persist_fields!(archive; free, speed.as_mut_slice());
-    }
-}
+persist_struct!(IncrementController { free, speed: fixed } derived { fixed, factor, most, resolution, largest });

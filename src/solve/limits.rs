@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::plan::Plan;
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
 
 /// Most spans that are kept: twice as many increments then go into each.
 const SPANS: usize = 64;
@@ -174,12 +174,7 @@ pub struct LimitsOverTime {
     pub names: Vec<String>,
 }
 
-impl Persist for Span {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Span { time, shortest, by, place } = self;
-        persist_fields!(archive; time, shortest, by, place);
-    }
-}
+persist_struct!(Span { time, shortest, by, place });
 
 impl Persist for Limits {
     fn persist(&mut self, archive: &mut Archive<'_>) {
@@ -189,12 +184,7 @@ impl Persist for Limits {
     }
 }
 
-impl Persist for LimitsOverTime {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let LimitsOverTime { time, increment, by, names } = self;
-        persist_fields!(archive; time, increment, by, names);
-    }
-}
+persist_struct!(LimitsOverTime { time, increment, by, names });
 
 #[cfg(test)]
 mod tests {

@@ -83,14 +83,15 @@ pub fn run_with(
     let mut run = Run::new(plan, state);
     plan.routines.memory.iter().for_each(|memory| memory.begin());
     let mut observing = Observing::new(plan);
-    let (mut first, mut control) = (0, None);
+    let (mut first, mut control, mut restored) = (0, None, false);
     if let Some(kept) = asked.state {
         let (index, taken_up) = take_up(&mut run, &mut observing, kept)?;
-        (first, control) = (index, Some(taken_up));
+        (first, control, restored) = (index, Some(taken_up), true);
     }
     let mut keeping = Checkpointer::new(asked, !run.elements.is_empty() && sink.wants_frames() && !plan.routines.any());
     for index in first..plan.steps.len() {
-        if let Err(halt) = step(&mut run, index, control.take(), &mut observing, &mut keeping, sink) {
+        let begins = if std::mem::take(&mut restored) { Begins::Restored } else { Begins::Step(index) };
+        if let Err(halt) = step(&mut run, begins, &mut control, &mut observing, &mut keeping, sink) {
             run.step_back();
             let written = observing.last(&run, sink);
             run.outcome.halt = Some(written.err().unwrap_or(halt));
@@ -105,17 +106,31 @@ pub fn run_with(
         run.outcome.halt = run.judge_end().err();
     }
     plan.routines.memory.iter().for_each(|memory| memory.end());
+    run.warn_of_effects();
     run.warn_of_energy();
     run.report_penetrations();
     show_warnings(&mut run, sink);
     run.outcome.digest = run.digest();
     run.outcome.deleted = run.elements.deleted();
     let energy = run.energy();
-    let Run { mut outcome, dofs, elements, constraints, thermal, timing, .. } = run;
+    let Run { mut outcome, dofs, elements, thermal, loads, constraints, scaling, motions, timing, .. } = run;
+    let (amplitude_routines, user_amplitudes) = (run.amplitudes, run.told);
     outcome.energy = energy;
     outcome.seconds = begin.elapsed().as_secs_f64();
     outcome.effect_seconds = timing.seconds(plan, outcome.seconds - outcome.checkpoint_seconds);
-    Ok((outcome, State { dofs, elements, constraints, thermal }))
+    let user_motions = motions;
+    let end = State {
+        dofs,
+        elements,
+        thermal,
+        loads,
+        constraints,
+        scaling,
+        user_motions,
+        amplitude_routines,
+        user_amplitudes,
+    };
+    Ok((outcome, end))
 }
 
 /// Shows the sink what is new among the warnings.
@@ -127,46 +142,55 @@ fn show_warnings(run: &mut Run<'_>, sink: &mut dyn Sink) {
     }
 }
 
-/// One step, from its beginning or from where a state was taken up. The recipe of an increment, as in ABAQUS Theory Guide 2.4.5
-/// with the half-step start, is what [`Run::evaluate`] and [`Run::advance`] do in turn.
+/// Where a step begins.
+#[derive(Clone, Copy)]
+enum Begins {
+    /// At its start; counted from 0.
+    Step(usize),
+    /// In the middle, from a state that was kept.
+    Restored,
+}
+
+/// One step, with what chooses its increments, which goes on from step to step. The recipe of an increment, as in ABAQUS Theory Guide
+/// 2.4.5 with the half-step start, is what [`Run::evaluate`] and [`Run::advance`] do in turn.
 fn step(
     run: &mut Run<'_>,
-    index: usize,
-    taken_up: Option<IncrementController>,
+    begins: Begins,
+    control: &mut Option<IncrementController>,
     observing: &mut Observing,
     keeping: &mut Checkpointer<'_>,
     sink: &mut dyn Sink,
 ) -> Result<(), Halt> {
-    let goes_on = taken_up.is_some();
-    let mut control = taken_up.unwrap_or_else(|| begin_step(run, index, observing));
+    let mut changes = false;
+    if let Begins::Step(index) = begins {
+        changes = begin_step(run, index, observing, control);
+    }
+    let Some(control) = control else { return Ok(()) };
     keeping.begin(run.step, &run.now);
-    let end = increments(run, &mut control, goes_on, observing, keeping, sink);
+    let begun = match begins {
+        Begins::Restored => run.resume_routines().and_then(|()| run.advance(control)),
+        Begins::Step(_) => run.begin_routines().and_then(|()| run.begin_nodes(changes)),
+    };
+    let end = begun.and_then(|()| increments(run, control, observing, keeping, sink));
     if end.is_err() {
-        keeping.way_back(&mut At { run, observing, control: &mut control });
+        keeping.way_back(&mut At { run, observing, control });
     }
     run.name_limiting_element();
-    run.warn_of_stiff_loads();
-    run.warn_of_constraints();
     end
 }
 
 fn increments(
     run: &mut Run<'_>,
     control: &mut IncrementController,
-    goes_on: bool,
     observing: &mut Observing,
     keeping: &mut Checkpointer<'_>,
     sink: &mut dyn Sink,
 ) -> Result<(), Halt> {
-    if goes_on {
-        run.resume_routines()?;
-        run.advance(control)?;
-    } else {
-        run.begin_routines()?;
-        run.begin_nodes()?;
-    }
+    run.evaluate_step_start()?;
     loop {
-        run.evaluate()?;
+        if !run.complete {
+            run.evaluate()?;
+        }
         show_warnings(run, sink);
         observing.show(run, sink)?;
         if run.is_over() {

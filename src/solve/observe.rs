@@ -11,7 +11,7 @@ use super::run::Run;
 use crate::output::Frame;
 use crate::plan::{Plan, Schedule, StepPlan};
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::halt::Halt;
 use crate::user::RunAction;
 
@@ -283,16 +283,6 @@ pub(super) fn unwritten(why: SinkError) -> Halt {
     Halt { code: "R205", reason: why.to_string() }
 }
 
-impl Persist for Rhythm {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Rhythm { schedules: _, next_time, next_increment } = self;
-        persist_fields!(archive; next_time, next_increment);
-    }
-}
+persist_struct!(Rhythm { next_time, next_increment } derived { schedules });
 
-impl Persist for Observing {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Observing { field, history, row: _, pace: _, next_time, next_increment, first, shown } = self;
-        persist_fields!(archive; field, history, next_time, next_increment, first, shown);
-    }
-}
+persist_struct!(Observing { field, history, next_time, next_increment, first, shown } derived { row, pace });

@@ -8,7 +8,8 @@ use crate::load::{Penetration, PenetrationOutcome};
 impl Run<'_> {
     /// At the end: what has become of bodies in targets.
     pub(super) fn report_penetrations(&mut self) {
-        let all: Vec<Penetration> = self.loads.iter().flat_map(|load| load.penetrations(&self.dofs)).collect();
+        let in_force = self.loads.iter().flat_map(|load| load.penetrations(&self.dofs)).collect();
+        let all = self.ended.beside(in_force);
         for penetration in all {
             let name = self.plan.bodies[penetration.body].name.clone();
             match penetration.in_space {

@@ -6,10 +6,10 @@ use std::time::{Duration, Instant as Stopwatch};
 
 use super::increment::IncrementController;
 use super::observe::{Observing, Rhythm, unwritten};
-use super::{Rest, Run, Sink, SinkError, StepSummary};
+use super::{Outcome, Rest, Run, Sink, SinkError, StepSummary};
 use crate::plan::StepPlan;
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, UnfitState, persist_all, persist_fields};
+use crate::state::archive::{Archive, Persist, UnfitState, persist_all, persist_fields, persist_struct};
 use crate::state::halt::Halt;
 use crate::user::{AnalysisMoment, RunAction, SavedMemory};
 
@@ -223,12 +223,7 @@ struct Head {
     routines: SavedMemory,
 }
 
-impl Persist for Head {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Head { step, routines } = self;
-        persist_fields!(archive; step, routines);
-    }
-}
+persist_struct!(Head { step, routines });
 
 /// What a state does not hold of the user's routines, in words; nothing where it holds all.
 pub fn lost(state: &[u8]) -> Vec<String> {
@@ -279,6 +274,7 @@ impl Persist for Run<'_> {
             loads,
             constraints,
             scaling,
+            ended,
             told,
             amplitudes,
             motions,
@@ -295,6 +291,7 @@ impl Persist for Run<'_> {
             last_increment,
             bearable: _,
             complete,
+            forces_may_differ: _,
             wish,
             told_complete,
             told_of_loss: _,
@@ -318,17 +315,23 @@ impl Persist for Run<'_> {
             scaling.persist(archive);
         }
         archive.mark("routines");
-        persist_fields!(archive; told.as_mut_slice(), amplitudes.as_mut_slice(), motions.as_mut_slice());
+        persist_fields!(archive; told.as_mut_slice(), amplitudes.as_mut_slice());
+        persist_all(motions, archive);
         elements.persist(archive);
         if let Some(thermal) = thermal {
             thermal.persist(archive);
         }
         archive.mark("outcome");
-        // Halts and what is reckoned at the end are not there yet; times are those of this process.
-        let super::outcome::Outcome { steps, rests, increments, warnings, .. } = outcome;
-        persist_fields!(archive; steps, rests, increments, warnings);
+        ended.0.persist(archive);
+        outcome.persist(archive);
     }
 }
+
+// Halts and what is computed at the end are not there yet; times are those of this process.
+persist_struct!(Outcome { steps, rests, increments, warnings } derived {
+    halt, ended_by_user, energy, penetrations, unfinished, still_moving, exits, deleted, seconds, checkpoint_seconds, digest, lost,
+    effect_seconds
+});
 
 impl Persist for RunAction {
     fn persist(&mut self, archive: &mut Archive<'_>) {
@@ -341,21 +344,19 @@ impl Persist for RunAction {
     }
 }
 
-impl Persist for StepSummary {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let StepSummary { name, increments, time, smallest_increment, largest_increment, .. } = self;
-        persist_fields!(archive; name, increments, time, smallest_increment, largest_increment);
-        let StepSummary { limiting_element, global_estimates, added_mass, limits, .. } = self;
-        persist_fields!(archive; limiting_element, global_estimates, added_mass, limits);
-    }
-}
+persist_struct!(StepSummary {
+    name,
+    increments,
+    time,
+    smallest_increment,
+    largest_increment,
+    limiting_element,
+    global_estimates,
+    added_mass,
+    limits
+});
 
-impl Persist for Rest {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Rest { body, time, displacement } = self;
-        persist_fields!(archive; body, time, displacement);
-    }
-}
+persist_struct!(Rest { body, time, displacement });
 
 impl Run<'_> {
     /// Says once what the state that has been kept does not hold.
@@ -377,12 +378,21 @@ impl Run<'_> {
     }
 }
 
-/// Begins a step: what chooses its increments.
-pub(super) fn begin_step(run: &mut Run<'_>, index: usize, observing: &mut Observing) -> IncrementController {
-    run.step = &run.plan.steps[index];
-    run.begin();
+/// Begins a step with what chooses its increments, which goes on where the step changes nothing. Returns whether it does.
+pub(super) fn begin_step(
+    run: &mut Run<'_>,
+    index: usize,
+    observing: &mut Observing,
+    control: &mut Option<IncrementController>,
+) -> bool {
+    let control_before = run.step.control;
+    let changes = run.begin(index) || run.step.control != control_before;
     observing.begin(run.step, run.now.increment == 0, run.now.increment);
-    IncrementController::new(run.step, &run.dofs.bodies)
+    match control {
+        Some(control) if !changes => control.continue_in(run.step, &run.dofs.bodies),
+        _ => *control = Some(IncrementController::new(run.step, &run.dofs.bodies)),
+    }
+    changes
 }
 
 /// Takes up a state that was kept: the index of its step and the pace there.
@@ -401,7 +411,12 @@ pub(super) fn take_up(
     if index >= run.plan.steps.len() {
         return Err(UnfitState { reason: "it ends too early".into() });
     }
-    let mut control = begin_step(run, index, observing);
+    // What is in force follows from the changes of all steps up to this one.
+    let mut begun = None;
+    (0..=index).for_each(|i| {
+        begin_step(run, i, observing, &mut begun);
+    });
+    let mut control = begun.unwrap_or_else(|| IncrementController::new(run.step, &run.dofs.bodies));
     At { run, observing, control: &mut control }.visit(&mut archive);
     archive.finish()?;
     if let Some(memory) = &run.plan.routines.memory {

@@ -15,11 +15,14 @@ use crate::element::mass_scaling::Scaling;
 use crate::element::volume_guard::STARTING;
 use crate::heat::Thermal;
 use crate::heat::field::Heat;
-use crate::kernel::amplitude::Track;
+use crate::kernel::amplitude::SampledAmplitude;
 use crate::load::user_amplitude::UserAmplitude;
-use crate::load::{Account, Dissipation, Forces, GeneralizedForce, Load, SceneChange, SceneView, VelocityUse};
+use crate::load::{
+    Account, Dissipation, Forces, GeneralizedForce, Load, Penetration, PenetrationOutcome, SceneChange, SceneView,
+    VelocityUse,
+};
 use crate::model::{IncrementControl, LoadVelocity};
-use crate::plan::{Plan, State, StepPlan};
+use crate::plan::{Changes, Plan, State, StepPlan};
 use crate::state::dofs::Dofs;
 use crate::state::halt::Halt;
 use crate::state::magnitude::Clock;
@@ -38,14 +41,17 @@ pub(super) struct Run<'a> {
     /// Temperatures of nodes and thermal strains.
     pub(super) thermal: Option<Box<Thermal>>,
     pub(super) now: Instant,
-    /// Loads of the step; those that resist come last.
+    /// Loads in force; those that resist come last.
     pub(super) loads: Vec<Box<dyn Load>>,
     pub(super) constraints: Vec<Box<dyn Constraint>>,
     pub(super) scaling: Option<Scaling>,
+    /// What resistances that are no longer in force have seen of the bodies in them.
+    pub(super) ended: EndedResistances,
     /// Functions of time that the user's routines tell, and what asks for them.
-    pub(super) told: Vec<Track>,
+    pub(super) told: Vec<SampledAmplitude>,
     pub(super) amplitudes: Vec<UserAmplitude>,
-    pub(super) motions: Vec<UserMotion>,
+    #[allow(clippy::vec_box)] // The list is changed as those of loads and constraints are.
+    pub(super) motions: Vec<Box<UserMotion>>,
     /// The user's routines.
     pub(super) user: Locked<'a>,
     /// Generalised forces on bodies: those of constraints, then of loads; what each is; and where each load's end.
@@ -69,6 +75,8 @@ pub(super) struct Run<'a> {
     pub(super) bearable: f64,
     /// Whether the instant is complete: forces, motion and energies belong to it.
     pub(super) complete: bool,
+    /// Whether a step has begun in which the forces of this instant may be others.
+    pub(super) forces_may_differ: bool,
     /// What the user's routines want.
     pub(super) wish: RunAction,
     /// Whether they know already that the increment is complete.
@@ -93,18 +101,21 @@ pub(super) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    pub(super) fn new(plan: &'a Plan, State { dofs, elements, constraints, thermal }: State) -> Self {
+    pub(super) fn new(plan: &'a Plan, state: State) -> Self {
+        let State { dofs, elements, thermal, loads, constraints, scaling, .. } = state;
+        let State { user_motions, amplitude_routines, user_amplitudes, .. } = state;
         let balance = Balance::start(&dofs);
         Run {
             plan,
             step: &plan.steps[0],
             now: Instant::default(),
-            loads: Vec::new(),
+            loads,
             constraints,
-            scaling: None,
-            told: vec![Track::default(); plan.told],
-            amplitudes: plan.amplitudes.clone(),
-            motions: Vec::new(),
+            scaling,
+            ended: EndedResistances::default(),
+            told: user_amplitudes,
+            amplitudes: amplitude_routines,
+            motions: user_motions,
             user: plan.routines.lock(),
             forces: Vec::new(),
             slots: Vec::new(),
@@ -118,6 +129,7 @@ impl<'a> Run<'a> {
             last_increment: 0.0,
             bearable: f64::INFINITY,
             complete: false,
+            forces_may_differ: false,
             wish: RunAction::Continue,
             told_complete: false,
             told_of_loss: false,
@@ -203,45 +215,104 @@ impl<'a> Run<'a> {
         }
     }
 
+    fn is_last_step(&self) -> bool {
+        self.now.step as usize == self.plan.steps.len()
+    }
+
     /// Whether the step is at its end, or a user's routine wants it to be.
     pub(super) fn is_over(&self) -> bool {
         self.now.step_time >= self.step.duration || self.wish != RunAction::Continue
     }
 
-    pub(super) fn begin(&mut self) {
-        let step = self.step;
-        self.loads.clone_from(&step.loads);
-        self.constraints.clone_from(&step.constraints);
-        self.motions.clone_from(&step.user_motions);
-        self.scaling.clone_from(&step.scaling);
-        self.begin_slots();
+    /// Begins a step, counted from 0: puts in force what it changes. All else goes on. Returns whether anything changes.
+    pub(super) fn begin(&mut self, index: usize) -> bool {
+        let (step, previous) = (&self.plan.steps[index], self.step);
+        let heat = self.thermal.as_mut().and_then(|t| t.heat.as_mut());
+        let heat_changes = heat.is_some_and(|heat| heat.begin(index));
+        let changes = index == 0 || heat_changes || !step.changes.is_empty();
+        self.put_in_force(&step.changes);
+        self.step = step;
         self.velocity_extrapolation = match step.load_velocity {
             LoadVelocity::Predicted => 0.5,
             LoadVelocity::Lagged => 0.0,
         };
-        self.begin_constraints();
-        if let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
-            heat.begin(self.now.step as usize);
+        if changes {
+            self.begin_slots();
+            self.begin_constraints();
+            self.balance.begin(&self.slots, &self.dofs.bodies);
+            self.watch.begin_step();
         }
-        self.balance.begin(&self.slots, &self.dofs.bodies);
-        self.warned = [false; 2];
-        self.watch.begin_step();
+        if step.energy_limit != previous.energy_limit {
+            self.warned = [false; 2];
+        }
+        self.forces_may_differ = changes;
         self.now.step_time = 0.0;
         self.now.lost = 0.0;
         self.now.step += 1;
-        if self.ties == 0 {
-            self.behind = 0.0;
+        if self.now.increment == 0 {
             self.show_own_velocity();
         }
         let (name, smallest_increment) = (step.name.clone(), f64::INFINITY);
         let limits = Limits::begin();
         self.outcome.steps.push(StepSummary { name, smallest_increment, limits, ..Default::default() });
+        changes
+    }
+
+    fn put_in_force(&mut self, changes: &Changes) {
+        if let Some(loads) = &changes.loads {
+            let ended = loads.apply(&mut self.loads, |load, previous| load.continue_from(previous));
+            self.warn_of_stiff_loads(&ended);
+            self.ended.take(&ended, &self.dofs);
+        }
+        if let Some(constraints) = &changes.constraints {
+            let take_over =
+                |constraint: &mut dyn Constraint, previous: &dyn Constraint| constraint.continue_from(previous);
+            let mut ended = constraints.apply(&mut self.constraints, take_over);
+            self.warn_of_constraints(&mut ended);
+        }
+        if let Some(motions) = &changes.user_motions {
+            motions.apply(&mut self.motions, |_, _| {});
+        }
+        match &changes.scaling {
+            Some(scaling) => self.scaling.clone_from(scaling),
+            None => self.scaling.iter_mut().for_each(Scaling::begin_step),
+        }
+    }
+
+    /// At the start of a later step: the forces of what is in force now. Where those on bodies are the same to the last bit, bodies
+    /// go on as they were; else their central differences start afresh, as where a force jumps.
+    ///
+    /// # Errors
+    /// Where a force fails or a number is not finite.
+    pub(super) fn evaluate_step_start(&mut self) -> Result<(), Halt> {
+        if !std::mem::take(&mut self.forces_may_differ) || !self.complete {
+            return Ok(());
+        }
+        // Without an increment behind nothing is booked twice.
+        let previous_dt = std::mem::take(&mut self.behind);
+        let bodies = self.dofs.bodies.clone();
+        self.evaluate_forces()?;
+        self.accelerate()?;
+        self.balance.take_forces(&self.forces);
+        let spatial = |body: &BodyState| body.spatial.as_ref().map(|body| body.total);
+        let forces = |body: &BodyState| (body.force, body.acceleration, spatial(body));
+        let go_on = bodies.iter().zip(&self.dofs.bodies).all(|(a, b)| forces(a) == forces(b));
+        if go_on {
+            (self.dofs.bodies, self.behind) = (bodies, previous_dt);
+        } else if self.ties > 0 {
+            self.behind = previous_dt;
+            self.correct_velocity();
+        } else {
+            self.show_own_velocity();
+        }
+        Ok(())
     }
 
     fn begin_slots(&mut self) {
         self.slots.clear();
         self.ends.clear();
-        self.slots.extend(self.constraints.iter().flat_map(|c| c.slots()));
+        let carried = self.constraints.iter().filter_map(|c| c.view().carried);
+        self.slots.extend(carried.map(|carried| GeneralizedForce::along_z(carried.body, Account::Tie)));
         self.ties = self.slots.len();
         for load in &self.loads {
             self.slots.extend(load.targets().bodies);
@@ -252,6 +323,7 @@ impl<'a> Run<'a> {
         self.slots_by_body = (0..self.slots.len()).collect();
         self.slots_by_body.sort_by_key(|&i| self.slots[i].body);
         for (b, body) in self.dofs.bodies.iter_mut().enumerate() {
+            // Constraints say anew which are prescribed, and what contact does to them.
             (body.reads_velocity, body.prescribed, body.contact) = (false, false, 0.0);
             body.tied = self.slots[..self.ties].iter().any(|s| s.body == b);
             body.slots = self.slots.iter().filter(|s| s.body == b).count() as u32;
@@ -272,24 +344,25 @@ impl<'a> Run<'a> {
     }
 
     fn begin_constraints(&mut self) {
-        self.elements.begin(self.constraints.iter().any(|c| c.moves_nodes()));
+        self.elements.begin(self.constraints.iter().any(|c| c.view().moves_nodes));
         let pushed = self.elements.has_links() || self.loads.iter().any(|l| l.targets().nodes);
         self.dofs.nodes.make_room(pushed);
         self.constraints.iter_mut().for_each(|c| c.begin(&mut self.dofs));
     }
 
-    /// What the user's routine tells of its material, and what follows from the moduli: the first estimate of the highest
-    /// frequency.
-    pub(super) fn begin_nodes(&mut self) -> Result<(), Halt> {
-        if self.elements.is_empty() {
+    /// What the user's routine tells of its material, and what follows from the moduli and from what is prescribed: the first
+    /// estimate of the highest frequency.
+    pub(super) fn begin_nodes(&mut self, changes: bool) -> Result<(), Halt> {
+        if self.elements.is_empty() || !changes {
             return Ok(());
         }
         if self.now.step == 1 {
             self.elements.probe(&self.dofs.nodes, &self.now, self.user.at_points())?;
         }
         let global = matches!(self.step.control, IncrementControl::Automatic { element_by_element: false, .. });
-        let prescribed: Vec<_> = self.constraints.iter().flat_map(|c| c.prescribes()).collect();
-        let carried: Vec<_> = self.constraints.iter().flat_map(|c| c.carries().to_vec()).collect();
+        let views = || self.constraints.iter().map(|c| c.view());
+        let prescribed: Vec<_> = views().filter_map(|v| v.forces).flat_map(|forces| forces.prescribed()).collect();
+        let carried: Vec<_> = views().filter_map(|v| v.carried).flat_map(|c| c.nodes.to_vec()).collect();
         let held = crate::element::frequency::Held { prescribed: &prescribed, carried: &carried };
         self.elements.begin_frequency(global, &self.dofs.nodes, &held);
         Ok(())
@@ -342,7 +415,7 @@ impl<'a> Run<'a> {
         self.push_nodes()?;
         self.elements.link(&mut self.dofs);
         self.elements.check(&self.dofs.nodes).map_err(|collapsed| self.collapsed(collapsed))?;
-        self.pass_on();
+        self.transfer_to_bodies();
         Ok(())
     }
 
@@ -398,23 +471,25 @@ impl<'a> Run<'a> {
         self.heat().filter(slower).map_or_else(|| self.elements.limiting(), Heat::limiting)
     }
 
-    /// What constraints pass on from nodes to bodies.
-    fn pass_on(&mut self) {
+    /// Forces of nodes on the rigid bodies that carry them.
+    fn transfer_to_bodies(&mut self) {
         let (elements, nodes) = (&self.elements, &self.dofs.nodes);
         let force = |n: usize| {
             let ([r, z], more) = (elements.nodal_force(n), nodes.forces[0].get(n).copied().unwrap_or_default());
             [r + more[0], z + more[1]]
         };
-        let passing = self.constraints.iter().filter(|c| !c.carries().is_empty());
-        for (constraint, out) in passing.zip(&mut self.forces) {
-            constraint.passes_on(&force, std::slice::from_mut(out));
+        let carried = self.constraints.iter().filter_map(|c| c.view().carried);
+        for (carried, out) in carried.zip(&mut self.forces) {
+            *out = carried.force(force);
         }
     }
 
     fn scale_masses(&mut self) {
         let Some(scaling) = &mut self.scaling else { return };
         let constraints = &mut self.constraints;
-        let changed = &mut |n, gained| constraints.iter_mut().for_each(|c| c.mass_changed(n, gained));
+        let changed = &mut |n, gained| {
+            constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
+        };
         if !self.elements.scale_masses(scaling, &self.now, &mut self.dofs, changed) {
             return;
         }
@@ -429,7 +504,7 @@ impl<'a> Run<'a> {
         let deleted = self.elements.newly_deleted();
         if !deleted.is_empty() {
             self.loads.iter_mut().for_each(|load| load.scene_changed(&SceneChange::DeletedElements(deleted)));
-            self.constraints.iter_mut().for_each(|c| c.release(deleted));
+            self.constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.remove_elements(deleted));
             if let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
                 heat.release(deleted);
             }
@@ -581,7 +656,7 @@ impl<'a> Run<'a> {
         for constraint in &mut self.constraints {
             let started = self.timing.start();
             constraint.motion(&mut self.dofs, &clock, dt);
-            self.timing.stop(started, constraint.id());
+            self.timing.stop(started, constraint.effect());
         }
         if let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
             heat.cross(&self.constraints, dt);
@@ -595,8 +670,9 @@ impl<'a> Run<'a> {
         self.now = next.arrival(&self.now, self.step.duration);
         self.last_increment = dt;
         self.behind = dt;
-        // Central differences of what is tied go on from step to step, as those of its nodes do.
-        if next.end != End::Plain && !(next.end == End::Step && self.ties > 0) {
+        // From step to step central differences go on, unless forces on bodies turn out to be others.
+        let goes_on = next.end == End::Step && (self.ties > 0 || !self.is_last_step());
+        if next.end != End::Plain && !goes_on {
             self.start_afresh(next.end);
         }
     }
@@ -642,6 +718,26 @@ impl<'a> Run<'a> {
             }
             summary.largest_increment = summary.largest_increment.max(length);
         }
+    }
+}
+
+/// What has become of bodies in resistances that are no longer in force.
+#[derive(Default)]
+pub(super) struct EndedResistances(pub(super) Vec<Penetration>);
+
+impl EndedResistances {
+    fn take(&mut self, ended: &[Box<dyn Load>], dofs: &Dofs) {
+        let all = ended.iter().flat_map(|load| load.penetrations(dofs));
+        self.0.extend(all.filter(|p| p.in_space.is_some() || p.outcome == PenetrationOutcome::Through));
+    }
+
+    /// What has become of all bodies, where that in resistances in force is given.
+    pub(super) fn beside(&self, in_force: Vec<Penetration>) -> Vec<Penetration> {
+        let is_met = |p: &&Penetration| p.outcome != PenetrationOutcome::NotMet;
+        let newer = |p: &Penetration| in_force.iter().filter(is_met).any(|other| other.body == p.body);
+        let kept: Vec<Penetration> = self.0.iter().filter(is_met).filter(|p| !newer(p)).copied().collect();
+        let rest = in_force.iter().filter(|p| kept.iter().all(|other| other.body != p.body));
+        kept.iter().chain(rest).copied().collect()
     }
 }
 

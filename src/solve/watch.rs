@@ -5,7 +5,7 @@
 use super::energy::{Balance, Energy};
 use super::run::Run;
 use crate::model::IncrementControl;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::{BodyState, Instant};
 
 /// Internal energy below this fraction of the largest energy is too small to compare artificial energy with.
@@ -278,12 +278,11 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
         .into()
 }
 
-impl Persist for Watch {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Watch { unsound, adrift, beyond, below_zero, trembles, crawls, slow, pattern, next_look, shown: _ } = self;
-        persist_fields!(archive; unsound, adrift, beyond, below_zero, trembles, crawls, slow, pattern, next_look);
-    }
-}
+persist_struct!(Watch {
+    unsound, adrift, beyond, below_zero, trembles, crawls, slow, pattern, next_look
+} derived {
+    shown
+});
 
 #[cfg(test)]
 mod tests {

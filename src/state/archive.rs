@@ -1,8 +1,8 @@
 //! The state as bytes and back: one visit in a fixed order both writes and reads, so that nothing can be saved and not
 //! restored. Never here: what a type consists of (each type lists its own fields), files, checksums.
 //!
-//! A `persist` method takes its type apart without `..`, so that a new field does not compile before it is decided whether
-//! it is state. What follows from the plan alone is not state: reading goes into an object made from the same plan.
+//! [`persist_struct`] takes a type apart without `..`, so that a new field does not compile before it is decided whether it is
+//! state. What follows from the plan alone is not state: reading goes into an object made from the same plan.
 
 /// Bytes that are not a state of the plan they are read for.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -169,6 +169,12 @@ impl Persist for bool {
     }
 }
 
+impl<T: Persist + ?Sized> Persist for Box<T> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        (**self).persist(archive);
+    }
+}
+
 impl Persist for () {
     fn persist(&mut self, _archive: &mut Archive<'_>) {}
 }
@@ -234,6 +240,52 @@ macro_rules! persist_fields {
     ($archive:expr; $($field:expr),* $(,)?) => {{ $($crate::state::archive::Persist::persist($field, $archive);)* }};
 }
 pub(crate) use persist_fields;
+
+/// Implements [`Persist`] by one list of the fields of a type: those of its state, in the order in which they are visited, then those that
+/// follow from plan and step.
+///
+/// A field is visited as its type is; `name: fixed` is a list whose length the plan gives, `name: fixed_lists` a list of such lists,
+/// `name: each` a list of boxed objects, `name: present` what is there if the plan has it. `then` names what is done in the end.
+macro_rules! persist_struct {
+    ($name:ident $(<$($argument:ident),+>)? $([$($bound:tt)+])? { $($field:ident $(: $how:ident)?),* $(,)? }
+        $(derived { $($derived:ident),+ $(,)? })? $(then $then:path)?) => {
+        impl $(<$($bound)+>)? $crate::state::archive::Persist for $name $(<$($argument),+>)? {
+            #[allow(unused_variables)] // Of what has no state.
+            #[inline]
+            fn persist(&mut self, archive: &mut $crate::state::archive::Archive<'_>) {
+                let $name { $($field,)* $($($derived: _,)+)? } = self;
+                $($crate::state::archive::persist_field!(archive, $field $(, $how)?);)*
+                $($then(self, archive);)?
+            }
+        }
+    };
+}
+pub(crate) use persist_struct;
+
+/// Visits one field as [`persist_struct`] says.
+macro_rules! persist_field {
+    ($archive:ident, $field:ident) => {
+        $crate::state::archive::Persist::persist($field, $archive)
+    };
+    ($archive:ident, $field:ident, fixed) => {
+        $crate::state::archive::Persist::persist(&mut $field[..], $archive)
+    };
+    ($archive:ident, $field:ident, fixed_lists) => {
+        for list in $field.iter_mut() {
+            $crate::state::archive::Persist::persist(&mut list[..], $archive);
+        }
+    };
+    ($archive:ident, $field:ident, each) => {{
+        $archive.mark(stringify!($field));
+        $crate::state::archive::persist_all(&mut $field[..], $archive);
+    }};
+    ($archive:ident, $field:ident, present) => {
+        if let Some(field) = $field {
+            $crate::state::archive::Persist::persist(field, $archive);
+        }
+    };
+}
+pub(crate) use persist_field;
 
 #[cfg(test)]
 mod tests {

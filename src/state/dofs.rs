@@ -2,7 +2,7 @@
 //! Never here: what makes them move.
 
 use super::BodyState;
-use super::archive::{Archive, Persist, persist_fields};
+use super::archive::persist_struct;
 use super::energies::Energies;
 use super::nodes::Nodes;
 
@@ -62,9 +62,4 @@ impl Dofs {
     }
 }
 
-impl Persist for Dofs {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Dofs { bodies, nodes, energies } = self;
-        persist_fields!(archive; bodies.as_mut_slice(), nodes, energies);
-    }
-}
+persist_struct!(Dofs { bodies: fixed, nodes, energies });

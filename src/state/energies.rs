@@ -1,7 +1,7 @@
 //! Energies of what deforms, summed over a run.
 //! Never here: the balance of the whole scene.
 
-use super::archive::{Archive, Persist, persist_fields};
+use super::archive::persist_struct;
 
 /// Energies so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,22 +39,16 @@ impl Energies {
     }
 }
 
-impl Persist for Energies {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Energies {
-            kinetic,
-            internal,
-            plastic,
-            viscous,
-            artificial,
-            external,
-            contact,
-            penalty,
-            friction,
-            cavity,
-            distortion,
-        } = self;
-        persist_fields!(archive; kinetic, internal, plastic, viscous, artificial, external, contact, friction);
-        persist_fields!(archive; cavity, distortion, penalty);
-    }
-}
+persist_struct!(Energies {
+    kinetic,
+    internal,
+    plastic,
+    viscous,
+    artificial,
+    external,
+    contact,
+    friction,
+    cavity,
+    distortion,
+    penalty
+});

@@ -3,7 +3,7 @@
 
 use super::Instant;
 use super::limit::Limit;
-use crate::kernel::amplitude::{Curve, Track};
+use crate::kernel::amplitude::{Curve, SampledAmplitude};
 
 /// An instant, with the functions of time that are told as the run goes.
 #[derive(Clone, Copy, Debug)]
@@ -11,7 +11,7 @@ pub struct Clock<'a> {
     /// The instant.
     pub now: Instant,
     /// Values that the user's routines have told, by the number of a [`Shape::Told`].
-    pub told: &'a [Track],
+    pub told: &'a [SampledAmplitude],
 }
 
 impl Clock<'_> {

@@ -10,9 +10,9 @@ pub mod magnitude;
 pub mod nodes;
 pub mod rigid_body_3d;
 
-use archive::{Archive, Persist, persist_fields};
+use archive::{Archive, Persist, persist_fields, persist_struct};
 
-use crate::kernel::amplitude::Track;
+use crate::kernel::amplitude::SampledAmplitude;
 use crate::kernel::lanes::Corners;
 use crate::kernel::topology::{MOST_NODES, PerNode};
 use rigid_body_3d::{PointMotion, RigidBody3d, Wrench};
@@ -318,52 +318,20 @@ impl<T: Persist + Copy + Default> Persist for PerNode<T> {
     }
 }
 
-impl Persist for Track {
+impl Persist for SampledAmplitude {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         self.points().into_iter().for_each(|point| point.persist(archive));
     }
 }
 
-impl Persist for Instant {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Instant { step_time, total_time, step, increment, lost } = self;
-        persist_fields!(archive; step_time, total_time, step, increment, lost);
-    }
-}
+persist_struct!(Instant { step_time, total_time, step, increment, lost });
 
-impl Persist for Before {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Before { velocity, acceleration, displacement } = self;
-        persist_fields!(archive; velocity, acceleration, displacement);
-    }
-}
+persist_struct!(Before { velocity, acceleration, displacement });
 
-impl Persist for BodyState {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let BodyState {
-            // What the plan and the beginning of a step give.
-            mass: _,
-            inverse_mass: _,
-            slots: _,
-            reads_velocity: _,
-            prescribed: _,
-            tied: _,
-            displacement,
-            velocity_half,
-            acceleration,
-            velocity,
-            force,
-            velocity_load,
-            direction,
-            before,
-            reaction,
-            contact,
-            spatial,
-        } = self;
-        if let Some(spatial) = spatial {
-            spatial.persist(archive);
-        }
-        persist_fields!(archive; displacement, velocity_half, acceleration, velocity, force, velocity_load);
-        persist_fields!(archive; direction, before, reaction, contact);
-    }
-}
+// What the plan and the beginning of a step give.
+persist_struct!(BodyState {
+    spatial: present, displacement, velocity_half, acceleration, velocity, force, velocity_load, direction, before,
+    reaction, contact
+} derived {
+    mass, inverse_mass, slots, reads_velocity, prescribed, tied
+});

@@ -3,7 +3,7 @@
 
 use std::ops::{Index, IndexMut};
 
-use super::archive::{Archive, Persist, persist_fields};
+use super::archive::{Archive, Persist, persist_fields, persist_struct};
 
 /// What elements read of a node: one half of a cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -182,13 +182,7 @@ impl IndexMut<usize> for Nodes {
     }
 }
 
-impl Persist for Node {
-    #[inline]
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Node { r, z, v_r, v_z } = self;
-        persist_fields!(archive; r, z, v_r, v_z);
-    }
-}
+persist_struct!(Node { r, z, v_r, v_z });
 
 impl Persist for Nodes {
     /// In a step that has begun: forces have their room. Those of the instant before are written over.

@@ -3,7 +3,7 @@
 //! Only bodies whose impact is oblique have them; directions are 1, 2, 3 of `kernel::attitude`.
 //! Never here: which forces act, the length of an increment.
 
-use super::archive::{Archive, Persist, persist_fields};
+use super::archive::{Archive, Persist, persist_struct};
 use crate::kernel::attitude::{Attitude, Inertia, Vector, angle, cross, dot, norm, plus, times};
 
 /// Speed at which the resistance on a body at rest is evaluated, as a part of its largest speed so far: the direction in which the
@@ -400,58 +400,19 @@ impl Persist for Attitude {
     }
 }
 
-impl Persist for Motion {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Motion { velocity, turning } = self;
-        persist_fields!(archive; velocity, turning);
-    }
-}
+persist_struct!(Motion { velocity, turning });
 
-impl Persist for Pose {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Pose { centre, attitude, moving } = self;
-        persist_fields!(archive; centre, attitude, moving);
-    }
-}
+persist_struct!(Pose { centre, attitude, moving });
 
-impl Persist for Wrench {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Wrench { force, moment } = self;
-        persist_fields!(archive; force, moment);
-    }
-}
+persist_struct!(Wrench { force, moment });
 
-impl Persist for RigidBody3d {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let RigidBody3d {
-            // From the plan and the beginning of a step.
-            mass: _,
-            inertia: _,
-            heights: _,
-            size: _,
-            start: _,
-            stations: _,
-            resisted: _,
-            // Of an increment alone.
-            energy_before: _,
-            centre,
-            attitude,
-            velocity,
-            momentum,
-            half,
-            shown,
-            total,
-            contact,
-            previous_kicks,
-            previous,
-            fastest,
-            moved,
-            rests,
-        } = self;
-        persist_fields!(archive; centre, attitude, velocity, momentum, half, shown, total, contact, previous_kicks);
-        persist_fields!(archive; previous, fastest, moved, rests);
-    }
-}
+// From the plan and the beginning of a step.
+// Of an increment alone.
+persist_struct!(RigidBody3d {
+    centre, attitude, velocity, momentum, half, shown, total, contact, previous_kicks, previous, fastest, moved, rests
+} derived {
+    mass, inertia, heights, size, start, stations, resisted, energy_before
+});
 
 #[cfg(test)]
 mod tests {

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 
 use serde::Serialize;
 
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
 
 /// Severity of a message.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -106,12 +106,7 @@ impl JobInfo {
     }
 }
 
-impl Persist for JobInfo {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let JobInfo { name, folder, nodes, elements } = self;
-        persist_fields!(archive; name, folder, nodes, elements);
-    }
-}
+persist_struct!(JobInfo { name, folder, nodes, elements });
 
 /// Archives the arrays of this thread.
 pub fn persist_arrays(archive: &mut Archive<'_>) {

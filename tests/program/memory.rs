@@ -11,6 +11,7 @@ use revolve::internals::von_mises::VonMises;
 use revolve::job;
 use revolve::model::{self, Mesh, Model};
 use revolve::output::History;
+use revolve::plan;
 use revolve::user::{LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Routines, UserLoad, UserMaterial};
 
 use crate::common;
@@ -202,7 +203,7 @@ fn told_and_held(text: &str, routines: &Routines) -> (usize, usize) {
     let compiling = allocation_counter::measure(|| {
         // The mesh stays with the plan.
         let mesh = Mesh::clone(&model.mesh).into();
-        compiled = Some(revolve::plan::compile(&Model { mesh, ..model.clone() }, routines));
+        compiled = Some(plan::compile(&Model { mesh, ..model.clone() }, routines));
     });
     let (plan, state, found) = compiled.expect("a plan");
     assert!(!found.has_errors(), "{}", found.render(&deck.sources));
@@ -285,4 +286,29 @@ fn a_listed_mesh_takes_few_bytes() {
     let (bytes, times) = (counted.bytes_max / elements, counted.count_total);
     println!("{} bytes of text, at most {bytes} bytes an element, {times} allocations", text.len() as u64 / elements);
     assert!(elements == u64::try_from(n * n).expect("a number") && bytes < 400 && times < elements / 20);
+}
+
+/// 40 steps that change nothing need no more than one: bytes of the ledger, bytes that plan and state hold, and what planning allocates.
+#[test]
+fn memory_does_not_grow_with_the_number_of_steps() {
+    let text = std::fs::read_to_string(common::project("input/rod_plate.inp")).expect("a deck");
+    let (head, step) = text.split_at(text.find("*Step").expect("a step"));
+    let conditions = &step[step.find("*Contact\n").expect("contact")..step.find("*Output").expect("output")];
+    let bytes = |steps: usize| {
+        let later = "*End Step\n*Step\n*Dynamic, Explicit\n , 1.e-6\n".repeat(steps - 1);
+        let text = format!("{head}*Step\n*Dynamic, Explicit\n , 1.e-6\n{conditions}{later}*End Step\n");
+        let (deck, _) = deck::read_text("test.inp", &text, &[]);
+        let (model, _) = model::build(&deck);
+        let mut planned = None;
+        let counted = allocation_counter::measure(|| planned = Some(plan::compile(&model, &Routines::none())));
+        let (plan, _, found) = planned.expect("a plan");
+        assert!(!found.has_errors() && plan.steps.len() == steps);
+        let booked: usize = plan.ledger.effects.iter().flat_map(|row| &row.arrays).map(|array| array.1).sum();
+        [booked as i64, counted.bytes_current, counted.bytes_total as i64]
+    };
+    let (one, many) = (bytes(1), bytes(40));
+    println!("ledger, held, allocated in all: {one:?} in one step, {many:?} in 40");
+    assert!(one[..2].iter().zip(many).all(|(one, many)| 100 * many < 105 * one));
+    // Planning a step that changes nothing makes its name, its times of output and its rows of the ledger.
+    assert!(100 * many[2] < 110 * one[2]);
 }

@@ -47,6 +47,7 @@ mod shock;
 mod shock_meshes;
 mod soft;
 mod solid;
+mod step_boundaries;
 mod steps;
 mod surfaces;
 mod taylor;

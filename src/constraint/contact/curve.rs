@@ -3,7 +3,7 @@
 //! Never here: which facets meet, what acts where they do.
 
 use crate::kernel::topology::ElementNodes;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Archive, Persist, persist_struct};
 
 /// What carries a point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -204,6 +204,15 @@ impl Curve {
         self.lift.iter().copied().fold(0.0, f64::max)
     }
 
+    /// Goes on with what a curve of the same facets has of them by now.
+    pub fn take_over(&mut self, previous: &Curve) {
+        self.there.clone_from(&previous.there);
+        self.behind.clone_from(&previous.behind);
+        self.beyond.clone_from(&previous.beyond);
+        self.list();
+        self.order();
+    }
+
     /// Lists what lies bare.
     pub fn list(&mut self) {
         let Curve { there, behind, own, around, bare, bare_own, orphans, drops_orphans, .. } = self;
@@ -364,10 +373,13 @@ impl Persist for Beyond {
     }
 }
 
-impl Persist for Curve {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Curve { facets: _, beyond, lift: _, depth: _, there, behind, own: _, around: _, .. } = self;
-        persist_fields!(archive; there.as_mut_slice(), behind.as_mut_slice(), beyond.as_mut_slice());
+persist_struct!(Curve { there: fixed, behind: fixed, beyond: fixed } derived {
+    facets, lift, depth, own, around, bare, bare_own, orphans, drops_orphans, tips, shapes, ordered
+} then Curve::list_again);
+
+impl Curve {
+    /// What lies bare follows from what has been read.
+    fn list_again(&mut self, archive: &mut Archive<'_>) {
         if archive.reads() {
             self.list();
             self.order();

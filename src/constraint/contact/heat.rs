@@ -8,7 +8,9 @@
 
 use super::curve::{Carrier, Point};
 use super::sweeps::{Row, Rows, Term};
+use crate::constraint::HeatExchange;
 use crate::kernel::interaction::Law;
+use crate::state::archive::persist_struct;
 
 /// No point.
 const NONE: u32 = u32::MAX;
@@ -102,8 +104,26 @@ impl Crossing {
         }
     }
 
-    /// Gives nodes the heat a time of an increment; returns what friction made of it.
-    pub(super) fn give(&self, temperature: &[f64], dt: f64, into: &mut dyn FnMut(usize, f64)) -> f64 {
+    /// What each point could at most exchange.
+    pub(super) fn kept_mut(&mut self) -> &mut [f64] {
+        &mut self.most
+    }
+
+    /// The same, to be looked at.
+    pub(super) fn kept(&self) -> &[f64] {
+        &self.most
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<u32>() * (self.nodes.capacity() + self.point_of.capacity())
+            + size_of::<Passing>() * self.rows.capacity()
+            + size_of::<(u32, f64)>() * self.terms.capacity()
+            + size_of::<f64>() * self.most.capacity()
+    }
+}
+
+impl HeatExchange for Crossing {
+    fn exchange(&self, temperature: &[f64], dt: f64, into: &mut dyn FnMut(usize, f64)) -> f64 {
         let mut rubbed = 0.0;
         for row in &self.rows {
             let own = &self.terms[row.terms[0] as usize..row.terms[1] as usize];
@@ -121,25 +141,15 @@ impl Crossing {
         rubbed
     }
 
-    /// Tells what nodes could at most exchange in the increment ahead.
-    pub(super) fn bound(&self, into: &mut dyn FnMut(usize, f64)) {
+    fn largest_exchange(&self, into: &mut dyn FnMut(usize, f64)) {
         for (&node, &most) in self.nodes.iter().zip(&self.most).filter(|m| *m.1 > 0.0) {
             into(node as usize, most);
         }
     }
-
-    /// What the restart needs: rows are found anew in the next increment.
-    pub(super) fn kept(&mut self) -> &mut [f64] {
-        &mut self.most
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        size_of::<u32>() * (self.nodes.capacity() + self.point_of.capacity())
-            + size_of::<Passing>() * self.rows.capacity()
-            + size_of::<(u32, f64)>() * self.terms.capacity()
-            + size_of::<f64>() * self.most.capacity()
-    }
 }
+
+// Rows are found anew in the next increment.
+persist_struct!(Crossing { most: fixed } derived { nodes, point_of, keys, rows, terms });
 
 /// Adds the points of a row that have a temperature with their weights, by the share of each in the gap along the normal of the own
 /// point; returns whether all have one.

@@ -9,6 +9,7 @@
 //! analytical surfaces each point has a gap of its own ([`analytical`]). Nothing here limits the increment.
 
 pub mod analytical;
+mod continuation;
 pub mod curve;
 mod direct;
 mod gaps;
@@ -18,6 +19,8 @@ mod search;
 mod shown;
 mod sweeps;
 
+use std::any::Any;
+
 use self::analytical::{Analytical, Foot};
 use self::curve::{Carrier, Curve, Point};
 use self::gaps::{Gaps, Seen};
@@ -25,14 +28,13 @@ use self::heat::Crossing;
 use self::search::Search;
 use self::shown::Shown;
 use self::sweeps::{Given, Motion, NONE, Row, Rows, Span};
-use super::Constraint;
+use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, HeatExchange, StoredConstraint};
 use crate::kernel::interaction::Law;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Archive, persist_struct};
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::magnitude::Clock;
-use crate::variables::Part;
 
 /// Two surfaces that may meet, or one that may meet itself.
 #[derive(Clone, Debug)]
@@ -553,32 +555,24 @@ fn add_point_row(
 }
 
 impl Constraint for Contact {
-    fn id(&self) -> EffectId {
+    fn effect(&self) -> EffectId {
         self.pairs.first().map_or(0, |p| p.id)
     }
 
     fn begin(&mut self, dofs: &mut Dofs) {
-        self.bodies.clear();
+        let before = std::mem::take(&mut self.bodies);
         self.rows.bodies.clear();
         for (i, (dof, held)) in self.dofs.iter_mut().enumerate() {
             if let Dof::Body(body) = *dof {
                 *held = dofs.bodies[body].prescribed;
-                self.bodies.push(Carried { dof: i, body, prescribed: *held, pushed: 0.0 });
+                let known = before.iter().find(|known| known.body == body && !*held);
+                let pushed = known.map_or(0.0, |known| known.pushed);
+                dofs.bodies[body].contact += pushed;
+                self.bodies.push(Carried { dof: i, body, prescribed: *held, pushed });
                 self.rows.bodies.extend((!*held).then_some(i as u32));
             }
         }
         self.rows.reserve(self.pressures.len(), self.dofs.len());
-    }
-
-    fn release(&mut self, deleted: &[ElementNodes]) {
-        let Contact { curves, shown, uncovered, .. } = self;
-        for curve in curves.iter_mut() {
-            let points = deleted.iter().filter_map(|boundary| shown.points(boundary));
-            if curve.release(points) {
-                curve.list();
-                *uncovered = true;
-            }
-        }
     }
 
     fn accelerations(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>) {
@@ -616,34 +610,44 @@ impl Constraint for Contact {
         self.show(dt);
     }
 
-    fn at_point(&self, carrier: Carrier, part: Part) -> Option<f64> {
-        self.value_at(carrier, part)
+    fn view(&self) -> ConstraintView<'_> {
+        let heat = self.crossing.as_deref().map(|crossing| crossing as &dyn HeatExchange);
+        ConstraintView { carried: None, moves_nodes: true, forces: Some(self), contact: Some(self), heat }
     }
 
-    fn of_pair(&self, pair: usize, part: Part) -> Option<f64> {
-        self.value_of(pair, part)
+    fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
+        Some(self)
     }
+}
 
-    fn heats(&self, temperature: &[f64], dt: f64, into: &mut dyn FnMut(usize, f64)) -> f64 {
-        self.crossing.as_ref().map_or(0.0, |crossing| crossing.give(temperature, dt, into))
-    }
-
-    fn conducts(&self, into: &mut dyn FnMut(usize, f64)) {
-        if let Some(crossing) = &self.crossing {
-            crossing.bound(into);
-        }
-    }
-
-    fn pull(&self, dof: Dof) -> f64 {
+impl ConstraintForces for Contact {
+    fn constraint_force(&self, dof: Dof) -> f64 {
         if self.half == 0.0 {
             return 0.0;
         }
         let at = self.dofs.iter().position(|d| *d == (dof, true));
         at.map_or(0.0, |i| (self.impulses[i][0] + self.impulses[i][1]) / self.half)
     }
+}
 
-    fn moves_nodes(&self) -> bool {
-        true
+impl ConstraintUpkeep for Contact {
+    fn remove_elements(&mut self, deleted: &[ElementNodes]) {
+        let Contact { curves, shown, uncovered, .. } = self;
+        for curve in curves.iter_mut() {
+            let points = deleted.iter().filter_map(|boundary| shown.points(boundary));
+            if curve.release(points) {
+                curve.list();
+                *uncovered = true;
+            }
+        }
+    }
+}
+
+impl StoredConstraint for Contact {
+    fn continue_from(&mut self, previous: &dyn Constraint) {
+        if let Some(previous) = (previous as &dyn Any).downcast_ref::<Contact>() {
+            self.take_over(previous);
+        }
     }
 
     fn bytes(&self) -> usize {
@@ -661,24 +665,20 @@ impl Constraint for Contact {
             + self.crossing.as_ref().map_or(0, |crossing| crossing.bytes())
             + self.laws.capacity() * size_of::<Law>()
     }
-
-    fn copy(&self) -> Box<dyn Constraint> {
-        Box::new(self.clone())
-    }
 }
 
-impl Persist for Contact {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Contact { curves, pressures, impulses, bodies, half, shown, uncovered, .. } = self;
-        curves.iter_mut().for_each(|c| c.persist(archive));
-        persist_fields!(archive; pressures.as_mut_slice(), impulses.as_mut_slice(), half);
-        bodies.iter_mut().for_each(|c| c.pushed.persist(archive));
-        persist_fields!(archive; shown, uncovered);
-        if let Some(crossing) = &mut self.crossing {
-            crossing.kept().persist(archive);
-        }
+persist_struct!(Carried { pushed } derived { dof, body, prescribed });
+
+persist_struct!(Contact {
+    curves: fixed, pressures: fixed, impulses: fixed, bodies: fixed, half, shown, uncovered, crossing: present
+} derived {
+    points, pairs, analyticals, feet, laws, dofs_of, dofs, fits, springs, means, places, near, listed, gaps, rows, motion
+} then Contact::list_again);
+
+impl Contact {
+    /// Lists are made from what has been read; rows do not depend on when they were made.
+    fn list_again(&mut self, archive: &mut Archive<'_>) {
         if archive.reads() {
-            // Lists are made from what is read; rows do not depend on when they were made.
             self.list_points();
         }
     }

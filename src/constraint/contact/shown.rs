@@ -3,8 +3,9 @@
 
 use super::curve::{Carrier, Point};
 use super::{Contact, Pair};
+use crate::constraint::ContactResults;
 use crate::kernel::topology::ElementNodes;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::variables::{Part, Variable};
 
 /// What is kept for those who look.
@@ -35,6 +36,12 @@ impl Shown {
     /// Nothing is near anything.
     pub(super) fn clear(&mut self) {
         self.opening.fill(f64::NAN);
+    }
+
+    /// Goes on with what was shown of a key before.
+    pub(super) fn take_over(&mut self, key: usize, previous: &Shown, other: usize) {
+        self.opening[key] = previous.opening[other];
+        self.slip[key] = previous.slip[other];
     }
 
     fn point(&self, carrier: Carrier) -> Option<u32> {
@@ -106,8 +113,10 @@ impl Contact {
         }
         sum
     }
+}
 
-    pub(super) fn value_at(&self, carrier: Carrier, part: Part) -> Option<f64> {
+impl ContactResults for Contact {
+    fn value_at_point(&self, carrier: Carrier, part: Part) -> Option<f64> {
         let point = self.shown.point(carrier)?;
         let keys = self.pairs.iter().flat_map(|pair| {
             let own = &self.curves[pair.own].own;
@@ -131,7 +140,7 @@ impl Contact {
         found
     }
 
-    pub(super) fn value_of(&self, number: usize, part: Part) -> Option<f64> {
+    fn value_of_pair(&self, number: usize, part: Part) -> Option<f64> {
         let pair = self.pairs.iter().find(|p| p.number == number)?;
         // What acts on the other surface is the opposite.
         let sign = if pair.first { 1.0 } else { -1.0 };
@@ -149,9 +158,4 @@ impl Contact {
     }
 }
 
-impl Persist for Shown {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Shown { opening, slip, by_node: _, on_bodies: _ } = self;
-        persist_fields!(archive; opening.as_mut_slice(), slip.as_mut_slice());
-    }
-}
+persist_struct!(Shown { opening: fixed, slip: fixed } derived { by_node, on_bodies });

@@ -18,7 +18,7 @@ use crate::element::group::{
 use crate::kernel::lanes::{Corners, LANES};
 use crate::kernel::shell::{Five, Frame};
 use crate::kernel::topology::{ElementNodes, PerNode, Topology};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::nodes::Node;
 use crate::variables::{Part, Variable};
 
@@ -362,20 +362,10 @@ impl InitialState for Shells {
     }
 }
 
-impl Persist for Shell {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Shell { thickness, shear } = self;
-        persist_fields!(archive; thickness, shear);
-    }
-}
+persist_struct!(Shell { thickness, shear });
 
-impl Persist for Shells {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Shells { section: _, ends: _, masses, state, stress, flow, record, deleted } = self;
-        deleted.as_mut_slice().persist(archive);
-        persist_fields!(archive; masses.as_mut_slice(), state.as_mut_slice(), stress.as_mut_slice(), flow.as_mut_slice());
-        if let Some(record) = record {
-            record.persist(archive);
-        }
-    }
-}
+persist_struct!(Shells {
+    deleted: fixed, masses: fixed, state: fixed, stress: fixed, flow: fixed, record: present
+} derived {
+    section, ends
+});

@@ -3,7 +3,7 @@
 
 use super::section::Section;
 use crate::kernel::plane_stress::PlaneReturn;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 
 /// What flows at a point keeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,9 +45,4 @@ pub(super) fn advance(
     Step { returned, thinning }
 }
 
-impl Persist for Flow {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Flow { strain, temperature } = self;
-        persist_fields!(archive; strain, temperature);
-    }
-}
+persist_struct!(Flow { strain, temperature });

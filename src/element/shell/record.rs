@@ -2,7 +2,7 @@
 //! Never here: anything that stresses or forces need.
 
 use crate::kernel::shell::Five;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 
 /// Of one element.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,23 +50,8 @@ impl Record {
     }
 }
 
-impl Persist for Followed {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Followed { section, work } = self;
-        persist_fields!(archive; section, work);
-    }
-}
+persist_struct!(Followed { section, work });
 
-impl Persist for PointStrains {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let PointStrains { total, plastic, rate } = self;
-        persist_fields!(archive; total, plastic, rate);
-    }
-}
+persist_struct!(PointStrains { total, plastic, rate });
 
-impl Persist for Record {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Record { elements, points } = self;
-        persist_fields!(archive; elements.as_mut_slice(), points.as_mut_slice());
-    }
-}
+persist_struct!(Record { elements: fixed, points: fixed });

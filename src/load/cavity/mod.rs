@@ -13,6 +13,8 @@ mod skin;
 mod stack;
 mod tunnel;
 
+use std::any::Any;
+
 use super::{
     Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, Penetration, SceneChange, SceneView, Targets,
     VelocityUse,
@@ -20,7 +22,7 @@ use super::{
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{Patch, Surface};
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
@@ -169,6 +171,14 @@ impl Load for CavityExpansion {
 }
 
 impl LoadOutput for CavityExpansion {
+    fn continue_from(&mut self, previous: &dyn Load) {
+        let Some(previous) = (previous as &dyn Any).downcast_ref::<CavityExpansion>() else { return };
+        for oblique in &mut self.oblique {
+            previous.oblique.iter().for_each(|known| oblique.continue_from(known));
+        }
+        self.skin.continue_from(&previous.skin);
+    }
+
     fn penetrations(&self, dofs: &Dofs) -> Vec<Penetration> {
         let of_nose = |nose: &Nose| nose.penetration(&self.stack, &dofs.bodies[nose.body]);
         let noses = self.noses.iter().filter_map(of_nose);
@@ -197,12 +207,4 @@ fn not_finite(scene: &SceneView<'_>, speed: f64) -> Halt {
     Halt { code: "R202", reason: format!("the resistance is not finite at time {time:e}, speed {speed:e}") }
 }
 
-impl Persist for CavityExpansion {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let CavityExpansion { id: _, friction: _, stack: _, noses, oblique, skin } = self;
-        persist_fields!(archive; noses.as_mut_slice(), skin);
-        if !oblique.is_empty() {
-            oblique.as_mut_slice().persist(archive);
-        }
-    }
-}
+persist_struct!(CavityExpansion { noses: fixed, skin, oblique: fixed } derived { id, friction, stack });

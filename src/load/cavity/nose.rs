@@ -11,7 +11,7 @@ use crate::load::fields::FacetFields;
 use crate::load::{Penetration, PenetrationOutcome};
 use crate::mesh::surface::Patch;
 use crate::state::BodyState;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::persist_struct;
 use crate::state::limit::Limit;
 
 /// Sums over the facets that face one way, fully in one material: because every point of the body has the same
@@ -355,9 +355,4 @@ fn time_to_travel(distance: f64, speed: f64, acceleration: f64) -> f64 {
     2.0 * distance / (speed + discriminant.sqrt())
 }
 
-impl Persist for Nose {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Nose { body: _, fronts: _, idle: _, travel: _, rounding: _, last_layer } = self;
-        last_layer.persist(archive);
-    }
-}
+persist_struct!(Nose { last_layer } derived { body, fronts, idle, travel, rounding });

@@ -8,7 +8,7 @@ use crate::load::fields::FacetFields;
 use crate::load::{MotionAtEnd, Penetration, PenetrationOutcome};
 use crate::mesh::surface::Patch;
 use crate::state::BodyState;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::limit::Limit;
 use crate::state::rigid_body_3d::{Motion, RigidBody3d, Wrench};
 
@@ -159,6 +159,13 @@ impl Oblique {
         Some(Penetration { body: self.body, outcome, in_space: Some(in_space) })
     }
 
+    /// Goes on from the resistance on the same body that it replaces.
+    pub(super) fn continue_from(&mut self, previous: &Oblique) {
+        if previous.body == self.body {
+            (self.met, self.left, self.damping) = (previous.met, previous.left, previous.damping);
+        }
+    }
+
     /// How far the next increment may go: to the next plane and a part of the body beyond, and no longer than what damps lets it.
     pub(super) fn limit(&self, stack: &Stack, body: &BodyState) -> Limit {
         let Some(body) = &body.spatial else { return Limit::NONE };
@@ -194,23 +201,7 @@ impl Oblique {
     }
 }
 
-impl Persist for Oblique {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Oblique {
-            body: _,
-            tilt: _,
-            friction: _,
-            travel: _,
-            rings: _,
-            elements: _,
-            direction: _,
-            met,
-            left,
-            damping,
-        } = self;
-        persist_fields!(archive; met, left, damping);
-    }
-}
+persist_struct!(Oblique { met, left, damping } derived { body, tilt, friction, travel, rings, elements, direction });
 
 #[cfg(test)]
 mod tests {

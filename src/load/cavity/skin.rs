@@ -9,7 +9,7 @@ use crate::load::fields::FacetFields;
 use crate::load::pressure::on_solid;
 use crate::load::{Dissipation, LastIncrement, SceneView};
 use crate::mesh::surface::{Face, Skin};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::direction;
 use crate::state::dofs::Dofs;
 use crate::state::limit::Limit;
@@ -40,6 +40,14 @@ impl Resisted {
         let length = heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
         if shortest.is_finite() {
             self.tunnel = Some(Tunnel::new(shortest, length));
+        }
+    }
+
+    /// Goes on in the tunnel of a resistance that it replaces on some of the same faces.
+    pub(super) fn continue_from(&mut self, previous: &Resisted) {
+        let shared = || self.skin.faces.iter().any(|face| previous.skin.faces.contains(face));
+        if self.tunnel.is_some() && previous.tunnel.is_some() && shared() {
+            self.tunnel.clone_from(&previous.tunnel);
         }
     }
 
@@ -170,12 +178,4 @@ fn face_limit(stack: &Stack, face: &Face, nodes: &Nodes) -> Limit {
     Limit { time: distance / velocity.abs(), jump }
 }
 
-impl Persist for Resisted {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Resisted { skin, forces, tunnel } = self;
-        persist_fields!(archive; skin, forces.as_mut_slice());
-        if let Some(tunnel) = tunnel {
-            tunnel.persist(archive);
-        }
-    }
-}
+persist_struct!(Resisted { skin, forces: fixed, tunnel: present });

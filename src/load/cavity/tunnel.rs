@@ -2,7 +2,7 @@
 //! Never here: what acts on what meets the wall.
 
 use crate::mesh::surface::Face;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 
 /// Radii of the wall in slices of one thickness. It remembers as many slices as bodies are long: the nearest ones to what moves.
 #[derive(Clone, Debug)]
@@ -74,19 +74,9 @@ impl Tunnel {
     }
 }
 
-impl Persist for Slice {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Slice { number, radius } = self;
-        persist_fields!(archive; number, radius);
-    }
-}
+persist_struct!(Slice { number, radius });
 
-impl Persist for Tunnel {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Tunnel { thickness: _, slices } = self;
-        slices.as_mut_slice().persist(archive);
-    }
-}
+persist_struct!(Tunnel { slices: fixed } derived { thickness });
 
 #[cfg(test)]
 mod tests {

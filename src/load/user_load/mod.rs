@@ -4,6 +4,8 @@
 mod surface_map;
 mod surface_view;
 
+use std::any::Any;
+
 use super::{
     Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneChange, SceneView, Targets, VelocityUse,
 };
@@ -189,6 +191,13 @@ impl Load for UserLoad {
 }
 
 impl LoadOutput for UserLoad {
+    fn continue_from(&mut self, previous: &dyn Load) {
+        let Some(previous) = (previous as &dyn Any).downcast_ref::<UserLoad>() else { return };
+        for block in &mut self.blocks[..self.on_nodes] {
+            previous.blocks[..previous.on_nodes].iter().for_each(|known| block.continue_from(known));
+        }
+    }
+
     fn stiffness(&self) -> Option<&Stiffness> {
         let found = self.blocks[..self.on_nodes].iter().filter_map(Block::stiffness);
         found.reduce(|most, other| if other.squared > most.squared { other } else { most })

@@ -12,7 +12,7 @@ use crate::load::stations::Station;
 use crate::load::stiffness::{Seen, Stiffness, Watch};
 use crate::mesh::surface::{Face, Skin};
 use crate::state::BodyState;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
 use crate::state::dofs::Dofs;
 use crate::state::halt::Halt;
 use crate::state::nodes::Nodes;
@@ -244,6 +244,17 @@ impl Block {
         }
     }
 
+    /// Goes on with what is known of the faces that it shares with a block of the load that it replaces.
+    pub(super) fn continue_from(&mut self, previous: &Block) {
+        let SurfaceMap::Faces { skin, watch, .. } = &mut self.map else { return };
+        let SurfaceMap::Faces { skin: known, watch: before, .. } = &previous.map else { return };
+        for (i, face) in skin.faces.iter().enumerate() {
+            if let Some(at) = known.faces.iter().position(|f| f == face) {
+                watch.continue_from(i, before, at);
+            }
+        }
+    }
+
     /// The stiffness found so far.
     pub(super) fn stiffness(&self) -> Option<&Stiffness> {
         if let SurfaceMap::Faces { watch, .. } = &self.map { watch.most() } else { None }
@@ -395,10 +406,5 @@ impl Persist for SurfaceMap {
     }
 }
 
-impl Persist for Block {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        // The pressures before are those of the instant that is kept, once the next evaluation has begun.
-        let Block { map, view, pressure_before: _ } = self;
-        persist_fields!(archive; map, view);
-    }
-}
+// The pressures before are those of the instant that is kept, once the next evaluation has begun.
+persist_struct!(Block { map, view } derived { pressure_before });

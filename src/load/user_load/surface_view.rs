@@ -3,7 +3,7 @@
 
 use super::Description;
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::halt::Halt;
 use crate::state::magnitude::Clock;
 use crate::user::{LoadFailure, LoadPoints, MAX_BLOCK, UserLoad};
@@ -182,11 +182,10 @@ impl SurfaceView {
     }
 }
 
-impl Persist for SurfaceView {
-    /// Motion, too, of which a routine that does not ask for all has only a part kept up. The number of points follows from the
-    /// faces that have come to lie bare.
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let SurfaceView { count: _, coordinates, motion, directions: _, normal_r: _, normal_z: _, pressure } = self;
-        persist_fields!(archive; coordinates.as_mut_slice(), motion.as_mut_slice(), pressure.as_mut_slice());
-    }
-}
+// Motion, too, of which a routine that does not ask for all has only a part kept up. The number of points follows from the
+// faces that have come to lie bare.
+persist_struct!(SurfaceView {
+    coordinates: fixed, motion: fixed, pressure: fixed
+} derived {
+    count, directions, normal_r, normal_z
+});

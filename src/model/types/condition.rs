@@ -5,7 +5,7 @@ use super::handle::AmplitudeId;
 use crate::deck::Span;
 
 /// A function of time that scales a load or a motion.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Amplitude {
     /// Upper-case name.
     pub name: String,
@@ -18,7 +18,7 @@ pub struct Amplitude {
 }
 
 /// What gives an amplitude its values.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum AmplitudeDefinition {
     /// Points.
     Curve {
@@ -76,7 +76,7 @@ impl InitialKind {
 }
 
 /// A prescribed motion.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Boundary {
     /// Node indices.
     pub nodes: Vec<usize>,
@@ -97,7 +97,7 @@ pub struct Boundary {
 }
 
 /// A field variable at nodes over time (`*FIELD`).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PrescribedField {
     /// The variable, counted from 0.
     pub variable: usize,

@@ -50,7 +50,7 @@ pub struct Interaction {
 }
 
 /// Contact of two surfaces of elements, of one with itself, or of one with an analytical surface.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceContact {
     /// Both surfaces; the same twice where one meets itself.
     pub sides: [Sides; 2],
@@ -82,7 +82,7 @@ impl SurfaceContact {
 }
 
 /// Which side of a pair is an analytical surface, and what meets it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AnalyticalSide {
     /// The side; it has the upper-case name of the surface and no faces.
     pub side: usize,
@@ -104,7 +104,7 @@ pub struct Clearance {
 }
 
 /// What a word of general contact means.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ContactDomain {
     /// All that is outside.
     All,
@@ -113,7 +113,7 @@ pub enum ContactDomain {
 }
 
 /// General contact (`*CONTACT`): which surfaces may meet is found from the mesh.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct GeneralContact {
     /// The card.
     pub span: Span,
@@ -134,7 +134,7 @@ pub struct GeneralContact {
 }
 
 /// What gaps at the start of general contact are taken as.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AssignedClearance {
     /// What it is given to.
     pub domains: [ContactDomain; 2],
@@ -145,7 +145,7 @@ pub struct AssignedClearance {
 }
 
 /// An interaction of general contact.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AssignedInteraction {
     /// What it is given to.
     pub domains: [ContactDomain; 2],

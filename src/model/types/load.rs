@@ -6,7 +6,7 @@ use super::handle::{AmplitudeId, MaterialId, TargetId};
 use crate::deck::Span;
 
 /// A load in force in a step.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Load {
     /// What acts.
     pub kind: LoadKind,
@@ -19,7 +19,7 @@ pub struct Load {
 }
 
 /// What a load acts on and how.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum LoadKind {
     /// `*CLOAD`: a force on each node in a degree of freedom.
     Concentrated {

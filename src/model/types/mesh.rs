@@ -159,7 +159,7 @@ pub struct Surface {
 }
 
 /// Where a distributed load acts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Sides {
     /// Name of the surface or element set, as written.
     pub name: String,

@@ -1,0 +1,78 @@
+//! What contact takes over from that of the step before where other pairs, laws or prescribed motions take the place of those in
+//! force: pairs are found again by their number, points by what carries them.
+//! Never here: what happens in contact.
+
+use std::collections::HashMap;
+
+use super::curve::{Carrier, Point};
+use super::{Contact, Pair};
+
+/// What carries a point, so that it can be looked for.
+type Identity = (usize, Option<[u64; 2]>);
+
+fn identity(point: &Point) -> Identity {
+    match point.carrier {
+        Carrier::Node(node) => (node, None),
+        Carrier::Body(body, place) => (body, Some(place.map(f64::to_bits))),
+    }
+}
+
+impl Contact {
+    /// Goes on with pressures, slip, impulses, clearances and the heat that surfaces may exchange.
+    pub(super) fn take_over(&mut self, previous: &Contact) {
+        self.half = previous.half;
+        self.bodies.clone_from(&previous.bodies);
+        let known: HashMap<_, _> = previous.dofs.iter().map(|d| d.0).zip(&previous.impulses).collect();
+        for ((dof, _), impulse) in self.dofs.iter().zip(&mut self.impulses) {
+            *impulse = known.get(dof).map_or([0.0; 2], |found| **found);
+        }
+        for at in 0..self.curves.len().min(previous.curves.len()) {
+            if self.facet_owners(at).eq(previous.facet_owners(at)) {
+                self.curves[at].take_over(&previous.curves[at]);
+            }
+        }
+        self.list_points();
+        for at in 0..self.pairs.len() {
+            let (number, first) = (self.pairs[at].number, self.pairs[at].first);
+            if let Some(pair) = previous.pairs.iter().find(|p| (p.number, p.first) == (number, first)) {
+                let known: HashMap<_, _> = previous.key_owners(pair).into_iter().collect();
+                for (owner, key) in self.key_owners(&self.pairs[at]) {
+                    known.get(&owner).into_iter().for_each(|&other| self.take_over_key(key, previous, other));
+                }
+            }
+        }
+        if let (Some(crossing), Some(before)) = (&mut self.crossing, &previous.crossing) {
+            let known: HashMap<_, _> = previous.points.iter().map(identity).zip(before.kept()).collect();
+            for (point, most) in self.points.iter().zip(crossing.kept_mut()) {
+                *most = known.get(&identity(point)).map_or(0.0, |found| **found);
+            }
+        }
+    }
+
+    fn take_over_key(&mut self, key: usize, previous: &Contact, other: usize) {
+        self.pressures[key] = previous.pressures[other];
+        self.shown.take_over(key, &previous.shown, other);
+        let fit = previous.fits.get(other).copied().unwrap_or(0.0);
+        if fit != 0.0 && self.fits.is_empty() {
+            self.fits = vec![0.0; self.pressures.len()];
+        }
+        if let Some(own) = self.fits.get_mut(key) {
+            *own = fit;
+        }
+    }
+
+    /// What carries the points of each facet of a curve.
+    fn facet_owners(&self, curve: usize) -> impl Iterator<Item = [Identity; 2]> {
+        self.curves[curve].facets.iter().map(|facet| facet.map(|point| identity(&self.points[point as usize])))
+    }
+
+    /// The keys of a pair by the points that own them: those of the own curve, then of the other, or of the own once more.
+    fn key_owners(&self, pair: &Pair) -> Vec<((bool, Identity), usize)> {
+        let own = &self.curves[pair.own].own;
+        let others = pair.other.map_or(own, |other| &self.curves[other].own);
+        let keys = pair.first_key as usize..(pair.first_key + self.keys_of(pair)) as usize;
+        let points = own.iter().map(|p| (true, p)).chain(others.iter().map(|p| (false, p)));
+        let owner = |(is_own, point): (bool, &u32)| (is_own, identity(&self.points[*point as usize]));
+        points.map(owner).zip(keys).collect()
+    }
+}

@@ -1,0 +1,367 @@
+//! Steps that change nothing, and those that change one thing among others that have a memory.
+//!
+//! Goal: an analysis split into steps that change nothing has the same rows, frames, energies and warnings as the one step, to the
+//! last bit; so has one that goes on from a checkpoint in a later step; what a later step replaces keeps its memory.
+//! Source: the one step. Tolerance: none where increments are the same. They are with `DIRECT USER CONTROL` where the increment is a
+//! power of two and steps are whole numbers of them: sums are then exact. Where increments follow error control, those at a boundary
+//! are others, and the tolerance is that of the error control.
+
+use std::fs;
+
+use proptest::prelude::any;
+use proptest::test_runner::{Config, TestRunner};
+use revolve::job::{self, Prepared};
+use revolve::output::Frame;
+use revolve::solve::{self, Control, Every, Instant, Outcome, Sink, SinkError};
+use revolve::user::{LoadFailure, MotionCall, Routines, UserMotion};
+
+use crate::common::bodies::{assembly, elastic, part, rigid_line};
+use crate::common::{Memory, project};
+
+/// A deck of one step, taken apart.
+struct Deck {
+    /// Name of the file for which it stands.
+    name: String,
+    /// What comes before the step.
+    head: String,
+    /// Keyword and parameters of the procedure without those of the increment.
+    procedure: String,
+    conditions: String,
+    /// Output requests every so many increments.
+    output: String,
+}
+
+/// Increments between rows, and increments of each analysis: a multiple of that times 2 and 5.
+const EVERY: u64 = 12;
+const ALL: u64 = 240;
+
+impl Deck {
+    /// Amplitudes in step time would end with the first of several steps: they become those in total time.
+    fn new(name: &str, text: &str) -> Deck {
+        let lower = text.to_lowercase();
+        let at =
+            |from: usize, word: &str| from + lower[from..].find(word).unwrap_or_else(|| panic!("{name}: no {word}"));
+        let step = at(0, "\n*step") + 1;
+        let procedure = at(step, "\n*dynamic") + 1;
+        let data = at(procedure, "\n") + 1;
+        let conditions = at(data, "\n") + 1;
+        let end = at(conditions, "*end step");
+        let output = lower[conditions..end].find("*output").map_or(end, |found| conditions + found);
+        let in_total_time = |line: &str| {
+            let line_lower = line.to_lowercase();
+            let is_curve = line_lower.starts_with("*amplitude") && !line_lower.contains("user");
+            format!("{line}{}\n", if is_curve { ", time=TOTAL TIME" } else { "" })
+        };
+        let every = |line: &str| {
+            let is_request = line.to_lowercase().starts_with("*output,");
+            let kept: Vec<&str> = line.split(',').filter(|w| !is_request || !w.contains("interval")).collect();
+            kept.join(",") + &if is_request { format!(", frequency={EVERY}\n") } else { "\n".into() }
+        };
+        let keyword = lower[procedure..data].split(',').next().expect("a keyword").trim().to_owned();
+        Deck {
+            name: name.to_owned(),
+            head: text[..step].lines().map(in_total_time).collect(),
+            procedure: keyword + ", explicit",
+            conditions: text[conditions..output].to_owned(),
+            output: text[output..end].lines().map(every).collect(),
+        }
+    }
+
+    fn of_file(name: &str) -> Deck {
+        Deck::new(name, &fs::read_to_string(project(name)).expect("a deck"))
+    }
+
+    /// Automatic increments over a time.
+    fn automatic(&self, time: f64) -> String {
+        format!("{}*Step\n{}\n , {time:e}\n{}*End Step\n", self.head, self.procedure, self.conditions)
+    }
+
+    /// So many steps of [`ALL`] increments together. Later ones repeat the conditions, or say nothing of them.
+    fn split(&self, steps: u64, increment: f64, repeats: bool) -> String {
+        let mut text = self.head.clone();
+        for index in 0..steps {
+            let conditions = if index == 0 || repeats { &*self.conditions } else { "" };
+            let time = increment * (ALL / steps) as f64;
+            text += &format!("*Step\n{}, direct user control\n {increment:e}, {time:e}\n{conditions}", self.procedure);
+            text += &format!("{}*End Step\n", self.output);
+        }
+        text
+    }
+
+    fn prepare(&self, text: &str, settings: &[(&str, &str)], routines: &Routines) -> Prepared {
+        let settings = crate::common::pairs(settings);
+        let prepared = job::prepare_text(&project(&self.name).to_string_lossy(), text, &settings, routines);
+        let found = prepared.diagnostics.render(&prepared.deck.sources);
+        assert!(!prepared.diagnostics.has_errors(), "{}: {found}", self.name);
+        prepared
+    }
+
+    /// A power of two that elements bear well; of what is rigid the part of the time that all increments make.
+    fn increment(&self, settings: &[(&str, &str)], time: f64, routines: &Routines) -> f64 {
+        let prepared = self.prepare(&self.automatic(0.005 * time), settings, routines);
+        let rigid = prepared.state.dofs.nodes.is_empty();
+        let bearable = || 0.25 * run(&prepared, Control::default()).0.steps[0].largest_increment;
+        let bound = if rigid { time / ALL as f64 } else { bearable() };
+        bound.log2().floor().exp2()
+    }
+}
+
+/// Rows and frames in memory, and the states that were kept.
+#[derive(Default)]
+struct Keeper {
+    shown: Memory,
+    states: Vec<(Vec<u8>, usize, usize)>,
+}
+
+impl Sink for Keeper {
+    fn wants_frames(&self) -> bool {
+        true
+    }
+    fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
+        self.shown.frame(frame)
+    }
+    fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
+        self.shown.row(now, values)
+    }
+    fn keeps(&self) -> bool {
+        true
+    }
+    fn keep(&mut self, state: &[u8], _now: &Instant) -> Result<(), SinkError> {
+        self.states.push((state.to_vec(), self.shown.rows.len(), self.shown.frames.len()));
+        Ok(())
+    }
+}
+
+fn run(prepared: &Prepared, control: Control<'_>) -> (Outcome, Keeper) {
+    let mut keeper = Keeper::default();
+    let (outcome, _) = solve::run_with(&prepared.plan, prepared.state.clone(), &mut keeper, control).expect("it fits");
+    (outcome, keeper)
+}
+
+/// Bits of rows, with the names of columns that differ first for a message.
+fn rows(memory: &Memory) -> Vec<Vec<u64>> {
+    let bits = |(time, values): &(f64, Vec<f64>)| [*time].iter().chain(values).map(|v| v.to_bits()).collect();
+    memory.rows.iter().map(bits).collect()
+}
+
+fn frames(memory: &Memory) -> Vec<(u64, Vec<u64>)> {
+    let bits = |frame: &Frame| {
+        let fields = frame.point_fields.iter().chain(&frame.cell_fields).flat_map(|f| &f.values);
+        let all = [frame.time].into_iter().chain(frame.points.iter().flatten().copied()).chain(fields.copied());
+        (frame.increment, all.map(f64::to_bits).collect())
+    };
+    memory.frames.iter().map(bits).collect()
+}
+
+/// What the end of an analysis is compared by, but for what counts steps.
+fn ending(outcome: &Outcome) -> String {
+    let Outcome { halt, energy, rests, penetrations, unfinished, exits, deleted, warnings, increments, .. } = outcome;
+    format!(
+        "{halt:?} {energy:?} {rests:?} {penetrations:?} {unfinished:?} {exits:?} {deleted} {warnings:?} {increments}"
+    )
+}
+
+#[track_caller]
+fn same(what: &str, prepared: &Prepared, found: &(Outcome, Memory), expected: &(Outcome, Memory)) {
+    let (own, others) = (rows(&found.1), rows(&expected.1));
+    assert_eq!(own.len(), others.len(), "{what}: rows");
+    for ((row, other), at) in own.iter().zip(&others).zip(0..) {
+        if let Some(column) = (0..row.len()).find(|&i| row[i] != other[i]) {
+            let name = column.checked_sub(1).map_or("time", |i| &prepared.plan.columns[i].name);
+            let values =
+                [&found.1, &expected.1].map(|m| column.checked_sub(1).map_or(m.rows[at].0, |i| m.rows[at].1[i]));
+            panic!("{what}: row {at}, {name}: {values:?}");
+        }
+    }
+    assert!(frames(&found.1) == frames(&expected.1), "{what}: frames");
+    assert_eq!(ending(&found.0), ending(&expected.0), "{what}");
+}
+
+/// Runs a deck in one step, and in 2 and 5 that change nothing; then from checkpoints in the second of two.
+fn goes_on(deck: &Deck, settings: &[(&str, &str)], increment: f64, routines: &dyn Fn() -> Routines) -> Outcome {
+    let ran = |steps: u64, repeats: bool, control: Control<'_>| {
+        let prepared = deck.prepare(&deck.split(steps, increment, repeats), settings, &routines());
+        let (outcome, keeper) = run(&prepared, control);
+        (prepared, outcome, keeper)
+    };
+    let (_, outcome, whole) = ran(1, false, Control::default());
+    assert_eq!(outcome.increments, ALL, "{}: {:?}", deck.name, outcome.halt);
+    let whole = (outcome, whole.shown);
+    // Where a later step puts anything in force, a load on nodes that reads velocities reads those of the step's start with the
+    // acceleration there, not the one before.
+    let reads_velocity = deck.conditions.contains("PNU") || deck.conditions.to_lowercase().contains("cavity");
+    // A displacement that is given again counts from where its nodes are: the same but for rounding.
+    let counts_anew = deck.conditions.contains("*Boundary, amplitude");
+    let repeated = if reads_velocity || counts_anew { None } else { Some((2, true)) };
+    for (steps, repeats) in [(2, false), (5, false)].into_iter().chain(repeated) {
+        let (prepared, outcome, keeper) = ran(steps, repeats, Control::default());
+        let changed = prepared.plan.steps[1..].iter().filter(|step| !step.changes.is_empty()).count();
+        let what = format!("{} in {steps} steps ({changed} with changes)", deck.name);
+        same(&what, &prepared, &(outcome, keeper.shown), &whole);
+    }
+    let every = Some(Every::Increments(3 * ALL / 4));
+    let (prepared, _, kept) = ran(2, false, Control { every, ..Control::default() });
+    let (state, row, frame) = &kept.states[0];
+    let (outcome, rest) = run(&prepared, Control { state: Some(state), ..Control::default() });
+    let mut shown = kept.shown;
+    shown.rows.truncate(*row);
+    shown.frames.truncate(*frame);
+    shown.rows.extend(rest.shown.rows);
+    shown.frames.extend(rest.shown.frames);
+    same(&format!("{} from a checkpoint", deck.name), &prepared, &(outcome, shown), &whole);
+    whole.0
+}
+
+fn example(name: &str, settings: &[(&str, &str)]) -> Outcome {
+    let routines = || Routines::none().with_pressure(|points, i| 1e6 * points.amplitude * (2.0 - points.r[i]));
+    let deck = Deck::of_file(name);
+    let time =
+        deck.prepare(&fs::read_to_string(project(name)).expect("a deck"), settings, &routines()).plan.steps[0].duration;
+    // Where a body comes to rest or a force jumps, an increment ends earlier: the analysis ends before.
+    let mut increment = deck.increment(settings, time, &routines());
+    let increments =
+        |dt: f64| run(&deck.prepare(&deck.split(1, dt, false), settings, &routines()), Control::default()).0.increments;
+    while increments(increment) != ALL {
+        increment *= 0.5;
+    }
+    goes_on(&deck, settings, increment, &routines)
+}
+
+#[test]
+fn rigid_examples_do_not_see_steps() {
+    for name in
+        ["ogive", "oblique", "ogive_steel", "ogive_rod", "plate_6061", "plates_derived", "ogive_user", "gauntlet/disc"]
+    {
+        example(&format!("input/{name}.inp"), &[]);
+    }
+    let outcome = example("input/oblique.inp", &[("friction", "0.1")]);
+    assert_eq!(outcome.penetrations.len(), 1);
+}
+
+#[test]
+fn deformable_examples_do_not_see_steps() {
+    for name in [
+        "blast_disk",
+        "long_rod",
+        "ogive_meshed",
+        "ogive_rod_meshed",
+        "press_fit",
+        "punch_rubber",
+        "rod_plate",
+        "sphere_on_plate",
+        "taylor_copper",
+        "tube_crush",
+    ] {
+        example(&format!("input/{name}.inp"), &[]);
+    }
+}
+
+#[test]
+fn scenes_of_the_gauntlet_do_not_see_steps() {
+    for name in [
+        "bending",
+        "cylinder",
+        "flight",
+        "impact",
+        "impact_controlled",
+        "layers",
+        "necking",
+        "needle",
+        "point_load",
+        "release",
+        "stiff_load",
+        "units",
+        "void",
+    ] {
+        example(&format!("input/gauntlet/{name}.inp"), &[]);
+    }
+}
+
+/// Follows a sine.
+struct Sway;
+
+impl UserMotion for Sway {
+    fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure> {
+        Ok(0.01 * call.now.total_time)
+    }
+}
+
+/// A block that slides along another, and a light rigid plate that is pushed against it, with one of each kind of load and constraint
+/// that a bit of `kinds` asks for.
+fn scene(kinds: u32) -> Deck {
+    let has = |bit: u32| kinds >> bit & 1 == 1;
+    let either = |bit: u32, yes: &str, no: &str| if has(bit) { yes.to_owned() } else { no.to_owned() };
+    let corner = "*Nset, nset=INNER\n 8\n*Nset, nset=BESIDE\n 9\n";
+    let spring = either(0, "*Element, type=SPRING1, elset=SPRING\n 9000, 3\n*Spring, elset=SPRING\n 2,\n 0.5,\n", "");
+    let lower = part("LOWER", [12, 2], |i, j| [1.0 + 0.15 * i as f64, 0.15 * j as f64 - 0.3], "");
+    let upper =
+        part("UPPER", [5, 3], |i, j| [1.3 + 0.14 * i as f64, 0.002 + 0.14 * j as f64], &(corner.to_owned() + &spring));
+    let mass = "*Element, type=MASS, elset=M\n 900, 1000\n*Mass, elset=M\n 0.02,\n";
+    let plate = rigid_line("PLATE", &[[9.0, 0.424], [0.5, 0.424]], mass);
+    let contact = match (has(1), has(2)) {
+        (true, _) => "*Contact\n*Contact Inclusions, all exterior\n*Contact Property Assignment\n , , DRY\n".into(),
+        (_, penalty) => {
+            let law = if penalty { ", mechanical constraint=PENALTY" } else { "" };
+            format!("*Contact Pair, interaction=DRY{law}\n LOWER.J1, UPPER.J0\n UPPER.J1, PLATE.SKIN\n")
+        }
+    };
+    let head = lower
+        + &upper
+        + &plate
+        + &assembly(&["LOWER", "UPPER", "PLATE"], "*Rigid Body, ref node=PLATE.REF, elset=PLATE.E\n")
+        + &elastic("LOWER", [1.0, 0.3, 1.0], &either(3, "*Conductivity\n 0.01,\n*Specific Heat\n 1.,\n", ""))
+        + &elastic("UPPER", [1.0, 0.3, 1.0], &either(3, "*Conductivity\n 0.01,\n*Specific Heat\n 1.,\n", ""))
+        + &either(4, "*Equation\n 2\n UPPER.INNER, 1, 1., UPPER.BESIDE, 1, -1.\n", "")
+        + "*Surface Interaction, name=DRY\n*Friction\n 0.2,\n*Amplitude, name=UP\n 0., 0., 1., 1., 2., 0.5\n"
+        + "*Initial Conditions, type=VELOCITY\n UPPER.ALL, 1, 0.05\n UPPER.ALL, 2, -0.02\n*Step\n*Dynamic, Explicit\n , 1.\n";
+    let conditions = "*Boundary\n LOWER.J0, 1, 2\n".to_owned()
+        + &contact
+        + &either(5, "*Cload\n PLATE.REF, 2, -0.002\n", "")
+        + &either(6, "*Cload, amplitude=UP\n UPPER.J1, 1, 1.e-4\n", "")
+        + &either(7, "*Dload\n , GRAV, 0.01, 0., -1.\n", "")
+        + &either(8, "*Dsload, amplitude=UP\n UPPER.J1, P, 1.e-3\n", "")
+        + &either(9, "*Dsload\n UPPER.I1, PNU\n", "")
+        + &either(10, "*Boundary, amplitude=UP\n UPPER.I1, 1, 1, 0.01\n", "")
+        + &either(11, "*Boundary, type=VELOCITY, amplitude=UP\n UPPER.INNER, 2, 2, -0.01\n", "")
+        + &either(12, "*Boundary, type=ACCELERATION\n UPPER.BESIDE, 2, 2, -0.01\n", "")
+        + &either(13, "*Boundary, user\n LOWER.I0, 1, 1\n", "")
+        + &either(14, "*Variable Mass Scaling, dt=0.03, type=BELOW MIN, frequency=7\n", "")
+        + &either(15, "*Fixed Mass Scaling, factor=1.5\n", "");
+    let conditions = if has(3) {
+        conditions + "*Boundary\n LOWER.J0, 11, 11, 5.\n*Cflux\n UPPER.INNER, 11, 0.01\n"
+    } else {
+        conditions
+    };
+    let output = "*Output, field, number interval=1\n*Node Output\n U, V, A, RF\n*Element Output\n S\n*Output, history, number interval=1\n\
+        *Energy Output\n ALL\n*Node Output, nset=PLATE.REF\n U2, V2, A2\n*Contact Output, nset=UPPER.J0\n CPRESS, CSLIP, CSHEAR1\n*End Step\n";
+    let text = head + &conditions + output;
+    let text = if has(3) {
+        text.replace("CAX4R", "CAX4RT").replace("*Dynamic, Explicit", "*Dynamic Temperature-displacement, Explicit")
+    } else {
+        text
+    };
+    Deck::new(&format!("scene {kinds:#b}"), &text)
+}
+
+fn of_scene() -> Routines {
+    Routines::none().with_motion(Sway).with_pressure(|points, i| 1e-3 * (1.0 - 0.5 * points.velocity_r[i]))
+}
+
+/// Each kind of load and constraint alone beside contact, all of them, and any of them.
+#[test]
+fn no_kind_of_load_or_constraint_sees_steps() {
+    let check = |kinds: u32| goes_on(&scene(kinds), &[], 1.0 / 64.0, &of_scene);
+    (0..16).for_each(|bit| {
+        check(1 << bit);
+    });
+    let mut runner = TestRunner::new_with_rng(
+        Config { cases: 24, failure_persistence: None, ..Config::default() },
+        proptest::test_runner::TestRng::deterministic_rng(proptest::test_runner::RngAlgorithm::ChaCha),
+    );
+    runner
+        .run(&any::<u16>(), |kinds| {
+            check(u32::from(kinds));
+            Ok(())
+        })
+        .expect("no step is seen");
+}
