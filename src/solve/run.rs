@@ -50,6 +50,7 @@ pub(super) struct Run<'a> {
     /// Functions of time that the user's routines tell, and what asks for them.
     pub(super) told: Vec<SampledAmplitude>,
     pub(super) amplitudes: Vec<UserAmplitude>,
+    #[allow(clippy::vec_box)] // The list is changed as those of loads and constraints are.
     pub(super) motions: Vec<Box<UserMotion>>,
     /// The user's routines.
     pub(super) user: Locked<'a>,
@@ -479,7 +480,7 @@ impl<'a> Run<'a> {
         };
         let carried = self.constraints.iter().filter_map(|c| c.view().carried);
         for (carried, out) in carried.zip(&mut self.forces) {
-            *out = carried.force(&force);
+            *out = carried.force(force);
         }
     }
 
