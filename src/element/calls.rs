@@ -160,7 +160,9 @@ impl<S, T: Numbers> PointAccess for Access<'_, S, T> {
 /// Runs a phase for each task of a batch.
 fn spread<S: Send, T: Numbers>(
     threads: bool,
-    (blocks, tasks, corners): (&mut [ElementBlock<S, T>], &mut [Workspace<T>], &mut [Corners<T>]),
+    blocks: &mut [ElementBlock<S, T>],
+    tasks: &mut [Workspace<T>],
+    corners: &mut [Corners<T>],
     calls: &mut Calls<T>,
     phase: impl Fn(usize, TaskPhase<'_, S, T>) + Sync,
 ) {
@@ -215,12 +217,12 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
         for (turn, ((blocks, tasks), corners)) in parts.zip(corners.chunks_mut(batch * TASK)).enumerate() {
             let first = turn * batch * TASK * LANES;
             calls.exchange_last(first, *count, batch * CALLS);
-            spread(threads, (&mut *blocks, &mut *tasks, &mut *corners), calls, |i, phase| {
+            spread(threads, &mut *blocks, &mut *tasks, &mut *corners, calls, |i, phase| {
                 input.measure::<AREA>(turn * batch + i, phase);
             });
-            let called = input.call(first, (&*blocks, &*tasks), calls, &mut user);
+            let called = input.call(first, &*blocks, &*tasks, calls, &mut user);
             if called.is_ok() {
-                spread(threads, (&mut *blocks, &mut *tasks, &mut *corners), calls, |_, phase| {
+                spread(threads, &mut *blocks, &mut *tasks, &mut *corners, calls, |_, phase| {
                     input.respond::<AREA>(phase)
                 });
             }
@@ -277,7 +279,8 @@ impl<M: Material<T>, T: Numbers> PassInput<'_, M, T> {
     fn call(
         &self,
         first: usize,
-        (blocks, tasks): (&[ElementBlock<M::State, T>], &[Workspace<T>]),
+        blocks: &[ElementBlock<M::State, T>],
+        tasks: &[Workspace<T>],
         calls: &mut Calls<T>,
         user: &mut AtPoints<'_>,
     ) -> Result<(), Failed> {
@@ -298,7 +301,7 @@ impl<T> Calls<T> {
     /// Puts the arguments of the group's last call in their place among so many calls that begin with an element, and back.
     fn exchange_last(&mut self, first: usize, count: usize, calls: usize) {
         let place = (count / ELEMENTS).wrapping_sub(first / ELEMENTS);
-        if count % ELEMENTS != 0 && place < calls {
+        if !count.is_multiple_of(ELEMENTS) && place < calls {
             std::mem::swap(&mut self.points[place], &mut self.last);
         }
     }
