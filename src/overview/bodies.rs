@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use crate::model::{ElementKind, Model};
+use crate::model::Model;
 use crate::plan::{Plan, State};
 use crate::state::BodyState;
 
@@ -71,26 +71,9 @@ impl PartSums {
 fn types<'a>(elements: impl Iterator<Item = &'a usize>, model: &Model) -> IndexMap<String, usize> {
     let mut counts = IndexMap::new();
     for &element in elements {
-        *counts.entry(type_name(model.mesh.elements[element].kind).to_owned()).or_insert(0) += 1;
+        *counts.entry(model.mesh.elements[element].kind.name().to_owned()).or_insert(0) += 1;
     }
     counts
-}
-
-fn type_name(kind: ElementKind) -> &'static str {
-    match kind {
-        ElementKind::Rax2 => "RAX2",
-        ElementKind::Sax1 => "SAX1",
-        ElementKind::Cax3 => "CAX3",
-        ElementKind::Cax4r => "CAX4R",
-        ElementKind::Cax3t => "CAX3T",
-        ElementKind::Cax4rt => "CAX4RT",
-        ElementKind::Mass => "MASS",
-        ElementKind::RotaryInertia => "ROTARYI",
-        ElementKind::SpringA => "SPRINGA",
-        ElementKind::Spring1 => "SPRING1",
-        ElementKind::DashpotA => "DASHPOTA",
-        ElementKind::Dashpot1 => "DASHPOT1",
-    }
 }
 
 /// Elements of a section that deform; `None` where a rigid body has them all.

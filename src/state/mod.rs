@@ -89,6 +89,13 @@ pub struct Before {
 }
 
 impl BodyState {
+    /// Returns whether the same forces act on it as on another state of the body, to the last bit.
+    pub fn has_forces_of(&self, other: &BodyState) -> bool {
+        let spatial = |body: &BodyState| body.spatial.as_ref().map(|body| body.total);
+        let forces = |body: &BodyState| (body.force, body.acceleration, spatial(body));
+        forces(self) == forces(other)
+    }
+
     /// A body that flies at a velocity.
     pub fn new(mass: f64, velocity: f64) -> Self {
         BodyState { mass, inverse_mass: 1.0 / mass, velocity, ..BodyState::default() }

@@ -8,6 +8,7 @@ mod command_line;
 mod composed;
 mod diagram;
 mod evaluate;
+mod extending;
 mod faults;
 mod fuzz;
 mod growth;

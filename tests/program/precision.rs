@@ -96,7 +96,7 @@ fn what_has_no_single_form_is_told() {
     assert!(output.status.success() && told.contains("P120") && told.contains("solid elements"), "{told}");
     let output = revolve(&["run", "input/ogive.inp", "--precision", "half"]);
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.code() == Some(2) && told.contains("double and single"), "{told}");
+    assert!(output.status.code() == Some(2) && told.contains("double or single"), "{told}");
 }
 
 /// Bits of a run on so many threads.
@@ -190,7 +190,7 @@ fn a_checkpoint_has_its_precision() {
 fn precision_is_a_knob_of_studies() {
     let of = |text: &str| settings::axes(&[text.to_owned()], &[]);
     assert!(!of("precision=double,single").expect("choices")[0].is_refinement());
-    assert!(of("precision=double,half").is_err_and(|e| e.to_string().contains("double and single there are")));
+    assert!(of("precision=double,half").is_err_and(|e| e.to_string().contains("double or single")));
     let out = tempfile::tempdir().expect("a folder");
     let quantity = ["--quantity", "1000*final(COOR2@TIP)", "--exact", "21.42", "--repeat", "1"];
     let asked =
