@@ -206,6 +206,7 @@ pub struct Summary {
     pub rests: Vec<Rest>,
     /// What has become of bodies with six degrees of freedom.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(rename = "flights")]
     pub penetrations: Vec<PenetrationSummary>,
     /// Bodies that are still on their way in a target, or behind it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
