@@ -294,9 +294,7 @@ impl<'a> Run<'a> {
         self.evaluate_forces()?;
         self.accelerate()?;
         self.balance.take_forces(&self.forces);
-        let spatial = |body: &BodyState| body.spatial.as_ref().map(|body| body.total);
-        let forces = |body: &BodyState| (body.force, body.acceleration, spatial(body));
-        let go_on = bodies.iter().zip(&self.dofs.bodies).all(|(a, b)| forces(a) == forces(b));
+        let go_on = bodies.iter().zip(&self.dofs.bodies).all(|(before, now)| now.has_same_forces(before));
         if go_on {
             (self.dofs.bodies, self.behind) = (bodies, previous_dt);
         } else if self.ties > 0 {

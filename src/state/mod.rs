@@ -252,6 +252,13 @@ impl BodyState {
         (v * a < 0.0 && v.abs() < 1.25 * increment * a.abs()).then(|| -v / a)
     }
 
+    /// Whether the same forces act on it as on another state of it, to the last bit.
+    pub fn has_same_forces(&self, other: &BodyState) -> bool {
+        let in_space = |body: &BodyState| body.spatial.as_ref().map(|spatial| spatial.total);
+        let forces = |body: &BodyState| (body.force, body.acceleration, in_space(body));
+        forces(self) == forces(other)
+    }
+
     /// Kinetic energy that the impulse of contact in the previous increment takes from a body in space that is at rest.
     pub fn energy_stopped(&self) -> f64 {
         self.spatial.as_ref().map_or(0.0, |spatial| spatial.energy_stopped())
