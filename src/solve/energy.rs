@@ -189,8 +189,14 @@ impl Balance {
         self.solid.internal + self.solid.artificial
     }
 
-    /// A new step with its forces, in which the motions of some bodies are prescribed.
+    /// Other forces from now on, beside prescribed motions of some bodies; those that are the same go on.
     pub fn begin(&mut self, forces: &[GeneralizedForce], bodies: &[BodyState]) {
+        let prescribed = || (0..bodies.len()).filter(|&b| bodies[b].prescribed);
+        let own = self.entries.iter().map(|e| (e.body, e.coordinate, e.account));
+        let same = own.eq(forces.iter().map(|f| (f.body, f.coordinate, f.account)));
+        if same && self.prescribed.iter().map(|p| p.body).eq(prescribed()) {
+            return;
+        }
         self.settle();
         let entry = |&GeneralizedForce { body, coordinate, account }: &GeneralizedForce| {
             let is = |of| if account == of { 1.0 } else { 0.0 };
@@ -198,8 +204,7 @@ impl Balance {
             Entry { body, coordinate, account, external, tied, force: 0.0, last: 0.0, work: 0.0 }
         };
         self.entries = forces.iter().map(entry).collect();
-        let prescribed = (0..bodies.len()).filter(|&b| bodies[b].prescribed);
-        self.prescribed = prescribed.map(|body| Prescribed { body, kinetic: f64::NAN }).collect();
+        self.prescribed = prescribed().map(|body| Prescribed { body, kinetic: bodies[body].kinetic() }).collect();
     }
 
     /// The forces at this instant are these from now on.
@@ -225,7 +230,7 @@ impl Balance {
         for prescribed in &mut self.prescribed {
             let now = bodies[prescribed.body].kinetic();
             let on_body = self.entries.iter().filter(|e| e.body == prescribed.body);
-            let gained = if prescribed.kinetic.is_nan() { 0.0 } else { now - prescribed.kinetic };
+            let gained = now - prescribed.kinetic;
             let reaction = gained - on_body.map(|e| e.last).sum::<f64>();
             prescribed.kinetic = now;
             self.settled.work += reaction;

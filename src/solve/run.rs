@@ -294,7 +294,7 @@ impl<'a> Run<'a> {
         self.evaluate_forces()?;
         self.accelerate()?;
         self.balance.take_forces(&self.forces);
-        let go_on = bodies.iter().zip(&self.dofs.bodies).all(|(a, b)| a.has_forces_of(b));
+        let go_on = bodies.iter().zip(&self.dofs.bodies).all(|(before, now)| now.has_same_forces(before));
         if go_on {
             (self.dofs.bodies, self.behind) = (bodies, previous_dt);
         } else if self.ties > 0 {

@@ -89,13 +89,6 @@ pub struct Before {
 }
 
 impl BodyState {
-    /// Returns whether the same forces act on it as on another state of the body, to the last bit.
-    pub fn has_forces_of(&self, other: &BodyState) -> bool {
-        let spatial = |body: &BodyState| body.spatial.as_ref().map(|body| body.total);
-        let forces = |body: &BodyState| (body.force, body.acceleration, spatial(body));
-        forces(self) == forces(other)
-    }
-
     /// A body that flies at a velocity.
     pub fn new(mass: f64, velocity: f64) -> Self {
         BodyState { mass, inverse_mass: 1.0 / mass, velocity, ..BodyState::default() }
@@ -257,6 +250,13 @@ impl BodyState {
         let (v, a) = (self.velocity, self.acceleration);
         // Far from rest, the common case, needs no division.
         (v * a < 0.0 && v.abs() < 1.25 * increment * a.abs()).then(|| -v / a)
+    }
+
+    /// Whether the same forces act on it as on another state of it, to the last bit.
+    pub fn has_same_forces(&self, other: &BodyState) -> bool {
+        let in_space = |body: &BodyState| body.spatial.as_ref().map(|spatial| spatial.total);
+        let forces = |body: &BodyState| (body.force, body.acceleration, in_space(body));
+        forces(self) == forces(other)
     }
 
     /// Kinetic energy that the impulse of contact in the previous increment takes from a body in space that is at rest.
