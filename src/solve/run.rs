@@ -254,7 +254,10 @@ impl<'a> Run<'a> {
         }
         let (name, smallest_increment) = (step.name.clone(), f64::INFINITY);
         let limits = Limits::begin();
-        self.outcome.steps.push(StepSummary { name, smallest_increment, limits, ..Default::default() });
+        // Masses that the previous step scaled stay scaled.
+        let added_mass = self.outcome.steps.last().and_then(|previous| previous.added_mass);
+        let added_mass = added_mass.filter(|_| self.scaling.is_some());
+        self.outcome.steps.push(StepSummary { name, smallest_increment, limits, added_mass, ..Default::default() });
         changes
     }
 
