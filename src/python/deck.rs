@@ -177,7 +177,11 @@ fn routines(py: Python<'_>, user: Option<&User>, load: Option<&Load>) -> PyResul
 impl Deck {
     fn prepare(&self, settings: &Settings, routines: &Routines) -> Prepared {
         let precision = self.precision;
-        job::prepare_edited(self.source.read(settings), &mut |model: &mut Model| model.settings.precision = precision, routines)
+        job::prepare_edited(
+            self.source.read(settings),
+            &mut |model: &mut Model| model.settings.precision = precision,
+            routines,
+        )
     }
 
     /// The same; a deck without routines is planned once for the same settings.
