@@ -84,6 +84,7 @@ fn type_name(kind: ElementKind) -> &'static str {
         ElementKind::Cax4r => "CAX4R",
         ElementKind::Cax3t => "CAX3T",
         ElementKind::Cax4rt => "CAX4RT",
+        ElementKind::Cax6m => "CAX6M",
         ElementKind::Mass => "MASS",
         ElementKind::RotaryInertia => "ROTARYI",
         ElementKind::SpringA => "SPRINGA",

@@ -1,7 +1,7 @@
 //! Temperatures of nodes and thermal strains of the plan: what conducts, what is given and held, what expands.
 //! Never here: arithmetic of heat.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 use super::loads::kind_name;
 use super::solid_material::heating;
@@ -15,6 +15,7 @@ use crate::heat::field::{Conditions, Heat};
 use crate::heat::sources::{Held, HeldNode, Kind, Source};
 use crate::kernel::hardening::Table;
 use crate::kernel::quad::corner_masses;
+use crate::kernel::topology::Topology;
 use crate::mesh::hidden::Hidden;
 use crate::model::{Boundary, InitialKind, Load, LoadKind, Material, Motion, SolidSection, Step};
 use crate::state::nodes::Nodes;
@@ -30,8 +31,12 @@ impl Compiler<'_> {
         if !coupled {
             self.tell_without_temperatures();
         }
-        let group = |s: &SolidSection| s.elements.iter().find_map(|e| self.places.elements.get(e)).map(|place| place.0);
-        let sections: Vec<Sectioned> = model.sections.iter().filter_map(|s| Some((s, group(s)?))).collect();
+        let groups = |s: &SolidSection| {
+            let of_elements = s.elements.iter().filter_map(|e| self.places.elements.get(e)).map(|place| place.0);
+            of_elements.collect::<BTreeSet<usize>>()
+        };
+        let with_groups = |s| groups(s).into_iter().map(move |group| (s, group));
+        let sections: Vec<Sectioned> = model.sections.iter().flat_map(with_groups).collect();
         let heat = if coupled { self.heat(&sections, state) } else { None };
         let start = self.initial_temperatures(state);
         let mut expanding = Vec::new();
@@ -80,7 +85,7 @@ impl Compiler<'_> {
         let step = model.steps.first()?;
         let (mut parts, mut list, mut id) = (Vec::new(), Vec::new(), None);
         for &(section, group) in sections {
-            if !self.conducts(section) {
+            if !self.conducts(section) || state.elements.groups[group].topology() != Topology::Quadrilateral {
                 continue;
             }
             let material = &model.materials[section.material];

@@ -1,0 +1,477 @@
+//! A group of six-node triangles: its patches, spread over threads, and what the rest of the program asks of it.
+//! Never here: arithmetic of an increment.
+
+use std::sync::Arc;
+
+use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
+
+use super::patch::{FORCE_BLOCKS, Increment, Patch, Room, growth_of, places};
+use crate::element::block::Workspace;
+use crate::element::constants::{Constants, damped};
+use crate::element::group::{
+    Deletion, ElementGroup, Extensions, GroupProperties, InitialState, PARALLEL, Pass, Settings, Stiffness, TASK,
+    Temperatures, Totals, tell_deleted, totals,
+};
+use crate::element::quiescent::Quiescence;
+use crate::element::record::Record;
+use crate::kernel::lanes::{Corners, LANES};
+use crate::kernel::six_node_triangle::{NODES, Operators, POINTS, frequency_squared, stiffness};
+use crate::kernel::topology::{ElementNodes, PerNode, Topology};
+use crate::material::{Material, PlasticFlow, PointValue};
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::nodes::Node;
+use crate::variables::{Part, Variable};
+
+/// Six-node triangles of one material.
+pub struct SixNodeTriangles<M: Material> {
+    material: Arc<M>,
+    constants: Constants,
+    count: usize,
+    patches: Vec<Patch<M::State>>,
+    tasks: Vec<Task>,
+    arch: Arch,
+    /// Elements whose deletion has been listed.
+    listed: Vec<bool>,
+    erodible: bool,
+    /// Highest frequency that counts.
+    cap: f64,
+}
+
+/// Patches that a thread takes at once: their scratch memory, and whether they are at rest.
+#[derive(Clone)]
+struct Task {
+    scratch: Workspace,
+    room: Box<Room>,
+    quiescence: Quiescence,
+}
+
+impl<M: Material> SixNodeTriangles<M> {
+    /// Whether the pressure, and with it the mass, is part of the state.
+    const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled);
+
+    /// Elements by their nodes, around the boundary counter-clockwise from a corner, at their places now.
+    pub fn new(material: M, constants: Constants, density: f64, elements: &[[u32; NODES]], nodes: &[Node]) -> Self {
+        let patch = |(index, part): (usize, &[_])| Patch::new(&material, density, (index * LANES, part), nodes);
+        let patches: Vec<_> = elements.chunks(LANES).enumerate().map(patch).collect();
+        // No pattern without strain is left to control.
+        let quiescence = Quiescence::of_tasks(elements);
+        let tasks = patches.chunks(TASK).zip(quiescence).map(|(part, quiescence)| Task {
+            scratch: Workspace::new(&constants, 1.0, POINTS * part.len()),
+            room: Box::default(),
+            quiescence,
+        });
+        SixNodeTriangles {
+            tasks: tasks.collect(),
+            constants,
+            count: elements.len(),
+            patches,
+            arch: Arch::new(),
+            listed: if M::FAILS { vec![false; elements.len()] } else { Vec::new() },
+            erodible: false,
+            cap: f64::INFINITY,
+            material: Arc::new(material),
+        }
+    }
+
+    fn patch(&self, element: usize) -> (&Patch<M::State>, usize) {
+        (&self.patches[element / LANES], element % LANES)
+    }
+
+    fn patch_mut(&mut self, element: usize) -> (&mut Patch<M::State>, usize) {
+        (&mut self.patches[element / LANES], element % LANES)
+    }
+
+    /// Mean of the points of an element by their masses; `None` where one has no value.
+    fn mean(&self, element: usize, of: impl Fn(usize) -> Option<f64>) -> Option<f64> {
+        let (patch, lane) = self.patch(element);
+        let (mut sum, mut mass) = (0.0, 0.0);
+        for p in 0..POINTS {
+            sum += patch.points[p].mass[lane] * of(p)?;
+            mass += patch.points[p].mass[lane];
+        }
+        Some(sum / mass)
+    }
+
+    /// What is followed of an element: means of its points, and the sums of their energies.
+    fn followed(&self, element: usize, part: Part) -> Option<f64> {
+        let (task, at) = (&self.tasks[element / (TASK * LANES)], element / LANES % TASK);
+        let of_point = |p: usize| task.scratch.task.records.get(POINTS * at + p)?.of(element % LANES).value(part);
+        match part.variable {
+            Variable::ElementStrainEnergy | Variable::ElementPlasticEnergy => {
+                Some(of_point(0)? + of_point(1)? + of_point(2)?)
+            }
+            _ => self.mean(element, of_point),
+        }
+    }
+
+    /// Operators of an element where it is now.
+    fn operators(&self, element: usize, nodes: &[Node]) -> Operators {
+        let (patch, lane) = self.patch(element);
+        let places = places(patch.element(lane), nodes);
+        Operators::of(places.map(|p| p[0]), places.map(|p| p[1]))
+    }
+
+    /// Sets a value of all points of an element; whether its material uses it.
+    fn set_value(&mut self, element: usize, value: PointValue) -> bool {
+        let (patch, lane) = (&mut self.patches[element / LANES], element % LANES);
+        patch.points.iter_mut().all(|point| self.material.set(&mut point.state, lane, value))
+    }
+
+    fn wake(&mut self, element: usize) {
+        self.tasks[element / (TASK * LANES)].quiescence.quiescent = false;
+    }
+}
+
+impl<M: Material> Clone for SixNodeTriangles<M> {
+    fn clone(&self) -> Self {
+        SixNodeTriangles {
+            material: Arc::clone(&self.material),
+            constants: self.constants,
+            count: self.count,
+            patches: self.patches.clone(),
+            tasks: self.tasks.clone(),
+            arch: self.arch,
+            listed: self.listed.clone(),
+            erodible: self.erodible,
+            cap: self.cap,
+        }
+    }
+}
+
+/// One pass over the patches of a task.
+struct TaskPass<'a, M: Material> {
+    material: &'a M,
+    constants: &'a Constants,
+    count: usize,
+    index: usize,
+    pass: &'a Shared<'a>,
+    patches: &'a mut [Patch<M::State>],
+    corners: &'a mut [Corners],
+    task: &'a mut Task,
+}
+
+/// The patches, corner forces and memory of a task, with its number.
+type Numbered<'a, S> = (usize, ((&'a mut [Patch<S>], &'a mut [Corners]), &'a mut Task));
+
+/// What all tasks of a pass share.
+struct Shared<'a> {
+    nodes: &'a [Node],
+    dt: f64,
+    before: crate::state::nodes::Accelerated<'a>,
+    time: f64,
+    arch: Arch,
+    cap: f64,
+}
+
+impl<M: Material> NullaryFnOnce for TaskPass<'_, M> {
+    type Output = ();
+
+    /// Inlined into a function of the machine's instruction set.
+    #[inline(always)]
+    fn call(self) {
+        let shared = self.pass;
+        let Task { scratch, room, .. } = self.task;
+        scratch.begin(shared.cap, shared.dt, self.constants);
+        let forces = self.corners.chunks_mut(FORCE_BLOCKS);
+        for (at, (patch, corners)) in self.patches.iter_mut().zip(forces).enumerate() {
+            let increment = Increment {
+                nodes: shared.nodes,
+                dt: shared.dt,
+                before: shared.before,
+                time: shared.time,
+                arch: shared.arch,
+                number: self.index * TASK + at,
+                at,
+                count: self.count,
+            };
+            patch.update(self.material, self.constants, &increment, (&mut *scratch, room), corners);
+        }
+    }
+}
+
+impl<M: Material> ElementGroup for SixNodeTriangles<M> {
+    fn len(&self) -> usize {
+        self.count
+    }
+
+    fn properties(&self) -> GroupProperties {
+        GroupProperties {
+            topology: Topology::SixNodeTriangle,
+            single: false,
+            deletable: self.material.can_delete() || self.erodible,
+            damped: self.constants.damps(),
+            holds_pressure: Self::HOLDS_PRESSURE,
+            fields: 0,
+        }
+    }
+
+    fn nodes(&self, element: usize) -> ElementNodes {
+        let (patch, lane) = self.patch(element);
+        patch.element(lane).into()
+    }
+
+    fn masses(&self, element: usize) -> PerNode<f64> {
+        let (patch, lane) = self.patch(element);
+        patch.inverse_masses(lane).map(|inverse| 1.0 / inverse).into()
+    }
+
+    fn update(&mut self, pass: Pass<'_>) -> Totals {
+        let Pass { nodes, dt, before, now, threads, mut corners, .. } = pass;
+        let shared = &Shared { nodes, dt, before, time: now.total_time, arch: self.arch, cap: self.cap };
+        let (material, constants, count) = (&*self.material, &self.constants, self.count);
+        let run = |(index, ((patches, corners), task)): Numbered<'_, M::State>| {
+            if task.quiescence.quiescent && task.quiescence.is_still(nodes) {
+                return;
+            }
+            let part = TaskPass {
+                material,
+                constants,
+                count,
+                index,
+                pass: shared,
+                patches: &mut *patches,
+                corners: &mut *corners,
+                task: &mut *task,
+            };
+            shared.arch.dispatch(part);
+            let idle = |list: &[f64]| list.iter().all(|x| *x == 0.0);
+            task.quiescence.quiescent = dt == 0.0
+                && !M::MODULI_VARY
+                && corners.iter().all(|c| idle(c.0.as_flattened().as_flattened()))
+                && patches.iter().flat_map(|p| &p.points).all(|p| idle(p.stress.as_flattened()))
+                && task.quiescence.is_still(nodes);
+        };
+        let list = corners.double();
+        if threads && count >= PARALLEL {
+            let parts = self.patches.par_chunks_mut(TASK).zip(list.par_chunks_mut(TASK * FORCE_BLOCKS));
+            parts.zip(&mut self.tasks).enumerate().for_each(run);
+        } else {
+            let parts = self.patches.chunks_mut(TASK).zip(list.chunks_mut(TASK * FORCE_BLOCKS));
+            parts.zip(&mut self.tasks).enumerate().for_each(run);
+        }
+        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        let still = self.cap * damped(linear * (bulk + 4.0 / 3.0 * shear) / bulk);
+        totals(self.tasks.iter().map(|task| task.scratch.parts()), |task| {
+            if self.tasks[task].quiescence.quiescent { still } else { f64::INFINITY }
+        })
+    }
+
+    fn value(&self, element: usize, part: Part) -> Option<f64> {
+        let (patch, lane) = self.patch(element);
+        let of_point = |p: usize| self.material.value(&patch.points[p].state, lane, part);
+        match part.variable {
+            Variable::Stress => self.mean(element, |p| Some(patch.points[p].stress.get(part.component)?[lane])),
+            Variable::Degradation
+            | Variable::DamageInitiation
+            | Variable::DuctileInitiation
+            | Variable::JohnsonCookInitiation => Some(of_point(0)?.max(of_point(1)?).max(of_point(2)?)),
+            Variable::Mass => Some(patch.mass(lane)),
+            Variable::Status => Some(if patch.deleted[lane] { 0.0 } else { 1.0 }),
+            Variable::PlasticComponents if matches!(M::FLOW, PlasticFlow::None | PlasticFlow::Unknown) => None,
+            _ => self.mean(element, of_point).or_else(|| self.followed(element, part)),
+        }
+    }
+
+    fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
+        let (patch, lane) = self.patch(element);
+        let inverse = match masses {
+            Some(_) if Self::HOLDS_PRESSURE => return None,
+            None if Self::HOLDS_PRESSURE => return Some(0.5 * patch.rate[lane]),
+            Some(masses) => masses.first_chunk::<NODES>()?.map(|mass| 1.0 / mass),
+            None => patch.inverse_masses(lane),
+        };
+        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        Some(0.5 * frequency_squared(&self.operators(element, nodes), [bulk, shear], &inverse).sqrt() * damped(linear))
+    }
+
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<Stiffness> {
+        let (patch, lane) = self.patch(element);
+        if Self::HOLDS_PRESSURE {
+            return None;
+        }
+        if patch.deleted[lane] {
+            return Some([[0.0; 2 * NODES]; 2 * NODES].into());
+        }
+        Some(stiffness(places(patch.element(lane), nodes), [self.constants.bulk, self.constants.shear]).into())
+    }
+
+    fn is_quiescent(&self, task: usize) -> bool {
+        self.tasks[task].quiescence.quiescent
+    }
+
+    fn bytes(&self) -> usize {
+        let of = |task: &Task| task.scratch.bytes() + size_of::<Room>() + task.quiescence.bytes();
+        size_of_val(&*self.patches)
+            + size_of_val(&*self.tasks)
+            + self.tasks.iter().map(of).sum::<usize>()
+            + self.listed.capacity()
+    }
+
+    fn copy(&self) -> Box<dyn ElementGroup> {
+        Box::new(self.clone())
+    }
+
+    fn extensions(&mut self) -> &mut dyn Extensions {
+        self
+    }
+}
+
+impl<M: Material> Extensions for SixNodeTriangles<M> {
+    fn settings(&mut self) -> &mut dyn Settings {
+        self
+    }
+
+    fn deletion(&mut self) -> &mut dyn Deletion {
+        self
+    }
+
+    fn initial_state(&mut self) -> &mut dyn InitialState {
+        self
+    }
+
+    fn temperatures(&mut self) -> Option<&mut dyn Temperatures> {
+        Some(self)
+    }
+}
+
+impl<M: Material> Settings for SixNodeTriangles<M> {
+    fn set_masses(&mut self, element: usize, masses: &[f64]) {
+        // The increment that a quiescent task allows is no longer what it was.
+        self.wake(element);
+        let (patch, lane) = self.patch_mut(element);
+        let factor = masses.iter().sum::<f64>() / patch.inverse_masses(lane).iter().map(|i| 1.0 / i).sum::<f64>();
+        for (list, mass) in patch.inverse_mass.iter_mut().zip(masses) {
+            list[lane] = 1.0 / mass;
+        }
+        patch.points.iter_mut().for_each(|p| p.mass[lane] *= factor);
+    }
+
+    fn follow(&mut self) {
+        for (task, patches) in self.tasks.iter_mut().zip(self.patches.chunks(TASK)) {
+            task.scratch.task.records = vec![Record::default(); POINTS * patches.len()];
+        }
+    }
+
+    fn limit_frequency(&mut self, frequency: f64) {
+        self.cap = frequency;
+    }
+
+    fn use_instructions(&mut self, arch: Arch) {
+        self.arch = arch;
+    }
+}
+
+impl<M: Material> Deletion for SixNodeTriangles<M> {
+    fn make_erodible(&mut self) {
+        self.erodible = true;
+    }
+
+    fn erode(&mut self, element: usize, _volume: f64) {
+        self.wake(element);
+        // Lanes behind the last element repeat it.
+        let last = if element + 1 == self.count { LANES } else { element % LANES + 1 };
+        let patch = &mut self.patches[element / LANES];
+        for lane in element % LANES..last {
+            patch.deleted[lane] = true;
+            patch.points.iter_mut().flat_map(|p| &mut p.stress).for_each(|s| s[lane] = 0.0);
+        }
+        if let Some(listed) = self.listed.get_mut(element) {
+            *listed = true;
+        }
+    }
+
+    fn newly_deleted(&mut self, deleted: &mut Vec<ElementNodes>) {
+        if !M::FAILS || self.tasks.iter().all(|task| task.scratch.stress.deleted == 0) {
+            return;
+        }
+        let mut listed = std::mem::take(&mut self.listed);
+        tell_deleted(self, &mut listed, deleted);
+        self.listed = listed;
+    }
+}
+
+impl<M: Material> InitialState for SixNodeTriangles<M> {
+    fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
+        let (patch, lane) = self.patch_mut(element);
+        for point in &mut patch.points {
+            for (list, value) in point.stress.iter_mut().zip(stress.into_iter().flatten()) {
+                list[lane] = value;
+            }
+        }
+        if let Some(stress) = stress {
+            self.set_value(element, PointValue::Stress(stress));
+        }
+        if let Some(temperature) = temperature {
+            self.set_value(element, PointValue::Temperature(temperature));
+        }
+    }
+
+    fn set_state(&mut self, element: usize, variable: usize, value: f64) -> bool {
+        self.set_value(element, PointValue::StateVariable(variable, value))
+    }
+
+    fn set_plastic_strain(&mut self, element: usize, strain: f64) -> bool {
+        self.set_value(element, PointValue::PlasticStrain(strain))
+    }
+
+    fn set_energy(&mut self, element: usize, energy: f64) {
+        self.set_value(element, PointValue::SpecificEnergy(energy));
+    }
+
+    fn set_length(&mut self, element: usize, length: f64) {
+        self.set_value(element, PointValue::Length(length));
+    }
+}
+
+impl<M: Material> Temperatures for SixNodeTriangles<M> {
+    fn set_temperatures(&mut self, temperatures: &[f64]) {
+        for (e, temperature) in temperatures.iter().enumerate() {
+            self.set_value(e, PointValue::NodalTemperature(*temperature));
+        }
+    }
+
+    fn temperatures(&self, out: &mut [f64]) {
+        for (e, out) in out.iter_mut().enumerate() {
+            *out = self.value(e, Variable::Temperature.into()).unwrap_or(*out);
+        }
+    }
+
+    /// As of quadrilaterals: a pressure that is subtracted from the stress beforehand.
+    fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
+        let mut work = 0.0;
+        for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
+            if self.patches[e / LANES].deleted[e % LANES] {
+                continue;
+            }
+            self.wake(e);
+            let (bulk, material) = (self.constants.bulk, Arc::clone(&self.material));
+            let (patch, lane) = self.patch_mut(e);
+            let own = patch.element(lane).map(|n| nodes[n as usize]);
+            let middle = |of: fn(&Node) -> [f64; 2]| own.map(|n| of(&n)[0] - 0.5 * dt * of(&n)[1]);
+            let g = Operators::of(middle(|n| [n.r, n.v_r]), middle(|n| [n.z, n.v_z]));
+            let rate = growth_of(&g, &own.map(|n| n.v_r), &own.map(|n| n.v_z)) / g.total();
+            for (p, point) in patch.points.iter_mut().enumerate() {
+                let pressure = material.share(&point.state, lane) * 3.0 * bulk * strain;
+                point.stress[..3].iter_mut().for_each(|list| list[lane] -= pressure);
+                work += std::f64::consts::PI * pressure * dt * rate * g.volume[p];
+            }
+        }
+        work
+    }
+}
+
+impl<M: Material> Persist for SixNodeTriangles<M> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let SixNodeTriangles { material: _, constants: _, count: _, patches, tasks, arch: _, listed, erodible: _, cap } =
+            self;
+        persist_fields!(archive; cap, patches.as_mut_slice(), tasks.as_mut_slice(), listed.as_mut_slice());
+    }
+}
+
+impl Persist for Task {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Task { scratch, room: _, quiescence } = self;
+        persist_fields!(archive; scratch, quiescence);
+    }
+}

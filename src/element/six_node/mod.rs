@@ -1,0 +1,7 @@
+//! Six-node triangles (CAX6M): groups of composite elements with three points each.
+//! Never here: gradient operators, laws of materials.
+
+mod group;
+mod patch;
+
+pub use group::SixNodeTriangles;
