@@ -13,7 +13,6 @@ use crate::state::dofs::Dofs;
 /// One equation: node, axis (0 along r, 1 along z) and coefficient of each term.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Equation {
-    /// Terms.
     pub terms: Vec<(usize, usize, f64)>,
     /// Whether it may be left out where it follows from others.
     pub spare: bool,
@@ -22,7 +21,6 @@ pub struct Equation {
 /// Nodes that move alike along an axis; the first one leads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alike {
-    /// Nodes.
     pub nodes: Vec<usize>,
     /// 0 along r, 1 along z.
     pub axis: usize,
@@ -40,7 +38,6 @@ pub struct Given {
 /// An equation that cannot be kept beside others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dependent {
-    /// Its index.
     pub equation: usize,
     /// Those that it follows from; none where nothing could move to keep it.
     pub follows_from: Vec<usize>,
@@ -113,7 +110,6 @@ impl Bonds {
         &mut self.systems
     }
 
-    /// Bytes of it.
     pub fn bytes(&self) -> usize {
         let systems = size_of::<System>() * self.systems.capacity();
         let own = systems + self.systems.iter().map(System::bytes).sum::<usize>();
@@ -352,7 +348,6 @@ impl Follower {
         own.map(|t| t.weight * self.load).sum()
     }
 
-    /// Bytes of its lists.
     pub fn bytes(&self) -> usize {
         size_of::<usize>() * self.members.capacity() + size_of::<Term>() * self.terms.capacity() + size_of_val(self)
     }

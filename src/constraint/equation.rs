@@ -14,7 +14,6 @@ use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::magnitude::Clock;
 
-/// The equations of a step.
 #[derive(Clone, Debug)]
 pub struct Equations {
     id: EffectId,
@@ -22,7 +21,6 @@ pub struct Equations {
 }
 
 impl Equations {
-    /// Equations in independent systems.
     pub fn new(id: EffectId, bonds: Bonds) -> Self {
         Equations { id, bonds }
     }

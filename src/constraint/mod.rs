@@ -27,7 +27,6 @@ use crate::variables::Part;
 /// [`Constraint::accelerations`], [`Constraint::velocities`] and, after the motion, [`Constraint::motion`]; constraints follow each
 /// other in the order of the plan: prescribed motions, equations, contact, ties.
 pub trait Constraint: StoredConstraint + Send + Sync {
-    /// Its row of the ledger.
     fn effect(&self) -> EffectId;
 
     /// The constraints in force have changed: it begins, or goes on beside others.
@@ -48,7 +47,6 @@ pub trait Constraint: StoredConstraint + Send + Sync {
         Limit::NONE
     }
 
-    /// What others see of it.
     fn view(&self) -> ConstraintView<'_> {
         ConstraintView::default()
     }
@@ -64,7 +62,6 @@ pub trait StoredConstraint: Persist + CopyConstraint + Any {
     /// Takes over the memory of a constraint that it replaces.
     fn continue_from(&mut self, _previous: &dyn Constraint) {}
 
-    /// Bytes of its arrays.
     fn bytes(&self) -> usize;
 }
 
@@ -87,20 +84,15 @@ pub struct ConstraintView<'a> {
     pub carried: Option<CarriedNodes<'a>>,
     /// Whether it moves nodes after the passes over them, so that none may be passed over as quiescent.
     pub moves_nodes: bool,
-    /// Forces of constraints on nodes.
     pub forces: Option<&'a dyn ConstraintForces>,
-    /// What surfaces in contact show.
     pub contact: Option<&'a dyn ContactResults>,
-    /// Heat that surfaces exchange.
     pub heat: Option<&'a dyn HeatExchange>,
 }
 
 /// Nodes that a rigid body carries: it takes the sum of their forces along z. Forces along r balance around the ring.
 #[derive(Clone, Copy)]
 pub struct CarriedNodes<'a> {
-    /// The body.
     pub body: usize,
-    /// The nodes, ascending.
     pub nodes: &'a [usize],
 }
 
@@ -138,7 +130,6 @@ pub trait ContactResults {
     fn value_of_pair(&self, pair: usize, part: Part) -> Option<f64>;
 }
 
-/// Heat that surfaces exchange.
 pub trait HeatExchange {
     /// Gives nodes the heat a time that is exchanged over the increment `dt` whose motion has just been made, with temperatures at its
     /// start; returns the part that friction has made.
@@ -156,7 +147,6 @@ pub trait ConstraintUpkeep {
     /// A node has another mass; its kinetic energy grew by so much along r and z.
     fn masses_changed(&mut self, _node: usize, _gained: [f64; 2]) {}
 
-    /// Warnings when it ends.
     fn warnings(&mut self, _dofs: &Dofs, _clock: &Clock<'_>) -> Vec<String> {
         Vec::new()
     }

@@ -11,14 +11,11 @@ use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::Limit;
 use crate::state::magnitude::{Clock, Magnitude, Shape};
 
-/// What is prescribed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Prescribed {
     /// Displacement since the start of the step.
     Displacement,
-    /// Velocity.
     Velocity,
-    /// Acceleration.
     Acceleration,
 }
 

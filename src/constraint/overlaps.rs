@@ -17,9 +17,7 @@ const FIT: f64 = 0.1;
 /// The outside of a body.
 #[derive(Clone, Debug)]
 pub struct Outline {
-    /// Its name, for people.
     pub name: String,
-    /// Points.
     pub points: Vec<Carrier>,
     /// Faces between them that enclose the body; none where what encloses it changes, or nothing does.
     pub faces: Vec<[u32; 2]>,

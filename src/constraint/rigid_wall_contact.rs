@@ -33,7 +33,6 @@ const CONVERGED: f64 = 1e-12;
 /// Two surfaces, and how they interact.
 #[derive(Clone, Debug)]
 pub struct WallPair {
-    /// Row of the ledger.
     pub id: EffectId,
     /// Its number among the pairs of all steps.
     pub number: usize,
@@ -41,7 +40,6 @@ pub struct WallPair {
     pub first: bool,
     /// The body, and the one that holds the wall.
     pub bodies: [usize; 2],
-    /// Friction.
     pub friction: Friction,
 }
 
@@ -50,7 +48,6 @@ pub struct WallPair {
 struct Touch {
     /// Signed distance from the wall.
     gap: f64,
-    /// Normal of the wall.
     normal: Vector,
     /// From the centre of mass.
     arm: Vector,
@@ -117,7 +114,6 @@ pub struct RigidWallContact {
     points: Vec<ContactPoint>,
     /// Forces of pressure and of friction over the previous increment.
     forces: [Vector; 2],
-    /// Longest next increment.
     longest: f64,
     previous_dt: f64,
 }

@@ -28,7 +28,6 @@ pub(super) struct Freedom {
 }
 
 impl Freedom {
-    /// Whether several move alike.
     pub fn is_shared(&self) -> bool {
         self.members.len() > 1
     }
@@ -273,7 +272,6 @@ impl System {
         Some(if f.members[0] == node { f.pull + f.inertia } else { 0.0 })
     }
 
-    /// Bytes of its lists.
     pub fn bytes(&self) -> usize {
         let rows: usize = self.rows.iter().map(|r| size_of_val(r) + size_of::<(usize, f64)>() * r.capacity()).sum();
         let factor: usize = self.factor.iter().map(|r| size_of_val(r) + 8 * r.values.capacity()).sum();

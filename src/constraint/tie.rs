@@ -10,9 +10,7 @@ use crate::state::magnitude::Clock;
 /// The nodes that one rigid body carries. Their mass is the body's, in the solver they have none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tie {
-    /// Its row of the ledger.
     pub id: EffectId,
-    /// Body.
     pub body: usize,
     /// Nodes, ascending.
     pub nodes: Vec<usize>,

@@ -15,26 +15,20 @@ use crate::user::{LoadFailure, Locked, MotionCall};
 pub struct UserMotion {
     /// Node set, upper case.
     pub set: String,
-    /// What is prescribed.
     pub kind: Prescribed,
     /// Amplitude that the routine is told; it applies it itself.
     pub amplitude: Magnitude,
-    /// Degrees of freedom.
     pub asked: Vec<UserDof>,
     /// Which of the told functions of time is that of the first.
     pub first: usize,
-    /// Length of the increment before.
     pub increment_before: f64,
     /// Whether it has been asked before: what its displacements count from stays as it is.
     pub has_begun: bool,
 }
 
-/// One degree of freedom.
 #[derive(Clone, Debug)]
 pub struct UserDof {
-    /// Which.
     pub dof: Dof,
-    /// User's number of the node.
     pub number: i32,
     /// Coordinates of a rigid body's reference node at the start.
     pub reference: [f64; 2],
@@ -96,7 +90,6 @@ impl UserMotion {
         Ok(())
     }
 
-    /// Bytes of its arrays.
     pub fn bytes(&self) -> usize {
         size_of::<UserDof>() * self.asked.capacity() + self.set.capacity() + self.amplitude.bytes()
     }

@@ -92,6 +92,12 @@ impl Diagnostics {
         self.list.push(diagnostic);
     }
 
+    /// Adds a finding in place of what would have been read.
+    pub fn refuse<T>(&mut self, diagnostic: Diagnostic) -> Option<T> {
+        self.push(diagnostic);
+        None
+    }
+
     /// All findings in the order found.
     pub fn iter(&self) -> impl Iterator<Item = &Diagnostic> {
         self.list.iter()

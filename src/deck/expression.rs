@@ -250,7 +250,6 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// All of the text.
     fn read(mut self) -> Result<Expression, ExpressionError> {
         if self.text.len() > LONGEST {
             return Err(error(0..self.text.len(), format!("the expression is longer than {LONGEST} characters")));

@@ -145,7 +145,6 @@ impl Sources {
     }
 }
 
-/// Where each line begins.
 fn line_starts(text: &str) -> Vec<u32> {
     std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i as u32 + 1)).collect()
 }

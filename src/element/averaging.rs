@@ -12,7 +12,6 @@ use crate::state::nodes::Nodes;
 pub struct Averaging {
     /// Each triangle: its element in the group, and its nodes by their place in `nodes`.
     triangles: Vec<(u32, [u32; 3])>,
-    /// Nodes of the solver.
     nodes: Vec<u32>,
     /// Of each node, the volume around it and by how much it grew over the increment behind.
     around: Vec<[f64; 2]>,
@@ -63,7 +62,6 @@ impl Averaging {
         &self.lacking
     }
 
-    /// Bytes of its arrays.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.triangles)
             + size_of_val(&*self.nodes)

@@ -34,11 +34,9 @@ pub struct ElementBlock<S, T = f64> {
     pub nodes: [[u32; LANES]; 4],
     /// Cauchy stress: rr, zz, hoop, rz.
     pub stress: [Lanes<T>; 4],
-    /// Mass of each element.
     pub mass: Lanes<T>,
     /// One over the masses of the corners, as [`sums`].
     pub inverse_mass: [Lanes<T>; 4],
-    /// State of the material.
     pub state: S,
 }
 
@@ -160,14 +158,12 @@ struct Geometry<T = f64> {
 }
 
 impl<T: Real> Geometry<T> {
-    /// The operators of a lane.
     #[inline(always)]
     fn operators(&self, l: usize) -> Operators<T> {
         let [r, z, hoop] = [&self.r, &self.z, &self.hoop].map(|list| [list[0][l], list[1][l], list[2][l]]);
         Operators { r, z, hoop, volume: self.volume[l] }
     }
 
-    /// The pattern of a lane.
     #[inline(always)]
     fn pattern(&self, l: usize) -> [T; 3] {
         [self.pattern[0][l], self.pattern[1][l], self.pattern[2][l]]
@@ -193,12 +189,10 @@ pub struct Workspace<T = f64> {
     /// Kinematics of the block, and the stress update that its material makes of them.
     pub(super) strain: StrainIncrement<T>,
     pub(super) stress: StressUpdate<T>,
-    /// Of the task so far.
     pub(super) sums: Sums<T>,
     block: T,
     /// Place of the block in the task.
     pub(super) at: usize,
-    /// State of the task's blocks.
     pub(super) task: TaskState<T>,
     /// Two over the stable increments of the elements of the block.
     own_rate: Lanes<T>,
@@ -687,7 +681,6 @@ impl<T: Real> Workspace<T> {
         }
     }
 
-    /// Bytes of its lists.
     pub(super) fn bytes(&self) -> usize {
         let TaskState { hourglass, enhanced, viscous, subzones, records, eroded, own_rates } = &self.task;
         size_of::<[Lanes<T>; 2]>() * hourglass.capacity()

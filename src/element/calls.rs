@@ -63,7 +63,6 @@ impl<T: Numbers> Calls<T> {
         }
     }
 
-    /// Bytes of it.
     pub fn bytes(&self) -> usize {
         let Calls { points, last, blocks, returning, .. } = self;
         let points: usize = points.iter().chain([last]).map(|p| size_of_val(p) + p.bytes()).sum();

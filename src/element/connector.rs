@@ -6,7 +6,6 @@ use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 
-/// What a connector answers with.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Law {
     /// Force a length.
@@ -59,21 +58,18 @@ impl Law {
     }
 }
 
-/// A spring or a dashpot.
 #[derive(Clone, Debug)]
 pub struct Connector {
     /// Its nodes; without a second one it stands on the ground.
     pub ends: [Option<usize>; 2],
     /// 0 along r, 1 along z; `None` along the line between its ends.
     pub axis: Option<usize>,
-    /// Law.
     pub law: Law,
     /// Force on the first end at the instant before.
     force: [f64; 2],
 }
 
 impl Connector {
-    /// A connector without force.
     pub fn new(ends: [Option<usize>; 2], axis: Option<usize>, law: Law) -> Self {
         Connector { ends, axis, law, force: [0.0; 2] }
     }
@@ -165,7 +161,6 @@ impl Connectors {
         }
     }
 
-    /// Bytes of the lists.
     pub fn bytes(&self) -> usize {
         let table = |c: &Connector| match &c.law {
             Law::Table(rows) | Law::DashpotTable(rows) => size_of::<[f64; 2]>() * rows.capacity(),

@@ -72,7 +72,6 @@ impl Damping {
         self.started = dofs.nodes.behind == 0.0;
     }
 
-    /// Bytes of its lists.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.factors) + size_of_val(&*self.coefficients) + size_of_val(&*self.forces)
     }

@@ -153,7 +153,6 @@ impl DistortionControl {
         }
     }
 
-    /// Bytes of the list.
     pub fn bytes(&self) -> usize {
         size_of::<Controlled>() * self.list.capacity()
     }

@@ -34,7 +34,6 @@ use crate::user::AtPoints;
 /// Everything that deforms, but for its nodes.
 #[derive(Clone, Default)]
 pub struct Elements {
-    /// Groups of elements.
     pub groups: Vec<Box<dyn ElementGroup>>,
     /// The row of the ledger of each group.
     pub ids: Vec<EffectId>,
@@ -80,11 +79,8 @@ pub struct Elements {
 /// Why the elements give no forces: the group and element to blame, and its volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collapsed {
-    /// Group.
     pub group: usize,
-    /// Element of the group.
     pub element: usize,
-    /// Its volume now.
     pub volume: f64,
 }
 
@@ -115,12 +111,10 @@ impl Elements {
         }
     }
 
-    /// Whether nothing deforms.
     pub fn is_empty(&self) -> bool {
         self.groups.is_empty()
     }
 
-    /// Number of elements.
     pub fn count(&self) -> usize {
         self.groups.iter().map(|g| g.len()).sum()
     }

@@ -23,12 +23,10 @@ impl Eroded {
         self.height[lane]
     }
 
-    /// Whether it is gone.
     pub(super) fn has(&self, lane: usize) -> bool {
         self.height[lane] > 0.0
     }
 
-    /// Whether any is.
     #[inline(always)]
     pub(super) fn any(&self) -> bool {
         self.height.iter().any(|h| *h > 0.0)

@@ -65,7 +65,6 @@ struct Watched {
 }
 
 impl Watched {
-    /// Decides for all elements.
     fn judge(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes, threads: bool) {
         let criteria = self.criteria;
         let judge = |(elements, due): (&[(usize, usize)], &mut [bool])| {
@@ -107,7 +106,6 @@ impl Erosion {
         groups
     }
 
-    /// Bytes of the lists.
     pub fn bytes(&self) -> usize {
         let each = |w: &Watched| size_of_val(w) + size_of_val(&*w.elements) + w.due.capacity();
         self.list.iter().map(each).sum()

@@ -31,15 +31,12 @@ type Operator = CsMatI<[f64; 4], u32>;
 /// The estimate, and what it is made from.
 #[derive(Clone, Debug)]
 pub struct HighestFrequency {
-    /// Its row of the ledger.
     pub id: EffectId,
     /// M^-1/2 K M^-1/2.
     operator: Operator,
     /// One over the root of the mass of each degree of freedom; 0 where motion is given.
     roots: Vec<[f64; 2]>,
-    /// Vectors of Lanczos' method.
     vectors: [Vec<[f64; 2]>; 3],
-    /// Where it stands.
     pub(super) standing: Standing,
 }
 
@@ -58,7 +55,6 @@ pub(super) struct Standing {
     /// Rate by elements when it was found, and by how much it lay below, relative.
     pub by_elements: f64,
     pub gain: f64,
-    /// Estimates so far.
     pub count: u64,
     /// Whether the bound takes all that it may grow by at once, so that the increment stays what it is until it is worn out.
     pub holds: bool,

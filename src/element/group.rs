@@ -397,7 +397,6 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
         self.material.set(&mut self.blocks[element / LANES].state, element % LANES, value)
     }
 
-    /// Corner nodes of an element.
     fn corners(&self, element: usize) -> [u32; 4] {
         [0, 1, 2, 3].map(|c| self.blocks[element / LANES].nodes[c][element % LANES])
     }
@@ -407,13 +406,11 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
         self.blocks[element / LANES].corner_masses(element % LANES).map(|mass| self.unit() * mass)
     }
 
-    /// Whether an element is deleted.
     fn is_deleted(&self, element: usize) -> bool {
         let status = self.material.value(&self.blocks[element / LANES].state, element % LANES, Variable::Status.into());
         status == Some(0.0) || self.is_eroded(element)
     }
 
-    /// What the tasks came to.
     pub(super) fn totals(&self) -> Totals {
         let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
         let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;

@@ -12,18 +12,14 @@ use crate::user::{LengthCall, LoadFailure, MAX_MATERIAL_BLOCK, UserLengths};
 /// Elements of a group whose length the user's routine gives.
 #[derive(Clone, Debug)]
 pub struct AskedLengths {
-    /// The group.
     pub group: usize,
     /// Material, upper case.
     pub name: String,
-    /// Constants of the routine.
     pub properties: Vec<f64>,
-    /// Names of the elements.
     pub elements: Vec<String>,
 }
 
 impl AskedLengths {
-    /// Bytes of it.
     pub fn bytes(&self) -> usize {
         let names: usize = self.elements.iter().map(|n| size_of_val(n) + n.capacity()).sum();
         size_of_val(self) + names + self.name.capacity() + size_of_val(&*self.properties)

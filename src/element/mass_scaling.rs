@@ -16,7 +16,6 @@ pub enum Aim {
     SetEqual,
 }
 
-/// One request.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// Group and element of those that it scales.
@@ -41,7 +40,6 @@ pub enum Rhythm {
 pub struct Variable {
     /// What is scaled and how.
     pub request: Request,
-    /// How often.
     pub rhythm: Rhythm,
     due: u64,
 }
@@ -70,7 +68,6 @@ impl Variable {
 pub struct Scaling {
     /// Those evaluated once, at the start of the step; `None` where those of an earlier step go on.
     pub fixed: Option<Vec<Request>>,
-    /// Those evaluated again and again.
     pub variable: Vec<Variable>,
     /// Increment in which the step began.
     pub(super) first: Option<u64>,
@@ -86,7 +83,6 @@ impl Scaling {
 /// Masses without scaling and the factors on them. Room for all, so that nothing allocates inside an increment.
 #[derive(Clone, Debug)]
 pub struct Masses {
-    /// Of nodes.
     pub(super) nodes: Vec<f64>,
     /// Of elements at their nodes, by group.
     pub(super) elements: Vec<Vec<PerNode<f64>>>,
@@ -108,7 +104,6 @@ impl Scaling {
         by_time.for_each(|variable| variable.due = 1);
     }
 
-    /// Bytes of its requests.
     pub fn bytes(&self) -> usize {
         let of = |r: &Request| size_of_val(r) + size_of::<(usize, usize)>() * r.elements.capacity();
         self.fixed.iter().flatten().map(of).sum::<usize>() + self.variable.iter().map(|v| of(&v.request)).sum::<usize>()
@@ -133,7 +128,6 @@ impl Masses {
         masses
     }
 
-    /// Bytes of the lists.
     pub fn bytes(&self) -> usize {
         let of = |lists: &Vec<Vec<f64>>| lists.iter().map(|l| 8 * l.capacity()).sum::<usize>();
         let elements: usize = self.elements.iter().map(|l| size_of::<PerNode<f64>>() * l.capacity()).sum();

@@ -91,7 +91,6 @@ impl Middle {
         }
     }
 
-    /// Damage that goes on.
     #[inline(always)]
     pub fn fail(&mut self, before: &Lanes, after: &Lanes) {
         for l in 0..LANES {

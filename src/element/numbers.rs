@@ -40,7 +40,6 @@ pub trait Numbers: Real + Persist {
     /// The corner forces of a group.
     fn forces(slots: Slots<'_>) -> Forces<'_, Self>;
 
-    /// One increment of a block.
     fn update<M: Material<Self>, const AREA: bool>(
         block: &mut ElementBlock<M::State, Self>,
         material: &M,
@@ -106,7 +105,6 @@ impl Numbers for f64 {
     }
 }
 
-/// Exponent of a positive number.
 fn exponent(value: f64) -> i32 {
     (value.to_bits() >> 52) as i32 - 1023
 }
@@ -167,7 +165,6 @@ impl Numbers for f32 {
 }
 
 impl<T: Real> Forces<'_, T> {
-    /// Whether nothing pulls.
     pub fn are_zero(&self) -> bool {
         match self {
             Forces::Own(list) => list.iter().all(|c| c.0.as_flattened().as_flattened().iter().all(|f| *f == T::ZERO)),

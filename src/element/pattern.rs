@@ -9,9 +9,7 @@ use crate::state::nodes::Nodes;
 /// The element that is folded most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Folded {
-    /// Its group.
     pub group: usize,
-    /// Its number there.
     pub element: usize,
     /// Displacement of a corner in the pattern over the root of the element's section.
     pub fold: f64,

@@ -13,7 +13,6 @@ use crate::state::magnitude::{Clock, Magnitude};
 pub struct Prescribed {
     /// The variable, counted from 0.
     pub variable: usize,
-    /// Nodes.
     pub nodes: Vec<usize>,
     /// Value over time.
     pub magnitude: Magnitude,
@@ -22,7 +21,6 @@ pub struct Prescribed {
 /// Fields of all steps. They follow from the clock alone: no state of the run holds them.
 #[derive(Clone)]
 pub struct PredefinedFields {
-    /// Its row of the ledger.
     pub id: EffectId,
     /// Of each variable the values of nodes at the start.
     start: Arc<Vec<Vec<f64>>>,
@@ -78,7 +76,6 @@ impl PredefinedFields {
         }
     }
 
-    /// Bytes of it.
     pub fn bytes(&self) -> usize {
         let PredefinedFields { id: _, start, steps, groups, nodal, means } = self;
         let numbers = start.iter().map(Vec::capacity).sum::<usize>() + nodal.capacity() + means.capacity();

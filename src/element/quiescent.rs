@@ -30,7 +30,6 @@ impl Quiescence {
         elements.chunks(TASK * LANES).map(task).collect()
     }
 
-    /// Bytes of it.
     pub fn bytes(&self) -> usize {
         size_of::<Quiescence>() + size_of::<u32>() * self.nodes.capacity()
     }
@@ -68,14 +67,12 @@ impl ActiveNodes {
         ActiveNodes { touching, awake: Vec::new() }
     }
 
-    /// Bytes of the lists.
     pub fn bytes(&self) -> usize {
         let touching: usize =
             self.touching.iter().map(|l| size_of_val(l) + size_of::<(u32, u32)>() * l.capacity()).sum();
         touching + self.awake.capacity()
     }
 
-    /// Wakes all nodes for good.
     pub fn wake(&mut self) {
         *self = ActiveNodes::default();
     }

@@ -33,7 +33,6 @@ pub struct Record {
 pub struct Followed {
     /// Logarithmic strain.
     pub strain: [f64; 4],
-    /// Plastic strain.
     pub plastic: [f64; 4],
     /// Strain rate, 1/time.
     pub rate: [f64; 4],

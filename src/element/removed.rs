@@ -111,7 +111,6 @@ impl Removed {
         books
     }
 
-    /// Bytes of the lists.
     pub fn bytes(&self) -> usize {
         let counted: usize = self.counted.iter().map(|c| size_of_val(c) + c.capacity()).sum();
         size_of_val(self) + counted + size_of::<u32>() * (self.around.capacity() + self.points.capacity())

@@ -11,9 +11,7 @@ use crate::state::nodes::Nodes;
 /// Factors that a request changes.
 #[derive(Clone, Copy)]
 enum Which {
-    /// Those of fixed requests.
     Fixed,
-    /// All together.
     All,
 }
 

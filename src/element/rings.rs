@@ -25,7 +25,6 @@ impl Rings {
         Rings { quarters: groups.iter().map(|g| of_group(&**g)).collect(), factors: vec![0.0; nodes] }
     }
 
-    /// Bytes of its arrays.
     pub fn bytes(&self) -> usize {
         self.quarters.iter().map(|q| size_of_val(&**q)).sum::<usize>() + size_of_val(&*self.factors)
     }

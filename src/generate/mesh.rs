@@ -105,9 +105,7 @@ pub struct Mesh {
     pub(super) walls: Vec<(usize, usize, SurfacePart)>,
     /// The node at the middle of the front, at the shoulder's surface, nearest to the axis at the base, at the base's rim.
     pub(super) corners: [usize; 4],
-    /// The outline.
     pub(super) outline: Outline,
-    /// What was asked for.
     pub(super) wanted: MeshRequest,
 }
 
@@ -380,7 +378,6 @@ impl Mesh {
         [self.outline.volume() - hollow, if filled { hollow } else { 0.0 }]
     }
 
-    /// Corners of an element.
     pub(super) fn corners_of(&self, element: usize) -> [Point; 4] {
         self.sheet.corners(element)
     }

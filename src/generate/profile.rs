@@ -14,9 +14,7 @@ pub enum Piece {
     Arc {
         /// The centre `[r, z]`; its r is negative for ogives.
         centre: Point,
-        /// Where it begins.
         from: Point,
-        /// Where it ends.
         to: Point,
     },
 }

@@ -26,12 +26,10 @@ pub struct Properties {
 /// The elements of a group, which all conduct.
 #[derive(Clone, Debug)]
 pub struct Part {
-    /// The group.
     pub group: usize,
     /// Its first element among all that conduct, and one behind its last.
     pub first: usize,
     pub end: usize,
-    /// Its material.
     pub properties: Properties,
 }
 
@@ -68,13 +66,11 @@ impl Conductor {
         ((m[0] * t[0] + m[1] * t[1]) + (m[2] * t[2] + m[3] * t[3])) / self.mass()
     }
 
-    /// Mass.
     pub fn mass(&self) -> f64 {
         let m = self.masses;
         (m[0] + m[1]) + (m[2] + m[3])
     }
 
-    /// Current volume.
     pub(super) fn volume(&self, nodes: &Nodes) -> f64 {
         quad::volume(self.corners(nodes.as_slice()))
     }
@@ -113,7 +109,6 @@ pub struct Conductors {
 pub(super) type Largest = (f64, usize);
 
 impl Conductors {
-    /// On so many nodes.
     pub fn new(parts: Vec<Part>, list: Vec<Conductor>, nodes: usize) -> Self {
         let mut starts = vec![0_u32; nodes + 1];
         let corners = || list.iter().flat_map(|c| c.nodes).enumerate();
@@ -194,7 +189,6 @@ impl Conductors {
         (part.group, index - part.first)
     }
 
-    /// Bytes of its lists.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.list) + size_of::<u32>() * (self.starts.capacity() + self.slots.capacity())
     }

@@ -15,9 +15,7 @@ use crate::state::dofs::Dofs;
 /// Analysis User's Guide 26.1.2, "Thermal expansion").
 #[derive(Clone, Debug)]
 pub struct Expanding {
-    /// Its row of the ledger.
     pub id: EffectId,
-    /// The group.
     pub group: usize,
     /// Coefficient over temperature, from the reference temperature.
     pub coefficient: Table,
@@ -74,7 +72,6 @@ impl Expansion {
         }
     }
 
-    /// Bytes of it.
     pub(super) fn bytes(&self) -> usize {
         self.strains.iter().chain(&self.room).map(|list| size_of::<f64>() * list.capacity()).sum()
     }

@@ -18,7 +18,6 @@ use crate::state::magnitude::Clock;
 /// What gives and holds heat in a step.
 #[derive(Clone, Debug, Default)]
 pub struct Conditions {
-    /// Sources.
     pub sources: Vec<Source>,
     /// Temperatures that are held; a node once.
     pub held: Vec<Held>,
@@ -47,12 +46,10 @@ const BESIDE: f64 = 2.2;
 /// Temperatures of nodes, with all that changes them.
 #[derive(Clone)]
 pub struct Heat {
-    /// Its row of the ledger.
     pub id: EffectId,
     conductors: Arc<Conductors>,
     /// Conditions from a step on; `None` where those of the step before go on.
     steps: Arc<Vec<Option<Conditions>>>,
-    /// Those in force.
     now: Conditions,
     /// Mass of each node by material, for capacities that depend on the temperature; empty where none does.
     masses: Vec<Vec<f64>>,
@@ -158,7 +155,6 @@ impl Heat {
         }
     }
 
-    /// Gives elements their mean temperatures.
     pub(super) fn warm(&mut self, elements: &mut Elements) {
         for (mean, conductor) in self.means.iter_mut().zip(&self.conductors.list) {
             *mean = conductor.mean(&self.temperature);
@@ -348,7 +344,6 @@ impl Heat {
         if self.capacity[node] > 0.0 { self.temperature[node] } else { f64::NAN }
     }
 
-    /// Temperatures of all nodes.
     pub fn temperatures(&self) -> &[f64] {
         &self.temperature
     }
@@ -376,12 +371,10 @@ impl Heat {
         Some(conductor.flux(&self.temperature, &dofs.nodes, &part.properties))
     }
 
-    /// Heat so far.
     pub fn energies(&self) -> HeatEnergies {
         self.energies
     }
 
-    /// Bytes of it.
     pub fn bytes(&self) -> usize {
         let Heat { masses, capacity, temperature, power, exchange, aims, corners, means, warmed, largest, .. } = self;
         let singles = [capacity, temperature, power, exchange, aims, means, warmed];

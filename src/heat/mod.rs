@@ -38,7 +38,6 @@ impl Thermal {
         }
     }
 
-    /// Bytes of it.
     pub fn bytes(&self) -> [usize; 2] {
         [self.heat.as_ref().map_or(0, Heat::bytes), self.expansion.as_ref().map_or(0, Expansion::bytes)]
     }

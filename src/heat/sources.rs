@@ -10,12 +10,9 @@ use crate::state::dofs::Dofs;
 use crate::state::limit::Limit;
 use crate::state::magnitude::{Clock, Magnitude};
 
-/// A source of heat.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// Its row of the ledger.
     pub id: EffectId,
-    /// Where it acts.
     pub kind: Kind,
     /// Heat a time into a node, through an area or into a volume; of a film the temperature of the fluid.
     pub magnitude: Magnitude,
@@ -100,7 +97,6 @@ impl Source {
         }
     }
 
-    /// Bytes of its lists.
     pub(super) fn bytes(&self) -> usize {
         self.magnitude.bytes()
             + match &self.kind {
@@ -113,18 +109,15 @@ impl Source {
 /// Temperatures that are held (`*BOUNDARY` on degree of freedom 11).
 #[derive(Clone, Debug)]
 pub struct Held {
-    /// Its row of the ledger.
     pub id: EffectId,
     /// The temperature.
     pub magnitude: Magnitude,
-    /// Nodes.
     pub nodes: Vec<HeldNode>,
 }
 
 /// A node whose temperature is held.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HeldNode {
-    /// The node.
     pub node: usize,
     /// Heat that plastic work made there since the increment began.
     pub(super) made: f64,
@@ -133,7 +126,6 @@ pub struct HeldNode {
 }
 
 impl HeldNode {
-    /// Nothing has been held yet.
     pub fn new(node: usize) -> Self {
         HeldNode { node, ..HeldNode::default() }
     }

@@ -18,7 +18,6 @@ impl Curve {
         Curve { points, smooth, total_time }
     }
 
-    /// Value at a time.
     pub fn value(&self, time: f64) -> f64 {
         let after = self.points.partition_point(|p| p[0] <= time);
         let (Some(from), Some(to)) = (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after)) else {
@@ -29,7 +28,6 @@ impl Curve {
         from[1] + (to[1] - from[1]) * weight
     }
 
-    /// Bytes of its points.
     pub fn bytes(&self) -> usize {
         size_of::<[f64; 2]>() * self.points.capacity()
     }
@@ -78,7 +76,6 @@ impl SampledAmplitude {
         self.last = [time, value];
     }
 
-    /// The value told last.
     pub fn last(&self) -> f64 {
         self.last[1]
     }
@@ -88,7 +85,6 @@ impl SampledAmplitude {
         [&mut self.before, &mut self.last]
     }
 
-    /// Value at a total time.
     pub fn value(&self, time: f64) -> f64 {
         let (before, last) = (self.before, self.last);
         if time >= last[0] || before[0] == f64::NEG_INFINITY {

@@ -5,19 +5,16 @@
 /// A vector along 1, 2, 3.
 pub type Vector = [f64; 3];
 
-/// Scalar product.
 #[inline]
 pub fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Vector product.
 #[inline]
 pub fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Length.
 #[inline]
 pub fn norm(a: Vector) -> f64 {
     dot(a, a).sqrt()
@@ -67,7 +64,6 @@ impl Attitude {
         Attitude([a * b - dot(p, q), v[0], v[1], v[2]])
     }
 
-    /// The rotation back.
     #[must_use]
     pub fn inverse(self) -> Attitude {
         let Attitude([w, x, y, z]) = self;

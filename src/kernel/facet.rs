@@ -19,7 +19,6 @@ pub struct Facet {
 /// A piece of a facet, a frustum too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// Its area.
     pub area: f64,
     /// Middle of its meridian, `[r, z]`.
     pub middle: [f64; 2],
@@ -46,7 +45,6 @@ impl Facet {
         [0.5 * (self.low[0] + self.high[0]), 0.5 * (self.low[1] + self.high[1])]
     }
 
-    /// Length of the segment.
     pub fn length(&self) -> f64 {
         (self.high[0] - self.low[0]).hypot(self.height())
     }

@@ -16,7 +16,6 @@ pub struct Table {
 }
 
 impl Table {
-    /// Value at an abscissa.
     pub fn value(&self, at: f64) -> f64 {
         let after = self.rows.partition_point(|r| r[1] <= at);
         match (after.checked_sub(1).map(|i| self.rows[i]), self.rows.get(after)) {
@@ -64,11 +63,8 @@ pub struct JohnsonCook {
     pub a: f64,
     /// B, stress.
     pub b: f64,
-    /// n.
     pub n: f64,
-    /// m.
     pub m: f64,
-    /// Melting temperature.
     pub melt: f64,
     /// Transition temperature; no softening below.
     pub transition: f64,
@@ -90,7 +86,6 @@ impl YieldStress for JohnsonCook {
 pub enum RateFactor {
     /// 1 + C ln(rate/reference), not below 1.
     JohnsonCook {
-        /// C.
         c: f64,
         /// Reference rate.
         reference: f64,
@@ -128,18 +123,14 @@ fn power(x: f64, n: f64) -> f64 {
 /// A yield stress without rates.
 #[derive(Clone, Debug)]
 pub enum StaticYield {
-    /// Tables over temperature, or one.
     Tables(TableOverTemperature),
-    /// Johnson and Cook's.
     JohnsonCook(JohnsonCook),
 }
 
 /// The yield stress of a metal: static, times a factor of rate.
 #[derive(Clone, Debug)]
 pub struct FlowStress {
-    /// Static part.
     pub base: StaticYield,
-    /// Factor.
     pub factor: Option<RateFactor>,
 }
 

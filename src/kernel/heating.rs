@@ -7,7 +7,6 @@ use super::hardening::Table;
 /// `rho c(T) dT = eta dW`.
 #[derive(Clone, Debug)]
 pub enum Heating {
-    /// Nothing heats.
     None,
     /// Rise of temperature for a work a volume: eta / (rho c).
     Constant(f64),
@@ -21,7 +20,6 @@ pub enum Heating {
 }
 
 impl Heating {
-    /// Whether nothing heats.
     pub fn is_none(&self) -> bool {
         matches!(self, Heating::None)
     }

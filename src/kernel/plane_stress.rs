@@ -35,7 +35,6 @@ impl PlaneElastic {
         self.young / (1.0 - self.ratio * self.ratio)
     }
 
-    /// Shear modulus.
     pub fn shear(&self) -> f64 {
         0.5 * self.young / (1.0 + self.ratio)
     }

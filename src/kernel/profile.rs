@@ -148,7 +148,6 @@ pub struct Profile {
 /// The nearest place of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestPlace {
-    /// Segment.
     pub segment: usize,
     /// Signed distance.
     pub gap: f64,

@@ -24,16 +24,13 @@ pub trait Real:
 {
     /// Whether it has fewer digits and a smaller range than what nodes have: lengths are then in units of their own.
     const SINGLE: bool;
-    /// Zero.
     const ZERO: Self;
-    /// One.
     const ONE: Self;
 
     /// The nearest number to one of double precision.
     fn of(value: f64) -> Self;
     /// The same number in double precision.
     fn wide(self) -> f64;
-    /// Square root.
     fn root(self) -> Self;
     /// Without sign.
     fn size(self) -> Self;

@@ -25,7 +25,6 @@ pub struct TrialState<'a> {
     pub temperature: &'a Lanes,
     /// Rate of the equivalent plastic strain in the increment before: where the search begins.
     pub rate: &'a Lanes,
-    /// Three shear moduli.
     pub shear3: f64,
     /// Length of the increment.
     pub dt: f64,
@@ -35,7 +34,6 @@ pub struct TrialState<'a> {
 type CurveLanes = [Lanes; 3];
 
 const ZERO: Lanes = [0.0; LANES];
-/// Rounds at most.
 const ROUNDS: usize = 8;
 /// Residual that is enough, a part of the trial stress.
 const ENOUGH: f64 = 1e-11;

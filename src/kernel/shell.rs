@@ -39,7 +39,6 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Between two places.
     pub fn new([a, b]: [[f64; 2]; 2]) -> Frame {
         let (dr, dz) = (b[0] - a[0], b[1] - a[1]);
         let length = (dr * dr + dz * dz).sqrt();

@@ -14,13 +14,11 @@ use crate::user::Locked;
 /// The same force or moment along one degree of freedom of each of some bodies and nodes.
 #[derive(Clone, Debug)]
 pub struct Concentrated {
-    /// Its row of the ledger.
     pub id: EffectId,
     /// Bodies along z.
     pub bodies: Vec<usize>,
     /// Bodies in space, with the height in the mesh of the ring on which the force is spread.
     pub spatial: Vec<(usize, f64)>,
-    /// Nodes.
     pub nodes: Vec<usize>,
     /// The degree of freedom from 0: along 1, 2, 3, about 1, 2, 3; of nodes 0 along r or of a rotation, 1 along z.
     pub dof: usize,

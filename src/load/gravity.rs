@@ -12,7 +12,6 @@ use crate::user::Locked;
 /// Gravity on some bodies and nodes.
 #[derive(Clone, Debug)]
 pub struct Gravity {
-    /// Its row of the ledger.
     pub id: EffectId,
     /// Generalised forces on bodies, with mass times the component of the direction.
     pub bodies: Vec<(GeneralizedForce, f64)>,
@@ -20,7 +19,6 @@ pub struct Gravity {
     pub nodes: Vec<(usize, f64)>,
     /// Whether it acts on all of the nodes' mass, whatever that becomes.
     pub whole: bool,
-    /// Acceleration along the direction.
     pub acceleration: Magnitude,
     /// Component of the direction along z.
     pub along_z: f64,

@@ -41,7 +41,6 @@ pub enum Account {
 /// A generalised force of one effect on one body, and the account of its work.
 #[derive(Clone, Copy, Debug)]
 pub struct GeneralizedForce {
-    /// Body index.
     pub body: usize,
     /// Along (0 to 2) or about (3 to 5) 1, 2, 3; of a body along z always 1.
     pub coordinate: u32,
@@ -50,7 +49,6 @@ pub struct GeneralizedForce {
 }
 
 impl GeneralizedForce {
-    /// The force along z.
     pub fn along_z(body: usize, account: Account) -> Self {
         GeneralizedForce { body, coordinate: 1, account }
     }
@@ -61,12 +59,10 @@ impl GeneralizedForce {
     }
 }
 
-/// What a load acts on.
 #[derive(Clone, Debug, Default)]
 pub struct Targets {
     /// The generalised forces on rigid bodies that it writes.
     pub bodies: Vec<GeneralizedForce>,
-    /// Whether it acts on nodes.
     pub nodes: bool,
 }
 
@@ -89,7 +85,6 @@ pub struct Dissipation {
 }
 
 impl Dissipation {
-    /// Adds another one.
     pub fn add(&mut self, other: Dissipation) {
         self.cavity += other.cavity;
         self.friction += other.friction;
@@ -107,7 +102,6 @@ pub enum SceneChange<'a> {
 /// What a load makes of velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VelocityUse {
-    /// It does not read it.
     None,
     /// It reads it, so that an instant of rest must be met exactly.
     Reads,
@@ -142,13 +136,11 @@ impl SceneView<'_> {
 pub enum PenetrationOutcome {
     /// It is at rest in it.
     AtRest,
-    /// It still moves in it.
     Moving,
     /// It has left it through its back.
     Through,
     /// It has left it through its front.
     Ricochet,
-    /// It has not touched it.
     #[default]
     NotMet,
 }
@@ -169,7 +161,6 @@ impl PenetrationOutcome {
 /// A rigid body and a target.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Penetration {
-    /// Index of the body.
     pub body: usize,
     /// What has become of it.
     pub outcome: PenetrationOutcome,
@@ -196,15 +187,11 @@ pub struct MotionAtEnd {
     pub tilt: f64,
 }
 
-/// A load.
 pub trait Load: LoadOutput + CopyLoad + Persist + Send + Sync {
-    /// Its row of the ledger.
     fn effect(&self) -> EffectId;
 
-    /// What it acts on.
     fn targets(&self) -> Targets;
 
-    /// How it depends on velocity.
     fn velocity_use(&self) -> VelocityUse {
         VelocityUse::None
     }
@@ -230,7 +217,6 @@ pub trait Load: LoadOutput + CopyLoad + Persist + Send + Sync {
     fn scene_changed(&mut self, _change: &SceneChange<'_>) {}
 }
 
-/// What a load shows.
 pub trait LoadOutput: Any {
     /// Names and bytes of the arrays it holds.
     fn arrays(&self) -> Vec<(&'static str, usize)>;

@@ -28,7 +28,6 @@ pub struct Pressure {
 }
 
 impl Pressure {
-    /// A pressure on a surface.
     pub fn new(id: EffectId, surface: Surface, magnitude: Magnitude, dofs: &Dofs) -> Self {
         let axial =
             |facets: &[(usize, crate::kernel::facet::Facet)]| facets.iter().map(|(_, f)| f.area * f.normal[1]).sum();

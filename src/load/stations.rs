@@ -17,7 +17,6 @@ pub struct Station {
     pub arm: Vector,
     /// Outward unit normal.
     pub normal: Vector,
-    /// Area.
     pub area: f64,
 }
 
@@ -33,7 +32,6 @@ pub struct PlanarPoint {
     pub normal: [f64; 2],
     /// Velocity that loads see.
     pub velocity: [f64; 2],
-    /// Acceleration.
     pub acceleration: [f64; 2],
 }
 
@@ -66,7 +64,6 @@ impl Station {
         Wrench::at(body.attitude.to_world(self.arm), force)
     }
 
-    /// Velocity along the outward normal.
     pub fn normal_velocity(&self, body: &RigidBody3d) -> f64 {
         dot(body.velocity_at(body.attitude.to_world(self.arm)), body.attitude.to_world(self.normal))
     }

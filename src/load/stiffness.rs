@@ -42,7 +42,6 @@ pub struct Seen {
     pub place: [f64; 2],
     /// Its outward normal.
     pub normal: [f64; 2],
-    /// Pressure on it.
     pub pressure: f64,
     /// The larger one of force at unit pressure over mass of its two nodes.
     pub mobility: f64,
@@ -62,19 +61,16 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Of so many faces.
     pub fn new(count: usize) -> Self {
         // What was never seen compares with nothing.
         let none = Point { place: [f64::NAN; 2], pressure: f64::NAN, way: f64::NAN, change: f64::NAN };
         Watch { points: vec![none; count], most: None }
     }
 
-    /// Bytes of its arrays.
     pub fn bytes(&self) -> usize {
         size_of::<Point>() * self.points.capacity()
     }
 
-    /// The largest found so far.
     pub fn most(&self) -> Option<&Stiffness> {
         self.most.as_ref()
     }

@@ -8,33 +8,24 @@ use crate::state::halt::Halt;
 use crate::state::{EffectId, Instant};
 use crate::user::{AmplitudeCall, LoadFailure, Locked, RunAction};
 
-/// What a sensor measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sensed {
-    /// Displacement.
     Displacement(Dof),
-    /// Velocity.
     Velocity(Dof),
-    /// Acceleration.
     Acceleration(Dof),
 }
 
 /// The amplitude: asked once an increment, whatever it scales.
 #[derive(Clone, Debug)]
 pub struct UserAmplitude {
-    /// Its row of the ledger.
     pub id: EffectId,
     /// Name, upper case.
     pub name: String,
     /// Constants on the data lines.
     pub properties: Vec<f64>,
-    /// Variables of the routine.
     pub variables: Vec<f64>,
-    /// Names of the sensors.
     pub sensor_names: Vec<String>,
-    /// What they measure.
     pub sensors: Vec<Sensed>,
-    /// Their values.
     pub sensor_values: Vec<f64>,
     /// Which of the told functions of time it is.
     pub told: usize,
@@ -86,7 +77,6 @@ impl UserAmplitude {
         })
     }
 
-    /// Bytes of its arrays.
     pub fn bytes(&self) -> usize {
         let names: usize = self.sensor_names.iter().map(|n| size_of::<String>() + n.capacity()).sum();
         let numbers = self.properties.capacity() + self.variables.capacity() + self.sensor_values.capacity();

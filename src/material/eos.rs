@@ -157,7 +157,6 @@ impl Pressure for Tabulated {
 /// An equation of state with the energy of each element.
 #[derive(Clone, Debug)]
 pub struct Eos<P> {
-    /// The equation.
     pub law: P,
 }
 

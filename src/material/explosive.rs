@@ -16,13 +16,11 @@ const WIDTH: f64 = 2.5;
 /// omega rho e.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jwl {
-    /// Density of the explosive.
     pub density: f64,
     /// A and B.
     pub pressures: [f64; 2],
     /// R1 and R2.
     pub exponents: [f64; 2],
-    /// omega.
     pub omega: f64,
 }
 
@@ -62,7 +60,6 @@ pub struct DetonationPoint {
 /// An explosive that the detonation burns at a given speed.
 #[derive(Clone, Debug)]
 pub struct Explosive {
-    /// Its products.
     pub products: Jwl,
     /// Speed of the detonation.
     pub speed: f64,

@@ -11,7 +11,6 @@ use crate::state::archive::{Persist, persist_struct};
 pub trait Failure: Send + Sync + 'static {
     /// What a block of elements keeps.
     type State: Clone + Send + Sync + Persist;
-    /// Whether anything fails at all.
     const FAILS: bool;
     /// State of a block: the areas of its elements' sections, whose roots are their lengths, and their volumes.
     fn fresh(&self, area: &Lanes, volume: &Lanes) -> Self::State;
@@ -42,11 +41,8 @@ pub trait Failure: Send + Sync + 'static {
 /// Criteria of the beginning of damage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Initiation {
-    /// All of them.
     Any,
-    /// Ductile.
     Ductile,
-    /// Johnson and Cook's.
     JohnsonCook,
 }
 
@@ -61,7 +57,6 @@ pub struct Seen {
     pub mises: Lanes,
     /// Temperatures, 0 where they are not followed.
     pub temperature: Lanes,
-    /// Length of the increment.
     pub dt: f64,
     /// Elements of the block.
     pub count: usize,
@@ -90,7 +85,6 @@ pub struct Shares {
     pub mean: Lanes,
 }
 
-/// Nothing fails.
 #[derive(Clone, Copy, Debug)]
 pub struct NoDamage;
 
@@ -120,18 +114,14 @@ impl Failure for NoDamage {
 /// Equivalent plastic strain at which an element fails or its damage begins.
 #[derive(Clone, Debug)]
 pub enum FailureStrain {
-    /// A constant.
     Constant(f64),
     /// (d1 + d2 exp(-d3 x)) (1 + d4 ln(rate/reference)) (1 + d5 theta), x = mean stress over von Mises stress
     /// (Johnson and Cook 1985, Eng. Fract. Mech. 21, 31; sign of d3 as ABAQUS has it).
     JohnsonCook {
         /// d1 to d5.
         d: [f64; 5],
-        /// Melting temperature.
         melt: f64,
-        /// Transition temperature.
         transition: f64,
-        /// Reference rate.
         reference: f64,
     },
     /// Over the triaxiality (mean stress over von Mises stress), the rate of the plastic strain, and the temperature.
@@ -203,7 +193,6 @@ pub enum Evolution {
 pub struct Criterion {
     /// Strain at failure: the sum of dp over it reaches 1.
     pub strain: FailureStrain,
-    /// What follows.
     pub evolution: Evolution,
 }
 
@@ -221,7 +210,6 @@ pub struct Cutoff {
 pub struct Failing {
     /// At most one of each kind; the greatest damage counts.
     pub criteria: Vec<Criterion>,
-    /// Cutoff.
     pub cutoff: Option<Cutoff>,
     /// By how much less than 1 is the damage at which an element is deleted (ABAQUS Analysis User's Guide, "Section controls":
     /// 1 less MAX DEGRADATION, which is 1 where elements are deleted).

@@ -30,10 +30,8 @@ pub enum Growth {
     },
 }
 
-/// Foam with linear elasticity.
 #[derive(Clone, Debug)]
 pub struct Foam {
-    /// Growth of the surface.
     pub growth: Growth,
     /// Yield stress in uniaxial compression over the plastic strain, constant beyond the ends.
     pub hardening: Table,

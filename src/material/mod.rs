@@ -26,7 +26,6 @@ use user::PointCalls;
 /// The direction of plastic flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlasticFlow {
-    /// No plastic flow.
     None,
     /// Along the deviator of the trial stress, by [`StressUpdate::flow`].
     Deviatoric,
@@ -58,7 +57,6 @@ pub struct BlockStart {
 pub enum PointValue {
     /// Stress rr, zz, hoop, rz.
     Stress([f64; 4]),
-    /// Temperature.
     Temperature(f64),
     /// Temperature of the nodes at the end of an increment.
     NodalTemperature(f64),
@@ -122,7 +120,6 @@ pub trait Material<T: Real = f64>: Send + Sync + 'static {
         1.0
     }
 
-    /// Whether the material deletes elements.
     fn can_delete(&self) -> bool {
         Self::FAILS
     }

@@ -13,9 +13,7 @@ use crate::variables::{Part, Variable};
 
 /// A law with what the deck says of its material.
 pub struct PointLaw {
-    /// The law.
     pub law: Arc<dyn MaterialLaw>,
-    /// Constants of `*USER MATERIAL`.
     pub constants: Vec<f64>,
     /// State variables of a point.
     pub variables: usize,

@@ -139,7 +139,6 @@ pub struct Compression {
 }
 
 impl Compression {
-    /// Initial bulk modulus.
     pub fn initial(&self) -> f64 {
         self.inverse.first().map_or(0.0, |inverse| 2.0 * inverse)
     }

@@ -79,7 +79,6 @@ impl Gather {
         }
     }
 
-    /// Bytes of its lists.
     pub fn bytes(&self) -> usize {
         size_of::<[u32; SLOTS]>() * self.slots.capacity() + size_of::<(u32, u32)>() * self.more.capacity()
     }

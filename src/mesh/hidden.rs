@@ -34,7 +34,6 @@ impl Hidden {
         self.faces.len()
     }
 
-    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.faces.is_empty()
     }
@@ -44,7 +43,6 @@ impl Hidden {
         &self.faces
     }
 
-    /// How many lie bare.
     pub fn bare(&self) -> usize {
         self.bare.len()
     }
@@ -78,7 +76,6 @@ impl Hidden {
         first..self.bare.len()
     }
 
-    /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         size_of::<[usize; 2]>() * self.faces.capacity()
             + size_of::<usize>() * self.elements.capacity()
@@ -96,7 +93,6 @@ impl Clone for Hidden {
 }
 
 impl Persist for Hidden {
-    /// Nothing where there are none.
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Hidden { faces, elements: _, waits, bare } = self;
         if faces.is_empty() {

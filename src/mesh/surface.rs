@@ -20,7 +20,6 @@ pub struct Surface {
 /// The facets of one rigid body at their places at the start.
 #[derive(Clone, Debug)]
 pub struct Patch {
-    /// The body.
     pub body: usize,
     /// Facets with the index of their element in the mesh.
     pub facets: Vec<(usize, Facet)>,
@@ -44,7 +43,6 @@ pub struct Skin {
 /// A face as it is now.
 #[derive(Clone, Copy, Debug)]
 pub struct Face {
-    /// Its nodes.
     pub nodes: [usize; 2],
     /// Places of the nodes, `[r, z]`.
     pub ends: [[f64; 2]; 2],
@@ -53,7 +51,6 @@ pub struct Face {
 }
 
 impl Face {
-    /// The face between two nodes.
     #[inline]
     pub fn new(face: [usize; 2], nodes: &Nodes) -> Face {
         let [a, b] = face.map(|n| nodes[n].place());
@@ -62,7 +59,6 @@ impl Face {
         Face { nodes: face, ends: [a, b], normal: [dz / length, -dr / length] }
     }
 
-    /// Middle.
     pub fn middle(&self) -> [f64; 2] {
         let [a, b] = self.ends;
         [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
@@ -93,7 +89,6 @@ impl Surface {
         self.patches.iter().map(|p| p.facets.len()).sum::<usize>() + self.skin.faces.len()
     }
 
-    /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         let facets = |p: &Patch| size_of::<(usize, Facet)>() * p.facets.capacity();
         self.patches.iter().map(facets).sum::<usize>()
@@ -122,7 +117,6 @@ impl Skin {
         self.faces.len() + self.hidden.as_ref().map_or(0, |h| h.len() - h.bare())
     }
 
-    /// Its hidden faces.
     pub fn hidden(&self) -> Option<&Hidden> {
         self.hidden.as_deref()
     }
@@ -187,7 +181,6 @@ impl Skin {
         self.shells.truncate(count);
     }
 
-    /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         size_of::<[usize; 2]>() * self.faces.capacity()
             + size_of::<usize>() * self.elements.capacity()

@@ -26,8 +26,7 @@ impl Builder<'_> {
             USER => return self.user_amplitude(card, amplitude),
             EQUALLY_SPACED => {
                 let Some(interval) = amplitude.interval else {
-                    self.out_of_range(card.span, "EQUALLY SPACED needs FIXED INTERVAL=");
-                    return None;
+                    return self.refuse_value(card.span, "EQUALLY SPACED needs FIXED INTERVAL=");
                 };
                 values.iter().enumerate().map(|(i, v)| [amplitude.begin + i as f64 * interval, *v]).collect()
             }
@@ -39,8 +38,7 @@ impl Builder<'_> {
         let (scale, shift) = ([amplitude.scale_time, amplitude.scale], [amplitude.shift_time, amplitude.shift]);
         points.iter_mut().for_each(|p| *p = [0, 1].map(|i: usize| p[i] * scale[i] + shift[i]));
         if points.windows(2).any(|w| w[1][0] <= w[0][0]) || points.is_empty() {
-            self.out_of_range(card.span, "an amplitude needs times that ascend");
-            return None;
+            return self.refuse_value(card.span, "an amplitude needs times that ascend");
         }
         let (smooth, total_time) = (amplitude.definition == SMOOTH_STEP, amplitude.total_time);
         Some(AmplitudeDefinition::Curve { points, smooth, total_time })
@@ -51,8 +49,7 @@ impl Builder<'_> {
         let (expected, properties) = (amplitude.properties.unwrap_or(0), amplitude.values.clone());
         if expected != properties.len() {
             let message = format!("PROPERTIES={expected}, but {} constants are given", properties.len());
-            self.out_of_range(card.span, message);
-            return None;
+            return self.refuse_value(card.span, message);
         }
         Some(AmplitudeDefinition::User { properties, variables: amplitude.variables })
     }

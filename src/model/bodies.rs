@@ -19,8 +19,8 @@ impl Builder<'_> {
         let Some(reference) = self.required(card, "REF NODE") else { return };
         let Some(nodes) = self.node_members(reference) else { return };
         let [reference] = nodes[..] else {
-            self.out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
-            return;
+            return self
+                .out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
         };
         if let Some(word) = card.value("ANALYTICAL SURFACE") {
             self.carry_surface(word, reference);
@@ -104,8 +104,8 @@ impl Builder<'_> {
         let Some(reference) = self.required(card, "REF NODE") else { return };
         let Some(nodes) = self.node_members(reference) else { return };
         let [reference] = nodes[..] else {
-            self.out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
-            return;
+            return self
+                .out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
         };
         let cards::Attitude { stations, inertia, angles } = self.values(card);
         let uniform = inertia.is_some();
@@ -145,7 +145,6 @@ impl Builder<'_> {
         }
     }
 
-    /// The surface of a name.
     pub(super) fn surface_id(&mut self, word: &Word) -> Option<SurfaceId> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(index) = self.model.surfaces.faces.get_index_of(&name) {

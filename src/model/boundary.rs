@@ -92,8 +92,7 @@ impl Builder<'_> {
             None
         };
         if let Some((message, help)) = refusal {
-            self.unsupported(line.span, message, help);
-            return;
+            return self.unsupported(line.span, message, help);
         }
         let (span, kind) = (line.span, Motion::Temperature);
         self.state().boundaries.push(Boundary { nodes, set, dof: 11, kind, user: false, value, amplitude, span });
@@ -115,8 +114,7 @@ impl Builder<'_> {
         if step.new_boundaries.is_some_and(|other| other != new) {
             let message =
                 "OP must be the same on every *BOUNDARY of a step: NEW removes all of earlier steps, MOD keeps them";
-            self.out_of_range(card.span, message);
-            return;
+            return self.out_of_range(card.span, message);
         }
         step.new_boundaries = Some(new);
         if new {
@@ -130,8 +128,7 @@ impl Builder<'_> {
             Some(word) => word,
             None => {
                 let finding = Diagnostic::error("M102", "a degree of freedom is missing").at(line.span, "here");
-                self.diagnostics.push(finding);
-                return None;
+                return self.diagnostics.refuse(finding);
             }
         };
         match upper(&word.text).as_str() {
@@ -145,8 +142,7 @@ impl Builder<'_> {
             other @ ("XASYMM" | "YASYMM" | "ZASYMM") => {
                 let message =
                     format!("antisymmetry ({other}) is not supported: ABAQUS has it in implicit analyses alone");
-                self.unsupported(word.span, message, "name the degrees of freedom: 1 is r, 2 is z");
-                return None;
+                return self.refuse_unsupported(word.span, message, "name the degrees of freedom: 1 is r, 2 is z");
             }
             _ => {}
         }
@@ -154,11 +150,10 @@ impl Builder<'_> {
         let last = line.field(2).map_or(Some(first), |w| w.integer(&mut self.diagnostics))?;
         let value = self.number_or(line, 3, 0.0)?;
         if [first, last] != [11; 2] && (!(1..=6).contains(&first) || !(first..=6).contains(&last)) {
-            self.out_of_range(
+            return self.refuse_value(
                 line.span,
                 format!("degrees of freedom {first} to {last}: 1 is r, 2 is z, 6 the rotation, 11 the temperature"),
             );
-            return None;
         }
         Some((Degrees::range(first as u8, last as u8), value))
     }

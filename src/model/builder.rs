@@ -83,17 +83,18 @@ pub(super) struct Builder<'a> {
     pub controls_used: Vec<(usize, Word)>,
     /// The `*COUPLING` whose kind is to follow.
     pub coupling: Option<Coupling>,
-    /// Surface interactions that contact pairs name.
+    /// Surface interactions that contact refers to: some may be defined below.
     pub interactions_used: Vec<Word>,
     /// Clearances of general contact by name.
-    pub clearances: Vec<(String, super::types::Clearance)>,
+    pub clearances: IndexMap<String, super::types::Clearance>,
     /// Boundaries on degrees of freedom above 2 alone.
     pub rotational: Vec<Rotational>,
     /// Resistances that are derived once all cards are read.
     #[cfg(feature = "resistance")]
     pub derivations: Vec<Asked>,
-    /// Place of each `*MATERIAL` of the deck among them, by its name in upper case.
+    /// Place of each `*MATERIAL` and of each `*SURFACE INTERACTION` among its kind, by its name in upper case.
     pub material_places: IndexMap<String, usize>,
+    pub interaction_places: IndexMap<String, usize>,
     /// What the deck has asked for so far.
     pub budget: Budget,
     /// Unknown names for which others were suggested.
@@ -140,11 +141,12 @@ impl<'a> Builder<'a> {
             controls_used: Vec::new(),
             coupling: None,
             interactions_used: Vec::new(),
-            clearances: Vec::new(),
+            clearances: super::clearance::named_clearances(deck),
             rotational: Vec::new(),
             #[cfg(feature = "resistance")]
             derivations: Vec::new(),
-            material_places: super::names::material_places(deck),
+            material_places: super::names::places(deck, "MATERIAL"),
+            interaction_places: super::names::places(deck, "SURFACE INTERACTION"),
             budget: Budget::default(),
             suggested: 0,
         }
@@ -215,8 +217,6 @@ impl<'a> Builder<'a> {
             | "CONTACT CLEARANCE ASSIGNMENT"
             | "CONTACT INITIALIZATION ASSIGNMENT"
             | "CONTACT CONTROLS ASSIGNMENT" => self.general_contact_card(card),
-            "CONTACT CLEARANCE" => self.contact_clearance(card),
-            "CONTACT INITIALIZATION DATA" => self.contact_initialization(card),
             "CONTACT CONTROLS" => self.contact_controls(card),
             "CLEARANCE" => self.pair_clearance(card),
             "SURFACE INTERACTION" => self.surface_interaction(card),
@@ -273,7 +273,6 @@ impl<'a> Builder<'a> {
         self.check_transforms();
         self.apply_controls();
         self.apply_interactions();
-        self.apply_clearances();
         self.complete();
         self.model.origin.bodies_read = !self.lost.bodies;
         (self.model, self.diagnostics)
@@ -334,6 +333,18 @@ impl<'a> Builder<'a> {
     pub fn unsupported(&mut self, span: Span, message: impl Into<String>, help: &str) {
         let finding = Diagnostic::error("M104", message).at(span, "not supported");
         self.diagnostics.push(if help.is_empty() { finding } else { finding.help(help) });
+    }
+
+    /// Reports a value out of range in place of what would have been read.
+    pub fn refuse_value<T>(&mut self, span: Span, message: impl Into<String>) -> Option<T> {
+        self.out_of_range(span, message);
+        None
+    }
+
+    /// Reports what is not supported in place of what would have been read.
+    pub fn refuse_unsupported<T>(&mut self, span: Span, message: impl Into<String>, help: &str) -> Option<T> {
+        self.unsupported(span, message, help);
+        None
     }
 
     /// An element has one property of a kind: what gives it a second one is an error.

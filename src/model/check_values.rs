@@ -47,7 +47,6 @@ pub(super) fn check_parameter(card: &Card, rule: &Rule, parameter: &Parameter, d
     }
 }
 
-/// Tells which parameters are missing.
 pub(super) fn check_required_parameters(card: &Card, diagnostics: &mut Diagnostics) {
     for rule in card.keyword.parameters.iter().filter(|rule| rule.value.required) {
         if card.value(rule.name).is_none() && !card.faulty {

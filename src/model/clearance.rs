@@ -2,24 +2,46 @@
 //! general contact, with their assignments.
 //! Never here: which surfaces there are, where they meet.
 
+use indexmap::IndexMap;
+
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{AssignedClearance, Clearance};
+use super::types::Clearance;
+use crate::deck::read::ReadCard;
 use crate::deck::table::constraints as cards;
-use crate::deck::{Card, Word};
+use crate::deck::{Card, Deck, Word};
+
+/// The clearances of general contact by name, which assignments anywhere in the deck may refer to (ABAQUS Keywords Reference Guide,
+/// *CONTACT CLEARANCE and *CONTACT INITIALIZATION DATA).
+pub(super) fn named_clearances(deck: &Deck) -> IndexMap<String, Clearance> {
+    let mut named = IndexMap::new();
+    for card in &deck.cards {
+        let (name, clearance) = match card.keyword.name {
+            "CONTACT CLEARANCE" => {
+                let cards::ContactClearance { name, gap, above, below } = ReadCard::read(card);
+                (name, Clearance { gap, above, below })
+            }
+            "CONTACT INITIALIZATION DATA" => {
+                let cards::ContactInitializationData { name, gap, above, below } = ReadCard::read(card);
+                // Without a clearance overlaps alone are resolved.
+                let above = above.or(gap.is_none().then_some(0.0));
+                (name, Clearance { gap: gap.unwrap_or(0.0), above, below })
+            }
+            _ => continue,
+        };
+        named.entry(name).or_insert(clearance);
+    }
+    named
+}
 
 impl Builder<'_> {
-    /// ABAQUS Keywords Reference Guide, *CONTACT CLEARANCE.
-    pub(super) fn contact_clearance(&mut self, card: &Card) {
-        let cards::ContactClearance { name, gap, above, below } = self.values(card);
-        self.clearances.push((name, Clearance { gap, above, below }));
-    }
-
-    /// ABAQUS Keywords Reference Guide, *CONTACT INITIALIZATION DATA: without a clearance overlaps alone are resolved.
-    pub(super) fn contact_initialization(&mut self, card: &Card) {
-        let cards::ContactInitializationData { name, gap, above, below } = self.values(card);
-        let above = above.or(gap.is_none().then_some(0.0));
-        self.clearances.push((name, Clearance { gap: gap.unwrap_or(0.0), above, below }));
+    /// The clearance of a name.
+    pub(super) fn clearance(&mut self, word: &Word) -> Option<Clearance> {
+        let found = self.clearances.get(&upper(&word.text)).copied();
+        if found.is_none() {
+            self.unknown("M114", "clearance of contact", word, |b| b.clearances.keys().cloned().collect());
+        }
+        found
     }
 
     /// ABAQUS Keywords Reference Guide, *CLEARANCE: an initial clearance of all pairs of a set.
@@ -51,22 +73,5 @@ impl Builder<'_> {
             pair.penalty = pair.penalty.map(|now| factor.unwrap_or(now));
         }
         self.state().surface_contacts = pairs;
-    }
-
-    /// Gives general contact its clearances, once all are known: an assignment may name one that comes later.
-    pub(super) fn apply_clearances(&mut self) {
-        let names: Vec<String> = self.clearances.iter().map(|c| c.0.clone()).collect();
-        let mut unknown = Vec::new();
-        for general in self.model.steps.iter_mut().filter_map(|s| s.general_contact.as_mut()) {
-            for AssignedClearance { name, clearance, .. } in &mut general.clearances {
-                *clearance = self.clearances.iter().find(|c| c.0 == upper(&name.text)).map(|c| c.1);
-                if clearance.is_none() && !unknown.iter().any(|w: &Word| w.span == name.span) {
-                    unknown.push(name.clone());
-                }
-            }
-        }
-        for word in unknown {
-            self.unknown("M114", "clearance of contact", &word, |_| names.clone());
-        }
     }
 }

@@ -19,8 +19,7 @@ impl Builder<'_> {
         let first = elements.first().map_or(kinds[0], kind_of);
         if !kinds.contains(&first) || elements.iter().any(|e| kind_of(e) != first) {
             let message = format!("this set must hold {} elements, or {} elements", kinds[0].name(), kinds[1].name());
-            self.out_of_range(set.span, message);
-            return;
+            return self.out_of_range(set.span, message);
         }
         let along_line = first == kinds[0];
         let filled: Vec<&DataLine> = card.lines.iter().filter(|l| l.field(0).is_some()).collect();
@@ -30,8 +29,7 @@ impl Builder<'_> {
             let Some(line) = self.first_line(card) else { return };
             let Some(given) = self.integer(line, 0, "the degree of freedom") else { return };
             if !(1..=2).contains(&given) {
-                self.out_of_range(line.span, format!("degree of freedom {given}: 1 is r, 2 is z"));
-                return;
+                return self.out_of_range(line.span, format!("degree of freedom {given}: 1 is r, 2 is z"));
             }
             dof = given as u8;
             lines = &lines[1..];
@@ -50,8 +48,7 @@ impl Builder<'_> {
             if rows.is_empty()
                 || rows.windows(2).any(|w| w[1][0].partial_cmp(&w[0][0]) != Some(std::cmp::Ordering::Greater))
             {
-                self.out_of_range(card.span, format!("rows of a force must ascend in {over}"));
-                return None;
+                return self.refuse_value(card.span, format!("rows of a force must ascend in {over}"));
             }
             let table = if is_spring { ConnectorLaw::Table } else { ConnectorLaw::DashpotTable };
             return Some(table(rows));
@@ -60,14 +57,12 @@ impl Builder<'_> {
         let line = match lines {
             [line] | [_, line] => line,
             _ => {
-                self.out_of_range(card.span, "one value is needed; dependence on temperature is not supported");
-                return None;
+                return self.refuse_value(card.span, "one value is needed; dependence on temperature is not supported");
             }
         };
         let value = self.number(line, 0, if is_spring { "the stiffness" } else { "the coefficient" })?;
         if value < 0.0 || !value.is_finite() {
-            self.out_of_range(line.span, format!("it must not be {value}"));
-            return None;
+            return self.refuse_value(line.span, format!("it must not be {value}"));
         }
         Some(if is_spring { ConnectorLaw::Spring(value) } else { ConnectorLaw::Dashpot(value) })
     }

@@ -5,8 +5,8 @@
 use super::fields::MOST_FIELDS;
 use super::types::{
     AmplitudeDefinition, AmplitudeId, AnalyticalSide, Boundary, Clearance, ConnectorLaw, ConnectorProperty,
-    ElementKind, Erosion, Friction, IncrementControl, InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion,
-    OutputRequest, Region, ShellSection, ShellThinning, Side, Sides, Step, SurfaceContact, Target,
+    ElementKind, Erosion, Friction, IncrementControl, InitialKind, InteractionId, Interval, LinkKind, Load, LoadKind,
+    Model, Motion, OutputRequest, Region, ShellSection, ShellThinning, Side, Sides, Step, SurfaceContact, Target,
 };
 use crate::deck::keywords::Keyword;
 use crate::deck::table::{constraints, materials, steps};
@@ -44,7 +44,6 @@ pub(super) fn above_zero(value: f64) -> bool {
     value > 0.0 && value.is_finite()
 }
 
-/// Not below zero.
 pub(super) fn not_below(value: f64) -> bool {
     value >= 0.0 && value.is_finite()
 }
@@ -382,6 +381,9 @@ impl Check<'_> {
             if let Some(analytical) = &contact.analytical {
                 self.analytical_side(contact, analytical);
             }
+            let interaction = contact.interaction.map(InteractionId::index);
+            let count = self.model.interactions.len();
+            self.indices("M114", contact.span, "surface interaction", interaction.as_slice(), count);
             let Friction { at_rest, sliding, decay, largest } = contact.law.friction;
             let good = [at_rest, sliding, decay, largest].iter().all(|x| *x >= 0.0);
             self.value(good, contact.span, || "numbers of friction must not be below zero".into());

@@ -3,7 +3,9 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{AnalyticalSide, Model, Profile, RigidBody, RigidSurface, RigidSurfaceId, Segment, Sides};
+use super::types::{
+    AnalyticalSide, InteractionId, Model, Profile, RigidBody, RigidSurface, RigidSurfaceId, Segment, Sides,
+};
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Up to this part of the radius the ends of an arc differ by rounding alone.
@@ -36,15 +38,14 @@ impl Builder<'_> {
             lines.push(line.span);
         }
         if segments.is_empty() {
-            self.out_of_range(start.span, "an analytical surface needs a LINE or a CIRCL behind START");
-            return;
+            return self.out_of_range(start.span, "an analytical surface needs a LINE or a CIRCL behind START");
         }
         let mut profile = Profile { segments };
         if let Some(word) = card.value("FILLET RADIUS") {
             let Some(radius) = word.number(&mut self.diagnostics) else { return };
             if radius.is_nan() || radius < 0.0 {
-                self.out_of_range(word.span, format!("the radius of a fillet must not be below zero, not {radius}"));
-                return;
+                return self
+                    .out_of_range(word.span, format!("the radius of a fillet must not be below zero, not {radius}"));
             }
             if radius > 0.0 {
                 match profile.fillet(radius) {
@@ -52,8 +53,7 @@ impl Builder<'_> {
                     Err(k) => {
                         let message =
                             format!("there is no room for a fillet of radius {radius} where this segment begins");
-                        self.out_of_range(lines[k], message);
-                        return;
+                        return self.out_of_range(lines[k], message);
                     }
                 }
             }
@@ -85,8 +85,7 @@ impl Builder<'_> {
 
     fn surface_point(&mut self, line: &DataLine, word: &str) -> Option<[f64; 2]> {
         if !line.field(0).is_some_and(|w| w.is(word)) {
-            self.out_of_range(line.span, format!("an analytical surface begins with {word}, r, z"));
-            return None;
+            return self.refuse_value(line.span, format!("an analytical surface begins with {word}, r, z"));
         }
         Some([self.number(line, 1, "r")?, self.number(line, 2, "z")?])
     }
@@ -95,13 +94,15 @@ impl Builder<'_> {
     fn segment(&mut self, line: &DataLine, from: [f64; 2]) -> Option<Segment> {
         let is = |what: &str| line.field(0).is_some_and(|w| w.is(what));
         if !is("LINE") && !is("CIRCL") {
-            self.unsupported(line.span, "this segment of an analytical surface is not supported", "LINE and CIRCL are");
-            return None;
+            return self.refuse_unsupported(
+                line.span,
+                "this segment of an analytical surface is not supported",
+                "LINE and CIRCL are",
+            );
         }
         let to = [self.number(line, 1, "r")?, self.number(line, 2, "z")?];
         if from == to {
-            self.out_of_range(line.span, "this segment has no length");
-            return None;
+            return self.refuse_value(line.span, "this segment has no length");
         }
         if is("LINE") {
             return Some(Segment::Line([from, to]));
@@ -111,8 +112,7 @@ impl Builder<'_> {
         let (u, v) = ([from[0] - centre[0], from[1] - centre[1]], [to[0] - centre[0], to[1] - centre[1]]);
         let sine = (u[0] * v[1] - u[1] * v[0]) / (u[0].hypot(u[1]) * v[0].hypot(v[1]));
         if sine.abs() < 1e-6 {
-            self.out_of_range(line.span, "an arc must be shorter than half a circle: give it in two");
-            return None;
+            return self.refuse_value(line.span, "an arc must be shorter than half a circle: give it in two");
         }
         Some(Segment::arc(from, to, centre))
     }
@@ -137,8 +137,7 @@ impl Builder<'_> {
         );
         if off.is_nan() || off > ARC_MOST {
             let finding = Diagnostic::error("M103", message).at(span, "no circle goes through both");
-            self.diagnostics.push(finding.help("up to a hundredth of the radius is taken for rounding"));
-            return None;
+            return self.diagnostics.refuse(finding.help("up to a hundredth of the radius is taken for rounding"));
         }
         let finding = Diagnostic::warning("M170", message).at(span, "the nearest centre is taken");
         self.diagnostics.push(finding.help("give the centre with more digits"));
@@ -149,8 +148,7 @@ impl Builder<'_> {
     pub(super) fn rigid_surface(&mut self, card: &Card) {
         if !card.value("TYPE").is_some_and(|w| w.is("SEGMENTS")) {
             let message = "only TYPE=SEGMENTS is a surface of revolution in the r-z plane";
-            self.unsupported(card.span, message, "TYPE=SEGMENTS is");
-            return;
+            return self.unsupported(card.span, message, "TYPE=SEGMENTS is");
         }
         let Some(name) = card.value("NAME").or(card.value("ELSET")) else {
             self.required(card, "NAME");
@@ -160,8 +158,7 @@ impl Builder<'_> {
         let Some(word) = card.value("REF NODE") else { return };
         let Some(nodes) = self.node_members(word) else { return };
         let [reference] = nodes[..] else {
-            self.out_of_range(word.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
-            return;
+            return self.out_of_range(word.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
         };
         if let Some(surface) = self.model.surfaces.analytical.get_mut(&qualified(&self.scope, &name.text)) {
             surface.reference = Some(reference);
@@ -194,9 +191,6 @@ impl Builder<'_> {
 
     pub(super) fn contact_pair(&mut self, card: &Card) {
         let adds = card.read("OP");
-        if let Some(word) = card.value("INTERACTION") {
-            self.interactions_used.push(word.clone());
-        }
         if self.first_line(card).is_none() {
             return;
         }
@@ -241,22 +235,28 @@ impl Builder<'_> {
     /// Gives contacts the friction of their interactions, once all are known: a pair may name one that comes later.
     pub(super) fn apply_interactions(&mut self) {
         let names: Vec<String> = self.model.interactions.iter().map(|i| i.name.clone()).collect();
-        for word in std::mem::take(&mut self.interactions_used) {
+        let mut used = std::mem::take(&mut self.interactions_used);
+        used.dedup_by_key(|word| word.span);
+        for word in used {
             if !names.contains(&upper(&word.text)) {
                 self.unknown("M114", "surface interaction", &word, |_| names.clone());
             }
         }
         let Model { interactions, steps, .. } = &mut self.model;
-        let of = |word: &Word| interactions.iter().find(|i| i.name == upper(&word.text));
+        let law = |id: Option<InteractionId>| {
+            id.and_then(|id| interactions.get(id.index())).map(|i| i.law.clone()).unwrap_or_default()
+        };
         for step in steps {
-            for contact in &mut step.surface_contacts {
-                let found = contact.interaction.as_ref().and_then(of);
-                contact.law = found.map(|i| i.law.clone()).unwrap_or_default();
-            }
-            for assigned in step.general_contact.iter_mut().flat_map(|g| &mut g.assigned) {
-                assigned.law = of(&assigned.interaction).map(|i| i.law.clone()).unwrap_or_default();
-            }
+            step.surface_contacts.iter_mut().for_each(|contact| contact.law = law(contact.interaction));
+            let assigned = step.general_contact.iter_mut().flat_map(|general| &mut general.assigned);
+            assigned.for_each(|assigned| assigned.law = law(assigned.interaction));
         }
+    }
+
+    /// The surface interaction of a name.
+    pub(super) fn interaction(&mut self, word: &Word) -> Option<InteractionId> {
+        self.interactions_used.push(word.clone());
+        self.interaction_places.get(&upper(&word.text)).copied().map(InteractionId::new)
     }
 
     /// Nodes of a surface of nodes or of element faces, ascending.

@@ -76,8 +76,7 @@ impl Builder<'_> {
         }
         let Some(kind) = card.read::<Option<usize>>("REFLECT") else {
             let finding = Diagnostic::error("M101", "*NCOPY needs SHIFT or REFLECT=");
-            self.diagnostics.push(finding.at(card.span, "where do the copies stand?"));
-            return None;
+            return self.diagnostics.refuse(finding.at(card.span, "where do the copies stand?"));
         };
         let mapping = self.reflection(card, kind)?;
         Some(Box::new(move |_, p| mapping.apply(p)))
@@ -172,10 +171,9 @@ impl Builder<'_> {
         let Some([e1, e2]) = axes else {
             let message = "this local system leaves the r-z plane";
             let finding = Diagnostic::error("M126", message).at(line.span, "these points");
-            self.diagnostics.push(
+            return self.diagnostics.push(
                 finding.help("b of CYLINDRICAL lies above a, as in a = 0, 0, 0 and b = 0, 0, 1; all else in the plane"),
             );
-            return;
         };
         let mut scale = [1.0; 2];
         if let Some(third) = card.lines.get(2) {

@@ -24,8 +24,7 @@ impl Builder<'_> {
             Some(CavityExpansion { yield_stress: 0.0, a: 0.0, b: 0.0, c: 0.0, derived: None, span: card.span });
         if let Some(word) = card.value("YIELD") {
             let message = "DERIVE takes Y from the first row of *PLASTIC, not from YIELD";
-            self.out_of_range(word.span, message);
-            return;
+            return self.out_of_range(word.span, message);
         }
         let [from, to, points] = values.values;
         let weight = [Weight::Even, Weight::Relative, Weight::Velocity][values.weight];

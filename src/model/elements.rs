@@ -202,8 +202,9 @@ impl Builder<'_> {
         let need = kind.node_count();
         if words.len() < need + 1 {
             let message = format!("a {} element has a label and {need} nodes", kind.name());
-            self.diagnostics.push(Diagnostic::error("M102", message).at(span, format!("{} given", words.len())));
-            return None;
+            return self
+                .diagnostics
+                .refuse(Diagnostic::error("M102", message).at(span, format!("{} given", words.len())));
         }
         let label = words[0].integer(&mut self.diagnostics)?;
         let mut nodes = Vec::with_capacity(need);
@@ -218,8 +219,7 @@ impl Builder<'_> {
                     let message = format!("element {label} refers to node {}, which is not defined", word.text);
                     let finding = Diagnostic::error("M122", message).at(word.span, "no such node");
                     let help = format!("there are {} nodes", self.nodes.len());
-                    self.diagnostics.push(finding.help(help));
-                    return None;
+                    return self.diagnostics.refuse(finding.help(help));
                 }
             }
         }
@@ -356,18 +356,16 @@ impl Builder<'_> {
                 return None;
             }
             let message = format!("the master element {master} is not defined");
-            self.diagnostics.push(Diagnostic::error("M110", message).at(line.span, "no such element"));
-            return None;
+            return self.diagnostics.refuse(Diagnostic::error("M110", message).at(line.span, "no such element"));
         };
         let total = i128::from(count) * i128::from(rows).saturating_mul(i128::from(layers));
         if count < 1 || rows < 1 || layers < 1 {
-            self.out_of_range(line.span, format!("cannot generate {count} x {rows} x {layers} elements"));
-            return None;
+            return self.refuse_value(line.span, format!("cannot generate {count} x {rows} x {layers} elements"));
         }
         let same = [(count, element_step), (rows, row_element_step), (layers, layer_element)];
         if same.into_iter().any(|(times, step)| times > 1 && step == 0) {
-            self.out_of_range(line.span, "elements that are repeated need increments of their labels above zero");
-            return None;
+            return self
+                .refuse_value(line.span, "elements that are repeated need increments of their labels above zero");
         }
         if !self.affords(Good::Elements, total.unsigned_abs(), line.span) {
             return None;
@@ -405,8 +403,7 @@ impl Builder<'_> {
                 }
                 None => {
                     let message = format!("generated element {element} needs node {label}, which is not defined");
-                    self.diagnostics.push(Diagnostic::error("M122", message).at(span, "generated here"));
-                    return None;
+                    return self.diagnostics.refuse(Diagnostic::error("M122", message).at(span, "generated here"));
                 }
             }
         }

@@ -11,8 +11,7 @@ impl Builder<'_> {
     pub(super) fn energy_limit(&mut self, card: &Card) {
         let cards::EnergyLimit { error, artificial, halts } = self.values(card);
         if error.is_none() && artificial.is_none() {
-            self.out_of_range(card.span, "*ENERGY LIMIT needs ERROR or ARTIFICIAL");
-            return;
+            return self.out_of_range(card.span, "*ENERGY LIMIT needs ERROR or ARTIFICIAL");
         }
         self.state().energy_limit = Some(EnergyLimit { span: card.span, error, artificial, halts });
     }

@@ -26,12 +26,10 @@ impl Builder<'_> {
         let rows: Vec<[f64; 3]> = card.read_lines();
         if let Some(line) = (1..rows.len()).find(|&i| rows[i - 1][2] <= rows[i][2]) {
             let message = "the volumetric strains of the rows must descend, from tension to compression";
-            self.out_of_range(card.lines[line].span, message);
-            return None;
+            return self.refuse_value(card.lines[line].span, message);
         }
         if !stiffens(&rows) {
-            self.out_of_range(card.span, "at least two rows are needed, and f1 must grow with the compression");
-            return None;
+            return self.refuse_value(card.span, "at least two rows are needed, and f1 must grow with the compression");
         }
         Some(EosKind::Tabular(rows))
     }

@@ -18,8 +18,7 @@ impl Builder<'_> {
             let line = &card.lines[at];
             let Some(count) = self.integer(line, 0, "the number of terms") else { return };
             if !(2..=MOST as i64).contains(&count) {
-                self.out_of_range(line.span, format!("an equation has two terms or more, not {count}"));
-                return;
+                return self.out_of_range(line.span, format!("an equation has two terms or more, not {count}"));
             }
             let (words, next) = match at + 1 < card.lines.len() {
                 true => super::elements::joined(card, at + 1, 3 * count as usize),
@@ -27,8 +26,7 @@ impl Builder<'_> {
             };
             if words.len() != 3 * count as usize {
                 let message = format!("{count} terms have {} values; {} are given", 3 * count, words.len());
-                self.diagnostics.push(Diagnostic::error("M102", message).at(line.span, "this equation"));
-                return;
+                return self.diagnostics.push(Diagnostic::error("M102", message).at(line.span, "this equation"));
             }
             let terms: Option<Vec<Term>> = words.chunks(3).map(|w| self.equation_term(w)).collect();
             if let Some(terms) = terms {
@@ -43,12 +41,11 @@ impl Builder<'_> {
         let dof = words[1].integer(&mut self.diagnostics)?;
         let coefficient = words[2].number(&mut self.diagnostics)?;
         if !matches!(dof, 1 | 2 | 11) {
-            self.out_of_range(words[1].span, format!("degree of freedom {dof}: 1 is r, 2 is z, 11 a temperature"));
-            return None;
+            return self
+                .refuse_value(words[1].span, format!("degree of freedom {dof}: 1 is r, 2 is z, 11 a temperature"));
         }
         if coefficient == 0.0 || !coefficient.is_finite() {
-            self.out_of_range(words[2].span, format!("a coefficient must not be {coefficient}"));
-            return None;
+            return self.refuse_value(words[2].span, format!("a coefficient must not be {coefficient}"));
         }
         Some((nodes, dof as u8, coefficient))
     }
@@ -58,12 +55,10 @@ impl Builder<'_> {
         let count = terms[0].0.len();
         if let Some(other) = terms.iter().find(|t| t.0.len() != count && t.0.len() != 1) {
             let message = format!("the first term has {count} nodes, another {}", other.0.len());
-            self.out_of_range(span, message);
-            return;
+            return self.out_of_range(span, message);
         }
         if terms.iter().any(|t| t.1 == 11) && terms.iter().any(|t| t.1 != 11) {
-            self.out_of_range(span, "an equation between temperatures (11) and displacements");
-            return;
+            return self.out_of_range(span, "an equation between temperatures (11) and displacements");
         }
         for i in 0..count {
             let term = |(nodes, dof, c): &Term| (nodes[i.min(nodes.len() - 1)], *dof, *c);

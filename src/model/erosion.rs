@@ -18,8 +18,8 @@ impl Builder<'_> {
         };
         let cards::Erosion { distortion, plastic, strain, increment } = self.values(card);
         if [distortion, plastic, strain, increment].iter().all(Option::is_none) {
-            self.out_of_range(card.span, "*EROSION needs DISTORTION, PLASTIC STRAIN, PRINCIPAL STRAIN or INCREMENT");
-            return;
+            return self
+                .out_of_range(card.span, "*EROSION needs DISTORTION, PLASTIC STRAIN, PRINCIPAL STRAIN or INCREMENT");
         }
         self.model.erosions.push(Erosion { span: card.span, elements, distortion, plastic, strain, increment });
     }

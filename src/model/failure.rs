@@ -34,8 +34,7 @@ impl Builder<'_> {
         let rows: Vec<[f64; 4]> = card.read_lines();
         if NestedTable::new(&rows).is_none() {
             let message = "each variable must ascend, the first fastest, for each value of the next";
-            self.out_of_range(line.span, message);
-            return None;
+            return self.refuse_value(line.span, message);
         }
         Some(rows)
     }
@@ -47,8 +46,7 @@ impl Builder<'_> {
         if d4 != 0.0 && rate <= 0.0 || d5 != 0.0 && melt <= transition {
             let message =
                 "d4 needs a reference rate above zero, d5 a melting temperature above the transition temperature";
-            self.out_of_range(line.span, message);
-            return None;
+            return self.refuse_value(line.span, message);
         }
         Some(StrainAtFailure::JohnsonCook([d1, d2, d3, d4, d5], Some([melt, transition, rate])))
     }

@@ -16,8 +16,11 @@ impl Builder<'_> {
     pub(super) fn prescribed_fields(&mut self, card: &Card) {
         let Ok(amplitude) = self.amplitude_of(card) else { return };
         if self.step.as_ref().is_some_and(|s| s.ramp) && amplitude.is_none() {
-            self.unsupported(card.span, "*STEP, AMPLITUDE=RAMP with *FIELD is not supported", "give AMPLITUDE=");
-            return;
+            return self.unsupported(
+                card.span,
+                "*STEP, AMPLITUDE=RAMP with *FIELD is not supported",
+                "give AMPLITUDE=",
+            );
         }
         let variable = card.read::<usize>("VARIABLE") - 1;
         if self.operation(card, "FIELD") {
@@ -43,8 +46,7 @@ impl Builder<'_> {
         let mut rows: Vec<Vec<f64>> = card.lines.iter().map(|line| row(self, line)).collect::<Option<_>>()?;
         let cold = rows.iter().filter(|r| r[values].is_nan()).count();
         if cold != 0 && cold != rows.len() {
-            self.out_of_range(first.span, "either all rows of a table have a temperature, or none");
-            return None;
+            return self.refuse_value(first.span, "either all rows of a table have a temperature, or none");
         }
         rows.iter_mut().filter(|r| r[values].is_nan()).for_each(|r| r[values] = 0.0);
         Some(rows)

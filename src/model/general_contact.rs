@@ -2,7 +2,7 @@
 //! Never here: which surfaces there are, pairs that the deck names one by one.
 
 use super::builder::Builder;
-use super::types::{AssignedClearance, AssignedInteraction, ContactDomain, GeneralContact, Law};
+use super::types::{AssignedInteraction, ContactDomain, GeneralContact, Law};
 use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
@@ -20,8 +20,7 @@ impl Builder<'_> {
     pub(super) fn general_contact_card(&mut self, card: &Card) {
         if self.state().general_contact.is_none() {
             let message = format!("*{} belongs below a *CONTACT", card.keyword.name);
-            self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *CONTACT above"));
-            return;
+            return self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *CONTACT above"));
         }
         if let Some(general) = &mut self.state().general_contact {
             general.all |= card.has("ALL EXTERIOR");
@@ -40,12 +39,16 @@ impl Builder<'_> {
                 ("CONTACT EXCLUSIONS", _) => general.excluded.push(domains),
                 ("CONTACT CONTROLS ASSIGNMENT", _) => general.penalties.push((domains, factor)),
                 (_, None) => {}
-                ("CONTACT PROPERTY ASSIGNMENT", Some(interaction)) => {
-                    self.interactions_used.push(interaction.clone());
+                ("CONTACT PROPERTY ASSIGNMENT", Some(word)) => {
+                    let interaction = self.interaction(&word);
                     let Some(general) = &mut self.state().general_contact else { continue };
                     general.assigned.push(AssignedInteraction { domains, interaction, law: Law::default() });
                 }
-                (_, Some(name)) => general.clearances.push(AssignedClearance { domains, name, clearance: None }),
+                (_, Some(word)) => {
+                    let clearance = self.clearance(&word);
+                    let Some(general) = &mut self.state().general_contact else { continue };
+                    general.clearances.extend(clearance.map(|clearance| (domains, clearance)));
+                }
             }
         }
     }

@@ -32,7 +32,6 @@ const TYPES: [(usize, usize); 21] = [
     (10, 2),
 ];
 
-/// Reads a file's text.
 pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
     let sections = sections(text)?;
     let section = |name: &str| sections.get(name).map(|t| Words(t.split_ascii_whitespace()));

@@ -21,8 +21,7 @@ impl Builder<'_> {
         let (Some(length), Some(mass), Some(time)) = (word(0), word(1), word(2)) else {
             let finding =
                 Diagnostic::error("M107", "*UNITS names length, mass and time").at(line.span, "one is missing");
-            self.diagnostics.push(finding.help("as in `m, kg, s` or `mm, t, s`"));
-            return;
+            return self.diagnostics.push(finding.help("as in `m, kg, s` or `mm, t, s`"));
         };
         let temperature = word(3).unwrap_or_else(|| "K".into());
         self.model.settings.units = Some(Units { length, mass, time, temperature });

@@ -62,15 +62,13 @@ impl Builder<'_> {
         let elements = self.element_members(set)?;
         let Some(label) = line.field(1) else {
             let finding = Diagnostic::error("M102", "a label is missing").at(line.span, "second field");
-            self.diagnostics.push(finding.help(format!("known are {known}")));
-            return None;
+            return self.diagnostics.refuse(finding.help(format!("known are {known}")));
         };
         let number = upper(&label.text).strip_prefix(letter).and_then(|n| n.parse::<u8>().ok());
         let Some(number) = number.filter(|n| (1..=4).contains(n)) else {
             let message = format!("load label {} is not supported", label.text);
             let finding = Diagnostic::error("M132", message).at(label.span, "this label");
-            self.diagnostics.push(finding.help(format!("known are {known}")));
-            return None;
+            return self.diagnostics.refuse(finding.help(format!("known are {known}")));
         };
         let word = Word { text: format!("S{number}"), ..label.clone() };
         Some(Sides { name: set.text.clone(), surface: false, faces: self.sides(&elements, &word), whole: Vec::new() })

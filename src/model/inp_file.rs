@@ -5,7 +5,6 @@ use std::collections::HashMap;
 
 use super::mesh_data::{Grouped, MeshFile};
 
-/// Reads a file's text.
 pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
     let mut reader = Reader { most: MEMBERS[0] + MEMBERS[1] * text.len(), ..Reader::default() };
     for (number, line) in text.lines().enumerate() {

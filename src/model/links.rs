@@ -65,8 +65,8 @@ impl Builder<'_> {
         let (nodes, members) = (self.node_members(reference), self.contact_nodes(surface));
         let (Some(nodes), Some(mut members)) = (nodes, members) else { return };
         let [node] = nodes[..] else {
-            self.out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
-            return;
+            return self
+                .out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
         };
         let points = &self.model.mesh.points;
         let distance = |n: usize| (points[n][0] - points[node][0]).hypot(points[n][1] - points[node][1]);
@@ -75,8 +75,7 @@ impl Builder<'_> {
         }
         if members.is_empty() {
             let finding = Diagnostic::error("M103", format!("the coupling {name} has no nodes"));
-            self.diagnostics.push(finding.at(surface.span, "none of this surface is near the reference node"));
-            return;
+            return self.diagnostics.push(finding.at(surface.span, "none of this surface is near the reference node"));
         }
         let areas = self.areas(surface, &members);
         let coupling = Coupling { name, reference: node, nodes: members, areas, span: card.span };
@@ -121,8 +120,7 @@ impl Builder<'_> {
         };
         let Some(kind) = kind else { return };
         if kind == LinkKind::Rigid([false; 2]) {
-            self.inert(card, "it couples neither r nor z, and symmetry holds the rotation".into());
-            return;
+            return self.inert(card, "it couples neither r nor z, and symmetry holds the rotation".into());
         }
         self.link(format!("coupling {}", coupling.name), kind, coupling.reference, coupling.nodes, coupling.span);
     }
@@ -137,11 +135,10 @@ impl Builder<'_> {
             let first = self.integer(line, 0, "the first degree of freedom")?;
             let last = line.field(1).map_or(Some(first), |w| w.integer(&mut self.diagnostics))?;
             if last < first {
-                self.out_of_range(
+                return self.refuse_value(
                     line.span,
                     format!("the last degree of freedom, {last}, is below the first, {first}"),
                 );
-                return None;
             }
             for (i, coupled) in coupled.iter_mut().enumerate() {
                 *coupled |= (first..=last).contains(&(i as i64 + 1));
@@ -163,8 +160,8 @@ impl Builder<'_> {
         let fall = falls[card.read::<usize>("WEIGHTING METHOD")];
         let weights: Vec<f64> = parts.zip(&coupling.areas).map(|(x, area)| fall(x) * area).collect();
         if weights.iter().sum::<f64>() <= 0.0 {
-            self.out_of_range(card.span, "all weights of this coupling are zero: its nodes are equally far away");
-            return None;
+            return self
+                .refuse_value(card.span, "all weights of this coupling are zero: its nodes are equally far away");
         }
         Some(LinkKind::Distributing(weights))
     }
@@ -209,13 +206,15 @@ impl Builder<'_> {
         let names = [super::names::qualified(&self.scope, &word.text), upper(&word.text)];
         if names.iter().any(|n| self.model.surfaces.nodes.contains_key(n)) {
             let message = "a surface of nodes cannot be the master of a tie: between nodes there is no surface";
-            self.unsupported(word.span, message, "name the surface of elements second, or use *MPC, TIE for pairs");
-            return None;
+            return self.refuse_unsupported(
+                word.span,
+                message,
+                "name the surface of elements second, or use *MPC, TIE for pairs",
+            );
         }
         if names.iter().any(|n| self.model.surfaces.analytical.contains_key(n)) {
             let message = "an analytical surface cannot be tied";
-            self.unsupported(word.span, message, "*RIGID BODY, TIE NSET= moves nodes with its body");
-            return None;
+            return self.refuse_unsupported(word.span, message, "*RIGID BODY, TIE NSET= moves nodes with its body");
         }
         let id = self.surface_id(word)?;
         Some(self.model.surfaces.faces[id].faces.clone())

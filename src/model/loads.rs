@@ -181,8 +181,7 @@ impl Builder<'_> {
         let [r, z, third] = direction;
         let length = r.hypot(z).hypot(third);
         if length == 0.0 {
-            self.out_of_range(line.span, "GRAV needs a direction: magnitude, r, z (in oblique impact 1, 2, 3)");
-            return None;
+            return self.refuse_value(line.span, "GRAV needs a direction: magnitude, r, z (in oblique impact 1, 2, 3)");
         }
         if (r != 0.0 || third != 0.0) && magnitude != 0.0 && !self.has_oblique_impact() {
             let message = "a body of revolution has no weight along r: only the component of gravity along z acts";

@@ -32,20 +32,18 @@ impl Builder<'_> {
                 (Some(count), None) => ScalingRhythm::Increments(count as u64),
                 (None, Some(count)) => ScalingRhythm::Intervals(count as u64),
                 _ => {
-                    self.out_of_range(card.span, "*VARIABLE MASS SCALING needs either FREQUENCY or NUMBER INTERVAL");
-                    return None;
+                    return self
+                        .refuse_value(card.span, "*VARIABLE MASS SCALING needs either FREQUENCY or NUMBER INTERVAL");
                 }
             };
             ((None, dt, kind), Some(rhythm))
         };
         if factor.is_none() && dt.is_none() {
             let needs = if rhythm.is_none() { "FACTOR or DT" } else { "DT" };
-            self.out_of_range(card.span, format!("*{} needs {needs}", card.keyword.name));
-            return None;
+            return self.refuse_value(card.span, format!("*{} needs {needs}", card.keyword.name));
         }
         if dt.is_none() && card.has("TYPE") {
-            self.out_of_range(card.span, "TYPE says how DT is reached, and there is no DT");
-            return None;
+            return self.refuse_value(card.span, "TYPE says how DT is reached, and there is no DT");
         }
         let kind = [ScalingType::BelowMin, ScalingType::Uniform, ScalingType::SetEqual][kind];
         let target = dt.map(|dt| (kind, dt));

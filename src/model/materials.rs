@@ -108,8 +108,7 @@ impl Builder<'_> {
         if NestedTable::new(&over).is_none() {
             let message =
                 "rows of moduli need temperatures that ascend, for each value of the first field variable, and so on";
-            self.out_of_range(card.span, message);
-            return None;
+            return self.refuse_value(card.span, message);
         }
         if rows.len() > 1 {
             self.last_material().elastic_table = rows;
@@ -157,8 +156,7 @@ impl Builder<'_> {
         if NestedTable::new(&rows).is_none() || rows[0][1] != 0.0 || !rows.windows(2).all(starts) {
             let message = "rows of the yield stress need plastic strains that begin at 0 and ascend for each temperature, \
                            temperatures that ascend for each value of the first field variable, and so on";
-            self.out_of_range(card.span, message);
-            return;
+            return self.out_of_range(card.span, message);
         }
         self.last_material().plastic = Some(Plastic::OverFields(rows));
     }
@@ -192,12 +190,11 @@ impl Builder<'_> {
         let (pairs, rest) = rows.as_chunks::<2>();
         let matched = pairs.iter().all(|[a, b]| cold || a[2] == b[2]) && (pairs.len() == 1 || !cold);
         if pairs.is_empty() || !rest.is_empty() || !matched {
-            self.unsupported(
+            return self.unsupported(
                 card.span,
                 format!("HARDENING=KINEMATIC with these {} rows is not supported", rows.len()),
                 "give two rows, at each temperature: the yield stress without plastic strain, and another point of the line",
             );
-            return;
         }
         let line = |[first, second]: &[[f64; 3]; 2]| {
             let slope = (second[0] - first[0]) / (second[1] - first[1]);
@@ -232,8 +229,7 @@ impl Builder<'_> {
         let complete = cold || rows.iter().all(|r| !r[2].is_nan());
         if !complete || !rows.windows(2).all(follows) {
             let message = "rows of a yield stress ratio ascend in rate, at each temperature, and then in temperature";
-            self.out_of_range(card.span, message);
-            return None;
+            return self.refuse_value(card.span, message);
         }
         Some(RateDependence::YieldRatio(rows))
     }
@@ -281,8 +277,9 @@ impl Builder<'_> {
             let (kind, section) = (kind.name(), card.keyword.name);
             let message = format!("element {name} is a {kind}, which no *{section} is for");
             let help = "*SOLID SECTION is of CAX3 and CAX4R, *SHELL SECTION of SAX1";
-            self.diagnostics.push(Diagnostic::error("M180", message).at(card.span, "this section").help(help));
-            return None;
+            return self
+                .diagnostics
+                .refuse(Diagnostic::error("M180", message).at(card.span, "this section").help(help));
         }
         Some((elements, MaterialId::new(index)))
     }

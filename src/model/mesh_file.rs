@@ -63,8 +63,7 @@ impl Builder<'_> {
             let message =
                 format!("point {i} of the mesh file, ({x}, {y}, {z}), is not in the half plane z = 0, x >= 0");
             let finding = Diagnostic::error("M126", message).at(span, "this mesh");
-            self.diagnostics.push(finding.help("x of the file is r, y is z of the axisymmetric model"));
-            return;
+            return self.diagnostics.push(finding.help("x of the file is r, y is z of the axisymmetric model"));
         }
         let nodes: Vec<usize> =
             mesh.points.iter().zip(&node_labels).map(|(p, &l)| self.add_node(l, [p[0], p[1]])).collect();

@@ -113,11 +113,11 @@ pub fn qualified(scope: &str, name: &str) -> String {
     if scope.is_empty() { upper(name) } else { format!("{scope}.{}", upper(name)) }
 }
 
-/// Place of each material among those of the deck, by its name; the first of a name.
-pub(super) fn material_places(deck: &crate::deck::Deck) -> indexmap::IndexMap<String, usize> {
-    let materials = deck.cards.iter().filter(|c| c.keyword.name == "MATERIAL");
+/// Place of each card of a keyword among those of the deck, by its `NAME`; the first of a name.
+pub(super) fn places(deck: &crate::deck::Deck, keyword: &str) -> indexmap::IndexMap<String, usize> {
+    let cards = deck.cards.iter().filter(|c| c.keyword.name == keyword);
     let mut places = indexmap::IndexMap::new();
-    for (place, name) in materials.filter_map(|c| c.value("NAME")).enumerate() {
+    for (place, name) in cards.filter_map(|c| c.value("NAME")).enumerate() {
         places.entry(upper(&name.text)).or_insert(place);
     }
     places

@@ -68,8 +68,7 @@ impl Builder<'_> {
     fn label_of(&mut self, word: Option<&Word>, line: &DataLine, what: &str) -> Option<(i64, usize)> {
         let Some(word) = word else {
             let finding = Diagnostic::error("M102", format!("{what} is missing")).at(line.span, "here");
-            self.diagnostics.push(finding);
-            return None;
+            return self.diagnostics.refuse(finding);
         };
         let label = word.integer(&mut self.diagnostics)?;
         match self.nodes.find(&self.scope, label) {
@@ -112,8 +111,10 @@ impl Builder<'_> {
         let step = line.field(2).map_or(Some(1), |w| w.integer(&mut self.diagnostics))?;
         let span = (i128::from(last) - i128::from(first)).abs();
         if step <= 0 || span % i128::from(step) != 0 {
-            self.out_of_range(line.span, format!("labels {first} to {last} cannot be reached in increments of {step}"));
-            return None;
+            return self.refuse_value(
+                line.span,
+                format!("labels {first} to {last} cannot be reached in increments of {step}"),
+            );
         }
         let count = self.count(span / i128::from(step), line.span)?;
         let (a, b) = (self.model.mesh.points[from], self.model.mesh.points[to]);
@@ -181,8 +182,9 @@ impl Builder<'_> {
 
     fn nfill_line(&mut self, line: &DataLine, spacing: &Spacing) -> Option<Vec<usize>> {
         let (Some(first), Some(second)) = (line.field(0), line.field(1)) else {
-            self.diagnostics.push(Diagnostic::error("M102", "two node sets are needed").at(line.span, "here"));
-            return None;
+            return self
+                .diagnostics
+                .refuse(Diagnostic::error("M102", "two node sets are needed").at(line.span, "here"));
         };
         let (from, to) = (self.nodes_in_order(first)?, self.nodes_in_order(second)?);
         let intervals = self.integer(line, 2, "the number of intervals")?;
@@ -192,13 +194,11 @@ impl Builder<'_> {
         }
         if from.len() != to.len() || intervals < 1 || step < 1 {
             let message = format!("the sets have {} and {} nodes; both need the same number", from.len(), to.len());
-            self.out_of_range(line.span, message);
-            return None;
+            return self.refuse_value(line.span, message);
         }
         self.count(i128::from(intervals) * from.len() as i128, line.span)?;
         if (spacing.two_step || spacing.singular > 0) && intervals % 2 != 0 {
-            self.out_of_range(line.span, "TWO STEP and SINGULAR need an even number of intervals");
-            return None;
+            return self.refuse_value(line.span, "TWO STEP and SINGULAR need an even number of intervals");
         }
         let shares = shares(intervals as usize, spacing);
         let mut made = Vec::new();

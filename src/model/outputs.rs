@@ -28,8 +28,7 @@ impl Builder<'_> {
         let kind = if card.has("HISTORY") { OutputKind::History } else { OutputKind::Field };
         if !card.has("HISTORY") && !card.has("FIELD") {
             let finding = Diagnostic::error("M101", "*OUTPUT needs FIELD or HISTORY").at(card.span, "which of them?");
-            self.diagnostics.push(finding);
-            return;
+            return self.diagnostics.push(finding);
         }
         let Some(interval) = self.interval(card) else { return };
         self.output_operation(card, kind, interval);
@@ -76,8 +75,7 @@ impl Builder<'_> {
         }
         if !card.has("WRITE") {
             let finding = Diagnostic::error("M101", "*RESTART needs WRITE").at(card.span, "WRITE is missing");
-            self.diagnostics.push(finding);
-            return;
+            return self.diagnostics.push(finding);
         }
         if card.value("FREQUENCY").is_some_and(|w| w.is("0")) {
             self.state().restart = None;
@@ -104,8 +102,7 @@ impl Builder<'_> {
         }
         let name = self.required(card, "NAME")?;
         if !card.has("HISTORY") {
-            self.out_of_range(card.span, "a sensor is a history: *OUTPUT, HISTORY, SENSOR, NAME=");
-            return None;
+            return self.refuse_value(card.span, "a sensor is a history: *OUTPUT, HISTORY, SENSOR, NAME=");
         }
         Some(Some(upper(&name.text)))
     }
@@ -118,8 +115,7 @@ impl Builder<'_> {
             for (line, [first, last, step]) in card.lines.iter().zip(card.read_lines::<Vec<[f64; 3]>>()) {
                 let count = ((last - first) / step * (1.0 + 1e-12)).floor();
                 if !(0.0..=MOST as f64).contains(&count) {
-                    self.out_of_range(line.span, "time points are counted from a first to a last");
-                    return;
+                    return self.out_of_range(line.span, "time points are counted from a first to a last");
                 }
                 times.extend((0..=count as usize).map(|i| first + i as f64 * step));
             }
@@ -127,8 +123,7 @@ impl Builder<'_> {
             times = card.read_lines();
         }
         if !times.windows(2).all(|w| w[0] < w[1]) {
-            self.out_of_range(card.span, "time points ascend");
-            return;
+            return self.out_of_range(card.span, "time points ascend");
         }
         self.model.output.time_points.push(TimePoints { name: upper(&name.text), times });
     }
@@ -155,8 +150,7 @@ impl Builder<'_> {
     fn sub_request(&mut self, card: &Card) {
         let Some(request) = self.output.clone() else {
             let message = format!("*{} belongs below an *OUTPUT", card.keyword.name);
-            self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *OUTPUT above"));
-            return;
+            return self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *OUTPUT above"));
         };
         let Some(region) = self.output_region(card) else { return };
         let of = match card.keyword.name {
@@ -325,7 +319,11 @@ impl Builder<'_> {
             }
         }
         let name = |parameter: &str| card.value(parameter).map(|w| upper(&w.text));
-        let (cpset, interaction) = (name("CPSET"), name("CONTACT PAIR"));
+        let cpset = name("CPSET");
+        let interaction = match card.value("CONTACT PAIR") {
+            Some(word) => Some(self.interaction(word)?),
+            None => None,
+        };
         let pairs = WhichPairs { cpset, interaction, general: card.has("GENERAL CONTACT"), surfaces };
         Some(if pairs == WhichPairs::default() { Region::Whole } else { Region::Pairs(pairs) })
     }

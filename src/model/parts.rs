@@ -87,8 +87,7 @@ impl<'a> Builder<'a> {
         let Some(cards) = self.parts.get(&upper(&part.text)).cloned() else {
             let mut names: Vec<String> = self.parts.keys().cloned().collect();
             names.sort();
-            self.unknown("M115", "part", part, |_| names.clone());
-            return;
+            return self.unknown("M115", "part", part, |_| names.clone());
         };
         let lines = cards.iter().map(|inner| inner.line_count() as u128).sum();
         if !self.affords(Good::Elements, lines, card.span) {
@@ -119,8 +118,9 @@ impl<'a> Builder<'a> {
                 let lies = n[2] == 0.0 && n[5] == 0.0 && (n[6] % 180.0).abs() < 1e-9;
                 let Some(axis) = axis.filter(|a| a.x == 0.0 && a.y == 0.0 || lies) else {
                     let message = "an instance may turn about an axis normal to the r-z plane, or by 180 degrees about one that lies in it";
-                    self.diagnostics.push(Diagnostic::error("M126", message).at(line.span, "leaves the r-z plane"));
-                    return None;
+                    return self
+                        .diagnostics
+                        .refuse(Diagnostic::error("M126", message).at(line.span, "leaves the r-z plane"));
                 };
                 Some((Point3::new(n[0], n[1], n[2]), Rotation3::from_axis_angle(&axis, n[6].to_radians())))
             }

@@ -31,8 +31,7 @@ impl Builder<'_> {
     pub(super) fn hyperelastic(&mut self, card: &Card) {
         let given: Vec<&str> = FORMS.into_iter().filter(|form| card.has(form)).collect();
         if given.len() > 1 {
-            self.out_of_range(card.span, format!("{} and {} exclude each other", given[0], given[1]));
-            return;
+            return self.out_of_range(card.span, format!("{} and {} exclude each other", given[0], given[1]));
         }
         let form = given.first().copied().unwrap_or("POLYNOMIAL");
         let Some(order) = self.order(card, form) else { return };
@@ -48,19 +47,16 @@ impl Builder<'_> {
         if let RubberShape::Ogden(terms) = &shape
             && terms.iter().any(|t| t[1] == 0.0)
         {
-            self.out_of_range(card.span, "each alpha must be other than zero");
-            return;
+            return self.out_of_range(card.span, "each alpha must be other than zero");
         }
         if shape.shear() <= 0.0 {
             let message = format!("the initial shear modulus must be above zero, not {}", shape.shear());
-            self.out_of_range(card.span, message);
-            return;
+            return self.out_of_range(card.span, message);
         }
         // What does not give way in volume has no stable increment: all zero means the default.
         let first = compressibility[0];
         if compressibility.iter().any(|d| *d < 0.0) || first == 0.0 && compressibility.iter().any(|d| *d != 0.0) {
-            self.out_of_range(card.span, "D1 must be above zero and the others not below, or all of them zero");
-            return;
+            return self.out_of_range(card.span, "D1 must be above zero and the others not below, or all of them zero");
         }
         let rubber = Hyperelastic { shape, compressibility: compressibility.to_vec(), span: card.span };
         self.last_material().hyperelastic = Some(rubber);
@@ -75,14 +71,12 @@ impl Builder<'_> {
         };
         let Some(word) = card.value("N") else { return Some(fixed.unwrap_or(1)) };
         if fixed.is_some() {
-            self.out_of_range(word.span, format!("{form} has no order N"));
-            return None;
+            return self.refuse_value(word.span, format!("{form} has no order N"));
         }
         let cards::Hyperelastic { order } = self.values(card);
         let order = order.unwrap_or(1);
         if form == "OGDEN" && order > OGDEN_ORDER {
-            self.out_of_range(word.span, format!("N of OGDEN must be from 1 to {OGDEN_ORDER}, found {order}"));
-            return None;
+            return self.refuse_value(word.span, format!("N of OGDEN must be from 1 to {OGDEN_ORDER}, found {order}"));
         }
         Some(order)
     }
@@ -93,15 +87,13 @@ impl Builder<'_> {
         self.number(line, 0, "the first constant")?;
         if let Some(line) = card.lines.get(count / 8 + 1) {
             let help = "give one row; where it takes more than eight values, they go on on the next line";
-            self.unsupported(line.span, "constants over the temperature are not supported", help);
-            return None;
+            return self.refuse_unsupported(line.span, "constants over the temperature are not supported", help);
         }
         let surplus = |(l, line): (usize, &crate::deck::DataLine)| {
             line.fields.iter().enumerate().find(|(k, w)| 8 * l + k > count && !w.text.is_empty()).map(|f| f.1.span)
         };
         if let Some(span) = card.lines.iter().enumerate().find_map(surplus) {
-            self.out_of_range(span, format!("this form takes {count} constants and a temperature"));
-            return None;
+            return self.refuse_value(span, format!("this form takes {count} constants and a temperature"));
         }
         (0..count)
             .map(|k| match card.lines.get(k / 8) {
@@ -122,8 +114,7 @@ impl Builder<'_> {
     pub(super) fn foam_hardening(&mut self, card: &Card) {
         let cards::CrushableFoamHardening { rows } = self.values(card);
         if rows.first().is_some_and(|row| row[1] != 0.0) {
-            self.out_of_range(card.span, "plastic strains must begin at 0");
-            return;
+            return self.out_of_range(card.span, "plastic strains must begin at 0");
         }
         self.last_material().foam.hardening = rows;
     }

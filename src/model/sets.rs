@@ -88,8 +88,7 @@ impl Builder<'_> {
         };
         let step = line.field(2).map_or(Some(1), |w| w.integer(&mut self.diagnostics));
         let Some(step) = step.filter(|s| *s > 0) else {
-            self.out_of_range(line.span, "the increment must be a whole number above zero");
-            return;
+            return self.out_of_range(line.span, "the increment must be a whole number above zero");
         };
         let count = (i128::from(last) - i128::from(first)) / i128::from(step) + 1;
         if !self.affords(Good::Members, count.max(0).unsigned_abs(), line.span) {

@@ -40,8 +40,7 @@ impl Builder<'_> {
         let ratio = word.number(&mut self.diagnostics)?;
         if !(-1.0..=0.5).contains(&ratio) || ratio == -1.0 {
             let finding = Diagnostic::error("M103", format!("POISSON lies above -1 and is 0.5 at most, not {ratio}"));
-            self.diagnostics.push(finding.at(word.span, "MATERIAL, ELASTIC or a ratio"));
-            return None;
+            return self.diagnostics.refuse(finding.at(word.span, "MATERIAL, ELASTIC or a ratio"));
         }
         Some(ShellThinning::Ratio(ratio))
     }

@@ -157,8 +157,7 @@ impl Builder<'_> {
     pub(super) fn dynamic(&mut self, card: &Card) {
         if !card.has("EXPLICIT") {
             let help = format!("write *{}, EXPLICIT", card.keyword.name);
-            self.unsupported(card.span, "implicit dynamics is not supported", &help);
-            return;
+            return self.unsupported(card.span, "implicit dynamics is not supported", &help);
         }
         let Some(line) = self.first_line(card) else { return };
         let (values, coupled) = match card.keyword.name {
@@ -184,20 +183,17 @@ impl Builder<'_> {
         let given = if values.direct { increment } else { largest };
         if given > 0.0 && duration / given > MOST_INCREMENTS {
             let message = format!("the step would take {:.1e} increments: it would never end", duration / given);
-            self.out_of_range(line.span, message);
-            return None;
+            return self.refuse_value(line.span, message);
         }
         if values.direct {
             if increment <= duration {
                 return Some(IncrementControl::Fixed(increment));
             }
-            self.out_of_range(line.span, format!("the increment {increment} must not be above {duration}"));
-            return None;
+            return self.refuse_value(line.span, format!("the increment {increment} must not be above {duration}"));
         }
         let element_by_element = values.element_by_element;
         if element_by_element && values.global {
-            self.out_of_range(card.span, "GLOBAL and ELEMENT BY ELEMENT exclude each other");
-            return None;
+            return self.refuse_value(card.span, "GLOBAL and ELEMENT BY ELEMENT exclude each other");
         }
         // An empty field or zero is no limit (ABAQUS Keywords Reference Guide, *DYNAMIC).
         let largest = if largest == 0.0 { f64::INFINITY } else { largest };

@@ -44,8 +44,8 @@ impl Builder<'_> {
             }
             return;
         }
-        let (interaction, law) = (card.value("INTERACTION").cloned(), Law::default());
-        pairs.push(SurfaceContact {
+        let interaction = card.value("INTERACTION").and_then(|word| self.interaction(word));
+        self.state().surface_contacts.push(SurfaceContact {
             sides,
             analytical,
             general: false,
@@ -54,7 +54,7 @@ impl Builder<'_> {
             penalty,
             cpset: card.value("CPSET").map(|w| upper(&w.text)),
             interaction,
-            law,
+            law: Law::default(),
             span: line.span,
         });
     }
@@ -64,14 +64,12 @@ impl Builder<'_> {
         let names = [qualified(&self.scope, &word.text), upper(&word.text)];
         if names.iter().any(|n| self.model.surfaces.nodes.contains_key(n)) {
             let message = format!("`{}` is a surface of nodes, which meets analytical surfaces alone", word.text);
-            self.unsupported(word.span, message, "give a surface of element faces");
-            return None;
+            return self.refuse_unsupported(word.span, message, "give a surface of element faces");
         }
         let id = self.surface_id(word)?;
         let faces = self.model.surfaces.faces[id].faces.clone();
         if faces.is_empty() {
-            self.out_of_range(word.span, format!("surface `{}` has no faces", word.text));
-            return None;
+            return self.refuse_value(word.span, format!("surface `{}` has no faces", word.text));
         }
         Some(Sides { name: self.model.surfaces.name(id).to_owned(), surface: true, faces, whole: Vec::new() })
     }
@@ -79,8 +77,11 @@ impl Builder<'_> {
     /// The largest gap at the start that is taken as none.
     fn adjust(&mut self, word: &Word) -> Option<f64> {
         let Some(value) = word.text.trim().parse::<f64>().ok() else {
-            self.unsupported(word.span, "ADJUST with a set of nodes is not supported", "give the largest gap to close");
-            return None;
+            return self.refuse_unsupported(
+                word.span,
+                "ADJUST with a set of nodes is not supported",
+                "give the largest gap to close",
+            );
         };
         if value >= 0.0 && value.is_finite() {
             return Some(value);

@@ -18,12 +18,11 @@ impl Builder<'_> {
             return;
         }
         if let Some(kind) = card.value("TYPE").filter(|w| !w.is("ELEMENT")) {
-            self.unsupported(
+            return self.unsupported(
                 kind.span,
                 format!("TYPE={} is not supported", kind.text),
                 "ELEMENT, NODE and SEGMENTS are",
             );
-            return;
         }
         let (mut faces, mut whole) = (Vec::new(), Vec::new());
         for line in &card.lines {

@@ -47,8 +47,7 @@ impl Builder<'_> {
             let empty = line.fields.len().min(wanted.saturating_sub(ROW * row));
             if filled > ROW {
                 let message = format!("a line holds {ROW} constants at most, not {filled}");
-                self.out_of_range(line.span, message);
-                return None;
+                return self.refuse_value(line.span, message);
             }
             for i in 0..filled.max(empty) {
                 constants.push(self.number_or(line, i, 0.0)?);
@@ -72,8 +71,7 @@ impl Builder<'_> {
             hardening || matches!(name, "USER MATERIAL" | "USER DEFINED FIELD")
         };
         if !self.deck.cards.iter().any(|c| calls(&c)) {
-            self.inert(card, "it serves routines of the user, and this deck asks none at points".into());
-            return;
+            return self.inert(card, "it serves routines of the user, and this deck asks none at points".into());
         }
         let count = usize::from_value(card.given_field(0, 0));
         let delete = card.read::<Option<usize>>("DELETE");
@@ -90,8 +88,7 @@ impl Builder<'_> {
     fn state_name(&mut self, line: &DataLine, count: usize) -> Option<(usize, String)> {
         let number = self.integer(line, 0, "the number of a state variable")?;
         let Some(variable) = usize::try_from(number).ok().filter(|n| (1..=count).contains(n)) else {
-            self.out_of_range(line.span, format!("there is no state variable {number}: there are {count}"));
-            return None;
+            return self.refuse_value(line.span, format!("there is no state variable {number}: there are {count}"));
         };
         line.field(1).map(|name| (variable - 1, name.text.trim_matches('"').to_owned()))
     }

@@ -125,8 +125,7 @@ impl Compiler<'_> {
             match self.point_of(node, around, found) {
                 Ok(point) => points.push(point),
                 Err(why) => {
-                    self.diagnostics.push(Diagnostic::error("P021", why).at(pair.span, "this pair"));
-                    return None;
+                    return self.diagnostics.refuse(Diagnostic::error("P021", why).at(pair.span, "this pair"));
                 }
             }
         }

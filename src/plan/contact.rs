@@ -91,8 +91,7 @@ impl Compiler<'_> {
         if !found.deforms[first] && !found.deforms[second] {
             let message = "both surfaces of this pair are rigid";
             let finding = Diagnostic::error("P021", message).at(contact.span, "nothing of it deforms");
-            self.diagnostics.push(finding.help("one of them must belong to what deforms"));
-            return None;
+            return self.diagnostics.refuse(finding.help("one of them must belong to what deforms"));
         }
         let general = self.model.steps[step].general_contact.as_ref().filter(|_| contact.general);
         if general.is_some_and(|g| g.drops_points) {

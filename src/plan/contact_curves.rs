@@ -41,7 +41,6 @@ pub(super) struct Around<'a> {
     pub(super) skin: &'a Skin,
 }
 
-/// An edge between two places.
 type Edge = [[f64; 2]; 2];
 
 /// The outside of what is solid, but for the axis, and which piece of elements that hang together each edge and element is of.
@@ -89,8 +88,7 @@ impl Compiler<'_> {
                 *point = match self.point_of(node, around, found) {
                     Ok(point) => point,
                     Err(why) => {
-                        self.diagnostics.push(Diagnostic::error("P021", why).at(contact.span, "this pair"));
-                        return None;
+                        return self.diagnostics.refuse(Diagnostic::error("P021", why).at(contact.span, "this pair"));
                     }
                 };
             }
@@ -102,8 +100,7 @@ impl Compiler<'_> {
         behind.retain(|(_, ends)| ends.iter().any(|&n| self.model.mesh.points[n][0] != 0.0));
         if facets.is_empty() {
             let message = format!("surface `{}` has no facets that could meet anything", sides.name);
-            self.diagnostics.push(Diagnostic::error("P021", message).at(contact.span, "this pair"));
-            return None;
+            return self.diagnostics.refuse(Diagnostic::error("P021", message).at(contact.span, "this pair"));
         }
         let bare = facets.len();
         if self.deletes() {

@@ -53,7 +53,6 @@ impl Met<'_> {
         bodies.reduce(|a, b| if a == b { a } else { None }).flatten()
     }
 
-    /// Area of a curve.
     fn area(&self, curve: &Curve) -> f64 {
         let of = |&k: &u32| {
             let shape = self.shape(curve, k);

@@ -17,7 +17,6 @@ const TOO_FAST: f64 = 3.0;
 const TOO_MANY: f64 = 1e12;
 
 impl<'m> Compiler<'m> {
-    /// Tells of all of them.
     pub(super) fn doubts(&mut self, state: &State) {
         if state.elements.is_empty() {
             return;

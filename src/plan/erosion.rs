@@ -45,8 +45,7 @@ impl Compiler<'_> {
             None
         };
         if let Some((message, help)) = refusal {
-            self.diagnostics.push(Diagnostic::error("P070", message).at(card.span, "this card").help(help));
-            return None;
+            return self.diagnostics.refuse(Diagnostic::error("P070", message).at(card.span, "this card").help(help));
         }
         Some(elements)
     }

@@ -130,8 +130,9 @@ impl Compiler<'_> {
         let table = NestedTable::new(rows).filter(|_| fields <= MOST_DEPENDENCIES);
         let Some(table) = table else {
             let message = format!("material `{}`: its table over field variables has no order", material.name);
-            self.diagnostics.push(Diagnostic::error("P014", message).at(section.span, "the material of this section"));
-            return None;
+            return self
+                .diagnostics
+                .refuse(Diagnostic::error("P014", message).at(section.span, "the material of this section"));
         };
         Some(Yield::OverFields(Arc::new(YieldOverFields {
             table,

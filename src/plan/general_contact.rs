@@ -73,7 +73,7 @@ impl Compiler<'_> {
             meetings = meetings.into_iter().flat_map(|m| apart(m, domains)).filter(|m| !m.1).map(|m| m.0).collect();
         }
         meetings = give(meetings, 0, general.assigned.iter().map(|a| &a.domains));
-        meetings = give(meetings, 1, general.clearances.iter().map(|c| &c.domains));
+        meetings = give(meetings, 1, general.clearances.iter().map(|c| &c.0));
         meetings = give(meetings, 2, general.penalties.iter().map(|p| &p.0));
         meetings.retain(|m| m.sides.iter().any(|s| self.is_deforming(s)));
         let contact = |m: Meeting| {
@@ -81,12 +81,12 @@ impl Compiler<'_> {
             let assigned = interaction.map(|index| &general.assigned[index]);
             SurfaceContact {
                 law: assigned.map(|a| a.law.clone()).unwrap_or_default(),
-                interaction: assigned.map(|a| a.interaction.clone()),
+                interaction: assigned.and_then(|a| a.interaction),
                 sides: m.sides,
                 analytical: None,
                 general: true,
                 thin: false,
-                clearance: clearance.and_then(|index| general.clearances[index].clearance),
+                clearance: clearance.map(|index| general.clearances[index].1),
                 penalty: penalty.map(|index| general.penalties[index].1),
                 cpset: None,
                 span: m.span,

@@ -113,8 +113,7 @@ impl Compiler<'_> {
         let Some(id) = id else {
             let message = "the step solves for temperatures, and no element has any";
             let finding = Diagnostic::error("P065", message).at(step.span, "this step");
-            self.diagnostics.push(finding.help("CAX4RT and CAX3T have; or write *DYNAMIC, EXPLICIT"));
-            return None;
+            return self.diagnostics.refuse(finding.help("CAX4RT and CAX3T have; or write *DYNAMIC, EXPLICIT"));
         };
         let conductors = Conductors::new(parts, list, state.dofs.nodes.len());
         let conducting: HashSet<usize> = conductors.list.iter().flat_map(|c| c.nodes).map(|n| n as usize).collect();
@@ -222,8 +221,7 @@ impl Compiler<'_> {
         if count == 0 || !self.all_conduct(&kind, conducting) {
             let message = format!("`{set}` holds what has no temperature");
             let finding = Diagnostic::error("P063", message).at(load.span, "this source of heat");
-            self.diagnostics.push(finding.help("CAX4RT and CAX3T have temperatures at their nodes"));
-            return None;
+            return self.diagnostics.refuse(finding.help("CAX4RT and CAX3T have temperatures at their nodes"));
         }
         let film = match &load.kind {
             LoadKind::Film { coefficient, .. } => format!("h = {coefficient}, T = "),

@@ -82,8 +82,7 @@ impl Compiler<'_> {
                 let Some(place) = self.places.nodes.get(&node).copied().filter(|p| conducting.contains(p)) else {
                     let message = format!("*EQUATION: node {} has no temperature", model.mesh.node_names[node]);
                     let finding = Diagnostic::error("P063", message).at(equation.span, "an equation on 11");
-                    self.diagnostics.push(finding.help("nodes of CAX4RT and CAX3T have temperatures"));
-                    return;
+                    return self.diagnostics.push(finding.help("nodes of CAX4RT and CAX3T have temperatures"));
                 };
                 terms.push((place, 0, c));
             }

@@ -17,7 +17,6 @@ pub struct Labels {
 }
 
 impl Labels {
-    /// Of a model.
     pub(super) fn of(model: &Model) -> Labels {
         let mut materials = vec![0; model.mesh.elements.len()];
         for (material, elements) in model.made_of() {
@@ -26,7 +25,6 @@ impl Labels {
         Labels { materials, node_sets: named(&model.node_sets), element_sets: named(&model.element_sets) }
     }
 
-    /// Bytes of its lists.
     pub(super) fn bytes(&self) -> usize {
         let sets = |list: &Vec<(String, Vec<u32>)>| {
             let of = |(name, members): &(String, Vec<u32>)| name.capacity() + size_of::<u32>() * members.capacity();

@@ -120,8 +120,7 @@ impl<'a> Compiler<'a> {
     ) -> Option<Box<dyn Constraint>> {
         if boundary.dof == 6 {
             let message = "rotations of shells that a user's routine gives are not supported";
-            self.diagnostics.push(Diagnostic::error("P015", message).at(boundary.span, "here"));
-            return None;
+            return self.diagnostics.refuse(Diagnostic::error("P015", message).at(boundary.span, "here"));
         }
         if self.routines.motion.is_none() {
             let asks = format!("the motion of `{}` is the user's (*BOUNDARY, USER)", boundary.set);

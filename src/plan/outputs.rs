@@ -46,7 +46,6 @@ pub enum Source {
 /// Faces of what deforms, as integrals over them are taken.
 #[derive(Clone, Debug)]
 pub struct Section {
-    /// The surface.
     surface: SurfaceId,
     /// Group, element of it and corner, for each corner of an element behind the surface that lies on it.
     pub corners: Vec<(usize, usize, usize)>,

@@ -81,7 +81,6 @@ impl Compiler<'_> {
         self.bodies.iter().any(|b| b.spatial && members.contains(&b.reference))
     }
 
-    /// Rigid bodies at the start.
     pub(super) fn bodies_at_start(&mut self) -> Vec<BodyState> {
         self.check_attitudes();
         (0..self.bodies.len()).map(|index| self.body_at_start(index)).collect()

@@ -61,8 +61,7 @@ impl<'a> Compiler<'a> {
         if let Some(at) = list.iter().position(|c| !lies_off_the_axis(c, nodes)) {
             let element = &model.mesh.elements[elements[at]];
             let message = format!("element {} lies on the axis, or has no length", element.name);
-            self.diagnostics.push(Diagnostic::error("P012", message).at(element.span, "this element"));
-            return None;
+            return self.diagnostics.refuse(Diagnostic::error("P012", message).at(element.span, "this element"));
         }
         let group = Shells::new(section_of_group, list, nodes);
         for element in 0..group.len() {

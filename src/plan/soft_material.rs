@@ -18,7 +18,6 @@ use crate::model::{FoamShape, Hyperelastic, Material, RateDependence, RubberShap
 const BULK_OVER_SHEAR: f64 = 20.0;
 
 impl Compiler<'_> {
-    /// The group of rubber.
     pub(super) fn rubber(
         &mut self,
         material: &Material,
@@ -55,7 +54,6 @@ impl Compiler<'_> {
         })
     }
 
-    /// The group of a foam.
     pub(super) fn foam(
         &mut self,
         material: &Material,

@@ -63,7 +63,6 @@ pub(super) struct GroupBuilder<'a, const AREA: bool, T = f64> {
     density: f64,
     corners: &'a [[u32; 4]],
     nodes: &'a [Node],
-    /// Whether plastic work heats.
     heats: bool,
     /// 1 less the damage at which an element is deleted.
     spared: f64,
@@ -76,7 +75,6 @@ pub(super) struct GroupBuilder<'a, const AREA: bool, T = f64> {
 }
 
 impl<'a, const AREA: bool, T: Numbers> GroupBuilder<'a, AREA, T> {
-    /// The group of a material.
     pub(super) fn group(self, material: impl Law<T>) -> Box<dyn ElementGroup> {
         let GroupBuilder { constants, density, corners, nodes, subzonal, .. } = self;
         let quads = Quads::<_, AREA, T>::weighted(material, constants, density, corners, nodes);
@@ -109,8 +107,7 @@ impl Compiler<'_> {
         if asks_at_points(material) {
             if section.controls.by_area {
                 let message = "WEIGHTING=AREA with routines of the user at points is not supported";
-                self.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
-                return None;
+                return self.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
             }
             return self.user_group(section, material, elements, corners, nodes, mass);
         }
@@ -260,8 +257,9 @@ impl Compiler<'_> {
             if failing.is_some() {
                 // What damage leaves of the work against a back stress is not defined.
                 let message = "kinematic hardening with failure is not supported";
-                self.diagnostics.push(Diagnostic::error("P014", message).at(span, "the material of this section"));
-                return None;
+                return self
+                    .diagnostics
+                    .refuse(Diagnostic::error("P014", message).at(span, "the material of this section"));
             }
             if let ([[yield_stress, slope, _]], None, Heating::None) = (&lines[..], &material.rate, &heating) {
                 let law = Kinematic { yield_stress: *yield_stress, slope: *slope };
@@ -311,8 +309,9 @@ impl Compiler<'_> {
         let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
         if wanted == Some(true) && !fluid {
             let message = "SUBZONAL=YES needs *EOS and no shear modulus";
-            self.diagnostics.push(Diagnostic::error("P016", message).at(section.span, "the controls of this section"));
-            return None;
+            return self
+                .diagnostics
+                .refuse(Diagnostic::error("P016", message).at(section.span, "the controls of this section"));
         }
         let subzonal = fluid && wanted != Some(false);
         if subzonal {
@@ -344,8 +343,7 @@ impl Compiler<'_> {
             None
         };
         if let Some(message) = refusal {
-            self.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
-            return None;
+            return self.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
         }
         let detail = "the equation of motion over the plane section; energy is not conserved to the last digit";
         self.cause(section.span, "area weighting", make.corners.len(), "elements", detail.into());
@@ -372,8 +370,7 @@ impl Compiler<'_> {
         if fluid && kind != Hourglass::Viscous {
             let message = "hourglass control by stiffness needs a shear modulus";
             let finding = Diagnostic::error("P016", message).at(section.span, "the controls of this section");
-            self.diagnostics.push(finding.help("give HOURGLASS=VISCOUS, or no controls"));
-            return None;
+            return self.diagnostics.refuse(finding.help("give HOURGLASS=VISCOUS, or no controls"));
         }
         let viscosity = factor * if fluid { FLUID_VISCOSITY } else { HOURGLASS_VISCOSITY };
         let stiffness = HOURGLASS_STIFFNESS * factor;
@@ -526,8 +523,7 @@ impl Compiler<'_> {
                     Ok(tables) => tables,
                     Err(message) => {
                         let finding = Diagnostic::error("P014", message).at(span, "the material of this section");
-                        self.diagnostics.push(finding);
-                        return None;
+                        return self.diagnostics.refuse(finding);
                     }
                 };
                 tables.iter_mut().for_each(|(_, table)| extrapolate(&mut table.rows, material));

@@ -123,7 +123,6 @@ impl<'a> ConstraintList<'a> {
         Ok(())
     }
 
-    /// Adds a new one.
     pub(super) fn add(&mut self, origin: Origin<'a>, effect: Box<dyn Constraint>) {
         let places = (0..self.before.len()).filter(|&i| origin.continues(&self.before[i]));
         self.entries.push(Entry::Added { effect, continues: places.collect() });

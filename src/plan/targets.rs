@@ -37,8 +37,7 @@ impl Compiler<'_> {
             let message =
                 format!("target {} is tilted: what deforms cannot meet it in a body of revolution", target.name);
             let finding = Diagnostic::error("P132", message).at(load.span, "here").at(target.span, "its OBLIQUITY");
-            self.diagnostics.push(finding.help("a tilted target resists rigid bodies"));
-            return None;
+            return self.diagnostics.refuse(finding.help("a tilted target resists rigid bodies"));
         }
         let count = surface.count();
         let oblique = self.take_oblique(&mut surface);

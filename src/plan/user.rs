@@ -16,8 +16,7 @@ impl Compiler<'_> {
         if let Some(uncallable) = self.routines.uncallable.iter().find(|m| m.routine == name) {
             let code = if uncallable.code == "U004" { "U004" } else { "U005" };
             let finding = Diagnostic::error(code, format!("{asks}: {}", uncallable.message));
-            self.diagnostics.push(finding.at(span, format!("this {label} calls the user's routine")));
-            return;
+            return self.diagnostics.push(finding.at(span, format!("this {label} calls the user's routine")));
         }
         let given =
             if self.routines.any() { "the files that were given do not define it" } else { "no routine was given" };

@@ -183,8 +183,7 @@ impl Compiler<'_> {
         ];
         if let Some((_, other)) = beside.iter().find(|(there, _)| *there) {
             let message = format!("material `{}` has {cause} beside {other}, which is not supported", material.name);
-            self.diagnostics.push(Diagnostic::error("P041", message).at(material.span, "this material"));
-            return None;
+            return self.diagnostics.refuse(Diagnostic::error("P041", message).at(material.span, "this material"));
         }
         let yields = match &material.plastic {
             None => Yield::Never,

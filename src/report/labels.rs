@@ -65,7 +65,6 @@ impl Labels {
     }
 }
 
-/// All quantities of a page.
 fn names(page: &Page) -> Vec<String> {
     let of_chart = |chart: &Chart| {
         let series = chart.series.iter().map(|s| s.name.clone());

@@ -183,7 +183,6 @@ impl MeridianPicture {
         MeridianPicture { cells, range, view, lying, unit, layers: layers(scene) }
     }
 
-    /// Place on the paper.
     fn place(&self, [r, z]: [f64; 2]) -> [f64; 2] {
         let [low, high, reach] = self.view;
         let (x, y) = if self.lying { (z - low, reach - r) } else { (r + reach, high - z) };
@@ -229,7 +228,6 @@ impl MeridianPicture {
         }
     }
 
-    /// Both halves of a cell.
     fn draw_cell(&self, svg: &mut Svg, cell: &DrawnCell) {
         let colour = cell.value.map_or("#9aa0a6".into(), |v| colour(share(v, self.range)));
         for side in [1.0, -1.0] {

@@ -41,7 +41,6 @@ impl Factor {
 }
 
 impl Rate {
-    /// Whether it can be.
     pub(super) fn check(&self) -> Result<(), ResistanceError> {
         let numbers = match self.factor {
             Factor::Power { reference, exponent } => [reference, exponent],

@@ -127,7 +127,6 @@ fn zones(target: &Target, m: f64) -> Result<SimilarityZones, ResistanceError> {
     Ok(SimilarityZones { front, cavity: libm::exp(log_x), stress })
 }
 
-/// The plastic zone.
 struct PlasticZone<'a> {
     target: &'a Target,
     m: f64,

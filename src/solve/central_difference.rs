@@ -41,7 +41,6 @@ pub(super) fn accelerate_nodes(elements: &Elements, dofs: &mut Dofs, parts: &mut
     }
 }
 
-/// Room for [`accelerate_nodes`].
 pub(super) fn room_for_parts(nodes: &Nodes) -> Vec<f64> {
     vec![0.0; nodes.len().div_ceil(CHUNK)]
 }

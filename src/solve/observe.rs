@@ -159,7 +159,6 @@ impl Pace {
     }
 }
 
-/// Output over a run.
 pub(super) struct Observing {
     field: Rhythm,
     history: Rhythm,

@@ -33,9 +33,7 @@ use crate::user::{Locked, RunAction, SavedMemory};
 #[repr(align(64))]
 pub(super) struct Run<'a> {
     pub(super) plan: &'a Plan,
-    /// The step.
     pub(super) step: &'a StepPlan,
-    /// All that moves.
     pub(super) dofs: Dofs,
     pub(super) elements: Elements,
     /// Temperatures of nodes and thermal strains.
@@ -52,7 +50,6 @@ pub(super) struct Run<'a> {
     pub(super) amplitudes: Vec<UserAmplitude>,
     #[allow(clippy::vec_box)] // The list is changed as those of loads and constraints are.
     pub(super) motions: Vec<Box<UserMotion>>,
-    /// The user's routines.
     pub(super) user: Locked<'a>,
     /// Generalised forces on bodies: those of constraints, then of loads; what each is; and where each load's end.
     pub(super) forces: Vec<f64>,

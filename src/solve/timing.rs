@@ -17,7 +17,6 @@ pub(super) struct Timing {
     rows: Vec<f64>,
     /// Of timed increments, all of it.
     sampled: f64,
-    /// Of output.
     output: f64,
     /// What a look at the clock costs.
     look: f64,

@@ -32,12 +32,10 @@ impl<'a> Archive<'a> {
         Archive { mode: Mode::Write(buffer), fault: None }
     }
 
-    /// Reads bytes from their beginning.
     pub fn reader(bytes: &'a [u8]) -> Self {
         Archive { mode: Mode::Read(bytes), fault: None }
     }
 
-    /// Whether values are being read.
     pub fn reads(&self) -> bool {
         matches!(self.mode, Mode::Read(_))
     }
@@ -126,7 +124,6 @@ impl<'a> Archive<'a> {
     }
 }
 
-/// What has a state.
 pub trait Persist {
     /// Visits the state in a fixed order: writes it, or replaces it by what is read.
     fn persist(&mut self, archive: &mut Archive<'_>);

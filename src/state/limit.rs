@@ -11,10 +11,8 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// No limit.
     pub const NONE: Limit = Limit { time: f64::INFINITY, jump: false };
 
-    /// The nearer of two.
     #[must_use]
     pub fn nearer(self, other: Limit) -> Limit {
         if other.time < self.time { other } else { self }

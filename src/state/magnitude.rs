@@ -8,7 +8,6 @@ use crate::kernel::amplitude::{Curve, SampledAmplitude};
 /// An instant, with the functions of time that are told as the run goes.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock<'a> {
-    /// The instant.
     pub now: Instant,
     /// Values that the user's routines have told, by the number of a [`Shape::Told`].
     pub told: &'a [SampledAmplitude],
@@ -44,12 +43,10 @@ pub struct Magnitude {
 }
 
 impl Magnitude {
-    /// A value at all times.
     pub fn constant(value: f64) -> Self {
         Magnitude { value, shape: Shape::Constant }
     }
 
-    /// Amplitude now, 1 without one.
     pub fn amplitude(&self, clock: &Clock<'_>) -> f64 {
         match &self.shape {
             Shape::Constant => 1.0,
@@ -58,12 +55,10 @@ impl Magnitude {
         }
     }
 
-    /// Value now.
     pub fn at(&self, clock: &Clock<'_>) -> f64 {
         self.value * self.amplitude(clock)
     }
 
-    /// Rate of change now.
     pub fn rate(&self, clock: &Clock<'_>) -> f64 {
         self.value
             * match &self.shape {
@@ -80,7 +75,6 @@ impl Magnitude {
         Limit { time: curve.next_point(time) - time, jump: false }
     }
 
-    /// Bytes of its points.
     pub fn bytes(&self) -> usize {
         if let Shape::Curve(curve) = &self.shape { curve.bytes() } else { 0 }
     }

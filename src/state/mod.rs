@@ -40,7 +40,6 @@ pub struct Instant {
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
 pub struct BodyState {
-    /// Mass.
     pub mass: f64,
     /// One over the mass: a division would be the longest link of the chain from force to velocity.
     pub inverse_mass: f64,
@@ -80,11 +79,8 @@ pub struct BodyState {
 /// Where a body stood an increment ago.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Before {
-    /// Velocity.
     pub velocity: f64,
-    /// Acceleration.
     pub acceleration: f64,
-    /// Displacement.
     pub displacement: f64,
 }
 
@@ -161,7 +157,6 @@ impl BodyState {
         }
     }
 
-    /// Moves over an increment.
     #[inline]
     pub fn advance(&mut self, dt: f64) {
         self.before.displacement = self.displacement;

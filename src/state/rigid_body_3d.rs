@@ -13,9 +13,7 @@ const PROBE: f64 = 1e-9;
 /// A force at the centre of mass and a moment about it, in the world.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wrench {
-    /// Force.
     pub force: Vector,
-    /// Moment.
     pub moment: Vector,
 }
 
@@ -25,7 +23,6 @@ impl Wrench {
         Wrench { force, moment: cross(arm, force) }
     }
 
-    /// Adds another one.
     pub fn add(&mut self, other: &Wrench) {
         self.force = plus(self.force, 1.0, other.force);
         self.moment = plus(self.moment, 1.0, other.moment);
@@ -68,7 +65,6 @@ pub struct Motion {
 pub struct Pose {
     /// Centre of mass.
     pub centre: Vector,
-    /// Attitude.
     pub attitude: Attitude,
     /// Velocity and angular momentum.
     pub moving: [Vector; 2],
@@ -81,9 +77,7 @@ pub struct PointMotion {
     pub place: Vector,
     /// Displacement since the start of the analysis.
     pub displacement: Vector,
-    /// Velocity.
     pub velocity: Vector,
-    /// Acceleration.
     pub acceleration: Vector,
     /// Rotation vector of the body since the start of the analysis.
     pub rotation: Vector,
@@ -100,7 +94,6 @@ pub struct PointMotion {
 /// A rigid body with six degrees of freedom.
 #[derive(Clone, Debug, Default)]
 pub struct RigidBody3d {
-    /// Mass.
     pub mass: f64,
     /// Moments of inertia about the centre of mass.
     pub inertia: Inertia,
@@ -114,7 +107,6 @@ pub struct RigidBody3d {
     pub stations: usize,
     /// Centre of mass.
     pub centre: Vector,
-    /// Attitude.
     pub attitude: Attitude,
     /// Velocity of the centre of mass at the instant's own time.
     pub velocity: Vector,
@@ -194,7 +186,6 @@ impl RigidBody3d {
         Pose { centre: self.centre, attitude: self.attitude, moving: [self.velocity, self.momentum] }
     }
 
-    /// Moves over an increment.
     pub fn advance(&mut self, dt: f64) {
         (self.energy_before, self.contact) = (self.kinetic(), Default::default());
         self.previous = self.pose();
@@ -268,7 +259,6 @@ impl RigidBody3d {
         0.5 * impulse * impulse / self.mass
     }
 
-    /// Stops it.
     pub fn arrest(&mut self) {
         (self.velocity, self.momentum, self.rests) = ([0.0; 3], [0.0; 3], true);
     }

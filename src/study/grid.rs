@@ -28,12 +28,7 @@ enum CaseOrder {
     /// Side by side: the rows of a table of samples.
     Rows,
     /// Drawn from distributions, which stand in place of values, so many times: a draw depends on the seed and its own number alone.
-    Random {
-        /// How many.
-        count: usize,
-        /// The seed.
-        seed: u64,
-    },
+    Random { count: usize, seed: u64 },
 }
 
 impl Grid {
@@ -71,24 +66,25 @@ impl Grid {
     fn rows(text: &str) -> Result<Grid, String> {
         let mut lines = csv::lines(text);
         let (_, header) = lines.next().ok_or("the file is empty")?;
-        let names = csv::fields(header).into_iter().map(|name| name.trim().to_owned());
-        let mut axes: Vec<(String, Vec<String>)> = names.map(|name| (name, Vec::new())).collect();
-        for (i, (name, _)) in axes.iter().enumerate() {
-            if name.is_empty() || axes[..i].iter().any(|axis| axis.0 == *name) {
+        let cells = |line| csv::fields(line).into_iter().map(|cell| cell.trim().to_owned()).collect::<Vec<String>>();
+        let names = cells(header);
+        for (i, name) in names.iter().enumerate() {
+            if name.is_empty() || names[..i].contains(name) {
                 return Err(format!("line 1: column {} has no name of its own: `{name}`", i + 1));
             }
         }
+        let mut rows = Vec::new();
         for (i, line) in lines {
-            let values = csv::fields(line);
-            if values.len() != axes.len() || values.iter().any(|v| v.trim().is_empty()) {
-                return Err(format!("line {i}: {} values, but the header has {}", values.len(), axes.len()));
+            let values = cells(line);
+            if values.len() != names.len() || values.iter().any(String::is_empty) {
+                return Err(format!("line {i}: {} values, but the header has {}", values.len(), names.len()));
             }
-            axes.iter_mut().zip(values).for_each(|(axis, value)| axis.1.push(value.trim().to_owned()));
+            rows.push(values);
         }
-        match axes[0].1.len() {
+        match rows.len() {
             0 => Err("there are no rows under the header".into()),
             count if count > MOST => Err(format!("more than {MOST} rows")),
-            _ => Ok(Grid { axes, order: CaseOrder::Rows }),
+            _ => Ok(Grid::of_rows(names, rows)),
         }
     }
 

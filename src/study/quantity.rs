@@ -252,7 +252,6 @@ fn norm((time, state): (f64, &State), argument: &str) -> Result<f64, String> {
     })
 }
 
-/// The expression of a quantity.
 fn parse_expression(text: &str, functions: &[&str]) -> Result<Expression, StudyError> {
     let wrong =
         |e: ExpressionError| StudyError::Quantity { text: text.to_owned(), at: Some(e.start + 1), message: e.message };

@@ -111,7 +111,6 @@ pub struct LibraryMemory {
     shared: bool,
 }
 
-/// Writable memory of a library.
 struct WritableRange {
     /// Offset from the base of the library.
     at: usize,
@@ -406,7 +405,6 @@ impl WritableRange {
     }
 }
 
-/// Copies memory of a library.
 fn copy(from: usize, to: &mut [u8]) {
     // SAFETY: memory of a library that is held, which may be read; no routine runs on this thread.
     unsafe { std::ptr::copy_nonoverlapping(from as *const u8, to.as_mut_ptr(), to.len()) }
@@ -447,7 +445,6 @@ pub fn bases() -> Vec<usize> {
     loaded().into_iter().map(|object| object.base).collect()
 }
 
-/// All objects of the process.
 fn loaded() -> Vec<LoadedObject> {
     let mut list: Vec<LoadedObject> = Vec::new();
     // SAFETY: the callback gets the pointer to the list, and only while this call lasts.

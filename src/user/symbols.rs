@@ -132,7 +132,6 @@ fn number(bytes: &[u8], at: usize, count: usize) -> Option<usize> {
     usize::try_from(u64::from_le_bytes(wide)).ok()
 }
 
-/// Zero-terminated text.
 fn text(names: &[u8], at: usize) -> String {
     let rest = names.get(at..).unwrap_or_default();
     let end = rest.iter().position(|b| *b == 0).unwrap_or(rest.len());

@@ -17,7 +17,6 @@ pub enum Carrier {
 /// A point of contact surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// What carries it.
     pub carrier: Carrier,
     /// Whether it moves freely along r and z: no condition prescribes it.
     pub free: [bool; 2],
@@ -72,18 +71,14 @@ pub struct Curve {
 /// A facet at an instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Shape {
-    /// Its first point.
     pub from: [f64; 2],
     /// From the first point to the second.
     pub along: [f64; 2],
-    /// Outward unit normal.
     pub normal: [f64; 2],
-    /// Length.
     pub length: f64,
 }
 
 impl Shape {
-    /// The facet between two places.
     #[inline]
     pub fn new(from: [f64; 2], to: [f64; 2]) -> Shape {
         let along = [to[0] - from[0], to[1] - from[1]];
@@ -213,7 +208,6 @@ impl Curve {
         self.order();
     }
 
-    /// Lists what lies bare.
     pub fn list(&mut self) {
         let Curve { there, behind, own, around, bare, bare_own, orphans, drops_orphans, .. } = self;
         bare.clear();
@@ -349,7 +343,6 @@ impl Curve {
         sum / around.len().max(1) as f64
     }
 
-    /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         let each = size_of::<[u32; 2]>() + size_of::<[Beyond; 2]>() + 2 * size_of::<f64>() + 6 + size_of::<Shape>();
         let of_point = 3 * size_of::<u32>() + size_of::<Vec<(u32, u8)>>() + 2 * size_of::<(u32, u8)>();

@@ -9,14 +9,11 @@ use super::sweeps::{Given, Motion, Row, Rows, Span, TOLERANCE, Term, closed_over
 use crate::kernel::interaction::{Law, Overclosure};
 use nalgebra::{SMatrix, SVector};
 
-/// What holds for a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Status {
-    /// Nothing presses.
     Open,
     /// Presses; what friction can do is done along this direction, against the slip.
     Slides(f64),
-    /// Presses, and does not slide.
     Sticks,
 }
 
@@ -75,7 +72,6 @@ pub(super) struct Direct {
 /// Rigid bodies that can stand beside the band.
 const BODIES: usize = 4;
 const COLUMNS: usize = BODIES + 1;
-/// Rounds at most.
 const ROUNDS: u32 = 16;
 /// Numbers of the band that there is room for, a row of contact: half widths up to 11 where all rows stick, 23 where none does.
 const ROOM: usize = 48;

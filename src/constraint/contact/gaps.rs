@@ -97,7 +97,6 @@ const AT_CORNER: f64 = 1e-9;
 const GAUSS: f64 = 0.577_350_269_189_625_8;
 
 impl Gaps {
-    /// Room for this many facets.
     pub fn new(facets: usize) -> Gaps {
         Gaps { shares: Vec::with_capacity(16 * facets), facing: Vec::with_capacity(64), cuts: Vec::with_capacity(256) }
     }
@@ -275,7 +274,6 @@ impl Gaps {
         }
     }
 
-    /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         size_of::<Share>() * self.shares.capacity()
             + size_of::<Facing>() * self.facing.capacity()

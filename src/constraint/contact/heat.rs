@@ -15,7 +15,6 @@ use crate::state::archive::persist_struct;
 /// No point.
 const NONE: u32 = u32::MAX;
 
-/// What crosses in an increment.
 #[derive(Clone, Debug)]
 pub(super) struct Crossing {
     /// The node of each point; [`NONE`] where it has no temperature.
@@ -31,7 +30,6 @@ pub(super) struct Crossing {
     most: Vec<f64>,
 }
 
-/// What a row passes on.
 #[derive(Clone, Copy, Debug)]
 struct Passing {
     key: u32,

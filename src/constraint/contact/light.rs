@@ -16,7 +16,6 @@ use crate::kernel::interaction::{Law, Overclosure};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Light {
     dof: u32,
-    /// One over its mass.
     inverse_mass: f64,
     /// Its velocity without contact.
     predicted: f64,

@@ -39,7 +39,6 @@ use crate::state::magnitude::Clock;
 /// Two surfaces that may meet, or one that may meet itself.
 #[derive(Clone, Debug)]
 pub struct Pair {
-    /// Its row of the ledger.
     pub id: EffectId,
     /// Its number among the pairs of all steps.
     pub number: usize,
@@ -51,7 +50,6 @@ pub struct Pair {
     pub analytical: Option<usize>,
     /// Which of the laws of the contact it follows; of penalty springs the first: each point of the own curve has one.
     pub law: usize,
-    /// Whether it has penalty springs.
     pub springs: bool,
     /// The law of points that meet by themselves, whose multipliers are impulses and no pressures.
     pub of_points: usize,
@@ -102,7 +100,6 @@ impl Pair {
 /// What gaps at the start are taken as, where they are in a range: what they have too much or too little is taken off for good.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Begins {
-    /// The gap.
     pub gap: f64,
     /// From the deepest overlap to the widest gap.
     pub range: [f64; 2],
@@ -142,13 +139,11 @@ pub struct Contact {
     motion: Motion,
     /// Impulses along the normal and along the surface.
     impulses: Vec<[f64; 2]>,
-    /// The rigid bodies among them.
     bodies: Vec<Carried>,
     /// Time over which forces acted on velocities last.
     half: f64,
     /// Whether elements have gone since the increment before.
     uncovered: bool,
-    /// What is shown of it.
     shown: Shown,
 }
 
@@ -168,7 +163,6 @@ struct Carried {
 pub struct Overlap {
     /// How deep, in the mean over the hat function of a point.
     pub depth: f64,
-    /// Where that point is.
     pub place: [f64; 2],
 }
 

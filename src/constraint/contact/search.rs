@@ -28,7 +28,6 @@ pub struct Search {
     order: Order,
 }
 
-/// Lists one after the other.
 #[derive(Clone, Debug, Default)]
 pub struct Lists {
     first: Vec<u32>,
@@ -36,7 +35,6 @@ pub struct Lists {
 }
 
 impl Lists {
-    /// The list of an index.
     #[inline]
     pub fn of(&self, index: usize) -> &[u32] {
         match (self.first.get(index), self.first.get(index + 1)) {
@@ -146,7 +144,6 @@ impl Search {
         }
     }
 
-    /// Bytes of the lists.
     pub fn bytes(&self) -> usize {
         [&self.facets, &self.orphans, &self.others].iter().map(|l| l.bytes()).sum::<usize>()
             + size_of::<(f64, u32)>() * self.order.order.capacity()

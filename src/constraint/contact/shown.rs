@@ -33,7 +33,6 @@ impl Shown {
         shown
     }
 
-    /// Nothing is near anything.
     pub(super) fn clear(&mut self) {
         self.opening.fill(f64::NAN);
     }

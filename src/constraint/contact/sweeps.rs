@@ -10,7 +10,6 @@ use crate::kernel::interaction::{Law, Overclosure};
 /// The share of one degree of freedom in a gap, along the normal and along the surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Term {
-    /// The degree of freedom.
     pub dof: u32,
     /// Derivative of the gap by it.
     pub normal: f64,
@@ -25,7 +24,6 @@ pub struct Row {
     pub terms: [u32; 2],
     /// Which of the points that carry multipliers it is.
     pub key: u32,
-    /// Which law it follows.
     pub law: u32,
     /// Whether it is of a point that meets by itself: its area is one, its multiplier an impulse.
     pub alone: bool,
@@ -44,9 +42,7 @@ pub struct Row {
     pub pressed: f64,
     /// Along the surface.
     pub sheared: f64,
-    /// Whether friction holds it.
     pub(super) sticks: bool,
-    /// Of friction in this increment.
     pub(super) coefficient: f64,
 }
 
@@ -62,13 +58,11 @@ impl Row {
         self.bias = if self.foot.is_some() { open } else { open.max(0.0) } / span.ahead;
     }
 
-    /// Its terms among all.
     #[inline(always)]
     pub(super) fn own<'a>(&self, terms: &'a [Term]) -> &'a [Term] {
         &terms[self.terms[0] as usize..self.terms[1] as usize]
     }
 
-    /// Takes how it gives way.
     pub(super) fn give(&mut self, own: &[Term], motion: &Motion) {
         self.gives = [0.0; 2];
         for t in own {
@@ -115,31 +109,24 @@ impl Motion {
 /// The increment that impulses act in.
 #[derive(Clone, Copy, Debug)]
 pub struct Span {
-    /// Length of the increment ahead.
     pub ahead: f64,
     /// Time over which forces act on velocities: half of both increments around.
     pub half: f64,
 }
 
-/// What rows are solved under.
 #[derive(Clone, Copy, Debug)]
 pub struct Given<'a> {
-    /// The laws of the rows.
     pub laws: &'a [Law],
     /// Pressure and shear stress of each key in the increment before.
     pub before: &'a [[f64; 2]],
-    /// The increment.
     pub span: Span,
 }
 
-/// Rows and their terms.
 #[derive(Clone, Debug, Default)]
 pub struct Rows {
-    /// Terms of all rows.
     pub terms: Vec<Term>,
     /// In the order in which sweeps take them.
     pub rows: Vec<Row>,
-    /// Sweeps of the last increment.
     pub sweeps: u32,
     /// Degrees of freedom of rigid bodies that move freely.
     pub bodies: Vec<u32>,
@@ -159,7 +146,6 @@ pub(super) const NONE: u32 = u32::MAX;
 pub(super) const TOLERANCE: f64 = 1e-9;
 /// Part of the fastest velocity of all that rounding can make of the approach.
 const ROUNDING: f64 = 1e-10;
-/// Sweeps at most.
 pub const MOST_SWEEPS: u32 = 200;
 /// Rounds for the root of a pressure-overclosure relationship.
 const ROUNDS: usize = 30;
@@ -176,13 +162,11 @@ impl Rows {
         self.direct.reserve(rows, dofs);
     }
 
-    /// Takes all rows away.
     pub(super) fn clear(&mut self) {
         self.terms.clear();
         self.rows.clear();
     }
 
-    /// Begins a row.
     pub(super) fn open(&mut self) {
         self.opened = self.terms.len() as u32;
     }
@@ -213,7 +197,6 @@ impl Rows {
         }
     }
 
-    /// Ends a row.
     pub(super) fn close(&mut self, mut row: Row) {
         row.terms = [self.opened, self.terms.len() as u32];
         self.rows.push(row);
@@ -269,7 +252,6 @@ impl Rows {
         self.release_light(motion);
     }
 
-    /// Takes all impulses back.
     fn unload(&mut self, motion: &mut Motion) {
         let Rows { terms, rows, .. } = self;
         for row in rows {
@@ -369,12 +351,10 @@ impl Rows {
         largest
     }
 
-    /// The terms of a row.
     pub fn terms_of(&self, row: &Row) -> &[Term] {
         row.own(&self.terms)
     }
 
-    /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         let of_bodies = size_of::<u32>() * self.bodies.capacity() + size_of::<Light>() * self.light.capacity();
         let of_rows = size_of::<Term>() * self.terms.capacity() + size_of::<Row>() * self.rows.capacity();

@@ -103,7 +103,6 @@ impl Shells {
         frame(&self.ends[element], nodes)
     }
 
-    /// Whether an element was deleted.
     fn is_deleted(&self, element: usize) -> bool {
         self.deleted.get(element) == Some(&true)
     }

@@ -18,15 +18,12 @@ pub enum Thinning {
 
 /// What flows at points.
 pub struct Flowing {
-    /// Yield stress.
     pub law: FlowStress,
     /// Rise of temperature by plastic work.
     pub heating: Heating,
 }
 
-/// A section.
 pub struct Section {
-    /// Elasticity.
     pub elastic: PlaneElastic,
     /// Thickness at the start.
     pub thickness: f64,
@@ -36,7 +33,6 @@ pub struct Section {
     pub points: Vec<[f64; 2]>,
     /// What flows; `None` where nothing does.
     pub flowing: Option<Flowing>,
-    /// How it thins.
     pub thinning: Thinning,
     /// Linear and quadratic bulk viscosity.
     pub bulk_viscosity: [f64; 2],

@@ -85,7 +85,6 @@ impl Finite {
         free * self.crater.map_or(1.0, |crater| crater.share(z))
     }
 
-    /// Bytes of its array.
     pub(super) fn bytes(&self) -> usize {
         size_of::<Bounds>() * self.layers.capacity()
     }

@@ -194,7 +194,6 @@ impl Nose {
         outcome.map(|outcome| Penetration { body: self.body, outcome, in_space: None })
     }
 
-    /// Adds what frames show.
     pub(super) fn show(&self, stack: &Stack, body: &BodyState, fields: &mut FacetFields) {
         let (velocity, shift) = (body.velocity, body.displacement);
         for (front, direction) in self.fronts.iter().zip([-1.0, 1.0]) {
@@ -218,7 +217,6 @@ impl Nose {
         self.idle.iter().for_each(|e| fields.push(*e, 0.0, 0.0));
     }
 
-    /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
         let front = |f: &Front| {
             size_of::<Facet>() * f.facets.capacity()

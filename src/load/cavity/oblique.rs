@@ -195,7 +195,6 @@ impl Oblique {
             .show(stack, &scene, |ring, _, [pressure, velocity]| fields.push(self.elements[ring], pressure, velocity));
     }
 
-    /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
         self.rings.bytes() + size_of::<usize>() * self.elements.capacity()
     }

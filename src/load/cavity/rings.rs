@@ -33,7 +33,6 @@ pub struct Ring {
     along: [f64; 2],
     /// height n_r - radius n_z: the lever of pressure about an axis across the body.
     lever: f64,
-    /// Area of a station.
     area: f64,
 }
 
@@ -66,7 +65,6 @@ pub struct Stations {
 }
 
 impl Stations {
-    /// So many, evenly around.
     pub fn new(count: usize) -> Stations {
         let step = 2.0 * PI / count as f64;
         let lanes = |of: &dyn Fn(usize) -> f64| -> Vec<Lane> {
@@ -85,7 +83,6 @@ impl Stations {
         }
     }
 
-    /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         7 * size_of::<Lane>() * self.weight.capacity()
     }
@@ -113,9 +110,7 @@ pub struct Scene {
 /// What rings come to: pressure, friction, and how fast the force grows with speed where it comes up.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sum {
-    /// Of pressure.
     pub pressure: Wrench,
-    /// Of friction.
     pub friction: Wrench,
     /// Force a speed.
     pub damping: f64,
@@ -206,7 +201,6 @@ impl Rings {
         }
     }
 
-    /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         size_of::<Ring>() * self.rings.capacity() + self.stations.bytes()
     }

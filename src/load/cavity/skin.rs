@@ -107,7 +107,6 @@ impl Resisted {
         limits.fold(Limit::NONE, Limit::nearer)
     }
 
-    /// Adds what frames show.
     pub(super) fn show(&self, stack: &Stack, nodes: &Nodes, fields: &mut FacetFields) {
         for ((&face, &element), &carries) in self.skin.faces.iter().zip(&self.skin.elements).zip(&self.skin.carries) {
             let face = Face::new(face, nodes);
@@ -123,7 +122,6 @@ impl Resisted {
         }
     }
 
-    /// Bytes of the arrays.
     pub(super) fn bytes(&self) -> usize {
         let tunnel = self.tunnel.as_ref().map_or(0, Tunnel::bytes);
         self.skin.bytes() + size_of::<[Pair; 2]>() * self.forces.capacity() + tunnel

@@ -35,7 +35,6 @@ impl Stack {
         Stack { planes, laws, numbers, finite: None }
     }
 
-    /// The same with bounds.
     pub fn within(self, finite: Finite) -> Self {
         Stack { finite: Some(finite), ..self }
     }
@@ -96,7 +95,6 @@ impl Stack {
         parts.fold((0.0, 0), |most, (area, &number)| if area > most.0 { (area, number) } else { most }).1
     }
 
-    /// Bytes of its arrays.
     pub(super) fn bytes(&self) -> usize {
         size_of::<f64>() * self.planes.capacity()
             + size_of::<Resistance>() * self.laws.capacity()

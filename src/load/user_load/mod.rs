@@ -27,7 +27,6 @@ use surface_map::{Block, SurfaceMap};
 /// What is the same for all points of a load.
 #[derive(Clone, Debug)]
 pub struct Description {
-    /// Its row of the ledger.
     pub id: EffectId,
     /// Surface or element set, upper case.
     pub name: String,
@@ -54,7 +53,6 @@ pub struct Volume {
 #[derive(Clone, Debug)]
 pub struct UserLoad {
     load: Description,
-    /// Generalised forces on bodies.
     bodies: Vec<GeneralizedForce>,
     blocks: Vec<Block>,
     /// Blocks of the first ones that act on nodes.

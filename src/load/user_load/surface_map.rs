@@ -66,13 +66,11 @@ fn middle(element: [u32; 4], nodes: &Nodes, velocity: impl Fn(usize) -> [f64; 2]
 }
 
 impl Block {
-    /// Facets of a rigid body.
     pub(super) fn of_facets(load: &Description, slot: usize, body: usize, facets: &[(usize, Facet)]) -> Block {
         let points = facets.iter().map(|(e, f)| (*e, f.middle(), f.normal, -f.area * f.normal[1]));
         Block::of_body(load, slot, body, points.collect())
     }
 
-    /// Solids of a rigid body.
     pub(super) fn of_solids(load: &Description, slot: usize, solids: &[(usize, usize, [f64; 2], f64)]) -> Block {
         let points = solids.iter().map(|&(_, e, centre, volume)| (e, centre, [0.0; 2], volume));
         Block::of_body(load, slot, solids[0].0, points.collect())
@@ -132,7 +130,6 @@ impl Block {
         }
     }
 
-    /// Deformable elements.
     pub(super) fn of_elements(load: &Description, elements: &[[u32; 4]], nodes: &Nodes) -> Block {
         let mut view = SurfaceView::new(elements.len(), elements.len());
         (0..elements.len()).for_each(|i| view.set_normal(i, [0.0; 2], false));
@@ -255,7 +252,6 @@ impl Block {
         }
     }
 
-    /// The stiffness found so far.
     pub(super) fn stiffness(&self) -> Option<&Stiffness> {
         if let SurfaceMap::Faces { watch, .. } = &self.map { watch.most() } else { None }
     }
@@ -313,7 +309,6 @@ impl Block {
         }
     }
 
-    /// Adds what frames show.
     pub(super) fn show_fields(&self, dofs: &Dofs, fields: &mut FacetFields) {
         match &self.map {
             SurfaceMap::Body { body, elements, .. } => {

@@ -42,7 +42,6 @@ impl SurfaceView {
         }
     }
 
-    /// Whether it shows no point.
     pub(super) fn is_empty(&self) -> bool {
         self.count == 0
     }
@@ -99,12 +98,10 @@ impl SurfaceView {
         ]
     }
 
-    /// Empties the answer.
     pub(super) fn forget(&mut self) {
         self.pressure[..self.count].fill(f64::NAN);
     }
 
-    /// Pressures that the routine gave.
     pub(super) fn pressure(&self) -> &[f64] {
         &self.pressure[..self.count]
     }

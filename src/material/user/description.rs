@@ -50,7 +50,6 @@ pub enum Yield {
 pub struct YieldOverFields {
     /// The static part, over the plastic strain, the temperature and the field variables.
     pub table: NestedTable,
-    /// Factor of rate.
     pub factor: Option<RateFactor>,
     /// Field variables that it depends on, from the first on.
     pub fields: usize,
@@ -85,16 +84,13 @@ impl YieldStress for AtFields<'_> {
 /// Moduli over the temperature and field variables.
 #[derive(Clone, Debug)]
 pub struct Elasticity {
-    /// Young's modulus.
     pub young: NestedTable,
-    /// Poisson's ratio.
     pub ratio: NestedTable,
     /// Field variables that they depend on, from the first on.
     pub fields: usize,
 }
 
 impl Elasticity {
-    /// Bulk and shear modulus.
     pub fn moduli(&self, temperature: f64, field: impl Fn(usize) -> f64) -> [f64; 2] {
         let mut over = [0.0; 1 + MOST_DEPENDENCIES];
         over[0] = temperature;
@@ -129,6 +125,5 @@ pub struct Flow {
     pub shear: f64,
     /// Moduli over temperature and field variables; `None` where they are constant.
     pub elasticity: Option<Arc<Elasticity>>,
-    /// Yield stress.
     pub yields: Yield,
 }

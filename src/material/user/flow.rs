@@ -19,7 +19,6 @@ const ENOUGH: f64 = 1e-11;
 /// What a question for a chunk's points needs, and its answers: of the points asked for, one after the other.
 #[derive(Clone, Debug, Default)]
 pub struct Asked {
-    /// Points asked for.
     points: Vec<usize>,
     elements: Vec<i32>,
     temperature: [Vec<f64>; 2],
@@ -72,7 +71,6 @@ impl Returning {
         returning
     }
 
-    /// Bytes of it.
     pub fn bytes(&self) -> usize {
         let Returning { asked, open, trial, increment, low, high } = self;
         let Asked { points, elements, temperature, field, state, strain, rate, stress, by_temperature, slopes } = asked;
@@ -86,15 +84,11 @@ impl Returning {
 /// What a chunk's increment is under.
 #[derive(Clone, Copy)]
 pub struct PointContext<'a> {
-    /// The material.
     pub material: &'a Description,
-    /// Its flow.
     pub flow: &'a Flow,
-    /// Heat of the plastic work.
     pub heating: &'a Heating,
     /// Clock, step and increment.
     pub now: &'a Instant,
-    /// Length of the increment.
     pub dt: f64,
 }
 

@@ -22,12 +22,10 @@ impl ShownElements {
         ShownElements { corners, middles: vec![0.0; 2 * count], places }
     }
 
-    /// Bytes of it.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.middles) + size_of_val(&*self.places)
     }
 
-    /// Puts an element there.
     pub fn set(&mut self, element: usize, r: [f64; 4], z: [f64; 4]) {
         let count = self.middles.len() / 2;
         for (axis, x) in [r, z].into_iter().enumerate() {

@@ -31,7 +31,6 @@ pub struct UserMaterial<const FLOWS: bool> {
     pub description: Description,
     /// Names of the elements, for messages.
     pub names: Vec<String>,
-    /// Whether all elements are triangles.
     pub triangles: bool,
 }
 
@@ -89,7 +88,6 @@ pub struct Shown<'a> {
 pub struct CallTime<'a> {
     /// Clock, step and increment.
     pub now: &'a Instant,
-    /// Length of the increment.
     pub dt: f64,
 }
 
@@ -129,10 +127,8 @@ pub trait PointCalls<S>: Send + Sync {
     /// Name of the material, and of an element by its place in the group.
     fn names(&self, element: Option<usize>) -> (&str, Option<&str>);
 
-    /// Number of field variables.
     fn fields(&self) -> usize;
 
-    /// Bytes of the material.
     fn bytes(&self) -> usize;
 }
 

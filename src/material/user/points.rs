@@ -44,7 +44,6 @@ pub struct Points {
     pub(super) gradient: Pair,
     pub(super) stress: Pair,
     pub(super) state: Pair,
-    /// Field variables.
     pub(super) field: Pair,
     /// Bulk and shear modulus of the stress; not a number before the first increment, empty where they are constant.
     pub(super) moduli: Pair,
@@ -68,7 +67,6 @@ fn pair(length: usize) -> Pair {
 }
 
 impl Points {
-    /// Room for so many points.
     pub fn new(material: &Description, count: usize, triangles: bool) -> Self {
         let (variables, fields) = (material.variables, material.fields);
         let flows = if material.flow.is_some() { count } else { 0 };
@@ -344,7 +342,6 @@ impl Points {
         self.inelastic[1][point] - self.inelastic[0][point]
     }
 
-    /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         let Points { coordinates, length, density, strain, spin, elements, .. } = self;
         let Points { temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic, .. } = self;

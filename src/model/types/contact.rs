@@ -3,9 +3,9 @@
 
 use indexmap::IndexMap;
 
-use super::handle::{RigidSurfaceId, SurfaceId};
+use super::handle::{InteractionId, RigidSurfaceId, SurfaceId};
 use super::{Sides, Surface};
-use crate::deck::{Span, Word};
+use crate::deck::Span;
 use crate::kernel::interaction::Law;
 use crate::kernel::profile::Profile;
 
@@ -66,9 +66,9 @@ pub struct SurfaceContact {
     pub penalty: Option<f64>,
     /// Name of the set of pairs that it belongs to (`CPSET`), upper case.
     pub cpset: Option<String>,
-    /// Name of its surface interaction, which may be defined anywhere in the deck.
-    pub interaction: Option<Word>,
-    /// What that does.
+    /// Its surface interaction.
+    pub interaction: Option<InteractionId>,
+    /// The law of that interaction.
     pub law: Law,
     /// The data line.
     pub span: Span,
@@ -126,31 +126,20 @@ pub struct GeneralContact {
     /// How they interact; the last that covers a pair counts.
     pub assigned: Vec<AssignedInteraction>,
     /// What gaps at the start are taken as; the last that covers a pair counts.
-    pub clearances: Vec<AssignedClearance>,
+    pub clearances: Vec<([ContactDomain; 2], Clearance)>,
     /// Factors on penalty springs, which what they cover has; the last that covers a pair counts.
     pub penalties: Vec<([ContactDomain; 2], f64)>,
     /// Whether nodes that no element has any more meet nothing (`NODAL EROSION=YES`).
     pub drops_points: bool,
 }
 
-/// What gaps at the start of general contact are taken as.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AssignedClearance {
-    /// What it is given to.
-    pub domains: [ContactDomain; 2],
-    /// Its name, which may be defined anywhere in the deck.
-    pub name: Word,
-    /// What it says.
-    pub clearance: Option<Clearance>,
-}
-
 /// An interaction of general contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AssignedInteraction {
-    /// What it is given to.
+    /// The surfaces that it is given to.
     pub domains: [ContactDomain; 2],
-    /// Its name.
-    pub interaction: Word,
-    /// What it does.
+    /// The surface interaction.
+    pub interaction: Option<InteractionId>,
+    /// The law of that interaction.
     pub law: Law,
 }

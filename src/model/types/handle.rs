@@ -5,7 +5,7 @@ use std::ops::{Index, IndexMut};
 
 use indexmap::IndexMap;
 
-use super::{Amplitude, Material, RigidSurface, Set, Surface, Target, TimePoints};
+use super::{Amplitude, Interaction, Material, RigidSurface, Set, Surface, Target, TimePoints};
 
 /// Handles into lists of a model, each with the list that it leads into.
 macro_rules! handles {
@@ -47,6 +47,8 @@ handles! {
     MaterialId: Vec<Material> => Material;
     /// An amplitude of [`super::Model::amplitudes`].
     AmplitudeId: Vec<Amplitude> => Amplitude;
+    /// A surface interaction of [`super::Model::interactions`].
+    InteractionId: Vec<Interaction> => Interaction;
     /// A target of [`super::Model::targets`].
     TargetId: Vec<Target> => Target;
     /// A list of times of [`super::OutputDefinitions::time_points`].

@@ -1,7 +1,7 @@
 //! Output requests.
 //! Never here: files.
 
-use super::handle::{ElementSetId, NodeSetId, SurfaceId, TimePointsId};
+use super::handle::{ElementSetId, InteractionId, NodeSetId, SurfaceId, TimePointsId};
 use super::{Sides, SurfaceContact};
 use crate::deck::Span;
 use crate::variables::Place;
@@ -155,8 +155,8 @@ pub enum Region {
 pub struct WhichPairs {
     /// The set of pairs, upper case.
     pub cpset: Option<String>,
-    /// The surface interaction, upper case.
-    pub interaction: Option<String>,
+    /// The surface interaction.
+    pub interaction: Option<InteractionId>,
     /// Whether those of general contact alone.
     pub general: bool,
     /// Surfaces by upper-case name, or parts of which the pair has.
@@ -166,7 +166,6 @@ pub struct WhichPairs {
 impl WhichPairs {
     /// Whether a pair is meant.
     pub fn means(&self, pair: &SurfaceContact) -> bool {
-        let interaction = pair.interaction.as_ref().map(|word| word.text.to_uppercase());
         let has = |name: &String| {
             let is = |s: &Sides| {
                 s.name == *name
@@ -175,7 +174,7 @@ impl WhichPairs {
             pair.sides.iter().any(is)
         };
         self.cpset.as_ref().is_none_or(|set| pair.cpset.as_ref() == Some(set))
-            && self.interaction.as_ref().is_none_or(|name| interaction.as_ref() == Some(name))
+            && self.interaction.is_none_or(|id| pair.interaction == Some(id))
             && (!self.general || pair.general)
             && self.surfaces.iter().all(has)
     }

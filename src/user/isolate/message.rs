@@ -146,9 +146,7 @@ impl<'t> Reader<'t> {
 
 /// A value in a message, read in the order of writing.
 pub trait Field<'m>: Sized {
-    /// Writes it.
     fn put(&self, to: &mut Writer<'_>);
-    /// Reads it.
     fn get(from: &mut Reader<'m>) -> Self;
 }
 
