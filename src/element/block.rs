@@ -6,25 +6,20 @@
 use pulp::Arch;
 
 use super::assumed::Assumed;
-use super::constants::{CHANGE, Constants, damped};
-use super::control::{Control, Lane, Seen, Spring};
+use super::constants::Constants;
+use super::control::{Seen, Spring};
 use super::eroded::Eroded;
-use super::shock::{BY_DIRECTION, by_direction, principal_compression};
 use super::subzonal::Subzones;
 use crate::element::record::{Following, Record};
 use crate::kernel::lanes::{Corners, LANES, Lanes, column};
 use crate::kernel::moduli::Moduli;
-use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, squares, sums};
+use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, sums};
 use crate::kernel::real::Real;
 use crate::kernel::rotation::{SpinOver, turned, turned_by};
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{Material, PlasticFlow};
 use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
 use crate::state::nodes::{Accelerated, Node};
-
-/// The largest square of the frequency of an hourglass pattern over that of the strains: a quarter leaves the stable increment
-/// of elements that are not folded as it is.
-const SLOW: f64 = 0.25;
 
 /// Elements side by side, each quantity an array over lanes.
 #[derive(Clone, Debug)]
@@ -135,37 +130,37 @@ impl<T: Real> Nodes<T> {
 #[repr(C, align(64))]
 pub(super) struct HourglassState<T = f64> {
     /// Generalised hourglass stresses along r and z.
-    hourglass: [Lanes<T>; 2],
+    pub(super) hourglass: [Lanes<T>; 2],
     /// Stress of the bulk viscosity.
-    viscous: Lanes<T>,
+    pub(super) viscous: Lanes<T>,
 }
 
 /// Elements of a block where they are: their [`Operators`], and what follows from them.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
-struct Geometry<T = f64> {
-    r: [Lanes<T>; 3],
-    z: [Lanes<T>; 3],
-    hoop: [Lanes<T>; 3],
-    volume: Lanes<T>,
+pub(super) struct Geometry<T = f64> {
+    pub(super) r: [Lanes<T>; 3],
+    pub(super) z: [Lanes<T>; 3],
+    pub(super) hoop: [Lanes<T>; 3],
+    pub(super) volume: Lanes<T>,
     /// The hourglass pattern times the volume, by base vectors.
-    pattern: [Lanes<T>; 3],
+    pub(super) pattern: [Lanes<T>; 3],
     /// Sums over the corners of the squares of all operators, and of that pattern, over their masses.
-    squares: Lanes<T>,
-    light: Lanes<T>,
+    pub(super) squares: Lanes<T>,
+    pub(super) light: Lanes<T>,
     /// Bound of the highest frequency times the volume.
-    root: Lanes<T>,
+    pub(super) root: Lanes<T>,
 }
 
 impl<T: Real> Geometry<T> {
     #[inline(always)]
-    fn operators(&self, l: usize) -> Operators<T> {
+    pub(super) fn operators(&self, l: usize) -> Operators<T> {
         let [r, z, hoop] = [&self.r, &self.z, &self.hoop].map(|list| [list[0][l], list[1][l], list[2][l]]);
         Operators { r, z, hoop, volume: self.volume[l] }
     }
 
     #[inline(always)]
-    fn pattern(&self, l: usize) -> [T; 3] {
+    pub(super) fn pattern(&self, l: usize) -> [T; 3] {
         [self.pattern[0][l], self.pattern[1][l], self.pattern[2][l]]
     }
 }
@@ -181,21 +176,21 @@ pub struct Workspace<T = f64> {
     pub(super) v_z: [Lanes<T>; 4],
     /// Volume at the middle of the increment in the unit [`UNIT`], and what one division of a phase came to.
     middle: Lanes<T>,
-    inverse: Lanes<T>,
+    pub(super) inverse: Lanes<T>,
     /// The elements where they are now.
-    now: Geometry<T>,
+    pub(super) now: Geometry<T>,
     /// 0 for lanes without element.
     pub(super) weight: Lanes<T>,
     /// Kinematics of the block, and the stress update that its material makes of them.
     pub(super) strain: StrainIncrement<T>,
     pub(super) stress: StressUpdate<T>,
     pub(super) sums: Sums<T>,
-    block: T,
+    pub(super) block: T,
     /// Place of the block in the task.
     pub(super) at: usize,
     pub(super) task: TaskState<T>,
     /// Two over the stable increments of the elements of the block.
-    own_rate: Lanes<T>,
+    pub(super) own_rate: Lanes<T>,
     /// Unit of lengths and times, in those of the scene; velocities, stresses and densities have the same in both.
     pub(super) length: f64,
     /// Highest frequency of the whole scene, where it is known to be lower than those of single elements; infinite if not.
@@ -435,200 +430,6 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
             scratch.divide_spins();
         }
     }
-
-    /// The elements where they are now: operators, the bound of their highest frequencies, the hourglass pattern. What takes long
-    /// ends a loop, so that the lanes behind need not wait for it.
-    #[inline(always)]
-    fn measure_now<M: Material<T>, const AREA: bool>(&self, constants: &Constants, scratch: &mut Workspace<T>) {
-        let [shear43, modulus] = wave(constants);
-        let unit = T::of(UNIT);
-        let Workspace { r, z, now, stress: StressUpdate { bulk, .. }, inverse, .. } = scratch;
-        for l in 0..LANES {
-            let modulus = if M::MODULI_VARY { bulk[l] + shear43 } else { modulus };
-            let (r, z, inverse_mass) = (column(r, l), column(z, l), column(&self.inverse_mass, l));
-            let g = Operators::of::<AREA>(r, z);
-            // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
-            let lists = [
-                [T::ZERO, g.r[0], g.r[1], g.r[2]],
-                [T::ZERO, g.z[0], g.z[1], g.z[2]],
-                [g.hoop[0], g.hoop[1], g.hoop[2], T::ZERO],
-            ];
-            let all = squares(&lists, inverse_mass);
-            let pattern = g.pattern([r[3], z[3]]);
-            for i in 0..3 {
-                now.r[i][l] = g.r[i];
-                now.z[i][l] = g.z[i];
-                now.hoop[i][l] = g.hoop[i];
-                now.pattern[i][l] = pattern[i];
-            }
-            now.volume[l] = g.volume;
-            now.squares[l] = all;
-            now.light[l] = squares(&[[T::ZERO, pattern[0], pattern[1], pattern[2]]], inverse_mass);
-            now.root[l] = (modulus * unit * all * g.volume).root();
-        }
-        for l in 0..LANES {
-            inverse[l] = T::ONE / (now.volume[l] * (now.root[l] * now.light[l]));
-        }
-    }
-
-    /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
-    #[inline(always)]
-    pub(super) fn forces<M: Material<T>, C: Control<T>, const AREA: bool>(
-        &mut self,
-        (constants, dt): (&Constants, T),
-        kept: &mut HourglassState<T>,
-        scratch: &mut Workspace<T>,
-        corners: &mut Corners<T>,
-        control: &mut C,
-    ) {
-        let [shear43, modulus] = wave::<T>(constants);
-        let pressing = modulus / T::of(constants.bulk);
-        let [linear, quadratic] = constants.bulk_viscosity.map(T::of);
-        let quadratic2 = quadratic * quadratic;
-        let (zero, half, two, four, unit) = (T::ZERO, T::of(0.5), T::of(2.0), T::of(4.0), T::of(UNIT));
-        let stiffness = dt * unit * T::of(constants.hourglass.stiffness) * T::of(constants.shear);
-        let viscosity2 = T::of(2.0 * constants.hourglass.viscosity);
-        let per_dt = if dt > zero { T::ONE / dt } else { zero };
-        // The unit of forces is that of areas.
-        let against = T::of(-scratch.length * scratch.length);
-        let (slow, block) = (T::of(SLOW), scratch.block);
-        // Values of their own: a number of the scratch memory read in the loop could be one that the loop writes, and would keep
-        // it from becoming one of vectors.
-        let cap = scratch.cap;
-        // Without an increment behind, the velocities say how fast the volume changes.
-        let starts = M::MODULI_VARY && per_dt == zero;
-        let shocks = M::EQUATION_OF_STATE;
-        let directed = T::of(if constants.shear == 0.0 { 2.0 * BY_DIRECTION } else { 0.0 });
-        self.measure_now::<M, AREA>(constants, scratch);
-        for l in 0..LANES {
-            let modulus = if M::MODULI_VARY { scratch.stress.bulk[l] + shear43 } else { modulus };
-            let ([v0, v1, v2, v3], [_, w1, w2, w3]) = (column(&scratch.v_r, l), column(&scratch.v_z, l));
-            let (along_r, along_z, ring) = ([v1, v2, v3], [w1, w2, w3], [v0, v1, v2]);
-            let now = &scratch.now;
-            let (g, inverse_mass, all) = (now.operators(l), column(&self.inverse_mass, l), now.squares[l]);
-            // omega = root / V; one division has served 1/V, 1/omega and the mass that the pattern moves.
-            let (root, light, inverse) = (now.root[l], now.light[l], scratch.inverse[l]);
-            let inverse_root = inverse * (g.volume * light);
-            let per = inverse * (root * light);
-            let omega = root * per;
-            let square = dot3(g.r, g.r) + dot3(g.z, g.z);
-            // Bulk viscosity (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"): no part of the stress. The length
-            // is 2 c/omega, so that the linear coefficient is the fraction of critical damping in the highest mode, also
-            // of a flat element: then rho c times the length is 2 (K + 4/3 G)/omega.
-            let mut period = g.volume * inverse_root;
-            if AREA {
-                // Of the section alone: the ring would show in what is spherical.
-                period = g.volume / (modulus * unit * square * inverse_mass[0] * g.volume).root();
-            }
-            let dilation = scratch.strain.strain[0][l] + scratch.strain.strain[1][l] + scratch.strain.strain[2][l];
-            let mut dilation_rate = dilation * per_dt;
-            if starts {
-                dilation_rate = (dot3(g.r, along_r) + dot3(g.z, along_z) + dot3(g.hoop, ring)) / g.volume;
-            }
-            let compression = if dilation_rate < zero { dilation_rate } else { zero };
-            let mut fraction = linear - quadratic2 * two * period * compression;
-            let mut sided = [zero; 4];
-            if shocks {
-                let rates = if starts {
-                    let shear = half * (dot3(g.z, along_r) + dot3(g.r, along_z));
-                    [dot3(g.r, along_r), dot3(g.z, along_z), shear].map(|sum| sum / g.volume)
-                } else {
-                    [0, 1, 3].map(|i: usize| scratch.strain.strain[i][l] * per_dt)
-                };
-                // The section is a quarter of the hoop operators' first part.
-                let length = half * (T::of(0.25) * g.hoop[0] * (self.mass[l] * all)).root() / g.volume;
-                let squeezed = principal_compression(rates, -compression);
-                fraction = length * (linear + quadratic2 * length * two * period * squeezed);
-                let viscosity = if dilation_rate < zero { directed * modulus * period * fraction } else { zero };
-                sided = by_direction(rates, dilation_rate, viscosity);
-            }
-            let damping = two * modulus * period * dilation_rate * fraction;
-            let work = scratch.strain.volume[l] * half * (kept.viscous[l] + damping) * dilation;
-            scratch.sums.viscous[l] += work;
-            if M::EQUATION_OF_STATE {
-                scratch.stress.heat[l] = work - scratch.stress.heat[l];
-            }
-            kept.viscous[l] = damping;
-            // Hourglass control (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields. Its spring
-            // may return to the yield surface with the stress.
-            let shape = now.pattern(l).map(|part| per * part);
-            let (q_r, q_z) = (dot3(shape, along_r), dot3(shape, along_z));
-            let (mut f_r, mut f_z) = (zero, zero);
-            if C::ENHANCED {
-                control.see(l, &Lane { g: &g, per, shape, rate: [q_r, q_z], v_r: [v0, v1, v2, v3], squares: all });
-            } else {
-                // The mass that the pattern moves, a sixteenth of a square's, vanishes as an element folds: no more stiffness
-                // than that the pattern stays slow beside the strains, and a fraction of what is critical at their frequency.
-                let moved = root * (g.volume * (inverse * (root * g.volume)));
-                let (wanted, most) = (stiffness * (four * square) * per, slow * dt * omega * moved);
-                let spring = if wanted < most { wanted } else { most };
-                let dashpot = viscosity2 * moved;
-                let (old_r, old_z) = (kept.hourglass[0][l], kept.hourglass[1][l]);
-                let left = scratch.stress.returned[l];
-                let (new_r, new_z) = (left * (old_r + spring * q_r), left * (old_z + spring * q_z));
-                kept.hourglass[0][l] = new_r;
-                kept.hourglass[1][l] = new_z;
-                let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
-                let power = q_r * (half * (old_r + new_r) + drag_r) + q_z * (half * (old_z + new_z) + drag_z);
-                scratch.sums.artificial[l] += dt * scratch.weight[l] * power;
-                (f_r, f_z) = (new_r + drag_r, new_z + drag_z);
-            }
-            // What viscosity does by direction is heat by the compatible energy.
-            let viscous = if shocks { [0, 1, 2].map(|i: usize| damping + sided[i]) } else { [damping; 3] };
-            let s_rr = unit * (self.stress[0][l] + viscous[0]);
-            let s_zz = unit * (self.stress[1][l] + viscous[1]);
-            let s_hoop = unit * (self.stress[2][l] + viscous[2]);
-            let s_rz = unit * if shocks { self.stress[3][l] + sided[3] } else { self.stress[3][l] };
-            // Weighted by area the equation of motion itself is integrated over the section, its terms with 1/r included; the
-            // ring is put back node by node (area.rs).
-            let flat = if AREA { T::ONE / (four * unit * scratch.r[0][l]) } else { T::ONE };
-            let (hoop_r, hoop_z) = if AREA { (s_hoop - s_rr, -s_rz) } else { (s_hoop, zero) };
-            let stressed_r = |i: usize| s_rr * g.r[i] + s_rz * g.z[i];
-            let stressed_z = |i: usize| s_zz * g.z[i] + s_rz * g.r[i];
-            let along_r = at_corners([
-                hoop_r * g.hoop[0],
-                stressed_r(0) + (hoop_r * g.hoop[1] + f_r * shape[0]),
-                stressed_r(1) + (hoop_r * g.hoop[2] + f_r * shape[1]),
-                stressed_r(2) + f_r * shape[2],
-            ]);
-            let along_z = at_corners([
-                hoop_z * g.hoop[0],
-                stressed_z(0) + f_z * shape[0],
-                stressed_z(1) + f_z * shape[1],
-                stressed_z(2) + f_z * shape[2],
-            ]);
-            for i in 0..4 {
-                let [force_r, force_z] = [along_r[i], along_z[i]].map(|f| if T::SINGLE { against * f } else { -f });
-                corners.0[i][l] = if AREA { [flat * force_r, flat * force_z] } else { [force_r, force_z] };
-            }
-            // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
-            // root, never below it.
-            // A mode of the whole: bulk viscosity is no more than 2 xi/omega times its stiffness to uniform pressure.
-            let share = cap * period;
-            let capped = share < T::ONE;
-            let xi = if capped { fraction * share * pressing } else { fraction };
-            // In a cold gas, where xi has no bound, the root itself.
-            let damped = if M::MODULI_VARY { xi + (T::ONE + xi * xi).root() } else { damped(xi) };
-            let highest = if capped { cap } else { omega };
-            // Two over the increment in which the element would lose or gain as much of its volume as it may.
-            let (stable, changing) = (highest * damped, dilation_rate.size() * T::of(2.0 / CHANGE));
-            if M::MODULI_VARY {
-                scratch.own_rate[l] = stable;
-            }
-            let rate = scratch.weight[l] * if changing > stable { changing } else { stable };
-            // Not a number counts as the largest: it must be found.
-            let (best, limiting) = (scratch.sums.rate[l], scratch.sums.limiting[l]);
-            let larger = is_larger(rate, best);
-            scratch.sums.rate[l] = if larger { rate } else { best };
-            scratch.sums.limiting[l] = if larger { block } else { limiting };
-        }
-    }
-}
-
-/// What the moduli of a wave are made of: 4/3 of the shear modulus, and with the bulk modulus.
-fn wave<T: Real>(constants: &Constants) -> [T; 2] {
-    let shear43 = 4.0 / 3.0 * constants.shear;
-    [shear43, constants.bulk + shear43].map(T::of)
 }
 
 impl<T: Real> Workspace<T> {

@@ -18,6 +18,7 @@ mod enhanced;
 mod eroded;
 pub mod erosion;
 mod estimate;
+mod forces;
 pub mod frequency;
 pub mod group;
 pub mod instructions;

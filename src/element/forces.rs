@@ -1,0 +1,359 @@
+//! Corner forces of a block of elements: stress, bulk viscosity, hourglass control, and the stable increments that follow.
+//! Never here: strains, stresses.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+
+use super::block::{ElementBlock, HourglassState, Workspace, is_larger};
+use super::constants::{CHANGE, Constants, damped};
+use super::control::{Control, Lane};
+use super::shock::{BY_DIRECTION, by_direction, principal_compression};
+use crate::kernel::lanes::{Corners, LANES, column};
+use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, squares};
+use crate::kernel::real::Real;
+use crate::material::Material;
+use crate::material::increment::StressUpdate;
+
+/// The largest square of the frequency of an hourglass pattern over that of the strains: a quarter leaves the stable increment
+/// of elements that are not folded as it is.
+const SLOW: f64 = 0.25;
+
+impl<S, T: Real> ElementBlock<S, T> {
+    /// The elements where they are now: operators, the bound of their highest frequencies, the hourglass pattern. What takes long
+    /// ends a loop, so that the lanes behind need not wait for it.
+    #[inline(always)]
+    fn measure_now<M: Material<T>, const AREA: bool>(&self, constants: &Constants, scratch: &mut Workspace<T>) {
+        let [shear43, modulus] = wave(constants);
+        let unit = T::of(UNIT);
+        let Workspace { r, z, now, stress: StressUpdate { bulk, .. }, inverse, .. } = scratch;
+        for l in 0..LANES {
+            let modulus = if M::MODULI_VARY { bulk[l] + shear43 } else { modulus };
+            let (r, z, inverse_mass) = (column(r, l), column(z, l), column(&self.inverse_mass, l));
+            let g = Operators::of::<AREA>(r, z);
+            // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
+            let lists = [
+                [T::ZERO, g.r[0], g.r[1], g.r[2]],
+                [T::ZERO, g.z[0], g.z[1], g.z[2]],
+                [g.hoop[0], g.hoop[1], g.hoop[2], T::ZERO],
+            ];
+            let all = squares(&lists, inverse_mass);
+            let pattern = g.pattern([r[3], z[3]]);
+            for i in 0..3 {
+                now.r[i][l] = g.r[i];
+                now.z[i][l] = g.z[i];
+                now.hoop[i][l] = g.hoop[i];
+                now.pattern[i][l] = pattern[i];
+            }
+            now.volume[l] = g.volume;
+            now.squares[l] = all;
+            now.light[l] = squares(&[[T::ZERO, pattern[0], pattern[1], pattern[2]]], inverse_mass);
+            now.root[l] = (modulus * unit * all * g.volume).root();
+        }
+        for l in 0..LANES {
+            inverse[l] = T::ONE / (now.volume[l] * (now.root[l] * now.light[l]));
+        }
+    }
+
+    /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
+    #[inline(always)]
+    pub(super) fn forces<M: Material<T>, C: Control<T>, const AREA: bool>(
+        &mut self,
+        (constants, dt): (&Constants, T),
+        kept: &mut HourglassState<T>,
+        scratch: &mut Workspace<T>,
+        corners: &mut Corners<T>,
+        control: &mut C,
+    ) {
+        let factors = ForceFactors::new::<M>((constants, dt), scratch);
+        self.measure_now::<M, AREA>(constants, scratch);
+        for l in 0..LANES {
+            let lane = self.lane_motion::<M, AREA>(&factors, scratch, l);
+            let viscosity = self.bulk_viscosity::<M>(&factors, &lane, (kept, scratch), l);
+            let shape = scratch.now.pattern(l).map(|part| lane.per * part);
+            let rate = [dot3(shape, lane.along[0]), dot3(shape, lane.along[1])];
+            let mut hourglass = [T::ZERO; 2];
+            if C::ENHANCED {
+                let (v_r, squares) = (lane.v_r, lane.squares);
+                control.see(l, &Lane { g: &lane.g, per: lane.per, shape, rate, v_r, squares });
+            } else {
+                hourglass = hourglass_stress(&factors, &lane, rate, (kept, scratch), l);
+            }
+            let stress = self.viscous_stress::<M>(&viscosity, l);
+            let [along_r, along_z] = corner_forces::<T, AREA>(&lane.g, stress, shape, hourglass);
+            let flat = if AREA { T::ONE / (T::of(4.0) * factors.unit * scratch.r[0][l]) } else { T::ONE };
+            for i in 0..4 {
+                let forces = [along_r[i], along_z[i]].map(|f| if T::SINGLE { factors.against * f } else { -f });
+                corners.0[i][l] = if AREA { forces.map(|force| flat * force) } else { forces };
+            }
+            scratch.add_rate::<M>(&factors, &lane, &viscosity, l);
+        }
+    }
+
+    /// Geometry and motion of a lane.
+    #[inline(always)]
+    fn lane_motion<M: Material<T>, const AREA: bool>(
+        &self,
+        factors: &ForceFactors<T>,
+        scratch: &Workspace<T>,
+        l: usize,
+    ) -> LaneMotion<T> {
+        let modulus = if M::MODULI_VARY { scratch.stress.bulk[l] + factors.shear43 } else { factors.modulus };
+        let (v_r, [_, w1, w2, w3]) = (column(&scratch.v_r, l), column(&scratch.v_z, l));
+        let now = &scratch.now;
+        let (g, inverse_mass, squares) = (now.operators(l), column(&self.inverse_mass, l), now.squares[l]);
+        // omega = root / V; one division has served 1/V, 1/omega and the mass that the pattern moves.
+        let (root, light, inverse) = (now.root[l], now.light[l], scratch.inverse[l]);
+        let inverse_root = inverse * (g.volume * light);
+        let per = inverse * (root * light);
+        let square = dot3(g.r, g.r) + dot3(g.z, g.z);
+        // Bulk viscosity (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"): no part of the stress. The length
+        // is 2 c/omega, so that the linear coefficient is the fraction of critical damping in the highest mode, also
+        // of a flat element: then rho c times the length is 2 (K + 4/3 G)/omega.
+        let mut period = g.volume * inverse_root;
+        if AREA {
+            // Of the section alone: the ring would show in what is spherical.
+            period = g.volume / (modulus * factors.unit * square * inverse_mass[0] * g.volume).root();
+        }
+        let along = [[v_r[1], v_r[2], v_r[3]], [w1, w2, w3]];
+        LaneMotion { g, v_r, along, modulus, squares, square, root, inverse, per, omega: root * per, period }
+    }
+
+    /// Bulk viscosity of a lane; its work is added to the sums.
+    #[inline(always)]
+    fn bulk_viscosity<M: Material<T>>(
+        &self,
+        factors: &ForceFactors<T>,
+        lane: &LaneMotion<T>,
+        (kept, scratch): (&mut HourglassState<T>, &mut Workspace<T>),
+        l: usize,
+    ) -> BulkViscosity<T> {
+        let (zero, half, two, g) = (T::ZERO, T::of(0.5), T::of(2.0), &lane.g);
+        let ([along_r, along_z], ring) = (lane.along, [lane.v_r[0], lane.v_r[1], lane.v_r[2]]);
+        let (modulus, period, quadratic2) = (lane.modulus, lane.period, factors.quadratic2);
+        let dilation = scratch.strain.strain[0][l] + scratch.strain.strain[1][l] + scratch.strain.strain[2][l];
+        let mut dilation_rate = dilation * factors.per_dt;
+        if factors.starts {
+            dilation_rate = (dot3(g.r, along_r) + dot3(g.z, along_z) + dot3(g.hoop, ring)) / g.volume;
+        }
+        let compression = if dilation_rate < zero { dilation_rate } else { zero };
+        let mut fraction = factors.linear - quadratic2 * two * period * compression;
+        let mut sided = [zero; 4];
+        if M::EQUATION_OF_STATE {
+            let rates = if factors.starts {
+                let shear = half * (dot3(g.z, along_r) + dot3(g.r, along_z));
+                [dot3(g.r, along_r), dot3(g.z, along_z), shear].map(|sum| sum / g.volume)
+            } else {
+                [0, 1, 3].map(|i: usize| scratch.strain.strain[i][l] * factors.per_dt)
+            };
+            // The section is a quarter of the hoop operators' first part.
+            let length = half * (T::of(0.25) * g.hoop[0] * (self.mass[l] * lane.squares)).root() / g.volume;
+            let squeezed = principal_compression(rates, -compression);
+            fraction = length * (factors.linear + quadratic2 * length * two * period * squeezed);
+            let viscosity = if dilation_rate < zero { factors.directed * modulus * period * fraction } else { zero };
+            sided = by_direction(rates, dilation_rate, viscosity);
+        }
+        let damping = two * modulus * period * dilation_rate * fraction;
+        let work = scratch.strain.volume[l] * half * (kept.viscous[l] + damping) * dilation;
+        scratch.sums.viscous[l] += work;
+        if M::EQUATION_OF_STATE {
+            scratch.stress.heat[l] = work - scratch.stress.heat[l];
+        }
+        kept.viscous[l] = damping;
+        BulkViscosity { dilation_rate, fraction, damping, sided }
+    }
+
+    /// Stress of a lane with its bulk viscosity, in the unit of forces.
+    #[inline(always)]
+    fn viscous_stress<M: Material<T>>(&self, viscosity: &BulkViscosity<T>, l: usize) -> [T; 4] {
+        let (unit, BulkViscosity { damping, sided, .. }) = (T::of(UNIT), viscosity);
+        // What viscosity does by direction is heat by the compatible energy.
+        let viscous = if M::EQUATION_OF_STATE { [0, 1, 2].map(|i: usize| *damping + sided[i]) } else { [*damping; 3] };
+        let [rr, zz, hoop] = [0, 1, 2].map(|i: usize| unit * (self.stress[i][l] + viscous[i]));
+        let rz = unit * if M::EQUATION_OF_STATE { self.stress[3][l] + sided[3] } else { self.stress[3][l] };
+        [rr, zz, hoop, rz]
+    }
+}
+
+/// Numbers of a block that the forces of all its lanes are computed with. They are values of their own: a number of the scratch
+/// memory read in the loop could be one that the loop writes, and would keep it from becoming one of vectors.
+struct ForceFactors<T> {
+    dt: T,
+    /// One over the increment behind; 0 without one.
+    per_dt: T,
+    unit: T,
+    /// Unit of forces, that of areas.
+    against: T,
+    shear43: T,
+    modulus: T,
+    /// Modulus over the bulk modulus.
+    pressing: T,
+    /// Linear coefficient of bulk viscosity, and the square of the quadratic one.
+    linear: T,
+    quadratic2: T,
+    /// Factor on bulk viscosity by direction.
+    directed: T,
+    /// Hourglass control: stiffness, twice the fraction of critical damping, largest stiffness beside that of strains.
+    stiffness: T,
+    viscosity2: T,
+    slow: T,
+    /// Highest frequency of the scene, number of the block.
+    cap: T,
+    block: T,
+    /// Whether there is no increment behind, so that velocities give the rate of the volume.
+    starts: bool,
+}
+
+impl<T: Real> ForceFactors<T> {
+    #[inline(always)]
+    fn new<M: Material<T>>((constants, dt): (&Constants, T), scratch: &Workspace<T>) -> Self {
+        let [shear43, modulus] = wave::<T>(constants);
+        let [linear, quadratic] = constants.bulk_viscosity.map(T::of);
+        let per_dt = if dt > T::ZERO { T::ONE / dt } else { T::ZERO };
+        let unit = T::of(UNIT);
+        ForceFactors {
+            dt,
+            per_dt,
+            unit,
+            against: T::of(-scratch.length * scratch.length),
+            shear43,
+            modulus,
+            pressing: modulus / T::of(constants.bulk),
+            linear,
+            quadratic2: quadratic * quadratic,
+            directed: T::of(if constants.shear == 0.0 { 2.0 * BY_DIRECTION } else { 0.0 }),
+            stiffness: dt * unit * T::of(constants.hourglass.stiffness) * T::of(constants.shear),
+            viscosity2: T::of(2.0 * constants.hourglass.viscosity),
+            slow: T::of(SLOW),
+            cap: scratch.cap,
+            block: scratch.block,
+            starts: M::MODULI_VARY && per_dt == T::ZERO,
+        }
+    }
+}
+
+/// Geometry and motion of a lane.
+struct LaneMotion<T> {
+    g: Operators<T>,
+    /// Sums of the velocities along r.
+    v_r: [T; 4],
+    /// Differences of the velocities along r and z.
+    along: [[T; 3]; 2],
+    /// Modulus of longitudinal waves.
+    modulus: T,
+    /// Sum of the squares of all operators over the masses of the corners, and of those along r and z alone.
+    squares: T,
+    square: T,
+    /// Highest frequency times the volume, and the division that serves all.
+    root: T,
+    inverse: T,
+    /// One over the volume.
+    per: T,
+    omega: T,
+    /// One over the frequency that bulk viscosity damps.
+    period: T,
+}
+
+/// Bulk viscosity of a lane.
+struct BulkViscosity<T> {
+    dilation_rate: T,
+    /// Fraction of critical damping.
+    fraction: T,
+    /// Its mean stress.
+    damping: T,
+    /// Its stress by direction: rr, zz, hoop, rz.
+    sided: [T; 4],
+}
+
+/// Hourglass stresses of a lane along r and z (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields. The
+/// spring may return to the yield surface with the stress.
+#[inline(always)]
+fn hourglass_stress<T: Real>(
+    factors: &ForceFactors<T>,
+    lane: &LaneMotion<T>,
+    [q_r, q_z]: [T; 2],
+    (kept, scratch): (&mut HourglassState<T>, &mut Workspace<T>),
+    l: usize,
+) -> [T; 2] {
+    let (half, four, dt) = (T::of(0.5), T::of(4.0), factors.dt);
+    let LaneMotion { root, inverse, per, omega, square, .. } = *lane;
+    let volume = lane.g.volume;
+    // The mass that the pattern moves, a sixteenth of a square's, vanishes as an element folds: no more stiffness
+    // than that the pattern stays slow beside the strains, and a fraction of what is critical at their frequency.
+    let moved = root * (volume * (inverse * (root * volume)));
+    let (wanted, most) = (factors.stiffness * (four * square) * per, factors.slow * dt * omega * moved);
+    let spring = if wanted < most { wanted } else { most };
+    let dashpot = factors.viscosity2 * moved;
+    let (old_r, old_z) = (kept.hourglass[0][l], kept.hourglass[1][l]);
+    let left = scratch.stress.returned[l];
+    let (new_r, new_z) = (left * (old_r + spring * q_r), left * (old_z + spring * q_z));
+    kept.hourglass[0][l] = new_r;
+    kept.hourglass[1][l] = new_z;
+    let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
+    let power = q_r * (half * (old_r + new_r) + drag_r) + q_z * (half * (old_z + new_z) + drag_z);
+    scratch.sums.artificial[l] += dt * scratch.weight[l] * power;
+    [new_r + drag_r, new_z + drag_z]
+}
+
+/// Forces of stress and hourglass control along r and z at the corners of a lane. Weighted by area the equation of motion itself is
+/// integrated over the section, its terms with 1/r included; the ring is put back node by node (area.rs).
+#[inline(always)]
+fn corner_forces<T: Real, const AREA: bool>(
+    g: &Operators<T>,
+    [s_rr, s_zz, s_hoop, s_rz]: [T; 4],
+    shape: [T; 3],
+    [f_r, f_z]: [T; 2],
+) -> [[T; 4]; 2] {
+    let (hoop_r, hoop_z) = if AREA { (s_hoop - s_rr, -s_rz) } else { (s_hoop, T::ZERO) };
+    let stressed_r = |i: usize| s_rr * g.r[i] + s_rz * g.z[i];
+    let stressed_z = |i: usize| s_zz * g.z[i] + s_rz * g.r[i];
+    let along_r = at_corners([
+        hoop_r * g.hoop[0],
+        stressed_r(0) + (hoop_r * g.hoop[1] + f_r * shape[0]),
+        stressed_r(1) + (hoop_r * g.hoop[2] + f_r * shape[1]),
+        stressed_r(2) + f_r * shape[2],
+    ]);
+    let along_z = at_corners([
+        hoop_z * g.hoop[0],
+        stressed_z(0) + f_z * shape[0],
+        stressed_z(1) + f_z * shape[1],
+        stressed_z(2) + f_z * shape[2],
+    ]);
+    [along_r, along_z]
+}
+
+/// What the moduli of a wave are made of: 4/3 of the shear modulus, and with the bulk modulus.
+fn wave<T: Real>(constants: &Constants) -> [T; 2] {
+    let shear43 = 4.0 / 3.0 * constants.shear;
+    [shear43, constants.bulk + shear43].map(T::of)
+}
+
+impl<T: Real> Workspace<T> {
+    /// Adds the rate of a lane, two over its stable increment, to the largest. With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the
+    /// same section of the guide), in which 1 + xi^2/2 stands for the root, never below it.
+    #[inline(always)]
+    fn add_rate<M: Material<T>>(
+        &mut self,
+        factors: &ForceFactors<T>,
+        lane: &LaneMotion<T>,
+        viscosity: &BulkViscosity<T>,
+        l: usize,
+    ) {
+        let BulkViscosity { dilation_rate, fraction, .. } = *viscosity;
+        // A mode of the whole: bulk viscosity is no more than 2 xi/omega times its stiffness to uniform pressure.
+        let share = factors.cap * lane.period;
+        let capped = share < T::ONE;
+        let xi = if capped { fraction * share * factors.pressing } else { fraction };
+        // In a cold gas, where xi has no bound, the root itself.
+        let damped = if M::MODULI_VARY { xi + (T::ONE + xi * xi).root() } else { damped(xi) };
+        let highest = if capped { factors.cap } else { lane.omega };
+        // Two over the increment in which the element would lose or gain as much of its volume as it may.
+        let (stable, changing) = (highest * damped, dilation_rate.size() * T::of(2.0 / CHANGE));
+        if M::MODULI_VARY {
+            self.own_rate[l] = stable;
+        }
+        let rate = self.weight[l] * if changing > stable { changing } else { stable };
+        // Not a number counts as the largest: it must be found.
+        let (best, limiting) = (self.sums.rate[l], self.sums.limiting[l]);
+        let larger = is_larger(rate, best);
+        self.sums.rate[l] = if larger { rate } else { best };
+        self.sums.limiting[l] = if larger { factors.block } else { limiting };
+    }
+}
