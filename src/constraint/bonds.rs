@@ -7,6 +7,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::system::{Freedom, System, load, shift};
+use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::sorted_unique;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
@@ -29,7 +31,6 @@ pub struct Alike {
 /// What is prescribed, as node and axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Given {
-    /// All that is.
     pub all: HashSet<(usize, usize)>,
     /// What of it stays where it is.
     pub held: HashSet<(usize, usize)>,
@@ -111,7 +112,7 @@ impl Bonds {
     }
 
     pub fn bytes(&self) -> usize {
-        let systems = size_of::<System>() * self.systems.capacity();
+        let systems = heap_bytes(&self.systems);
         let own = systems + self.systems.iter().map(System::bytes).sum::<usize>();
         own + self.followers.iter().map(Follower::bytes).sum::<usize>()
     }
@@ -249,9 +250,7 @@ fn systems(freedoms: &[Freedom], rows: &[Option<Row>], equations: &[Equation]) -
         let mut at = 0;
         while at < members.len() {
             let own = rows[members[at]].iter().flatten();
-            let mut next: Vec<usize> = own.flat_map(|t| &of_freedom[t.0]).copied().filter(|&e| !taken[e]).collect();
-            next.sort_unstable();
-            next.dedup();
+            let next: Vec<usize> = sorted_unique(own.flat_map(|t| &of_freedom[t.0]).copied().filter(|&e| !taken[e]));
             next.iter().for_each(|&e| taken[e] = true);
             members.extend(next);
             at += 1;
@@ -349,7 +348,7 @@ impl Follower {
     }
 
     pub fn bytes(&self) -> usize {
-        size_of::<usize>() * self.members.capacity() + size_of::<Term>() * self.terms.capacity() + size_of_val(self)
+        heap_bytes(&self.members) + heap_bytes(&self.terms) + size_of_val(self)
     }
 }
 

@@ -80,7 +80,6 @@ impl<C: Constraint + Clone> CopyConstraint for C {
 /// What others see of a constraint.
 #[derive(Clone, Copy, Default)]
 pub struct ConstraintView<'a> {
-    /// Nodes that a rigid body carries.
     pub carried: Option<CarriedNodes<'a>>,
     /// Whether it moves nodes after the passes over them, so that none may be passed over as quiescent.
     pub moves_nodes: bool,

@@ -5,6 +5,7 @@ use std::any::Any;
 use std::collections::HashMap;
 
 use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, StoredConstraint};
+use crate::kernel::lists::heap_bytes;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
@@ -261,7 +262,7 @@ impl StoredConstraint for PrescribedMotion {
 
     fn bytes(&self) -> usize {
         let magnitudes: usize = self.magnitudes.iter().map(|m| size_of::<Magnitude>() + m.bytes()).sum();
-        magnitudes + size_of::<BodyMotion>() * self.bodies.capacity() + size_of::<NodeMotion>() * self.nodes.capacity()
+        magnitudes + heap_bytes(&self.bodies) + heap_bytes(&self.nodes)
     }
 }
 

@@ -30,7 +30,6 @@ pub struct Overlaps {
     outlines: Vec<Outline>,
     /// Bodies between which nothing acts, and whether that has been settled.
     pairs: Vec<([usize; 2], bool)>,
-    /// Places of the points of each.
     places: Vec<Vec<[f64; 2]>>,
     /// Lower and upper corner of each.
     boxes: Vec<[[f64; 2]; 2]>,

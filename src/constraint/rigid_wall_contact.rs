@@ -11,6 +11,7 @@ use super::contact::curve::Carrier;
 use super::{Constraint, ConstraintView, ContactResults, StoredConstraint};
 use crate::kernel::attitude::{Vector, cross, dot, norm, plus, times};
 use crate::kernel::interaction::Friction;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::profile::Profile;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
@@ -399,8 +400,7 @@ impl ContactResults for RigidWallContact {
 
 impl StoredConstraint for RigidWallContact {
     fn bytes(&self) -> usize {
-        size_of::<ContactPoint>() * self.points.capacity()
-            + size_of::<[f64; 2]>() * (self.rings.capacity() + self.stations.capacity())
+        heap_bytes(&self.points) + size_of::<[f64; 2]>() * (self.rings.capacity() + self.stations.capacity())
     }
 }
 

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 
 use super::bonds::Dependent;
 use super::dependence::sources;
+use crate::kernel::lists::heap_bytes;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
@@ -39,7 +40,6 @@ impl Freedom {
     }
 }
 
-/// The force of loads on a node.
 pub(super) fn load(dofs: &Dofs, node: usize, axis: usize) -> f64 {
     dofs.nodes.forces[0].get(node).map_or(0.0, |f| f[axis])
 }
@@ -273,10 +273,10 @@ impl System {
     }
 
     pub fn bytes(&self) -> usize {
-        let rows: usize = self.rows.iter().map(|r| size_of_val(r) + size_of::<(usize, f64)>() * r.capacity()).sum();
+        let rows: usize = self.rows.iter().map(|r| size_of_val(r) + heap_bytes(&r)).sum();
         let factor: usize = self.factor.iter().map(|r| size_of_val(r) + 8 * r.values.capacity()).sum();
-        let members: usize = self.freedoms.iter().map(|f| size_of::<usize>() * f.members.capacity()).sum();
-        let own = size_of::<Freedom>() * self.freedoms.capacity() + self.spare.capacity();
+        let members: usize = self.freedoms.iter().map(|f| heap_bytes(&f.members)).sum();
+        let own = heap_bytes(&self.freedoms) + self.spare.capacity();
         rows + factor + members + own + 8 * (self.lambda.capacity() + self.last.capacity())
     }
 }
@@ -300,7 +300,6 @@ impl Freedom {
         }
     }
 
-    /// Books the work of an impulse on it.
     fn book(&self, dofs: &mut Dofs, half: f64, impulse: f64) {
         if half > 0.0 {
             let n = self.members[0];

@@ -2,6 +2,7 @@
 //! Never here: the motion of rigid bodies.
 
 use super::{CarriedNodes, Constraint, ConstraintView, StoredConstraint};
+use crate::kernel::lists::heap_bytes;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
@@ -60,7 +61,7 @@ impl Constraint for Tie {
 
 impl StoredConstraint for Tie {
     fn bytes(&self) -> usize {
-        size_of::<usize>() * self.nodes.capacity()
+        heap_bytes(&self.nodes)
     }
 }
 

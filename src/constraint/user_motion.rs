@@ -3,6 +3,7 @@
 
 use super::motion::Prescribed;
 use crate::kernel::amplitude::SampledAmplitude;
+use crate::kernel::lists::heap_bytes;
 use crate::state::Instant;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
@@ -91,7 +92,7 @@ impl UserMotion {
     }
 
     pub fn bytes(&self) -> usize {
-        size_of::<UserDof>() * self.asked.capacity() + self.set.capacity() + self.amplitude.bytes()
+        heap_bytes(&self.asked) + self.set.capacity() + self.amplitude.bytes()
     }
 }
 

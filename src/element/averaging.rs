@@ -4,6 +4,7 @@
 
 use super::group::ElementGroup;
 use crate::kernel::lanes::{LANES, Lanes};
+use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad::dilation;
 use crate::state::nodes::Nodes;
 
@@ -26,9 +27,7 @@ impl Averaging {
     pub fn new(corners: &[[u32; 4]]) -> Option<Averaging> {
         let is_triangle = |c: &[u32; 4]| c[2] == c[3];
         let found = corners.iter().enumerate().filter(|(_, c)| is_triangle(c));
-        let mut nodes: Vec<u32> = found.clone().flat_map(|(_, c)| c[..3].to_vec()).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        let nodes: Vec<u32> = sorted_unique(found.clone().flat_map(|(_, c)| c[..3].to_vec()));
         let place = |node: &u32| nodes.partition_point(|n| n < node) as u32;
         let triangles: Vec<_> = found.map(|(e, c)| (e as u32, [place(&c[0]), place(&c[1]), place(&c[2])])).collect();
         (!triangles.is_empty()).then(|| Averaging {

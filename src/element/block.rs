@@ -12,6 +12,7 @@ use super::eroded::Eroded;
 use super::subzonal::Subzones;
 use crate::element::record::{Following, Record};
 use crate::kernel::lanes::{Corners, LANES, Lanes, column};
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::moduli::Moduli;
 use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, sums};
 use crate::kernel::real::Real;
@@ -363,7 +364,6 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
         }
     }
 
-    /// Lets the material update the stress.
     #[inline(always)]
     pub(super) fn update_stress<M: Material<T, State = S>>(
         &mut self,
@@ -484,13 +484,13 @@ impl<T: Real> Workspace<T> {
 
     pub(super) fn bytes(&self) -> usize {
         let TaskState { hourglass, enhanced, viscous, subzones, records, eroded, own_rates } = &self.task;
-        size_of::<[Lanes<T>; 2]>() * hourglass.capacity()
-            + size_of::<Assumed>() * enhanced.capacity()
-            + size_of::<Lanes<T>>() * viscous.capacity()
-            + size_of::<Subzones>() * subzones.capacity()
-            + size_of::<Record>() * records.capacity()
-            + size_of::<Eroded>() * eroded.capacity()
-            + size_of::<Lanes<T>>() * own_rates.capacity()
+        heap_bytes(&hourglass)
+            + heap_bytes(&enhanced)
+            + heap_bytes(&viscous)
+            + heap_bytes(&subzones)
+            + heap_bytes(&records)
+            + heap_bytes(&eroded)
+            + heap_bytes(&own_rates)
     }
 
     /// Makes room for elements of so many blocks that are deleted from outside, and for their rates where they are kept.

@@ -2,6 +2,7 @@
 //! their ends, SPRING1 and DASHPOT1 along an axis (ABAQUS Elements Guide, "Springs", "Dashpots").
 //! Never here: deck words, elements of a continuum.
 
+use crate::kernel::lists::heap_bytes;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
@@ -33,7 +34,6 @@ fn steepest(rows: &[[f64; 2]]) -> f64 {
 }
 
 impl Law {
-    /// Force at a relative displacement and velocity.
     fn force(&self, displacement: f64, velocity: f64) -> f64 {
         match self {
             Law::Spring(stiffness) => stiffness * displacement,
@@ -163,12 +163,10 @@ impl Connectors {
 
     pub fn bytes(&self) -> usize {
         let table = |c: &Connector| match &c.law {
-            Law::Table(rows) | Law::DashpotTable(rows) => size_of::<[f64; 2]>() * rows.capacity(),
+            Law::Table(rows) | Law::DashpotTable(rows) => heap_bytes(&rows),
             _ => 0,
         };
-        size_of::<Connector>() * self.list.capacity()
-            + self.list.iter().map(table).sum::<usize>()
-            + size_of::<[f64; 2]>() * self.sums.capacity()
+        heap_bytes(&self.list) + self.list.iter().map(table).sum::<usize>() + heap_bytes(&self.sums)
     }
 }
 

@@ -2,6 +2,7 @@
 //! line between their neighbours, where the element would turn inside out (ABAQUS Analysis User's Guide, "Section
 //! controls"). Never here: which elements are controlled, stress.
 
+use crate::kernel::lists::heap_bytes;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
@@ -154,7 +155,7 @@ impl DistortionControl {
     }
 
     pub fn bytes(&self) -> usize {
-        size_of::<Controlled>() * self.list.capacity()
+        heap_bytes(&self.list)
     }
 }
 

@@ -19,6 +19,7 @@ use super::quiescent::ActiveNodes;
 use super::removed::Removed;
 use super::rings::Rings;
 use crate::kernel::lanes::LANES;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::mesh::corner_forces::CornerForces;
 use crate::mesh::gather::Gather;
@@ -281,7 +282,6 @@ impl Elements {
         self.rings.as_ref().map(|rings| &*rings.factors)
     }
 
-    /// Blocks of corner forces of an element.
     fn blocks_of(&self, group: usize, element: usize) -> Range<usize> {
         let before: usize = self.groups[..group].iter().map(|g| g.force_blocks()).sum();
         let per = self.groups[group].topology().force_blocks();
@@ -303,7 +303,6 @@ impl Elements {
         self.blocks_of(group, element).for_each(|block| self.corners.clear(block, element % LANES));
     }
 
-    /// Sum of the corner forces of one node.
     pub fn nodal_force(&self, node: usize) -> [f64; 2] {
         self.gather.one(node, &self.corners)
     }
@@ -345,7 +344,7 @@ impl Elements {
 
     /// Bytes that belong to no single group: corner forces, and the way from corners to nodes.
     pub fn bytes_of_gather(&self) -> usize {
-        let deleted = size_of::<ElementNodes>() * self.deleted.0.capacity();
+        let deleted = heap_bytes(&self.deleted.0);
         self.corners.bytes() + self.gather.bytes() + self.awake.bytes() + deleted
     }
 }

@@ -10,6 +10,7 @@ use super::elements::Elements;
 use super::group::{ElementGroup, PARALLEL, TASK};
 use crate::kernel::corners::{largest_shell_strain, largest_strain, scaled_jacobian};
 use crate::kernel::lanes::LANES;
+use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
 use crate::state::archive::{Archive, Persist};
 use crate::state::dofs::Dofs;
@@ -58,7 +59,6 @@ impl Criteria {
 #[derive(Clone, Debug)]
 struct Watched {
     criteria: Criteria,
-    /// Group and element of the group.
     elements: Vec<(usize, usize)>,
     /// Whether each has come to them; of those that are gone, too.
     due: Vec<bool>,
@@ -100,9 +100,7 @@ impl Erosion {
 
     /// Groups that have elements under criteria.
     pub fn groups(&self) -> Vec<usize> {
-        let mut groups: Vec<usize> = self.list.iter().flat_map(|w| w.elements.iter().map(|e| e.0)).collect();
-        groups.sort_unstable();
-        groups.dedup();
+        let groups: Vec<usize> = sorted_unique(self.list.iter().flat_map(|w| w.elements.iter().map(|e| e.0)));
         groups
     }
 

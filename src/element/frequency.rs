@@ -173,7 +173,6 @@ impl HighestFrequency {
     }
 }
 
-/// The product of the operator and a vector.
 fn multiply(operator: &Operator, vector: &[[f64; 2]], product: &mut [[f64; 2]]) {
     for (row, out) in operator.outer_iterator().zip(product) {
         let mut sum = [0.0; 2];

@@ -401,7 +401,6 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
         [0, 1, 2, 3].map(|c| self.blocks[element / LANES].nodes[c][element % LANES])
     }
 
-    /// Masses of the corners of an element.
     fn corner_masses(&self, element: usize) -> [f64; 4] {
         self.blocks[element / LANES].corner_masses(element % LANES).map(|mass| self.unit() * mass)
     }

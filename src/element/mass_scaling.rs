@@ -2,6 +2,7 @@
 //! found anew, and what follows it: masses of nodes, of elements, forces by mass, the work that added mass costs.
 //! Never here: the inner loop, deck words.
 
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::PerNode;
 use crate::state::archive::persist_struct;
 
@@ -105,7 +106,7 @@ impl Scaling {
     }
 
     pub fn bytes(&self) -> usize {
-        let of = |r: &Request| size_of_val(r) + size_of::<(usize, usize)>() * r.elements.capacity();
+        let of = |r: &Request| size_of_val(r) + heap_bytes(&r.elements);
         self.fixed.iter().flatten().map(of).sum::<usize>() + self.variable.iter().map(|v| of(&v.request)).sum::<usize>()
     }
 }
@@ -130,7 +131,7 @@ impl Masses {
 
     pub fn bytes(&self) -> usize {
         let of = |lists: &Vec<Vec<f64>>| lists.iter().map(|l| 8 * l.capacity()).sum::<usize>();
-        let elements: usize = self.elements.iter().map(|l| size_of::<PerNode<f64>>() * l.capacity()).sum();
+        let elements: usize = self.elements.iter().map(|l| heap_bytes(&l)).sum();
         of(&self.fixed)
             + of(&self.factors)
             + of(&self.carried)

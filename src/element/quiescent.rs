@@ -4,6 +4,7 @@
 
 use super::group::{ElementGroup, TASK};
 use crate::kernel::lanes::LANES;
+use crate::kernel::lists::heap_bytes;
 use crate::state::archive::{Archive, Persist, persist_struct};
 use crate::state::nodes::Node;
 
@@ -31,7 +32,7 @@ impl Quiescence {
     }
 
     pub fn bytes(&self) -> usize {
-        size_of::<Quiescence>() + size_of::<u32>() * self.nodes.capacity()
+        size_of::<Quiescence>() + heap_bytes(&self.nodes)
     }
 
     /// Whether no node of the task moves.
@@ -68,8 +69,7 @@ impl ActiveNodes {
     }
 
     pub fn bytes(&self) -> usize {
-        let touching: usize =
-            self.touching.iter().map(|l| size_of_val(l) + size_of::<(u32, u32)>() * l.capacity()).sum();
+        let touching: usize = self.touching.iter().map(|l| size_of_val(l) + heap_bytes(&l)).sum();
         touching + self.awake.capacity()
     }
 

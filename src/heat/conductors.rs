@@ -128,7 +128,6 @@ impl Conductors {
         self.list.len().div_ceil(CHUNK)
     }
 
-    /// The part of an element of a group.
     pub fn find(&self, group: usize, element: usize) -> Option<(&Conductor, &Part)> {
         let part = self.parts.iter().find(|p| p.group == group)?;
         Some((&self.list[part.first + element], part))

@@ -7,6 +7,7 @@ use super::conductors::at;
 use super::field::Heat;
 use crate::element::elements::Elements;
 use crate::kernel::hardening::Table;
+use crate::kernel::lists::heap_bytes;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
@@ -73,7 +74,7 @@ impl Expansion {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.strains.iter().chain(&self.room).map(|list| size_of::<f64>() * list.capacity()).sum()
+        self.strains.iter().chain(&self.room).map(|list| heap_bytes(&list)).sum()
     }
 }
 

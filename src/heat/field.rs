@@ -8,6 +8,7 @@ use super::sources::{Held, Source};
 use crate::constraint::Constraint;
 use crate::constraint::bonds::Bonds;
 use crate::element::elements::Elements;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
@@ -121,7 +122,6 @@ impl Heat {
         true
     }
 
-    /// Capacity of a node at a temperature.
     fn capacity(&self, node: usize, temperature: f64) -> f64 {
         if self.masses.is_empty() {
             return self.capacity[node];
@@ -378,7 +378,7 @@ impl Heat {
     pub fn bytes(&self) -> usize {
         let Heat { masses, capacity, temperature, power, exchange, aims, corners, means, warmed, largest, .. } = self;
         let singles = [capacity, temperature, power, exchange, aims, means, warmed];
-        let singles = singles.into_iter().chain(masses).map(|list| size_of::<f64>() * list.capacity()).sum::<usize>();
+        let singles = singles.into_iter().chain(masses).map(|list| heap_bytes(&list)).sum::<usize>();
         let conditions = self.steps.iter().flatten().chain([&self.now]);
         let sources: usize = conditions.clone().flat_map(|s| &s.sources).map(|s| size_of_val(s) + s.bytes()).sum();
         let bonds: usize = conditions.clone().map(|s| s.bonds.bytes()).sum();
@@ -392,7 +392,6 @@ pub fn capacities_at(conductors: &Conductors, temperature: &[f64]) -> Vec<f64> {
     capacities(conductors, &masses(conductors, temperature.len()), temperature)
 }
 
-/// Mass of each node, material by material.
 fn masses(conductors: &Conductors, nodes: usize) -> Vec<Vec<f64>> {
     let mut masses = vec![vec![0.0; nodes]; conductors.parts.len()];
     for (part, masses) in conductors.parts.iter().zip(&mut masses) {

@@ -2,6 +2,7 @@
 //! Never here: conduction.
 
 use super::conductors::Conductors;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::mesh::surface::{Face, Skin};
 use crate::state::EffectId;
@@ -100,7 +101,7 @@ impl Source {
     pub(super) fn bytes(&self) -> usize {
         self.magnitude.bytes()
             + match &self.kind {
-                Kind::Nodes(list) | Kind::Volumes(list) => size_of::<usize>() * list.capacity(),
+                Kind::Nodes(list) | Kind::Volumes(list) => heap_bytes(&list),
                 Kind::Faces(skin) | Kind::Film(skin, _) => skin.bytes(),
             }
     }

@@ -1,6 +1,8 @@
 //! Functions of time that scale loads and motions.
 //! Never here: which load refers to which amplitude.
 
+use crate::kernel::lists::heap_bytes;
+
 /// A piecewise amplitude: linear or smooth-step between points, constant outside
 /// (ABAQUS Analysis User's Guide, "Amplitude curves").
 #[derive(Clone, Debug)]
@@ -29,7 +31,7 @@ impl Curve {
     }
 
     pub fn bytes(&self) -> usize {
-        size_of::<[f64; 2]>() * self.points.capacity()
+        heap_bytes(&self.points)
     }
 
     /// Slope at a time, from the right at a kink.

@@ -14,6 +14,7 @@ pub mod heating;
 pub mod interaction;
 pub mod lanes;
 pub mod levels;
+pub mod lists;
 pub mod moduli;
 pub mod normal;
 pub mod plane_stress;

@@ -39,7 +39,6 @@ impl PlaneElastic {
         0.5 * self.young / (1.0 + self.ratio)
     }
 
-    /// Stress after an elastic strain increment.
     pub fn trial(&self, stress: [f64; 2], strain: [f64; 2]) -> [f64; 2] {
         let modulus = self.modulus();
         [

@@ -17,7 +17,6 @@ pub struct PerNode<T> {
 pub type ElementNodes = PerNode<u32>;
 
 impl<T: Copy + Default> PerNode<T> {
-    /// Values of the first nodes only.
     #[must_use]
     pub fn first(mut self, count: usize) -> Self {
         self.count = self.count.min(count as u8);

@@ -2,6 +2,7 @@
 //! Never here: distributed loads.
 
 use super::{Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneView, Targets};
+use crate::kernel::lists::heap_bytes;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
@@ -78,7 +79,7 @@ impl Load for Concentrated {
 impl LoadOutput for Concentrated {
     fn arrays(&self) -> Vec<(&'static str, usize)> {
         let places = size_of::<usize>() * (self.bodies.capacity() + self.nodes.capacity());
-        let places = places + size_of::<(usize, f64)>() * self.spatial.capacity();
+        let places = places + heap_bytes(&self.spatial);
         vec![("places", places), ("amplitude", self.magnitude.bytes())]
     }
 }

@@ -2,6 +2,7 @@
 //! Never here: forces that do not scale with mass.
 
 use super::{Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneChange, SceneView, Targets};
+use crate::kernel::lists::heap_bytes;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::halt::Halt;
@@ -69,8 +70,8 @@ impl Load for Gravity {
 
 impl LoadOutput for Gravity {
     fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let masses = size_of::<(GeneralizedForce, f64)>() * self.bodies.capacity();
-        let masses = masses + size_of::<(usize, f64)>() * self.nodes.capacity();
+        let masses = heap_bytes(&self.bodies);
+        let masses = masses + heap_bytes(&self.nodes);
         vec![("masses", masses), ("amplitude", self.acceleration.bytes())]
     }
 }

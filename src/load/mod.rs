@@ -164,7 +164,6 @@ pub struct Penetration {
     pub body: usize,
     /// What has become of it.
     pub outcome: PenetrationOutcome,
-    /// Its motion, of a body in space.
     pub in_space: Option<MotionAtEnd>,
 }
 

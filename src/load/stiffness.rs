@@ -1,6 +1,7 @@
 //! The stiffness of a load that follows the motion of what it pushes, measured from its own answers: what a pressure by a
 //! user's routine adds to the highest frequency. Never here: what the pressure is, the choice of an increment.
 
+use crate::kernel::lists::heap_bytes;
 use crate::state::archive::persist_struct;
 
 /// What a load was found to add to the stiffness of nodes.
@@ -68,7 +69,7 @@ impl Watch {
     }
 
     pub fn bytes(&self) -> usize {
-        size_of::<Point>() * self.points.capacity()
+        heap_bytes(&self.points)
     }
 
     pub fn most(&self) -> Option<&Stiffness> {

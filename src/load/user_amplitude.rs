@@ -2,6 +2,7 @@
 //! Never here: what it scales.
 
 use crate::kernel::amplitude::SampledAmplitude;
+use crate::kernel::lists::heap_bytes;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::Halt;
@@ -80,7 +81,7 @@ impl UserAmplitude {
     pub fn bytes(&self) -> usize {
         let names: usize = self.sensor_names.iter().map(|n| size_of::<String>() + n.capacity()).sum();
         let numbers = self.properties.capacity() + self.variables.capacity() + self.sensor_values.capacity();
-        names + 8 * numbers + size_of::<Sensed>() * self.sensors.capacity() + self.name.capacity()
+        names + 8 * numbers + heap_bytes(&self.sensors) + self.name.capacity()
     }
 }
 

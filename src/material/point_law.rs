@@ -15,7 +15,6 @@ use crate::variables::{Part, Variable};
 pub struct PointLaw {
     pub law: Arc<dyn MaterialLaw>,
     pub constants: Vec<f64>,
-    /// State variables of a point.
     pub variables: usize,
     /// The state variable that deletes an element when it becomes zero, by its index.
     pub delete: Option<usize>,

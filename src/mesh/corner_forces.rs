@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use crate::kernel::lanes::Corners;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::real::Real;
 use crate::state::archive::{Archive, Persist};
 
@@ -67,8 +68,8 @@ impl CornerForces {
     /// Bytes of them.
     pub fn bytes(&self) -> usize {
         match self {
-            CornerForces::Double(list) => size_of::<Corners>() * list.capacity(),
-            CornerForces::Single(list) => size_of::<Corners<f32>>() * list.capacity(),
+            CornerForces::Double(list) => heap_bytes(&list),
+            CornerForces::Single(list) => heap_bytes(&list),
         }
     }
 }

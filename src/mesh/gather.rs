@@ -3,6 +3,7 @@
 
 use super::corner_forces::CornerForces;
 use crate::kernel::lanes::{Corners, LANES};
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::real::Real;
 use crate::kernel::topology::ElementNodes;
 
@@ -42,7 +43,6 @@ impl Gather {
         gather
     }
 
-    /// Sum of the corner forces of one node.
     pub fn one(&self, node: usize, corners: &CornerForces) -> [f64; 2] {
         let mut force = [[0.0; 2]];
         self.sum(node, corners, &mut force);
@@ -80,6 +80,6 @@ impl Gather {
     }
 
     pub fn bytes(&self) -> usize {
-        size_of::<[u32; SLOTS]>() * self.slots.capacity() + size_of::<(u32, u32)>() * self.more.capacity()
+        heap_bytes(&self.slots) + heap_bytes(&self.more)
     }
 }

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::room::with_room;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
@@ -77,10 +78,7 @@ impl Hidden {
     }
 
     pub fn bytes(&self) -> usize {
-        size_of::<[usize; 2]>() * self.faces.capacity()
-            + size_of::<usize>() * self.elements.capacity()
-            + self.waits.capacity()
-            + size_of::<u32>() * self.bare.capacity()
+        heap_bytes(&self.faces) + heap_bytes(&self.elements) + self.waits.capacity() + heap_bytes(&self.bare)
     }
 }
 

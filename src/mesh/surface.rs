@@ -4,6 +4,7 @@
 use super::hidden::Hidden;
 use super::room::with_room;
 use crate::kernel::facet::Facet;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Archive, Persist};
 use crate::state::nodes::Nodes;
@@ -90,10 +91,8 @@ impl Surface {
     }
 
     pub fn bytes(&self) -> usize {
-        let facets = |p: &Patch| size_of::<(usize, Facet)>() * p.facets.capacity();
-        self.patches.iter().map(facets).sum::<usize>()
-            + size_of::<Patch>() * self.patches.capacity()
-            + self.skin.bytes()
+        let facets = |p: &Patch| heap_bytes(&p.facets);
+        self.patches.iter().map(facets).sum::<usize>() + heap_bytes(&self.patches) + self.skin.bytes()
     }
 }
 
@@ -182,8 +181,8 @@ impl Skin {
     }
 
     pub fn bytes(&self) -> usize {
-        size_of::<[usize; 2]>() * self.faces.capacity()
-            + size_of::<usize>() * self.elements.capacity()
+        heap_bytes(&self.faces)
+            + heap_bytes(&self.elements)
             + self.carries.capacity()
             + self.shells.capacity()
             + self.hidden.as_ref().map_or(0, |h| size_of_val(&**h) + h.bytes())

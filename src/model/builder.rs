@@ -8,6 +8,7 @@ use crate::deck::keywords::{Place, Tier};
 use crate::deck::names::nearest;
 use crate::deck::read::ReadCard;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
+use crate::kernel::lists::sorted_unique;
 
 use indexmap::IndexMap;
 
@@ -303,8 +304,7 @@ impl<'a> Builder<'a> {
             Some(word) => word.number(&mut self.diagnostics),
             None => {
                 let finding = Diagnostic::error("M102", format!("{what} is missing"));
-                self.diagnostics.push(finding.at(line.span, format!("field {} should be {what}", index + 1)));
-                None
+                self.diagnostics.refuse(finding.at(line.span, format!("field {} should be {what}", index + 1)))
             }
         }
     }
@@ -320,8 +320,7 @@ impl<'a> Builder<'a> {
             Some(word) => word.integer(&mut self.diagnostics),
             None => {
                 let finding = Diagnostic::error("M102", format!("{what} is missing"));
-                self.diagnostics.push(finding.at(line.span, format!("field {} should be {what}", index + 1)));
-                None
+                self.diagnostics.refuse(finding.at(line.span, format!("field {} should be {what}", index + 1)))
             }
         }
     }
@@ -417,10 +416,8 @@ impl<'a> Builder<'a> {
     fn nodes_of_element_set(&mut self, word: &Word) -> Option<Vec<usize>> {
         let names = [qualified(&self.scope, &word.text), upper(&word.text)];
         let (name, set) = names.into_iter().find_map(|n| Some((n.clone(), self.model.element_sets.get(&n)?)))?;
-        let mut members: Vec<usize> =
-            set.members.iter().flat_map(|&e| self.model.mesh.elements[e].nodes.iter().copied()).collect();
-        members.sort_unstable();
-        members.dedup();
+        let members: Vec<usize> =
+            sorted_unique(set.members.iter().flat_map(|&e| self.model.mesh.elements[e].nodes.iter().copied()));
         let message = format!("`{}` is an element set: the nodes of its elements are taken", word.text);
         let finding = Diagnostic::warning("M168", message).at(word.span, "a node set is asked for");
         self.diagnostics.push(finding.help(format!("*NSET, NSET={name}, ELSET={name} says the same")));
@@ -469,7 +466,6 @@ fn is_label(word: &Word) -> bool {
     word.text.parse::<i64>().is_ok()
 }
 
-/// The first names of a list.
 fn first_of(names: &[String]) -> String {
     let shown: Vec<_> = names.iter().take(12).map(String::as_str).collect();
     format!("{}{}", shown.join(", "), if names.len() > 12 { ", …" } else { "" })

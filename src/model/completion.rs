@@ -6,6 +6,7 @@ use super::degrees::Rotational;
 use super::types::{DamageEvolution, ElementKind, InitialKind, LoadKind};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::hardening::Table;
+use crate::kernel::lists::sorted_unique;
 
 impl Builder<'_> {
     /// Once all cards are read.
@@ -72,9 +73,7 @@ impl Builder<'_> {
     /// Nodes that turn because shells meet there, ascending.
     fn nodes_of_shells(&self) -> Vec<usize> {
         let shells = self.model.mesh.elements.iter().filter(|e| e.kind == ElementKind::Sax1);
-        let mut nodes: Vec<usize> = shells.flat_map(|e| e.nodes.iter().copied()).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        let nodes: Vec<usize> = sorted_unique(shells.flat_map(|e| e.nodes.iter().copied()));
         nodes
     }
 

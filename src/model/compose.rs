@@ -10,6 +10,7 @@ use super::types::{
     SectionControls, Set, ShellSection, ShellThinning, Side, Sides, SolidSection, Step,
 };
 use crate::deck::Span;
+use crate::kernel::lists::sorted_unique;
 use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
 use crate::variables::{Part, Variable};
@@ -110,7 +111,11 @@ impl Model {
     #[track_caller]
     pub fn initial_velocity(&mut self, nodes: &[usize], dof: u8, velocity: f64) {
         let kind = InitialKind::Velocity(dof, velocity);
-        self.initial_conditions.push(InitialCondition { kind, members: sorted(nodes), span: Span::composed() });
+        self.initial_conditions.push(InitialCondition {
+            kind,
+            members: sorted_unique(nodes.iter().copied()),
+            span: Span::composed(),
+        });
     }
 
     /// Adds a piecewise linear function of the time in a step, `[time, value]` with ascending times.
@@ -123,19 +128,11 @@ impl Model {
     }
 }
 
-/// Ascending and without repetition.
-fn sorted(members: &[usize]) -> Vec<usize> {
-    let mut members = members.to_vec();
-    members.sort_unstable();
-    members.dedup();
-    members
-}
-
 impl Set {
     /// A set of some members in any order.
     #[track_caller]
     pub fn new(members: &[usize]) -> Set {
-        Set { members: sorted(members), span: Span::composed() }
+        Set { members: sorted_unique(members.iter().copied()), span: Span::composed() }
     }
 }
 

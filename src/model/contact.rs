@@ -7,6 +7,7 @@ use super::types::{
     AnalyticalSide, InteractionId, Model, Profile, RigidBody, RigidSurface, RigidSurfaceId, Segment, Sides,
 };
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
+use crate::kernel::lists::sorted_unique;
 
 /// Up to this part of the radius the ends of an arc differ by rounding alone.
 const ARC_ROUNDING: f64 = 1e-6;
@@ -274,18 +275,14 @@ impl Builder<'_> {
         let id = self.surface_id(word)?;
         let (mesh, name) = (&self.model.mesh, self.model.surfaces.name(id).to_owned());
         let faces = self.model.surfaces.faces[id].faces.clone();
-        let mut nodes: Vec<usize> = faces.iter().filter_map(|&(e, side)| mesh.ends(e, side)).flatten().collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        let nodes: Vec<usize> = sorted_unique(faces.iter().filter_map(|&(e, side)| mesh.ends(e, side)).flatten());
         Some((nodes, Sides { name, surface: true, faces, whole: Vec::new() }))
     }
 
     /// A surface of nodes: sets or single nodes.
     pub(super) fn node_surface(&mut self, card: &Card, name: &Word) {
         let words = card.lines.iter().filter_map(|l| l.field(0));
-        let mut nodes: Vec<usize> = words.filter_map(|w| self.node_members(w)).flatten().collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        let nodes: Vec<usize> = sorted_unique(words.filter_map(|w| self.node_members(w)).flatten());
         self.model.surfaces.nodes.insert(qualified(&self.scope, &name.text), nodes);
         if !self.deck.cards.iter().any(|c| matches!(c.keyword.name, "COUPLING" | "TIE")) {
             self.contact_note(card);

@@ -1,6 +1,8 @@
 //! Nodes of an element: four at most, which lie in the element itself.
 //! Never here: what they are for.
 
+use crate::kernel::lists::heap_bytes;
+
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 
@@ -25,7 +27,7 @@ impl ElementNodes {
     pub(super) fn bytes_elsewhere(&self) -> usize {
         match &self.0 {
             Held::Few(..) => 0,
-            Held::Many(list) => size_of::<usize>() * list.capacity(),
+            Held::Many(list) => heap_bytes(&list),
         }
     }
 }

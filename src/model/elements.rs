@@ -170,8 +170,7 @@ impl Builder<'_> {
             let help = nearest(&name, names).map_or(supported.into(), |n| format!("did you mean {n}? {supported}"));
             Diagnostic::error("M120", format!("unknown element type {name}")).help(help)
         };
-        self.diagnostics.push(finding.at(word.span, "this type"));
-        None
+        self.diagnostics.refuse(finding.at(word.span, "this type"))
     }
 
     /// Most elements are a line of numbers that are all there; `None` of any other.
@@ -331,26 +330,20 @@ impl Builder<'_> {
     /// Repeats elements in rows and rows of rows (ABAQUS Keywords Guide, *ELGEN).
     pub(super) fn elgen(&mut self, card: &Card) {
         let mut made = Vec::new();
-        for line in &card.lines {
-            if let Some(elements) = self.elgen_line(line) {
-                made.extend(elements);
-            }
+        for (line, row) in card.lines.iter().zip(card.read_lines::<Vec<[f64; 10]>>()) {
+            made.extend(self.elgen_line(line, row).unwrap_or_default());
         }
         if let Some(name) = card.value("ELSET") {
             self.add_element_set(&name.text, made, card.span);
         }
     }
 
-    fn elgen_line(&mut self, line: &DataLine) -> Option<Vec<usize>> {
-        let master = self.integer(line, 0, "the master element")?;
-        let mut given = [1_i64; 9];
-        for (i, value) in given.iter_mut().enumerate() {
-            if let Some(word) = line.field(i + 1) {
-                *value = word.integer(&mut self.diagnostics)?;
-            }
+    fn elgen_line(&mut self, line: &DataLine, row: [f64; 10]) -> Option<Vec<usize>> {
+        if row[0].is_nan() {
+            return None;
         }
-        let [count, node_step, element_step, rows, row_node_step, row_element_step, layers, layer_node, layer_element] =
-            given;
+        let [master, count, node_step, element_step, given @ ..] = row.map(|number| number as i64);
+        let [rows, row_node_step, row_element_step, layers, layer_node, layer_element] = given;
         let Some(model) = self.elements.find(&self.scope, master) else {
             if self.lost.elements || self.lost.everything {
                 return None;
@@ -359,9 +352,6 @@ impl Builder<'_> {
             return self.diagnostics.refuse(Diagnostic::error("M110", message).at(line.span, "no such element"));
         };
         let total = i128::from(count) * i128::from(rows).saturating_mul(i128::from(layers));
-        if count < 1 || rows < 1 || layers < 1 {
-            return self.refuse_value(line.span, format!("cannot generate {count} x {rows} x {layers} elements"));
-        }
         let same = [(count, element_step), (rows, row_element_step), (layers, layer_element)];
         if same.into_iter().any(|(times, step)| times > 1 && step == 0) {
             return self

@@ -92,8 +92,7 @@ impl Builder<'_> {
                     return Some(Overclosure::Table(rows));
                 }
                 let message = "pressures must begin at zero and must not fall, in two rows or more";
-                self.out_of_range(card.span, message);
-                None
+                self.refuse_value(card.span, message)
             }
         }
     }

@@ -121,8 +121,7 @@ impl Builder<'_> {
         }
         let wanted = kind.map_or("no element type", ElementKind::name);
         let message = format!("cell {label} of the mesh file has {} points; {wanted} does not fit", cell.len());
-        self.diagnostics.push(Diagnostic::error("M121", message).at(span, "this mesh"));
-        None
+        self.diagnostics.refuse(Diagnostic::error("M121", message).at(span, "this mesh"))
     }
 }
 

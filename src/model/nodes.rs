@@ -79,8 +79,7 @@ impl Builder<'_> {
             }
             None => {
                 let message = format!("{what} {label} is not defined");
-                self.diagnostics.push(Diagnostic::error("M110", message).at(word.span, "no such node"));
-                None
+                self.diagnostics.refuse(Diagnostic::error("M110", message).at(word.span, "no such node"))
             }
         }
     }

@@ -102,18 +102,10 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn placement(&mut self, card: &Card) -> Option<Placement> {
-        let line = card.lines.first()?;
-        let mut t = [0.0; 3];
-        for (i, value) in t.iter_mut().enumerate() {
-            *value = self.number_or(line, i, 0.0)?;
-        }
-        let rotation = match card.lines.get(1) {
-            None => None,
-            Some(line) => {
-                let mut n = [0.0; 7];
-                for (i, value) in n.iter_mut().enumerate() {
-                    *value = self.number(line, i, "a point of the axis or the angle")?;
-                }
+        card.lines.first()?;
+        let [r, z]: [f64; 2] = card.read_lines();
+        let rotation = match (card.lines.get(1), card.read_lines::<Vec<[f64; 7]>>().get(1)) {
+            (Some(line), Some(n)) if n.iter().all(|number| number.is_finite()) => {
                 let axis = Unit::try_new(Vector3::new(n[3] - n[0], n[4] - n[1], n[5] - n[2]), 0.0);
                 let lies = n[2] == 0.0 && n[5] == 0.0 && (n[6] % 180.0).abs() < 1e-9;
                 let Some(axis) = axis.filter(|a| a.x == 0.0 && a.y == 0.0 || lies) else {
@@ -124,8 +116,10 @@ impl<'a> Builder<'a> {
                 };
                 Some((Point3::new(n[0], n[1], n[2]), Rotation3::from_axis_angle(&axis, n[6].to_radians())))
             }
+            (None, _) => None,
+            _ => return None,
         };
-        Some(Placement { translation: Vector3::from(t), rotation })
+        Some(Placement { translation: Vector3::new(r, z, 0.0), rotation })
     }
 
     pub(super) fn open(&mut self, kind: &'static str, card: &Card) {

@@ -20,7 +20,8 @@ pub const DEFAULT_ACCURACY: f64 = 1e-4;
 pub(super) struct StepState {
     pub name: String,
     pub span: Span,
-    pub procedure: Option<Procedure>,
+    /// The step as its `*DYNAMIC` card begins it.
+    pub procedure: Option<Step>,
     /// Whether conditions without amplitude grow over the step (`AMPLITUDE=RAMP`).
     pub ramp: bool,
     /// Linear and quadratic bulk viscosity.
@@ -48,18 +49,6 @@ pub(super) struct StepState {
     pub cleared: Vec<&'static str>,
     /// Whether the `*BOUNDARY` cards of this step say OP=NEW; none yet if `None`.
     pub new_boundaries: Option<bool>,
-}
-
-/// The `*DYNAMIC` card.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Procedure {
-    span: Span,
-    duration: f64,
-    increment: IncrementControl,
-    scale_factor: f64,
-    load_velocity: LoadVelocity,
-    adiabatic: bool,
-    coupled: bool,
 }
 
 /// Bulk viscosity where no step gives another (ABAQUS Analysis User's Guide 6.3.3, "Bulk viscosity").
@@ -93,7 +82,7 @@ impl Builder<'_> {
             self.apply_to_sets();
         }
         let Some(mut state) = self.step.take() else { return };
-        let Some(procedure) = state.procedure else {
+        let Some(procedure) = state.procedure.take() else {
             let other = self.diagnostics.has_errors() || self.lost.bodies || self.lost.everything;
             if !other {
                 let finding = Diagnostic::error("M101", "the step has no procedure").at(state.span, "this step");
@@ -116,14 +105,7 @@ impl Builder<'_> {
         self.carried = state.clone();
         self.model.steps.push(Step {
             name: state.name,
-            span: procedure.span,
-            duration: procedure.duration,
-            increment: procedure.increment,
-            scale_factor: procedure.scale_factor,
-            load_velocity: procedure.load_velocity,
             bulk_viscosity: state.bulk_viscosity.unwrap_or(BULK_VISCOSITY),
-            adiabatic: procedure.adiabatic,
-            coupled: procedure.coupled,
             boundaries,
             loads,
             fields,
@@ -133,6 +115,7 @@ impl Builder<'_> {
             energy_limit: state.energy_limit,
             outputs: state.outputs,
             restart: state.restart,
+            ..procedure
         });
     }
 
@@ -160,21 +143,16 @@ impl Builder<'_> {
             return self.unsupported(card.span, "implicit dynamics is not supported", &help);
         }
         let Some(line) = self.first_line(card) else { return };
-        let (values, coupled) = match card.keyword.name {
-            "DYNAMIC" => (self.values(card), false),
-            _ => (cards::Dynamic::from(self.values::<cards::CoupledDynamic>(card)), true),
-        };
+        let coupled = card.keyword.name != "DYNAMIC";
+        let mut values: cards::Dynamic = self.values(card);
+        if coupled {
+            values = cards::Dynamic { accuracy: DEFAULT_ACCURACY, global: false, ..values };
+        }
         let Some(increment) = self.increment_control(card, line, &values) else { return };
         let load_velocity = if values.lagged { LoadVelocity::Lagged } else { LoadVelocity::Predicted };
-        let procedure = Procedure {
-            span: card.span,
-            duration: values.times[1],
-            increment,
-            scale_factor: values.scale_factor,
-            load_velocity,
-            adiabatic: values.adiabatic,
-            coupled,
-        };
+        let (scale_factor, adiabatic) = (values.scale_factor, values.adiabatic);
+        let begun = Step::new("", values.times[1]);
+        let procedure = Step { span: card.span, increment, scale_factor, load_velocity, adiabatic, coupled, ..begun };
         self.state().procedure = Some(procedure);
     }
 

@@ -86,7 +86,6 @@ impl Builder<'_> {
         if value >= 0.0 && value.is_finite() {
             return Some(value);
         }
-        self.out_of_range(word.span, format!("ADJUST is the largest gap to close, not {value}"));
-        None
+        self.refuse_value(word.span, format!("ADJUST is the largest gap to close, not {value}"))
     }
 }

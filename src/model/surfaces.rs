@@ -43,7 +43,6 @@ impl Builder<'_> {
         surface.whole.extend(whole);
     }
 
-    /// One named side of each element.
     pub(super) fn sides(&mut self, elements: &[usize], word: &Word) -> Vec<(usize, Side)> {
         let name = upper(&word.text);
         let mut faces = Vec::new();

@@ -59,8 +59,7 @@ impl Builder<'_> {
         let wanted = card.value(parameter).map_or(String::new(), |word| format!("{parameter}={}, but ", word.text));
         let rows =
             if card.lines.len() > 1 { format!(" (each line but the last counts as {ROW})") } else { String::new() };
-        self.out_of_range(card.span, format!("{wanted}{} constants follow{rows}", constants.len()));
-        None
+        self.refuse_value(card.span, format!("{wanted}{} constants follow{rows}", constants.len()))
     }
 
     /// `*DEPVAR`: number of variables; further lines name them: number, name, description.

@@ -106,8 +106,7 @@ impl Compiler<'_> {
             }
             Err(why) => {
                 let finding = Diagnostic::error("P021", why).at(pair.span, "this pair");
-                self.diagnostics.push(finding);
-                None
+                self.diagnostics.refuse(finding)
             }
         }
     }

@@ -6,6 +6,7 @@ use std::collections::{HashMap, HashSet};
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::facet::Facet;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad::corner_masses;
 use crate::model::{ElementKind, InitialCondition, InitialKind, RigidBody};
 
@@ -44,7 +45,7 @@ impl Body {
     /// Bytes of its lists.
     pub fn bytes(&self) -> usize {
         let places = size_of::<usize>() * (self.nodes.capacity() + self.elements.capacity());
-        size_of_val(self) + self.name.capacity() + places + size_of::<(usize, f64)>() * self.lumped_mass.capacity()
+        size_of_val(self) + self.name.capacity() + places + heap_bytes(&self.lumped_mass)
     }
 
     /// Mass without that of deformable elements tied to it.

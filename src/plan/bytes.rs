@@ -5,7 +5,7 @@
 use super::changes::ListChange;
 use super::ledger::Ledger;
 use super::{Plan, State};
-use crate::state::BodyState;
+use crate::kernel::lists::heap_bytes;
 use crate::state::EffectId;
 use crate::state::rigid_body_3d::RigidBody3d;
 
@@ -41,7 +41,7 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
         add(ledger, row, "forces", state.dofs.nodes.bytes_of_forces());
     }
     if let Some(row) = plan.rows.integration {
-        add(ledger, row, "rigid bodies", size_of::<BodyState>() * state.dofs.bodies.capacity());
+        add(ledger, row, "rigid bodies", heap_bytes(&state.dofs.bodies));
         let spatial = state.dofs.bodies.iter().filter(|body| body.is_spatial()).count();
         add(ledger, row, "bodies in space", size_of::<RigidBody3d>() * spatial);
         add(ledger, row, "steps", plan.steps.iter().map(|step| size_of_val(step) + step.changes.bytes()).sum());

@@ -4,6 +4,7 @@
 use crate::constraint::Constraint;
 use crate::constraint::user_motion::UserMotion;
 use crate::element::mass_scaling::Scaling;
+use crate::kernel::lists::heap_bytes;
 use crate::load::Load;
 
 /// One effect of a list from a step on.
@@ -73,7 +74,7 @@ where
 
     /// Bytes of the entries, but for those of the effects themselves.
     pub fn bytes(&self) -> usize {
-        size_of::<Entry<T>>() * self.0.capacity()
+        heap_bytes(&self.0)
     }
 }
 

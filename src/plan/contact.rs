@@ -236,7 +236,6 @@ impl Compiler<'_> {
         Some((0..curve.own.len()).map(law).collect())
     }
 
-    /// One row for all pairs of general contact.
     fn general_row(&mut self, general: &GeneralContact, step: usize) -> usize {
         let own: Vec<String> = self.pairs[step].iter().filter(|p| p.general).map(pair_name).collect();
         let mut detail = own.iter().take(6).cloned().collect::<Vec<_>>().join(" ");

@@ -150,7 +150,6 @@ impl Compiler<'_> {
         section.map_or(0.0, |s| s.thickness)
     }
 
-    /// The point of a node.
     pub(super) fn point_of(&self, node: usize, around: &Around<'_>, found: &mut Found) -> Result<u32, String> {
         match found.point_of_node.get(&node) {
             Some(&known) => Ok(known),
@@ -193,7 +192,6 @@ impl Compiler<'_> {
         skin
     }
 
-    /// Shells of a surface.
     fn shells_of(&self, sides: &Sides) -> Vec<Edge> {
         let mesh = &self.model.mesh;
         let shells = sides.faces.iter().filter(|f| matches!(f.1, Side::Positive | Side::Negative));

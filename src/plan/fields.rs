@@ -21,7 +21,6 @@ fn dependencies(material: &Material) -> usize {
 }
 
 impl Compiler<'_> {
-    /// Field variables that a deck gives.
     fn given_fields(&self) -> usize {
         let start = self.model.initial_conditions.iter().filter_map(|c| match c.kind {
             InitialKind::Field(variable, _) => Some(variable + 1),
@@ -49,7 +48,6 @@ impl Compiler<'_> {
         values
     }
 
-    /// Fields of elements at the start.
     pub(super) fn start_fields(&self, state: &mut State) {
         if !self.model.initial_conditions.iter().any(|c| matches!(c.kind, InitialKind::Field(..))) {
             return;

@@ -144,8 +144,7 @@ impl Compiler<'_> {
             }
         };
         let message = format!("this section (material `{}`) {missing}", material.name);
-        self.diagnostics.push(Diagnostic::error("P066", message).at(section.span, "this section"));
-        None
+        self.diagnostics.refuse(Diagnostic::error("P066", message).at(section.span, "this section"))
     }
 
     /// Temperatures of nodes at the start, 0 where none is given.

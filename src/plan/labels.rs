@@ -1,6 +1,7 @@
 //! By what nodes and elements are found in frames: the deck's numbers, materials, sets.
 //! Never here: files.
 
+use crate::kernel::lists::heap_bytes;
 use crate::model::{Mesh, Model, Set};
 use crate::output::Label;
 
@@ -27,10 +28,10 @@ impl Labels {
 
     pub(super) fn bytes(&self) -> usize {
         let sets = |list: &Vec<(String, Vec<u32>)>| {
-            let of = |(name, members): &(String, Vec<u32>)| name.capacity() + size_of::<u32>() * members.capacity();
-            size_of::<(String, Vec<u32>)>() * list.capacity() + list.iter().map(of).sum::<usize>()
+            let of = |(name, members): &(String, Vec<u32>)| name.capacity() + heap_bytes(&members);
+            heap_bytes(&list) + list.iter().map(of).sum::<usize>()
         };
-        size_of::<i32>() * self.materials.capacity() + sets(&self.node_sets) + sets(&self.element_sets)
+        heap_bytes(&self.materials) + sets(&self.node_sets) + sets(&self.element_sets)
     }
 
     /// Labels of these nodes and elements of the mesh, which are the points and cells of a frame.

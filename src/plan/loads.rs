@@ -8,6 +8,7 @@ use indexmap::IndexMap;
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::kernel::amplitude::Curve;
+use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad::corner_masses;
 use crate::kernel::solid;
 use crate::load::concentrated::Concentrated;
@@ -192,15 +193,12 @@ impl Compiler<'_> {
         }
         let mesh = &self.model.mesh;
         let points = list.iter().filter(|&&e| mesh.elements[e].kind == ElementKind::Mass);
-        let mut on: Vec<usize> =
-            points.map(|&e| mesh.elements[e].nodes[0]).filter(|n| body.nodes.contains(n)).collect();
-        on.sort_unstable();
-        on.dedup();
+        let on: Vec<usize> =
+            sorted_unique(points.map(|&e| mesh.elements[e].nodes[0]).filter(|n| body.nodes.contains(n)));
         let mass: f64 = self.model.discrete.masses.iter().filter(|p| on.contains(&p.node)).map(|p| p.mass).sum();
         (mass > 0.0).then_some(mass)
     }
 
-    /// Masses that some elements put on their nodes.
     fn masses_of(&self, elements: &[usize]) -> Vec<(usize, f64)> {
         let mesh = &self.model.mesh;
         let mut masses: IndexMap<usize, f64> = IndexMap::new();

@@ -210,9 +210,7 @@ struct Compiler<'a> {
     ledger: Ledger,
     causes: IndexMap<(Span, &'static str), EffectId>,
     bodies: Vec<Body>,
-    /// Body of each node that moves with one.
     body_of_node: IndexMap<usize, usize>,
-    /// Body of each element that belongs to one.
     body_of_element: IndexMap<usize, usize>,
     /// Where what deforms is in the mesh.
     places: SolidPlaces,

@@ -2,6 +2,7 @@
 //! Never here: the order in which anything is shown, which is the deck's.
 
 use super::Places;
+use crate::kernel::lists::sorted_unique;
 use crate::model::Mesh;
 
 /// Elements between two visits to a node, over the root of their number, above which a mesh counts as scattered. Rows of a square
@@ -70,9 +71,7 @@ pub(super) fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mes
     }
     // Of those that one element completes, the one that was met first comes first.
     touched.sort_by_key(|&node| last[node]);
-    let mut rest: Vec<usize> = bare.into_iter().filter(|&node| last[node] == 0).collect();
-    rest.sort_unstable();
-    rest.dedup();
+    let rest: Vec<usize> = sorted_unique(bare.into_iter().filter(|&node| last[node] == 0));
     touched.extend(rest);
     let mut places: Vec<(usize, usize)> = touched.into_iter().enumerate().map(|(i, node)| (node, i)).collect();
     places.sort_unstable();

@@ -9,6 +9,7 @@ use indexmap::{IndexMap, IndexSet};
 use super::general_contact::pair_name;
 use super::{Compiler, State};
 use crate::element::values;
+use crate::kernel::lists::heap_bytes;
 use crate::model::{
     ElementSetId, Interval, Model, NodeSetId, OutputCard, OutputKind, OutputRequest, Position, Region, Set, Step,
     SurfaceId, WhichPairs,
@@ -83,7 +84,7 @@ impl FrameField {
 
     /// Bytes of its lists.
     pub fn bytes(&self) -> usize {
-        self.name.capacity() + size_of::<Part>() * self.parts.capacity()
+        self.name.capacity() + heap_bytes(&self.parts)
     }
 
     /// The variable.
@@ -627,7 +628,6 @@ fn is_in_every_frame(asked: VariableRequest) -> bool {
     !named.is_empty() && named.iter().all(implied)
 }
 
-/// Name and members of a set.
 fn named(sets: &IndexMap<String, Set>, index: usize) -> (&str, &[usize]) {
     sets.get_index(index).map_or(("", &[]), |(name, set)| (name, &set.members))
 }

@@ -10,6 +10,7 @@ use crate::constraint::Constraint;
 use crate::constraint::contact::curve::Carrier;
 use crate::constraint::overlaps::{Outline, Overlaps, distance};
 use crate::deck::{Diagnostic, Span};
+use crate::kernel::lists::sorted_unique;
 use crate::model::{ElementKind, Mesh, Side, Sides, SurfaceContact};
 
 /// Part of a skin's face by which a node may lie behind it: chords of curved surfaces that fit.
@@ -169,9 +170,7 @@ impl Compiler<'_> {
     fn inside(&self, piece: &Piece, other: &Piece) -> (usize, f64) {
         let mesh = &self.model.mesh;
         let mut nodes: Vec<usize> =
-            piece.elements.iter().flat_map(|&e| mesh.elements[e].nodes.iter().copied()).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+            sorted_unique(piece.elements.iter().flat_map(|&e| mesh.elements[e].nodes.iter().copied()));
         nodes.retain(|&n| other.holds(mesh.points[n]));
         if nodes.is_empty() {
             return (0, 0.0);
@@ -196,7 +195,6 @@ impl Compiler<'_> {
         (count, deepest)
     }
 
-    /// The outside of a piece.
     fn skin(&self, piece: &Piece) -> Vec<[[f64; 2]; 2]> {
         let mesh = &self.model.mesh;
         let own = mesh.outside().into_iter().filter(|f| piece.elements.binary_search(&f.0).is_ok());

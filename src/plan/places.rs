@@ -1,6 +1,8 @@
 //! Where nodes and elements of the mesh went: by their numbers, and in the order in which they were placed.
 //! Never here: what they became.
 
+use crate::kernel::lists::heap_bytes;
+
 use std::ops::Index;
 
 /// No place.
@@ -76,7 +78,7 @@ impl<V> Places<V> {
 
     /// Bytes of its lists.
     pub fn bytes(&self) -> usize {
-        size_of::<u32>() * self.at.capacity() + size_of::<(usize, V)>() * self.entries.capacity()
+        heap_bytes(&self.at) + heap_bytes(&self.entries)
     }
 }
 

@@ -240,7 +240,6 @@ impl Compiler<'_> {
         Moments { mass, first: factor * all.first, axial: factor * all.axial, transverse: factor * all.transverse }
     }
 
-    /// Stations of a body around its axis.
     pub(super) fn stations(&self, body: usize) -> usize {
         self.attitude(&self.model.rigid_bodies[body]).map_or(STATIONS, |a| a.stations)
     }

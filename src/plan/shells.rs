@@ -9,6 +9,7 @@ use crate::deck::Diagnostic;
 use crate::element::group::ElementGroup;
 use crate::element::shell::Shells;
 use crate::element::shell::section::{Flowing, Section, Thinning};
+use crate::kernel::lists::sorted_unique;
 use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{Frame, simpson};
 use crate::model::{Material, Plastic, ShellSection, ShellThinning};
@@ -28,9 +29,7 @@ impl<'a> Compiler<'a> {
     pub(super) fn place_rotations(&mut self, shells: &[(&ShellSection, Vec<usize>)], nodes: &mut Vec<Node>) {
         let mesh = &self.model.mesh;
         let ends = shells.iter().flat_map(|s| &s.1).flat_map(|&e| mesh.elements[e].nodes.iter().copied());
-        let mut turning: Vec<usize> = ends.collect();
-        turning.sort_unstable();
-        turning.dedup();
+        let turning: Vec<usize> = sorted_unique(ends);
         self.places.rotations = turning.iter().enumerate().map(|(i, &n)| (n, nodes.len() + i)).collect();
         nodes.resize(nodes.len() + turning.len(), Node::default());
         if let Some((section, _)) = shells.first() {

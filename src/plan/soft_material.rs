@@ -120,7 +120,6 @@ impl Compiler<'_> {
     }
 
     fn no_material<T>(&mut self, span: Span, message: String) -> Option<T> {
-        self.diagnostics.push(Diagnostic::error("P013", message).at(span, "these elements deform"));
-        None
+        self.diagnostics.refuse(Diagnostic::error("P013", message).at(span, "these elements deform"))
     }
 }

@@ -325,7 +325,6 @@ impl Compiler<'_> {
     }
 }
 
-/// Puts the masses of elements on their corners.
 pub(super) fn add_masses(corners: &[[u32; 4]], nodes: &[Node], density: f64, mass: &mut [f64]) {
     for corner in corners {
         for (n, m) in corner.iter().zip(corner_masses(corner.map(|n| nodes[n as usize].place()), density)) {

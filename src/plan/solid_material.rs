@@ -195,8 +195,7 @@ impl Compiler<'_> {
             }
             _ => format!("material `{}` has no *ELASTIC", material.name),
         };
-        self.diagnostics.push(Diagnostic::error("P013", refusal).at(span, "these elements deform"));
-        None
+        self.diagnostics.refuse(Diagnostic::error("P013", refusal).at(span, "these elements deform"))
     }
 
     /// The group of an equation of state, with what it takes from other cards.
@@ -218,8 +217,7 @@ impl Compiler<'_> {
             (EosKind::IdealGas(_), rows) => {
                 let why = if rows.is_none() { "without *SPECIFIC HEAT" } else { "whose specific heat is not constant" };
                 let message = format!("material `{}` is an ideal gas {why}", material.name);
-                self.diagnostics.push(Diagnostic::error("P013", message).at(span, "these elements deform"));
-                None
+                self.diagnostics.refuse(Diagnostic::error("P013", message).at(span, "these elements deform"))
             }
             (EosKind::UsUp([c0, s, gamma0]), _) => {
                 row(format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}"));
@@ -477,8 +475,7 @@ impl Compiler<'_> {
     }
 
     fn no_failure<T>(&mut self, span: Span, message: &str) -> Option<T> {
-        self.diagnostics.push(Diagnostic::error("P019", message).at(span, "here"));
-        None
+        self.diagnostics.refuse(Diagnostic::error("P019", message).at(span, "here"))
     }
 
     fn failure_strain(&mut self, material: &Material, criterion: &FailureCriterion) -> Option<FailureStrain> {

@@ -74,8 +74,7 @@ impl Compiler<'_> {
     }
 
     fn refuse_resistance(&mut self, load: &Load, message: &str) -> Option<Box<dyn Effect>> {
-        self.diagnostics.push(Diagnostic::error("P015", message).at(load.span, "here"));
-        None
+        self.diagnostics.refuse(Diagnostic::error("P015", message).at(load.span, "here"))
     }
 
     /// Takes from a surface its patches on bodies in space.

@@ -137,8 +137,7 @@ impl Compiler<'_> {
                 return Some(Box::new(Quads::new(law, group, density, corners, nodes)));
             }
         };
-        self.diagnostics.push(Diagnostic::error("P041", refusal).at(section.span, "these elements deform"));
-        None
+        self.diagnostics.refuse(Diagnostic::error("P041", refusal).at(section.span, "these elements deform"))
     }
 
     /// The moduli that stand for those of a routine's stress until it tells them; `None` if the material lacks a card or has
@@ -157,8 +156,7 @@ impl Compiler<'_> {
             // Fractions of a shear modulus that the routine's first call tells.
             return Some(Moduli { bulk: 1.0, shear: 1.0 });
         };
-        self.diagnostics.push(Diagnostic::error(code, message).at(section.span, "these elements deform"));
-        None
+        self.diagnostics.refuse(Diagnostic::error(code, message).at(section.span, "these elements deform"))
     }
 
     /// Elasticity and yield stress of a material whose yield stress or fields are the user's; `None` if it lacks something or

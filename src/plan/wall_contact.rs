@@ -9,6 +9,7 @@ use crate::constraint::Constraint;
 use crate::constraint::rigid_wall_contact::{RigidWallContact, WallPair};
 use crate::deck::Diagnostic;
 use crate::kernel::interaction::Overclosure;
+use crate::kernel::lists::sorted_unique;
 use crate::model::{IncrementControl, Step, SurfaceContact};
 
 impl Compiler<'_> {
@@ -79,9 +80,7 @@ impl Compiler<'_> {
             profile = profile.reversed();
         }
         let faces = pair.sides[side].faces.iter().filter_map(|&(e, s)| mesh.ends(e, s)).flatten();
-        let mut nodes: Vec<usize> = faces.chain(analytical.nodes.iter().copied()).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        let mut nodes: Vec<usize> = sorted_unique(faces.chain(analytical.nodes.iter().copied()));
         nodes.retain(|n| self.body_of_node.get(n) == Some(&body));
         let rings: Vec<[f64; 2]> =
             nodes.iter().map(|&n| [mesh.points[n][0], mesh.points[n][1] - spatial.heights[0]]).collect();

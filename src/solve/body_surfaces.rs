@@ -50,7 +50,6 @@ pub(super) struct Surfaces {
     pub(super) points: Vec<(Point, Vector, Vector)>,
     /// Corners of cells, counted from the first point here.
     pub(super) cells: Vec<Vec<usize>>,
-    /// Element of each cell.
     pub(super) elements: Vec<usize>,
 }
 
@@ -60,7 +59,6 @@ impl Run<'_> {
         value(&self.dofs.bodies[body], self.plan.mesh.points[node], 0.0, part)
     }
 
-    /// A value at a point of its surface.
     pub(super) fn point_value(&self, point: &Point, part: Part) -> f64 {
         value(&self.dofs.bodies[point.body], self.plan.mesh.points[point.node], point.around, part).unwrap_or(f64::NAN)
     }

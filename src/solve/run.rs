@@ -455,7 +455,6 @@ impl<'a> Run<'a> {
         self.timing.stop(started, heat.id);
     }
 
-    /// The energies now.
     pub(super) fn energy(&self) -> Energy {
         let heat = self.heat().map(Heat::energies);
         let removed = self.elements.removed.as_ref().map(|r| r.books(&self.dofs.nodes));

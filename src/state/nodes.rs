@@ -4,6 +4,7 @@
 use std::ops::{Index, IndexMut};
 
 use super::archive::{Archive, Persist, persist_fields, persist_struct};
+use crate::kernel::lists::heap_bytes;
 
 /// What elements read of a node: one half of a cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -158,10 +159,10 @@ impl Nodes {
     /// Names and bytes of the arrays, but for forces.
     pub fn arrays(&self) -> Vec<(&'static str, usize)> {
         vec![
-            ("motion", size_of::<Node>() * self.list.capacity()),
-            ("start", size_of::<[f64; 2]>() * self.start.capacity()),
+            ("motion", heap_bytes(&self.list)),
+            ("start", heap_bytes(&self.start)),
             ("mass", size_of::<f64>() * (self.mass.capacity() + self.inverse_mass.capacity())),
-            ("acceleration", size_of::<[f64; 2]>() * self.acceleration.capacity()),
+            ("acceleration", heap_bytes(&self.acceleration)),
         ]
     }
 }

@@ -173,9 +173,7 @@ struct ElementBuckets<'a> {
     low: [f64; 2],
     width: [f64; 2],
     count: usize,
-    /// Elements whose box touches each bucket.
     touching: Vec<Vec<u32>>,
-    /// Elements whose middle lies in each bucket.
     middles: Vec<Vec<u32>>,
 }
 

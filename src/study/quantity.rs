@@ -168,7 +168,6 @@ fn column(history: &History, name: &str) -> Result<usize, String> {
     history.columns.iter().position(|c| c.eq_ignore_ascii_case(name)).ok_or_else(|| format!("no column {name}"))
 }
 
-/// A column at a time between two rows.
 fn row_between(history: &History, column: usize, time: f64) -> Result<f64, String> {
     let last = history.times().last().copied().unwrap_or(0.0);
     // The end of a run as people write it.

@@ -227,7 +227,6 @@ impl BuildInputs {
         self.read.iter().map(|(_, hash)| hash.as_str())
     }
 
-    /// Whether all inputs are unchanged.
     fn holds(&self) -> bool {
         let same = |(path, was): &(PathBuf, String)| files::read(path).is_ok_and(|bytes| hash([&bytes[..]]) == *was);
         self.read.iter().all(same) && !self.absent.iter().any(|path| path.exists())

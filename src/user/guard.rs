@@ -183,7 +183,6 @@ unsafe extern "C" {
     fn __sigaction(signal: c_int, new: *const libc::sigaction, old: *mut libc::sigaction) -> c_int;
 }
 
-/// Current action of a signal.
 fn action(signal: c_int) -> libc::sigaction {
     // SAFETY: zeros are an action; it is asked for, not changed.
     unsafe {

@@ -229,7 +229,6 @@ impl Contact {
         sum
     }
 
-    /// How many keys a pair has.
     pub(super) fn keys_of(&self, pair: &Pair) -> u32 {
         keys(&self.curves, &self.analyticals, pair)
     }

@@ -2,6 +2,7 @@
 //! what of them comes and goes as elements are deleted.
 //! Never here: which facets meet, what acts where they do.
 
+use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Archive, Persist, persist_struct};
 
@@ -107,9 +108,7 @@ impl Curve {
     /// A curve of facets between points at `places`, which lie on the axis where r is zero. Those of the facets from `bare` on are
     /// hidden at the start.
     pub fn new(facets: Vec<[u32; 2]>, depth: Vec<f64>, bare: usize, places: &[[f64; 2]]) -> Curve {
-        let mut own: Vec<u32> = facets.iter().flatten().copied().collect();
-        own.sort_unstable();
-        own.dedup();
+        let own: Vec<u32> = sorted_unique(facets.iter().flatten().copied());
         let mut around = vec![Vec::new(); own.len()];
         for (k, facet) in facets.iter().enumerate() {
             for (end, point) in facet.iter().enumerate() {
@@ -221,7 +220,6 @@ impl Curve {
         }
     }
 
-    /// The facet from one point to another.
     fn facet(&self, from: u32, to: u32) -> Option<usize> {
         let at = self.own.binary_search(&from).ok()?;
         let found = self.around[at].iter().find(|(k, end)| *end == 0 && self.facets[*k as usize][1] == to);

@@ -9,6 +9,7 @@
 //! Zavarise and De Lorenzis 2009, Int. J. Numer. Meth. Engng 79, 379).
 
 use super::curve::{Beyond, Curve, Shape};
+use crate::kernel::lists::heap_bytes;
 
 /// The share of one point in the gaps of both points of a facet.
 #[derive(Clone, Copy, Debug)]
@@ -120,7 +121,6 @@ impl Gaps {
         seen
     }
 
-    /// The shares of what was seen.
     #[inline]
     pub fn shares_of(&self, seen: &Seen) -> &[Share] {
         &self.shares[seen.shares[0] as usize..seen.shares[1] as usize]
@@ -275,9 +275,7 @@ impl Gaps {
     }
 
     pub fn bytes(&self) -> usize {
-        size_of::<Share>() * self.shares.capacity()
-            + size_of::<Facing>() * self.facing.capacity()
-            + size_of::<f64>() * self.cuts.capacity()
+        heap_bytes(&self.shares) + heap_bytes(&self.facing) + heap_bytes(&self.cuts)
     }
 }
 

@@ -10,6 +10,7 @@ use super::curve::{Carrier, Point};
 use super::sweeps::{Row, Rows, Term};
 use crate::constraint::HeatExchange;
 use crate::kernel::interaction::Law;
+use crate::kernel::lists::heap_bytes;
 use crate::state::archive::persist_struct;
 
 /// No point.
@@ -114,9 +115,9 @@ impl Crossing {
 
     pub(super) fn bytes(&self) -> usize {
         size_of::<u32>() * (self.nodes.capacity() + self.point_of.capacity())
-            + size_of::<Passing>() * self.rows.capacity()
-            + size_of::<(u32, f64)>() * self.terms.capacity()
-            + size_of::<f64>() * self.most.capacity()
+            + heap_bytes(&self.rows)
+            + heap_bytes(&self.terms)
+            + heap_bytes(&self.most)
     }
 }
 

@@ -30,6 +30,7 @@ use self::shown::Shown;
 use self::sweeps::{Given, Motion, NONE, Row, Rows, Span};
 use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, HeatExchange, StoredConstraint};
 use crate::kernel::interaction::Law;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, persist_struct};
@@ -472,7 +473,6 @@ impl Contact {
         energies.friction -= work[1];
     }
 
-    /// Work of penalty springs in the increment.
     fn work_of_springs(&self) -> f64 {
         let Some(first) = self.springs else { return 0.0 };
         let own = self.rows.rows.iter().filter(|row| row.law >= first && row.pressed > 0.0);
@@ -645,7 +645,7 @@ impl StoredConstraint for Contact {
     }
 
     fn bytes(&self) -> usize {
-        let of_pair = |p: &Pair| p.search.bytes() + size_of::<Seen>() * p.seen.capacity() + size_of::<Pair>();
+        let of_pair = |p: &Pair| p.search.bytes() + heap_bytes(&p.seen) + size_of::<Pair>();
         self.pairs.iter().map(of_pair).sum::<usize>()
             + self.curves.iter().map(Curve::bytes).sum::<usize>()
             + self.gaps.bytes()

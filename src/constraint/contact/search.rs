@@ -2,6 +2,7 @@
 //! Never here: gaps.
 
 use super::curve::Curve;
+use crate::kernel::lists::heap_bytes;
 
 /// Part of the pair's length of facets that is the reach of contact: points further from the other surface are out of it.
 const REACH: f64 = 0.5;
@@ -146,7 +147,7 @@ impl Search {
 
     pub fn bytes(&self) -> usize {
         [&self.facets, &self.orphans, &self.others].iter().map(|l| l.bytes()).sum::<usize>()
-            + size_of::<(f64, u32)>() * self.order.order.capacity()
+            + heap_bytes(&self.order.order)
     }
 }
 

@@ -4,6 +4,7 @@
 use super::curve::{Carrier, Point};
 use super::{Contact, Pair};
 use crate::constraint::ContactResults;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::persist_struct;
 use crate::variables::{Part, Variable};
@@ -61,8 +62,8 @@ impl Shown {
 
     pub(super) fn bytes(&self) -> usize {
         size_of::<f64>() * (self.opening.capacity() + self.slip.capacity())
-            + size_of::<(usize, u32)>() * self.by_node.capacity()
-            + size_of::<(Carrier, u32)>() * self.on_bodies.capacity()
+            + heap_bytes(&self.by_node)
+            + heap_bytes(&self.on_bodies)
     }
 }
 

@@ -6,6 +6,7 @@
 use super::direct::Direct;
 use super::light::Light;
 use crate::kernel::interaction::{Law, Overclosure};
+use crate::kernel::lists::heap_bytes;
 
 /// The share of one degree of freedom in a gap, along the normal and along the surface.
 #[derive(Clone, Copy, Debug)]
@@ -356,9 +357,9 @@ impl Rows {
     }
 
     pub fn bytes(&self) -> usize {
-        let of_bodies = size_of::<u32>() * self.bodies.capacity() + size_of::<Light>() * self.light.capacity();
-        let of_rows = size_of::<Term>() * self.terms.capacity() + size_of::<Row>() * self.rows.capacity();
-        of_rows + of_bodies + size_of::<u32>() * self.slots.capacity() + self.direct.bytes()
+        let of_bodies = heap_bytes(&self.bodies) + heap_bytes(&self.light);
+        let of_rows = heap_bytes(&self.terms) + heap_bytes(&self.rows);
+        of_rows + of_bodies + heap_bytes(&self.slots) + self.direct.bytes()
     }
 }
 

@@ -3,7 +3,14 @@
 
 use super::row;
 use crate::deck::keywords::Keyword;
-use crate::deck::value::{INTEGER, POSITIVE, variant, word};
+use crate::deck::value::{COUNT, INTEGER, NUMBER, POSITIVE, Value, ZERO, variant, word};
+
+/// A number that must be there.
+const GIVEN: Value = NUMBER.required();
+/// A number of elements, rows or layers.
+const ONE: Value = COUNT.or(1.0);
+/// An increment of labels.
+const STEP: Value = INTEGER.or(1.0);
 
 /// The rows.
 pub const CARDS: &[Keyword] = &[
@@ -63,9 +70,10 @@ pub const CARDS: &[Keyword] = &[
         "POLE" refused "of infinite elements",
     }, [
         (when "SHIFT" = "" lines
-            ["translation along r", "translation along z", "third translation" only ["0"] "an axisymmetric model lies in the r-z plane"]
-            ["r of the first point", "z of the first point", "third coordinate of the first point",
-             "r of the second point", "z of the second point", "third coordinate of the second point", "angle in degrees"]),
+            ["translation along r" (ZERO), "translation along z" (ZERO), "third translation" only ["0"] "an axisymmetric model lies in the r-z plane"]
+            ["r of the first point" (GIVEN), "z of the first point" (GIVEN), "third coordinate of the first point" (GIVEN),
+             "r of the second point" (GIVEN), "z of the second point" (GIVEN), "third coordinate of the second point" (GIVEN),
+             "angle in degrees" (GIVEN)]),
         (lines
             ["r of a", "z of a", "third coordinate of a", "r of b", "z of b", "third coordinate of b"]
             ["r of c", "z of c", "third coordinate of c"]),
@@ -115,9 +123,10 @@ pub const CARDS: &[Keyword] = &[
         "ELSET" read "Element set to put them in",
         "ALL NODES" inert "the numbers of all nodes are incremented anyway: the elements here have none that is left out",
     }, [(rows [
-        "master element", "elements in a row", "node increment", "element increment",
-        "rows", "node increment of rows", "element increment of rows",
-        "layers", "node increment of layers", "element increment of layers",
+        "master element" (INTEGER.required()),
+        "elements in a row" (ONE), "node increment" (STEP), "element increment" (STEP),
+        "rows" (ONE), "node increment of rows" (STEP), "element increment of rows" (STEP),
+        "layers" (ONE), "node increment of layers" (STEP), "element increment of layers" (STEP),
     ])]),
     row!("ELCOPY", "Copies elements to other numbers and nodes", (), {
         "OLD SET" read "Elements to copy",
@@ -189,9 +198,10 @@ pub const CARDS: &[Keyword] = &[
     } refused {
         "states of another job are not imported": "LIBRARY", "INSTANCE";
     }, [(lines
-        ["translation along r", "translation along z", "third translation" only ["0"] "an axisymmetric model lies in the r-z plane"]
-        ["r of the first point", "z of the first point", "third coordinate of the first point",
-         "r of the second point", "z of the second point", "third coordinate of the second point", "angle in degrees"])]),
+        ["translation along r" (ZERO), "translation along z" (ZERO), "third translation" only ["0"] "an axisymmetric model lies in the r-z plane"]
+        ["r of the first point" (GIVEN), "z of the first point" (GIVEN), "third coordinate of the first point" (GIVEN),
+         "r of the second point" (GIVEN), "z of the second point" (GIVEN), "third coordinate of the second point" (GIVEN),
+         "angle in degrees" (GIVEN)])]),
     row!("END INSTANCE", "Ends an instance", (), {}, []),
     row!(extension "MESH", "Reads nodes and elements from a mesh file: of VTK, of Gmsh (.msh) or a deck's mesh (.inp)", (), {
         "INPUT" read "File, relative to the deck",

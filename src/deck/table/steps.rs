@@ -1,7 +1,7 @@
 //! Cards of steps: procedure, increments, mass scaling, and amplitudes.
 //! Never here: loads and prescribed motions.
 
-use super::{card, row};
+use super::{card, row, rules};
 use crate::deck::keywords::Keyword;
 use crate::deck::value::{COUNT, INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEXT, ZERO, variant, word};
 
@@ -34,27 +34,21 @@ card!(Dynamic: "DYNAMIC", "Explicit dynamics", (once step), {
     ]),
 ]);
 
-card!(CoupledDynamic: "DYNAMIC TEMPERATURE-DISPLACEMENT", "Explicit dynamics with conduction of heat", (once step), {
-    explicit: bool = "EXPLICIT" read "Must be there",
-    element_by_element: bool = "ELEMENT BY ELEMENT" read "Stable increment element by element",
-    "GLOBAL" inert "the default",
-    "FIXED TIME INCREMENTATION" refused "give DIRECT USER CONTROL",
-    direct: bool = "DIRECT USER CONTROL" read "The increment is given on the data line",
-    scale_factor: f64 = "SCALE FACTOR" (POSITIVE.or(1.0)) "Factor on the stable increment",
-    "IMPROVED DT METHOD" inert "of three-dimensional elements",
-}, times: [f64; 4] = [
-    (when "DIRECT USER CONTROL" = "" lines [
-        "increment" (POSITIVE.required()), "length of the step" (POSITIVE.required()),
-        "third field" only ["0"] "the manual leaves it empty",
-        "largest of given increments" only ["0"] "the increment is given",
-    ]),
-    (lines [
-        "first field" only ["0"] "the increment is automatic: leave it empty, or give DIRECT USER CONTROL",
-        "length of the step" (POSITIVE.required()),
-        "third field" only ["0"] "the manual leaves it empty",
-        "largest increment" (NOT_NEGATIVE.or(0.0)),
-    ]),
-]);
+/// `*DYNAMIC TEMPERATURE-DISPLACEMENT`, which is read as [`Dynamic`] and has its data lines.
+const COUPLED_DYNAMIC: Keyword = Keyword {
+    name: "DYNAMIC TEMPERATURE-DISPLACEMENT",
+    summary: "Explicit dynamics with conduction of heat",
+    parameters: rules!(
+        "EXPLICIT" read "Must be there",
+        "ELEMENT BY ELEMENT" read "Stable increment element by element",
+        "GLOBAL" inert "the default",
+        "FIXED TIME INCREMENTATION" refused "give DIRECT USER CONTROL",
+        "DIRECT USER CONTROL" read "The increment is given on the data line",
+        "SCALE FACTOR" (POSITIVE.or(1.0)) "Factor on the stable increment",
+        "IMPROVED DT METHOD" inert "of three-dimensional elements",
+    ),
+    ..Dynamic::ROW
+};
 
 card!(BulkViscosity: "BULK VISCOSITY", "Linear and quadratic bulk viscosity", (once step), {}, factors: [f64; 2] = [
     (lines ["linear factor" (NUMBER.or(0.06)), "quadratic factor" (NUMBER.or(1.2))]),
@@ -105,22 +99,6 @@ card!(Amplitude: "AMPLITUDE", "A function of time", (unique "NAME"), {
     (stream ["time" (NUMBER), "value" (NUMBER)]),
 ]);
 
-impl From<CoupledDynamic> for Dynamic {
-    fn from(card: CoupledDynamic) -> Dynamic {
-        Dynamic {
-            explicit: card.explicit,
-            adiabatic: false,
-            element_by_element: card.element_by_element,
-            global: false,
-            direct: card.direct,
-            scale_factor: card.scale_factor,
-            accuracy: 1e-4,
-            lagged: false,
-            times: card.times,
-        }
-    }
-}
-
 /// The rows.
 pub const CARDS: &[Keyword] = &[
     Amplitude::ROW,
@@ -139,7 +117,7 @@ pub const CARDS: &[Keyword] = &[
     }, [(text "subtitle" inert "for people")]),
     row!("END STEP", "Ends a step", (), {}, []),
     Dynamic::ROW,
-    CoupledDynamic::ROW,
+    COUPLED_DYNAMIC,
     BulkViscosity::ROW,
     EnergyLimit::ROW,
     FixedMassScaling::ROW,

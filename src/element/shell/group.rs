@@ -98,7 +98,6 @@ impl Shells {
         }
     }
 
-    /// The frame of an element now.
     fn frame(&self, element: usize, nodes: &[Node]) -> Frame {
         frame(&self.ends[element], nodes)
     }
@@ -107,7 +106,6 @@ impl Shells {
         self.deleted.get(element) == Some(&true)
     }
 
-    /// Index of a point of an element.
     fn point(&self, element: usize, side: Side) -> usize {
         let count = self.section.points.len();
         let point = match side {

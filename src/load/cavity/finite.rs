@@ -4,6 +4,7 @@
 
 use crate::kernel::facet::Facet;
 use crate::kernel::free_surface::FiniteSphere;
+use crate::kernel::lists::heap_bytes;
 
 /// Bounds of a stack.
 #[derive(Clone, Debug)]
@@ -86,6 +87,6 @@ impl Finite {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of::<Bounds>() * self.layers.capacity()
+        heap_bytes(&self.layers)
     }
 }

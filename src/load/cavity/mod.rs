@@ -19,6 +19,7 @@ use super::{
     Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, Penetration, SceneChange, SceneView, Targets,
     VelocityUse,
 };
+use crate::kernel::lists::heap_bytes;
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{Patch, Surface};
 use crate::state::EffectId;
@@ -194,9 +195,8 @@ impl LoadOutput for CavityExpansion {
     }
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let noses = self.noses.iter().map(Nose::bytes).sum::<usize>() + size_of::<Nose>() * self.noses.capacity();
-        let oblique =
-            self.oblique.iter().map(Oblique::bytes).sum::<usize>() + size_of::<Oblique>() * self.oblique.capacity();
+        let noses = self.noses.iter().map(Nose::bytes).sum::<usize>() + heap_bytes(&self.noses);
+        let oblique = self.oblique.iter().map(Oblique::bytes).sum::<usize>() + heap_bytes(&self.oblique);
         vec![("facets", noses + self.skin.bytes()), ("rings", oblique), ("layers", self.stack.bytes())]
     }
 }

@@ -7,6 +7,7 @@ use super::shadow;
 use super::stack::{Stack, is_level};
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
+use crate::kernel::lists::heap_bytes;
 use crate::load::fields::FacetFields;
 use crate::load::{Penetration, PenetrationOutcome};
 use crate::mesh::surface::Patch;
@@ -219,11 +220,11 @@ impl Nose {
 
     pub(super) fn bytes(&self) -> usize {
         let front = |f: &Front| {
-            size_of::<Facet>() * f.facets.capacity()
+            heap_bytes(&f.facets)
                 + size_of::<usize>() * (f.elements.capacity() + f.inwards.capacity())
-                + size_of::<f64>() * f.levels.capacity()
+                + heap_bytes(&f.levels)
         };
-        self.fronts.iter().map(front).sum::<usize>() + size_of::<usize>() * self.idle.capacity()
+        self.fronts.iter().map(front).sum::<usize>() + heap_bytes(&self.idle)
     }
 
     fn front(&self, direction: f64) -> &Front {

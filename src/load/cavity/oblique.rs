@@ -4,6 +4,7 @@
 use super::rings::{Rings, Scene};
 use super::stack::Stack;
 use crate::kernel::attitude::{Vector, dot, norm};
+use crate::kernel::lists::heap_bytes;
 use crate::load::fields::FacetFields;
 use crate::load::{MotionAtEnd, Penetration, PenetrationOutcome};
 use crate::mesh::surface::Patch;
@@ -196,7 +197,7 @@ impl Oblique {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.rings.bytes() + size_of::<usize>() * self.elements.capacity()
+        self.rings.bytes() + heap_bytes(&self.elements)
     }
 }
 

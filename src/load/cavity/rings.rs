@@ -13,6 +13,7 @@ use super::stack::Stack;
 use crate::kernel::attitude::{Vector, dot};
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
+use crate::kernel::lists::heap_bytes;
 use crate::load::stations::centroid;
 use crate::state::rigid_body_3d::Wrench;
 
@@ -84,7 +85,7 @@ impl Stations {
     }
 
     pub fn bytes(&self) -> usize {
-        7 * size_of::<Lane>() * self.weight.capacity()
+        7 * heap_bytes(&self.weight)
     }
 }
 
@@ -202,7 +203,7 @@ impl Rings {
     }
 
     pub fn bytes(&self) -> usize {
-        size_of::<Ring>() * self.rings.capacity() + self.stations.bytes()
+        heap_bytes(&self.rings) + self.stations.bytes()
     }
 }
 

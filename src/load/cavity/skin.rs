@@ -4,6 +4,7 @@
 use super::stack::{Stack, is_level};
 use super::tunnel::Tunnel;
 use crate::kernel::facet::Facet;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::load::fields::FacetFields;
 use crate::load::pressure::on_solid;
@@ -124,7 +125,7 @@ impl Resisted {
 
     pub(super) fn bytes(&self) -> usize {
         let tunnel = self.tunnel.as_ref().map_or(0, Tunnel::bytes);
-        self.skin.bytes() + size_of::<[Pair; 2]>() * self.forces.capacity() + tunnel
+        self.skin.bytes() + heap_bytes(&self.forces) + tunnel
     }
 }
 

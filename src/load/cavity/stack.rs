@@ -4,6 +4,7 @@
 use super::finite::Finite;
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
+use crate::kernel::lists::heap_bytes;
 
 /// A stack of layers between planes of constant z.
 #[derive(Clone, Debug)]
@@ -44,7 +45,6 @@ impl Stack {
         self.finite.as_ref().and_then(|finite| finite.shear_strength)
     }
 
-    /// Whether a layer is a gap.
     pub(super) fn is_gap(&self, layer: usize) -> bool {
         self.laws[layer] == Resistance::NONE
     }
@@ -96,9 +96,9 @@ impl Stack {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of::<f64>() * self.planes.capacity()
-            + size_of::<Resistance>() * self.laws.capacity()
-            + size_of::<usize>() * self.numbers.capacity()
+        heap_bytes(&self.planes)
+            + heap_bytes(&self.laws)
+            + heap_bytes(&self.numbers)
             + self.finite.as_ref().map_or(0, Finite::bytes)
     }
 }

@@ -1,6 +1,7 @@
 //! The tunnel behind the nose of what deforms: how far its wall has been pushed, by place along z.
 //! Never here: what acts on what meets the wall.
 
+use crate::kernel::lists::heap_bytes;
 use crate::mesh::surface::Face;
 use crate::state::archive::persist_struct;
 
@@ -70,7 +71,7 @@ impl Tunnel {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of::<Slice>() * self.slices.capacity()
+        heap_bytes(&self.slices)
     }
 }
 

@@ -9,6 +9,7 @@ use std::any::Any;
 use super::{
     Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneChange, SceneView, Targets, VelocityUse,
 };
+use crate::kernel::lists::heap_bytes;
 use crate::load::fields::FacetFields;
 use crate::load::stations::stations;
 use crate::load::stiffness::Stiffness;
@@ -211,8 +212,8 @@ impl LoadOutput for UserLoad {
     }
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let mut arrays = vec![("points", size_of::<Block>() * self.blocks.capacity() + self.load.magnitude.bytes())];
-        arrays[0].1 += self.hidden.bytes() + size_of::<[f64; 2]>() * self.middles.capacity();
+        let mut arrays = vec![("points", heap_bytes(&self.blocks) + self.load.magnitude.bytes())];
+        arrays[0].1 += self.hidden.bytes() + heap_bytes(&self.middles);
         for block in &self.blocks {
             arrays[0].1 += block.map.bytes();
             for (name, bytes) in block.arrays() {

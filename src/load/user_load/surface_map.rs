@@ -4,6 +4,7 @@
 use super::Description;
 use super::surface_view::SurfaceView;
 use crate::kernel::facet::Facet;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad::{corner_masses, section};
 use crate::load::SceneView;
 use crate::load::fields::FacetFields;
@@ -45,14 +46,14 @@ pub(super) enum SurfaceMap {
 
 impl SurfaceMap {
     pub(super) fn bytes(&self) -> usize {
-        let places = |list: &Vec<[f64; 2]>| size_of::<[f64; 2]>() * list.capacity();
+        let places = |list: &Vec<[f64; 2]>| heap_bytes(&list);
         match self {
             SurfaceMap::Body { weight, z_start, elements, .. } => {
                 8 * (weight.capacity() + z_start.capacity() + elements.capacity())
             }
-            SurfaceMap::Stations { stations, .. } => size_of::<Station>() * stations.capacity(),
+            SurfaceMap::Stations { stations, .. } => heap_bytes(&stations),
             SurfaceMap::Faces { skin, start, watch } => skin.bytes() + places(start) + watch.bytes(),
-            SurfaceMap::Elements { corners, start, .. } => size_of::<[u32; 4]>() * corners.capacity() + places(start),
+            SurfaceMap::Elements { corners, start, .. } => heap_bytes(&corners) + places(start),
         }
     }
 }
@@ -95,7 +96,6 @@ impl Block {
         Block { map, view, pressure_before }
     }
 
-    /// Stations of a rigid body in space.
     pub(super) fn of_stations(slot: usize, body: usize, stations: &[Station]) -> Block {
         let map = SurfaceMap::Stations { slot, body, stations: stations.to_vec() };
         let pressure_before = (0..=MAX_BLOCK).map(|i| if i < stations.len() { 0.0 } else { f64::NAN }).collect();

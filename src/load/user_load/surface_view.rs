@@ -2,6 +2,7 @@
 //! Never here: what the points lie on, how the routine was made or loaded.
 
 use super::Description;
+use crate::kernel::lists::heap_bytes;
 use crate::state::Instant;
 use crate::state::archive::persist_struct;
 use crate::state::halt::Halt;
@@ -88,7 +89,7 @@ impl SurfaceView {
 
     /// Names and bytes of the arrays.
     pub(super) fn arrays(&self) -> [(&'static str, usize); 4] {
-        let bytes = |list: &Vec<f64>| size_of::<f64>() * list.capacity();
+        let bytes = |list: &Vec<f64>| heap_bytes(&list);
         let normals = bytes(&self.normal_r) + bytes(&self.normal_z);
         [
             ("curCoords", bytes(&self.coordinates)),

@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 
 use crate::deck::Span;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::Topology;
 use crate::model::element_nodes::ElementNodes;
 use crate::model::name::Name;
@@ -25,19 +26,17 @@ impl Mesh {
         let names: usize = self.node_names.iter().map(Name::bytes_elsewhere).sum();
         let element = |e: &Element| e.name.bytes_elsewhere() + e.nodes.bytes_elsewhere();
         names
-            + size_of::<Name>() * self.node_names.capacity()
-            + size_of::<[f64; 2]>() * self.points.capacity()
-            + size_of::<Element>() * self.elements.capacity()
+            + heap_bytes(&self.node_names)
+            + heap_bytes(&self.points)
+            + heap_bytes(&self.elements)
             + self.elements.iter().map(element).sum::<usize>()
     }
 
-    /// Makes room for so many nodes more.
     pub(in crate::model) fn room_for_nodes(&mut self, more: usize) {
         self.points.reserve(more);
         self.node_names.reserve(more);
     }
 
-    /// Makes room for so many elements more.
     pub(in crate::model) fn room_for_elements(&mut self, more: usize) {
         self.elements.reserve(more);
     }

@@ -1,6 +1,7 @@
 //! A body that deforms made rigid.
 
 use super::Ablation;
+use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
 use crate::model::{InitialCondition, InitialKind, LoadKind, Model, PointMass, RigidBody};
 
@@ -37,9 +38,7 @@ fn velocity(model: &Model) -> Option<f64> {
 
 fn body_nodes(model: &Model) -> Vec<usize> {
     let elements = model.sections.iter().flat_map(|s| &s.elements);
-    let mut nodes: Vec<usize> = elements.flat_map(|&e| model.mesh.elements[e].nodes.iter().copied()).collect();
-    nodes.sort_unstable();
-    nodes.dedup();
+    let nodes: Vec<usize> = sorted_unique(elements.flat_map(|&e| model.mesh.elements[e].nodes.iter().copied()));
     nodes
 }
 
