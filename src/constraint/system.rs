@@ -273,7 +273,7 @@ impl System {
     }
 
     pub fn bytes(&self) -> usize {
-        let rows: usize = self.rows.iter().map(|r| size_of_val(r) + heap_bytes(&r)).sum();
+        let rows: usize = self.rows.iter().map(|r| size_of_val(r) + heap_bytes(r)).sum();
         let factor: usize = self.factor.iter().map(|r| size_of_val(r) + 8 * r.values.capacity()).sum();
         let members: usize = self.freedoms.iter().map(|f| heap_bytes(&f.members)).sum();
         let own = heap_bytes(&self.freedoms) + self.spare.capacity();

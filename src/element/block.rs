@@ -484,13 +484,13 @@ impl<T: Real> Workspace<T> {
 
     pub(super) fn bytes(&self) -> usize {
         let TaskState { hourglass, enhanced, viscous, subzones, records, eroded, own_rates } = &self.task;
-        heap_bytes(&hourglass)
-            + heap_bytes(&enhanced)
-            + heap_bytes(&viscous)
-            + heap_bytes(&subzones)
-            + heap_bytes(&records)
-            + heap_bytes(&eroded)
-            + heap_bytes(&own_rates)
+        heap_bytes(hourglass)
+            + heap_bytes(enhanced)
+            + heap_bytes(viscous)
+            + heap_bytes(subzones)
+            + heap_bytes(records)
+            + heap_bytes(eroded)
+            + heap_bytes(own_rates)
     }
 
     /// Makes room for elements of so many blocks that are deleted from outside, and for their rates where they are kept.

@@ -163,7 +163,7 @@ impl Connectors {
 
     pub fn bytes(&self) -> usize {
         let table = |c: &Connector| match &c.law {
-            Law::Table(rows) | Law::DashpotTable(rows) => heap_bytes(&rows),
+            Law::Table(rows) | Law::DashpotTable(rows) => heap_bytes(rows),
             _ => 0,
         };
         heap_bytes(&self.list) + self.list.iter().map(table).sum::<usize>() + heap_bytes(&self.sums)

@@ -69,7 +69,7 @@ impl ActiveNodes {
     }
 
     pub fn bytes(&self) -> usize {
-        let touching: usize = self.touching.iter().map(|l| size_of_val(l) + heap_bytes(&l)).sum();
+        let touching: usize = self.touching.iter().map(|l| size_of_val(l) + heap_bytes(l)).sum();
         touching + self.awake.capacity()
     }
 

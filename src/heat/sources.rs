@@ -101,7 +101,7 @@ impl Source {
     pub(super) fn bytes(&self) -> usize {
         self.magnitude.bytes()
             + match &self.kind {
-                Kind::Nodes(list) | Kind::Volumes(list) => heap_bytes(&list),
+                Kind::Nodes(list) | Kind::Volumes(list) => heap_bytes(list),
                 Kind::Faces(skin) | Kind::Film(skin, _) => skin.bytes(),
             }
     }

@@ -68,8 +68,8 @@ impl CornerForces {
     /// Bytes of them.
     pub fn bytes(&self) -> usize {
         match self {
-            CornerForces::Double(list) => heap_bytes(&list),
-            CornerForces::Single(list) => heap_bytes(&list),
+            CornerForces::Double(list) => heap_bytes(list),
+            CornerForces::Single(list) => heap_bytes(list),
         }
     }
 }

@@ -142,7 +142,7 @@ impl<'a> Builder<'a> {
             controls_used: Vec::new(),
             coupling: None,
             interactions_used: Vec::new(),
-            clearances: super::clearance::named_clearances(deck),
+            clearances: super::named_clearances::named_clearances(deck),
             rotational: Vec::new(),
             #[cfg(feature = "resistance")]
             derivations: Vec::new(),

@@ -27,7 +27,7 @@ impl ElementNodes {
     pub(super) fn bytes_elsewhere(&self) -> usize {
         match &self.0 {
             Held::Few(..) => 0,
-            Held::Many(list) => heap_bytes(&list),
+            Held::Many(list) => heap_bytes(list),
         }
     }
 }

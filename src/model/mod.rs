@@ -53,6 +53,7 @@ mod materials;
 pub(crate) mod mesh_data;
 mod mesh_file;
 mod name;
+mod named_clearances;
 mod names;
 mod nodes;
 mod order;

@@ -28,8 +28,8 @@ impl Labels {
 
     pub(super) fn bytes(&self) -> usize {
         let sets = |list: &Vec<(String, Vec<u32>)>| {
-            let of = |(name, members): &(String, Vec<u32>)| name.capacity() + heap_bytes(&members);
-            heap_bytes(&list) + list.iter().map(of).sum::<usize>()
+            let of = |(name, members): &(String, Vec<u32>)| name.capacity() + heap_bytes(members);
+            heap_bytes(list) + list.iter().map(of).sum::<usize>()
         };
         heap_bytes(&self.materials) + sets(&self.node_sets) + sets(&self.element_sets)
     }

@@ -46,14 +46,14 @@ pub(super) enum SurfaceMap {
 
 impl SurfaceMap {
     pub(super) fn bytes(&self) -> usize {
-        let places = |list: &Vec<[f64; 2]>| heap_bytes(&list);
+        let places = |list: &Vec<[f64; 2]>| heap_bytes(list);
         match self {
             SurfaceMap::Body { weight, z_start, elements, .. } => {
                 8 * (weight.capacity() + z_start.capacity() + elements.capacity())
             }
-            SurfaceMap::Stations { stations, .. } => heap_bytes(&stations),
+            SurfaceMap::Stations { stations, .. } => heap_bytes(stations),
             SurfaceMap::Faces { skin, start, watch } => skin.bytes() + places(start) + watch.bytes(),
-            SurfaceMap::Elements { corners, start, .. } => heap_bytes(&corners) + places(start),
+            SurfaceMap::Elements { corners, start, .. } => heap_bytes(corners) + places(start),
         }
     }
 }

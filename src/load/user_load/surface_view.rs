@@ -89,7 +89,7 @@ impl SurfaceView {
 
     /// Names and bytes of the arrays.
     pub(super) fn arrays(&self) -> [(&'static str, usize); 4] {
-        let bytes = |list: &Vec<f64>| heap_bytes(&list);
+        let bytes = |list: &Vec<f64>| heap_bytes(list);
         let normals = bytes(&self.normal_r) + bytes(&self.normal_z);
         [
             ("curCoords", bytes(&self.coordinates)),
