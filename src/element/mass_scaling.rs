@@ -131,7 +131,7 @@ impl Masses {
 
     pub fn bytes(&self) -> usize {
         let of = |lists: &Vec<Vec<f64>>| lists.iter().map(|l| 8 * l.capacity()).sum::<usize>();
-        let elements: usize = self.elements.iter().map(|l| heap_bytes(l)).sum();
+        let elements: usize = self.elements.iter().map(heap_bytes).sum();
         of(&self.fixed)
             + of(&self.factors)
             + of(&self.carried)

@@ -74,7 +74,7 @@ impl Expansion {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.strains.iter().chain(&self.room).map(|list| heap_bytes(list)).sum()
+        self.strains.iter().chain(&self.room).map(heap_bytes).sum()
     }
 }
 

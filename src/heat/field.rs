@@ -378,7 +378,7 @@ impl Heat {
     pub fn bytes(&self) -> usize {
         let Heat { masses, capacity, temperature, power, exchange, aims, corners, means, warmed, largest, .. } = self;
         let singles = [capacity, temperature, power, exchange, aims, means, warmed];
-        let singles = singles.into_iter().chain(masses).map(|list| heap_bytes(list)).sum::<usize>();
+        let singles = singles.into_iter().chain(masses).map(heap_bytes).sum::<usize>();
         let conditions = self.steps.iter().flatten().chain([&self.now]);
         let sources: usize = conditions.clone().flat_map(|s| &s.sources).map(|s| size_of_val(s) + s.bytes()).sum();
         let bonds: usize = conditions.clone().map(|s| s.bonds.bytes()).sum();
