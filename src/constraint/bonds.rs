@@ -379,7 +379,7 @@ mod tests {
             dofs.nodes.acceleration[n] = [0.0, f * dofs.nodes.inverse_mass[n]];
         }
         let mut kept = super::super::equation::Equations::new(0, bonds(equations, alike, mass).expect("kept"));
-        let clock = crate::state::magnitude::Clock { now: Default::default(), told: &[] };
+        let clock = crate::state::magnitude::Clock { now: Default::default(), user_amplitudes: &[] };
         crate::constraint::Constraint::accelerations(&mut kept, &mut dofs, &clock);
         dofs.nodes.acceleration.iter().map(|a| a[1]).collect()
     }

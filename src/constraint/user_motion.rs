@@ -17,10 +17,10 @@ pub struct UserMotion {
     /// Node set, upper case.
     pub set: String,
     pub kind: Prescribed,
-    /// Amplitude that the routine is told; it applies it itself.
+    /// Amplitude that the subroutine receives and applies itself.
     pub amplitude: Magnitude,
     pub asked: Vec<UserDof>,
-    /// Which of the told functions of time is that of the first.
+    /// Index of the first among the user amplitudes.
     pub first: usize,
     pub increment_before: f64,
     /// Whether it has been asked before: what its displacements count from stays as it is.
@@ -48,11 +48,11 @@ impl UserMotion {
         increment: f64,
         dofs: &Dofs,
         reaction: &dyn Fn(Dof) -> f64,
-        told: &mut [SampledAmplitude],
+        user_amplitudes: &mut [SampledAmplitude],
         user: &mut Locked<'_>,
     ) -> Result<(), Halt> {
         let Some(routine) = user.motion.as_deref_mut() else { return Ok(()) };
-        let amplitude = self.amplitude.amplitude(&Clock { now: *arrival, told });
+        let amplitude = self.amplitude.amplitude(&Clock { now: *arrival, user_amplitudes });
         for (i, asked) in self.asked.iter_mut().enumerate() {
             let state_of = |dof| [dofs.displacement(dof), dofs.velocity(dof), dofs.acceleration(dof), reaction(dof)];
             let state = state_of(asked.dof);
@@ -85,7 +85,7 @@ impl UserMotion {
             let value = answer.map_err(|failure| failure.halt(&what(), arrival))?;
             // A displacement is the total one; the motion counts from where it began.
             let base = if self.kind == Prescribed::Displacement { asked.offset } else { 0.0 };
-            told[self.first + i].tell(arrival.total_time, value - base);
+            user_amplitudes[self.first + i].tell(arrival.total_time, value - base);
         }
         (self.increment_before, self.has_begun) = (increment, true);
         Ok(())

@@ -28,8 +28,8 @@ pub struct UserAmplitude {
     pub sensor_names: Vec<String>,
     pub sensors: Vec<Sensed>,
     pub sensor_values: Vec<f64>,
-    /// Which of the told functions of time it is.
-    pub told: usize,
+    /// Its index among the user amplitudes.
+    pub index: usize,
 }
 
 impl UserAmplitude {
@@ -42,7 +42,7 @@ impl UserAmplitude {
         arrival: &Instant,
         increment: f64,
         dofs: &Dofs,
-        told: &mut [SampledAmplitude],
+        user_amplitudes: &mut [SampledAmplitude],
         user: &mut Locked<'_>,
     ) -> Result<RunAction, Halt> {
         let Some(routine) = user.amplitude.as_deref_mut() else { return Ok(RunAction::Continue) };
@@ -58,7 +58,7 @@ impl UserAmplitude {
             now: *arrival,
             begins: increment == 0.0,
             increment,
-            old: told[self.told].last(),
+            old: user_amplitudes[self.index].last(),
             properties: &self.properties,
             variables: &mut self.variables,
             sensor_names: &self.sensor_names,
@@ -70,7 +70,7 @@ impl UserAmplitude {
         });
         let what = || format!("the user amplitude `{}`", self.name);
         let answer = answer.map_err(|failure| failure.halt(&what(), arrival))?;
-        told[self.told].tell(arrival.total_time, answer.value);
+        user_amplitudes[self.index].tell(arrival.total_time, answer.value);
         Ok(match (answer.stop, answer.conclude_step) {
             (true, _) => RunAction::EndAnalysis,
             (_, true) => RunAction::EndStep,
@@ -85,9 +85,9 @@ impl UserAmplitude {
     }
 }
 
-// Values of sensors are read anew before each question; what was told is the run's.
+// Values of sensors are read anew before each question; the values given belong to the run.
 persist_struct!(UserAmplitude {
     variables: fixed
 } derived {
-    id, name, properties, sensor_names, sensors, sensor_values, told
+    id, name, properties, sensor_names, sensors, sensor_values, index
 });

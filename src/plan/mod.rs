@@ -38,6 +38,7 @@ mod shells;
 mod soft_material;
 mod solid;
 mod solid_material;
+mod state;
 mod steps;
 mod surface_ties;
 mod surfaces;
@@ -52,15 +53,9 @@ use std::rc::Rc;
 
 use indexmap::IndexMap;
 
-use crate::constraint::Constraint;
 use crate::constraint::tie::Tie;
-use crate::constraint::user_motion::UserMotion;
 use crate::deck::{Diagnostic, Diagnostics, Span};
-use crate::element::elements::Elements;
-use crate::element::mass_scaling::Scaling;
-use crate::heat::Thermal;
 use crate::kernel::amplitude::SampledAmplitude;
-use crate::load::Load;
 use crate::load::user_amplitude::UserAmplitude;
 use crate::model::{
     AmplitudeId, EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity, Material, Mesh, Model,
@@ -71,13 +66,13 @@ pub use crate::state::dofs::{Dof, Dofs};
 use crate::user::Routines;
 pub use bodies::Body;
 pub use changes::Changes;
-use changes::ListChange;
 pub use expressions::RowExpression;
 pub use labels::Labels;
 use ledger::{Ledger, Unused};
 pub use outputs::{Column, FrameField, Outputs, Schedule, Section, Source};
 pub use places::Places;
 pub use solid::SolidPlaces;
+pub use state::State;
 
 /// What is to be run: every effect the deck asks for, and nothing else. It never changes: it runs as often as one likes, on
 /// several threads at once, each time from a [`State`].
@@ -125,40 +120,6 @@ pub struct Rows {
     pub gather: Option<EffectId>,
     /// Frames and histories.
     pub output: Option<EffectId>,
-}
-
-/// All that changes, at the start of a plan or at the end of a run.
-#[derive(Clone, Default)]
-pub struct State {
-    /// Degrees of freedom.
-    pub dofs: Dofs,
-    /// Elements.
-    pub elements: Elements,
-    /// Temperatures of nodes and thermal strains; `None` where temperatures change nothing.
-    pub thermal: Option<Box<Thermal>>,
-    /// Loads in force; those that resist come last.
-    pub loads: Vec<Box<dyn Load>>,
-    /// Constraints in force: prescribed motions, equations, contact, ties.
-    pub constraints: Vec<Box<dyn Constraint>>,
-    /// Mass scaling in force; `None` before a step asks for it.
-    pub scaling: Option<Scaling>,
-    /// User motions in force: asked once an increment.
-    pub user_motions: Vec<Box<UserMotion>>,
-    /// User amplitudes: asked once an increment, whatever the step.
-    pub amplitude_routines: Vec<UserAmplitude>,
-    /// Functions of time that the user's routines give.
-    pub user_amplitudes: Vec<SampledAmplitude>,
-}
-
-impl State {
-    /// Puts in force what the first step adds.
-    fn begin_with(&mut self, first: Changes) {
-        let Changes { loads, constraints, user_motions, scaling } = first;
-        self.loads = loads.map_or_else(Vec::new, ListChange::into_first);
-        self.constraints = constraints.map_or_else(Vec::new, ListChange::into_first);
-        self.user_motions = user_motions.map_or_else(Vec::new, ListChange::into_first);
-        self.scaling = scaling.flatten();
-    }
 }
 
 /// One step: how it goes, and what it changes of what is in force in the step before; the first changes nothing of the state at
@@ -217,8 +178,8 @@ struct Compiler<'a> {
     /// User amplitudes, and by the amplitude's index in the model which function of time each tells.
     amplitudes: Vec<UserAmplitude>,
     tellers: IndexMap<AmplitudeId, usize>,
-    /// How many functions of time are told.
-    told: usize,
+    /// Number of functions of time that user amplitudes and motions give.
+    user_amplitude_count: usize,
     /// Nodes that each rigid body carries.
     ties: Vec<Tie>,
     /// Surfaces that columns are integrals over.
@@ -267,7 +228,7 @@ fn compile_with(
         places: SolidPlaces::default(),
         amplitudes: Vec::new(),
         tellers: IndexMap::new(),
-        told: 0,
+        user_amplitude_count: 0,
         ties: Vec::new(),
         sections: Vec::new(),
         sets: Vec::new(),
@@ -311,10 +272,9 @@ fn compile_with(
     if !compiler.diagnostics.has_errors() {
         look(&compiler, &state);
     }
-    let Compiler { ledger, bodies, places, amplitudes, told, sections, sets, expressions, diagnostics: found, .. } =
-        compiler;
-    state.amplitude_routines = amplitudes;
-    state.user_amplitudes = vec![SampledAmplitude::default(); told];
+    state.user_amplitudes = vec![SampledAmplitude::default(); compiler.user_amplitude_count];
+    state.amplitude_routines = compiler.amplitudes;
+    let Compiler { ledger, bodies, places, sections, sets, expressions, diagnostics: found, .. } = compiler;
     let labels = Labels::of(model);
     diagnostics.append(found);
     // Notes on a plan that cannot run would only bury what is wrong with it.

@@ -138,8 +138,8 @@ impl<'a> Compiler<'a> {
             reference: mesh.points[node],
             offset: 0.0,
         };
-        let first = self.told;
-        self.told += dofs.len();
+        let first = self.user_amplitude_count;
+        self.user_amplitude_count += dofs.len();
         let (set, asked) = (boundary.set.to_uppercase(), dofs.iter().map(asked).collect());
         let amplitude = self.magnitude(1.0, boundary.amplitude);
         list.ask(UserMotion { set, kind, amplitude, asked, first, increment_before: 0.0, has_begun: false });

@@ -50,7 +50,7 @@ impl Reviser {
             && model.attitudes.is_empty()
             && !state.dofs.bodies.iter().any(BodyState::is_spatial)
             && compiler.pairs.iter().all(|pairs| pairs.is_empty())
-            && compiler.told == 0
+            && compiler.user_amplitude_count == 0
             && compiler.amplitudes.is_empty();
         rigid.then(|| Reviser {
             causes: compiler.causes.clone(),
@@ -79,7 +79,7 @@ impl Reviser {
             places: std::mem::take(&mut plan.places),
             amplitudes: Vec::new(),
             tellers: IndexMap::new(),
-            told: 0,
+            user_amplitude_count: 0,
             ties: std::mem::take(&mut self.ties),
             sections: Vec::new(),
             sets: Vec::new(),

@@ -47,20 +47,20 @@ impl Compiler<'_> {
         }
     }
 
-    /// Which function of time a user amplitude tells; its routine is asked once an increment, however many loads it scales.
+    /// Index of a user amplitude; its subroutine is called once an increment, whatever the number of loads it scales.
     pub(super) fn user_amplitude(&mut self, id: AmplitudeId) -> usize {
-        if let Some(&told) = self.tellers.get(&id) {
-            return told;
+        if let Some(&index) = self.tellers.get(&id) {
+            return index;
         }
-        let told = self.told;
-        self.told += 1;
-        self.tellers.insert(id, told);
+        let index = self.user_amplitude_count;
+        self.user_amplitude_count += 1;
+        self.tellers.insert(id, index);
         let amplitude = &self.model.amplitudes[id];
-        let AmplitudeDefinition::User { properties, variables } = &amplitude.definition else { return told };
+        let AmplitudeDefinition::User { properties, variables } = &amplitude.definition else { return index };
         if self.routines.amplitude.is_none() {
             let asks = format!("the amplitude `{}` is the user's", amplitude.name);
             self.no_routine(amplitude.span, "amplitude", &asks, "vuamp");
-            return told;
+            return index;
         }
         self.called.push("vuamp");
         let (sensor_names, sensors): (Vec<_>, Vec<_>) = self.sensors().into_iter().unzip();
@@ -74,9 +74,9 @@ impl Compiler<'_> {
             sensor_values: vec![0.0; sensors.len()],
             sensor_names,
             sensors,
-            told,
+            index,
         });
-        told
+        index
     }
 
     /// The sensors of all steps: `*OUTPUT, HISTORY, SENSOR, NAME=` with one variable on one node.
@@ -118,7 +118,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// The row of the routine that is told how the analysis goes.
+    /// Adds the ledger row of the subroutine that is called at the moments of the analysis.
     pub(super) fn events_row(&mut self) {
         if self.routines.events.is_some() {
             self.ledger.add("user events", 1, "routine", "--user".into(), "vexternaldb".into());

@@ -56,22 +56,23 @@ pub(super) struct Surfaces {
 impl Run<'_> {
     /// A value at a node (of the mesh) of a body that moves in space; `None` of others.
     pub(super) fn value_in_space(&self, body: usize, node: usize, part: Part) -> Option<f64> {
-        value(&self.dofs.bodies[body], self.plan.mesh.points[node], 0.0, part)
+        value(&self.state.dofs.bodies[body], self.plan.mesh.points[node], 0.0, part)
     }
 
     pub(super) fn point_value(&self, point: &Point, part: Part) -> f64 {
-        value(&self.dofs.bodies[point.body], self.plan.mesh.points[point.node], point.around, part).unwrap_or(f64::NAN)
+        value(&self.state.dofs.bodies[point.body], self.plan.mesh.points[point.node], point.around, part)
+            .unwrap_or(f64::NAN)
     }
 
     /// The surfaces of all bodies that move in space.
     pub(super) fn surfaces(&self) -> Surfaces {
         let mut all = Surfaces::default();
-        (0..self.dofs.bodies.len()).for_each(|body| self.surface(body, &mut all));
+        (0..self.state.dofs.bodies.len()).for_each(|body| self.surface(body, &mut all));
         all
     }
 
     fn surface(&self, index: usize, all: &mut Surfaces) {
-        let of = &self.dofs.bodies[index];
+        let of = &self.state.dofs.bodies[index];
         let (body, mesh) = (&self.plan.bodies[index], &self.plan.mesh);
         let Some(stations) = of.stations() else { return };
         let mut rings: HashMap<usize, (usize, usize)> = HashMap::new();

@@ -40,13 +40,13 @@ impl Run<'_> {
         let mut bits = Bits(Hash::new());
         bits.0.update(self.now.increment.to_le_bytes());
         bits.add(&[self.now.step_time, self.now.total_time]);
-        for body in &self.dofs.bodies {
+        for body in &self.state.dofs.bodies {
             bits.add(&[body.displacement, body.velocity, body.acceleration]);
             body.numbers_in_space(&mut |numbers| bits.add(numbers));
         }
-        self.dofs.nodes.as_slice().iter().for_each(|n| bits.add(&n.as_array()));
-        self.dofs.nodes.acceleration.iter().for_each(|a| bits.add(a));
-        for group in &self.elements.groups {
+        self.state.dofs.nodes.as_slice().iter().for_each(|n| bits.add(&n.as_array()));
+        self.state.dofs.nodes.acceleration.iter().for_each(|a| bits.add(a));
+        for group in &self.state.elements.groups {
             (0..group.len()).for_each(|e| bits.element(&**group, e));
         }
         if let Some(heat) = self.heat() {

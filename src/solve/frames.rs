@@ -93,7 +93,9 @@ impl Run<'_> {
         let of_points = statistic == Statistic::Mean && part.variable.place() == Place::Point;
         let number = |source: &Source| {
             let weight = match *source {
-                Source::Element(g, e) if part.variable != Variable::Status && self.elements.groups[g].is_deleted(e) => {
+                Source::Element(g, e)
+                    if part.variable != Variable::Status && self.state.elements.groups[g].is_deleted(e) =>
+                {
                     return None;
                 }
                 Source::Element(..) if of_points => self.value(*source, Variable::Volume.into(), energy),
@@ -106,11 +108,11 @@ impl Run<'_> {
 
     /// A number of a surface: what holds the elements behind it against their own forces, or its area.
     fn section_value(&self, section: &Section, part: Part) -> f64 {
-        let nodes = &self.dofs.nodes;
+        let nodes = &self.state.dofs.nodes;
         match part.variable {
             Variable::SurfaceForce => {
                 let force = |&(group, e, corner): &(usize, usize, usize)| {
-                    self.elements.corner_force(group, e, corner)[part.component]
+                    self.state.elements.corner_force(group, e, corner)[part.component]
                 };
                 -section.corners.iter().map(force).sum::<f64>()
             }
@@ -130,12 +132,12 @@ impl Run<'_> {
             (Variable::NodalTemperature, Some(heat)) => heat.temperature(node),
             (Variable::ReactionFlux, Some(heat)) => heat.reaction(node),
             (v, _) if v.row().preselected == Preselected::Meeting => self.contact_value(Carrier::Node(node), part),
-            _ => node_value(&self.dofs, &self.constraints, node, part),
+            _ => node_value(&self.state.dofs, &self.state.constraints, node, part),
         }
     }
 
     fn contacts(&self) -> impl Iterator<Item = &dyn ContactResults> {
-        self.constraints.iter().filter_map(|c| c.view().contact)
+        self.state.constraints.iter().filter_map(|c| c.view().contact)
     }
 
     /// A number of a point of a surface in contact. Elsewhere nothing presses, and there is no gap.
@@ -149,13 +151,14 @@ impl Run<'_> {
     fn element_value(&self, (group, e): (usize, usize), part: Part) -> f64 {
         let thermal = self.heat().and_then(|heat| match part.variable {
             Variable::Temperature => heat.of_element(group, e),
-            Variable::HeatFlux => Some(heat.flux(group, e, &self.dofs)?[part.component]),
+            Variable::HeatFlux => Some(heat.flux(group, e, &self.state.dofs)?[part.component]),
             _ => None,
         });
         if let Some(value) = thermal {
             return value;
         }
-        values::value(&*self.elements.groups[group], self.dofs.nodes.as_slice(), e, part).unwrap_or(f64::NAN)
+        values::value(&*self.state.elements.groups[group], self.state.dofs.nodes.as_slice(), e, part)
+            .unwrap_or(f64::NAN)
     }
 
     /// A number of a node (of the mesh) of a rigid body. Axial symmetry keeps it at its radius.
@@ -163,7 +166,7 @@ impl Run<'_> {
         if let Some(value) = self.value_in_space(body, node, part) {
             return value;
         }
-        let state = &self.dofs.bodies[body];
+        let state = &self.state.dofs.bodies[body];
         match (part.variable, part.component) {
             (Variable::Coordinate, 0) => self.plan.mesh.points[node][0],
             (Variable::Coordinate, _) => self.plan.mesh.points[node][1] + state.displacement,
@@ -173,8 +176,8 @@ impl Run<'_> {
             }
             (_, 0) => 0.0,
             (Variable::Displacement, _) => state.displacement,
-            (Variable::Velocity, _) => self.dofs.velocity(Dof::Body(body)),
-            (Variable::Acceleration, _) => self.dofs.acceleration(Dof::Body(body)),
+            (Variable::Velocity, _) => self.state.dofs.velocity(Dof::Body(body)),
+            (Variable::Acceleration, _) => self.state.dofs.acceleration(Dof::Body(body)),
             (Variable::Reaction, _) => state.reaction,
             _ => f64::NAN,
         }
@@ -189,15 +192,16 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
     let mut of_point = Vec::new();
     for (&node, &place) in run.plan.places.nodes.iter() {
         point_of_node[node] = frame.points.len();
-        frame.points.push(run.dofs.nodes[place].place());
+        frame.points.push(run.state.dofs.nodes[place].place());
         of_point.push((Owner::Node(place, run.plan.places.rotations.get(&node).copied()), node));
     }
     let mut elements: Vec<usize> = run.plan.places.elements.keys().copied().collect();
-    for (b, body) in run.plan.bodies.iter().enumerate().filter(|(b, _)| run.dofs.bodies[*b].stations().is_none()) {
+    for (b, body) in run.plan.bodies.iter().enumerate().filter(|(b, _)| run.state.dofs.bodies[*b].stations().is_none())
+    {
         for &node in body.nodes.iter().filter(|n| !run.plan.places.tied.contains_key(n)) {
             let [r, z] = mesh.points[node];
             point_of_node[node] = frame.points.len();
-            frame.points.push([r, z + run.dofs.bodies[b].displacement]);
+            frame.points.push([r, z + run.state.dofs.bodies[b].displacement]);
             of_point.push((Owner::Body(b, node), node));
         }
         elements.extend(body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete()));
@@ -206,7 +210,7 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
     frame.cells = elements.iter().map(|&e| corners(e)).collect();
     add_surfaces(run, &mut frame, &mut elements, &mut of_point);
     let solid: Vec<(usize, usize)> = run.plan.places.elements.values().copied().collect();
-    let gone = |&(group, e): &(usize, usize)| run.elements.groups[group].is_deleted(e);
+    let gone = |&(group, e): &(usize, usize)| run.state.elements.groups[group].is_deleted(e);
     if solid.iter().any(gone) {
         frame.deleted = solid.iter().map(gone).collect();
         frame.deleted.resize(elements.len(), false);
@@ -273,7 +277,7 @@ fn third(variable: Variable) -> Option<Variable> {
 }
 
 fn in_space(run: &Run<'_>, field: &FrameField) -> bool {
-    run.dofs.bodies.iter().any(|body| body.stations().is_some())
+    run.state.dofs.bodies.iter().any(|body| body.stations().is_some())
         && field.parts.len() == 2
         && third(field.variable()).is_some()
 }
@@ -327,7 +331,7 @@ fn averaged_at_nodes(run: &Run<'_>, field: &FrameField, solid: &[(usize, usize)]
     let of_elements = of_elements(run, field, solid, solid.len());
     let width = field.parts.len();
     let (mut sums, mut counts) = (vec![0.0; width * frame.points.len()], vec![0_u32; frame.points.len()]);
-    let is_there = |&(group, e): &(usize, usize)| !run.elements.groups[group].is_deleted(e);
+    let is_there = |&(group, e): &(usize, usize)| !run.state.elements.groups[group].is_deleted(e);
     let elements = solid.iter().zip(of_elements.chunks(width)).zip(&frame.cells);
     for ((_, values), corners) in elements.filter(|((e, v), _)| is_there(e) && v.iter().all(|x| !x.is_nan())) {
         for &point in corners {
@@ -345,7 +349,7 @@ fn averaged_at_nodes(run: &Run<'_>, field: &FrameField, solid: &[(usize, usize)]
 /// What loads show of facets; several loads on one facet come together as the variable says. Of the faces of one deformable
 /// element the mean counts.
 fn facet_fields(run: &Run<'_>, elements: &[usize]) -> Vec<Field> {
-    let shown: Vec<_> = run.loads.iter().filter_map(|load| load.fields(&run.dofs)).collect();
+    let shown: Vec<_> = run.state.loads.iter().filter_map(|load| load.fields(&run.state.dofs)).collect();
     if shown.is_empty() {
         return Vec::new();
     }

@@ -47,7 +47,7 @@ impl Run<'_> {
 
     /// At the end of loads: which shortened the increment, or would have.
     pub(super) fn warn_of_stiff_loads(&mut self, loads: &[Box<dyn Load>]) {
-        let alone = self.elements.stable_increment();
+        let alone = self.state.elements.stable_increment();
         let fixed = matches!(self.step.control, IncrementControl::Fixed(_));
         for load in loads {
             let Some(found) = load.stiffness() else { continue };
@@ -74,19 +74,20 @@ impl Run<'_> {
 
     /// At the end of constraints: what they have noticed.
     pub(super) fn warn_of_constraints(&mut self, constraints: &mut [Box<dyn Constraint>]) {
-        let clock = Clock { now: self.now, told: &self.told };
+        let clock = Clock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
         for constraint in constraints {
             let upkeep = constraint.upkeep();
-            self.outcome.warnings.extend(upkeep.map_or_else(Vec::new, |c| c.warnings(&self.dofs, &clock)));
+            self.outcome.warnings.extend(upkeep.map_or_else(Vec::new, |c| c.warnings(&self.state.dofs, &clock)));
         }
     }
 
     /// At the end of the run: what the effects in force have noticed.
     pub(super) fn warn_of_effects(&mut self) {
-        let (loads, mut constraints) = (std::mem::take(&mut self.loads), std::mem::take(&mut self.constraints));
+        let (loads, mut constraints) =
+            (std::mem::take(&mut self.state.loads), std::mem::take(&mut self.state.constraints));
         self.warn_of_stiff_loads(&loads);
         self.warn_of_constraints(&mut constraints);
-        (self.loads, self.constraints) = (loads, constraints);
+        (self.state.loads, self.state.constraints) = (loads, constraints);
     }
 
     #[inline(never)]
@@ -108,7 +109,8 @@ impl Run<'_> {
     fn hold_to_limits(&mut self) -> Result<(), Halt> {
         let Some(limit) = &self.step.energy_limit else { return Ok(()) };
         let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
-        let Some((which, value, allowed)) = passed(values, [limit.error, limit.artificial], self.warned) else {
+        let Some((which, value, allowed)) = passed(values, [limit.error, limit.artificial], self.watch.limits_reported)
+        else {
             return Ok(());
         };
         let what = ["energy drift", "artificial over internal energy"][which];
@@ -119,7 +121,7 @@ impl Run<'_> {
         if limit.halts {
             return Err(Halt { code: "R208", reason });
         }
-        self.warned[which] = true;
+        self.watch.limits_reported[which] = true;
         self.outcome.warnings.push(reason);
         Ok(())
     }
@@ -168,7 +170,7 @@ impl Run<'_> {
     /// If one of them has collapsed so far that it would not.
     #[inline(always)]
     pub(super) fn guard_increment(&self) -> Result<(), Halt> {
-        if !self.elements.is_empty() && self.elements.stable_increment() < FLOOR * self.step.duration {
+        if !self.state.elements.is_empty() && self.state.elements.stable_increment() < FLOOR * self.step.duration {
             return Err(self.crawls());
         }
         Ok(())
@@ -176,7 +178,7 @@ impl Run<'_> {
 
     #[cold]
     fn crawls(&self) -> Halt {
-        let (stable, (group, element)) = (self.elements.stable_increment(), self.elements.limiting());
+        let (stable, (group, element)) = (self.state.elements.stable_increment(), self.state.elements.limiting());
         let reason = format!(
             "element {} has collapsed: at increment {}, time {:e} its stable increment is {stable:e}, with which the step \
              would need more than 1e10 increments",

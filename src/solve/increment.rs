@@ -102,8 +102,8 @@ pub struct Scene<'a> {
     pub loads: &'a [Box<dyn Load>],
     /// Constraints of the step.
     pub constraints: &'a [Box<dyn Constraint>],
-    /// Length of the increment behind; 0 where central differences of bodies start afresh.
-    pub behind: f64,
+    /// Length of the previous increment; 0 where central differences of bodies start afresh.
+    pub previous_dt: f64,
     /// Time until the end of the step.
     pub remaining: f64,
 }
@@ -206,8 +206,8 @@ impl IncrementController {
             if body.reads_velocity && acceleration * self.free > self.resolution * scale {
                 self.free = self.resolution * scale / acceleration;
             }
-            let bound = self.resolution * self.resolution * scale * scene.behind;
-            if scene.behind > 0.0 && change * self.free * self.free > bound {
+            let bound = self.resolution * self.resolution * scale * scene.previous_dt;
+            if scene.previous_dt > 0.0 && change * self.free * self.free > bound {
                 self.free = (bound / change).sqrt();
             }
         }

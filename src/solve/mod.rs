@@ -1,6 +1,7 @@
 //! The time loop: steps and their increments.
 //! Never here: what happens in an increment, deck words, files.
 
+mod body_forces;
 mod body_surfaces;
 mod central_difference;
 mod digest;
@@ -88,7 +89,8 @@ pub fn run_with(
         let (index, taken_up) = take_up(&mut run, &mut observing, kept)?;
         (first, control, restored) = (index, Some(taken_up), true);
     }
-    let mut keeping = Checkpointer::new(asked, !run.elements.is_empty() && sink.wants_frames() && !plan.routines.any());
+    let mut keeping =
+        Checkpointer::new(asked, !run.state.elements.is_empty() && sink.wants_frames() && !plan.routines.any());
     for index in first..plan.steps.len() {
         let begins = if std::mem::take(&mut restored) { Begins::Restored } else { Begins::Step(index) };
         if let Err(halt) = step(&mut run, begins, &mut control, &mut observing, &mut keeping, sink) {
@@ -97,7 +99,7 @@ pub fn run_with(
             run.outcome.halt = Some(written.err().unwrap_or(halt));
             break;
         }
-        if run.wish == RunAction::EndAnalysis {
+        if run.user.requested_action == RunAction::EndAnalysis {
             run.outcome.ended_by_user = true;
             break;
         }
@@ -111,25 +113,12 @@ pub fn run_with(
     run.report_penetrations();
     show_warnings(&mut run, sink);
     run.outcome.digest = run.digest();
-    run.outcome.deleted = run.elements.deleted();
+    run.outcome.deleted = run.state.elements.deleted();
     let energy = run.energy();
-    let Run { mut outcome, dofs, elements, thermal, loads, constraints, scaling, motions, timing, .. } = run;
-    let (amplitude_routines, user_amplitudes) = (run.amplitudes, run.told);
+    let Run { mut outcome, state: end, timing, .. } = run;
     outcome.energy = energy;
     outcome.seconds = begin.elapsed().as_secs_f64();
     outcome.effect_seconds = timing.seconds(plan, outcome.seconds - outcome.checkpoint_seconds);
-    let user_motions = motions;
-    let end = State {
-        dofs,
-        elements,
-        thermal,
-        loads,
-        constraints,
-        scaling,
-        user_motions,
-        amplitude_routines,
-        user_amplitudes,
-    };
     Ok((outcome, end))
 }
 

@@ -198,7 +198,7 @@ impl Observing {
     pub(super) fn show(&mut self, run: &mut Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
         if run.now.step_time < self.next_time
             && run.now.increment < self.next_increment
-            && run.wish == RunAction::Continue
+            && run.user.requested_action == RunAction::Continue
         {
             return Ok(());
         }
@@ -231,7 +231,7 @@ impl Observing {
     /// The last complete instant before a halt, unless it has been shown. Of what deforms an instant that is not complete
     /// is no good state.
     pub(super) fn last(&mut self, run: &Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
-        if !run.elements.is_empty() && !run.complete {
+        if !run.state.elements.is_empty() && !run.complete {
             return Ok(());
         }
         let now = Some(run.now.increment);
@@ -265,7 +265,7 @@ impl Observing {
 /// Tells the sink how far the run is.
 fn tell_progress(run: &Run<'_>, frame: bool, sink: &mut dyn Sink) {
     let total: f64 = run.plan.steps.iter().map(|s| s.duration).sum();
-    let limiting = if run.elements.is_empty() { (0, 0) } else { run.limits() };
+    let limiting = if run.state.elements.is_empty() { (0, 0) } else { run.limits() };
     sink.progress(&Progress {
         step: &run.step.name,
         fraction: if total > 0.0 { (run.now.total_time / total).min(1.0) } else { 1.0 },

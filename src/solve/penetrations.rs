@@ -3,14 +3,20 @@
 
 use super::outcome::{Exit, PenetrationSummary};
 use super::run::Run;
-use crate::load::{Penetration, PenetrationOutcome};
+use crate::load::{Load, Penetration, PenetrationOutcome};
 
 impl Run<'_> {
+    /// Keeps what has become of bodies in resistances that are no longer in force.
+    pub(super) fn record_ended_penetrations(&mut self, ended: &[Box<dyn Load>]) {
+        let all = ended.iter().flat_map(|load| load.penetrations(&self.state.dofs));
+        let is_final = |p: &Penetration| p.in_space.is_some() || p.outcome == PenetrationOutcome::Through;
+        self.state.ended_penetrations.extend(all.filter(is_final));
+    }
+
     /// At the end: what has become of bodies in targets.
     pub(super) fn report_penetrations(&mut self) {
-        let in_force = self.loads.iter().flat_map(|load| load.penetrations(&self.dofs)).collect();
-        let all = self.ended.beside(in_force);
-        for penetration in all {
+        let in_force = self.state.loads.iter().flat_map(|load| load.penetrations(&self.state.dofs)).collect();
+        for penetration in latest_penetrations(&self.state.ended_penetrations, in_force) {
             let name = self.plan.bodies[penetration.body].name.clone();
             match penetration.in_space {
                 None => self.report_along_z(name, &penetration),
@@ -20,7 +26,7 @@ impl Run<'_> {
     }
 
     fn report_along_z(&mut self, body: String, penetration: &Penetration) {
-        let velocity = self.dofs.bodies[penetration.body].velocity;
+        let velocity = self.state.dofs.bodies[penetration.body].velocity;
         match penetration.outcome {
             PenetrationOutcome::Moving => {
                 self.outcome.still_moving += 1;
@@ -75,4 +81,13 @@ impl Run<'_> {
             tilt: motion.tilt,
         });
     }
+}
+
+/// The outcome of each body: of resistances that have ended, unless one in force has met the body since.
+pub(super) fn latest_penetrations(ended: &[Penetration], in_force: Vec<Penetration>) -> Vec<Penetration> {
+    let is_met = |p: &&Penetration| p.outcome != PenetrationOutcome::NotMet;
+    let is_newer = |p: &Penetration| in_force.iter().filter(is_met).any(|other| other.body == p.body);
+    let kept: Vec<Penetration> = ended.iter().filter(is_met).filter(|p| !is_newer(p)).copied().collect();
+    let rest = in_force.iter().filter(|p| kept.iter().all(|other| other.body != p.body));
+    kept.iter().chain(rest).copied().collect()
 }

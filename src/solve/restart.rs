@@ -4,12 +4,14 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant as Stopwatch};
 
+use super::body_forces::BodyForces;
 use super::increment::IncrementController;
 use super::observe::{Observing, Rhythm, unwritten};
+use super::routines::UserSession;
 use super::{Outcome, Rest, Run, Sink, SinkError, StepSummary};
 use crate::plan::StepPlan;
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, UnfitState, persist_all, persist_fields, persist_struct};
+use crate::state::archive::{Archive, Persist, UnfitState, persist_fields, persist_struct};
 use crate::state::halt::Halt;
 use crate::user::{AnalysisMoment, RunAction, SavedMemory};
 
@@ -262,70 +264,45 @@ impl At<'_, '_> {
 }
 
 impl Persist for Run<'_> {
-    /// In a step that has begun: it has the step's loads and constraints.
+    /// In a step that has begun: the effects in force are those of the step.
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Run {
             plan: _,
             step: _,
-            dofs,
-            elements,
-            thermal,
+            state,
             now,
-            loads,
-            constraints,
-            scaling,
-            ended,
-            told,
-            amplitudes,
-            motions,
-            user: _,
-            forces,
-            slots: _,
-            slots_by_body: _,
-            ends: _,
-            resistances: _,
-            ties: _,
-            now_before,
-            velocity_extrapolation: _,
-            behind,
+            previous_instant,
+            previous_dt,
             last_increment,
-            bearable: _,
+            velocity_extrapolation: _,
+            previous_stable_increment: _,
             complete,
             forces_may_differ: _,
-            wish,
-            told_complete,
-            told_of_loss: _,
-            taken_up: _,
+            user,
+            body_forces,
             limiting,
-            warned,
-            watch,
             balance,
+            watch,
             threads: _,
             kinetic: _,
             timing: _,
             outcome,
         } = self;
-        persist_fields!(archive; dofs, now, forces.as_mut_slice(), now_before, behind, last_increment);
-        persist_fields!(archive; complete, wish, told_complete, limiting, warned, watch, balance);
-        archive.mark("loads");
-        persist_all(loads, archive);
-        archive.mark("constraints");
-        persist_all(constraints, archive);
-        if let Some(scaling) = scaling {
-            scaling.persist(archive);
-        }
-        archive.mark("routines");
-        persist_fields!(archive; told.as_mut_slice(), amplitudes.as_mut_slice());
-        persist_all(motions, archive);
-        elements.persist(archive);
-        if let Some(thermal) = thermal {
-            thermal.persist(archive);
-        }
-        archive.mark("outcome");
-        ended.0.persist(archive);
-        outcome.persist(archive);
+        persist_fields!(archive; now, previous_instant, previous_dt, last_increment, complete, user);
+        persist_fields!(archive; body_forces, limiting, balance, watch, state, outcome);
     }
 }
+
+impl Persist for UserSession<'_> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let UserSession { routines: _, requested_action, increment_reported, loss_reported: _, restored_memory: _ } =
+            self;
+        persist_fields!(archive; requested_action, increment_reported);
+    }
+}
+
+// What forces there are follows from the effects in force.
+persist_struct!(BodyForces { values: fixed } derived { slots, order_by_body, load_ends, tied, first_resistance });
 
 // Halts and what is computed at the end are not there yet; times are those of this process.
 persist_struct!(Outcome { steps, rests, increments, warnings } derived {
@@ -361,18 +338,18 @@ persist_struct!(Rest { body, time, displacement });
 impl Run<'_> {
     /// Says once what the state that has been kept does not hold.
     fn tell_of_loss(&mut self, sink: &mut dyn Sink) {
-        if !self.outcome.lost.is_empty() && !std::mem::replace(&mut self.told_of_loss, true) {
+        if !self.outcome.lost.is_empty() && !std::mem::replace(&mut self.user.loss_reported, true) {
             sink.warning(&format!("{LOST}: {}", self.outcome.lost.join("; ")));
         }
     }
 
     /// Tells the user's routine that the increment is complete and that its state will be kept.
     fn tell_restart(&mut self) -> Result<(), Halt> {
-        let due = self.now.step_time > 0.0 && !self.told_complete;
-        if let Some(events) = self.user.events.as_deref_mut().filter(|_| due) {
+        let due = self.now.step_time > 0.0 && !self.user.increment_reported;
+        if let Some(events) = self.user.routines.events.as_deref_mut().filter(|_| due) {
             events.restart_follows();
             self.tell(AnalysisMoment::EndIncrement, self.last_increment)?;
-            self.told_complete = true;
+            self.user.increment_reported = true;
         }
         Ok(())
     }
@@ -389,8 +366,8 @@ pub(super) fn begin_step(
     let changes = run.begin(index) || run.step.control != control_before;
     observing.begin(run.step, run.now.increment == 0, run.now.increment);
     match control {
-        Some(control) if !changes => control.continue_in(run.step, &run.dofs.bodies),
-        _ => *control = Some(IncrementController::new(run.step, &run.dofs.bodies)),
+        Some(control) if !changes => control.continue_in(run.step, &run.state.dofs.bodies),
+        _ => *control = Some(IncrementController::new(run.step, &run.state.dofs.bodies)),
     }
     changes
 }
@@ -416,12 +393,12 @@ pub(super) fn take_up(
     (0..=index).for_each(|i| {
         begin_step(run, i, observing, &mut begun);
     });
-    let mut control = begun.unwrap_or_else(|| IncrementController::new(run.step, &run.dofs.bodies));
+    let mut control = begun.unwrap_or_else(|| IncrementController::new(run.step, &run.state.dofs.bodies));
     At { run, observing, control: &mut control }.visit(&mut archive);
     archive.finish()?;
     if let Some(memory) = &run.plan.routines.memory {
         memory.take_up(&routines)?;
     }
-    run.taken_up = routines;
+    run.user.restored_memory = routines;
     Ok((index, control))
 }

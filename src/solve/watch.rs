@@ -69,6 +69,8 @@ pub(super) struct Watch {
     /// Kinetic energy in the pattern at the look before.
     pattern: f64,
     next_look: u64,
+    /// Which of the deck's limits on energies have been reported in this step.
+    pub(super) limits_reported: [bool; 2],
     /// Warnings that the sink has been shown.
     pub(super) shown: usize,
 }
@@ -133,10 +135,10 @@ impl Run<'_> {
 
     /// Hourglass patterns that grow.
     fn watch_pattern(&mut self) {
-        if self.watch.trembles || self.elements.is_empty() {
+        if self.watch.trembles || self.state.elements.is_empty() {
             return;
         }
-        let now = self.elements.trembling(&self.dofs.nodes);
+        let now = self.state.elements.trembling(&self.state.dofs.nodes);
         let before = std::mem::replace(&mut self.watch.pattern, now.kinetic);
         let counts = now.kinetic > WORTH * self.balance.largest() && !self.is_noise();
         let grows = before > 0.0 && now.kinetic >= GROWTH * before;
@@ -166,7 +168,7 @@ impl Run<'_> {
         self.watch.crawls = true;
         let by = match self.step.control {
             IncrementControl::Fixed(_) => "; DIRECT USER CONTROL gives it".into(),
-            IncrementControl::Automatic { .. } if self.elements.is_empty() => String::new(),
+            IncrementControl::Automatic { .. } if self.state.elements.is_empty() => String::new(),
             IncrementControl::Automatic { .. } => self.name_slowest(),
         };
         self.outcome.warnings.push(format!(
@@ -180,7 +182,7 @@ impl Run<'_> {
     }
 
     fn name_slowest(&self) -> String {
-        let (group, element) = self.elements.limiting();
+        let (group, element) = self.state.elements.limiting();
         format!(
             "; element {} limits it: DISTORTION CONTROL=YES on *SECTION CONTROLS, *VARIABLE MASS SCALING or *EROSION keep \
              such elements from it",
@@ -192,12 +194,12 @@ impl Run<'_> {
     /// increment; or within what contact keeps from bodies at rest in each.
     pub(super) fn is_noise(&self) -> bool {
         const ROUNDINGS: f64 = 100.0;
-        let nodes = &self.dofs.nodes;
+        let nodes = &self.state.dofs.nodes;
         let extent = nodes.start.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
         let speed = ROUNDINGS * f64::EPSILON * extent / self.last_increment;
         let rounding = 0.5 * nodes.mass.iter().sum::<f64>() * speed * speed;
         // Below the second products of energies are lost.
-        let stopped: f64 = self.dofs.bodies.iter().map(BodyState::energy_stopped).sum();
+        let stopped: f64 = self.state.dofs.bodies.iter().map(BodyState::energy_stopped).sum();
         self.balance.largest() <= rounding.max(stopped).max(f64::MIN_POSITIVE / f64::EPSILON)
     }
 
@@ -207,7 +209,7 @@ impl Run<'_> {
         let of_deck = self.step.energy_limit.map_or([false; 2], |l| [l.error.is_some(), l.artificial.is_some()]);
         // A halt by either has said it.
         let halted = self.outcome.halt.as_ref().is_some_and(|h| h.code == "R208");
-        let told = |i: usize| of_deck[i] || self.warned[i] || halted;
+        let told = |i: usize| of_deck[i] || self.watch.limits_reported[i] || halted;
         let [drift, artificial] = [0, 1].map(|i| self.watch.unsound[i].filter(|_| !told(i)));
         if drift.is_some() && !self.is_noise() {
             self.outcome.warnings.push(format!(
@@ -237,7 +239,7 @@ impl Run<'_> {
     }
 
     pub(super) fn name_folded(&self) -> String {
-        let Some(most) = self.elements.most_folded(&self.dofs.nodes) else { return String::new() };
+        let Some(most) = self.state.elements.most_folded(&self.state.dofs.nodes) else { return String::new() };
         let name = self.plan.element_name(most.group, most.element);
         format!(". The mesh is folded most in element {name}, by {:.0} % of its size", 100.0 * most.fold)
     }
@@ -245,7 +247,9 @@ impl Run<'_> {
     /// What a drift most likely comes from, and the card that cures it.
     pub(super) fn likely_cause(&self) -> String {
         let beyond = match self.step.control {
-            IncrementControl::Fixed(given) if given > self.bearable => Some(given / self.bearable),
+            IncrementControl::Fixed(given) if given > self.previous_stable_increment => {
+                Some(given / self.previous_stable_increment)
+            }
             _ => None,
         };
         cause(&self.balance.energy(), self.balance.drift() * self.balance.largest(), beyond)
@@ -279,7 +283,7 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 }
 
 persist_struct!(Watch {
-    unsound, adrift, beyond, below_zero, trembles, crawls, slow, pattern, next_look
+    unsound, adrift, beyond, below_zero, trembles, crawls, slow, pattern, next_look, limits_reported
 } derived {
     shown
 });

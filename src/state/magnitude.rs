@@ -5,12 +5,12 @@ use super::Instant;
 use super::limit::Limit;
 use crate::kernel::amplitude::{Curve, SampledAmplitude};
 
-/// An instant, with the functions of time that are told as the run goes.
+/// An instant, with the functions of time that user amplitudes give.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock<'a> {
     pub now: Instant,
-    /// Values that the user's routines have told, by the number of a [`Shape::Told`].
-    pub told: &'a [SampledAmplitude],
+    /// Functions of time of user amplitudes, by the number of a [`Shape::Told`].
+    pub user_amplitudes: &'a [SampledAmplitude],
 }
 
 impl Clock<'_> {
@@ -51,7 +51,7 @@ impl Magnitude {
         match &self.shape {
             Shape::Constant => 1.0,
             Shape::Curve(curve) => curve.value(curves_time(curve, &clock.now)),
-            Shape::Told(index) => clock.told[*index].value(clock.now.total_time),
+            Shape::Told(index) => clock.user_amplitudes[*index].value(clock.now.total_time),
         }
     }
 
@@ -64,7 +64,7 @@ impl Magnitude {
             * match &self.shape {
                 Shape::Constant => 0.0,
                 Shape::Curve(curve) => curve.slope(curves_time(curve, &clock.now)),
-                Shape::Told(index) => clock.told[*index].slope(),
+                Shape::Told(index) => clock.user_amplitudes[*index].slope(),
             }
     }
 

@@ -315,7 +315,7 @@ mod tests {
                 }
             }
             (nodes.behind, nodes.half) = (dt, dt);
-            self.contact.motion(&mut self.dofs, &Clock { now: Instant::default(), told: &[] }, dt);
+            self.contact.motion(&mut self.dofs, &Clock { now: Instant::default(), user_amplitudes: &[] }, dt);
         }
 
         fn momentum(&self) -> f64 {

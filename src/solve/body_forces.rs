@@ -1,0 +1,85 @@
+//! Generalised forces on rigid bodies: which effect gives which, and their values in the current increment.
+//! Never here: the effects that compute them.
+
+use crate::load::{Account, GeneralizedForce, VelocityUse};
+use crate::plan::State;
+use crate::state::BodyState;
+
+/// Generalised forces on rigid bodies: those of tied nodes, then those of each load in turn.
+#[derive(Default)]
+pub(super) struct BodyForces {
+    pub values: Vec<f64>,
+    /// Body, coordinate and energy account of each force.
+    pub slots: Vec<GeneralizedForce>,
+    /// Indices of the forces in order of their bodies.
+    pub order_by_body: Vec<usize>,
+    /// Index behind the last force of each load.
+    pub load_ends: Vec<usize>,
+    /// Number of forces of tied nodes, which come first.
+    pub tied: usize,
+    /// Index of the first load that resists motion; such loads come last.
+    pub first_resistance: usize,
+}
+
+impl BodyForces {
+    /// Lists the forces of the effects in force, and marks bodies whose loads read or resist their velocity.
+    pub fn begin(&mut self, state: &mut State) {
+        self.slots.clear();
+        self.load_ends.clear();
+        let carried = state.constraints.iter().filter_map(|c| c.view().carried);
+        self.slots.extend(carried.map(|carried| GeneralizedForce::along_z(carried.body, Account::Tie)));
+        self.tied = self.slots.len();
+        for load in &state.loads {
+            self.slots.extend(load.targets().bodies);
+            self.load_ends.push(self.slots.len());
+        }
+        self.first_resistance = state.loads.iter().filter(|l| l.velocity_use() != VelocityUse::Resists).count();
+        self.values = vec![0.0; self.slots.len()];
+        self.order_by_body = (0..self.slots.len()).collect();
+        self.order_by_body.sort_by_key(|&i| self.slots[i].body);
+        self.mark_bodies(state);
+    }
+
+    fn mark_bodies(&self, state: &mut State) {
+        for (b, body) in state.dofs.bodies.iter_mut().enumerate() {
+            // Constraints state anew which bodies are prescribed, and what contact does to them.
+            (body.reads_velocity, body.prescribed, body.contact) = (false, false, 0.0);
+            body.tied = self.slots[..self.tied].iter().any(|s| s.body == b);
+            body.slots = self.slots.iter().filter(|s| s.body == b).count() as u32;
+            body.set_resisted(false);
+        }
+        for load in state.loads.iter().filter(|load| load.velocity_use() != VelocityUse::None) {
+            for force in load.targets().bodies {
+                let body = &mut state.dofs.bodies[force.body];
+                body.reads_velocity = true;
+                if load.velocity_use() == VelocityUse::Resists {
+                    body.set_resisted(true);
+                }
+            }
+        }
+    }
+
+    /// Index of the first force of a load.
+    #[inline]
+    pub fn start_of(&self, load: usize) -> usize {
+        load.checked_sub(1).map_or(self.tied, |previous| self.load_ends[previous])
+    }
+
+    /// Resistances on a body at rest balance the other forces, and do no work.
+    pub fn arrest(&mut self, body: usize) {
+        for (slot, force) in self.slots.iter().zip(&mut self.values) {
+            if slot.body == body && matches!(slot.account, Account::Friction | Account::Cavity) {
+                *force = 0.0;
+            }
+        }
+    }
+
+    /// A body at rest would start in the direction in which the other forces push it: a resistance opposes that direction.
+    pub fn turn_resting_bodies(&self, bodies: &mut [BodyState]) {
+        let applied = &self.slots[..self.start_of(self.first_resistance)];
+        for (b, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.direction == 0.0) {
+            let on_body = applied.iter().zip(&self.values).filter(|(s, _)| s.body == b);
+            body.probe(on_body.map(|(s, &force)| (s.coordinate, force)));
+        }
+    }
+}
