@@ -9,6 +9,7 @@
 
 use super::bonds::Bonds;
 use super::{Constraint, ConstraintForces, ConstraintView, StoredConstraint};
+use crate::mesh::room::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
@@ -72,8 +73,8 @@ impl ConstraintForces for Equations {
 }
 
 impl StoredConstraint for Equations {
-    fn bytes(&self) -> usize {
-        self.bonds.bytes()
+    fn memory(&self) -> MemoryUse {
+        MemoryUse::in_use(self.bonds.bytes())
     }
 }
 

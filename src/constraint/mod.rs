@@ -16,6 +16,7 @@ use std::any::Any;
 
 use self::contact::curve::Carrier;
 use crate::kernel::topology::ElementNodes;
+use crate::mesh::room::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
@@ -62,7 +63,8 @@ pub trait StoredConstraint: Persist + CopyConstraint + Any {
     /// Takes over the memory of a constraint that it replaces.
     fn continue_from(&mut self, _previous: &dyn Constraint) {}
 
-    fn bytes(&self) -> usize;
+    /// Memory of its arrays.
+    fn memory(&self) -> MemoryUse;
 }
 
 /// Copies of a constraint behind its interface.

@@ -5,7 +5,7 @@ use std::any::Any;
 use std::collections::HashMap;
 
 use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, StoredConstraint};
-use crate::kernel::lists::heap_bytes;
+use crate::mesh::room::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
@@ -260,9 +260,12 @@ impl StoredConstraint for PrescribedMotion {
         }
     }
 
-    fn bytes(&self) -> usize {
-        let magnitudes: usize = self.magnitudes.iter().map(|m| size_of::<Magnitude>() + m.bytes()).sum();
-        magnitudes + heap_bytes(&self.bodies) + heap_bytes(&self.nodes)
+    fn memory(&self) -> MemoryUse {
+        let magnitudes: usize = self.magnitudes.iter().map(Magnitude::bytes).sum();
+        MemoryUse::of(&self.magnitudes)
+            + MemoryUse::of(&self.bodies)
+            + MemoryUse::of(&self.nodes)
+            + MemoryUse::in_use(magnitudes)
     }
 }
 

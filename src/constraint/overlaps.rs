@@ -3,8 +3,9 @@
 
 use super::contact::curve::Carrier;
 use super::{Constraint, ConstraintUpkeep, StoredConstraint};
+use crate::mesh::room::MemoryUse;
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::{Archive, persist_struct};
 use crate::state::dofs::Dofs;
 use crate::state::magnitude::Clock;
 
@@ -23,13 +24,22 @@ pub struct Outline {
     pub faces: Vec<[u32; 2]>,
 }
 
+/// Two bodies between which nothing acts.
+#[derive(Clone, Debug)]
+struct BodyPair {
+    bodies: [usize; 2],
+    /// Whether an overlap of them has been found already.
+    is_settled: bool,
+}
+
 /// A look at bodies now and then.
 #[derive(Clone, Debug)]
 pub struct Overlaps {
     id: EffectId,
     outlines: Vec<Outline>,
-    /// Bodies between which nothing acts, and whether that has been settled.
-    pairs: Vec<([usize; 2], bool)>,
+    /// Bodies between which nothing acts.
+    pairs: Vec<BodyPair>,
+    /// Places of the points of each.
     places: Vec<Vec<[f64; 2]>>,
     /// Lower and upper corner of each.
     boxes: Vec<[[f64; 2]; 2]>,
@@ -49,7 +59,7 @@ impl Overlaps {
             boxes: vec![[[0.0; 2]; 2]; outlines.len()],
             order: Vec::with_capacity(faces),
             found: Vec::with_capacity(pairs.len()),
-            pairs: pairs.into_iter().map(|pair| (pair, false)).collect(),
+            pairs: pairs.into_iter().map(|bodies| BodyPair { bodies, is_settled: false }).collect(),
             outlines,
         }
     }
@@ -70,14 +80,14 @@ impl Overlaps {
             }
         }
         for at in 0..self.pairs.len() {
-            let ([a, b], settled) = self.pairs[at];
+            let BodyPair { bodies: [a, b], is_settled } = self.pairs[at];
             let meets =
                 (0..2).all(|i| self.boxes[a][0][i] < self.boxes[b][1][i] && self.boxes[b][0][i] < self.boxes[a][1][i]);
-            if settled || !meets {
+            if is_settled || !meets {
                 continue;
             }
             if let Some(place) = self.inside(a, b).or_else(|| self.inside(b, a)) {
-                self.pairs[at].1 = true;
+                self.pairs[at].is_settled = true;
                 tell(at as u32, place);
             }
         }
@@ -154,7 +164,7 @@ impl ConstraintUpkeep for Overlaps {
         let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time);
         self.look(dofs, |pair, [r, z]| found.push((pair, [time, r, z])));
         let warnings = found.iter().map(|&(pair, [time, r, z])| {
-            let [a, b] = self.pairs[pair as usize].0.map(|body| &self.outlines[body].name);
+            let [a, b] = self.pairs[pair as usize].bodies.map(|body| &self.outlines[body].name);
             format!(
                 "{a} and {b} lie in each other, noticed at time {time:.4e} near (r = {r:.4e}, z = {z:.4e}), and nothing acts between \
                  them: let them meet (*CONTACT PAIR, or *CONTACT with all that is outside)"
@@ -168,28 +178,26 @@ impl ConstraintUpkeep for Overlaps {
 }
 
 impl StoredConstraint for Overlaps {
-    fn bytes(&self) -> usize {
-        let of = |o: &Outline| {
-            o.points.capacity() * (size_of::<Carrier>() + size_of::<[f64; 2]>())
-                + o.faces.capacity() * size_of::<[u32; 2]>()
-        };
-        self.outlines.iter().map(of).sum::<usize>()
-            + self.order.capacity() * size_of::<(f64, u32)>()
-            + self.found.capacity() * size_of::<(u32, [f64; 3])>()
-            + self.pairs.capacity() * size_of::<([usize; 2], bool)>()
+    fn memory(&self) -> MemoryUse {
+        let of_outline = |o: &Outline| MemoryUse::of(&o.points) + MemoryUse::of(&o.faces);
+        self.outlines.iter().map(of_outline).sum::<MemoryUse>()
+            + self.places.iter().map(MemoryUse::of).sum()
+            + MemoryUse::of(&self.boxes)
+            + MemoryUse::of(&self.order)
+            + MemoryUse::of(&self.found)
+            + MemoryUse::of(&self.pairs)
     }
 }
 
-impl Persist for Overlaps {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        self.pairs.iter_mut().for_each(|pair| pair.1.persist(archive));
-        let mut count = self.found.len();
-        count.persist(archive);
-        self.found.resize(count.min(self.pairs.len()), Default::default());
-        for (pair, at) in &mut self.found {
-            pair.persist(archive);
-            at.persist(archive);
-            *pair = (*pair).min(self.pairs.len() as u32 - 1);
+persist_struct!(Overlaps { pairs: fixed, found } derived { id, outlines, places, boxes, order } then Overlaps::check_found);
+
+persist_struct!(BodyPair { is_settled } derived { bodies });
+
+impl Overlaps {
+    fn check_found(&mut self, archive: &mut Archive<'_>) {
+        if self.found.len() > self.pairs.len() || self.found.iter().any(|f| f.0 as usize >= self.pairs.len()) {
+            archive.refuse(|| "pairs of bodies overlap that the deck does not have".into());
+            self.found.clear();
         }
     }
 }

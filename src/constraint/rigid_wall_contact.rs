@@ -13,6 +13,7 @@ use crate::kernel::attitude::{Vector, cross, dot, norm, plus, times};
 use crate::kernel::interaction::Friction;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::profile::Profile;
+use crate::mesh::room::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
@@ -399,8 +400,8 @@ impl ContactResults for RigidWallContact {
 }
 
 impl StoredConstraint for RigidWallContact {
-    fn bytes(&self) -> usize {
-        heap_bytes(&self.points) + size_of::<[f64; 2]>() * (self.rings.capacity() + self.stations.capacity())
+    fn memory(&self) -> MemoryUse {
+        MemoryUse::of(&self.points) + MemoryUse::of(&self.rings) + MemoryUse::of(&self.stations)
     }
 }
 

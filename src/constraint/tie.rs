@@ -2,7 +2,7 @@
 //! Never here: the motion of rigid bodies.
 
 use super::{CarriedNodes, Constraint, ConstraintView, StoredConstraint};
-use crate::kernel::lists::heap_bytes;
+use crate::mesh::room::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
@@ -60,8 +60,8 @@ impl Constraint for Tie {
 }
 
 impl StoredConstraint for Tie {
-    fn bytes(&self) -> usize {
-        heap_bytes(&self.nodes)
+    fn memory(&self) -> MemoryUse {
+        MemoryUse::of(&self.nodes)
     }
 }
 

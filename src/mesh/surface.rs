@@ -205,7 +205,9 @@ impl Clone for Skin {
 
 impl Persist for Skin {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        if let Some(mut hidden) = self.hidden.take() {
+        // Faces follow from the plan and from those that have been exposed since.
+        let Skin { faces: _, elements: _, carries: _, shells: _, hidden } = self;
+        if let Some(mut hidden) = hidden.take() {
             let first = self.faces.len() - hidden.bare();
             hidden.persist(archive);
             if archive.reads() {

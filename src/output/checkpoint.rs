@@ -17,7 +17,7 @@ use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
 /// Ending of the file.
 pub const CHECKPOINT: &str = ".checkpoint";
 /// The last byte counts the layouts that there have been.
-const MAGIC: [u8; 8] = *b"REVOLVE\x05";
+const MAGIC: [u8; 8] = *b"REVOLVE\x06";
 const SUM: usize = 32;
 
 /// Whose state it is. Each part is a hash in hexadecimal, or the thing itself.

@@ -20,7 +20,9 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
     }
     let added = changes().flat_map(|c| &c.constraints).flat_map(ListChange::added);
     for constraint in state.constraints.iter().map(|constraint| &**constraint).chain(added) {
-        add(ledger, constraint.effect(), "constraint", constraint.bytes());
+        let memory = constraint.memory();
+        add(ledger, constraint.effect(), "constraint", memory.used);
+        ledger.effects[constraint.effect()].reserved += memory.reserved;
     }
     for scaling in changes().flat_map(|c| &c.scaling).chain([&state.scaling]).flatten() {
         let row = ledger.effects.iter().position(|row| row.effect == "mass scaling");

@@ -20,6 +20,9 @@ pub struct Row {
     pub detail: String,
     /// Names and bytes of its arrays.
     pub arrays: Vec<(String, usize)>,
+    /// Bytes of address space for entries that are added during the run; they take memory once they are written.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub reserved: usize,
     /// Share of the run's time, 0 to 1; absent before a run and where it was not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share: Option<f64>,
@@ -55,6 +58,7 @@ impl Ledger {
             asked_by: vec![asked_by],
             detail,
             arrays: Vec::new(),
+            reserved: 0,
             share: None,
         });
         self.effects.len() - 1
@@ -85,6 +89,10 @@ impl Ledger {
     }
 }
 
+fn is_zero(bytes: &usize) -> bool {
+    *bytes == 0
+}
+
 /// Columns of a terminal that nobody has widened.
 const WIDTH: usize = 80;
 
@@ -95,7 +103,11 @@ impl Row {
         if bytes {
             cells.push(self.arrays.iter().map(|a| a.1).sum::<usize>().to_string());
         }
-        cells.push(self.detail.clone());
+        let mut detail = self.detail.clone();
+        if bytes && self.reserved > 0 {
+            detail += &format!(", {} bytes reserved", self.reserved);
+        }
+        cells.push(detail);
         cells
     }
 }

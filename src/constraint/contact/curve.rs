@@ -4,6 +4,7 @@
 
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementNodes;
+use crate::mesh::room::MemoryUse;
 use crate::state::archive::{Archive, Persist, persist_struct};
 
 /// What carries a point of a surface.
@@ -341,10 +342,20 @@ impl Curve {
         sum / around.len().max(1) as f64
     }
 
-    pub fn bytes(&self) -> usize {
-        let each = size_of::<[u32; 2]>() + size_of::<[Beyond; 2]>() + 2 * size_of::<f64>() + 6 + size_of::<Shape>();
-        let of_point = 3 * size_of::<u32>() + size_of::<Vec<(u32, u8)>>() + 2 * size_of::<(u32, u8)>();
-        each * self.facets.capacity() + of_point * self.own.capacity()
+    /// Memory of the arrays.
+    pub fn memory(&self) -> MemoryUse {
+        let of_facets = MemoryUse::of(&self.facets)
+            + MemoryUse::of(&self.beyond)
+            + MemoryUse::of(&self.lift)
+            + MemoryUse::of(&self.depth)
+            + MemoryUse::of(&self.there)
+            + MemoryUse::of(&self.behind)
+            + MemoryUse::of(&self.bare)
+            + MemoryUse::of(&self.shapes)
+            + MemoryUse::of(&self.ordered);
+        let of_points = MemoryUse::of(&self.own) + MemoryUse::of(&self.bare_own) + MemoryUse::of(&self.orphans);
+        let around = MemoryUse::of(&self.around) + self.around.iter().map(MemoryUse::of).sum();
+        of_facets + of_points + around + MemoryUse::of(&self.tips)
     }
 }
 

@@ -7,6 +7,7 @@
 
 use super::sweeps::{Given, Motion, Row, Rows, Span, TOLERANCE, Term, closed_overlap, most_shear};
 use crate::kernel::interaction::{Law, Overclosure};
+use crate::mesh::room::MemoryUse;
 use nalgebra::{SMatrix, SVector};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,14 +96,16 @@ impl Direct {
         self.last.resize(dofs, NONE);
     }
 
-    pub(super) fn bytes(&self) -> usize {
-        self.status.capacity() * size_of::<Status>()
-            + self.unknowns.capacity() * size_of::<Unknown>()
-            + self.links.capacity() * size_of::<Link>()
-            + (self.first.capacity() + self.last.capacity()) * size_of::<u32>()
-            + (self.band.capacity() + self.diagonal.capacity()) * size_of::<f64>()
-            + self.columns.capacity() * size_of::<[f64; COLUMNS]>()
-            + self.on_bodies.capacity() * size_of::<[f64; BODIES]>()
+    pub(super) fn memory(&self) -> MemoryUse {
+        MemoryUse::of(&self.status)
+            + MemoryUse::of(&self.unknowns)
+            + MemoryUse::of(&self.first)
+            + MemoryUse::of(&self.last)
+            + MemoryUse::of(&self.links)
+            + MemoryUse::of(&self.band)
+            + MemoryUse::of(&self.diagonal)
+            + MemoryUse::of(&self.columns)
+            + MemoryUse::of(&self.on_bodies)
     }
 }
 

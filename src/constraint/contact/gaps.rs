@@ -8,6 +8,8 @@
 //! (segment-to-segment contact after Puso and Laursen 2004, Comput. Methods Appl. Mech. Engrg. 193, 601; pieces after
 //! Zavarise and De Lorenzis 2009, Int. J. Numer. Meth. Engng 79, 379).
 
+use crate::mesh::room::MemoryUse;
+
 use super::curve::{Beyond, Curve, Shape};
 use crate::kernel::lists::heap_bytes;
 
@@ -274,8 +276,9 @@ impl Gaps {
         }
     }
 
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.shares) + heap_bytes(&self.facing) + heap_bytes(&self.cuts)
+    /// Memory of the arrays.
+    pub fn memory(&self) -> MemoryUse {
+        MemoryUse::of(&self.shares) + MemoryUse::of(&self.facing) + MemoryUse::of(&self.cuts)
     }
 }
 

@@ -10,7 +10,7 @@ use super::curve::{Carrier, Point};
 use super::sweeps::{Row, Rows, Term};
 use crate::constraint::HeatExchange;
 use crate::kernel::interaction::Law;
-use crate::kernel::lists::heap_bytes;
+use crate::mesh::room::MemoryUse;
 use crate::state::archive::persist_struct;
 
 /// No point.
@@ -113,11 +113,13 @@ impl Crossing {
         &self.most
     }
 
-    pub(super) fn bytes(&self) -> usize {
-        size_of::<u32>() * (self.nodes.capacity() + self.point_of.capacity())
-            + heap_bytes(&self.rows)
-            + heap_bytes(&self.terms)
-            + heap_bytes(&self.most)
+    pub(super) fn memory(&self) -> MemoryUse {
+        MemoryUse::of(&self.nodes)
+            + MemoryUse::of(&self.point_of)
+            + MemoryUse::of(&self.keys)
+            + MemoryUse::of(&self.rows)
+            + MemoryUse::of(&self.terms)
+            + MemoryUse::of(&self.most)
     }
 }
 

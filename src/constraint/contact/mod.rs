@@ -32,6 +32,7 @@ use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, Heat
 use crate::kernel::interaction::Law;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
+use crate::mesh::room::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, persist_struct};
 use crate::state::dofs::{Dof, Dofs};
@@ -644,20 +645,32 @@ impl StoredConstraint for Contact {
         }
     }
 
-    fn bytes(&self) -> usize {
-        let of_pair = |p: &Pair| p.search.bytes() + heap_bytes(&p.seen) + size_of::<Pair>();
-        self.pairs.iter().map(of_pair).sum::<usize>()
-            + self.curves.iter().map(Curve::bytes).sum::<usize>()
-            + self.gaps.bytes()
-            + self.shown.bytes()
-            + self.rows.bytes()
-            + self.points.capacity() * (size_of::<Point>() + 2 * size_of::<[f64; 2]>() + size_of::<[u32; 2]>())
-            + self.dofs.capacity() * (size_of::<(Dof, bool)>() + 4 * size_of::<f64>())
-            + self.pressures.capacity() * size_of::<[f64; 2]>()
-            + self.fits.capacity() * size_of::<f64>()
-            + self.means.capacity() * size_of::<f64>()
-            + self.crossing.as_ref().map_or(0, |crossing| crossing.bytes())
-            + self.laws.capacity() * size_of::<Law>()
+    fn memory(&self) -> MemoryUse {
+        let of_pair = |p: &Pair| p.search.memory() + MemoryUse::of(&p.seen);
+        MemoryUse::of(&self.pairs)
+            + self.pairs.iter().map(of_pair).sum()
+            + MemoryUse::of(&self.curves)
+            + self.curves.iter().map(Curve::memory).sum()
+            + self.gaps.memory()
+            + self.shown.memory()
+            + self.rows.memory()
+            + MemoryUse::of(&self.points)
+            + MemoryUse::of(&self.analyticals)
+            + MemoryUse::of(&self.feet)
+            + MemoryUse::of(&self.laws)
+            + MemoryUse::of(&self.dofs_of)
+            + MemoryUse::of(&self.dofs)
+            + MemoryUse::of(&self.pressures)
+            + MemoryUse::of(&self.fits)
+            + MemoryUse::of(&self.means)
+            + MemoryUse::of(&self.places)
+            + MemoryUse::of(&self.near)
+            + MemoryUse::of(&self.listed)
+            + MemoryUse::of(&self.impulses)
+            + MemoryUse::of(&self.bodies)
+            + MemoryUse::of(&self.motion.velocity)
+            + MemoryUse::of(&self.motion.inverse_mass)
+            + self.crossing.iter().map(|crossing| crossing.memory()).sum()
     }
 }
 

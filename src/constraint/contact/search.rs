@@ -1,6 +1,8 @@
 //! Which facets may meet within the next increments: lists that hold until something has moved too far.
 //! Never here: gaps.
 
+use crate::mesh::room::MemoryUse;
+
 use super::curve::Curve;
 use crate::kernel::lists::heap_bytes;
 
@@ -56,8 +58,8 @@ impl Lists {
         self.first.push(self.list.len() as u32);
     }
 
-    fn bytes(&self) -> usize {
-        size_of::<u32>() * (self.first.capacity() + self.list.capacity())
+    fn memory(&self) -> MemoryUse {
+        MemoryUse::of(&self.first) + MemoryUse::of(&self.list)
     }
 }
 
@@ -145,9 +147,10 @@ impl Search {
         }
     }
 
-    pub fn bytes(&self) -> usize {
-        [&self.facets, &self.orphans, &self.others].iter().map(|l| l.bytes()).sum::<usize>()
-            + heap_bytes(&self.order.order)
+    /// Memory of the lists.
+    pub fn memory(&self) -> MemoryUse {
+        [&self.facets, &self.orphans, &self.others].into_iter().map(Lists::memory).sum::<MemoryUse>()
+            + MemoryUse::of(&self.order.order)
     }
 }
 

@@ -6,6 +6,7 @@ use super::{Contact, Pair};
 use crate::constraint::ContactResults;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
+use crate::mesh::room::MemoryUse;
 use crate::state::archive::persist_struct;
 use crate::variables::{Part, Variable};
 
@@ -60,10 +61,11 @@ impl Shown {
         Some(points)
     }
 
-    pub(super) fn bytes(&self) -> usize {
-        size_of::<f64>() * (self.opening.capacity() + self.slip.capacity())
-            + heap_bytes(&self.by_node)
-            + heap_bytes(&self.on_bodies)
+    pub(super) fn memory(&self) -> MemoryUse {
+        MemoryUse::of(&self.opening)
+            + MemoryUse::of(&self.slip)
+            + MemoryUse::of(&self.by_node)
+            + MemoryUse::of(&self.on_bodies)
     }
 }
 

@@ -6,7 +6,7 @@
 use super::direct::Direct;
 use super::light::Light;
 use crate::kernel::interaction::{Law, Overclosure};
-use crate::kernel::lists::heap_bytes;
+use crate::mesh::room::MemoryUse;
 
 /// The share of one degree of freedom in a gap, along the normal and along the surface.
 #[derive(Clone, Copy, Debug)]
@@ -356,10 +356,14 @@ impl Rows {
         row.own(&self.terms)
     }
 
-    pub fn bytes(&self) -> usize {
-        let of_bodies = heap_bytes(&self.bodies) + heap_bytes(&self.light);
-        let of_rows = heap_bytes(&self.terms) + heap_bytes(&self.rows);
-        of_rows + of_bodies + heap_bytes(&self.slots) + self.direct.bytes()
+    /// Memory of the arrays.
+    pub fn memory(&self) -> MemoryUse {
+        MemoryUse::of(&self.terms)
+            + MemoryUse::of(&self.rows)
+            + MemoryUse::of(&self.bodies)
+            + MemoryUse::of(&self.light)
+            + MemoryUse::of(&self.slots)
+            + self.direct.memory()
     }
 }
 

@@ -15,7 +15,7 @@ use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::{of_spin, turned};
 use crate::kernel::stress::mises;
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::user::{AtPoints, LoadFailure, MAX_MATERIAL_BLOCK};
 use crate::variables::{Part, Variable};
 use description::Description;
@@ -472,14 +472,9 @@ impl<const FLOWS: bool> PointCalls<UserState> for UserMaterial<FLOWS> {
     }
 }
 
-impl Persist for UserState {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let UserState { turn, deleted, thermal, place, stress, stretch, gradient, temperature, .. } = self;
-        persist_fields!(archive; turn, deleted, thermal, place, stress, stretch, gradient, temperature);
-        let UserState { variables, field, moduli, plastic, internal, inelastic, .. } = self;
-        for lists in [variables, field, moduli, plastic] {
-            lists.as_mut_slice().persist(archive);
-        }
-        persist_fields!(archive; internal, inelastic);
-    }
-}
+persist_struct!(UserState {
+    turn, deleted, thermal, place, stress, stretch, gradient, temperature, variables: fixed, field: fixed, moduli: fixed,
+    plastic: fixed, internal, inelastic
+} derived {
+    numbers, start, mass, warmed, given, flowed, dissipated
+});
