@@ -28,6 +28,7 @@ use crate::variables::Part;
 /// [`Constraint::accelerations`], [`Constraint::velocities`] and, after the motion, [`Constraint::motion`]; constraints follow each
 /// other in the order of the plan: prescribed motions, equations, contact, ties.
 pub trait Constraint: StoredConstraint + Send + Sync {
+    /// Row of the ledger that its run time and memory belong to.
     fn effect(&self) -> EffectId;
 
     /// The constraints in force have changed: it begins, or goes on beside others.
@@ -48,6 +49,7 @@ pub trait Constraint: StoredConstraint + Send + Sync {
         Limit::NONE
     }
 
+    /// What the integrator and other constraints need to know of it.
     fn view(&self) -> ConstraintView<'_> {
         ConstraintView::default()
     }

@@ -59,10 +59,12 @@ impl GeneralizedForce {
     }
 }
 
+/// The degrees of freedom on which a load acts.
 #[derive(Clone, Debug, Default)]
 pub struct Targets {
-    /// The generalised forces on rigid bodies that it writes.
+    /// Generalised forces on rigid bodies.
     pub bodies: Vec<GeneralizedForce>,
+    /// Whether it acts on nodes.
     pub nodes: bool,
 }
 
@@ -186,11 +188,15 @@ pub struct MotionAtEnd {
     pub tilt: f64,
 }
 
+/// A load in force: forces on nodes or on rigid bodies, computed once an increment.
 pub trait Load: LoadOutput + CopyLoad + Persist + Send + Sync {
+    /// Row of the ledger that its run time and memory belong to.
     fn effect(&self) -> EffectId;
 
+    /// The nodes and generalised forces that [`Load::apply`] writes.
     fn targets(&self) -> Targets;
 
+    /// How its forces depend on velocity: it decides their order, and how the increment meets an instant of rest.
     fn velocity_use(&self) -> VelocityUse {
         VelocityUse::None
     }
@@ -216,6 +222,7 @@ pub trait Load: LoadOutput + CopyLoad + Persist + Send + Sync {
     fn scene_changed(&mut self, _change: &SceneChange<'_>) {}
 }
 
+/// Output, memory and continuation of a load.
 pub trait LoadOutput: Any {
     /// Names and bytes of the arrays it holds.
     fn arrays(&self) -> Vec<(&'static str, usize)>;

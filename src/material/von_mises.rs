@@ -22,7 +22,7 @@ pub struct VonMises<H, V, F = NoDamage> {
     pub hardening: H,
     /// Pressure law; [`super::volumetric::Linear`] for a constant bulk modulus.
     pub volumetric: V,
-    /// Failure; [`NoDamage`] without any.
+    /// Failure criterion; `NoDamage` where elements do not fail.
     pub failure: F,
 }
 
