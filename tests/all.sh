@@ -5,7 +5,7 @@ cd "$(dirname "$0")/.."
 cargo fmt --check
 cargo fmt --check --manifest-path src/python/Cargo.toml
 cargo clippy --profile quick --all-targets --locked -- -D warnings
-RUSTFLAGS="-D warnings" cargo check --no-default-features --locked --target-dir target/no-default-features
+cargo clippy --no-default-features --locked -- -D warnings
 cargo clippy --manifest-path src/python/Cargo.toml --target-dir target/wheel --locked -- -D warnings
 cargo test --profile quick --locked -- --show-output 2>&1 | tee target/tests.log
 RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --locked --quiet

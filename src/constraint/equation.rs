@@ -9,7 +9,7 @@
 
 use super::bonds::Bonds;
 use super::{Constraint, ConstraintForces, ConstraintView, StoredConstraint};
-use crate::mesh::room::MemoryUse;
+use crate::kernel::lists::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};

@@ -15,8 +15,8 @@ pub mod user_motion;
 use std::any::Any;
 
 use self::contact::curve::Carrier;
+use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
-use crate::mesh::room::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};

@@ -5,7 +5,7 @@ use std::any::Any;
 use std::collections::HashMap;
 
 use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, StoredConstraint};
-use crate::mesh::room::MemoryUse;
+use crate::kernel::lists::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};

@@ -3,7 +3,7 @@
 
 use super::contact::curve::Carrier;
 use super::{Constraint, ConstraintUpkeep, StoredConstraint};
-use crate::mesh::room::MemoryUse;
+use crate::kernel::lists::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, persist_struct};
 use crate::state::dofs::Dofs;

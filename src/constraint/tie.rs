@@ -2,7 +2,7 @@
 //! Never here: the motion of rigid bodies.
 
 use super::{CarriedNodes, Constraint, ConstraintView, StoredConstraint};
-use crate::mesh::room::MemoryUse;
+use crate::kernel::lists::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;

@@ -1,6 +1,9 @@
 //! Lists: members in order without repetition, and the memory that they occupy.
 //! Never here: what they list.
 
+use std::iter::Sum;
+use std::ops::Add;
+
 /// Members in ascending order, each once.
 pub fn sorted_unique<T: Ord>(members: impl IntoIterator<Item = T>) -> Vec<T> {
     let mut sorted: Vec<T> = members.into_iter().collect();
@@ -12,4 +15,39 @@ pub fn sorted_unique<T: Ord>(members: impl IntoIterator<Item = T>) -> Vec<T> {
 /// Bytes of the allocation of a list.
 pub fn heap_bytes<T>(list: &Vec<T>) -> usize {
     size_of::<T>() * list.capacity()
+}
+
+/// Bytes of lists. The system assigns no memory to the reserved part before it is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MemoryUse {
+    /// Bytes of entries.
+    pub used: usize,
+    /// Bytes reserved for entries that are added during the run.
+    pub reserved: usize,
+}
+
+impl MemoryUse {
+    /// Memory of a list.
+    pub fn of<T>(list: &Vec<T>) -> MemoryUse {
+        MemoryUse { used: size_of::<T>() * list.len(), reserved: size_of::<T>() * (list.capacity() - list.len()) }
+    }
+
+    /// Memory without reserve.
+    pub fn in_use(bytes: usize) -> MemoryUse {
+        MemoryUse { used: bytes, reserved: 0 }
+    }
+}
+
+impl Add for MemoryUse {
+    type Output = MemoryUse;
+
+    fn add(self, other: MemoryUse) -> MemoryUse {
+        MemoryUse { used: self.used + other.used, reserved: self.reserved + other.reserved }
+    }
+}
+
+impl Sum for MemoryUse {
+    fn sum<I: Iterator<Item = MemoryUse>>(parts: I) -> MemoryUse {
+        parts.fold(MemoryUse::default(), Add::add)
+    }
 }

@@ -4,5 +4,5 @@
 pub mod corner_forces;
 pub mod gather;
 pub mod hidden;
-pub mod room;
+mod room;
 pub mod surface;

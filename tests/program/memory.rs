@@ -217,7 +217,9 @@ fn told_and_held(text: &str, routines: &Routines) -> (usize, usize) {
     let told = bytes_of_ledger(&plan.ledger);
     let mut memory = History::default();
     let running = allocation_counter::measure(|| drop(revolve::solve::run(&plan, state, &mut memory)));
-    (told, compiling.bytes_current as usize + running.bytes_max as usize)
+    let of_run = running.bytes_max;
+    println!("{} bytes at the start, at most {of_run} more in the run", compiling.bytes_current);
+    (told, compiling.bytes_current as usize + of_run as usize)
 }
 
 /// A rod on a plate whose elements are deleted: contact has room for every face that deletion may expose.

@@ -179,7 +179,7 @@ fn same(what: &str, prepared: &Prepared, found: &(Outcome, Memory), expected: &(
 
 /// The part to which contact solves for impulses (`TOLERANCE` in `constraint/contact/sweeps.rs`). A contact that is constructed
 /// again starts from other impulses; 2e-12 of the largest value of a column was measured.
-const SOLVER_TOLERANCE: f64 = 0.0;
+const SOLVER_TOLERANCE: f64 = 1e-9;
 
 /// Compares rows to the tolerance of the contact solver.
 #[track_caller]

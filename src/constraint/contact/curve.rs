@@ -2,9 +2,9 @@
 //! what of them comes and goes as elements are deleted.
 //! Never here: which facets meet, what acts where they do.
 
+use crate::kernel::lists::MemoryUse;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementNodes;
-use crate::mesh::room::MemoryUse;
 use crate::state::archive::{Archive, Persist, persist_struct};
 
 /// What carries a point of a surface.

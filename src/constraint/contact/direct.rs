@@ -7,7 +7,7 @@
 
 use super::sweeps::{Given, Motion, Row, Rows, Span, TOLERANCE, Term, closed_overlap, most_shear};
 use crate::kernel::interaction::{Law, Overclosure};
-use crate::mesh::room::MemoryUse;
+use crate::kernel::lists::MemoryUse;
 use nalgebra::{SMatrix, SVector};
 
 #[derive(Clone, Copy, Debug, PartialEq)]

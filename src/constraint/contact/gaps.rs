@@ -8,10 +8,9 @@
 //! (segment-to-segment contact after Puso and Laursen 2004, Comput. Methods Appl. Mech. Engrg. 193, 601; pieces after
 //! Zavarise and De Lorenzis 2009, Int. J. Numer. Meth. Engng 79, 379).
 
-use crate::mesh::room::MemoryUse;
+use crate::kernel::lists::MemoryUse;
 
 use super::curve::{Beyond, Curve, Shape};
-use crate::kernel::lists::heap_bytes;
 
 /// The share of one point in the gaps of both points of a facet.
 #[derive(Clone, Copy, Debug)]

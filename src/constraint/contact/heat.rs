@@ -10,7 +10,7 @@ use super::curve::{Carrier, Point};
 use super::sweeps::{Row, Rows, Term};
 use crate::constraint::HeatExchange;
 use crate::kernel::interaction::Law;
-use crate::mesh::room::MemoryUse;
+use crate::kernel::lists::MemoryUse;
 use crate::state::archive::persist_struct;
 
 /// No point.

@@ -1,10 +1,9 @@
 //! Which facets may meet within the next increments: lists that hold until something has moved too far.
 //! Never here: gaps.
 
-use crate::mesh::room::MemoryUse;
+use crate::kernel::lists::MemoryUse;
 
 use super::curve::Curve;
-use crate::kernel::lists::heap_bytes;
 
 /// Part of the pair's length of facets that is the reach of contact: points further from the other surface are out of it.
 const REACH: f64 = 0.5;

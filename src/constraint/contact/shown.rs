@@ -4,9 +4,8 @@
 use super::curve::{Carrier, Point};
 use super::{Contact, Pair};
 use crate::constraint::ContactResults;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
-use crate::mesh::room::MemoryUse;
 use crate::state::archive::persist_struct;
 use crate::variables::{Part, Variable};
 

@@ -6,7 +6,7 @@
 use super::direct::Direct;
 use super::light::Light;
 use crate::kernel::interaction::{Law, Overclosure};
-use crate::mesh::room::MemoryUse;
+use crate::kernel::lists::MemoryUse;
 
 /// The share of one degree of freedom in a gap, along the normal and along the surface.
 #[derive(Clone, Copy, Debug)]
