@@ -392,7 +392,7 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
 
     /// The stress turned with the material, and the elastic trial of its mean and deviator.
     #[inline(always)]
-    fn trial<M: Material<T>>(&mut self, constants: &Constants, dt: T, scratch: &mut Workspace<T>) {
+    pub(super) fn trial<M: Material<T>>(&mut self, constants: &Constants, dt: T, scratch: &mut Workspace<T>) {
         let (bulk, shear2) = (T::of(constants.bulk), T::of(2.0 * constants.shear));
         let (half, third, unit) = (T::of(0.5), T::of(1.0 / 3.0), T::of(UNIT));
         for l in 0..LANES {
@@ -463,6 +463,18 @@ impl<T: Real> Workspace<T> {
         }
     }
 
+    /// Sets velocity gradients (rr, zz, hoop, rz and zr) in the middle of the increment times the volumes there in the unit
+    /// [`UNIT`], of elements of another shape.
+    #[inline(always)]
+    pub(super) fn set_gradients(&mut self, dt: T, gradients: &[Lanes<T>; 5], volume: &Lanes<T>) {
+        let [rr, zz, hoop, rz, zr] = gradients;
+        self.strain.strain = [*rr, *zz, *hoop, std::array::from_fn(|l| rz[l] + zr[l])];
+        for l in 0..LANES {
+            let spin = SpinOver::new(T::of(0.5) * dt * (rz[l] - zr[l]), volume[l]);
+            (self.strain.spin[l], self.middle[l], self.inverse[l]) = (spin.dividend, spin.divisor, spin.inverse);
+        }
+    }
+
     /// Scratch memory of a task of so many blocks whose frequencies are not capped, with room for what its elements keep of
     /// hourglass control and bulk viscosity, in units of a length.
     pub fn new(constants: &Constants, length: f64, blocks: usize) -> Self {
@@ -505,6 +517,16 @@ impl<T: Real> Workspace<T> {
         if let Some(rates) = self.task.own_rates.get_mut(self.at) {
             *rates = self.own_rate;
         }
+    }
+
+    /// A lane whose element is not there weighs nothing.
+    pub(super) fn mask(&mut self, lane: usize) {
+        self.weight[lane] = T::ZERO;
+    }
+
+    /// Whether a lane counts.
+    pub(super) fn weighs(&self, lane: usize) -> bool {
+        self.weight[lane] > T::ZERO
     }
 
     /// Number of the block at hand; a float, as the sums keep it.

@@ -47,6 +47,12 @@ pub(super) fn damped<T: Real>(xi: T) -> T {
     T::ONE + xi * (T::ONE + T::of(0.5) * xi)
 }
 
+impl HourglassControl {
+    /// None, of elements that have no pattern without strain.
+    pub const NONE: HourglassControl =
+        HourglassControl { stiffness: 0.0, viscosity: 0.0, relaxes: false, enhanced: 0.0 };
+}
+
 impl Constants {
     /// One over the stable increment of an element with these corners `[r, z]` and corner masses, by the bound of the inner
     /// loop with linear bulk viscosity alone.

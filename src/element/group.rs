@@ -493,6 +493,12 @@ fn block<S, T: Real>(
     block
 }
 
+/// A block of points of other elements at rest, with their masses.
+pub(super) fn block_of_points<S>(state: S, mass: Lanes) -> ElementBlock<S> {
+    let (nodes, zeros) = ([[0; LANES]; 4], [[0.0; LANES]; 4]);
+    ElementBlock { nodes, stress: zeros, mass, inverse_mass: zeros, state }
+}
+
 impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, AREA, T> {
     fn len(&self) -> usize {
         self.count
@@ -856,7 +862,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> NullaryFnOnce for Task<'_, '_
 }
 
 /// Adds the boundaries of elements whose deletion has not been listed, and counts it as listed.
-fn tell_deleted(group: &dyn ElementGroup, told: &mut [bool], deleted: &mut Vec<ElementNodes>) {
+pub(super) fn tell_deleted(group: &dyn ElementGroup, told: &mut [bool], deleted: &mut Vec<ElementNodes>) {
     for (element, told) in told.iter_mut().enumerate() {
         if !*told && group.is_deleted(element) {
             *told = true;
@@ -866,7 +872,7 @@ fn tell_deleted(group: &dyn ElementGroup, told: &mut [bool], deleted: &mut Vec<E
 }
 
 /// Folds what tasks came to in their order: their sums and what deformed; no rate of a task is larger than `most` says.
-fn totals(tasks: impl Iterator<Item = (Sums, [Lanes; 2])>, most: impl Fn(usize) -> f64) -> Totals {
+pub(super) fn totals(tasks: impl Iterator<Item = (Sums, [Lanes; 2])>, most: impl Fn(usize) -> f64) -> Totals {
     let mut totals = Totals::default();
     let mut largest = 0.0;
     for (task, (sums, deformed)) in tasks.enumerate() {

@@ -37,6 +37,7 @@ pub mod rings;
 mod same_bits;
 pub mod shell;
 mod shock;
+pub mod six_node;
 mod subzonal;
 pub mod values;
 pub mod volume_guard;

@@ -21,8 +21,8 @@ pub(super) struct Quiescence {
 
 impl Quiescence {
     /// The tasks of a group, all awake.
-    pub fn of_tasks(elements: &[[u32; 4]]) -> Vec<Quiescence> {
-        let task = |part: &[[u32; 4]]| {
+    pub fn of_tasks<const N: usize>(elements: &[[u32; N]]) -> Vec<Quiescence> {
+        let task = |part: &[[u32; N]]| {
             let mut nodes: Vec<u32> = part.as_flattened().to_vec();
             nodes.sort_unstable();
             nodes.dedup();

@@ -21,6 +21,13 @@ pub(super) const TOPICS: &[Topic] = &[
                averaged over the nodes around, so that it does not lock (docs/theory.md). CAX3T has temperatures at its nodes, too.\n",
     },
     Topic {
+        words: &["CAX6M"],
+        text: "CAX6M: six-node axisymmetric triangle, modified, three integration points. Nodes: the corners counter-clockwise in\n\
+               (r, z), then the middles of the sides 1-2, 2-3 and 3-1. Faces S1, S2 and S3 are these sides, each two straight parts\n\
+               that meet at the middle. It does not lock and needs no hourglass control (docs/theory.md); output is the mean of its\n\
+               points. Not for *DYNAMIC TEMPERATURE-DISPLACEMENT and not for routines of the user at points.\n",
+    },
+    Topic {
         words: &["RAX2"],
         text: "RAX2: two-node axisymmetric rigid element, a facet of a body of revolution, for *RIGID BODY. Its positive side (SPOS)\n\
                lies to the left of the way from the first node to the second. Mass by DENSITY and thickness of *RIGID BODY, or a\n\
@@ -37,11 +44,11 @@ pub(super) const TOPICS: &[Topic] = &[
     },
     Topic {
         words: &[
-            "C3D8R", "C3D4", "C3D6", "C3D10M", "S4R", "S3R", "CPE4R", "CPS4R", "CAX4", "CAX8R", "CAX6M", "CAX3H",
+            "C3D8R", "C3D4", "C3D6", "C3D10M", "S4R", "S3R", "CPE4R", "CPS4R", "CAX4", "CAX8R", "CAX6MT", "CAX3H",
             "B31", "T3D2", "R3D4",
         ],
-        text: "This element type is not computed: the code is axisymmetric, with linear elements. CAX4R, CAX4RT, CAX3, CAX3T, SAX1\n\
-               and RAX2 are; a deck with others is refused with the line (docs/abaqus.md).\n",
+        text: "This element type is not computed: the code is axisymmetric, and of its elements CAX4R, CAX4RT, CAX3, CAX3T, CAX6M,\n\
+               SAX1 and RAX2 are; a deck with others is refused with the line (docs/abaqus.md).\n",
     },
     Topic {
         words: &["final", "min", "max", "time_min", "time_max", "at", "mean", "norm", "quantity", "quantities"],

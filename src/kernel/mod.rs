@@ -24,6 +24,7 @@ pub mod real;
 pub mod return_mapping;
 pub mod rotation;
 pub mod shell;
+pub mod six_node_triangle;
 pub mod solid;
 pub mod stress;
 pub mod students_t;

@@ -20,7 +20,7 @@ pub const CODES: &[Code] = codes! {
     "M116" "unknown section controls" "No *SECTION CONTROLS has this name."
     "M117" "unknown time points" "No *TIME POINTS has this name."
     "M120" "unknown element type" "No element type of ABAQUS has this name."
-    "M121" "element type not supported" "The type is known, but this code is axisymmetric and supports RAX2, SAX1, CAX3, CAX4R, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1."
+    "M121" "element type not supported" "The type is known, but this code is axisymmetric and supports RAX2, SAX1, CAX3, CAX4R, CAX6M, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1."
     "M122" "element with a missing node" "The element refers to a node that is not defined (nodes must come before their elements)."
     "M123" "degenerate element" "Its nodes coincide, it has no area, it runs clockwise, it is concave, or it reaches across the axis."
     "M124" "label used twice" "Two elements have the same label."
@@ -54,6 +54,6 @@ pub const CODES: &[Code] = codes! {
     "M171" "history expression without a name" "A line of *OUTPUT EXPRESSION is `name = expression`; the name has letters, digits and `_`."
     "M181" "free surface without stiffness" "How much a free surface weakens a target follows from 2E/3Y: E of *ELASTIC, Y of *CAVITY EXPANSION, above 1."
     "M185" "resistance without strain rates" "A strain rate needs a length: the radius of the cavity. Without RADIUS on *CAVITY EXPANSION, DERIVE the constants are those of slow straining, below what *RATE DEPENDENT gives."
-    "M180" "section of other elements" "*SOLID SECTION is of CAX3 and CAX4R, *SHELL SECTION of SAX1."
+    "M180" "section of other elements" "*SOLID SECTION is of CAX3, CAX4R and CAX6M, *SHELL SECTION of SAX1."
     "M150" "mesh file cannot be read" "The file is missing, damaged, or in a form that is not read; the message says how to save it again."
 };

@@ -34,7 +34,7 @@ impl Model {
     #[track_caller]
     pub fn element(&mut self, kind: ElementKind, nodes: &[usize]) -> usize {
         let name = Name::of_label("", self.mesh.elements.len() as i64 + 1);
-        self.mesh.elements.push(Element { name, kind, nodes: nodes.into(), span: Span::composed() });
+        self.mesh.elements.push(Element { name, kind, nodes: kind.around(nodes), span: Span::composed() });
         self.mesh.elements.len() - 1
     }
 

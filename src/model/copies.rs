@@ -147,7 +147,7 @@ impl Builder<'_> {
             if card.has("REFLECT") && nodes.len() > 2 {
                 nodes[1..].reverse();
             }
-            made.extend(self.add_element(label, kind, &nodes, card.span));
+            made.extend(self.add_element(label, kind, nodes[..].into(), card.span));
         }
         if let Some(name) = card.value("NEW SET") {
             self.add_element_set(&name.text, made, card.span);

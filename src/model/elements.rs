@@ -7,6 +7,7 @@ use indexmap::IndexMap;
 
 use super::budget::Good;
 use super::builder::Builder;
+use super::element_nodes::ElementNodes;
 use super::name::Name;
 use super::types::{Element, ElementKind};
 use crate::deck::names::nearest;
@@ -23,6 +24,7 @@ const SUPPORTED: &[(&str, ElementKind)] = &[
     ("CAX4R", ElementKind::Cax4r),
     ("CAX3T", ElementKind::Cax3t),
     ("CAX4RT", ElementKind::Cax4rt),
+    ("CAX6M", ElementKind::Cax6m),
     ("MASS", ElementKind::Mass),
     ("ROTARYI", ElementKind::RotaryInertia),
     ("SPRINGA", ElementKind::SpringA),
@@ -39,8 +41,9 @@ const AXISYMMETRIC: &[(&str, &str)] = &[
     ("CAX4I", "CAX4R is"),
     ("CAX4T", "CAX4RT is; it has one integration point"),
     ("CAX3H", "CAX3 is"),
-    ("CAX6M", "CAX3 is"),
-    ("CAX6", "CAX3 is"),
+    ("CAX6MT", "temperatures at nodes are those of CAX3T and CAX4RT"),
+    ("CAX6", "CAX6M is"),
+    ("CAX6H", "CAX6M is; it does not lock"),
     ("CAX8", "explicit dynamics uses linear elements: CAX4R"),
     ("CAX8R", "explicit dynamics uses linear elements: CAX4R"),
     ("CAX8RT", "explicit dynamics uses linear elements: CAX4RT"),
@@ -88,6 +91,7 @@ impl ElementKind {
             ElementKind::Rax2 | ElementKind::Sax1 | ElementKind::SpringA | ElementKind::DashpotA => 2,
             ElementKind::Cax3 | ElementKind::Cax3t => 3,
             ElementKind::Cax4r | ElementKind::Cax4rt => 4,
+            ElementKind::Cax6m => 6,
         }
     }
 
@@ -98,6 +102,7 @@ impl ElementKind {
             ElementKind::Cax3 | ElementKind::Cax3t | ElementKind::Cax4r | ElementKind::Cax4rt => {
                 Some(Topology::Quadrilateral)
             }
+            ElementKind::Cax6m => Some(Topology::SixNodeTriangle),
             _ => None,
         }
     }
@@ -105,6 +110,21 @@ impl ElementKind {
     /// Whether it is a solid that can deform.
     pub fn is_solid(self) -> bool {
         self.topology().is_some_and(Topology::is_solid)
+    }
+
+    /// Nodes around the boundary, from those in the order of ABAQUS: the middles of the sides come after the corners there.
+    pub fn around(self, nodes: &[usize]) -> ElementNodes {
+        match (self, nodes) {
+            (ElementKind::Cax6m, &[a, b, c, ab, bc, ca]) => [a, ab, b, bc, c, ca][..].into(),
+            _ => nodes.into(),
+        }
+    }
+
+    /// Parts of the boundary that a face is, by their numbers; none where the type has no such face.
+    pub fn face(self, number: u8) -> std::ops::Range<u8> {
+        let parts = if self == ElementKind::Cax6m { 2 } else { 1 };
+        let count = self.node_count() as u8 / parts;
+        if (1..=count).contains(&number) { parts * (number - 1) + 1..parts * number + 1 } else { 0..0 }
     }
 
     /// Whether its nodes have temperatures.
@@ -158,8 +178,7 @@ impl Builder<'_> {
         if let Some(found) = SUPPORTED.iter().find(|s| s.0 == name) {
             return Some(found.1);
         }
-        let supported =
-            "supported are RAX2, SAX1, CAX3, CAX4R, CAX3T, CAX4RT, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1";
+        let supported = "supported are RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1";
         let finding = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
             Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
         } else if let Some((_, what)) = OTHER_GEOMETRY.iter().find(|o| name.starts_with(o.0)) {
@@ -177,12 +196,12 @@ impl Builder<'_> {
     fn plain_element(&mut self, kind: ElementKind, row: &Row) -> Option<usize> {
         let mut numbers = words(row.text(&self.deck.sources)?).map(|word| word.parse::<i64>().ok());
         let label = numbers.next()??;
-        let (mut nodes, need) = ([0; 4], kind.node_count());
+        let (mut nodes, need) = ([0; 6], kind.node_count());
         let scope = self.nodes.scope(&self.scope)?;
         for node in &mut nodes[..need] {
             *node = scope.find(numbers.next()??)?;
         }
-        self.add_element(label, kind, &nodes[..need], row.span())
+        self.add_element(label, kind, kind.around(&nodes[..need]), row.span())
     }
 
     /// An element that may go on over several lines, and the row behind it.
@@ -222,22 +241,28 @@ impl Builder<'_> {
                 }
             }
         }
-        self.add_element(label, kind, &nodes, span)
+        self.add_element(label, kind, kind.around(&nodes), span)
     }
 
-    /// Adds an element of the present scope.
-    pub(super) fn add_element(&mut self, label: i64, kind: ElementKind, nodes: &[usize], span: Span) -> Option<usize> {
+    /// Adds an element of the present scope, its nodes around the boundary.
+    pub(super) fn add_element(
+        &mut self,
+        label: i64,
+        kind: ElementKind,
+        nodes: ElementNodes,
+        span: Span,
+    ) -> Option<usize> {
         let index = self.model.mesh.elements.len();
         if let Some(other) = self.elements.insert(&self.scope, label, index) {
             self.used_twice.push((label, span, self.model.mesh.elements[other].span));
         }
         let name = Name::of_label(&self.scope, label);
-        self.model.mesh.elements.push(Element { name, kind, nodes: nodes.into(), span });
+        self.model.mesh.elements.push(Element { name, kind, nodes, span });
         Some(index)
     }
 
     fn shape_fault(&self, kind: ElementKind, nodes: &[usize]) -> Option<ShapeFault> {
-        let mut places = [[0.0; 2]; 4];
+        let mut places = [[0.0; 2]; 6];
         let points = &mut places[..nodes.len()];
         points.iter_mut().zip(nodes).for_each(|(point, &n)| *point = self.model.mesh.points[n]);
         if kind.is_discrete() {
@@ -256,6 +281,7 @@ impl Builder<'_> {
             kind if kind.is_solid() && area < 0.0 => Some(ShapeFault::Clockwise),
             kind if kind.is_solid() && area == 0.0 => Some(ShapeFault::NoArea),
             ElementKind::Cax4r | ElementKind::Cax4rt if has_inward_corner(points, area) => Some(ShapeFault::Concave),
+            ElementKind::Cax6m if has_folded_cell(points) => Some(ShapeFault::Folded),
             _ => None,
         }
     }
@@ -376,7 +402,7 @@ impl Builder<'_> {
             let shift = sum([node_step, row_node_step, layer_node]);
             let label = master.saturating_add(sum([element_step, row_element_step, layer_element]));
             let nodes = self.shifted(&labels, shift, label, line.span)?;
-            made.extend(self.add_element(label, kind, &nodes, line.span));
+            made.extend(self.add_element(label, kind, nodes[..].into(), line.span));
         }
         Some(made)
     }
@@ -409,6 +435,7 @@ enum ShapeFault {
     Clockwise,
     NoArea,
     Concave,
+    Folded,
 }
 
 impl ShapeFault {
@@ -424,8 +451,21 @@ impl ShapeFault {
             }
             ShapeFault::NoArea => ("no area: its corners coincide or lie on one line", "check the places of its nodes"),
             ShapeFault::Concave => ("concave: a corner points inward", "check the places of its nodes and their order"),
+            ShapeFault::Folded => (
+                "folded: one of the four triangles between its corners and the middles of its sides has no area",
+                "the nodes are three corners, then the middles of the sides 1-2, 2-3 and 3-1",
+            ),
         }
     }
+}
+
+/// Whether a triangle within a six-node triangle has no positive area.
+fn has_folded_cell(points: &[[f64; 2]]) -> bool {
+    let area = |cell: &[usize; 4]| {
+        let [a, b, c] = [0, 1, 2].map(|i| points[cell[i]]);
+        (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+    };
+    Topology::SixNodeTriangle.cells().iter().any(|cell| area(cell) <= 0.0)
 }
 
 /// Whether a corner of a quadrilateral points inward: it would turn inside out at once. Corners on the line between their

@@ -276,7 +276,7 @@ impl Builder<'_> {
             let Element { name, kind, .. } = &mesh.elements[other];
             let (kind, section) = (kind.name(), card.keyword.name);
             let message = format!("element {name} is a {kind}, which no *{section} is for");
-            let help = "*SOLID SECTION is of CAX3 and CAX4R, *SHELL SECTION of SAX1";
+            let help = "*SOLID SECTION is of CAX3, CAX4R and CAX6M, *SHELL SECTION of SAX1";
             return self
                 .diagnostics
                 .refuse(Diagnostic::error("M180", message).at(card.span, "this section").help(help));

@@ -83,8 +83,12 @@ impl Grouped {
             }
             let found: Option<Vec<usize>> = nodes.iter().map(|n| self.by_label.get(n).copied()).collect();
             let mut cell = found.ok_or_else(|| format!("element {label} refers to a node that is not there"))?;
-            if all && *dimension == 2 && area(&self.points, &cell) < 0.0 {
-                cell[1..].reverse();
+            // Corners come before the middles of sides.
+            let corners = if cell.len() == 6 { 3 } else { cell.len() };
+            if all && *dimension == 2 && area(&self.points, &cell[..corners]) < 0.0 {
+                let (corners, middles) = cell.split_at_mut(corners);
+                corners[1..].reverse();
+                middles.reverse();
             }
             cells.push(cell);
             labels.push(*label);

@@ -112,12 +112,19 @@ impl Builder<'_> {
         nodes: &[usize],
         span: Span,
     ) -> Option<usize> {
-        let by_count = [ElementKind::Mass, ElementKind::Rax2, ElementKind::Cax3, ElementKind::Cax4r];
-        let kind = wanted.or_else(|| by_count.get(cell.len().wrapping_sub(1)).copied());
+        let by_count = match cell.len() {
+            1 => Some(ElementKind::Mass),
+            2 => Some(ElementKind::Rax2),
+            3 => Some(ElementKind::Cax3),
+            4 => Some(ElementKind::Cax4r),
+            6 => Some(ElementKind::Cax6m),
+            _ => None,
+        };
+        let kind = wanted.or(by_count);
         let fits = kind.filter(|k| k.node_count() == cell.len());
         let corners: Option<Vec<usize>> = cell.iter().map(|&p| nodes.get(p).copied()).collect();
         if let (Some(kind), Some(corners)) = (fits, corners) {
-            return self.add_element(label, kind, &corners, span);
+            return self.add_element(label, kind, kind.around(&corners), span);
         }
         let wanted = kind.map_or("no element type", ElementKind::name);
         let message = format!("cell {label} of the mesh file has {} points; {wanted} does not fit", cell.len());

@@ -48,13 +48,15 @@ impl Builder<'_> {
         let mut faces = Vec::new();
         for &element in elements {
             let kind = self.model.mesh.elements[element].kind;
-            let Some(side) = side(&name, kind) else {
+            let mut sides = sides_of(&name, kind).peekable();
+            if sides.peek().is_none() {
                 let message = format!("{} has no side {}", kind.name(), word.text);
                 let finding = Diagnostic::error("M131", message).at(word.span, "no such side");
-                self.diagnostics.push(finding.help("RAX2 and SAX1 have SPOS and SNEG, CAX3 S1 to S3, CAX4R S1 to S4"));
+                self.diagnostics
+                    .push(finding.help("RAX2 and SAX1 have SPOS and SNEG, CAX3 and CAX6M S1 to S3, CAX4R S1 to S4"));
                 return faces;
-            };
-            faces.push((element, side));
+            }
+            faces.extend(sides.map(|side| (element, side)));
         }
         faces
     }
@@ -84,15 +86,14 @@ impl Surface {
     }
 }
 
-/// The side a name means on a type of element.
-pub(super) fn side(name: &str, kind: ElementKind) -> Option<Side> {
-    match (name, kind) {
-        ("SPOS", ElementKind::Rax2 | ElementKind::Sax1) => Some(Side::Positive),
-        ("SNEG", ElementKind::Rax2 | ElementKind::Sax1) => Some(Side::Negative),
-        (_, kind) if kind.is_solid() => {
-            let number: u8 = name.strip_prefix('S')?.parse().ok()?;
-            (1..=kind.node_count() as u8).contains(&number).then_some(Side::Face(number))
-        }
+/// The parts of the boundary that a name means on a type of element; none where it has no such side.
+pub(super) fn sides_of(name: &str, kind: ElementKind) -> impl Iterator<Item = Side> {
+    let shell = matches!(kind, ElementKind::Rax2 | ElementKind::Sax1);
+    let of_shell = match name {
+        "SPOS" if shell => Some(Side::Positive),
+        "SNEG" if shell => Some(Side::Negative),
         _ => None,
-    }
+    };
+    let number = name.strip_prefix('S').filter(|_| kind.is_solid()).and_then(|n| n.parse().ok());
+    of_shell.into_iter().chain(number.map_or(0..0, |n| kind.face(n)).map(Side::Face))
 }

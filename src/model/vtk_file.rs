@@ -123,11 +123,12 @@ fn check_types(types: &[CellType], cells: &[Vec<usize>]) -> Result<(), String> {
         CellType::Line => 2,
         CellType::Triangle => 3,
         CellType::Quad => 4,
+        CellType::QuadraticTriangle => 6,
         _ => 0,
     };
     match types.iter().zip(cells).position(|(t, c)| points(*t) != c.len()) {
         Some(i) => Err(format!(
-            "cell {} is a {:?} with {} points; vertices, lines, triangles and quads of first order are read",
+            "cell {} is a {:?} with {} points; vertices, lines, triangles, quads and triangles of six points are read",
             i + 1,
             types[i],
             cells[i].len()

@@ -30,6 +30,11 @@ pub struct VtuWriter {
 /// Name of the field data that tells of points at the start.
 pub const REFERENCE: &str = "ReferencePoints";
 
+/// Points of a six-node triangle in the order of VTK, corners first, by their place around the boundary.
+const QUADRATIC: [usize; 6] = [0, 2, 4, 1, 3, 5];
+/// Points of other cells.
+const IN_ORDER: [usize; 4] = [0, 1, 2, 3];
+
 impl Default for VtuWriter {
     fn default() -> Self {
         VtuWriter::new(Points::default())
@@ -149,13 +154,15 @@ impl VtuWriter {
     fn topology(&mut self, cells: &[Vec<usize>], deleted: &[bool]) {
         let connectivity = cells.iter().enumerate().flat_map(|(c, cell)| {
             let point = cell.first().filter(|_| deleted.get(c) == Some(&true)).copied();
-            cell.iter().map(move |&p| point.unwrap_or(p) as i64)
+            let order = if cell.len() == QUADRATIC.len() { &QUADRATIC[..] } else { &IN_ORDER[..cell.len()] };
+            order.iter().map(move |&i| point.unwrap_or(cell[i]) as i64)
         });
         let offsets = cells.iter().scan(0, |sum, cell| {
             *sum += cell.len() as i64;
             Some(*sum)
         });
-        let types = cells.iter().map(|c| [1, 3, 5, 9][c.len().clamp(1, 4) - 1]);
+        let types =
+            cells.iter().map(|c| if c.len() == QUADRATIC.len() { 22 } else { [1, 3, 5, 9][c.len().clamp(1, 4) - 1] });
         self.line("<Cells>");
         self.array("Int64", "connectivity", "", connectivity.flat_map(i64::to_le_bytes));
         self.array("Int64", "offsets", "", offsets.flat_map(i64::to_le_bytes));

@@ -20,7 +20,7 @@ impl Compiler<'_> {
         }
         let triangles = corners.iter().filter(|c| c[2] == c[3]).count();
         let why_not = if triangles == 0 {
-            Some("the section has no triangles")
+            Some("the section has no CAX3 elements")
         } else if section.controls.by_area {
             Some("not under WEIGHTING=AREA")
         } else if material.eos.is_some() || material.foam.shape.is_some() || asks_at_points(material) {

@@ -7,8 +7,8 @@ use std::collections::HashSet;
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::model::{
-    Element, ElementKind, IncrementControl, InitialCondition, InitialKind, Model, SYSTEMS, SolidSection, Step, System,
-    Units, is_without_units,
+    Element, IncrementControl, InitialCondition, InitialKind, Model, SYSTEMS, SolidSection, Step, System, Units,
+    is_without_units,
 };
 
 /// Velocities above so many times the speed of sound are taken for a slip in the units.
@@ -166,7 +166,7 @@ impl<'m> Compiler<'m> {
             && model.targets.is_empty()
             && model.constraints.equations.is_empty()
             && model.materials.iter().all(|m| m.eos.is_none())
-            && model.mesh.elements.iter().all(|e| matches!(e.kind, ElementKind::Cax3 | ElementKind::Cax4r))
+            && model.mesh.elements.iter().all(|e| e.kind.is_solid() && !e.kind.is_thermal())
             && model.steps.iter().all(|s| s.boundaries.is_empty() && s.loads.is_empty() && !s.has_contact());
         let plain = |c: &InitialCondition| matches!(c.kind, InitialKind::Velocity(..) | InitialKind::Temperature(_));
         let everywhere = |c: &InitialCondition| {

@@ -1,7 +1,7 @@
 //! Temperatures of nodes and thermal strains of the plan: what conducts, what is given and held, what expands.
 //! Never here: arithmetic of heat.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 use super::loads::kind_name;
 use super::solid_material::heating;
@@ -30,8 +30,12 @@ impl Compiler<'_> {
         if !coupled {
             self.tell_without_temperatures();
         }
-        let group = |s: &SolidSection| s.elements.iter().find_map(|e| self.places.elements.get(e)).map(|place| place.0);
-        let sections: Vec<Sectioned> = model.sections.iter().filter_map(|s| Some((s, group(s)?))).collect();
+        let groups = |s: &SolidSection| {
+            let of_elements = s.elements.iter().filter_map(|e| self.places.elements.get(e)).map(|place| place.0);
+            of_elements.collect::<BTreeSet<usize>>()
+        };
+        let with_groups = |s| groups(s).into_iter().map(move |group| (s, group));
+        let sections: Vec<Sectioned> = model.sections.iter().flat_map(with_groups).collect();
         let heat = if coupled { self.heat(&sections, state) } else { None };
         let start = self.initial_temperatures(state);
         let mut expanding = Vec::new();

@@ -60,6 +60,7 @@ fn height(element: &Element, points: &[[f64; 2]], length: f64) -> f64 {
     let corner = |i: usize| points[element.nodes[i % element.nodes.len()]];
     let cross = |i: usize| corner(i)[0] * corner(i + 1)[1] - corner(i + 1)[0] * corner(i)[1];
     let area = 0.5 * (0..element.nodes.len()).map(cross).sum::<f64>();
+    // A facet of a six-node triangle is half a side.
     let share = if element.nodes.len() == 3 { 2.0 } else { 1.0 };
     share * area.abs() / length
 }

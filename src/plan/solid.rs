@@ -12,6 +12,7 @@ use crate::element::group::ElementGroup;
 use crate::element::lengths::AskedLengths;
 use crate::element::rings::Rings;
 use crate::kernel::quad::{self, corner_masses};
+use crate::kernel::topology::Topology;
 use crate::mesh::gather::Gather;
 use crate::model::{FailureCriterion, IncrementControl, InitialKind, SolidSection, Step};
 use crate::state::dofs::Dofs;
@@ -52,8 +53,8 @@ impl Compiler<'_> {
     /// Makes the deformable part of the scene, which is empty if nothing deforms.
     pub(super) fn solids(&mut self) -> State {
         let model = self.model;
-        let sections: Vec<(&SolidSection, Vec<usize>)> =
-            model.sections.iter().map(|s| (s, self.ordered(s))).filter(|s| !s.1.is_empty()).collect();
+        let of_section = |s| self.by_topology(self.ordered(s)).into_iter().map(move |elements| (s, elements));
+        let sections: Vec<(&SolidSection, Vec<usize>)> = model.sections.iter().flat_map(of_section).collect();
         let shells = self.free_shells();
         if sections.is_empty() && shells.is_empty() {
             return State::default();
@@ -64,7 +65,7 @@ impl Compiler<'_> {
         let (mut groups, mut ids): (Vec<Box<dyn ElementGroup>>, Vec<_>) = Default::default();
         let (mut controlled, mut damped, mut averagings, mut lengths) = <(Vec<_>, Vec<_>, Vec<_>, Vec<_>)>::default();
         for (section, elements) in &sections {
-            let Some(list) = self.corner_nodes(elements, &nodes) else { continue };
+            let Some(list) = self.connectivity(elements, &nodes) else { continue };
             let Some(group) = self.group(section, elements, &list, &nodes, &mut mass) else { continue };
             for (i, &e) in elements.iter().enumerate() {
                 self.places.elements.insert(e, (groups.len(), i));
@@ -72,7 +73,7 @@ impl Compiler<'_> {
             ids.push(self.causes.get(&(section.span, "deformable elements")).copied().unwrap_or_default());
             controlled.extend(self.distortion_control(section, elements.len()).map(|ratio| (groups.len(), ratio)));
             damped.push(self.damping(section, elements.len()));
-            averagings.push(self.averaging(section, &list));
+            averagings.push(self.averaging(section, list.quadrilaterals()));
             lengths.extend(self.lengths_at_start(section, elements, groups.len()));
             groups.push(group);
         }
@@ -216,15 +217,21 @@ impl Compiler<'_> {
         section.elements.iter().copied().filter(|e| !self.body_of_element.contains_key(e)).collect()
     }
 
-    /// Corner nodes of elements; an element without positive volume is an error.
-    fn corner_nodes(&mut self, elements: &[usize], nodes: &[Node]) -> Option<Vec<[u32; 4]>> {
+    /// Elements of one topology each, in their order.
+    fn by_topology(&self, elements: Vec<usize>) -> Vec<Vec<usize>> {
+        let is_triangle = |e: &usize| self.model.mesh.elements[*e].kind.topology() == Some(Topology::SixNodeTriangle);
+        let (triangles, others): (Vec<usize>, Vec<usize>) = elements.into_iter().partition(is_triangle);
+        [others, triangles].into_iter().filter(|list| !list.is_empty()).collect()
+    }
+
+    /// Nodes of elements of one topology; an element without positive volume is an error.
+    fn connectivity(&mut self, elements: &[usize], nodes: &[Node]) -> Option<Connectivity> {
         let mesh = &self.model.mesh;
-        let mut list = Vec::with_capacity(elements.len());
+        let node = |n: usize| self.places.nodes[&n] as u32;
         for &e in elements {
             let element = &mesh.elements[e];
-            let cell = mesh.cells(e).next()?;
-            let corners = cell.map(|n| self.places.nodes[&n] as u32);
-            let volume = quad::volume(corners.map(|n| nodes[n as usize].place()));
+            let volumes = mesh.cells(e).map(|cell| quad::volume(cell.map(|n| nodes[node(n) as usize].place())));
+            let volume = volumes.fold(f64::INFINITY, |least, v| if v > least { least } else { v });
             if volume.is_nan() || volume <= 0.0 {
                 let message = format!("element {} has the volume {volume:e}", element.name);
                 let finding = Diagnostic::error("P012", message).at(element.span, "this element");
@@ -232,9 +239,14 @@ impl Compiler<'_> {
                     .push(finding.help("its nodes must run counter-clockwise in (r, z), and r must not be below 0"));
                 return None;
             }
-            list.push(corners);
         }
-        Some(list)
+        let kind = mesh.elements[*elements.first()?].kind;
+        Some(if kind.topology() == Some(Topology::SixNodeTriangle) {
+            let around = |&e: &usize| Some(mesh.elements[e].nodes.first_chunk::<6>()?.map(node));
+            Connectivity::SixNodeTriangles(elements.iter().filter_map(around).collect())
+        } else {
+            Connectivity::Quadrilaterals(elements.iter().flat_map(|&e| mesh.cells(e)).map(|c| c.map(node)).collect())
+        })
     }
 
     fn point_masses(&mut self, mass: &mut [f64]) {
@@ -325,9 +337,51 @@ impl Compiler<'_> {
     }
 }
 
-pub(super) fn add_masses(corners: &[[u32; 4]], nodes: &[Node], density: f64, mass: &mut [f64]) {
-    for corner in corners {
-        for (n, m) in corner.iter().zip(corner_masses(corner.map(|n| nodes[n as usize].place()), density)) {
+/// Nodes of the elements of a group.
+pub(super) enum Connectivity {
+    /// Corners; of triangles the last two coincide.
+    Quadrilaterals(Vec<[u32; 4]>),
+    /// Around the boundary.
+    SixNodeTriangles(Vec<[u32; 6]>),
+}
+
+impl Connectivity {
+    /// Number of elements.
+    pub(super) fn count(&self) -> usize {
+        match self {
+            Connectivity::Quadrilaterals(list) => list.len(),
+            Connectivity::SixNodeTriangles(list) => list.len(),
+        }
+    }
+
+    /// The type of the elements, as reports show it.
+    pub(super) fn element_type(&self) -> &'static str {
+        match self {
+            Connectivity::Quadrilaterals(_) => "CAX4R",
+            Connectivity::SixNodeTriangles(_) => "CAX6M",
+        }
+    }
+
+    /// The corners of quadrilaterals; none of other elements.
+    pub(super) fn quadrilaterals(&self) -> &[[u32; 4]] {
+        if let Connectivity::Quadrilaterals(list) = self { list } else { &[] }
+    }
+
+    /// The corners of the quadrilaterals that elements consist of.
+    pub(super) fn cells(&self) -> Vec<[u32; 4]> {
+        match self {
+            Connectivity::Quadrilaterals(list) => list.clone(),
+            Connectivity::SixNodeTriangles(list) => {
+                let cells = Topology::SixNodeTriangle.cells();
+                list.iter().flat_map(|e| cells.iter().map(|cell| cell.map(|i| e[i]))).collect()
+            }
+        }
+    }
+}
+
+pub(super) fn add_masses(connectivity: &Connectivity, nodes: &[Node], density: f64, mass: &mut [f64]) {
+    for cell in connectivity.cells() {
+        for (n, m) in cell.iter().zip(corner_masses(cell.map(|n| nodes[n as usize].place()), density)) {
             mass[*n as usize] += m;
         }
     }

@@ -5,12 +5,13 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 use super::Compiler;
-use super::solid::add_masses;
+use super::solid::{Connectivity, add_masses};
 use super::user_material::asks_at_points;
 use crate::deck::{Diagnostic, Span};
 use crate::element::constants::{Constants, HourglassControl};
 use crate::element::group::{ElementGroup, Quads};
 use crate::element::numbers::Numbers;
+use crate::element::six_node::SixNodeTriangles;
 use crate::kernel::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table, TableOverTemperature};
 use crate::kernel::heating::Heating;
 use crate::kernel::levels::NestedTable;
@@ -61,7 +62,7 @@ const MATERIALS: &[MaterialRow] = &[
 pub(super) struct GroupBuilder<'a, const AREA: bool, T = f64> {
     pub(super) constants: Constants,
     density: f64,
-    corners: &'a [[u32; 4]],
+    connectivity: &'a Connectivity,
     nodes: &'a [Node],
     heats: bool,
     /// 1 less the damage at which an element is deleted.
@@ -74,17 +75,36 @@ pub(super) struct GroupBuilder<'a, const AREA: bool, T = f64> {
     numbers: PhantomData<T>,
 }
 
+impl<'a> GroupBuilder<'a, false> {
+    /// A builder without options.
+    pub(super) fn new(
+        constants: Constants,
+        density: f64,
+        connectivity: &'a Connectivity,
+        nodes: &'a [Node],
+    ) -> GroupBuilder<'a, false> {
+        let (heats, kept, subzonal, numbers) = (false, false, false, PhantomData);
+        GroupBuilder { constants, density, connectivity, nodes, heats, spared: 0.0, kept, subzonal, numbers }
+    }
+}
+
 impl<'a, const AREA: bool, T: Numbers> GroupBuilder<'a, AREA, T> {
-    pub(super) fn group(self, material: impl Law<T>) -> Box<dyn ElementGroup> {
-        let GroupBuilder { constants, density, corners, nodes, subzonal, .. } = self;
+    pub(super) fn group(self, material: impl Law<T> + Law) -> Box<dyn ElementGroup> {
+        let GroupBuilder { constants, density, connectivity, nodes, subzonal, .. } = self;
+        let corners = match connectivity {
+            Connectivity::SixNodeTriangles(list) => {
+                return Box::new(SixNodeTriangles::new(material, constants, density, list, nodes));
+            }
+            Connectivity::Quadrilaterals(list) => list,
+        };
         let quads = Quads::<_, AREA, T>::weighted(material, constants, density, corners, nodes);
         Box::new(if subzonal { quads.with_subzones(corners, nodes) } else { quads })
     }
 
     /// The same with other weights and numbers.
     fn turned<const BY_AREA: bool, U>(self) -> GroupBuilder<'a, BY_AREA, U> {
-        let GroupBuilder { constants, density, corners, nodes, heats, spared, kept, subzonal, numbers: _ } = self;
-        GroupBuilder { constants, density, corners, nodes, heats, spared, kept, subzonal, numbers: PhantomData }
+        let GroupBuilder { constants, density, connectivity, nodes, heats, spared, kept, subzonal, numbers: _ } = self;
+        GroupBuilder { constants, density, connectivity, nodes, heats, spared, kept, subzonal, numbers: PhantomData }
     }
 }
 
@@ -93,48 +113,46 @@ impl Compiler<'_> {
         &mut self,
         section: &SolidSection,
         elements: &[usize],
-        corners: &[[u32; 4]],
+        connectivity: &Connectivity,
         nodes: &[Node],
         mass: &mut [f64],
     ) -> Option<Box<dyn ElementGroup>> {
+        let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
         let material = &self.model.materials[section.material];
         if let Some(constants) = &material.user.material
             && let Some(law) = self.routines.law(&material.name)
         {
             let law = Arc::clone(law);
-            return self.law_group(section, (material, constants, law), (corners, nodes), mass);
+            return self.law_group(section, (material, constants, law), (connectivity, nodes), mass);
+        }
+        if triangles && (asks_at_points(material) || material.user.lengths.is_some()) {
+            self.refuse_six_nodes(section, "user subroutines at points (VUMAT, VUHARD, VUSDFLD, VUCHARLENGTH)");
+            return None;
         }
         if asks_at_points(material) {
             if section.controls.by_area {
                 let message = "WEIGHTING=AREA with routines of the user at points is not supported";
                 return self.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
             }
-            return self.user_group(section, material, elements, corners, nodes, mass);
+            return self.user_group(section, material, elements, connectivity, nodes, mass);
         }
         let evolves = material.failures.iter().any(FailureCriterion::takes_length);
         self.asks_lengths(section, material, evolves)?;
         let moduli = self.moduli(material, section.span)?;
         let density = material.density.unwrap_or(0.0);
-        add_masses(corners, nodes, density, mass);
-        let hourglass = self.hourglass(section, material, moduli)?;
+        add_masses(connectivity, nodes, density, mass);
+        let hourglass = self.control(section, material, moduli, connectivity)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
         let constants = Constants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
         let heats = self.adiabatic() || self.conducts(section);
-        self.solid_rows(section, elements.len(), &constants, (material, heats));
+        self.solid_rows(section, (elements.len(), connectivity.element_type()), &constants, (material, heats));
         let (spared, kept) = self.spared(section, material);
         let subzonal = self.subzonal(section, material, elements.len())?;
-        let make = GroupBuilder::<false> {
-            constants,
-            density,
-            corners,
-            nodes,
-            heats,
-            spared,
-            kept,
-            subzonal,
-            numbers: PhantomData,
-        };
-        if self.is_single(section, material, &constants) {
+        let make = GroupBuilder::new(constants, density, connectivity, nodes);
+        let make = GroupBuilder { heats, spared, kept, subzonal, ..make };
+        if triangles {
+            self.stays_double(section.span, elements.len(), "CAX6M");
+        } else if self.is_single(section, material, &constants) {
             return self.with_volumetric(material, section.span, Linear, make.turned::<false, f32>());
         }
         if section.controls.by_area {
@@ -146,6 +164,32 @@ impl Compiler<'_> {
         }
         let row = MATERIALS.iter().find(|row| (row.applies)(material))?;
         (row.group)(self, material, section.span, make)
+    }
+
+    fn refuse_six_nodes(&mut self, section: &SolidSection, with: &str) {
+        let finding = Diagnostic::error("P024", format!("CAX6M with {with} is not supported"));
+        self.diagnostics.push(finding.at(section.span, "this section").help("give CAX3 or CAX4R"));
+    }
+
+    /// Hourglass control of a group: none of six-node triangles, which need a shear modulus instead.
+    pub(super) fn control(
+        &mut self,
+        section: &SolidSection,
+        material: &Material,
+        moduli: Moduli,
+        connectivity: &Connectivity,
+    ) -> Option<HourglassControl> {
+        if let Connectivity::Quadrilaterals(_) = connectivity {
+            return self.hourglass(section, material, moduli);
+        }
+        if moduli.shear == 0.0 {
+            self.refuse_six_nodes(section, "a material without a shear modulus");
+        } else if section.controls.hourglass.is_some() {
+            self.refuse_six_nodes(section, "HOURGLASS of *SECTION CONTROLS (the element has no hourglass pattern)");
+        } else {
+            return Some(HourglassControl::NONE);
+        }
+        None
     }
 
     /// Elastic moduli of a material; a missing or contradictory card is an error.
@@ -327,7 +371,10 @@ impl Compiler<'_> {
         make: GroupBuilder<'_, true>,
     ) -> Option<Box<dyn ElementGroup>> {
         let model = self.model;
-        let refusal = if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.shape.is_some() {
+        let triangles = matches!(make.connectivity, Connectivity::SixNodeTriangles(_));
+        let refusal = if triangles {
+            Some("WEIGHTING=AREA of CAX6M is not supported")
+        } else if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.shape.is_some() {
             Some("WEIGHTING=AREA needs *ELASTIC, and no foam")
         } else if model.steps.iter().any(|s| s.bulk_viscosity[0] <= 0.0) {
             Some("WEIGHTING=AREA needs linear bulk viscosity: without it some of its modes grow")
@@ -344,7 +391,7 @@ impl Compiler<'_> {
             return self.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
         }
         let detail = "the equation of motion over the plane section; energy is not conserved to the last digit";
-        self.cause(section.span, "area weighting", make.corners.len(), "elements", detail.into());
+        self.cause(section.span, "area weighting", make.connectivity.count(), "elements", detail.into());
         self.with_volumetric(material, section.span, Linear, make)
     }
 
@@ -385,7 +432,7 @@ impl Compiler<'_> {
     fn solid_rows(
         &mut self,
         section: &SolidSection,
-        count: usize,
+        (count, kind): (usize, &'static str),
         constants: &Constants,
         (material, heats): (&Material, bool),
     ) {
@@ -396,7 +443,7 @@ impl Compiler<'_> {
             (None, _) => "elastic, Jaumann rate",
         };
         let detail = format!("material {}, {elasticity}", material.name);
-        self.cause(section.span, "deformable elements", count, "CAX4R", detail);
+        self.cause(section.span, "deformable elements", count, kind, detail);
         if let Some(plastic) = &material.plastic {
             let law = match plastic {
                 Plastic::Tabular(_) => "tabular isotropic",
@@ -409,19 +456,26 @@ impl Compiler<'_> {
             let heat = if heats && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
             self.cause(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
         }
-        self.control_rows(section, count, constants);
+        self.control_rows(section, (count, kind), constants);
     }
 
     /// The rows of hourglass control and bulk viscosity.
-    pub(super) fn control_rows(&mut self, section: &SolidSection, count: usize, constants: &Constants) {
-        let HourglassControl { stiffness, viscosity, relaxes, enhanced } = constants.hourglass;
-        let kind = if relaxes { "relax stiffness" } else { "stiffness" };
-        let detail = if enhanced > 0.0 {
-            format!("enhanced: assumed strains by direction, factor {enhanced}")
-        } else {
-            format!("{kind} {stiffness} G, viscosity {viscosity}")
-        };
-        self.cause(section.span, "hourglass control", count, "elements", detail);
+    pub(super) fn control_rows(
+        &mut self,
+        section: &SolidSection,
+        (count, element_type): (usize, &str),
+        constants: &Constants,
+    ) {
+        if element_type != "CAX6M" {
+            let HourglassControl { stiffness, viscosity, relaxes, enhanced } = constants.hourglass;
+            let kind = if relaxes { "relax stiffness" } else { "stiffness" };
+            let detail = if enhanced > 0.0 {
+                format!("enhanced: assumed strains by direction, factor {enhanced}")
+            } else {
+                format!("{kind} {stiffness} G, viscosity {viscosity}")
+            };
+            self.cause(section.span, "hourglass control", count, "elements", detail);
+        }
         let [linear, quadratic] = constants.bulk_viscosity;
         if linear != 0.0 || quadratic != 0.0 {
             self.cause(section.span, "bulk viscosity", count, "elements", format!("{linear}, {quadratic}"));

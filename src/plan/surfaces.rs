@@ -67,7 +67,10 @@ impl Compiler<'_> {
         let named: HashSet<(usize, Side)> = sides.faces.iter().copied().collect();
         let is_named = |element: usize, [a, b]: [usize; 2]| {
             let ends = |&s: &Side| mesh.ends(element, s).map(|e| e.map(|n| self.places.nodes[&n])) == Some([a, b]);
-            (1..=4).map(Side::Face).filter(ends).any(|s| named.contains(&(element, s)))
+            (1..=mesh.elements[element].nodes.len() as u8)
+                .map(Side::Face)
+                .filter(ends)
+                .any(|s| named.contains(&(element, s)))
         };
         Hidden::new(own.filter(|&([a, b], e)| all.contains(&[b, a]) && !is_named(e, [a, b])).collect())
     }

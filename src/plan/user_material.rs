@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use super::Compiler;
-use super::solid::add_masses;
-use super::solid_material::heating;
+use super::solid::{Connectivity, add_masses};
+use super::solid_material::{GroupBuilder, heating};
 use crate::deck::Diagnostic;
 use crate::element::constants::Constants;
 use crate::element::group::{ElementGroup, Quads};
@@ -45,7 +45,7 @@ impl Compiler<'_> {
         section: &SolidSection,
         material: &Material,
         elements: &[usize],
-        corners: &[[u32; 4]],
+        connectivity: &Connectivity,
         nodes: &[Node],
         mass: &mut [f64],
     ) -> Option<Box<dyn ElementGroup>> {
@@ -58,7 +58,7 @@ impl Compiler<'_> {
         self.ask_fields(section, material)?;
         let takes_lengths = material.user.material.is_some() || material.user.fields.is_some();
         self.asks_lengths(section, material, takes_lengths)?;
-        add_masses(corners, nodes, density, mass);
+        add_masses(connectivity, nodes, density, mass);
         let hourglass = self.hourglass(section, material, moduli)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
         // The moduli of a routine's stress come from its first answer.
@@ -67,7 +67,7 @@ impl Compiler<'_> {
         let constants = Constants { bulk, shear, hourglass, bulk_viscosity };
         let heating =
             if self.adiabatic() || self.conducts(section) { heating(material, density) } else { Heating::None };
-        self.user_rows(section, material, &law, (elements.len(), &constants), &heating);
+        self.user_rows(section, material, &law, (elements.len(), "CAX4R", &constants), &heating);
         let StateVariables { count, delete } = material.user.state;
         let (properties, flow) = match law {
             UserLaw::Stress(properties, _) => (properties.to_vec(), None),
@@ -89,6 +89,7 @@ impl Compiler<'_> {
             density,
         };
         let names = elements.iter().map(|&e| self.model.mesh.elements[e].name.to_string()).collect();
+        let corners = connectivity.quadrilaterals();
         let triangles = corners.iter().all(|c| c[2] == c[3]);
         let mut group: Box<dyn ElementGroup> = if description.flow.is_some() {
             let law = UserMaterial::<true> { description, names, triangles };
@@ -110,7 +111,7 @@ impl Compiler<'_> {
         &mut self,
         section: &SolidSection,
         (material, constants, law): (&Material, &[f64], Arc<dyn MaterialLaw>),
-        (corners, nodes): (&[[u32; 4]], &[Node]),
+        (connectivity, nodes): (&Connectivity, &[Node]),
         mass: &mut [f64],
     ) -> Option<Box<dyn ElementGroup>> {
         let StateVariables { count: variables, delete } = material.user.state;
@@ -126,15 +127,16 @@ impl Compiler<'_> {
                 format!("the law of material `{name}` needs {least} state variables, *DEPVAR gives {variables}")
             }
             (Some(density), Ok(moduli)) => {
-                self.stays_double(section.span, corners.len(), "routines of the user");
-                add_masses(corners, nodes, density, mass);
-                let hourglass = self.hourglass(section, material, moduli)?;
+                let (count, kind) = (connectivity.count(), connectivity.element_type());
+                self.stays_double(section.span, count, "routines of the user");
+                add_masses(connectivity, nodes, density, mass);
+                let hourglass = self.control(section, material, moduli, connectivity)?;
                 let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
                 let group = Constants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
                 let stress = UserLaw::Stress(constants, "in Rust");
-                self.user_rows(section, material, &stress, (corners.len(), &group), &Heating::None);
+                self.user_rows(section, material, &stress, (count, kind, &group), &Heating::None);
                 let law = PointLaw { law, constants: constants.to_vec(), variables, delete };
-                return Some(Box::new(Quads::new(law, group, density, corners, nodes)));
+                return Some(GroupBuilder::new(group, density, connectivity, nodes).group(law));
             }
         };
         self.diagnostics.refuse(Diagnostic::error("P041", refusal).at(section.span, "these elements deform"))
@@ -240,14 +242,14 @@ impl Compiler<'_> {
         section: &SolidSection,
         material: &Material,
         law: &UserLaw<'_>,
-        (count, constants): (usize, &Constants),
+        (count, kind, constants): (usize, &'static str, &Constants),
         heating: &Heating,
     ) {
         let name = &material.name;
         let heated = if heating.is_none() { "" } else { ", heated by inelastic work" };
         let variables = material.user.state.count;
         let by = if matches!(law, UserLaw::Stress(..)) { "by the user" } else { "elastic" };
-        self.cause(section.span, "deformable elements", count, "CAX4R", format!("material {name}, {by}, Jaumann rate"));
+        self.cause(section.span, "deformable elements", count, kind, format!("material {name}, {by}, Jaumann rate"));
         match law {
             UserLaw::Stress(properties, who) => {
                 let detail = format!("{who}: {} constants, {variables} state variables{heated}", properties.len());
@@ -269,7 +271,7 @@ impl Compiler<'_> {
             }
             UserLaw::Flow(Yield::Never) => {}
         }
-        self.control_rows(section, count, constants);
+        self.control_rows(section, (count, kind), constants);
     }
 
     /// Materials that elements of the scene have.

@@ -77,12 +77,17 @@ pub fn read(time: f64, path: &Path, sums: &Checksums) -> Result<FrameData, Strin
         }
         scalars.extend(split(name, values, mesh.cells.len(), &text).into_iter().map(|(n, v)| (n, true, v)));
     }
+    let around = |cell: Vec<usize>| match cell[..] {
+        [a, b, c, ab, bc, ca] => vec![a, ab, b, bc, c, ca],
+        _ => cell,
+    };
     let moved = mesh.point_arrays.iter().find(|(name, _)| name == "U" && text.contains(REFERENCE));
     let shift = |i: usize| moved.map_or([0.0; 2], |(_, values)| [values[3 * i], values[3 * i + 1]]);
     let places = mesh.points.iter().enumerate().map(|(i, p)| [p[0] + shift(i)[0], p[1] + shift(i)[1]]).collect();
     let numbers = mesh.cell_arrays.iter().find(|(name, _)| name == "ELEMENT");
     let elements = numbers.map_or_else(Vec::new, |(_, values)| values.iter().map(|v| *v as i32).collect());
-    Ok(FrameData { time, points: places, cells: mesh.cells, deleted, elements, scalars })
+    let cells = mesh.cells.into_iter().map(around).collect();
+    Ok(FrameData { time, points: places, cells, deleted, elements, scalars })
 }
 
 fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
@@ -234,7 +239,9 @@ fn meridian(frames: &[DrawnFrame], mesh: &DrawnMesh, fields: &[(String, bool)], 
     let all: Vec<[f64; 2]> = frames.iter().flat_map(|f| &f.points).copied().collect();
     let [low, high] = bounds(&all);
     let places = all.iter().flat_map(|p| [0, 1].map(|i| scale(p[i], low[i], high[i])));
-    let corners = mesh.corners.iter().flat_map(|c| (0..4).map(move |i| c.get(i).map_or(NONE, |&p| p as u16)));
+    // Of a six-node triangle the corners.
+    let step = |c: &[usize]| if c.len() == 6 { 2 } else { 1 };
+    let corners = mesh.corners.iter().flat_map(|c| (0..4).map(move |i| c.get(step(c) * i).map_or(NONE, |&p| p as u16)));
     let mut packed = Vec::new();
     for (i, (name, on_cells)) in fields.iter().enumerate() {
         let mut values: Vec<Vec<f64>> = frames.iter().map(|f| f.values[i].clone()).collect();

@@ -54,7 +54,7 @@ fn clustered(leader: &[usize], cells: &[Vec<usize>]) -> DrawnMesh {
         if corners.len() > 1 && corners.first() == corners.last() {
             corners.pop();
         }
-        if corners.len() < cell.len().min(3) || corners.len() > 4 || cell.len() < 2 {
+        if corners.len() < cell.len().min(3) || corners.len() > 6 || cell.len() < 2 {
             continue;
         }
         let place = |p: usize| {

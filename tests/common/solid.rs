@@ -52,6 +52,43 @@ pub fn grid(n: usize, m: usize, triangles: bool, place: impl Fn(usize, usize) ->
     text
 }
 
+/// A deck whose mesh is a [`grid`] of `n` by `m` cells, both even, with six-node triangles (CAX6M) in place of the quadrilaterals:
+/// two of each four, on the same nodes and with surfaces of the same names.
+pub fn in_six_node_triangles(deck: &str, [n, m]: [usize; 2]) -> String {
+    let (begin, end) = ("*Element, type=CAX4R, elset=SOLID\n", "*Surface, name=J1\n EJ1, S3\n");
+    let from = deck.find(begin).expect("elements of a grid");
+    let to = from + deck[from..].find(end).expect("surfaces of a grid") + end.len();
+    let node = |i: usize, j: usize| 1 + i + j * (n + 1);
+    let mut text = String::from("*Element, type=CAX6M, elset=SOLID\n");
+    let mut sides = [("I0", 3, vec![]), ("I1", 2, vec![]), ("J0", 1, vec![]), ("J1", 2, vec![])];
+    for (cell, (i, j)) in (0..m / 2).flat_map(|j| (0..n / 2).map(move |i| (2 * i, 2 * j))).enumerate() {
+        let [a, b, c, d] = [node(i, j), node(i + 2, j), node(i + 2, j + 2), node(i, j + 2)];
+        let [below, right, middle] = [node(i + 1, j), node(i + 2, j + 1), node(i + 1, j + 1)];
+        let [above, left] = [node(i + 1, j + 2), node(i, j + 1)];
+        let (lower, upper) = (2 * cell + 1, 2 * cell + 2);
+        writeln!(text, " {lower}, {a}, {b}, {c}, {below}, {right}, {middle}").expect("text");
+        writeln!(text, " {upper}, {a}, {c}, {d}, {middle}, {above}, {left}").expect("text");
+        let outside = [(i == 0, upper), (i + 2 == n, lower), (j == 0, lower), (j + 2 == m, upper)];
+        for (side, (_, element)) in sides.iter_mut().zip(outside).filter(|(_, (lies, _))| *lies) {
+            side.2.push(element);
+        }
+    }
+    for (name, first, last, step) in [
+        ("I0", node(0, 0), node(0, m), n + 1),
+        ("I1", node(n, 0), node(n, m), n + 1),
+        ("J0", node(0, 0), node(n, 0), 1),
+        ("J1", node(0, m), node(n, m), 1),
+    ] {
+        writeln!(text, "*Nset, nset={name}, generate\n {first}, {last}, {step}").expect("text");
+    }
+    for (name, side, elements) in sides {
+        writeln!(text, "*Elset, elset=E{name}").expect("text");
+        elements.iter().for_each(|e| writeln!(text, " {e},").expect("text"));
+        writeln!(text, "*Surface, name={name}\n E{name}, S{side}").expect("text");
+    }
+    deck[..from].to_owned() + &text + &deck[to..]
+}
+
 pub fn material(e: f64, nu: f64, density: f64, more: &str) -> String {
     format!(
         "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n {density:e},\n*Elastic\n {e:e}, {nu}\n{more}"

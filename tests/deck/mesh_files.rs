@@ -7,7 +7,9 @@ use revolve::output::vtu::VtuWriter;
 use crate::common::mesh::mesh_frame;
 
 const DECK: &str = "*Node, nset=ALL\n 1, 0., 0.\n 2, 1., 0.\n 3, 1., 1.\n 4, 0., 1.\n 5, 0., 2.\n 20, 3., 0.\n 21, 3., 1.\n\
+ 30, 5., 0.\n 31, 6., 0.\n 32, 5., 1.\n 33, 5.5, 0.\n 34, 5.6, 0.5\n 35, 5., 0.5\n\
 *Element, type=CAX4R, elset=BODY\n 10, 1, 2, 3, 4\n*Element, type=CAX3, elset=BODY\n 11, 4, 3, 5\n\
+*Element, type=CAX6M, elset=BODY\n 12, 30, 31, 32, 33, 34, 35\n\
 *Element, type=RAX2, elset=WALL\n 40, 20, 21\n*Element, type=MASS, elset=POINT\n 50, 20\n*Nset, nset=AXIS\n 1, 4, 5\n";
 
 fn build(text: &str) -> Model {
@@ -119,6 +121,34 @@ $Elements\n3 4 1 4\n1 1 1 2\n1 1 4\n2 4 5\n2 1 3 1\n3 1 2 3 4\n2 1 2 1\n4 5 3 4\
 const INP: &str = "*Heading\n made by a mesher\n*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 2, 0\n\
 ******* E L E M E N T S *************\n*ELEMENT, type=T3D2, ELSET=Line1\n1, 1, 4\n2, 4, 5\n*ELEMENT, type=CPS4, ELSET=Surface1\n3, 1, 2, 3,\n 4\n\
 *ELEMENT, type=CPS3, ELSET=Surface2\n4, 4, 3, 5\n*ELSET,ELSET=BODY\n3, Surface2\n*ELSET,ELSET=AXIS, GENERATE\n1, 2\n*STEP\n";
+
+const GMSH_SECOND_ORDER: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n\
+$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0.5 0 0\n5 0.6 0.5 0\n6 0 0.5 0\n$EndNodes\n\
+$Elements\n1\n1 9 2 0 1 1 2 3 4 5 6\n$EndElements\n";
+
+/// Corners come first in files and decks; in the model nodes follow the boundary, and each face is two parts of it.
+#[test]
+fn six_node_triangles_are_read_around_their_boundary() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mesh.msh");
+    std::fs::write(&path, GMSH_SECOND_ORDER).expect("a file");
+    let listed = "*Node\n 1, 0., 0.\n 2, 1., 0.\n 3, 0., 1.\n 4, 0.5, 0.\n 5, 0.6, 0.5\n 6, 0., 0.5\n\
+                  *Element, type=CAX6M\n 1, 1, 2, 3, 4, 5, 6\n";
+    for text in [format!("*Mesh, input=\"{}\"\n", path.display()), listed.to_owned()] {
+        let model = build(&(text + "*Elset, elset=E\n 1,\n*Surface, name=RIM\n E, S2\n"));
+        let element = &model.mesh.elements[0];
+        assert_eq!(element.kind, model::ElementKind::Cax6m);
+        let names: Vec<&str> = element.nodes.iter().map(|&n| model.mesh.node_names[n].as_str()).collect();
+        assert_eq!(names, ["1", "4", "2", "5", "3", "6"]);
+        let faces = &model.surfaces.faces["RIM"].faces;
+        assert_eq!(faces, &[(0, model::Side::Face(3)), (0, model::Side::Face(4))]);
+    }
+    for (nodes, what) in [("1, 3, 2, 6, 5, 4", "clockwise"), ("1, 2, 3, 6, 5, 4", "folded")] {
+        let told = errors(&listed.replace("1, 2, 3, 4, 5, 6", nodes));
+        assert!(told.contains("M123") && told.contains(what), "{told}");
+    }
+    assert!(errors(&listed.replace("CAX6M", "CAX6MT")).contains("M121"));
+}
 
 /// Meshers' files: cells of the highest dimension are elements, groups of the others sets of nodes.
 #[test]

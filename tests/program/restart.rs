@@ -21,7 +21,7 @@ use revolve::user::{
 
 use crate::common;
 use crate::common::bodies::{assembly, elastic, part, rigid_line};
-use crate::common::solid::{grid, material};
+use crate::common::solid::{grid, in_six_node_triangles, material};
 use crate::common::{Memory, prepared, project};
 
 /// Keeps what is shown, and states with the numbers of rows and frames before them.
@@ -182,11 +182,27 @@ fn every_law_of_material() {
             1e4,
             2e-6,
         ),
+        (
+            "Us-Up with strength",
+            bare(&format!(
+                "{head}*Eos, type=USUP\n 5.328e6, 1.338, 2.\n*Elastic, type=SHEAR\n 2.8e4,\n*Plastic\n 300., 0.\n"
+            )),
+            1e5,
+            3e-6,
+        ),
         ("linear Us-Up", bare(&format!("{head}*Eos, type=USUP\n 5.328e6, 1.338, 2.\n")), 1e5, 3e-6),
         ("ideal gas", bare(gas), 1e4, 3e-5),
     ] {
-        let outcome = goes_on(name, &bar(4, &material, speed, time, ""), Routines::none);
-        assert_eq!(outcome.halt, None, "{name}");
+        let quadrilaterals = bar(4, &material, speed, time, "");
+        let triangles = in_six_node_triangles(&quadrilaterals, [4, 16]);
+        // Without a shear modulus there are no six-node triangles.
+        let fluid = ["explosive", "linear Us-Up", "ideal gas"].contains(&name);
+        let both = [("CAX4R", quadrilaterals), ("CAX6M", triangles)];
+        for (elements, deck) in both.into_iter().take(if fluid { 1 } else { 2 }) {
+            let outcome = goes_on(&format!("{name}, {elements}"), &deck, Routines::none);
+            println!("{name}, {elements}: {} increments, drift {:.1e}", outcome.increments, outcome.energy.drift);
+            assert_eq!(outcome.halt, None, "{name}, {elements}");
+        }
     }
 }
 

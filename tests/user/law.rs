@@ -6,6 +6,7 @@ use revolve::job;
 use revolve::user::{LoadFailure, MaterialLaw, MaterialPoint, Moduli, Routines};
 
 use crate::common;
+use crate::common::solid::{copper_bar, in_six_node_triangles};
 use crate::material::{last, moving, taylor};
 use crate::own_material;
 
@@ -77,6 +78,23 @@ fn taylor_bar_of_a_law_in_rust_matches_built_in_law() {
         let ratio = last(&by_law, &routines(f64::INFINITY), &here, other) / expected;
         // The same law with sums in another order; a wave of plastic flow carries rounding on over 1000 increments.
         assert!((ratio - 1.0).abs() < 1e-9, "{one}: {expected:e}, ratio {ratio:.15}");
+    }
+}
+
+#[test]
+fn six_node_triangles_of_a_law_match_those_of_the_built_in_law() {
+    let built_in = in_six_node_triangles(&copper_bar([4, 20], false, |place| place), [4, 20]);
+    let cards = "*Elastic\n 1.17e5, 0.35\n*Plastic\n 400., 0.\n 500., 1.\n 700., 3.\n";
+    assert!(built_in.contains(cards), "{built_in}");
+    let by_law = built_in.replace(cards, "*User Material, constants=4\n 1.17e5, 0.35, 400., 100.\n*Depvar\n 1,\n");
+    let (expected, there) = common::run(&built_in, &[], &Routines::none());
+    let (got, here) = common::run(&by_law, &[], &routines(f64::INFINITY));
+    assert_eq!((got.halt, got.increments), (None, expected.increments));
+    for name in ["COOR2@TIP", "COOR1@RIM"] {
+        let expected = last(&built_in, &Routines::none(), &there, name);
+        let ratio = last(&by_law, &routines(f64::INFINITY), &here, name) / expected;
+        // As of quadrilaterals: the same law with sums in another order.
+        assert!((ratio - 1.0).abs() < 1e-9, "{name}: {expected:e}, ratio {ratio:.15}");
     }
 }
 

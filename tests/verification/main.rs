@@ -45,6 +45,7 @@ mod scene;
 mod shells;
 mod shock;
 mod shock_meshes;
+mod six_node_triangles;
 mod soft;
 mod solid;
 mod step_boundaries;

@@ -27,7 +27,7 @@ pub fn sphere(radial: usize, around: usize, pressure: f64, plastic: &str) -> Str
 }
 
 /// Mean of a column over its last fifth: what is left of the vibration goes to and fro.
-fn settled(text: &str, memory: &Memory, name: &str) -> f64 {
+pub fn settled(text: &str, memory: &Memory, name: &str) -> f64 {
     let values = column(text, memory, name);
     let tail = &values[values.len() - values.len() / 5..];
     tail.iter().map(|v| v.1).sum::<f64>() / tail.len() as f64

@@ -98,7 +98,7 @@ pub const CARDS: &[Keyword] = &[
     }, [(lines
         ["r of a", "z of a", "third coordinate of a", "r of b", "z of b", "third coordinate of b"])]),
     row!("ELEMENT", "Defines elements", (), {
-        "TYPE" read "RAX2, SAX1, CAX3, CAX4R, CAX3T, CAX4RT, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
+        "TYPE" read "RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
         "ELSET" read "Element set to put them in",
         "INPUT" read "File with the data lines",
         "OFFSET" refused "it numbers the further nodes of CAXA and SAXA elements",
@@ -108,6 +108,7 @@ pub const CARDS: &[Keyword] = &[
     }, [
         (when "TYPE" = "CAX4R" wrapped 5 ["element number", "node"]),
         (when "TYPE" = "CAX3" wrapped 4 ["element number", "node"]),
+        (when "TYPE" = "CAX6M" wrapped 7 ["element number", "node"]),
         (when "TYPE" = "CAX4RT" wrapped 5 ["element number", "node"]),
         (when "TYPE" = "CAX3T" wrapped 4 ["element number", "node"]),
         (when "TYPE" = "RAX2" wrapped 3 ["element number", "node"]),

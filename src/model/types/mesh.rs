@@ -97,6 +97,8 @@ pub enum ElementKind {
     Cax3t,
     /// The quadrilateral with temperatures at its nodes.
     Cax4rt,
+    /// Six-node axisymmetric triangle, modified, three integration points.
+    Cax6m,
     /// One-node point mass.
     Mass,
     /// One-node rotary inertia.
@@ -118,7 +120,8 @@ pub struct Element {
     pub name: Name,
     /// Type.
     pub kind: ElementKind,
-    /// Indices into [`Mesh::points`]; as many as the type has nodes.
+    /// Indices into [`Mesh::points`]; as many as the type has nodes, of solids around the boundary
+    /// ([`ElementKind::around`]).
     pub nodes: ElementNodes,
     /// The data line (or mesh card) that made it.
     pub span: Span,
@@ -140,7 +143,8 @@ pub enum Side {
     Positive,
     /// The other side.
     Negative,
-    /// Face number (1-based) of a solid element: S1 is nodes 1-2, S2 nodes 2-3, and so on.
+    /// Number (1-based) of the part of the boundary of a solid element from one node to the next: face S1 of CAX3 and CAX4R is
+    /// the first, of CAX6M the first two.
     Face(u8),
 }
 

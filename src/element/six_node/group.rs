@@ -1,0 +1,454 @@
+//! A group of six-node triangles: its blocks, spread over threads, and what the rest of the program asks of it.
+//! Never here: arithmetic of an increment.
+
+use std::sync::Arc;
+
+use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
+
+use super::block::TriangleBlock;
+use super::triangles::{FORCE_BLOCKS, Increment, WorkArrays, places};
+use crate::element::block::Workspace;
+use crate::element::constants::{Constants, damped};
+use crate::element::group::{
+    Deletion, ElementGroup, Extensions, GroupProperties, InitialState, PARALLEL, Pass, Settings, Stiffness, TASK,
+    Temperatures, Totals, tell_deleted, totals,
+};
+use crate::element::quiescent::Quiescence;
+use crate::element::record::Record;
+use crate::kernel::lanes::{Corners, LANES};
+use crate::kernel::six_node_triangle::{NODES, Operators, POINTS, frequency_squared, stiffness};
+use crate::kernel::topology::{ElementNodes, PerNode, Topology};
+use crate::material::{Material, PlasticFlow, PointValue};
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::nodes::Node;
+use crate::variables::{Part, Variable};
+
+/// Six-node triangles of one material.
+pub struct SixNodeTriangles<M: Material> {
+    material: Arc<M>,
+    constants: Constants,
+    count: usize,
+    blocks: Vec<TriangleBlock<M::State>>,
+    tasks: Vec<Task>,
+    arch: Arch,
+    /// Elements whose deletion has been listed.
+    listed: Vec<bool>,
+    erodible: bool,
+    /// Highest frequency that counts.
+    cap: f64,
+}
+
+/// Blocks that a thread takes at once: their scratch memory, and whether they are at rest.
+#[derive(Clone)]
+struct Task {
+    scratch: Workspace,
+    work: Box<WorkArrays>,
+    quiescence: Quiescence,
+}
+
+impl<M: Material> SixNodeTriangles<M> {
+    /// Whether the pressure, and with it the mass, is part of the state.
+    const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled);
+
+    /// Elements by their nodes, around the boundary counter-clockwise from a corner, at their places now.
+    pub fn new(material: M, constants: Constants, density: f64, elements: &[[u32; NODES]], nodes: &[Node]) -> Self {
+        let block = |(index, part): (usize, &[_])| TriangleBlock::new(&material, density, (index * LANES, part), nodes);
+        let blocks: Vec<_> = elements.chunks(LANES).enumerate().map(block).collect();
+        // No pattern without strain is left to control.
+        let quiescence = Quiescence::of_tasks(elements);
+        let tasks = blocks.chunks(TASK).zip(quiescence).map(|(part, quiescence)| Task {
+            scratch: Workspace::new(&constants, 1.0, POINTS * part.len()),
+            work: Box::default(),
+            quiescence,
+        });
+        SixNodeTriangles {
+            tasks: tasks.collect(),
+            constants,
+            count: elements.len(),
+            blocks,
+            arch: Arch::new(),
+            listed: if M::FAILS { vec![false; elements.len()] } else { Vec::new() },
+            erodible: false,
+            cap: f64::INFINITY,
+            material: Arc::new(material),
+        }
+    }
+
+    fn block(&self, element: usize) -> (&TriangleBlock<M::State>, usize) {
+        (&self.blocks[element / LANES], element % LANES)
+    }
+
+    fn block_mut(&mut self, element: usize) -> (&mut TriangleBlock<M::State>, usize) {
+        (&mut self.blocks[element / LANES], element % LANES)
+    }
+
+    /// Mean of the points of an element by their masses; `None` where one has no value.
+    fn mean(&self, element: usize, of: impl Fn(usize) -> Option<f64>) -> Option<f64> {
+        let (block, lane) = self.block(element);
+        let (mut sum, mut mass) = (0.0, 0.0);
+        for p in 0..POINTS {
+            sum += block.points[p].mass[lane] * of(p)?;
+            mass += block.points[p].mass[lane];
+        }
+        Some(sum / mass)
+    }
+
+    /// What is followed of a point of an element.
+    fn followed(&self, element: usize, p: usize, part: Part) -> Option<f64> {
+        let (task, at) = (&self.tasks[element / (TASK * LANES)], element / LANES % TASK);
+        task.scratch.task.records.get(POINTS * at + p)?.of(element % LANES).value(part)
+    }
+
+    /// Operators of an element where it is now.
+    fn operators(&self, element: usize, nodes: &[Node]) -> Operators {
+        let (block, lane) = self.block(element);
+        let places = places(block.triangles.element(lane), nodes);
+        Operators::of(places.map(|p| p[0]), places.map(|p| p[1]))
+    }
+
+    /// Sets a value of all points of an element; whether its material uses it.
+    fn set_value(&mut self, element: usize, value: PointValue) -> bool {
+        let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
+        block.points.iter_mut().all(|point| self.material.set(&mut point.state, lane, value))
+    }
+
+    fn wake(&mut self, element: usize) {
+        self.tasks[element / (TASK * LANES)].quiescence.quiescent = false;
+    }
+}
+
+impl<M: Material> Clone for SixNodeTriangles<M> {
+    fn clone(&self) -> Self {
+        SixNodeTriangles {
+            material: Arc::clone(&self.material),
+            constants: self.constants,
+            count: self.count,
+            blocks: self.blocks.clone(),
+            tasks: self.tasks.clone(),
+            arch: self.arch,
+            listed: self.listed.clone(),
+            erodible: self.erodible,
+            cap: self.cap,
+        }
+    }
+}
+
+/// One increment of the blocks of a task.
+struct TaskPass<'a, M: Material> {
+    material: &'a M,
+    constants: &'a Constants,
+    increment: &'a Increment<'a>,
+    cap: f64,
+    index: usize,
+    blocks: &'a mut [TriangleBlock<M::State>],
+    corners: &'a mut [Corners],
+    task: &'a mut Task,
+}
+
+/// The blocks, corner forces and memory of a task, with its number.
+type Numbered<'a, S> = (usize, ((&'a mut [TriangleBlock<S>], &'a mut [Corners]), &'a mut Task));
+
+impl<M: Material> NullaryFnOnce for TaskPass<'_, M> {
+    type Output = ();
+
+    /// Inlined into a function of the machine's instruction set.
+    #[inline(always)]
+    fn call(self) {
+        let TaskPass { material, constants, increment, cap, index, blocks, corners, task } = self;
+        task.scratch.begin(cap, increment.dt, constants);
+        for (at, (block, corners)) in blocks.iter_mut().zip(corners.chunks_mut(FORCE_BLOCKS)).enumerate() {
+            let (place, memory) = ((index * TASK + at, at), (&mut task.scratch, &mut *task.work));
+            block.update(material, constants, increment, place, memory, corners);
+        }
+    }
+}
+
+impl<M: Material> ElementGroup for SixNodeTriangles<M> {
+    fn len(&self) -> usize {
+        self.count
+    }
+
+    fn properties(&self) -> GroupProperties {
+        GroupProperties {
+            topology: Topology::SixNodeTriangle,
+            single: false,
+            deletable: self.material.can_delete() || self.erodible,
+            damped: self.constants.damps(),
+            holds_pressure: Self::HOLDS_PRESSURE,
+            fields: 0,
+        }
+    }
+
+    fn nodes(&self, element: usize) -> ElementNodes {
+        let (block, lane) = self.block(element);
+        block.triangles.element(lane).into()
+    }
+
+    fn masses(&self, element: usize) -> PerNode<f64> {
+        let (block, lane) = self.block(element);
+        block.triangles.inverse_masses(lane).map(|inverse| 1.0 / inverse).into()
+    }
+
+    fn update(&mut self, pass: Pass<'_>) -> Totals {
+        let Pass { nodes, dt, before, now, threads, mut corners, .. } = pass;
+        let (arch, count, cap) = (self.arch, self.count, self.cap);
+        let increment = &Increment { nodes, dt, before, time: now.total_time, arch, count };
+        let (material, constants) = (&*self.material, &self.constants);
+        let run = |(index, ((blocks, corners), task)): Numbered<'_, M::State>| {
+            if task.quiescence.quiescent && task.quiescence.is_still(nodes) {
+                return;
+            }
+            arch.dispatch(TaskPass { material, constants, increment, cap, index, blocks, corners, task });
+            let idle = |list: &[f64]| list.iter().all(|x| *x == 0.0);
+            task.quiescence.quiescent = dt == 0.0
+                && !M::MODULI_VARY
+                && corners.iter().all(|c| idle(c.0.as_flattened().as_flattened()))
+                && blocks.iter().flat_map(|p| &p.points).all(|p| idle(p.stress.as_flattened()))
+                && task.quiescence.is_still(nodes);
+        };
+        let list = corners.double();
+        if threads && count >= PARALLEL {
+            let parts = self.blocks.par_chunks_mut(TASK).zip(list.par_chunks_mut(TASK * FORCE_BLOCKS));
+            parts.zip(&mut self.tasks).enumerate().for_each(run);
+        } else {
+            let parts = self.blocks.chunks_mut(TASK).zip(list.chunks_mut(TASK * FORCE_BLOCKS));
+            parts.zip(&mut self.tasks).enumerate().for_each(run);
+        }
+        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        let still = self.cap * damped(linear * (bulk + 4.0 / 3.0 * shear) / bulk);
+        totals(self.tasks.iter().map(|task| task.scratch.parts()), |task| {
+            if self.tasks[task].quiescence.quiescent { still } else { f64::INFINITY }
+        })
+    }
+
+    fn value(&self, element: usize, part: Part) -> Option<f64> {
+        let (block, lane) = self.block(element);
+        let of_point = |p: usize| {
+            let own = self.material.value(&block.points[p].state, lane, part);
+            own.or_else(|| self.followed(element, p, part))
+        };
+        match part.variable {
+            Variable::Stress => self.mean(element, |p| Some(block.points[p].stress.get(part.component)?[lane])),
+            Variable::ElementStrainEnergy | Variable::ElementPlasticEnergy => {
+                let sum = of_point(0)? + of_point(1)? + of_point(2)?;
+                // Energy that a law of the user dissipates is part of the work that is followed.
+                let unknown = M::FLOW == PlasticFlow::Unknown && part.variable == Variable::ElementStrainEnergy;
+                Some(if unknown { sum - self.value(element, Variable::ElementPlasticEnergy.into())? } else { sum })
+            }
+            Variable::Degradation
+            | Variable::DamageInitiation
+            | Variable::DuctileInitiation
+            | Variable::JohnsonCookInitiation => Some(of_point(0)?.max(of_point(1)?).max(of_point(2)?)),
+            Variable::Mass => Some(block.mass(lane)),
+            Variable::Status => Some(if block.triangles.deleted[lane] { 0.0 } else { 1.0 }),
+            Variable::PlasticComponents if matches!(M::FLOW, PlasticFlow::None | PlasticFlow::Unknown) => None,
+            _ => self.mean(element, of_point),
+        }
+    }
+
+    fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
+        let (block, lane) = self.block(element);
+        let inverse = match masses {
+            Some(_) if Self::HOLDS_PRESSURE => return None,
+            None if Self::HOLDS_PRESSURE => return Some(0.5 * block.triangles.rate[lane]),
+            Some(masses) => masses.first_chunk::<NODES>()?.map(|mass| 1.0 / mass),
+            None => block.triangles.inverse_masses(lane),
+        };
+        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        Some(0.5 * frequency_squared(&self.operators(element, nodes), [bulk, shear], &inverse).sqrt() * damped(linear))
+    }
+
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<Stiffness> {
+        let (block, lane) = self.block(element);
+        if Self::HOLDS_PRESSURE {
+            return None;
+        }
+        if block.triangles.deleted[lane] {
+            return Some([[0.0; 2 * NODES]; 2 * NODES].into());
+        }
+        Some(
+            stiffness(places(block.triangles.element(lane), nodes), [self.constants.bulk, self.constants.shear]).into(),
+        )
+    }
+
+    fn is_quiescent(&self, task: usize) -> bool {
+        self.tasks[task].quiescence.quiescent
+    }
+
+    fn bytes(&self) -> usize {
+        let of = |task: &Task| task.scratch.bytes() + size_of::<WorkArrays>() + task.quiescence.bytes();
+        size_of_val(&*self.blocks)
+            + size_of_val(&*self.tasks)
+            + self.tasks.iter().map(of).sum::<usize>()
+            + self.listed.capacity()
+    }
+
+    fn copy(&self) -> Box<dyn ElementGroup> {
+        Box::new(self.clone())
+    }
+
+    fn extensions(&mut self) -> &mut dyn Extensions {
+        self
+    }
+}
+
+impl<M: Material> Extensions for SixNodeTriangles<M> {
+    fn settings(&mut self) -> &mut dyn Settings {
+        self
+    }
+
+    fn deletion(&mut self) -> &mut dyn Deletion {
+        self
+    }
+
+    fn initial_state(&mut self) -> &mut dyn InitialState {
+        self
+    }
+
+    fn temperatures(&mut self) -> Option<&mut dyn Temperatures> {
+        Some(self)
+    }
+}
+
+impl<M: Material> Settings for SixNodeTriangles<M> {
+    fn set_masses(&mut self, element: usize, masses: &[f64]) {
+        // The increment that a quiescent task allows is no longer what it was.
+        self.wake(element);
+        let (block, lane) = self.block_mut(element);
+        let factor =
+            masses.iter().sum::<f64>() / block.triangles.inverse_masses(lane).iter().map(|i| 1.0 / i).sum::<f64>();
+        for (list, mass) in block.triangles.inverse_mass.iter_mut().zip(masses) {
+            list[lane] = 1.0 / mass;
+        }
+        block.points.iter_mut().for_each(|p| p.mass[lane] *= factor);
+    }
+
+    fn follow(&mut self) {
+        for (task, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+            task.scratch.task.records = vec![Record::default(); POINTS * blocks.len()];
+        }
+    }
+
+    fn limit_frequency(&mut self, frequency: f64) {
+        self.cap = frequency;
+    }
+
+    fn use_instructions(&mut self, arch: Arch) {
+        self.arch = arch;
+    }
+}
+
+impl<M: Material> Deletion for SixNodeTriangles<M> {
+    fn make_erodible(&mut self) {
+        self.erodible = true;
+    }
+
+    fn erode(&mut self, element: usize, _volume: f64) {
+        self.wake(element);
+        // Lanes behind the last element repeat it.
+        let last = if element + 1 == self.count { LANES } else { element % LANES + 1 };
+        let block = &mut self.blocks[element / LANES];
+        for lane in element % LANES..last {
+            block.triangles.deleted[lane] = true;
+            block.points.iter_mut().flat_map(|p| &mut p.stress).for_each(|s| s[lane] = 0.0);
+        }
+        if let Some(listed) = self.listed.get_mut(element) {
+            *listed = true;
+        }
+    }
+
+    fn newly_deleted(&mut self, deleted: &mut Vec<ElementNodes>) {
+        if !M::FAILS || self.tasks.iter().all(|task| task.scratch.stress.deleted == 0) {
+            return;
+        }
+        let mut listed = std::mem::take(&mut self.listed);
+        tell_deleted(self, &mut listed, deleted);
+        self.listed = listed;
+    }
+}
+
+impl<M: Material> InitialState for SixNodeTriangles<M> {
+    fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
+        let (block, lane) = self.block_mut(element);
+        for point in &mut block.points {
+            for (list, value) in point.stress.iter_mut().zip(stress.into_iter().flatten()) {
+                list[lane] = value;
+            }
+        }
+        if let Some(stress) = stress {
+            self.set_value(element, PointValue::Stress(stress));
+        }
+        if let Some(temperature) = temperature {
+            self.set_value(element, PointValue::Temperature(temperature));
+        }
+    }
+
+    fn set_state(&mut self, element: usize, variable: usize, value: f64) -> bool {
+        self.set_value(element, PointValue::StateVariable(variable, value))
+    }
+
+    fn set_plastic_strain(&mut self, element: usize, strain: f64) -> bool {
+        self.set_value(element, PointValue::PlasticStrain(strain))
+    }
+
+    fn set_energy(&mut self, element: usize, energy: f64) {
+        self.set_value(element, PointValue::SpecificEnergy(energy));
+    }
+
+    fn set_length(&mut self, element: usize, length: f64) {
+        self.set_value(element, PointValue::Length(length));
+    }
+}
+
+impl<M: Material> Temperatures for SixNodeTriangles<M> {
+    fn set_temperatures(&mut self, temperatures: &[f64]) {
+        for (e, temperature) in temperatures.iter().enumerate() {
+            self.set_value(e, PointValue::NodalTemperature(*temperature));
+        }
+    }
+
+    fn temperatures(&self, out: &mut [f64]) {
+        for (e, out) in out.iter_mut().enumerate() {
+            *out = self.value(e, Variable::Temperature.into()).unwrap_or(*out);
+        }
+    }
+
+    /// As of quadrilaterals: a pressure that is subtracted from the stress beforehand.
+    fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
+        let mut work = 0.0;
+        for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
+            if self.blocks[e / LANES].triangles.deleted[e % LANES] {
+                continue;
+            }
+            self.wake(e);
+            let (bulk, material) = (self.constants.bulk, Arc::clone(&self.material));
+            let (block, lane) = self.block_mut(e);
+            let own = block.triangles.element(lane).map(|n| nodes[n as usize]);
+            let g = Operators::of(own.map(|n| n.r - 0.5 * dt * n.v_r), own.map(|n| n.z - 0.5 * dt * n.v_z));
+            let (v_r, v_z) = (own.map(|n| n.v_r), own.map(|n| n.v_z));
+            for (p, point) in block.points.iter_mut().enumerate() {
+                let pressure = material.share(&point.state, lane) * 3.0 * bulk * strain;
+                point.stress[..3].iter_mut().for_each(|list| list[lane] -= pressure);
+                let [rr, zz, hoop, ..] = g.gradients(p, &v_r, &v_z);
+                work += std::f64::consts::PI * pressure * dt * (rr + zz + hoop);
+            }
+        }
+        work
+    }
+}
+
+impl<M: Material> Persist for SixNodeTriangles<M> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let SixNodeTriangles { material: _, constants: _, count: _, blocks, tasks, arch: _, listed, erodible: _, cap } =
+            self;
+        persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), listed.as_mut_slice());
+    }
+}
+
+impl Persist for Task {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Task { scratch, work: _, quiescence } = self;
+        persist_fields!(archive; scratch, quiescence);
+    }
+}

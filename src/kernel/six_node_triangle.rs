@@ -1,0 +1,362 @@
+//! The six-node axisymmetric triangle (CAX6M) as a composite element: strains at three points, volume, masses, a bound of the
+//! highest frequency. Never here: stress, meshes.
+//!
+//! The element consists of four triangles with linear displacements. Their strains are projected onto strains that are linear over
+//! the element (least squares; Guo, Ortiz, Belytschko and Repetto 2000, Int. J. Numer. Meth. Eng. 47, 287, "Triangular composite
+//! finite elements"), here over the volume of the ring, and taken at three points (2/3, 1/6, 1/6) whose volumes integrate linear
+//! functions exactly. Linear displacements have their strains exactly, and the forces of a uniform stress are those of the tractions
+//! on the sides. Each point has its own change of volume: that of the whole element at all points would leave dilations that vary
+//! over the element to the deviatoric stress alone, which cannot keep a yielding element from folding.
+//!
+//! Nodes follow the boundary counter-clockwise: corner, middle, corner, middle, corner, middle.
+
+#![allow(clippy::needless_range_loop)] // Loops over nodes and points, as over lanes elsewhere.
+
+use std::f64::consts::PI;
+
+use super::topology::Topology;
+
+/// Nodes.
+pub const NODES: usize = 6;
+/// Points at which strain and stress are known.
+pub const POINTS: usize = 3;
+
+/// Linear functions of the corners at the nodes: linear from 1 at its corner to 0 on the opposite side.
+const WEIGHTS: [[f64; NODES]; POINTS] =
+    [[1.0, 0.5, 0.0, 0.0, 0.0, 0.5], [0.0, 0.5, 1.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.0, 0.5, 1.0, 0.5]];
+
+/// Gradient operators at the points of an element times their volumes, per radian.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Operators {
+    /// Of each point and node, volume times the derivative along r, length^2.
+    pub r: [[f64; NODES]; POINTS],
+    /// Along z, length^2.
+    pub z: [[f64; NODES]; POINTS],
+    /// Over r, length^2.
+    pub hoop: [[f64; NODES]; POINTS],
+    /// Volume of each point, length^3.
+    pub volume: [f64; POINTS],
+}
+
+impl Operators {
+    /// Of nodes at these places.
+    #[inline(always)]
+    pub fn of(r: [f64; NODES], z: [f64; NODES]) -> Operators {
+        let mut g = Operators::default();
+        // Integrals of products of the linear functions of two corners, by the middles of sides.
+        let mut products = [[0.0; POINTS]; POINTS];
+        for cell in Topology::SixNodeTriangle.cells() {
+            let [a, b, c] = [cell[0], cell[1], cell[2]];
+            let along = [z[b] - z[c], z[c] - z[a], z[a] - z[b]];
+            let across = [r[c] - r[b], r[a] - r[c], r[b] - r[a]];
+            let twice = (r[b] - r[a]) * (z[c] - z[a]) - (r[c] - r[a]) * (z[b] - z[a]);
+            let radius = (r[a] + r[b]) + r[c];
+            for (p, weights) in WEIGHTS.iter().enumerate() {
+                let w = [weights[a], weights[b], weights[c]];
+                let sum = (w[0] + w[1]) + w[2];
+                // Over the area, times 24: (sum of w)(sum of r) + sum of w r, of a triangle with linear w and r.
+                let moment = (sum * radius + ((w[0] * r[a] + w[1] * r[b]) + w[2] * r[c])) * (1.0 / 24.0);
+                g.volume[p] += moment * twice;
+                for (i, node) in [a, b, c].into_iter().enumerate() {
+                    g.r[p][node] += moment * along[i];
+                    g.z[p][node] += moment * across[i];
+                    g.hoop[p][node] += (sum + w[i]) * twice * (1.0 / 24.0);
+                }
+            }
+            for [i, j] in [[a, b], [b, c], [c, a]] {
+                let share = twice * (r[i] + r[j]) * (1.0 / 12.0);
+                let w: [f64; POINTS] = std::array::from_fn(|p| 0.5 * (WEIGHTS[p][i] + WEIGHTS[p][j]));
+                for p in 0..POINTS {
+                    for q in 0..POINTS {
+                        products[p][q] += share * w[p] * w[q];
+                    }
+                }
+            }
+        }
+        g.project(&products)
+    }
+
+    /// From integrals weighted by the linear functions of the corners to the points.
+    #[inline(always)]
+    fn project(&self, m: &[[f64; POINTS]; POINTS]) -> Operators {
+        let minor = |p: usize, q: usize| {
+            let ([a, b], [c, d]) = ([(p + 1) % 3, (p + 2) % 3], [(q + 1) % 3, (q + 2) % 3]);
+            m[a][c] * m[b][d] - m[a][d] * m[b][c]
+        };
+        let inverse = 1.0 / ((m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1)) + m[0][2] * minor(0, 2));
+        let third = self.total() * (1.0 / 3.0);
+        let volume = self.volume.map(|v| 2.0 * v - third);
+        let mut projected = Operators { volume, ..Operators::default() };
+        for p in 0..POINTS {
+            for q in 0..POINTS {
+                let sum = (minor(0, q) + minor(1, q)) + minor(2, q);
+                let part = volume[p] * inverse * (0.5 * minor(p, q) + (1.0 / 6.0) * sum);
+                for n in 0..NODES {
+                    projected.r[p][n] += part * self.r[q][n];
+                    projected.z[p][n] += part * self.z[q][n];
+                    projected.hoop[p][n] += part * self.hoop[q][n];
+                }
+            }
+        }
+        projected
+    }
+
+    /// Volume of the element, per radian.
+    #[inline(always)]
+    pub fn total(&self) -> f64 {
+        (self.volume[0] + self.volume[1]) + self.volume[2]
+    }
+
+    /// Gradients at a point times its volume, of velocities of the nodes: rr, zz, hoop, rz and zr.
+    #[inline(always)]
+    pub fn gradients(&self, point: usize, v_r: &[f64; NODES], v_z: &[f64; NODES]) -> [f64; 5] {
+        let (r, z, hoop) = (&self.r[point], &self.z[point], &self.hoop[point]);
+        [dot(r, v_r), dot(z, v_z), dot(hoop, v_r), dot(z, v_r), dot(r, v_z)]
+    }
+
+    /// Rate of the volume over the volume, of velocities of the nodes.
+    #[inline(always)]
+    pub fn dilation(&self, v_r: &[f64; NODES], v_z: &[f64; NODES]) -> f64 {
+        let of_point = |p: usize| {
+            let [rr, zz, hoop, ..] = self.gradients(p, v_r, v_z);
+            rr + zz + hoop
+        };
+        (of_point(0) + of_point(1) + of_point(2)) / self.total()
+    }
+
+    /// Forces of stresses rr, zz, hoop, rz at the points on the nodes, `[r, z]`, per radian.
+    #[inline(always)]
+    pub fn forces(&self, stress: &[[f64; 4]; POINTS]) -> [[f64; 2]; NODES] {
+        let mut forces = [[0.0; 2]; NODES];
+        for p in 0..POINTS {
+            let [rr, zz, hoop, rz] = stress[p];
+            for (n, force) in forces.iter_mut().enumerate() {
+                force[0] += self.r[p][n] * rr + self.hoop[p][n] * hoop + self.z[p][n] * rz;
+                force[1] += self.z[p][n] * zz + self.r[p][n] * rz;
+            }
+        }
+        forces
+    }
+
+    /// Bounds of the squares of frequencies over a modulus and 2 pi, with masses of the nodes: of the change of volume, and of
+    /// strains by twice the shear modulus.
+    ///
+    /// The energy of an elastic element is K/2 (tr e)^2 + G |dev e|^2 over the volume. For displacements u with u . M u = 1 the first
+    /// is no larger than K/2 times the largest eigenvalue of the products of the operators of tr e at the points, which is no larger
+    /// than the root of the sum of their squares; the second no larger than G times the largest eigenvalue of the sum over points of
+    /// B^T B, which is no larger than the fourth root of the sum of fourth powers of all.
+    #[inline(always)]
+    pub fn bounds(&self, inverse_mass: &[f64; NODES]) -> [f64; 2] {
+        let traces: [[[f64; NODES]; 2]; POINTS] =
+            std::array::from_fn(|p| [std::array::from_fn(|n| self.r[p][n] + self.hoop[p][n]), self.z[p]]);
+        let mut squares = 0.0;
+        for p in 0..POINTS {
+            for q in 0..POINTS {
+                let terms: [f64; NODES] = std::array::from_fn(|n| {
+                    (traces[p][0][n] * traces[q][0][n] + traces[p][1][n] * traces[q][1][n]) * inverse_mass[n]
+                });
+                let product = sum6(&terms);
+                squares += product * product / (self.volume[p] * self.volume[q]);
+            }
+        }
+        let mut matrix = [[0.0; NODES]; NODES];
+        for n in 0..NODES {
+            for m in 0..=n {
+                let pair = |list: &[[f64; NODES]; POINTS], p: usize| list[p][n] * list[p][m];
+                let of_point = |p: usize| (pair(&self.r, p) + pair(&self.z, p) + pair(&self.hoop, p)) / self.volume[p];
+                let entry = (of_point(0) + of_point(1)) + of_point(2);
+                matrix[n][m] = entry;
+                matrix[m][n] = entry;
+            }
+        }
+        // Of M^-1 A, which has the eigenvalues of its symmetric form: the trace of its fourth power.
+        let mut square = [[0.0; NODES]; NODES];
+        for n in 0..NODES {
+            for m in 0..NODES {
+                let terms: [f64; NODES] = std::array::from_fn(|k| matrix[n][k] * inverse_mass[k] * matrix[k][m]);
+                square[n][m] = inverse_mass[n] * sum6(&terms);
+            }
+        }
+        let mut fourth = 0.0;
+        for n in 0..NODES {
+            for m in 0..NODES {
+                fourth += square[n][m] * square[m][n];
+            }
+        }
+        [squares.sqrt(), fourth.sqrt().sqrt()]
+    }
+}
+
+#[inline(always)]
+fn sum6(x: &[f64; NODES]) -> f64 {
+    ((x[0] + x[1]) + (x[2] + x[3])) + (x[4] + x[5])
+}
+
+/// Sum of products, in order.
+#[inline(always)]
+pub fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..N {
+        sum += a[i] * b[i];
+    }
+    sum
+}
+
+/// Square of a bound of the highest frequency of an element with these moduli and masses.
+#[inline(always)]
+pub fn frequency_squared(g: &Operators, [bulk, shear]: [f64; 2], inverse_mass: &[f64; NODES]) -> f64 {
+    let [volume, shape] = g.bounds(inverse_mass);
+    2.0 * PI * (bulk * volume + 2.0 * shear * shape)
+}
+
+/// Elastic stiffness, force over length, for `[r, z]` of each node in turn.
+pub fn stiffness(places: [[f64; 2]; NODES], [bulk, shear]: [f64; 2]) -> [[f64; 2 * NODES]; 2 * NODES] {
+    let g = Operators::of(places.map(|p| p[0]), places.map(|p| p[1]));
+    std::array::from_fn(|d| {
+        let mut v = [[0.0; NODES]; 2];
+        v[d % 2][d / 2] = 1.0;
+        let stress = [0, 1, 2].map(|p| {
+            let [rr, zz, hoop, rz, zr] = g.gradients(p, &v[0], &v[1]).map(|s| s / g.volume[p]);
+            let dilation = rr + zz + hoop;
+            let normal = |e: f64| bulk * dilation + 2.0 * shear * (e - dilation * (1.0 / 3.0));
+            [normal(rr), normal(zz), normal(hoop), shear * (rz + zr)]
+        });
+        let forces = g.forces(&stress);
+        std::array::from_fn(|i| 2.0 * PI * forces[i / 2][i % 2])
+    })
+}
+
+/// Lumped masses of the nodes: those of the four triangles by row sums.
+pub fn masses(places: [[f64; 2]; NODES], density: f64) -> [f64; NODES] {
+    let mut masses = [0.0; NODES];
+    for cell in Topology::SixNodeTriangle.cells() {
+        let corners = [cell[0], cell[1], cell[2]];
+        let [a, b, c] = corners.map(|n| places[n]);
+        let twice = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+        let radius = (a[0] + b[0]) + c[0];
+        for n in corners {
+            masses[n] += density * PI / 12.0 * twice * (radius + places[n][0]);
+        }
+    }
+    masses
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::{Mat, Side};
+
+    use super::*;
+    use crate::kernel::{quad, solid};
+
+    /// Triangles of many shapes next to the axis and far from it, their middles moved off the sides.
+    fn shapes() -> impl Iterator<Item = [[f64; 2]; NODES]> {
+        (0..2000_usize).filter_map(|shape| {
+            let noise = |i: usize| ((shape * 7919 + i * 104_729) % 9973) as f64 / 9973.0 - 0.5;
+            let inner = [0.0, 0.3, 2.0, 50.0][shape % 4];
+            let high = [0.1, 0.5, 1.0, 3.0, 10.0][shape % 5];
+            let (a, b) = ([inner, 0.0], [inner + 1.0 + 0.5 * noise(0), 0.3 * high * noise(1)]);
+            let c = [inner + if shape % 3 == 0 { 0.0 } else { 0.5 + noise(2) }, high * (1.0 + 0.5 * noise(3))];
+            let middle = |p: [f64; 2], q: [f64; 2], i: usize| {
+                let on_axis = p[0] == 0.0 && q[0] == 0.0;
+                let off = if on_axis { 0.0 } else { 0.15 * noise(i) };
+                [0.5 * (p[0] + q[0]) + off, 0.5 * (p[1] + q[1]) + 0.1 * high * noise(i + 1)]
+            };
+            let places = [a, middle(a, b, 4), b, middle(b, c, 6), c, middle(c, a, 8)];
+            let whole =
+                Topology::SixNodeTriangle.cells().iter().all(|s| quad::volume(s.map(|i| places[i])) > 0.02 * high);
+            (whole && places.iter().all(|p| p[0] >= 0.0)).then_some(places)
+        })
+    }
+
+    fn columns(places: [[f64; 2]; NODES]) -> [[f64; NODES]; 2] {
+        [places.map(|p| p[0]), places.map(|p| p[1])]
+    }
+
+    #[test]
+    fn points_share_the_volume_and_see_linear_fields_exactly() {
+        let mut count = 0;
+        for places in shapes() {
+            count += 1;
+            let [r, z] = columns(places);
+            let g = Operators::of(r, z);
+            let volume = solid::volume(&places);
+            assert!((2.0 * PI * g.total() / volume - 1.0).abs() < 1e-12);
+            assert!((masses(places, 3.0).iter().sum::<f64>() / (3.0 * volume) - 1.0).abs() < 1e-12);
+            assert!(masses(places, 3.0).iter().all(|m| *m > 0.0) && g.volume.iter().all(|v| *v > 0.0));
+            for p in 0..POINTS {
+                let [rr, zz, hoop, rz, zr] = g.gradients(p, &r, &z).map(|x| x / g.volume[p]);
+                assert!([rr - 1.0, zz - 1.0, hoop - 1.0, rz, zr].iter().all(|x| x.abs() < 1e-10), "{places:?}");
+                let sheared = g.gradients(p, &[0.0; NODES], &r.map(|r| 2.0 * r + 5.0)).map(|x| x / g.volume[p]);
+                assert!((sheared[4] - 2.0).abs() < 1e-10 && sheared[1].abs() < 1e-10);
+            }
+        }
+        assert!(count > 500, "{count} shapes");
+    }
+
+    /// Forces of a uniform pressure are the derivatives of the volume: those of pressure on the sides.
+    #[test]
+    fn forces_of_a_pressure_are_those_on_the_sides() {
+        for places in shapes().take(300) {
+            let [r, z] = columns(places);
+            let forces = Operators::of(r, z).forces(&[[1.0, 1.0, 1.0, 0.0]; POINTS]);
+            let size = forces.as_flattened().iter().fold(0.0, |m: f64, f| m.max(f.abs()));
+            for n in 0..NODES {
+                for axis in 0..2 {
+                    let moved = |h: f64| {
+                        let mut places = places;
+                        places[n][axis] += h;
+                        solid::volume(&places)
+                    };
+                    let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+                    assert!((2.0 * PI * forces[n][axis] - slope).abs() < 1e-6 * (1.0 + size) * 2.0 * PI);
+                }
+            }
+        }
+    }
+
+    /// Dense eigenvalues (faer): no frequency above the bound, and no motion without stress but that along z.
+    #[test]
+    fn few_motions_are_free_and_the_bound_holds() {
+        let mut largest: f64 = 0.0;
+        let mut mean = (0.0, 0);
+        for (bulk, shear) in [(1.0, 1.5), (2.0, 0.9), (100.0, 1.0)] {
+            for places in shapes() {
+                let [r, z] = columns(places);
+                let (matrix, mass) = (stiffness(places, [bulk, shear]), masses(places, 1.0));
+                let entry = |a: usize, b: usize| matrix[a][b] / (mass[a / 2] * mass[b / 2]).sqrt();
+                let dense = Mat::<f64>::from_fn(12, 12, |a, b| 0.5 * (entry(a, b) + entry(b, a)));
+                let values = dense.self_adjoint_eigenvalues(Side::Lower).expect("eigenvalues");
+                assert!(values[0].abs() < 1e-9 * values[11], "{values:?}");
+                // Far from the axis moving along r costs next to nothing.
+                let first = if r[0] > 10.0 { 2 } else { 1 };
+                assert!(values[first] > 1e-8 * values[11] / bulk, "{places:?} {values:?}");
+                let bound = frequency_squared(&Operators::of(r, z), [bulk, shear], &mass.map(|m| 1.0 / m));
+                largest = largest.max(values[11] / bound);
+                mean = (mean.0 + (values[11] / bound).sqrt(), mean.1 + 1);
+            }
+        }
+        // Two triangles that share a side leave only the motion along z.
+        let places = [
+            [1.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.5, 0.0],
+            [2.0, 0.5],
+            [1.5, 0.5],
+            [1.5, 1.0],
+            [1.0, 0.5],
+        ];
+        let mut dense = Mat::<f64>::zeros(18, 18);
+        for nodes in [[0, 4, 1, 5, 2, 6], [0, 6, 2, 7, 3, 8]] {
+            let matrix = stiffness(nodes.map(|n: usize| places[n]), [1.0, 0.5]);
+            for (a, b) in (0..12).flat_map(|a| (0..12).map(move |b| (a, b))) {
+                dense[(2 * nodes[a / 2] + a % 2, 2 * nodes[b / 2] + b % 2)] += 0.5 * (matrix[a][b] + matrix[b][a]);
+            }
+        }
+        let values = dense.self_adjoint_eigenvalues(Side::Lower).expect("eigenvalues");
+        assert!(values[0].abs() < 1e-12 * values[17] && values[1] > 1e-4 * values[17], "{values:?}");
+        println!("highest frequency over its bound: {:.4}, mean {:.4}", largest.sqrt(), mean.0 / mean.1 as f64);
+        assert!(largest <= 1.0, "{largest}");
+    }
+}
