@@ -193,18 +193,21 @@ fn contact_on_faces_keeps_momentum_and_energy() {
         + &output("*Node Output, nset=BAR.J0\n COOR2");
     let wall = bodies::run(&at_wall).whole();
     let quads = bodies::run(&at_wall.replace(&bar, &block("BAR", 0.0))).whole();
-    println!("EXPLORE depth of quads {:e}", -0.002 - least(&quads, "COOR2@"));
+    let depth_of_quads = -0.002 - least(&quads, "COOR2@");
     let before = speed * 2.0 * PI;
     let depth = -0.002 - least(&wall, "COOR2@");
     println!(
-        "thrown at a wall: momentum {:.3e} of {before:.3e}, drift {:.1e}, nodes {depth:.1e} below it",
+        "thrown at a wall: momentum {:.3e} of {before:.3e}, drift {:.1e} ({:.1e} of quadrilaterals), nodes {depth:.1e} below it \
+         ({depth_of_quads:.1e} of quadrilaterals)",
         wall.momentum(),
-        wall.outcome.energy.drift
+        wall.outcome.energy.drift,
+        quads.outcome.energy.drift
     );
-    assert!(depth < 1e-4, "{depth:e}");
+    // Sharp contact lets nodes in by what an increment's acceleration does: not further than those of quadrilaterals.
+    assert!(depth < depth_of_quads, "{depth:e} {depth_of_quads:e}");
     assert!(wall.momentum() > -0.5 * before, "it is thrown back: {}", wall.momentum());
     assert!(wall.outcome.energy.drift < 2e-3, "{}", wall.outcome.energy.drift);
-    let at_bar = bar
+    let at_bar = bar.clone()
         + &block("REST", -2.002)
         + &assembly(&["BAR", "REST"], "")
         + &elastic("BAR", [1.0, 0.3, 1.0], "")
@@ -214,15 +217,22 @@ fn contact_on_faces_keeps_momentum_and_energy() {
         + "*Contact Pair\n BAR.J0, REST.J1\n"
         + &output("*Contact Output, nset=BAR.J0\n COPEN");
     let both = bodies::run(&at_bar).whole();
-    let gap = least(&both, "COPEN@");
+    let of_quads = bodies::run(&at_bar.replace(&bar, &block("BAR", 0.0))).whole();
+    let halved = bodies::run(&at_bar.replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, scale factor=0.5\n")).whole();
+    let [gap, gap_of_quads] = [&both, &of_quads].map(|ran| least(ran, "COPEN@"));
+    // Sharp contact closes the gap in the mean over the hat of a point: a thousandth of the way of an increment is left.
+    let way = -speed * 8.0 / both.outcome.increments as f64;
+    let [drift, drift_of_quads, halved] = [both, of_quads, halved].map(|ran| {
+        assert!((ran.momentum() / before - 1.0).abs() < 1e-10, "{}", ran.momentum() / before);
+        ran.outcome.energy.drift
+    });
     println!(
-        "thrown at a bar: momentum {:.15e}, drift {:.1e}, least gap {gap:.1e}",
-        both.momentum() / before,
-        both.outcome.energy.drift
+        "thrown at a bar: drift {drift:.1e}, {halved:.1e} with half the increments, {drift_of_quads:.1e} of quadrilaterals; \
+         least gap {gap:.1e}, {gap_of_quads:.1e} of quadrilaterals"
     );
-    assert!(gap > -1e-4, "{gap:e}");
-    assert!((both.momentum() / before - 1.0).abs() < 1e-10, "{}", both.momentum() / before);
-    assert!(both.outcome.energy.drift < 2e-3, "{}", both.outcome.energy.drift);
+    assert!(gap > -1e-3 * way, "{gap:e} {way:e}");
+    // Second order in the increment, and not above what quadrilaterals of the same nodes drift by.
+    assert!(halved < 0.4 * drift && drift < drift_of_quads, "{halved} {drift} {drift_of_quads}");
     let general = at_bar.replace("*Contact Pair\n BAR.J0, REST.J1\n", "*Contact\n*Contact Inclusions, all exterior\n");
     let all = bodies::run(&general).whole();
     assert!((all.momentum() / before - 1.0).abs() < 1e-10, "{}", all.momentum() / before);
@@ -237,7 +247,7 @@ fn failed_elements_are_deleted_and_masses_are_scaled() {
     println!("failing bar: {} deleted, drift {:.1e}", outcome.deleted, outcome.energy.drift);
     assert!(outcome.deleted > 0 && outcome.energy.drift < 1e-2, "{}", outcome.energy.drift);
     let scaled = copper_bar([8, 40], false, spheres::EVEN)
-        .replace("*Boundary\n AXIS", "*Fixed Mass Scaling, type=BELOW MIN, dt=2.e-7\n*Boundary\n AXIS");
+        .replace("*Boundary\n AXIS", "*Fixed Mass Scaling, type=BELOW MIN, dt=1.e-7\n*Boundary\n AXIS");
     let (outcome, _) = ran(&in_six_node_triangles(&scaled, [8, 40]));
     println!("scaled bar: {} increments, added {:?}", outcome.increments, outcome.steps[0].added_mass);
     assert!(outcome.steps[0].added_mass.is_some_and(|mass| mass > 0.0));

@@ -156,9 +156,9 @@ impl Rows {
     /// contact at a time about as many as its outside has.
     pub(super) fn reserve(&mut self, keys: usize, dofs: usize) {
         let rows = keys.min(1000 + 16 * keys.isqrt());
-        self.terms.reserve(32 * rows);
-        self.rows.reserve(rows);
-        self.light.reserve(self.bodies.len());
+        reserve_total(&mut self.terms, 32 * rows);
+        reserve_total(&mut self.rows, rows);
+        reserve_total(&mut self.light, self.bodies.len());
         self.slots.resize(dofs, NONE);
         self.direct.reserve(rows, dofs);
     }
@@ -365,6 +365,11 @@ impl Rows {
             + MemoryUse::of(&self.slots)
             + self.direct.memory()
     }
+}
+
+/// Reserves capacity for so many entries in all, whatever the list holds.
+fn reserve_total<T>(list: &mut Vec<T>, entries: usize) {
+    list.reserve_exact(entries.saturating_sub(list.len()));
 }
 
 /// The overlap at which a law presses that gives way, where the gap grows at a rate.
