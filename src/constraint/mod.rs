@@ -49,7 +49,7 @@ pub trait Constraint: StoredConstraint + Send + Sync {
         Limit::NONE
     }
 
-    /// What the integrator and other constraints need to know of it.
+    /// The properties that the integrator and other constraints read.
     fn view(&self) -> ConstraintView<'_> {
         ConstraintView::default()
     }

@@ -28,7 +28,7 @@ pub struct Outline {
 #[derive(Clone, Debug)]
 struct BodyPair {
     bodies: [usize; 2],
-    /// Whether an overlap of them has been found already.
+    /// Whether their overlap has been reported.
     is_settled: bool,
 }
 

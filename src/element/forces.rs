@@ -17,8 +17,8 @@ use crate::material::increment::StressUpdate;
 const SLOW: f64 = 0.25;
 
 impl<S, T: Real> ElementBlock<S, T> {
-    /// The elements where they are now: operators, the bound of their highest frequencies, the hourglass pattern. What takes long
-    /// ends a loop, so that the lanes behind need not wait for it.
+    /// Computes the operators, the bound of the highest frequency and the hourglass pattern in the current configuration.
+    /// Divisions and roots end a loop, so that the next lanes need not wait for them.
     #[inline(always)]
     fn measure_now<M: Material<T>, const AREA: bool>(&self, constants: &Constants, scratch: &mut Workspace<T>) {
         let [shear43, modulus] = wave(constants);
@@ -164,7 +164,7 @@ impl<S, T: Real> ElementBlock<S, T> {
     #[inline(always)]
     fn viscous_stress<M: Material<T>>(&self, viscosity: &BulkViscosity<T>, l: usize) -> [T; 4] {
         let (unit, BulkViscosity { damping, sided, .. }) = (T::of(UNIT), viscosity);
-        // What viscosity does by direction is heat by the compatible energy.
+        // The work of viscosity by direction is counted as heat by the compatible energy.
         let viscous = if M::EQUATION_OF_STATE { [0, 1, 2].map(|i: usize| *damping + sided[i]) } else { [*damping; 3] };
         let [rr, zz, hoop] = [0, 1, 2].map(|i: usize| unit * (self.stress[i][l] + viscous[i]));
         let rz = unit * if M::EQUATION_OF_STATE { self.stress[3][l] + sided[3] } else { self.stress[3][l] };
@@ -172,11 +172,11 @@ impl<S, T: Real> ElementBlock<S, T> {
     }
 }
 
-/// Numbers of a block that the forces of all its lanes are computed with. They are values of their own: a number of the scratch
-/// memory read in the loop could be one that the loop writes, and would keep it from becoming one of vectors.
+/// Factors that are the same for all lanes of a block. They are copies: if the loop read them from the scratch memory that it
+/// writes, the compiler could not turn it into vector instructions.
 struct ForceFactors<T> {
     dt: T,
-    /// One over the increment behind; 0 without one.
+    /// One over the previous increment; 0 at the start.
     per_dt: T,
     unit: T,
     /// Unit of forces, that of areas.
@@ -190,14 +190,14 @@ struct ForceFactors<T> {
     quadratic2: T,
     /// Factor on bulk viscosity by direction.
     directed: T,
-    /// Hourglass control: stiffness, twice the fraction of critical damping, largest stiffness beside that of strains.
+    /// Hourglass control: stiffness, twice the fraction of critical damping, largest ratio to the stiffness against strains.
     stiffness: T,
     viscosity2: T,
     slow: T,
     /// Highest frequency of the scene, number of the block.
     cap: T,
     block: T,
-    /// Whether there is no increment behind, so that velocities give the rate of the volume.
+    /// Whether the analysis starts, so that velocities give the rate of the volume.
     starts: bool,
 }
 
@@ -238,7 +238,7 @@ struct LaneMotion<T> {
     along: [[T; 3]; 2],
     /// Modulus of longitudinal waves.
     modulus: T,
-    /// Sum of the squares of all operators over the masses of the corners, and of those along r and z alone.
+    /// Sum of the squares of all operators over the masses of the corners, and the sum without the hoop operator.
     squares: T,
     square: T,
     /// Highest frequency times the volume, and the division that serves all.
@@ -275,8 +275,8 @@ fn hourglass_stress<T: Real>(
     let (half, four, dt) = (T::of(0.5), T::of(4.0), factors.dt);
     let LaneMotion { root, inverse, per, omega, square, .. } = *lane;
     let volume = lane.g.volume;
-    // The mass that the pattern moves, a sixteenth of a square's, vanishes as an element folds: no more stiffness
-    // than that the pattern stays slow beside the strains, and a fraction of what is critical at their frequency.
+    // The mass that the pattern moves, a sixteenth of a square's, vanishes as an element folds: the stiffness
+    // is bounded, so that the pattern's frequency stays below that of the strains, and damping is a fraction of the critical one.
     let moved = root * (volume * (inverse * (root * volume)));
     let (wanted, most) = (factors.stiffness * (four * square) * per, factors.slow * dt * omega * moved);
     let spring = if wanted < most { wanted } else { most };
@@ -319,7 +319,7 @@ fn corner_forces<T: Real, const AREA: bool>(
     [along_r, along_z]
 }
 
-/// What the moduli of a wave are made of: 4/3 of the shear modulus, and with the bulk modulus.
+/// Returns 4/3 of the shear modulus, and the modulus of longitudinal waves, K + 4/3 G.
 fn wave<T: Real>(constants: &Constants) -> [T; 2] {
     let shear43 = 4.0 / 3.0 * constants.shear;
     [shear43, constants.bulk + shear43].map(T::of)
@@ -327,7 +327,7 @@ fn wave<T: Real>(constants: &Constants) -> [T; 2] {
 
 impl<T: Real> Workspace<T> {
     /// Adds the rate of a lane, two over its stable increment, to the largest. With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the
-    /// same section of the guide), in which 1 + xi^2/2 stands for the root, never below it.
+    /// same section of the guide), in which 1 + xi^2/2 replaces the root; it is never smaller.
     #[inline(always)]
     fn add_rate<M: Material<T>>(
         &mut self,
@@ -337,7 +337,7 @@ impl<T: Real> Workspace<T> {
         l: usize,
     ) {
         let BulkViscosity { dilation_rate, fraction, .. } = *viscosity;
-        // A mode of the whole: bulk viscosity is no more than 2 xi/omega times its stiffness to uniform pressure.
+        // In a mode of the whole mesh bulk viscosity is at most 2 xi/omega times the stiffness against uniform pressure.
         let share = factors.cap * lane.period;
         let capped = share < T::ONE;
         let xi = if capped { fraction * share * factors.pressing } else { fraction };

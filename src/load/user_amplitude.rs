@@ -85,7 +85,7 @@ impl UserAmplitude {
     }
 }
 
-// Values of sensors are read anew before each question; the values given belong to the run.
+// Values of sensors are read before each call; the values that the subroutine gives belong to the run.
 persist_struct!(UserAmplitude {
     variables: fixed
 } derived {

@@ -32,7 +32,7 @@ impl<S: Clone> TriangleBlock<S> {
         (first, elements): (usize, &[[u32; NODES]]),
         nodes: &[Node],
     ) -> Self {
-        // Lanes behind the last element repeat it; nothing reads their answers.
+        // Lanes after the last element repeat it; their results are not read.
         let element = |l: usize| elements[l.min(elements.len() - 1)];
         let at = |l: usize| places(element(l), nodes);
         let operators: [Operators; LANES] =
@@ -169,7 +169,7 @@ impl<S: Clone> TriangleBlock<S> {
     ) {
         for l in 0..LANES {
             if l >= scratch.strain.count {
-                // Lanes behind the last element repeat it.
+                // Lanes after the last element repeat it.
                 self.triangles.deleted[l] = self.triangles.deleted[scratch.strain.count - 1];
                 continue;
             }

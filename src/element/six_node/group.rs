@@ -1,4 +1,4 @@
-//! A group of six-node triangles: its blocks, spread over threads, and what the rest of the program asks of it.
+//! A group of six-node triangles: its blocks, spread over threads, and the interface of element groups.
 //! Never here: arithmetic of an increment.
 
 use std::sync::Arc;
@@ -346,7 +346,7 @@ impl<M: Material> Deletion for SixNodeTriangles<M> {
 
     fn erode(&mut self, element: usize, _volume: f64) {
         self.wake(element);
-        // Lanes behind the last element repeat it.
+        // Lanes after the last element repeat it.
         let last = if element + 1 == self.count { LANES } else { element % LANES + 1 };
         let block = &mut self.blocks[element / LANES];
         for lane in element % LANES..last {
