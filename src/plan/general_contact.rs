@@ -49,28 +49,9 @@ impl Compiler<'_> {
     }
 
     fn general_pairs(&self, general: &GeneralContact) -> Vec<SurfaceContact> {
-        let all = self.outsides();
-        let mut meetings = Vec::new();
-        if general.all {
-            add_all(&all, general.span, &mut meetings);
-        }
-        // What may all meet needs no further words.
-        for (domains, span) in general.included.iter().filter(|_| !general.all) {
-            match domains {
-                [ContactDomain::All, ContactDomain::All] => add_all(&all, *span, &mut meetings),
-                [ContactDomain::Surface(a), ContactDomain::Surface(b)] => {
-                    meetings.push(Meeting { sides: [a.clone(), b.clone()], given: [None; 3], span: *span });
-                }
-                [ContactDomain::All, ContactDomain::Surface(one)]
-                | [ContactDomain::Surface(one), ContactDomain::All] => {
-                    let others = all.iter().filter(|o| one.faces.iter().all(|f| !o.faces.contains(f)));
-                    let with = |o: &Sides| Meeting { sides: [one.clone(), o.clone()], given: [None; 3], span: *span };
-                    meetings.extend(others.map(with));
-                }
-            }
-        }
+        let mut meetings = self.included_meetings(general);
         for domains in &general.excluded {
-            meetings = meetings.into_iter().flat_map(|m| apart(m, domains)).filter(|m| !m.1).map(|m| m.0).collect();
+            meetings = uncovered(meetings, domains);
         }
         meetings = give(meetings, 0, general.assigned.iter().map(|a| &a.domains));
         meetings = give(meetings, 1, general.clearances.iter().map(|c| &c.0));
@@ -93,6 +74,40 @@ impl Compiler<'_> {
             }
         };
         meetings.into_iter().map(contact).collect()
+    }
+
+    /// The meetings of all inclusions. Faces that several inclusions pair, or one that a later step repeats, meet once.
+    fn included_meetings(&self, general: &GeneralContact) -> Vec<Meeting> {
+        let all = self.outsides();
+        let mut meetings = Vec::new();
+        let of_all = general.included.iter().find(|i| matches!(i.0, [ContactDomain::All, ContactDomain::All]));
+        if general.all || of_all.is_some() {
+            add_all(&all, of_all.map_or(general.span, |i| i.1), &mut meetings);
+            return meetings;
+        }
+        for (index, (domains, span)) in general.included.iter().enumerate() {
+            let mut own = match domains {
+                [ContactDomain::Surface(a), ContactDomain::Surface(b)] => {
+                    vec![Meeting { sides: [a.clone(), b.clone()], given: [None; 3], span: *span }]
+                }
+                [_, ContactDomain::Surface(one)] | [ContactDomain::Surface(one), _] => {
+                    let others = all.iter().filter(|o| one.faces.iter().all(|f| !o.faces.contains(f)));
+                    let with = |o: &Sides| Meeting { sides: [one.clone(), o.clone()], given: [None; 3], span: *span };
+                    others.map(with).collect()
+                }
+                [ContactDomain::All, ContactDomain::All] => Vec::new(),
+            };
+            let earlier = general.included[..index].iter().filter(|(earlier, _)| {
+                // With all surfaces one does not meet the body that it is part of.
+                let is_of_two = !earlier.contains(&ContactDomain::All);
+                is_of_two || earlier == domains || earlier.iter().rev().eq(domains)
+            });
+            for (earlier, _) in earlier {
+                own = uncovered(own, earlier);
+            }
+            meetings.extend(own);
+        }
+        meetings
     }
 
     fn is_deforming(&self, sides: &Sides) -> bool {
@@ -173,6 +188,11 @@ fn give<'a>(
         meetings = meetings.into_iter().flat_map(|m| apart(m, domains)).map(take).collect();
     }
     meetings
+}
+
+/// The parts of meetings that two domains do not cover.
+fn uncovered(meetings: Vec<Meeting>, domains: &[ContactDomain; 2]) -> Vec<Meeting> {
+    meetings.into_iter().flat_map(|m| apart(m, domains)).filter(|m| !m.1).map(|m| m.0).collect()
 }
 
 /// Takes a meeting apart into what two domains cover and what they do not.

@@ -205,4 +205,9 @@ fn general_contact_has_the_springs_of_a_pair() {
         [controls.to_owned() + pair, general.to_owned(), pair.to_owned()].map(|cards| end(&cards));
     assert_eq!(of_pair, of_general);
     assert!(of_pair.1.is_some() && of_pair.0 != other.0);
+    // Twice the pair would be twice the stiffness.
+    for repeated in [" LOWER.J1, UPPER.J0\n", " UPPER.J0, LOWER.J1\n"] {
+        let inclusion = "*Contact Inclusions\n LOWER.J1, UPPER.J0\n";
+        assert_eq!(end(&general.replace(inclusion, &(inclusion.to_owned() + repeated))), of_general, "{repeated}");
+    }
 }
