@@ -57,17 +57,24 @@
 #![warn(missing_docs)]
 #[cfg(feature = "cli")]
 mod command;
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 mod constraint;
 #[macro_use]
 pub mod deck;
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 mod element;
 pub mod explain;
 pub mod generate;
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 mod heat;
 pub mod job;
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 mod kernel;
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 mod load;
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 mod material;
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 mod mesh;
 pub mod model;
 pub mod output;
@@ -78,7 +85,9 @@ pub mod plan;
 pub mod report;
 #[cfg(feature = "resistance")]
 pub mod resistance;
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 pub mod solve;
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 mod state;
 pub mod study;
 pub mod user;

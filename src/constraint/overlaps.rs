@@ -3,6 +3,7 @@
 
 use super::contact::curve::Carrier;
 use super::{Constraint, ConstraintUpkeep, StoredConstraint};
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, persist_struct};
@@ -98,7 +99,7 @@ impl Overlaps {
         let Overlaps { outlines, places, boxes, order, .. } = self;
         let ([low, high], at) = (boxes[within], &places[within]);
         let faces = &outlines[within].faces;
-        let ends = |face: u32| faces[face as usize].map(|p| at[p as usize]);
+        let ends = |face: u32| faces[face as usize].inline_map(|p| at[p as usize]);
         let mut points = places[of].iter().filter(|p| (0..2).all(|i| low[i] < p[i] && p[i] < high[i])).peekable();
         if faces.is_empty() || points.peek().is_none() {
             return None;
@@ -164,7 +165,7 @@ impl ConstraintUpkeep for Overlaps {
         let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time);
         self.look(dofs, |pair, [r, z]| found.push((pair, [time, r, z])));
         let warnings = found.iter().map(|&(pair, [time, r, z])| {
-            let [a, b] = self.pairs[pair as usize].bodies.map(|body| &self.outlines[body].name);
+            let [a, b] = self.pairs[pair as usize].bodies.inline_map(|body| &self.outlines[body].name);
             format!(
                 "{a} and {b} lie in each other, noticed at time {time:.4e} near (r = {r:.4e}, z = {z:.4e}), and nothing acts between \
                  them: let them meet (*CONTACT PAIR, or *CONTACT with all that is outside)"

@@ -5,6 +5,7 @@
 //! Mechanics and Applications, CISM Courses 302; Jean 1999, Comput. Methods Appl. Mech. Eng. 177, 235).
 //! Never here: deformable bodies, surfaces that move.
 
+use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use std::f64::consts::PI;
 
 use super::contact::curve::Carrier;
@@ -80,7 +81,7 @@ impl ContactPoint {
         let (arm, depth) = (start.arm, (-start.gap).max(0.0));
         let axes = basis(start.normal);
         let axis = body.attitude.axis();
-        let inverse_mass = axes.map(|direction| {
+        let inverse_mass = axes.inline_map(|direction| {
             let lever = cross(arm, direction);
             1.0 / body.mass + dot(lever, body.inertia.angular_velocity(axis, lever))
         });
@@ -208,7 +209,7 @@ impl RigidWallContact {
                 let missing = point.gap / dt + (rate - point.rate);
                 point.impulse[0] = (old[0] - missing / point.inverse_mass[0]).max(0.0);
                 point.rub(&self.pair.friction, velocity);
-                let given: [f64; 3] = std::array::from_fn(|i| point.impulse[i] - old[i]);
+                let given: [f64; 3] = inline_from_fn(|i| point.impulse[i] - old[i]);
                 let impulse = (0..3).fold([0.0; 3], |sum, i| plus(sum, given[i], point.axes[i]));
                 motion.velocity = plus(motion.velocity, 1.0 / body.mass, impulse);
                 let turned = body.inertia.angular_velocity(axis, cross(point.arm, impulse));
@@ -299,9 +300,9 @@ impl ContactPoint {
         if !friction.is_there() {
             return;
         }
-        let slip = [1, 2].map(|i| dot(self.axes[i], velocity));
+        let slip = [1, 2].inline_map(|i| dot(self.axes[i], velocity));
         let inverse_mass = self.inverse_mass[1].max(self.inverse_mass[2]);
-        let trial = [0, 1].map(|i| self.impulse[i + 1] - slip[i] / inverse_mass);
+        let trial = [0, 1].inline_map(|i| self.impulse[i + 1] - slip[i] / inverse_mass);
         let (size, pressed) = (trial[0].hypot(trial[1]), self.impulse[0]);
         let most = if pressed > 0.0 { friction.coefficient(slip[0].hypot(slip[1])) * pressed } else { 0.0 };
         let factor = if size > most { most / size } else { 1.0 };
@@ -311,7 +312,7 @@ impl ContactPoint {
 
 /// A unit vector with two across it.
 fn basis(normal: Vector) -> [Vector; 3] {
-    let [x, y, z] = normal.map(f64::abs);
+    let [x, y, z] = normal.inline_map(f64::abs);
     let other = if x <= y && x <= z {
         [1.0, 0.0, 0.0]
     } else if y <= z {
@@ -361,7 +362,7 @@ impl Constraint for RigidWallContact {
             energies.friction += friction;
         }
         self.forces =
-            [0, 1].map(|i| self.points.iter().fold([0.0; 3], |sum, p| plus(sum, 1.0 / half, p.impulses()[i])));
+            [0, 1].inline_map(|i| self.points.iter().fold([0.0; 3], |sum, p| plus(sum, 1.0 / half, p.impulses()[i])));
         self.longest = self.look_ahead(body, body.half);
     }
 

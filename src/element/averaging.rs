@@ -3,7 +3,7 @@
 //! Never here: stresses.
 
 use super::group::ElementGroup;
-use crate::kernel::lanes::{LANES, Lanes};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad::dilation;
 use crate::state::nodes::Nodes;
@@ -44,7 +44,7 @@ impl Averaging {
     pub fn measure(&mut self, group: &dyn ElementGroup, nodes: &Nodes) -> &[Lanes] {
         self.around.fill([0.0; 2]);
         for (&(element, corners), own) in self.triangles.iter().zip(&mut self.own) {
-            let [a, b, c] = corners.map(|n| nodes[self.nodes[n as usize] as usize].as_array());
+            let [a, b, c] = corners.inline_map(|n| nodes[self.nodes[n as usize] as usize].as_array());
             let deleted = group.is_deleted(element as usize);
             *own = if deleted { [0.0; 2] } else { dilation::<false>([a, b, c, c], nodes.behind) };
             for n in corners {
@@ -53,7 +53,8 @@ impl Averaging {
             }
         }
         for (&(element, corners), [volume, growth]) in self.triangles.iter().zip(&self.own) {
-            let of_nodes = corners.map(|n| self.around[n as usize]).map(|[volume, growth]| growth / volume);
+            let of_nodes =
+                corners.inline_map(|n| self.around[n as usize]).inline_map(|[volume, growth]| growth / volume);
             let mean = (of_nodes[0] + of_nodes[1] + of_nodes[2]) / 3.0;
             let lacking = if *volume > 0.0 { mean - growth / volume } else { 0.0 };
             self.lacking[element as usize / LANES][element as usize % LANES] = lacking;

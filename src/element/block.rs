@@ -11,7 +11,7 @@ use super::control::{Seen, Spring};
 use super::eroded::Eroded;
 use super::subzonal::Subzones;
 use crate::element::record::{Following, Record};
-use crate::kernel::lanes::{Corners, LANES, Lanes, column};
+use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::moduli::Moduli;
 use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, sums};
@@ -68,14 +68,14 @@ impl<T: Real> Nodes<T> {
     pub fn collect(&mut self, nodes: &[Node], of: &[[u32; LANES]; 4], sound: f64) {
         if T::SINGLE {
             for l in 0..LANES {
-                self.put(l, [0, 1, 2, 3].map(|c| nodes[of[c][l] as usize].as_array()), sound);
+                self.put(l, [0, 1, 2, 3].inline_map(|c| nodes[of[c][l] as usize].as_array()), sound);
             }
             return;
         }
         for (to, of) in self.0.iter_mut().zip(of) {
             // Two at once, both read before either is written: one wide store, which the wide loads behind can take up.
             for (to, two) in to.as_chunks_mut::<2>().0.iter_mut().zip(of.as_chunks::<2>().0) {
-                *to = two.map(|node| nodes[node as usize].as_array().map(T::of));
+                *to = two.inline_map(|node| nodes[node as usize].as_array().inline_map(T::of));
             }
         }
     }
@@ -84,28 +84,28 @@ impl<T: Real> Nodes<T> {
     #[inline(always)]
     fn put(&mut self, l: usize, corners: [[f64; 4]; 4], sound: f64) {
         if !T::SINGLE {
-            self.0.iter_mut().zip(corners).for_each(|(to, corner)| to[l] = corner.map(T::of));
+            self.0.iter_mut().zip(corners).for_each(|(to, corner)| to[l] = corner.inline_map(T::of));
             return;
         }
         let beside = [0.0, 0.0, sound, sound];
         let [first, others @ ..] = corners;
-        let first = [0, 1, 2, 3].map(|k| first[k] + beside[k]);
+        let first = [0, 1, 2, 3].inline_map(|k| first[k] + beside[k]);
         let [to, rest @ ..] = &mut self.0;
-        to[l] = [0, 1, 2, 3].map(|k| T::of(first[k] - beside[k]));
+        to[l] = [0, 1, 2, 3].inline_map(|k| T::of(first[k] - beside[k]));
         for (to, other) in rest.iter_mut().zip(others) {
-            to[l] = [0, 1, 2, 3].map(|k| T::of((other[k] + beside[k]) - first[k]));
+            to[l] = [0, 1, 2, 3].inline_map(|k| T::of((other[k] + beside[k]) - first[k]));
         }
     }
 
     /// Coordinates and velocities of a lane as [`sums`], coordinates over a length.
     #[inline(always)]
     fn sums(&self, l: usize, per_length: T) -> [[T; 4]; 4] {
-        [0, 1, 2, 3].map(|component| {
+        [0, 1, 2, 3].inline_map(|component| {
             let x = self.of(l, component);
             if !T::SINGLE {
                 return sums(x);
             }
-            let [first, b, c, d] = if component < 2 { x.map(|x| x * per_length) } else { x };
+            let [first, b, c, d] = if component < 2 { x.inline_map(|x| x * per_length) } else { x };
             let (above, right) = (c - d, c - b);
             [T::of(4.0) * first + ((b + c) + d), b + above, d + right, above - b]
         })
@@ -116,7 +116,7 @@ impl<T: Real> Nodes<T> {
     pub(super) fn mask(&mut self, l: usize, volume: f64, length: f64) {
         let height = volume / (length * length);
         let places = [[1.0, 0.0], [2.0, 0.0], [2.0, height], [1.0, height]];
-        self.put(l, places.map(|[r, z]| [length * r, z, 0.0, 0.0]), 0.0);
+        self.put(l, places.inline_map(|[r, z]| [length * r, z, 0.0, 0.0]), 0.0);
     }
 
     /// One component of the four corners of a lane.
@@ -156,7 +156,7 @@ pub(super) struct Geometry<T = f64> {
 impl<T: Real> Geometry<T> {
     #[inline(always)]
     pub(super) fn operators(&self, l: usize) -> Operators<T> {
-        let [r, z, hoop] = [&self.r, &self.z, &self.hoop].map(|list| [list[0][l], list[1][l], list[2][l]]);
+        let [r, z, hoop] = [&self.r, &self.z, &self.hoop].inline_map(|list| [list[0][l], list[1][l], list[2][l]]);
         Operators { r, z, hoop, volume: self.volume[l] }
     }
 
@@ -223,14 +223,14 @@ pub struct TaskState<T = f64> {
 impl<S, T: Real> ElementBlock<S, T> {
     /// Masses of the corners of a lane, in the units of the block.
     pub(super) fn corner_masses(&self, lane: usize) -> [f64; 4] {
-        at_corners(column(&self.inverse_mass, lane).map(T::wide)).map(|inverse| 4.0 / inverse)
+        at_corners(column(&self.inverse_mass, lane).inline_map(T::wide)).inline_map(|inverse| 4.0 / inverse)
     }
 
     /// Gives the corners of a lane other masses, in the units of the block.
     pub(super) fn set_corner_masses(&mut self, lane: usize, masses: [f64; 4]) {
         let total = (masses[0] + masses[1]) + (masses[2] + masses[3]);
         self.mass[lane] = T::of(total);
-        for (list, sum) in self.inverse_mass.iter_mut().zip(sums(masses.map(|mass| 1.0 / mass))) {
+        for (list, sum) in self.inverse_mass.iter_mut().zip(sums(masses.inline_map(|mass| 1.0 / mass))) {
             list[lane] = T::of(sum);
         }
     }
@@ -422,7 +422,7 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
             scratch.stress.mean[l] = if T::SINGLE { bulk * dilation } else { mean + bulk * dilation };
             scratch.strain.volume[l] = unit * scratch.weight[l] * scratch.middle[l];
             if matches!(M::FLOW, PlasticFlow::Deviatoric | PlasticFlow::Unknown) {
-                let [a, b, c, d] = deviator.map(|s| s * s);
+                let [a, b, c, d] = deviator.inline_map(|s| s * s);
                 scratch.stress.trial[l] = (T::of(1.5) * (a + b + c) + T::of(3.0) * d).root();
             }
         }
@@ -448,7 +448,7 @@ impl<T: Real> Workspace<T> {
                 self.v_r[i][l] = v_r[i];
                 self.v_z[i][l] = v_z[i];
             }
-            let middle = |x: [T; 4], v: [T; 4]| [0, 1, 2, 3].map(|i| x[i] - half * v[i]);
+            let middle = |x: [T; 4], v: [T; 4]| [0, 1, 2, 3].inline_map(|i| x[i] - half * v[i]);
             let g = Operators::of::<AREA>(middle(r, v_r), middle(z, v_z));
             let (along_r, along_z) = ([v_r[1], v_r[2], v_r[3]], [v_z[1], v_z[2], v_z[3]]);
             let (rz, zr) = (dot3(g.z, along_r), dot3(g.r, along_z));
@@ -468,7 +468,7 @@ impl<T: Real> Workspace<T> {
     #[inline(always)]
     pub(super) fn set_gradients(&mut self, dt: T, gradients: &[Lanes<T>; 5], volume: &Lanes<T>) {
         let [rr, zz, hoop, rz, zr] = gradients;
-        self.strain.strain = [*rr, *zz, *hoop, std::array::from_fn(|l| rz[l] + zr[l])];
+        self.strain.strain = [*rr, *zz, *hoop, inline_from_fn(|l| rz[l] + zr[l])];
         for l in 0..LANES {
             let spin = SpinOver::new(T::of(0.5) * dt * (rz[l] - zr[l]), volume[l]);
             (self.strain.spin[l], self.middle[l], self.inverse[l]) = (spin.dividend, spin.divisor, spin.inverse);
@@ -558,7 +558,7 @@ impl<T: Real> Workspace<T> {
     pub(super) fn parts(&self) -> (Sums, [Lanes; 2]) {
         let StressUpdate { internal, dissipated, .. } = self.stress;
         let sums = Sums { internal, plastic: dissipated, ..self.sums };
-        (sums.wide(self.length), self.deformed.map(|list| list.map(T::wide)))
+        (sums.wide(self.length), self.deformed.inline_map(|list| list.inline_map(T::wide)))
     }
 
     /// Begins a pass under a bound of frequencies.
@@ -640,14 +640,14 @@ impl<T: Real> Sums<T> {
     /// The same in double precision and in the units of the scene, of numbers in units of a length.
     fn wide(&self, length: f64) -> Sums {
         let volume = length * length * length;
-        let energies = |list: &Lanes<T>| list.map(|x| volume * x.wide());
+        let energies = |list: &Lanes<T>| list.inline_map(|x| volume * x.wide());
         Sums {
             internal: energies(&self.internal),
             plastic: energies(&self.plastic),
             viscous: energies(&self.viscous),
             artificial: energies(&self.artificial),
-            rate: self.rate.map(|x| x.wide() / length),
-            limiting: self.limiting.map(T::wide),
+            rate: self.rate.inline_map(|x| x.wide() / length),
+            limiting: self.limiting.inline_map(T::wide),
         }
     }
 }

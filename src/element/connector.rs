@@ -2,6 +2,7 @@
 //! their ends, SPRING1 and DASHPOT1 along an axis (ABAQUS Elements Guide, "Springs", "Dashpots").
 //! Never here: deck words, elements of a continuum.
 
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
@@ -143,7 +144,7 @@ impl Connectors {
         for connector in &mut self.list {
             let (along, displacement, velocity) = connector.opening(&dofs.nodes);
             let size = connector.law.force(displacement, velocity);
-            let (force, before) = (along.map(|a| size * a), connector.force);
+            let (force, before) = (along.inline_map(|a| size * a), connector.force);
             let mut work = 0.0;
             for (n, sign) in connector.ends.into_iter().zip([1.0, -1.0]).filter_map(|(n, s)| Some((n?, s))) {
                 let node = &dofs.nodes[n];

@@ -1,6 +1,7 @@
 //! Numbers that all elements of a group share, and what follows from them for one linear element.
 //! Never here: state.
 
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::real::Real;
 use crate::kernel::{assumed, quad};
 
@@ -57,7 +58,7 @@ impl Constants {
     /// One over the stable increment of an element with these corners `[r, z]` and corner masses, by the bound of the inner
     /// loop with linear bulk viscosity alone.
     pub(super) fn own_rate(&self, corners: [[f64; 2]; 4], masses: &[f64; 4]) -> f64 {
-        let g = quad::gradient(corners.map(|c| c[0]), corners.map(|c| c[1]));
+        let g = quad::gradient(corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
         let corner = |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) / masses[i];
         let modulus = self.bulk + 4.0 / 3.0 * self.shear;
         let sum = modulus * quad::UNIT * ((corner(0) + corner(1)) + (corner(2) + corner(3)));

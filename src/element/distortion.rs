@@ -2,6 +2,7 @@
 //! line between their neighbours, where the element would turn inside out (ABAQUS Analysis User's Guide, "Section
 //! controls"). Never here: which elements are controlled, stress.
 
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
@@ -59,7 +60,7 @@ impl Controlled {
         let span = |i: usize| {
             let [a, b, c] = three(&at, i);
             // A side between doubled nodes has no length, and a corner on it nothing to keep.
-            let sides = [[a, b], [a, c], [b, c]].map(|[p, q]| (p[0] - q[0]).hypot(p[1] - q[1]));
+            let sides = [[a, b], [a, c], [b, c]].inline_map(|[p, q]| (p[0] - q[0]).hypot(p[1] - q[1]));
             let largest = sides.into_iter().fold(0.0, f64::max);
             if sides.into_iter().any(|s| s <= 1e-9 * largest) {
                 return 0.0;
@@ -67,7 +68,7 @@ impl Controlled {
             let from_line = distance([a, b, c]).0;
             if from_line > 1e-9 * largest { ratio * from_line } else { 0.0 }
         };
-        Controlled { place, corners, softness, offset: [0, 1, 2, 3].map(span), force: [[0.0; 2]; 4] }
+        Controlled { place, corners, softness, offset: [0, 1, 2, 3].inline_map(span), force: [[0.0; 2]; 4] }
     }
 
     /// Forces on the corners; `None` where no corner is within its offset.
@@ -111,8 +112,8 @@ impl DistortionControl {
     /// Takes the quadrilaterals of a group's elements, with the element of each, under control; `ratio` is LENGTH RATIO.
     pub fn add(&mut self, group: usize, cells: impl Iterator<Item = (usize, [u32; 4])>, nodes: &Nodes, ratio: f64) {
         for (element, corners) in cells {
-            let at = corners.map(|n| nodes.start[n as usize]);
-            let softness = corners.map(|n| nodes.inverse_mass[n as usize]);
+            let at = corners.inline_map(|n| nodes.start[n as usize]);
+            let softness = corners.inline_map(|n| nodes.inverse_mass[n as usize]);
             self.list.push(Controlled::new((group, element), corners, softness, at, ratio));
         }
     }
@@ -127,8 +128,8 @@ impl DistortionControl {
         let dt = dofs.nodes.unbooked();
         let mut active = false;
         for controlled in &mut self.list {
-            let nodes = controlled.corners.map(|n| dofs.nodes[n as usize]);
-            let (places, velocities) = (nodes.map(|n| [n.r, n.z]), nodes.map(|n| [n.v_r, n.v_z]));
+            let nodes = controlled.corners.inline_map(|n| dofs.nodes[n as usize]);
+            let (places, velocities) = (nodes.inline_map(|n| [n.r, n.z]), nodes.inline_map(|n| [n.v_r, n.v_z]));
             let mut found = controlled.push(&places, &velocities, dofs.nodes.behind, self.time);
             if found.is_some() && !alive(controlled.place) {
                 found = None;

@@ -18,7 +18,7 @@ use super::predefined::PredefinedFields;
 use super::quiescent::ActiveNodes;
 use super::removed::Removed;
 use super::rings::Rings;
-use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::mesh::corner_forces::CornerForces;
@@ -295,7 +295,7 @@ impl Elements {
         let force = self.corners.of(block, element % LANES, corner % 4);
         let Some(rings) = &self.rings else { return force };
         let node = self.groups[group].nodes(element)[corner] as usize;
-        force.map(|f| rings.factors[node] * f)
+        force.inline_map(|f| rings.factors[node] * f)
     }
 
     /// Sets the forces of an element to zero.

@@ -9,14 +9,14 @@ use super::control::Seen;
 use super::edges::{Yields, largest};
 use super::middle::Middle;
 use crate::kernel::assumed::Directions;
-use crate::kernel::lanes::{Corners, LANES, Lanes, column};
+use crate::kernel::lanes::{Corners, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::quad::{UNIT, at_corners};
 use crate::material::{Material, PlasticFlow};
 
 /// What damage leaves of the stress of each lane.
 #[inline(always)]
 fn shares<M: Material>(material: &M, state: &M::State) -> Lanes {
-    if M::FAILS { std::array::from_fn(|l| material.share(state, l)) } else { [1.0; LANES] }
+    if M::FAILS { inline_from_fn(|l| material.share(state, l)) } else { [1.0; LANES] }
 }
 
 impl<S: Clone> ElementBlock<S> {

@@ -9,7 +9,7 @@ use super::block::larger;
 use super::elements::Elements;
 use super::group::{ElementGroup, PARALLEL, TASK};
 use crate::kernel::corners::{largest_shell_strain, largest_strain, scaled_jacobian};
-use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
 use crate::state::archive::{Archive, Persist};
@@ -37,17 +37,18 @@ impl Criteria {
         let start = |n: u32| nodes.start[n as usize];
         let strain = || {
             if group.is_solid() {
-                let strains = group.cells(element).map(|cell| largest_strain(cell.map(place), cell.map(start)));
+                let strains =
+                    group.cells(element).map(|cell| largest_strain(cell.inline_map(place), cell.inline_map(start)));
                 return strains.fold(f64::NEG_INFINITY, larger);
             }
             let boundary = group.boundary(element);
             let ends = [boundary[0], boundary[1]];
-            largest_shell_strain(ends.map(place), ends.map(start))
+            largest_shell_strain(ends.inline_map(place), ends.inline_map(start))
         };
         let plastic = || group.value(element, Variable::PlasticStrain.into());
         let rate = || group.stable_rate(element, None, nodes.as_slice()).unwrap_or(0.0);
         // Shells have no cells that could fold.
-        let folds = |least| group.cells(element).any(|cell| scaled_jacobian(cell.map(place)) <= least);
+        let folds = |least| group.cells(element).any(|cell| scaled_jacobian(cell.inline_map(place)) <= least);
         self.distortion.is_some_and(folds)
             || self.plastic.is_some_and(|most| plastic().is_some_and(|p| p >= most))
             || self.strain.is_some_and(|most| strain() >= most)
@@ -155,7 +156,8 @@ impl Elements {
         dofs.energies.plastic += work + stored;
         self.clear_corners(group, element);
         let group = &mut self.groups[group];
-        let volume = group.cells(element).map(|cell| quad::volume(cell.map(|n| dofs.nodes.start[n as usize]))).sum();
+        let volume =
+            group.cells(element).map(|cell| quad::volume(cell.inline_map(|n| dofs.nodes.start[n as usize]))).sum();
         self.deleted.0.push(group.boundary(element));
         group.extensions().deletion().erode(element, volume);
         if let Some(removed) = &mut self.removed {

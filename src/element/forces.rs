@@ -6,7 +6,7 @@ use super::block::{ElementBlock, HourglassState, Workspace, is_larger};
 use super::constants::{CHANGE, Constants, damped};
 use super::control::{Control, Lane};
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
-use crate::kernel::lanes::{Corners, LANES, column};
+use crate::kernel::lanes::{Corners, InlineMap, LANES, column};
 use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, squares};
 use crate::kernel::real::Real;
 use crate::material::Material;
@@ -67,7 +67,7 @@ impl<S, T: Real> ElementBlock<S, T> {
         for l in 0..LANES {
             let lane = self.lane_motion::<M, AREA>(&factors, scratch, l);
             let viscosity = self.bulk_viscosity::<M>(&factors, &lane, (kept, scratch), l);
-            let shape = scratch.now.pattern(l).map(|part| lane.per * part);
+            let shape = scratch.now.pattern(l).inline_map(|part| lane.per * part);
             let rate = [dot3(shape, lane.along[0]), dot3(shape, lane.along[1])];
             let mut hourglass = [T::ZERO; 2];
             if C::ENHANCED {
@@ -80,8 +80,8 @@ impl<S, T: Real> ElementBlock<S, T> {
             let [along_r, along_z] = corner_forces::<T, AREA>(&lane.g, stress, shape, hourglass);
             let flat = if AREA { T::ONE / (T::of(4.0) * factors.unit * scratch.r[0][l]) } else { T::ONE };
             for i in 0..4 {
-                let forces = [along_r[i], along_z[i]].map(|f| if T::SINGLE { factors.against * f } else { -f });
-                corners.0[i][l] = if AREA { forces.map(|force| flat * force) } else { forces };
+                let forces = [along_r[i], along_z[i]].inline_map(|f| if T::SINGLE { factors.against * f } else { -f });
+                corners.0[i][l] = if AREA { forces.inline_map(|force| flat * force) } else { forces };
             }
             scratch.add_rate::<M>(&factors, &lane, &viscosity, l);
         }
@@ -139,9 +139,9 @@ impl<S, T: Real> ElementBlock<S, T> {
         if M::EQUATION_OF_STATE {
             let rates = if factors.starts {
                 let shear = half * (dot3(g.z, along_r) + dot3(g.r, along_z));
-                [dot3(g.r, along_r), dot3(g.z, along_z), shear].map(|sum| sum / g.volume)
+                [dot3(g.r, along_r), dot3(g.z, along_z), shear].inline_map(|sum| sum / g.volume)
             } else {
-                [0, 1, 3].map(|i: usize| scratch.strain.strain[i][l] * factors.per_dt)
+                [0, 1, 3].inline_map(|i: usize| scratch.strain.strain[i][l] * factors.per_dt)
             };
             // The section is a quarter of the hoop operators' first part.
             let length = half * (T::of(0.25) * g.hoop[0] * (self.mass[l] * lane.squares)).root() / g.volume;
@@ -165,8 +165,9 @@ impl<S, T: Real> ElementBlock<S, T> {
     fn viscous_stress<M: Material<T>>(&self, viscosity: &BulkViscosity<T>, l: usize) -> [T; 4] {
         let (unit, BulkViscosity { damping, sided, .. }) = (T::of(UNIT), viscosity);
         // The work of viscosity by direction is counted as heat by the compatible energy.
-        let viscous = if M::EQUATION_OF_STATE { [0, 1, 2].map(|i: usize| *damping + sided[i]) } else { [*damping; 3] };
-        let [rr, zz, hoop] = [0, 1, 2].map(|i: usize| unit * (self.stress[i][l] + viscous[i]));
+        let viscous =
+            if M::EQUATION_OF_STATE { [0, 1, 2].inline_map(|i: usize| *damping + sided[i]) } else { [*damping; 3] };
+        let [rr, zz, hoop] = [0, 1, 2].inline_map(|i: usize| unit * (self.stress[i][l] + viscous[i]));
         let rz = unit * if M::EQUATION_OF_STATE { self.stress[3][l] + sided[3] } else { self.stress[3][l] };
         [rr, zz, hoop, rz]
     }
@@ -205,7 +206,7 @@ impl<T: Real> ForceFactors<T> {
     #[inline(always)]
     fn new<M: Material<T>>((constants, dt): (&Constants, T), scratch: &Workspace<T>) -> Self {
         let [shear43, modulus] = wave::<T>(constants);
-        let [linear, quadratic] = constants.bulk_viscosity.map(T::of);
+        let [linear, quadratic] = constants.bulk_viscosity.inline_map(T::of);
         let per_dt = if dt > T::ZERO { T::ONE / dt } else { T::ZERO };
         let unit = T::of(UNIT);
         ForceFactors {
@@ -322,7 +323,7 @@ fn corner_forces<T: Real, const AREA: bool>(
 /// Returns 4/3 of the shear modulus, and the modulus of longitudinal waves, K + 4/3 G.
 fn wave<T: Real>(constants: &Constants) -> [T; 2] {
     let shear43 = 4.0 / 3.0 * constants.shear;
-    [shear43, constants.bulk + shear43].map(T::of)
+    [shear43, constants.bulk + shear43].inline_map(T::of)
 }
 
 impl<T: Real> Workspace<T> {

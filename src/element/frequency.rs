@@ -7,6 +7,7 @@
 //! deformed too far it is dropped for the bound by elements, and estimated anew when that is likely to pay.
 //! Never here: the loop over increments, the bound by elements.
 
+use crate::kernel::lanes::InlineMap;
 use nalgebra::SMatrix;
 use sprs::CsMatI;
 
@@ -119,7 +120,7 @@ impl HighestFrequency {
         let roots = nodes.map(|n| self.roots[n as usize]);
         for (a, &row) in nodes.iter().enumerate() {
             let starts = self.operator.indptr();
-            let [begin, end] = [row, row + 1].map(|r| starts.raw_storage()[r as usize] as usize);
+            let [begin, end] = [row, row + 1].inline_map(|r| starts.raw_storage()[r as usize] as usize);
             for (b, column) in nodes.iter().enumerate() {
                 let at = begin + self.operator.indices()[begin..end].partition_point(|c| c < column);
                 for (i, entry) in self.operator.data_mut()[at].iter_mut().enumerate() {

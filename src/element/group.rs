@@ -13,8 +13,8 @@ use crate::element::numbers::{Forces, IncrementInput, Numbers, widen};
 use crate::element::quiescent::Quiescence;
 use crate::element::record::{Followed, Record};
 use crate::element::subzonal::Subzones;
-use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::{Corners, InlineMap};
 use crate::kernel::lanes::{Lanes, wide};
 use crate::kernel::quad;
 use crate::kernel::real::Real;
@@ -131,7 +131,7 @@ impl dyn ElementGroup + '_ {
     /// Corner nodes of the quadrilaterals that a solid element consists of.
     pub fn cells(&self, element: usize) -> impl Iterator<Item = [u32; 4]> {
         let nodes = self.nodes(element);
-        self.topology().cells().iter().map(move |cell| cell.map(|i| nodes[i]))
+        self.topology().cells().iter().map(move |cell| cell.inline_map(|i| nodes[i]))
     }
 
     /// Whether an element is deleted.
@@ -147,10 +147,10 @@ impl dyn ElementGroup + '_ {
     /// Volume of an element whose nodes have these places.
     pub fn volume_at(&self, element: usize, place: impl Fn(u32) -> [f64; 2]) -> f64 {
         if self.is_solid() {
-            return self.cells(element).map(|cell| quad::volume(cell.map(&place))).sum();
+            return self.cells(element).map(|cell| quad::volume(cell.inline_map(&place))).sum();
         }
         let (nodes, thickness) = (self.nodes(element), self.value(element, Variable::Thickness.into()));
-        Frame::new([0, 1].map(|i| place(nodes[i]))).area() * thickness.unwrap_or(0.0)
+        Frame::new([0, 1].inline_map(|i| place(nodes[i]))).area() * thickness.unwrap_or(0.0)
     }
 }
 
@@ -340,8 +340,12 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
             let state = material.initial_state(&block_start(index * LANES, part, nodes));
             let mut block = block(state, (density, length), part, nodes);
             if AREA {
-                block.inverse_mass =
-                    [block.mass.map(|mass| T::of(16.0) / mass), [T::ZERO; LANES], [T::ZERO; LANES], [T::ZERO; LANES]];
+                block.inverse_mass = [
+                    block.mass.inline_map(|mass| T::of(16.0) / mass),
+                    [T::ZERO; LANES],
+                    [T::ZERO; LANES],
+                    [T::ZERO; LANES],
+                ];
             }
             block
         };
@@ -398,11 +402,11 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
     }
 
     fn corners(&self, element: usize) -> [u32; 4] {
-        [0, 1, 2, 3].map(|c| self.blocks[element / LANES].nodes[c][element % LANES])
+        [0, 1, 2, 3].inline_map(|c| self.blocks[element / LANES].nodes[c][element % LANES])
     }
 
     fn corner_masses(&self, element: usize) -> [f64; 4] {
-        self.blocks[element / LANES].corner_masses(element % LANES).map(|mass| self.unit() * mass)
+        self.blocks[element / LANES].corner_masses(element % LANES).inline_map(|mass| self.unit() * mass)
     }
 
     fn is_deleted(&self, element: usize) -> bool {
@@ -446,11 +450,11 @@ fn block_start(first: usize, elements: &[[u32; 4]], nodes: &[Node]) -> BlockStar
     let corners = [[[0.0; 4]; 2]; LANES];
     let mut start = BlockStart { count: elements.len(), area, volume, centre, corners, first };
     for l in 0..LANES {
-        let corners = elements[l.min(elements.len() - 1)].map(|n| nodes[n as usize].place());
+        let corners = elements[l.min(elements.len() - 1)].inline_map(|n| nodes[n as usize].place());
         let [a, b, c, d] = corners;
-        start.area[l] = quad::section(corners.map(|c| c[0]), corners.map(|c| c[1]));
+        start.area[l] = quad::section(corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
         start.volume[l] = quad::volume(corners);
-        start.corners[l] = [corners.map(|c| c[0]), corners.map(|c| c[1])];
+        start.corners[l] = [corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1])];
         for i in 0..2 {
             start.centre[i][l] = 0.25 * ((a[i] + b[i]) + (c[i] + d[i]));
         }
@@ -460,7 +464,7 @@ fn block_start(first: usize, elements: &[[u32; 4]], nodes: &[Node]) -> BlockStar
 
 /// The least and the largest volume of elements.
 fn extremes(elements: &[[u32; 4]], nodes: &[Node]) -> [f64; 2] {
-    let volumes = elements.iter().map(|corners| quad::volume(corners.map(|n| nodes[n as usize].place())));
+    let volumes = elements.iter().map(|corners| quad::volume(corners.inline_map(|n| nodes[n as usize].place())));
     volumes.fold([f64::INFINITY, 0.0], |[least, largest], volume| [least.min(volume), largest.max(volume)])
 }
 
@@ -482,8 +486,8 @@ fn block<S, T: Real>(
     for l in 0..LANES {
         // Lanes behind the last element repeat it; nothing reads their answers.
         let element = elements[l.min(elements.len() - 1)];
-        let corners = element.map(|n| nodes[n as usize].place());
-        let inverse_mass = quad::sums(quad::corner_masses(corners, density).map(|mass| 1.0 / mass));
+        let corners = element.inline_map(|n| nodes[n as usize].place());
+        let inverse_mass = quad::sums(quad::corner_masses(corners, density).inline_map(|mass| 1.0 / mass));
         for i in 0..4 {
             block.nodes[i][l] = element[i];
             block.inverse_mass[i][l] = T::of(unit * inverse_mass[i]);
@@ -612,7 +616,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
             Some(masses) => *masses.first_chunk()?,
             None => self.corner_masses(element),
         };
-        let corners = self.corners(element).map(|n| nodes[n as usize].place());
+        let corners = self.corners(element).inline_map(|n| nodes[n as usize].place());
         Some(self.constants.own_rate(corners, &masses))
     }
 
@@ -620,7 +624,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
         if Self::HOLDS_PRESSURE || AREA {
             return None;
         }
-        let corners = self.corners(element).map(|n| nodes[n as usize].place());
+        let corners = self.corners(element).inline_map(|n| nodes[n as usize].place());
         Some(self.constants.stiffness(corners, self.is_deleted(element)).into())
     }
 
@@ -690,7 +694,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Settings for Quads<M, AREA, T
         let Some(masses) = masses.first_chunk::<4>() else { return };
         // The increment that a quiescent task allows is no longer what it was.
         self.quiescence[element / (TASK * LANES)].quiescent = false;
-        let masses = masses.map(|mass| mass / self.unit());
+        let masses = masses.inline_map(|mass| mass / self.unit());
         self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
     }
 
@@ -796,8 +800,8 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Temperatures for Quads<M, ARE
             let share = self.material.share(&block.state, lane);
             let pressure = share * 3.0 * self.constants.bulk * strain;
             block.stress[..3].iter_mut().for_each(|list| list[lane] = T::of(list[lane].wide() - pressure));
-            let corners = [0, 1, 2, 3].map(|c| nodes[block.nodes[c][lane] as usize]);
-            work += 0.5 * pressure * quad::volume_change::<AREA>(corners.map(|n| n.as_array()), dt);
+            let corners = [0, 1, 2, 3].inline_map(|c| nodes[block.nodes[c][lane] as usize]);
+            work += 0.5 * pressure * quad::volume_change::<AREA>(corners.inline_map(|n| n.as_array()), dt);
         }
         work
     }
@@ -877,7 +881,7 @@ pub(super) fn totals(tasks: impl Iterator<Item = (Sums, [Lanes; 2])>, most: impl
     let mut largest = 0.0;
     for (task, (sums, deformed)) in tasks.enumerate() {
         let most = most(task);
-        let [strain, dilation] = deformed.map(|list| list.iter().fold(0.0, |most: f64, x| most.max(*x)).sqrt());
+        let [strain, dilation] = deformed.inline_map(|list| list.iter().fold(0.0, |most: f64, x| most.max(*x)).sqrt());
         totals.deformed = totals.deformed.max(strain + 0.5 * dilation);
         totals.internal += across(&sums.internal);
         totals.plastic += across(&sums.plastic);

@@ -3,6 +3,7 @@
 //! Never here: what takes a length, elements that ask routines at their points.
 
 use super::group::ElementGroup;
+use crate::kernel::lanes::InlineMap;
 use crate::material::user::lengths::{ShownElements, above_zero, by_default, user_number};
 use crate::state::Instant;
 use crate::state::halt::Halt;
@@ -63,8 +64,8 @@ impl AskedLengths {
         let mut shown = ShownElements::new(count, if triangles { 3 } else { 4 });
         let mut lengths = Vec::with_capacity(count);
         for (i, element) in corners.iter().enumerate() {
-            let places = element.map(|n| nodes[n as usize].place());
-            let (r, z) = (places.map(|p| p[0]), places.map(|p| p[1]));
+            let places = element.inline_map(|n| nodes[n as usize].place());
+            let (r, z) = (places.inline_map(|p| p[0]), places.inline_map(|p| p[1]));
             shown.set(i, r, z);
             lengths.push(by_default(r, z));
         }

@@ -5,7 +5,7 @@ use super::block::{ElementBlock, Nodes, Workspace};
 use super::constants::Constants;
 use super::control::Spring;
 use super::eroded::Eroded;
-use crate::kernel::lanes::Corners;
+use crate::kernel::lanes::{Corners, InlineMap};
 use crate::kernel::quad::UNIT;
 use crate::kernel::real::Real;
 use crate::material::Material;
@@ -176,6 +176,6 @@ impl<T: Real> Forces<'_, T> {
 /// The same forces in double precision.
 pub fn widen<T: Real>(from: &Corners<T>, to: &mut Corners) {
     for (to, from) in to.0.as_flattened_mut().iter_mut().zip(from.0.as_flattened()) {
-        *to = from.map(T::wide);
+        *to = from.inline_map(T::wide);
     }
 }

@@ -2,6 +2,7 @@
 //! Never here: what resists it.
 
 use super::group::ElementGroup;
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad::{Operators, dot3, section, sums};
 use crate::kernel::topology::Topology;
 use crate::state::nodes::Nodes;
@@ -30,21 +31,23 @@ pub fn strongest(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Option<Fold
 
 /// Corners of an element, where it is a quadrilateral.
 fn quadrilateral(group: &dyn ElementGroup, element: usize) -> Option<[usize; 4]> {
-    (group.topology() == Topology::Quadrilateral).then(|| group.cells(element).next())?.map(|c| c.map(|n| n as usize))
+    (group.topology() == Topology::Quadrilateral)
+        .then(|| group.cells(element).next())?
+        .map(|c| c.inline_map(|n| n as usize))
 }
 
 fn fold(corners: [usize; 4], nodes: &Nodes) -> f64 {
-    let places = corners.map(|n| nodes[n].place());
-    let moved = [0, 1].map(|axis| [0, 1, 2, 3].map(|i| places[i][axis] - nodes.start[corners[i]][axis]));
-    within(places, moved) / section(places.map(|p| p[0]), places.map(|p| p[1])).sqrt()
+    let places = corners.inline_map(|n| nodes[n].place());
+    let moved = [0, 1].inline_map(|axis| [0, 1, 2, 3].inline_map(|i| places[i][axis] - nodes.start[corners[i]][axis]));
+    within(places, moved) / section(places.inline_map(|p| p[0]), places.inline_map(|p| p[1])).sqrt()
 }
 
 /// How far a corner moves in the pattern, of what corners do along both axes.
 fn within(places: [[f64; 2]; 4], corners: [[f64; 4]; 2]) -> f64 {
-    let (r, z) = (sums(places.map(|p| p[0])), sums(places.map(|p| p[1])));
+    let (r, z) = (sums(places.inline_map(|p| p[0])), sums(places.inline_map(|p| p[1])));
     let g = Operators::of::<true>(r, z);
-    let shape = g.pattern([r[3], z[3]]).map(|part| part / g.volume);
-    let [along_r, along_z] = corners.map(|u| {
+    let shape = g.pattern([r[3], z[3]]).inline_map(|part| part / g.volume);
+    let [along_r, along_z] = corners.inline_map(|u| {
         let [_, first, second, pattern] = sums(u);
         0.25 * dot3(shape, [first, second, pattern])
     });
@@ -86,12 +89,12 @@ pub fn trembling(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Trembling {
 /// Kinetic energy of one element in the pattern, and of its corners beside their mean velocity.
 fn rates(corners: [usize; 4], nodes: &Nodes) -> [f64; 2] {
     let quarter = 0.125 * corners.iter().map(|&n| 0.25 * nodes.mass[n]).sum::<f64>();
-    let velocity = [corners.map(|n| nodes[n].v_r), corners.map(|n| nodes[n].v_z)];
-    let beside = velocity.map(|v| {
+    let velocity = [corners.inline_map(|n| nodes[n].v_r), corners.inline_map(|n| nodes[n].v_z)];
+    let beside = velocity.inline_map(|v| {
         let mean = 0.25 * v.iter().sum::<f64>();
         v.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>()
     });
-    let rate = within(corners.map(|n| nodes[n].place()), velocity);
+    let rate = within(corners.inline_map(|n| nodes[n].place()), velocity);
     [4.0 * quarter * rate * rate, quarter * (beside[0] + beside[1])]
 }
 

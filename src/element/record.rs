@@ -4,9 +4,9 @@
 
 use pulp::NullaryFnOnce;
 
-use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::column;
+use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::real::Real;
 use crate::kernel::rotation::{of_spin, turned};
 use crate::kernel::stress::mises;
@@ -96,9 +96,9 @@ impl<T: Real> Following<'_, T> {
         for l in 0..LANES {
             let turn = of_spin(self.spins[l]);
             let (strain, plastic) = (turned(column(&record.strain, l), turn), turned(column(&record.plastic, l), turn));
-            let [increment, carried, stress] =
-                [&self.increment.strain, &self.increment.carried, self.stress].map(|list| column(list, l).map(T::wide));
-            let doubled = [0, 1, 2, 3].map(|i| increment[i] * (carried[i] + stress[i]));
+            let [increment, carried, stress] = [&self.increment.strain, &self.increment.carried, self.stress]
+                .inline_map(|list| column(list, l).inline_map(T::wide));
+            let doubled = [0, 1, 2, 3].inline_map(|i| increment[i] * (carried[i] + stress[i]));
             let volume = self.unit * self.increment.volume[l].wide();
             record.work[0][l] += 0.5 * volume * ((doubled[0] + doubled[1]) + (doubled[2] + 2.0 * doubled[3]));
             for i in 0..4 {
@@ -125,7 +125,8 @@ impl<T: Real> Following<'_, T> {
         for l in 0..LANES {
             let (flow, trial) = (self.update.flow[l].wide(), self.update.trial[l].wide());
             let (flows, per) = (flow > 0.0, 1.5 * flow / trial);
-            let work = self.unit * self.increment.volume[l].wide() * mises(column(self.stress, l).map(T::wide)) * flow;
+            let work =
+                self.unit * self.increment.volume[l].wide() * mises(column(self.stress, l).inline_map(T::wide)) * flow;
             let before = record.work[1][l];
             record.work[1][l] = if flows { before + work } else { before };
             for i in 0..4 {
@@ -139,7 +140,7 @@ impl<T: Real> Following<'_, T> {
 impl Record {
     /// What is told of one element.
     pub(super) fn of(&self, lane: usize) -> Followed {
-        let tensor = |x: &[Lanes; 4]| [0, 1, 2, 3].map(|i| x[i][lane]);
+        let tensor = |x: &[Lanes; 4]| [0, 1, 2, 3].inline_map(|i| x[i][lane]);
         let [work, dissipated] = [self.work[0][lane], self.work[1][lane]];
         Followed {
             strain: tensor(&self.strain),

@@ -5,7 +5,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::block::{Nodes, Workspace, is_larger};
-use crate::kernel::lanes::{Corners, LANES, Lanes, column};
+use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column};
 use crate::kernel::quad::{UNIT, at_corners, volume_gradient};
 use crate::state::archive::persist_struct;
 use crate::state::nodes::Node;
@@ -66,9 +66,9 @@ impl Subzones {
     pub fn of(elements: &[[u32; 4]], nodes: &[Node]) -> Self {
         let mut zones = Subzones::default();
         for l in 0..LANES {
-            let corners = elements[l.min(elements.len() - 1)].map(|n| nodes[n as usize].place());
-            let (r, z) = (corners.map(|c| c[0]), corners.map(|c| c[1]));
-            let volumes = [0, 1, 2, 3].map(|c| quarter(c, &r, &z).volume);
+            let corners = elements[l.min(elements.len() - 1)].inline_map(|n| nodes[n as usize].place());
+            let (r, z) = (corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
+            let volumes = [0, 1, 2, 3].inline_map(|c| quarter(c, &r, &z).volume);
             let whole: f64 = volumes.iter().sum();
             (0..4).for_each(|c| zones.share[c][l] = volumes[c] / whole);
         }

@@ -3,6 +3,7 @@
 
 use super::constants::CHANGE;
 use super::elements::Elements;
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
 use crate::state::nodes::Nodes;
 
@@ -26,9 +27,9 @@ impl Elements {
                 }
                 let (mut volume, mut growing) = (0.0, [0.0; 2]);
                 for cell in self.groups[group].cells(element) {
-                    let corners = cell.map(|n| n as usize);
-                    let at = corners.map(|n| nodes[n]);
-                    let g = quad::gradient(at.map(|n| n.r), at.map(|n| n.z));
+                    let corners = cell.inline_map(|n| n as usize);
+                    let at = corners.inline_map(|n| nodes[n]);
+                    let g = quad::gradient(at.inline_map(|n| n.r), at.inline_map(|n| n.z));
                     let growth = |of: &dyn Fn(usize) -> [f64; 2]| {
                         let part = |i: usize| (g.r[i] + g.hoop[i]) * of(i)[0] + g.z[i] * of(i)[1];
                         (part(0) + part(1)) + (part(2) + part(3))
@@ -37,7 +38,7 @@ impl Elements {
                     growing[0] += growth(&|i| [at[i].v_r, at[i].v_z]);
                     growing[1] += growth(&|i| nodes.acceleration[corners[i]]);
                 }
-                let [rate, acceleration] = growing.map(|growth| growth / volume);
+                let [rate, acceleration] = growing.inline_map(|growth| growth / volume);
                 let first = (rate + half * acceleration).abs();
                 let root = (first * first + 2.0 * CHANGE * acceleration.abs()).sqrt();
                 self.raise_limit(group, element, (first + root) / (2.0 * CHANGE));

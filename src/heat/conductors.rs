@@ -1,6 +1,7 @@
 //! Elements that conduct: their capacities, the heat that flows between their corners, and the rate that bounds the increment.
 //! Never here: temperatures of nodes over time, sources.
 
+use crate::kernel::lanes::InlineMap;
 use rayon::prelude::*;
 
 use crate::element::elements::Elements;
@@ -53,11 +54,11 @@ pub struct Conductor {
 
 impl Conductor {
     fn corners(&self, nodes: &[Node]) -> [[f64; 2]; 4] {
-        self.nodes.map(|n| nodes[n as usize].place())
+        self.nodes.inline_map(|n| nodes[n as usize].place())
     }
 
     pub(super) fn temperatures(&self, nodal: &[f64]) -> [f64; 4] {
-        self.nodes.map(|n| nodal[n as usize])
+        self.nodes.inline_map(|n| nodal[n as usize])
     }
 
     /// Mean over the volume: with the shares of the corners in it, so that what heats evenly stays even, also on the axis.
@@ -78,17 +79,19 @@ impl Conductor {
     /// Heat flux in the middle: the conductivity times the mean slope of the temperature, downwards.
     pub(super) fn flux(&self, nodal: &[f64], nodes: &Nodes, properties: &Properties) -> [f64; 2] {
         let corners = self.corners(nodes.as_slice());
-        let (g, t) = (quad::gradient(corners.map(|c| c[0]), corners.map(|c| c[1])), self.temperatures(nodal));
+        let (g, t) =
+            (quad::gradient(corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1])), self.temperatures(nodal));
         let per = -at(&properties.conductivity, self.mean(nodal)) / g.volume;
-        [g.r, g.z].map(|g| per * ((g[0] * t[0] + g[1] * t[1]) + (g[2] * t[2] + g[3] * t[3])))
+        [g.r, g.z].inline_map(|g| per * ((g[0] * t[0] + g[1] * t[1]) + (g[2] * t[2] + g[3] * t[3])))
     }
 
     /// Heat a time into the corners, and the highest rate.
     fn conduct(&self, nodal: &[f64], nodes: &[Node], properties: &Properties) -> ([f64; 4], f64) {
         let t = self.temperatures(nodal);
         let k = conductance(self.corners(nodes), t, |t| at(&properties.conductivity, t));
-        let heat = [0, 1, 2, 3].map(|i| -((k[i][0] * t[0] + k[i][1] * t[1]) + (k[i][2] * t[2] + k[i][3] * t[3])));
-        let capacities = [0, 1, 2, 3].map(|i| self.masses[i] * at(&properties.capacity, t[i]));
+        let heat =
+            [0, 1, 2, 3].inline_map(|i| -((k[i][0] * t[0] + k[i][1] * t[1]) + (k[i][2] * t[2] + k[i][3] * t[3])));
+        let capacities = [0, 1, 2, 3].inline_map(|i| self.masses[i] * at(&properties.capacity, t[i]));
         (heat, highest_rate(&k, capacities, self.nodes[2] == self.nodes[3]))
     }
 }

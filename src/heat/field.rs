@@ -1,6 +1,7 @@
 //! Temperatures of nodes over time: forward differences of lumped capacities.
 //! Never here: what a source is, stresses.
 
+use crate::kernel::lanes::InlineMap;
 use std::sync::Arc;
 
 use super::conductors::{Conductors, Largest, at};
@@ -179,7 +180,7 @@ impl Heat {
                 let (rise, conductor) = (self.warmed[e] - self.means[e], &self.conductors.list[e]);
                 any |= rise != 0.0;
                 let heat = rise * at(&part.properties.capacity, self.means[e] + 0.5 * rise);
-                self.corners[e] = conductor.masses.map(|mass| mass * heat);
+                self.corners[e] = conductor.masses.inline_map(|mass| mass * heat);
             }
         }
         if !any {

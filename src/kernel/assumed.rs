@@ -4,6 +4,7 @@
 //! plate bends against E instead of E/(1 - nu^2)).
 //! Never here: stress, what flows.
 
+use super::lanes::InlineMap;
 use super::quad::{Operators, UNIT, at_corners, squares, sums};
 
 /// How much of the square of the longer side the shorter counts at least: an element pressed flat has no more stiffness.
@@ -85,7 +86,8 @@ impl Directions {
         let (n_a, n_c) = (ratio * self.dual[0][0], ratio * self.dual[1][0]);
         // Along z there is no hoop strain.
         let rest = (self.per[0] + self.per[1]) - (n_a * n_a + n_c * n_c);
-        let parts = |[b_r, b_z]: [f64; 2], n: f64| [0, 1, 2, 3].map(|i| b_r * by_r[i] + b_z * by_z[i] + n * shape[i]);
+        let parts =
+            |[b_r, b_z]: [f64; 2], n: f64| [0, 1, 2, 3].inline_map(|i| b_r * by_r[i] + b_z * by_z[i] + n * shape[i]);
         squares(&[parts(a, n_a), parts(c, n_c)], inverse) + rest * squares(&[shape], inverse)
     }
 }
@@ -112,21 +114,21 @@ pub fn moduli(bulk: f64, shear: f64) -> [f64; 2] {
 
 /// Stiffness that the two fields give an element: force over length, for `[r, z]` of each corner in turn.
 pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2]) -> [[f64; 8]; 8] {
-    let (r, z) = (sums(corners.map(|c| c[0])), sums(corners.map(|c| c[1])));
+    let (r, z) = (sums(corners.inline_map(|c| c[0])), sums(corners.inline_map(|c| c[1])));
     let g = Operators::of::<false>(r, z);
     let per = 1.0 / g.volume;
-    let [first, second, pattern] = g.pattern([r[3], z[3]]).map(|part| per * part);
+    let [first, second, pattern] = g.pattern([r[3], z[3]]).inline_map(|part| per * part);
     let shape = at_corners([0.0, first, second, pattern]);
     let [along, beside] = moduli(bulk, shear);
     let third = UNIT * g.volume / 3.0;
-    let (directions, operators) = (Directions::of(r, z, ring(&g, per * per)), hoop(&g).map(at_corners));
+    let (directions, operators) = (Directions::of(r, z, ring(&g, per * per)), hoop(&g).inline_map(at_corners));
     let mut matrix = [[0.0; 8]; 8];
     for field in 0..2 {
         let column = |d: usize| {
             let (i, axis) = (d / 2, d % 2);
             let mut pushed = [0.0; 2];
             pushed[axis] = shape[i];
-            let turned = directions.around(operators.map(|o| o[i]))[field];
+            let turned = directions.around(operators.inline_map(|o| o[i]))[field];
             [directions.along(pushed)[field], if axis == 0 { turned } else { 0.0 }]
         };
         for (a, row) in matrix.iter_mut().enumerate() {

@@ -2,6 +2,7 @@
 //! turns. Axes 1, 2, 3: r at angle 0, the axis of symmetry, and the third of a right-handed frame.
 //! Never here: forces and moments.
 
+use super::lanes::InlineMap;
 /// A vector along 1, 2, 3.
 pub type Vector = [f64; 3];
 
@@ -29,7 +30,7 @@ pub fn plus(a: Vector, factor: f64, b: Vector) -> Vector {
 /// `factor a`.
 #[inline]
 pub fn times(factor: f64, a: Vector) -> Vector {
-    a.map(|x| factor * x)
+    a.inline_map(|x| factor * x)
 }
 
 /// Angle between two vectors, radians: 0 where one has no length. Accurate near 0 and pi too.
@@ -76,7 +77,7 @@ impl Attitude {
         let square: f64 = self.0.iter().map(|x| x * x).sum();
         // Newton's step for 1/sqrt next to 1.
         let factor = 1.5 - 0.5 * square;
-        Attitude(self.0.map(|x| factor * x))
+        Attitude(self.0.inline_map(|x| factor * x))
     }
 
     /// A vector of the body as the world sees it.

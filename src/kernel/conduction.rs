@@ -4,6 +4,7 @@
 //! Two Gauss points each way: of one point alone a checkerboard of temperatures would be without flux.
 #![allow(clippy::needless_range_loop)] // Matrices are written by their indices.
 
+use super::lanes::InlineMap;
 use std::f64::consts::PI;
 
 /// Abscissa of two Gauss points.
@@ -12,7 +13,7 @@ const POINT: f64 = 0.577_350_269_189_625_8;
 /// Conductance of a full ring with these corners `[r, z]`, heat a time and temperature: `int k grad N_I . grad N_J dV`. The
 /// conductivity is asked for at the temperature of each Gauss point.
 pub fn conductance(corners: [[f64; 2]; 4], temperatures: [f64; 4], conductivity: impl Fn(f64) -> f64) -> [[f64; 4]; 4] {
-    let (r, z) = (corners.map(|c| c[0]), corners.map(|c| c[1]));
+    let (r, z) = (corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
     let dot = |a: &[f64; 4], b: &[f64; 4]| (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]);
     let mut matrix = [[0.0; 4]; 4];
     for (xi, eta) in [(-POINT, -POINT), (POINT, -POINT), (POINT, POINT), (-POINT, POINT)] {
@@ -23,8 +24,8 @@ pub fn conductance(corners: [[f64; 2]; 4], temperatures: [f64; 4], conductivity:
         let (r_xi, r_eta) = (dot(&along_xi, &r), dot(&along_eta, &r));
         let (z_xi, z_eta) = (dot(&along_xi, &z), dot(&along_eta, &z));
         // Gradients times the Jacobian.
-        let by_r = [0, 1, 2, 3].map(|i| along_xi[i] * z_eta - along_eta[i] * z_xi);
-        let by_z = [0, 1, 2, 3].map(|i| along_eta[i] * r_xi - along_xi[i] * r_eta);
+        let by_r = [0, 1, 2, 3].inline_map(|i| along_xi[i] * z_eta - along_eta[i] * z_xi);
+        let by_z = [0, 1, 2, 3].inline_map(|i| along_eta[i] * r_xi - along_xi[i] * r_eta);
         let jacobian = r_xi * z_eta - r_eta * z_xi;
         let weight = conductivity(dot(&shape, &temperatures)) * 2.0 * PI * dot(&shape, &r) / jacobian;
         for i in 0..4 {
@@ -58,7 +59,7 @@ pub fn highest_rate(conductance: &[[f64; 4]; 4], capacities: [f64; 4], triangle:
         m[3] = 1.0;
     }
     // The characteristic polynomial of a matrix whose rows add up to nothing: x (x^3 - a x^2 + b x - c).
-    let inverse = m.map(|m| 1.0 / m);
+    let inverse = m.inline_map(|m| 1.0 / m);
     let a: f64 = (0..4).map(|i| k[i][i] * inverse[i]).sum();
     let mut b = 0.0;
     for i in 0..4 {

@@ -1,6 +1,7 @@
 //! How far an element has come from a good shape: its corners, and its largest stretch.
 //! Never here: limits.
 
+use super::lanes::InlineMap;
 /// The least sine of the angles at the corners of an element over that of a rectangle, of a triangle over that of the
 /// equilateral one: 1 at best, 0 where a corner lies on the line between its neighbours, below 0 once the element is folded.
 /// (The scaled Jacobian of mesh generators: P. Knupp 2000, Int. J. Numer. Meth. Eng. 48, 401.) Corners run counter-clockwise; a
@@ -20,7 +21,7 @@ pub fn scaled_jacobian(places: [[f64; 2]; 4]) -> f64 {
         _ => return f64::NAN,
     };
     let sine = |i: usize| {
-        let [at, next, before] = [i, (i + 1) % count, (i + count - 1) % count].map(|k| corners[k]);
+        let [at, next, before] = [i, (i + 1) % count, (i + count - 1) % count].inline_map(|k| corners[k]);
         let (a, b) = ([next[0] - at[0], next[1] - at[1]], [before[0] - at[0], before[1] - at[1]]);
         let squares = (a[0] * a[0] + a[1] * a[1]) * (b[0] * b[0] + b[1] * b[1]);
         (a[0] * b[1] - a[1] * b[0]) / squares.sqrt()
@@ -31,8 +32,9 @@ pub fn scaled_jacobian(places: [[f64; 2]; 4]) -> f64 {
 /// Derivatives of the coordinates by those of a square at its middle, times 4: `[r, z]` along each.
 fn spans(places: [[f64; 2]; 4]) -> [[f64; 2]; 2] {
     let [a, b, c, d] = places;
-    [0, 1]
-        .map(|way| [0, 1].map(|i| if way == 0 { (b[i] - a[i]) + (c[i] - d[i]) } else { (d[i] - a[i]) + (c[i] - b[i]) }))
+    [0, 1].inline_map(|way| {
+        [0, 1].inline_map(|i| if way == 0 { (b[i] - a[i]) + (c[i] - d[i]) } else { (d[i] - a[i]) + (c[i] - b[i]) })
+    })
 }
 
 /// The largest principal logarithmic strain in the middle of an element that had its corners at `start`: of both directions in the
@@ -41,7 +43,7 @@ pub fn largest_strain(places: [[f64; 2]; 4], start: [[f64; 2]; 4]) -> f64 {
     let (now, then) = (spans(places), spans(start));
     let per = 1.0 / (then[0][0] * then[1][1] - then[0][1] * then[1][0]);
     // Deformation gradient: what a direction at the start has become.
-    let column = |[along, across]: [f64; 2]| [0, 1].map(|i| per * (now[0][i] * along + now[1][i] * across));
+    let column = |[along, across]: [f64; 2]| [0, 1].inline_map(|i| per * (now[0][i] * along + now[1][i] * across));
     let (of_r, of_z) = (column([then[1][1], -then[0][1]]), column([-then[1][0], then[0][0]]));
     let square = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
     let (rr, zz, rz) = (square(of_r, of_r), square(of_z, of_z), square(of_r, of_z));

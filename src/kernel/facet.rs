@@ -1,6 +1,7 @@
 //! Facets: straight meridian segments, which are frusta of cones in space. Area, normal, clipping by planes z = const.
 //! Never here: what acts on a facet.
 
+use super::lanes::InlineMap;
 use std::f64::consts::PI;
 
 /// One facet with its outward unit normal. Coordinates are `[r, z]`, lengths in the deck's unit.
@@ -74,8 +75,11 @@ impl Facet {
     /// The part with `from <= z <= to` and r <= `within`; a level facet lies between any planes.
     pub fn part(&self, [from, to]: [f64; 2], within: f64) -> Option<Part> {
         let (height, widening) = (self.height(), self.high[0] - self.low[0]);
-        let [mut start, mut end] =
-            if height > 0.0 { [from, to].map(|z| ((z - self.low[1]) / height).clamp(0.0, 1.0)) } else { [0.0, 1.0] };
+        let [mut start, mut end] = if height > 0.0 {
+            [from, to].inline_map(|z| ((z - self.low[1]) / height).clamp(0.0, 1.0))
+        } else {
+            [0.0, 1.0]
+        };
         let edge = (within - self.low[0]) / widening;
         if widening > 0.0 {
             end = end.min(edge);
@@ -123,7 +127,7 @@ pub fn ring_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [[f64; 2]; 2] {
     let third = PI / 3.0 * pressure;
     // The outward normal times the length is (dz, -dr).
     let (n_r, n_z) = (third * (b[1] - a[1]), -third * (b[0] - a[0]));
-    [2.0 * a[0] + b[0], a[0] + 2.0 * b[0]].map(|weight| [-n_r * weight, -n_z * weight])
+    [2.0 * a[0] + b[0], a[0] + 2.0 * b[0]].inline_map(|weight| [-n_r * weight, -n_z * weight])
 }
 
 /// The same on a shell: each node takes its half of the meridian, -p n 2 pi L/2 (3 r1 + r2)/4 on the first. Shells of one point
@@ -132,7 +136,7 @@ pub fn ring_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [[f64; 2]; 2] {
 pub fn shell_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [[f64; 2]; 2] {
     let quarter = 0.25 * PI * pressure;
     let (n_r, n_z) = (quarter * (b[1] - a[1]), -quarter * (b[0] - a[0]));
-    [3.0 * a[0] + b[0], a[0] + 3.0 * b[0]].map(|weight| [-n_r * weight, -n_z * weight])
+    [3.0 * a[0] + b[0], a[0] + 3.0 * b[0]].inline_map(|weight| [-n_r * weight, -n_z * weight])
 }
 
 #[cfg(test)]

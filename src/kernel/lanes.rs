@@ -9,6 +9,35 @@ pub const LANES: usize = 16;
 /// One number of each element of a block.
 pub type Lanes<T = f64> = [T; LANES];
 
+/// What the inner loops use in place of the standard library's `map` of arrays. That one is built from functions which a compiler
+/// is free not to inline; a call inside a loop compiled for wide vectors is then compiled for the base instruction set.
+pub trait InlineMap<T: Copy, const N: usize> {
+    /// The array of the function's values, which is inlined always.
+    fn inline_map<U: Copy>(self, value: impl FnMut(T) -> U) -> [U; N];
+}
+
+impl<T: Copy, const N: usize> InlineMap<T, N> for [T; N] {
+    #[inline(always)]
+    fn inline_map<U: Copy>(self, mut value: impl FnMut(T) -> U) -> [U; N] {
+        inline_from_fn(
+            #[inline(always)]
+            |i| value(self[i]),
+        )
+    }
+}
+
+/// The array of a function's values over its indices; in place of [`std::array::from_fn`] for the reason that [`InlineMap`] gives.
+#[inline(always)]
+pub fn inline_from_fn<T: Copy, const N: usize>(mut value: impl FnMut(usize) -> T) -> [T; N] {
+    const { assert!(N > 0) };
+    let mut list = [value(0); N];
+    #[expect(clippy::needless_range_loop, reason = "iterators are calls as well")]
+    for i in 1..N {
+        list[i] = value(i);
+    }
+    list
+}
+
 /// Forces `[r, z]` of a block's elements on their corners, corner by corner. Like all that the inner loop touches it begins with
 /// a cache line.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,13 +55,13 @@ impl<T: Real> Corners<T> {
 /// The same numbers in double precision.
 #[inline(always)]
 pub fn wide<T: Real>(list: &Lanes<T>) -> Lanes {
-    list.map(T::wide)
+    list.inline_map(T::wide)
 }
 
 /// The nearest numbers of another precision.
 #[inline(always)]
 pub fn near<T: Real>(list: &Lanes) -> Lanes<T> {
-    list.map(T::of)
+    list.inline_map(T::of)
 }
 
 /// The numbers of one element in lists of four.

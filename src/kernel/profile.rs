@@ -4,6 +4,7 @@
 //! The front is to the left of the way along the chain: the normal of a segment is its direction turned 90 degrees
 //! counter-clockwise (Getting Started with Abaqus, 12.5, "Modeling issues for rigid surfaces"). Distances are above zero in front.
 
+use super::lanes::InlineMap;
 /// A straight line or an arc of less than half a circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Segment {
@@ -320,7 +321,8 @@ fn crossings(a: Segment, b: Segment) -> [Option<[f64; 2]>; 2] {
             if rest < 0.0 {
                 return [None, None];
             }
-            [1.0, -1.0].map(|sign| Some([foot[0] + sign * rest.sqrt() * t[0], foot[1] + sign * rest.sqrt() * t[1]]))
+            [1.0, -1.0]
+                .inline_map(|sign| Some([foot[0] + sign * rest.sqrt() * t[0], foot[1] + sign * rest.sqrt() * t[1]]))
         }
         (Segment::Arc(_, c, r1, _), Segment::Arc(_, d, r2, _)) => {
             let way = minus(d, c);
@@ -334,7 +336,7 @@ fn crossings(a: Segment, b: Segment) -> [Option<[f64; 2]>; 2] {
                 return [None, None];
             }
             let e = unit(way);
-            [1.0, -1.0].map(|sign| {
+            [1.0, -1.0].inline_map(|sign| {
                 let h = sign * rest.sqrt();
                 Some([c[0] + along * e[0] - h * e[1], c[1] + along * e[1] + h * e[0]])
             })

@@ -5,6 +5,7 @@
 //! Meth. Eng. 17, eqs. 13 to 21, carried over to the axisymmetric volume): with V = 2 pi int r dA, the operator along z is
 //! dV/dz_I, and along r dV/dr_I less the hoop part 2 pi int N_I dA. Centroid quadrature would be wrong on the axis.
 
+use super::lanes::{InlineMap, inline_from_fn};
 use std::f64::consts::PI;
 
 use super::real::Real;
@@ -61,7 +62,7 @@ impl<T: Real> Operators<T> {
                 volume: r[0] * section,
             };
         }
-        let [_, r1, r2, r3] = r.map(|x| x * T::of(1.0 / 3.0));
+        let [_, r1, r2, r3] = r.inline_map(|x| x * T::of(1.0 / 3.0));
         let (first, second) = (r1 * z[3], r2 * z[3]);
         let hoop = [section, first - r3 * z[1], r3 * z[2] - second];
         Operators {
@@ -150,12 +151,12 @@ pub fn section(r: [f64; 4], z: [f64; 4]) -> f64 {
 /// `[r, z]` of each corner in turn. With gradient operators B it is V B^T C B; hourglass stiffness as in Flanagan and
 /// Belytschko 1981, eqs. 25 to 45, `hourglass` times the shear modulus.
 pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2], hourglass: f64) -> [[f64; 8]; 8] {
-    let (r, z) = (corners.map(|c| c[0]), corners.map(|c| c[1]));
+    let (r, z) = (corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
     let (r, z) = (sums(r), sums(z));
     let operators = Operators::of::<false>(r, z);
     let g = operators.gradient();
     let (lame, per) = (bulk - 2.0 / 3.0 * shear, 1.0 / g.volume);
-    let [first, second, pattern] = operators.pattern([r[3], z[3]]).map(|part| per * part);
+    let [first, second, pattern] = operators.pattern([r[3], z[3]]).inline_map(|part| per * part);
     let shape = at_corners([0.0, first, second, pattern]);
     let square: f64 = (0..4).map(|i| g.r[i] * g.r[i] + g.z[i] * g.z[i]).sum();
     let spring = hourglass * shear * square;
@@ -175,7 +176,7 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2], hourglass: f64
         let elastic = lame * trace_e * trace_f + 2.0 * shear * plain + shear * e[3] * f[3];
         UNIT * per * (elastic + spring * (p[0] * q[0] + p[1] * q[1]))
     };
-    std::array::from_fn(|a| std::array::from_fn(|b| entry(a, b)))
+    inline_from_fn(|a| inline_from_fn(|b| entry(a, b)))
 }
 
 /// By how much the volume of an element with these corners `[r, z, v_r, v_z]` grew over an increment behind them, as the strain
@@ -186,21 +187,21 @@ pub fn volume_change<const AREA: bool>(corners: [[f64; 4]; 4], dt: f64) -> f64 {
 
 /// The same, behind the volume in the middle of the increment.
 pub fn dilation<const AREA: bool>(corners: [[f64; 4]; 4], dt: f64) -> [f64; 2] {
-    let middle = |axis: usize| corners.map(|c| c[axis] - 0.5 * dt * c[axis + 2]);
+    let middle = |axis: usize| corners.inline_map(|c| c[axis] - 0.5 * dt * c[axis + 2]);
     let g = Operators::of::<AREA>(sums(middle(0)), sums(middle(1)));
-    let ([s0, s1, s2, s3], [_, v1, v2, v3]) = (sums(corners.map(|c| c[2])), sums(corners.map(|c| c[3])));
+    let ([s0, s1, s2, s3], [_, v1, v2, v3]) = (sums(corners.inline_map(|c| c[2])), sums(corners.inline_map(|c| c[3])));
     let growth = dot3(g.r, [s1, s2, s3]) + dot3(g.hoop, [s0, s1, s2]) + dot3(g.z, [v1, v2, v3]);
     [UNIT * g.volume, UNIT * dt * growth]
 }
 
 /// Volume of a full ring with these corners `[r, z]`.
 pub fn volume(corners: [[f64; 2]; 4]) -> f64 {
-    UNIT * gradient(corners.map(|c| c[0]), corners.map(|c| c[1])).volume
+    UNIT * gradient(corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1])).volume
 }
 
 /// Row-sum lumped mass of each corner: density times int N_I dV, exact by two Gauss points each way.
 pub fn corner_masses(corners: [[f64; 2]; 4], density: f64) -> [f64; 4] {
-    let (r, z) = (corners.map(|c| c[0]), corners.map(|c| c[1]));
+    let (r, z) = (corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
     let mut masses = [0.0; 4];
     let point = 1.0 / 3f64.sqrt();
     for (xi, eta) in [(-point, -point), (point, -point), (point, point), (-point, point)] {

@@ -1,6 +1,7 @@
 //! Numbers that the inner loop can be made of: double precision, and single for those who trade digits for time.
 //! Never here: which elements are in single precision, the units that keep their numbers near one.
 
+use super::lanes::InlineMap;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
@@ -80,4 +81,4 @@ macro_rules! real {
     };
 }
 real!(f64, false, |list| list);
-real!(f32, true, |list| &list.map(f64::from));
+real!(f32, true, |list| &list.inline_map(f64::from));

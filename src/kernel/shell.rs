@@ -17,6 +17,7 @@
 //! Values without a number are means of both nodes. Curvatures are positive where they stretch the side that n points to.
 //! Six motions less one of the rigid ring make five strains: there is nothing that hourglasses.
 
+use super::lanes::InlineMap;
 use std::f64::consts::PI;
 
 use super::plane_stress::PlaneElastic;
@@ -71,7 +72,7 @@ impl Frame {
     /// Forces and moments of resultants on both nodes: what their power is taken from.
     pub fn forces(&self, [n_s, n_h, m_s, m_h, q]: &Five) -> [[f64; 3]; 2] {
         let (area, n) = (self.area(), self.n());
-        let pull = [0, 1].map(|i| (n_s * self.t[i] + q * n[i]) / self.length);
+        let pull = [0, 1].inline_map(|i| (n_s * self.t[i] + q * n[i]) / self.length);
         let hoop = 0.5 * n_h / self.radius;
         let turn = 0.5 * (m_h * self.t[0] / self.radius + q);
         let bend = m_s / self.length;
@@ -105,7 +106,7 @@ impl Frame {
     pub fn frequency(&self, masses: &[f64; 4], thickness: f64, shear_stiffness: f64, elastic: &PlaneElastic) -> f64 {
         let operator = self.operator(masses, thickness, shear_stiffness, elastic);
         let scale: f64 = (0..5).map(|i| operator[i][i]).sum();
-        let fourth = square(&square(&operator.map(|row| row.map(|x| x / scale))));
+        let fourth = square(&square(&operator.inline_map(|row| row.inline_map(|x| x / scale))));
         let eighth: f64 = (0..5).map(|i| (0..5).map(|j| fourth[i][j] * fourth[j][i]).sum::<f64>()).sum();
         (scale * eighth.sqrt().sqrt().sqrt()).sqrt()
     }
@@ -126,16 +127,17 @@ impl Frame {
         ];
         let stretch = self.area() * elastic.modulus() * thickness;
         let bend = stretch * thickness * thickness / 12.0;
-        let pair = |factor: f64, a: &Five, b: &Five| [0, 1, 2, 3, 4].map(|j| factor * (a[j] + elastic.ratio * b[j]));
+        let pair =
+            |factor: f64, a: &Five, b: &Five| [0, 1, 2, 3, 4].inline_map(|j| factor * (a[j] + elastic.ratio * b[j]));
         let [s, h, k, c, q] = &compliance;
-        let shear = q.map(|x| self.area() * shear_stiffness * x);
+        let shear = q.inline_map(|x| self.area() * shear_stiffness * x);
         [pair(stretch, s, h), pair(stretch, h, s), pair(bend, k, c), pair(bend, c, k), shear]
     }
 }
 
 fn square(a: &[Five; 5]) -> [Five; 5] {
     let entry = |i: usize, j: usize| (0..5).map(|k| a[i][k] * a[k][j]).sum();
-    [0, 1, 2, 3, 4].map(|i| [0, 1, 2, 3, 4].map(|j| entry(i, j)))
+    [0, 1, 2, 3, 4].inline_map(|i| [0, 1, 2, 3, 4].inline_map(|j| entry(i, j)))
 }
 
 /// Simpson's rule over a thickness of one: place of each point between -1 (the side away from n) and 1, and its weight.

@@ -12,6 +12,7 @@
 
 #![allow(clippy::needless_range_loop)] // Loops over nodes and points, as over lanes elsewhere.
 
+use super::lanes::{InlineMap, inline_from_fn};
 use std::f64::consts::PI;
 
 use super::topology::Topology;
@@ -65,7 +66,7 @@ impl Operators {
             }
             for [i, j] in [[a, b], [b, c], [c, a]] {
                 let share = twice * (r[i] + r[j]) * (1.0 / 12.0);
-                let w: [f64; POINTS] = std::array::from_fn(|p| 0.5 * (WEIGHTS[p][i] + WEIGHTS[p][j]));
+                let w: [f64; POINTS] = inline_from_fn(|p| 0.5 * (WEIGHTS[p][i] + WEIGHTS[p][j]));
                 for p in 0..POINTS {
                     for q in 0..POINTS {
                         products[p][q] += share * w[p] * w[q];
@@ -85,7 +86,7 @@ impl Operators {
         };
         let inverse = 1.0 / ((m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1)) + m[0][2] * minor(0, 2));
         let third = self.total() * (1.0 / 3.0);
-        let volume = self.volume.map(|v| 2.0 * v - third);
+        let volume = self.volume.inline_map(|v| 2.0 * v - third);
         let mut projected = Operators { volume, ..Operators::default() };
         for p in 0..POINTS {
             for q in 0..POINTS {
@@ -148,11 +149,11 @@ impl Operators {
     #[inline(always)]
     pub fn bounds(&self, inverse_mass: &[f64; NODES]) -> [f64; 2] {
         let traces: [[[f64; NODES]; 2]; POINTS] =
-            std::array::from_fn(|p| [std::array::from_fn(|n| self.r[p][n] + self.hoop[p][n]), self.z[p]]);
+            inline_from_fn(|p| [inline_from_fn(|n| self.r[p][n] + self.hoop[p][n]), self.z[p]]);
         let mut squares = 0.0;
         for p in 0..POINTS {
             for q in 0..POINTS {
-                let terms: [f64; NODES] = std::array::from_fn(|n| {
+                let terms: [f64; NODES] = inline_from_fn(|n| {
                     (traces[p][0][n] * traces[q][0][n] + traces[p][1][n] * traces[q][1][n]) * inverse_mass[n]
                 });
                 let product = sum6(&terms);
@@ -173,7 +174,7 @@ impl Operators {
         let mut square = [[0.0; NODES]; NODES];
         for n in 0..NODES {
             for m in 0..NODES {
-                let terms: [f64; NODES] = std::array::from_fn(|k| matrix[n][k] * inverse_mass[k] * matrix[k][m]);
+                let terms: [f64; NODES] = inline_from_fn(|k| matrix[n][k] * inverse_mass[k] * matrix[k][m]);
                 square[n][m] = inverse_mass[n] * sum6(&terms);
             }
         }
@@ -211,18 +212,18 @@ pub fn frequency_squared(g: &Operators, [bulk, shear]: [f64; 2], inverse_mass: &
 
 /// Elastic stiffness, force over length, for `[r, z]` of each node in turn.
 pub fn stiffness(places: [[f64; 2]; NODES], [bulk, shear]: [f64; 2]) -> [[f64; 2 * NODES]; 2 * NODES] {
-    let g = Operators::of(places.map(|p| p[0]), places.map(|p| p[1]));
-    std::array::from_fn(|d| {
+    let g = Operators::of(places.inline_map(|p| p[0]), places.inline_map(|p| p[1]));
+    inline_from_fn(|d| {
         let mut v = [[0.0; NODES]; 2];
         v[d % 2][d / 2] = 1.0;
-        let stress = [0, 1, 2].map(|p| {
-            let [rr, zz, hoop, rz, zr] = g.gradients(p, &v[0], &v[1]).map(|s| s / g.volume[p]);
+        let stress = [0, 1, 2].inline_map(|p| {
+            let [rr, zz, hoop, rz, zr] = g.gradients(p, &v[0], &v[1]).inline_map(|s| s / g.volume[p]);
             let dilation = rr + zz + hoop;
             let normal = |e: f64| bulk * dilation + 2.0 * shear * (e - dilation * (1.0 / 3.0));
             [normal(rr), normal(zz), normal(hoop), shear * (rz + zr)]
         });
         let forces = g.forces(&stress);
-        std::array::from_fn(|i| 2.0 * PI * forces[i / 2][i % 2])
+        inline_from_fn(|i| 2.0 * PI * forces[i / 2][i % 2])
     })
 }
 
@@ -231,7 +232,7 @@ pub fn masses(places: [[f64; 2]; NODES], density: f64) -> [f64; NODES] {
     let mut masses = [0.0; NODES];
     for cell in Topology::SixNodeTriangle.cells() {
         let corners = [cell[0], cell[1], cell[2]];
-        let [a, b, c] = corners.map(|n| places[n]);
+        let [a, b, c] = corners.inline_map(|n| places[n]);
         let twice = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
         let radius = (a[0] + b[0]) + c[0];
         for n in corners {

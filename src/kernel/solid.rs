@@ -1,12 +1,13 @@
 //! Solid elements seen as rings: the polygon of their corners turned about the axis.
 //! Never here: strains, forces.
 
+use super::lanes::InlineMap;
 use std::f64::consts::PI;
 
 /// Mean of the corners `[r, z]`: where an element with one integration point has it.
 pub fn centre(corners: &[[f64; 2]]) -> [f64; 2] {
     let sum = corners.iter().fold([0.0; 2], |sum, c| [sum[0] + c[0], sum[1] + c[1]]);
-    sum.map(|s| s / corners.len() as f64)
+    sum.inline_map(|s| s / corners.len() as f64)
 }
 
 /// Volume of the ring, positive for corners that run counter-clockwise in (r, z). Pappus's theorem with the polygon's

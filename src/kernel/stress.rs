@@ -1,12 +1,13 @@
 //! Invariants of a stress rr, zz, hoop, rz.
 //! Never here: laws that give a stress.
 
+use super::lanes::InlineMap;
 use super::real::Real;
 
 /// Mises equivalent stress, sqrt(3/2 s:s), in the unit of the stress.
 #[inline(always)] // Into loops over lanes, compiled for the instruction set of the machine.
 pub fn mises<T: Real>([rr, zz, hoop, rz]: [T; 4]) -> T {
-    let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].map(|d| d * d);
+    let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].inline_map(|d| d * d);
     (T::of(0.5) * (a + b + c) + T::of(3.0) * rz * rz).root()
 }
 

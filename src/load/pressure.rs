@@ -4,6 +4,7 @@
 use super::{Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneChange, SceneView, Targets};
 use crate::kernel::attitude::times;
 use crate::kernel::facet::{ring_pressure, section_pressure, shell_pressure};
+use crate::kernel::lanes::InlineMap;
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{Face, Surface};
 use crate::state::EffectId;
@@ -124,7 +125,7 @@ pub(super) fn on_ends(face: &Face, shell: bool, pressure: f64, rings: Option<&[f
 pub(super) fn on_solid(face: &Face, pressure: f64, rings: Option<&[f64]>) -> [[f64; 2]; 2] {
     let Some(rings) = rings else { return ring_pressure(face.ends, pressure) };
     let half = section_pressure(face.ends, pressure);
-    face.nodes.map(|node| half.map(|f| rings[node] * f))
+    face.nodes.inline_map(|node| half.inline_map(|f| rings[node] * f))
 }
 
 impl Persist for Pressure {

@@ -1,6 +1,7 @@
 //! Circumferential stations: facets of a rigid body that moves in space, cut into equal parts around its axis.
 //! Never here: what acts on them.
 
+use crate::kernel::lanes::InlineMap;
 use std::f64::consts::PI;
 
 use crate::kernel::attitude::{Vector, cross, dot, plus};
@@ -60,7 +61,7 @@ impl Station {
 
     /// What a pressure on it comes to.
     pub fn push(&self, body: &RigidBody3d, pressure: f64) -> Wrench {
-        let force = body.attitude.to_world(self.normal).map(|n| -pressure * self.area * n);
+        let force = body.attitude.to_world(self.normal).inline_map(|n| -pressure * self.area * n);
         Wrench::at(body.attitude.to_world(self.arm), force)
     }
 
@@ -74,7 +75,7 @@ pub fn centroid(facet: &Facet) -> [f64; 2] {
     let (low, high) = (facet.low, facet.high);
     let (a, b) = (low[0], high[0]);
     let share = if a + b > 0.0 { (a + 2.0 * b) / (3.0 * (a + b)) } else { 0.5 };
-    [0, 1].map(|i| low[i] + share * (high[i] - low[i]))
+    [0, 1].inline_map(|i| low[i] + share * (high[i] - low[i]))
 }
 
 /// The stations of a body's facets: those of the first facet around the axis, then those of the next.

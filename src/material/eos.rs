@@ -2,8 +2,8 @@
 //! Never here: deviators, meshes.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
+use crate::kernel::lanes::{InlineMap, LANES};
 use crate::material::BlockStart;
 use crate::material::volumetric::{PressureUpdate, Volumetric};
 use crate::state::archive::persist_struct;
@@ -124,7 +124,7 @@ impl Tabulated {
     fn at(&self, strain: f64) -> [[f64; 2]; 2] {
         let after = self.rows.partition_point(|row| row[2] > strain).clamp(1, self.rows.len() - 1);
         let (a, b) = (self.rows[after - 1], self.rows[after]);
-        [0, 1].map(|i| {
+        [0, 1].inline_map(|i| {
             let slope = (b[i] - a[i]) / (b[2] - a[2]);
             [a[i] + slope * (strain - a[2]), slope]
         })

@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other laws.
 
 use super::eos::{Curve, Pressure, advance};
-use crate::kernel::lanes::{LANES, Lanes};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::material::BlockStart;
 use crate::material::volumetric::{PressureUpdate, Volumetric};
 use crate::state::archive::persist_struct;
@@ -90,7 +90,7 @@ impl Volumetric for Explosive {
     fn fresh(&self, start: &BlockStart) -> Burning {
         let (mut lit, mut pace) = ([f64::INFINITY; LANES], [0.0; LANES]);
         for l in 0..start.count {
-            let [r, z] = [0, 1].map(|i: usize| start.centre[i][l]);
+            let [r, z] = [0, 1].inline_map(|i: usize| start.centre[i][l]);
             let arrival =
                 |point: &DetonationPoint| point.time + libm::hypot(r - point.place[0], z - point.place[1]) / self.speed;
             lit[l] = self.points.iter().map(arrival).fold(f64::INFINITY, f64::min);

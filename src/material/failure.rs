@@ -2,7 +2,7 @@
 //! Never here: yield stresses, forces.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other phases.
 
-use crate::kernel::lanes::{LANES, Lanes};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::kernel::levels::NestedTable;
 use crate::kernel::transcendental::{exp, ln};
 use crate::state::archive::{Persist, persist_struct};
@@ -250,7 +250,7 @@ impl Failure for Failing {
             begun: [[0.0; LANES]; CRITERIA],
             damage: [[0.0; LANES]; CRITERIA],
             at_failure: [[0.0; LANES]; CRITERIA],
-            length: area.map(f64::sqrt),
+            length: area.inline_map(f64::sqrt),
             volume: *volume,
             share: [1.0; LANES],
         }

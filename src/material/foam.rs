@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other laws.
 
 use crate::kernel::hardening::{RateFactor, Table};
-use crate::kernel::lanes::{LANES, Lanes};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{BlockStart, Material, PlasticFlow};
 use crate::state::archive::persist_struct;
@@ -179,7 +179,7 @@ impl Material for Foam {
     ) {
         let [beta2, _] = self.shapes();
         for l in 0..LANES {
-            let s = [0, 1, 2, 3].map(|i| update.deviator[i][l]);
+            let s = [0, 1, 2, 3].inline_map(|i| update.deviator[i][l]);
             let mises = (1.5 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) + 3.0 * s[3] * s[3]).sqrt();
             let trial = [-update.mean[l], mises];
             let flown = self.flow(trial, state.strain[l], strain.dt);

@@ -2,8 +2,8 @@
 //! Never here: laws by the rate of strain, plasticity.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
+use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::transcendental::{exp, ln};
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::strain_energy::{Compression, Principal, StrainEnergy};
@@ -49,7 +49,7 @@ impl Deformed {
 
     #[inline(always)]
     fn of(&self, l: usize) -> [f64; 5] {
-        [0, 1, 2, 3, 4].map(|i| self.gradient[i][l])
+        [0, 1, 2, 3, 4].inline_map(|i| self.gradient[i][l])
     }
 
     #[inline(always)]
@@ -96,7 +96,7 @@ impl Material for NeoHooke {
             volume[l] = (rr * zz - rz * zr) * hoop;
         }
         // In a loop of its own: a call for each lane keeps the others from becoming vectors.
-        let thirds = volume.map(libm::cbrt);
+        let thirds = volume.inline_map(libm::cbrt);
         for l in 0..LANES {
             let ([rr, rz, zr, zz, hoop], j, third) = (state.of(l), volume[l], thirds[l]);
             let left = [rr * rr + rz * rz, zr * zr + zz * zz, hoop * hoop, rr * zr + rz * zz];
@@ -184,8 +184,8 @@ impl<E: StrainEnergy> Rubber<E> {
             let (j, pressing) = (volume[l], pressing[l]);
             // A volume that is not above zero gives not a number, and is found.
             let per = if j > 0.0 { 1.0 / j } else { f64::NAN };
-            let [one, two, three] = [0, 1, 2].map(|k| per * shape.stress[k][l]);
-            let stiffness = [0, 1, 2].map(|k| shape.stiffness[k][l]);
+            let [one, two, three] = [0, 1, 2].inline_map(|k| per * shape.stress[k][l]);
+            let stiffness = [0, 1, 2].inline_map(|k| shape.stiffness[k][l]);
             let (middle, apart) = (0.5 * (one + two), 0.5 * (one - two));
             update.deviator[0][l] = middle + apart * turn[0][l];
             update.deviator[1][l] = middle - apart * turn[0][l];

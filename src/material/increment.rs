@@ -4,7 +4,7 @@
 
 use std::any::Any;
 
-use crate::kernel::lanes::{LANES, Lanes};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::kernel::moduli::Moduli;
 use crate::kernel::real::Real;
 
@@ -159,10 +159,10 @@ impl<T: Real> StressUpdate<T> {
     #[inline(always)]
     fn add_increment<const PLASTIC: bool>(&self, strain: &StrainIncrement<T>, l: usize) -> [T; 4] {
         let shear2 = T::of(2.0 * strain.moduli.shear);
-        let increment = [0, 1, 2, 3].map(|i: usize| strain.strain[i][l]);
+        let increment = [0, 1, 2, 3].inline_map(|i: usize| strain.strain[i][l]);
         let dilation = increment[0] + increment[1] + increment[2];
         let even = self.mean[l] - shear2 * T::of(1.0 / 3.0) * dilation;
-        [0, 1, 2, 3].map(|i| {
+        [0, 1, 2, 3].inline_map(|i| {
             let more = if i < 3 { shear2 * increment[i] + even } else { shear2 * increment[i] };
             let trial = strain.carried[i][l] + more;
             if PLASTIC { trial - self.left[l] * self.deviator[i][l] } else { trial }

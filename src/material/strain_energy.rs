@@ -4,7 +4,7 @@
 //! Never here: deformation gradients, rotations.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use crate::kernel::lanes::{LANES, Lanes};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::kernel::transcendental::{exp, ln};
 
 /// Answer of an energy in its principal directions, of the energy a volume at the start.
@@ -57,8 +57,9 @@ impl Polynomial {
         let mut sums = ByInvariants { first: [[0.0; LANES]; 2], second: [[0.0; LANES]; 3] };
         for &(c, i, j) in &self.terms {
             // Of x^i: the power, and its derivatives as powers with their factors.
-            let [a, b] = [i, j].map(|n| [n as f64, (n * n.saturating_sub(1)) as f64]);
-            let [f, g] = [(&x, i), (&y, j)].map(|(list, n)| [0, 1, 2].map(|less| &list[n.saturating_sub(less)]));
+            let [a, b] = [i, j].inline_map(|n| [n as f64, (n * n.saturating_sub(1)) as f64]);
+            let [f, g] =
+                [(&x, i), (&y, j)].inline_map(|(list, n)| [0, 1, 2].inline_map(|less| &list[n.saturating_sub(less)]));
             for l in 0..LANES {
                 sums.first[0][l] += c * (a[0] * f[1][l] * g[0][l]);
                 sums.first[1][l] += c * (b[0] * f[0][l] * g[1][l]);
@@ -76,8 +77,8 @@ impl StrainEnergy for Polynomial {
     fn respond(&self, squares: &[Lanes; 3]) -> Principal {
         let (mut inverse, mut i1, mut i2) = ([[0.0; LANES]; 3], [0.0; LANES], [0.0; LANES]);
         for l in 0..LANES {
-            let [a, b, c] = [0, 1, 2].map(|k| squares[k][l]);
-            let [d, e, f] = [a, b, c].map(|x| 1.0 / x);
+            let [a, b, c] = [0, 1, 2].inline_map(|k| squares[k][l]);
+            let [d, e, f] = [a, b, c].inline_map(|x| 1.0 / x);
             (inverse[0][l], inverse[1][l], inverse[2][l]) = (d, e, f);
             (i1[l], i2[l]) = (a + b + c, d + e + f);
         }
@@ -111,7 +112,7 @@ impl StrainEnergy for Ogden {
         let logarithms = [ln(&squares[0]), ln(&squares[1]), ln(&squares[2])];
         let mut answer = Principal::NOTHING;
         for &[mu, alpha] in &self.terms {
-            let power = [0, 1, 2].map(|k| {
+            let power = [0, 1, 2].inline_map(|k| {
                 let mut exponent = logarithms[k];
                 for l in 0..LANES {
                     exponent[l] *= 0.5 * alpha;

@@ -7,7 +7,7 @@ use super::increment::{StrainIncrement, StressUpdate, as_type};
 use super::plasticity::{Flow, Hardening};
 use super::volumetric::{PressureUpdate, Volumetric};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
-use crate::kernel::lanes::{LANES, Lanes, column, near, wide};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn, near, wide};
 use crate::kernel::moduli::Moduli;
 use crate::kernel::real::Real;
 use crate::kernel::rotation::rotated;
@@ -73,7 +73,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, T: Real> Material<T> for VonMises<
     ) {
         let shear3 = 3.0 * strain.moduli.shear;
         if H::BACKSTRESS {
-            update.plastic = self.hardening.back_stress(&state.hardening).each_ref().map(near);
+            update.plastic = self.hardening.back_stress(&state.hardening).each_ref().inline_map(near);
             update.shift(&strain.spin);
         }
         if H::PLASTIC {
@@ -83,7 +83,8 @@ impl<H: Hardening, V: Volumetric, F: Failure, T: Real> Material<T> for VonMises<
                 self.hardening.flow(&mut state.hardening, flow);
             });
             if H::BACKSTRESS {
-                let [back, relative] = [&update.plastic, &update.deviator].map(|list| list.each_ref().map(wide));
+                let [back, relative] =
+                    [&update.plastic, &update.deviator].inline_map(|list| list.each_ref().inline_map(wide));
                 self.hardening.follow(&mut state.hardening, &back, &relative, &wide(&update.trial), &increment);
             }
             update.flow = near(&increment);
@@ -229,7 +230,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> VonMises<H, V, F> {
         };
         let mut before = [0.0; LANES];
         for l in 0..LANES {
-            let stress = column(stress, l).map(T::wide);
+            let stress = column(stress, l).inline_map(T::wide);
             (seen.mean[l], seen.mises[l]) = (-stress::pressure(stress), stress::mises(stress));
         }
         for l in 0..strain.count {
@@ -243,7 +244,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> VonMises<H, V, F> {
                 stress.iter_mut().for_each(|s| s[l] = T::ZERO);
                 continue;
             }
-            let (full, mean, mises) = (column(stress, l).map(T::wide), seen.mean[l], seen.mises[l]);
+            let (full, mean, mises) = (column(stress, l).inline_map(T::wide), seen.mean[l], seen.mises[l]);
             let (left, bears) = (left.stress[l], left.mean[l]);
             let shift = [bears - mean, bears - mean, bears - mean, 0.0];
             let (mut work, volume) = (0.0, strain.volume[l].wide());
@@ -259,7 +260,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> VonMises<H, V, F> {
             let bulk = if V::EOS { update.bulk[l].wide() } else { bulk };
             let distortion = mises * mises * per_shear;
             let [had, has] = [(before[l], mean), (left, bears)]
-                .map(|(share, mean)| share * (distortion + mean * mean / (2.0 * bulk)));
+                .inline_map(|(share, mean)| share * (distortion + mean * mean / (2.0 * bulk)));
             update.dissipated[l] += T::of(volume * ((had - has) - (1.0 - left) * mises * seen.plastic[l]));
             update.deleted += usize::from(left == 0.0);
         }
@@ -271,12 +272,12 @@ impl<T: Real> StressUpdate<T> {
     #[inline(always)]
     fn shift(&mut self, spin: &Lanes<T>) {
         for l in 0..LANES {
-            let back = rotated([0, 1, 2, 3].map(|i| self.plastic[i][l]), spin[l]);
+            let back = rotated([0, 1, 2, 3].inline_map(|i| self.plastic[i][l]), spin[l]);
             for i in 0..4 {
                 self.plastic[i][l] = back[i];
                 self.deviator[i][l] = self.deviator[i][l] - back[i];
             }
-            let [a, b, c, d] = [0, 1, 2, 3].map(|i| self.deviator[i][l] * self.deviator[i][l]);
+            let [a, b, c, d] = [0, 1, 2, 3].inline_map(|i| self.deviator[i][l] * self.deviator[i][l]);
             self.trial[l] = (T::of(1.5) * (a + b + c) + T::of(3.0) * d).root();
         }
     }
@@ -289,7 +290,7 @@ fn yield_stress<H: Hardening>(hardening: &H, state: &H::State, shear: f64, count
         let (mut state, mut increment) = (state.clone(), [0.0; LANES]);
         let flow = &mut Flow { trial, shear3, dt: f64::MAX, count, increment: &mut increment };
         hardening.flow(&mut state, flow);
-        increment.map(|dp| dp > 0.0)
+        increment.inline_map(|dp| dp > 0.0)
     };
     let (mut low, mut high) = ([0.0; LANES], [1e-12 * shear; LANES]);
     // Up to what no material bears.
@@ -301,7 +302,7 @@ fn yield_stress<H: Hardening>(hardening: &H, state: &H::State, shear: f64, count
         }
     }
     for _ in 0..30 {
-        let between: Lanes = std::array::from_fn(|l| 0.5 * (low[l] + high[l]));
+        let between: Lanes = inline_from_fn(|l| 0.5 * (low[l] + high[l]));
         for (l, flown) in flows(&between).into_iter().enumerate() {
             *(if flown { &mut high[l] } else { &mut low[l] }) = between[l];
         }

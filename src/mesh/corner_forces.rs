@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::kernel::lanes::Corners;
+use crate::kernel::lanes::{Corners, InlineMap};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::real::Real;
 use crate::state::archive::{Archive, Persist};
@@ -53,7 +53,7 @@ impl CornerForces {
     pub fn of(&self, block: usize, lane: usize, corner: usize) -> [f64; 2] {
         match self {
             CornerForces::Double(list) => list[block].0[corner][lane],
-            CornerForces::Single(list) => list[block].0[corner][lane].map(Real::wide),
+            CornerForces::Single(list) => list[block].0[corner][lane].inline_map(Real::wide),
         }
     }
 

@@ -2,7 +2,7 @@
 //! any number of threads. Never here: arithmetic of elements.
 
 use super::corner_forces::CornerForces;
-use crate::kernel::lanes::{Corners, LANES};
+use crate::kernel::lanes::{Corners, InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::real::Real;
 use crate::kernel::topology::ElementNodes;
@@ -62,11 +62,11 @@ impl Gather {
     fn add_up<T: Real>(&self, first: usize, corners: &[Corners<T>], forces: &mut [[f64; 2]]) {
         let pair = |slot: u32| {
             let (block, at) = (slot as usize / (4 * LANES), slot as usize % (4 * LANES));
-            corners[block].0.as_flattened()[at].map(T::wide)
+            corners[block].0.as_flattened()[at].inline_map(T::wide)
         };
         let last = first + forces.len();
         for (force, slots) in forces.iter_mut().zip(&self.slots[first..last]) {
-            let [a, b, c, d] = slots.map(pair);
+            let [a, b, c, d] = slots.inline_map(pair);
             *force = [(a[0] + b[0]) + (c[0] + d[0]), (a[1] + b[1]) + (c[1] + d[1])];
         }
         if self.more.is_empty() {

@@ -1,6 +1,7 @@
 //! Faces between elements that come to lie bare as what is in front of them is deleted.
 //! Never here: faces that lie bare already, what acts on them.
 
+use crate::kernel::lanes::InlineMap;
 use std::ops::Range;
 
 use super::room::with_room;
@@ -61,7 +62,7 @@ impl Hidden {
         if self.faces.is_empty() {
             return first..first;
         }
-        let edges = || deleted.iter().flat_map(|boundary| boundary.sides()).map(|side| side.map(|n| n as usize));
+        let edges = || deleted.iter().flat_map(|boundary| boundary.sides()).map(|side| side.inline_map(|n| n as usize));
         for own in edges() {
             if let Ok(i) = self.faces.binary_search(&own) {
                 self.waits[i] = false;

@@ -4,6 +4,7 @@
 use super::hidden::Hidden;
 use super::room::with_room;
 use crate::kernel::facet::Facet;
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Archive, Persist};
@@ -54,7 +55,7 @@ pub struct Face {
 impl Face {
     #[inline]
     pub fn new(face: [usize; 2], nodes: &Nodes) -> Face {
-        let [a, b] = face.map(|n| nodes[n].place());
+        let [a, b] = face.inline_map(|n| nodes[n].place());
         let (dr, dz) = (b[0] - a[0], b[1] - a[1]);
         let length = dr.hypot(dz);
         Face { nodes: face, ends: [a, b], normal: [dz / length, -dr / length] }
@@ -68,7 +69,7 @@ impl Face {
     /// Mean of what its two nodes have.
     #[inline]
     pub fn mean(&self, of: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
-        let [a, b] = self.nodes.map(of);
+        let [a, b] = self.nodes.inline_map(of);
         [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
     }
 
@@ -142,7 +143,7 @@ impl Skin {
 
     /// Some of its faces, all of which carry.
     pub fn part(&self, first: usize, count: usize) -> Skin {
-        let [first, last] = [first, first + count].map(|at| at.min(self.faces.len()));
+        let [first, last] = [first, first + count].inline_map(|at| at.min(self.faces.len()));
         let range = first..last;
         let shells = self.shells.get(range.clone()).unwrap_or_default().to_vec();
         Skin { shells, ..Skin::new(self.faces[range.clone()].to_vec(), self.elements[range].to_vec()) }
@@ -191,7 +192,7 @@ impl Skin {
 
 /// Whether a face belongs to one of these elements: its nodes follow each other there, and in no neighbour.
 fn is_of(face: [usize; 2], elements: &[ElementNodes]) -> bool {
-    let face = face.map(|n| n as u32);
+    let face = face.inline_map(|n| n as u32);
     elements.iter().any(|boundary| boundary.sides().any(|side| side == face))
 }
 

@@ -2,6 +2,7 @@
 //! the axis, one cell a station.
 //! Never here: which numbers are asked for, files.
 
+use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use std::collections::HashMap;
 
 use super::run::Run;
@@ -83,14 +84,14 @@ impl Run<'_> {
                 for k in 0..count {
                     let around = 2.0 * std::f64::consts::PI * k as f64 / stations as f64;
                     let Some(motion) = of.point_motion(place, around) else { continue };
-                    let start = std::array::from_fn(|i| motion.place[i] - motion.displacement[i]);
+                    let start = inline_from_fn(|i| motion.place[i] - motion.displacement[i]);
                     points.push((Point { body: index, node, around }, motion.place, start));
                 }
                 (first, count)
             })
         };
         for (element, ends) in self.faces(index) {
-            let [(a, many), (b, more)] = ends.map(|n| ring(n, stations, &mut all.points));
+            let [(a, many), (b, more)] = ends.inline_map(|n| ring(n, stations, &mut all.points));
             for k in 0..stations {
                 let at = |first: usize, count: usize, k: usize| first + k % count;
                 let mut cell = vec![at(a, many, k), at(b, more, k), at(b, more, k + 1), at(a, many, k + 1)];

@@ -2,6 +2,7 @@
 //! of nodes; those of rigid bodies are in `state`.
 //! Never here: which forces act, what constrains the motion, the length of an increment.
 
+use crate::kernel::lanes::InlineMap;
 use rayon::prelude::*;
 
 use crate::element::elements::Elements;
@@ -75,7 +76,7 @@ impl NodePass<'_> {
             let nodes = self.nodes.as_slice()[first..first + count].iter().zip(masses);
             let all = accelerations.iter_mut().zip(&*forces).zip(nodes).zip(&mut energies);
             for (((acceleration, force), (node, (mass, inverse))), energy) in all {
-                let [a_r, a_z] = force.map(|f| f * inverse);
+                let [a_r, a_z] = force.inline_map(|f| f * inverse);
                 *acceleration = [a_r, a_z];
                 let twice = node.v_r * (node.v_r + behind * a_r) + node.v_z * (node.v_z + behind * a_z);
                 *energy = mass * twice;

@@ -4,6 +4,7 @@
 
 use super::energy::{Balance, Energy};
 use super::run::Run;
+use crate::kernel::lanes::InlineMap;
 use crate::model::IncrementControl;
 use crate::state::archive::persist_struct;
 use crate::state::{BodyState, Instant};
@@ -210,7 +211,7 @@ impl Run<'_> {
         // A halt by either has said it.
         let halted = self.outcome.halt.as_ref().is_some_and(|h| h.code == "R208");
         let told = |i: usize| of_deck[i] || self.watch.limits_reported[i] || halted;
-        let [drift, artificial] = [0, 1].map(|i| self.watch.unsound[i].filter(|_| !told(i)));
+        let [drift, artificial] = [0, 1].inline_map(|i| self.watch.unsound[i].filter(|_| !told(i)));
         if drift.is_some() && !self.is_noise() {
             self.outcome.warnings.push(format!(
                 "ETOTAL has drifted by {:.2} % of the largest energy, more than {} %{}: energy was made or lost{}. {}",

@@ -5,6 +5,7 @@
 
 use super::archive::{Archive, Persist, persist_struct};
 use crate::kernel::attitude::{Attitude, Inertia, Vector, angle, cross, dot, norm, plus, times};
+use crate::kernel::lanes::InlineMap;
 
 /// Speed at which the resistance on a body at rest is evaluated, as a part of its largest speed so far: the direction in which the
 /// body would start to move is what matters.
@@ -205,7 +206,7 @@ impl RigidBody3d {
         let [velocity, momentum] = self.half;
         let moved = |body: &RigidBody3d| {
             let Motion { velocity, turning } = body.motion_of(velocity, momentum);
-            Wrench { force: velocity, moment: turning }.components().map(|rate| dt * rate)
+            Wrench { force: velocity, moment: turning }.components().inline_map(|rate| dt * rate)
         };
         self.attitude = self.previous.attitude;
         let first = moved(self);
@@ -357,12 +358,12 @@ impl RigidBody3d {
         let own = self.inertia.angular_velocity(axis, total.moment);
         let carried = dot(self.momentum, moving);
         let angular = plus(plus(own, difference * carried, axis), difference * dot(self.momentum, axis), moving);
-        [total.force.map(|f| f / self.mass), angular]
+        [total.force.inline_map(|f| f / self.mass), angular]
     }
 
     /// What forces and moments give to velocity and angular velocity a time, the latter as of a body without spin.
     pub fn kicks(&self) -> [Vector; 2] {
-        [self.total.force.map(|f| f / self.mass), self.total.moment.map(|m| m / self.inertia.transverse)]
+        [self.total.force.inline_map(|f| f / self.mass), self.total.moment.inline_map(|m| m / self.inertia.transverse)]
     }
 
     /// Bounds over all points of the acceleration and of its change since the previous instant.

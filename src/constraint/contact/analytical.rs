@@ -9,6 +9,7 @@ use super::curve::Curve;
 use super::sweeps::{Given, Motion, NONE, Row, Rows, Span};
 use super::{Contact, Pair};
 use crate::kernel::interaction::Overclosure;
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::profile::{Profile, Segment};
 
 /// An analytical surface on a body, in front of the own curve of a pair.
@@ -110,8 +111,9 @@ impl Contact {
             return;
         };
         let own = &curves[pair.own];
-        let velocity_of =
-            |point: u32| dofs_of[point as usize].map(|d| if d == NONE { 0.0 } else { motion.velocity[d as usize] });
+        let velocity_of = |point: u32| {
+            dofs_of[point as usize].inline_map(|d| if d == NONE { 0.0 } else { motion.velocity[d as usize] })
+        };
         let [_, body] = dofs_of[analytical.point as usize];
         let (carried, before) = (motion.velocity[body as usize], places[analytical.point as usize][1]);
         let lift = [before, before + dt * carried];
@@ -126,7 +128,7 @@ impl Contact {
                 (pair.first_key + index, if alone { pair.of_points as u32 } else { pair.law_of(index as usize) });
             let fit = |key: u32| fits.get(key as usize).copied().unwrap_or(0.0);
             let (start, velocity) = (places[point as usize], velocity_of(point));
-            let end = [0, 1].map(|i| start[i] + dt * velocity[i]);
+            let end = [0, 1].inline_map(|i| start[i] + dt * velocity[i]);
             let mut way = Way { start, end, lift, zero: analytical.lift[index as usize] + fit(key) };
             let nearest = analytical.profile.nearest(end, lift[1]);
             let apart = analytical.profile.segments[nearest.segment].gap(start, lift[0]) - way.zero;
@@ -250,7 +252,7 @@ fn feet_dofs(contact: &Contact, foot: u32) -> [u32; 2] {
 /// Where a point ends the increment.
 fn end_of(point: u32, places: &[[f64; 2]], dofs_of: &[[u32; 2]], motion: &Motion, dt: f64) -> [f64; 2] {
     let (place, dofs) = (places[point as usize], dofs_of[point as usize]);
-    [0, 1].map(|i| if dofs[i] == NONE { place[i] } else { place[i] + dt * motion.velocity[dofs[i] as usize] })
+    [0, 1].inline_map(|i| if dofs[i] == NONE { place[i] } else { place[i] + dt * motion.velocity[dofs[i] as usize] })
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! force: pairs are found again by their number, points by what carries them.
 //! Never here: what happens in contact.
 
+use crate::kernel::lanes::InlineMap;
 use std::collections::HashMap;
 
 use super::curve::{Carrier, Point};
@@ -13,7 +14,7 @@ type Identity = (usize, Option<[u64; 2]>);
 fn identity(point: &Point) -> Identity {
     match point.carrier {
         Carrier::Node(node) => (node, None),
-        Carrier::Body(body, place) => (body, Some(place.map(f64::to_bits))),
+        Carrier::Body(body, place) => (body, Some(place.inline_map(f64::to_bits))),
     }
 }
 
@@ -63,7 +64,7 @@ impl Contact {
 
     /// What carries the points of each facet of a curve.
     fn facet_owners(&self, curve: usize) -> impl Iterator<Item = [Identity; 2]> {
-        self.curves[curve].facets.iter().map(|facet| facet.map(|point| identity(&self.points[point as usize])))
+        self.curves[curve].facets.iter().map(|facet| facet.inline_map(|point| identity(&self.points[point as usize])))
     }
 
     /// The keys of a pair by the points that own them: those of the own curve, then of the other, or of the own once more.

@@ -2,6 +2,7 @@
 //! what of them comes and goes as elements are deleted.
 //! Never here: which facets meet, what acts where they do.
 
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementNodes;
@@ -159,7 +160,7 @@ impl Curve {
                 if self.beyond[k as usize][end] != Beyond::Axis {
                     continue;
                 }
-                let [a, b] = self.facets[k as usize].map(|p| places[p as usize]);
+                let [a, b] = self.facets[k as usize].inline_map(|p| places[p as usize]);
                 let shape = Shape::new(a, b);
                 let rises = if end == 0 { shape.along[1] } else { -shape.along[1] } / shape.length;
                 if rises.abs() > SHARP
@@ -279,7 +280,7 @@ impl Curve {
     /// Finds what lies beyond each end: of several facets that go on from a point the one that turns least from the way.
     pub fn join(&mut self, places: &[[f64; 2]]) {
         let way = |facet: [u32; 2]| {
-            let [a, b] = facet.map(|p| places[p as usize]);
+            let [a, b] = facet.inline_map(|p| places[p as usize]);
             Shape::new(a, b)
         };
         for at in 0..self.bare.len() {
@@ -319,7 +320,7 @@ impl Curve {
     /// Takes the shapes of facets between points at these places.
     pub fn shape(&mut self, places: &[[f64; 2]]) {
         for &k in &self.bare {
-            let [a, b] = self.facets[k as usize].map(|p| places[p as usize]);
+            let [a, b] = self.facets[k as usize].inline_map(|p| places[p as usize]);
             self.shapes[k as usize] = Shape::new(a, b);
         }
     }
@@ -328,7 +329,7 @@ impl Curve {
     pub fn area(&self, index: usize, places: &[[f64; 2]]) -> f64 {
         let own = self.around[index].iter().filter(|f| self.there[f.0 as usize]);
         let of = |&(k, end): &(u32, u8)| {
-            let radii = self.facets[k as usize].map(|p| places[p as usize][0]);
+            let radii = self.facets[k as usize].inline_map(|p| places[p as usize][0]);
             let (here, there) = (radii[end as usize], radii[1 - end as usize]);
             std::f64::consts::TAU * self.shapes[k as usize].length * (2.0 * here + there) / 6.0
         };

@@ -7,6 +7,7 @@
 
 use super::sweeps::{Given, Motion, Row, Rows, Span, TOLERANCE, Term, closed_overlap, most_shear};
 use crate::kernel::interaction::{Law, Overclosure};
+use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use crate::kernel::lists::MemoryUse;
 use nalgebra::{SMatrix, SVector};
 
@@ -272,7 +273,7 @@ impl Rows {
         }
         if !self.bodies.is_empty() {
             let inverse_mass = |at: usize| self.bodies.get(at).map_or(0.0, |b| motion.inverse_mass[*b as usize]);
-            let masses = std::array::from_fn(inverse_mass);
+            let masses = inline_from_fn(inverse_mass);
             if !self.direct.join_bodies(masses) {
                 return false;
             }
@@ -311,7 +312,11 @@ impl Rows {
                     direct.unknowns.push(Unknown { row: row_at, shears: false, rubs });
                 }
                 Status::Sticks => {
-                    direct.unknowns.extend([false, true].map(|shears| Unknown { row: row_at, shears, rubs: 0.0 }));
+                    direct.unknowns.extend([false, true].inline_map(|shears| Unknown {
+                        row: row_at,
+                        shears,
+                        rubs: 0.0,
+                    }));
                 }
             }
         }

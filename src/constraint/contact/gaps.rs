@@ -8,6 +8,7 @@
 //! (segment-to-segment contact after Puso and Laursen 2004, Comput. Methods Appl. Mech. Engrg. 193, 601; pieces after
 //! Zavarise and De Lorenzis 2009, Int. J. Numer. Meth. Engng 79, 379).
 
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 
 use super::curve::{Beyond, Curve, Shape};
@@ -242,7 +243,7 @@ impl Gaps {
         for f in &self.facing {
             let (at, met) = (f.at(s), &other.shapes[f.facet as usize]);
             let part = at.clamp(0.0, 1.0);
-            let d = [0, 1].map(|i| place[i] - met.from[i] - part * met.along[i]);
+            let d = [0, 1].inline_map(|i| place[i] - met.from[i] - part * met.along[i]);
             let square = d[0] * d[0] + d[1] * d[1];
             if best.is_none_or(|b| square < b.0) {
                 best = Some((square, *f, at));

@@ -19,6 +19,7 @@ mod search;
 mod shown;
 mod sweeps;
 
+use crate::kernel::lanes::InlineMap;
 use std::any::Any;
 
 use self::analytical::{Analytical, Foot};
@@ -269,7 +270,7 @@ impl Contact {
         for point in points {
             self.dofs_of.push(match point.carrier {
                 Carrier::Node(n) => {
-                    self.dofs.extend([0, 1].map(|axis| (Dof::Node(n, axis), !point.free[axis])));
+                    self.dofs.extend([0, 1].inline_map(|axis| (Dof::Node(n, axis), !point.free[axis])));
                     [self.dofs.len() as u32 - 2, self.dofs.len() as u32 - 1]
                 }
                 Carrier::Body(b, _) => {

@@ -15,7 +15,7 @@ use crate::element::constants::CHANGE;
 use crate::element::group::{
     Deletion, ElementGroup, Extensions, GroupProperties, InitialState, Pass, Settings, Stiffness, Totals,
 };
-use crate::kernel::lanes::{Corners, LANES};
+use crate::kernel::lanes::{Corners, InlineMap, LANES};
 use crate::kernel::shell::{Five, Frame};
 use crate::kernel::topology::{ElementNodes, PerNode, Topology};
 use crate::state::archive::persist_struct;
@@ -82,7 +82,7 @@ impl Shells {
     pub fn new(section: Section, ends: Vec<[u32; 4]>, nodes: &[Node]) -> Self {
         let frames: Vec<Frame> = ends.iter().map(|e| frame(e, nodes)).collect();
         let masses = |(ends, frame): (&[u32; 4], &Frame)| {
-            let radii = [ends[0], ends[1]].map(|n| nodes[n as usize].r);
+            let radii = [ends[0], ends[1]].inline_map(|n| nodes[n as usize].r);
             frame.masses(radii, section.per_area, section.thickness, &section.elastic)
         };
         let points = ends.len() * section.points.len();
@@ -161,17 +161,17 @@ impl Shells {
     /// and its rate.
     fn advance(&mut self, element: usize, pass: &mut Pass<'_>) -> ([f64; 3], f64) {
         let (nodes, dt, masses) = (pass.nodes, pass.dt, self.masses[element]);
-        let ends = self.ends[element].map(|n| nodes[n as usize]);
-        let steps = [0, 1].map(|i| [dt * ends[i].v_r, dt * ends[i].v_z, dt * ends[i + 2].v_r]);
-        let middle = Frame::new([0, 1].map(|i| [ends[i].r - 0.5 * steps[i][0], ends[i].z - 0.5 * steps[i][1]]));
+        let ends = self.ends[element].inline_map(|n| nodes[n as usize]);
+        let steps = [0, 1].inline_map(|i| [dt * ends[i].v_r, dt * ends[i].v_z, dt * ends[i + 2].v_r]);
+        let middle = Frame::new([0, 1].inline_map(|i| [ends[i].r - 0.5 * steps[i][0], ends[i].z - 0.5 * steps[i][1]]));
         let strains = middle.strains(steps);
         let dissipated = if dt > 0.0 { self.strain(element, &strains, dt) } else { 0.0 };
-        let frame = Frame::new([0, 1].map(|i| ends[i].place()));
+        let frame = Frame::new([0, 1].inline_map(|i| ends[i].place()));
         let thickness = self.state[element].thickness;
         let mut resultants = self.resultants(element);
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let sums = [strains[0] + strains[1], strains[2] + strains[3]];
-        let [force, moment] = self.section.viscosity(&frame, &masses, thickness, sums.map(|s| per_dt * s));
+        let [force, moment] = self.section.viscosity(&frame, &masses, thickness, sums.inline_map(|s| per_dt * s));
         for i in 0..2 {
             resultants[i] += force;
             resultants[2 + i] += moment;
@@ -193,7 +193,7 @@ impl Shells {
 
 /// The frame of two nodes now.
 fn frame(ends: &[u32; 4], nodes: &[Node]) -> Frame {
-    Frame::new([ends[0], ends[1]].map(|n| nodes[n as usize].place()))
+    Frame::new([ends[0], ends[1]].inline_map(|n| nodes[n as usize].place()))
 }
 
 /// Puts the forces of an element in the place of those before, and gives the work of both over the increment: what nodes lose

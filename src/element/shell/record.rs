@@ -1,6 +1,7 @@
 //! What is followed of shells over increments only because some output asks for it: strains and energies.
 //! Never here: anything that stresses or forces need.
 
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::shell::Five;
 use crate::state::archive::persist_struct;
 
@@ -36,7 +37,7 @@ impl PointStrains {
         let plastic = [plastic[0], plastic[1], -(plastic[0] + plastic[1])];
         self.total.iter_mut().zip(strain).for_each(|(sum, strain)| *sum += strain);
         self.plastic.iter_mut().zip(plastic).for_each(|(sum, strain)| *sum += strain);
-        self.rate = strain.map(|strain| if dt > 0.0 { strain / dt } else { 0.0 });
+        self.rate = strain.inline_map(|strain| if dt > 0.0 { strain / dt } else { 0.0 });
     }
 }
 

@@ -9,7 +9,7 @@ use super::triangles::{Increment, Triangles, WorkArrays, places};
 use crate::element::block::{ElementBlock, Workspace};
 use crate::element::constants::Constants;
 use crate::element::group::block_of_points;
-use crate::kernel::lanes::{Corners, LANES, Lanes, column};
+use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::six_node_triangle::{NODES, Operators, POINTS};
 use crate::kernel::stress::mises;
 use crate::material::{BlockStart, Material, PlasticFlow};
@@ -36,27 +36,28 @@ impl<S: Clone> TriangleBlock<S> {
         let element = |l: usize| elements[l.min(elements.len() - 1)];
         let at = |l: usize| places(element(l), nodes);
         let operators: [Operators; LANES] =
-            std::array::from_fn(|l| Operators::of(at(l).map(|p| p[0]), at(l).map(|p| p[1])));
-        let area: Lanes = std::array::from_fn(|l| section(&at(l)));
-        let points = std::array::from_fn(|p| {
-            let volume = operators.map(|g| 2.0 * PI * g.volume[p]);
+            inline_from_fn(|l| Operators::of(at(l).inline_map(|p| p[0]), at(l).inline_map(|p| p[1])));
+        let area: Lanes = inline_from_fn(|l| section(&at(l)));
+        let point = |p: usize| {
+            let volume = operators.inline_map(|g| 2.0 * PI * g.volume[p]);
             let around = |n: usize, l: usize, i: usize| at(l)[n % NODES][i];
             let centre = |i: usize| {
-                std::array::from_fn(|l| (around(2 * p, l, i) + around(2 * p + 1, l, i) + around(2 * p + 5, l, i)) / 3.0)
+                inline_from_fn(|l| (around(2 * p, l, i) + around(2 * p + 1, l, i) + around(2 * p + 5, l, i)) / 3.0)
             };
             // Damage goes by half the length of elements of second order, the length of the triangles that this one consists of.
-            let corner = |l: usize, i: usize| [2 * p, 2 * p + 1, 2 * p + 5, 2 * p + 5].map(|n| around(n, l, i));
+            let corner = |l: usize, i: usize| [2 * p, 2 * p + 1, 2 * p + 5, 2 * p + 5].inline_map(|n| around(n, l, i));
             let start = BlockStart {
                 count: elements.len(),
-                area: area.map(|a| 0.25 * a),
+                area: area.inline_map(|a| 0.25 * a),
                 volume,
                 centre: [centre(0), centre(1)],
-                corners: std::array::from_fn(|l| [corner(l, 0), corner(l, 1)]),
+                corners: inline_from_fn(|l| [corner(l, 0), corner(l, 1)]),
                 first,
             };
-            block_of_points(material.initial_state(&start), volume.map(|v| density * v))
-        });
-        TriangleBlock { triangles: Triangles::new(std::array::from_fn(element), density, nodes), points }
+            block_of_points(material.initial_state(&start), volume.inline_map(|v| density * v))
+        };
+        let points = [point(0), point(1), point(2)];
+        TriangleBlock { triangles: Triangles::new(inline_from_fn(element), density, nodes), points }
     }
 
     /// Mass of a lane.
@@ -88,12 +89,12 @@ impl<S: Clone> TriangleBlock<S> {
         if M::FAILS {
             self.delete_failed(material, constants, scratch, work);
         }
-        let stress = self.points.each_ref().map(|point| point.stress);
+        let stress = self.points.each_ref().inline_map(|point| point.stress);
         self.triangles.assemble((constants, M::MODULI_VARY), increment, &stress, (scratch, work), corners);
         let Some((lost, internal, viscous)) = before else { return };
         // The energy comes from what forces do on the nodes (compatible.rs).
         let lost = self.triangles.work_of_end(lost, corners, increment, work);
-        let mass: Lanes = std::array::from_fn(|l| self.mass(l));
+        let mass: Lanes = inline_from_fn(|l| self.mass(l));
         let mut missing = [0.0; LANES];
         for l in 0..LANES {
             let known = (scratch.stress.internal[l] - internal[l]) + (scratch.sums.viscous[l] - viscous[l]);
@@ -101,7 +102,7 @@ impl<S: Clone> TriangleBlock<S> {
             scratch.stress.internal[l] += missing[l];
         }
         for (point, done) in self.points.iter_mut().zip(&work.points) {
-            let heat = std::array::from_fn(|l| done.heat[l] + missing[l] * point.mass[l] / mass[l]);
+            let heat = inline_from_fn(|l| done.heat[l] + missing[l] * point.mass[l] / mass[l]);
             material.add_heat(&mut point.state, &heat, &point.mass);
         }
     }
@@ -154,7 +155,7 @@ impl<S: Clone> TriangleBlock<S> {
         (done.strain, done.volume) = (scratch.strain.strain, scratch.strain.volume);
         [done.bulk, done.shear] = moduli::<M>(constants, scratch);
         // Less the work of the viscosity that the law expected.
-        done.heat = if M::EQUATION_OF_STATE { scratch.stress.heat.map(|heat| -heat) } else { [0.0; LANES] };
+        done.heat = if M::EQUATION_OF_STATE { scratch.stress.heat.inline_map(|heat| -heat) } else { [0.0; LANES] };
     }
 
     /// Deletes elements of which a point has failed. The stress of the other points ends with the increment, and what they have
@@ -210,7 +211,9 @@ fn moduli<M: Material>(constants: &Constants, scratch: &Workspace) -> [Lanes; 2]
     let constant = [[constants.bulk; LANES], [constants.shear; LANES]];
     match M::FLOW {
         _ if !M::MODULI_VARY => constant,
-        PlasticFlow::None if !M::EQUATION_OF_STATE => [scratch.stress.bulk, scratch.stress.shear.map(|s| 3.0 * s)],
+        PlasticFlow::None if !M::EQUATION_OF_STATE => {
+            [scratch.stress.bulk, scratch.stress.shear.inline_map(|s| 3.0 * s)]
+        }
         _ => [scratch.stress.bulk, constant[1]],
     }
 }

@@ -16,7 +16,7 @@ use crate::element::group::{
 };
 use crate::element::quiescent::Quiescence;
 use crate::element::record::Record;
-use crate::kernel::lanes::{Corners, LANES};
+use crate::kernel::lanes::{Corners, InlineMap, LANES};
 use crate::kernel::six_node_triangle::{NODES, Operators, POINTS, frequency_squared, stiffness};
 use crate::kernel::topology::{ElementNodes, PerNode, Topology};
 use crate::material::{Material, PlasticFlow, PointValue};
@@ -104,7 +104,7 @@ impl<M: Material> SixNodeTriangles<M> {
     fn operators(&self, element: usize, nodes: &[Node]) -> Operators {
         let (block, lane) = self.block(element);
         let places = places(block.triangles.element(lane), nodes);
-        Operators::of(places.map(|p| p[0]), places.map(|p| p[1]))
+        Operators::of(places.inline_map(|p| p[0]), places.inline_map(|p| p[1]))
     }
 
     /// Sets a value of all points of an element; whether its material uses it.
@@ -187,7 +187,7 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
 
     fn masses(&self, element: usize) -> PerNode<f64> {
         let (block, lane) = self.block(element);
-        block.triangles.inverse_masses(lane).map(|inverse| 1.0 / inverse).into()
+        block.triangles.inverse_masses(lane).inline_map(|inverse| 1.0 / inverse).into()
     }
 
     fn update(&mut self, pass: Pass<'_>) -> Totals {
@@ -252,7 +252,7 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
         let inverse = match masses {
             Some(_) if Self::HOLDS_PRESSURE => return None,
             None if Self::HOLDS_PRESSURE => return Some(0.5 * block.triangles.rate[lane]),
-            Some(masses) => masses.first_chunk::<NODES>()?.map(|mass| 1.0 / mass),
+            Some(masses) => masses.first_chunk::<NODES>()?.inline_map(|mass| 1.0 / mass),
             None => block.triangles.inverse_masses(lane),
         };
         let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
@@ -424,9 +424,10 @@ impl<M: Material> Temperatures for SixNodeTriangles<M> {
             self.wake(e);
             let (bulk, material) = (self.constants.bulk, Arc::clone(&self.material));
             let (block, lane) = self.block_mut(e);
-            let own = block.triangles.element(lane).map(|n| nodes[n as usize]);
-            let g = Operators::of(own.map(|n| n.r - 0.5 * dt * n.v_r), own.map(|n| n.z - 0.5 * dt * n.v_z));
-            let (v_r, v_z) = (own.map(|n| n.v_r), own.map(|n| n.v_z));
+            let own = block.triangles.element(lane).inline_map(|n| nodes[n as usize]);
+            let g =
+                Operators::of(own.inline_map(|n| n.r - 0.5 * dt * n.v_r), own.inline_map(|n| n.z - 0.5 * dt * n.v_z));
+            let (v_r, v_z) = (own.inline_map(|n| n.v_r), own.inline_map(|n| n.v_z));
             for (p, point) in block.points.iter_mut().enumerate() {
                 let pressure = material.share(&point.state, lane) * 3.0 * bulk * strain;
                 point.stress[..3].iter_mut().for_each(|list| list[lane] -= pressure);

@@ -9,7 +9,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 use crate::element::block::{Workspace, is_larger};
 use crate::element::constants::{CHANGE, Constants, damped};
-use crate::kernel::lanes::{Corners, LANES, Lanes, column};
+use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::quad::UNIT;
 use crate::kernel::six_node_triangle::{NODES, Operators, POINTS, frequency_squared, masses};
 use crate::state::archive::persist_struct;
@@ -89,18 +89,19 @@ pub struct Increment<'a> {
 
 /// Places of the nodes of an element.
 pub fn places(element: [u32; NODES], nodes: &[Node]) -> [[f64; 2]; NODES] {
-    element.map(|n| nodes[n as usize].place())
+    element.inline_map(|n| nodes[n as usize].place())
 }
 
 impl Triangles {
     /// Elements by their nodes, at their places now.
     pub fn new(elements: [[u32; NODES]; LANES], density: f64, nodes: &[Node]) -> Self {
-        let at = elements.map(|element| places(element, nodes));
-        let masses = at.map(|at| masses(at, density));
+        let at = elements.inline_map(|element| places(element, nodes));
+        let masses = at.inline_map(|at| masses(at, density));
         Triangles {
-            nodes: std::array::from_fn(|n| elements.map(|element| element[n])),
-            inverse_mass: std::array::from_fn(|n| masses.map(|masses| 1.0 / masses[n])),
-            volume: at.map(|at| 2.0 * PI * Operators::of(at.map(|p| p[0]), at.map(|p| p[1])).total()),
+            nodes: inline_from_fn(|n| elements.inline_map(|element| element[n])),
+            inverse_mass: inline_from_fn(|n| masses.inline_map(|masses| 1.0 / masses[n])),
+            volume: at
+                .inline_map(|at| 2.0 * PI * Operators::of(at.inline_map(|p| p[0]), at.inline_map(|p| p[1])).total()),
             deleted: [false; LANES],
             rate: [0.0; LANES],
         }
@@ -108,12 +109,12 @@ impl Triangles {
 
     /// Nodes of a lane.
     pub fn element(&self, lane: usize) -> [u32; NODES] {
-        self.nodes.map(|list| list[lane])
+        self.nodes.inline_map(|list| list[lane])
     }
 
     /// One over the masses of the nodes of a lane.
     pub fn inverse_masses(&self, lane: usize) -> [f64; NODES] {
-        self.inverse_mass.map(|list| list[lane])
+        self.inverse_mass.inline_map(|list| list[lane])
     }
 
     /// Motion of a lane; an element that is deleted is replaced by one of its volume at rest.
@@ -121,7 +122,7 @@ impl Triangles {
     fn motion(&self, l: usize, nodes: &[Node]) -> Motion {
         if self.deleted[l] {
             let height = 0.75 * self.volume[l] / PI;
-            let (r, z) = ([1.0, 1.5, 2.0, 1.5, 1.0, 1.0], [0.0, 0.0, 0.0, 0.5, 1.0, 0.5].map(|z| height * z));
+            let (r, z) = ([1.0, 1.5, 2.0, 1.5, 1.0, 1.0], [0.0, 0.0, 0.0, 0.5, 1.0, 0.5].inline_map(|z| height * z));
             return Motion { r, z, ..Motion::default() };
         }
         let mut motion = Motion::default();
@@ -202,7 +203,7 @@ impl NullaryFnOnce for Measurement<'_> {
         for l in 0..LANES {
             let motion = triangles.motion(l, increment.nodes);
             let Motion { r, z, v_r, v_z } = motion;
-            let middle = |x: [f64; NODES], v: [f64; NODES]| std::array::from_fn(|n| x[n] - half * v[n]);
+            let middle = |x: [f64; NODES], v: [f64; NODES]| inline_from_fn(|n| x[n] - half * v[n]);
             let (g, now) = (Operators::of(middle(r, v_r), middle(z, v_z)), Operators::of(r, z));
             for (p, point) in work.points.iter_mut().enumerate() {
                 for (list, sum) in point.gradients.iter_mut().zip(g.gradients(p, &v_r, &v_z)) {
@@ -262,7 +263,8 @@ impl NullaryFnOnce for Assembly<'_> {
             }
             let forces = now.forces(&stress);
             for (n, force) in forces.iter().enumerate() {
-                corners[n / 4].0[n % 4][l] = if triangles.deleted[l] { [0.0; 2] } else { force.map(|f| -2.0 * PI * f) };
+                corners[n / 4].0[n % 4][l] =
+                    if triangles.deleted[l] { [0.0; 2] } else { force.inline_map(|f| -2.0 * PI * f) };
             }
             // As of quadrilaterals (`ElementBlock::forces`).
             let pressing = modulus / constants.bulk;

@@ -7,6 +7,7 @@ use super::shadow;
 use super::stack::{Stack, is_level};
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::load::fields::FacetFields;
 use crate::load::{Penetration, PenetrationOutcome};
@@ -186,7 +187,7 @@ impl Nose {
         if body.velocity == 0.0 || body.prescribed || self.front(direction).facets.is_empty() {
             return None;
         }
-        let [low, high] = self.front(direction).range.map(|z| z + body.displacement);
+        let [low, high] = self.front(direction).range.inline_map(|z| z + body.displacement);
         let (first, last) = (stack.planes[0], stack.planes[stack.planes.len() - 1]);
         let through = if direction > 0.0 { low >= last } else { high <= first };
         let inside = high > first && low < last;
@@ -278,7 +279,7 @@ impl Nose {
     #[inline]
     fn forces(&mut self, stack: &Stack, shift: f64, direction: f64, speed: f64) -> [f64; 2] {
         let offset = shift + direction * self.rounding;
-        let [low, high] = self.front(direction).range.map(|z| z + offset);
+        let [low, high] = self.front(direction).range.inline_map(|z| z + offset);
         if stack.finite.is_none()
             && let Some(layer) = self.layer_of_all(stack, low, high)
         {

@@ -4,6 +4,7 @@
 //! Never here: where the body is, its motion over time.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
+use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use std::f64::consts::PI;
 
 use pulp::Arch;
@@ -69,7 +70,7 @@ impl Stations {
     pub fn new(count: usize) -> Stations {
         let step = 2.0 * PI / count as f64;
         let lanes = |of: &dyn Fn(usize) -> f64| -> Vec<Lane> {
-            (0..count.div_ceil(LANES)).map(|i| std::array::from_fn(|l| of(i * LANES + l))).collect()
+            (0..count.div_ceil(LANES)).map(|i| inline_from_fn(|l| of(i * LANES + l))).collect()
         };
         let around = |shift: f64| {
             let angle = move |k: usize| step * (k as f64 + shift);
@@ -418,7 +419,7 @@ fn bound(
         let z = around.height + (around.rise[0] * c[l] + around.rise[1] * s[l]);
         let normal = [n_r * c[l], n_z, n_r * s[l]];
         let radial = [ring.radius * c[l], ring.height, ring.radius * s[l]];
-        let place = std::array::from_fn(|i| scene.beside_pivot[i] + radial[i]);
+        let place = inline_from_fn(|i| scene.beside_pivot[i] + radial[i]);
         pressure[l] *= match across(place, normal, up, finite.layers[layer].radius) {
             Some(distance) => finite.share(layer, z, dot(normal, up), distance, ring.radius),
             None => 0.0,
@@ -433,7 +434,7 @@ fn across(place: Vector, normal: Vector, up: Vector, radius: f64) -> Option<f64>
     }
     let flat = |v: Vector| {
         let along = dot(v, up);
-        std::array::from_fn(|i| v[i] - along * up[i])
+        inline_from_fn(|i| v[i] - along * up[i])
     };
     let (place, normal) = (flat(place), flat(normal));
     let (a, b, c) = (dot(normal, normal), dot(place, normal), dot(place, place) - radius * radius);
@@ -528,8 +529,8 @@ fn over_stations<const FRICTION: bool>(
     sum.damping += total(&pressed[3]);
     if FRICTION {
         let ([f1, f2, f3], (r, h)) =
-            ([0, 1, 2].map(|i| scene.friction * total(&rubbed[i])), (ring.radius, ring.height));
-        let [cross, twist, along] = [3, 4, 5].map(|i| scene.friction * r * total(&rubbed[i]));
+            ([0, 1, 2].inline_map(|i| scene.friction * total(&rubbed[i])), (ring.radius, ring.height));
+        let [cross, twist, along] = [3, 4, 5].inline_map(|i| scene.friction * r * total(&rubbed[i]));
         let Wrench { force, moment } = &mut sum.friction;
         *force = [force[0] - f1, force[1] - f2, force[2] - f3];
         *moment = [moment[0] - (h * f3 - cross), moment[1] - twist, moment[2] - (along - h * f1)];

@@ -4,6 +4,7 @@
 use super::stack::{Stack, is_level};
 use super::tunnel::Tunnel;
 use crate::kernel::facet::Facet;
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::load::fields::FacetFields;
@@ -155,8 +156,8 @@ fn on_face(stack: &Stack, friction: f64, view: &SceneView<'_>, nodes: [usize; 2]
         // Half of the face's friction on each node, against the motion along the tangent (-n_z, n_r).
         let traction = friction * pressure * -along.signum();
         let area = |node: usize| view.rings.map_or(facet.area, |rings| rings[node] * facet.length());
-        let force = nodes.map(|node| 0.5 * traction * area(node));
-        pair[1] = force.map(|f| [-f * normal[1], f * normal[0]]);
+        let force = nodes.inline_map(|node| 0.5 * traction * area(node));
+        pair[1] = force.inline_map(|f| [-f * normal[1], f * normal[0]]);
     }
     Ok(pair)
 }
@@ -168,7 +169,7 @@ fn face_limit(stack: &Stack, face: &Face, nodes: &Nodes) -> Limit {
         return Limit::NONE;
     }
     let sign = velocity.signum();
-    let [a, b] = face.ends.map(|end| sign * end[1]);
+    let [a, b] = face.ends.inline_map(|end| sign * end[1]);
     let leading = sign * a.max(b);
     let rounding = 1e-12 * leading.abs().max((face.ends[1][0] - face.ends[0][0]).abs());
     let ahead = stack.distance_ahead(leading, sign, rounding);

@@ -1,6 +1,7 @@
 //! The tunnel behind the nose of what deforms: how far its wall has been pushed, by place along z.
 //! Never here: what acts on what meets the wall.
 
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::mesh::surface::Face;
 use crate::state::archive::persist_struct;
@@ -34,7 +35,7 @@ impl Tunnel {
         let [r, z] = face.middle();
         let place = (z + sign * self.thickness) / self.thickness - 0.5;
         let (below, part) = (place.floor(), place - place.floor());
-        let [low, high] = [0.0, 1.0].map(|more| self.radius(below + more));
+        let [low, high] = [0.0, 1.0].inline_map(|more| self.radius(below + more));
         r >= (low + part * (high - low)) * (1.0 - 1e-9)
     }
 
@@ -42,7 +43,7 @@ impl Tunnel {
     pub(super) fn widen(&mut self, face: &Face) {
         let [a, b] = face.ends;
         let (low, high) = if a[1] <= b[1] { (a, b) } else { (b, a) };
-        let [first, last] = [low[1], high[1]].map(|z| (z / self.thickness - 0.5).ceil());
+        let [first, last] = [low[1], high[1]].inline_map(|z| (z / self.thickness - 0.5).ceil());
         let mut number = first;
         while number < last {
             let z = (number + 0.5) * self.thickness;

@@ -4,6 +4,7 @@
 use super::Description;
 use super::surface_view::SurfaceView;
 use crate::kernel::facet::Facet;
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad::{corner_masses, section};
 use crate::load::SceneView;
@@ -60,10 +61,10 @@ impl SurfaceMap {
 
 /// Mean place and velocity of an element's corners.
 fn middle(element: [u32; 4], nodes: &Nodes, velocity: impl Fn(usize) -> [f64; 2]) -> [[f64; 2]; 2] {
-    let corners = element.map(|n| n as usize);
-    let places = corners.map(|n| nodes[n].place());
-    let speeds = corners.map(velocity);
-    [places, speeds].map(|c| [0, 1].map(|k| 0.25 * ((c[0][k] + c[1][k]) + (c[2][k] + c[3][k]))))
+    let corners = element.inline_map(|n| n as usize);
+    let places = corners.inline_map(|n| nodes[n].place());
+    let speeds = corners.inline_map(velocity);
+    [places, speeds].inline_map(|c| [0, 1].inline_map(|k| 0.25 * ((c[0][k] + c[1][k]) + (c[2][k] + c[3][k]))))
 }
 
 impl Block {
@@ -234,7 +235,7 @@ impl Block {
             let face = Face::new(face, nodes);
             let shell = skin.shells.get(i).copied().unwrap_or(false);
             let unit = on_ends(&face, shell, 1.0, scene.rings);
-            let [a, b] = [0, 1].map(|k| unit[k][0].hypot(unit[k][1]) / nodes.mass[face.nodes[k]]);
+            let [a, b] = [0, 1].inline_map(|k| unit[k][0].hypot(unit[k][1]) / nodes.mass[face.nodes[k]]);
             let pressure = self.view.pressure[i];
             let seen = Seen { place: face.middle(), normal: face.normal, pressure, mobility: a.max(b) };
             watch.look(i, &seen, increment, first + i, scene.clock.now.total_time);
@@ -292,12 +293,12 @@ impl Block {
             }
             SurfaceMap::Elements { corners, axis, .. } => {
                 for (element, &force) in corners.iter().zip(self.view.pressure()) {
-                    let places = element.map(|n| nodes[n as usize].place());
+                    let places = element.inline_map(|n| nodes[n as usize].place());
                     // The part of the volume, or under area weighting of the section, that belongs to each corner.
                     let shares = match rings {
                         Some(rings) => {
-                            let quarter = 0.25 * section(places.map(|p| p[0]), places.map(|p| p[1]));
-                            element.map(|n| quarter * rings[n as usize])
+                            let quarter = 0.25 * section(places.inline_map(|p| p[0]), places.inline_map(|p| p[1]));
+                            element.inline_map(|n| quarter * rings[n as usize])
                         }
                         None => corner_masses(places, 1.0),
                     };
@@ -346,7 +347,7 @@ fn show_body(view: &mut SurfaceView, z_start: &[f64], body: &BodyState, all: boo
     let tiles = z.as_chunks_mut::<4>().0.iter_mut().zip(v.as_chunks_mut::<4>().0);
     let tiles = tiles.zip(pressure.as_chunks_mut::<4>().0).zip(z_start.as_chunks::<4>().0);
     for (((z, v), pressure), start) in tiles {
-        *z = start.map(|start| start + body.displacement);
+        *z = start.inline_map(|start| start + body.displacement);
         *v = [body.velocity_load; 4];
         *pressure = [f64::NAN; 4];
     }

@@ -1,6 +1,7 @@
 //! What a deck says of a material that asks the user's routines at its points.
 //! Never here: asking them.
 
+use crate::kernel::lanes::inline_from_fn;
 use std::sync::Arc;
 
 use crate::kernel::hardening::{RateFactor, YieldStress};
@@ -102,7 +103,7 @@ impl Elasticity {
 }
 
 fn of_point(count: usize, field: impl Fn(usize) -> f64) -> [f64; MOST_DEPENDENCIES] {
-    std::array::from_fn(|v| if v < count { field(v) } else { 0.0 })
+    inline_from_fn(|v| if v < count { field(v) } else { 0.0 })
 }
 
 impl std::fmt::Debug for Yield {

@@ -8,6 +8,7 @@ use super::description::{AtFields, Description, Flow, Yield, YieldOverFields};
 use super::points::{Points, answered, marks, untouched};
 use crate::kernel::hardening::{YieldStress, plastic_increment};
 use crate::kernel::heating::Heating;
+use crate::kernel::lanes::InlineMap;
 use crate::state::Instant;
 use crate::user::{HardeningAnswer, HardeningCall, LoadFailure, MAX_MATERIAL_BLOCK, UserHardening};
 
@@ -135,10 +136,10 @@ impl Points {
                 varying.unwrap_or([flow.bulk, flow.shear])
             };
             let [bulk, shear] = at(1);
-            let before = self.moduli.each_ref().map(|list| list.get(i).copied().unwrap_or(f64::NAN));
+            let before = self.moduli.each_ref().inline_map(|list| list.get(i).copied().unwrap_or(f64::NAN));
             let [bulk_before, shear_before] = if before[0].is_nan() { at(0) } else { before };
-            let strain = [0, 1, 2, 3].map(|k| self.strain[k * n + i]);
-            let old = [0, 1, 2, 3].map(|k| self.stress[0][k * n + i]);
+            let strain = [0, 1, 2, 3].inline_map(|k| self.strain[k * n + i]);
+            let old = [0, 1, 2, 3].inline_map(|k| self.stress[0][k * n + i]);
             let dilation = strain[0] + strain[1] + strain[2];
             let mean = (old[0] + old[1] + old[2]) * (1.0 / 3.0);
             let (of_mean, of_deviator) = (bulk / bulk_before, shear / shear_before);
@@ -146,7 +147,7 @@ impl Points {
                 let (base, dilation) = if k < 3 { (mean, dilation * (1.0 / 3.0)) } else { (0.0, 0.0) };
                 of_deviator * (old[k] - base) + 2.0 * shear * (strain[k] - dilation)
             };
-            let s = [0, 1, 2, 3].map(deviator);
+            let s = [0, 1, 2, 3].inline_map(deviator);
             let pressure = of_mean * mean + bulk * dilation;
             for (k, part) in s.into_iter().enumerate() {
                 self.stress[1][k * n + i] = if k < 3 { pressure + part } else { part };
@@ -154,7 +155,7 @@ impl Points {
             for (list, modulus) in self.moduli.iter_mut().zip([bulk, shear]) {
                 list.iter_mut().skip(i).take(1).for_each(|kept| *kept = modulus);
             }
-            let [a, b, c, d] = s.map(|s| s * s);
+            let [a, b, c, d] = s.inline_map(|s| s * s);
             trial[i] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
         }
     }

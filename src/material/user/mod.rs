@@ -10,7 +10,7 @@ pub mod points;
 
 use super::increment::{StrainIncrement, StressUpdate};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
-use crate::kernel::lanes::{LANES, Lanes, column, dot};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, dot, inline_from_fn};
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::{of_spin, turned};
 use crate::kernel::stress::mises;
@@ -144,15 +144,15 @@ impl<const FLOWS: bool> Material for UserMaterial<FLOWS> {
         let (zero, one) = ([0.0; LANES], [1.0; LANES]);
         let varies = material.flow.as_ref().is_some_and(|flow| flow.elasticity.is_some());
         let mut state = UserState {
-            numbers: std::array::from_fn(|l| {
+            numbers: inline_from_fn(|l| {
                 let name = self.names.get(start.first + l.min(start.count - 1));
                 name.map_or(0, |name| lengths::user_number(name))
             }),
-            start: std::array::from_fn(|l| {
+            start: inline_from_fn(|l| {
                 let [r, z] = start.corners[l];
                 gradient(r, z)
             }),
-            mass: start.volume.map(|volume| material.density * volume),
+            mass: start.volume.inline_map(|volume| material.density * volume),
             turn: [one, zero],
             deleted: [false; LANES],
             thermal: zero,
@@ -275,7 +275,7 @@ impl<const FLOWS: bool> Material for UserMaterial<FLOWS> {
 
     fn bytes(&self, state: &UserState) -> usize {
         let UserState { variables, field, given, moduli, plastic, .. } = state;
-        [variables, field, given, moduli, plastic].map(|lists| size_of_val(&**lists)).iter().sum()
+        [variables, field, given, moduli, plastic].inline_map(|lists| size_of_val(&**lists)).iter().sum()
     }
 }
 
@@ -300,7 +300,7 @@ impl UserState {
         let [r, z] = (shown.corners)(l);
         let per = 1.0 / self.start[l].volume;
         let Gradient { r: by_r, z: by_z, hoop, .. } = self.start[l];
-        let gradient = [dot(by_r, r), dot(by_z, z), dot(hoop, r), dot(by_z, r), dot(by_r, z)].map(|x| per * x);
+        let gradient = [dot(by_r, r), dot(by_z, z), dot(hoop, r), dot(by_z, r), dot(by_r, z)].inline_map(|x| per * x);
         let mean = |x: [f64; 4]| 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
         let place = [mean(r), mean(z), lengths::by_default(r, z), self.mass[l] / shown.volume[l]];
         self.place.iter_mut().zip(place).for_each(|(list, value)| list[l] = value);

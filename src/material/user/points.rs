@@ -4,6 +4,7 @@
 use super::description::Description;
 use super::lengths::{ShownElements, above_zero};
 use crate::kernel::heating::Heating;
+use crate::kernel::lanes::InlineMap;
 use crate::state::Instant;
 use crate::user::{
     FieldAnswer, FieldCall, LengthCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields,
@@ -137,7 +138,7 @@ impl Points {
         let mut largest = [0_f64; 2];
         for i in 0..self.count {
             let of = |list: &[f64], k: usize| list[k * self.count + i];
-            let change = [0, 1, 2, 3].map(|k| of(&self.stress[1], k) - of(&self.stress[0], k));
+            let change = [0, 1, 2, 3].inline_map(|k| of(&self.stress[1], k) - of(&self.stress[0], k));
             let (mean, s) = split(change);
             let (bulk, shear) = (mean / (3.0 * dilation), 0.5 * dot(s, deviator) / dot(deviator, deviator));
             // Beyond rounding.
