@@ -78,10 +78,15 @@ impl<H: Hardening, V: Volumetric, F: Failure, T: Real> Material<T> for VonMises<
         }
         if H::PLASTIC {
             let mut increment = [0.0; LANES];
-            T::with_wide(&update.trial, |trial| {
-                let flow = &mut Flow { trial, shear3, dt: strain.dt, count: strain.count, increment: &mut increment };
-                self.hardening.flow(&mut state.hardening, flow);
-            });
+            T::with_wide(
+                &update.trial,
+                #[inline(always)]
+                |trial| {
+                    let flow =
+                        &mut Flow { trial, shear3, dt: strain.dt, count: strain.count, increment: &mut increment };
+                    self.hardening.flow(&mut state.hardening, flow);
+                },
+            );
             if H::BACKSTRESS {
                 let [back, relative] =
                     [&update.plastic, &update.deviator].inline_map(|list| list.each_ref().inline_map(wide));
