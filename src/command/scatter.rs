@@ -45,7 +45,7 @@ pub struct Scatter {
     /// Sobol's indices, of the first order and total: N runs for each parameter and two times N more.
     #[arg(long, conflicts_with = "correlation")]
     indices: bool,
-    /// File for all samples with their quantities: .csv or .parquet.
+    /// File for all samples with their quantities: .csv, or .parquet in a program with that feature.
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
 }

@@ -33,9 +33,12 @@ impl TableWriter {
             Some("parquet") => TableFormat::Parquet(Box::new(parquet_file::begin(file()?, &names).map_err(failed)?)),
             #[cfg(not(feature = "parquet"))]
             Some("parquet") => {
-                return Err(wrong("this program was built without Parquet: its feature `parquet` is off; write .csv"));
+                return Err(wrong(
+                    "this program was built without the feature `parquet`; \
+                     give a name that ends in .csv, or build it with `cargo build --release --features parquet`",
+                ));
             }
-            _ => return Err(wrong("the name ends in .csv or .parquet")),
+            _ => return Err(wrong("the name ends in .csv, or in .parquet if the feature `parquet` is on")),
         };
         Ok(TableWriter { names, form })
     }
@@ -159,8 +162,8 @@ mod tests {
 
     #[cfg(not(feature = "parquet"))]
     #[test]
-    fn the_feature_that_is_missing_is_named() {
-        let told = TableWriter::begin("a.parquet".as_ref(), vec![]).err().expect("a refusal").to_string();
-        assert!(told.contains("feature `parquet`"), "{told}");
+    fn parquet_without_its_feature_names_the_feature_and_csv() {
+        let message = TableWriter::begin("a.parquet".as_ref(), vec![]).err().expect("an error").to_string();
+        assert!(["a.parquet", "--features parquet", ".csv"].iter().all(|part| message.contains(part)), "{message}");
     }
 }

@@ -11,7 +11,7 @@ use crate::common::project;
 
 /// Modules that the tests of the package and the notebook use beside it.
 const MODULES: &str =
-    "maturin, numba, pandas, joblib, pytest, SALib, scipy, pyvista, nbclient, ipykernel, dask.distributed";
+    "maturin, numba, pandas, pyarrow, joblib, pytest, SALib, scipy, pyvista, nbclient, ipykernel, dask.distributed";
 
 /// A command's words and whether it went well.
 fn run(command: &mut Command) -> Result<String, String> {

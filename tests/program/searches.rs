@@ -255,7 +255,7 @@ fn samples_that_fail_are_told_and_kept() {
         (&["-d", "mass=0.01..0.02", "--correlation", "mass:V=0.5"], "both parameters need"),
         (&["-d", "mass=0.01..0.02", "--sampling", "sobol", "--count", "8"], "32 points or more"),
         (&["-d", "mass=0.01..0.02", "--quantiles", "2"], "between 0 and 1"),
-        (&["-d", "mass=0.01..0.02", "--table", "a.xls"], "ends in .csv or .parquet"),
+        (&["-d", "mass=0.01..0.02", "--table", "a.xls"], "ends in .csv, or in .parquet"),
     ] {
         let words = ["scatter", "input/ogive.inp", "--quantity", DEPTH, "--out", &out];
         let output = revolve(&[&words[..], wrong].concat());

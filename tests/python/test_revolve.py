@@ -368,3 +368,19 @@ def test_the_command_line_comes_along() -> None:
         subprocess.run([script, "--version"], capture_output=True, text=True, check=True).stdout.split()[1]
         == rv.__version__
     )
+
+
+def test_samples_in_parquet_are_those_in_csv(tmp_path: Path) -> None:
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("pyarrow")
+    script = Path(sys.executable).with_name("revolve")
+    tables = [tmp_path / name for name in ("samples.csv", "samples.parquet")]
+    for table in tables:
+        # Negative masses give no result: their cells are empty.
+        draws = ["--distribution", "mass=-0.01..0.02", "--count", "40", "--quantity", "-1000*final(U2@REF)"]
+        words = [script, "scatter", OGIVE, *draws, "--table", table, "--out", tmp_path, "--quiet"]
+        assert subprocess.run(words, check=False).returncode == 1
+    rows, columns = pandas.read_csv(tables[0], float_precision="round_trip"), pandas.read_parquet(tables[1])
+    pandas.testing.assert_frame_equal(rows, columns, check_exact=True)
+    assert len(rows) == 40
+    assert 0 < rows.isna().to_numpy().sum() < 40
