@@ -80,6 +80,7 @@ pub mod model;
 pub mod output;
 pub mod overview;
 pub mod plan;
+mod platform;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod report;

@@ -6,7 +6,7 @@ use clap::{Parser, Subcommand};
 
 use super::{
     REFUSED, Status, chart, check, explain, identify, limit, mesh, new, print_error, report, resistance, run, scatter,
-    shell, signals, study, sweep,
+    shell, study, sweep,
 };
 
 /// Axisymmetric explicit finite elements with user-load hooks.
@@ -48,7 +48,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> Status {
         }
     };
     crate::model::silence_caught_panics();
-    signals::outlive_limits();
+    crate::platform::signals::outlive_limits();
     let result = match command {
         Command::Run(run) => run.execute(),
         Command::Study(study) => study.execute(),

@@ -16,7 +16,6 @@ pub mod run;
 pub mod scatter;
 mod search;
 pub mod shell;
-pub mod signals;
 pub mod study;
 pub mod sweep;
 pub mod threads;

@@ -9,6 +9,7 @@ use crate::job::{self, Demand, Frames, Instructions, Options, Prepared, Refusal,
 use crate::model::Precision;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::{self, History, Points};
+use crate::platform::signals::watch_signals;
 use crate::solve::{Every, LOST, Progress};
 use crate::study::quantity::{FinishedRun, Quantity};
 use crate::user::host;
@@ -17,7 +18,6 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::progress::{self, RunBar};
-use super::signals::watch_signals;
 use super::words::{say, tell};
 use super::{HALTED, Status, UserFiles, accept, outcome, pairs, print_findings, threads};
 

@@ -47,14 +47,15 @@ impl Man {
     }
 }
 
-/// Version, commit where the build was told one (`REVOLVE_COMMIT`), features, and what the machine has.
+/// Returns version, commit and its date (`build.rs`), features, target, and what the machine has.
 pub fn version() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(long_version);
     &TEXT
 }
 
 fn long_version() -> String {
-    let commit = option_env!("REVOLVE_COMMIT").map_or(String::new(), |commit| format!(" ({commit})"));
+    let commit = env!("REVOLVE_COMMIT");
+    let commit = if commit.is_empty() { String::new() } else { format!(" ({commit})") };
     let features = [
         ("dense", cfg!(feature = "dense")),
         ("mesh-files", cfg!(feature = "mesh-files")),
@@ -67,8 +68,9 @@ fn long_version() -> String {
     let best = sets.iter().find(|(_, set)| has(set)).map_or("scalar", |(name, _)| name);
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     format!(
-        "{}{commit}\nfeatures: {}\nthis machine: {threads} threads, instructions {best}",
+        "{}{commit}\nfeatures: {}\ntarget: {}\nthis machine: {threads} threads, instructions {best}",
         env!("CARGO_PKG_VERSION"),
-        features.join(", ")
+        features.join(", "),
+        env!("REVOLVE_TARGET")
     )
 }

@@ -1,11 +1,12 @@
 //! Files that are read whole: regular ones, as long as they say.
 //! Never here: what is in them, and what is said where one cannot be read.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{self, Read as _};
-use std::os::unix::fs::{FileTypeExt as _, OpenOptionsExt as _};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
+
+use crate::platform::{special_file, without_waiting};
 
 /// Room beyond the length that a file tells: some tell none.
 const SLACK: u64 = 1 << 26;
@@ -16,19 +17,12 @@ const SLACK: u64 = 1 << 26;
 /// That of the file system, or what the file is.
 pub fn open(path: &Path) -> io::Result<File> {
     // A pipe is opened at once, written to or not, and found out then.
-    let file = OpenOptions::new().read(true).custom_flags(libc::O_NONBLOCK).open(path)?;
+    let file = without_waiting().read(true).open(path)?;
     let kind = file.metadata()?.file_type();
-    let what = if kind.is_file() {
+    if kind.is_file() {
         return Ok(file);
-    } else if kind.is_fifo() {
-        "a pipe"
-    } else if kind.is_dir() {
-        "a folder"
-    } else if kind.is_char_device() || kind.is_block_device() {
-        "a device"
-    } else {
-        "no file"
-    };
+    }
+    let what = if kind.is_dir() { "a folder" } else { special_file(kind) };
     Err(io::Error::new(io::ErrorKind::InvalidInput, format!("it is {what}, and only regular files are read")))
 }
 

@@ -1,6 +1,8 @@
 //! What a deck may ask for, over all its cards: told with the card that asks for too much, before it is made.
 //! Never here: what is made.
 
+use crate::platform::memory_of_machine;
+
 /// What is counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Good {
@@ -28,7 +30,7 @@ pub(super) struct Budget {
 
 impl Default for Budget {
     fn default() -> Self {
-        Budget { members: 0, memory: memory_of_machine(), told: false }
+        Budget { members: 0, memory: memory_of_machine().unwrap_or(u128::MAX), told: false }
     }
 }
 
@@ -58,14 +60,6 @@ impl Budget {
         self.members = all[2] as u64;
         Ok(())
     }
-}
-
-/// Bytes of memory that the machine has; without bound where it does not say.
-fn memory_of_machine() -> u128 {
-    let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
-    let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"));
-    let kilobytes = line.and_then(|rest| rest.trim().trim_end_matches("kB").trim().parse::<u128>().ok());
-    kilobytes.map_or(u128::MAX, |kilobytes| 1024 * kilobytes)
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! One job at a time in a folder of results.
 //! Never here: what a job writes there.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::{self, Read as _, Seek as _, Write as _};
-use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 
 use crate::deck::{Diagnostic, printable};
+use crate::platform::{is_still, readable_by_all, without_links};
 
 /// Name of the file that holds the lock.
 const NAME: &str = ".revolve-lock";
@@ -43,15 +43,9 @@ impl FolderLock {
         let cannot =
             |e: io::Error| LockError::File(io::Error::new(e.kind(), format!("cannot lock {}: {e}", path.display())));
         for _ in 0..TRIES {
-            let mut options = OpenOptions::new();
-            options
-                .read(true)
-                .write(true)
-                .create(true)
-                .truncate(false)
-                .mode(0o644)
-                .custom_flags(libc::O_NONBLOCK | libc::O_NOFOLLOW);
-            let mut file = options.open(&path).map_err(cannot)?;
+            let mut options = without_links();
+            options.read(true).write(true).create(true).truncate(false);
+            let mut file = readable_by_all(&mut options).open(&path).map_err(cannot)?;
             match file.try_lock() {
                 Ok(()) if is_still(&file, &path) => {
                     // A name that cannot be written leaves the lock what it is.
@@ -76,12 +70,6 @@ impl Drop for FolderLock {
             let _ = std::fs::remove_file(&self.path);
         }
     }
-}
-
-/// Whether the path still names this file.
-fn is_still(file: &File, path: &Path) -> bool {
-    let same = || Some((file.metadata().ok()?, std::fs::symlink_metadata(path).ok()?));
-    same().is_some_and(|(a, b)| (a.dev(), a.ino()) == (b.dev(), b.ino()))
 }
 
 fn busy(folder: &Path, file: &mut File) -> Diagnostic {

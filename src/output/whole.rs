@@ -2,12 +2,13 @@
 //! Never here: what is in them.
 
 use std::ffi::OsStr;
-use std::fs::{DirBuilder, File, OpenOptions};
+use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
-use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
+
+use crate::platform::{create_private_folder, readable_by_all, sync_folder};
 
 /// What names of temporary files begin with; the name of the file follows.
 const MARK: &str = ".revolve-";
@@ -39,7 +40,7 @@ fn write(path: &Path, bytes: &[u8], durable: bool) -> io::Result<()> {
         }
         whole.rename()?;
         // The name, too, must be on the disk.
-        if durable { File::open(folder_of(path))?.sync_all() } else { Ok(()) }
+        if durable { sync_folder(folder_of(path)) } else { Ok(()) }
     };
     write().map_err(|e| cannot_write(path, &e))
 }
@@ -73,7 +74,7 @@ impl Whole {
         let (file, temporary) = unique(|letters| {
             let temporary = folder_of(path).join(format!("{MARK}{name}-{letters}"));
             // Result files may be read by others, as files usually may.
-            let file = OpenOptions::new().write(true).create_new(true).mode(0o644).open(&temporary)?;
+            let file = readable_by_all(OpenOptions::new().write(true).create_new(true)).open(&temporary)?;
             Ok((file, TemporaryFile(temporary)))
         })?;
         Ok(Whole { file, temporary, path: path.to_owned() })
@@ -126,8 +127,10 @@ impl Drop for TemporaryFile {
 }
 
 /// A folder for files that nothing needs later; it goes with what is in it.
+#[cfg_attr(not(compiled_routines), allow(dead_code))]
 pub(crate) struct ScratchFolder(PathBuf);
 
+#[cfg_attr(not(compiled_routines), allow(dead_code))]
 impl ScratchFolder {
     /// A new folder in another, which only its owner may open.
     ///
@@ -136,7 +139,7 @@ impl ScratchFolder {
     pub(crate) fn within(folder: &Path) -> io::Result<ScratchFolder> {
         unique(|letters| {
             let path = folder.join(format!("revolve-{letters}"));
-            DirBuilder::new().mode(0o700).create(&path).map(|()| ScratchFolder(path))
+            create_private_folder(&path).map(|()| ScratchFolder(path))
         })
     }
 

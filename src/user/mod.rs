@@ -2,31 +2,21 @@
 //! Fortran and C behind the same traits. Never here: solver internals.
 
 mod address;
-mod cache;
-mod call;
 pub mod codes;
-pub mod compile;
-mod compiled;
-pub mod crash;
-mod guard;
+#[cfg_attr(not(compiled_routines), allow(dead_code))]
 pub mod host;
-mod host_routines;
-mod isolate;
 pub mod law;
-pub mod library;
-mod memory;
-mod prototype;
-mod source;
-mod subroutines;
-mod symbols;
+#[cfg_attr(not(compiled_routines), path = "native/unavailable.rs")]
+mod native;
+mod saved_memory;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::state::Instant;
 use crate::state::halt::Halt;
-pub use address::show_symbols;
 pub use law::{MaterialLaw, MaterialPoint, Moduli};
-pub(crate) use memory::{PersistentMemory, SavedMemory};
+pub use native::{compile, crash, show_symbols};
+pub(crate) use saved_memory::{PersistentMemory, SavedMemory};
 
 /// Largest number of points of one call: `maxblk` of `vaba_param.inc`. Larger surfaces are divided into blocks.
 pub const MAX_BLOCK: usize = 512;

@@ -17,6 +17,7 @@ mod manual;
 mod matrix;
 mod memory;
 mod mesh;
+mod packaging;
 mod parts;
 mod precision;
 mod python;

@@ -23,12 +23,13 @@ pub const LAYERS: &[&[&str]] = &[
     &["resistance"],
     &["deck"],
     &["kernel"],
+    &["platform"],
 ];
 
 /// Below `plan` the folders of the input language and those of the numerics do not import each other,
 const LANGUAGE: &[&str] = &["model", "deck"];
-/// except for what both may import: arithmetic, the table of output variables, cavity expansion,
-const SHARED: &[&str] = &["kernel", "variables", "resistance"];
+/// except for what both may import: arithmetic, the operating system, the table of output variables, cavity expansion,
+const SHARED: &[&str] = &["kernel", "platform", "variables", "resistance"];
 /// the types of diagnostics, and helpers for text and files.
 const DIAGNOSTICS: &[&str] =
     &["Code", "Diagnostic", "Diagnostics", "Severity", "Sources", "Span", "nearest", "files", "lists", "printable"];
@@ -264,6 +265,36 @@ fn four_folders_know_how_bodies_move_in_space() {
     let sources = texts("src", ".rs").into_iter().filter(|(_, text)| knows(text));
     let folders: BTreeSet<String> = sources.filter_map(|(path, _)| Some(path.split('/').nth(1)?.to_owned())).collect();
     assert_eq!(folders, IN_SPACE.iter().map(|name| (*name).to_owned()).collect());
+}
+
+/// Names of a platform, and what they are allowed in.
+const OF_PLATFORMS: &[&str] = &[
+    "std::os::",
+    "libc::",
+    "libloading",
+    "signal_hook",
+    "cfg(unix",
+    "cfg(windows",
+    "(unix",
+    "(windows",
+    "target_os",
+    "\"/proc",
+];
+const PLATFORM: &[&str] = &["src/platform/", "src/user/native/"];
+
+/// Other platforms compile because nothing else names an operating system; the release workflow compiles for them.
+#[test]
+fn two_folders_know_the_operating_system() {
+    let mut wrong = BTreeSet::new();
+    for (path, text) in texts("src", ".rs") {
+        let text = strip_comments(&text);
+        let named = OF_PLATFORMS.iter().filter(|name| text.contains(**name));
+        if PLATFORM.iter().any(|folder| path.starts_with(folder)) {
+            continue;
+        }
+        wrong.extend(named.map(|name| format!("{path} names {name}")));
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 /// The central traits, with the most methods that each may have.

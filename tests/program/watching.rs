@@ -263,5 +263,10 @@ fn shells_find_completions_and_a_manual_page() {
     let page = text(&revolve(&["man"]).stdout);
     assert!(page.contains(".TH revolve") && page.contains("checkpoint"), "{page}");
     let version = text(&revolve(&["--version"]).stdout);
-    assert!(version.contains("features: ") && version.contains("instructions "), "{version}");
+    assert!(version.contains("features: ") && version.contains("target: "), "{version}");
+    assert!(version.contains("instructions "), "{version}");
+    // A checkout with its history tells the commit and the date, a source archive neither.
+    let first = version.lines().next().unwrap_or_default();
+    let told = first.split_once('(').map(|(_, commit)| commit.trim_end_matches(')').split(' ').collect::<Vec<_>>());
+    assert!(told.is_none_or(|words| words.len() >= 2 && words[1].split('-').count() == 3), "{version}");
 }

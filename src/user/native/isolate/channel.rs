@@ -7,8 +7,7 @@ use std::os::unix::net::UnixStream;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::super::host::{self, RoutineMessage};
-use super::super::memory::PersistentMemory;
-use super::super::{Routines, SavedMemory};
+use super::super::{PersistentMemory, Routines, SavedMemory};
 use super::child;
 use super::opening::{receive, send};
 use super::shared_memory::{LEAVE, REQUEST, SharedMemory, Side};

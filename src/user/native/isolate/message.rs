@@ -152,12 +152,12 @@ pub trait Field<'m>: Sized {
 
 /// Writes values one after the other.
 macro_rules! put {
-    ($to:expr; $($value:expr),*) => {{ $($crate::user::isolate::message::Field::put(&$value, $to);)* }};
+    ($to:expr; $($value:expr),*) => {{ $($crate::user::native::isolate::message::Field::put(&$value, $to);)* }};
 }
 
 /// Reads variables in the same order.
 macro_rules! get {
-    ($from:expr; $($name:ident),*) => { $(let $name = $crate::user::isolate::message::Field::get($from);)* };
+    ($from:expr; $($name:ident),*) => { $(let $name = $crate::user::native::isolate::message::Field::get($from);)* };
 }
 pub(super) use {get, put};
 

@@ -9,9 +9,9 @@ use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 
 use super::compile::SharedLibrary;
 use super::compiled::{CompiledRoutine, MaterialAxes, RestartFollows, WatchInvalid};
-use super::memory::{LibraryMemory, PersistentMemory, RoutineMemory, bases};
+use super::memory::{LibraryMemory, RoutineMemory, bases};
 use super::subroutines::{MaterialArrays, Vdisp, Vdload, Vexternaldb, Vuamp, Vucharlength, Vuhard, Vumat, Vusdfld};
-use super::{ROUTINES, Routines, UncallableRoutine, crash, guard, host};
+use super::{PersistentMemory, ROUTINES, Routines, UncallableRoutine, crash, guard, host};
 use crate::deck::{Diagnostic, files};
 use crate::output::whole::ScratchFolder;
 

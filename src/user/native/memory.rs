@@ -11,9 +11,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use libloading::os::unix::Library;
 
-use super::guard;
 use super::host::{self, Level};
 use super::symbols::LibrarySymbols;
+use super::{PersistentMemory, SavedMemory, guard};
 use crate::output::checkpoint::hash;
 use crate::state::archive::{Archive, Persist, UnfitState, persist_fields};
 
@@ -72,30 +72,6 @@ pub struct RoutineMemory {
     _keep: Arc<[Library]>,
 }
 
-/// Memory of routines in a checkpoint.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct SavedMemory {
-    /// Changed cells, if all of them are valid in another process.
-    memory: Option<Vec<u8>>,
-    /// Descriptions of the state that is not saved.
-    pub lost: Vec<String>,
-}
-
-/// Variables of routines, in this process or another.
-pub trait PersistentMemory: Send + Sync {
-    /// Notes that a run begins on this thread: files open now do not belong to the routines.
-    fn begin(&self);
-    /// Notes that the run on this thread is over, and warns of threads that still run.
-    fn end(&self);
-    /// Saves the memory, on the thread that calls the routines.
-    fn keep(&self) -> SavedMemory;
-    /// Restores a saved memory; without one nothing changes.
-    ///
-    /// # Errors
-    /// If it is not the memory of these libraries; then nothing is written.
-    fn take_up(&self, kept: &SavedMemory) -> Result<(), UnfitState>;
-}
-
 /// A library: the user's own, or one that it needs.
 pub struct LibraryMemory {
     /// Name in messages.
@@ -132,26 +108,6 @@ impl Persist for ChangedBytes {
         let ChangedBytes { area, at, bytes } = self;
         persist_fields!(archive; area, at);
         archive.blob(bytes);
-    }
-}
-
-impl SavedMemory {
-    /// No memory, with the reason.
-    pub fn nothing(why: &str) -> SavedMemory {
-        SavedMemory { memory: None, lost: vec![why.to_owned()] }
-    }
-}
-
-impl Persist for SavedMemory {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let SavedMemory { memory, lost } = self;
-        let mut there = memory.is_some();
-        persist_fields!(archive; lost, &mut there);
-        if there {
-            archive.blob(memory.get_or_insert_default());
-        } else {
-            *memory = None;
-        }
     }
 }
 

@@ -1,0 +1,67 @@
+//! Linux and macOS.
+
+use std::fs::{DirBuilder, File, FileType, OpenOptions};
+use std::io;
+use std::os::unix::fs::{DirBuilderExt as _, FileTypeExt as _, MetadataExt as _, OpenOptionsExt as _};
+use std::path::Path;
+
+/// Returns options that open a pipe at once, written to or not.
+pub fn without_waiting() -> OpenOptions {
+    with_flags(libc::O_NONBLOCK)
+}
+
+/// Returns the same options, which open no symbolic link.
+pub fn without_links() -> OpenOptions {
+    with_flags(libc::O_NONBLOCK | libc::O_NOFOLLOW)
+}
+
+fn with_flags(flags: i32) -> OpenOptions {
+    let mut options = OpenOptions::new();
+    options.custom_flags(flags);
+    options
+}
+
+/// Lets a new file be read by others.
+pub fn readable_by_all(options: &mut OpenOptions) -> &mut OpenOptions {
+    options.mode(0o644)
+}
+
+/// Creates a folder that only its owner may open.
+///
+/// # Errors
+/// That of the file system.
+pub fn create_private_folder(path: &Path) -> io::Result<()> {
+    DirBuilder::new().mode(0o700).create(path)
+}
+
+/// Returns what a path names that is neither a file nor a folder.
+pub fn special_file(kind: FileType) -> &'static str {
+    if kind.is_fifo() {
+        "a pipe"
+    } else if kind.is_char_device() || kind.is_block_device() {
+        "a device"
+    } else {
+        "no file"
+    }
+}
+
+/// Returns whether the path still names this open file.
+pub fn is_still(file: &File, path: &Path) -> bool {
+    let same = || Some((file.metadata().ok()?, std::fs::symlink_metadata(path).ok()?));
+    same().is_some_and(|(a, b)| (a.dev(), a.ino()) == (b.dev(), b.ino()))
+}
+
+/// Waits until the disk has the names in a folder.
+///
+/// # Errors
+/// That of the file system.
+pub fn sync_folder(folder: &Path) -> io::Result<()> {
+    File::open(folder)?.sync_all()
+}
+
+/// Returns the bytes of memory of the machine, if the system shows them.
+pub fn memory_of_machine() -> Option<u128> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let kilobytes = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?.trim().trim_end_matches("kB");
+    Some(1024 * kilobytes.trim().parse::<u128>().ok()?)
+}

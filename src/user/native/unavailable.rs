@@ -1,0 +1,80 @@
+//! In place of compiled user subroutines where they cannot be loaded: every platform but Linux with the GNU C library.
+//! User subroutines in Rust, and functions given by their address, work everywhere.
+
+/// Compiling refuses the files.
+pub mod compile {
+    use std::path::PathBuf;
+
+    use crate::deck::{Diagnostic, Diagnostics};
+    use crate::user::Routines;
+
+    /// Compiled user subroutines, which do not exist on this platform.
+    #[derive(Debug)]
+    pub struct Compiled {
+        /// Notes for the user.
+        pub notes: Diagnostics,
+    }
+
+    impl Compiled {
+        /// Returns the hashes of the libraries.
+        pub fn identity(&self) -> String {
+            String::new()
+        }
+
+        /// Opens the libraries.
+        ///
+        /// # Errors
+        /// Always: U013.
+        pub fn open(&self) -> Result<Routines, Diagnostic> {
+            Err(unavailable())
+        }
+
+        /// Opens the libraries in a process of their own.
+        ///
+        /// # Errors
+        /// Always: U013.
+        pub fn open_isolated(&self) -> Result<Routines, Diagnostic> {
+            self.open()
+        }
+
+        /// Opens the libraries, if there are any.
+        ///
+        /// # Errors
+        /// U013 if there are any.
+        pub fn open_any(compiled: Option<&Compiled>) -> Result<Routines, Diagnostic> {
+            compiled.map_or(Ok(Routines::none()), Compiled::open)
+        }
+    }
+
+    /// Refuses the user's files.
+    ///
+    /// # Errors
+    /// Always: U013.
+    pub fn compile(_files: &[PathBuf], _checked: bool) -> Result<Compiled, Diagnostics> {
+        let mut refused = Diagnostics::default();
+        refused.push(unavailable());
+        Err(refused)
+    }
+
+    fn unavailable() -> Diagnostic {
+        let message = "compiled user subroutines are not available in this build of revolve";
+        Diagnostic::error("U013", message)
+            .help("use a build for Linux with the GNU C library (target ...-linux-gnu), or write the routine in Rust or Python")
+    }
+}
+
+/// Exit after a halted run.
+pub mod crash {
+    /// Ends the process with a status.
+    pub fn leave(status: u8) -> ! {
+        std::process::exit(status.into())
+    }
+}
+
+/// Makes the symbols of this library visible to libraries that are opened later: there are none.
+///
+/// # Errors
+/// None.
+pub fn show_symbols() -> Result<(), String> {
+    Ok(())
+}
