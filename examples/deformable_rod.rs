@@ -10,11 +10,11 @@ use std::path::Path;
 
 use revolve::job;
 use revolve::output::Frame;
+use revolve::output::drawing::{Anchor, Colour, Drawing, Label, Paint, Shape, Stroke};
 use revolve::plan::Plan;
 use revolve::solve::{Instant, Sink, SinkError};
 use revolve::study::chart::{Chart, Form, Series};
 use revolve::study::compare::Reference;
-use revolve::study::draw;
 use revolve::user::Routines;
 use rod::{SIZES, deck};
 
@@ -61,7 +61,7 @@ fn shoot(
     (text, volume): &(String, f64),
     velocity: f64,
     law: &[(&str, &str)],
-    quads: &mut String,
+    quads: &mut Vec<DrawnElement>,
 ) -> Result<Shot, Box<dyn Error>> {
     let own = [("V", velocity.to_string()), ("volume", volume.to_string())];
     let given = law.iter().map(|(n, v)| (*n, (*v).to_owned()));
@@ -87,32 +87,31 @@ fn shoot(
     Ok(Shot { depth: -1e3 * least, shorter: 1e3 * (last[tip] - last[back]), wider: 1e3 * most })
 }
 
+/// Corners of an element in mm, and its fill.
+struct DrawnElement {
+    corners: Vec<[f64; 2]>,
+    colour: Colour,
+}
+
 /// The right half shows the rod at the end, moved so that its tip is where it was; the left half the rod as it was, which a
 /// rigid one still is. mm.
-fn silhouette(plan: &Plan, frame: &Frame) -> String {
+fn silhouette(plan: &Plan, frame: &Frame) -> Vec<DrawnElement> {
     let mesh = &plan.mesh;
-    let Some(moved) = frame.point_fields.iter().find(|f| f.name == "U") else { return String::new() };
+    let Some(moved) = frame.point_fields.iter().find(|f| f.name == "U") else { return Vec::new() };
     let tip = mesh.points.iter().position(|p| *p == [0.0, 0.0]).unwrap_or(0);
     let shift = moved.values[2 * tip + 1];
-    let mut text = String::new();
+    let mut drawn = Vec::new();
     for element in mesh.elements.iter().filter(|e| e.nodes.len() == 4) {
-        let path = |side: f64, part: f64| {
-            let place = |n: usize| {
-                let [r, z] = mesh.points[n];
+        for (side, part, colour) in [(-1.0, 0.0, 0x9a_a4_ad), (1.0, 1.0, 0xc9_70_2b)] {
+            let place = |n: &usize| {
+                let [r, z] = mesh.points[*n];
                 let u = [moved.values[2 * n], moved.values[2 * n + 1] - shift];
-                format!("{:.3} {:.3}", side * 1e3 * (r + part * u[0]), -1e3 * (z + part * u[1]))
+                [side * 1e3 * (r + part * u[0]), -1e3 * (z + part * u[1])]
             };
-            element.nodes.iter().copied().map(place).collect::<Vec<_>>().join("L")
-        };
-        for (side, part, colour) in [(-1.0, 0.0, "#9aa4ad"), (1.0, 1.0, "#c9702b")] {
-            let _ = writeln!(
-                text,
-                "<path d=\"M{}Z\" fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\"0.05\"/>",
-                path(side, part)
-            );
+            drawn.push(DrawnElement { corners: element.nodes.iter().map(place).collect(), colour });
         }
     }
-    text
+    drawn
 }
 
 /// Depth of the rigid rod with the law of three terms, mm.
@@ -132,10 +131,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         "| striking velocity, m/s | experiment, mm | rigid | yields, 0.6 mm | 0.3 mm | to size 0 | of rigid | shank as nose, 0.3 mm | shorter, mm | \
          wider, mm |\n|---|---|---|---|---|---|---|---|---|---|\n",
     );
-    let (mut lines, mut noses): ([Vec<(f64, f64)>; 3], Vec<String>) = Default::default();
+    let mut lines: [Vec<(f64, f64)>; 3] = Default::default();
+    let mut noses = Vec::new();
     for velocity in VELOCITIES {
         eprintln!("{velocity} m/s");
-        let (mut quads, mut other) = (String::new(), String::new());
+        let (mut quads, mut other) = (Vec::new(), Vec::new());
         let coarse = shoot(&decks[0], velocity, &[], &mut other)?;
         let fine = shoot(&decks[1], velocity, &[], &mut quads)?;
         let whole = shoot(&decks[1], velocity, &WHOLE, &mut other)?;
@@ -167,30 +167,26 @@ fn main() -> Result<(), Box<dyn Error>> {
     let chart = Chart::new("Depth of a rigid rod and of one that yields", ["striking velocity", "depth"], series);
     let chart = Chart { units: ["m/s".into(), "mm".into()], ..chart };
     std::fs::write("docs/rod-depths.png", chart.png()?)?;
-    Ok(std::fs::write("docs/rod-noses.png", draw::png(&picture(&noses))?)?)
+    Ok(std::fs::write("docs/rod-noses.png", picture(&noses).png()?)?)
 }
 
 /// The noses side by side, tips down.
-fn picture(noses: &[String]) -> String {
+fn picture(noses: &[Vec<DrawnElement>]) -> Drawing {
     let (wide, high, scale) = (360.0, 760.0, 32.0);
-    let width = wide * noses.len() as f64;
-    let mut text = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{high}\" viewBox=\"0 0 {width} {high}\" \
-         font-family=\"DejaVu Sans, sans-serif\" font-size=\"15\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
-    );
+    let mut drawing = Drawing::new([wide * noses.len() as f64, high]);
     for (n, (nose, velocity)) in noses.iter().zip(DRAWN).enumerate() {
-        let middle = wide * (n as f64 + 0.5);
-        let _ = writeln!(
-            text,
-            "<clipPath id=\"c{n}\"><rect x=\"{}\" y=\"40\" width=\"{wide}\" height=\"{}\"/></clipPath>\n\
-             <text x=\"{middle}\" y=\"26\" text-anchor=\"middle\">{velocity} m/s: rigid | yields</text>\n\
-             <g clip-path=\"url(#c{n})\"><g transform=\"translate({middle} {}) scale({scale})\">\n{nose}</g></g>",
-            wide * n as f64,
-            high - 50.0,
-            high - 24.0
-        );
+        let left = wide * n as f64;
+        let middle = left + 0.5 * wide;
+        drawing.label(Label::new([middle, 26.0], Anchor::Middle, format!("{velocity} m/s: rigid | yields")));
+        drawing.shapes.push(Shape::BeginClip([left, 40.0], [wide, high - 50.0]));
+        for DrawnElement { corners, colour } in nose {
+            let places = corners.iter().map(|[x, y]| [middle + scale * x, high - 24.0 + scale * y]);
+            let paint = Paint { stroke: Some(Stroke::new(*colour, 0.05 * scale)), ..Paint::fill(*colour, 1.0) };
+            drawing.path(places, true, paint);
+        }
+        drawing.shapes.push(Shape::EndClip);
     }
-    text + "</svg>\n"
+    drawing
 }
 
 /// Replaces the table between the two marks of the page.

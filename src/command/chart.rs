@@ -44,7 +44,7 @@ impl Chart {
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let out = self.out.clone().unwrap_or_else(|| self.folder.join("chart.png"));
         let format = PictureFormat::of(&out)?;
-        let svg = match &self.field {
+        let drawing = match &self.field {
             Some(field) => picture::meridian(&self.folder, self.frame, field)?,
             None => {
                 let options = PageOptions { labels: Labels::parse(&self.label)?, compare: self.compare };
@@ -53,10 +53,10 @@ impl Chart {
                     false => picture::columns(&self.folder, &self.column, &options)?,
                 };
                 deviations.iter().for_each(|line| say!("{line}"));
-                chart.svg()?
+                chart.drawing()?
             }
         };
-        output::write_whole(&out, &format.bytes(svg)?)?;
+        output::write_whole(&out, &format.bytes(&drawing)?)?;
         say!("picture {}", out.display());
         Ok(Status::SUCCESS)
     }

@@ -172,7 +172,7 @@ impl MeshArguments {
         let mut comments = vec![asked(wanted)];
         comments.extend(lines.iter().cloned());
         let format = self.picture.as_deref().map(PictureFormat::of).transpose()?;
-        let picture = format.map(|format| format.bytes(mesh.svg(&comments[0]))).transpose()?;
+        let picture = format.map(|format| format.bytes(&mesh.drawing(&comments[0]))).transpose()?;
         write(&self.out, mesh.deck(&labels, &comments).as_bytes())?;
         lines.iter().for_each(|line| say!("{line}"));
         if let (Some(path), Some(bytes)) = (&self.picture, picture) {

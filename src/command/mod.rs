@@ -26,11 +26,10 @@ use std::path::{Path, PathBuf};
 
 use crate::deck::{Diagnostic, Diagnostics, Sources};
 use crate::job::{self, Prepared, Refusal};
+use crate::output::drawing::Drawing;
 use crate::output::lock::FolderLock;
 use crate::output::{self, Job};
-use crate::study::StudyError;
 use crate::study::chart::Chart;
-use crate::study::draw;
 use crate::study::table::Table;
 use crate::user::Routines;
 use crate::user::compile::{Compiled, compile};
@@ -175,8 +174,8 @@ fn write_results(
     let mut files = vec![(format!("_{name}.csv"), table.csv().into_bytes())];
     files.extend(others);
     for (ending, chart) in charts.iter().filter(|(_, chart)| !chart.is_empty()) {
-        let svg = chart.svg()?;
-        let png = draw::png(&svg)?;
+        let drawing = chart.drawing()?;
+        let (svg, png) = (drawing.svg(), drawing.png()?);
         files.extend([(format!("_{name}{ending}.svg"), svg.into_bytes()), (format!("_{name}{ending}.png"), png)]);
     }
     Ok(output::write_with_sums(job, &files, &format!("_{name}.sfv"))?)
@@ -200,8 +199,8 @@ impl PictureFormat {
     }
 
     /// The bytes of the file.
-    fn bytes(self, svg: String) -> Result<Vec<u8>, StudyError> {
-        if self == PictureFormat::Svg { Ok(svg.into_bytes()) } else { draw::png(&svg) }
+    fn bytes(self, drawing: &Drawing) -> Result<Vec<u8>, String> {
+        if self == PictureFormat::Svg { Ok(drawing.svg().into_bytes()) } else { drawing.png() }
     }
 }
 

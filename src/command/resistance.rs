@@ -196,7 +196,7 @@ impl Resistance {
             let at = |i: u32| self.from + (self.to - self.from) * f64::from(i) / f64::from(DRAWN);
             let points: Vec<(f64, f64)> = (0..=DRAWN).map(at).filter_map(|v| Some((v, similar(v)?))).collect();
             let chart = record.chart("Pressure on an expanding cavity", target, &points);
-            output::write_whole(path, &format.bytes(chart.svg()?)?)?;
+            output::write_whole(path, &format.bytes(&chart.drawing()?)?)?;
         }
         if let Some(path) = &self.card {
             output::write_whole(path, record.card.as_bytes())?;

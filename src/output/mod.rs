@@ -6,11 +6,13 @@ pub mod clock;
 pub mod codes;
 pub mod columns;
 pub mod csv;
+pub mod drawing;
 pub mod history;
 pub mod lock;
 pub mod pvd;
+#[cfg(feature = "cli")]
+mod raster;
 pub mod sums;
-pub mod svg;
 pub mod vtu;
 pub mod whole;
 

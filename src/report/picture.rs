@@ -8,8 +8,8 @@ use super::frames::{self, CELLS, FrameData};
 use super::mesh::{bounds, drawn};
 use super::{PageOptions, ReportError, balance, compare};
 use super::{find, history};
+use crate::output::drawing::{Anchor, Colour, Drawing, Label, Paint, Shape, Stroke};
 use crate::output::sums::Checksums;
-use crate::output::svg::{END, MIDDLE, Svg, polyline};
 use crate::study::axis::{self, ticks};
 use crate::study::chart::{Chart, Form, Series};
 
@@ -115,8 +115,8 @@ fn chart(title: &str, path: &Path, columns: &[String], options: &PageOptions) ->
     Ok(chart)
 }
 
-/// The meridian of a frame (counted from 1; the last by default), mirrored about the axis, as SVG.
-pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<String, ReportError> {
+/// The meridian of a frame (counted from 1; the last by default), mirrored about the axis.
+pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<Drawing, ReportError> {
     let name = find::only_run(folder)?;
     let (list, sums) = (folder.join(format!("{name}.pvd")), Checksums::of(folder)?);
     sums.hold(&list)?;
@@ -129,7 +129,7 @@ pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<Str
     let names: Vec<String> = frame.scalars.iter().map(|s| s.0.clone()).collect();
     let at = names.iter().position(|n| n.eq_ignore_ascii_case(field)).ok_or_else(|| missing("field", field, &names))?;
     let title = format!("{name}: {} at time {time:.6e}, frame {number} of {}", names[at], series.len());
-    Ok(MeridianPicture::of(&frame, at, &find::scene(folder, &name, &sums)?).svg(&title))
+    Ok(MeridianPicture::of(&frame, at, &find::scene(folder, &name, &sums)?).drawing(&title))
 }
 
 /// A cell to draw: corners `[r, z]` and the value, if it has one.
@@ -194,25 +194,24 @@ impl MeridianPicture {
         if self.lying { [along, across] } else { [across, along] }
     }
 
-    fn svg(&self, title: &str) -> String {
+    fn drawing(&self, title: &str) -> Drawing {
         let [wide, high] = self.size();
         let height = high + MARGIN[2] + MARGIN[3];
-        let mut svg = Svg::new([WIDTH, height.round()], 15.0);
-        svg.text([MARGIN[0], 32.0], "font-size=\"18\"", title);
-        svg.raw("<clipPath id=\"view\">");
-        svg.rect([MARGIN[0], MARGIN[2]], [wide, high], "");
-        svg.raw("</clipPath>\n<g clip-path=\"url(#view)\">");
-        self.draw_layers(&mut svg);
-        self.cells.iter().for_each(|cell| self.draw_cell(&mut svg, cell));
-        let axis = polyline([self.view[0], self.view[1]].map(|z| self.place([0.0, z])));
-        svg.path(axis, "stroke=\"#555\" stroke-dasharray=\"10 3 2 3\"");
-        svg.raw("</g>");
-        self.draw_axes(&mut svg);
-        self.draw_scale(&mut svg, height - 34.0);
-        svg.finish()
+        let mut drawing = Drawing::new([WIDTH, height.round()]);
+        drawing.label(Label { size: 18.0, ..Label::new([MARGIN[0], 32.0], Anchor::Start, title) });
+        drawing.shapes.push(Shape::BeginClip([MARGIN[0], MARGIN[2]], [wide, high]));
+        self.draw_layers(&mut drawing);
+        self.cells.iter().for_each(|cell| self.draw_cell(&mut drawing, cell));
+        let axis = [self.view[0], self.view[1]].map(|z| self.place([0.0, z]));
+        let dashed = Stroke { dashes: &[10.0, 3.0, 2.0, 3.0], ..Stroke::new(0x55_55_55, 1.0) };
+        drawing.path(axis, false, Paint { fill: None, stroke: Some(dashed) });
+        drawing.shapes.push(Shape::EndClip);
+        self.draw_axes(&mut drawing);
+        self.draw_scale(&mut drawing, height - 34.0);
+        drawing
     }
 
-    fn draw_layers(&self, svg: &mut Svg) {
+    fn draw_layers(&self, drawing: &mut Drawing) {
         let [low, high, reach] = self.view;
         for (i, (from, to, name)) in self.layers.iter().enumerate() {
             let (bottom, top) = (f64::min(*from, *to).max(low), f64::max(*from, *to).min(high));
@@ -222,57 +221,60 @@ impl MeridianPicture {
             let (a, b) = (self.place([reach, bottom]), self.place([-reach, top]));
             let (x, y) = (f64::min(a[0], b[0]), f64::min(a[1], b[1]));
             let (wide, tall) = ((a[0] - b[0]).abs(), (a[1] - b[1]).abs());
-            let fill = if i % 2 == 0 { "#e9e4d8" } else { "#f3efe6" };
-            svg.rect([x, y], [wide, tall], format_args!("fill=\"{fill}\" stroke=\"#8d8368\""));
-            svg.text([x + 8.0, y + tall - 9.0], "fill=\"#5f5742\"", name);
+            let fill = if i % 2 == 0 { 0xe9_e4_d8 } else { 0xf3_ef_e6 };
+            let paint = Paint { stroke: Some(Stroke::new(0x8d_83_68, 1.0)), ..Paint::fill(fill, 1.0) };
+            drawing.rectangle([x, y], [wide, tall], paint);
+            let label = Label::new([x + 8.0, y + tall - 9.0], Anchor::Start, name);
+            drawing.label(Label { colour: 0x5f_57_42, ..label });
         }
     }
 
-    fn draw_cell(&self, svg: &mut Svg, cell: &DrawnCell) {
-        let colour = cell.value.map_or("#9aa0a6".into(), |v| colour(share(v, self.range)));
+    fn draw_cell(&self, drawing: &mut Drawing, cell: &DrawnCell) {
+        let colour = cell.value.map_or(0x9a_a0_a6, |v| colour(share(v, self.range)));
+        let is_line = cell.corners.len() == 2;
+        let paint = if is_line {
+            Paint { fill: None, stroke: Some(Stroke { round: true, ..Stroke::new(colour, 6.0) }) }
+        } else {
+            Paint { stroke: Some(Stroke::new(colour, 0.6)), ..Paint::fill(colour, 1.0) }
+        };
         for side in [1.0, -1.0] {
-            let path = polyline(cell.corners.iter().map(|[r, z]| self.place([side * r, *z])));
-            if cell.corners.len() == 2 {
-                svg.path(path, format_args!("stroke=\"{colour}\" stroke-width=\"6\" stroke-linecap=\"round\""));
-            } else {
-                svg.path(path + "Z", format_args!("fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\"0.6\""));
-            }
+            let corners = cell.corners.iter().map(|[r, z]| self.place([side * r, *z]));
+            drawing.path(corners, !is_line, paint);
         }
     }
 
-    fn draw_axes(&self, svg: &mut Svg) {
+    fn draw_axes(&self, drawing: &mut Drawing) {
         let ([wide, high], [low, top, reach]) = (self.size(), self.view);
         let (right, bottom) = (MARGIN[0] + wide, MARGIN[2] + high);
-        svg.rect([MARGIN[0], MARGIN[2]], [wide, high], "fill=\"none\" stroke=\"#999\"");
+        drawing.rectangle([MARGIN[0], MARGIN[2]], [wide, high], Paint::stroke(0x99_99_99, 1.0));
         let (zs, rs) = (ticks(low, top, 7.0), ticks(-reach, reach, 7.0));
         // Both axes have one scale, so one power of ten.
         let exponent = axis::exponent(&[&zs[..], &rs].concat());
         let names = ["z", "r"].map(|name| axis::title(name, "", exponent));
         let (level, upright) = if self.lying { (&*names[0], "r") } else { (&*names[1], "z") };
-        svg.text([0.5 * (MARGIN[0] + right), bottom + 46.0], MIDDLE, level);
-        svg.text([18.0, MARGIN[2] + 0.5 * high], MIDDLE, upright);
+        drawing.label(Label::new([0.5 * (MARGIN[0] + right), bottom + 46.0], Anchor::Middle, level));
+        drawing.label(Label::new([18.0, MARGIN[2] + 0.5 * high], Anchor::Middle, upright));
         let on_z = zs.into_iter().map(|z| (self.place([0.0, z]), z, self.lying));
         let on_r = rs.into_iter().map(|r| (self.place([r, low]), r.abs(), !self.lying));
         for ([x, y], value, is_level) in on_z.chain(on_r) {
             let label = axis::label(value, exponent);
-            if is_level {
-                svg.text([x, bottom + 22.0], MIDDLE, &label);
-            } else {
-                svg.text([MARGIN[0] - 8.0, y + 5.0], END, &label);
-            }
+            let (at, anchor) =
+                if is_level { ([x, bottom + 22.0], Anchor::Middle) } else { ([MARGIN[0] - 8.0, y + 5.0], Anchor::End) };
+            drawing.label(Label::new(at, anchor, label));
         }
     }
 
-    fn draw_scale(&self, svg: &mut Svg, y: f64) {
+    fn draw_scale(&self, drawing: &mut Drawing, y: f64) {
         let [low, high] = self.range;
         if low > high {
-            return svg.text([MARGIN[0], y], "", "no values in this frame");
+            return drawing.label(Label::new([MARGIN[0], y], Anchor::Start, "no values in this frame"));
         }
         for i in 0..64 {
-            let fill = colour(f64::from(i) / 63.0);
-            svg.rect([MARGIN[0] + 6.0 * f64::from(i), y - 14.0], [6.5, 14.0], format_args!("fill=\"{fill}\""));
+            let paint = Paint::fill(colour(f64::from(i) / 63.0), 1.0);
+            drawing.rectangle([MARGIN[0] + 6.0 * f64::from(i), y - 14.0], [6.5, 14.0], paint);
         }
-        svg.text([MARGIN[0] + 400.0, y], "", &format!("{} to {}", number(low), number(high)));
+        let range = format!("{} to {}", number(low), number(high));
+        drawing.label(Label::new([MARGIN[0] + 400.0, y], Anchor::Start, range));
     }
 }
 
@@ -301,11 +303,11 @@ fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
     if high > low { (value - low) / (high - low) } else { 0.0 }
 }
 
-fn colour(part: f64) -> String {
+fn colour(part: f64) -> Colour {
     let x = part.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
     let i = (x as usize).min(VIRIDIS.len() - 2);
     let mix = |k: usize| (VIRIDIS[i][k] + (VIRIDIS[i + 1][k] - VIRIDIS[i][k]) * (x - i as f64)).round() as u8;
-    format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
+    Colour::from_be_bytes([0, mix(0), mix(1), mix(2)])
 }
 
 /// Four digits, plain where that is short.
@@ -320,7 +322,7 @@ mod tests {
 
     #[test]
     fn colours_and_numbers_are_as_they_are_read() {
-        assert_eq!([colour(0.0), colour(1.0), colour(9.0)], ["#440154", "#fde725", "#fde725"]);
+        assert_eq!([colour(0.0), colour(1.0), colour(9.0)], [0x44_01_54, 0xfd_e7_25, 0xfd_e7_25]);
         assert_eq!([number(0.025), number(-1.23456e9), number(0.0)], ["0.025", "-1.235e9", "0"]);
     }
 }

@@ -1,18 +1,13 @@
 //! Charts drawn as SVG and PNG, on linear or logarithmic axes; the legend stands below the curves.
 
-use std::sync::Arc;
-
-use resvg::{tiny_skia, usvg};
-
 use super::StudyError;
 use super::axis;
 use super::chart::{Chart, Form, Scale, Series, stacked};
-use crate::output::svg::{END, MIDDLE, Svg, polyline};
+use crate::output::drawing::{Anchor, Colour, Drawing, LETTERS, Label, Paint, Stroke};
 
-/// Size of a picture, and of its letters, in points.
+/// Size of a picture, in points.
 const WIDTH: f64 = 960.0;
 const HEIGHT: f64 = 640.0;
-const LETTERS: f64 = 15.0;
 /// Room around what is drawn: left, right, top; what is below holds the legend too.
 const MARGIN: [f64; 3] = [92.0, 28.0, 56.0];
 const BELOW: f64 = 66.0;
@@ -26,18 +21,24 @@ const MARKED: usize = 60;
 /// Room beside the outermost values of a logarithmic axis, so that no mark is cut.
 const BESIDE: f64 = 1.15;
 /// Okabe and Ito's palette, safe for colour-blind readers, with a violet and a grey after it.
-const PALETTE: [&str; 8] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6bb1", "#5a5a5a"];
+const PALETTE: [Colour; 8] =
+    [0x00_72_b2, 0xd5_5e_00, 0x00_9e_73, 0xcc_79_a7, 0xe6_9f_00, 0x56_b4_e9, 0x8c_6b_b1, 0x5a_5a_5a];
 
 impl Chart {
+    /// The drawing of the chart; an error if there is nothing to draw.
+    pub fn drawing(&self) -> Result<Drawing, StudyError> {
+        let drawing = ChartDrawing::of(self).ok_or_else(|| StudyError::Chart("the chart has no points".into()))?;
+        Ok(drawing.complete())
+    }
+
     /// The chart as SVG text; an error if there is nothing to draw.
     pub fn svg(&self) -> Result<String, StudyError> {
-        let drawing = ChartDrawing::of(self).ok_or_else(|| StudyError::Chart("the chart has no points".into()))?;
-        Ok(drawing.svg())
+        Ok(self.drawing()?.svg())
     }
 
     /// The chart as the bytes of a PNG file; an error if there is nothing to draw.
     pub fn png(&self) -> Result<Vec<u8>, StudyError> {
-        png(&self.svg()?)
+        self.drawing()?.png().map_err(|e| StudyError::Chart(format!("the chart cannot be drawn: {e}")))
     }
 }
 
@@ -48,7 +49,7 @@ struct ChartDrawing<'a> {
     y: [f64; 2],
     /// Entries of the legend, row by row.
     legend: Vec<Vec<usize>>,
-    svg: Svg,
+    drawing: Drawing,
 }
 
 impl<'a> ChartDrawing<'a> {
@@ -60,7 +61,7 @@ impl<'a> ChartDrawing<'a> {
         let edges = stack.iter().flatten().flatten().flat_map(|edge| [edge.0, edge.1]);
         let x = range(points().map(|p| p.0), chart.scale)?;
         let y = range(lines.chain(edges), chart.scale)?;
-        Some(ChartDrawing { chart, x, y, legend: legend(&chart.series), svg: Svg::new([WIDTH, HEIGHT], LETTERS) })
+        Some(ChartDrawing { chart, x, y, legend: legend(&chart.series), drawing: Drawing::new([WIDTH, HEIGHT]) })
     }
 
     /// Where the plot ends: right and bottom.
@@ -79,19 +80,21 @@ impl<'a> ChartDrawing<'a> {
         place.iter().all(|p| p.is_finite()).then_some(place)
     }
 
-    fn svg(mut self) -> String {
-        self.svg.text([0.5 * WIDTH, 34.0], format_args!("font-size=\"20\" {MIDDLE}"), &self.chart.title);
+    fn complete(mut self) -> Drawing {
+        let title = Label::new([0.5 * WIDTH, 34.0], Anchor::Middle, &self.chart.title);
+        self.drawing.label(Label { size: 20.0, ..title });
         self.draw_axis(0);
         self.draw_axis(1);
         let [right, bottom] = self.corner();
-        self.svg.path(format_args!("M{} {}V{bottom}H{right}", MARGIN[0], MARGIN[2]), "fill=\"none\" stroke=\"#444\"");
+        let axes = [[MARGIN[0], MARGIN[2]], [MARGIN[0], bottom], [right, bottom]];
+        self.drawing.path(axes, false, Paint::stroke(0x44_44_44, 1.0));
         self.draw_areas();
         let chart = self.chart;
         for (index, series) in chart.series.iter().enumerate().filter(|s| s.1.form != Form::Area) {
             self.draw_series(series, colour(chart, index));
         }
         self.draw_legend();
-        self.svg.finish()
+        self.drawing
     }
 
     /// Grid, ticks and name of the horizontal (0) or the vertical axis (1).
@@ -103,52 +106,47 @@ impl<'a> ChartDrawing<'a> {
             let at = if axis == 0 { (tick, self.y[0]) } else { (self.x[0], tick) };
             let Some([x, y]) = self.place(at) else { continue };
             let (line, place, anchor) = match axis {
-                0 => (format!("M{x:.2} {bottom}V{}", MARGIN[2]), [x, bottom + 22.0], MIDDLE),
-                _ => (format!("M{} {y:.2}H{right}", MARGIN[0]), [MARGIN[0] - 8.0, y + 5.0], END),
+                0 => ([[x, bottom], [x, MARGIN[2]]], [x, bottom + 22.0], Anchor::Middle),
+                _ => ([[MARGIN[0], y], [right, y]], [MARGIN[0] - 8.0, y + 5.0], Anchor::End),
             };
-            self.svg.path(line, "stroke=\"#e2e2e2\"");
-            self.svg.text(place, anchor, &label);
+            self.drawing.path(line, false, Paint::stroke(0xe2_e2_e2, 1.0));
+            self.drawing.label(Label::new(place, anchor, label));
         }
         let name = [&self.chart.x_label, &self.chart.y_label][axis];
         let name = axis::title(name, &self.chart.units[axis], exponent);
         let (across, up) = (0.5 * (MARGIN[0] + right), 0.5 * (MARGIN[2] + bottom));
-        let (place, turn) = match axis {
-            0 => ([across, bottom + 48.0], String::new()),
-            _ => ([24.0, up], format!("transform=\"rotate(-90 24 {up:.2})\"")),
-        };
-        self.svg.text(place, format_args!("font-size=\"17\" {MIDDLE} {turn}"), &name);
+        let place = if axis == 0 { [across, bottom + 48.0] } else { [24.0, up] };
+        self.drawing.label(Label { size: 17.0, upright: axis == 1, ..Label::new(place, Anchor::Middle, name) });
     }
 
     fn draw_areas(&mut self) {
         let chart = self.chart;
-        let coloured = chart.series.iter().zip(PALETTE.iter().cycle()).filter(|s| s.0.form == Form::Area);
+        let coloured = chart.series.iter().zip(PALETTE.into_iter().cycle()).filter(|s| s.0.form == Form::Area);
         for ((series, colour), edges) in coloured.zip(stacked(&chart.series)) {
             for side in edges.iter().filter(|side| side.iter().any(|e| e.0 != e.1)) {
                 let x = || series.points.iter().map(|p| p.0);
                 let upper = x().zip(side).map(|(x, edge)| (x, edge.1));
                 let lower = x().zip(side).map(|(x, edge)| (x, edge.0));
                 let outline: Vec<(f64, f64)> = upper.chain(lower.rev()).collect();
-                let style = format!("fill=\"{colour}\" fill-opacity=\"0.75\" stroke=\"{colour}\" stroke-width=\"0.5\"");
-                self.svg.path(self.path(&outline) + "Z", style);
+                let paint = Paint { stroke: Some(Stroke::new(colour, 0.5)), ..Paint::fill(colour, 0.75) };
+                self.drawing.path(self.places(&outline), true, paint);
             }
         }
     }
 
-    fn path(&self, points: &[(f64, f64)]) -> String {
-        polyline(points.iter().filter_map(|p| self.place(*p)))
+    fn places(&self, points: &[(f64, f64)]) -> Vec<[f64; 2]> {
+        points.iter().filter_map(|p| self.place(*p)).collect()
     }
 
-    fn draw_series(&mut self, series: &Series, colour: &str) {
-        let path = self.path(&series.points);
-        if series.form == Form::Band {
-            self.svg.path(path + "Z", format_args!("fill=\"{colour}\" fill-opacity=\"0.25\""));
-        } else if series.form != Form::Marks && !path.is_empty() {
-            self.svg.path(path, stroke(series.form, colour));
-        }
+    fn draw_series(&mut self, series: &Series, colour: Colour) {
+        let places = self.places(&series.points);
         if series.form == Form::Marks || series.form == Form::Line && series.points.len() <= MARKED {
-            for place in series.points.iter().filter_map(|p| self.place(*p)).collect::<Vec<_>>() {
-                self.svg.dot(place, colour);
-            }
+            places.iter().for_each(|place| self.drawing.dot(*place, colour));
+        }
+        match series.form {
+            Form::Marks => {}
+            Form::Band => self.drawing.path(places, true, Paint::fill(colour, 0.25)),
+            form => self.drawing.path(places, false, stroke(form, colour)),
         }
     }
 
@@ -159,14 +157,16 @@ impl<'a> ChartDrawing<'a> {
             for index in entries {
                 let series = &self.chart.series[index];
                 let colour = colour(self.chart, index);
-                let filled = |opacity: f64| format!("fill=\"{colour}\" fill-opacity=\"{opacity}\"");
                 match series.form {
-                    Form::Marks => self.svg.dot([x + 13.0, y - 5.0], colour),
-                    Form::Area => self.svg.rect([x, y - 11.0], [26.0, 12.0], filled(0.75)),
-                    Form::Band => self.svg.rect([x, y - 11.0], [26.0, 12.0], filled(0.25)),
-                    form => self.svg.path(format_args!("M{x} {}h26", y - 5.0), stroke(form, colour)),
+                    Form::Marks => self.drawing.dot([x + 13.0, y - 5.0], colour),
+                    Form::Area => self.drawing.rectangle([x, y - 11.0], [26.0, 12.0], Paint::fill(colour, 0.75)),
+                    Form::Band => self.drawing.rectangle([x, y - 11.0], [26.0, 12.0], Paint::fill(colour, 0.25)),
+                    form => {
+                        let line = [[x, y - 5.0], [x + 26.0, y - 5.0]];
+                        self.drawing.path(line, false, stroke(form, colour));
+                    }
                 }
-                self.svg.text([x + 32.0, y], "", &series.name);
+                self.drawing.label(Label::new([x + 32.0, y], Anchor::Start, &series.name));
                 x += entry_width(series);
             }
         }
@@ -174,9 +174,9 @@ impl<'a> ChartDrawing<'a> {
 }
 
 /// The colour of a series; what areas are compared with is dark.
-fn colour(chart: &Chart, index: usize) -> &'static str {
+fn colour(chart: &Chart, index: usize) -> Colour {
     let on_areas = chart.series.first().is_some_and(|s| s.form == Form::Area);
-    if on_areas && chart.series[index].form == Form::Guide { "#111" } else { PALETTE[index % PALETTE.len()] }
+    if on_areas && chart.series[index].form == Form::Guide { 0x11_11_11 } else { PALETTE[index % PALETTE.len()] }
 }
 
 /// Ticks, their labels, and the power of ten that the labels leave out.
@@ -196,11 +196,12 @@ fn ticks(low: f64, high: f64, scale: Scale) -> (Vec<f64>, Vec<String>, i32) {
     }
 }
 
-fn stroke(form: Form, colour: &str) -> String {
-    match form {
-        Form::Guide => format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.6\" stroke-dasharray=\"7 5\""),
-        _ => format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.2\" stroke-linejoin=\"round\""),
-    }
+fn stroke(form: Form, colour: Colour) -> Paint {
+    let stroke = match form {
+        Form::Guide => Stroke { dashes: &[7.0, 5.0], ..Stroke::new(colour, 1.6) },
+        _ => Stroke { round: true, ..Stroke::new(colour, 2.2) },
+    };
+    Paint { fill: None, stroke: Some(stroke) }
 }
 
 fn entry_width(series: &Series) -> f64 {
@@ -241,23 +242,6 @@ fn range(values: impl Iterator<Item = f64>, scale: Scale) -> Option<[f64; 2]> {
             [decade(low, f64::floor) / BESIDE, decade(high, f64::ceil) * BESIDE]
         }
     })
-}
-
-/// An SVG picture as the bytes of a PNG file. The font comes with the program, so that every machine draws the same.
-pub fn png(svg: &str) -> Result<Vec<u8>, StudyError> {
-    drawn(svg).map_err(|e| StudyError::Chart(format!("the chart cannot be drawn: {e}")))
-}
-
-fn drawn(svg: &str) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let mut options = usvg::Options { font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
-    let fonts = Arc::make_mut(&mut options.fontdb);
-    fonts.load_font_data(dejavu::sans::regular().to_vec());
-    fonts.set_sans_serif_family("DejaVu Sans");
-    let tree = usvg::Tree::from_str(svg, &options)?;
-    let size = tree.size().to_int_size();
-    let mut picture = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("no memory for the picture")?;
-    resvg::render(&tree, tiny_skia::Transform::identity(), &mut picture.as_mut());
-    Ok(picture.encode_png()?)
 }
 
 #[cfg(test)]

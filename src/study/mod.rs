@@ -13,7 +13,7 @@ pub mod convergence;
 #[cfg(feature = "cli")]
 pub(crate) mod dakota;
 #[cfg(feature = "cli")]
-pub mod draw;
+mod draw;
 pub mod effects;
 mod error;
 pub mod evaluate;

@@ -10,8 +10,8 @@ use std::time::Duration;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use resvg::tiny_skia::Pixmap;
 use serde_json::{Value, json};
+use tiny_skia::Pixmap;
 
 /// A browser that does not answer for so long has died.
 const SILENCE: Duration = Duration::from_secs(120);

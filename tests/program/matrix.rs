@@ -189,7 +189,7 @@ fn clocks_that_jump_change_nothing() {
 /// What `report` and `chart` make of a folder: the same as of the whole one, or an error that names a file.
 fn read_back(folder: &Path, changed: &str, whole: &[String; 2]) -> bool {
     let page = report::gather(folder).map(|page| serde_json::to_string(&page).expect("a page"));
-    let picture = report::picture::meridian(folder, None, "PRESSURE");
+    let picture = report::picture::meridian(folder, None, "PRESSURE").map(|picture| picture.svg());
     let mut refused = false;
     for (answer, whole) in [page.map_err(|e| e.to_string()), picture.map_err(|e| e.to_string())].into_iter().zip(whole)
     {
@@ -214,7 +214,7 @@ fn torn_and_changed_results_are_told() {
     fs::remove_file(out.join("report.html")).expect("removed");
     let whole = [
         serde_json::to_string(&report::gather(&out).expect("a page")).expect("JSON"),
-        report::picture::meridian(&out, None, "PRESSURE").expect("a picture"),
+        report::picture::meridian(&out, None, "PRESSURE").expect("a picture").svg(),
     ];
     let mut dice = between(4711);
     let (mut cases, mut refused) = (0, 0);

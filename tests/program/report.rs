@@ -5,10 +5,10 @@ use std::process::Output;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use resvg::tiny_skia::{Pixmap, PremultipliedColorU8};
 use revolve::report;
 use revolve::report::data::Meridian;
 use serde_json::{Value, json};
+use tiny_skia::{Pixmap, PremultipliedColorU8};
 
 use crate::browser::{Browser, View};
 use crate::common::{self, revolve};

@@ -1,0 +1,243 @@
+//! Drawings as lists of shapes, written as SVG here and as pixels in `raster`. Lengths are in points, y runs downwards.
+
+use std::fmt::{self, Display, Write as _};
+
+use super::vtu::escape;
+
+/// Red, green and blue as `0xRRGGBB`.
+pub type Colour = u32;
+
+/// Height of the letters of a label, unless it has another.
+pub const LETTERS: f64 = 15.0;
+/// Radius of a dot.
+pub const DOT: f64 = 4.5;
+
+/// Shapes on a white ground, the first one lowest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    /// Width and height.
+    pub size: [f64; 2],
+    /// The shapes.
+    pub shapes: Vec<Shape>,
+}
+
+/// A part of a drawing.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// Straight lines through points.
+    Path {
+        /// The points.
+        points: Vec<[f64; 2]>,
+        /// Whether the last point is joined to the first.
+        closed: bool,
+        /// Fill and stroke.
+        paint: Paint,
+    },
+    /// A rectangle.
+    Rectangle {
+        /// Upper left corner.
+        corner: [f64; 2],
+        /// Width and height.
+        size: [f64; 2],
+        /// Fill and stroke.
+        paint: Paint,
+    },
+    /// A filled circle.
+    Dot {
+        /// Its centre.
+        centre: [f64; 2],
+        /// Its fill.
+        colour: Colour,
+    },
+    /// A line of text.
+    Label(Label),
+    /// Limits the following shapes to a rectangle, by its upper left corner, width and height.
+    BeginClip([f64; 2], [f64; 2]),
+    /// Ends that limit.
+    EndClip,
+}
+
+/// Fill and stroke of a shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Paint {
+    /// Colour and opacity (0 to 1) of the inside.
+    pub fill: Option<(Colour, f64)>,
+    /// Line along the outline.
+    pub stroke: Option<Stroke>,
+}
+
+/// A line along an outline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// Its colour.
+    pub colour: Colour,
+    /// Its width.
+    pub width: f64,
+    /// Lengths of dashes and gaps in turn; empty for a solid line.
+    pub dashes: &'static [f32],
+    /// Whether ends and corners are round.
+    pub round: bool,
+}
+
+/// A line of text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Label {
+    /// Place of the anchor on the base line.
+    pub at: [f64; 2],
+    /// The text.
+    pub text: String,
+    /// Which part of the text lies at that place.
+    pub anchor: Anchor,
+    /// Height of the letters.
+    pub size: f64,
+    /// Colour of the letters.
+    pub colour: Colour,
+    /// Whether the text runs upwards.
+    pub upright: bool,
+}
+
+/// The part of a text that lies at its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// Where it begins.
+    Start,
+    /// Its middle.
+    Middle,
+    /// Where it ends.
+    End,
+}
+
+impl Drawing {
+    /// An empty drawing of this width and height.
+    pub fn new(size: [f64; 2]) -> Drawing {
+        Drawing { size, shapes: Vec::new() }
+    }
+
+    /// Adds lines through points, if there are any.
+    pub fn path(&mut self, points: impl IntoIterator<Item = [f64; 2]>, closed: bool, paint: Paint) {
+        let points: Vec<[f64; 2]> = points.into_iter().collect();
+        if !points.is_empty() {
+            self.shapes.push(Shape::Path { points, closed, paint });
+        }
+    }
+
+    /// Adds a rectangle by its upper left corner, its width and its height.
+    pub fn rectangle(&mut self, corner: [f64; 2], size: [f64; 2], paint: Paint) {
+        self.shapes.push(Shape::Rectangle { corner, size, paint });
+    }
+
+    /// Adds a dot.
+    pub fn dot(&mut self, centre: [f64; 2], colour: Colour) {
+        self.shapes.push(Shape::Dot { centre, colour });
+    }
+
+    /// Adds a line of text.
+    pub fn label(&mut self, label: Label) {
+        self.shapes.push(Shape::Label(label));
+    }
+
+    /// The drawing as SVG.
+    pub fn svg(&self) -> String {
+        let [width, height] = self.size;
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+             font-family=\"DejaVu Sans, sans-serif\" font-size=\"{LETTERS}\">\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
+        );
+        for (index, shape) in self.shapes.iter().enumerate() {
+            let _ = shape.write_svg(index, &mut svg);
+        }
+        svg + "</svg>\n"
+    }
+}
+
+impl Shape {
+    fn write_svg(&self, index: usize, svg: &mut String) -> fmt::Result {
+        let rectangle = |[x, y]: &[f64; 2], [wide, high]: &[f64; 2]| {
+            format!("<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{wide:.2}\" height=\"{high:.2}\"")
+        };
+        match self {
+            Shape::Path { points, closed, paint } => {
+                let words: Vec<String> = points.iter().map(|[x, y]| format!("{x:.2} {y:.2}")).collect();
+                let end = if *closed { "Z" } else { "" };
+                writeln!(svg, "<path d=\"M{}{end}\"{paint}/>", words.join("L"))
+            }
+            Shape::Rectangle { corner, size, paint } => writeln!(svg, "{}{paint}/>", rectangle(corner, size)),
+            Shape::Dot { centre: [x, y], colour } => {
+                writeln!(svg, "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{DOT}\" fill=\"#{colour:06x}\"/>")
+            }
+            Shape::Label(label) => label.write_svg(svg),
+            Shape::BeginClip(corner, size) => {
+                let id = format!("clip{index}");
+                writeln!(svg, "<clipPath id=\"{id}\">{}/></clipPath>", rectangle(corner, size))?;
+                writeln!(svg, "<g clip-path=\"url(#{id})\">")
+            }
+            Shape::EndClip => writeln!(svg, "</g>"),
+        }
+    }
+}
+
+impl Paint {
+    /// A fill of this opacity without a stroke.
+    pub fn fill(colour: Colour, opacity: f64) -> Paint {
+        Paint { fill: Some((colour, opacity)), stroke: None }
+    }
+
+    /// A solid stroke without a fill.
+    pub fn stroke(colour: Colour, width: f64) -> Paint {
+        Paint { fill: None, stroke: Some(Stroke::new(colour, width)) }
+    }
+}
+
+impl Display for Paint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.fill {
+            Some((colour, opacity)) if opacity < 1.0 => {
+                write!(f, " fill=\"#{colour:06x}\" fill-opacity=\"{opacity}\"")?
+            }
+            Some((colour, _)) => write!(f, " fill=\"#{colour:06x}\"")?,
+            None => f.write_str(" fill=\"none\"")?,
+        }
+        let Some(Stroke { colour, width, dashes, round }) = self.stroke else { return Ok(()) };
+        write!(f, " stroke=\"#{colour:06x}\" stroke-width=\"{width}\"")?;
+        if !dashes.is_empty() {
+            let lengths: Vec<String> = dashes.iter().map(f32::to_string).collect();
+            write!(f, " stroke-dasharray=\"{}\"", lengths.join(" "))?;
+        }
+        f.write_str(if round { " stroke-linecap=\"round\" stroke-linejoin=\"round\"" } else { "" })
+    }
+}
+
+impl Stroke {
+    /// A solid line with plain ends.
+    pub fn new(colour: Colour, width: f64) -> Stroke {
+        Stroke { colour, width, dashes: &[], round: false }
+    }
+}
+
+impl Label {
+    /// Black text from left to right in letters of the usual height.
+    pub fn new(at: [f64; 2], anchor: Anchor, text: impl Into<String>) -> Label {
+        Label { at, text: text.into(), anchor, size: LETTERS, colour: 0, upright: false }
+    }
+
+    fn write_svg(&self, svg: &mut String) -> fmt::Result {
+        let [x, y] = self.at;
+        write!(svg, "<text x=\"{x:.2}\" y=\"{y:.2}\"")?;
+        if self.size != LETTERS {
+            write!(svg, " font-size=\"{}\"", self.size)?;
+        }
+        svg.push_str(match self.anchor {
+            Anchor::Start => "",
+            Anchor::Middle => " text-anchor=\"middle\"",
+            Anchor::End => " text-anchor=\"end\"",
+        });
+        if self.colour != 0 {
+            write!(svg, " fill=\"#{:06x}\"", self.colour)?;
+        }
+        if self.upright {
+            write!(svg, " transform=\"rotate(-90 {x:.2} {y:.2})\"")?;
+        }
+        writeln!(svg, ">{}</text>", escape(&self.text))
+    }
+}
