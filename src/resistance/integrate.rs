@@ -1,37 +1,24 @@
 //! Integration through the plastic zone, from its front to the cavity, by the strain.
 
-use differential_equations::ivp::IVP;
-use differential_equations::methods::ExplicitRungeKutta;
-use differential_equations::ode::ODE;
-
 use super::ResistanceError;
 use super::target::Target;
 
 /// Difference of the logarithmic strains where the integration ends: the cavity's wall is exp(-36) nearer, below rounding.
 pub const WALL: f64 = 36.0;
 /// Relative and absolute error of a step.
-const TOLERANCE: f64 = 1e-10;
-/// Steps between two kinks; a smooth zone takes some twenty.
+const TOLERANCE: f64 = 1e-11;
+/// Steps of ln q below this are lost in the rounding of a strain.
+const LEAST: f64 = 1e-13;
+/// Steps between two kinks that are tried; a smooth zone takes some twenty.
 const STEPS: usize = 2000;
 /// The first step that is tried, of ln q: between two kinks mostly the only one.
 const FIRST: f64 = 0.3;
+/// Parts that a step is divided into for the midpoint rule.
+const DIVISIONS: [usize; 5] = [2, 4, 6, 8, 10];
+/// Power of the step that the error estimate follows.
+const ERROR_ORDER: f64 = 9.0;
 
-/// A slope between two kinks.
-struct SmoothPiece<'a, F> {
-    slope: &'a F,
-    /// Values of q; the last one belongs to the next piece.
-    ends: [f64; 2],
-}
-
-impl<const N: usize, F: Fn(f64, &[f64; N]) -> [f64; N]> ODE<f64, [f64; N]> for SmoothPiece<'_, F> {
-    fn diff(&self, log_q: f64, y: &[f64; N], slope: &mut [f64; N]) {
-        // Rounding must not reach across a kink.
-        let q = libm::exp(log_q).clamp(self.ends[0], self.ends[1].next_down());
-        *slope = (self.slope)(q, y);
-    }
-}
-
-/// Integrates `dy / d ln q = slope(q, y)` between two values of q by Dormand and Prince, order 8, from kink to kink.
+/// Integrates `dy / d ln q = slope(q, y)` between two values of q, from kink to kink.
 pub fn integrate<const N: usize>(
     slope: &impl Fn(f64, &[f64; N]) -> [f64; N],
     [from, to]: [f64; 2],
@@ -40,25 +27,111 @@ pub fn integrate<const N: usize>(
 ) -> Result<[f64; N], ResistanceError> {
     let mut at = from;
     for next in target.kinks([from, to]).chain([to]) {
-        let ends = [libm::log(at), libm::log(next)];
-        // Nothing happens within the rounding of a strain.
-        if ends[1] - ends[0] < 1e-13 {
-            continue;
-        }
-        let first = FIRST.min(ends[1] - ends[0]);
-        let method = ExplicitRungeKutta::dop853().h0(first).rtol(TOLERANCE).atol(TOLERANCE).max_steps(STEPS);
-        let lost = |why: &str| {
+        // Rounding must not reach across a kink.
+        let smooth = |log_q: f64, y: &[f64; N]| slope(libm::exp(log_q).clamp(at, next.next_down()), y);
+        y = integrate_smooth(&smooth, [libm::log(at), libm::log(next)], y).ok_or_else(|| {
             let [from, to] = [at, next].map(|q| q / target.young);
-            ResistanceError::Lost(format!("{why} between the strains {from:.3e} and {to:.3e}"))
-        };
-        let piece = SmoothPiece { slope, ends: [at, next] };
-        let solved = IVP::ode(&piece, ends[0], ends[1], y).method(method).solve();
-        let solution = solved.map_err(|_| lost("no step is small enough"))?;
-        y = *solution.y.last().ok_or_else(|| lost("nothing is integrated"))?;
-        if y.iter().any(|v| !v.is_finite()) {
-            return Err(lost("the stress has no value"));
-        }
+            ResistanceError::Lost(format!("no step is small enough between the strains {from:.3e} and {to:.3e}"))
+        })?;
         at = next;
     }
     Ok(y)
+}
+
+/// Integrates a smooth slope with steps of controlled error; `None` if no step is small enough.
+fn integrate_smooth<const N: usize>(
+    slope: &impl Fn(f64, &[f64; N]) -> [f64; N],
+    [mut x, end]: [f64; 2],
+    mut y: [f64; N],
+) -> Option<[f64; N]> {
+    let mut step = FIRST;
+    for _ in 0..STEPS {
+        if end - x < LEAST {
+            return Some(y);
+        }
+        if step < LEAST {
+            return None;
+        }
+        let tried = step.min(end - x);
+        let (next, error) = extrapolated_step(slope, [x, tried], &y);
+        if error <= 1.0 {
+            x += tried;
+            y = next;
+        }
+        let factor = if error.is_nan() { 0.0 } else { 0.9 * libm::pow(error, -1.0 / ERROR_ORDER) };
+        step = tried * factor.clamp(0.2, 5.0);
+    }
+    None
+}
+
+/// Value after a step and its estimated error over the tolerance: the midpoint rule with ever more parts, extrapolated to
+/// infinitely many by Aitken and Neville's scheme (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.9).
+fn extrapolated_step<const N: usize>(
+    slope: &impl Fn(f64, &[f64; N]) -> [f64; N],
+    [x, step]: [f64; 2],
+    y: &[f64; N],
+) -> ([f64; N], f64) {
+    let first = slope(x, y);
+    let mut row = [[0.0; N]; DIVISIONS.len()];
+    for (i, parts) in DIVISIONS.into_iter().enumerate() {
+        let mut value = midpoint_rule(slope, [x, step], parts, y, &first);
+        for k in 0..i {
+            let ratio = parts as f64 / DIVISIONS[i - 1 - k] as f64;
+            let change = (0..N).map(|c| (value[c] - row[k][c]) / (ratio * ratio - 1.0));
+            let mut next = value;
+            next.iter_mut().zip(change).for_each(|(next, change)| *next += change);
+            row[k] = value;
+            value = next;
+        }
+        row[i] = value;
+    }
+    let [.., previous, last] = row;
+    let scaled = |c: usize| (last[c] - previous[c]).abs() / (TOLERANCE * (1.0 + last[c].abs().max(y[c].abs())));
+    // A value that is no number must not be lost in a maximum.
+    let error = (0..N).map(scaled).fold(0.0, |most: f64, e| if e <= most { most } else { e });
+    (last, error)
+}
+
+/// Gragg's midpoint rule, whose error has even powers of the parts' length only; `first` is the slope at the beginning.
+fn midpoint_rule<const N: usize>(
+    slope: &impl Fn(f64, &[f64; N]) -> [f64; N],
+    [x, step]: [f64; 2],
+    parts: usize,
+    y: &[f64; N],
+    first: &[f64; N],
+) -> [f64; N] {
+    let length = step / parts as f64;
+    let ahead = |from: &[f64; N], length: f64, slope: &[f64; N]| {
+        let mut y = *from;
+        y.iter_mut().zip(slope).for_each(|(y, slope)| *y += length * slope);
+        y
+    };
+    let (mut before, mut here) = (*y, ahead(y, length, first));
+    for part in 1..parts {
+        let next = ahead(&before, 2.0 * length, &slope(x + part as f64 * length, &here));
+        (before, here) = (here, next);
+    }
+    here
+}
+
+#[cfg(test)]
+mod tests {
+    use super::integrate_smooth;
+
+    /// Source: y'' = -y has the solution (cos x, -sin x).
+    #[test]
+    fn an_oscillation_keeps_its_phase_and_amplitude() {
+        let end = integrate_smooth(&|_, y: &[f64; 2]| [y[1], -y[0]], [0.0, 10.0], [1.0, 0.0]).expect("a solution");
+        let errors = [end[0] - libm::cos(10.0), end[1] + libm::sin(10.0)];
+        assert!(errors.iter().all(|e| e.abs() < 1e-9), "{errors:?}");
+    }
+
+    /// Source: y' = y^2 has the solution 1/(1 - x), which ends at x = 1.
+    #[test]
+    fn a_pole_is_not_stepped_over() {
+        let slope = |_: f64, y: &[f64; 1]| [y[0] * y[0]];
+        let [near] = integrate_smooth(&slope, [0.0, 0.99], [1.0]).expect("a solution");
+        assert!((near / 100.0 - 1.0).abs() < 1e-7, "{near}");
+        assert_eq!(integrate_smooth(&slope, [0.0, 1.5], [1.0]), None);
+    }
 }
