@@ -77,6 +77,8 @@ pub(crate) mod vtk_file;
 #[cfg(not(feature = "mesh-files"))]
 #[path = "no_vtk_file.rs"]
 mod vtk_file;
+#[cfg(feature = "mesh-files")]
+mod xml_limits;
 
 pub use element_nodes::ElementNodes;
 pub use name::Name;

@@ -2,7 +2,8 @@
 //! Never here: what their arrays mean.
 //!
 //! The one file that knows vtkio, a release before its first: its version is pinned in `Cargo.toml`, its panics are caught here,
-//! and what it would take at its word (lengths of compressed arrays, lists of other files) is looked at before. What would take
+//! and what it would take at its word (lengths of compressed arrays, numbers of tags and attributes, lists of other files) is
+//! looked at before. What would take
 //! its place is a reader of our own for what we write and ParaView saves by default: unstructured grids in XML with inline
 //! arrays, by base64 and flate2, which are here anyway; legacy files would no longer be read. It would keep to [`read`].
 
@@ -16,6 +17,7 @@ use vtkio::Vtk;
 use vtkio::model::{Attribute, Attributes, CellType, DataSet, IOBuffer, VertexNumbers};
 
 use super::mesh_data::{MeshFile, is_ours};
+use super::xml_limits::exceeded_limit;
 use crate::deck::files;
 
 /// Bytes of a file that is read: vtkio holds it several times over.
@@ -33,7 +35,10 @@ fn claims_too_much(text: &str) -> bool {
         // Number of blocks, size of each, size of the last.
         let head = data.trim_start().as_bytes().get(..4 * size).and_then(|head| STANDARD.decode(head).ok());
         let Some(head) = head else { return false };
-        number(&head[..size]).saturating_mul(number(&head[size..2 * size])) > 1100 * text.len() as u64
+        let blocks = number(&head[..size]);
+        // The size of each block stands in the file.
+        blocks > text.len() as u64
+            || blocks.saturating_mul(number(&head[size..2 * size])) > 1100 * text.len() as u64
             || number(&head[2 * size..3 * size]) > 1100 * text.len() as u64
     })
 }
@@ -70,6 +75,9 @@ fn parse(path: &Path) -> Result<MeshFile, String> {
     let text = String::from_utf8_lossy(&bytes);
     if text.contains("<VTKFile") && !text.contains("</VTKFile>") {
         return Err("the file ends early".into());
+    }
+    if let Some(limit) = text.contains("<VTKFile").then(|| exceeded_limit(&text)).flatten() {
+        return Err(limit);
     }
     if ["<PUnstructuredGrid", "<PPolyData"].iter().any(|list| text.contains(list)) {
         return Err("it lists pieces in other files; save it as one".into());

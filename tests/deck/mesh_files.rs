@@ -76,6 +76,30 @@ fn damaged_and_missing_files_are_told() {
     }
 }
 
+/// Sources: RUSTSEC-2026-0194 (attributes); the number of blocks that stands at the beginning of a compressed array.
+#[test]
+fn files_beyond_the_limits_of_tags_and_blocks_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mesh.vtu");
+    let message = |text: &str| {
+        std::fs::write(&path, text).expect("a file");
+        errors(&format!("*Mesh, input=\"{}\"\n", path.display()))
+    };
+    let attributes: String = (0..100_000).map(|i| format!(" a{i}=\"\"")).collect();
+    let told = message(&SMALL.replace("<Points>", &format!("<Points{attributes}>")));
+    assert!(told.contains("error[M150]") && told.contains("t.inp:1"), "{told}");
+    assert!(told.contains("line 4: the tag `Points` has 100000 attributes, at most 64 are read"), "{told}");
+    let told = message(&SMALL.replace("<CellData>", &format!("{}<CellData>", "<a/>".repeat(100_000))));
+    assert!(told.contains("error[M150]") && told.contains("more than 100000 tags"), "{told}");
+    // 2^40 blocks of no bytes, in the base64 of three numbers of eight bytes.
+    let array = "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"";
+    let blocks = SMALL
+        .replace("header_type=\"UInt64\"", array)
+        .replace("format=\"ascii\">1 0<", "format=\"binary\">AAAAAAABAAAAAAAAAAAAAAAAAAAAAAAA<");
+    let told = message(&blocks);
+    assert!(told.contains("error[M150]") && told.contains("larger than the file can hold"), "{told}");
+}
+
 const SMALL: &str = r#"<?xml version="1.0"?>
 <VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">
 <UnstructuredGrid><Piece NumberOfPoints="3" NumberOfCells="2">

@@ -1,0 +1,74 @@
+//! Limits of the tags of an XML file. They are checked before a reader sees the file that compares each attribute of a tag with
+//! all others (RUSTSEC-2026-0194).
+
+/// Attributes of a tag; VTK writes a dozen.
+const MOST_ATTRIBUTES: usize = 64;
+/// Tags of a file; VTK writes two for each array.
+const MOST_TAGS: usize = 100_000;
+/// Beginnings and ends of what looks like a tag and has no attributes.
+const SKIPPED: [(&str, &str); 3] = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+
+/// The limit that a file exceeds, with the line of the tag; `None` if it keeps to all. Binary data at the end is not read.
+pub fn exceeded_limit(text: &str) -> Option<String> {
+    let mut rest = text;
+    for _ in 0..MOST_TAGS {
+        let tag = &rest[rest.find('<')?..];
+        if let Some((_, end)) = SKIPPED.iter().find(|(begin, _)| tag.starts_with(begin)) {
+            rest = &tag[tag.find(end)?..];
+            continue;
+        }
+        let (length, attributes) = measure(tag);
+        if attributes > MOST_ATTRIBUTES {
+            let line = text[..text.len() - tag.len()].matches('\n').count() + 1;
+            let name = tag[1..].split(|c: char| c.is_whitespace()).next().unwrap_or_default();
+            return Some(format!(
+                "line {line}: the tag `{name}` has {attributes} attributes, at most {MOST_ATTRIBUTES} are read"
+            ));
+        }
+        if tag.starts_with("<AppendedData") {
+            return None;
+        }
+        rest = &tag[length..];
+    }
+    Some(format!("it has more than {MOST_TAGS} tags"))
+}
+
+/// Length of the tag that a text begins with, up to its `>`, and the number of its attributes.
+fn measure(tag: &str) -> (usize, usize) {
+    let (mut quote, mut attributes) = (None, 0);
+    let end = tag.bytes().position(|byte| {
+        match (quote, byte) {
+            (Some(begun), _) if begun == byte => quote = None,
+            (None, b'"' | b'\'') => quote = Some(byte),
+            (None, b'=') => attributes += 1,
+            _ => {}
+        }
+        quote.is_none() && byte == b'>'
+    });
+    (end.unwrap_or(tag.len()), attributes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MOST_ATTRIBUTES, MOST_TAGS, exceeded_limit};
+
+    #[test]
+    fn ordinary_files_keep_to_the_limits() {
+        let text = "<?xml version=\"1.0\"?>\n<!-- don't > = -->\n<VTKFile type='a>\"=b'>\n<A/>1 = 2 = 3</VTKFile>";
+        assert_eq!(exceeded_limit(text), None);
+        assert_eq!(exceeded_limit("no tags"), None);
+        assert_eq!(exceeded_limit("<unclosed a='"), None);
+        let binary = "<".repeat(MOST_TAGS + 1);
+        assert_eq!(exceeded_limit(&format!("<A><AppendedData encoding=\"raw\">_{binary}</AppendedData></A>")), None);
+    }
+
+    #[test]
+    fn many_attributes_and_many_tags_exceed_them() {
+        let with = |count: usize| format!("<A>\n<B{}/>\n</A>", " c=\"\"".repeat(count));
+        assert_eq!(exceeded_limit(&with(MOST_ATTRIBUTES)), None);
+        let message = exceeded_limit(&with(MOST_ATTRIBUTES + 1)).expect("a limit");
+        assert!(message.starts_with("line 2: the tag `B` has 65 attributes"), "{message}");
+        assert!(exceeded_limit(&"<a></a>".repeat(MOST_TAGS / 2 - 1)).is_none());
+        assert!(exceeded_limit(&"<a></a>".repeat(MOST_TAGS / 2 + 1)).is_some_and(|m| m.contains("100000 tags")));
+    }
+}
