@@ -14,6 +14,7 @@ use crate::kernel::attitude::{Vector, cross, dot, norm, plus, times};
 use crate::kernel::interaction::Friction;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::profile::Profile;
+use crate::platform::PortableMath as _;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
@@ -133,7 +134,7 @@ impl RigidWallContact {
 
     /// Signed distance of a place in space from the wall, and the wall's normal there; `None` beyond its edges.
     fn gap(&self, [x, y, z]: Vector) -> Option<(f64, Vector)> {
-        let r = x.hypot(z);
+        let r = x.portable_hypot(z);
         let nearest = self.profile.nearest([r, y], 0.0);
         let [n_r, n_z] = self.profile.segments[nearest.segment].normal([r, y], 0.0);
         let [c, s] = if r > 0.0 { [x / r, z / r] } else { [1.0, 0.0] };
@@ -164,7 +165,7 @@ impl RigidWallContact {
         let [r, z] = self.rings[ring];
         for _ in 0..DEEPEST {
             let normal = pose.attitude.to_body(best.normal);
-            let across = normal[0].hypot(normal[2]);
+            let across = normal[0].portable_hypot(normal[2]);
             let own = [-r * normal[0] / across, z, -r * normal[2] / across];
             match self.touch(pose, own).filter(|_| across > 0.0).filter(|touch| touch.gap < best.gap) {
                 Some(deeper) => best = deeper,
@@ -290,7 +291,7 @@ impl RigidWallContact {
     /// Distance of the centre of mass from the wall.
     fn distance(&self, body: &RigidBody3d) -> f64 {
         let [x, y, z] = body.centre;
-        self.profile.nearest([x.hypot(z), y], 0.0).gap.abs()
+        self.profile.nearest([x.portable_hypot(z), y], 0.0).gap.abs()
     }
 }
 
@@ -303,8 +304,8 @@ impl ContactPoint {
         let slip = [1, 2].inline_map(|i| dot(self.axes[i], velocity));
         let inverse_mass = self.inverse_mass[1].max(self.inverse_mass[2]);
         let trial = [0, 1].inline_map(|i| self.impulse[i + 1] - slip[i] / inverse_mass);
-        let (size, pressed) = (trial[0].hypot(trial[1]), self.impulse[0]);
-        let most = if pressed > 0.0 { friction.coefficient(slip[0].hypot(slip[1])) * pressed } else { 0.0 };
+        let (size, pressed) = (trial[0].portable_hypot(trial[1]), self.impulse[0]);
+        let most = if pressed > 0.0 { friction.coefficient(slip[0].portable_hypot(slip[1])) * pressed } else { 0.0 };
         let factor = if size > most { most / size } else { 1.0 };
         (self.impulse[1], self.impulse[2]) = (factor * trial[0], factor * trial[1]);
     }

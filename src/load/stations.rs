@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 use crate::kernel::attitude::{Vector, cross, dot, plus};
 use crate::kernel::facet::Facet;
 use crate::mesh::surface::Patch;
+use crate::platform::PortableMath as _;
 use crate::state::rigid_body_3d::{RigidBody3d, Wrench};
 
 /// One station: position and outward normal in the frame of the body, from its centre of mass.
@@ -43,7 +44,7 @@ impl Station {
         let arm = body.attitude.to_world(self.arm);
         let [x, y, z] = plus(body.centre, 1.0, arm);
         let normal = body.attitude.to_world(self.normal);
-        let level = normal[0].hypot(normal[2]);
+        let level = normal[0].portable_hypot(normal[2]);
         let outwards = if normal[0] * x + normal[2] * z < 0.0 { -1.0 } else { 1.0 };
         let across =
             if level > 0.0 { [outwards * normal[0] / level, outwards * normal[2] / level] } else { [1.0, 0.0] };
@@ -51,8 +52,8 @@ impl Station {
         let velocity = plus(body.shown.velocity, 1.0, cross(body.shown.turning, arm));
         let start = plus(body.start.centre, 1.0, body.start.attitude.to_world(self.arm));
         PlanarPoint {
-            place: [x.hypot(z), y],
-            start: [start[0].hypot(start[2]), start[1]],
+            place: [x.portable_hypot(z), y],
+            start: [start[0].portable_hypot(start[2]), start[1]],
             normal: flat(normal),
             velocity: flat(velocity),
             acceleration: flat(body.acceleration_at(arm)),

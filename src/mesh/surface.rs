@@ -7,6 +7,7 @@ use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
+use crate::platform::PortableMath as _;
 use crate::state::archive::{Archive, Persist};
 use crate::state::nodes::Nodes;
 
@@ -57,7 +58,7 @@ impl Face {
     pub fn new(face: [usize; 2], nodes: &Nodes) -> Face {
         let [a, b] = face.inline_map(|n| nodes[n].place());
         let (dr, dz) = (b[0] - a[0], b[1] - a[1]);
-        let length = dr.hypot(dz);
+        let length = dr.portable_hypot(dz);
         Face { nodes: face, ends: [a, b], normal: [dz / length, -dr / length] }
     }
 

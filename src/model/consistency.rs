@@ -11,6 +11,7 @@ use super::types::{
 use crate::deck::keywords::Keyword;
 use crate::deck::table::{constraints, materials, steps};
 use crate::deck::{Diagnostic, Diagnostics, Span};
+use crate::platform::PortableMath as _;
 use crate::variables::request::VariableRequest;
 
 impl Model {
@@ -432,7 +433,7 @@ impl Check<'_> {
             }
             LoadKind::Gravity { elements, direction } => {
                 self.elements(load.span, elements.as_deref().unwrap_or_default());
-                let length = direction[0].hypot(direction[1]).hypot(direction[2]);
+                let length = direction[0].portable_hypot(direction[1]).portable_hypot(direction[2]);
                 self.value((length - 1.0).abs() < 1e-9, load.span, || "GRAV needs a unit vector as direction".into());
             }
             LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) => self.sides(load.span, sides),

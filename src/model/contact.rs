@@ -8,6 +8,7 @@ use super::types::{
 };
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 use crate::kernel::lists::sorted_unique;
+use crate::platform::PortableMath as _;
 
 /// Up to this part of the radius the ends of an arc differ by rounding alone.
 const ARC_ROUNDING: f64 = 1e-6;
@@ -111,7 +112,7 @@ impl Builder<'_> {
         let centre = [self.number(line, 3, "r of the centre")?, self.number(line, 4, "z of the centre")?];
         let centre = evened(from, to, self.arc_centre(from, to, centre, line.span)?);
         let (u, v) = ([from[0] - centre[0], from[1] - centre[1]], [to[0] - centre[0], to[1] - centre[1]]);
-        let sine = (u[0] * v[1] - u[1] * v[0]) / (u[0].hypot(u[1]) * v[0].hypot(v[1]));
+        let sine = (u[0] * v[1] - u[1] * v[0]) / (u[0].portable_hypot(u[1]) * v[0].portable_hypot(v[1]));
         if sine.abs() < 1e-6 {
             return self.refuse_value(line.span, "an arc must be shorter than half a circle: give it in two");
         }
@@ -127,7 +128,7 @@ impl Builder<'_> {
         centre: [f64; 2],
         span: Span,
     ) -> Option<[f64; 2]> {
-        let [a, b] = [from, to].map(|p| (p[0] - centre[0]).hypot(p[1] - centre[1]));
+        let [a, b] = [from, to].map(|p| (p[0] - centre[0]).portable_hypot(p[1] - centre[1]));
         let off = (a - b).abs() / a.max(b);
         if off <= ARC_ROUNDING {
             return Some(centre);

@@ -6,6 +6,7 @@ use super::coupling::Coupling;
 use super::names::upper;
 use super::types::{Link, LinkKind, SurfaceTie};
 use crate::deck::{Card, Diagnostic, Span, Word};
+use crate::platform::PortableMath as _;
 
 impl Builder<'_> {
     /// The first nodes follow the last: of two sets the members one by one, in the order of their labels or of an UNSORTED set
@@ -69,7 +70,7 @@ impl Builder<'_> {
                 .out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
         };
         let points = &self.model.mesh.points;
-        let distance = |n: usize| (points[n][0] - points[node][0]).hypot(points[n][1] - points[node][1]);
+        let distance = |n: usize| (points[n][0] - points[node][0]).portable_hypot(points[n][1] - points[node][1]);
         if let Some(radius) = card.read::<Option<f64>>("INFLUENCE RADIUS") {
             members.retain(|&n| distance(n) <= radius);
         }
@@ -95,7 +96,7 @@ impl Builder<'_> {
         for &(element, side) in surface.map_or(&[][..], |s| &s.faces) {
             let Some(ends) = mesh.ends(element, side) else { continue };
             let [a, b] = ends.map(|n| mesh.points[n]);
-            let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+            let length = (b[0] - a[0]).portable_hypot(b[1] - a[1]);
             for (n, r) in [(ends[0], 2.0 * a[0] + b[0]), (ends[1], a[0] + 2.0 * b[0])] {
                 if let Ok(at) = members.binary_search(&n) {
                     areas[at] += length * r * std::f64::consts::PI / 3.0;
@@ -152,7 +153,8 @@ impl Builder<'_> {
     fn distributing(&mut self, card: &Card, coupling: &Coupling) -> Option<LinkKind> {
         let points = &self.model.mesh.points;
         let [r, z] = points[coupling.reference];
-        let distances: Vec<f64> = coupling.nodes.iter().map(|&n| (points[n][0] - r).hypot(points[n][1] - z)).collect();
+        let distances: Vec<f64> =
+            coupling.nodes.iter().map(|&n| (points[n][0] - r).portable_hypot(points[n][1] - z)).collect();
         let farthest = distances.iter().copied().fold(0.0, f64::max);
         let parts = distances.iter().map(|d| if farthest > 0.0 { d / farthest } else { 0.0 });
         let falls: [fn(f64) -> f64; 4] =

@@ -5,6 +5,7 @@ use super::builder::Builder;
 use super::names::upper;
 use super::types::{ElementKind, Load, LoadKind, Side, Sides, TargetId};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
+use crate::platform::PortableMath as _;
 
 /// Labels this code knows.
 const LABELS: &str = "GRAV, P, P1 to P4, PNU, P1NU to P4NU, BRNU, BZNU, CAVITY";
@@ -179,7 +180,7 @@ impl Builder<'_> {
             *component = self.number_or(line, 3 + i, 0.0)?;
         }
         let [r, z, third] = direction;
-        let length = r.hypot(z).hypot(third);
+        let length = r.portable_hypot(z).portable_hypot(third);
         if length == 0.0 {
             return self.refuse_value(line.span, "GRAV needs a direction: magnitude, r, z (in oblique impact 1, 2, 3)");
         }

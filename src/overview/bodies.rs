@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::model::Model;
 use crate::plan::{Plan, State};
+use crate::platform::PortableMath as _;
 use crate::state::BodyState;
 
 /// A section of what deforms, or a rigid body.
@@ -55,7 +56,7 @@ impl PartSums {
         self.mass += mass;
         self.moment += mass * place[1];
         self.momentum += mass * velocity[1];
-        self.fastest = self.fastest.max(velocity[0].hypot(velocity[1]));
+        self.fastest = self.fastest.max(velocity[0].portable_hypot(velocity[1]));
         for (range, x) in self.extent.iter_mut().zip(place) {
             *range = [range[0].min(x), range[1].max(x)];
         }

@@ -10,6 +10,7 @@ use crate::model::{
     Element, IncrementControl, InitialCondition, InitialKind, Model, SYSTEMS, SolidSection, Step, System, Units,
     is_without_units,
 };
+use crate::platform::PortableMath as _;
 
 /// Velocities above so many times the speed of sound are taken for a slip in the units.
 const TOO_FAST: f64 = 3.0;
@@ -210,7 +211,7 @@ fn remedy(density: f64, modulus: f64) -> String {
 fn size(corners: &[[f64; 2]]) -> f64 {
     let side = |i: usize| {
         let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
-        (b[0] - a[0]).hypot(b[1] - a[1])
+        (b[0] - a[0]).portable_hypot(b[1] - a[1])
     };
     (0..corners.len()).map(side).filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min)
 }

@@ -6,6 +6,7 @@ use super::{Body, Compiler};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::attitude::{Attitude, Inertia, Vector, cross, norm, plus};
 use crate::model::{self, ElementKind, InitialKind, LoadKind, RigidBody, STATIONS};
+use crate::platform::PortableMath as _;
 use crate::state::BodyState;
 use crate::state::rigid_body_3d::{Pose, RigidBody3d};
 
@@ -144,7 +145,7 @@ impl Compiler<'_> {
         let arm = attitude.to_world([-r, height - z, 0.0]);
         let starts = self.starts(rigid.reference);
         let (own, turning): (Vector, Vector) = ([starts[0], starts[1], starts[2]], [starts[3], starts[4], starts[5]]);
-        let far = |n: &usize| mesh.points[*n][0].hypot(mesh.points[*n][1] - height);
+        let far = |n: &usize| mesh.points[*n][0].portable_hypot(mesh.points[*n][1] - height);
         let mut spatial = RigidBody3d {
             mass,
             inertia,
@@ -208,7 +209,7 @@ impl Compiler<'_> {
         for &e in shells {
             let [a, b] = [0, 1].map(|i| mesh.points[mesh.elements[e].nodes[i]]);
             let per_area = rigid.density * rigid.thickness;
-            let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+            let length = (b[0] - a[0]).portable_hypot(b[1] - a[1]);
             along(a, b, |place, share| {
                 moments.add(per_area * 2.0 * std::f64::consts::PI * place[0] * length * share, place);
             });

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 
 use crate::deck::{Diagnostic, Diagnostics};
 use crate::model::{Model, SurfaceTie};
+use crate::platform::PortableMath as _;
 
 /// A node that follows the point of a master surface that is nearest to it (ABAQUS Analysis User's Guide, "Mesh tie
 /// constraints", node-to-surface approach).
@@ -61,7 +62,7 @@ pub(super) fn find(model: &Model, diagnostics: &mut Diagnostics) -> Vec<TiedNode
 fn mean_length(model: &Model, facets: &[MasterFacet]) -> f64 {
     let length = |f: &MasterFacet| {
         let [a, b] = f.nodes.map(|n| model.mesh.points[n]);
-        (b[0] - a[0]).hypot(b[1] - a[1])
+        (b[0] - a[0]).portable_hypot(b[1] - a[1])
     };
     facets.iter().map(length).sum::<f64>() / facets.len().max(1) as f64
 }
@@ -82,7 +83,7 @@ fn nearest(model: &Model, facets: &[MasterFacet], tie: usize, node: usize) -> Op
             1.0 => b,
             _ => [a[0] + part * along[0], a[1] + part * along[1]],
         };
-        (part, place, (p[0] - place[0]).hypot(p[1] - place[1]))
+        (part, place, (p[0] - place[0]).portable_hypot(p[1] - place[1]))
     };
     let closest = facets.iter().map(|f| (f, on_facet(f))).min_by(|a, b| a.1.2.total_cmp(&b.1.2))?;
     let (facet, (part, place, distance)) = closest;

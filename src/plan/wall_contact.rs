@@ -11,6 +11,7 @@ use crate::deck::Diagnostic;
 use crate::kernel::interaction::Overclosure;
 use crate::kernel::lists::sorted_unique;
 use crate::model::{IncrementControl, Step, SurfaceContact};
+use crate::platform::PortableMath as _;
 
 impl Compiler<'_> {
     /// The body in space on one side of a pair, and which side that is.
@@ -68,7 +69,7 @@ impl Compiler<'_> {
         let [centre_r, centre_z, third] = spatial.centre;
         let mut profile = surface.profile.clone();
         let mesh = &self.model.mesh;
-        if profile.nearest([centre_r.hypot(third), centre_z], 0.0).gap < 0.0 {
+        if profile.nearest([centre_r.portable_hypot(third), centre_z], 0.0).gap < 0.0 {
             let message = format!(
                 "`{}` faces away from `{}`: contact is taken on the side where that is",
                 pair.sides[1 - side].name,

@@ -27,6 +27,7 @@ pub trait PersistentMemory: Send + Sync {
     fn take_up(&self, kept: &SavedMemory) -> Result<(), UnfitState>;
 }
 
+#[cfg_attr(not(compiled_routines), allow(dead_code))]
 impl SavedMemory {
     /// No memory, with the reason.
     pub fn nothing(why: &str) -> SavedMemory {

@@ -16,6 +16,7 @@ use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
 use crate::kernel::lists::heap_bytes;
 use crate::load::stations::centroid;
+use crate::platform::PortableMath as _;
 use crate::state::rigid_body_3d::Wrench;
 
 /// Stations side by side: enough that compilers leave loops over them to their vectoriser.
@@ -145,14 +146,14 @@ impl Around {
 
     /// Smallest and largest normal velocity.
     fn speeds(&self) -> [f64; 2] {
-        let swing = self.cosine.hypot(self.sine);
+        let swing = self.cosine.portable_hypot(self.sine);
         [self.mean - swing, self.mean + swing]
     }
 
     /// Lowest and highest place of the ring in the stack.
     fn heights(&self, ring: &Ring, scene: &Scene) -> [f64; 2] {
         let up = scene.up;
-        let across = up[0].hypot(up[2]);
+        let across = up[0].portable_hypot(up[2]);
         let extent = across * (ring.radius + ring.along[0].abs()) + up[1].abs() * ring.along[1].abs();
         [self.height - extent, self.height + extent]
     }

@@ -11,6 +11,7 @@ use crate::load::fields::FacetFields;
 use crate::load::pressure::on_solid;
 use crate::load::{Dissipation, LastIncrement, SceneView};
 use crate::mesh::surface::{Face, Skin};
+use crate::platform::PortableMath as _;
 use crate::state::archive::persist_struct;
 use crate::state::direction;
 use crate::state::dofs::Dofs;
@@ -37,7 +38,7 @@ impl Resisted {
     /// From now on nothing acts inside the tunnel.
     pub(super) fn separate(&mut self, nodes: &Nodes) {
         let faces = || self.skin.faces.iter().map(|face| Face::new(*face, nodes).ends);
-        let shortest = faces().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).fold(f64::INFINITY, f64::min);
+        let shortest = faces().map(|[a, b]| (b[0] - a[0]).portable_hypot(b[1] - a[1])).fold(f64::INFINITY, f64::min);
         let heights = || faces().flatten().map(|end| end[1]);
         let length = heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
         if shortest.is_finite() {

@@ -13,6 +13,7 @@ use crate::load::pressure::{on_ends, push};
 use crate::load::stations::Station;
 use crate::load::stiffness::{Seen, Stiffness, Watch};
 use crate::mesh::surface::{Face, Skin};
+use crate::platform::PortableMath as _;
 use crate::state::BodyState;
 use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
 use crate::state::dofs::Dofs;
@@ -235,7 +236,7 @@ impl Block {
             let face = Face::new(face, nodes);
             let shell = skin.shells.get(i).copied().unwrap_or(false);
             let unit = on_ends(&face, shell, 1.0, scene.rings);
-            let [a, b] = [0, 1].inline_map(|k| unit[k][0].hypot(unit[k][1]) / nodes.mass[face.nodes[k]]);
+            let [a, b] = [0, 1].inline_map(|k| unit[k][0].portable_hypot(unit[k][1]) / nodes.mass[face.nodes[k]]);
             let pressure = self.view.pressure[i];
             let seen = Seen { place: face.middle(), normal: face.normal, pressure, mobility: a.max(b) };
             watch.look(i, &seen, increment, first + i, scene.clock.now.total_time);
