@@ -3,15 +3,16 @@
 //! bits. Never here: which elements a block holds, threads.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use pulp::Arch;
+use pulp::{Arch, NullaryFnOnce};
 
 use super::assumed::Assumed;
 use super::constants::Constants;
-use super::control::{Seen, Spring};
+use super::control::{Control, Seen, Spring};
 use super::eroded::Eroded;
+use super::forces::CornerForces;
 use super::subzonal::Subzones;
 use crate::element::record::{Following, Record};
-use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column, inline_from_fn};
+use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column, dispatch_outlined, inline_from_fn};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::moduli::Moduli;
 use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, sums};
@@ -196,6 +197,8 @@ pub struct Workspace<T = f64> {
     pub(super) length: f64,
     /// Highest frequency of the whole scene, where it is known to be lower than those of single elements; infinite if not.
     pub(super) cap: T,
+    /// Instruction set of what is compiled once for many materials.
+    pub(super) arch: Arch,
     /// Squares of the largest strain increment of the pass and of the largest change of volume, lane by lane; followed only
     /// under a cap.
     pub(super) deformed: [Lanes<T>; 2],
@@ -364,6 +367,53 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
         }
     }
 
+    /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
+    #[inline(always)]
+    pub(super) fn forces<M: Material<T>, C: Control<T>, const AREA: bool>(
+        &self,
+        increment: (&Constants, T),
+        kept: &mut HourglassState<T>,
+        scratch: &mut Workspace<T>,
+        corners: &mut Corners<T>,
+        control: &mut C,
+    ) {
+        // Branches of which compilers keep the one that the material takes.
+        if !M::MODULI_VARY {
+            self.forces_by::<C, AREA, false, false>(increment, kept, scratch, corners, control);
+        } else if !M::EQUATION_OF_STATE {
+            self.forces_by::<C, AREA, true, false>(increment, kept, scratch, corners, control);
+        } else {
+            self.forces_by::<C, AREA, true, true>(increment, kept, scratch, corners, control);
+        }
+    }
+
+    #[inline(always)]
+    fn forces_by<C: Control<T>, const AREA: bool, const VARY: bool, const EOS: bool>(
+        &self,
+        (constants, dt): (&Constants, T),
+        kept: &mut HourglassState<T>,
+        scratch: &mut Workspace<T>,
+        corners: &mut Corners<T>,
+        control: &mut C,
+    ) {
+        let ElementBlock { stress, mass, inverse_mass, .. } = self;
+        let arch = scratch.arch;
+        dispatch_outlined(
+            arch,
+            CornerForces::<C, T, AREA, VARY, EOS> {
+                stress,
+                mass,
+                inverse_mass,
+                constants,
+                dt,
+                kept,
+                scratch,
+                corners,
+                control,
+            },
+        );
+    }
+
     #[inline(always)]
     pub(super) fn update_stress<M: Material<T, State = S>>(
         &mut self,
@@ -386,7 +436,7 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
         nodes: &Nodes<T>,
         scratch: &mut Workspace<T>,
     ) {
-        scratch.velocity_gradient::<AREA>(dt, nodes);
+        dispatch_outlined(scratch.arch, VelocityGradient::<T, AREA> { scratch, dt, nodes });
         self.trial::<M>(constants, dt, scratch);
     }
 
@@ -429,6 +479,22 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
         if !(M::USES_SPIN || T::SINGLE || scratch.task.records.is_empty()) {
             scratch.divide_spins();
         }
+    }
+}
+
+/// The velocity gradient of a block of elements.
+struct VelocityGradient<'a, T, const AREA: bool> {
+    scratch: &'a mut Workspace<T>,
+    dt: T,
+    nodes: &'a Nodes<T>,
+}
+
+impl<T: Real, const AREA: bool> NullaryFnOnce for VelocityGradient<'_, T, AREA> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.scratch.velocity_gradient::<AREA>(self.dt, self.nodes);
     }
 }
 
@@ -563,7 +629,8 @@ impl<T: Real> Workspace<T> {
 
     /// Begins a pass under a bound of frequencies.
     #[inline(always)]
-    pub(super) fn begin(&mut self, cap: f64, dt: f64, constants: &Constants) {
+    pub(super) fn begin(&mut self, arch: Arch, cap: f64, dt: f64, constants: &Constants) {
+        self.arch = arch;
         self.sums = Sums::default();
         self.stress.begin();
         self.strain.dt = dt;
@@ -703,7 +770,7 @@ persist_struct!(TaskState<T> [T: Persist] {
 });
 
 // The rest of it is scratch memory of one pass; the sums hold while a task is quiescent.
-persist_struct!(Workspace<T> [T: Persist] { sums, task } derived { stress, r, z, v_r, v_z, middle, inverse, now, weight, strain, block, at, own_rate, length, cap, deformed } then Workspace::persist_work);
+persist_struct!(Workspace<T> [T: Persist] { sums, task } derived { stress, r, z, v_r, v_z, middle, inverse, now, weight, strain, block, at, own_rate, length, cap, arch, deformed } then Workspace::persist_work);
 
 impl<T: Persist> Workspace<T> {
     fn persist_work(&mut self, archive: &mut Archive<'_>) {

@@ -96,11 +96,11 @@ impl<M: Material<T>, T: Numbers> PassInput<'_, M, T> {
     /// Kinematics of a task, and the arguments of its calls.
     fn measure<const AREA: bool>(&self, index: usize, phase: TaskPhase<'_, M::State, T>) {
         let TaskPhase { blocks, task, scratch, points, .. } = phase;
-        task.begin(self.cap, self.dt, self.constants);
+        task.begin(self.arch, self.cap, self.dt, self.constants);
         for (i, (block, BlockScratch { work, nodes })) in blocks.iter_mut().zip(scratch).enumerate() {
             let number = index * TASK + i;
             std::mem::swap(&mut work.task, &mut task.task);
-            work.begin(self.cap, self.dt, self.constants);
+            work.begin(self.arch, self.cap, self.dt, self.constants);
             work.prepare(number, i, self.count - number * LANES);
             nodes.collect(self.nodes, &block.nodes, 0.0);
             self.material.begin(&mut block.state, self.now.total_time);

@@ -3,13 +3,15 @@
 //! Never here: the geometry of the strains, how edges flow, uniform stress.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
+use pulp::NullaryFnOnce;
+
 use super::block::{ElementBlock, Nodes, Workspace};
 use super::constants::Constants;
 use super::control::Seen;
 use super::edges::{Yields, largest};
 use super::middle::Middle;
 use crate::kernel::assumed::Directions;
-use crate::kernel::lanes::{Corners, LANES, Lanes, column, inline_from_fn};
+use crate::kernel::lanes::{Corners, LANES, Lanes, column, dispatch_outlined, inline_from_fn};
 use crate::kernel::quad::{UNIT, at_corners};
 use crate::material::{Material, PlasticFlow};
 
@@ -52,20 +54,57 @@ impl<S: Clone> ElementBlock<S> {
         {
             scratch.task.enhanced[at].limit = limit;
         }
-        let increment = (constants.hourglass.enhanced, dt);
-        self.resist::<M, AREA>(increment, (seen, &middle, nodes), scratch, corners);
+        let (factor, arch) = (constants.hourglass.enhanced, scratch.arch);
+        let patterns = AssumedForces { factor, dt, inverse_mass: &self.inverse_mass, seen, middle: &middle, nodes };
+        // Branches of which compilers keep the one that the material takes.
+        if M::FAILS && matches!(M::FLOW, PlasticFlow::None) {
+            dispatch_outlined(arch, AddForces::<AREA, true, false> { patterns, scratch, corners });
+        } else if M::FAILS {
+            dispatch_outlined(arch, AddForces::<AREA, true, true> { patterns, scratch, corners });
+        } else if matches!(M::FLOW, PlasticFlow::None) {
+            dispatch_outlined(arch, AddForces::<AREA, false, false> { patterns, scratch, corners });
+        } else {
+            dispatch_outlined(arch, AddForces::<AREA, false, true> { patterns, scratch, corners });
+        }
     }
+}
 
+/// What the forces of assumed strains need. What is compiled of them is shared by all materials of which the same can fail and flow.
+struct AssumedForces<'a> {
+    factor: f64,
+    dt: f64,
+    inverse_mass: &'a [Lanes; 4],
+    seen: &'a Seen,
+    middle: &'a Middle,
+    nodes: &'a Nodes,
+}
+
+/// Adds the forces of assumed strains to those on the corners.
+struct AddForces<'a, const AREA: bool, const FAILS: bool, const FLOWS: bool> {
+    patterns: AssumedForces<'a>,
+    scratch: &'a mut Workspace,
+    corners: &'a mut Corners,
+}
+
+impl<const AREA: bool, const FAILS: bool, const FLOWS: bool> NullaryFnOnce for AddForces<'_, AREA, FAILS, FLOWS> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.patterns.add::<AREA, FAILS, FLOWS>(self.scratch, self.corners);
+    }
+}
+
+impl AssumedForces<'_> {
     /// Stresses of the patterns at the end of the increment, and their corner forces: free of branches, and what is divided
     /// shares divisions.
     #[inline(always)]
-    pub(super) fn resist<M: Material, const AREA: bool>(
+    fn add<const AREA: bool, const FAILS: bool, const FLOWS: bool>(
         &self,
-        (factor, dt): (f64, f64),
-        (seen, middle, nodes): (&Seen, &Middle, &Nodes),
         scratch: &mut Workspace,
         corners: &mut Corners,
     ) {
+        let AssumedForces { factor, dt, inverse_mass, seen, middle, nodes } = *self;
         // A value of its own: what the loop reads and writes in the scratch memory could be one, and would keep it from
         // becoming one of vectors.
         let mut assumed = scratch.task.enhanced[scratch.at];
@@ -75,14 +114,14 @@ impl<S: Clone> ElementBlock<S> {
             let modulus = [middle.along[l], middle.beside[l]];
             // Squares of frequencies: of the strains by the bound of all corners, of the patterns by their trace; both times
             // three over the volume and the modulus along.
-            let trace = directions.trace(operators, column(&self.inverse_mass, l), middle.ratio[l]);
+            let trace = directions.trace(operators, column(inverse_mass, l), middle.ratio[l]);
             let slowest = middle.slow[l] * seen.squares[l] / trace;
             let slowed = if slowest < factor { slowest } else { factor };
             // A triangle, with two corners in one place, has no pattern.
             let (of_r, of_z) = (nodes.of(l, 0), nodes.of(l, 1));
             let triangle = (of_r[2] == of_r[3]) & (of_z[2] == of_z[3]);
             let mut grows = if triangle { 0.0 } else { dt * slowed };
-            if M::FAILS {
+            if FAILS {
                 grows *= middle.share[l];
             }
             let [along, beside] = [grows * modulus[0], grows * modulus[1]];
@@ -92,19 +131,19 @@ impl<S: Clone> ElementBlock<S> {
             let mut stress = [[0.0; 2]; 2];
             for p in 0..2 {
                 stress[p] = [assumed.stress[p][0][l], assumed.stress[p][1][l]];
-                if M::FAILS {
+                if FAILS {
                     stress[p] = [middle.remains[l] * stress[p][0], middle.remains[l] * stress[p][1]];
                 }
                 stress[p][0] += along * strained[p] + beside * turned[p];
                 stress[p][1] += along * turned[p] + beside * strained[p];
             }
-            if !matches!(M::FLOW, PlasticFlow::None) {
+            if FLOWS {
                 let (left, known) = (scratch.stress.returned[l], assumed.limit[l]);
                 let mises = left * middle.trial[l];
                 let unflown = if known > 0.0 { known } else { f64::INFINITY };
                 let limit = if left < 1.0 { mises } else { unflown };
                 let mut bound = largest(mises, limit);
-                if M::FAILS {
+                if FAILS {
                     bound *= middle.share[l];
                 }
                 // What melts flows at no stress, which is not the same as a stress that is not known.

@@ -2,31 +2,66 @@
 //! Never here: strains, stresses.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::block::{ElementBlock, HourglassState, Workspace, is_larger};
+use pulp::NullaryFnOnce;
+
+use super::block::{HourglassState, Workspace, is_larger};
 use super::constants::{CHANGE, Constants, damped};
 use super::control::{Control, Lane};
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
-use crate::kernel::lanes::{Corners, InlineMap, LANES, column};
+use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column};
 use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, squares};
 use crate::kernel::real::Real;
-use crate::material::Material;
 use crate::material::increment::StressUpdate;
 
 /// The largest square of the frequency of an hourglass pattern over that of the strains: a quarter leaves the stable increment
 /// of elements that are not folded as it is.
 const SLOW: f64 = 0.25;
 
-impl<S, T: Real> ElementBlock<S, T> {
+/// Corner forces of a block of elements and what they need. Nothing here depends on the material but whether its moduli vary and
+/// whether it has an equation of state: all other materials share what is compiled of it.
+pub(super) struct CornerForces<'a, C, T, const AREA: bool, const VARY: bool, const EOS: bool> {
+    pub stress: &'a [Lanes<T>; 4],
+    pub mass: &'a Lanes<T>,
+    pub inverse_mass: &'a [Lanes<T>; 4],
+    pub constants: &'a Constants,
+    pub dt: T,
+    pub kept: &'a mut HourglassState<T>,
+    pub scratch: &'a mut Workspace<T>,
+    pub corners: &'a mut Corners<T>,
+    pub control: &'a mut C,
+}
+
+impl<C: Control<T>, T: Real, const AREA: bool, const VARY: bool, const EOS: bool> NullaryFnOnce
+    for CornerForces<'_, C, T, AREA, VARY, EOS>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let CornerForces { stress, mass, inverse_mass, constants, dt, kept, scratch, corners, control } = self;
+        let block = BlockMaterial::<T, AREA, VARY, EOS> { stress, mass, inverse_mass };
+        block.forces((constants, dt), kept, scratch, corners, control);
+    }
+}
+
+/// Stresses and masses of a block.
+struct BlockMaterial<'a, T, const AREA: bool, const VARY: bool, const EOS: bool> {
+    stress: &'a [Lanes<T>; 4],
+    mass: &'a Lanes<T>,
+    inverse_mass: &'a [Lanes<T>; 4],
+}
+
+impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial<'_, T, AREA, VARY, EOS> {
     /// Computes the operators, the bound of the highest frequency and the hourglass pattern in the current configuration.
     /// Divisions and roots end a loop, so that the next lanes need not wait for them.
     #[inline(always)]
-    fn measure_now<M: Material<T>, const AREA: bool>(&self, constants: &Constants, scratch: &mut Workspace<T>) {
+    fn measure_now(&self, constants: &Constants, scratch: &mut Workspace<T>) {
         let [shear43, modulus] = wave(constants);
         let unit = T::of(UNIT);
         let Workspace { r, z, now, stress: StressUpdate { bulk, .. }, inverse, .. } = scratch;
         for l in 0..LANES {
-            let modulus = if M::MODULI_VARY { bulk[l] + shear43 } else { modulus };
-            let (r, z, inverse_mass) = (column(r, l), column(z, l), column(&self.inverse_mass, l));
+            let modulus = if VARY { bulk[l] + shear43 } else { modulus };
+            let (r, z, inverse_mass) = (column(r, l), column(z, l), column(self.inverse_mass, l));
             let g = Operators::of::<AREA>(r, z);
             // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
             let lists = [
@@ -54,19 +89,19 @@ impl<S, T: Real> ElementBlock<S, T> {
 
     /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
     #[inline(always)]
-    pub(super) fn forces<M: Material<T>, C: Control<T>, const AREA: bool>(
-        &mut self,
+    fn forces<C: Control<T>>(
+        &self,
         (constants, dt): (&Constants, T),
         kept: &mut HourglassState<T>,
         scratch: &mut Workspace<T>,
         corners: &mut Corners<T>,
         control: &mut C,
     ) {
-        let factors = ForceFactors::new::<M>((constants, dt), scratch);
-        self.measure_now::<M, AREA>(constants, scratch);
+        let factors = ForceFactors::new::<VARY>((constants, dt), scratch);
+        self.measure_now(constants, scratch);
         for l in 0..LANES {
-            let lane = self.lane_motion::<M, AREA>(&factors, scratch, l);
-            let viscosity = self.bulk_viscosity::<M>(&factors, &lane, (kept, scratch), l);
+            let lane = self.lane_motion(&factors, scratch, l);
+            let viscosity = self.bulk_viscosity(&factors, &lane, (kept, scratch), l);
             let shape = scratch.now.pattern(l).inline_map(|part| lane.per * part);
             let rate = [dot3(shape, lane.along[0]), dot3(shape, lane.along[1])];
             let mut hourglass = [T::ZERO; 2];
@@ -76,29 +111,24 @@ impl<S, T: Real> ElementBlock<S, T> {
             } else {
                 hourglass = hourglass_stress(&factors, &lane, rate, (kept, scratch), l);
             }
-            let stress = self.viscous_stress::<M>(&viscosity, l);
+            let stress = self.viscous_stress(&viscosity, l);
             let [along_r, along_z] = corner_forces::<T, AREA>(&lane.g, stress, shape, hourglass);
             let flat = if AREA { T::ONE / (T::of(4.0) * factors.unit * scratch.r[0][l]) } else { T::ONE };
             for i in 0..4 {
                 let forces = [along_r[i], along_z[i]].inline_map(|f| if T::SINGLE { factors.against * f } else { -f });
                 corners.0[i][l] = if AREA { forces.inline_map(|force| flat * force) } else { forces };
             }
-            scratch.add_rate::<M>(&factors, &lane, &viscosity, l);
+            scratch.add_rate::<VARY>(&factors, &lane, &viscosity, l);
         }
     }
 
     /// Geometry and motion of a lane.
     #[inline(always)]
-    fn lane_motion<M: Material<T>, const AREA: bool>(
-        &self,
-        factors: &ForceFactors<T>,
-        scratch: &Workspace<T>,
-        l: usize,
-    ) -> LaneMotion<T> {
-        let modulus = if M::MODULI_VARY { scratch.stress.bulk[l] + factors.shear43 } else { factors.modulus };
+    fn lane_motion(&self, factors: &ForceFactors<T>, scratch: &Workspace<T>, l: usize) -> LaneMotion<T> {
+        let modulus = if VARY { scratch.stress.bulk[l] + factors.shear43 } else { factors.modulus };
         let (v_r, [_, w1, w2, w3]) = (column(&scratch.v_r, l), column(&scratch.v_z, l));
         let now = &scratch.now;
-        let (g, inverse_mass, squares) = (now.operators(l), column(&self.inverse_mass, l), now.squares[l]);
+        let (g, inverse_mass, squares) = (now.operators(l), column(self.inverse_mass, l), now.squares[l]);
         // omega = root / V; one division has served 1/V, 1/omega and the mass that the pattern moves.
         let (root, light, inverse) = (now.root[l], now.light[l], scratch.inverse[l]);
         let inverse_root = inverse * (g.volume * light);
@@ -118,7 +148,7 @@ impl<S, T: Real> ElementBlock<S, T> {
 
     /// Bulk viscosity of a lane; its work is added to the sums.
     #[inline(always)]
-    fn bulk_viscosity<M: Material<T>>(
+    fn bulk_viscosity(
         &self,
         factors: &ForceFactors<T>,
         lane: &LaneMotion<T>,
@@ -136,7 +166,7 @@ impl<S, T: Real> ElementBlock<S, T> {
         let compression = if dilation_rate < zero { dilation_rate } else { zero };
         let mut fraction = factors.linear - quadratic2 * two * period * compression;
         let mut sided = [zero; 4];
-        if M::EQUATION_OF_STATE {
+        if EOS {
             let rates = if factors.starts {
                 let shear = half * (dot3(g.z, along_r) + dot3(g.r, along_z));
                 [dot3(g.r, along_r), dot3(g.z, along_z), shear].inline_map(|sum| sum / g.volume)
@@ -153,7 +183,7 @@ impl<S, T: Real> ElementBlock<S, T> {
         let damping = two * modulus * period * dilation_rate * fraction;
         let work = scratch.strain.volume[l] * half * (kept.viscous[l] + damping) * dilation;
         scratch.sums.viscous[l] += work;
-        if M::EQUATION_OF_STATE {
+        if EOS {
             scratch.stress.heat[l] = work - scratch.stress.heat[l];
         }
         kept.viscous[l] = damping;
@@ -162,13 +192,12 @@ impl<S, T: Real> ElementBlock<S, T> {
 
     /// Stress of a lane with its bulk viscosity, in the unit of forces.
     #[inline(always)]
-    fn viscous_stress<M: Material<T>>(&self, viscosity: &BulkViscosity<T>, l: usize) -> [T; 4] {
+    fn viscous_stress(&self, viscosity: &BulkViscosity<T>, l: usize) -> [T; 4] {
         let (unit, BulkViscosity { damping, sided, .. }) = (T::of(UNIT), viscosity);
         // The work of viscosity by direction is counted as heat by the compatible energy.
-        let viscous =
-            if M::EQUATION_OF_STATE { [0, 1, 2].inline_map(|i: usize| *damping + sided[i]) } else { [*damping; 3] };
+        let viscous = if EOS { [0, 1, 2].inline_map(|i: usize| *damping + sided[i]) } else { [*damping; 3] };
         let [rr, zz, hoop] = [0, 1, 2].inline_map(|i: usize| unit * (self.stress[i][l] + viscous[i]));
-        let rz = unit * if M::EQUATION_OF_STATE { self.stress[3][l] + sided[3] } else { self.stress[3][l] };
+        let rz = unit * if EOS { self.stress[3][l] + sided[3] } else { self.stress[3][l] };
         [rr, zz, hoop, rz]
     }
 }
@@ -204,7 +233,7 @@ struct ForceFactors<T> {
 
 impl<T: Real> ForceFactors<T> {
     #[inline(always)]
-    fn new<M: Material<T>>((constants, dt): (&Constants, T), scratch: &Workspace<T>) -> Self {
+    fn new<const VARY: bool>((constants, dt): (&Constants, T), scratch: &Workspace<T>) -> Self {
         let [shear43, modulus] = wave::<T>(constants);
         let [linear, quadratic] = constants.bulk_viscosity.inline_map(T::of);
         let per_dt = if dt > T::ZERO { T::ONE / dt } else { T::ZERO };
@@ -225,7 +254,7 @@ impl<T: Real> ForceFactors<T> {
             slow: T::of(SLOW),
             cap: scratch.cap,
             block: scratch.block,
-            starts: M::MODULI_VARY && per_dt == T::ZERO,
+            starts: VARY && per_dt == T::ZERO,
         }
     }
 }
@@ -330,7 +359,7 @@ impl<T: Real> Workspace<T> {
     /// Adds the rate of a lane, two over its stable increment, to the largest. With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the
     /// same section of the guide), in which 1 + xi^2/2 replaces the root; it is never smaller.
     #[inline(always)]
-    fn add_rate<M: Material<T>>(
+    fn add_rate<const VARY: bool>(
         &mut self,
         factors: &ForceFactors<T>,
         lane: &LaneMotion<T>,
@@ -343,11 +372,11 @@ impl<T: Real> Workspace<T> {
         let capped = share < T::ONE;
         let xi = if capped { fraction * share * factors.pressing } else { fraction };
         // In a cold gas, where xi has no bound, the root itself.
-        let damped = if M::MODULI_VARY { xi + (T::ONE + xi * xi).root() } else { damped(xi) };
+        let damped = if VARY { xi + (T::ONE + xi * xi).root() } else { damped(xi) };
         let highest = if capped { factors.cap } else { lane.omega };
         // Two over the increment in which the element would lose or gain as much of its volume as it may.
         let (stable, changing) = (highest * damped, dilation_rate.size() * T::of(2.0 / CHANGE));
-        if M::MODULI_VARY {
+        if VARY {
             self.own_rate[l] = stable;
         }
         let rate = self.weight[l] * if changing > stable { changing } else { stable };

@@ -839,7 +839,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> NullaryFnOnce for Task<'_, '_
     fn call(self) {
         let scratch = self.scratch;
         let pass = self.pass;
-        scratch.begin(pass.cap, pass.increment.dt, pass.constants);
+        scratch.begin(self.arch, pass.cap, pass.increment.dt, pass.constants);
         let mut places = Nodes::default();
         let mut own = Corners::default();
         for (i, block) in self.blocks.iter_mut().enumerate() {

@@ -5,7 +5,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::block::{Nodes, Workspace, is_larger};
-use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column};
+use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column, dispatch_outlined};
 use crate::kernel::quad::{UNIT, at_corners, volume_gradient};
 use crate::state::archive::persist_struct;
 use crate::state::nodes::Node;
@@ -86,15 +86,30 @@ struct Answers {
 impl Workspace {
     /// Adds the forces of the block's quarters to those on its corners, books their work as artificial, and bounds the increment
     /// by them: nothing without subzonal pressures. `damping` is the fraction of critical damping that hourglass control has.
-    #[inline(always)]
     pub(super) fn resist_patterns(
         &mut self,
+        increment: (f64, f64),
+        nodes: &Nodes,
+        inverse_mass: &[Lanes; 4],
+        corners: &mut Corners,
+    ) {
+        let Some(zones) = self.task.subzones.get(self.at).copied() else { return };
+        dispatch_outlined(
+            self.arch,
+            #[inline(always)]
+            || self.add_subzonal_forces(zones, increment, nodes, inverse_mass, corners),
+        );
+    }
+
+    #[inline(always)]
+    fn add_subzonal_forces(
+        &mut self,
+        mut zones: Subzones,
         (dt, damping): (f64, f64),
         nodes: &Nodes,
         inverse_mass: &[Lanes; 4],
         corners: &mut Corners,
     ) {
-        let Some(mut zones) = self.task.subzones.get(self.at).copied() else { return };
         let inverse_mass = &by_corner(inverse_mass);
         let mut whole = [0.0; LANES];
         let mut answers = Answers { forces: [[[0.0; 2]; LANES]; 4], power: [0.0; LANES], stiff: [0.0; LANES] };

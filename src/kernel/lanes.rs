@@ -1,6 +1,8 @@
 //! Numbers side by side: the width in which inner loops are written, so that compilers make vectors of them.
 //! Never here: what the numbers mean.
 
+use pulp::{Arch, NullaryFnOnce};
+
 use super::real::Real;
 
 /// Elements side by side in the inner loop.
@@ -36,6 +38,12 @@ pub fn inline_from_fn<T: Copy, const N: usize>(mut value: impl FnMut(usize) -> T
         list[i] = value(i);
     }
     list
+}
+
+/// Runs an operation with an instruction set; it is compiled once for all that call it.
+#[inline(never)]
+pub fn dispatch_outlined<F: NullaryFnOnce>(arch: Arch, operation: F) -> F::Output {
+    arch.dispatch(operation)
 }
 
 /// Forces `[r, z]` of a block's elements on their corners, corner by corner. Like all that the inner loop touches it begins with

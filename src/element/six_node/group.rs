@@ -156,7 +156,7 @@ impl<M: Material> NullaryFnOnce for TaskPass<'_, M> {
     #[inline(always)]
     fn call(self) {
         let TaskPass { material, constants, increment, cap, index, blocks, corners, task } = self;
-        task.scratch.begin(cap, increment.dt, constants);
+        task.scratch.begin(increment.arch, cap, increment.dt, constants);
         for (at, (block, corners)) in blocks.iter_mut().zip(corners.chunks_mut(FORCE_BLOCKS)).enumerate() {
             let (place, memory) = ((index * TASK + at, at), (&mut task.scratch, &mut *task.work));
             block.update(material, constants, increment, place, memory, corners);
