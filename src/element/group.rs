@@ -569,7 +569,11 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
             let each = |((i, (blocks, (own, resting))), corners)| run(i, blocks, corners, own, resting);
             match T::forces(corners) {
                 Forces::Own(list) => parts.zip(list.chunks_mut(TASK).map(Forces::Own)).for_each(each),
-                Forces::Wider(list) => parts.zip(list.chunks_mut(TASK).map(Forces::Wider)).for_each(each),
+                // Not compiled for double precision.
+                Forces::Wider(list) if T::SINGLE => {
+                    parts.zip(list.chunks_mut(TASK).map(Forces::Wider)).for_each(each);
+                }
+                Forces::Wider(_) => {}
             }
         } else {
             let parts = self.tasks.par_iter_mut().zip(&mut self.quiescence);
@@ -579,7 +583,10 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
             };
             match T::forces(corners) {
                 Forces::Own(list) => parts.zip(list.par_chunks_mut(TASK).map(Forces::Own)).for_each(each),
-                Forces::Wider(list) => parts.zip(list.par_chunks_mut(TASK).map(Forces::Wider)).for_each(each),
+                Forces::Wider(list) if T::SINGLE => {
+                    parts.zip(list.par_chunks_mut(TASK).map(Forces::Wider)).for_each(each);
+                }
+                Forces::Wider(_) => {}
             }
         }
         self.totals()

@@ -8,7 +8,8 @@ use crate::element::group::{ElementGroup, Pass, Quads};
 use crate::kernel::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table};
 use crate::kernel::heating::Heating;
 use crate::kernel::lanes::LANES;
-use crate::material::eos::{Eos, IdealGas, Tabulated, UsUp};
+use crate::material::eos::{IdealGas, Tabulated, UsUp};
+use crate::material::equation_of_state::EquationOfState;
 use crate::material::explosive::{DetonationPoint, Explosive, Jwl};
 use crate::material::failure::{Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, NoDamage};
 use crate::material::foam::{Foam, Growth};
@@ -165,25 +166,25 @@ fn moving() -> RateKinematic {
     RateKinematic { size: johnson_cook(), slope, heating: Heating::Constant(50.0) }
 }
 
-fn gas() -> Eos<IdealGas> {
-    Eos { law: IdealGas { gas_constant: 0.4, specific_heat: 1.0, ambient: 0.01, absolute_zero: -273.0 } }
+fn gas() -> EquationOfState {
+    EquationOfState::IdealGas(IdealGas { gas_constant: 0.4, specific_heat: 1.0, ambient: 0.01, absolute_zero: -273.0 })
 }
 
-fn us_up() -> Eos<UsUp> {
-    Eos { law: UsUp { density: 2.0, c0: 1.2, s: 1.5, gamma0: 2.0 } }
+fn us_up() -> EquationOfState {
+    EquationOfState::UsUp(UsUp { density: 2.0, c0: 1.2, s: 1.5, gamma0: 2.0 })
 }
 
-fn table() -> Eos<Tabulated> {
+fn table() -> EquationOfState {
     let rows = vec![[-0.4, 1.8, 0.2], [0.0, 2.0, 0.0], [0.5, 2.1, -0.1], [3.0, 2.5, -0.5]];
-    Eos { law: Tabulated { density: 2.0, rows } }
+    EquationOfState::Tabulated(Tabulated { density: 2.0, rows })
 }
 
 /// Some elements burn while the others wait.
-fn explosive() -> Explosive {
+fn explosive() -> EquationOfState {
     let products = Jwl { density: 2.0, pressures: [3.0, 0.1], exponents: [4.0, 1.0], omega: 0.3 };
     let points =
         vec![DetonationPoint { place: [0.0, 0.0], time: -1.0 }, DetonationPoint { place: [5.0, 4.0], time: -0.5 }];
-    Explosive { products, speed: 2.0, energy: 0.1, unburnt: 0.4, points }
+    EquationOfState::Explosive(Explosive { products, speed: 2.0, energy: 0.1, unburnt: 0.4, points })
 }
 
 fn mooney() -> Rubber<Polynomial> {

@@ -1,12 +1,10 @@
-//! Equations of state: pressure by density and energy, and the energy an element gains in an increment.
+//! Laws of equations of state: pressure by density and energy, and the energy an element gains in an increment.
 //! Never here: deviators, meshes.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::{InlineMap, LANES};
-use crate::material::BlockStart;
-use crate::material::volumetric::{PressureUpdate, Volumetric};
-use crate::state::archive::persist_struct;
+use crate::material::volumetric::PressureUpdate;
 
 /// Pressure at one density, linear in the energy a mass: p = cold + per_energy e.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,19 +152,6 @@ impl Pressure for Tabulated {
     }
 }
 
-/// An equation of state with the energy of each element.
-#[derive(Clone, Debug)]
-pub struct Eos<P> {
-    pub law: P,
-}
-
-/// What a block keeps under an equation of state.
-#[derive(Clone, Debug)]
-pub struct Heat {
-    /// Energy a mass.
-    energy: Lanes,
-}
-
 /// m de = -(p + p') / 2 dV + deviatoric and viscous work, with p' = a + b e' at the end: linear in e', solved in closed
 /// form. The work of the bulk viscosity is expected with its stress of the increment before. Returns the energy a mass.
 #[inline(always)]
@@ -194,50 +179,15 @@ pub(super) fn advance(
     energy
 }
 
-impl<P: Pressure> Volumetric for Eos<P> {
-    type State = Heat;
-    const EOS: bool = true;
-
-    fn fresh(&self, _start: &BlockStart) -> Heat {
-        Heat { energy: [0.0; LANES] }
-    }
-
-    #[inline(always)]
-    fn update_pressure(&self, state: &mut Heat, mut ask: PressureUpdate<'_>) {
-        let (ambient, floor) = (self.law.ambient(), self.law.floor());
-        for l in 0..LANES {
-            let curve = self.law.curve(ask.mass[l] / ask.volume[l]);
-            state.energy[l] = advance(&mut ask, l, curve, state.energy[l], [ambient, floor]);
-        }
-    }
-
-    #[inline(always)]
-    fn add_heat(&self, state: &mut Heat, heat: &Lanes, mass: &Lanes) {
-        for l in 0..LANES {
-            state.energy[l] += heat[l] / mass[l];
-        }
-    }
-
-    fn energy(&self, state: &Heat, lane: usize) -> Option<f64> {
-        Some(state.energy[lane])
-    }
-
-    fn set_energy(&self, state: &mut Heat, lane: usize, energy: f64) {
-        state.energy[lane] = energy;
-    }
-
-    fn temperature(&self, state: &Heat, lane: usize) -> Option<f64> {
-        self.law.thermal().map(|[heat, zero]| zero + state.energy[lane] / heat)
-    }
-
-    fn heat(&self, state: &mut Heat, lane: usize, temperature: f64) {
-        if let Some([heat, zero]) = self.law.thermal() {
-            state.energy[lane] = heat * (temperature - zero);
-        }
+/// Pressures and energies of a block whose curve depends on nothing but the density.
+#[inline(always)]
+pub(super) fn advance_block(law: &impl Pressure, energy: &mut Lanes, mut ask: PressureUpdate<'_>) {
+    let (ambient, floor) = (law.ambient(), law.floor());
+    for l in 0..LANES {
+        let curve = law.curve(ask.mass[l] / ask.volume[l]);
+        energy[l] = advance(&mut ask, l, curve, energy[l], [ambient, floor]);
     }
 }
-
-persist_struct!(Heat { energy });
 
 #[cfg(test)]
 mod tests {

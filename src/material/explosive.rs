@@ -6,7 +6,7 @@
 use super::eos::{Curve, Pressure, advance};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::material::BlockStart;
-use crate::material::volumetric::{PressureUpdate, Volumetric};
+use crate::material::volumetric::PressureUpdate;
 use crate::state::archive::persist_struct;
 
 /// Elements over which the burn is spread (the same section).
@@ -71,10 +71,9 @@ pub struct Explosive {
     pub points: Vec<DetonationPoint>,
 }
 
-/// What a block of explosive keeps.
+/// Progress of the detonation through a block.
 #[derive(Clone, Debug)]
-pub struct Burning {
-    energy: Lanes,
+pub struct Burn {
     /// Share that has burnt.
     burnt: Lanes,
     /// When the detonation comes by, and how much burns in a time from then on.
@@ -82,12 +81,25 @@ pub struct Burning {
     pace: Lanes,
 }
 
-impl Volumetric for Explosive {
-    type State = Burning;
-    const EOS: bool = true;
+impl Burn {
+    /// Advances it to a total time.
+    pub(super) fn advance(&mut self, now: f64) {
+        for l in 0..LANES {
+            let share = (now - self.lit[l]) * self.pace[l];
+            let share = if share < 1.0 { share } else { 1.0 };
+            self.burnt[l] = if share > 0.0 { share } else { 0.0 };
+        }
+    }
 
+    /// Share of a lane that has burnt.
+    pub(super) fn share(&self, lane: usize) -> f64 {
+        self.burnt[lane]
+    }
+}
+
+impl Explosive {
     /// The detonation comes from the point from which it arrives first.
-    fn fresh(&self, start: &BlockStart) -> Burning {
+    pub(super) fn start_burn(&self, start: &BlockStart) -> Burn {
         let (mut lit, mut pace) = ([f64::INFINITY; LANES], [0.0; LANES]);
         for l in 0..start.count {
             let [r, z] = [0, 1].inline_map(|i: usize| start.centre[i][l]);
@@ -96,27 +108,18 @@ impl Volumetric for Explosive {
             lit[l] = self.points.iter().map(arrival).fold(f64::INFINITY, f64::min);
             pace[l] = self.speed / (WIDTH * start.area[l].sqrt());
         }
-        Burning { energy: [self.energy; LANES], burnt: [0.0; LANES], lit, pace }
+        Burn { burnt: [0.0; LANES], lit, pace }
     }
 
+    /// Pressures and energies of a block. The share that has burnt has the pressure of the products, the rest that of the explosive.
+    /// Until all has burnt the increment follows the detonation.
     #[inline(always)]
-    fn begin(&self, state: &mut Burning, now: f64) {
-        for l in 0..LANES {
-            let share = (now - state.lit[l]) * state.pace[l];
-            let share = if share < 1.0 { share } else { 1.0 };
-            state.burnt[l] = if share > 0.0 { share } else { 0.0 };
-        }
-    }
-
-    /// The share that has burnt has the pressure of the products, the rest that of the explosive. Until all has burnt the
-    /// increment follows the detonation.
-    #[inline(always)]
-    fn update_pressure(&self, state: &mut Burning, mut ask: PressureUpdate<'_>) {
+    pub(super) fn advance_block(&self, burn: &Burn, energy: &mut Lanes, mut ask: PressureUpdate<'_>) {
         let strong = self.products.density * self.speed * self.speed;
         for l in 0..LANES {
             let density = ask.mass[l] / ask.volume[l];
             let Curve { cold, per_energy, cold_slope, energy_slope } = self.products.curve(density);
-            let burnt = state.burnt[l];
+            let burnt = burn.burnt[l];
             let rest = (1.0 - burnt) * self.unburnt / self.products.density;
             let curve = Curve {
                 cold: burnt * cold + rest * (density - self.products.density),
@@ -125,31 +128,12 @@ impl Volumetric for Explosive {
                 energy_slope: burnt * energy_slope,
             };
             let floor = if burnt < 1.0 { strong } else { 1e-12 * strong };
-            state.energy[l] = advance(&mut ask, l, curve, state.energy[l], [0.0, floor]);
+            energy[l] = advance(&mut ask, l, curve, energy[l], [0.0, floor]);
         }
-    }
-
-    #[inline(always)]
-    fn add_heat(&self, state: &mut Burning, heat: &Lanes, mass: &Lanes) {
-        for l in 0..LANES {
-            state.energy[l] += heat[l] / mass[l];
-        }
-    }
-
-    fn energy(&self, state: &Burning, lane: usize) -> Option<f64> {
-        Some(state.energy[lane])
-    }
-
-    fn set_energy(&self, state: &mut Burning, lane: usize, energy: f64) {
-        state.energy[lane] = energy;
-    }
-
-    fn burnt(&self, state: &Burning, lane: usize) -> Option<f64> {
-        Some(state.burnt[lane])
     }
 }
 
-persist_struct!(Burning { energy, burnt } derived { lit, pace });
+persist_struct!(Burn { burnt } derived { lit, pace });
 
 #[cfg(test)]
 mod tests {

@@ -2,6 +2,7 @@
 //! Never here: elements, meshes.
 
 pub mod eos;
+pub mod equation_of_state;
 pub mod explosive;
 pub mod failure;
 pub mod foam;

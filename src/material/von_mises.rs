@@ -117,6 +117,10 @@ impl<H: Hardening, V: Volumetric, F: Failure, T: Real> Material<T> for VonMises<
         self.volumetric.add_heat(&mut state.volumetric, heat, mass);
     }
 
+    fn bytes(&self, state: &Self::State) -> usize {
+        self.volumetric.bytes(&state.volumetric)
+    }
+
     #[inline(always)]
     fn share(&self, state: &Self::State, lane: usize) -> f64 {
         self.failure.share(&state.failure, lane)

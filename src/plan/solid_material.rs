@@ -17,7 +17,8 @@ use crate::kernel::heating::Heating;
 use crate::kernel::levels::NestedTable;
 use crate::kernel::moduli::Moduli;
 use crate::material::Material as Law;
-use crate::material::eos::{Eos, IdealGas, Tabulated, UsUp};
+use crate::material::eos::{IdealGas, Tabulated, UsUp};
+use crate::material::equation_of_state::EquationOfState;
 use crate::material::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, FailureStrain};
 use crate::material::kinematic::Kinematic;
 use crate::material::kinematic_rate::RateKinematic;
@@ -256,7 +257,7 @@ impl Compiler<'_> {
                 row(format!("ideal gas, gamma = {}", 1.0 + gas_constant / specific_heat));
                 let absolute_zero = self.model.settings.absolute_zero;
                 let law = IdealGas { gas_constant, specific_heat, ambient, absolute_zero };
-                self.with_volumetric(material, span, Eos { law }, builder)
+                self.with_volumetric(material, span, EquationOfState::IdealGas(law), builder)
             }
             (EosKind::IdealGas(_), rows) => {
                 let why = if rows.is_none() { "without *SPECIFIC HEAT" } else { "whose specific heat is not constant" };
@@ -265,15 +266,15 @@ impl Compiler<'_> {
             }
             (EosKind::UsUp([c0, s, gamma0]), _) => {
                 row(format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}"));
-                self.with_volumetric(material, span, Eos { law: UsUp { density, c0, s, gamma0 } }, builder)
+                self.with_volumetric(material, span, EquationOfState::UsUp(UsUp { density, c0, s, gamma0 }), builder)
             }
             (EosKind::Tabular(rows), _) => {
                 row(format!("table of {} rows", rows.len()));
-                self.with_volumetric(material, span, Eos { law: Tabulated { density, rows } }, builder)
+                self.with_volumetric(material, span, EquationOfState::Tabulated(Tabulated { density, rows }), builder)
             }
             (EosKind::Jwl(values), _) => {
                 let law = self.explosive(material, eos.span, &values, span)?;
-                self.with_volumetric(material, span, law, builder)
+                self.with_volumetric(material, span, EquationOfState::Explosive(law), builder)
             }
         }
     }
