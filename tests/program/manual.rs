@@ -117,7 +117,7 @@ fn common_questions_are_answered_within_two_clicks() {
         ("How does a run go on?", "docs/restart.md", "Keeping the state", "--resume"),
         ("How do I write my own load?", "docs/user-subroutines.md", "From an ABAQUS/Explicit job", "--user"),
         ("How do I cite it?", "docs/running.md", "Citing", "CITATION.cff"),
-        ("How do I install it?", "docs/running.md", "Installing", "cargo install"),
+        ("How do I install it?", "docs/installing.md", "Ways to install", "cargo install"),
     ];
     let first: BTreeSet<(String, String)> = links("README.md").into_iter().collect();
     let pages = first.iter().filter(|l| l.0.ends_with(".md"));
