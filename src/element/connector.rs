@@ -4,6 +4,7 @@
 
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
+use crate::platform::PortableMath as _;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
@@ -177,7 +178,7 @@ impl Connector {
         let ([Some(a), Some(b)], None) = (self.ends, self.axis) else { return None };
         let [[r_a, z_a], [r_b, z_b]] = [place(a), place(b)];
         let (dr, dz) = (r_b - r_a, z_b - z_a);
-        let length = dr.hypot(dz);
+        let length = dr.portable_hypot(dz);
         Some(([dr / length, dz / length], length))
     }
 

@@ -4,6 +4,7 @@
 
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
+use crate::platform::PortableMath as _;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
@@ -60,7 +61,7 @@ impl Controlled {
         let span = |i: usize| {
             let [a, b, c] = three(&at, i);
             // A side between doubled nodes has no length, and a corner on it nothing to keep.
-            let sides = [[a, b], [a, c], [b, c]].inline_map(|[p, q]| (p[0] - q[0]).hypot(p[1] - q[1]));
+            let sides = [[a, b], [a, c], [b, c]].inline_map(|[p, q]| (p[0] - q[0]).portable_hypot(p[1] - q[1]));
             let largest = sides.into_iter().fold(0.0, f64::max);
             if sides.into_iter().any(|s| s <= 1e-9 * largest) {
                 return 0.0;

@@ -5,6 +5,7 @@ use super::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad::{Operators, dot3, section, sums};
 use crate::kernel::topology::Topology;
+use crate::platform::PortableMath as _;
 use crate::state::nodes::Nodes;
 
 /// The element that is folded most.
@@ -51,7 +52,7 @@ fn within(places: [[f64; 2]; 4], corners: [[f64; 4]; 2]) -> f64 {
         let [_, first, second, pattern] = sums(u);
         0.25 * dot3(shape, [first, second, pattern])
     });
-    along_r.hypot(along_z)
+    along_r.portable_hypot(along_z)
 }
 
 /// What moves in the pattern now.

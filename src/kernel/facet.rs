@@ -2,6 +2,7 @@
 //! Never here: what acts on a facet.
 
 use super::lanes::InlineMap;
+use crate::platform::PortableMath as _;
 use std::f64::consts::PI;
 
 /// One facet with its outward unit normal. Coordinates are `[r, z]`, lengths in the deck's unit.
@@ -31,7 +32,7 @@ impl Facet {
     /// `None` if the nodes coincide.
     pub fn new(first: [f64; 2], second: [f64; 2], positive: bool) -> Option<Facet> {
         let along = [second[0] - first[0], second[1] - first[1]];
-        let length = along[0].hypot(along[1]);
+        let length = along[0].portable_hypot(along[1]);
         if length.is_nan() || length <= 0.0 {
             return None;
         }
@@ -47,7 +48,7 @@ impl Facet {
     }
 
     pub fn length(&self) -> f64 {
-        (self.high[0] - self.low[0]).hypot(self.height())
+        (self.high[0] - self.low[0]).portable_hypot(self.height())
     }
 
     /// Extent along z.
@@ -107,7 +108,7 @@ impl Facet {
     /// (high) end: rho t 2 pi L (2 r1 + r2) / 6 and rho t 2 pi L (r1 + 2 r2) / 6.
     pub fn lumped_mass(&self, density: f64, thickness: f64) -> [f64; 2] {
         let (low, high) = (self.low[0], self.high[0]);
-        let length = (high - low).hypot(self.height());
+        let length = (high - low).portable_hypot(self.height());
         let factor = density * thickness * PI * length / 3.0;
         [factor * (2.0 * low + high), factor * (low + 2.0 * high)]
     }

@@ -4,6 +4,7 @@ use crate::element::group::ElementGroup;
 use crate::element::values;
 use crate::kernel::quad;
 use crate::plan::State;
+use crate::platform::PortableMath as _;
 use crate::solve::node_value;
 use crate::variables::{Part, Place, Variable};
 
@@ -126,7 +127,7 @@ fn cells_of(state: &State, group: &dyn ElementGroup, element: usize) -> Vec<([u3
     let [first, second] = [boundary[0], boundary[1]];
     let (a, b) = (place(first), place(second));
     let along = [b[0] - a[0], b[1] - a[1]];
-    let half = 0.5 * thickness / along[0].hypot(along[1]);
+    let half = 0.5 * thickness / along[0].portable_hypot(along[1]);
     let beside = |p: [f64; 2], side: f64| [(p[0] - side * half * along[1]).max(0.0), p[1] + side * half * along[0]];
     vec![([first, second, second, first], [beside(a, -1.0), beside(b, -1.0), beside(b, 1.0), beside(a, 1.0)])]
 }
