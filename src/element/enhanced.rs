@@ -69,7 +69,7 @@ impl<S: Clone> ElementBlock<S> {
     }
 }
 
-/// What the forces of assumed strains need. What is compiled of them is shared by all materials of which the same can fail and flow.
+/// Input of the forces of assumed strains. All materials share the compiled code that can fail and flow alike.
 struct AssumedForces<'a> {
     factor: f64,
     dt: f64,

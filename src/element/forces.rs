@@ -17,8 +17,8 @@ use crate::material::increment::StressUpdate;
 /// of elements that are not folded as it is.
 const SLOW: f64 = 0.25;
 
-/// Corner forces of a block of elements and what they need. Nothing here depends on the material but whether its moduli vary and
-/// whether it has an equation of state: all other materials share what is compiled of it.
+/// Corner forces of a block of elements, and their input. The code depends on two properties of a material: whether its moduli vary,
+/// and whether it has an equation of state. Materials that agree in both share it.
 pub(super) struct CornerForces<'a, C, T, const AREA: bool, const VARY: bool, const EOS: bool> {
     pub stress: &'a [Lanes<T>; 4],
     pub mass: &'a Lanes<T>,

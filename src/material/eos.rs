@@ -29,10 +29,6 @@ pub trait Pressure: Send + Sync + 'static {
     }
     /// The least bulk modulus: a state without stiffness still has an increment.
     fn floor(&self) -> f64;
-    /// Temperature by energy and energy by temperature, where there is a specific heat: heat capacity and absolute zero.
-    fn thermal(&self) -> Option<[f64; 2]> {
-        None
-    }
 }
 
 /// Ideal gas: p + p_A = rho R (T - T_Z), e = c_v (T - T_Z), so p = (R/c_v) rho e - p_A (ABAQUS Analysis User's Guide,
@@ -62,10 +58,6 @@ impl Pressure for IdealGas {
 
     fn floor(&self) -> f64 {
         1e-40
-    }
-
-    fn thermal(&self) -> Option<[f64; 2]> {
-        Some([self.specific_heat, self.absolute_zero])
     }
 }
 

@@ -3,7 +3,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the laws.
 
 use super::BlockStart;
-use super::eos::{IdealGas, Pressure, Tabulated, UsUp, advance_block};
+use super::eos::{IdealGas, Tabulated, UsUp, advance_block};
 use super::explosive::{Burn, Explosive};
 use super::volumetric::{PressureUpdate, Volumetric};
 use crate::kernel::lanes::{LANES, Lanes};
@@ -32,10 +32,8 @@ impl EquationOfState {
     /// Heat capacity and absolute zero where there is a specific heat.
     fn thermal(&self) -> Option<[f64; 2]> {
         match self {
-            EquationOfState::IdealGas(law) => law.thermal(),
-            EquationOfState::UsUp(law) => law.thermal(),
-            EquationOfState::Tabulated(law) => law.thermal(),
-            EquationOfState::Explosive(_) => None,
+            EquationOfState::IdealGas(law) => Some([law.specific_heat, law.absolute_zero]),
+            _ => None,
         }
     }
 }

@@ -46,7 +46,7 @@ pub trait Volumetric: Send + Sync + 'static {
     /// Sets the energy by the temperature at the start.
     fn heat(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
 
-    /// Returns the bytes that the state of a block holds beside its own size.
+    /// Returns the bytes that the state of a block holds in addition to its own size.
     fn bytes(&self, _state: &Self::State) -> usize {
         0
     }

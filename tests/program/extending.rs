@@ -127,7 +127,7 @@ fn extension_pages_can_be_followed() {
     }
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
     let output = Command::new(cargo)
-        .args(["check", "--lib", "--profile", "quick", "--locked", "--offline", "--quiet"])
+        .args(["check", "--lib", "--release", "--locked", "--offline", "--quiet"])
         .env("CARGO_TARGET_DIR", project("target"))
         .current_dir(root)
         .output()

@@ -1,7 +1,7 @@
 //! The Python package: built as a wheel, installed into a fresh environment, and used there as a user would.
 //!
 //! Source: `tests/python/test_revolve.py` and `examples/python.ipynb`. In CI the tools must be there; elsewhere, without maturin,
-//! these tests are left out. The wheel is a build of its own, in `target/wheel`.
+//! these tests are left out. The wheel is built from what the tests are built from.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -48,7 +48,6 @@ fn install(python: &str) -> Result<PathBuf, String> {
     std::fs::write(Path::new(packages.trim()).join("elsewhere.pth"), elsewhere).map_err(|e| e.to_string())?;
     let mut pip = Command::new(&own);
     // What calls Cargo here must not make the wheel's build differ from that of a user, but for how long it takes.
-    pip.env("MATURIN_PEP517_ARGS", "--profile quick");
     for (name, _) in std::env::vars_os().filter(|(n, _)| n.to_string_lossy().starts_with("CARGO_PROFILE")) {
         pip.env_remove(name);
     }

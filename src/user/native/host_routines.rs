@@ -63,7 +63,6 @@ macro_rules! symbols {
 }
 
 /// The same in a shared library, which shows what Rust functions are called and hides all other symbols.
-#[cfg(feature = "shared")]
 macro_rules! host_symbols {
     ($($name:expr => $function:path),+ $(,)?) => {
         $(const _: () = {
@@ -75,13 +74,6 @@ macro_rules! host_symbols {
         };)+
     };
 }
-#[cfg(not(feature = "shared"))]
-macro_rules! host_symbols {
-    ($($name:expr => $function:path),+ $(,)?) => {
-        symbols! { $($name => $function),+ }
-    };
-}
-
 symbols! {
     "chdir" => guard::chdir,
     "fchdir" => guard::fchdir,

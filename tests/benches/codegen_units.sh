@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# What it costs to build the library in sixteen parts instead of one, and to use it from another crate: the copper bar of 2000
+# elements on one thread, the programs in turn, medians of nine runs. Fails above 1.03. Builds two profiles: some ten minutes.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+cargo build --quiet --release --locked
+cargo build --quiet --release --locked --config profile.release.codegen-units=1 --target-dir target/one-unit
+cargo build --quiet --release --manifest-path tests/benches/library_user/Cargo.toml --target-dir target/library-user
+run() { # NAME COMMAND...: adds the seconds of one run to NAME's list
+    local name=$1 start end
+    shift
+    start=$(date +%s%N)
+    "$@" >/dev/null
+    end=$(date +%s%N)
+    echo $(((end - start) / 1000)) >>"$times/$name"
+}
+times=$(mktemp -d)
+trap 'rm -rf "$times"' EXIT
+bar=(input/taylor_copper.inp --set nr=20 --set nz=100 --threads 1 --no-frames --out "$times/out")
+for _ in 1 2 3 4 5 6 7 8 9; do
+    run one target/one-unit/release/revolve run "${bar[@]}"
+    run sixteen target/release/revolve run "${bar[@]}"
+    run library env RAYON_NUM_THREADS=1 target/library-user/release/library_user
+done
+median() { sort -n "$times/$1" | sed -n 5p; }
+awk -v one="$(median one)" -v sixteen="$(median sixteen)" -v library="$(median library)" 'BEGIN {
+    printf "one unit %.2f s; sixteen units %.3f times that; a crate that uses the library %.3f times\n", one / 1e6, sixteen / one, library / one
+    exit sixteen > 1.03 * one || library > 1.03 * one
+}'
