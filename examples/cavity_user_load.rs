@@ -1,12 +1,12 @@
-//! A user load in Rust: the resistance of dynamic cavity expansion, as a VDLOAD would give it, driven by the seed deck.
-//! Run with `cargo run --release --example cavity_user_load`; it prints the depth beside that of the built-in load.
+//! A user load in Rust: the resistance of dynamic cavity expansion, as in a VDLOAD, with the deck `input/ogive.inp`.
+//! Run with `cargo run --release --example cavity_user_load`; it prints its depth and that of the built-in load.
 
 use std::path::Path;
 
 use revolve::job;
 use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
-/// sigma_n = Y (A + C x^2), x = v_n sqrt(rho / Y), on every point that moves into the target.
+/// `sigma_n = Y (A + C x^2)`, `x = v_n sqrt(rho / Y)`, on every point that moves into the target.
 struct Cavity {
     yield_stress: f64,
     density: f64,
@@ -26,7 +26,7 @@ impl UserLoad for Cavity {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("input/ogive.inp");
-    // The routine knows no target's face, so both shots start with the nose embedded.
+    // The user load has no target surface, so both shots start with an embedded nose.
     let text = std::fs::read_to_string(&path)?.replace("front = 0.", "front = 0.1");
     let own = text.replace("*Dsload, target=BLOCK, friction=<friction>\n NOSE, CAVITY", "*Dsload\n NOSE, PNU");
     let routine = Routines::none().with_load(Cavity { yield_stress: 276e6, density: 2710.0, a: 5.0394, c: 0.9830 });

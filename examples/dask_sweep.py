@@ -1,10 +1,10 @@
-"""Shots at random over processes, by Dask.
+"""Random shots on several processes with Dask.
 
     pip install . "dask[distributed]"
     python examples/dask_sweep.py [SHOTS] [SCHEDULER]
 
-Without the address of a scheduler it starts processes of its own on this machine. A chunk of samples goes to a worker, its
-table comes back; a worker that dies costs its chunks, which others then take up, and no digit of the table.
+Without the address of a scheduler it starts local processes. Each chunk of samples is sent to a worker, which returns its
+table. Chunks of a failed worker are run again by others, with the same result.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ CHUNK = 2000
 
 
 def depths(client: Client, speeds: np.ndarray) -> np.ndarray:
-    """Depths in millimetres, in the order of the speeds."""
-    # The function carries the deck, which is read anew for each chunk: a fraction of a millisecond.
+    """Return depths in millimetres, in the order of the speeds."""
+    # The function contains the deck, which is read again for each chunk (a fraction of a millisecond).
     shot = rv.sampler(rv.Deck(DECK), ["V"], "-1000*final(U2@REF)", threads=1)
     chunks = np.array_split(speeds, max(1, len(speeds) // CHUNK))
     return np.concatenate(client.gather(client.map(shot, chunks, pure=False)))[:, 0]
 
 
 def main() -> None:
-    """Draws speeds, runs the shots, says what came out."""
+    """Sample speeds, run the shots, print the results."""
     shots = int(sys.argv[1]) if len(sys.argv) > 1 else 20_000
     speeds = np.random.default_rng(7).uniform(569.0, 900.0, shots)
     if len(sys.argv) > 2:

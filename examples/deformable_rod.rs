@@ -1,4 +1,4 @@
-//! Where the rigid assumption ends: a rod of VAR 4340 steel that yields (`input/ogive_rod.inp`) beside the rigid one, over velocity,
+//! Limits of the rigid assumption: a deformable rod of VAR 4340 steel (`input/ogive_rod.inp`) and a rigid one over velocity,
 //! on two meshes of `revolve mesh` and extrapolated. Writes the table of `docs/fidelity.md`, `docs/rod-depths.png` and
 //! `docs/rod-noses.png`:
 //!
@@ -9,26 +9,26 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use revolve::job;
-use revolve::output::Frame;
-use revolve::output::drawing::{Anchor, Colour, Drawing, Label, Paint, Shape, Stroke};
+use revolve::output::OutputFrame;
+use revolve::output::drawing::{Colour, Drawing, DrawingShape, LineStroke, ShapePaint, TextAnchor, TextLabel};
 use revolve::plan::Plan;
 use revolve::solve::{Instant, Sink, SinkError};
-use revolve::study::chart::{Chart, Form, Series};
-use revolve::study::compare::Reference;
+use revolve::study::chart::{Chart, ChartSeries, SeriesForm};
+use revolve::study::compare::ReferenceTable;
 use revolve::user::Routines;
 use rod::{SIZES, deck};
 
 #[path = "common/rod.rs"]
 mod rod;
 
-/// Striking velocities, m/s; those of the experiment are among them.
+/// Striking velocities, m/s, including those of the experiment.
 const VELOCITIES: [f64; 9] = [300.0, 450.0, 569.0, 679.0, 821.0, 966.0, 1147.0, 1300.0, 1450.0];
-/// Velocities of the picture of noses.
+/// Velocities in the picture of noses, m/s.
 const DRAWN: [f64; 3] = [569.0, 966.0, 1147.0];
-/// The law of the nose on the shank as well.
+/// Parameters that apply the resistance law of the nose to the shank.
 const WHOLE: [(&str, &str); 3] = [("WA", "5.0394"), ("WB", "0.9830"), ("WC", "0.9402")];
 
-/// What a shot came to, mm.
+/// Depth, shortening and widening of a rod, mm.
 #[derive(Clone, Copy)]
 struct Shot {
     depth: f64,
@@ -36,18 +36,18 @@ struct Shot {
     wider: f64,
 }
 
-/// The rows of a shot and its last frame.
+/// History rows and last frame of a shot.
 #[derive(Default)]
 struct Kept {
     rows: Vec<Vec<f64>>,
-    frame: Option<Frame>,
+    frame: Option<OutputFrame>,
 }
 
 impl Sink for Kept {
     fn wants_frames(&self) -> bool {
         true
     }
-    fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
+    fn frame(&mut self, frame: &OutputFrame) -> Result<(), SinkError> {
         self.frame = Some(frame.clone());
         Ok(())
     }
@@ -87,15 +87,15 @@ fn shoot(
     Ok(Shot { depth: -1e3 * least, shorter: 1e3 * (last[tip] - last[back]), wider: 1e3 * most })
 }
 
-/// Corners of an element in mm, and its fill.
+/// Corners of an element in mm, and its fill colour.
 struct DrawnElement {
     corners: Vec<[f64; 2]>,
     colour: Colour,
 }
 
-/// The right half shows the rod at the end, moved so that its tip is where it was; the left half the rod as it was, which a
-/// rigid one still is. mm.
-fn silhouette(plan: &Plan, frame: &Frame) -> Vec<DrawnElement> {
+/// Returns the elements of the final rod in the right half, moved back to the initial position of the tip, and of the initial
+/// (rigid) rod in the left half, mm.
+fn silhouette(plan: &Plan, frame: &OutputFrame) -> Vec<DrawnElement> {
     let mesh = &plan.mesh;
     let Some(moved) = frame.point_fields.iter().find(|f| f.name == "U") else { return Vec::new() };
     let tip = mesh.points.iter().position(|p| *p == [0.0, 0.0]).unwrap_or(0);
@@ -114,7 +114,7 @@ fn silhouette(plan: &Plan, frame: &Frame) -> Vec<DrawnElement> {
     drawn
 }
 
-/// Depth of the rigid rod with the law of three terms, mm.
+/// Returns the depth of the rigid rod with the three-term law, mm.
 fn rigid(velocity: f64) -> Result<f64, Box<dyn Error>> {
     let settings = [("V", velocity.to_string()), ("B", "0.9830".into()), ("C", "0.9402".into())];
     let settings: Vec<(String, String)> = settings.map(|(n, v): (&str, String)| (n.to_owned(), v)).into();
@@ -124,7 +124,7 @@ fn rigid(velocity: f64) -> Result<f64, Box<dyn Error>> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let reference = Reference::read(Path::new("input/reference/piekutowski_1999.csv"))?;
+    let reference = ReferenceTable::read(Path::new("input/reference/piekutowski_1999.csv"))?;
     let known: Vec<(f64, f64)> = reference.rows.iter().map(|(v, columns)| (*v, columns[0])).collect();
     let decks = [deck(SIZES[0])?, deck(SIZES[1])?];
     let mut table = String::from(
@@ -161,35 +161,36 @@ fn main() -> Result<(), Box<dyn Error>> {
     print!("{table}");
     put_into_page(&table)?;
     let names = ["rigid", "yields, shank in an elastic wall", "yields, shank resisted as the nose"];
-    let mut series: Vec<Series> =
-        names.iter().zip(lines).map(|(name, points)| Series::new(*name, Form::Line, points)).collect();
-    series.push(Series::new("experiment", Form::Marks, known));
+    let mut series: Vec<ChartSeries> =
+        names.iter().zip(lines).map(|(name, points)| ChartSeries::new(*name, SeriesForm::Line, points)).collect();
+    series.push(ChartSeries::new("experiment", SeriesForm::Marks, known));
     let chart = Chart::new("Depth of a rigid rod and of one that yields", ["striking velocity", "depth"], series);
     let chart = Chart { units: ["m/s".into(), "mm".into()], ..chart };
     std::fs::write("docs/rod-depths.png", chart.png()?)?;
     Ok(std::fs::write("docs/rod-noses.png", picture(&noses).png()?)?)
 }
 
-/// The noses side by side, tips down.
+/// Draws the noses next to each other, tips down.
 fn picture(noses: &[Vec<DrawnElement>]) -> Drawing {
     let (wide, high, scale) = (360.0, 760.0, 32.0);
     let mut drawing = Drawing::new([wide * noses.len() as f64, high]);
     for (n, (nose, velocity)) in noses.iter().zip(DRAWN).enumerate() {
         let left = wide * n as f64;
         let middle = left + 0.5 * wide;
-        drawing.label(Label::new([middle, 26.0], Anchor::Middle, format!("{velocity} m/s: rigid | yields")));
-        drawing.shapes.push(Shape::BeginClip([left, 40.0], [wide, high - 50.0]));
+        drawing.label(TextLabel::new([middle, 26.0], TextAnchor::Middle, format!("{velocity} m/s: rigid | yields")));
+        drawing.shapes.push(DrawingShape::BeginClip([left, 40.0], [wide, high - 50.0]));
         for DrawnElement { corners, colour } in nose {
             let places = corners.iter().map(|[x, y]| [middle + scale * x, high - 24.0 + scale * y]);
-            let paint = Paint { stroke: Some(Stroke::new(*colour, 0.05 * scale)), ..Paint::fill(*colour, 1.0) };
+            let paint =
+                ShapePaint { stroke: Some(LineStroke::new(*colour, 0.05 * scale)), ..ShapePaint::fill(*colour, 1.0) };
             drawing.path(places, true, paint);
         }
-        drawing.shapes.push(Shape::EndClip);
+        drawing.shapes.push(DrawingShape::EndClip);
     }
     drawing
 }
 
-/// Replaces the table between the two marks of the page.
+/// Replaces the table between the two marks in the page.
 fn put_into_page(table: &str) -> Result<(), String> {
     const PAGE: &str = "docs/fidelity.md";
     let text = std::fs::read_to_string(PAGE).map_err(|e| format!("{PAGE}: {e}"))?;

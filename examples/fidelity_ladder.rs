@@ -1,5 +1,5 @@
-//! The ladder of fidelity: the same six shots from a closed form to a projectile that deforms, each rung with its
-//! distance from the experiment and its time. Writes the table of `docs/fidelity.md` and `docs/fidelity.png`:
+//! Models of increasing fidelity: the same six shots from a closed form to a deformable projectile, each model with its
+//! error and run time. Writes the table of `docs/fidelity.md` and `docs/fidelity.png`:
 //!
 //!     cargo run --release --example fidelity_ladder
 
@@ -9,27 +9,27 @@ use std::path::Path;
 use std::time::Instant;
 
 use revolve::job;
-use revolve::study::chart::{Chart, Form, Series};
-use revolve::study::compare::{Reference, rms};
+use revolve::study::chart::{Chart, ChartSeries, SeriesForm};
+use revolve::study::compare::{ReferenceTable, rms};
 use revolve::study::quantity::{FinishedRun, Quantity};
 use revolve::user::Routines;
 
 #[path = "common/rod.rs"]
 mod rod;
 
-/// A rung: what stands in the table, and how the depth of a shot is found, mm.
+/// A model of the comparison: its row in the table, and how the depth of a shot is computed.
 struct Rung {
     name: &'static str,
     model: Model,
 }
 
 enum Model {
-    /// The two-term law on a rigid nose that is inside the target from the start.
+    /// The two-term law on a rigid nose that is embedded from the start.
     ClosedForm,
-    /// A deck, what is set in it besides the velocity, and the depth as a quantity.
+    /// A deck, its parameters other than the velocity, and the quantity that gives the depth.
     Deck(&'static str, &'static [(&'static str, &'static str)], &'static str),
-    /// `input/ogive_rod.inp`, what is set in it besides the velocity, and the size of its elements; two sizes, the second half the
-    /// first, are extrapolated to 0.
+    /// `input/ogive_rod.inp`, its parameters other than the velocity, and element sizes; with two sizes, the second half the
+    /// first, the depth is extrapolated to size 0.
     Rod(&'static [(&'static str, &'static str)], &'static [f64]),
 }
 
@@ -37,10 +37,10 @@ const RIGID: &str = "-1000*final(U2@REF)";
 const SOLID: &str = "-1000*min(U2@TIP)";
 const THREE_TERMS: &[(&str, &str)] = &[("B", "0.9830"), ("C", "0.9402")];
 const FRICTION: &[(&str, &str)] = &[("B", "0.9830"), ("C", "0.9402"), ("friction", "0.02")];
-/// Steel that cannot yield.
+/// Parameters of a steel that does not yield.
 const ELASTIC: &[(&str, &str)] = &[("JCA", "1.e12"), ("JCB", "0."), ("JCC", "0.")];
 
-/// The law of the nose on the shank as well.
+/// Parameters that apply the resistance law of the nose to the shank.
 const WHOLE: &[(&str, &str)] = &[("WA", "5.0394"), ("WB", "0.9830"), ("WC", "0.9402")];
 
 const LADDER: [Rung; 7] = [
@@ -53,14 +53,14 @@ const LADDER: [Rung; 7] = [
     Rung { name: "the same, shank resisted as the nose", model: Model::Rod(WHOLE, &[rod::SIZES[1]]) },
 ];
 
-/// What a rung gave: depths, mm, and seconds for all shots on one thread.
+/// Results of a model: depths, mm, and seconds for all shots on one thread.
 struct Climbed {
     depths: Vec<f64>,
     seconds: f64,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let reference = Reference::read(Path::new("input/reference/piekutowski_1999.csv"))?;
+    let reference = ReferenceTable::read(Path::new("input/reference/piekutowski_1999.csv"))?;
     let shots: Vec<(f64, f64)> = reference.rows.iter().map(|(v, columns)| (*v, columns[0])).collect();
     let mut climbed = Vec::new();
     for rung in &LADDER {
@@ -99,7 +99,7 @@ fn climb(rung: &Rung, shots: &[(f64, f64)]) -> Result<Climbed, Box<dyn Error>> {
     Ok(Climbed { depths, seconds: clock.elapsed().as_secs_f64() })
 }
 
-/// P = m/(2 beta) ln(1 + beta V^2 / alpha), alpha = pi a^2 A Y, beta = pi a^2 C rho N2, N2 = (8 psi - 1)/(24 psi^2)
+/// `P = m/(2 beta) ln(1 + beta V^2/alpha)`, `alpha = pi a^2 A Y`, `beta = pi a^2 C rho N2`, `N2 = (8 psi - 1)/(24 psi^2)`
 /// (Forrestal, Okajima and Luk 1988), with the constants of `input/ogive.inp`; mm.
 fn closed_form(velocity: f64) -> f64 {
     let (a, psi, mass, y, rho, c0, c2): (f64, f64, f64, f64, f64, f64, f64) =
@@ -136,7 +136,7 @@ fn differences(shots: &[(f64, f64)], climbed: &Climbed) -> Vec<f64> {
     climbed.depths.iter().zip(shots).map(|(depth, (_, known))| depth - known).collect()
 }
 
-/// Markdown: a rung a row.
+/// Returns the Markdown table, one model a row.
 fn table(shots: &[(f64, f64)], climbed: &[Climbed]) -> String {
     let mut text = String::from("| depth, mm, at |");
     let velocities = shots.iter().map(|(v, _)| format!(" {v} m/s |"));
@@ -156,18 +156,18 @@ fn table(shots: &[(f64, f64)], climbed: &[Climbed]) -> String {
     text
 }
 
-/// Differences from the experiment over velocity.
+/// Draws the differences from the experiment over velocity.
 fn picture(shots: &[(f64, f64)], climbed: &[Climbed]) -> Chart {
     let line = |(rung, climbed): (&Rung, &Climbed)| {
         let points = shots.iter().zip(differences(shots, climbed)).map(|((v, _), d)| (*v, d)).collect();
-        Series::new(rung.name, Form::Line, points)
+        ChartSeries::new(rung.name, SeriesForm::Line, points)
     };
     let series = LADDER.iter().zip(climbed).map(line).collect();
     let chart = Chart::new("Depth: model minus experiment", ["striking velocity", "difference"], series);
     Chart { units: ["m/s".into(), "mm".into()], ..chart }
 }
 
-/// Replaces the table between the two marks of the page.
+/// Replaces the table between the two marks in the page.
 fn put_into_page(table: &str) -> Result<(), String> {
     const PAGE: &str = "docs/fidelity.md";
     let text = std::fs::read_to_string(PAGE).map_err(|e| format!("{PAGE}: {e}"))?;

@@ -1,4 +1,4 @@
-//! A blast wave that runs outward over a rigid disc, in Rust and, where gfortran is installed, as a VDLOAD in Fortran.
+//! A blast wave that moves outward over a rigid disc, in Rust and, if gfortran is installed, as a VDLOAD in Fortran.
 //! Run with `cargo run --release --example moving_blast`.
 
 use std::error::Error;
@@ -8,7 +8,7 @@ use revolve::job;
 use revolve::user::compile::compile;
 use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
-/// p = peak (1 - s) exp(-decay s), s the time since the front's arrival over the positive phase (Friedlander's law).
+/// `p = peak (1 - s) exp(-decay s)`, s the time since arrival of the front over the positive phase (Friedlander's law).
 pub struct Blast {
     peak: f64,
     speed: f64,
@@ -33,7 +33,7 @@ impl UserLoad for Blast {
     }
 }
 
-/// Final displacement and velocity of the disc.
+/// Returns the final displacement and velocity of the disc.
 pub fn fly(routines: &Routines) -> Result<[f64; 2], Box<dyn Error>> {
     let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("input/blast_disk.inp");
     let prepared = job::prepare(&deck, &[], routines);
@@ -47,14 +47,14 @@ pub fn fly(routines: &Routines) -> Result<[f64; 2], Box<dyn Error>> {
     }
 }
 
-/// The same physics in Fortran.
+/// Returns the same load in Fortran.
 pub fn in_fortran() -> Result<Routines, Box<dyn Error>> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("input/vdload_blast.f");
     let compiled = compile(&[file], false).map_err(|faults| faults.render(&revolve::deck::Sources::default()))?;
     compiled.open().map_err(|fault| fault.message.into())
 }
 
-#[allow(dead_code)] // Tests use the functions alone.
+#[allow(dead_code)] // Tests call the functions only.
 fn main() -> Result<(), Box<dyn Error>> {
     println!("in Rust:    u, v = {:?}", fly(&Routines::none().with_load(Blast::default()))?);
     match in_fortran() {

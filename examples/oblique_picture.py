@@ -1,9 +1,9 @@
-"""A body in oblique impact: three frames of a run with the pressure on its surface, and the tilted front of the target.
+"""A body in oblique impact: three frames of a run with the pressure on its surface, and the inclined front of the target.
 
     revolve run input/oblique.inp --set V=400. --set obliquity=65. --out out/oblique
     python examples/oblique_picture.py out/oblique/oblique.pvd oblique.png
 
-Needs pyvista (pip install pyvista). The same by hand in ParaView: open the .pvd and colour by PRESSURE.
+Needs pyvista (pip install pyvista). In ParaView: open the .pvd and colour by PRESSURE.
 """
 import json
 import math
@@ -15,7 +15,7 @@ PARTS = (0.15, 0.3, 0.6)
 
 
 def front(path, size):
-    """The front of the first target, from the summary beside the frames."""
+    """The front of the first target, from the summary next to the frames."""
     with open(path.removesuffix(".pvd") + ".json") as file:
         target = json.load(file)["scene"]["targets"][0]
     angle = math.radians(target.get("obliquity", 0.0))

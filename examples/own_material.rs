@@ -1,10 +1,10 @@
-//! A material law of one's own: Voce hardening in Rust, by the name of its material. A tube of one element is stretched along z
-//! at fixed radii; the plastic strain is compared with the closed form. `cargo run --release --example own_material`.
+//! A user-defined material law: Voce hardening in Rust, registered under the name of its material. A tube of one element is
+//! stretched along z at fixed radii; the plastic strain is compared with the closed form. `cargo run --release --example own_material`.
 
 use std::error::Error;
 
 use revolve::job;
-use revolve::user::{LoadFailure, MaterialLaw, MaterialPoint, Moduli, Routines};
+use revolve::user::{ElasticModuli, LoadFailure, MaterialLaw, MaterialPoint, Routines};
 
 /// Von Mises plasticity with the yield stress `s0 + q (1 - exp(-b p))` (Voce 1948, J. Inst. Met. 74, 537). Constants: Young's
 /// modulus, Poisson's ratio, s0, q, b. State variable 1: equivalent plastic strain p.
@@ -15,18 +15,18 @@ fn yield_stress(constants: &[f64], p: f64) -> f64 {
 }
 
 impl MaterialLaw for Voce {
-    fn moduli(&self, constants: &[f64]) -> Result<Moduli, LoadFailure> {
+    fn moduli(&self, constants: &[f64]) -> Result<ElasticModuli, LoadFailure> {
         let &[young, ratio, _, _, _] = constants else { return Err(LoadFailure::new("constants: E, nu, s0, q, b")) };
-        Ok(Moduli::from_young(young, ratio))
+        Ok(ElasticModuli::from_young(young, ratio))
     }
 
     fn state_variables(&self) -> usize {
         1
     }
 
-    /// Radial return; Newton's method for the plastic strain increment starts below the root of a convex function.
+    /// Returns the stress by radial return; Newton's method starts below the root of a convex function and converges.
     fn update(&self, point: &mut MaterialPoint<'_>) {
-        let Moduli { bulk, shear } = Moduli::from_young(point.constants[0], point.constants[1]);
+        let ElasticModuli { bulk, shear } = ElasticModuli::from_young(point.constants[0], point.constants[1]);
         let dilation = point.strain[0] + point.strain[1] + point.strain[2];
         let mean = (point.stress[0] + point.stress[1] + point.stress[2]) / 3.0;
         let volumetric = |i: usize, value: f64| if i < 3 { value } else { 0.0 };
@@ -83,8 +83,8 @@ const DECK: &str = "
 *End Step
 ";
 
-/// Plastic strain at the end of the run, and by the closed form: the strain ln(1.5) along z has the equivalent deviatoric
-/// strain 2/3 ln(1.5), of which the plastic part p leaves the stress `3 G (2/3 ln 1.5 - p)`, the yield stress at p.
+/// Returns the plastic strain p at the end of the run, and that of the closed form: the strain ln(1.5) along z has the
+/// equivalent deviatoric strain 2/3 ln(1.5), and the stress `3 G (2/3 ln 1.5 - p)` is the yield stress at p.
 pub fn plastic_strains() -> Result<[f64; 2], Box<dyn Error>> {
     let prepared = job::prepare_text("tube.inp", DECK, &[], &Routines::none().with_law("VOCE", Voce));
     if prepared.diagnostics.has_errors() {
@@ -95,13 +95,13 @@ pub fn plastic_strains() -> Result<[f64; 2], Box<dyn Error>> {
         return Err(halt.reason.into());
     }
     let constants = [210e9, 0.3, 300e6, 200e6, 8.0];
-    let shear3 = 3.0 * Moduli::from_young(constants[0], constants[1]).shear;
+    let shear3 = 3.0 * ElasticModuli::from_young(constants[0], constants[1]).shear;
     let strain = 2.0 / 3.0 * 1.5_f64.ln();
     let exact = (0..50).fold(strain, |p, _| strain - yield_stress(&constants, p) / shear3);
     Ok([history.0["SDV1@TUBE"].last, exact])
 }
 
-#[allow(dead_code)] // Tests use the functions alone.
+#[allow(dead_code)] // Tests call the functions only.
 fn main() -> Result<(), Box<dyn Error>> {
     let [p, exact] = plastic_strains()?;
     println!("plastic strain {p:.9}, closed form {exact:.9}");

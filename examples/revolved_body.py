@@ -3,9 +3,9 @@
     revolve run input/taylor_copper.inp
     python examples/revolved_body.py out/taylor_copper/taylor_copper.pvd PEEQ body.vtp body.png
 
-Needs the `vtk` wheel (pip install vtk). The same by hand in ParaView: Extract Surface, Rotational Extrusion with the axis
-(0, 1, 0); the axis of symmetry is y there. Deleted elements are hidden in the frames; what extrudes needs
-a Threshold by vtkGhostType below 0.5 before it, as here.
+Needs the `vtk` wheel (pip install vtk). In ParaView: Extract Surface, Rotational Extrusion with the axis (0, 1, 0), the axis
+of symmetry. Deleted elements are hidden in the frames; extrusion needs a Threshold of vtkGhostType below 0.5 first,
+as in this script.
 """
 import os
 import sys
@@ -39,7 +39,7 @@ def last_frame(pvd):
 
 
 def revolved(path):
-    """The skin of the frame's meridian, turned around the axis."""
+    """Return the outline of the frame, rotated about the axis."""
     reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(path)
     reader.Update()
@@ -48,7 +48,7 @@ def revolved(path):
     surface = vtkGeometryFilter()
     surface.SetInputConnection(reader.GetOutputPort())
     if reader.GetOutput().GetCellData().HasArray("vtkGhostType"):
-        # Deleted elements: what extrudes a skin would take them along.
+        # Deleted elements would otherwise be part of the extruded surface.
         there.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_CELLS, "vtkGhostType")
         there.SetThresholdFunction(vtkThreshold.THRESHOLD_LOWER)
         there.SetLowerThreshold(0.5)
@@ -63,7 +63,7 @@ def revolved(path):
 
 
 def picture(body, array, path):
-    """A picture of the body in the colours of an array over cells or points."""
+    """Write a picture of the body, coloured by a cell or point array."""
     mapper = vtkPolyDataMapper()
     mapper.SetInputData(body)
     over_cells = body.GetCellData().HasArray(array)

@@ -1,4 +1,4 @@
-//! A load with a memory: a bed that stays crushed where a point has been before. In Rust and, where gfortran is installed, as
+//! A load with state: a bed that stays crushed where a point has been before. In Rust and, if gfortran is installed, as
 //! a VDLOAD with SAVE. Run with `cargo run --release --example stateful_load`.
 
 use std::error::Error;
@@ -8,7 +8,7 @@ use revolve::job;
 use revolve::user::compile::compile;
 use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
-/// Strength where the bed is fresh, a hundredth of it where a point has been before.
+/// A bed with full strength at new depths, and a hundredth where a point has been before.
 #[derive(Default)]
 pub struct Bed {
     deepest: Vec<f64>,
@@ -32,7 +32,7 @@ impl UserLoad for Bed {
     }
 }
 
-/// Final displacement and velocity of the projectile.
+/// Returns the final displacement and velocity of the projectile.
 pub fn fly(routines: &Routines) -> Result<[f64; 2], Box<dyn Error>> {
     let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("input/ogive_user.inp");
     let prepared = job::prepare(&deck, &[], routines);
@@ -46,14 +46,14 @@ pub fn fly(routines: &Routines) -> Result<[f64; 2], Box<dyn Error>> {
     }
 }
 
-/// The same physics in Fortran.
+/// Returns the same load in Fortran.
 pub fn in_fortran() -> Result<Routines, Box<dyn Error>> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("input/vdload_state.f");
     let compiled = compile(&[file], false).map_err(|faults| faults.render(&revolve::deck::Sources::default()))?;
     compiled.open().map_err(|fault| fault.message.into())
 }
 
-#[allow(dead_code)] // Tests use the functions alone.
+#[allow(dead_code)] // Tests call the functions only.
 fn main() -> Result<(), Box<dyn Error>> {
     println!("in Rust:    u, v = {:?}", fly(&Routines::none().with_load(Bed::default()))?);
     match in_fortran() {

@@ -1,4 +1,4 @@
-//! A target whose strength comes from a table over depth, in Rust and, where gfortran is installed, as a VDLOAD in free form.
+//! A target with a table of strength over depth, in Rust and, if gfortran is installed, as a VDLOAD in free form.
 //! Run with `cargo run --release --example table_resistance`.
 
 use std::error::Error;
@@ -8,10 +8,10 @@ use revolve::job;
 use revolve::user::compile::compile;
 use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
-/// Depth and strength; linear between the rows, constant behind the last.
+/// Depth and strength; linear between the rows, constant after the last.
 const TABLE: [[f64; 2]; 4] = [[0.0, 0.4e9], [0.01, 1.2e9], [0.03, 1.4e9], [0.2, 1.4e9]];
 
-/// p = strength(depth) + factor v_n^2 where the surface moves into the target, which fills z < 0.
+/// `p = strength(depth) + factor v_n^2` where the surface moves into the target, which occupies z < 0.
 pub struct Table;
 
 fn strength(depth: f64) -> f64 {
@@ -31,7 +31,7 @@ impl UserLoad for Table {
     }
 }
 
-/// Final displacement and velocity of the projectile.
+/// Returns the final displacement and velocity of the projectile.
 pub fn fly(routines: &Routines) -> Result<[f64; 2], Box<dyn Error>> {
     let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("input/ogive_user.inp");
     let prepared = job::prepare(&deck, &[], routines);
@@ -45,14 +45,14 @@ pub fn fly(routines: &Routines) -> Result<[f64; 2], Box<dyn Error>> {
     }
 }
 
-/// The same physics in Fortran.
+/// Returns the same load in Fortran.
 pub fn in_fortran() -> Result<Routines, Box<dyn Error>> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("input/vdload_table.f90");
     let compiled = compile(&[file], false).map_err(|faults| faults.render(&revolve::deck::Sources::default()))?;
     compiled.open().map_err(|fault| fault.message.into())
 }
 
-#[allow(dead_code)] // Tests use the functions alone.
+#[allow(dead_code)] // Tests call the functions only.
 fn main() -> Result<(), Box<dyn Error>> {
     println!("in Rust:    u, v = {:?}", fly(&Routines::none().with_load(Table))?);
     match in_fortran() {

@@ -1,7 +1,7 @@
-C     A blast wave that runs outward over a surface: behind the front, which reaches
-C     the radius r at r/speed, the pressure falls as Friedlander's law has it:
+C     A blast wave that moves outward over a surface. After the front has reached
+C     the radius r at time r/speed, the pressure decays (Friedlander's law):
 C     p = peak (1 - t/duration) exp(-decay t/duration), t the time since arrival,
-C     and nothing after the positive phase. SI units.
+C     and is zero after the positive phase. SI units.
       subroutine vdload (
      1 nblock, ndim, stepTime, totalTime,
      2 amplitude, curCoords, velocity, dirCos,

@@ -1,6 +1,6 @@
-C     Resistance of dynamic cavity expansion on a nose fully inside its target:
+C     Resistance of dynamic cavity expansion on a fully embedded nose:
 C     p = Y (A + C v_n**2 rho / Y) where the surface moves into the target, else 0
-C     (the constants of the seed paper, 6061-T6511 aluminium, SI units).
+C     (constants of 6061-T6511 aluminium, SI units).
       subroutine vdload (
 C Read only (unmodifiable) variables -
      1 nblock, ndim, stepTime, totalTime,

@@ -1,6 +1,6 @@
-C     A crushable bed with memory: where a point has been before, the bed is crushed
-C     and gives a hundredth of its strength. The deepest z of each point is kept
-C     between calls. Points are told apart by their order. SI units.
+C     A crushable bed with memory: where a point has been before, it is crushed
+C     and has a hundredth of its strength. The deepest z of each point is stored
+C     between calls. Points are identified by their order. SI units.
       subroutine vdload (
      1 nblock, ndim, stepTime, totalTime,
      2 amplitude, curCoords, velocity, dirCos,

@@ -1,4 +1,4 @@
-! Resistance from a table over depth: a target whose strength changes on the way in.
+! Resistance from a table over depth: a target with graded strength.
 ! p = strength(depth) + factor v_n**2 where the surface moves into the target (at z < 0). SI units.
 module resistance_table
   implicit none

@@ -1,8 +1,8 @@
-//! Revolve: axisymmetric explicit finite elements with user-load hooks. An ABAQUS-flavoured deck goes in, histories and frames
-//! come out.
+//! Revolve: axisymmetric explicit finite-element code for ABAQUS-style decks with user subroutines.
 //!
-//! Text becomes a [`deck::Deck`], a [`model::Model`], an immutable [`plan::Plan`] with its [`plan::State`] at the start, and a run
-//! shows what it comes to. [`job`] has the whole way in one call:
+//! A deck text is read into a [`deck::Deck`], validated as a [`model::Model`], and compiled to an immutable
+//! [`plan::Plan`] with its initial [`plan::State`]; a run of the plan gives histories, frames and a summary. The module
+//! [`job`] combines these steps:
 //!
 //! ```
 //! use revolve::{job, user::Routines};
@@ -30,30 +30,30 @@
 //! ";
 //! let prepared = job::prepare_text("disc.inp", disc, &[], &Routines::none());
 //! assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
-//! assert!(prepared.plan.ledger.render(true).contains("disc.inp:16")); // The line that asks for the pressure.
+//! assert!(prepared.plan.ledger.render(true).contains("disc.inp:16")); // The line of the pressure.
 //! let (outcome, history) = job::run_in_memory(&prepared);
 //! assert!(outcome.halt.is_none());
 //! // u = -p t^2 / (2 rho h)
 //! let u = history.0["U2@REF"].last;
 //! assert!((u + 1e4 * 1e-6 / (2.0 * 7850.0 * 0.01)).abs() < 1e-9 * u.abs());
 //!
-//! // The same with a pressure by a closure: PNU calls it, as it calls a VDLOAD in Fortran.
+//! // The same pressure from a closure: PNU calls it like a VDLOAD in Fortran.
 //! let text = disc.replace("TOP, P, 1.e4", "TOP, PNU");
 //! let routines = Routines::none().with_pressure(|points, i| if points.r[i] < 0.1 { 1e4 } else { 0.0 });
 //! let (_, by_closure) = job::run_in_memory(&job::prepare_text("disc.inp", &text, &[], &routines));
 //! assert!((by_closure.0["U2@REF"].last - u).abs() < 1e-9 * u.abs());
 //! ```
 //!
-//! | to | look at |
+//! | task | see |
 //! |---|---|
-//! | compose a scene in Rust, without a deck | [`model::Model`], [`job::prepare_model`] |
-//! | give a load, a material or a motion of one's own | [`user`] |
-//! | see every row and frame of a run | [`solve::run`], [`solve::Sink`] |
-//! | write the files of a run | [`job::run_to_files`] |
-//! | run a deck many times, know its error and its price | [`study`] |
-//! | know what a keyword, a variable or a code means | [`explain`] |
+//! | define a model in Rust, without a deck | [`model::Model`], [`job::prepare_model`] |
+//! | implement a load, a material or a prescribed motion | [`user`] |
+//! | receive every history row and frame of a run | [`solve::run`], [`solve::Sink`] |
+//! | write the result files of a run | [`job::run_to_files`] |
+//! | run a deck many times, estimate its error and run time | [`study`] |
+//! | explain a keyword, a variable or a diagnostic code | [`explain`] |
 //!
-//! Without the default feature `cli` neither the program nor its charts and reports are compiled.
+//! Without the default feature `cli`, the program, its charts and its reports are not compiled.
 #![warn(missing_docs)]
 #[cfg(feature = "cli")]
 mod command;
@@ -95,9 +95,9 @@ pub mod user;
 pub mod variables;
 
 #[cfg(feature = "cli")]
-pub use command::{Status, line::command_line, threads::default as default_threads};
+pub use command::{CommandStatus, line::command_line, threads::default as default_threads};
 
-/// What the project's own tests and benches look into; no part of the library.
+/// Internal modules for the tests and benchmarks of the project; not part of the public API.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::element::{constants, group, values};

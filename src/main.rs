@@ -1,4 +1,4 @@
-//! The program: the command line and nothing else.
+//! Main function of the program `revolve`.
 
 use std::process::ExitCode;
 

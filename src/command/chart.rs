@@ -5,49 +5,50 @@ use std::path::PathBuf;
 
 use crate::output;
 use crate::report::picture::{self, ComparedChart};
-use crate::report::{Labels, PageOptions};
+use crate::report::{PageOptions, QuantityLabels};
 use clap::{ArgGroup, Args};
 
 use super::words::say;
-use super::{PictureFormat, Status};
+use super::{CommandStatus, PictureFormat};
 
-/// Draw history columns, energies or a frame of the run in a folder as PNG or SVG.
+/// Draw history columns, energies or one frame of a run as a PNG or SVG picture.
 #[derive(Args)]
 #[command(group = ArgGroup::new("what").required(true))]
-pub struct Chart {
-    /// Folder with the results of a run, such as out/<deck name>.
+pub struct ChartCommand {
+    /// Result folder of one run, for example out/<deck name>.
     folder: PathBuf,
-    /// A history column, such as U2@REF; may be given several times.
+    /// History column to draw, for example U2@REF; can be repeated.
     #[arg(long, group = "what", value_name = "NAME")]
     column: Vec<String>,
-    /// All energies of the history.
+    /// Draw the energy balance over time.
     #[arg(long, group = "what")]
     energy: bool,
-    /// The meridian coloured by a field, such as MISES, PEEQ or V2.
+    /// Draw the mesh in the r-z plane, coloured by a field, for example MISES, PEEQ or V2.
     #[arg(long, group = "what", value_name = "NAME")]
     field: Option<String>,
-    /// Which frame, from 1 (default: the last).
+    /// Number of the frame, starting at 1 (default: the last frame).
     #[arg(long, requires = "field", conflicts_with_all = ["energy", "column"], value_name = "N")]
     frame: Option<usize>,
-    /// Another name for a column, such as U2@REF="depth"; may be given several times.
+    /// Label shown for a column, for example U2@REF="depth"; can be repeated.
     #[arg(long, requires = "column", value_name = "COLUMN=TEXT")]
     label: Vec<String>,
-    /// CSV file with curves to compare with: times, then columns named as those of the history. Their rms deviation is printed.
+    /// CSV file with reference curves: time in the first column, then columns named like the history columns. The rms
+    /// deviation of the run from each curve is printed.
     #[arg(long, requires = "column", value_name = "FILE")]
     compare: Option<PathBuf>,
-    /// The picture, .png or .svg (default chart.png in the folder).
+    /// Picture file, .png or .svg (default: chart.png in the result folder).
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
-impl Chart {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+impl ChartCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let out = self.out.clone().unwrap_or_else(|| self.folder.join("chart.png"));
         let format = PictureFormat::of(&out)?;
         let drawing = match &self.field {
             Some(field) => picture::meridian(&self.folder, self.frame, field)?,
             None => {
-                let options = PageOptions { labels: Labels::parse(&self.label)?, compare: self.compare };
+                let options = PageOptions { labels: QuantityLabels::parse(&self.label)?, compare: self.compare };
                 let ComparedChart { chart, deviations } = match self.energy {
                     true => ComparedChart { chart: picture::energies(&self.folder)?, ..ComparedChart::default() },
                     false => picture::columns(&self.folder, &self.column, &options)?,
@@ -58,6 +59,6 @@ impl Chart {
         };
         output::write_whole(&out, &format.bytes(&drawing)?)?;
         say!("picture {}", out.display());
-        Ok(Status::SUCCESS)
+        Ok(CommandStatus::SUCCESS)
     }
 }

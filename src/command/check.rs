@@ -5,60 +5,60 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::deck::Finding;
-use crate::job::{self, Prepared};
+use crate::job::{self, PreparedJob};
 use crate::model::Precision;
-use crate::overview::{self, Overview};
+use crate::overview::{self, DeckOverview};
 use crate::plan::ledger::Ledger;
 use clap::Args;
 use serde::Serialize;
 
 use super::words::say;
-use super::{REFUSED, Status, UserFiles, accept, pairs, words};
+use super::{CommandStatus, REFUSED, UserFiles, accept, pairs, words};
 
-/// A run is looked at for so long to say what all of it will take.
-const LOOK: Duration = Duration::from_millis(500);
+/// Wall-clock time of the trial run from which the run time of the whole analysis is estimated.
+const TRIAL_TIME: Duration = Duration::from_millis(500);
 
-/// Check a deck: diagnostics, what it amounts to, and the ledger of what it would simulate.
+/// Check a deck without running it: diagnostics, model summary and ledger of the simulated effects.
 #[derive(Args)]
-pub struct Check {
-    /// The input deck; `-` reads it from standard input.
+pub struct CheckCommand {
+    /// Input deck; `-` reads from standard input.
     deck: PathBuf,
-    /// Replace the value of a *PARAMETER: NAME=VALUE.
+    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
     #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// Precision of solid elements: double or single.
+    /// Floating-point precision of solid elements: double or single.
     #[arg(long, value_name = "DIGITS", default_value = "double")]
     precision: Precision,
     #[command(flatten)]
     user: UserFiles,
-    /// Do not run the first moments, which tell what the whole run will take.
+    /// Skip the short trial run that estimates increments and run time.
     #[arg(long)]
     no_look: bool,
-    /// Show the bytes of each effect.
+    /// Show the memory of each effect in bytes.
     #[arg(long)]
     bytes: bool,
-    /// Print one JSON object: diagnostics, overview, ledger.
+    /// Print one JSON object with diagnostics, overview and ledger.
     #[arg(long)]
     json: bool,
 }
 
-/// What `--json` prints.
+/// JSON object printed by `--json`.
 #[derive(Serialize)]
-struct Report<'a> {
+struct CheckReport<'a> {
     accepted: bool,
     diagnostics: Vec<Finding>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    overview: Option<&'a Overview>,
+    overview: Option<&'a DeckOverview>,
     #[serde(skip_serializing_if = "Option::is_none")]
     ledger: Option<&'a Ledger>,
 }
 
-impl Check {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+impl CheckCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let (routines, _) = self.user.routines(self.json, false)?;
         let (prepared, mut overview) = job::examine(self.precision, &self.deck, &pairs(&self.set)?, &routines);
         if let Some(overview) = overview.as_mut().filter(|_| !self.no_look) {
-            overview.effort = overview::measure(&prepared.plan, &prepared.state, LOOK);
+            overview.effort = overview::measure(&prepared.plan, &prepared.state, TRIAL_TIME);
         }
         if self.json {
             return print_json(&prepared, overview.as_ref());
@@ -68,18 +68,18 @@ impl Check {
             words::write(format_args!("{}", overview.render()), true);
         }
         words::write(format_args!("{}", prepared.plan.ledger.render(self.bytes)), false);
-        Ok(super::shown())
+        Ok(super::output_status())
     }
 }
 
-fn print_json(prepared: &Prepared, overview: Option<&Overview>) -> Result<Status, Box<dyn Error>> {
+fn print_json(prepared: &PreparedJob, overview: Option<&DeckOverview>) -> Result<CommandStatus, Box<dyn Error>> {
     let accepted = overview.is_some();
-    let report = Report {
+    let report = CheckReport {
         accepted,
         diagnostics: prepared.diagnostics.findings(&prepared.deck.sources),
         overview,
         ledger: accepted.then_some(&prepared.plan.ledger),
     };
     say!("{}", serde_json::to_string_pretty(&report)?);
-    Ok(if accepted { super::shown() } else { Status::from(REFUSED) })
+    Ok(if accepted { super::output_status() } else { CommandStatus::from(REFUSED) })
 }

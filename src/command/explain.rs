@@ -1,6 +1,6 @@
 //! `revolve explain`.
 
-use super::Status;
+use super::CommandStatus;
 use std::error::Error;
 
 use crate::explain::{explain, nearest_word};
@@ -8,28 +8,28 @@ use clap::Args;
 
 use super::words::say;
 
-/// Explain a keyword, an output variable, an element type, a function of quantities, units, files or a diagnostic code; `keywords`
-/// and `variables` print all of them.
+/// Explain a keyword, output variable, element type, quantity function, diagnostic code or topic such as units or
+/// files. `explain keywords` and `explain variables` print the complete lists.
 #[derive(Args)]
-pub struct Explain {
-    /// What is to be explained.
+pub struct ExplainCommand {
+    /// Word to explain, for example *PLASTIC, S11, CAX4R, D407 or units.
     #[arg(required = true)]
     word: Vec<String>,
 }
 
-impl Explain {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+impl ExplainCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let word = self.word.join(" ");
         match explain(&word) {
             Some(text) => {
                 say!("{}", text.trim_end());
-                Ok(super::shown())
+                Ok(super::output_status())
             }
             None => {
                 let near = nearest_word(&word).map_or(String::new(), |near| format!("; did you mean {near}?"));
                 Err(format!(
-                    "`{word}` is no keyword, output variable, element type, function, topic or diagnostic code{near}\n`revolve \
-                     explain keywords` and `revolve explain variables` list them"
+                    "`{word}` is not a keyword, output variable, element type, function, topic or diagnostic code{near}\n`revolve \
+                     explain keywords` and `revolve explain variables` print the complete lists"
                 )
                 .into())
             }

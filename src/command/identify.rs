@@ -4,45 +4,51 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use crate::deck::files;
-use crate::study::identify::{self, Shots};
+use crate::study::identify::{self, ShotTable};
 use crate::study::quantity::Quantity;
-use crate::study::statistics::least_squares::Fit;
-use crate::study::table::{Table, number};
+use crate::study::statistics::least_squares::ParameterFit;
+use crate::study::table::{TextTable, number};
 use clap::Args;
 use serde_json::json;
 
 use super::search::{self, SearchArguments};
-use super::{HALTED, Status, write_results};
+use super::{CommandStatus, HALTED, write_results};
 
-/// Fit parameters of a deck to a table of shots: values with confidence intervals, and what the shots cannot tell apart.
+/// Identify deck parameters from measured shots by least squares, with 95 % confidence intervals and correlations.
 #[derive(Args)]
-pub struct Identify {
+pub struct IdentifyCommand {
     #[command(flatten)]
     search: SearchArguments,
-    /// CSV file, a row a shot: parameters of the deck under their names, and what was measured.
+    /// CSV file with one row per shot: a column for each known deck parameter, and the measured value.
     #[arg(long, value_name = "FILE")]
     shots: PathBuf,
-    /// Column of what was measured.
+    /// Column of the measured value.
     #[arg(long, value_name = "COLUMN")]
     measured: String,
-    /// Column with standard deviations of what was measured, by which shots are weighted.
+    /// Column with the standard deviation of each measurement; residuals are divided by it (default: all shots weigh
+    /// the same).
     #[arg(long, value_name = "COLUMN")]
     deviation: Option<String>,
-    /// Expression over history columns that was measured, such as "-1000*final(U2@REF)".
+    /// Computed counterpart of the measured value: an expression over history columns, for example
+    /// "-1000*final(U2@REF)".
     #[arg(long, allow_hyphen_values = true)]
     quantity: String,
-    /// Parameters to be found, and where to start: NAME=NUMBER, several with commas between them or several times.
+    /// Parameter to identify and its initial value; can be repeated or given as a list separated by commas.
     #[arg(long, value_name = "NAME=START", value_delimiter = ',', required = true)]
     unknown: Vec<String>,
 }
 
-impl Identify {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+impl IdentifyCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let (names, start) = self.unknowns()?;
         let text = files::read_text(&self.shots).map_err(|e| format!("--shots {}: {e}", self.shots.display()))?;
-        let shots = Shots::parse(&self.shots, &text, &self.measured, self.deviation.as_deref())?;
+        let shots = ShotTable::parse(&self.shots, &text, &self.measured, self.deviation.as_deref())?;
         if let Some(name) = names.iter().find(|name| shots.names.contains(name)) {
-            return Err(format!("--unknown {name}: it is a column of {}, so it is known", self.shots.display()).into());
+            return Err(format!(
+                "--unknown {name}: it is also a column of {}; remove the option or the column",
+                self.shots.display()
+            )
+            .into());
         }
         let routines = self.search.routines()?;
         let all = shots.names.iter().chain(&names).cloned().collect();
@@ -60,10 +66,10 @@ impl Identify {
             (0..names.len()).map(|i| (0..names.len()).map(|j| found.correlation(i, j)).collect()).collect();
         self.search.print_json(&json!({
             "estimates": estimates, "correlations": correlations, "deviation": found.deviation(),
-            "freedom": found.freedom, "settled": found.settled, "said": said,
+            "freedom": found.freedom, "settled": found.converged, "said": said,
         }))?;
-        search::tell_still_moving(&evaluator);
-        Ok(if found.settled { Status::SUCCESS } else { Status::from(HALTED) })
+        search::warn_still_moving(&evaluator);
+        Ok(if found.converged { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
     }
 
     fn unknowns(&self) -> Result<(Vec<String>, Vec<f64>), String> {
@@ -72,7 +78,7 @@ impl Identify {
             let parts =
                 text.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
             let Some((name, value)) = parts.filter(|p| p.1.is_finite()) else {
-                return Err(format!("--unknown {text}: NAME=NUMBER is the form"));
+                return Err(format!("--unknown {text}: expected NAME=NUMBER, for example A=4.5"));
             };
             if names.iter().any(|known| known == name) {
                 return Err(format!("--unknown {name} is given twice"));
@@ -83,7 +89,13 @@ impl Identify {
         Ok((names, start))
     }
 
-    fn lines(&self, shots: &Shots, found: &Fit, said: &[String], job: &crate::output::Job) -> Vec<String> {
+    fn lines(
+        &self,
+        shots: &ShotTable,
+        found: &ParameterFit,
+        said: &[String],
+        job: &crate::output::JobFiles,
+    ) -> Vec<String> {
         let unit = if self.deviation.is_some() { "standard deviations" } else { "units of the quantity" };
         let mut lines = vec![format!(
             "{} shots, {} degrees of freedom; standard deviation of a residual {} {unit}",
@@ -98,8 +110,8 @@ impl Identify {
     }
 }
 
-/// Parameters with their intervals, and how they go together.
-fn table(names: &[String], found: &Fit) -> Table {
+/// Table of the parameters with their confidence intervals and correlations.
+fn table(names: &[String], found: &ParameterFit) -> TextTable {
     let mut header = search::header("parameter");
     header.extend(names.iter().map(|name| format!("correlation with {name}")));
     let row = |(i, estimate)| {
@@ -107,5 +119,5 @@ fn table(names: &[String], found: &Fit) -> Table {
         let cells = [names[i].clone()].into_iter().chain(search::cells(estimate));
         cells.chain((0..names.len()).map(with)).collect()
     };
-    Table { header, rows: found.estimates().into_iter().enumerate().map(row).collect() }
+    TextTable { header, rows: found.estimates().into_iter().enumerate().map(row).collect() }
 }

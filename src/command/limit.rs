@@ -2,63 +2,71 @@
 
 use std::error::Error;
 
-use crate::output::Job;
+use crate::output::JobFiles;
 use crate::study::StudyError;
-use crate::study::evaluate::Evaluator;
+use crate::study::evaluate::SampleEvaluator;
 use crate::study::inputs::RandomInputs;
 use crate::study::limit::{self, LimitRequest, LimitScatter, LimitVelocity};
 use crate::study::quantity::Quantity;
-use crate::study::statistics::design::{Design, Sampling};
-use crate::study::table::{Table, number};
+use crate::study::statistics::design::{SampleDesign, SamplingScheme};
+use crate::study::table::{TextTable, number};
 use clap::Args;
 use serde_json::json;
 
 use super::search::{self, CompiledRoutines, SearchArguments};
-use super::{HALTED, Status, write_results};
+use super::{CommandStatus, HALTED, write_results};
 
-/// Find the striking velocity from which on a body perforates, the residual velocity above it, and how the limit scatters.
+/// Find the ballistic limit velocity, the residual velocity curve above it, and optionally the scatter of the limit
+/// (V50).
 #[derive(Args)]
-pub struct Limit {
+pub struct LimitCommand {
     #[command(flatten)]
     search: SearchArguments,
-    /// Parameter of the deck that is the striking velocity.
+    /// Deck parameter that holds the striking velocity.
     #[arg(long, value_name = "NAME")]
     velocity: String,
-    /// Velocities between which the limit lies.
+    /// Search interval: the shot at LOW must not perforate, the shot at HIGH must.
     #[arg(long, value_name = "LOW,HIGH")]
     between: String,
-    /// Width of the bracket of the limit that is enough.
+    /// Bisection stops when the interval around the limit is at most this wide.
     #[arg(long, value_name = "WIDTH")]
     tolerance: f64,
-    /// The residual velocity, positive in the direction of flight, such as "-final(V2@REF)".
+    /// Residual velocity, positive in the direction of flight: an expression over history columns, for example
+    /// "-final(V2@REF)".
     #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
     residual: String,
-    /// Residual velocity above which a shot has perforated: of plates that are meshed, more than that of their own motion.
+    /// A shot perforates if its residual velocity exceeds this value. For meshed plates choose it above the velocity of
+    /// the plate.
     #[arg(long, value_name = "SPEED", default_value_t = 0.0)]
     least: f64,
-    /// Shots above the limit for the curve of residual velocities.
+    /// Number of shots above the limit for the residual velocity curve.
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     shots: u32,
-    /// NAME=DISTRIBUTION as of `scatter`: the limit of each of `--count` draws, and V50 with its scatter.
+    /// Random parameter, as in `scatter`: the limit is found for each of `--count` draws, and V50 and the standard
+    /// deviation are estimated; can be repeated.
     #[arg(short, long, value_name = "NAME=DISTRIBUTION")]
     distribution: Vec<String>,
-    /// How two parameters go together: NAME:OTHER=NUMBER between -1 and 1.
+    /// Correlation of two random parameters, between -1 and 1; can be repeated.
     #[arg(long, value_name = "NAME:OTHER=NUMBER", requires = "distribution")]
     correlation: Vec<String>,
-    /// How many draws.
+    /// Number of draws.
     #[arg(short, long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(3..=10_000_000))]
     count: u32,
-    /// Seed of the draws.
+    /// Seed of the random number generator.
     #[arg(long, value_name = "NUMBER", default_value_t = 0)]
     seed: u64,
 }
 
-impl Limit {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+impl LimitCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let asked = LimitRequest::new(&self.between, self.tolerance, self.least, self.shots as usize)?;
         let inputs = RandomInputs::parse(&self.distribution, &self.correlation)?;
         if inputs.names.contains(&self.velocity) {
-            return Err(format!("--distribution {}: the limit of this velocity is looked for", self.velocity).into());
+            return Err(format!(
+                "--distribution {}: this parameter is given by --velocity and cannot be random as well",
+                self.velocity
+            )
+            .into());
         }
         let routines = self.search.routines()?;
         let evaluator = self.evaluator(&[], &routines)?;
@@ -84,31 +92,31 @@ impl Limit {
             "lost": scattered.as_ref().map(|s| s.lost),
         }))?;
         let whole = found.gaps.is_empty() && scattered.is_none_or(|s| s.lost == 0);
-        Ok(if whole { Status::SUCCESS } else { Status::from(HALTED) })
+        Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
     }
 
-    /// Residual velocities over the striking velocity and other parameters.
-    fn evaluator(&self, others: &[String], routines: &CompiledRoutines) -> Result<Evaluator, Box<dyn Error>> {
+    /// Returns the evaluator of the residual velocity over the striking velocity and the parameters `others`.
+    fn evaluator(&self, others: &[String], routines: &CompiledRoutines) -> Result<SampleEvaluator, Box<dyn Error>> {
         let names = [self.velocity.clone()].into_iter().chain(others.iter().cloned()).collect();
         let evaluator = self.search.evaluator(names, vec![Quantity::parse(&self.residual)?], routines)?;
         Ok(evaluator.to_the_end())
     }
 
-    fn fire(&self, evaluator: &Evaluator, velocities: &[f64]) -> Result<Vec<f64>, StudyError> {
+    fn fire(&self, evaluator: &SampleEvaluator, velocities: &[f64]) -> Result<Vec<f64>, StudyError> {
         let (table, failures) = evaluator.table(velocities, self.search.threads())?;
         failures.into_iter().next().map_or(Ok(table), |failure| Err(failure.reason))
     }
 
-    /// Limits of all draws.
+    /// Finds the limit of each draw.
     fn scatter(
         &self,
         asked: &LimitRequest,
         inputs: &RandomInputs,
-        evaluator: &Evaluator,
+        evaluator: &SampleEvaluator,
     ) -> Result<LimitScatter, Box<dyn Error>> {
         let (width, count) = (inputs.names.len(), self.count as usize);
         let mut points = vec![0.0; width * count];
-        Design::new(Sampling::Random, width, count, self.seed)?.fill(&mut points);
+        SampleDesign::new(SamplingScheme::Random, width, count, self.seed)?.fill(&mut points);
         let mut drawn = vec![0.0; width * count];
         points.chunks(width).zip(drawn.chunks_mut(width)).for_each(|(point, values)| inputs.values(point, values));
         let fire = &mut |shots: &[(usize, f64)]| -> Result<Vec<f64>, StudyError> {
@@ -121,30 +129,32 @@ impl Limit {
         Ok(limit::scatter(asked, count, fire)?)
     }
 
-    fn lines(&self, found: &LimitVelocity, scattered: Option<&LimitScatter>, job: &Job) -> Vec<String> {
+    fn lines(&self, found: &LimitVelocity, scattered: Option<&LimitScatter>, job: &JobFiles) -> Vec<String> {
         let [low, high] = found.bracket.map(number);
         let mut lines =
             vec![format!("limit velocity {}: {low} does not perforate, {high} does", number(found.velocity()))];
         match &found.curve {
             Some(curve) => lines.push(format!(
-                "Lambert and Jonas: v_r = a (v^p - v_l^p)^(1/p); shots lie {} off it{}",
+                "Lambert and Jonas: v_r = a (v^p - v_l^p)^(1/p); standard deviation of a shot from the curve {}{}",
                 number(curve.deviation),
-                if curve.settled { "" } else { ", and it may not be the nearest" }
+                if curve.converged { "" } else { " (the fit did not converge)" }
             )),
-            None => lines.push("no curve of Lambert and Jonas: it takes four shots that perforate, or more".into()),
+            None => {
+                lines.push("no Lambert-Jonas curve: it needs at least four perforating shots; increase --shots".into())
+            }
         }
         if let Some(gap) = found.gaps.first() {
-            lines.push(format!("a shot at {} does not perforate: there is more than one limit", number(*gap)));
+            lines.push(format!(
+                "a shot at {} above the limit does not perforate: there is more than one limit",
+                number(*gap)
+            ));
         }
         if let Some(scattered) = scattered {
             let all = scattered.members.len() + scattered.lost;
             let outside = scattered.members.iter().filter(|m| m.0.is_infinite() || m.1.is_infinite()).count();
-            lines.push(format!(
-                "{all} draws: the limits of {outside} lie outside --between, {} were not found",
-                scattered.lost
-            ));
+            lines.push(format!("{all} draws: {outside} have their limit outside --between, {} failed", scattered.lost));
             if scattered.scatter.is_none() {
-                lines.push("the draws tell no scatter of the limit: all lie in one bracket".into());
+                lines.push("no scatter can be estimated: the intervals of all limits overlap; decrease --tolerance or use more draws".into());
             }
         }
         let (csv, png) = (job.path("_limit.csv"), job.path("_limit.png"));
@@ -153,8 +163,8 @@ impl Limit {
     }
 }
 
-/// The bracket, the curve and the scatter.
-fn table(found: &LimitVelocity, scattered: Option<&LimitScatter>) -> Table {
+/// Table of the limit velocity, the parameters of the curve and the scatter.
+fn table(found: &LimitVelocity, scattered: Option<&LimitScatter>) -> TextTable {
     let mut rows = vec![vec![
         "limit velocity (bracket)".to_owned(),
         number(found.velocity()),
@@ -172,5 +182,5 @@ fn table(found: &LimitVelocity, scattered: Option<&LimitScatter>) -> Table {
         row("V50", scatter.median);
         row("standard deviation of the limit", scatter.deviation);
     }
-    Table { header: search::header("what"), rows }
+    TextTable { header: search::header("what"), rows }
 }

@@ -1,4 +1,4 @@
-//! `revolve mesh`: a quadrilateral mesh of a projectile as a file for `*INCLUDE`.
+//! `revolve mesh`: generates a quadrilateral mesh of a projectile as a file for `*INCLUDE`.
 
 use std::error::Error;
 use std::fs;
@@ -8,23 +8,26 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 
 use super::words::say;
-use super::{PictureFormat, Status};
+use super::{CommandStatus, PictureFormat};
 use crate::deck::{Diagnostic, files};
-use crate::generate::{Cavity, DeckLabels, Fill, Mesh as Meshed, MeshMeasure, MeshRequest, Nose, PartVolume, Point};
+use crate::generate::{
+    CaseCavity, CavityFill, DeckLabels, MeridianPoint, MeshMeasure, MeshRequest, NoseShape, PartVolume,
+    ProjectileMesh as Meshed,
+};
 use crate::output::{self, csv};
 
-/// Mesh a projectile with quadrilaterals (CAX4R) and write it as a file to include.
+/// Generate a CAX4R mesh of a projectile and write it as a file for *INCLUDE.
 #[derive(Args)]
-pub struct Mesh {
+pub struct MeshCommand {
     #[command(subcommand)]
-    shape: Shape,
+    shape: ProjectileShape,
 }
 
 #[derive(Subcommand)]
-enum Shape {
-    /// An ogive nose on a shank.
+enum ProjectileShape {
+    /// Ogive nose and cylindrical shank.
     Ogive {
-        /// Calibre-radius-head: radius of the ogive over the diameter of the shank.
+        /// Caliber radius head (CRH): ogive radius divided by shank diameter.
         #[arg(long)]
         crh: f64,
         #[command(flatten)]
@@ -32,16 +35,16 @@ enum Shape {
         #[command(flatten)]
         made: MeshArguments,
     },
-    /// A hemisphere on a shank.
+    /// Hemispherical nose and cylindrical shank.
     Sphere {
         #[command(flatten)]
         shank: ShankArguments,
         #[command(flatten)]
         made: MeshArguments,
     },
-    /// A cone on a shank.
+    /// Conical nose and cylindrical shank.
     Cone {
-        /// Angle between axis and flank in degrees.
+        /// Half of the cone angle, in degrees.
         #[arg(long, value_name = "DEGREES")]
         half_angle: f64,
         #[command(flatten)]
@@ -49,107 +52,107 @@ enum Shape {
         #[command(flatten)]
         made: MeshArguments,
     },
-    /// A cylinder with a level front.
+    /// Cylinder with a flat front.
     Blunt {
         #[command(flatten)]
         shank: ShankArguments,
         #[command(flatten)]
         made: MeshArguments,
     },
-    /// Any profile: points `r, z` from the tip to the base, one a line.
+    /// Arbitrary profile from a file of points `r, z`.
     Polyline {
-        /// The file of points; lines that begin with # are left out.
+        /// Point file: one point `r, z` per line, from the tip to the base; lines that begin with # are comments.
         points: PathBuf,
         #[command(flatten)]
         made: MeshArguments,
     },
 }
 
-/// Measures of a shank.
+/// Dimensions of the shank.
 #[derive(Args)]
 struct ShankArguments {
-    /// Radius of the shank, in the deck's unit of length.
+    /// Shank radius, in the length unit of the deck.
     #[arg(long)]
     radius: f64,
-    /// Length of the whole projectile, nose included.
+    /// Total length of the projectile, including the nose.
     #[arg(long)]
     length: f64,
 }
 
-/// What is made of a profile.
+/// Options of the mesh and of the output files.
 #[derive(Args)]
 struct MeshArguments {
-    /// Length of the sides of elements at the nose.
+    /// Element size at the nose.
     #[arg(long)]
     size: f64,
-    /// How many times longer elements are at the base than at the shoulder.
+    /// Grading along the axis: element length at the base divided by element length at the shoulder.
     #[arg(long, default_value = "1", value_name = "FACTOR")]
     along: f64,
-    /// How many times wider elements are at the axis than at the surface.
+    /// Grading in the radial direction: element width at the axis divided by element width at the surface.
     #[arg(long, default_value = "1", value_name = "FACTOR")]
     across: f64,
-    /// Thickness of the wall of a hollow case.
+    /// Wall thickness of a hollow case.
     #[arg(long, requires = "cavity_front")]
     wall: Option<f64>,
-    /// Elements through the wall (default: by their size, two at least).
+    /// Number of elements through the wall (default: from --size, at least two).
     #[arg(long, requires = "wall", value_name = "N")]
     through: Option<NonZeroUsize>,
-    /// Where the cavity begins, from the tip.
+    /// Distance from the tip to the front of the cavity.
     #[arg(long, requires = "wall", value_name = "LENGTH")]
     cavity_front: Option<f64>,
-    /// Thickness of the base behind the cavity; 0 leaves it open.
+    /// Thickness of the base plate; 0 leaves the cavity open at the base.
     #[arg(long, requires = "wall", default_value = "0", value_name = "LENGTH")]
     cavity_base: f64,
-    /// What the cavity holds.
+    /// Fill of the cavity.
     #[arg(long, requires = "wall", default_value = "none")]
-    fill: Fill,
-    /// The file to write.
+    fill: CavityFill,
+    /// Mesh file to write.
     #[arg(short, long, default_value = "projectile.inp")]
     out: PathBuf,
-    /// A picture of the mesh, .png or .svg.
+    /// Write a picture of the mesh, .png or .svg.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Density of the projectile or its case: the mass is printed.
+    /// Density of the projectile or its case; the mass is printed.
     #[arg(long, conflicts_with = "target_mass")]
     density: Option<f64>,
-    /// The mass that the projectile shall have: the density of the mesh that gives it is printed.
+    /// Required total mass; the density that gives this mass on the mesh is printed.
     #[arg(long, value_name = "MASS")]
     target_mass: Option<f64>,
     /// Density of the fill.
     #[arg(long, requires = "wall")]
     fill_density: Option<f64>,
-    /// Name of the material of the projectile or its case, which the deck defines.
+    /// Material name of the projectile or its case; the deck must define it.
     #[arg(long, default_value = "STEEL", value_name = "NAME")]
     material: String,
-    /// Name of the material of the fill.
+    /// Material name of the fill.
     #[arg(long, default_value = "FILL", value_name = "NAME")]
     fill_material: String,
-    /// The first number of nodes and of elements.
+    /// First node and element number.
     #[arg(long, default_value = "1", value_name = "N")]
     first: NonZeroUsize,
-    /// What the names of sets and surfaces begin with.
+    /// Prefix of set and surface names.
     #[arg(long, default_value = "", value_name = "TEXT")]
     prefix: String,
 }
 
-impl Mesh {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+impl MeshCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let (nose, shank, made) = match self.shape {
-            Shape::Ogive { crh, shank, made } => (Nose::Ogive { crh }, Some(shank), made),
-            Shape::Sphere { shank, made } => (Nose::Sphere, Some(shank), made),
-            Shape::Cone { half_angle, shank, made } => (Nose::Cone { half_angle }, Some(shank), made),
-            Shape::Blunt { shank, made } => (Nose::Blunt, Some(shank), made),
-            Shape::Polyline { points, made } => (Nose::Polyline(read_points(&points)?), None, made),
+            ProjectileShape::Ogive { crh, shank, made } => (NoseShape::Ogive { crh }, Some(shank), made),
+            ProjectileShape::Sphere { shank, made } => (NoseShape::Sphere, Some(shank), made),
+            ProjectileShape::Cone { half_angle, shank, made } => (NoseShape::Cone { half_angle }, Some(shank), made),
+            ProjectileShape::Blunt { shank, made } => (NoseShape::Blunt, Some(shank), made),
+            ProjectileShape::Polyline { points, made } => (NoseShape::Polyline(read_points(&points)?), None, made),
         };
-        made.write(&made.wanted(nose, shank))?;
-        Ok(super::shown())
+        made.write(&made.mesh_request(nose, shank))?;
+        Ok(super::output_status())
     }
 }
 
 impl MeshArguments {
-    fn wanted(&self, nose: Nose, shank: Option<ShankArguments>) -> MeshRequest {
+    fn mesh_request(&self, nose: NoseShape, shank: Option<ShankArguments>) -> MeshRequest {
         let (radius, length) = shank.map_or((0.0, 0.0), |s| (s.radius, s.length));
-        let cavity = self.wall.zip(self.cavity_front).map(|(wall, front)| Cavity {
+        let cavity = self.wall.zip(self.cavity_front).map(|(wall, front)| CaseCavity {
             wall,
             through: self.through.map(NonZeroUsize::get),
             front,
@@ -159,7 +162,7 @@ impl MeshArguments {
         MeshRequest { nose, radius, length, size: self.size, along: self.along, across: self.across, cavity }
     }
 
-    /// Writes deck and picture and prints what the mesh amounts to.
+    /// Writes the mesh file and the picture, and prints quality measures, volume and mass.
     fn write(&self, wanted: &MeshRequest) -> Result<(), Box<dyn Error>> {
         let mesh = Meshed::new(wanted)?;
         let lines = self.lines(&mesh.measure(), mesh.order())?;
@@ -169,7 +172,7 @@ impl MeshArguments {
             material: self.material.clone(),
             fill: self.fill_material.clone(),
         };
-        let mut comments = vec![asked(wanted)];
+        let mut comments = vec![request_title(wanted)];
         comments.extend(lines.iter().cloned());
         let format = self.picture.as_deref().map(PictureFormat::of).transpose()?;
         let picture = format.map(|format| format.bytes(&mesh.drawing(&comments[0]))).transpose()?;
@@ -184,9 +187,9 @@ impl MeshArguments {
         Ok(())
     }
 
-    /// What is printed, and stands at the head of the deck.
+    /// Returns the lines that are printed and written as comments at the top of the mesh file.
     fn lines(&self, measure: &MeshMeasure, order: Option<f64>) -> Result<Vec<String>, Diagnostic> {
-        let place = |[r, z]: Point| format!("at r = {r:.4e}, z = {z:.4e}");
+        let place = |[r, z]: MeridianPoint| format!("at r = {r:.4e}, z = {z:.4e}");
         let [nodes, elements] = measure.counts;
         let mut lines = vec![
             format!("{elements} elements, {nodes} nodes"),
@@ -206,8 +209,11 @@ impl MeshArguments {
         }
         if let Some(mass) = self.target_mass {
             if mass <= fill {
-                let message = format!("the fill alone weighs {fill:.4e}, all shall weigh {mass:.4e}");
-                return Err(Diagnostic::error("G007", message).help("a lighter fill or a larger mass"));
+                let message =
+                    format!("the mass of the fill is {fill:.4e}, not below the required total mass {mass:.4e}");
+                return Err(
+                    Diagnostic::error("G007", message).help("decrease --fill-density or increase --target-mass")
+                );
             }
             lines.push(format!("density {:.8e} gives a mass of {mass}", (mass - fill) / measure.case.meshed));
         }
@@ -218,33 +224,33 @@ impl MeshArguments {
 fn volume_line(what: &str, part: &PartVolume, order: Option<f64>) -> String {
     let error = match part.error() {
         0.0 => "exact".to_owned(),
-        error => format!("{:+.3} % from that of the profile", 100.0 * error),
+        error => format!("{:+.3} % relative to the exact profile", 100.0 * error),
     };
-    let order = order.map_or(String::new(), |order| format!(", order {order:.2} as sides are halved"));
+    let order = order.map_or(String::new(), |order| format!(", convergence order {order:.2}"));
     format!("{what} {:.8e}, {error}{order}", part.meshed)
 }
 
-/// What was asked for, as a title.
-fn asked(wanted: &MeshRequest) -> String {
+/// Returns the request as a title.
+fn request_title(wanted: &MeshRequest) -> String {
     let MeshRequest { radius, length, size, along, across, .. } = wanted;
     let shape = match &wanted.nose {
-        Nose::Ogive { crh } => format!("ogive, CRH {crh}, radius {radius}, length {length}"),
-        Nose::Sphere => format!("spherical nose, radius {radius}, length {length}"),
-        Nose::Cone { half_angle } => format!("cone of {half_angle} degrees, radius {radius}, length {length}"),
-        Nose::Blunt => format!("cylinder, radius {radius}, length {length}"),
-        Nose::Polyline(points) => format!("profile of {} points", points.len()),
+        NoseShape::Ogive { crh } => format!("ogive, CRH {crh}, radius {radius}, length {length}"),
+        NoseShape::Sphere => format!("spherical nose, radius {radius}, length {length}"),
+        NoseShape::Cone { half_angle } => format!("cone of {half_angle} degrees, radius {radius}, length {length}"),
+        NoseShape::Blunt => format!("cylinder, radius {radius}, length {length}"),
+        NoseShape::Polyline(points) => format!("profile of {} points", points.len()),
     };
     let hollow = wanted.cavity.map_or(String::new(), |c| {
         let fill = match c.fill {
-            Fill::None => "",
-            Fill::Bonded => ", bonded fill",
-            Fill::Apart => ", fill apart",
+            CavityFill::None => "",
+            CavityFill::Bonded => ", bonded fill",
+            CavityFill::Apart => ", fill apart",
         };
         format!(", wall {}, cavity from {}, base {}{fill}", c.wall, c.front, c.base)
     });
     let graded = match (*along, *across) {
         (1.0, 1.0) => String::new(),
-        _ => format!(", growing by {along} along and {across} across"),
+        _ => format!(", grading {along} along and {across} across"),
     };
     format!("{shape}, size {size}{hollow}{graded}")
 }
@@ -256,9 +262,9 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     output::write_whole(path, bytes).map_err(|e| e.to_string())
 }
 
-fn read_points(path: &Path) -> Result<Vec<Point>, Box<Diagnostic>> {
+fn read_points(path: &Path) -> Result<Vec<MeridianPoint>, Box<Diagnostic>> {
     let refuse = |message: String| {
-        let help = "one point a line, `r, z`, from the tip to the base";
+        let help = "one point per line, `r, z`, from the tip to the base";
         Box::new(Diagnostic::error("G004", format!("{}: {message}", path.display())).help(help))
     };
     let text = files::read_text(path).map_err(|e| refuse(e.to_string()))?;
@@ -266,7 +272,7 @@ fn read_points(path: &Path) -> Result<Vec<Point>, Box<Diagnostic>> {
         let numbers = line.split([',', ' ', '\t', ';']).filter(|word| !word.is_empty()).map(str::parse::<f64>);
         match numbers.collect::<Result<Vec<_>, _>>() {
             Ok(numbers) if numbers.len() == 2 => Ok([numbers[0], numbers[1]]),
-            _ => Err(refuse(format!("line {n}, `{}`, is no point", line.trim()))),
+            _ => Err(refuse(format!("line {n}: `{}` is not a point", line.trim()))),
         }
     };
     csv::lines(&text).map(point).collect()

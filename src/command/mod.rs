@@ -1,4 +1,4 @@
-//! The commands, one file each: arguments, printing, exit status. Here: what several share.
+//! The commands of the program, one file per command, and the functions that they share.
 
 pub mod chart;
 pub mod check;
@@ -25,56 +25,56 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use crate::deck::{Diagnostic, Diagnostics, Sources};
-use crate::job::{self, Prepared, Refusal};
+use crate::job::{self, JobError, PreparedJob};
 use crate::output::drawing::Drawing;
 use crate::output::lock::FolderLock;
-use crate::output::{self, Job};
+use crate::output::{self, JobFiles};
 use crate::study::chart::Chart;
-use crate::study::table::Table;
+use crate::study::table::TextTable;
 use crate::user::Routines;
 use crate::user::compile::{Compiled, compile};
 use clap::Args;
 use words::tell;
 
-/// How a command ended, as the exit status of a process has it.
+/// Exit status of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Status(pub u8);
+pub struct CommandStatus(pub u8);
 
-impl Status {
-    /// All went well.
-    const SUCCESS: Status = Status(0);
+impl CommandStatus {
+    /// The command completed without errors.
+    const SUCCESS: CommandStatus = CommandStatus(0);
 }
 
-impl From<u8> for Status {
-    fn from(number: u8) -> Status {
-        Status(number)
+impl From<u8> for CommandStatus {
+    fn from(number: u8) -> CommandStatus {
+        CommandStatus(number)
     }
 }
 
-/// Deck or arguments refused.
+/// Exit status if the deck or the arguments are invalid.
 pub const REFUSED: u8 = 2;
-/// Halted during the run, state saved.
+/// Exit status if a run halted or some runs gave no result.
 pub const HALTED: u8 = 1;
 
-/// A command was refused, and the reasons are printed already.
+/// Error of a command whose diagnostics have already been printed.
 #[derive(Debug, thiserror::Error)]
-#[error("refused")]
+#[error("invalid input")]
 pub struct AlreadyPrinted;
 
-/// Files with the user's routines.
+/// Options for files of user subroutines.
 #[derive(Args)]
 pub struct UserFiles {
-    /// File with user subroutines (vdload, vuamp, vdisp, vumat, vuhard, vusdfld, vucharlength, vexternaldb): Fortran, C or a shared library; may be given
-    /// several times.
+    /// User subroutines (VDLOAD, VUAMP, VDISP, VUMAT, VUHARD, VUSDFLD, VUCHARLENGTH, VEXTERNALDB): a Fortran or C file
+    /// or a shared library; can be repeated.
     #[arg(short = 'u', long = "user", value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Build them with bounds checks: slower, and an index out of bounds is told.
+    /// Compile the user subroutines with array bounds checks (slower).
     #[arg(long, requires = "files")]
     check_user: bool,
 }
 
 impl UserFiles {
-    /// Compiles them, if there are any.
+    /// Compiles the files; returns `None` without files.
     pub fn compiled(&self, quiet: bool) -> Result<Option<Compiled>, AlreadyPrinted> {
         if self.files.is_empty() {
             return Ok(None);
@@ -89,7 +89,8 @@ impl UserFiles {
         Ok(Some(compiled))
     }
 
-    /// Compiles and opens them in this process, or in one of their own; with the hash that identifies them.
+    /// Compiles and loads the user subroutines into this process or, if `isolated`, into a separate process. Returns
+    /// them with the hash that identifies them.
     pub fn routines(&self, quiet: bool, isolated: bool) -> Result<(Routines, String), Box<dyn Error>> {
         let Some(compiled) = self.compiled(quiet)? else { return Ok((Routines::none(), String::new())) };
         let opened = if isolated { compiled.open_isolated() } else { compiled.open() };
@@ -97,10 +98,11 @@ impl UserFiles {
     }
 }
 
-/// `--set NAME=VALUE` taken apart.
+/// Splits `--set NAME=VALUE` into name and value.
 pub fn pairs(settings: &[String]) -> Result<Vec<(String, String)>, String> {
     let pair = |s: &String| {
-        let (name, value) = s.split_once('=').ok_or_else(|| format!("--set {s}: NAME=VALUE is the form"))?;
+        let (name, value) =
+            s.split_once('=').ok_or_else(|| format!("--set {s}: expected NAME=VALUE, for example V=821"))?;
         Ok((name.trim().to_owned(), value.trim().to_owned()))
     };
     settings.iter().map(pair).collect()
@@ -111,7 +113,7 @@ fn print_findings(found: &Diagnostics, sources: &Sources) {
         return;
     }
     if words::is_coloured() {
-        words::tell_styled(found.render_styled(sources).trim_end());
+        words::write_styled_error(found.render_styled(sources).trim_end());
     } else {
         tell!("{}", found.render(sources).trim_end());
     }
@@ -123,14 +125,14 @@ fn print_finding(finding: Diagnostic) {
     print_findings(&findings, &Sources::default());
 }
 
-/// Prints why a command failed: a finding with its code and help, else one line.
+/// Prints the error of a command: a diagnostic with its code and help, or one line.
 fn print_error(error: &(dyn Error + 'static)) {
     let finding = error
         .downcast_ref::<Diagnostic>()
         .or_else(|| error.downcast_ref::<Box<Diagnostic>>().map(|finding| &**finding))
-        .or_else(|| match error.downcast_ref::<Refusal>()? {
-            Refusal::Checkpoint(finding) => Some(&**finding),
-            Refusal::Folder(_) => None,
+        .or_else(|| match error.downcast_ref::<JobError>()? {
+            JobError::Checkpoint(finding) => Some(&**finding),
+            JobError::Folder(_) => None,
         });
     match finding {
         Some(finding) => print_finding(finding.clone()),
@@ -139,15 +141,18 @@ fn print_error(error: &(dyn Error + 'static)) {
     }
 }
 
-/// The job of a deck with its folder, which is locked against other jobs.
-pub fn lock_job(deck: &Path, out: Option<PathBuf>) -> Result<(Job, FolderLock), Refusal> {
-    let job = job::default_job(deck, out).map_err(Refusal::Checkpoint)?;
-    let lock = job::take(&job)?;
+/// Returns the job of a deck and locks its output folder against other jobs.
+pub fn lock_job(deck: &Path, out: Option<PathBuf>) -> Result<(JobFiles, FolderLock), JobError> {
+    let job = job::default_job(deck, out).map_err(JobError::Checkpoint)?;
+    let lock = job::lock_folder(&job)?;
     Ok((job, lock))
 }
 
-/// Prints the findings of a deck; an error if it may not run.
-pub fn accept(prepared: &Prepared, quiet: bool) -> Result<(), AlreadyPrinted> {
+/// Prints the diagnostics of a deck.
+///
+/// # Errors
+/// If the diagnostics contain an error.
+pub fn accept(prepared: &PreparedJob, quiet: bool) -> Result<(), AlreadyPrinted> {
     let errors = prepared.diagnostics.has_errors();
     if errors || !quiet {
         print_findings(&prepared.diagnostics, &prepared.deck.sources);
@@ -155,20 +160,21 @@ pub fn accept(prepared: &Prepared, quiet: bool) -> Result<(), AlreadyPrinted> {
     if errors { Err(AlreadyPrinted) } else { Ok(()) }
 }
 
-/// Prints a table with its columns lined up.
-fn print_table(table: &Table) {
+/// Prints a table with aligned columns.
+fn print_table(table: &TextTable) {
     words::write(format_args!("{}", table.terminal()), false);
 }
 
-/// Ending and bytes of a file.
-type File = (String, Vec<u8>);
+/// File name suffix and contents of a result file.
+type ResultFile = (String, Vec<u8>);
 
-/// Writes a table, other files and charts (by the ending of their name) with their checksums; charts without points are left out.
+/// Writes a table, other files and charts (given with their file name suffix) and a list of checksums. Charts without
+/// points are omitted.
 fn write_results(
-    job: &Job,
+    job: &JobFiles,
     name: &str,
-    table: &Table,
-    others: Vec<File>,
+    table: &TextTable,
+    others: Vec<ResultFile>,
     charts: &[(String, Chart)],
 ) -> Result<(), Box<dyn Error>> {
     let mut files = vec![(format!("_{name}.csv"), table.csv().into_bytes())];
@@ -181,7 +187,7 @@ fn write_results(
     Ok(output::write_with_sums(job, &files, &format!("_{name}.sfv"))?)
 }
 
-/// A chart or a drawing in the format that the ending of a file's name asks for.
+/// File format of a picture.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum PictureFormat {
     Svg,
@@ -189,40 +195,40 @@ enum PictureFormat {
 }
 
 impl PictureFormat {
-    /// The format of a file by the ending of its name.
+    /// Returns the format for a file name extension.
     fn of(path: &Path) -> Result<PictureFormat, String> {
         match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref() {
             Some("svg") => Ok(PictureFormat::Svg),
             Some("png") => Ok(PictureFormat::Png),
-            _ => Err(format!("{}: the name of a picture ends in .png or .svg", path.display())),
+            _ => Err(format!("{}: the file name of a picture must end in .png or .svg", path.display())),
         }
     }
 
-    /// The bytes of the file.
+    /// Encodes a drawing in this format.
     fn bytes(self, drawing: &Drawing) -> Result<Vec<u8>, String> {
         if self == PictureFormat::Svg { Ok(drawing.svg().into_bytes()) } else { drawing.png() }
     }
 }
 
-/// The exit status of what is only shown.
-fn shown() -> Status {
-    if words::arrived() { Status::SUCCESS } else { Status::from(HALTED) }
+/// Returns the exit status of a command that only prints: failure if standard output could not be written.
+fn output_status() -> CommandStatus {
+    if words::output_succeeded() { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) }
 }
 
-/// What a run was given: `V = 600, n = 20`.
-fn given<'a>(settings: impl Iterator<Item = (&'a str, &'a String)>) -> String {
+/// Formats the parameters of a run, for example `V = 600, n = 20`.
+fn settings_text<'a>(settings: impl Iterator<Item = (&'a str, &'a String)>) -> String {
     let each: Vec<String> = settings.map(|(name, value)| format!("{name} = {value}")).collect();
     each.join(", ")
 }
 
-/// Tells of runs whose values are not what they seem, each with what it ran with.
-fn tell_doubts(runs: &[(String, &[String])]) {
+/// Prints the warnings of runs with the parameters of each run.
+fn print_run_warnings(runs: &[(String, &[String])]) {
     const SHOWN: usize = 12;
     let doubtful: Vec<_> = runs.iter().filter(|(_, doubts)| !doubts.is_empty()).collect();
     for (given, doubts) in doubtful.iter().take(SHOWN) {
         doubts.iter().for_each(|doubt| tell!("warning: {given}: {doubt}"));
     }
     if doubtful.len() > SHOWN {
-        tell!("warning: … and so of {} more runs", doubtful.len() - SHOWN);
+        tell!("warning: {} more runs have warnings", doubtful.len() - SHOWN);
     }
 }

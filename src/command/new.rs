@@ -1,6 +1,6 @@
-//! `revolve new`: a deck to start from, with its user subroutine. They are the examples in `input/`.
+//! `revolve new`: writes an example deck from `input/`, with its user subroutine if it has one.
 
-use super::Status;
+use super::CommandStatus;
 use std::error::Error;
 use std::fs::OpenOptions;
 use std::io::Write as _;
@@ -10,39 +10,39 @@ use clap::{Args, ValueEnum};
 
 use super::words::say;
 
-/// Write a deck to start from, with a user subroutine where one belongs to it.
+/// Write an example deck to start from.
 #[derive(Args)]
-pub struct New {
-    /// What to start from.
+pub struct NewCommand {
+    /// Example to copy.
     #[arg(default_value = "taylor")]
-    template: Template,
-    /// Folder to write into.
+    template: StarterDeck,
+    /// Folder for the files.
     #[arg(short, long, default_value = ".")]
     out: PathBuf,
 }
 
-/// What to start from.
+/// Example to copy.
 #[derive(Clone, Copy, ValueEnum)]
-enum Template {
-    /// A copper bar that is shot at a wall: plasticity, histories, frames.
+enum StarterDeck {
+    /// Taylor test: a copper bar strikes a rigid wall (plasticity, histories, frames).
     Taylor,
-    /// A rigid ogive into a target that is not meshed: cavity expansion.
+    /// Rigid ogive projectile into a cavity-expansion target without a mesh.
     Ogive,
-    /// A steel rod through an aluminium plate: contact, Johnson-Cook, failure.
+    /// Steel rod through an aluminium plate (contact, Johnson-Cook plasticity and failure).
     Plate,
-    /// The ogive with its resistance in a Fortran VDLOAD.
+    /// The ogive projectile with its resistance in a Fortran VDLOAD.
     Vdload,
 }
 
-type File = (&'static str, &'static str);
+type TemplateFile = (&'static str, &'static str);
 
-impl Template {
-    fn files(self) -> &'static [File] {
+impl StarterDeck {
+    fn files(self) -> &'static [TemplateFile] {
         match self {
-            Template::Taylor => &[("taylor_copper.inp", include_str!("../../input/taylor_copper.inp"))],
-            Template::Ogive => &[("ogive.inp", include_str!("../../input/ogive.inp"))],
-            Template::Plate => &[("rod_plate.inp", include_str!("../../input/rod_plate.inp"))],
-            Template::Vdload => &[
+            StarterDeck::Taylor => &[("taylor_copper.inp", include_str!("../../input/taylor_copper.inp"))],
+            StarterDeck::Ogive => &[("ogive.inp", include_str!("../../input/ogive.inp"))],
+            StarterDeck::Plate => &[("rod_plate.inp", include_str!("../../input/rod_plate.inp"))],
+            StarterDeck::Vdload => &[
                 ("ogive_user.inp", include_str!("../../input/ogive_user.inp")),
                 ("vdload_cavity.f", include_str!("../../input/vdload_cavity.f")),
             ],
@@ -50,10 +50,9 @@ impl Template {
     }
 }
 
-impl New {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
-        std::fs::create_dir_all(&self.out)
-            .map_err(|e| format!("cannot make the folder {}: {e}", self.out.display()))?;
+impl NewCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
+        std::fs::create_dir_all(&self.out).map_err(|e| format!("cannot create folder {}: {e}", self.out.display()))?;
         let files = self.template.files();
         for (name, text) in files {
             write_new(&self.out.join(name), text)?;
@@ -63,11 +62,11 @@ impl New {
         let user = paths.get(1).map_or(String::new(), |routine| format!(" --user {routine}"));
         say!("  revolve check {}{user}", paths[0]);
         say!("  revolve run {}{user}", paths[0]);
-        Ok(super::shown())
+        Ok(super::output_status())
     }
 }
 
-/// Writes a file that is not there yet: nobody's deck is overwritten.
+/// Writes a new file; an existing file is not overwritten.
 fn write_new(path: &Path, text: &str) -> Result<(), String> {
     let write = || OpenOptions::new().write(true).create_new(true).open(path)?.write_all(text.as_bytes());
     write().map_err(|e| format!("cannot write {}: {e}", path.display()))

@@ -1,18 +1,18 @@
-//! The end of a run in a few lines: the verdict first, then what it warns of, key results, what it took.
+//! Terminal summary of a run: status, warnings, key results and run time.
 
-use crate::job::{Frames, Summary};
+use crate::job::{FrameOutput, RunSummary};
 use crate::output::clock::seconds;
-use crate::output::columns::lined_up;
+use crate::output::columns::aligned_table;
 use crate::output::{self, HISTORY};
 
 use super::words::{say, write};
 
-/// History columns that are printed after a run.
+/// Largest number of history columns that are printed.
 const SHOWN: usize = 24;
-/// Width of the bars of a profile.
+/// Width of the bars of the profile, in characters.
 const BAR: usize = 40;
 
-pub fn print(summary: &Summary, job: &output::Job, frames: Frames, profile: bool) {
+pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, profile: bool) {
     say!("{}", verdict(summary));
     warnings(summary);
     for rest in &summary.rests {
@@ -21,36 +21,36 @@ pub fn print(summary: &Summary, job: &output::Job, frames: Frames, profile: bool
     summary.unfinished.iter().for_each(|how| say!("  {how}"));
     histories(summary, job);
     increments(summary);
-    say!("energy drift {:.1e} of the largest energy", summary.energy.drift);
+    say!("energy drift: {:.1e} of the largest energy", summary.energy.drift);
     if summary.deleted_elements > 0 {
         say!("{} elements were deleted", summary.deleted_elements);
     }
     if let Some(seconds) = summary.timing.checkpoint_seconds {
-        say!("checkpoints: {:.2} % of the time", 100.0 * seconds / summary.timing.seconds);
+        say!("checkpoints: {:.2} % of the run time", 100.0 * seconds / summary.timing.seconds);
     }
     if profile {
         print_profile(summary);
     }
     say!("digest {}", summary.digest);
-    let ending = if frames == Frames::Absent { HISTORY } else { ".pvd" };
+    let ending = if frames == FrameOutput::Absent { HISTORY } else { ".pvd" };
     say!("results in {}", job.path(ending).display());
 }
 
-fn verdict(summary: &Summary) -> String {
+fn verdict(summary: &RunSummary) -> String {
     let took = seconds(summary.timing.seconds);
-    let how = if summary.ended_by_user { "ended by the user's routine" } else { summary.status };
-    let resumed = summary.timing.resumed_at.map_or(String::new(), |at| format!(", gone on from increment {at}"));
+    let how = if summary.ended_by_user { "ended by a user subroutine" } else { summary.status };
+    let resumed = summary.timing.resumed_at.map_or(String::new(), |at| format!(", restarted from increment {at}"));
     format!("{how}: {} increments in {took}{resumed}", summary.timing.increments)
 }
 
-fn warnings(summary: &Summary) {
+fn warnings(summary: &RunSummary) {
     if !summary.warnings.is_empty() {
         let count = summary.warnings.len();
-        say!("{count} warning{} (above, and in the summary)", if count == 1 { "" } else { "s" });
+        say!("{count} warning{} (printed above and listed in the summary file)", if count == 1 { "" } else { "s" });
     }
 }
 
-fn histories(summary: &Summary, job: &output::Job) {
+fn histories(summary: &RunSummary, job: &output::JobFiles) {
     let columns = &summary.history.summary.0;
     if columns.is_empty() {
         return;
@@ -60,25 +60,25 @@ fn histories(summary: &Summary, job: &output::Job) {
         vec![name.clone(), number(column.last), number(column.min), number(column.max)]
     };
     let rows: Vec<_> = columns.iter().take(SHOWN).map(row).collect();
-    write(format_args!("{}", lined_up(&["history", "final", "min", "max"], &rows, false)), false);
+    write(format_args!("{}", aligned_table(&["history", "final", "min", "max"], &rows, false)), false);
     if columns.len() > SHOWN {
         say!("  and {} more columns in {}", columns.len() - SHOWN, job.path(HISTORY).display());
     }
 }
 
-fn increments(summary: &Summary) {
+fn increments(summary: &RunSummary) {
     for step in &summary.steps {
         let Some(element) = &step.limiting_element else { continue };
-        let by = step.global_estimates.map_or(String::new(), |count| format!(", global estimate made {count} times"));
-        say!("{}: smallest increment {:.3e}, limited by element {element}{by}", step.name, step.smallest_increment);
+        let by = step.global_estimates.map_or(String::new(), |count| format!(", {count} global estimates"));
+        say!("{}: smallest stable time increment {:.3e} (element {element}){by}", step.name, step.smallest_increment);
     }
 }
 
-/// The rows of the ledger by their share of the time.
-fn print_profile(summary: &Summary) {
+/// Prints the ledger rows in the order of their share of the run time.
+fn print_profile(summary: &RunSummary) {
     let mut rows: Vec<_> = summary.ledger.effects.iter().filter_map(|row| Some((row, row.share?))).collect();
     rows.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let cells = |(row, share): &(&crate::plan::ledger::Row, f64)| {
+    let cells = |(row, share): &(&crate::plan::ledger::LedgerRow, f64)| {
         let time = share * summary.timing.seconds;
         let per = time / summary.timing.increments.max(1) as f64;
         vec![
@@ -93,5 +93,5 @@ fn print_profile(summary: &Summary) {
     };
     let rows: Vec<_> = rows.iter().map(cells).collect();
     let header = ["effect", "count", "share", "time", "ns/increment", "ns each", ""];
-    write(format_args!("{}", lined_up(&header, &rows, false)), false);
+    write(format_args!("{}", aligned_table(&header, &rows, false)), false);
 }

@@ -1,4 +1,4 @@
-//! How far a run is, on the terminal: a bar by the clock with the time simulated, the time left, the increment and the energies.
+//! Progress bars on the terminal, with simulated time, remaining wall-clock time, increment and energy drift.
 
 use std::path::Path;
 use std::time::Duration;
@@ -10,26 +10,26 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::words;
 
-/// Parts of a bar.
+/// Number of positions of a bar.
 const PARTS: u64 = 1000;
-/// Times a second that it is drawn.
+/// Refresh rate in 1/s.
 const RATE: u8 = 4;
 
-/// A bar on standard error; hidden where nobody watches.
+/// Creates a bar on standard error; it is hidden if `quiet` or if standard error is not a terminal.
 fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
-    if quiet || !words::is_watched() {
+    if quiet || !words::is_terminal() {
         return ProgressBar::hidden();
     }
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr_with_hz(RATE)).with_style(style)
 }
 
-/// A bar over a number of runs.
+/// Creates a bar that counts runs.
 pub fn over_runs(runs: u64, quiet: bool) -> ProgressBar {
     bar(runs, "{bar:40} {pos} of {len} runs, {elapsed} ({eta} left)", quiet)
 }
 
-/// A line while a deck is read, which takes seconds where it is large.
+/// Creates a line that is shown while a deck is read; large decks take seconds.
 pub fn over_reading(deck: &Path, quiet: bool) -> ProgressBar {
     let line = bar(1, "reading {msg}", quiet);
     line.set_message(printable(&deck.display().to_string()).to_string());
@@ -56,7 +56,7 @@ impl RunBar {
         self.bar.set_message(sentence(progress, left));
     }
 
-    /// The bar, for what writes above it.
+    /// Returns the bar, for messages that are printed above it.
     pub fn handle(&self) -> ProgressBar {
         self.bar.clone()
     }
@@ -77,16 +77,19 @@ fn sentence(progress: &Progress<'_>, left: Option<Duration>) -> String {
     )
 }
 
-/// The time left by the pace of about the last half of the run: increments may shorten, and elements die.
+/// Estimate of the remaining wall-clock time from the speed of about the last half of the run: increments can shorten
+/// and elements can be deleted.
 #[derive(Debug, Default)]
 pub struct TimeLeft {
-    /// Time on the clock and fraction done, where the last half begins and where the next one will.
+    /// Elapsed time and completed fraction at the start of the averaging interval, and at the start of the next one
+    /// (`middle`).
     from: Option<(Duration, f64)>,
     middle: Option<(Duration, f64)>,
 }
 
 impl TimeLeft {
-    /// With so much time behind and this fraction done; `None` while too little is known.
+    /// Returns the remaining time after `elapsed` with `fraction` of the run completed; `None` if no progress has been
+    /// measured yet.
     pub fn after(&mut self, elapsed: Duration, fraction: f64) -> Option<Duration> {
         let now = (elapsed, fraction);
         let (begin, done) = *self.from.get_or_insert(now);
@@ -107,21 +110,21 @@ mod tests {
     use super::TimeLeft;
     use std::time::Duration;
 
-    /// A run that halves its pace in the middle: what is left is told by the pace now, not by that of the beginning.
+    /// The speed of the run halves in the middle; the estimate must follow the new speed.
     #[test]
-    fn the_time_left_follows_the_pace() {
+    fn remaining_time_follows_a_change_of_speed() {
         let mut left = TimeLeft::default();
         let fraction = |second: u64| if second < 50 { second as f64 / 100.0 } else { 0.25 + second as f64 / 200.0 };
-        let mut told = None;
+        let mut estimate = None;
         for second in 0..=130 {
-            told = left.after(Duration::from_secs(second), fraction(second));
+            estimate = left.after(Duration::from_secs(second), fraction(second));
         }
         let truth = 150.0 - 130.0;
-        let told = told.expect("a time").as_secs_f64();
-        assert!((told / truth - 1.0).abs() < 0.2, "{told} {truth}");
+        let estimate = estimate.expect("a time").as_secs_f64();
+        assert!((estimate / truth - 1.0).abs() < 0.2, "{estimate} {truth}");
         let mut even = TimeLeft::default();
         let times = (1..=10).map(|s| even.after(Duration::from_secs(s), s as f64 / 100.0));
-        let told = times.last().flatten().expect("a time").as_secs_f64();
-        assert!((told / 90.0 - 1.0).abs() < 0.01, "{told}");
+        let estimate = times.last().flatten().expect("a time").as_secs_f64();
+        assert!((estimate / 90.0 - 1.0).abs() < 0.01, "{estimate}");
     }
 }

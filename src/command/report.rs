@@ -1,37 +1,38 @@
 //! `revolve report`.
 
-use super::Status;
+use super::CommandStatus;
 use std::error::Error;
 use std::path::PathBuf;
 
-use crate::report::{Labels, PageOptions};
+use crate::report::{PageOptions, QuantityLabels};
 use crate::{output, report};
 use clap::Args;
 
 use super::words::say;
 
-/// Write one self-contained HTML page for the runs, sweeps and studies in a folder.
+/// Write one self-contained HTML page with the runs, sweeps and studies in a folder.
 #[derive(Args)]
-pub struct Report {
-    /// Folder with results, such as out/<deck name>.
+pub struct ReportCommand {
+    /// Result folder, for example out/<deck name>.
     folder: PathBuf,
-    /// The page (default report.html in the folder).
+    /// HTML file to write (default: report.html in the result folder).
     #[arg(short, long, value_name = "FILE.html")]
     out: Option<PathBuf>,
-    /// Another name for a quantity, such as U2@REF="depth" or MISES="equivalent stress"; may be given several times.
+    /// Label shown for a quantity, for example U2@REF="depth" or MISES="equivalent stress"; can be repeated.
     #[arg(long, value_name = "COLUMN=TEXT")]
     label: Vec<String>,
-    /// CSV file with curves to compare with: times, then columns named as those of the history. Their rms deviation is told.
+    /// CSV file with reference curves: time in the first column, then columns named like the history columns. The rms
+    /// deviation of the run from each curve is reported.
     #[arg(long, value_name = "FILE")]
     compare: Option<PathBuf>,
-    /// Print nothing but errors.
+    /// Print errors only.
     #[arg(short, long)]
     quiet: bool,
 }
 
-impl Report {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
-        let options = PageOptions { labels: Labels::parse(&self.label)?, compare: self.compare };
+impl ReportCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
+        let options = PageOptions { labels: QuantityLabels::parse(&self.label)?, compare: self.compare };
         let page = report::gather_with(&self.folder, &options)?;
         let html = report::html(&page)?;
         let out = self.out.unwrap_or_else(|| self.folder.join("report.html"));
@@ -46,6 +47,6 @@ impl Report {
             page.notes.iter().for_each(|note| say!("{note}"));
             say!("report {}, {} kB", out.display(), html.len().div_ceil(1000));
         }
-        Ok(Status::SUCCESS)
+        Ok(CommandStatus::SUCCESS)
     }
 }

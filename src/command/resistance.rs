@@ -7,35 +7,35 @@ use std::time::Instant as Stopwatch;
 use clap::Args;
 
 use super::words::{self, say, tell};
-use super::{AlreadyPrinted, PictureFormat, Status, pairs, print_findings, print_table};
+use super::{AlreadyPrinted, CommandStatus, PictureFormat, pairs, print_findings, print_table};
 use crate::deck::Diagnostic;
 use crate::model::derive::target_of;
 use crate::output::{self, csv};
-use crate::resistance::fit::Weight;
-use crate::resistance::rate::{Factor, Rate};
-use crate::resistance::similarity::Expansion;
-use crate::resistance::{Curve, Material, Request, ResistanceError, Target, derive};
+use crate::resistance::fit::FitWeight;
+use crate::resistance::rate::{StrainRateEffect, StrainRateFactor};
+use crate::resistance::similarity::ExpandingCavity;
+use crate::resistance::{FitRequest, ResistanceError, ScaledTarget, TargetMaterial, YieldCurve, derive};
 use crate::study::expansion;
 use crate::study::law::ResistanceRecord;
 use crate::{deck, model};
 
-/// Derive the resistance of a target, A, B and C of *CAVITY EXPANSION, from its stress-strain curve.
+/// Compute the constants A, B and C of *CAVITY EXPANSION from the stress-strain curve of a target.
 #[derive(Args)]
-pub struct Resistance {
-    /// Deck with the material; without one the options below describe it.
+pub struct ResistanceCommand {
+    /// Deck that defines the material; without a deck the material is given by the options below.
     deck: Option<PathBuf>,
-    /// Which material of the deck; needed where it has several.
+    /// Material name; required if the deck has several materials.
     #[arg(short, long, requires = "deck", value_name = "NAME")]
     material: Option<String>,
-    /// Replace the value of a *PARAMETER of the deck: NAME=VALUE.
+    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
     #[arg(short, long = "set", requires = "deck", value_name = "NAME=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
     given: MaterialArguments,
-    /// Largest tension: beyond it the target cracks along rays, as concrete does.
+    /// Tensile strength; above it the target has radial cracks, as concrete does.
     #[arg(long, value_name = "STRESS")]
     tension: Option<f64>,
-    /// Radius of the cavity, with which strain rates count.
+    /// Radius of the cavity; required for strain-rate dependence.
     #[arg(long, value_name = "LENGTH")]
     radius: Option<f64>,
     /// Lowest velocity of the fit.
@@ -44,37 +44,37 @@ pub struct Resistance {
     /// Highest velocity of the fit.
     #[arg(long, value_name = "VELOCITY")]
     to: f64,
-    /// Velocities at equal steps.
+    /// Number of equally spaced velocities.
     #[arg(long, default_value_t = crate::resistance::derive::POINTS)]
     points: usize,
-    /// Constants of the law: 3, or 2 for B = 0.
+    /// Number of fitted constants: 3, or 2 for B = 0.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
     terms: u8,
-    /// A is the pressure at rest instead of being fitted.
+    /// Set A to the quasi-static pressure instead of fitting it.
     #[arg(long = "static")]
     pinned: bool,
-    /// What the fit looks at.
-    #[arg(long, value_enum, default_value_t = Weight::Even)]
-    weight: Weight,
-    /// Measure the pressure as well, on a meshed cavity that is opened at these velocities (default: a quarter, a half and all of
-    /// the highest).
+    /// Weights of the least-squares fit.
+    #[arg(long, value_enum, default_value_t = FitWeight::Even)]
+    weight: FitWeight,
+    /// Also compute the pressure with finite elements, on a meshed cavity that opens at these velocities (default: 1/4,
+    /// 1/2 and 1 times the highest velocity).
     #[arg(long, value_name = "VELOCITIES", num_args = 0..=1, require_equals = true, value_delimiter = ',')]
     measure: Option<Vec<f64>>,
-    /// Picture of pressures and law, .png or .svg.
+    /// Write a picture of the pressures and the fitted law, .png or .svg.
     #[arg(long, value_name = "FILE")]
     chart: Option<PathBuf>,
-    /// Write the card into a file, for *INCLUDE below the *MATERIAL.
+    /// Write the *CAVITY EXPANSION card to a file, for *INCLUDE below *MATERIAL.
     #[arg(long, value_name = "FILE")]
     card: Option<PathBuf>,
-    /// Print all of it as JSON, and nothing else.
+    /// Print only one JSON object with all results.
     #[arg(long)]
     json: bool,
-    /// Print the card alone.
+    /// Print only the *CAVITY EXPANSION card.
     #[arg(short, long, conflicts_with = "json")]
     quiet: bool,
 }
 
-/// A material without a deck.
+/// Options that describe the material without a deck.
 #[derive(Args)]
 struct MaterialArguments {
     /// Young's modulus.
@@ -83,22 +83,22 @@ struct MaterialArguments {
     /// Poisson's ratio; 0.5 is incompressible.
     #[arg(long, value_name = "RATIO", conflicts_with = "deck", required_unless_present = "deck")]
     poisson: Option<f64>,
-    /// Mass per volume.
+    /// Density.
     #[arg(long, value_name = "DENSITY", conflicts_with = "deck", required_unless_present = "deck")]
     density: Option<f64>,
-    /// Yield stress Y; with --table the first stress there.
+    /// Yield stress Y; with --table it is the first stress of the table.
     #[arg(long = "yield", value_name = "STRESS", conflicts_with_all = ["deck", "table"], required_unless_present_any = ["deck", "table"])]
     yield_stress: Option<f64>,
-    /// Hardening Y (E e / Y)^n over the total strain e.
+    /// Exponent n of the power-law hardening Y (E e / Y)^n, with the total strain e.
     #[arg(long, value_name = "N", conflicts_with_all = ["deck", "table"])]
     power: Option<f64>,
-    /// CSV file of yield stress and plastic strain, as the rows of *PLASTIC.
+    /// CSV file with rows of yield stress and plastic strain, as in *PLASTIC.
     #[arg(long, value_name = "FILE", conflicts_with = "deck")]
     table: Option<PathBuf>,
-    /// Growth of the yield stress with pressure (Mohr and Coulomb).
+    /// Slope of the yield stress over pressure (Mohr-Coulomb).
     #[arg(long, value_name = "SLOPE", conflicts_with = "deck", default_value_t = 0.0)]
     pressure_slope: f64,
-    /// Factor 1 + (e'/REFERENCE)^EXPONENT of the strain rate e'.
+    /// Strain-rate factor 1 + (e'/REFERENCE)^EXPONENT of the yield stress.
     #[arg(
         long,
         value_name = "REFERENCE,EXPONENT",
@@ -108,26 +108,26 @@ struct MaterialArguments {
         conflicts_with = "deck"
     )]
     rate: Vec<f64>,
-    /// Factor 1 + C ln(e'/REFERENCE), as of Johnson and Cook.
+    /// Johnson-Cook strain-rate factor 1 + C ln(e'/REFERENCE) of the yield stress.
     #[arg(long, value_name = "C,REFERENCE", value_delimiter = ',', num_args = 1, requires = "radius", conflicts_with_all = ["deck", "rate"])]
     rate_johnson_cook: Vec<f64>,
 }
 
-/// Pressure over the yield stress at a velocity, by similarity.
+/// Function from velocity to the pressure of the similarity solution, divided by the yield stress.
 type PressureAt<'a> = dyn Fn(f64) -> Option<f64> + 'a;
 
-/// Steps in which a curve is drawn.
+/// Number of intervals of a drawn curve.
 const DRAWN: u32 = 120;
 
-impl Resistance {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+impl ResistanceCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let format = self.chart.as_deref().map(PictureFormat::of).transpose()?;
         let material = match &self.deck {
             Some(deck) => self.of_deck(deck)?,
             None => self.given.material(self.tension, self.radius)?,
         };
         let begin = Stopwatch::now();
-        let target = Target::new(&material).map_err(|fault| finding(&fault))?;
+        let target = ScaledTarget::new(&material).map_err(|fault| finding(&fault))?;
         let derived = derive(&target, &self.request()).map_err(|fault| finding(&fault))?;
         let seconds = begin.elapsed().as_secs_f64();
         let measured = match &self.measure {
@@ -138,15 +138,15 @@ impl Resistance {
             None => Vec::new(),
         };
         let record = ResistanceRecord::new(&target, &self.request(), &derived, measured, seconds);
-        let expansion = Expansion::new(&target).map_err(|fault| fault.to_string())?;
+        let expansion = ExpandingCavity::new(&target).map_err(|fault| fault.to_string())?;
         let similar = |v: f64| expansion.pressure(v).ok().map(|p| p.stress);
         self.write(&record, format, &target, &similar)?;
         self.print(&record, &similar)?;
-        Ok(super::shown())
+        Ok(super::output_status())
     }
 
-    fn request(&self) -> Request {
-        Request {
+    fn request(&self) -> FitRequest {
+        FitRequest {
             range: [self.from, self.to],
             points: self.points,
             linear: self.terms == 3,
@@ -155,7 +155,7 @@ impl Resistance {
         }
     }
 
-    fn of_deck(&self, path: &Path) -> Result<Material, Box<dyn Error>> {
+    fn of_deck(&self, path: &Path) -> Result<TargetMaterial, Box<dyn Error>> {
         let (deck, mut diagnostics) = deck::read(path, &pairs(&self.set)?);
         let (model, found) = model::build(&deck);
         diagnostics.append(found);
@@ -168,14 +168,18 @@ impl Resistance {
             (Some(name), _) => name.to_uppercase(),
             (None, [only]) => (*only).to_owned(),
             (None, _) => {
-                return Err(format!("--material: the deck has the materials {}; which?", names.join(", ")).into());
+                return Err(format!(
+                    "the deck has several materials: give --material with one of {}",
+                    names.join(", ")
+                )
+                .into());
             }
         };
         let Some(material) = model.materials.iter().find(|m| m.name == wanted) else {
-            return Err(format!("--material {wanted}: the deck has {}", names.join(", ")).into());
+            return Err(format!("--material {wanted}: no such material; the deck defines {}", names.join(", ")).into());
         };
         if material.rate.is_some() && self.radius.is_none() {
-            tell!("warning: the *RATE DEPENDENT of {wanted} does not count without --radius");
+            tell!("warning: *RATE DEPENDENT of {wanted} is ignored without --radius");
         }
         target_of(material, self.radius, self.tension).map_err(|finding| {
             let mut findings = deck::Diagnostics::default();
@@ -189,7 +193,7 @@ impl Resistance {
         &self,
         record: &ResistanceRecord,
         format: Option<PictureFormat>,
-        target: &Target,
+        target: &ScaledTarget,
         similar: &PressureAt<'_>,
     ) -> Result<(), Box<dyn Error>> {
         if let (Some(path), Some(format)) = (&self.chart, format) {
@@ -215,7 +219,7 @@ impl Resistance {
                 print_table(&record.measured_table(similar));
             }
             record.conclusions().iter().for_each(|line| say!("{line}"));
-            say!("{} pressures and the fit: {:.1} ms", record.points.len(), 1e3 * record.seconds);
+            say!("{} pressures and fit in {:.1} ms", record.points.len(), 1e3 * record.seconds);
             self.chart.iter().for_each(|path| say!("picture {}", path.display()));
             self.card.iter().for_each(|path| say!("card {}", path.display()));
         }
@@ -224,25 +228,25 @@ impl Resistance {
     }
 }
 
-/// A fault as a finding without a place.
+/// Converts an error into a diagnostic without a location.
 fn finding(fault: &ResistanceError) -> Diagnostic {
     Diagnostic::error(fault.code(), fault.to_string())
 }
 
 impl MaterialArguments {
-    fn material(&self, tension: Option<f64>, radius: Option<f64>) -> Result<Material, Box<dyn Error>> {
+    fn material(&self, tension: Option<f64>, radius: Option<f64>) -> Result<TargetMaterial, Box<dyn Error>> {
         let (curve, first) = match (&self.table, self.power) {
             (Some(path), _) => {
                 let rows = rows(path)?;
                 let first = rows.first().map_or(f64::NAN, |r| r[0]);
-                (Curve::Table { rows, extrapolates: false }, first)
+                (YieldCurve::Table { rows, extrapolates: false }, first)
             }
-            (None, Some(n)) => (Curve::Power(n), f64::NAN),
-            (None, None) => (Curve::Perfect, f64::NAN),
+            (None, Some(n)) => (YieldCurve::Power(n), f64::NAN),
+            (None, None) => (YieldCurve::Perfect, f64::NAN),
         };
-        // The arguments are there: nothing is derived without a deck or these.
+        // Without a deck clap requires these arguments.
         let there = |value: Option<f64>| value.unwrap_or(f64::NAN);
-        Ok(Material {
+        Ok(TargetMaterial {
             young: there(self.young),
             poisson: there(self.poisson),
             density: there(self.density),
@@ -250,21 +254,21 @@ impl MaterialArguments {
             curve,
             pressure_slope: self.pressure_slope,
             tension,
-            rate: self.factor()?.zip(radius).map(|(factor, radius)| Rate { factor, radius }),
+            rate: self.factor()?.zip(radius).map(|(factor, radius)| StrainRateEffect { factor, radius }),
         })
     }
 
-    fn factor(&self) -> Result<Option<Factor>, String> {
+    fn factor(&self) -> Result<Option<StrainRateFactor>, String> {
         match (&self.rate[..], &self.rate_johnson_cook[..]) {
             ([], []) => Ok(None),
-            (&[reference, exponent], []) => Ok(Some(Factor::Power { reference, exponent })),
-            ([], &[c, reference]) => Ok(Some(Factor::JohnsonCook { c, reference })),
-            _ => Err("--rate and --rate-johnson-cook take two numbers: --rate 8e5,0.3".into()),
+            (&[reference, exponent], []) => Ok(Some(StrainRateFactor::Power { reference, exponent })),
+            ([], &[c, reference]) => Ok(Some(StrainRateFactor::JohnsonCook { c, reference })),
+            _ => Err("--rate and --rate-johnson-cook need two numbers, for example --rate 8e5,0.3".into()),
         }
     }
 }
 
-/// Rows of stress and plastic strain; a first line of words is a header.
+/// Reads rows of stress and plastic strain; a non-numeric first line is a header.
 fn rows(path: &Path) -> Result<Vec<[f64; 2]>, Box<dyn Error>> {
     let wrong = |what: String| format!("--table {}: {what}", path.display());
     let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
@@ -278,7 +282,7 @@ fn rows(path: &Path) -> Result<Vec<[f64; 2]>, Box<dyn Error>> {
         }
     }
     if rows.is_empty() {
-        return Err(wrong("there are no rows".into()).into());
+        return Err(wrong("the file has no rows".into()).into());
     }
     Ok(rows)
 }

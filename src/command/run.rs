@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::deck::Diagnostic;
-use crate::job::{self, Demand, Frames, Instructions, Options, Prepared, Refusal, Summary};
+use crate::job::{self, FrameOutput, Instructions, JobError, JobOptions, PreparedJob, RestartRequirement, RunSummary};
 use crate::model::Precision;
 use crate::output::checkpoint::Checkpoint;
-use crate::output::{self, History, Points};
+use crate::output::{self, FramePoints, RunHistory};
 use crate::platform::signals::watch_signals;
-use crate::solve::{Every, LOST, Progress};
+use crate::solve::{CheckpointInterval, LOST, Progress};
 use crate::study::quantity::{FinishedRun, Quantity};
 use crate::user::host;
 use clap::Args;
@@ -19,86 +19,88 @@ use serde::Serialize;
 
 use super::progress::{self, RunBar};
 use super::words::{say, tell};
-use super::{HALTED, Status, UserFiles, accept, outcome, pairs, print_findings, threads};
+use super::{CommandStatus, HALTED, UserFiles, accept, outcome, pairs, print_findings, threads};
 
-/// Stack of a thread, bytes: routines of the user may keep large arrays there, as in a main thread.
+/// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
 const STACK: usize = 64 << 20;
 
-/// Run a deck and write frames, histories and a summary.
+/// Run a deck and write frames, histories and a summary file.
 #[derive(Args)]
-pub struct Run {
-    /// The input deck.
+pub struct RunCommand {
+    /// Input deck.
     deck: PathBuf,
-    /// Replace the value of a *PARAMETER: NAME=VALUE.
+    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
     #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
     user: UserFiles,
-    /// Run the user's routines in a process of their own: whatever they do to it, the run ends in order. All but vusdfld.
+    /// Run the user subroutines in a separate process: if they crash, the run still writes its results. Not available
+    /// for VUSDFLD.
     #[arg(long, requires = "files")]
     isolate: bool,
-    /// Folder for the results (default out/<deck name>).
+    /// Result folder (default: out/<deck name>).
     #[arg(short, long)]
     out: Option<PathBuf>,
-    /// Go on from the checkpoint in the folder of the results, to the same bits; without one start at the beginning.
+    /// Restart from the checkpoint in the result folder; results are bit-identical to an uninterrupted run. Without a
+    /// checkpoint the run starts at time 0.
     #[arg(long)]
     resume: bool,
-    /// As --resume, also from a checkpoint that does not hold all that the user's routines keep to themselves: that is then as
-    /// in a run that starts anew.
+    /// Like --resume, but also accept a checkpoint without the internal data of user subroutines; these data then have
+    /// their initial values.
     #[arg(long)]
     resume_anyway: bool,
-    /// Keep the state every so often: 10s, 5m or 1h on the clock, or a number of increments.
+    /// Write a checkpoint at this interval: 10s, 5m or 1h of wall-clock time, or a number of increments.
     #[arg(long, value_name = "TIME|INCREMENTS", value_parser = every)]
-    checkpoint_every: Option<Every>,
-    /// Threads (default: all cores); results have the same bits on any number.
+    checkpoint_every: Option<CheckpointInterval>,
+    /// Number of threads (default: all cores); results are bit-identical for any number.
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Instruction set for deformable elements: scalar, avx2 or avx512 (default: the machine's best); results have the same
-    /// bits on all.
+    /// Instruction set for deformable elements: scalar, avx2 or avx512 (default: the best of this machine); results are
+    /// bit-identical on all.
     #[arg(long, value_name = "SET")]
     instructions: Option<Instructions>,
-    /// Precision of solid elements: double or single, which is faster and has half the digits; nodes, sums and energies are in
-    /// double precision.
+    /// Floating-point precision of solid elements: double or single. Single is faster; nodal quantities, sums and
+    /// energies remain in double precision.
     #[arg(long, value_name = "DIGITS", default_value = "double")]
     precision: Precision,
-    /// Print an expression over history columns, such as "-1000*final(U2@REF)"; may be given several times.
+    /// Print the value of an expression over history columns, for example "-1000*final(U2@REF)"; can be repeated.
     #[arg(long, allow_hyphen_values = true)]
     quantity: Vec<String>,
-    /// Print the summary as one JSON object, and nothing else.
+    /// Print only the summary, as one JSON object.
     #[arg(long)]
     json: bool,
-    /// Where frames have their points: where they are, or where they were at the start with U beside them, so that Warp By Vector
-    /// shows the motion at any scale.
+    /// Coordinates of the points in frames: current, or reference (initial coordinates, for Warp By Vector with U in
+    /// ParaView).
     #[arg(long, value_enum, default_value = "current", conflicts_with = "no_frames")]
-    points: Points,
-    /// Write no frames: histories and the summary alone.
+    points: FramePoints,
+    /// Write no frames, only histories and the summary file.
     #[arg(long)]
     no_frames: bool,
-    /// Print where the time went, effect by effect.
+    /// Print the run time of each effect.
     #[arg(long)]
     profile: bool,
-    /// Print nothing but errors.
+    /// Print errors only.
     #[arg(short, long)]
     quiet: bool,
 }
 
-/// Seconds, minutes, hours or increments.
-fn every(text: &str) -> Result<Every, String> {
-    let wrong = || "10s, 5m, 1h or a number of increments above zero".to_owned();
+/// Parses a checkpoint interval in seconds, minutes, hours or increments.
+fn every(text: &str) -> Result<CheckpointInterval, String> {
+    let wrong = || "expected 10s, 5m, 1h or a number of increments above zero".to_owned();
     if let Ok(increments) = text.parse::<u64>() {
-        return if increments > 0 { Ok(Every::Increments(increments)) } else { Err(wrong()) };
+        return if increments > 0 { Ok(CheckpointInterval::Increments(increments)) } else { Err(wrong()) };
     }
     let unit =
         text.chars().last().and_then(|unit| [('s', 1.0), ('m', 60.0), ('h', 3600.0)].into_iter().find(|u| u.0 == unit));
     let (unit, factor) = unit.ok_or_else(wrong)?;
     let seconds: f64 = text.trim_end_matches(unit).parse().map_err(|_| wrong())?;
     let time = Duration::try_from_secs_f64(factor * seconds).map_err(|_| wrong())?;
-    if time > Duration::ZERO { Ok(Every::Elapsed(time)) } else { Err(wrong()) }
+    if time > Duration::ZERO { Ok(CheckpointInterval::Elapsed(time)) } else { Err(wrong()) }
 }
 
-impl Run {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
-        // Before there are threads: routines may get a process of their own.
+impl RunCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
+        // Before any thread starts: with --isolate the process is forked here.
         let (routines, user) = self.user.routines(self.is_silent(), self.isolate)?;
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
         let settings = pairs(&self.set)?;
@@ -108,7 +110,7 @@ impl Run {
         accept(&prepared, self.is_silent())?;
         self.start_threads(&prepared)?;
         for quantity in &quantities {
-            quantity.stands_alone()?;
+            quantity.check_without_study()?;
             quantity.check(&prepared.plan)?;
         }
         if let Some(instructions) = self.instructions {
@@ -120,11 +122,18 @@ impl Run {
             say!("{}", prepared.plan.ledger.render(false));
         }
         let signal = watch_signals()?;
-        // Only once: the state itself, which may be large, and not a copy.
+        // The run takes the state itself, without a copy, which could be large.
         let state = Some(std::mem::take(&mut prepared.state));
         let frames = self.frames();
-        let options =
-            Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, state, user, frames, warn: None };
+        let options = JobOptions {
+            every: self.checkpoint_every,
+            interrupt: Some(&*signal),
+            from,
+            state,
+            user,
+            frames,
+            warn: None,
+        };
         let summary = run(&prepared, &job, options, self.is_silent())?;
         print_messages(&summary.messages, self.is_silent());
         if !self.is_silent() {
@@ -141,41 +150,42 @@ impl Run {
         if summary.reason.as_ref().is_some_and(|reason| reason.starts_with("R201")) {
             crate::user::crash::leave(HALTED);
         }
-        // The libraries stay until the process goes: a thread that a routine started may still run in one.
+        // Libraries are never unloaded: a thread started by a user subroutine may still run in one.
         std::mem::forget((prepared, routines));
         Ok(end)
     }
 
-    /// As many as there are cores, or as are asked for, and none without anything to do: it would be woken with each pass.
-    fn start_threads(&self, prepared: &Prepared) -> Result<(), Box<dyn Error>> {
+    /// Starts one thread per core or as many as requested, but not more than the run can use: idle threads would still
+    /// be woken in each pass.
+    fn start_threads(&self, prepared: &PreparedJob) -> Result<(), Box<dyn Error>> {
         let count = self.threads.map_or_else(threads::default, Into::into).min(prepared.most_threads());
         let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(count);
         Ok(pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?)
     }
 
-    fn frames(&self) -> Frames {
-        if self.no_frames { Frames::Absent } else { Frames::Written(self.points) }
+    fn frames(&self) -> FrameOutput {
+        if self.no_frames { FrameOutput::Absent } else { FrameOutput::Written(self.points) }
     }
 
-    /// Whether nothing but what was asked for is printed.
+    /// Returns whether informational output is suppressed.
     fn is_silent(&self) -> bool {
         self.quiet || self.json
     }
 
-    /// The checkpoint to go on from, if there is one and it is asked for; notes are printed.
+    /// Returns the checkpoint for a restart if one is requested and exists, and prints notes on it.
     fn checkpoint(
         &self,
-        prepared: &Prepared,
-        job: &output::Job,
+        prepared: &PreparedJob,
+        job: &output::JobFiles,
         user: &str,
     ) -> Result<Option<Checkpoint>, Box<Diagnostic>> {
         if !self.resume && !self.resume_anyway {
             return Ok(None);
         }
-        let demand = if self.resume_anyway { Demand::Anything } else { Demand::Whole };
+        let demand = if self.resume_anyway { RestartRequirement::Anything } else { RestartRequirement::Whole };
         let (checkpoint, mut notes) = job::find_checkpoint(prepared, job, user, demand)?;
         if self.is_silent() {
-            // What is lost is said in any case.
+            // The note on lost data of user subroutines is printed in any case.
             notes.retain(|note| note.code == "K102");
         }
         print_findings(&notes, &prepared.deck.sources);
@@ -183,10 +193,10 @@ impl Run {
     }
 }
 
-/// Quantities with their values, or why there is none.
-type Values = IndexMap<String, Result<f64, String>>;
+/// Value or error of each quantity.
+type QuantityValues = IndexMap<String, Result<f64, String>>;
 
-fn values(quantities: &[Quantity], history: &History) -> Values {
+fn values(quantities: &[Quantity], history: &RunHistory) -> QuantityValues {
     let run = FinishedRun { history, end: None };
     let value = |q: &Quantity| (q.text.clone(), q.number(run).map_err(|e| e.to_string()));
     quantities.iter().map(value).collect()
@@ -199,22 +209,27 @@ fn print_value(text: &str, value: &Result<f64, String>) {
     }
 }
 
-/// The summary with the quantities behind it.
+/// Summary with the requested quantities, as `--json` prints it.
 #[derive(Serialize)]
-struct Report<'a> {
+struct RunReport<'a> {
     #[serde(flatten)]
-    summary: &'a Summary,
+    summary: &'a RunSummary,
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     quantities: IndexMap<&'a str, Option<f64>>,
 }
 
-fn print_json(summary: &Summary, values: &Values) -> Result<(), Box<dyn Error>> {
+fn print_json(summary: &RunSummary, values: &QuantityValues) -> Result<(), Box<dyn Error>> {
     let quantities = values.iter().map(|(text, value)| (text.as_str(), value.as_ref().ok().copied())).collect();
-    say!("{}", serde_json::to_string_pretty(&Report { summary, quantities })?);
+    say!("{}", serde_json::to_string_pretty(&RunReport { summary, quantities })?);
     Ok(())
 }
 
-fn run(prepared: &Prepared, job: &output::Job, options: Options<'_>, quiet: bool) -> Result<Summary, Refusal> {
+fn run(
+    prepared: &PreparedJob,
+    job: &output::JobFiles,
+    options: JobOptions<'_>,
+    quiet: bool,
+) -> Result<RunSummary, JobError> {
     let mut bar = RunBar::new(quiet);
     let above = bar.handle();
     let warn = |text: &str| {
@@ -223,36 +238,36 @@ fn run(prepared: &Prepared, job: &output::Job, options: Options<'_>, quiet: bool
         }
     };
     let mut follow = |progress: &Progress<'_>| bar.follow(progress);
-    // As one of the threads: from outside each pass over the elements would wait to be taken up.
-    let work = || job::run_with(prepared, job, Options { warn: Some(&warn), ..options }, &mut follow);
+    // Run as one thread of the pool: calls from outside the pool would wait in each pass over the elements.
+    let work = || job::run_with(prepared, job, JobOptions { warn: Some(&warn), ..options }, &mut follow);
     let summary = if rayon::current_num_threads() > 1 { rayon::scope(|_| work()) } else { work() };
     bar.finish();
     summary
 }
 
-/// Says how it ended; the exit status is 0, that of a halt, or that of a signal as shells have it.
-fn print_end(summary: &Summary, job: &output::Job, frames: Frames, signal: usize) -> Status {
-    let Some(reason) = &summary.reason else { return Status::SUCCESS };
+/// Prints the reason of a halt. Returns 0, the status of a halted run, or 128 plus the signal number, as shells do.
+fn print_end(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, signal: usize) -> CommandStatus {
+    let Some(reason) = &summary.reason else { return CommandStatus::SUCCESS };
     let last = match frames {
-        Frames::Written(_) => format!("\nthe last good state is in {}", job.path(".pvd").display()),
-        Frames::Absent => String::new(),
+        FrameOutput::Written(_) => format!("\nthe last valid state is in {}", job.path(".pvd").display()),
+        FrameOutput::Absent => String::new(),
     };
     tell!("halted: {reason}{last}");
     if !summary.interrupted {
-        return Status::from(HALTED);
+        return CommandStatus::from(HALTED);
     }
     match &summary.lost[..] {
-        [] => tell!("go on with --resume"),
-        lost => tell!("{LOST}: {}\n--resume-anyway goes on without it", lost.join("; ")),
+        [] => tell!("continue with --resume"),
+        lost => tell!("{LOST}: {}\n--resume-anyway continues without it", lost.join("; ")),
     }
-    Status::from(128 + signal as u8)
+    CommandStatus::from(128 + signal as u8)
 }
 
-/// What the user's routines had to say.
+/// Prints the messages of user subroutines.
 fn print_messages(messages: &[host::RoutineMessage], quiet: bool) {
-    for message in messages.iter().filter(|m| !quiet || m.level == host::Level::Error) {
+    for message in messages.iter().filter(|m| !quiet || m.level == host::MessageLevel::Error) {
         let level = format!("{:?}", message.level).to_lowercase();
         let times = if message.times > 1 { format!(" ({} times)", message.times) } else { String::new() };
-        tell!("{level} from the user's routine: {}{times}", message.text);
+        tell!("{level} from a user subroutine: {}{times}", message.text);
     }
 }

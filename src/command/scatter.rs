@@ -7,55 +7,58 @@ use crate::study::columns::TableWriter;
 use crate::study::inputs::RandomInputs;
 use crate::study::quantity::Quantity;
 use crate::study::scatter::{self, ScatterRequest, ScatterResults};
-use crate::study::statistics::design::Sampling;
-use crate::study::statistics::summary::{Statistic, estimate};
-use crate::study::table::Table;
+use crate::study::statistics::design::SamplingScheme;
+use crate::study::statistics::summary::{SampleStatistic, estimate};
+use crate::study::table::TextTable;
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::search::{self, SearchArguments};
-use super::{HALTED, Status, progress, write_results};
+use super::{CommandStatus, HALTED, progress, write_results};
 
-/// Draw parameters of a deck from distributions: how its quantities scatter, and what that comes from.
+/// Monte Carlo study: draw deck parameters from distributions and estimate the statistics and sensitivities of
+/// quantities.
 #[derive(Args)]
-pub struct Scatter {
+pub struct ScatterCommand {
     #[command(flatten)]
     search: SearchArguments,
-    /// NAME=low..high, NAME=normal(mean, deviation), NAME=lognormal(mean, deviation), NAME=truncated(DISTRIBUTION, low, high).
+    /// Random parameter: NAME=low..high (uniform), NAME=normal(mean, deviation), NAME=lognormal(mean, deviation) or
+    /// NAME=truncated(DISTRIBUTION, low, high); can be repeated.
     #[arg(short, long, value_name = "NAME=DISTRIBUTION", required = true)]
     distribution: Vec<String>,
-    /// How two parameters go together: NAME:OTHER=NUMBER between -1 and 1.
+    /// Correlation of two random parameters, between -1 and 1; can be repeated.
     #[arg(long, value_name = "NAME:OTHER=NUMBER")]
     correlation: Vec<String>,
-    /// Expression over history columns, such as "-1000*final(U2@REF)"; may be given several times.
+    /// Quantity to evaluate: an expression over history columns, for example "-1000*final(U2@REF)"; can be repeated.
     #[arg(long, required = true, allow_hyphen_values = true)]
     quantity: Vec<String>,
-    /// How many samples.
+    /// Number of samples.
     #[arg(short, long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=100_000_000))]
     count: u32,
-    /// Seed of the samples.
+    /// Seed of the random number generator.
     #[arg(long, value_name = "NUMBER", default_value_t = 0)]
     seed: u64,
-    /// How samples are spread: random, latin (Latin hypercubes) or sobol (Sobol's sequence, scrambled).
+    /// Sampling scheme: random, latin (Latin hypercube) or sobol (scrambled Sobol sequence).
     #[arg(long, value_name = "WAY", default_value = "random")]
-    sampling: Sampling,
-    /// Quantiles to be found, each between 0 and 1.
+    sampling: SamplingScheme,
+    /// Quantiles to estimate, each between 0 and 1.
     #[arg(long, value_name = "PARTS", value_delimiter = ',', default_value = "0.05,0.5,0.95")]
     quantiles: Vec<f64>,
-    /// Sobol's indices, of the first order and total: N runs for each parameter and two times N more.
+    /// Estimate first-order and total Sobol indices; this takes N (parameters + 2) runs.
     #[arg(long, conflicts_with = "correlation")]
     indices: bool,
-    /// File for all samples with their quantities: .csv, or .parquet in a program with that feature.
+    /// Write all samples with their quantities to a .csv file, or to a .parquet file if the program has the feature
+    /// `parquet`.
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
 }
 
-impl Scatter {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+impl ScatterCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let inputs = RandomInputs::parse(&self.distribution, &self.correlation)?;
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
         if let Some(part) = self.quantiles.iter().find(|part| !(0.0..=1.0).contains(*part)) {
-            return Err(format!("--quantiles {part}: between 0 and 1").into());
+            return Err(format!("--quantiles {part}: expected numbers between 0 and 1").into());
         }
         let routines = self.search.routines()?;
         let evaluator = self.search.evaluator(inputs.names.clone(), quantities, &routines)?;
@@ -83,17 +86,18 @@ impl Scatter {
             self.search.print(&table, &self.lines(runs, &job));
             self.search.print_json(&self.json(&table, runs, &results))?;
         }
-        search::tell_still_moving(&evaluator);
-        search::tell_failures(results.failed, runs, results.reason.as_ref());
-        Ok(if results.failed == 0 { Status::SUCCESS } else { Status::from(HALTED) })
+        search::warn_still_moving(&evaluator);
+        search::report_failures(results.failed, runs, results.reason.as_ref());
+        Ok(if results.failed == 0 { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
     }
 
-    /// A row for each statistic and index of each quantity.
-    fn table(&self, inputs: &RandomInputs, results: &ScatterResults) -> Table {
+    /// Table with one row per quantity and statistic or Sobol index.
+    fn table(&self, inputs: &RandomInputs, results: &ScatterResults) -> TextTable {
         let mut rows = Vec::new();
         let mut statistics =
-            vec![("mean".to_owned(), Statistic::Mean), ("standard deviation".into(), Statistic::Deviation)];
-        statistics.extend(self.quantiles.iter().map(|part| (format!("quantile {part}"), Statistic::Quantile(*part))));
+            vec![("mean".to_owned(), SampleStatistic::Mean), ("standard deviation".into(), SampleStatistic::Deviation)];
+        statistics
+            .extend(self.quantiles.iter().map(|part| (format!("quantile {part}"), SampleStatistic::Quantile(*part))));
         for (of, (quantity, values)) in self.quantity.iter().zip(&results.values).enumerate() {
             let mut row = |what: &str, found| {
                 rows.push([quantity.clone(), what.to_owned()].into_iter().chain(search::cells(found)).collect());
@@ -110,7 +114,7 @@ impl Scatter {
             }
         }
         let header = ["quantity".to_owned()].into_iter().chain(search::header("what")).collect();
-        Table { header, rows }
+        TextTable { header, rows }
     }
 
     fn charts(&self, name: &str, results: &ScatterResults) -> Vec<(String, crate::study::chart::Chart)> {
@@ -119,13 +123,13 @@ impl Scatter {
         each.map(|(i, (quantity, values))| (ending(i), scatter::chart(name, quantity, values))).collect()
     }
 
-    fn lines(&self, runs: usize, job: &crate::output::Job) -> Vec<String> {
+    fn lines(&self, runs: usize, job: &crate::output::JobFiles) -> Vec<String> {
         let table = self.table.as_ref().map_or(String::new(), |path| format!(", samples {}", path.display()));
         let (csv, png) = (job.path("_scatter.csv"), job.path("_scatter.png"));
         vec![format!("{} samples, {runs} runs; table {}, picture {}{table}", self.count, csv.display(), png.display())]
     }
 
-    fn json(&self, table: &Table, runs: usize, results: &ScatterResults) -> Value {
+    fn json(&self, table: &TextTable, runs: usize, results: &ScatterResults) -> Value {
         let number = |text: &String| text.parse::<f64>().map_or(Value::Null, |v| json!(v));
         let rows: Vec<Value> = table
             .rows

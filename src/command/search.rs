@@ -1,43 +1,43 @@
-//! What commands that search by many runs of one plan share: their deck, its parameters, threads, files.
+//! Options and output shared by the commands `limit`, `identify` and `scatter`, which evaluate one plan many times.
 
 use std::error::Error;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::job::Refusal;
-use crate::output::Job;
+use crate::job::JobError;
+use crate::output::JobFiles;
 use crate::output::lock::FolderLock;
 use crate::study::StudyError;
-use crate::study::evaluate::{DeckSource, Evaluator, UserRoutines};
+use crate::study::evaluate::{DeckSource, SampleEvaluator, UserRoutines};
 use crate::study::quantity::Quantity;
-use crate::study::statistics::Estimate;
-use crate::study::table::{Table, number};
+use crate::study::statistics::IntervalEstimate;
+use crate::study::table::{TextTable, number};
 use crate::user::compile::Compiled;
 use clap::Args;
 
 use super::words::{say, tell};
 use super::{AlreadyPrinted, UserFiles, lock_job, pairs, print_table, threads};
 
-/// Deck, parameters that stay, threads, and what is printed.
+/// Options for the deck, its fixed parameters, threads and output.
 #[derive(Args)]
 pub struct SearchArguments {
-    /// The input deck.
+    /// Input deck.
     deck: PathBuf,
-    /// Replace the value of a *PARAMETER: NAME=VALUE.
+    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
     #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
     user: UserFiles,
-    /// Folder for table and pictures (default out/<deck name>).
+    /// Folder for the table and the pictures (default: out/<deck name>).
     #[arg(short, long)]
     out: Option<PathBuf>,
-    /// Threads (default: all cores; in a task of a scheduler those it gives, or one).
+    /// Number of threads (default: all cores; in a scheduler task the assigned cores, or one).
     #[arg(short, long)]
     threads: Option<usize>,
-    /// Print one JSON object and nothing else.
+    /// Print only one JSON object.
     #[arg(long)]
     json: bool,
-    /// Print nothing but errors.
+    /// Print errors only.
     #[arg(short, long)]
     quiet: bool,
 }
@@ -49,45 +49,45 @@ impl SearchArguments {
         self.threads.unwrap_or_else(threads::default)
     }
 
-    /// Whether nothing but the answer, or not even that, is printed.
+    /// Returns whether informational output is suppressed.
     pub fn is_silent(&self) -> bool {
         self.quiet || self.json
     }
 
-    /// Compiles the user's routines.
+    /// Compiles the user subroutines.
     pub fn routines(&self) -> Result<CompiledRoutines, AlreadyPrinted> {
         Ok(CompiledRoutines(self.user.compiled(self.is_silent())?.map(Arc::new)))
     }
 
-    /// The job of the deck, whose folder is locked.
-    pub fn job(&self) -> Result<(Job, FolderLock), Refusal> {
+    /// Returns the job of the deck and the lock of its output folder.
+    pub fn job(&self) -> Result<(JobFiles, FolderLock), JobError> {
         lock_job(&self.deck, self.out.clone())
     }
 
-    /// Quantities over parameters.
+    /// Creates the evaluator of `quantities` over the parameters `names`.
     pub fn evaluator(
         &self,
         names: Vec<String>,
         quantities: Vec<Quantity>,
         routines: &CompiledRoutines,
-    ) -> Result<Evaluator, Box<dyn Error>> {
+    ) -> Result<SampleEvaluator, Box<dyn Error>> {
         let fixed = pairs(&self.set)?;
         if let Some((name, _)) = fixed.iter().find(|pair| names.contains(&pair.0)) {
-            return Err(format!("--set {name}: its values are given already").into());
+            return Err(format!("--set {name}: another option gives the values of this parameter").into());
         }
         let user = routines.0.clone().map_or(UserRoutines::Absent, UserRoutines::Files);
-        Ok(Evaluator::new(DeckSource::File(self.deck.clone()), fixed, names, quantities, user)?)
+        Ok(SampleEvaluator::new(DeckSource::File(self.deck.clone()), fixed, names, quantities, user)?)
     }
 
-    /// Prints a table and lines below it, unless nothing is to be printed.
-    pub fn print(&self, table: &Table, lines: &[String]) {
+    /// Prints a table and the lines below it, unless output is suppressed.
+    pub fn print(&self, table: &TextTable, lines: &[String]) {
         if !self.is_silent() {
             print_table(table);
             lines.iter().for_each(|line| say!("{line}"));
         }
     }
 
-    /// Prints the one object of `--json`, if that is asked.
+    /// Prints the JSON object if `--json` is given.
     pub fn print_json(&self, object: &serde_json::Value) -> Result<(), Box<dyn Error>> {
         if self.json {
             say!("{}", serde_json::to_string_pretty(object)?);
@@ -96,29 +96,29 @@ impl SearchArguments {
     }
 }
 
-/// Tells of runs whose body still moved.
-pub fn tell_still_moving(evaluator: &Evaluator) {
+/// Warns of runs at whose end a body was still moving in a target.
+pub fn warn_still_moving(evaluator: &SampleEvaluator) {
     let count = evaluator.still_moving();
     if count > 0 {
         tell!(
-            "warning: at the end of {count} runs a body still moves in the target: a depth read then is not its last"
+            "warning: in {count} runs a body is still moving in the target at the end; depths of these runs are not final"
         );
     }
 }
 
-/// Tells how many runs gave nothing, and why the first did not.
-pub fn tell_failures(failed: usize, runs: usize, reason: Option<&StudyError>) {
+/// Prints the number of runs without a result and the error of the first one.
+pub fn report_failures(failed: usize, runs: usize, reason: Option<&StudyError>) {
     if let Some(reason) = reason {
         tell!("{failed} of {runs} runs gave no result; the first:\n{reason}");
     }
 }
 
-/// A number with its interval, as cells of a table.
-pub fn cells(estimate: Estimate) -> [String; 3] {
+/// Formats an estimate and its confidence interval as table cells.
+pub fn cells(estimate: IntervalEstimate) -> [String; 3] {
     [estimate.value, estimate.low, estimate.high].map(|v| if v.is_finite() { number(v) } else { "-".into() })
 }
 
-/// Header of a table of numbers with intervals.
+/// Returns the header of a table of estimates with confidence intervals.
 pub fn header(what: &str) -> Vec<String> {
     [what, "value", "95 % from", "to"].map(str::to_owned).to_vec()
 }

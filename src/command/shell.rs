@@ -1,4 +1,4 @@
-//! What a shell wants of the program: completions, a manual page, its version.
+//! Shell completions, manual page and version text.
 
 use std::error::Error;
 use std::sync::LazyLock;
@@ -7,31 +7,31 @@ use crate::job::Instructions;
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
-use super::{Status, words};
+use super::{CommandStatus, words};
 
-/// Print completions for a shell; `source <(revolve completions bash)` uses them at once.
+/// Print completions for a shell; `source <(revolve completions bash)` activates them.
 #[derive(Args)]
-pub struct Completions {
-    /// The shell.
+pub struct CompletionsCommand {
+    /// Shell for which completions are printed.
     shell: Shell,
 }
 
-/// Print the manual page; `revolve man | man -l -` shows it.
+/// Print the manual page; `revolve man | man -l -` displays it.
 #[derive(Args)]
-pub struct Man {}
+pub struct ManCommand {}
 
-impl Completions {
-    pub fn execute<A: CommandFactory>(self) -> Result<Status, Box<dyn Error>> {
+impl CompletionsCommand {
+    pub fn execute<A: CommandFactory>(self) -> Result<CommandStatus, Box<dyn Error>> {
         let mut bytes = Vec::new();
         clap_complete::generate(self.shell, &mut A::command(), "revolve", &mut bytes);
         words::write(format_args!("{}", String::from_utf8(bytes)?), false);
-        Ok(super::shown())
+        Ok(super::output_status())
     }
 }
 
-impl Man {
-    /// Carries it out: the page of the program, and those of its commands behind it.
-    pub fn execute<A: CommandFactory>(self) -> Result<Status, Box<dyn Error>> {
+impl ManCommand {
+    /// Prints the manual page of the program, followed by those of its commands.
+    pub fn execute<A: CommandFactory>(self) -> Result<CommandStatus, Box<dyn Error>> {
         let mut program = A::command();
         program.build();
         let mut bytes = Vec::new();
@@ -43,11 +43,11 @@ impl Man {
             page.render_options_section(&mut bytes)?;
         }
         words::write(format_args!("{}", String::from_utf8(bytes)?), false);
-        Ok(super::shown())
+        Ok(super::output_status())
     }
 }
 
-/// Returns version, commit and its date (`build.rs`), features, target, and what the machine has.
+/// Returns version, commit and date (from `build.rs`), features, target, threads and instruction set.
 pub fn version() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(long_version);
     &TEXT

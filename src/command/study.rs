@@ -3,74 +3,76 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use crate::output::Job;
+use crate::output::JobFiles;
 use crate::study::StudyError;
 use crate::study::convergence;
-use crate::study::effects::{self, Effects};
+use crate::study::effects::{self, EffectAblation};
 use crate::study::quantity::Quantity;
 use crate::study::record::{self, StudyTiming};
-use crate::study::refinement::{Study as Results, StudyRow};
+use crate::study::refinement::{RefinementStudy as Results, StudyRow};
 use crate::study::runner::StudyRunner;
-use crate::study::settings::{self, Axis};
-use crate::study::target::{Target, TargetResult};
+use crate::study::settings::{self, StudyAxis};
+use crate::study::target::{ErrorTarget, TargetResult};
 use crate::user::compile::Compiled;
 use crate::{deck, job, model};
 use clap::Args;
 
 use super::words::{say, tell};
 use super::{
-    File, HALTED, Status, UserFiles, accept, given, lock_job, pairs, print_table, progress, tell_doubts, write_results,
+    CommandStatus, HALTED, ResultFile, UserFiles, accept, lock_job, pairs, print_run_warnings, print_table, progress,
+    settings_text, write_results,
 };
 
-/// Refine a deck: observed order, error, and what accuracy costs.
+/// Convergence study: refine a deck and report the observed order, the error and the run time for a given accuracy.
 #[derive(Args)]
-pub struct Study {
-    /// The input deck.
+pub struct StudyCommand {
+    /// Input deck.
     deck: PathBuf,
-    /// NAME=v1,v2,… from coarse to fine: a parameter of the deck, increment (factors), load-velocity, hourglass, estimate,
-    /// precision; several make a grid.
+    /// Values from coarse to fine of a deck parameter or of increment (factors), load-velocity, hourglass, estimate or
+    /// precision: NAME=v1,v2,…; several options form a grid.
     #[arg(long, value_name = "NAME=VALUES")]
     refine: Vec<String>,
-    /// Expression over histories and norms, such as "-1000*final(U2@REF)", "at(U1@WALL, 2e-5)", "norm(S22, EXPR in r, z, t)".
+    /// Quantity to study: an expression over histories and norms, for example "-1000*final(U2@REF)", "at(U1@WALL,
+    /// 2e-5)" or "norm(S22, EXPR in r, z, t)".
     #[arg(long, allow_hyphen_values = true)]
     quantity: String,
-    /// The exact value, a number or an expression.
+    /// Exact value of the quantity: a number or an expression.
     #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
     exact: Option<String>,
-    /// Error aimed at: refine until it is reached, such as 0.5% or 1e-6.
+    /// Refine until the error is below this value, for example 0.5% (relative) or 1e-6 (absolute).
     #[arg(long, value_name = "ERROR")]
     target: Option<String>,
-    /// Leave out each effect in turn: which of them the scene calls for. --refine then says how the error is estimated
-    /// (default increment=1,0.5).
+    /// Omit one effect at a time and report which effects change the quantity by more than its error. --refine then
+    /// controls the error estimate (default: increment=1,0.5).
     #[arg(long, conflicts_with_all = ["exact", "target"])]
     ablate: bool,
-    /// Replace the value of a *PARAMETER: NAME=VALUE.
+    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
     #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
     user: UserFiles,
-    /// Folder for table, JSON and pictures (default out/<deck name>).
+    /// Folder for the table, the JSON record and the pictures (default: out/<deck name>).
     #[arg(short, long)]
     out: Option<PathBuf>,
-    /// How often each setting runs; its time is the median.
+    /// Number of runs of each setting; the reported time is the median.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
-    /// Print the record of the study, which is `<job>_study.json`, and nothing else.
+    /// Print only the record of the study, as in `<job>_study.json`.
     #[arg(long, conflicts_with = "ablate")]
     json: bool,
-    /// Print nothing but errors.
+    /// Print errors only.
     #[arg(short, long)]
     quiet: bool,
 }
 
-impl Study {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+impl StudyCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let quantity = Quantity::parse(&self.quantity)?;
         let exact = convergence::exact(self.exact.as_deref(), &quantity)?;
         if self.ablate && quantity.compares_fields() {
-            return Err("--ablate: effects are left out of a number; give the norm an expression".into());
+            return Err("--ablate needs a number as quantity: give the norm an expression, norm(VARIABLE, EXPR)".into());
         }
-        let target = self.target.as_deref().map(Target::parse).transpose()?;
+        let target = self.target.as_deref().map(ErrorTarget::parse).transpose()?;
         let overrides = pairs(&self.set)?;
         let compiled = self.user.compiled(self.quiet || self.json)?;
         let routines = Compiled::open_any(compiled.as_ref())?;
@@ -85,11 +87,11 @@ impl Study {
         quantity.check(&first.plan)?;
         drop(first);
         let (job, _lock) = lock_job(&self.deck, self.out.clone())?;
-        let source = |overrides: &job::Overrides| deck::read(&self.deck, overrides);
+        let source = |overrides: &job::ParameterOverrides| deck::read(&self.deck, overrides);
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress::over_runs(runs as u64, self.quiet);
         let done = || bar.inc(1);
-        // Started here, where it can be said that there are none to be had.
+        // The thread pool is created here, where a failure can be reported.
         rayon::ThreadPoolBuilder::new().build_global().map_err(|e| format!("cannot start threads: {e}"))?;
         let mut bench =
             StudyRunner::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &done);
@@ -106,24 +108,32 @@ impl Study {
         } else if !self.quiet {
             print(&results, met.as_ref(), timing, &job);
         }
-        tell_doubts(&doubts(&axes, &results));
+        print_run_warnings(&run_warnings(&axes, &results));
         Ok(verdict(&results, met.as_ref()))
     }
 }
 
-/// Whether anything converges, or is compared with what is known.
-fn check_axes(axes: &[Axis], exact: Option<f64>) -> Result<(), Box<dyn Error>> {
+/// Checks that an error can be estimated: by levels of refinement or by an exact value.
+fn check_axes(axes: &[StudyAxis], exact: Option<f64>) -> Result<(), Box<dyn Error>> {
     if axes.is_empty() {
-        return Err("what is to be refined? give --refine NAME=v1,v2,…".into());
+        return Err("no parameter to refine: give --refine NAME=v1,v2,…".into());
     }
-    if exact.is_none() && !axes.iter().any(Axis::is_refinement) {
-        return Err("choices alone show no error: give --exact, or --refine with levels".into());
+    if exact.is_none() && !axes.iter().any(StudyAxis::is_refinement) {
+        return Err(
+            "no error can be estimated from options without levels: give --exact, or --refine with numeric levels"
+                .into(),
+        );
     }
     Ok(())
 }
 
-/// Writes and prints the table and the record of effects left out.
-fn write_effects(job: &Job, quantity: &Quantity, effects: &Effects, quiet: bool) -> Result<Status, Box<dyn Error>> {
+/// Writes and prints the table and the record of an effect ablation.
+fn write_effects(
+    job: &JobFiles,
+    quantity: &Quantity,
+    effects: &EffectAblation,
+    quiet: bool,
+) -> Result<CommandStatus, Box<dyn Error>> {
     let record = record_text(&record::ablation(&quantity.text, effects))?;
     write_results(job, "study", &effects.table(true), vec![record_file(record)], &[])?;
     if !quiet {
@@ -131,12 +141,12 @@ fn write_effects(job: &Job, quantity: &Quantity, effects: &Effects, quiet: bool)
         effects.conclusions().iter().for_each(|line| say!("{line}"));
         say!("table {}", job.path("_study.csv").display());
     }
-    Ok(Status::SUCCESS)
+    Ok(CommandStatus::SUCCESS)
 }
 
-/// Writes the files of a study; gives its record.
+/// Writes the files of a study and returns its record as JSON.
 fn write(
-    job: &Job,
+    job: &JobFiles,
     quantity: &Quantity,
     exact: Option<f64>,
     results: &Results,
@@ -157,17 +167,17 @@ fn record_text(record: &impl serde::Serialize) -> Result<String, serde_json::Err
     Ok(serde_json::to_string_pretty(record)? + "\n")
 }
 
-fn record_file(text: String) -> File {
+fn record_file(text: String) -> ResultFile {
     ("_study.json".into(), text.into_bytes())
 }
 
-fn print(results: &Results, met: Option<&TargetResult>, timing: StudyTiming, job: &Job) {
+fn print(results: &Results, met: Option<&TargetResult>, timing: StudyTiming, job: &JobFiles) {
     print_table(&record::table(results, false));
     for line in record::conclusions(results, met) {
         say!("{line}");
     }
     say!(
-        "{} settings, each run {} times: {:.3} s, {:.1} % of it beside the runs; table {}, picture {}",
+        "{} settings, {} runs each: {:.3} s, {:.1} % outside the runs; table {}, picture {}",
         results.rows.len(),
         timing.repeat,
         timing.total,
@@ -177,18 +187,19 @@ fn print(results: &Results, met: Option<&TargetResult>, timing: StudyTiming, job
     );
 }
 
-/// Each setting, and what is to be known of its run.
-fn doubts<'a>(axes: &[Axis], results: &'a Results) -> Vec<(String, &'a [String])> {
+/// Returns each setting with the warnings of its run.
+fn run_warnings<'a>(axes: &[StudyAxis], results: &'a Results) -> Vec<(String, &'a [String])> {
     let names = || axes.iter().map(|axis| &axis.name[..]);
-    let of_row = |row: &'a StudyRow| Some((given(names().zip(&row.values)), &row.run.as_ref().ok()?.doubts[..]));
+    let of_row =
+        |row: &'a StudyRow| Some((settings_text(names().zip(&row.values)), &row.run.as_ref().ok()?.warnings[..]));
     results.rows.iter().filter_map(of_row).collect()
 }
 
-fn verdict(results: &Results, met: Option<&TargetResult>) -> Status {
+fn verdict(results: &Results, met: Option<&TargetResult>) -> CommandStatus {
     let failed: Vec<&StudyError> = results.rows.iter().filter_map(|r| r.run.as_ref().err()).collect();
     if let Some(reason) = failed.first() {
         tell!("{} of {} settings gave no result; the first:\n{reason}", failed.len(), results.rows.len());
-        return Status::from(HALTED);
+        return CommandStatus::from(HALTED);
     }
-    if met.is_some_and(|m| m.run.is_none()) { Status::from(HALTED) } else { Status::SUCCESS }
+    if met.is_some_and(|m| m.run.is_none()) { CommandStatus::from(HALTED) } else { CommandStatus::SUCCESS }
 }

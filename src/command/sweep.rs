@@ -7,9 +7,9 @@ use std::path::PathBuf;
 use crate::deck::files;
 use crate::model::Precision;
 use crate::study::cases::{self, CaseRange, SweepPart};
-use crate::study::compare::Reference;
+use crate::study::compare::ReferenceTable;
 use crate::study::dakota;
-use crate::study::grid::Grid;
+use crate::study::grid::CaseGrid;
 use crate::study::quantity::Quantity;
 use crate::study::sweep;
 use crate::user::compile::Compiled;
@@ -20,81 +20,83 @@ use serde::Serialize;
 
 use super::words::{self, say, tell};
 use super::{
-    HALTED, Status, UserFiles, accept, given, lock_job, print_table, progress, tell_doubts, threads, write_results,
+    CommandStatus, HALTED, UserFiles, accept, lock_job, print_run_warnings, print_table, progress, settings_text,
+    threads, write_results,
 };
 
-/// Run a deck over values of its parameters: one table, CSV and picture.
+/// Run a deck over values of its parameters and write one table and one picture.
 #[derive(Args)]
-pub struct Sweep {
-    /// The input deck.
+pub struct SweepCommand {
+    /// Input deck.
     deck: PathBuf,
-    /// NAME=v1,v2,… or NAME=start:stop:step or NAME=start:stop:#count; several make a grid.
+    /// Values of a deck parameter: NAME=v1,v2,… or NAME=start:stop:step or NAME=start:stop:#count; several options form
+    /// a grid.
     #[arg(short, long = "set", value_name = "NAME=VALUES", required_unless_present_any = ["samples", "dakota"])]
     set: Vec<String>,
-    /// CSV file with a parameter a column and a run a row: any design of experiments. `--set` then gives other parameters one
-    /// value each.
+    /// CSV file with one column per parameter and one row per run (design of experiments). `--set` then gives one value
+    /// to each other parameter.
     #[arg(long, value_name = "FILE")]
     samples: Option<PathBuf>,
-    /// So many cases at random: `--set NAME=low..high` is drawn evenly, `--set "NAME=normal(mean, deviation)"` and others as in
-    /// `scatter`; other parameters have one value each. A case depends on its number and the seed alone.
+    /// Number of random cases: `--set NAME=low..high` draws uniformly, `--set "NAME=normal(mean, deviation)"` and
+    /// others as in `scatter`; other parameters have one value. A case depends only on its number and the seed.
     #[arg(long, value_name = "N", conflicts_with_all = ["samples", "dakota"])]
     random: Option<usize>,
-    /// Seed of `--random`.
+    /// Seed of the random number generator.
     #[arg(long, value_name = "NUMBER", default_value_t = 0, requires = "random")]
     seed: u64,
-    /// Run some of the cases and leave them as a part in the folder: A-B, A, K/N (part K of N), or task/N and task, where the
-    /// number is that of a task of an array (Slurm, HyperQueue, PBS, Grid Engine, LSF).
+    /// Run only some cases and write them as one part: A-B, A, K/N (part K of N), task/N or task, where `task` is the
+    /// index in a scheduler array (Slurm, HyperQueue, PBS, Grid Engine, LSF). See --gather.
     #[arg(long, value_name = "CASES", conflicts_with_all = ["dakota", "compare", "json"])]
     cases: Option<String>,
-    /// Run nothing: make the table of the parts that are in the folder, or say what is missing.
+    /// Combine the parts in the result folder into the table of the sweep without running; missing cases are listed.
     #[arg(long, conflicts_with_all = ["cases", "dakota", "keep"])]
     gather: bool,
-    /// Run nothing: print the list of cases as CSV.
+    /// Print the list of cases as CSV without running.
     #[arg(long, conflicts_with_all = ["gather", "dakota", "keep", "compare", "json"])]
     plan: bool,
-    /// Dakota's parameters file and the results file it waits for, standard or JSON, of one evaluation or a batch; each
-    /// `--quantity` answers one response.
+    /// Dakota parameters file and results file (standard or JSON format; one evaluation or a batch). Each `--quantity`
+    /// is one response, in order.
     #[arg(long, num_args = 2, value_names = ["PARAMETERS", "RESULTS"], conflicts_with_all = ["samples", "keep", "compare", "json"])]
     dakota: Option<Vec<PathBuf>>,
-    /// Keep the results of each run: summary and histories in a folder of its own, `<out>/<deck>_00001` and so on.
+    /// Keep the summary and histories of each run in a separate folder, `<out>/<deck>_00001` and so on.
     #[arg(long)]
     keep: bool,
-    /// Expression over history columns, such as "-1000*final(U2@REF)"; may be given several times.
+    /// Quantity to evaluate: an expression over history columns, for example "-1000*final(U2@REF)"; can be repeated.
     #[arg(long, required = true, allow_hyphen_values = true)]
     quantity: Vec<String>,
-    /// CSV file with reference columns over the first parameter.
+    /// CSV file with reference values: the first parameter in the first column, then one column per reference.
     #[arg(long)]
     compare: Option<PathBuf>,
     #[command(flatten)]
     user: UserFiles,
-    /// Folder for table and picture (default out/<deck name>).
+    /// Folder for the table and the picture (default: out/<deck name>).
     #[arg(short, long)]
     out: Option<PathBuf>,
-    /// Precision of solid elements: double or single.
+    /// Floating-point precision of solid elements: double or single.
     #[arg(long, value_name = "DIGITS", default_value = "double")]
     precision: Precision,
-    /// Threads (default: all cores; in a task of a scheduler those it gives, or one).
+    /// Number of threads (default: all cores; in a scheduler task the assigned cores, or one).
     #[arg(short, long)]
     threads: Option<usize>,
-    /// Print one JSON object: parameters and values of each run, or why there are none.
+    /// Print one JSON object with the parameters and values, or the error, of each run.
     #[arg(long)]
     json: bool,
-    /// Print nothing but errors.
+    /// Print errors only.
     #[arg(short, long)]
     quiet: bool,
 }
 
 /// A sweep whose deck and arguments have been checked.
 struct PreparedSweep {
-    grid: Grid,
+    grid: CaseGrid,
     quantities: Vec<Quantity>,
     compiled: Option<Compiled>,
     /// The deck with the values of the first case.
-    first: job::Prepared,
+    first: job::PreparedJob,
 }
 
-impl Sweep {
-    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+impl SweepCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
         if let Some(files) = &self.dakota {
             return self.answer_dakota(files, quantities);
@@ -104,7 +106,7 @@ impl Sweep {
             self.cases.as_deref().map(CaseRange::parse).transpose()?.map(|cases| cases.of(grid.count())).transpose()?;
         if self.plan {
             words::write(format_args!("{}", cases::list(&grid, cases.unwrap_or(0..grid.count()))), false);
-            return Ok(Status::SUCCESS);
+            return Ok(CommandStatus::SUCCESS);
         }
         let reference = self.reference(&grid)?;
         let asked = self.prepare(grid, quantities)?;
@@ -114,50 +116,50 @@ impl Sweep {
         }
     }
 
-    fn grid(&self) -> Result<Grid, Box<dyn Error>> {
+    fn grid(&self) -> Result<CaseGrid, Box<dyn Error>> {
         Ok(match (&self.samples, self.random) {
             (Some(path), _) => {
                 let text = files::read_text(path).map_err(|e| format!("{}: {e}", path.display()))?;
-                Grid::samples(path, &text, &self.set)?
+                CaseGrid::samples(path, &text, &self.set)?
             }
-            (None, Some(count)) => Grid::random(&self.set, count, self.seed)?,
-            (None, None) => Grid::parse(&self.set)?,
+            (None, Some(count)) => CaseGrid::random(&self.set, count, self.seed)?,
+            (None, None) => CaseGrid::parse(&self.set)?,
         })
     }
 
-    fn reference(&self, grid: &Grid) -> Result<Option<Reference>, Box<dyn Error>> {
+    fn reference(&self, grid: &CaseGrid) -> Result<Option<ReferenceTable>, Box<dyn Error>> {
         let Some(path) = &self.compare else { return Ok(None) };
-        let reference = Reference::read(path)?;
+        let reference = ReferenceTable::read(path)?;
         sweep::comparable(grid, path, &reference)?;
         if reference.is_open {
             tell!(
-                "warning: --compare {}: the last line has no end; if the file is cut off its last row is wrong",
+                "warning: --compare {}: the last line has no line end; if the file is truncated, its last row is wrong",
                 path.display()
             );
         }
         Ok(Some(reference))
     }
 
-    /// Checks deck, routines and quantities with the first case.
-    fn prepare(&self, grid: Grid, quantities: Vec<Quantity>) -> Result<PreparedSweep, Box<dyn Error>> {
+    /// Checks deck, user subroutines and quantities with the parameters of the first case.
+    fn prepare(&self, grid: CaseGrid, quantities: Vec<Quantity>) -> Result<PreparedSweep, Box<dyn Error>> {
         let compiled = self.user.compiled(self.quiet || self.json)?;
         let routines = Compiled::open_any(compiled.as_ref())?;
         let first = job::prepare_in(self.precision, &self.deck, &grid.combination(0), &routines);
         accept(&first, self.quiet || self.json)?;
         for quantity in &quantities {
-            quantity.stands_alone()?;
+            quantity.check_without_study()?;
             quantity.check(&first.plan)?;
         }
         Ok(PreparedSweep { grid, quantities, compiled, first })
     }
 
-    /// Runs some of the cases on all threads.
+    /// Runs the given range of cases on all threads.
     fn run(
         &self,
         asked: &PreparedSweep,
         cases: Range<usize>,
-        kept: Option<&output::Job>,
-    ) -> Result<sweep::Results, Box<dyn Error>> {
+        kept: Option<&output::JobFiles>,
+    ) -> Result<sweep::SweepResults, Box<dyn Error>> {
         let threads = self.threads.unwrap_or_else(threads::default);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string())?;
         let bar = progress::over_runs(cases.len() as u64, self.quiet);
@@ -169,7 +171,11 @@ impl Sweep {
         Ok(results)
     }
 
-    fn run_all(&self, asked: &PreparedSweep, reference: Option<&Reference>) -> Result<Status, Box<dyn Error>> {
+    fn run_all(
+        &self,
+        asked: &PreparedSweep,
+        reference: Option<&ReferenceTable>,
+    ) -> Result<CommandStatus, Box<dyn Error>> {
         let (job, _lock) = lock_job(&self.deck, self.out.clone())?;
         let PreparedSweep { grid, quantities, first, .. } = asked;
         let results = if self.gather {
@@ -178,7 +184,7 @@ impl Sweep {
             self.run(asked, 0..grid.count(), self.keep.then_some(&job))?
         };
         let compared = sweep::table(grid, quantities, &results, reference);
-        // A table without rows does not replace one that has some.
+        // A table without rows does not overwrite an earlier one.
         if !compared.table.rows.is_empty() {
             let title = first.deck.sources.files().first().map_or("sweep", |f| f.name.as_str());
             let chart = sweep::chart(title, grid, quantities, &results, reference);
@@ -189,12 +195,13 @@ impl Sweep {
         } else if !self.quiet {
             print_sweep(&compared, &job);
         }
-        tell_doubts(&doubts(grid, &results));
+        print_run_warnings(&run_warnings(grid, &results));
         Ok(report_failures(&results))
     }
 
-    /// Runs some of the cases and leaves them for `--gather`. Other parts may be at work in the same folder.
-    fn run_part(&self, asked: &PreparedSweep, cases: Range<usize>) -> Result<Status, Box<dyn Error>> {
+    /// Runs the given range of cases and writes them as a part for `--gather`. Other processes may write parts to the
+    /// same folder at the same time, so the folder is not locked.
+    fn run_part(&self, asked: &PreparedSweep, cases: Range<usize>) -> Result<CommandStatus, Box<dyn Error>> {
         let whole = job::default_job(&self.deck, self.out.clone())?;
         job::make_folder(&whole)?;
         let results = self.run(asked, cases.clone(), self.keep.then_some(&whole))?;
@@ -202,12 +209,13 @@ impl Sweep {
         if !self.quiet {
             say!("cases {}-{} of {}: {}", cases.start + 1, cases.end, asked.grid.count(), path.display());
         }
-        tell_doubts(&doubts(&asked.grid, &results));
+        print_run_warnings(&run_warnings(&asked.grid, &results));
         Ok(report_failures(&results))
     }
 
-    /// Evaluates what Dakota asks for; what fails is said in the results file, as Dakota expects it.
-    fn answer_dakota(&self, files: &[PathBuf], quantities: Vec<Quantity>) -> Result<Status, Box<dyn Error>> {
+    /// Runs the evaluations that Dakota requests. Failed evaluations are marked in the results file, as Dakota
+    /// requires.
+    fn answer_dakota(&self, files: &[PathBuf], quantities: Vec<Quantity>) -> Result<CommandStatus, Box<dyn Error>> {
         let [parameters, answers] = files else { return Err("--dakota takes two files".into()) };
         let text = files::read_text(parameters).map_err(|e| format!("{}: {e}", parameters.display()))?;
         let evaluations = dakota::DakotaRequest::read(parameters, &text, &quantities)?;
@@ -221,14 +229,15 @@ impl Sweep {
         };
         let results = self.run(&asked, 0..asked.grid.count(), None)?;
         output::write_whole(answers, evaluations.answer(&results).as_bytes())?;
-        tell_doubts(&doubts(&asked.grid, &results));
+        print_run_warnings(&run_warnings(&asked.grid, &results));
         report_failures(&results);
-        Ok(Status::SUCCESS)
+        Ok(CommandStatus::SUCCESS)
     }
 }
 
 impl PreparedSweep {
-    /// What makes the sweep the one it is: parts with another do not belong to it.
+    /// Returns a hash of deck, values, quantities, user subroutines and version. Parts with a different hash belong to
+    /// a different sweep.
     fn identity(&self) -> String {
         let user = self.compiled.as_ref().map(Compiled::identity).unwrap_or_default();
         let quantities: Vec<&str> = self.quantities.iter().map(|q| q.text.as_str()).collect();
@@ -244,7 +253,7 @@ impl PreparedSweep {
 
 /// A run of a sweep as `--json` prints it.
 #[derive(Serialize)]
-struct Run<'a> {
+struct SweepRunRecord<'a> {
     parameters: IndexMap<&'a str, &'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     values: Option<IndexMap<&'a str, f64>>,
@@ -255,15 +264,15 @@ struct Run<'a> {
 }
 
 fn print_json(
-    grid: &Grid,
+    grid: &CaseGrid,
     quantities: &[Quantity],
-    results: &sweep::Results,
+    results: &sweep::SweepResults,
     compared: &sweep::ComparedTable,
 ) -> Result<(), Box<dyn Error>> {
     let names = grid.names();
-    let all = results.parameters.iter().zip(&results.values).zip(&results.doubts);
-    let runs: Vec<Run<'_>> = all
-        .map(|((parameters, values), doubts)| Run {
+    let all = results.parameters.iter().zip(&results.values).zip(&results.warnings);
+    let runs: Vec<SweepRunRecord<'_>> = all
+        .map(|((parameters, values), doubts)| SweepRunRecord {
             parameters: names.iter().copied().zip(parameters.iter().map(String::as_str)).collect(),
             values: values
                 .as_ref()
@@ -278,7 +287,7 @@ fn print_json(
     Ok(())
 }
 
-fn print_sweep(compared: &sweep::ComparedTable, job: &output::Job) {
+fn print_sweep(compared: &sweep::ComparedTable, job: &output::JobFiles) {
     if compared.table.rows.is_empty() {
         return;
     }
@@ -289,20 +298,20 @@ fn print_sweep(compared: &sweep::ComparedTable, job: &output::Job) {
     say!("table {}, picture {}", job.path("_sweep.csv").display(), job.path("_sweep.png").display());
 }
 
-/// Each run's parameters, and what is to be known of its values.
-fn doubts<'a>(grid: &Grid, results: &'a sweep::Results) -> Vec<(String, &'a [String])> {
+/// Returns the parameters of each run with its warnings.
+fn run_warnings<'a>(grid: &CaseGrid, results: &'a sweep::SweepResults) -> Vec<(String, &'a [String])> {
     let names = grid.names();
-    let runs = results.parameters.iter().zip(&results.doubts);
-    runs.map(|(values, doubts)| (given(names.iter().copied().zip(values)), &doubts[..])).collect()
+    let runs = results.parameters.iter().zip(&results.warnings);
+    runs.map(|(values, doubts)| (settings_text(names.iter().copied().zip(values)), &doubts[..])).collect()
 }
 
-fn report_failures(results: &sweep::Results) -> Status {
+fn report_failures(results: &sweep::SweepResults) -> CommandStatus {
     let failed: Vec<_> = results.values.iter().filter_map(|v| v.as_ref().err()).collect();
     match failed.first() {
-        None => Status::SUCCESS,
+        None => CommandStatus::SUCCESS,
         Some(reason) => {
             tell!("{} of {} runs gave no result; the first:\n{reason}", failed.len(), results.values.len());
-            Status::from(HALTED)
+            CommandStatus::from(HALTED)
         }
     }
 }

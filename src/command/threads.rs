@@ -1,19 +1,21 @@
-//! How many threads a command takes where nobody says it.
+//! Default number of threads of a command.
 
 use std::env;
 
-/// Variables that say how many processors a scheduler gives a task, as a number or as a list of them.
+/// Environment variables with the processors that a scheduler assigns to a task, as a number or as a list of processor
+/// numbers.
 const GIVEN: [&str; 4] = ["SLURM_CPUS_PER_TASK", "HQ_CPUS", "PBS_NUM_PPN", "NSLOTS"];
-/// Variables that are there in a task of a scheduler, and in a worker of what hands out tasks.
+/// Environment variables that are set in a scheduler task or in a worker process of Dask or Ray.
 const WORKER: [&str; 7] =
     ["SLURM_JOB_ID", "HQ_TASK_ID", "PBS_JOBID", "SGE_TASK_ID", "LSB_JOBID", "DASK_WORKER_NAME", "RAY_RAYLET_PID"];
 
-/// All processors that the process may use; in a task of a scheduler those it was given, or one: the others are its neighbours'.
+/// Returns the number of processors available to the process. In a scheduler task it is the number assigned to the
+/// task, or 1 if the scheduler does not state it: the other processors belong to other tasks.
 pub fn default() -> usize {
     of(&|name| env::var(name).ok()).unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into))
 }
 
-/// The same in a task; `None` elsewhere.
+/// Returns the number of threads in a scheduler task; `None` outside one.
 fn of(variable: &dyn Fn(&str) -> Option<String>) -> Option<usize> {
     let given = GIVEN.iter().find_map(|name| {
         let text = variable(name)?;
@@ -29,7 +31,7 @@ mod tests {
     use super::of;
 
     #[test]
-    fn a_task_takes_what_it_is_given() {
+    fn task_uses_the_processors_assigned_by_the_scheduler() {
         let with = |pairs: &[(&str, &str)]| {
             let pairs: Vec<(String, String)> = pairs.iter().map(|p| (p.0.to_owned(), p.1.to_owned())).collect();
             of(&move |name| pairs.iter().find(|p| p.0 == name).map(|p| p.1.clone()))

@@ -1,4 +1,4 @@
-//! Words on standard output and standard error. Where nobody takes them a run goes on all the same.
+//! Text on standard output and standard error. A run continues if the output cannot be written.
 
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, IsTerminal as _, Write};
@@ -6,27 +6,28 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::deck::printable;
 
-/// What has become of standard output; where it has failed that is told once, and nothing more is written there.
+/// State of standard output. A failure is reported once; after that nothing is written to it.
 static STATE: AtomicU8 = AtomicU8::new(OPEN);
 const OPEN: u8 = 0;
-/// Its reader has gone.
+/// The reader has closed the pipe.
 const CLOSED: u8 = 1;
-/// It takes nothing more.
+/// A write has failed, for example because the disk is full.
 const FULL: u8 = 2;
 
-/// Writes a line on standard output, as `println!` does.
+/// Writes a line to standard output, like `println!`.
 macro_rules! say {
     ($($words:tt)*) => { $crate::command::words::write(::std::format_args!($($words)*), true) };
 }
 
-/// Writes a line on standard error, as `eprintln!` does.
+/// Writes a line to standard error, like `eprintln!`.
 macro_rules! tell {
     ($($words:tt)*) => { $crate::command::words::tell_line(&::std::format!($($words)*)) };
 }
 
 pub(crate) use {say, tell};
 
-/// Writes on standard output. Names of strangers steer no terminal.
+/// Writes to standard output. Control characters are replaced, so that names in foreign files cannot control the
+/// terminal.
 pub fn write(words: Arguments<'_>, line: bool) {
     if STATE.load(Ordering::Relaxed) != OPEN {
         return;
@@ -38,31 +39,31 @@ pub fn write(words: Arguments<'_>, line: bool) {
     let Err(error) = written else { return };
     let state = if error.kind() == ErrorKind::BrokenPipe { CLOSED } else { FULL };
     if STATE.swap(state, Ordering::Relaxed) == OPEN && state == FULL {
-        tell_line(&format!("error: cannot write on standard output: {error}"));
+        tell_line(&format!("error: cannot write to standard output: {error}"));
     }
 }
 
-/// Writes a line on standard error; where that fails nobody is left to be told.
+/// Writes a line to standard error; a failure is ignored because it cannot be reported.
 pub fn tell_line(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", printable(text));
 }
 
-/// The same of a text that is styled already.
-pub fn tell_styled(text: &str) {
+/// Writes a line to standard error with its terminal styles.
+pub fn write_styled_error(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// Whether standard error is a terminal.
-pub fn is_watched() -> bool {
+/// Returns whether standard error is a terminal.
+pub fn is_terminal() -> bool {
     io::stderr().is_terminal()
 }
 
-/// Whether standard error takes colours: a terminal, unless `NO_COLOR` asks for none (no-color.org).
+/// Returns whether text on standard error is coloured: it is a terminal and `NO_COLOR` is not set (no-color.org).
 pub fn is_coloured() -> bool {
-    is_watched() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+    is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
-/// Whether all that was written on standard output has arrived, or its reader had enough.
-pub fn arrived() -> bool {
+/// Returns whether no write to standard output has failed; a pipe closed by its reader counts as success.
+pub fn output_succeeded() -> bool {
     STATE.load(Ordering::Relaxed) != FULL
 }

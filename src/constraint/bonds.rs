@@ -1,152 +1,160 @@
-//! From equations, and from nodes that move alike, to systems that can be solved and to nodes without mass that follow.
-//! Never here: deck words, their solution.
+//! Conversion of linear equations and of nodes with equal motion into [`EquationSystem`]s that can be solved.
 //!
-//! A degree of freedom that has no mass and whose motion is not given cannot resist: it is taken out of the equations by
-//! one of them (Gaussian elimination), follows the others there, and hands the loads on it to them.
+//! A degree of freedom that has no mass and no prescribed motion is eliminated from the equations (Gaussian
+//! elimination). Its motion follows from the other degrees of freedom of one equation, and its load is transferred to
+//! them.
 
 use std::collections::{HashMap, HashSet};
 
-use super::system::{Freedom, System, load, shift};
+use super::system::{EquationSystem, EquationUnknown, change_velocity, load};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::lists::sorted_unique;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
-/// One equation: node, axis (0 along r, 1 along z) and coefficient of each term.
+/// A linear equation, `sum of c u = 0`, between degrees of freedom of nodes.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Equation {
+pub struct NodalEquation {
+    /// Node, axis (0 along r, 1 along z) and coefficient of each term.
     pub terms: Vec<(usize, usize, f64)>,
-    /// Whether it may be left out where it follows from others.
-    pub spare: bool,
+    /// Whether the equation is dropped, instead of an error, if it depends linearly on others.
+    pub is_redundant: bool,
 }
 
-/// Nodes that move alike along an axis; the first one leads.
+/// Nodes with equal motion along an axis; the first one leads.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Alike {
+pub struct MergedDofs {
     pub nodes: Vec<usize>,
     /// 0 along r, 1 along z.
     pub axis: usize,
 }
 
-/// What is prescribed, as node and axis.
+/// Degrees of freedom with a prescribed motion, as node and axis.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Given {
+pub struct PrescribedDofs {
+    /// All of them.
     pub all: HashSet<(usize, usize)>,
-    /// What of it stays where it is.
+    /// Those whose prescribed motion is zero.
     pub held: HashSet<(usize, usize)>,
 }
 
-/// An equation that cannot be kept beside others.
+/// An equation that depends linearly on others.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Dependent {
+pub struct DependentEquation {
+    /// Index of the equation.
     pub equation: usize,
-    /// Those that it follows from; none where nothing could move to keep it.
+    /// Indices of the equations that it depends on; empty if all its degrees of freedom are prescribed.
     pub follows_from: Vec<usize>,
 }
 
-/// Why nothing can be kept.
+/// Reason why equations cannot be satisfied.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Unkept {
-    /// An equation that follows from others.
-    Dependent(Dependent),
-    /// Two nodes that are to move alike, and an axis along which each is given a motion of its own.
-    Torn([usize; 2], usize),
+pub enum LinkConflict {
+    /// An equation depends linearly on others.
+    Dependent(DependentEquation),
+    /// Two nodes with equal motion have different prescribed motions along the axis.
+    ConflictingMotions([usize; 2], usize),
 }
 
-/// What keeps nodes together, ready to be solved.
+/// Equations and groups of nodes with equal motion, ready to be solved.
 #[derive(Clone, Debug, Default)]
-pub struct Bonds {
-    pub(super) systems: Vec<System>,
-    pub(super) followers: Vec<Follower>,
+pub struct LinkSystem {
+    pub(super) systems: Vec<EquationSystem>,
+    pub(super) followers: Vec<MasslessFollower>,
 }
 
-/// Nodes without mass along one axis, and what they follow: a weighted sum.
+/// Nodes without mass along one axis. Their motion is a weighted sum of other degrees of freedom.
 #[derive(Clone, Debug)]
-pub(super) struct Follower {
+pub(super) struct MasslessFollower {
     members: Vec<usize>,
     axis: usize,
-    terms: Vec<Term>,
-    /// Load on it, which it hands on.
+    terms: Vec<FollowerTerm>,
+    /// Load on the nodes, which is transferred to the terms.
     load: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Term {
+struct FollowerTerm {
     node: usize,
     axis: usize,
     weight: f64,
-    /// Whether its motion is given.
+    /// Whether its motion is prescribed.
     given: bool,
 }
 
-/// A row over freedoms: index, coefficient.
-type Row = Vec<(usize, f64)>;
+/// Terms of an equation: index of the unknown, coefficient.
+type EquationRow = Vec<(usize, f64)>;
 
-impl Bonds {
-    /// Of some equations and nodes that move alike, given the masses of nodes and what is prescribed.
+impl LinkSystem {
+    /// Builds the systems from equations, groups of nodes with equal motion, nodal masses and prescribed motions.
     ///
     /// # Errors
-    /// What cannot be kept.
-    pub fn new(equations: &[Equation], alike: &[Alike], mass: &[f64], given: &Given) -> Result<Bonds, Unkept> {
-        let mut makers = Makers { mass, given, freedoms: Vec::new(), places: HashMap::new() };
+    /// If an equation depends on others, or a group has two different prescribed motions.
+    pub fn new(
+        equations: &[NodalEquation],
+        alike: &[MergedDofs],
+        mass: &[f64],
+        given: &PrescribedDofs,
+    ) -> Result<LinkSystem, LinkConflict> {
+        let mut builder = UnknownBuilder { mass, given, unknowns: Vec::new(), places: HashMap::new() };
         for group in alike {
-            makers.share(group)?;
+            builder.add_merged(group)?;
         }
-        let mut rows: Vec<Option<Row>> = equations.iter().map(|e| Some(makers.row(e))).collect();
-        let freedoms = makers.freedoms;
-        let followers = loosen(&freedoms, &mut rows);
+        let mut rows: Vec<Option<EquationRow>> = equations.iter().map(|e| Some(builder.row(e))).collect();
+        let unknowns = builder.unknowns;
+        let followers = eliminate_massless(&unknowns, &mut rows);
         for (i, row) in rows.iter_mut().enumerate() {
-            let rigid = row.as_ref().is_some_and(|r| r.iter().all(|t| freedoms[t.0].softness == 0.0));
-            if rigid && equations[i].spare {
+            let rigid = row.as_ref().is_some_and(|r| r.iter().all(|t| unknowns[t.0].inverse_mass == 0.0));
+            if rigid && equations[i].is_redundant {
                 *row = None;
             }
         }
-        let systems = systems(&freedoms, &rows, equations).map_err(Unkept::Dependent)?;
-        let followers = followers.into_iter().map(|f| f.over_nodes(&freedoms, mass)).collect();
-        Ok(Bonds { systems, followers })
+        let systems = systems(&unknowns, &rows, equations).map_err(LinkConflict::Dependent)?;
+        let followers = followers.into_iter().map(|f| f.over_nodes(&unknowns, mass)).collect();
+        Ok(LinkSystem { systems, followers })
     }
 
-    /// Systems that are independent of each other.
-    pub fn systems(&mut self) -> &mut [System] {
+    /// Returns the systems; they share no unknowns.
+    pub fn systems(&mut self) -> &mut [EquationSystem] {
         &mut self.systems
     }
 
     pub fn bytes(&self) -> usize {
         let systems = heap_bytes(&self.systems);
-        let own = systems + self.systems.iter().map(System::bytes).sum::<usize>();
-        own + self.followers.iter().map(Follower::bytes).sum::<usize>()
+        let own = systems + self.systems.iter().map(EquationSystem::bytes).sum::<usize>();
+        own + self.followers.iter().map(MasslessFollower::bytes).sum::<usize>()
     }
 
-    /// Number of equations and of groups that move alike.
+    /// Returns the number of independent systems, groups of nodes with equal motion included.
     pub fn count(&self) -> usize {
         self.systems.len()
     }
 }
 
-/// Unknowns as they come up.
-struct Makers<'a> {
+/// Unknowns collected while the equations are read.
+struct UnknownBuilder<'a> {
     mass: &'a [f64],
-    given: &'a Given,
-    freedoms: Vec<Freedom>,
+    given: &'a PrescribedDofs,
+    unknowns: Vec<EquationUnknown>,
     places: HashMap<(usize, usize), usize>,
 }
 
-impl Makers<'_> {
-    /// One unknown for nodes that move alike. Of several that are held the first one stands for the rest.
-    fn share(&mut self, group: &Alike) -> Result<(), Unkept> {
+impl UnknownBuilder<'_> {
+    /// Adds one unknown for nodes with equal motion. If several of them are fixed, the first one represents the others.
+    fn add_merged(&mut self, group: &MergedDofs) -> Result<(), LinkConflict> {
         let axis = group.axis;
         let is_given = |n: &&usize| self.given.all.contains(&(**n, axis));
         let given: Vec<usize> = group.nodes.iter().filter(is_given).copied().collect();
         let is_held = |n: &usize| self.given.held.contains(&(*n, axis));
         if given.len() > 1 && !given.iter().all(is_held) {
-            return Err(Unkept::Torn([given[0], given[1]], axis));
+            return Err(LinkConflict::ConflictingMotions([given[0], given[1]], axis));
         }
         let mut members = group.nodes.clone();
         if let Some(&leader) = given.first() {
             members.retain(|n| !given.contains(n));
             members.insert(0, leader);
         }
-        let index = self.freedoms.len();
+        let index = self.unknowns.len();
         group.nodes.iter().for_each(|&n| {
             self.places.insert((n, axis), index);
         });
@@ -156,32 +164,32 @@ impl Makers<'_> {
 
     fn add(&mut self, members: Vec<usize>, axis: usize, given: bool) {
         let mass: f64 = members.iter().map(|&n| self.mass[n]).sum();
-        // Infinite without mass: nothing there resists.
-        let softness = if given { 0.0 } else { 1.0 / mass };
-        self.freedoms.push(Freedom { members, axis, softness, ..Freedom::default() });
+        // Infinite without mass.
+        let inverse_mass = if given { 0.0 } else { 1.0 / mass };
+        self.unknowns.push(EquationUnknown { members, axis, inverse_mass, ..EquationUnknown::default() });
     }
 
-    fn row(&mut self, equation: &Equation) -> Row {
-        let mut row = Row::new();
+    fn row(&mut self, equation: &NodalEquation) -> EquationRow {
+        let mut row = EquationRow::new();
         for &(node, axis, c) in &equation.terms {
             let index = match self.places.get(&(node, axis)) {
                 Some(&index) => index,
                 None => {
-                    self.places.insert((node, axis), self.freedoms.len());
+                    self.places.insert((node, axis), self.unknowns.len());
                     self.add(vec![node], axis, self.given.all.contains(&(node, axis)));
-                    self.freedoms.len() - 1
+                    self.unknowns.len() - 1
                 }
             };
             row.push((index, c));
         }
-        if row.iter().any(|t| self.freedoms[t.0].is_shared()) { merged(row) } else { row }
+        if row.iter().any(|t| self.unknowns[t.0].is_shared()) { merged(row) } else { row }
     }
 }
 
-/// With one term for each freedom, and without those whose coefficients cancel.
-fn merged(row: Row) -> Row {
+/// Combines terms of the same unknown and drops terms whose coefficients cancel.
+fn merged(row: EquationRow) -> EquationRow {
     let largest = row.iter().fold(0.0_f64, |m, t| m.max(t.1.abs()));
-    let mut merged = Row::new();
+    let mut merged = EquationRow::new();
     for (f, c) in row {
         match merged.iter_mut().find(|t| t.0 == f) {
             Some(known) => known.1 += c,
@@ -192,24 +200,24 @@ fn merged(row: Row) -> Row {
     merged
 }
 
-/// What follows, over freedoms.
-struct Loose {
-    freedom: usize,
-    terms: Row,
+/// An unknown without mass as a weighted sum of other unknowns.
+struct MasslessUnknown {
+    unknown: usize,
+    terms: EquationRow,
 }
 
-/// Takes freedoms without mass out of the rows, one row for each.
-fn loosen(freedoms: &[Freedom], rows: &mut [Option<Row>]) -> Vec<Loose> {
-    let mut loose: Vec<Loose> = Vec::new();
-    for x in (0..freedoms.len()).filter(|&x| freedoms[x].softness.is_infinite()) {
-        let coefficient = |row: &Row| row.iter().filter(|t| t.0 == x).map(|t| t.1).sum::<f64>();
+/// Eliminates unknowns without mass; each uses one row.
+fn eliminate_massless(unknowns: &[EquationUnknown], rows: &mut [Option<EquationRow>]) -> Vec<MasslessUnknown> {
+    let mut eliminated: Vec<MasslessUnknown> = Vec::new();
+    for x in (0..unknowns.len()).filter(|&x| unknowns[x].inverse_mass.is_infinite()) {
+        let coefficient = |row: &EquationRow| row.iter().filter(|t| t.0 == x).map(|t| t.1).sum::<f64>();
         let Some(at) = rows.iter().position(|r| r.as_ref().is_some_and(|r| coefficient(r) != 0.0)) else {
-            loose.push(Loose { freedom: x, terms: Row::new() });
+            eliminated.push(MasslessUnknown { unknown: x, terms: EquationRow::new() });
             continue;
         };
         let Some(pivot) = rows[at].take() else { continue };
         let own = coefficient(&pivot);
-        let terms: Row = pivot.iter().filter(|t| t.0 != x).map(|&(f, c)| (f, -c / own)).collect();
+        let terms: EquationRow = pivot.iter().filter(|t| t.0 != x).map(|&(f, c)| (f, -c / own)).collect();
         for row in rows.iter_mut().flatten() {
             let c = coefficient(row);
             if c != 0.0 {
@@ -218,27 +226,31 @@ fn loosen(freedoms: &[Freedom], rows: &mut [Option<Row>]) -> Vec<Loose> {
                 *row = merged(std::mem::take(row));
             }
         }
-        loose.push(Loose { freedom: x, terms });
+        eliminated.push(MasslessUnknown { unknown: x, terms });
     }
-    // What was taken out later may stand in what was taken out before.
-    for i in (0..loose.len()).rev() {
-        let mut terms = Row::new();
-        for &(f, weight) in &loose[i].terms {
-            match loose[i + 1..].iter().find(|l| l.freedom == f) {
+    // Rows that were eliminated first may contain unknowns that were eliminated later.
+    for i in (0..eliminated.len()).rev() {
+        let mut terms = EquationRow::new();
+        for &(f, weight) in &eliminated[i].terms {
+            match eliminated[i + 1..].iter().find(|l| l.unknown == f) {
                 Some(later) => terms.extend(later.terms.iter().map(|&(g, w)| (g, weight * w))),
                 None => terms.push((f, weight)),
             }
         }
-        loose[i].terms = merged(terms);
+        eliminated[i].terms = merged(terms);
     }
-    loose
+    eliminated
 }
 
-/// Rows that share freedoms together, each with its freedoms in the order in which they come up.
-fn systems(freedoms: &[Freedom], rows: &[Option<Row>], equations: &[Equation]) -> Result<Vec<System>, Dependent> {
-    let mut of_freedom: Vec<Vec<usize>> = vec![Vec::new(); freedoms.len()];
+/// Groups rows that share unknowns into systems; unknowns keep the order of their first use.
+fn systems(
+    unknowns: &[EquationUnknown],
+    rows: &[Option<EquationRow>],
+    equations: &[NodalEquation],
+) -> Result<Vec<EquationSystem>, DependentEquation> {
+    let mut rows_of_unknown: Vec<Vec<usize>> = vec![Vec::new(); unknowns.len()];
     for (i, row) in rows.iter().enumerate() {
-        row.iter().flatten().for_each(|t| of_freedom[t.0].push(i));
+        row.iter().flatten().for_each(|t| rows_of_unknown[t.0].push(i));
     }
     let mut taken: Vec<bool> = rows.iter().map(Option::is_none).collect();
     let mut systems = Vec::new();
@@ -250,64 +262,65 @@ fn systems(freedoms: &[Freedom], rows: &[Option<Row>], equations: &[Equation]) -
         let mut at = 0;
         while at < members.len() {
             let own = rows[members[at]].iter().flatten();
-            let next: Vec<usize> = sorted_unique(own.flat_map(|t| &of_freedom[t.0]).copied().filter(|&e| !taken[e]));
+            let next: Vec<usize> =
+                sorted_unique(own.flat_map(|t| &rows_of_unknown[t.0]).copied().filter(|&e| !taken[e]));
             next.iter().for_each(|&e| taken[e] = true);
             members.extend(next);
             at += 1;
         }
-        systems.push(system(freedoms, rows, &members, equations)?);
+        systems.push(system(unknowns, rows, &members, equations)?);
     }
-    let alone = freedoms
+    let unlinked = unknowns
         .iter()
         .enumerate()
-        .filter(|(i, f)| f.is_shared() && f.softness.is_finite() && of_freedom[*i].is_empty());
-    systems.extend(alone.map(|(_, f)| System::alone(f.clone())));
+        .filter(|(i, f)| f.is_shared() && f.inverse_mass.is_finite() && rows_of_unknown[*i].is_empty());
+    systems.extend(unlinked.map(|(_, f)| EquationSystem::without_equations(f.clone())));
     Ok(systems)
 }
 
 fn system(
-    all: &[Freedom],
-    rows: &[Option<Row>],
+    all: &[EquationUnknown],
+    rows: &[Option<EquationRow>],
     members: &[usize],
-    equations: &[Equation],
-) -> Result<System, Dependent> {
+    equations: &[NodalEquation],
+) -> Result<EquationSystem, DependentEquation> {
     let mut places: HashMap<usize, usize> = HashMap::new();
-    let mut freedoms = Vec::new();
+    let mut unknowns = Vec::new();
     let mut own = Vec::with_capacity(members.len());
     for &member in members {
-        let mut row = Row::new();
+        let mut row = EquationRow::new();
         for &(f, c) in rows[member].iter().flatten() {
-            let place = *places.entry(f).or_insert(freedoms.len());
-            if place == freedoms.len() {
-                freedoms.push(all[f].clone());
+            let place = *places.entry(f).or_insert(unknowns.len());
+            if place == unknowns.len() {
+                unknowns.push(all[f].clone());
             }
             row.push((place, c));
         }
         own.push(row);
     }
-    System::new(freedoms, own, members, members.iter().map(|&m| equations[m].spare).collect())
+    EquationSystem::new(unknowns, own, members, members.iter().map(|&m| equations[m].is_redundant).collect())
 }
 
-impl Loose {
-    /// Over nodes: one with mass, or a given one, stands for all that move alike.
-    fn over_nodes(self, freedoms: &[Freedom], mass: &[f64]) -> Follower {
-        let Freedom { members, axis, .. } = freedoms[self.freedom].clone();
+impl MasslessUnknown {
+    /// Converts to nodes: a term refers to a node with mass of its group, or to the node with the prescribed motion.
+    fn over_nodes(self, unknowns: &[EquationUnknown], mass: &[f64]) -> MasslessFollower {
+        let EquationUnknown { members, axis, .. } = unknowns[self.unknown].clone();
         let term = |&(f, weight): &(usize, f64)| {
-            let freedom = &freedoms[f];
-            let given = freedom.softness == 0.0;
-            let heavy = freedom.members.iter().copied().find(|&n| mass[n] > 0.0);
-            let node = heavy.filter(|_| !given).unwrap_or(freedom.members[0]);
-            Term { node, axis: freedom.axis, weight, given }
+            let unknown = &unknowns[f];
+            let given = unknown.inverse_mass == 0.0;
+            let heavy = unknown.members.iter().copied().find(|&n| mass[n] > 0.0);
+            let node = heavy.filter(|_| !given).unwrap_or(unknown.members[0]);
+            FollowerTerm { node, axis: unknown.axis, weight, given }
         };
-        // A freedom that nothing moves adds nothing.
-        let moving = self.terms.iter().filter(|t| freedoms[t.0].softness.is_finite());
-        Follower { members, axis, terms: moving.map(term).collect(), load: 0.0 }
+        // An unknown whose motion nothing determines contributes nothing.
+        let moving = self.terms.iter().filter(|t| unknowns[t.0].inverse_mass.is_finite());
+        MasslessFollower { members, axis, terms: moving.map(term).collect(), load: 0.0 }
     }
 }
 
-impl Follower {
-    /// Hands the load on it to what it follows.
-    pub fn hand_on(&mut self, dofs: &mut Dofs) {
+impl MasslessFollower {
+    /// Transfers its load to the nodes that it follows.
+    pub fn transfer_load(&mut self, dofs: &mut Dofs) {
         self.load = self.members.iter().map(|&n| load(dofs, n, self.axis)).sum();
         if self.load == 0.0 {
             return;
@@ -316,23 +329,24 @@ impl Follower {
             let inverse = dofs.nodes.inverse_mass[t.node];
             dofs.nodes.acceleration[t.node][t.axis] += t.weight * self.load * inverse;
         }
-        // The pass over nodes took no kinetic energy of this force, as it found no mass.
+        // The pass over nodes added no kinetic energy of this force, because the node has no mass.
         let velocity = *dofs.nodes[self.members[0]].velocity(self.axis);
-        dofs.energies.kinetic += 0.5 * dofs.nodes.behind * velocity * self.load;
+        dofs.energies.kinetic += 0.5 * dofs.nodes.previous_dt * velocity * self.load;
     }
 
-    /// Takes on the acceleration of what it follows.
+    /// Sets its acceleration from those of the nodes that it follows.
     pub fn accelerate(&self, dofs: &mut Dofs) {
         let own = self.terms.iter().map(|t| t.weight * dofs.nodes.acceleration[t.node][t.axis]).sum();
         self.members.iter().for_each(|&n| dofs.nodes.acceleration[n][self.axis] = own);
     }
 
-    /// Takes on its velocity, and books the work that motions which are given do against the load.
-    pub fn hold_velocity(&self, dofs: &mut Dofs, dt: f64, half: f64) {
+    /// Sets its velocity from those of the nodes that it follows, and adds the work of prescribed motions against its
+    /// load.
+    pub fn follow_velocity(&self, dofs: &mut Dofs, dt: f64, half: f64) {
         let own: f64 = self.terms.iter().map(|t| t.weight * *dofs.nodes[t.node].velocity(t.axis)).sum();
         for &n in &self.members {
             let change = own - *dofs.nodes[n].velocity(self.axis);
-            shift(dofs, n, self.axis, change, dt, half);
+            change_velocity(dofs, n, self.axis, change, dt, half);
         }
         for t in self.terms.iter().filter(|t| t.given) {
             let new = *dofs.nodes[t.node].velocity(t.axis);
@@ -341,7 +355,7 @@ impl Follower {
         }
     }
 
-    /// The part of the load that a degree of freedom takes whose motion is given.
+    /// Returns the part of the load that acts on a degree of freedom with a prescribed motion.
     pub fn constraint_force(&self, node: usize, axis: usize) -> f64 {
         let own = self.terms.iter().filter(|t| t.given && (t.node, t.axis) == (node, axis));
         own.map(|t| t.weight * self.load).sum()
@@ -352,83 +366,83 @@ impl Follower {
     }
 }
 
-persist_struct!(Follower { load } derived { members, axis, terms });
+persist_struct!(MasslessFollower { load } derived { members, axis, terms });
 
-persist_struct!(Bonds { systems: fixed, followers: fixed });
+persist_struct!(LinkSystem { systems: fixed, followers: fixed });
 
 #[cfg(test)]
 mod tests {
-    use super::{Alike, Bonds, Dependent, Equation, Given, Unkept};
+    use super::{DependentEquation, LinkConflict, LinkSystem, MergedDofs, NodalEquation, PrescribedDofs};
     use crate::state::dofs::Dofs;
     use crate::state::nodes::{Node, Nodes};
 
-    fn equation(terms: &[(usize, usize, f64)]) -> Equation {
-        Equation { terms: terms.to_vec(), spare: false }
+    fn equation(terms: &[(usize, usize, f64)]) -> NodalEquation {
+        NodalEquation { terms: terms.to_vec(), is_redundant: false }
     }
 
-    fn bonds(equations: &[Equation], alike: &[Alike], mass: &[f64]) -> Result<Bonds, Unkept> {
-        Bonds::new(equations, alike, mass, &Given::default())
+    fn bonds(equations: &[NodalEquation], alike: &[MergedDofs], mass: &[f64]) -> Result<LinkSystem, LinkConflict> {
+        LinkSystem::new(equations, alike, mass, &PrescribedDofs::default())
     }
 
-    /// Accelerations along z of nodes on which forces act, under equations.
-    fn accelerations(equations: &[Equation], alike: &[Alike], mass: &[f64], force: &[f64]) -> Vec<f64> {
+    /// Returns the accelerations along z of nodes under forces and equations.
+    fn accelerations(equations: &[NodalEquation], alike: &[MergedDofs], mass: &[f64], force: &[f64]) -> Vec<f64> {
         let mut dofs = Dofs { nodes: Nodes::new(vec![Node::default(); mass.len()], mass.to_vec()), ..Dofs::default() };
-        dofs.nodes.make_room(true);
+        dofs.nodes.resize_forces(true);
         for (n, f) in force.iter().enumerate() {
             dofs.nodes.forces[0][n] = [0.0, *f];
             dofs.nodes.acceleration[n] = [0.0, f * dofs.nodes.inverse_mass[n]];
         }
-        let mut kept = super::super::equation::Equations::new(0, bonds(equations, alike, mass).expect("kept"));
-        let clock = crate::state::magnitude::Clock { now: Default::default(), user_amplitudes: &[] };
+        let mut kept = super::super::equation::EquationConstraint::new(0, bonds(equations, alike, mass).expect("kept"));
+        let clock = crate::state::magnitude::AmplitudeClock { now: Default::default(), user_amplitudes: &[] };
         crate::constraint::Constraint::accelerations(&mut kept, &mut dofs, &clock);
         dofs.nodes.acceleration.iter().map(|a| a[1]).collect()
     }
 
     #[test]
-    fn equations_that_repeat_are_found() {
+    fn dependent_equations_are_errors_unless_redundant() {
         let pair = |a: f64, b: f64| equation(&[(0, 1, a), (1, 1, b)]);
         let mass = [1.0, 2.0];
         assert_eq!(bonds(&[pair(1.0, -1.0)], &[], &mass).map(|b| b.count()), Ok(1));
-        let twice = Unkept::Dependent(Dependent { equation: 1, follows_from: vec![0] });
+        let twice = LinkConflict::Dependent(DependentEquation { equation: 1, follows_from: vec![0] });
         assert_eq!(bonds(&[pair(1.0, -1.0), pair(2.0, -2.0)], &[], &mass).map(|b| b.count()), Err(twice));
-        let spare = Equation { spare: true, ..pair(2.0, -2.0) };
+        let spare = NodalEquation { is_redundant: true, ..pair(2.0, -2.0) };
         assert_eq!(bonds(&[pair(1.0, -1.0), spare], &[], &mass).map(|b| b.count()), Ok(1));
     }
 
     #[test]
-    fn a_chain_is_solved_together() {
+    fn chained_equations_share_one_acceleration() {
         let equal = |a: usize, b: usize| equation(&[(a, 1, 1.0), (b, 1, -1.0)]);
         let chain = [equal(0, 1), equal(1, 2)];
         assert_eq!(bonds(&chain, &[], &[1.0, 2.0, 3.0]).map(|b| b.count()), Ok(1));
-        // All move with the mean by mass, 1.
+        // The common acceleration is the total force over the total mass, 1.
         let found = accelerations(&chain, &[], &[1.0, 2.0, 3.0], &[6.0, 0.0, 0.0]);
         assert!(found.iter().all(|a| (a - 1.0).abs() < 1e-14), "{found:?}");
-        // So do nodes that are said to move alike, one of them without mass, on which the force acts.
-        let alike = [Alike { nodes: vec![3, 0, 1, 2], axis: 1 }];
+        // The same for nodes with equal motion; the force acts on the one without mass.
+        let alike = [MergedDofs { nodes: vec![3, 0, 1, 2], axis: 1 }];
         let found = accelerations(&[], &alike, &[1.0, 2.0, 3.0, 0.0], &[0.0, 0.0, 0.0, 6.0]);
         assert!(found.iter().all(|a| (a - 1.0).abs() < 1e-14), "{found:?}");
     }
 
-    /// A lever without mass, u2 = (u0 + 2 u1) / 3: its load goes to the ends by the weights.
+    /// A lever without mass, u2 = (u0 + 2 u1) / 3: the load is distributed to the ends with these weights.
     #[test]
-    fn a_node_without_mass_follows_and_hands_its_load_on() {
+    fn massless_nodes_transfer_their_load() {
         let lever = [equation(&[(2, 1, 3.0), (0, 1, -1.0), (1, 1, -2.0)])];
         let found = accelerations(&lever, &[], &[1.0, 4.0, 0.0], &[0.0, 0.0, 3.0]);
         assert_eq!(found, [1.0, 0.5, (1.0 + 2.0 * 0.5) / 3.0]);
-        // Two equations on it leave one between the others: u0 = u1, on which the load acts.
+        // Two equations for the massless node leave the equation u0 = u1, and the load acts on both.
         let both = [equation(&[(2, 1, 1.0), (0, 1, -1.0)]), equation(&[(2, 1, 1.0), (1, 1, -1.0)])];
         let found = accelerations(&both, &[], &[1.0, 4.0, 0.0], &[0.0, 0.0, 5.0]);
         assert!(found.iter().all(|a| (a - 1.0).abs() < 1e-14), "{found:?}");
     }
 
     #[test]
-    fn two_motions_on_nodes_that_move_alike_are_found() {
-        let alike = [Alike { nodes: vec![0, 1], axis: 1 }];
-        let mut given = Given { all: [(0, 1), (1, 1)].into(), held: [(0, 1)].into() };
-        let torn = Bonds::new(&[], &alike, &[1.0, 1.0], &given).map(|b| b.count());
-        assert_eq!(torn, Err(Unkept::Torn([0, 1], 1)));
-        // Both held: nothing is left to keep.
+    fn conflicting_motions_of_merged_nodes_are_errors() {
+        let alike = [MergedDofs { nodes: vec![0, 1], axis: 1 }];
+        let mut given = PrescribedDofs { all: [(0, 1), (1, 1)].into(), held: [(0, 1)].into() };
+        let conflict = LinkSystem::new(&[], &alike, &[1.0, 1.0], &given).map(|b| b.count());
+        assert_eq!(conflict, Err(LinkConflict::ConflictingMotions([0, 1], 1)));
+        // If both are fixed, no equation remains.
         given.held.insert((1, 1));
-        assert_eq!(Bonds::new(&[], &alike, &[1.0, 1.0], &given).map(|b| b.count()), Ok(0));
+        assert_eq!(LinkSystem::new(&[], &alike, &[1.0, 1.0], &given).map(|b| b.count()), Ok(0));
     }
 }

@@ -1,7 +1,7 @@
-//! Which equations another one follows from, for messages.
-//! Never here: anything that a run computes with; the bits of a decomposition may differ from machine to machine.
+//! Search for the equations that another one depends on, for messages only: results may differ in the last bits from
+//! machine to machine.
 
-/// The rows of which a last one is a linear combination: the least squares solution by a QR decomposition with pivots.
+/// Returns the rows whose linear combination is `last`, from the least squares solution by a pivoted QR decomposition.
 #[cfg(feature = "dense")]
 pub(super) fn sources(rows: &[Vec<f64>], last: &[f64]) -> Vec<usize> {
     use faer::Mat;
@@ -16,7 +16,7 @@ pub(super) fn sources(rows: &[Vec<f64>], last: &[f64]) -> Vec<usize> {
     (0..rows.len()).filter(|&i| parts[(i, 0)].abs() > 1e-8 * largest).collect()
 }
 
-/// Without dense linear algebra: all that share degrees of freedom with it.
+/// Returns all rows that share degrees of freedom with `last`; used without dense linear algebra.
 #[cfg(not(feature = "dense"))]
 pub(super) fn sources(rows: &[Vec<f64>], last: &[f64]) -> Vec<usize> {
     let shares = |row: &Vec<f64>| row.iter().zip(last).any(|(a, b)| a * b != 0.0);

@@ -1,5 +1,5 @@
-//! Constraints: what is prescribed, tied, linked or kept apart, one file a kind. The integrator knows none by name.
-//! Never here: loads.
+//! Constraints: prescribed motions, linear equations, ties and contact, one kind per file. The integrator uses them
+//! only through [`Constraint`].
 
 pub mod bonds;
 pub mod contact;
@@ -14,64 +14,66 @@ pub mod user_motion;
 
 use std::any::Any;
 
-use self::contact::curve::Carrier;
+use self::contact::curve::PointCarrier;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
-use crate::state::limit::Limit;
-use crate::state::magnitude::Clock;
-use crate::variables::Part;
+use crate::state::limit::IncrementLimit;
+use crate::state::magnitude::AmplitudeClock;
+use crate::variables::VariableComponent;
 
-/// A constraint in force. In each increment the integrator transfers forces to bodies that carry nodes ([`ConstraintView::carried`]), calls
-/// [`Constraint::accelerations`], [`Constraint::velocities`] and, after the motion, [`Constraint::motion`]; constraints follow each
-/// other in the order of the plan: prescribed motions, equations, contact, ties.
+/// A constraint in force. In each increment the integrator adds the forces on tied nodes to their bodies
+/// ([`ConstraintView::carried`]), calls [`Constraint::accelerations`] and [`Constraint::velocities`], and after the
+/// motion [`Constraint::motion`]. Constraints are called in the order of the plan: prescribed motions, equations,
+/// contact, ties.
 pub trait Constraint: StoredConstraint + Send + Sync {
-    /// Row of the ledger that its run time and memory belong to.
+    /// Returns the ledger row that its run time and memory are charged to.
     fn effect(&self) -> EffectId;
 
-    /// The constraints in force have changed: it begins, or goes on beside others.
+    /// Called at each step start at which the constraints in force change, for new and for continued constraints.
     fn begin(&mut self, _dofs: &mut Dofs) {}
 
-    /// Changes accelerations at the instant's own time.
-    fn accelerations(&mut self, _dofs: &mut Dofs, _clock: &Clock<'_>) {}
+    /// Corrects accelerations at the current instant.
+    fn accelerations(&mut self, _dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {}
 
-    /// Changes velocities of rigid bodies at the instant's own time.
-    fn velocities(&mut self, _dofs: &mut Dofs, _clock: &Clock<'_>) {}
+    /// Corrects velocities of rigid bodies at the current instant.
+    fn velocities(&mut self, _dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {}
 
-    /// Changes the motion over an increment of the length `dt`, which all that moves has just made freely; books its work. The
-    /// clock stands at the increment's start.
-    fn motion(&mut self, dofs: &mut Dofs, clock: &Clock<'_>, dt: f64);
+    /// Corrects the unconstrained motion over an increment of length `dt`, which the integrator has just made, and adds
+    /// the work of the constraint to the energies. `clock` is at the start of the increment.
+    fn motion(&mut self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>, dt: f64);
 
-    /// How far the next increment may go.
-    fn max_increment(&self, _clock: &Clock<'_>) -> Limit {
-        Limit::NONE
+    /// Returns the largest length that the constraint allows for the next increment.
+    fn max_increment(&self, _clock: &AmplitudeClock<'_>) -> IncrementLimit {
+        IncrementLimit::NONE
     }
 
-    /// The properties that the integrator and other constraints read.
+    /// Returns the properties that the integrator and other constraints read.
     fn view(&self) -> ConstraintView<'_> {
         ConstraintView::default()
     }
 
-    /// Where it follows changes of elements and masses, or has something to warn of.
+    /// Returns the interface to element deletion, changed masses and warnings, if the constraint uses it.
     fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
         None
     }
 }
 
-/// A constraint as an object of the state: saved, copied, measured, continued by the one that replaces it.
+/// A constraint as part of the state: it can be saved, copied and measured, and continued by the constraint that
+/// replaces it.
 pub trait StoredConstraint: Persist + CopyConstraint + Any {
-    /// Takes over the memory of a constraint that it replaces.
+    /// Takes the history of the constraint that it replaces.
     fn continue_from(&mut self, _previous: &dyn Constraint) {}
 
-    /// Memory of its arrays.
+    /// Returns the memory of its arrays.
     fn memory(&self) -> MemoryUse;
 }
 
-/// Copies of a constraint behind its interface.
+/// Copies of a constraint trait object.
 pub trait CopyConstraint {
-    /// Another one in the same state.
+    /// Returns a copy in the same state.
     fn copy(&self) -> Box<dyn Constraint>;
 }
 
@@ -81,26 +83,33 @@ impl<C: Constraint + Clone> CopyConstraint for C {
     }
 }
 
-/// What others see of a constraint.
+/// Properties of a constraint that other code reads.
 #[derive(Clone, Copy, Default)]
 pub struct ConstraintView<'a> {
+    /// Nodes that a rigid body carries, if this is a tie.
     pub carried: Option<CarriedNodes<'a>>,
-    /// Whether it moves nodes after the passes over them, so that none may be passed over as quiescent.
+    /// Whether it moves nodes after the integrator's passes over them; then no node is skipped as quiescent.
+    /// Constraint forces on degrees of freedom.
     pub moves_nodes: bool,
+    /// Contact output variables.
     pub forces: Option<&'a dyn ConstraintForces>,
+    /// Heat exchange across contact surfaces.
     pub contact: Option<&'a dyn ContactResults>,
     pub heat: Option<&'a dyn HeatExchange>,
 }
 
-/// Nodes that a rigid body carries: it takes the sum of their forces along z. Forces along r balance around the ring.
+/// Nodes that a rigid body carries. The body takes the sum of their forces along z; forces along r balance around the
+/// ring.
 #[derive(Clone, Copy)]
 pub struct CarriedNodes<'a> {
+    /// Index of the rigid body.
     pub body: usize,
+    /// Indices of the nodes.
     pub nodes: &'a [usize],
 }
 
 impl CarriedNodes<'_> {
-    /// Sum of the forces along z, given the force of elements and loads on a node.
+    /// Returns the sum of the forces along z; `of_node` gives the force of elements and loads on a node.
     pub fn force(&self, of_node: impl Fn(usize) -> [f64; 2]) -> f64 {
         self.nodes.iter().map(|&n| of_node(n)[1]).sum()
     }
@@ -108,17 +117,17 @@ impl CarriedNodes<'_> {
 
 /// Forces of a constraint on degrees of freedom of nodes.
 pub trait ConstraintForces {
-    /// Node and axis of motions that it prescribes.
+    /// Returns node and axis of each motion that it prescribes.
     fn prescribed(&self) -> Vec<(usize, usize)> {
         Vec::new()
     }
 
-    /// Force of elements and loads on a degree of freedom whose motion it prescribes.
+    /// Returns the force of elements and loads on a degree of freedom whose motion it prescribes.
     fn free_force(&self, _dof: Dof) -> Option<f64> {
         None
     }
 
-    /// Force that it exerts on a degree of freedom beside prescribed motions.
+    /// Returns the force that it exerts on a degree of freedom; prescribed motions excluded.
     fn constraint_force(&self, _dof: Dof) -> f64 {
         0.0
     }
@@ -126,31 +135,33 @@ pub trait ConstraintForces {
 
 /// Output variables of surfaces in contact.
 pub trait ContactResults {
-    /// Value at a point of a surface; `None` where that is in no contact.
-    fn value_at_point(&self, carrier: Carrier, part: Part) -> Option<f64>;
+    /// Returns the value at a point of a surface; `None` if the point belongs to no contact surface.
+    fn value_at_point(&self, carrier: PointCarrier, part: VariableComponent) -> Option<f64>;
 
-    /// Value of a pair of surfaces; `None` where it is not in force.
-    fn value_of_pair(&self, pair: usize, part: Part) -> Option<f64>;
+    /// Returns the value of a contact pair; `None` if the pair is not in force.
+    fn value_of_pair(&self, pair: usize, part: VariableComponent) -> Option<f64>;
 }
 
+/// Heat exchange of nodes across contact surfaces.
 pub trait HeatExchange {
-    /// Gives nodes the heat a time that is exchanged over the increment `dt` whose motion has just been made, with temperatures at its
-    /// start; returns the part that friction has made.
+    /// Passes to `into` the heat rate of each node over the increment `dt` that has just been made, from the
+    /// temperatures at its start; returns the part generated by friction.
     fn exchange(&self, temperature: &[f64], dt: f64, into: &mut dyn FnMut(usize, f64)) -> f64;
 
-    /// Gives what nodes could at most exchange in the next increment, heat a time and temperature.
+    /// Passes to `into` an upper bound of each node's conductance in the next increment, heat rate per temperature
+    /// difference.
     fn largest_exchange(&self, into: &mut dyn FnMut(usize, f64));
 }
 
-/// Changes that a constraint follows, and its warnings.
+/// Changes of the model that a constraint follows, and its warnings.
 pub trait ConstraintUpkeep {
-    /// Elements with these corner nodes have been deleted.
+    /// Informs it that elements with these corner nodes have been deleted.
     fn remove_elements(&mut self, _deleted: &[ElementNodes]) {}
 
-    /// A node has another mass; its kinetic energy grew by so much along r and z.
+    /// Informs it that the mass of a node has changed; `gained` is the increase of kinetic energy along r and z.
     fn masses_changed(&mut self, _node: usize, _gained: [f64; 2]) {}
 
-    fn warnings(&mut self, _dofs: &Dofs, _clock: &Clock<'_>) -> Vec<String> {
+    fn warnings(&mut self, _dofs: &Dofs, _clock: &AmplitudeClock<'_>) -> Vec<String> {
         Vec::new()
     }
 }
@@ -161,7 +172,8 @@ impl Clone for Box<dyn Constraint> {
     }
 }
 
-/// Reaction force on a degree of freedom whose motion is prescribed; 0 where none is. A rigid body keeps its own.
+/// Returns the reaction force on a degree of freedom whose motion is prescribed; 0 if it is not prescribed. A rigid
+/// body stores its own reaction.
 pub fn reaction(constraints: &[Box<dyn Constraint>], dofs: &Dofs, dof: Dof) -> f64 {
     if let Dof::Body(b) = dof {
         return dofs.bodies[b].reaction;

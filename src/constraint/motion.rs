@@ -1,5 +1,4 @@
-//! Motions that are prescribed, whatever forces act (`*BOUNDARY`): of rigid bodies along z, of nodes along r and z.
-//! Never here: forces.
+//! Prescribed motions (`*BOUNDARY`) of rigid bodies along z and of nodes along r and z.
 
 use std::any::Any;
 use std::collections::HashMap;
@@ -9,68 +8,69 @@ use crate::kernel::lists::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
-use crate::state::limit::Limit;
-use crate::state::magnitude::{Clock, Magnitude, Shape};
+use crate::state::limit::IncrementLimit;
+use crate::state::magnitude::{AmplitudeClock, Magnitude, TimeFunction};
 
+/// The quantity that a motion prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Prescribed {
+pub enum PrescribedQuantity {
     /// Displacement since the start of the step.
     Displacement,
     Velocity,
     Acceleration,
 }
 
-impl Prescribed {
-    /// As a user's routine is told: the order of the time derivative (`jTyp` of VDISP).
+impl PrescribedQuantity {
+    /// Returns the order of the time derivative, as user subroutines receive it (`jTyp` of VDISP).
     pub fn number(self) -> i32 {
         match self {
-            Prescribed::Displacement => 0,
-            Prescribed::Velocity => 1,
-            Prescribed::Acceleration => 2,
+            PrescribedQuantity::Displacement => 0,
+            PrescribedQuantity::Velocity => 1,
+            PrescribedQuantity::Acceleration => 2,
         }
     }
 
-    /// Velocity and acceleration now, given the velocity that there is.
-    fn rates(self, magnitude: &Magnitude, clock: &Clock<'_>, velocity: f64) -> [f64; 2] {
+    /// Returns velocity and acceleration at the current instant; `velocity` is the current velocity.
+    fn rates(self, magnitude: &Magnitude, clock: &AmplitudeClock<'_>, velocity: f64) -> [f64; 2] {
         match self {
-            Prescribed::Displacement => [magnitude.rate(clock), 0.0],
-            Prescribed::Velocity => [magnitude.at(clock), magnitude.rate(clock)],
-            Prescribed::Acceleration => [velocity, magnitude.at(clock)],
+            PrescribedQuantity::Displacement => [magnitude.rate(clock), 0.0],
+            PrescribedQuantity::Velocity => [magnitude.at(clock), magnitude.rate(clock)],
+            PrescribedQuantity::Acceleration => [velocity, magnitude.at(clock)],
         }
     }
 
-    /// The mid-increment velocity that carries what moves over an increment. It has come as far as `moved` since the start
-    /// of the step; an acceleration acts on a velocity over a time, given with it.
+    /// Returns the mid-increment velocity over an increment. `moved` is the displacement since the start of the step. A
+    /// prescribed acceleration acts on the given velocity over the given time.
     fn velocity_over(
         self,
         magnitude: &Magnitude,
-        clock: &Clock<'_>,
+        clock: &AmplitudeClock<'_>,
         increment: f64,
         moved: f64,
         [velocity, time]: [f64; 2],
     ) -> f64 {
         match self {
-            Prescribed::Displacement => (magnitude.at(&clock.later(increment)) - moved) / increment,
-            Prescribed::Velocity => magnitude.at(&clock.later(0.5 * increment)),
-            Prescribed::Acceleration => velocity + time * magnitude.at(clock),
+            PrescribedQuantity::Displacement => (magnitude.at(&clock.later(increment)) - moved) / increment,
+            PrescribedQuantity::Velocity => magnitude.at(&clock.later(0.5 * increment)),
+            PrescribedQuantity::Acceleration => velocity + time * magnitude.at(clock),
         }
     }
 }
 
-/// The motion of some degrees of freedom.
+/// Prescribed motion of a list of degrees of freedom.
 #[derive(Clone, Debug)]
 pub struct PrescribedMotion {
     id: EffectId,
-    kind: Prescribed,
-    /// One for all, or one for each.
+    kind: PrescribedQuantity,
+    /// One magnitude for all degrees of freedom, or one for each: bodies first, then nodes.
     magnitudes: Vec<Magnitude>,
     bodies: Vec<BodyMotion>,
     nodes: Vec<NodeMotion>,
-    /// Whether it is in force already: what displacements count from is known.
+    /// Whether it was in force before, so that the origins of displacements are known.
     has_begun: bool,
 }
 
-/// A rigid body, and its displacement when the motion began, to which a prescribed displacement adds.
+/// A rigid body and its displacement when the motion began. A prescribed displacement is added to it.
 #[derive(Clone, Copy, Debug)]
 struct BodyMotion {
     body: usize,
@@ -82,7 +82,7 @@ struct BodyMotion {
 struct NodeMotion {
     node: usize,
     axis: usize,
-    /// Coordinate when the motion began, from which a prescribed displacement counts.
+    /// Coordinate when the motion began; a prescribed displacement is added to it.
     origin: f64,
     /// Force of elements and loads on the degree of freedom.
     force: f64,
@@ -91,18 +91,18 @@ struct NodeMotion {
 }
 
 impl PrescribedMotion {
-    /// All of `dofs` move by one magnitude.
-    pub fn new(id: EffectId, kind: Prescribed, magnitude: Magnitude, dofs: &[Dof]) -> Self {
+    /// Prescribes the same magnitude for all of `dofs`.
+    pub fn new(id: EffectId, kind: PrescribedQuantity, magnitude: Magnitude, dofs: &[Dof]) -> Self {
         PrescribedMotion::of(id, kind, vec![magnitude], dofs)
     }
 
-    /// Each of `dofs` follows a function of time of its own that is told as the run goes, from the number `first` on.
-    pub fn told(id: EffectId, kind: Prescribed, first: usize, dofs: &[Dof]) -> Self {
-        let magnitude = |i| Magnitude { value: 1.0, shape: Shape::Told(first + i) };
+    /// Prescribes a user amplitude for each of `dofs`; `first` is the index of the first one.
+    pub fn from_user_amplitudes(id: EffectId, kind: PrescribedQuantity, first: usize, dofs: &[Dof]) -> Self {
+        let magnitude = |i| Magnitude { value: 1.0, shape: TimeFunction::Sampled(first + i) };
         PrescribedMotion::of(id, kind, (0..dofs.len()).map(magnitude).collect(), dofs)
     }
 
-    fn of(id: EffectId, kind: Prescribed, magnitudes: Vec<Magnitude>, dofs: &[Dof]) -> Self {
+    fn of(id: EffectId, kind: PrescribedQuantity, magnitudes: Vec<Magnitude>, dofs: &[Dof]) -> Self {
         let (mut bodies, mut nodes) = (Vec::new(), Vec::new());
         for &dof in dofs {
             match dof {
@@ -115,13 +115,13 @@ impl PrescribedMotion {
         PrescribedMotion { id, kind, magnitudes, bodies, nodes, has_begun: false }
     }
 
-    /// Whether it holds what it prescribes where it is.
-    fn holds(&self) -> bool {
-        self.magnitudes.iter().all(|m| m.value == 0.0) && self.kind != Prescribed::Acceleration
+    /// Returns whether it prescribes a zero displacement or a zero velocity.
+    fn is_fixed(&self) -> bool {
+        self.magnitudes.iter().all(|m| m.value == 0.0) && self.kind != PrescribedQuantity::Acceleration
     }
 }
 
-/// The magnitude of the body or node with this number; bodies come first.
+/// Returns the magnitude with index `i`; bodies come before nodes.
 fn magnitude(magnitudes: &[Magnitude], i: usize) -> &Magnitude {
     &magnitudes[i.min(magnitudes.len() - 1)]
 }
@@ -137,8 +137,8 @@ impl Constraint for PrescribedMotion {
             return;
         }
         self.bodies.iter_mut().for_each(|motion| motion.start = dofs.bodies[motion.body].displacement);
-        // A node that is held does not start with a velocity.
-        let stops = dofs.nodes.behind == 0.0 && self.holds();
+        // A fixed node starts without velocity.
+        let stops = dofs.nodes.previous_dt == 0.0 && self.is_fixed();
         for motion in &mut self.nodes {
             let node = &mut dofs.nodes[motion.node];
             *motion =
@@ -149,19 +149,19 @@ impl Constraint for PrescribedMotion {
         }
     }
 
-    fn accelerations(&mut self, dofs: &mut Dofs, clock: &Clock<'_>) {
+    fn accelerations(&mut self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>) {
         for (i, motion) in self.bodies.iter().enumerate() {
             let body = &mut dofs.bodies[motion.body];
             body.acceleration = self.kind.rates(magnitude(&self.magnitudes, i), clock, body.velocity)[1];
             body.reaction = body.mass * body.acceleration - body.force;
         }
         let (nodes, energies) = (&mut dofs.nodes, &mut dofs.energies);
-        let (moved, behind) = (nodes.moved, nodes.behind);
+        let (moved, behind) = (nodes.work_pending, nodes.previous_dt);
         for motion in &mut self.nodes {
             let mass = nodes.mass[motion.node];
             let velocity = *nodes[motion.node].velocity(motion.axis);
             let acceleration = &mut nodes.acceleration[motion.node][motion.axis];
-            // The pass over nodes took the free acceleration: what is prescribed moves otherwise.
+            // The pass over nodes took the kinetic energy with the unconstrained acceleration.
             let taken = 0.5 * mass * velocity * (velocity + behind * *acceleration);
             let kinetic = 0.5 * mass * velocity * velocity;
             energies.kinetic += kinetic - taken;
@@ -175,14 +175,14 @@ impl Constraint for PrescribedMotion {
         }
     }
 
-    fn velocities(&mut self, dofs: &mut Dofs, clock: &Clock<'_>) {
+    fn velocities(&mut self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>) {
         for (i, motion) in self.bodies.iter().enumerate() {
             let body = &mut dofs.bodies[motion.body];
             body.velocity = self.kind.rates(magnitude(&self.magnitudes, i), clock, body.velocity)[0];
         }
     }
 
-    fn motion(&mut self, dofs: &mut Dofs, clock: &Clock<'_>, dt: f64) {
+    fn motion(&mut self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>, dt: f64) {
         for (i, motion) in self.bodies.iter().enumerate() {
             let body = &mut dofs.bodies[motion.body];
             let start = body.before.displacement;
@@ -191,15 +191,15 @@ impl Constraint for PrescribedMotion {
             body.velocity_half = self.kind.velocity_over(magnitude, clock, dt, moved, [body.velocity, 0.5 * dt]);
             body.displacement = start + dt * body.velocity_half;
         }
-        let holds = self.holds();
+        let is_fixed = self.is_fixed();
         let (half, first) = (dofs.nodes.half, self.bodies.len());
         for (i, motion) in self.nodes.iter_mut().enumerate() {
             let NodeMotion { node, axis, origin, .. } = *motion;
             let old = *dofs.nodes[node].velocity(axis);
-            if old == 0.0 && holds {
+            if old == 0.0 && is_fixed {
                 continue;
             }
-            // The pass over nodes carried it along with its old velocity.
+            // The pass over nodes moved the node with its old velocity.
             let place_before = *dofs.nodes[node].coordinate(axis) - dt * old;
             let moved = place_before - origin;
             let magnitude = magnitude(&self.magnitudes, first + i);
@@ -211,8 +211,8 @@ impl Constraint for PrescribedMotion {
         }
     }
 
-    fn max_increment(&self, clock: &Clock<'_>) -> Limit {
-        self.magnitudes.iter().map(|m| m.limit(clock)).fold(Limit::NONE, Limit::nearer)
+    fn max_increment(&self, clock: &AmplitudeClock<'_>) -> IncrementLimit {
+        self.magnitudes.iter().map(|m| m.limit(clock)).fold(IncrementLimit::NONE, IncrementLimit::earlier)
     }
 
     fn view(&self) -> ConstraintView<'_> {
@@ -236,7 +236,8 @@ impl ConstraintForces for PrescribedMotion {
 }
 
 impl ConstraintUpkeep for PrescribedMotion {
-    /// It books gains of kinetic energy as its own work: not these.
+    /// Excludes the gained kinetic energy from the work of the motion, which is computed from changes of kinetic
+    /// energy.
     fn masses_changed(&mut self, node: usize, gained: [f64; 2]) {
         for motion in self.nodes.iter_mut().filter(|m| m.node == node) {
             motion.kinetic += gained[motion.axis];

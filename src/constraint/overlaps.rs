@@ -1,79 +1,82 @@
-//! Bodies between which nothing acts: whether they come to lie in each other. It is told, and changes nothing.
-//! Never here: contact; how bodies lie at the start.
+//! Monitor for overlaps of bodies between which no contact is defined. It issues warnings and changes no result.
 
-use super::contact::curve::Carrier;
+use super::contact::curve::PointCarrier;
 use super::{Constraint, ConstraintUpkeep, StoredConstraint};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::state::EffectId;
-use crate::state::archive::{Archive, persist_struct};
+use crate::state::archive::{StateArchive, persist_struct};
 use crate::state::dofs::Dofs;
-use crate::state::magnitude::Clock;
+use crate::state::magnitude::AmplitudeClock;
 
-/// Increments from one look to the next, odd so that those that are timed have their share of looks. What a look costs goes with the
-/// outside of the bodies alone: in the worst case, thin bodies one around the other, well below a hundredth of the run.
+/// Increments between checks. The number is odd so that timed increments contain their share of checks. The cost
+/// depends on the number of surface points: in the worst case, thin bodies around each other, well below 1 % of the run
+/// time.
 const EVERY: u64 = 401;
-/// Part of a face by which a point may lie behind it: chords of curved surfaces that slide on each other.
+/// Penetration depth that is tolerated, as a fraction of the face length: chords of curved surfaces that slide on each
+/// other overlap slightly.
 const FIT: f64 = 0.1;
 
-/// The outside of a body.
+/// Surface of a body.
 #[derive(Clone, Debug)]
-pub struct Outline {
+pub struct BodyOutline {
+    /// Name in warnings.
     pub name: String,
-    pub points: Vec<Carrier>,
-    /// Faces between them that enclose the body; none where what encloses it changes, or nothing does.
+    /// Points of the surface.
+    pub points: Vec<PointCarrier>,
+    /// Faces, as indices of two points, that enclose the body; empty if the surface changes or is not closed.
     pub faces: Vec<[u32; 2]>,
 }
 
-/// Two bodies between which nothing acts.
+/// Two bodies without contact between them.
 #[derive(Clone, Debug)]
 struct BodyPair {
     bodies: [usize; 2],
-    /// Whether their overlap has been reported.
-    is_settled: bool,
+    /// Whether their overlap has been reported, or existed at the start of the step.
+    is_reported: bool,
 }
 
-/// A look at bodies now and then.
+/// Check for overlaps of pairs of bodies at fixed intervals.
 #[derive(Clone, Debug)]
-pub struct Overlaps {
+pub struct OverlapMonitor {
     id: EffectId,
-    outlines: Vec<Outline>,
-    /// Bodies between which nothing acts.
+    outlines: Vec<BodyOutline>,
+    /// Pairs of bodies without contact.
     pairs: Vec<BodyPair>,
-    /// Places of the points of each.
+    /// Current coordinates of the points of each body.
     places: Vec<Vec<[f64; 2]>>,
-    /// Lower and upper corner of each.
+    /// Lower and upper corner of the bounding box of each body.
     boxes: Vec<[[f64; 2]; 2]>,
-    /// Faces by their lower ends.
+    /// Faces sorted by their lower ends.
     order: Vec<(f64, u32)>,
-    /// What was found: the pair, total time and place.
+    /// Overlaps that were found: index of the pair, total time and coordinates.
     found: Vec<(u32, [f64; 3])>,
 }
 
-impl Overlaps {
-    /// Looks at these bodies, two by two.
-    pub fn new(id: EffectId, outlines: Vec<Outline>, pairs: Vec<[usize; 2]>) -> Overlaps {
+impl OverlapMonitor {
+    /// Monitors these pairs of bodies.
+    pub fn new(id: EffectId, outlines: Vec<BodyOutline>, pairs: Vec<[usize; 2]>) -> OverlapMonitor {
         let faces = outlines.iter().map(|o| o.faces.len()).max().unwrap_or(0);
-        Overlaps {
+        OverlapMonitor {
             id,
             places: outlines.iter().map(|o| vec![[0.0; 2]; o.points.len()]).collect(),
             boxes: vec![[[0.0; 2]; 2]; outlines.len()],
             order: Vec::with_capacity(faces),
             found: Vec::with_capacity(pairs.len()),
-            pairs: pairs.into_iter().map(|bodies| BodyPair { bodies, is_settled: false }).collect(),
+            pairs: pairs.into_iter().map(|bodies| BodyPair { bodies, is_reported: false }).collect(),
             outlines,
         }
     }
 
-    /// Pairs that lie in each other now and have not been settled are, with a place of each.
-    fn look(&mut self, dofs: &Dofs, mut tell: impl FnMut(u32, [f64; 2])) {
-        let Overlaps { outlines, places, boxes, .. } = self;
+    /// Calls `report` with index and coordinates for each pair that overlaps and is not settled, and settles it.
+    fn find_overlaps(&mut self, dofs: &Dofs, mut report: impl FnMut(u32, [f64; 2])) {
+        let OverlapMonitor { outlines, places, boxes, .. } = self;
         for ((outline, places), corners) in outlines.iter().zip(places).zip(boxes) {
             *corners = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
             for (place, point) in places.iter_mut().zip(&outline.points) {
                 *place = match *point {
-                    Carrier::Node(n) => dofs.nodes[n].place(),
-                    Carrier::Body(b, [r, z]) => [r, z + dofs.bodies[b].displacement],
+                    PointCarrier::Node(n) => dofs.nodes[n].place(),
+                    PointCarrier::Body(b, [r, z]) => [r, z + dofs.bodies[b].displacement],
                 };
                 for i in [0, 1] {
                     (corners[0][i], corners[1][i]) = (corners[0][i].min(place[i]), corners[1][i].max(place[i]));
@@ -81,22 +84,22 @@ impl Overlaps {
             }
         }
         for at in 0..self.pairs.len() {
-            let BodyPair { bodies: [a, b], is_settled } = self.pairs[at];
+            let BodyPair { bodies: [a, b], is_reported: is_settled } = self.pairs[at];
             let meets =
                 (0..2).all(|i| self.boxes[a][0][i] < self.boxes[b][1][i] && self.boxes[b][0][i] < self.boxes[a][1][i]);
             if is_settled || !meets {
                 continue;
             }
             if let Some(place) = self.inside(a, b).or_else(|| self.inside(b, a)) {
-                self.pairs[at].is_settled = true;
-                tell(at as u32, place);
+                self.pairs[at].is_reported = true;
+                report(at as u32, place);
             }
         }
     }
 
-    /// A point of one body within another, further behind its faces than what fits.
+    /// Returns a point of one body that is inside another one, deeper than the tolerance.
     fn inside(&mut self, of: usize, within: usize) -> Option<[f64; 2]> {
-        let Overlaps { outlines, places, boxes, order, .. } = self;
+        let OverlapMonitor { outlines, places, boxes, order, .. } = self;
         let ([low, high], at) = (boxes[within], &places[within]);
         let faces = &outlines[within].faces;
         let ends = |face: u32| faces[face as usize].inline_map(|p| at[p as usize]);
@@ -115,7 +118,7 @@ impl Overlaps {
         points.copied().find(|p| {
             let from = order.partition_point(|o| o.0 < p[1] - 2.0 * longest);
             let near = order[from..].iter().take_while(|o| o.0 <= p[1] + longest);
-            // The even-odd rule along r.
+            // Even-odd rule along r.
             let crosses = |face: u32| {
                 let [a, b] = ends(face);
                 (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
@@ -129,7 +132,7 @@ impl Overlaps {
     }
 }
 
-/// Distance of a point from an edge, and the length of that.
+/// Returns the distance of a point from an edge, and the length of the edge.
 pub fn distance(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> (f64, f64) {
     let (t, d) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let square = t[0] * t[0] + t[1] * t[1];
@@ -137,20 +140,20 @@ pub fn distance(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> (f64, f64) {
     (libm::hypot(d[0] - at * t[0], d[1] - at * t[1]), square.sqrt())
 }
 
-impl Constraint for Overlaps {
+impl Constraint for OverlapMonitor {
     fn effect(&self) -> EffectId {
         self.id
     }
 
-    /// What lies in each other when the step begins has been told, or is meant.
+    /// An overlap at the start of the step has been reported before the run, or is intended.
     fn begin(&mut self, dofs: &mut Dofs) {
-        self.look(dofs, |_, _| {});
+        self.find_overlaps(dofs, |_, _| {});
     }
 
-    fn motion(&mut self, dofs: &mut Dofs, clock: &Clock<'_>, dt: f64) {
+    fn motion(&mut self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>, dt: f64) {
         if clock.now.increment.is_multiple_of(EVERY) {
             let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time + dt);
-            self.look(dofs, |pair, [r, z]| found.push((pair, [time, r, z])));
+            self.find_overlaps(dofs, |pair, [r, z]| found.push((pair, [time, r, z])));
             self.found = found;
         }
     }
@@ -160,15 +163,15 @@ impl Constraint for Overlaps {
     }
 }
 
-impl ConstraintUpkeep for Overlaps {
-    fn warnings(&mut self, dofs: &Dofs, clock: &Clock<'_>) -> Vec<String> {
+impl ConstraintUpkeep for OverlapMonitor {
+    fn warnings(&mut self, dofs: &Dofs, clock: &AmplitudeClock<'_>) -> Vec<String> {
         let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time);
-        self.look(dofs, |pair, [r, z]| found.push((pair, [time, r, z])));
+        self.find_overlaps(dofs, |pair, [r, z]| found.push((pair, [time, r, z])));
         let warnings = found.iter().map(|&(pair, [time, r, z])| {
             let [a, b] = self.pairs[pair as usize].bodies.inline_map(|body| &self.outlines[body].name);
             format!(
-                "{a} and {b} lie in each other, noticed at time {time:.4e} near (r = {r:.4e}, z = {z:.4e}), and nothing acts between \
-                 them: let them meet (*CONTACT PAIR, or *CONTACT with all that is outside)"
+                "{a} and {b} overlap at time {time:.4e} near (r = {r:.4e}, z = {z:.4e}), and no contact is defined between them: \
+                 define it (*CONTACT PAIR, or general contact with *CONTACT)"
             )
         });
         let warnings = warnings.collect();
@@ -178,9 +181,9 @@ impl ConstraintUpkeep for Overlaps {
     }
 }
 
-impl StoredConstraint for Overlaps {
+impl StoredConstraint for OverlapMonitor {
     fn memory(&self) -> MemoryUse {
-        let of_outline = |o: &Outline| MemoryUse::of(&o.points) + MemoryUse::of(&o.faces);
+        let of_outline = |o: &BodyOutline| MemoryUse::of(&o.points) + MemoryUse::of(&o.faces);
         self.outlines.iter().map(of_outline).sum::<MemoryUse>()
             + self.places.iter().map(MemoryUse::of).sum()
             + MemoryUse::of(&self.boxes)
@@ -190,14 +193,14 @@ impl StoredConstraint for Overlaps {
     }
 }
 
-persist_struct!(Overlaps { pairs: fixed, found } derived { id, outlines, places, boxes, order } then Overlaps::check_found);
+persist_struct!(OverlapMonitor { pairs: fixed, found } derived { id, outlines, places, boxes, order } then OverlapMonitor::check_found);
 
-persist_struct!(BodyPair { is_settled } derived { bodies });
+persist_struct!(BodyPair { is_reported } derived { bodies });
 
-impl Overlaps {
-    fn check_found(&mut self, archive: &mut Archive<'_>) {
+impl OverlapMonitor {
+    fn check_found(&mut self, archive: &mut StateArchive<'_>) {
         if self.found.len() > self.pairs.len() || self.found.iter().any(|f| f.0 as usize >= self.pairs.len()) {
-            archive.refuse(|| "pairs of bodies overlap that the deck does not have".into());
+            archive.reject(|| "it contains overlaps of bodies that are not in the deck".into());
             self.found.clear();
         }
     }

@@ -1,84 +1,89 @@
-//! Contact of a rigid body in space with a fixed analytical surface of revolution: hard, without restitution, with Coulomb friction.
-//! Rings that points of the body's meridian make around its axis may not pass the surface where the increment ends; the impulses that
-//! see to it act where and as the surfaces touch at its start (constrained central differences, Ryckaert, Ciccotti and Berendsen
-//! 1977, J. Comput. Phys. 23, 327), and are found by projected Gauss-Seidel sweeps over the points (Moreau 1988, in Nonsmooth
-//! Mechanics and Applications, CISM Courses 302; Jean 1999, Comput. Methods Appl. Mech. Eng. 177, 235).
-//! Never here: deformable bodies, surfaces that move.
+//! Contact of a rigid body with six degrees of freedom and a fixed analytical surface of revolution: hard, without
+//! restitution, with Coulomb friction. The meridian points of the body form rings around its axis. They must not pass
+//! the surface at the end of the increment. The impulses act at the contact points at its start (constrained central
+//! differences, Ryckaert, Ciccotti and Berendsen 1977, J. Comput. Phys. 23, 327) and are computed by projected
+//! Gauss-Seidel sweeps over the points (Moreau 1988, in Nonsmooth Mechanics and Applications, CISM Courses 302; Jean
+//! 1999, Comput. Methods Appl. Mech. Eng. 177, 235).
 
 use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use std::f64::consts::PI;
 
-use super::contact::curve::Carrier;
+use super::contact::curve::PointCarrier;
 use super::{Constraint, ConstraintView, ContactResults, StoredConstraint};
-use crate::kernel::attitude::{Vector, cross, dot, norm, plus, times};
-use crate::kernel::interaction::Friction;
+use crate::kernel::attitude::{SpatialVector, cross, dot, norm, plus, times};
+use crate::kernel::interaction::CoulombFriction;
 use crate::kernel::lists::MemoryUse;
-use crate::kernel::profile::Profile;
+use crate::kernel::profile::SurfaceProfile;
 use crate::platform::PortableMath as _;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
-use crate::state::limit::Limit;
-use crate::state::magnitude::Clock;
-use crate::state::rigid_body_3d::{Motion, Pose, RigidBody3d, Wrench};
-use crate::variables::{Part, Variable};
+use crate::state::limit::IncrementLimit;
+use crate::state::magnitude::AmplitudeClock;
+use crate::state::rigid_body_3d::{Pose, RigidBody3d, RigidMotion, Wrench};
+use crate::variables::{Variable, VariableComponent};
 
-/// Stations of a ring that count beside its deepest point: what lies flat on a plane is held by these.
+/// Largest number of stations of a ring that are checked in addition to its deepest point, so that a flat contact on a
+/// plane is stable.
 const MOST_STATIONS: usize = 16;
-/// Steps to the deepest point of a ring; on a plane the first is exact.
+/// Iterations for the deepest point of a ring; on a plane the first one is exact.
 const DEEPEST: usize = 3;
-/// Rounds in which gaps are measured anew where impulses have moved and turned the body.
+/// Largest number of gap updates after impulses have moved and turned the body.
 const ROUNDS: usize = 4;
-/// Sweeps over the points in a round, and the change of an impulse, over the largest one, at which they end.
+/// Largest number of sweeps over the points for each gap update.
 const SWEEPS: usize = 500;
+/// Change of an impulse at convergence, relative to the largest impulse.
 const CONVERGED: f64 = 1e-12;
 
-/// Two surfaces, and how they interact.
+/// The two surfaces and their friction law.
 #[derive(Clone, Debug)]
 pub struct WallPair {
+    /// Row of the ledger.
     pub id: EffectId,
-    /// Its number among the pairs of all steps.
+    /// Number among the pairs of all steps.
     pub number: usize,
     /// Whether the surface of the moving body is the first one of the pair.
     pub first: bool,
-    /// The body, and the one that holds the wall.
+    /// Indices of the moving body and of the body of the wall.
     pub bodies: [usize; 2],
-    pub friction: Friction,
+    /// Friction law.
+    pub friction: CoulombFriction,
 }
 
-/// A place of the body in front of the wall.
+/// Position of a body point relative to the wall.
 #[derive(Clone, Copy, Debug)]
-struct Touch {
+struct WallDistance {
     /// Signed distance from the wall.
     gap: f64,
-    normal: Vector,
-    /// From the centre of mass.
-    arm: Vector,
+    normal: SpatialVector,
+    /// Vector from the centre of mass.
+    arm: SpatialVector,
 }
 
-/// A point of the body that may touch the wall: a station of a ring, or the deepest point of one, wherever that lies.
+/// A point of the body that may touch the wall: a station of a ring, or the deepest point of a ring (`station` is
+/// `None`).
 #[derive(Clone, Copy, Debug, Default)]
 struct ContactPoint {
     ring: usize,
     station: Option<usize>,
-    /// From the centre of mass, where the increment begins.
-    arm: Vector,
-    /// Normal of the wall there, and two directions along it.
-    axes: [Vector; 3],
-    /// Depth behind the wall where the increment begins: the point goes no deeper.
+    /// Vector from the centre of mass at the start of the increment.
+    arm: SpatialVector,
+    /// Normal of the wall and two tangents.
+    axes: [SpatialVector; 3],
+    /// Overlap at the start of the increment, which must not grow.
     depth: f64,
-    /// Gap where the increment ends, for the velocity `rate` along the normal.
+    /// Gap at the end of the increment, for the velocity `rate` along the normal.
     gap: f64,
     rate: f64,
-    /// One over the mass that an impulse along each axis accelerates.
+    /// Inverse effective mass along each axis.
     inverse_mass: [f64; 3],
     /// Impulses along the axes.
     impulse: [f64; 3],
 }
 
 impl ContactPoint {
-    /// With where the surfaces touch at the start, and the gap at the end of the motion without contact.
-    fn complete(self, body: &RigidBody3d, start: Touch, gap: f64) -> ContactPoint {
+    /// Completes the point with the contact geometry at the start and the gap at the end of the motion without contact.
+    fn complete(self, body: &RigidBody3d, start: WallDistance, gap: f64) -> ContactPoint {
         let (arm, depth) = (start.arm, (-start.gap).max(0.0));
         let axes = basis(start.normal);
         let axis = body.attitude.axis();
@@ -91,39 +96,40 @@ impl ContactPoint {
         ContactPoint { rate: dot(axes[0], point.velocity(&motion)), ..point }
     }
 
-    fn impulses(&self) -> [Vector; 2] {
-        let along = |axes: &[Vector], sizes: &[f64]| {
+    fn impulses(&self) -> [SpatialVector; 2] {
+        let along = |axes: &[SpatialVector], sizes: &[f64]| {
             axes.iter().zip(sizes).fold([0.0; 3], |sum, (axis, size)| plus(sum, *size, *axis))
         };
         [along(&self.axes[..1], &self.impulse[..1]), along(&self.axes[1..], &self.impulse[1..])]
     }
 
-    fn velocity(&self, motion: &Motion) -> Vector {
+    fn velocity(&self, motion: &RigidMotion) -> SpatialVector {
         plus(motion.velocity, 1.0, cross(motion.turning, self.arm))
     }
 }
 
-/// Contact of one body with one wall over a step.
+/// Contact of one rigid body with one wall over a step.
 #[derive(Clone, Debug)]
 pub struct RigidWallContact {
     pair: WallPair,
-    profile: Profile,
-    /// Places of the meridian's points, `[r, z]` from the centre of mass.
+    profile: SurfaceProfile,
+    /// Meridian points `[r, z]`, relative to the centre of mass.
     rings: Vec<[f64; 2]>,
-    /// Cosines and sines of the stations' angles.
+    /// Cosines and sines of the angles of the stations.
     stations: Vec<[f64; 2]>,
-    /// Largest part of the body's size by which its points may move in an increment.
+    /// Largest displacement of its points in an increment, as a fraction of the body's size.
     travel: f64,
     points: Vec<ContactPoint>,
     /// Forces of pressure and of friction over the previous increment.
-    forces: [Vector; 2],
+    forces: [SpatialVector; 2],
     longest: f64,
     previous_dt: f64,
 }
 
 impl RigidWallContact {
-    /// The contact of a pair, of points of a meridian `[r, z]` from the centre of mass; the wall's front is to the left of the profile.
-    pub fn new(pair: WallPair, profile: Profile, rings: Vec<[f64; 2]>, stations: usize, travel: f64) -> Self {
+    /// Creates the contact for meridian points `[r, z]` relative to the centre of mass; the contact side of the wall is
+    /// to the left of its profile.
+    pub fn new(pair: WallPair, profile: SurfaceProfile, rings: Vec<[f64; 2]>, stations: usize, travel: f64) -> Self {
         let count = stations.min(MOST_STATIONS);
         let around = |k: usize| libm::sincos(2.0 * PI * k as f64 / count as f64);
         let stations: Vec<[f64; 2]> = (0..count).map(around).map(|(sine, cosine)| [cosine, sine]).collect();
@@ -132,8 +138,8 @@ impl RigidWallContact {
         RigidWallContact { pair, profile, rings, stations, travel, points, forces, longest, previous_dt: 0.0 }
     }
 
-    /// Signed distance of a place in space from the wall, and the wall's normal there; `None` beyond its edges.
-    fn gap(&self, [x, y, z]: Vector) -> Option<(f64, Vector)> {
+    /// Returns signed distance and wall normal at a position in space; `None` beyond the edges of the wall.
+    fn gap(&self, [x, y, z]: SpatialVector) -> Option<(f64, SpatialVector)> {
         let r = x.portable_hypot(z);
         let nearest = self.profile.nearest([r, y], 0.0);
         let [n_r, n_z] = self.profile.segments[nearest.segment].normal([r, y], 0.0);
@@ -141,25 +147,26 @@ impl RigidWallContact {
         (!nearest.beyond).then_some((nearest.gap, [n_r * c, n_z, n_r * s]))
     }
 
-    /// A point of the body, given in its frame.
-    fn touch(&self, pose: &Pose, own: Vector) -> Option<Touch> {
+    /// Returns the wall distance of a point given in the frame of the body.
+    fn touch(&self, pose: &Pose, own: SpatialVector) -> Option<WallDistance> {
         let arm = pose.attitude.to_world(own);
         let (gap, normal) = self.gap(plus(pose.centre, 1.0, arm))?;
-        Some(Touch { gap, normal, arm })
+        Some(WallDistance { gap, normal, arm })
     }
 
-    fn station(&self, ring: usize, k: usize) -> Vector {
+    fn station(&self, ring: usize, k: usize) -> SpatialVector {
         let ([r, z], [c, s]) = (self.rings[ring], self.stations[k]);
         [r * c, z, r * s]
     }
 
-    /// Stations of a ring that are not one point.
+    /// Returns the number of different stations of a ring.
     fn count(&self, ring: usize) -> usize {
         if self.rings[ring][0] == 0.0 { 1 } else { self.stations.len() }
     }
 
-    /// The deepest point of a ring, from its deepest station on: each step goes to that in front of the plane that touches the wall.
-    fn deepest(&self, pose: &Pose, ring: usize) -> Option<Touch> {
+    /// Returns the deepest point of a ring, starting from its deepest station. Each iteration takes the deepest point
+    /// in front of the tangent plane of the wall.
+    fn deepest(&self, pose: &Pose, ring: usize) -> Option<WallDistance> {
         let stations = (0..self.count(ring)).filter_map(|k| self.touch(pose, self.station(ring, k)));
         let mut best = stations.min_by(|a, b| a.gap.total_cmp(&b.gap))?;
         let [r, z] = self.rings[ring];
@@ -175,14 +182,14 @@ impl RigidWallContact {
         Some(best)
     }
 
-    fn measure(&self, point: &ContactPoint, pose: &Pose) -> Option<Touch> {
+    fn measure(&self, point: &ContactPoint, pose: &Pose) -> Option<WallDistance> {
         match point.station {
             Some(k) => self.touch(pose, self.station(point.ring, k)),
             None => self.deepest(pose, point.ring),
         }
     }
 
-    /// Looks for points that come closer than `reach` where the increment ends.
+    /// Finds the points with a gap below `reach` at the end of the increment.
     fn find_points(&mut self, body: &RigidBody3d, reach: f64) {
         let end = body.pose();
         let mut points = std::mem::take(&mut self.points);
@@ -198,8 +205,8 @@ impl RigidWallContact {
         self.points = points;
     }
 
-    /// Impulses on all points, and the velocities that they come to. Returns whether they press at all.
-    fn solve(&mut self, body: &RigidBody3d, motion: &mut Motion, dt: f64) -> bool {
+    /// Solves for the impulses on all points and updates the velocities. Returns whether any point is in contact.
+    fn solve(&mut self, body: &RigidBody3d, motion: &mut RigidMotion, dt: f64) -> bool {
         let axis = body.attitude.axis();
         for _ in 0..SWEEPS {
             let (mut change, mut largest) = (0.0_f64, 0.0_f64);
@@ -209,7 +216,7 @@ impl RigidWallContact {
                 let rate = dot(point.axes[0], velocity);
                 let missing = point.gap / dt + (rate - point.rate);
                 point.impulse[0] = (old[0] - missing / point.inverse_mass[0]).max(0.0);
-                point.rub(&self.pair.friction, velocity);
+                point.apply_friction(&self.pair.friction, velocity);
                 let given: [f64; 3] = inline_from_fn(|i| point.impulse[i] - old[i]);
                 let impulse = (0..3).fold([0.0; 3], |sum, i| plus(sum, given[i], point.axes[i]));
                 motion.velocity = plus(motion.velocity, 1.0 / body.mass, impulse);
@@ -225,8 +232,8 @@ impl RigidWallContact {
         true
     }
 
-    /// Gaps anew, where the body ends with its impulses.
-    fn measure_again(&mut self, body: &RigidBody3d, motion: &Motion) {
+    /// Updates the gaps after the impulses have moved the body.
+    fn measure_again(&mut self, body: &RigidBody3d, motion: &RigidMotion) {
         let mut points = std::mem::take(&mut self.points);
         let end = body.pose();
         for point in points.iter_mut().filter(|p| p.impulse[0] > 0.0) {
@@ -237,7 +244,7 @@ impl RigidWallContact {
         self.points = points;
     }
 
-    /// Moves the body with what points do to it; returns whether any touches.
+    /// Applies contact to the motion of the body; returns whether any point is in contact.
     fn collide(&mut self, body: &mut RigidBody3d, dt: f64) -> bool {
         let free = body.half;
         for _ in 0..ROUNDS {
@@ -250,7 +257,7 @@ impl RigidWallContact {
             let attitude = body.attitude;
             body.move_freely(dt);
             self.measure_again(body, &motion);
-            // Arms and masses stay those of the motion without contact.
+            // Lever arms and effective masses stay those of the motion without contact.
             body.attitude = attitude;
         }
         let touches = self.points.iter().any(|p| p.impulse[0] > 0.0);
@@ -260,7 +267,7 @@ impl RigidWallContact {
         touches
     }
 
-    /// All impulses about the centre of mass.
+    /// Returns the sum of all impulses about the centre of mass.
     fn sum(&self) -> Wrench {
         let mut sum = Wrench::default();
         for point in &self.points {
@@ -269,9 +276,9 @@ impl RigidWallContact {
         sum
     }
 
-    /// What contact and friction took of the energy: by friction its impulses times the mean velocity along the wall, all of it by the
-    /// balance of the body.
-    fn losses(&self, body: &mut RigidBody3d, free: &Motion) -> [f64; 2] {
+    /// Returns the energy dissipated by contact and by friction. Friction dissipates its impulses times the mean
+    /// tangential velocities; the total follows from the energy of the body.
+    fn losses(&self, body: &mut RigidBody3d, free: &RigidMotion) -> [f64; 2] {
         let motion = body.motion_of(body.half[0], body.half[1]);
         let mut friction = 0.0;
         for point in &self.points {
@@ -281,14 +288,15 @@ impl RigidWallContact {
         [body.take_lost_energy() - friction, friction]
     }
 
-    /// How long an increment may be with these velocities: to the wall, and a part of the body's size beyond.
-    fn look_ahead(&self, body: &RigidBody3d, [velocity, momentum]: [Vector; 2]) -> f64 {
+    /// Returns the longest increment for these velocities: the distance to the wall plus a fraction of the body's size,
+    /// over the speed.
+    fn look_ahead(&self, body: &RigidBody3d, [velocity, momentum]: [SpatialVector; 2]) -> f64 {
         let speed = body.speed_bound(&body.motion_of(velocity, momentum));
         let distance = (self.distance(body) - body.size).max(0.0) + self.travel * body.size;
         if speed > 0.0 { distance / speed } else { f64::INFINITY }
     }
 
-    /// Distance of the centre of mass from the wall.
+    /// Returns the distance of the centre of mass from the wall.
     fn distance(&self, body: &RigidBody3d) -> f64 {
         let [x, y, z] = body.centre;
         self.profile.nearest([x.portable_hypot(z), y], 0.0).gap.abs()
@@ -296,9 +304,9 @@ impl RigidWallContact {
 }
 
 impl ContactPoint {
-    /// Impulses along the wall that would stop the point there, as far as friction lets them.
-    fn rub(&mut self, friction: &Friction, velocity: Vector) {
-        if !friction.is_there() {
+    /// Computes the tangential impulses that stop the slip, limited by friction.
+    fn apply_friction(&mut self, friction: &CoulombFriction, velocity: SpatialVector) {
+        if !friction.is_active() {
             return;
         }
         let slip = [1, 2].inline_map(|i| dot(self.axes[i], velocity));
@@ -311,8 +319,8 @@ impl ContactPoint {
     }
 }
 
-/// A unit vector with two across it.
-fn basis(normal: Vector) -> [Vector; 3] {
+/// Returns a unit vector and two unit vectors perpendicular to it.
+fn basis(normal: SpatialVector) -> [SpatialVector; 3] {
     let [x, y, z] = normal.inline_map(f64::abs);
     let other = if x <= y && x <= z {
         [1.0, 0.0, 0.0]
@@ -338,12 +346,12 @@ impl Constraint for RigidWallContact {
         }
     }
 
-    fn accelerations(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>) {
+    fn accelerations(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {
         let [pressed, rubbed] = self.forces;
         dofs.bodies[self.pair.bodies[1]].reaction += pressed[1] + rubbed[1];
     }
 
-    fn motion(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>, dt: f64) {
+    fn motion(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>, dt: f64) {
         let half = 0.5 * (dt + std::mem::replace(&mut self.previous_dt, dt));
         let Dofs { bodies, energies, .. } = dofs;
         let Some(body) = &mut bodies[self.pair.bodies[0]].spatial else { return };
@@ -367,8 +375,8 @@ impl Constraint for RigidWallContact {
         self.longest = self.look_ahead(body, body.half);
     }
 
-    fn max_increment(&self, _clock: &Clock<'_>) -> Limit {
-        Limit { time: self.longest, jump: false }
+    fn max_increment(&self, _clock: &AmplitudeClock<'_>) -> IncrementLimit {
+        IncrementLimit { time: self.longest, jump: false }
     }
 
     fn view(&self) -> ConstraintView<'_> {
@@ -377,11 +385,11 @@ impl Constraint for RigidWallContact {
 }
 
 impl ContactResults for RigidWallContact {
-    fn value_at_point(&self, _carrier: Carrier, _part: Part) -> Option<f64> {
+    fn value_at_point(&self, _carrier: PointCarrier, _part: VariableComponent) -> Option<f64> {
         None
     }
 
-    fn value_of_pair(&self, pair: usize, part: Part) -> Option<f64> {
+    fn value_of_pair(&self, pair: usize, part: VariableComponent) -> Option<f64> {
         if pair != self.pair.number {
             return None;
         }

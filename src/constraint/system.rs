@@ -1,39 +1,39 @@
-//! Equations that share degrees of freedom, factorised: what one of them changes, all of them know.
-//! Never here: where equations come from, time.
+//! Systems of equations that share degrees of freedom: factorisation and solution.
 
 use std::collections::HashMap;
 
-use super::bonds::Dependent;
+use super::bonds::DependentEquation;
 use super::dependence::sources;
 use crate::kernel::lists::heap_bytes;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
-/// One unknown of the equations: a degree of freedom, or several that move alike.
+/// Unknown of the equations: a degree of freedom, or several with equal motion.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Freedom {
-    /// Nodes; the first leads: where the motion is given it is the one whose motion is.
+pub(super) struct EquationUnknown {
+    /// Nodes; the first one leads. If one has a prescribed motion, it is the first.
     pub members: Vec<usize>,
     /// 0 along r, 1 along z.
     pub axis: usize,
-    /// One over the mass of all members; 0 where the motion is given.
-    pub softness: f64,
-    /// Force of the equations on it.
-    pub pull: f64,
-    /// What the equations change, before it is applied.
+    /// One over the mass of all members; 0 if the motion is prescribed.
+    pub inverse_mass: f64,
+    /// Force of the equations.
+    pub constraint_force: f64,
+    /// Impulse of the equations, before it is applied.
     pub change: f64,
-    /// What it has before the equations.
+    /// Value before the equations are applied.
     pub value: f64,
-    /// Of a given motion: the force that its change over the increment behind took, which shows one increment late.
+    /// For a prescribed motion, the inertial force of the other members from the change of velocity over the previous
+    /// increment. It acts on the reaction one increment late.
     pub inertia: f64,
 }
 
-impl Freedom {
+impl EquationUnknown {
     pub fn is_shared(&self) -> bool {
         self.members.len() > 1
     }
 
-    /// Force on a member beside constraints: what its mass makes of it, or the load where it has none.
+    /// Returns the force on a member: mass times acceleration, or the load on a node without mass.
     pub fn force(&self, member: usize, dofs: &Dofs) -> f64 {
         let mass = dofs.nodes.mass[member];
         if mass > 0.0 { mass * dofs.nodes.acceleration[member][self.axis] } else { load(dofs, member, self.axis) }
@@ -44,51 +44,51 @@ pub(super) fn load(dofs: &Dofs, node: usize, axis: usize) -> f64 {
     dofs.nodes.forces[0].get(node).map_or(0.0, |f| f[axis])
 }
 
-/// A row of a lower triangle from its first column that is not zero.
+/// Row of a lower triangular matrix, from its first nonzero column.
 #[derive(Clone, Debug, Default)]
-struct Row {
+struct FactorRow {
     first: usize,
     values: Vec<f64>,
 }
 
-impl Row {
+impl FactorRow {
     fn at(&self, column: usize) -> f64 {
         self.values[column - self.first]
     }
 }
 
-/// Equations that share degrees of freedom, factorised.
+/// Factorised equations that share degrees of freedom.
 #[derive(Clone, Debug, Default)]
-pub struct System {
-    pub(super) freedoms: Vec<Freedom>,
-    /// Terms of each equation: index of the freedom, coefficient.
+pub struct EquationSystem {
+    pub(super) unknowns: Vec<EquationUnknown>,
+    /// Terms of each equation: index of the unknown, coefficient.
     rows: Vec<Vec<(usize, f64)>>,
-    /// Which equations follow from others and may be left to them.
+    /// Whether an equation is dropped, instead of an error, if it depends linearly on others.
     spare: Vec<bool>,
     /// Lower triangle of the Cholesky factor of C M^-1 C^T.
-    factor: Vec<Row>,
-    /// The last row that has something in a column.
+    factor: Vec<FactorRow>,
+    /// Last row with an entry in each column.
     last: Vec<usize>,
     lambda: Vec<f64>,
 }
 
-impl System {
-    /// A freedom that no equation concerns: what moves alike.
-    pub(super) fn alone(freedom: Freedom) -> System {
-        System { freedoms: vec![freedom], ..System::default() }
+impl EquationSystem {
+    /// A system of one unknown without equations: nodes with equal motion.
+    pub(super) fn without_equations(unknown: EquationUnknown) -> EquationSystem {
+        EquationSystem { unknowns: vec![unknown], ..EquationSystem::default() }
     }
 
-    /// Factorises rows over freedoms; `members` are the numbers of the equations, for messages, `spare` tells which may be left
-    /// out where they follow from those before.
+    /// Factorises the equations. `members` are the indices of the equations for messages; `spare` marks those that are
+    /// dropped if they depend on previous ones.
     pub(super) fn new(
-        freedoms: Vec<Freedom>,
+        unknowns: Vec<EquationUnknown>,
         rows: Vec<Vec<(usize, f64)>>,
         members: &[usize],
         spare: Vec<bool>,
-    ) -> Result<System, Dependent> {
+    ) -> Result<EquationSystem, DependentEquation> {
         let n = rows.len();
         let mut system =
-            System { freedoms, rows, spare, factor: Vec::new(), last: (0..n).collect(), lambda: vec![0.0; n] };
+            EquationSystem { unknowns, rows, spare, factor: Vec::new(), last: (0..n).collect(), lambda: vec![0.0; n] };
         for row in system.matrix() {
             system.factor.push(row);
         }
@@ -96,7 +96,7 @@ impl System {
             if !system.eliminate(i) {
                 let before: Vec<Vec<f64>> = (0..i).map(|i| system.weighted(i)).collect();
                 let follows_from = sources(&before, &system.weighted(i)).into_iter().map(|i| members[i]).collect();
-                return Err(Dependent { equation: members[i], follows_from });
+                return Err(DependentEquation { equation: members[i], follows_from });
             }
         }
         for (i, row) in system.factor.iter().enumerate() {
@@ -105,25 +105,26 @@ impl System {
         Ok(system)
     }
 
-    /// The lower triangle of C M^-1 C^T, each row from its first column that two equations share.
-    fn matrix(&self) -> Vec<Row> {
+    /// Returns the lower triangle of C M^-1 C^T; each row starts at its first nonzero column.
+    fn matrix(&self) -> Vec<FactorRow> {
         let mut first_of: HashMap<usize, usize> = HashMap::new();
         let mut matrix = Vec::with_capacity(self.rows.len());
         for (i, row) in self.rows.iter().enumerate() {
-            let soft = row.iter().filter(|t| self.freedoms[t.0].softness > 0.0);
+            let soft = row.iter().filter(|t| self.unknowns[t.0].inverse_mass > 0.0);
             let first = soft.map(|t| *first_of.entry(t.0).or_insert(i)).min().unwrap_or(i);
-            matrix.push(Row { first, values: (first..=i).map(|j| self.product(i, j)).collect() });
+            matrix.push(FactorRow { first, values: (first..=i).map(|j| self.product(i, j)).collect() });
         }
         matrix
     }
 
-    /// An entry of C M^-1 C^T.
+    /// Returns one entry of C M^-1 C^T.
     fn product(&self, i: usize, j: usize) -> f64 {
         let other = |f: usize| self.rows[j].iter().filter(|t| t.0 == f).map(|t| t.1).sum::<f64>();
-        self.rows[i].iter().map(|&(f, c)| c * self.freedoms[f].softness * other(f)).sum()
+        self.rows[i].iter().map(|&(f, c)| c * self.unknowns[f].inverse_mass * other(f)).sum()
     }
 
-    /// Turns a row of the matrix into one of its Cholesky factor, given those before. Returns whether the row can be kept.
+    /// Replaces a row of the matrix with the row of its Cholesky factor; previous rows are complete. Returns `false` if
+    /// the row depends on previous rows.
     fn eliminate(&mut self, i: usize) -> bool {
         let mut row = std::mem::take(&mut self.factor[i]);
         let diagonal = row.at(i);
@@ -135,12 +136,12 @@ impl System {
         }
         let sum: f64 = (row.first..i).map(|k| row.at(k) * row.at(k)).sum();
         let rest = diagonal - sum;
-        // What rounding leaves of a row that depends on others.
+        // The remainder of a dependent row is rounding error.
         if rest.is_nan() || rest <= 1e-10 * diagonal {
             if !self.spare[i] {
                 return false;
             }
-            row = Row { first: i, values: vec![1.0] };
+            row = FactorRow { first: i, values: vec![1.0] };
             self.rows[i].clear();
         } else if let Some(last) = row.values.last_mut() {
             *last = rest.sqrt();
@@ -149,48 +150,48 @@ impl System {
         true
     }
 
-    /// Coefficients of a row in units of the root of the mass, over the freedoms of the system.
+    /// Returns the coefficients of a row divided by the square roots of the masses.
     fn weighted(&self, row: usize) -> Vec<f64> {
-        let mut weighted = vec![0.0; self.freedoms.len()];
+        let mut weighted = vec![0.0; self.unknowns.len()];
         for &(f, c) in &self.rows[row] {
-            weighted[f] += c * self.freedoms[f].softness.sqrt();
+            weighted[f] += c * self.unknowns[f].inverse_mass.sqrt();
         }
         weighted
     }
 
-    /// What must be taken from each freedom so that `value` satisfies the equations, as an impulse: in its `change`. A shared
-    /// freedom has the mean of its members by mass, to which forces on members without mass add where `forced` says so.
+    /// Computes the impulse on each unknown that makes `value` satisfy the equations, and stores it in `change`. The
+    /// value of a shared unknown is the mass-weighted mean of its members; `forced` adds the forces on members without
+    /// mass.
     pub(super) fn solve(&mut self, dofs: &Dofs, value: impl Fn(usize, usize) -> f64, forced: bool) {
-        for f in &mut self.freedoms {
+        for f in &mut self.unknowns {
             f.value = value(f.members[0], f.axis);
-            if f.is_shared() && f.softness > 0.0 {
+            if f.is_shared() && f.inverse_mass > 0.0 {
                 let own = |&n: &usize| match dofs.nodes.mass[n] {
                     mass if mass > 0.0 => mass * value(n, f.axis),
                     _ if forced => load(dofs, n, f.axis),
                     _ => 0.0,
                 };
-                f.value = f.softness * f.members.iter().map(own).sum::<f64>();
+                f.value = f.inverse_mass * f.members.iter().map(own).sum::<f64>();
             }
         }
         self.multiply();
     }
 
-    /// The same for freedoms that are one number a node each, without forces of their own: temperatures with capacities for
-    /// masses.
+    /// Computes the same for scalar unknowns without loads, such as nodal temperatures with heat capacities as masses.
     pub fn balance(&mut self, value: impl Fn(usize) -> f64) {
-        self.freedoms.iter_mut().for_each(|f| f.value = value(f.members[0]));
+        self.unknowns.iter_mut().for_each(|f| f.value = value(f.members[0]));
         self.multiply();
     }
 
-    /// What [`System::balance`] gives each node.
+    /// Returns node and change of each unknown after [`EquationSystem::balance`].
     pub fn changes(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.freedoms.iter().map(|f| (f.members[0], f.change))
+        self.unknowns.iter().map(|f| (f.members[0], f.change))
     }
 
-    /// Takes on other masses, and factorises anew in the room there is.
-    pub fn weigh(&mut self, mass: impl Fn(usize) -> f64) {
-        let free = self.freedoms.iter_mut().filter(|f| f.softness > 0.0);
-        free.for_each(|f| f.softness = 1.0 / mass(f.members[0]));
+    /// Updates the masses and factorises again without allocation.
+    pub fn update_masses(&mut self, mass: impl Fn(usize) -> f64) {
+        let free = self.unknowns.iter_mut().filter(|f| f.inverse_mass > 0.0);
+        free.for_each(|f| f.inverse_mass = 1.0 / mass(f.members[0]));
         for i in 0..self.rows.len() {
             if self.rows[i].is_empty() {
                 continue;
@@ -199,16 +200,16 @@ impl System {
             let first = row.first;
             row.values.iter_mut().enumerate().for_each(|(at, value)| *value = self.product(i, first + at));
             self.factor[i] = row;
-            // What was independent stays so whatever the masses are.
+            // Independent rows stay independent for any masses.
             self.eliminate(i);
         }
     }
 
-    /// The multipliers of the equations for the values of freedoms, and the impulse that each takes from them.
+    /// Solves for the multipliers of the equations and for the impulse on each unknown.
     fn multiply(&mut self) {
         let n = self.rows.len();
         for i in 0..n {
-            let residual: f64 = self.rows[i].iter().map(|&(f, c)| c * self.freedoms[f].value).sum();
+            let residual: f64 = self.rows[i].iter().map(|&(f, c)| c * self.unknowns[f].value).sum();
             let row = &self.factor[i];
             let done: f64 = (row.first..i).map(|j| row.at(j) * self.lambda[j]).sum();
             self.lambda[i] = (residual - done) / row.at(i);
@@ -218,89 +219,90 @@ impl System {
             let done: f64 = below.map(|j| self.factor[j].at(i) * self.lambda[j]).sum();
             self.lambda[i] = (self.lambda[i] - done) / self.factor[i].at(i);
         }
-        self.freedoms.iter_mut().for_each(|f| f.change = 0.0);
+        self.unknowns.iter_mut().for_each(|f| f.change = 0.0);
         for (row, lambda) in self.rows.iter().zip(&self.lambda) {
             for &(f, c) in row {
-                self.freedoms[f].change -= c * lambda;
+                self.unknowns[f].change -= c * lambda;
             }
         }
     }
 
-    /// Gives members of shared freedoms the acceleration of all, and others what the equations change.
+    /// Adds the changes to accelerations; members of shared unknowns get the common acceleration.
     pub(super) fn accelerate(&mut self, dofs: &mut Dofs) {
-        for f in &mut self.freedoms {
-            f.pull = f.change;
+        for f in &mut self.unknowns {
+            f.constraint_force = f.change;
             if !f.is_shared() {
-                dofs.nodes.acceleration[f.members[0]][f.axis] += f.change * f.softness;
+                dofs.nodes.acceleration[f.members[0]][f.axis] += f.change * f.inverse_mass;
                 continue;
             }
-            let new = f.value + f.change * f.softness;
-            let behind = 0.5 * dofs.nodes.behind;
+            let new = f.value + f.change * f.inverse_mass;
+            let behind = 0.5 * dofs.nodes.previous_dt;
             for (i, &n) in f.members.iter().enumerate() {
                 let (force, mass) = (f.force(n, dofs), dofs.nodes.mass[n]);
                 if mass == 0.0 {
-                    // The pass over nodes took no kinetic energy of this force, as it found no mass.
+                    // The pass over nodes added no kinetic energy of this force, because the node has no mass.
                     dofs.energies.kinetic += behind * *dofs.nodes[n].velocity(f.axis) * force;
                 }
-                if f.softness == 0.0 && (i > 0 || mass == 0.0) {
-                    f.pull += force - mass * new;
+                if f.inverse_mass == 0.0 && (i > 0 || mass == 0.0) {
+                    f.constraint_force += force - mass * new;
                 }
                 dofs.nodes.acceleration[n][f.axis] = new;
             }
         }
     }
 
-    /// Holds velocities to the equations, and takes places along over the increment `dt`. An impulse acts over the time
-    /// `half`; the work on freedoms that move on their own comes from motions that are prescribed, as the sum over all is zero.
+    /// Corrects velocities by the equations, and positions with them over the increment `dt`. An impulse acts over the
+    /// time `half`. The work on free unknowns is that of prescribed motions, because the constraint forces together do
+    /// no work.
     pub(super) fn hold_velocities(&mut self, dofs: &mut Dofs, dt: f64, half: f64) {
         let nodes = &dofs.nodes;
         self.solve(dofs, |node, axis| *nodes[node].clone().velocity(axis), false);
-        for f in &mut self.freedoms {
+        for f in &mut self.unknowns {
             if f.is_shared() {
                 f.hold_members(dofs, dt, half);
-            } else if f.softness > 0.0 {
-                let change = f.change * f.softness;
-                shift(dofs, f.members[0], f.axis, change, dt, half);
-                f.book(dofs, half, half * f.pull + f.change);
+            } else if f.inverse_mass > 0.0 {
+                let change = f.change * f.inverse_mass;
+                change_velocity(dofs, f.members[0], f.axis, change, dt, half);
+                f.add_work(dofs, half, half * f.constraint_force + f.change);
             }
         }
     }
 
-    /// The force of the equations on a degree of freedom.
+    /// Returns the force of the equations on a degree of freedom.
     pub(super) fn constraint_force(&self, node: usize, axis: usize) -> Option<f64> {
-        let f = self.freedoms.iter().find(|f| f.axis == axis && f.members.contains(&node))?;
-        Some(if f.members[0] == node { f.pull + f.inertia } else { 0.0 })
+        let f = self.unknowns.iter().find(|f| f.axis == axis && f.members.contains(&node))?;
+        Some(if f.members[0] == node { f.constraint_force + f.inertia } else { 0.0 })
     }
 
     pub fn bytes(&self) -> usize {
         let rows: usize = self.rows.iter().map(|r| size_of_val(r) + heap_bytes(r)).sum();
         let factor: usize = self.factor.iter().map(|r| size_of_val(r) + 8 * r.values.capacity()).sum();
-        let members: usize = self.freedoms.iter().map(|f| heap_bytes(&f.members)).sum();
-        let own = heap_bytes(&self.freedoms) + self.spare.capacity();
+        let members: usize = self.unknowns.iter().map(|f| heap_bytes(&f.members)).sum();
+        let own = heap_bytes(&self.unknowns) + self.spare.capacity();
         rows + factor + members + own + 8 * (self.lambda.capacity() + self.last.capacity())
     }
 }
 
-impl Freedom {
+impl EquationUnknown {
     fn hold_members(&mut self, dofs: &mut Dofs, dt: f64, half: f64) {
-        let new = self.value + self.change * self.softness;
-        let given = self.softness == 0.0;
+        let new = self.value + self.change * self.inverse_mass;
+        let given = self.inverse_mass == 0.0;
         let mut impulse = 0.0;
         for &n in &self.members[usize::from(given)..] {
             let change = new - *dofs.nodes[n].velocity(self.axis);
             impulse += dofs.nodes.mass[n] * change;
-            shift(dofs, n, self.axis, change, dt, half);
+            change_velocity(dofs, n, self.axis, change, dt, half);
         }
         if given {
-            // What is prescribed pulls the members along, and takes the loads of those that have no mass.
-            self.book(dofs, half, impulse - half * (self.pull - self.change));
+            // The prescribed motion accelerates the members and takes the loads of members without mass.
+            self.add_work(dofs, half, impulse - half * (self.constraint_force - self.change));
             self.inertia = if half > 0.0 { -impulse / half } else { 0.0 };
         } else {
-            self.book(dofs, half, half * self.pull + self.change);
+            self.add_work(dofs, half, half * self.constraint_force + self.change);
         }
     }
 
-    fn book(&self, dofs: &mut Dofs, half: f64, impulse: f64) {
+    fn add_work(&self, dofs: &mut Dofs, half: f64, impulse: f64) {
         if half > 0.0 {
             let n = self.members[0];
             let new = *dofs.nodes[n].velocity(self.axis);
@@ -310,8 +312,8 @@ impl Freedom {
     }
 }
 
-/// Changes the velocity of a node, and its place along with it.
-pub(super) fn shift(dofs: &mut Dofs, node: usize, axis: usize, change: f64, dt: f64, half: f64) {
+/// Changes the velocity of a node, and its position accordingly.
+pub(super) fn change_velocity(dofs: &mut Dofs, node: usize, axis: usize, change: f64, dt: f64, half: f64) {
     let n = &mut dofs.nodes[node];
     *n.velocity(axis) += change;
     *n.coordinate(axis) += dt * change;
@@ -320,7 +322,7 @@ pub(super) fn shift(dofs: &mut Dofs, node: usize, axis: usize, change: f64, dt: 
     }
 }
 
-persist_struct!(Freedom { pull, inertia } derived { members, axis, softness, change, value });
+persist_struct!(EquationUnknown { constraint_force, inertia } derived { members, axis, inverse_mass, change, value });
 
-// The factor follows from masses at the start of the step; the multipliers are solved for anew.
-persist_struct!(System { freedoms: fixed } derived { rows, spare, factor, last, lambda });
+// The factor follows from the masses at the start of the step; multipliers are solved for in each increment.
+persist_struct!(EquationSystem { unknowns: fixed } derived { rows, spare, factor, last, lambda });

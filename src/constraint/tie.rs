@@ -1,24 +1,25 @@
-//! Nodes of deformable bodies that belong to a rigid body as well: they move with it, and it takes their forces.
-//! Never here: the motion of rigid bodies.
+//! Nodes of deformable bodies that belong to a rigid body: they move with it, and it takes their forces.
 
 use super::{CarriedNodes, Constraint, ConstraintView, StoredConstraint};
 use crate::kernel::lists::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
-use crate::state::magnitude::Clock;
+use crate::state::magnitude::AmplitudeClock;
 
-/// The nodes that one rigid body carries. Their mass is the body's, in the solver they have none.
+/// Nodes that one rigid body carries. Their mass is added to the body and is zero in the solver.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tie {
+pub struct TiedNodes {
+    /// Row of the ledger.
     pub id: EffectId,
+    /// Index of the rigid body.
     pub body: usize,
-    /// Nodes, ascending.
+    /// Indices of the nodes, ascending.
     pub nodes: Vec<usize>,
 }
 
-impl Tie {
-    /// Puts tied nodes where their body is, with the velocity that it moves with.
+impl TiedNodes {
+    /// Moves the nodes with their body and sets their velocity.
     fn follow(&self, dofs: &mut Dofs, velocity: f64) {
         let displacement = dofs.bodies[self.body].displacement;
         for &n in &self.nodes {
@@ -30,25 +31,25 @@ impl Tie {
     }
 }
 
-impl Constraint for Tie {
+impl Constraint for TiedNodes {
     fn effect(&self) -> EffectId {
         self.id
     }
 
     fn begin(&mut self, dofs: &mut Dofs) {
-        if dofs.nodes.behind == 0.0 {
+        if dofs.nodes.previous_dt == 0.0 {
             let velocity = dofs.bodies[self.body].velocity;
             self.follow(dofs, velocity);
         }
     }
 
-    /// Tied nodes show the acceleration of their body.
-    fn accelerations(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>) {
+    /// Sets the acceleration of tied nodes, which is output only.
+    fn accelerations(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {
         let acceleration = dofs.bodies[self.body].acceleration;
         self.nodes.iter().for_each(|&n| dofs.nodes.acceleration[n] = [0.0, acceleration]);
     }
 
-    fn motion(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>, _dt: f64) {
+    fn motion(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>, _dt: f64) {
         let velocity = dofs.bodies[self.body].velocity_half;
         self.follow(dofs, velocity);
     }
@@ -59,10 +60,10 @@ impl Constraint for Tie {
     }
 }
 
-impl StoredConstraint for Tie {
+impl StoredConstraint for TiedNodes {
     fn memory(&self) -> MemoryUse {
         MemoryUse::of(&self.nodes)
     }
 }
 
-persist_struct!(Tie {} derived { id, body, nodes });
+persist_struct!(TiedNodes {} derived { id, body, nodes });

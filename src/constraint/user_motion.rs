@@ -1,47 +1,49 @@
-//! Motions prescribed by the user's routine (`*BOUNDARY, USER`): what it is asked, degree of freedom by degree of freedom.
-//! Never here: how bodies and nodes follow them.
+//! Motions prescribed by a user subroutine (`*BOUNDARY, USER`): one call per degree of freedom. The values become user
+//! amplitudes of a [`super::motion`].
 
-use super::motion::Prescribed;
+use super::motion::PrescribedQuantity;
 use crate::kernel::amplitude::SampledAmplitude;
 use crate::kernel::lists::heap_bytes;
 use crate::state::Instant;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
-use crate::state::halt::Halt;
-use crate::state::magnitude::{Clock, Magnitude};
+use crate::state::halt::HaltReason;
+use crate::state::magnitude::{AmplitudeClock, Magnitude};
 use crate::user::{LoadFailure, Locked, MotionCall};
 
-/// The motion of a set along one axis.
+/// Prescribed motion of a node set along one axis.
 #[derive(Clone, Debug)]
 pub struct UserMotion {
     /// Node set, upper case.
     pub set: String,
-    pub kind: Prescribed,
+    pub kind: PrescribedQuantity,
     /// Amplitude that the subroutine receives and applies itself.
     pub amplitude: Magnitude,
     pub asked: Vec<UserDof>,
-    /// Index of the first among the user amplitudes.
+    /// Index of the first of its user amplitudes.
     pub first: usize,
     pub increment_before: f64,
-    /// Whether it has been asked before: what its displacements count from stays as it is.
+    /// Whether the subroutine was called before, so that the origins of displacements are known.
     pub has_begun: bool,
 }
 
+/// A degree of freedom whose motion the subroutine prescribes.
 #[derive(Clone, Debug)]
 pub struct UserDof {
     pub dof: Dof,
     pub number: i32,
-    /// Coordinates of a rigid body's reference node at the start.
+    /// Initial coordinates of a rigid body's reference node.
     pub reference: [f64; 2],
-    /// Displacement when the motion began: what follows it counts from there.
+    /// Displacement when the motion began.
     pub offset: f64,
 }
 
 impl UserMotion {
-    /// Asks for the values at `arrival`, an increment away (0 at the start of a step), given the reactions.
+    /// Calls the subroutine for the values at `arrival`, which is `increment` after the current instant (0 at the start
+    /// of a step); `reaction` returns reaction forces.
     ///
     /// # Errors
-    /// Where the routine fails or gives no finite value; the run halts.
+    /// If the subroutine fails or returns a value that is not finite; the run halts.
     pub fn call(
         &mut self,
         arrival: &Instant,
@@ -50,9 +52,9 @@ impl UserMotion {
         reaction: &dyn Fn(Dof) -> f64,
         user_amplitudes: &mut [SampledAmplitude],
         user: &mut Locked<'_>,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), HaltReason> {
         let Some(routine) = user.motion.as_deref_mut() else { return Ok(()) };
-        let amplitude = self.amplitude.amplitude(&Clock { now: *arrival, user_amplitudes });
+        let amplitude = self.amplitude.amplitude(&AmplitudeClock { now: *arrival, user_amplitudes });
         for (i, asked) in self.asked.iter_mut().enumerate() {
             let state_of = |dof| [dofs.displacement(dof), dofs.velocity(dof), dofs.acceleration(dof), reaction(dof)];
             let state = state_of(asked.dof);
@@ -78,14 +80,14 @@ impl UserMotion {
             };
             let answer = routine.motion(&call).and_then(|value| {
                 let reason =
-                    || LoadFailure::new(format!("it gave the value {value} for degree of freedom {}", call.dof));
+                    || LoadFailure::new(format!("it returned the value {value} for degree of freedom {}", call.dof));
                 value.is_finite().then_some(value).ok_or_else(reason)
             });
             let what = || format!("the user motion of `{}` at node {}", self.set, asked.number);
             let value = answer.map_err(|failure| failure.halt(&what(), arrival))?;
-            // A displacement is the total one; the motion counts from where it began.
-            let base = if self.kind == Prescribed::Displacement { asked.offset } else { 0.0 };
-            user_amplitudes[self.first + i].tell(arrival.total_time, value - base);
+            // The subroutine returns the total displacement; the amplitude starts at the beginning of the motion.
+            let base = if self.kind == PrescribedQuantity::Displacement { asked.offset } else { 0.0 };
+            user_amplitudes[self.first + i].add_sample(arrival.total_time, value - base);
         }
         (self.increment_before, self.has_begun) = (increment, true);
         Ok(())

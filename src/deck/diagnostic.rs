@@ -1,78 +1,78 @@
-//! Diagnostics: what is wrong, where, why, and what would be right.
-//! Never here: the checks that find them.
+//! Diagnostics: errors, warnings and notes with their places in the deck and a suggested correction.
 
 use std::collections::HashMap;
 
 use super::source::{Sources, Span};
 
-/// Places that one finding shows at most.
+/// Maximum number of places that one diagnostic shows.
 const MOST_PLACES: usize = 4;
 
-/// How bad it is.
+/// Level of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// Worth knowing; nothing the result depends on.
+    /// Information that does not affect the result.
     Note,
-    /// Probably not what was meant; the run goes on.
+    /// A probable mistake; the run continues.
     Warning,
-    /// The deck is refused.
+    /// An invalid or unsupported input; the deck is not run.
     Error,
 }
 
-/// A place in a file and what to say of it.
+/// A place in a file with its text.
 #[derive(Clone, Debug)]
-pub struct Label {
-    /// Where.
+pub struct SourceLabel {
+    /// The place.
     pub span: Span,
-    /// What to write under the carets.
+    /// Text next to the carets that mark the span.
     pub text: String,
 }
 
-/// One finding. As an error of Rust it shows code and message; [`Diagnostics::render`] shows all of it.
+/// A diagnostic message. `Display` prints the code and the message; [`Diagnostics::render`] also prints places and
+/// help.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{code}: {message}")]
 pub struct Diagnostic {
-    /// How bad.
+    /// Level.
     pub severity: Severity,
-    /// Stable code (`D…` deck, `M…` model, `P…` plan); `revolve explain CODE` tells more.
+    /// Code (`D…` deck, `M…` model, `P…` plan), explained by `revolve explain CODE`.
     pub code: &'static str,
-    /// One sentence: what is wrong.
+    /// One sentence that states the problem.
     pub message: String,
-    /// The place (first) and related places.
-    pub labels: Vec<Label>,
-    /// What would be right.
+    /// The place of the problem, then related places.
+    pub labels: Vec<SourceLabel>,
+    /// Suggested correction.
     pub help: Option<String>,
 }
 
 impl Diagnostic {
-    /// A finding of the given severity.
+    /// Creates a diagnostic without places and help.
     pub fn new(severity: Severity, code: &'static str, message: impl Into<String>) -> Self {
         Diagnostic { severity, code, message: message.into(), labels: Vec::new(), help: None }
     }
 
-    /// The deck is refused because of this.
+    /// Creates an error.
     pub fn error(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Severity::Error, code, message)
     }
 
-    /// Probably a slip; the run goes on.
+    /// Creates a warning.
     pub fn warning(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Severity::Warning, code, message)
     }
 
-    /// Worth knowing.
+    /// Creates a note.
     pub fn note(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Severity::Note, code, message)
     }
 
-    /// Adds a place; the first added is the one the finding is about.
+    /// Adds a place. The first one is the place of the problem, the others are related places.
     #[must_use]
     pub fn at(mut self, span: Span, text: impl Into<String>) -> Self {
-        self.labels.push(Label { span, text: text.into() });
+        self.labels.push(SourceLabel { span, text: text.into() });
         self
     }
 
-    /// Says what would be right.
+    /// Sets the suggested correction.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.help = Some(text.into());
@@ -80,50 +80,50 @@ impl Diagnostic {
     }
 }
 
-/// Findings collected over a whole deck: reading goes on after an error so that all are shown at once.
+/// Diagnostics of a deck. Checks continue after an error, so that all errors are reported together.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
     list: Vec<Diagnostic>,
 }
 
 impl Diagnostics {
-    /// Adds a finding.
+    /// Adds a diagnostic.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         self.list.push(diagnostic);
     }
 
-    /// Adds a finding in place of what would have been read.
+    /// Adds a diagnostic and returns `None`, for use in place of the value that could not be read.
     pub fn refuse<T>(&mut self, diagnostic: Diagnostic) -> Option<T> {
         self.push(diagnostic);
         None
     }
 
-    /// All findings in the order found.
+    /// Iterates over all diagnostics in the order in which they were added.
     pub fn iter(&self) -> impl Iterator<Item = &Diagnostic> {
         self.list.iter()
     }
 
-    /// Whether the deck must be refused.
+    /// Returns whether there is an error.
     pub fn has_errors(&self) -> bool {
         self.list.iter().any(|d| d.severity == Severity::Error)
     }
 
-    /// Whether nothing was found.
+    /// Returns whether there is no diagnostic.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
-    /// How many findings there are.
+    /// Returns the number of diagnostics.
     pub fn len(&self) -> usize {
         self.list.len()
     }
 
-    /// Drops findings that follow from others.
+    /// Keeps the diagnostics for which `keep` returns true.
     pub fn retain(&mut self, keep: impl FnMut(&Diagnostic) -> bool) {
         self.list.retain(keep);
     }
 
-    /// Makes one finding of those that say the same of several places.
+    /// Merges diagnostics with the same code, message and help into one with several places.
     pub fn merge_repeats(&mut self) {
         let mut first: HashMap<(&'static str, String, Option<String>), usize> = HashMap::new();
         let mut counts: Vec<usize> = Vec::new();
@@ -135,7 +135,7 @@ impl Diagnostics {
                     counts[at] += 1;
                     if counts[at] <= MOST_PLACES {
                         let label = finding.labels.into_iter().next();
-                        merged[at].labels.extend(label.map(|l| Label { text: "also here".into(), ..l }));
+                        merged[at].labels.extend(label.map(|l| SourceLabel { text: "also here".into(), ..l }));
                     }
                 }
                 None => {
@@ -151,27 +151,27 @@ impl Diagnostics {
         self.list = merged;
     }
 
-    /// Drops everything but errors.
+    /// Removes warnings and notes.
     pub fn keep_errors(&mut self) {
         self.list.retain(|d| d.severity == Severity::Error);
     }
 
-    /// Takes over the findings of `other`.
+    /// Appends the diagnostics of `other`.
     pub fn append(&mut self, mut other: Diagnostics) {
         self.list.append(&mut other.list);
     }
 
-    /// How many errors there are.
+    /// Returns the number of errors.
     pub fn error_count(&self) -> usize {
         self.list.iter().filter(|d| d.severity == Severity::Error).count()
     }
 
-    /// The findings as plain text: file, line, column, caret, reason, help; about twenty of each severity.
+    /// Returns the diagnostics as plain text with excerpts of the deck; at most 20 of each severity.
     pub fn render(&self, sources: &Sources) -> String {
         super::render::render(&self.list, sources, false)
     }
 
-    /// The same with colours, for a terminal.
+    /// Returns the same text as [`Diagnostics::render`] with terminal colours.
     pub fn render_styled(&self, sources: &Sources) -> String {
         super::render::render(&self.list, sources, true)
     }

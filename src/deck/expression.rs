@@ -1,18 +1,18 @@
-//! Arithmetic in text: numbers, names, functions. An expression becomes a list of operations for a stack machine, so neither
-//! reading nor evaluating can run away.
-//! Never here: what the names stand for.
+//! Arithmetic expressions with names and functions. An expression is compiled to a list of operations for a stack
+//! machine; its
+//! length and depth are limited, so that parsing and evaluation always terminate.
 
 use super::names::nearest;
 use super::number;
 
-/// Longer texts are refused.
+/// Maximum length of an expression, bytes.
 const LONGEST: usize = 4096;
-/// Deeper nesting is refused.
+/// Maximum depth of nesting.
 const DEEPEST: usize = 64;
-/// How strongly a sign binds: stronger than `*`, weaker than `**` to its right.
+/// Precedence of a sign: higher than `*`, lower than `**` to its right.
 const SIGN: u8 = 30;
 
-/// What is wrong with an expression, and where in its text.
+/// Error in an expression, with its byte range in the text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct ExpressionError {
@@ -20,49 +20,50 @@ pub struct ExpressionError {
     pub start: usize,
     /// One past the last byte.
     pub end: usize,
-    /// What is wrong.
+    /// Description of the error.
     pub message: String,
-    /// The name nothing is known of, if that is what is wrong.
+    /// The undefined name, if that is the error.
     pub unknown: Option<String>,
 }
 
-/// What a function is called with.
+/// Argument of a function of the caller.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Argument {
+pub enum FunctionArgument {
     /// A value.
     Number(f64),
-    /// The text between the parentheses, of a function that takes names.
+    /// The text between the parentheses, for functions that take names.
     Raw(String),
 }
 
-/// Functions of the caller: the value, what is wrong, or `None` where the function is not the caller's.
-pub type Functions<'a> = dyn Fn(&str, &[Argument]) -> Option<Result<f64, String>> + 'a;
+/// Functions that the caller provides: returns the value or an error message, or `None` if it does not define the
+/// function.
+pub type CallerFunctions<'a> = dyn Fn(&str, &[FunctionArgument]) -> Option<Result<f64, String>> + 'a;
 
-/// An expression that has been read.
+/// A parsed expression.
 #[derive(Clone, Debug)]
 pub struct Expression {
-    operations: Vec<Located>,
+    operations: Vec<LocatedOperation>,
 }
 
 #[derive(Clone, Debug)]
-struct Located {
-    operation: Operation,
+struct LocatedOperation {
+    operation: StackOperation,
     start: usize,
     end: usize,
 }
 
 #[derive(Clone, Debug)]
-enum Operation {
+enum StackOperation {
     Number(f64),
     Name(String),
     Negate,
-    Binary(Binary),
+    Binary(BinaryOperator),
     Call(String, usize),
     Raw(String, String),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Binary {
+enum BinaryOperator {
     Add,
     Subtract,
     Multiply,
@@ -73,43 +74,53 @@ enum Binary {
 }
 
 impl Expression {
-    /// Reads an expression: `+ - * / // % **` as in Python (`/` is true division, `**` groups from the right), parentheses,
+    /// Parses an expression: `+ - * / // % **` as in Python (`/` is true division, `**` is right-associative),
+    /// parentheses,
     /// names, `f(x, y)`, numbers such as `340e6`, `.5`, `1.d0`.
     pub fn parse(text: &str) -> Result<Expression, ExpressionError> {
         Self::parse_with(text, &[])
     }
 
-    /// The same; what stands between the parentheses of the functions named in `raw_functions` is taken as it is
-    /// (`final(U2@REF-1)`) and handed over as [`Argument::Raw`].
+    /// Parses an expression in which the text between the parentheses of `raw_functions`, such as `final(U2@REF-1)`, is
+    /// not
+    /// parsed but passed to the function as [`Argument::Raw`].
     pub fn parse_with(text: &str, raw_functions: &[&str]) -> Result<Expression, ExpressionError> {
-        Reader { text, at: 0, depth: 0, raw_functions, long_names: &|_| 0, operations: Vec::new() }.read()
+        ExpressionParser { text, at: 0, depth: 0, raw_functions, long_names: &|_| 0, operations: Vec::new() }.read()
     }
 
-    /// The same over names that hold more than letters, digits and `_`, such as `U2@BAR-1.TOP`: `long_names` tells how many bytes
-    /// at the beginning of a text are one of them, 0 if it begins with none.
+    /// Parses an expression whose names may contain other characters than letters, digits and `_`, such as
+    /// `U2@BAR-1.TOP`.
+    /// `long_names` returns the length in bytes of such a name at the beginning of a text, 0 if there is none.
     pub fn parse_over(text: &str, long_names: &dyn Fn(&str) -> usize) -> Result<Expression, ExpressionError> {
-        Reader { text, at: 0, depth: 0, raw_functions: &[], long_names, operations: Vec::new() }.read()
+        ExpressionParser { text, at: 0, depth: 0, raw_functions: &[], long_names, operations: Vec::new() }.read()
     }
 
-    /// Refuses names of which nothing is known and calls of functions that there are not.
+    /// Checks that all names and functions are defined.
     pub fn check(&self, is_known: &dyn Fn(&str) -> bool) -> Result<(), ExpressionError> {
-        for Located { operation, start, end } in &self.operations {
+        for LocatedOperation { operation, start, end } in &self.operations {
             let fail = |message: String| error(*start..*end, message);
             match operation {
-                Operation::Name(name) if !is_known(name) && constant(name).is_none() => {
+                StackOperation::Name(name) if !is_known(name) && constant(name).is_none() => {
                     let unknown = Some(name.clone());
                     return Err(ExpressionError { unknown, ..fail(format!("`{name}` is not defined")) });
                 }
-                Operation::Call(name, count) => built_in(name, &vec![1.0; *count]).map(|_| ()).map_err(fail)?,
+                StackOperation::Call(name, count) => built_in(name, &vec![1.0; *count]).map(|_| ()).map_err(fail)?,
                 _ => {}
             }
         }
         Ok(())
     }
 
-    /// The value. `lookup` knows the names; `call` knows functions of its own and answers `None` for others, of which the
-    /// usual ones (`sqrt sin cos tan asin acos atan atan2 exp log log10 abs min max int float round pow`) are built in, as is `pi`.
-    pub fn evaluate(&self, lookup: &dyn Fn(&str) -> Option<f64>, call: &Functions<'_>) -> Result<f64, ExpressionError> {
+    /// Evaluates the expression. `lookup` returns the values of names. `call` evaluates functions of the caller and
+    /// returns
+    /// `None` for others. Built in are `sqrt sin cos tan asin acos atan atan2 exp log log10 abs min max int float round
+    /// pow` and
+    /// `pi`.
+    pub fn evaluate(
+        &self,
+        lookup: &dyn Fn(&str) -> Option<f64>,
+        call: &CallerFunctions<'_>,
+    ) -> Result<f64, ExpressionError> {
         let mut stack = Vec::new();
         for located in &self.operations {
             let value = step(located, &mut stack, lookup, call)?;
@@ -118,18 +129,18 @@ impl Expression {
         Ok(stack.pop().unwrap_or(f64::NAN))
     }
 
-    /// The names the value depends on.
+    /// Iterates over the names in the expression.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.operations.iter().filter_map(|l| match &l.operation {
-            Operation::Name(name) => Some(name.as_str()),
+            StackOperation::Name(name) => Some(name.as_str()),
             _ => None,
         })
     }
 
-    /// The raw arguments of raw functions, with the functions' names.
+    /// Iterates over the raw functions of the expression: name and argument.
     pub fn raw_arguments(&self) -> impl Iterator<Item = (&str, &str)> {
         self.operations.iter().filter_map(|l| match &l.operation {
-            Operation::Raw(name, argument) => Some((name.as_str(), argument.as_str())),
+            StackOperation::Raw(name, argument) => Some((name.as_str(), argument.as_str())),
             _ => None,
         })
     }
@@ -139,30 +150,30 @@ fn error(range: std::ops::Range<usize>, message: impl Into<String>) -> Expressio
     ExpressionError { start: range.start, end: range.end, message: message.into(), unknown: None }
 }
 
-/// Carries out one operation on the stack and gives what it leaves there.
+/// Executes an operation: takes its operands from the stack and returns the result.
 fn step(
-    located: &Located,
+    located: &LocatedOperation,
     stack: &mut Vec<f64>,
     lookup: &dyn Fn(&str) -> Option<f64>,
-    call: &Functions<'_>,
+    call: &CallerFunctions<'_>,
 ) -> Result<f64, ExpressionError> {
     let fail = |message: String| error(located.start..located.end, message);
     match &located.operation {
-        Operation::Number(value) => Ok(*value),
-        Operation::Name(name) => lookup(name)
+        StackOperation::Number(value) => Ok(*value),
+        StackOperation::Name(name) => lookup(name)
             .or_else(|| constant(name))
             .ok_or_else(|| ExpressionError { unknown: Some(name.clone()), ..fail(format!("`{name}` is not defined")) }),
-        Operation::Negate => Ok(-pop(stack)),
-        Operation::Binary(binary) => {
+        StackOperation::Negate => Ok(-pop(stack)),
+        StackOperation::Binary(binary) => {
             let (right, left) = (pop(stack), pop(stack));
             apply(*binary, left, right).map_err(fail)
         }
-        Operation::Call(name, count) => {
+        StackOperation::Call(name, count) => {
             let values = stack.split_off(stack.len().saturating_sub(*count));
-            let arguments: Vec<Argument> = values.iter().copied().map(Argument::Number).collect();
+            let arguments: Vec<FunctionArgument> = values.iter().copied().map(FunctionArgument::Number).collect();
             call(name, &arguments).unwrap_or_else(|| built_in(name, &values)).map_err(fail)
         }
-        Operation::Raw(name, argument) => call(name, &[Argument::Raw(argument.clone())])
+        StackOperation::Raw(name, argument) => call(name, &[FunctionArgument::Raw(argument.clone())])
             .unwrap_or_else(|| Err(format!("there is no function `{name}`")))
             .map_err(fail),
     }
@@ -176,19 +187,19 @@ fn constant(name: &str) -> Option<f64> {
     (name == "pi").then_some(std::f64::consts::PI)
 }
 
-fn apply(binary: Binary, left: f64, right: f64) -> Result<f64, String> {
-    let divides = matches!(binary, Binary::Divide | Binary::Floor | Binary::Remainder);
+fn apply(binary: BinaryOperator, left: f64, right: f64) -> Result<f64, String> {
+    let divides = matches!(binary, BinaryOperator::Divide | BinaryOperator::Floor | BinaryOperator::Remainder);
     if divides && right == 0.0 {
         return Err("division by zero".into());
     }
     Ok(match binary {
-        Binary::Add => left + right,
-        Binary::Subtract => left - right,
-        Binary::Multiply => left * right,
-        Binary::Divide => left / right,
-        Binary::Floor => (left / right).floor(),
-        Binary::Remainder => left - right * (left / right).floor(),
-        Binary::Power => left.powf(right),
+        BinaryOperator::Add => left + right,
+        BinaryOperator::Subtract => left - right,
+        BinaryOperator::Multiply => left * right,
+        BinaryOperator::Divide => left / right,
+        BinaryOperator::Floor => (left / right).floor(),
+        BinaryOperator::Remainder => left - right * (left / right).floor(),
+        BinaryOperator::Power => left.powf(right),
     })
 }
 
@@ -240,16 +251,16 @@ fn no_such_call(name: &str, count: usize) -> String {
     }
 }
 
-struct Reader<'a> {
+struct ExpressionParser<'a> {
     text: &'a str,
     at: usize,
     depth: usize,
     raw_functions: &'a [&'a str],
     long_names: &'a dyn Fn(&str) -> usize,
-    operations: Vec<Located>,
+    operations: Vec<LocatedOperation>,
 }
 
-impl Reader<'_> {
+impl ExpressionParser<'_> {
     fn read(mut self) -> Result<Expression, ExpressionError> {
         if self.text.len() > LONGEST {
             return Err(error(0..self.text.len(), format!("the expression is longer than {LONGEST} characters")));
@@ -270,11 +281,11 @@ impl Reader<'_> {
         self.rest().chars().next()
     }
 
-    fn emit(&mut self, operation: Operation, start: usize) {
-        self.operations.push(Located { operation, start, end: self.at });
+    fn emit(&mut self, operation: StackOperation, start: usize) {
+        self.operations.push(LocatedOperation { operation, start, end: self.at });
     }
 
-    /// An operand and all operators behind it that bind at least as strongly as `strength`.
+    /// Parses an operand and the operators after it with a precedence of at least `strength`.
     fn expression(&mut self, strength: u8) -> Result<(), ExpressionError> {
         self.depth += 1;
         if self.depth > DEEPEST {
@@ -288,23 +299,23 @@ impl Reader<'_> {
             let start = self.at;
             self.at += length;
             self.expression(right)?;
-            self.emit(Operation::Binary(binary), start);
+            self.emit(StackOperation::Binary(binary), start);
         }
         self.depth -= 1;
         Ok(())
     }
 
-    /// The operator here: its length and how strongly it binds to its left and right.
-    fn operator(&mut self) -> Option<(Binary, usize, u8, u8)> {
+    /// Returns the operator at the current position: length in bytes, left and right precedence.
+    fn operator(&mut self) -> Option<(BinaryOperator, usize, u8, u8)> {
         self.peek()?;
         let found = match self.rest().as_bytes() {
-            [b'*', b'*', ..] => (Binary::Power, 2, 41, 40),
-            [b'/', b'/', ..] => (Binary::Floor, 2, 20, 21),
-            [b'+', ..] => (Binary::Add, 1, 10, 11),
-            [b'-', ..] => (Binary::Subtract, 1, 10, 11),
-            [b'*', ..] => (Binary::Multiply, 1, 20, 21),
-            [b'/', ..] => (Binary::Divide, 1, 20, 21),
-            [b'%', ..] => (Binary::Remainder, 1, 20, 21),
+            [b'*', b'*', ..] => (BinaryOperator::Power, 2, 41, 40),
+            [b'/', b'/', ..] => (BinaryOperator::Floor, 2, 20, 21),
+            [b'+', ..] => (BinaryOperator::Add, 1, 10, 11),
+            [b'-', ..] => (BinaryOperator::Subtract, 1, 10, 11),
+            [b'*', ..] => (BinaryOperator::Multiply, 1, 20, 21),
+            [b'/', ..] => (BinaryOperator::Divide, 1, 20, 21),
+            [b'%', ..] => (BinaryOperator::Remainder, 1, 20, 21),
             _ => return None,
         };
         Some(found)
@@ -317,7 +328,7 @@ impl Reader<'_> {
             Some('-') => {
                 self.at += 1;
                 self.expression(SIGN)?;
-                self.emit(Operation::Negate, start);
+                self.emit(StackOperation::Negate, start);
                 Ok(())
             }
             Some('+') => {
@@ -331,9 +342,10 @@ impl Reader<'_> {
             }
             Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
             Some(c) if c.is_alphabetic() || c == '_' => self.name(),
-            Some(c) => {
-                Err(error(start..start + c.len_utf8(), format!("`{c}` is not expected here: a number or a name is")))
-            }
+            Some(c) => Err(error(
+                start..start + c.len_utf8(),
+                format!("`{c}` is not expected here; expected a number or a name"),
+            )),
             None => Err(error(start..start, "the expression ends where a number or a name is expected")),
         }
     }
@@ -346,9 +358,9 @@ impl Reader<'_> {
         match self.peek() {
             Some(c) => {
                 let at = self.at..self.at + c.len_utf8();
-                Err(error(at, format!("`{c}` is not expected here: an operator or a parenthesis that closes is")))
+                Err(error(at, format!("`{c}` is not expected here; expected an operator or `)`")))
             }
-            None => Err(error(opened..self.at, "a parenthesis is not closed")),
+            None => Err(error(opened..self.at, "missing closing parenthesis")),
         }
     }
 
@@ -361,7 +373,7 @@ impl Reader<'_> {
         let word = &self.text[start..self.at];
         let value =
             number::parse_number(word).map_err(|_| error(start..self.at, format!("`{word}` is not a number")))?;
-        self.emit(Operation::Number(value), start);
+        self.emit(StackOperation::Number(value), start);
         Ok(())
     }
 
@@ -371,10 +383,11 @@ impl Reader<'_> {
         if long > 0 {
             self.at += long;
             let name = self.text[start..self.at].to_owned();
-            self.emit(Operation::Name(name), start);
+            self.emit(StackOperation::Name(name), start);
             return Ok(());
         }
-        // A history column that is not known is told as a whole.
+        // An unknown history column such as `U2@BAT.1` is read as one name, so that the error message shows the full
+        // name.
         let mut place = false;
         let is_of_name = |c: &char| {
             place |= *c == '@';
@@ -383,7 +396,11 @@ impl Reader<'_> {
         self.at += self.rest().chars().take_while(is_of_name).map(char::len_utf8).sum::<usize>();
         let name = self.text[start..self.at].to_owned();
         if self.peek() != Some('(') {
-            self.operations.push(Located { end: start + name.len(), start, operation: Operation::Name(name) });
+            self.operations.push(LocatedOperation {
+                end: start + name.len(),
+                start,
+                operation: StackOperation::Name(name),
+            });
             return Ok(());
         }
         self.at += 1;
@@ -393,8 +410,10 @@ impl Reader<'_> {
         if !self.raw_functions.is_empty() && !FUNCTIONS.contains(&name.as_str()) {
             let known = self.raw_functions.iter().copied();
             let near = nearest(&name, known.clone().chain(FUNCTIONS.iter().copied()));
-            let help =
-                near.map_or_else(|| known.collect::<Vec<_>>().join(", ") + " are", |n| format!("did you mean {n}?"));
+            let help = near.map_or_else(
+                || format!("known are {}", known.collect::<Vec<_>>().join(", ")),
+                |n| format!("did you mean {n}?"),
+            );
             return Err(error(start..start + name.len(), format!("there is no function {name}; {help}")));
         }
         self.arguments(name, start)
@@ -402,11 +421,11 @@ impl Reader<'_> {
 
     fn raw(&mut self, name: String, start: usize) -> Result<(), ExpressionError> {
         let Some(length) = matching(self.rest()) else {
-            return Err(error(start..self.text.len(), "a parenthesis is not closed"));
+            return Err(error(start..self.text.len(), "missing closing parenthesis"));
         };
         let argument = self.rest()[..length].trim().to_owned();
         self.at += length + 1;
-        self.emit(Operation::Raw(name, argument), start);
+        self.emit(StackOperation::Raw(name, argument), start);
         Ok(())
     }
 
@@ -421,12 +440,12 @@ impl Reader<'_> {
             self.at += 1;
         }
         self.close(start)?;
-        self.emit(Operation::Call(name, count), start);
+        self.emit(StackOperation::Call(name, count), start);
         Ok(())
     }
 }
 
-/// Where the parenthesis closes that stands open before this text.
+/// Returns the position of the parenthesis that closes the one before this text.
 fn matching(text: &str) -> Option<usize> {
     let mut depth = 0_usize;
     for (at, c) in text.char_indices() {
@@ -445,7 +464,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn long_names_are_read_as_far_as_they_go() {
+    fn longest_matching_column_name_is_read() {
         let known = ["U2@BAR-1.TOP", "U2@BAR", "U2@BAR-1.TOP.LEFT"];
         let longest = |rest: &str| known.iter().filter(|n| rest.starts_with(**n)).map(|n| n.len()).max().unwrap_or(0);
         let value = |text: &str| {
@@ -490,7 +509,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_expressions_are_refused() {
         for text in ["", "1+", "(1", "1 2", "2x", "y", "sqroot(2)", "1/0", "__import__('os')", "sqrt()", "$", "é"] {
             assert!(value(text).is_err(), "{text}");
         }
@@ -500,11 +519,12 @@ mod tests {
     }
 
     #[test]
-    fn raw_functions() {
+    fn raw_functions_receive_their_argument_as_text() {
         let text = "-final(U2@REF-1.2) / 2";
         let expression = Expression::parse_with(text, &["final"]).expect("well formed");
         assert_eq!(expression.raw_arguments().collect::<Vec<_>>(), [("final", "U2@REF-1.2")]);
-        let known = |_: &str, a: &[Argument]| (a == [Argument::Raw("U2@REF-1.2".into())]).then_some(Ok(4.0));
+        let known =
+            |_: &str, a: &[FunctionArgument]| (a == [FunctionArgument::Raw("U2@REF-1.2".into())]).then_some(Ok(4.0));
         assert_eq!(expression.evaluate(&|_| None, &known), Ok(-2.0));
     }
 }

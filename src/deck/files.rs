@@ -1,5 +1,4 @@
-//! Files that are read whole: regular ones, as long as they say.
-//! Never here: what is in them, and what is said where one cannot be read.
+//! Reading of whole files. Only regular files are read, up to the length that the file system reports.
 
 use std::fs::File;
 use std::io::{self, Read as _};
@@ -8,28 +7,28 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::platform::{special_file, without_waiting};
 
-/// Room beyond the length that a file tells: some tell none.
+/// Bytes that a file may have beyond its reported length. Files in virtual file systems report a length of zero.
 const SLACK: u64 = 1 << 26;
 
-/// Opens a regular file. Pipes, devices, sockets and folders are refused without waiting for anybody.
+/// Opens a regular file. Pipes, devices, sockets and folders are refused without blocking.
 ///
 /// # Errors
-/// That of the file system, or what the file is.
+/// Returns the error of the file system, or `InvalidInput` if the path is not a regular file.
 pub fn open(path: &Path) -> io::Result<File> {
-    // A pipe is opened at once, written to or not, and found out then.
+    // The options open a pipe without waiting for a writer, so that its type can be checked.
     let file = without_waiting().read(true).open(path)?;
     let kind = file.metadata()?.file_type();
     if kind.is_file() {
         return Ok(file);
     }
     let what = if kind.is_dir() { "a folder" } else { special_file(kind) };
-    Err(io::Error::new(io::ErrorKind::InvalidInput, format!("it is {what}, and only regular files are read")))
+    Err(io::Error::new(io::ErrorKind::InvalidInput, format!("it is {what}; only regular files can be read")))
 }
 
-/// The bytes of a regular file.
+/// Reads the bytes of a regular file.
 ///
 /// # Errors
-/// As [`open`]; where there is no memory for it, or no end of it.
+/// As [`open`]; also if there is not enough memory, or if the file is longer than its reported length.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     let length = file.metadata()?.len();
@@ -40,20 +39,20 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     }
     let most = length.saturating_add(SLACK);
     if file.take(most).read_to_end(&mut bytes)? as u64 == most {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, "it goes on behind the length that it tells"));
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "the file is longer than its reported length"));
     }
     Ok(bytes)
 }
 
-/// Stands for standard input in place of a path.
+/// Path that means standard input.
 pub const STANDARD_INPUT: &str = "-";
 
-/// The bytes of standard input, one more than `most` at most.
+/// Reads standard input, at most `most` + 1 bytes.
 ///
 /// # Errors
-/// That of the system.
+/// Returns the error of the operating system.
 pub fn read_standard_input(most: u64) -> io::Result<Vec<u8>> {
-    // It ends once and for all, and a sweep reads its deck for each run.
+    // Standard input can be read once, and a sweep reads its deck for each run.
     static READ: Mutex<Option<Vec<u8>>> = Mutex::new(None);
     let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(bytes) = &*read {
@@ -64,12 +63,12 @@ pub fn read_standard_input(most: u64) -> io::Result<Vec<u8>> {
     Ok(read.insert(bytes).clone())
 }
 
-/// The text of a regular file.
+/// Reads the text of a regular file.
 ///
 /// # Errors
-/// As [`read`]; where it is no UTF-8.
+/// As [`read`]; also if the file is not UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
-    String::from_utf8(read(path)?).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
+    String::from_utf8(read(path)?).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "the file is not UTF-8 text"))
 }
 
 #[cfg(test)]
@@ -77,7 +76,7 @@ mod tests {
     use std::path::Path;
 
     #[test]
-    fn what_is_no_regular_file_is_named() {
+    fn devices_and_folders_are_refused() {
         for (path, what) in [("/dev/zero", "a device"), ("/", "a folder")] {
             let error = super::read(Path::new(path)).expect_err("no file").to_string();
             assert!(error.contains(what), "{error}");

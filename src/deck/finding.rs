@@ -1,44 +1,43 @@
-//! A diagnostic in words alone, as results carry it when the sources are gone.
-//! Never here: how a terminal shows it.
+//! Diagnostics as plain data, for result files and the library interface.
 
 use serde::Serialize;
 
 use super::diagnostic::{Diagnostics, Severity};
 use super::source::Sources;
 
-/// One finding with its place as text.
+/// A diagnostic with its place as text.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
     /// `note`, `warning` or `error`.
     pub severity: &'static str,
-    /// Stable code.
+    /// Code, for example `D101`.
     pub code: &'static str,
-    /// What is wrong.
+    /// One sentence that states the problem.
     pub message: String,
-    /// `file:line`, where it has a place.
+    /// `file:line`; `None` if the diagnostic has no place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub place: Option<String>,
-    /// File, line and column of it, counted from 1.
+    /// File, line and column.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    pub at: Option<At>,
-    /// What would be right.
+    pub at: Option<FilePosition>,
+    /// Suggested correction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub help: Option<String>,
 }
 
 /// A place in a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct At {
-    /// The file, as it was named.
+pub struct FilePosition {
+    /// Name of the file.
     pub file: String,
-    /// Line.
+    /// Line, counted from 1.
     pub line: usize,
-    /// Column, in letters.
+    /// Column in characters, counted from 1.
     pub column: usize,
 }
 
 impl Diagnostics {
-    /// All findings as plain words.
+    /// Converts all diagnostics to plain data.
     pub fn findings(&self, sources: &Sources) -> Vec<Finding> {
         let finding = |d: &super::Diagnostic| Finding {
             severity: match d.severity {
@@ -51,7 +50,7 @@ impl Diagnostics {
             place: d.labels.first().map(|label| sources.describe(label.span)),
             at: d.labels.first().and_then(|label| {
                 let (line, column) = sources.line_column(label.span);
-                sources.name(label.span).map(|file| At { file: file.to_owned(), line, column })
+                sources.name(label.span).map(|file| FilePosition { file: file.to_owned(), line, column })
             }),
             help: d.help.clone(),
         };

@@ -1,16 +1,15 @@
-//! What is said of cards for the tier their keyword stands in.
-//! Never here: checks of what a card says.
+//! Errors for cards whose keyword is known but unsupported.
 
 use indexmap::IndexMap;
 
-use super::diagnostic::{Diagnostic, Diagnostics, Label};
-use super::keywords::{Keyword, Tier};
+use super::diagnostic::{Diagnostic, Diagnostics, SourceLabel};
+use super::keywords::{Keyword, KeywordTier};
 use super::syntax::{Card, Deck};
-use super::ways::way_out;
+use super::ways::alternative_or_removal;
 
-/// Tells of unsupported cards, once for each keyword with its kin.
+/// Reports unsupported cards, with one error for each group of related keywords.
 pub fn tier_findings(deck: &Deck, diagnostics: &mut Diagnostics) {
-    let cards = || deck.cards.iter().filter(|c| c.keyword.tier == Tier::UnsupportedPhysics || reads_restart(c));
+    let cards = || deck.cards.iter().filter(|c| c.keyword.tier == KeywordTier::UnsupportedPhysics || reads_restart(c));
     let heads: Vec<&str> = cards().map(|c| c.keyword.name).collect();
     let mut unsupported: IndexMap<&str, Vec<&Card>> = IndexMap::new();
     for card in cards() {
@@ -21,12 +20,13 @@ pub fn tier_findings(deck: &Deck, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Going on from another job's state is no mere output.
+/// Returns whether a card is `*RESTART, READ`, which continues from the state of another job.
 fn reads_restart(card: &Card) -> bool {
     card.keyword.name == "RESTART" && card.has("READ")
 }
 
-/// The card of the deck that a card goes with and means nothing without: `*CONTACT` of `*CONTACT INCLUSIONS`.
+/// Returns the keyword of the deck to which a keyword is subordinate: `*CONTACT` for `*CONTACT INCLUSIONS`; the keyword
+/// itself if there is none.
 fn head<'n>(name: &'n str, there: &[&'n str]) -> &'n str {
     let parent = match name {
         "KINEMATIC" | "DISTRIBUTING" => Some("COUPLING"),
@@ -52,14 +52,14 @@ fn unsupported_finding(cards: &[&Card]) -> Diagnostic {
     let card = cards[0];
     let Keyword { name, summary, .. } = card.keyword;
     let what = Diagnostic::error("D201", format!("*{name} is not supported"))
-        .at(card.span, format!("{}: leaving it out would change the answer", lower_first(summary)))
-        .help(way_out(name));
+        .at(card.span, format!("{}: ignoring it would change the result", lower_first(summary)))
+        .help(alternative_or_removal(name));
     also_at(what, &cards[1..])
 }
 
 fn also_at(mut what: Diagnostic, others: &[&Card]) -> Diagnostic {
     let text = |c: &Card| format!("*{} here", c.keyword.name);
-    what.labels.extend(others.iter().take(3).map(|c| Label { span: c.span, text: text(c) }));
+    what.labels.extend(others.iter().take(3).map(|c| SourceLabel { span: c.span, text: text(c) }));
     if others.len() > 3 {
         what.message += &format!(" ({} cards)", others.len() + 1);
     }

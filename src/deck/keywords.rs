@@ -1,68 +1,70 @@
-//! The one keyword table: parser, model, `explain` and the keyword manual all read it. Here is the look-up; its types stand in
-//! `rule.rs`, the rows in `table/`.
-//! Never here: what a card does.
+//! Search of the keyword table, which the parser, the model, `explain` and the keyword manual share. Its types are in
+//! `rule.rs`,
+//! its rows in `table/`.
 
 use super::names;
-pub use super::rule::{Data, Keyword, Place, Rule, Shape, Tier, Times, Usage};
+pub use super::rule::{
+    CardMultiplicity, CardPlace, ConditionalShape, DataShape, InputRule, InputUsage, Keyword, KeywordTier,
+};
 use super::table;
 
-/// What looking a name up came to.
+/// Result of the search for a name.
 #[derive(Debug)]
-pub enum Lookup<T: 'static> {
-    /// Exactly this one.
+pub enum NameLookup<T: 'static> {
+    /// The name, or an unambiguous abbreviation, was found.
     Found(&'static T),
-    /// An abbreviation of several.
+    /// The text is an abbreviation of several names.
     Ambiguous(Vec<&'static T>),
-    /// None; the one most like it, if any is.
+    /// No name was found.
     Unknown {
-        /// The most similar name.
+        /// The most similar name, if there is one.
         nearest: Option<&'static T>,
     },
 }
 
-/// Every keyword that is known, in the order of the manual.
+/// Iterates over all keywords, in the order of the manual.
 pub fn keywords() -> impl Iterator<Item = &'static Keyword> + Clone {
     table::ALL.iter().flat_map(|part| part.iter())
 }
 
-/// The keyword a text (without its star) means: case and blanks aside, abbreviated if that leaves no doubt.
-pub fn find_keyword(text: &str) -> Lookup<Keyword> {
+/// Searches for a keyword, given without its star. Case and blanks are ignored; unambiguous abbreviations are accepted.
+pub fn find_keyword(text: &str) -> NameLookup<Keyword> {
     find(text, keywords(), |k| k.name)
 }
 
-/// The parameter of a keyword that a text means, by the same rules.
-pub fn find_parameter(keyword: &Keyword, text: &str) -> Lookup<Rule> {
+/// Searches for a parameter of a keyword, by the same rules as [`find_keyword`].
+pub fn find_parameter(keyword: &Keyword, text: &str) -> NameLookup<InputRule> {
     find(text, keyword.parameters.iter(), |p| p.name)
 }
 
-/// Whether the text is a parameter's full name, case and blanks aside.
+/// Returns whether the text is the full name of a parameter, ignoring case and blanks.
 pub fn is_parameter(keyword: &Keyword, text: &str) -> bool {
     let wanted = names::fold(text);
     keyword.parameters.iter().any(|p| same(&wanted, p.name))
 }
 
-fn find<T>(text: &str, table: impl Iterator<Item = &'static T> + Clone, name: fn(&T) -> &'static str) -> Lookup<T> {
+fn find<T>(text: &str, table: impl Iterator<Item = &'static T> + Clone, name: fn(&T) -> &'static str) -> NameLookup<T> {
     let wanted = names::fold(text);
     if let Some(row) = table.clone().find(|row| same(&wanted, name(row))) {
-        return Lookup::Found(row);
+        return NameLookup::Found(row);
     }
     let begun: Vec<&T> = table.clone().filter(|row| !wanted.is_empty() && begins(&wanted, name(row))).collect();
     match begun.as_slice() {
         [] => {
             let nearest = names::nearest(&wanted, table.clone().map(name));
-            Lookup::Unknown { nearest: nearest.and_then(|n| table.clone().find(|row| name(row) == n)) }
+            NameLookup::Unknown { nearest: nearest.and_then(|n| table.clone().find(|row| name(row) == n)) }
         }
-        [row] => Lookup::Found(row),
-        _ => Lookup::Ambiguous(begun),
+        [row] => NameLookup::Found(row),
+        _ => NameLookup::Ambiguous(begun),
     }
 }
 
-/// Whether a folded text is the whole name.
+/// Returns whether a folded text equals a name without its blanks.
 fn same(folded: &str, name: &str) -> bool {
     folded.bytes().eq(name.bytes().filter(|b| *b != b' '))
 }
 
-/// Whether a folded text is the beginning of the name.
+/// Returns whether a name without its blanks begins with a folded text.
 fn begins(folded: &str, name: &str) -> bool {
     let mut letters = name.bytes().filter(|b| *b != b' ');
     folded.bytes().all(|b| letters.next() == Some(b))
@@ -74,23 +76,23 @@ mod tests {
 
     fn keyword(text: &str) -> &'static str {
         match find_keyword(text) {
-            Lookup::Found(k) => k.name,
-            Lookup::Ambiguous(_) => "ambiguous",
-            Lookup::Unknown { nearest } => nearest.map_or("unknown", |k| k.name),
+            NameLookup::Found(k) => k.name,
+            NameLookup::Ambiguous(_) => "ambiguous",
+            NameLookup::Unknown { nearest } => nearest.map_or("unknown", |k| k.name),
         }
     }
 
     fn parameter(card: &str, text: &str) -> &'static str {
-        let Lookup::Found(k) = find_keyword(card) else { return "no such keyword" };
+        let NameLookup::Found(k) = find_keyword(card) else { return "no such keyword" };
         match find_parameter(k, text) {
-            Lookup::Found(p) => p.name,
-            Lookup::Ambiguous(_) => "ambiguous",
-            Lookup::Unknown { nearest } => nearest.map_or("unknown", |p| p.name),
+            NameLookup::Found(p) => p.name,
+            NameLookup::Ambiguous(_) => "ambiguous",
+            NameLookup::Unknown { nearest } => nearest.map_or("unknown", |p| p.name),
         }
     }
 
     #[test]
-    fn keywords_as_written() {
+    fn keywords_are_found_in_any_case_and_abbreviated() {
         assert_eq!(keyword("RIGIDBODY"), "RIGID BODY");
         assert_eq!(keyword("section Control"), "SECTION CONTROLS");
         assert_eq!(keyword("Node"), "NODE");
@@ -102,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn parameters_as_written() {
+    fn parameters_are_found_in_any_case_and_abbreviated() {
         assert_eq!(parameter("OUTPUT", "freq"), "FREQUENCY");
         assert_eq!(parameter("OUTPUT", "VAR"), "VARIABLE");
         assert_eq!(parameter("OUTPUT", "TIMEMARKS"), "TIME MARKS");
@@ -113,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn table_is_tidy() {
+    fn names_in_the_table_are_unique_and_upper_case() {
         for (i, keyword) in keywords().enumerate() {
             assert_eq!(keyword.name, keyword.name.to_ascii_uppercase());
             assert!(!keyword.summary.is_empty(), "{}", keyword.name);

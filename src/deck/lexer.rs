@@ -1,42 +1,41 @@
-//! Lines and fields: where one ends and the next begins.
-//! Never here: what a keyword or field means.
+//! Lexer: splits the text of a deck into lines, and lines into comma-separated fields.
 
 use std::ops::Range;
 
 use super::source::Span;
 use super::syntax::Word;
 
-/// One physical line: its bytes in the file, line end left out.
-pub type Line = Range<usize>;
+/// Byte range of a physical line in its file, without the line end.
+pub type LineRange = Range<usize>;
 
-/// What kind of line it is.
+/// Returns the kind of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineKind {
-    /// Only blanks.
+    /// A line of blanks only.
     Blank,
-    /// `**`.
+    /// A comment: begins with `**`.
     Comment,
-    /// `*`.
+    /// A keyword line: begins with `*`.
     Keyword,
-    /// Anything else.
+    /// A data line: any other line.
     Data,
 }
 
-/// The lines of a text, one after the other.
+/// Iterator over the lines of a text.
 #[derive(Clone, Debug)]
-pub struct Lines<'a> {
+pub struct LineIterator<'a> {
     text: &'a str,
     next: usize,
 }
 
-impl<'a> Lines<'a> {
-    /// All lines of the text.
+impl<'a> LineIterator<'a> {
+    /// Iterates over all lines of `text`.
     pub fn new(text: &'a str) -> Self {
-        Lines { text, next: 0 }
+        LineIterator { text, next: 0 }
     }
 
-    /// The next line that says something, without taking it, and the position behind it.
-    pub fn peek_significant(&self) -> Option<(Line, Lines<'a>)> {
+    /// Returns the next line that is neither blank nor a comment, and the iterator after it, without advancing.
+    pub fn peek_significant(&self) -> Option<(LineRange, LineIterator<'a>)> {
         let mut ahead = self.clone();
         while let Some(line) = ahead.next() {
             if !matches!(kind(&self.text[line.clone()]), LineKind::Blank | LineKind::Comment) {
@@ -47,10 +46,10 @@ impl<'a> Lines<'a> {
     }
 }
 
-impl Iterator for Lines<'_> {
-    type Item = Line;
+impl Iterator for LineIterator<'_> {
+    type Item = LineRange;
 
-    fn next(&mut self) -> Option<Line> {
+    fn next(&mut self) -> Option<LineRange> {
         let start = self.next;
         if start >= self.text.len() {
             return None;
@@ -61,7 +60,7 @@ impl Iterator for Lines<'_> {
     }
 }
 
-/// What kind of line it is.
+/// Returns the kind of a line.
 pub fn kind(line: &str) -> LineKind {
     let line = line.trim_start();
     match () {
@@ -72,20 +71,20 @@ pub fn kind(line: &str) -> LineKind {
     }
 }
 
-/// The comma-separated fields of a line.
+/// Comma-separated fields of a line.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Fields {
-    /// The bytes between the commas, blanks trimmed. A trailing comma gives no extra field.
+pub struct LineFields {
+    /// Byte ranges of the fields in the file, without blanks at their ends. A trailing comma adds no field.
     pub ranges: Vec<Range<usize>>,
-    /// Whether the line ended in a comma.
+    /// Whether the line ends with a comma.
     pub trailing_comma: bool,
-    /// Where a quote was opened that nothing closes.
+    /// Position of an opening quote without a closing one.
     pub unclosed: Option<usize>,
 }
 
-/// Splits a line at the commas that stand outside quotes.
-pub fn split(text: &str, line: Line) -> Fields {
-    let (mut fields, mut start, mut quote) = (Fields::default(), line.start, None);
+/// Splits a line at the commas outside quotes.
+pub fn split(text: &str, line: LineRange) -> LineFields {
+    let (mut fields, mut start, mut quote) = (LineFields::default(), line.start, None);
     for (i, byte) in text.as_bytes()[line.clone()].iter().enumerate() {
         let at = line.start + i;
         match (byte, quote) {
@@ -107,14 +106,14 @@ pub fn split(text: &str, line: Line) -> Fields {
     fields
 }
 
-/// The range without the blanks at its ends.
+/// Returns the range without blanks at its ends.
 pub fn trim(text: &str, range: Range<usize>) -> Range<usize> {
     let inner = &text[range.clone()];
     let start = range.start + (inner.len() - inner.trim_start().len());
     start..start + inner.trim().len()
 }
 
-/// The first `=` outside quotes.
+/// Returns the position of the first `=` outside quotes.
 pub fn equals_sign(text: &str, range: Range<usize>) -> Option<usize> {
     let mut quoted = false;
     text.as_bytes()[range.clone()]
@@ -126,7 +125,7 @@ pub fn equals_sign(text: &str, range: Range<usize>) -> Option<usize> {
         .map(|i| range.start + i)
 }
 
-/// A word of the text: quotes removed.
+/// Returns the text of a range as a word, without its quotes.
 pub fn word(text: &str, file: u32, range: Range<usize>) -> Word {
     let raw = &text[range.clone()];
     let quoted = raw.contains('"');
@@ -134,7 +133,7 @@ pub fn word(text: &str, file: u32, range: Range<usize>) -> Word {
     Word { text: content, span: span(file, range), quoted }
 }
 
-/// A span of bytes of a file.
+/// Converts a byte range of a file to a span.
 pub fn span(file: u32, range: Range<usize>) -> Span {
     Span { file, start: range.start as u32, end: range.end as u32 }
 }
@@ -148,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn commas() {
+    fn fields_are_separated_by_commas() {
         assert_eq!(fields("1, 2.,\t3"), ["1", "2.", "3"]);
         assert_eq!(fields("1, 2,"), ["1", "2"]);
         assert_eq!(fields(", 8e-05"), ["", "8e-05"]);
@@ -158,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn quotes() {
+    fn quotes_protect_commas_and_equals_signs() {
         let w = word("\"Set, 1\"", 0, 0..8);
         assert_eq!((w.text.as_str(), w.quoted), ("Set, 1", true));
         assert_eq!(split("a, \"b", 0..5).unclosed, Some(3));
@@ -166,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn kinds() {
+    fn first_characters_determine_the_line_kind() {
         assert_eq!(kind(" *Node"), LineKind::Keyword);
         assert_eq!(kind("***controls"), LineKind::Comment);
         assert_eq!(kind(" \t"), LineKind::Blank);

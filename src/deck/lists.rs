@@ -1,7 +1,6 @@
-//! Lists in a line of text.
-//! Never here: what their parts mean.
+//! Splitting of comma-separated lists.
 
-/// Parts between commas that are in no parentheses.
+/// Splits a list at the commas that are outside parentheses. Blanks around the parts are kept.
 pub fn split(list: &str) -> Vec<&str> {
     let (mut depth, mut start, mut parts) = (0, 0, Vec::new());
     for (i, c) in list.char_indices() {
@@ -24,7 +23,7 @@ mod tests {
     use super::split;
 
     #[test]
-    fn commas_in_parentheses_part_nothing() {
+    fn commas_in_parentheses_do_not_split() {
         assert_eq!(split("a, f(b, (c, d)), e"), ["a", " f(b, (c, d))", " e"]);
         assert_eq!(split(""), [""]);
     }

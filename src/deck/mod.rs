@@ -1,7 +1,7 @@
-//! From text to syntax tree: sources and spans, diagnostics, the keyword table, a parser that never fails.
-//! Never here: physics.
+//! Input decks: source files, spans, lexer, parser, keyword table and diagnostics.
+//! The result of reading is a syntax tree ([`Deck`]); names are resolved and physics is checked in `model`.
 
-#[macro_use] // `codes!`, for every folder with codes.
+#[macro_use] // Exports `codes!` to the other folders that define codes.
 pub mod codes;
 pub mod diagnostic;
 pub mod expression;
@@ -34,31 +34,33 @@ pub use codes::{CODES, find_code};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use finding::Finding;
 pub use findings::tier_findings;
-pub use parameters::{Definition, is_unresolved};
+pub use parameters::{ParameterDefinition, is_unresolved};
 pub use printable::printable;
 pub use source::{Sources, Span};
-pub use syntax::{Card, DataLine, Deck, Parameter, Unread, Word};
+pub use syntax::{Card, DataLine, Deck, Parameter, ParseGaps, Word};
 
-/// A diagnostic code with its explanation, for `revolve explain`.
+/// Explanation of a diagnostic code, as `revolve explain CODE` prints it.
 #[derive(Debug)]
-pub struct Code {
-    /// The stable code.
+pub struct DiagnosticCode {
+    /// The code, for example `D101`; it does not change between versions.
     pub code: &'static str,
-    /// One line.
+    /// Title of one line.
     pub title: &'static str,
-    /// A few lines: what it means and what to do.
+    /// Cause of the diagnostic and how to fix the deck.
     pub text: &'static str,
 }
 
-/// Reads a deck file and everything it includes. Always returns a tree; what was wrong is in the diagnostics.
-/// `overrides` are `--set NAME=VALUE` and take the place of `*PARAMETER` definitions of that name.
+/// Reads a deck file and the files that it includes. Returns a tree even if the deck has errors, which are in the
+/// diagnostics.
+/// `overrides` are pairs (name, expression) of `--set NAME=VALUE`; each replaces the `*PARAMETER` definition of that
+/// name.
 pub fn read(path: &Path, overrides: &[(String, String)]) -> (Deck, Diagnostics) {
     let mut parser = parser::Parser::new(overrides);
     parser.main_file(path);
     parser.finish()
 }
 
-/// The same from text already in memory; `name` stands for the file (used to look up includes beside it).
+/// Reads a deck from `text`. `name` is the file name in messages; `*INCLUDE` paths are relative to its folder.
 pub fn read_text(name: &str, text: &str, overrides: &[(String, String)]) -> (Deck, Diagnostics) {
     let mut parser = parser::Parser::new(overrides);
     parser.text(Path::new(name), source::normalise(text.to_owned()), None);

@@ -1,15 +1,16 @@
-//! Comparing names as people write them: case and blanks aside, abbreviated, misspelt.
-//! Never here: which names exist.
+//! Comparison of names that ignores case and blanks, and search for the most similar name.
 
-/// Longer words are not compared for likeness: nobody mistypes a name into them.
+/// Maximum length of a word for which a similar name is searched.
 const LONGEST: usize = 64;
 
-/// The text in upper case without any blanks.
+/// Returns the text in upper case without blanks.
 pub fn fold(text: &str) -> String {
     text.chars().filter(|c| !c.is_whitespace()).map(|c| c.to_ascii_uppercase()).collect()
 }
 
-/// The candidate most like `text`, if one is like it at all. Case and blanks do not count.
+/// Returns the candidate most similar to `text`: at most a third of its letters (one to four) may differ. Case and
+/// blanks are
+/// ignored.
 pub fn nearest<'a>(text: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wanted = fold(text);
     let count = wanted.chars().count();
@@ -21,7 +22,8 @@ pub fn nearest<'a>(text: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     rated.min_by_key(|(d, _)| *d).map(|(_, c)| c)
 }
 
-/// How many insertions, deletions, replacements and swaps of neighbours lead from one word to the other; `None` above `limit`.
+/// Returns the edit distance of two words: insertions, deletions, replacements and swaps of neighbours; `None` above
+/// `limit`.
 fn distance(a: &str, b: &str, limit: usize) -> Option<usize> {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     if a.len().abs_diff(b.len()) > limit || b.len() > 2 * LONGEST {
@@ -36,7 +38,7 @@ fn distance(a: &str, b: &str, limit: usize) -> Option<usize> {
     last.last().copied().filter(|&d| d <= limit)
 }
 
-/// Row `i` of the edit-distance table from the two rows above it.
+/// Returns row `i` of the edit-distance table from the two previous rows.
 fn next_row(a: &[char], b: &[char], i: usize, last: &[usize], before: &[usize]) -> Vec<usize> {
     let mut row = vec![i; b.len() + 1];
     for j in 1..=b.len() {
@@ -54,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn likeness() {
+    fn similar_names_are_found() {
         assert_eq!(nearest("Elastc", ["PLASTIC", "ELASTIC"]), Some("ELASTIC"));
         assert_eq!(nearest("SOLIDSECTOIN", ["SOLID SECTION", "SECTION CONTROLS"]), Some("SOLID SECTION"));
         assert_eq!(nearest("QQQQQQ", ["NODE", "NSET"]), None);

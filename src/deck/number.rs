@@ -1,20 +1,19 @@
-//! Numbers as Fortran programs write them.
-//! Never here: arithmetic.
+//! Parsing and formatting of numbers, including Fortran's `1.d0`.
 
-/// Why a text is no number.
+/// Reason why a text is not a number.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NumberError {
-    /// Nothing there.
+    /// The text is empty.
     Empty,
-    /// A number but for letters that look like digits; the text that was probably meant.
+    /// A letter was typed in place of a digit (`o` or `l`): the letter, and the text with digits.
     LookAlike(char, String),
-    /// Too large to be held.
+    /// The number is too large for double precision.
     NotFinite,
-    /// Something else; perhaps a guess at what was meant.
+    /// Any other fault, with a suggestion if there is one.
     Malformed(Option<String>),
 }
 
-/// A finite number: `1`, `1.`, `.5`, `-1e-3`, `1.57d0`.
+/// Parses a finite number: `1`, `1.`, `.5`, `-1e-3`, `1.57d0`.
 pub fn parse_number(text: &str) -> Result<f64, NumberError> {
     let text = text.trim();
     if text.is_empty() {
@@ -33,7 +32,7 @@ fn strip_sign(text: &str) -> &str {
     text.strip_prefix(['+', '-']).unwrap_or(text)
 }
 
-/// How many bytes at the start of the text form an unsigned number.
+/// Returns the number of bytes at the start of the text that form an unsigned number.
 pub fn number_length(text: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let whole = digits(bytes, 0);
@@ -82,26 +81,28 @@ fn parse_plain(text: &str) -> Result<(), ()> {
     if body.bytes().any(|b| b.is_ascii_digit()) && number_length(body) == Some(body.len()) { Ok(()) } else { Err(()) }
 }
 
-/// `1.0-5`, Fortran's exponent without its letter.
+/// Suggests `1.0e-5` for `1.0-5`, an exponent without its letter.
 fn missing_exponent(text: &str) -> Option<String> {
     let at = text.rfind(['+', '-']).filter(|&i| i > 0)?;
     let guess = format!("{}e{}", &text[..at], &text[at..]);
     parse_plain(&guess).ok().map(|()| guess)
 }
 
-/// `1. 2.`, numbers with a blank where a comma should be.
+/// Suggests `1., 2.` for `1. 2.`, numbers without a comma between them.
 fn without_comma(text: &str) -> Option<String> {
     let words: Vec<&str> = text.split_whitespace().collect();
     (words.len() > 1 && words.iter().all(|w| parse_plain(w).is_ok())).then(|| words.join(", "))
 }
 
-/// `1;5` or a number with a stray sign of punctuation at its end.
+/// Suggests the number without a semicolon or colon at its end.
 fn semicolon(text: &str) -> Option<String> {
     let guess = text.trim_end_matches([';', ':']);
     (guess != text && parse_plain(guess).is_ok()).then(|| guess.to_owned())
 }
 
-/// A number as a deck would write it: whole numbers without a point, others in the fewest digits that read back the same.
+/// Formats a number for a deck: whole numbers without a decimal point, others with the fewest digits that parse to the
+/// same
+/// value.
 pub fn format_number(value: f64) -> String {
     let size = value.abs();
     if value.fract() == 0.0 && size < 1e15 {
@@ -118,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fortran_forms() {
+    fn fortran_forms_are_parsed() {
         for (text, value) in [
             ("1", 1.0),
             ("1.", 1.0),
@@ -133,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn malformed_numbers_are_refused_with_a_suggestion() {
         assert_eq!(parse_number("1.o"), Err(NumberError::LookAlike('o', "1.0".into())));
         assert_eq!(parse_number("l.5"), Err(NumberError::LookAlike('l', "1.5".into())));
         assert_eq!(parse_number("1e999"), Err(NumberError::NotFinite));
@@ -144,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn round_trip() {
+    fn formatted_numbers_parse_to_the_same_value() {
         for value in [0.1, 1e-30, 20.0, -3.0, 1e300, 340e6, 1.0 / 3.0] {
             assert_eq!(parse_number(&format_number(value)), Ok(value));
         }

@@ -1,5 +1,4 @@
-//! `*PARAMETER` definitions, `--set` overrides, and `<name>` put in place of its value.
-//! Never here: arithmetic.
+//! `*PARAMETER` definitions, `--set` overrides and substitution of `<name>`.
 
 use indexmap::IndexMap;
 
@@ -10,63 +9,63 @@ use super::number::format_number;
 use super::source::Span;
 use super::syntax::Word;
 
-/// The value of a parameter.
+/// Value of a parameter.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Value {
+pub enum ParameterValue {
     /// A number.
     Number(f64),
-    /// A text, given in quotes.
+    /// A text that was given in quotes.
     Text(String),
 }
 
-impl Value {
+impl ParameterValue {
     fn written(&self) -> String {
         match self {
-            Value::Number(value) => format_number(*value),
-            Value::Text(text) => text.clone(),
+            ParameterValue::Number(value) => format_number(*value),
+            ParameterValue::Text(text) => text.clone(),
         }
     }
 }
 
-/// The parameters in force.
+/// Parameters that are defined so far.
 #[derive(Clone, Debug, Default)]
 pub struct Parameters {
-    values: IndexMap<String, Value>,
+    values: IndexMap<String, ParameterValue>,
     overrides: IndexMap<String, String>,
-    definitions: Vec<Definition>,
+    definitions: Vec<ParameterDefinition>,
 }
 
-/// A definition as it is written.
+/// Definition of a parameter as written in the deck.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Definition {
-    /// The parameter.
+pub struct ParameterDefinition {
+    /// Name of the parameter.
     pub name: String,
-    /// What stands behind the equals sign.
+    /// Text after the equals sign.
     pub text: String,
 }
 
 impl Parameters {
-    /// No parameters yet; the overrides will replace definitions.
+    /// Creates an empty set of parameters with overrides (name, expression) of later definitions.
     pub fn new(overrides: &[(String, String)]) -> Self {
         let overrides = overrides.iter().cloned().collect();
         Parameters { overrides, ..Parameters::default() }
     }
 
-    /// The numeric parameters in order of definition.
+    /// Returns the numeric parameters in order of definition.
     pub fn numbers(&self) -> Vec<(String, f64)> {
-        let number = |(name, value): (&String, &Value)| match value {
-            Value::Number(x) => Some((name.clone(), *x)),
-            Value::Text(_) => None,
+        let number = |(name, value): (&String, &ParameterValue)| match value {
+            ParameterValue::Number(x) => Some((name.clone(), *x)),
+            ParameterValue::Text(_) => None,
         };
         self.values.iter().filter_map(number).collect()
     }
 
-    /// All definitions in order, as they are written.
-    pub fn definitions(self) -> Vec<Definition> {
+    /// Returns all definitions in order.
+    pub fn definitions(self) -> Vec<ParameterDefinition> {
         self.definitions
     }
 
-    /// Takes in one line of a `*PARAMETER` block: definitions, with `;` between them where there are several.
+    /// Evaluates the definitions on a line of a `*PARAMETER` block, separated by `;`.
     pub fn define_all(&mut self, line: &str, span: Span, diagnostics: &mut Diagnostics) {
         for definition in statements(without_comment(line)) {
             self.define(definition, part(span, line, definition), diagnostics);
@@ -83,57 +82,58 @@ impl Parameters {
         };
         let name = left.trim();
         if !is_name(name) {
-            let what = Diagnostic::error("D404", format!("`{name}` cannot be the name of a parameter"));
+            let what = Diagnostic::error("D404", format!("`{name}` is not a valid parameter name"));
             return diagnostics.push(
                 what.at(part(span, line, left.trim()), "not a name")
-                    .help("names have letters, digits and `_`, and begin with no digit"),
+                    .help("names consist of letters, digits and `_`, and do not begin with a digit"),
             );
         }
         let value = self.value_of(name, right.trim(), part(span, line, right.trim()), diagnostics);
         self.values.insert(name.to_owned(), value);
-        self.definitions.push(Definition { name: name.to_owned(), text: right.trim().to_owned() });
+        self.definitions.push(ParameterDefinition { name: name.to_owned(), text: right.trim().to_owned() });
     }
 
-    /// The value a definition gives, or its override; after an error a harmless 1, so that one fault is told once.
-    fn value_of(&self, name: &str, text: &str, span: Span, diagnostics: &mut Diagnostics) -> Value {
+    /// Returns the value of a definition or of its override. After an error it is 1, so that no further errors follow
+    /// from it.
+    fn value_of(&self, name: &str, text: &str, span: Span, diagnostics: &mut Diagnostics) -> ParameterValue {
         let own = self.evaluate(text);
         let Some(replacement) = self.overrides.get(name) else {
             return own.unwrap_or_else(|e| {
                 diagnostics.push(self.expression_finding(&e, offset(span, &e)));
-                Value::Number(1.0)
+                ParameterValue::Number(1.0)
             });
         };
         match (self.evaluate(replacement), own) {
             (Ok(value), _) => value,
-            (Err(_), Ok(Value::Text(_))) => Value::Text(replacement.clone()),
+            (Err(_), Ok(ParameterValue::Text(_))) => ParameterValue::Text(replacement.clone()),
             (Err(e), _) => {
                 let what = Diagnostic::error("D407", format!("`--set {name}={replacement}`: {}", e.message));
-                diagnostics.push(self.helped(what.at(span, "the definition it would replace"), &e));
-                Value::Number(1.0)
+                diagnostics.push(self.helped(what.at(span, "the definition that it replaces"), &e));
+                ParameterValue::Number(1.0)
             }
         }
     }
 
-    fn evaluate(&self, text: &str) -> Result<Value, ExpressionError> {
+    fn evaluate(&self, text: &str) -> Result<ParameterValue, ExpressionError> {
         if let Some(inside) = unquoted(text) {
-            return Ok(Value::Text(inside.to_owned()));
+            return Ok(ParameterValue::Text(inside.to_owned()));
         }
-        if let Some(Value::Text(other)) = self.values.get(text) {
-            return Ok(Value::Text(other.clone()));
+        if let Some(ParameterValue::Text(other)) = self.values.get(text) {
+            return Ok(ParameterValue::Text(other.clone()));
         }
         let lookup = |name: &str| match self.values.get(name) {
-            Some(Value::Number(x)) => Some(*x),
+            Some(ParameterValue::Number(x)) => Some(*x),
             _ => None,
         };
         let value = Expression::parse(text)?.evaluate(&lookup, &|_, _| None)?;
         if value.is_finite() {
-            return Ok(Value::Number(value));
+            return Ok(ParameterValue::Number(value));
         }
         Err(ExpressionError { start: 0, end: text.len(), message: format!("the value is {value}"), unknown: None })
     }
 
     fn expression_finding(&self, e: &ExpressionError, span: Span) -> Diagnostic {
-        let what = Diagnostic::error("D402", "a parameter has no value").at(span, e.message.clone());
+        let what = Diagnostic::error("D402", "the parameter has no value").at(span, e.message.clone());
         self.helped(what, e)
     }
 
@@ -149,13 +149,13 @@ impl Parameters {
             return format!("did you mean `{like}`? (names of parameters are case-sensitive)");
         }
         if self.values.is_empty() {
-            return "no parameter is defined above this line; define it in a *PARAMETER block".into();
+            return "no parameter is defined before this line; define it in a *PARAMETER block".into();
         }
         let known: Vec<&str> = self.values.keys().map(String::as_str).take(10).collect();
-        format!("defined above this line: {}", known.join(", "))
+        format!("parameters defined before this line: {}", known.join(", "))
     }
 
-    /// Puts values in place of every `<name>` of a word.
+    /// Replaces every `<name>` in a word by the value of the parameter.
     pub fn substitute(&self, mut word: Word, diagnostics: &mut Diagnostics) -> Word {
         if !word.text.contains('<') {
             return word;
@@ -178,11 +178,11 @@ impl Parameters {
     }
 
     fn undefined(&self, name: &str, word: &Word) -> Diagnostic {
-        let what = Diagnostic::error("D401", format!("there is no parameter `{name}`"));
+        let what = Diagnostic::error("D401", format!("parameter `{name}` is not defined"));
         what.at(word.span, "not defined").help(self.suggestion(name))
     }
 
-    /// Overrides of names that no line defined.
+    /// Reports overrides of undefined parameters.
     pub fn check_overrides(&self, diagnostics: &mut Diagnostics) {
         for name in self.overrides.keys().filter(|n| !self.values.contains_key(*n)) {
             let what = Diagnostic::error("D403", format!("`--set {name}`: the deck defines no parameter `{name}`"));
@@ -191,12 +191,12 @@ impl Parameters {
     }
 }
 
-/// Whether a text still holds a `<name>` that had no value; what is wrong with it has been said already.
+/// Returns whether a text contains a `<name>` that could not be replaced, for which an error has been reported.
 pub fn is_unresolved(text: &str) -> bool {
     next_reference(text).is_some()
 }
 
-/// The text before the next `<name>`, the name, the text behind.
+/// Returns the text before the next `<name>`, the name, and the text after it.
 pub(super) fn next_reference(text: &str) -> Option<(&str, &str, &str)> {
     let mut from = 0;
     while let Some(open) = text[from..].find('<').map(|i| i + from) {
@@ -215,12 +215,12 @@ fn is_name(text: &str) -> bool {
     text.starts_with(letter) && text.chars().all(|c| letter(c) || c.is_numeric())
 }
 
-/// The line up to a `#` outside quotes.
+/// Returns the line up to the first `#` outside quotes.
 fn without_comment(line: &str) -> &str {
     outside_quotes(line, '#').next().map_or(line, |at| &line[..at])
 }
 
-/// What stands between the `;` of a line.
+/// Splits a line at each `;` outside quotes.
 fn statements(line: &str) -> Vec<&str> {
     let mut from = 0;
     let mut all: Vec<&str> = Vec::new();
@@ -232,7 +232,7 @@ fn statements(line: &str) -> Vec<&str> {
     all.into_iter().map(str::trim).filter(|s| !s.is_empty()).collect()
 }
 
-/// Where a character stands outside quotes.
+/// Iterates over the positions of a character outside quotes.
 fn outside_quotes(line: &str, wanted: char) -> impl Iterator<Item = usize> {
     let mut quote = None;
     line.char_indices().filter_map(move |(i, c)| {
@@ -252,7 +252,7 @@ fn unquoted(text: &str) -> Option<&str> {
     (!inside.contains(quote)).then_some(inside)
 }
 
-/// The span of a piece of a line.
+/// Returns the span of `piece`, which is a part of `line`.
 fn part(span: Span, line: &str, piece: &str) -> Span {
     let start = (piece.as_ptr() as usize).saturating_sub(line.as_ptr() as usize) as u32 + span.start;
     Span { file: span.file, start, end: start + piece.len() as u32 }

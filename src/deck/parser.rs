@@ -1,88 +1,88 @@
-//! From text to tree: cards, data lines, includes. Never fails, never panics; what is wrong becomes a diagnostic.
-//! Never here: which cards belong together, what fields mean.
+//! Parser: builds the syntax tree of a deck, with its included files. Errors become diagnostics; parsing always
+//! continues.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::files;
-use super::keywords::{self, Keyword, Lookup, Rule, Tier, Usage};
-use super::lexer::{self, Fields, Line, LineKind, Lines};
+use super::keywords::{self, InputRule, InputUsage, Keyword, KeywordTier, NameLookup};
+use super::lexer::{self, LineFields, LineIterator, LineKind, LineRange};
 use super::parameters::Parameters;
 use super::rows::is_listing;
 use super::source::{self, SourceFile, Span};
-use super::syntax::{Card, DataLine, Deck, Parameter, Row, Word};
+use super::syntax::{Card, DataLine, Deck, ListingRow, Parameter, Word};
 
-/// Includes nested deeper are refused.
+/// Maximum depth of nested includes.
 const DEEPEST: usize = 32;
-/// More files than this are refused.
+/// Maximum number of files of a deck.
 const MOST_FILES: usize = 2000;
-/// More text than this, over all files, is refused.
+/// Maximum size of all files of a deck together, bytes.
 const MOST_BYTES: u64 = 2 << 30;
 
-/// Where data lines go.
+/// Destination of the data lines that follow.
 #[derive(Clone, Copy, PartialEq)]
-enum Block {
-    /// No keyword yet.
+enum DataDestination {
+    /// None: there was no keyword line yet.
     Start,
-    /// An unknown keyword: nowhere.
+    /// None: the keyword is unknown, and its data lines are skipped.
     Unknown,
-    /// `*PARAMETER`.
+    /// The parameter definitions of `*PARAMETER`.
     Parameters,
-    /// The last card.
+    /// The last card of the deck.
     Card,
 }
 
-/// The reader of one deck.
+/// State of the parser for one deck.
 pub struct Parser {
     deck: Deck,
     diagnostics: Diagnostics,
     parameters: Parameters,
-    block: Block,
+    block: DataDestination,
     chain: Vec<PathBuf>,
     bytes: u64,
 }
 
 impl Parser {
-    /// A reader with these overrides of parameters.
+    /// Creates a parser with overrides (name, expression) of parameters.
     pub fn new(overrides: &[(String, String)]) -> Self {
         Parser {
             deck: Deck::default(),
             diagnostics: Diagnostics::default(),
             parameters: Parameters::new(overrides),
-            block: Block::Start,
+            block: DataDestination::Start,
             chain: Vec::new(),
             bytes: 0,
         }
     }
 
-    /// What was read.
+    /// Returns the deck and its diagnostics.
     pub fn finish(mut self) -> (Deck, Diagnostics) {
         self.parameters.check_overrides(&mut self.diagnostics);
         self.deck.parameters = self.parameters.numbers();
         if self.deck.cards.is_empty() && !self.diagnostics.has_errors() {
             let name = self.deck.sources.files().first().map_or("the deck", |f| f.name.as_str());
-            let what = Diagnostic::error("D009", format!("{name} is empty: it holds no keyword"));
-            self.diagnostics.push(what.help("is it the file that was meant? a deck has lines like *NODE and *STEP"));
+            let what = Diagnostic::error("D009", format!("{name} is empty: it has no keyword line"));
+            self.diagnostics.push(what.help("check the file name; a deck has keyword lines such as *NODE and *STEP"));
         }
         self.deck.definitions = self.parameters.definitions();
         super::findings::tier_findings(&self.deck, &mut self.diagnostics);
         (self.deck, self.diagnostics)
     }
 
-    /// Reads the deck's own file.
+    /// Parses the main file, or standard input if the path is `-`.
     pub fn main_file(&mut self, path: &Path) {
         let standard = path == Path::new(files::STANDARD_INPUT);
         match if standard { files::read_standard_input(MOST_BYTES) } else { files::read(path) } {
             Ok(bytes) => self.text(path, source::decode(bytes), None),
             Err(e) => {
                 let what = Diagnostic::error("D001", format!("cannot read {}: {e}", path.display()));
-                self.diagnostics.push(what.help("give the path of an existing deck"));
+                self.diagnostics.push(what.help("give the path of an existing deck file"));
             }
         }
     }
 
-    /// Reads a text that stands for a file.
+    /// Parses the text of a file.
     pub fn text(&mut self, path: &Path, text: String, included_at: Option<Span>) {
         self.bytes += text.len() as u64;
         let name = path.display().to_string();
@@ -108,13 +108,13 @@ impl Parser {
         self.deck.unread.files = true;
         let what = Diagnostic::error(code, message);
         self.diagnostics.push(match at {
-            Some(span) => what.at(span, "asked for here"),
+            Some(span) => what.at(span, "included here"),
             None => what,
         });
     }
 
     fn lines(&mut self, file: u32, text: &str) {
-        let mut lines = Lines::new(text);
+        let mut lines = LineIterator::new(text);
         while let Some(line) = lines.next() {
             match lexer::kind(&text[line.clone()]) {
                 LineKind::Blank | LineKind::Comment => {}
@@ -124,28 +124,28 @@ impl Parser {
         }
     }
 
-    fn data_line(&mut self, file: u32, text: &str, line: Line) {
+    fn data_line(&mut self, file: u32, text: &str, line: LineRange) {
         let trimmed = lexer::trim(text, line.clone());
         let span = lexer::span(file, trimmed.clone());
         match self.block {
-            Block::Unknown => {}
-            Block::Start => {
-                self.block = Block::Unknown;
-                let what = Diagnostic::error("D107", "a data line stands before any keyword");
+            DataDestination::Unknown => {}
+            DataDestination::Start => {
+                self.block = DataDestination::Unknown;
+                let what = Diagnostic::error("D107", "a data line precedes the first keyword line");
                 self.diagnostics.push(
                     what.at(span, "belongs to no keyword").help("a keyword line begins with `*`, a comment with `**`"),
                 );
             }
-            Block::Parameters => self.parameters.define_all(&text[trimmed], span, &mut self.diagnostics),
-            Block::Card => self.card_line(file, text, line, span),
+            DataDestination::Parameters => self.parameters.define_all(&text[trimmed], span, &mut self.diagnostics),
+            DataDestination::Card => self.card_line(file, text, line, span),
         }
     }
 
-    fn card_line(&mut self, file: u32, text: &str, line: Line, span: Span) {
+    fn card_line(&mut self, file: u32, text: &str, line: LineRange, span: Span) {
         let Some(card) = self.deck.cards.last_mut() else { return };
         let (keyword, listing) = (card.keyword, is_listing(card.keyword.name));
-        if listing && Row::is_plain(&text[span.start as usize..span.end as usize]) {
-            return card.rows.push(Row::Text(span));
+        if listing && ListingRow::is_plain(&text[span.start as usize..span.end as usize]) {
+            return card.rows.push(ListingRow::Text(span));
         }
         let told = self.diagnostics.len();
         let whole = || Word { text: text[lexer::trim(text, line.clone())].to_owned(), span, quoted: false };
@@ -161,7 +161,7 @@ impl Parser {
         if let Some(card) = self.deck.cards.last_mut() {
             let line = DataLine { fields, span };
             if listing {
-                card.rows.push(Row::Line(Box::new(line)))
+                card.rows.push(ListingRow::Line(Box::new(line)))
             } else {
                 card.lines.push(line)
             }
@@ -169,11 +169,11 @@ impl Parser {
         }
     }
 
-    fn word(&mut self, file: u32, text: &str, range: Line) -> Word {
+    fn word(&mut self, file: u32, text: &str, range: LineRange) -> Word {
         self.parameters.substitute(lexer::word(text, file, range), &mut self.diagnostics)
     }
 
-    fn check_quotes(&mut self, file: u32, line: &Line, fields: &Fields) {
+    fn check_quotes(&mut self, file: u32, line: &LineRange, fields: &LineFields) {
         if let Some(at) = fields.unclosed {
             let what = Diagnostic::error("D108", "a quote is not closed");
             let span = lexer::span(file, at..line.end);
@@ -181,13 +181,13 @@ impl Parser {
         }
     }
 
-    fn keyword_line(&mut self, file: u32, text: &str, line: Line, lines: &mut Lines<'_>) {
+    fn keyword_line(&mut self, file: u32, text: &str, line: LineRange, lines: &mut LineIterator<'_>) {
         let mut fields = lexer::split(text, line.clone());
         self.check_quotes(file, &line, &fields);
         let star = fields.ranges.first().cloned().unwrap_or(lexer::trim(text, line));
         let span = lexer::span(file, star.clone());
         let Some(keyword) = self.keyword(&text[star.start + 1..star.end], span) else {
-            self.block = Block::Unknown;
+            self.block = DataDestination::Unknown;
             self.unread_names(file, text, fields.ranges.into_iter().skip(1));
             return;
         };
@@ -203,7 +203,7 @@ impl Parser {
             fields.ranges.extend(more.ranges);
             *lines = behind;
         }
-        if keyword.tier == Tier::UnsupportedPhysics {
+        if keyword.tier == KeywordTier::UnsupportedPhysics {
             self.unread_names(file, text, fields.ranges.iter().skip(1).cloned());
         }
         let parameters = self.card_parameters(file, text, keyword, fields.ranges.into_iter().skip(1));
@@ -211,8 +211,8 @@ impl Parser {
         self.card(Card { keyword, span, parameters, lines: Vec::new(), rows: Vec::new(), faulty });
     }
 
-    /// Names that a keyword line may have defined that is not read.
-    fn unread_names(&mut self, file: u32, text: &str, ranges: impl Iterator<Item = Line>) {
+    /// Records the values on an unsupported or unknown keyword line, which may define names.
+    fn unread_names(&mut self, file: u32, text: &str, ranges: impl Iterator<Item = LineRange>) {
         self.deck.unread.cards += 1;
         for range in ranges {
             if let Some(at) = lexer::equals_sign(text, range.clone()) {
@@ -226,11 +226,11 @@ impl Parser {
         match card.keyword.name {
             "INCLUDE" => self.include_card(&card),
             "PARAMETER" => {
-                self.block = Block::Parameters;
+                self.block = DataDestination::Parameters;
                 self.refuse_parameters(&card, "D405");
             }
             name => {
-                self.block = Block::Card;
+                self.block = DataDestination::Card;
                 let input = card.value("INPUT").filter(|_| name != "MESH").cloned();
                 self.deck.cards.push(card);
                 if let Some(file) = input {
@@ -243,23 +243,23 @@ impl Parser {
     fn keyword(&mut self, text: &str, span: Span) -> Option<&'static Keyword> {
         let shown = text.trim();
         let finding = match keywords::find_keyword(text) {
-            Lookup::Found(keyword) => return Some(keyword),
-            Lookup::Ambiguous(all) => {
+            NameLookup::Found(keyword) => return Some(keyword),
+            NameLookup::Ambiguous(all) => {
                 let names: Vec<String> = all.iter().take(8).map(|k| format!("*{}", k.name)).collect();
-                let what = Diagnostic::error("D102", format!("*{shown} may stand for several keywords"));
+                let what = Diagnostic::error("D102", format!("*{shown} is an abbreviation of several keywords"));
                 what.at(span, "ambiguous").help(format!("write one of {}", names.join(", ")))
             }
-            Lookup::Unknown { .. } if shown.is_empty() => Diagnostic::error("D101", "a keyword line without keyword")
-                .at(span, "nothing after the star")
-                .help("comments begin with `**`"),
-            Lookup::Unknown { nearest } => {
-                let what = Diagnostic::error("D101", format!("*{shown} is not known to Revolve"));
-                what.at(span, "unknown keyword").help(match nearest {
-                    _ if text.starts_with(char::is_whitespace) => "is it a comment? comments begin with `**`".into(),
+            NameLookup::Unknown { .. } if shown.is_empty() => {
+                Diagnostic::error("D101", "the keyword line has no keyword")
+                    .at(span, "nothing after the star")
+                    .help("comments begin with `**`")
+            }
+            NameLookup::Unknown { nearest } => {
+                let what = Diagnostic::error("D101", format!("unknown keyword *{shown}"));
+                what.at(span, "not in the keyword table").help(match nearest {
+                    _ if text.starts_with(char::is_whitespace) => "if this is a comment, begin it with `**`".into(),
                     Some(like) => format!("did you mean *{}?", like.name),
-                    None => {
-                        "docs/abaqus.md lists the keywords of ABAQUS/Explicit and what is done with them".to_owned()
-                    }
+                    None => "docs/abaqus.md lists the keywords of ABAQUS/Explicit and their support".to_owned(),
                 })
             }
         };
@@ -272,7 +272,7 @@ impl Parser {
         file: u32,
         text: &str,
         keyword: &'static Keyword,
-        ranges: impl Iterator<Item = Line>,
+        ranges: impl Iterator<Item = LineRange>,
     ) -> Vec<Parameter> {
         let mut parameters: Vec<Parameter> = Vec::new();
         for range in ranges.filter(|r| !r.is_empty()) {
@@ -285,13 +285,13 @@ impl Parser {
         parameters
     }
 
-    fn parameter(&mut self, file: u32, text: &str, keyword: &'static Keyword, range: Line) -> Option<Parameter> {
+    fn parameter(&mut self, file: u32, text: &str, keyword: &'static Keyword, range: LineRange) -> Option<Parameter> {
         let equals = lexer::equals_sign(text, range.clone());
         let name = lexer::trim(text, range.start..equals.unwrap_or(range.end));
         let span = lexer::span(file, name.clone());
         let rule = self.rule(keyword, &text[name], span)?;
         let value = equals.map(|at| lexer::trim(text, at + 1..range.end));
-        if value.as_ref().is_some_and(|r| r.is_empty()) && keyword.tier == Tier::Used {
+        if value.as_ref().is_some_and(|r| r.is_empty()) && keyword.tier == KeywordTier::Used {
             let what = Diagnostic::error("D105", format!("*{}: {} has no value", keyword.name, rule.name));
             self.diagnostics.push(what.at(span, "nothing after the equals sign"));
         }
@@ -299,17 +299,19 @@ impl Parser {
         Some(Parameter { name: rule.name, span, value })
     }
 
-    fn rule(&mut self, keyword: &'static Keyword, text: &str, span: Span) -> Option<&'static Rule> {
-        let strict = keyword.tier == Tier::Used;
+    fn rule(&mut self, keyword: &'static Keyword, text: &str, span: Span) -> Option<&'static InputRule> {
+        let strict = keyword.tier == KeywordTier::Used;
         let finding = match keywords::find_parameter(keyword, text) {
-            Lookup::Found(rule) => return Some(rule),
-            Lookup::Ambiguous(all) if strict => {
+            NameLookup::Found(rule) => return Some(rule),
+            NameLookup::Ambiguous(all) if strict => {
                 let names: Vec<&str> = all.iter().map(|r| r.name).collect();
-                let what =
-                    Diagnostic::error("D104", format!("*{}: {text} may stand for several parameters", keyword.name));
+                let what = Diagnostic::error(
+                    "D104",
+                    format!("*{}: {text} is an abbreviation of several parameters", keyword.name),
+                );
                 what.at(span, "ambiguous").help(format!("write one of {}", names.join(", ")))
             }
-            Lookup::Unknown { nearest } if strict => unknown_parameter(keyword, text, span, nearest),
+            NameLookup::Unknown { nearest } if strict => unknown_parameter(keyword, text, span, nearest),
             _ => return None,
         };
         self.diagnostics.push(finding);
@@ -321,16 +323,16 @@ impl Parser {
         match card.value("INPUT") {
             Some(file) => self.include(file),
             None => {
-                let what = Diagnostic::error("D007", "*INCLUDE does not say which file");
-                self.diagnostics.push(what.at(card.span, "no INPUT here").help("write *INCLUDE, INPUT=file"));
+                let what = Diagnostic::error("D007", "*INCLUDE has no file name");
+                self.diagnostics.push(what.at(card.span, "INPUT is missing").help("write *INCLUDE, INPUT=file"));
             }
         }
     }
 
-    /// Says of a card that the model never sees what its row of the table refuses.
+    /// Reports unsupported parameters of `*INCLUDE` and `*PARAMETER`, which are not checked by the model.
     fn refuse_parameters(&mut self, card: &Card, code: &'static str) {
         for parameter in &card.parameters {
-            if let Some(Usage::Refused(why)) = card.keyword.rule(parameter.name).map(|r| r.usage) {
+            if let Some(InputUsage::Refused(why)) = card.keyword.rule(parameter.name).map(|r| r.usage) {
                 let message = format!("{} on *{} is not supported", parameter.name, card.keyword.name);
                 self.diagnostics.push(Diagnostic::error(code, message).at(parameter.span, "not supported").help(why));
             }
@@ -353,8 +355,9 @@ impl Parser {
         self.diagnostics.push(finding);
     }
 
-    /// The file that a name means: as written, or, where that is not there, the last part of its path beside the deck. Paths of
-    /// another machine, `C:\work\mat.inc`, come with decks that have travelled.
+    /// Returns the path of an included file. If the path as written does not exist, for example because the deck comes
+    /// from
+    /// another computer (`C:\work\mat.inc`), a file of the same name in the folder of the deck is used, with a note.
     fn include_path(&mut self, file: &Word) -> PathBuf {
         let folder = self.deck.sources.folder(file.span);
         let path = folder.join(file.text.replace('\\', "/"));
@@ -363,23 +366,24 @@ impl Parser {
         if path.exists() || last.is_empty() || last.len() == file.text.len() || !beside.is_file() {
             return path;
         }
-        let what = Diagnostic::note("D008", format!("{} stands for {}", beside.display(), file.text));
-        self.diagnostics.push(what.at(file.span, "no such file: the one of that name beside the deck is read"));
+        let what = Diagnostic::note("D008", format!("{} is read in place of {}", beside.display(), file.text));
+        self.diagnostics
+            .push(what.at(file.span, "no such file; a file of the same name in the folder of the deck is read"));
         beside
     }
 
-    /// Why a file must not be opened.
+    /// Returns the reason why a file must not be opened.
     fn refusal(&self, path: &Path, file: &Word) -> Option<Diagnostic> {
         let what = |code, message: String, label: &str| Some(Diagnostic::error(code, message).at(file.span, label));
         let shown = path.display();
         if path.canonicalize().is_ok_and(|p| self.chain.contains(&p)) {
-            return what("D003", format!("{shown} includes itself"), "this file is being read already");
+            return what("D003", format!("{shown} includes itself"), "this file is already being read");
         }
         if self.chain.len() > DEEPEST {
-            return what("D004", format!("includes are nested deeper than {DEEPEST}"), "one too many");
+            return what("D004", format!("includes are nested deeper than {DEEPEST}"), "exceeds the limit");
         }
         if self.deck.sources.files().len() >= MOST_FILES {
-            return what("D004", format!("more than {MOST_FILES} files are included"), "one too many");
+            return what("D004", format!("more than {MOST_FILES} files are included"), "exceeds the limit");
         }
         let metadata = std::fs::metadata(path).ok()?;
         if !metadata.is_file() {
@@ -387,19 +391,19 @@ impl Parser {
         }
         let size = metadata.len();
         if self.bytes.saturating_add(size) > MOST_BYTES {
-            return what("D006", format!("the deck is larger than {MOST_BYTES} bytes"), "too much with this file");
+            return what("D006", format!("the deck is larger than {MOST_BYTES} bytes"), "this file exceeds the limit");
         }
         None
     }
 }
 
-/// Whether a line goes on with the parameters of a keyword line that ended in a comma.
-fn continues(text: &str, line: &Line, fields: &Fields, keyword: &Keyword) -> bool {
+/// Returns whether a line continues the parameters of a keyword line that ends with a comma.
+fn continues(text: &str, line: &LineRange, fields: &LineFields, keyword: &Keyword) -> bool {
     if lexer::kind(&text[line.clone()]) != LineKind::Data {
         return false;
     }
     let free_text = matches!(keyword.name, "HEADING" | "PARAMETER");
-    let is_parameter = |range: &Line| match lexer::equals_sign(text, range.clone()) {
+    let is_parameter = |range: &LineRange| match lexer::equals_sign(text, range.clone()) {
         Some(at) => !free_text && text[range.start..at].starts_with(|c: char| c.is_alphabetic()),
         None => keywords::is_parameter(keyword, &text[range.clone()]),
     };
@@ -412,19 +416,19 @@ fn given_twice(keyword: &Keyword, second: &Parameter, first: &Parameter) -> Diag
     what.at(second.span, "again here").at(first.span, "first here")
 }
 
-fn unknown_parameter(keyword: &Keyword, text: &str, span: Span, nearest: Option<&Rule>) -> Diagnostic {
+fn unknown_parameter(keyword: &Keyword, text: &str, span: Span, nearest: Option<&InputRule>) -> Diagnostic {
     let message = format!("*{} has no parameter {text}", keyword.name);
     let what = Diagnostic::error("D103", message);
     let known: Vec<&str> = keyword.parameters.iter().map(|r| r.name).take(12).collect();
     what.at(span, "unknown parameter").help(match nearest {
         Some(rule) => format!("did you mean {}?", rule.name),
         None if known.is_empty() => format!("*{} has no parameters", keyword.name),
-        None => format!("it has {}", known.join(", ")),
+        None => format!("its parameters are {}", known.join(", ")),
     })
 }
 
 fn unreadable(path: &Path, file: &Word, e: &std::io::Error) -> Diagnostic {
     let reason = if e.kind() == std::io::ErrorKind::NotFound { "no such file".to_owned() } else { e.to_string() };
     let what = Diagnostic::error("D002", format!("cannot read {}", path.display()));
-    what.at(file.span, reason).help("the name is relative to the file that includes it")
+    what.at(file.span, reason).help("the path is relative to the folder of the including file")
 }

@@ -1,10 +1,10 @@
-//! Words of strangers, shown to people: what steers a terminal is written out.
-//! Never here: what is shown.
+//! Escaping of control characters in text from input files before it is printed on a terminal.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-/// The text with control characters (line ends and tabs apart) and those that turn the direction of writing as `\u{…}`.
+/// Returns the text with control characters (except line ends and tabs) and bidirectional formatting characters escaped
+/// as `\u{…}`.
 ///
 /// ```
 /// assert_eq!(revolve::deck::printable("red\u{1b}[31m"), "red\\u{1b}[31m");

@@ -1,22 +1,21 @@
-//! Values of cards as types: numbers, words by their place, tables. Whether they are allowed has been checked before.
-//! Never here: what a value may be.
+//! Conversion of the values of checked cards to Rust types: numbers, indices of words, tables.
 
-use super::keywords::{Place, Rule, Shape};
+use super::keywords::{CardPlace, DataShape, InputRule};
 use super::number::parse_number;
 use super::syntax::{Card, DataLine, Word};
-use super::value::{Kind, TEXT};
+use super::value::{TEXT, ValueKind};
 
-/// A value where a deck gives it, and its rule.
+/// A value as the deck gives it, with its rule of the keyword table.
 #[derive(Clone, Copy, Debug)]
-pub struct Given<'a> {
-    /// What its card says of it.
-    pub rule: Option<&'static Rule>,
-    /// `None` where it is absent, `Some(None)` where a parameter has no value.
+pub struct GivenValue<'a> {
+    /// Rule of the parameter or field.
+    pub rule: Option<&'static InputRule>,
+    /// `None` if absent, `Some(None)` for a parameter without a value.
     pub word: Option<Option<&'a Word>>,
 }
 
-impl Given<'_> {
-    /// The number that is meant, or the place of the word: the default where there is none, or where it is at fault.
+impl GivenValue<'_> {
+    /// Returns the number or the index of the word; the default if the value is absent or invalid.
     fn number(&self) -> Option<f64> {
         let value = self.rule.map_or(TEXT, |rule| rule.value);
         match self.word {
@@ -27,47 +26,47 @@ impl Given<'_> {
     }
 }
 
-/// A type that a value is read as. Whether the value is allowed has been checked before.
+/// Type to which a checked value can be converted.
 pub trait FromValue: Sized {
-    /// The value.
-    fn from_value(given: Given<'_>) -> Self;
+    /// Converts a value; an absent or invalid one gives its default.
+    fn from_value(given: GivenValue<'_>) -> Self;
 }
 
 impl FromValue for f64 {
-    fn from_value(given: Given<'_>) -> f64 {
+    fn from_value(given: GivenValue<'_>) -> f64 {
         given.number().unwrap_or(f64::NAN)
     }
 }
 
-/// Of words the place among them.
+/// An integer, or the index of a word.
 impl FromValue for usize {
-    fn from_value(given: Given<'_>) -> usize {
+    fn from_value(given: GivenValue<'_>) -> usize {
         given.number().map_or(0, |number| number as usize)
     }
 }
 
-/// Of words the second; of others, whether it is given.
+/// For a choice of two words: whether the second word is given. For all others: whether the value is given.
 impl FromValue for bool {
-    fn from_value(given: Given<'_>) -> bool {
+    fn from_value(given: GivenValue<'_>) -> bool {
         match given.rule.map(|rule| rule.value.kind) {
-            Some(Kind::Word(_) | Kind::Variant(_)) => given.number() == Some(1.0),
+            Some(ValueKind::Word(_) | ValueKind::Variant(_)) => given.number() == Some(1.0),
             _ => given.word.is_some(),
         }
     }
 }
 
 impl FromValue for String {
-    fn from_value(given: Given<'_>) -> String {
+    fn from_value(given: GivenValue<'_>) -> String {
         given.word.flatten().map_or(String::new(), |word| word.text.trim().to_uppercase())
     }
 }
 
-/// `None` where the deck does not give it, or where it is at fault.
+/// `None` if the value is absent or invalid.
 impl<T: FromValue> FromValue for Option<T> {
-    fn from_value(given: Given<'_>) -> Option<T> {
+    fn from_value(given: GivenValue<'_>) -> Option<T> {
         let value = given.rule.map_or(TEXT, |rule| rule.value);
         let good = match given.word? {
-            _ if value.kind == Kind::Text => true,
+            _ if value.kind == ValueKind::Text => true,
             Some(word) => value.number(&word.text).is_some(),
             None => value.bare.or(value.default).is_some(),
         };
@@ -75,9 +74,9 @@ impl<T: FromValue> FromValue for Option<T> {
     }
 }
 
-/// A type that the data lines of a card are read as.
+/// Type to which the data lines of a card can be converted.
 pub trait FromLines: Sized {
-    /// What the lines hold.
+    /// Converts the data lines of a card.
     fn from_lines(card: &Card) -> Self;
 }
 
@@ -85,21 +84,21 @@ impl FromLines for () {
     fn from_lines(_: &Card) -> Self {}
 }
 
-/// The first line.
+/// The first data line.
 impl<const N: usize> FromLines for [f64; N] {
     fn from_lines(card: &Card) -> [f64; N] {
         row(card, 0)
     }
 }
 
-/// All lines.
+/// All data lines.
 impl<const N: usize> FromLines for Vec<[f64; N]> {
     fn from_lines(card: &Card) -> Vec<[f64; N]> {
         (0..card.lines.len()).map(|line| row(card, line)).collect()
     }
 }
 
-/// All values, in a row.
+/// All values of all data lines.
 impl FromLines for Vec<f64> {
     fn from_lines(card: &Card) -> Vec<f64> {
         let words = card.lines.iter().flat_map(|line| &line.fields).filter(|word| !word.text.is_empty());
@@ -112,37 +111,38 @@ fn row<const N: usize>(card: &Card, line: usize) -> [f64; N] {
 }
 
 impl Card {
-    /// A parameter, read as a type.
+    /// Returns a parameter converted to a type.
     pub fn read<T: FromValue>(&self, name: &str) -> T {
         let word = self.parameter(name).map(|parameter| parameter.value.as_ref());
-        T::from_value(Given { rule: self.keyword.rule(name), word })
+        T::from_value(GivenValue { rule: self.keyword.rule(name), word })
     }
 
-    /// Data lines, read as a type.
+    /// Returns the data lines converted to a type.
     pub fn read_lines<T: FromLines>(&self) -> T {
         T::from_lines(self)
     }
 
-    /// A field of a data line, with what the card says of it.
-    pub fn given_field(&self, line: usize, field: usize) -> Given<'_> {
+    /// Returns a field of a data line with its rule.
+    pub fn given_field(&self, line: usize, field: usize) -> GivenValue<'_> {
         let word = self.lines.get(line).and_then(|l: &DataLine| l.field(field));
-        Given { rule: self.shape().field(line, field, 0), word: word.map(Some) }
+        GivenValue { rule: self.shape().field(line, field, 0), word: word.map(Some) }
     }
 
-    /// Whether one data line at least is needed: of a table alone where the card describes one thing and lists none.
+    /// Returns whether the card needs at least one data line. A table may be empty on a card outside a material or
+    /// interaction.
     pub fn needs_line(&self) -> bool {
-        let lists = !matches!(self.keyword.place, Place::Below(_));
+        let lists = !matches!(self.keyword.place, CardPlace::Below(_));
         match self.shape() {
-            Shape::Lines(_, true) if lists => false,
-            Shape::Lines(lines, _) => lines.first().is_some_and(|rules| rules.iter().any(|r| r.value.required)),
-            Shape::List(rule) => rule.value.required,
+            DataShape::Lines(_, true) if lists => false,
+            DataShape::Lines(lines, _) => lines.first().is_some_and(|rules| rules.iter().any(|r| r.value.required)),
+            DataShape::List(rule) => rule.value.required,
             _ => false,
         }
     }
 }
 
-/// A card as a type: its parameters and data lines, checked before it is read.
+/// Type that holds the parameters and data lines of a checked card.
 pub trait ReadCard: Sized {
-    /// The values of a card.
+    /// Converts a card.
     fn read(card: &Card) -> Self;
 }

@@ -1,20 +1,19 @@
-//! Diagnostics as text: file, line, column, caret, reason, help, include trail.
-//! Never here: what is wrong.
+//! Rendering of diagnostics as text with excerpts of the deck.
 
 use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Renderer, Snippet};
 
-use super::diagnostic::{Diagnostic, Label, Severity};
+use super::diagnostic::{Diagnostic, Severity, SourceLabel};
 use super::printable::printable;
 use super::source::{Sources, Span};
 
-/// More findings of one severity are only counted.
+/// Maximum number of diagnostics shown per severity; the others are counted.
 const MOST: usize = 20;
-/// Labels farther apart than this many lines get excerpts of their own.
+/// Labels that are more lines apart than this are shown in separate excerpts.
 const FAR: usize = 60;
-/// Longer lines are shown in part.
+/// Maximum length of a line that is shown completely, bytes.
 const LONGEST: usize = 400;
 
-/// All findings: errors first, then warnings, then notes.
+/// Renders all diagnostics: errors, then warnings, then notes.
 pub fn render(list: &[Diagnostic], sources: &Sources, styled: bool) -> String {
     let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
     let mut text = String::new();
@@ -64,31 +63,31 @@ fn group<'a>(diagnostic: &'a Diagnostic, sources: &'a Sources) -> Group<'a> {
     group
 }
 
-/// Neighbouring lines of one file and the labels in them.
-struct Window {
+/// Excerpt of a file: a range of lines and the indices of the labels in it.
+struct ExcerptWindow {
     file: u32,
     first: usize,
     last: usize,
     labels: Vec<usize>,
 }
 
-fn windows(labels: &[Label], sources: &Sources) -> Vec<Window> {
-    let mut windows: Vec<Window> = Vec::new();
+fn windows(labels: &[SourceLabel], sources: &Sources) -> Vec<ExcerptWindow> {
+    let mut windows: Vec<ExcerptWindow> = Vec::new();
     for (i, label) in labels.iter().enumerate().filter(|(_, l)| sources.file(l.span).is_some()) {
         let line = sources.line_of(label.span.file, label.span.start);
-        let near = |w: &&mut Window| w.file == label.span.file && w.last.max(line) - w.first.min(line) <= FAR;
+        let near = |w: &&mut ExcerptWindow| w.file == label.span.file && w.last.max(line) - w.first.min(line) <= FAR;
         match windows.iter_mut().find(near) {
             Some(w) => {
                 (w.first, w.last) = (w.first.min(line), w.last.max(line));
                 w.labels.push(i);
             }
-            None => windows.push(Window { file: label.span.file, first: line, last: line, labels: vec![i] }),
+            None => windows.push(ExcerptWindow { file: label.span.file, first: line, last: line, labels: vec![i] }),
         }
     }
     windows
 }
 
-fn snippet<'a>(window: &Window, labels: &'a [Label], sources: &'a Sources) -> Snippet<'a, Annotation<'a>> {
+fn snippet<'a>(window: &ExcerptWindow, labels: &'a [SourceLabel], sources: &'a Sources) -> Snippet<'a, Annotation<'a>> {
     let text = sources.files().get(window.file as usize).map_or("", |f| f.text.as_str());
     let name = sources.files().get(window.file as usize).map_or("?", |f| f.name.as_str());
     let start = sources.line_range(window.file, window.first).start;
@@ -102,13 +101,13 @@ fn snippet<'a>(window: &Window, labels: &'a [Label], sources: &'a Sources) -> Sn
     Snippet::source(source).line_start(window.first).path(printable(name)).annotations(annotations)
 }
 
-/// Where to cut a very long line: somewhat behind the last label.
-fn excerpt_end(window: &Window, labels: &[Label], start: usize) -> usize {
+/// Returns the position at which a very long line is cut: after the last label.
+fn excerpt_end(window: &ExcerptWindow, labels: &[SourceLabel], start: usize) -> usize {
     let last = window.labels.iter().map(|&i| labels[i].span.start as usize).max().unwrap_or(start);
     last.max(start) + LONGEST
 }
 
-fn annotation<'a>(index: usize, label: &'a Label, source: &str, offset: usize) -> Annotation<'a> {
+fn annotation<'a>(index: usize, label: &'a SourceLabel, source: &str, offset: usize) -> Annotation<'a> {
     let kind = if index == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
     let start = boundary(source, (label.span.start as usize).saturating_sub(offset));
     let line_end = source[start..].find('\n').map_or(source.len(), |i| start + i);
@@ -116,7 +115,7 @@ fn annotation<'a>(index: usize, label: &'a Label, source: &str, offset: usize) -
     kind.span(start..end).label(printable(&label.text))
 }
 
-/// The nearest position at or before `at` where the text may be cut.
+/// Returns the last character boundary at or before `at`.
 fn boundary(text: &str, at: usize) -> usize {
     let mut at = at.min(text.len());
     while !text.is_char_boundary(at) {
@@ -125,7 +124,7 @@ fn boundary(text: &str, at: usize) -> usize {
     at
 }
 
-/// The `*INCLUDE`s that lead to the finding's file, innermost first.
+/// Returns the places of the `*INCLUDE`s that lead to the file of a diagnostic, innermost first.
 fn trail(diagnostic: &Diagnostic, sources: &Sources) -> Vec<String> {
     let mut places = Vec::new();
     let mut span: Option<Span> = diagnostic.labels.first().and_then(|l| sources.file(l.span)?.included_at);

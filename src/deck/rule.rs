@@ -1,174 +1,177 @@
-//! Types of the keyword table: what a card may be given, and what is done with it.
-//! Never here: the rows.
+//! Types of the keyword table. Its rows are in `table/`.
 
-use super::value::{self, Value};
+use super::value::{self, ValueSpec};
 
-/// What is done with a keyword.
+/// Level of support of a keyword.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tier {
-    /// Read and obeyed.
+pub enum KeywordTier {
+    /// Supported.
     Used,
-    /// Read and checked; it cannot change a result here, and the ledger says why.
+    /// Checked and ignored, because it cannot change a result here; the text is the reason in the ledger.
     Inert(&'static str),
-    /// Changes only output files of another program: accepted, one summary note.
+    /// Ignored with a note: it changes only output files of ABAQUS.
     OutputOnly,
-    /// Known and not supported; ignoring it would change the physics: an error.
+    /// Unsupported; an error, because ignoring it would change the result.
     UnsupportedPhysics,
-    /// Known and not supported; ignoring it changes no result: a note.
+    /// Unsupported; ignored with a note, because it does not affect the result.
     UnsupportedInert,
 }
 
-/// What is done with a parameter or a field of a data line.
+/// Level of support of a parameter or of a field of a data line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Usage {
-    /// It is obeyed: another value gives another result, or is told to be wrong.
+pub enum InputUsage {
+    /// Supported.
     Read,
-    /// These values say what is done anyway; every other is an error, for this reason.
+    /// Only these values are supported; any other is an error with this reason.
     Only(&'static [&'static str], &'static str),
-    /// It changes nothing here; the ledger says so with this note.
+    /// Ignored, because it has no effect here; the text is the reason in the ledger.
     Inert(&'static str),
-    /// It is an error, for this reason.
+    /// Unsupported; an error with this reason.
     Refused(&'static str),
 }
 
-/// A parameter that a keyword line may carry, or a field of its data lines.
+/// A parameter of a keyword line, or a field of its data lines.
 #[derive(Debug)]
-pub struct Rule {
-    /// Canonical name; of parameters upper case with single blanks.
+pub struct InputRule {
+    /// Canonical name. Names of parameters are upper case with single blanks.
     pub name: &'static str,
-    /// What is done with it.
-    pub usage: Usage,
-    /// One line for the manual; empty where the name says it, or the usage does.
+    /// Level of support.
+    pub usage: InputUsage,
+    /// One line for the keyword manual; empty if the name or the reason of `usage` is enough.
     pub help: &'static str,
-    /// Not in ABAQUS: ours.
+    /// Whether it is an extension that ABAQUS does not have.
     pub extension: bool,
-    /// What it may be.
-    pub value: Value,
+    /// Allowed values and default.
+    pub value: ValueSpec,
 }
 
-/// What the data lines of a card hold.
+/// Layout of the data lines of a card.
 #[derive(Debug)]
-pub enum Shape {
-    /// Nothing: the card has no data lines.
+pub enum DataShape {
+    /// The card has no data lines.
     Nothing,
     /// Lines of free text.
-    Text(Rule),
+    Text(InputRule),
     /// Any number of values on any number of lines.
-    List(Rule),
-    /// Values that repeat in this order over any number of lines; the reader of the card counts them.
-    Stream(&'static [Rule]),
-    /// Records of so many values, each of which begins on a line of its own and goes on on the next where it is full; the
-    /// last rule stands for all values behind it.
-    Wrapped(usize, &'static [Rule]),
-    /// These lines in this order; `true`: the last of them repeats.
-    Lines(&'static [&'static [Rule]], bool),
+    List(InputRule),
+    /// Groups of values in this order, one group after the other on any number of lines. The reader of the card checks
+    /// the
+    /// number of values.
+    Stream(&'static [InputRule]),
+    /// Records of a fixed number of values. Each record begins on a new line and may continue on further lines. The
+    /// last rule
+    /// also applies to all further values of the record.
+    Wrapped(usize, &'static [InputRule]),
+    /// The data lines in this order; with `true` the last one may be repeated.
+    Lines(&'static [&'static [InputRule]], bool),
 }
 
-/// A shape, and when the data lines have it.
+/// A layout of data lines and the condition under which it applies.
 #[derive(Debug)]
-pub struct Data {
-    /// The parameter and the value that it must have (empty: any); `None`: in every other case.
+pub struct ConditionalShape {
+    /// Parameter and its required value (empty: any value); `None` applies in all other cases.
     pub when: Option<(&'static str, &'static str)>,
-    /// The shape.
-    pub shape: Shape,
+    /// The layout.
+    pub shape: DataShape,
 }
 
-/// How often a card may be given.
+/// Number of times that a card may be given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Times {
+pub enum CardMultiplicity {
     /// Any number of times.
     Any,
-    /// Once in its place.
+    /// Once in its scope: the deck, the step or the parent card.
     Once,
     /// Once for each value of this parameter.
     Unique(&'static str),
 }
 
-/// Where a card stands.
+/// Position at which a card is allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum CardPlace {
     /// Anywhere.
     Anywhere,
-    /// In a step.
+    /// Within a step.
     Step,
-    /// In a step, or before the first for all.
+    /// Within a step, or before the first step, where it applies to all steps.
     EachStep,
-    /// Below a card of this kind, with none between but its kin.
+    /// After this parent card; only cards with the same parent may be between them.
     Below(&'static str),
 }
 
-/// One keyword.
+/// A row of the keyword table.
 #[derive(Debug)]
 pub struct Keyword {
-    /// Canonical name, upper case, single blanks, no star.
+    /// Canonical name: upper case, single blanks, without star.
     pub name: &'static str,
-    /// What is done with it.
-    pub tier: Tier,
-    /// Not in ABAQUS: ours.
+    /// Level of support.
+    pub tier: KeywordTier,
+    /// Whether it is an extension that ABAQUS does not have.
     pub extension: bool,
-    /// One line for the manual.
+    /// Description of one line for the manual.
     pub summary: &'static str,
-    /// How often it may be given.
-    pub times: Times,
-    /// Where it stands.
-    pub place: Place,
-    /// The parameters it may carry.
-    pub parameters: &'static [Rule],
-    /// What its data lines hold: the first entry that applies.
-    pub data: &'static [Data],
+    /// Number of times that the card may be given.
+    pub times: CardMultiplicity,
+    /// Position at which the card is allowed.
+    pub place: CardPlace,
+    /// Parameters of the keyword line.
+    pub parameters: &'static [InputRule],
+    /// Layouts of the data lines; the first one that applies is used.
+    pub data: &'static [ConditionalShape],
 }
 
 impl Keyword {
-    /// The rule of a parameter or a field, for values that no deck gives.
-    pub fn value(&self, name: &str) -> Option<Value> {
+    /// Returns the allowed values of a parameter or field, for checks of models composed in Rust.
+    pub fn value(&self, name: &str) -> Option<ValueSpec> {
         let fields = self.data.iter().flat_map(|d| d.shape.rules());
         self.parameters.iter().chain(fields).find(|rule| rule.name == name).map(|rule| rule.value)
     }
 
-    /// The rule of a parameter by its canonical name.
-    pub fn rule(&self, name: &str) -> Option<&'static Rule> {
+    /// Returns the rule of a parameter by its canonical name.
+    pub fn rule(&self, name: &str) -> Option<&'static InputRule> {
         self.parameters.iter().find(|r| r.name == name)
     }
 
-    /// What the data lines hold where `value` gives the text of a parameter (`Some(None)` for one without value).
-    pub fn shape<'v>(&self, given: impl Fn(&str) -> Option<Option<&'v str>>) -> &'static Shape {
-        let applies = |data: &&Data| match data.when {
+    /// Returns the layout of the data lines. `given` returns the text of a parameter, `Some(None)` for one without a
+    /// value.
+    pub fn shape<'v>(&self, given: impl Fn(&str) -> Option<Option<&'v str>>) -> &'static DataShape {
+        let applies = |data: &&ConditionalShape| match data.when {
             None => true,
             Some((name, wanted)) => {
                 let is = |text: &str| value::find_word(&[wanted], text).is_some();
                 given(name).is_some_and(|v| wanted.is_empty() || v.is_some_and(is))
             }
         };
-        self.data.iter().find(applies).map_or(&Shape::Nothing, |data| &data.shape)
+        self.data.iter().find(applies).map_or(&DataShape::Nothing, |data| &data.shape)
     }
 }
 
-impl Shape {
-    /// The rule of a field, by the index of its line and its own; `None` for a value that the card does not take.
-    /// `before` counts the values on the lines above, of streams and records that go on over lines.
-    pub fn field(&'static self, line: usize, index: usize, before: usize) -> Option<&'static Rule> {
+impl DataShape {
+    /// Returns the rule of the field with index `index` on line `line`; `None` if the card has no such field.
+    /// `before` is the number of values on the previous lines of a stream or record.
+    pub fn field(&'static self, line: usize, index: usize, before: usize) -> Option<&'static InputRule> {
         match self {
-            Shape::Nothing => None,
-            Shape::Text(rule) | Shape::List(rule) => Some(rule),
-            Shape::Stream(rules) => rules.get((before + index) % rules.len()),
-            Shape::Wrapped(count, rules) => {
+            DataShape::Nothing => None,
+            DataShape::Text(rule) | DataShape::List(rule) => Some(rule),
+            DataShape::Stream(rules) => rules.get((before + index) % rules.len()),
+            DataShape::Wrapped(count, rules) => {
                 let at = before % count + index;
                 (at < *count).then(|| &rules[at.min(rules.len() - 1)])
             }
-            Shape::Lines(lines, repeats) => {
+            DataShape::Lines(lines, repeats) => {
                 let row = if *repeats { line.min(lines.len() - 1) } else { line };
                 lines.get(row)?.get(index)
             }
         }
     }
 
-    /// All rules of its fields.
-    pub fn rules(&self) -> Vec<&Rule> {
+    /// Returns the rules of all fields.
+    pub fn rules(&self) -> Vec<&InputRule> {
         match self {
-            Shape::Nothing => Vec::new(),
-            Shape::Text(rule) | Shape::List(rule) => vec![rule],
-            Shape::Stream(rules) | Shape::Wrapped(_, rules) => rules.iter().collect(),
-            Shape::Lines(lines, _) => lines.iter().flat_map(|l| l.iter()).collect(),
+            DataShape::Nothing => Vec::new(),
+            DataShape::Text(rule) | DataShape::List(rule) => vec![rule],
+            DataShape::Stream(rules) | DataShape::Wrapped(_, rules) => rules.iter().collect(),
+            DataShape::Lines(lines, _) => lines.iter().flat_map(|l| l.iter()).collect(),
         }
     }
 }

@@ -1,11 +1,10 @@
-//! Source text and spans: every word of a deck can be traced to file, line and column.
-//! Never here: meaning of what the text says.
+//! Source files and spans, which locate every word of a deck by file, line and column.
 
 use std::panic::Location;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// A range of bytes of one source file.
+/// A byte range of a source file.
 #[derive(Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct Span {
     /// Index of the file in [`Sources`].
@@ -16,20 +15,21 @@ pub struct Span {
     pub end: u32,
 }
 
-/// File of spans that lead to no deck.
+/// File index of spans of models that are composed in Rust, without a deck.
 const COMPOSED: u32 = u32::MAX;
-/// Tells pieces apart that one line of Rust makes. It is shown nowhere.
+/// Counter that gives each composed item its own span, also if one line of Rust creates several.
 static PIECES: AtomicU32 = AtomicU32::new(0);
 
 impl Span {
-    /// The place of a piece that is composed in Rust: the line of the caller. Each call gives another span, so that the ledger
-    /// keeps a row for each piece.
+    /// Returns a span for a model item composed in Rust: the line of the caller. Each call returns a different span, so
+    /// that
+    /// each item has its own ledger row.
     #[track_caller]
     pub fn composed() -> Span {
         Span { file: COMPOSED, start: Location::caller().line(), end: PIECES.fetch_add(1, Ordering::Relaxed) }
     }
 
-    /// The smallest span that covers both; `other` is ignored if it lies in another file.
+    /// Returns the smallest span that covers both. `other` is ignored if it is in another file.
     #[must_use]
     pub fn to(self, other: Span) -> Span {
         if self.file != other.file {
@@ -39,7 +39,7 @@ impl Span {
     }
 }
 
-/// What is composed in Rust looks alike, wherever and however often it is.
+/// All composed spans print as `composed`.
 impl std::fmt::Debug for Span {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -49,16 +49,16 @@ impl std::fmt::Debug for Span {
     }
 }
 
-/// One file of a deck.
+/// A file of a deck.
 #[derive(Clone, Debug)]
 pub struct SourceFile {
-    /// The name as shown to the user.
+    /// Name in messages.
     pub name: String,
-    /// Where it was read from; relative files are looked up beside it.
+    /// Path of the file. Relative paths of included files start at its folder.
     pub path: PathBuf,
-    /// The whole text, decoded, with line ends normalised to `\n`.
+    /// Decoded text with line ends `\n`.
     pub text: String,
-    /// The `*INCLUDE` that brought it in; `None` for the deck itself.
+    /// Span of the `*INCLUDE` that reads the file; `None` for the main file.
     pub included_at: Option<Span>,
 }
 
@@ -77,7 +77,7 @@ impl Sources {
         (self.files.len() - 1) as u32
     }
 
-    /// Gives a file its text; for a reader that numbers the file before it is done with the text.
+    /// Sets the text of a file. The parser adds the file before it parses the text, to have its index.
     pub(super) fn fill(&mut self, file: u32, text: String) {
         if let Some(entry) = self.files.get_mut(file as usize) {
             self.line_starts[file as usize] = line_starts(&text);
@@ -85,22 +85,22 @@ impl Sources {
         }
     }
 
-    /// The files in the order they were opened.
+    /// Returns the files in the order in which they were opened.
     pub fn files(&self) -> &[SourceFile] {
         &self.files
     }
 
-    /// The file a span lies in.
+    /// Returns the file of a span.
     pub fn file(&self, span: Span) -> Option<&SourceFile> {
         self.files.get(span.file as usize)
     }
 
-    /// The text of a span.
+    /// Returns the text of a span.
     pub fn text(&self, span: Span) -> &str {
         self.file(span).and_then(|f| f.text.get(span.start as usize..span.end as usize)).unwrap_or("")
     }
 
-    /// Line and column of a span's start, both counted from 1, the column in characters.
+    /// Returns line and column of a span's start, counted from 1; the column counts characters.
     pub fn line_column(&self, span: Span) -> (usize, usize) {
         let Some(file) = self.file(span) else { return (1, 1) };
         let line = self.line_of(span.file, span.start);
@@ -109,12 +109,12 @@ impl Sources {
         (line, column + 1)
     }
 
-    /// The line, counted from 1, that a byte of a file lies in.
+    /// Returns the line of a byte, counted from 1.
     pub(super) fn line_of(&self, file: u32, byte: u32) -> usize {
         self.line_starts.get(file as usize).map_or(1, |s| s.partition_point(|&b| b <= byte).max(1))
     }
 
-    /// The bytes of a line (counted from 1) without its line end.
+    /// Returns the byte range of a line (counted from 1) without its line end.
     pub(super) fn line_range(&self, file: u32, line: usize) -> std::ops::Range<usize> {
         let (Some(source), Some(starts)) = (self.files.get(file as usize), self.line_starts.get(file as usize)) else {
             return 0..0;
@@ -125,7 +125,7 @@ impl Sources {
         start..end.max(start)
     }
 
-    /// `file:line` of a span, as the ledger shows it; of what no deck asked for, that it was composed in Rust.
+    /// Returns `file:line` of a span, as the ledger shows it, or the text `composed in Rust`.
     pub fn describe(&self, span: Span) -> String {
         match self.file(span) {
             Some(file) => format!("{}:{}", file.name, self.line_column(span).0),
@@ -134,12 +134,12 @@ impl Sources {
         }
     }
 
-    /// Name of the file of a span; `None` of what no deck asked for.
+    /// Returns the file name of a span; `None` for items composed in Rust.
     pub fn name(&self, span: Span) -> Option<&str> {
         self.file(span).map(|file| file.name.as_str())
     }
 
-    /// The folder that relative file names in this span's file refer to.
+    /// Returns the folder of the span's file, at which relative paths start.
     pub fn folder(&self, span: Span) -> &Path {
         self.file(span).and_then(|f| f.path.parent()).unwrap_or(Path::new(""))
     }
@@ -149,7 +149,7 @@ fn line_starts(text: &str) -> Vec<u32> {
     std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i as u32 + 1)).collect()
 }
 
-/// Bytes as text: byte-order marks (UTF-8, UTF-16) are obeyed, what is not UTF-8 is taken as latin-1, line ends become `\n`.
+/// Decodes bytes as UTF-8 or, with a byte-order mark, UTF-16; invalid UTF-8 is read as latin-1. Line ends become `\n`.
 pub fn decode(bytes: Vec<u8>) -> String {
     let text = match &bytes[..] {
         [0xEF, 0xBB, 0xBF, rest @ ..] => utf8_or_latin1(rest.to_vec()),
@@ -169,7 +169,7 @@ fn utf16(bytes: &[u8], order: fn([u8; 2]) -> u16) -> String {
     String::from_utf16_lossy(&units)
 }
 
-/// Text in memory brought to the same shape as text read from a file: no byte-order mark, line ends `\n`.
+/// Removes the byte-order mark and changes line ends to `\n`.
 pub(super) fn normalise(text: String) -> String {
     let text = match text.strip_prefix('\u{FEFF}') {
         Some(rest) => rest.to_owned(),

@@ -1,133 +1,133 @@
-//! The syntax tree of a deck: cards with parameters and data lines, every word with its span.
-//! Never here: what a name refers to.
+//! Syntax tree of a deck: cards with parameters and data lines; every word has its span.
 
 use std::sync::Arc;
 
 use super::diagnostic::{Diagnostic, Diagnostics};
-use super::keywords::{Keyword, Shape};
+use super::keywords::{DataShape, Keyword};
 use super::number::{NumberError, parse_number};
-use super::parameters::{Definition, is_unresolved};
+use super::parameters::{ParameterDefinition, is_unresolved};
 use super::source::{Sources, Span};
 
-/// A deck as read: includes expanded, `<parameters>` substituted, nothing resolved.
+/// A deck with includes expanded and `<parameters>` substituted. Names are not resolved.
 #[derive(Clone, Debug, Default)]
 pub struct Deck {
-    /// The files it came from.
+    /// Files of the deck.
     pub sources: Arc<Sources>,
-    /// The cards in order.
+    /// Cards in the order of the deck.
     pub cards: Vec<Card>,
-    /// The `*PARAMETER` values in force, overrides included, in order of definition.
+    /// Names and values of the numeric parameters after overrides, in order of definition.
     pub parameters: Vec<(String, f64)>,
-    /// Their definitions as they are written, those of texts among them.
-    pub definitions: Vec<Definition>,
-    /// What could not be read, as an error has told.
-    pub unread: Unread,
+    /// Definitions of all parameters, including text parameters, as written.
+    pub definitions: Vec<ParameterDefinition>,
+    /// Parts of the deck that could not be read. Each has been reported as an error.
+    pub unread: ParseGaps,
 }
 
-/// What could not be read of a deck: what misses it need not say so again.
+/// Parts of a deck that could not be read. References to names that these parts may define are not reported.
 #[derive(Clone, Debug, Default)]
-pub struct Unread {
-    /// Whether a file is missing, which may have defined anything.
+pub struct ParseGaps {
+    /// Whether a file could not be read; it may have defined any name.
     pub files: bool,
-    /// Cards that are unknown or not supported.
+    /// Number of cards that are unknown or unsupported.
     pub cards: usize,
-    /// Names on keyword lines of cards that are unknown or not supported, upper case.
+    /// Values of the parameters on keyword lines of unknown or unsupported cards, in upper case.
     pub names: Vec<String>,
 }
 
-/// One keyword line with its data lines.
+/// A keyword line with its data lines.
 #[derive(Clone, Debug)]
 pub struct Card {
-    /// The row of the keyword table.
+    /// Row of the keyword table.
     pub keyword: &'static Keyword,
-    /// The keyword word, star included.
+    /// Span of the keyword, including the star.
     pub span: Span,
-    /// `NAME=value` words of the keyword line.
+    /// Parameters of the keyword line.
     pub parameters: Vec<Parameter>,
-    /// The data lines below it (comments and blank lines dropped).
+    /// Data lines, without comments and blank lines. Empty for listings, which have `rows`.
     pub lines: Vec<DataLine>,
-    /// The data lines of a listing of nodes, elements or members, which has no `lines`.
-    pub rows: Vec<Row>,
-    /// Whether an error tells of a word of it already: what it lacks for that need not be told again.
+    /// Data lines of a listing (`*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`).
+    pub rows: Vec<ListingRow>,
+    /// Whether an error has been reported for this card. Errors that follow from it are not reported.
     pub faulty: bool,
 }
 
 /// A parameter of a keyword line.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    /// The full canonical name of the keyword table, upper case with single blanks (`REF NODE`).
+    /// Canonical name of the keyword table, upper case with single blanks (`REF NODE`).
     pub name: &'static str,
-    /// Where the name stands.
+    /// Span of the name.
     pub span: Span,
-    /// What follows the equals sign.
+    /// Text after the equals sign.
     pub value: Option<Word>,
 }
 
 /// A piece of text: quotes removed, blanks trimmed, parameters substituted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Word {
-    /// The text as written (case kept).
+    /// The text; its case is kept.
     pub text: String,
-    /// Where it stands.
+    /// Span of the text in the deck.
     pub span: Span,
-    /// Whether it stood in quotes.
+    /// Whether the text was in quotes.
     pub quoted: bool,
 }
 
-/// One data line.
+/// A data line.
 #[derive(Clone, Debug)]
 pub struct DataLine {
-    /// The comma-separated fields; an empty field is a [`Word`] with empty text. A trailing comma gives no extra field.
+    /// Comma-separated fields; an empty field is a [`Word`] with empty text. A trailing comma adds no field.
     pub fields: Vec<Word>,
-    /// The whole line.
+    /// Span of the whole line.
     pub span: Span,
 }
 
-/// A data line of a listing.
+/// A data line of a listing. Plain lines are stored as spans to save memory, and split when they are needed.
 #[derive(Clone, Debug)]
-pub enum Row {
-    /// Where it stands: its fields are what lies between commas.
+pub enum ListingRow {
+    /// Span of a line without quotes and parameters.
     Text(Span),
-    /// One with quotes or parameters, taken apart.
+    /// A line with quotes or parameters, split into words.
     Line(Box<DataLine>),
 }
 
 impl Card {
-    /// The parameter of that canonical name.
+    /// Returns the parameter with a canonical name.
     pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters.iter().find(|p| p.name == name)
     }
 
-    /// The value of a parameter, if it is there and has one.
+    /// Returns the value of a parameter; `None` if the parameter is absent or has no value.
     pub fn value(&self, name: &str) -> Option<&Word> {
         self.parameter(name).and_then(|p| p.value.as_ref())
     }
 
-    /// What its data lines hold, by its row of the table and its parameters.
-    pub fn shape(&self) -> &'static Shape {
+    /// Returns the layout of the data lines, which may depend on the parameters.
+    pub fn shape(&self) -> &'static DataShape {
         self.keyword.shape(|name| self.parameter(name).map(|p| p.value.as_ref().map(|w| w.text.as_str())))
     }
 
-    /// Whether a parameter is there, with or without value.
+    /// Returns whether a parameter is given, with or without a value.
     pub fn has(&self, name: &str) -> bool {
         self.parameter(name).is_some()
     }
 }
 
 impl DataLine {
-    /// The field with that index, `None` if absent or empty.
+    /// Returns the field at an index; `None` if it is absent or empty.
     pub fn field(&self, index: usize) -> Option<&Word> {
         self.fields.get(index).filter(|w| !w.text.is_empty())
     }
 }
 
 impl Word {
-    /// Names are compared without regard to case.
+    /// Returns whether the text equals a name, ignoring case.
     pub fn is(&self, name: &str) -> bool {
         self.text.eq_ignore_ascii_case(name)
     }
 
-    /// The field as a finite number (`1.`, `.5`, `1.57d0`); otherwise a located diagnostic and `None`.
+    /// Parses the text as a finite number (`1.`, `.5`, `1.57d0`). If it is not one, reports an error and returns
+    /// `None`.
     pub fn number(&self, diagnostics: &mut Diagnostics) -> Option<f64> {
         match parse_number(&self.text) {
             Ok(value) => Some(value),
@@ -139,7 +139,7 @@ impl Word {
         }
     }
 
-    /// The field as a whole number; otherwise a located diagnostic and `None`.
+    /// Parses the text as an integer. If it is not one, reports an error and returns `None`.
     pub fn integer(&self, diagnostics: &mut Diagnostics) -> Option<i64> {
         let text = self.text.trim();
         if let Ok(value) = text.parse() {

@@ -1,58 +1,59 @@
-//! A deck whose parameters stay open: which words follow from some of them, and their numbers for new values, without reading
-//! the deck again.
-//! Never here: what a word means.
+//! Deck templates: the words of a deck that depend on some parameters, and their values for new parameter values. A
+//! search or
+//! sample of many runs uses them in place of parsing the deck for each run.
 
 use super::expression::Expression;
 use super::number::{format_number, parse_number};
 use super::parameters::next_reference;
-use super::syntax::{Card, Deck, Row};
+use super::syntax::{Card, Deck, ListingRow};
 
-/// Words of a deck that follow from parameters.
+/// Words of a deck that depend on parameters.
 #[derive(Debug)]
-pub struct Template {
-    /// Values of all parameters as the deck has them.
+pub struct DeckTemplate {
+    /// Values of all parameters in the deck.
     values: Vec<f64>,
-    /// Places of the parameters that are given, in their order.
+    /// Indices of the varied parameters.
     given: Vec<usize>,
-    /// What follows from them, in order: place and expression.
+    /// Parameters that depend on the varied ones, in the order of evaluation: index and expression.
     derived: Vec<(usize, Expression)>,
     names: Vec<String>,
-    /// The words.
-    pub words: Vec<OpenWord>,
+    /// The words that depend on the varied parameters.
+    pub words: Vec<ParametricWord>,
 }
 
-/// A word that follows from parameters.
+/// A word that depends on parameters.
 #[derive(Debug)]
-pub struct OpenWord {
+pub struct ParametricWord {
     /// Index of its card.
     pub card: usize,
-    /// Where it stands there.
-    pub at: At,
-    pieces: Pieces,
+    /// Position in the card.
+    pub at: WordPosition,
+    pieces: WordPieces,
 }
 
-/// Where a word stands in its card.
+/// Position of a word in its card.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum At {
-    /// The value of a parameter of the keyword line.
+pub enum WordPosition {
+    /// Value of this parameter of the keyword line.
     Parameter(&'static str),
-    /// A field of a data line.
+    /// Line and field index of a data line.
     Field(usize, usize),
 }
 
-/// What a word is made of.
+/// Text of a word with the parameters in it.
 #[derive(Debug)]
-enum Pieces {
-    /// The value of a parameter and nothing else.
+enum WordPieces {
+    /// Only the value of a parameter, by its index.
     Whole(usize),
-    /// Text with values between: before each of them, and behind the last.
+    /// Text and parameters: each text with the index of the parameter after it, then the text at the end.
     Mixed(Vec<(String, usize)>, String),
 }
 
-impl Template {
-    /// What follows from the parameters `given` in a deck; `None` where that needs the deck to be read again: a parameter that is
-    /// no number, or has several definitions.
-    pub fn of(deck: &Deck, given: &[String]) -> Option<Template> {
+impl DeckTemplate {
+    /// Finds the words that depend on the parameters `given`. Returns `None` if the deck must be parsed for each set of
+    /// values:
+    /// a varied parameter is not numeric, a parameter is defined more than once, or a word in quotes depends on one.
+    pub fn of(deck: &Deck, given: &[String]) -> Option<DeckTemplate> {
         let (names, values): (Vec<String>, Vec<f64>) = deck.parameters.iter().cloned().unzip();
         let place = |name: &str| names.iter().position(|n| n == name);
         let given: Vec<usize> = given.iter().map(|name| place(name)).collect::<Option<_>>()?;
@@ -63,7 +64,7 @@ impl Template {
             if deck.definitions[..i].iter().any(|d| d.name == definition.name) {
                 return None;
             }
-            // A text follows from no number.
+            // Text parameters do not depend on numbers.
             let Some(at) = place(&definition.name).filter(|at| !given.contains(at)) else { continue };
             let expression = Expression::parse(&definition.text).ok()?;
             if expression.names().any(|name| place(name).is_some_and(|p| follows[p])) {
@@ -71,8 +72,8 @@ impl Template {
                 derived.push((at, expression));
             }
         }
-        let mut template = Template { values, given, derived, names, words: Vec::new() };
-        // A heading stays as it is written.
+        let mut template = DeckTemplate { values, given, derived, names, words: Vec::new() };
+        // The heading does not affect the model.
         let read = deck.cards.iter().enumerate().filter(|(_, card)| card.keyword.name != "HEADING");
         for (index, card) in read {
             template.open_words(deck, index, card, &follows)?;
@@ -81,31 +82,28 @@ impl Template {
     }
 
     fn open_words(&mut self, deck: &Deck, index: usize, card: &Card, follows: &[bool]) -> Option<()> {
-        let of_line = card.parameters.iter().filter_map(|p| Some((At::Parameter(p.name), p.value.as_ref()?)));
-        // Lines of a listing that stand in the text refer to nothing.
+        let of_line = card.parameters.iter().filter_map(|p| Some((WordPosition::Parameter(p.name), p.value.as_ref()?)));
+        // Plain lines of a listing contain no parameters.
         let listed = card.rows.iter().filter_map(|row| match row {
-            Row::Line(line) => Some(&**line),
-            Row::Text(_) => None,
+            ListingRow::Line(line) => Some(&**line),
+            ListingRow::Text(_) => None,
         });
-        let fields = card
-            .lines
-            .iter()
-            .chain(listed)
-            .enumerate()
-            .flat_map(|(l, line)| line.fields.iter().enumerate().map(move |(f, word)| (At::Field(l, f), word)));
+        let fields = card.lines.iter().chain(listed).enumerate().flat_map(|(l, line)| {
+            line.fields.iter().enumerate().map(move |(f, word)| (WordPosition::Field(l, f), word))
+        });
         for (at, word) in of_line.chain(fields) {
             let text = deck.sources.text(word.span);
             if !self.refers(text, follows) {
                 continue;
             }
-            // What a quoted text becomes only the reader knows.
+            // Only the parser can substitute parameters in quoted text.
             let pieces = if word.quoted { None } else { self.pieces(text) }?;
-            self.words.push(OpenWord { card: index, at, pieces });
+            self.words.push(ParametricWord { card: index, at, pieces });
         }
         Some(())
     }
 
-    /// Whether a text refers to what follows from the given parameters.
+    /// Returns whether a text contains a parameter that depends on the varied ones.
     fn refers(&self, text: &str, follows: &[bool]) -> bool {
         let mut rest = text;
         while let Some((_, name, after)) = next_reference(rest) {
@@ -117,8 +115,8 @@ impl Template {
         false
     }
 
-    /// A text taken apart; `None` where it refers to what is no number.
-    fn pieces(&self, text: &str) -> Option<Pieces> {
+    /// Splits a text into plain text and parameters; `None` if it contains a text parameter.
+    fn pieces(&self, text: &str) -> Option<WordPieces> {
         let (mut mixed, mut rest) = (Vec::new(), text);
         while let Some((before, name, after)) = next_reference(rest) {
             let at = self.names.iter().position(|n| n == name)?;
@@ -126,13 +124,14 @@ impl Template {
             rest = after;
         }
         match &mixed[..] {
-            [(before, at)] if before.trim().is_empty() && rest.trim().is_empty() => Some(Pieces::Whole(*at)),
-            _ => Some(Pieces::Mixed(mixed, rest.to_owned())),
+            [(before, at)] if before.trim().is_empty() && rest.trim().is_empty() => Some(WordPieces::Whole(*at)),
+            _ => Some(WordPieces::Mixed(mixed, rest.to_owned())),
         }
     }
 
-    /// The numbers of all open words for these values of the given parameters, in `numbers`; `false` where one of them is no
-    /// number: reading the deck tells why. `values` is room for the parameters.
+    /// Computes the numbers of all words for values of the varied parameters and stores them in `numbers`. Returns
+    /// `false` if one
+    /// is not a finite number; parsing the deck then gives the reason. `values` is a work array of the parameters.
     pub fn numbers(&self, given: &[f64], values: &mut Vec<f64>, numbers: &mut Vec<f64>) -> bool {
         values.clone_from(&self.values);
         self.given.iter().zip(given).for_each(|(&at, &value)| values[at] = value);
@@ -149,13 +148,13 @@ impl Template {
     }
 }
 
-impl Pieces {
-    /// Not a number where the text is none.
+impl WordPieces {
+    /// Returns the number of a word, NaN if its text is not a number.
     fn number(&self, values: &[f64]) -> f64 {
         match self {
-            // Written and read back it is the same, but for a zero, which loses its sign.
-            Pieces::Whole(at) => values[*at] + 0.0,
-            Pieces::Mixed(pieces, rest) => {
+            // The sum removes the sign of -0.0, as formatting and parsing the value would.
+            WordPieces::Whole(at) => values[*at] + 0.0,
+            WordPieces::Mixed(pieces, rest) => {
                 let mut text = String::new();
                 for (before, at) in pieces {
                     text += before;
@@ -176,22 +175,22 @@ mod tests {
         "*Parameter\nV = 5.\nw = 2.*V\nn = 'x'\nfixed = 3.\n*Heading\n <V>\n*Mass, elset=<n>\n <w>, -<V>e1, <fixed>\n";
 
     #[test]
-    fn words_follow_from_what_is_given() {
+    fn dependent_words_are_evaluated_for_new_values() {
         let (deck, _) = deck::read_text("t.inp", DECK, &[]);
-        let template = Template::of(&deck, &["V".to_owned()]).expect("a template");
+        let template = DeckTemplate::of(&deck, &["V".to_owned()]).expect("a template");
         let (mut values, mut numbers) = (Vec::new(), Vec::new());
         assert!(template.numbers(&[0.1], &mut values, &mut numbers));
-        // What the heading says follows, too, but nothing is computed with it.
+        // The heading contains <V>, but is left out.
         assert_eq!(numbers, [0.2, -1.0]);
-        assert_eq!(template.words[0].at, At::Field(0, 0));
-        // Nothing to be read is nothing to be computed with.
+        assert_eq!(template.words[0].at, WordPosition::Field(0, 0));
+        // NaN is refused.
         assert!(!template.numbers(&[f64::NAN], &mut values, &mut numbers));
-        assert!(Template::of(&deck, &["n".to_owned()]).is_none());
+        assert!(DeckTemplate::of(&deck, &["n".to_owned()]).is_none());
         let (twice, _) =
             deck::read_text("t.inp", "*Parameter\nV = 1.\n*Mass, elset=A\n <V>\n*Parameter\nV = 2.\n", &[]);
-        assert!(Template::of(&twice, &["V".to_owned()]).is_none());
-        // In a listing as elsewhere.
+        assert!(DeckTemplate::of(&twice, &["V".to_owned()]).is_none());
+        // Listings are included.
         let (listed, _) = deck::read_text("t.inp", "*Parameter\nV = 1.\n*Node\n 1, 0., 0.\n 2, <V>, 0.\n", &[]);
-        assert_eq!(Template::of(&listed, &["V".to_owned()]).map(|t| t.words.len()), Some(1));
+        assert_eq!(DeckTemplate::of(&listed, &["V".to_owned()]).map(|t| t.words.len()), Some(1));
     }
 }

@@ -1,131 +1,130 @@
-//! Values of cards: what each may be, and what it is where the deck gives none.
-//! Never here: reading them.
+//! Allowed values and defaults of parameters and data fields. The values are read in `read.rs`.
 
 use super::names::fold;
 use super::number::parse_number;
 
-/// What a value of a card may be.
+/// Allowed range and default of a value of a card. Words are stored as their index in the list of allowed words.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Value {
-    /// How it is written.
-    pub kind: Kind,
-    /// Lower bound, and whether it is allowed itself.
+pub struct ValueSpec {
+    /// Syntax of the value.
+    pub kind: ValueKind,
+    /// Lower bound, and whether the bound itself is allowed.
     low: Option<(f64, bool)>,
-    /// Upper bound, likewise.
+    /// Upper bound, and whether the bound itself is allowed.
     high: Option<(f64, bool)>,
-    /// Whether the deck must give it.
+    /// Whether the deck must give the value.
     pub required: bool,
-    /// The value, or the place among words, where the deck gives none.
+    /// Default: the number, or the index of the word.
     pub default: Option<f64>,
-    /// The same of a parameter that is given without a value.
+    /// Value of a parameter that is given without `=VALUE`: the number, or the index of the word.
     pub bare: Option<f64>,
-    /// Whether it ascends from row to row of a table.
+    /// Whether the value must ascend from row to row of a table.
     pub ascends: bool,
 }
 
-/// How a value is written.
+/// Syntax of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// A name or a text.
+pub enum ValueKind {
+    /// Any text, for example a name.
     Text,
     /// A finite number.
     Number,
     /// A whole number.
     Integer,
-    /// One of these words.
+    /// A word of this list.
     Word(&'static [&'static str]),
-    /// One of these words; others name variants that are not simulated.
+    /// A word of this list of supported variants. ABAQUS has other variants.
     Variant(&'static [&'static str]),
 }
 
-const fn value(kind: Kind) -> Value {
-    Value { kind, low: None, high: None, required: false, default: None, bare: None, ascends: false }
+const fn value(kind: ValueKind) -> ValueSpec {
+    ValueSpec { kind, low: None, high: None, required: false, default: None, bare: None, ascends: false }
 }
 
-/// A name or a text.
-pub const TEXT: Value = value(Kind::Text);
+/// Any text, for example a name.
+pub const TEXT: ValueSpec = value(ValueKind::Text);
 /// A finite number.
-pub const NUMBER: Value = value(Kind::Number);
+pub const NUMBER: ValueSpec = value(ValueKind::Number);
 /// A finite number above zero.
-pub const POSITIVE: Value = NUMBER.above(0.0);
+pub const POSITIVE: ValueSpec = NUMBER.above(0.0);
 /// A finite number that is not negative.
-pub const NOT_NEGATIVE: Value = NUMBER.from(0.0);
+pub const NOT_NEGATIVE: ValueSpec = NUMBER.from(0.0);
 /// A whole number.
-pub const INTEGER: Value = value(Kind::Integer);
+pub const INTEGER: ValueSpec = value(ValueKind::Integer);
 /// A whole number above zero.
-pub const COUNT: Value = INTEGER.from(1.0);
-/// A number that is zero where the deck gives none.
-pub const ZERO: Value = NUMBER.or(0.0);
+pub const COUNT: ValueSpec = INTEGER.from(1.0);
+/// A finite number with the default 0.
+pub const ZERO: ValueSpec = NUMBER.or(0.0);
 /// NO or YES.
-pub const YES_NO: Value = word(&["NO", "YES"]);
-/// A temperature of a table, which ascends.
-pub const TEMPERATURE: Value = NUMBER.ascending();
+pub const YES_NO: ValueSpec = word(&["NO", "YES"]);
+/// A temperature that must ascend from row to row of a table.
+pub const TEMPERATURE: ValueSpec = NUMBER.ascending();
 
-/// One of some words.
-pub const fn word(words: &'static [&'static str]) -> Value {
-    value(Kind::Word(words))
+/// One of the given words.
+pub const fn word(words: &'static [&'static str]) -> ValueSpec {
+    value(ValueKind::Word(words))
 }
 
-/// One of some variants, all that are simulated.
-pub const fn variant(words: &'static [&'static str]) -> Value {
-    value(Kind::Variant(words))
+/// One of the given words, which are the supported variants.
+pub const fn variant(words: &'static [&'static str]) -> ValueSpec {
+    value(ValueKind::Variant(words))
 }
 
-impl Value {
-    /// Above a bound.
-    pub const fn above(self, low: f64) -> Value {
-        Value { low: Some((low, false)), ..self }
+impl ValueSpec {
+    /// Sets an exclusive lower bound.
+    pub const fn above(self, low: f64) -> ValueSpec {
+        ValueSpec { low: Some((low, false)), ..self }
     }
 
-    /// At a bound or above.
-    pub const fn from(self, low: f64) -> Value {
-        Value { low: Some((low, true)), ..self }
+    /// Sets an inclusive lower bound.
+    pub const fn from(self, low: f64) -> ValueSpec {
+        ValueSpec { low: Some((low, true)), ..self }
     }
 
-    /// Below a bound.
-    pub const fn below(self, high: f64) -> Value {
-        Value { high: Some((high, false)), ..self }
+    /// Sets an exclusive upper bound.
+    pub const fn below(self, high: f64) -> ValueSpec {
+        ValueSpec { high: Some((high, false)), ..self }
     }
 
-    /// At a bound or below.
-    pub const fn to(self, high: f64) -> Value {
-        Value { high: Some((high, true)), ..self }
+    /// Sets an inclusive upper bound.
+    pub const fn to(self, high: f64) -> ValueSpec {
+        ValueSpec { high: Some((high, true)), ..self }
     }
 
-    /// The deck must give it.
-    pub const fn required(self) -> Value {
-        Value { required: true, ..self }
+    /// Makes the value mandatory.
+    pub const fn required(self) -> ValueSpec {
+        ValueSpec { required: true, ..self }
     }
 
-    /// It is this, or the word at this place, where the deck gives none.
-    pub const fn or(self, default: f64) -> Value {
-        Value { default: Some(default), ..self }
+    /// Sets the default: a number, or the index of a word.
+    pub const fn or(self, default: f64) -> ValueSpec {
+        ValueSpec { default: Some(default), ..self }
     }
 
-    /// It is this, or the word at this place, where the parameter is given without a value.
-    pub const fn bare(self, bare: f64) -> Value {
-        Value { bare: Some(bare), ..self }
+    /// Sets the value of a parameter that is given without `=VALUE`: a number, or the index of a word.
+    pub const fn bare(self, bare: f64) -> ValueSpec {
+        ValueSpec { bare: Some(bare), ..self }
     }
 
-    /// It ascends from row to row.
-    pub const fn ascending(self) -> Value {
-        Value { ascends: true, ..self }
+    /// Requires that the value ascends from row to row of a table.
+    pub const fn ascending(self) -> ValueSpec {
+        ValueSpec { ascends: true, ..self }
     }
 
-    /// Whether a number is in range.
+    /// Returns whether a number is finite and in range.
     pub fn allows(&self, number: f64) -> bool {
         let low = self.low.is_none_or(|(low, included)| number > low || included && number == low);
         let high = self.high.is_none_or(|(high, included)| number < high || included && number == high);
         number.is_finite() && low && high
     }
 
-    /// What is allowed, in words; empty where everything is.
+    /// Describes the allowed words or range; empty if there is no restriction.
     pub fn allowed(&self) -> String {
         let words = |list: &[&str]| match list {
             [all @ .., last] if !all.is_empty() => format!("{} or {last}", all.join(", ")),
             _ => list.join(""),
         };
-        let whole = if self.kind == Kind::Integer { "a whole number " } else { "" };
+        let whole = if self.kind == ValueKind::Integer { "a whole number " } else { "" };
         let range = match (self.low, self.high) {
             (None, None) => whole.trim_end().into(),
             (Some((low, false)), None) => format!("{whole}above {low}"),
@@ -139,21 +138,21 @@ impl Value {
             }
         };
         match self.kind {
-            Kind::Text => String::new(),
-            Kind::Word(list) | Kind::Variant(list) => words(list),
-            Kind::Number | Kind::Integer => range,
+            ValueKind::Text => String::new(),
+            ValueKind::Word(list) | ValueKind::Variant(list) => words(list),
+            ValueKind::Number | ValueKind::Integer => range,
         }
     }
 
-    /// The words that it may be, if it is one of some.
+    /// Returns the allowed words; `None` for texts and numbers.
     pub fn words(&self) -> Option<&'static [&'static str]> {
         match self.kind {
-            Kind::Word(list) | Kind::Variant(list) => Some(list),
-            Kind::Text | Kind::Number | Kind::Integer => None,
+            ValueKind::Word(list) | ValueKind::Variant(list) => Some(list),
+            ValueKind::Text | ValueKind::Number | ValueKind::Integer => None,
         }
     }
 
-    /// The default as the manual writes it.
+    /// Returns the default as text for the keyword manual.
     pub fn default_text(&self) -> Option<String> {
         let default = self.default?;
         Some(match self.words() {
@@ -162,7 +161,7 @@ impl Value {
         })
     }
 
-    /// The number that a text stands for: of words, its place among them; `None` where it is none that is allowed.
+    /// Converts a text to a number, or to the index of a word; `None` if the value is not allowed.
     pub fn number(&self, text: &str) -> Option<f64> {
         match self.words() {
             Some(words) => find_word(words, text).map(|place| place as f64),
@@ -171,10 +170,11 @@ impl Value {
     }
 }
 
-/// Letters of a word that stand for all of it, at least.
+/// Minimum number of letters of an abbreviated word.
 const ABBREVIATION: usize = 3;
 
-/// The place of a word among others: case and blanks aside, abbreviated to three letters or more.
+/// Returns the index of a word in a list. Case and blanks are ignored; words may be abbreviated to three letters or
+/// more.
 pub fn find_word(words: &[&str], text: &str) -> Option<usize> {
     let wanted = fold(text);
     let begins = |word: &&str| wanted.len() >= ABBREVIATION && fold(word).starts_with(&wanted);

@@ -1,8 +1,7 @@
-//! What there is in place of what is not supported. The page of ABAQUS's keywords and the refusals say it.
-//! Never here: what is supported.
+//! Alternatives to unsupported keywords, for error messages and the list of ABAQUS keywords.
 
-/// The way out where a keyword is not supported; empty where there is none.
-pub fn named(name: &str) -> &'static str {
+/// Returns the supported alternative to an unsupported keyword; empty if there is none.
+pub fn alternative(name: &str) -> &'static str {
     let begins = |heads: &[&str]| heads.iter().any(|h| name.starts_with(h));
     match name {
         "STATIC"
@@ -22,40 +21,42 @@ pub fn named(name: &str) -> &'static str {
         "SHELL SECTION" | "SHELL GENERAL SECTION" | "MEMBRANE SECTION" | "BEAM SECTION" | "BEAM GENERAL SECTION" => {
             "the supported section is *SOLID SECTION: mesh the thickness with CAX4R"
         }
-        "RESTART" => "to go on with a halted run, use `revolve run --resume`",
-        "CONTACT" => {
-            "contact of what deforms with an analytical rigid surface is: *CONTACT PAIR; bodies that touch and stay can share nodes"
-        }
-        "TIE" => "let the two bodies share the nodes between them",
+        "RESTART" => "to continue a halted run, use `revolve run --resume`",
+        "CONTACT" => "use *CONTACT PAIR for contact with an analytical rigid surface; bonded bodies can share nodes",
+        "TIE" => "use common nodes for the two bodies",
         "MPC" | "COUPLING" | "KINEMATIC" | "DISTRIBUTING" | "KINEMATIC COUPLING" | "DISTRIBUTING COUPLING" => {
-            "nodes follow a reference node with *RIGID BODY, TIE NSET= or PIN NSET=; two degrees of freedom are linked by *EQUATION"
+            "use *RIGID BODY, TIE NSET= or PIN NSET= for nodes that follow a reference node, *EQUATION for linear constraints"
         }
-        "NCOPY" | "NMAP" => "*NFILL and *NGEN make nodes; instances of a part are placed with *INSTANCE",
-        "ELCOPY" => "*ELGEN makes elements; instances of a part are placed with *INSTANCE",
-        "TRANSFORM" | "SYSTEM" => "give r and z; conditions act along r (1) and z (2)",
-        "RIGID SURFACE" => "*SURFACE, TYPE=SEGMENTS with *RIGID BODY, ANALYTICAL SURFACE= does that",
-        "TEMPERATURE" => "*INITIAL CONDITIONS, TYPE=TEMPERATURE gives temperatures at the start",
+        "NCOPY" | "NMAP" => "use *NFILL and *NGEN to generate nodes, *INSTANCE to place copies of a part",
+        "ELCOPY" => "use *ELGEN to generate elements, *INSTANCE to place copies of a part",
+        "TRANSFORM" | "SYSTEM" => "give coordinates and conditions along r (1) and z (2)",
+        "RIGID SURFACE" => "use *SURFACE, TYPE=SEGMENTS with *RIGID BODY, ANALYTICAL SURFACE=",
+        "TEMPERATURE" => "initial temperatures are given by *INITIAL CONDITIONS, TYPE=TEMPERATURE",
         "SUBMODEL" | "IMPORT" | "MAP SOLUTION" => "initial states are given by *INITIAL CONDITIONS",
         _ if begins(&["INCIDENT WAVE", "CONWEP", "UNDEX"]) => {
-            "give the pressure over time: *DSLOAD, P with *AMPLITUDE, or PNU with a vdload"
+            "give the pressure history as *DSLOAD, P with *AMPLITUDE, or as PNU with a VDLOAD user subroutine"
         }
-        "DLOAD" | "DSLOAD" | "WIND" | "WAVE" => "a pressure of your own is PNU with a vdload",
+        "DLOAD" | "DSLOAD" | "WIND" | "WAVE" => {
+            "other distributed loads can be written as VDLOAD user subroutines (PNU)"
+        }
         "EXTREME VALUE" | "EXTREME ELEMENT VALUE" | "EXTREME NODE VALUE" => {
-            "a vumat or vdload can end a run with xplb_exit"
+            "a VUMAT or VDLOAD user subroutine can end a run with xplb_exit"
         }
-        "DISTRIBUTION" | "DISTRIBUTION TABLE" => "give a section for each set of elements",
+        "DISTRIBUTION" | "DISTRIBUTION TABLE" => "define a section for each element set",
         "PARAMETER DEPENDENCE" | "PARAMETER SHAPE VARIATION" | "DESIGN PARAMETER" => {
             "parameters are varied with `revolve sweep`"
         }
         "PARAMETER TABLE" | "TABLE COLLECTION" | "PROPERTY TABLE" => "give the constants on *USER MATERIAL",
-        "DISPLAY BODY" => "remove it: it is shown only",
-        "MODEL CHANGE" => "elements leave by failure: *SHEAR FAILURE, *DAMAGE INITIATION, STATUS of a vumat",
-        _ if begins(MATERIALS) => "a law of your own is a *USER MATERIAL with a vumat",
+        "DISPLAY BODY" => "remove it: it only affects the display",
+        "MODEL CHANGE" => {
+            "elements are deleted by *SHEAR FAILURE, *DAMAGE INITIATION, *EROSION, or the state variable of *DEPVAR, DELETE= of a VUMAT"
+        }
+        _ if begins(MATERIALS) => "other material models can be written as VUMAT user subroutines (*USER MATERIAL)",
         _ => "",
     }
 }
 
-/// Beginnings of keywords that are parts of a material.
+/// Beginnings of keywords that define material behaviour.
 const MATERIALS: &[&str] = &[
     "ANISOTROPIC HYPERELASTIC",
     "BRITTLE",
@@ -94,9 +95,9 @@ const MATERIALS: &[&str] = &[
     "VOID NUCLEATION",
 ];
 
-/// The way out, or the last resort.
-pub fn way_out(name: &str) -> &'static str {
-    match named(name) {
+/// Returns the supported alternative, or the advice to remove the keyword.
+pub fn alternative_or_removal(name: &str) -> &'static str {
+    match alternative(name) {
         "" => "remove it if the analysis does not need it",
         way => way,
     }

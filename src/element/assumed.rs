@@ -1,24 +1,23 @@
-//! What a block keeps of stresses of assumed strains.
-//! Never here: what they answer.
+//! Stored state of the stresses of assumed strains of a block.
 
 use crate::kernel::lanes::Lanes;
 use crate::state::archive::persist_struct;
 
-/// What a block keeps of its patterns.
+/// Stresses of assumed strains of a block.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-pub struct Assumed {
-    /// Stress of each pattern at the edge of the element: along its direction, and hoop.
+pub struct AssumedStresses {
+    /// Stress of each pattern at the edge of the element: in its direction, and hoop.
     pub(super) stress: [[Lanes; 2]; 2],
-    /// Von Mises stress at which the element flows as far as it is known; 0 if not.
+    /// Yield stress, as far as it is known; 0 if not.
     pub(super) limit: Lanes,
 }
 
-impl Assumed {
-    /// Takes the stresses of a lane away.
+impl AssumedStresses {
+    /// Clears the stresses of a lane.
     pub(super) fn clear(&mut self, lane: usize) {
         self.stress.as_flattened_mut().iter_mut().for_each(|s| s[lane] = 0.0);
     }
 }
 
-persist_struct!(Assumed { stress, limit });
+persist_struct!(AssumedStresses { stress, limit });

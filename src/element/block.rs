@@ -1,45 +1,44 @@
-//! A block of elements and what one increment does to it: the inner loop of deformable bodies.
-//! Each phase is a loop of plain arithmetic over lanes, without a branch, so that every instruction set gives the same
-//! bits. Never here: which elements a block holds, threads.
-#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+//! A block of elements and its update over one increment: the inner loop of deformable bodies. Each phase is a
+//! branch-free loop of plain arithmetic over lanes, so that every instruction set gives the same bits.
+#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::assumed::Assumed;
-use super::constants::Constants;
-use super::control::{Control, Seen, Spring};
-use super::eroded::Eroded;
-use super::forces::CornerForces;
-use super::subzonal::Subzones;
-use crate::element::record::{Following, Record};
-use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column, dispatch_outlined, inline_from_fn};
+use super::assumed::AssumedStresses;
+use super::constants::ElementConstants;
+use super::control::{EnhancedInput, HourglassScheme, PatternSpring};
+use super::eroded::ErodedLanes;
+use super::forces::CornerForceUpdate;
+use super::subzonal::SubzonalPressures;
+use crate::element::record::{BlockRecord, RecordUpdate};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, dispatch_outlined, inline_from_fn};
 use crate::kernel::lists::heap_bytes;
-use crate::kernel::moduli::Moduli;
-use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, sums};
+use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::quad::{QuadOperators, UNIT, at_corners, dot3, sums};
 use crate::kernel::real::Real;
-use crate::kernel::rotation::{SpinOver, turned, turned_by};
+use crate::kernel::rotation::{SpinQuotient, rotate, rotate_by_difference};
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{Material, PlasticFlow};
-use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
-use crate::state::nodes::{Accelerated, Node};
+use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use crate::state::nodes::{Node, NodeAccelerations};
 
-/// Elements side by side, each quantity an array over lanes.
+/// A block of [`LANES`] elements; each quantity is an array over lanes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct ElementBlock<S, T = f64> {
-    /// Nodes at the corners, counter-clockwise.
+    /// Corner nodes, counter-clockwise.
     pub nodes: [[u32; LANES]; 4],
     /// Cauchy stress: rr, zz, hoop, rz.
     pub stress: [Lanes<T>; 4],
     pub mass: Lanes<T>,
-    /// One over the masses of the corners, as [`sums`].
+    /// Inverse masses of the corners, combined as by [`sums`].
     pub inverse_mass: [Lanes<T>; 4],
     pub state: S,
 }
 
-/// Sums over blocks in one increment, lane by lane: energies that were added, and the largest rate.
+/// Energy increments and the largest rate of a task in one increment, lane by lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sums<T = f64> {
+pub struct LaneSums<T = f64> {
     /// Work of the stress.
     pub internal: Lanes<T>,
     /// Plastic dissipation.
@@ -48,23 +47,27 @@ pub struct Sums<T = f64> {
     pub viscous: Lanes<T>,
     /// Work of the hourglass control.
     pub artificial: Lanes<T>,
-    /// Two over the stable increment of the element that limits each lane.
+    /// Two over the stable time increment of the element that limits each lane, 1/time.
     pub rate: Lanes<T>,
-    /// Block of that element; a float, so that lanes choose it side by side.
+    /// Index of the block with that element; a float, so that lanes select it without a branch.
     pub limiting: Lanes<T>,
 }
 
-/// The corner nodes of a block beside each other, each as [`Node::as_array`] gives it; in single precision the first, and the
-/// differences of the others from it, formed in double precision: what is common to all corners may be far larger. Loops over
-/// lanes read them with a stride of four, which compilers turn into a transposition in registers. Ahead of a wave velocities fall
-/// off without end, and squares of them leave the range of single precision, where processors are slow: there velocities are
-/// rounded as they would be beside the speed of sound.
+/// Corner nodes of a block, each as returned by [`Node::as_array`].
+///
+/// In single precision: the first corner, and the differences of the other corners from it, formed in double precision,
+/// because the common part may be far larger than the differences.
+///
+/// Velocities ahead of a wave decay without limit. Their squares would underflow single precision, where processors are
+/// slow. Velocities are therefore rounded to multiples of the spacing of numbers near the speed of sound.
+///
+/// Loops over lanes read the corners with a stride of four, which compilers turn into a transposition in registers.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
-pub struct Nodes<T = f64>(pub [[[T; 4]; LANES]; 4]);
+pub struct CornerNodes<T = f64>(pub [[[T; 4]; LANES]; 4]);
 
-impl<T: Real> Nodes<T> {
-    /// Copies the corner nodes of a block; in single precision velocities are rounded beside the speed `sound`.
+impl<T: Real> CornerNodes<T> {
+    /// Copies the corner nodes `of` a block; in single precision velocities are rounded at the magnitude `sound`.
     #[inline(always)]
     pub fn collect(&mut self, nodes: &[Node], of: &[[u32; LANES]; 4], sound: f64) {
         if T::SINGLE {
@@ -74,31 +77,31 @@ impl<T: Real> Nodes<T> {
             return;
         }
         for (to, of) in self.0.iter_mut().zip(of) {
-            // Two at once, both read before either is written: one wide store, which the wide loads behind can take up.
+            // Two at once, both read before either is written: one wide store, which later wide loads can forward.
             for (to, two) in to.as_chunks_mut::<2>().0.iter_mut().zip(of.as_chunks::<2>().0) {
                 *to = two.inline_map(|node| nodes[node as usize].as_array().inline_map(T::of));
             }
         }
     }
 
-    /// Puts the corners of a lane.
+    /// Sets the corners of a lane.
     #[inline(always)]
     fn put(&mut self, l: usize, corners: [[f64; 4]; 4], sound: f64) {
         if !T::SINGLE {
             self.0.iter_mut().zip(corners).for_each(|(to, corner)| to[l] = corner.inline_map(T::of));
             return;
         }
-        let beside = [0.0, 0.0, sound, sound];
+        let offset = [0.0, 0.0, sound, sound];
         let [first, others @ ..] = corners;
-        let first = [0, 1, 2, 3].inline_map(|k| first[k] + beside[k]);
+        let first = [0, 1, 2, 3].inline_map(|k| first[k] + offset[k]);
         let [to, rest @ ..] = &mut self.0;
-        to[l] = [0, 1, 2, 3].inline_map(|k| T::of(first[k] - beside[k]));
+        to[l] = [0, 1, 2, 3].inline_map(|k| T::of(first[k] - offset[k]));
         for (to, other) in rest.iter_mut().zip(others) {
-            to[l] = [0, 1, 2, 3].inline_map(|k| T::of((other[k] + beside[k]) - first[k]));
+            to[l] = [0, 1, 2, 3].inline_map(|k| T::of((other[k] + offset[k]) - first[k]));
         }
     }
 
-    /// Coordinates and velocities of a lane as [`sums`], coordinates over a length.
+    /// Returns coordinates and velocities of a lane combined by [`sums`], coordinates times `per_length`.
     #[inline(always)]
     fn sums(&self, l: usize, per_length: T) -> [[T; 4]; 4] {
         [0, 1, 2, 3].inline_map(|component| {
@@ -112,23 +115,23 @@ impl<T: Real> Nodes<T> {
         })
     }
 
-    /// Puts an element that is not there where nothing can go wrong: at rest as a ring of this volume over that of a ring of
-    /// height 1 from r = 1 to 2, from r = 1 to 2 in units of `length`.
+    /// Replaces a deleted element by a ring of its volume at rest, with radii 1 and 2 in units of `length`. `volume` is
+    /// the volume of the element over that of a ring with radii 1 and 2 and height 1.
     pub(super) fn mask(&mut self, l: usize, volume: f64, length: f64) {
         let height = volume / (length * length);
         let places = [[1.0, 0.0], [2.0, 0.0], [2.0, height], [1.0, height]];
         self.put(l, places.inline_map(|[r, z]| [length * r, z, 0.0, 0.0]), 0.0);
     }
 
-    /// One component of the four corners of a lane.
+    /// Returns one component of the four corners of a lane.
     #[inline(always)]
     pub(super) fn of(&self, l: usize, component: usize) -> [T; 4] {
-        let Nodes(corners) = self;
+        let CornerNodes(corners) = self;
         [corners[0][l][component], corners[1][l][component], corners[2][l][component], corners[3][l][component]]
     }
 }
 
-/// Hourglass and viscous stresses of the current block, which the next increment starts from.
+/// Hourglass and viscous stresses of the current block at the start of the next increment.
 #[repr(C, align(64))]
 pub(super) struct HourglassState<T = f64> {
     /// Generalised hourglass stresses along r and z.
@@ -137,28 +140,28 @@ pub(super) struct HourglassState<T = f64> {
     pub(super) viscous: Lanes<T>,
 }
 
-/// Elements of a block where they are: their [`Operators`], and what follows from them.
+/// Current geometry of the elements of a block: their [`QuadOperators`] and derived quantities.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
-pub(super) struct Geometry<T = f64> {
+pub(super) struct BlockGeometry<T = f64> {
     pub(super) r: [Lanes<T>; 3],
     pub(super) z: [Lanes<T>; 3],
     pub(super) hoop: [Lanes<T>; 3],
     pub(super) volume: Lanes<T>,
-    /// The hourglass pattern times the volume, by base vectors.
+    /// Hourglass pattern times the volume, in base vectors.
     pub(super) pattern: [Lanes<T>; 3],
-    /// Sums over the corners of the squares of all operators, and of that pattern, over their masses.
+    /// Sums over the corners of the squares of all operators, and of the pattern, divided by the corner masses.
     pub(super) squares: Lanes<T>,
     pub(super) light: Lanes<T>,
     /// Bound of the highest frequency times the volume.
     pub(super) root: Lanes<T>,
 }
 
-impl<T: Real> Geometry<T> {
+impl<T: Real> BlockGeometry<T> {
     #[inline(always)]
-    pub(super) fn operators(&self, l: usize) -> Operators<T> {
+    pub(super) fn operators(&self, l: usize) -> QuadOperators<T> {
         let [r, z, hoop] = [&self.r, &self.z, &self.hoop].inline_map(|list| [list[0][l], list[1][l], list[2][l]]);
-        Operators { r, z, hoop, volume: self.volume[l] }
+        QuadOperators { r, z, hoop, volume: self.volume[l] }
     }
 
     #[inline(always)]
@@ -167,69 +170,71 @@ impl<T: Real> Geometry<T> {
     }
 }
 
-/// Scratch memory of one task.
+/// Scratch memory and state of one task.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
-pub struct Workspace<T = f64> {
-    /// Coordinates and velocities of the corners, as [`sums`].
+pub struct TaskWorkspace<T = f64> {
+    /// Coordinates and velocities of the corners, combined by [`sums`].
     pub(super) r: [Lanes<T>; 4],
     pub(super) z: [Lanes<T>; 4],
     pub(super) v_r: [Lanes<T>; 4],
     pub(super) v_z: [Lanes<T>; 4],
-    /// Volume at the middle of the increment in the unit [`UNIT`], and what one division of a phase came to.
+    /// Volume at the middle of the increment in [`UNIT`], and the inverse that a phase computes once for several
+    /// quotients.
     middle: Lanes<T>,
     pub(super) inverse: Lanes<T>,
-    /// The elements where they are now.
-    pub(super) now: Geometry<T>,
-    /// 0 for lanes without element.
+    /// Geometry in the current configuration.
+    pub(super) now: BlockGeometry<T>,
+    /// Weight of each lane: 1, or 0 for lanes without an active element.
     pub(super) weight: Lanes<T>,
-    /// Kinematics of the block, and the stress update that its material makes of them.
+    /// Kinematics of the block, and the resulting stress update.
     pub(super) strain: StrainIncrement<T>,
     pub(super) stress: StressUpdate<T>,
-    pub(super) sums: Sums<T>,
+    pub(super) sums: LaneSums<T>,
     pub(super) block: T,
-    /// Place of the block in the task.
+    /// Index of the block in the task.
     pub(super) at: usize,
     pub(super) task: TaskState<T>,
-    /// Two over the stable increments of the elements of the block.
+    /// Two over the stable time increments of the elements of the block.
     pub(super) own_rate: Lanes<T>,
-    /// Unit of lengths and times, in those of the scene; velocities, stresses and densities have the same in both.
+    /// Unit of lengths and times in those of the model; velocities, stresses and densities have the same value in both.
     pub(super) length: f64,
-    /// Highest frequency of the whole scene, where it is known to be lower than those of single elements; infinite if not.
+    /// Bound of the highest frequency of the whole model; infinite if unknown.
     pub(super) cap: T,
-    /// Instruction set of what is compiled once for many materials.
+    /// Instruction set of the functions that are compiled once for many materials.
     pub(super) arch: Arch,
-    /// Squares of the largest strain increment of the pass and of the largest change of volume, lane by lane; followed only
-    /// under a cap.
+    /// Largest squares of the strain increment and of the volume change in the pass, lane by lane; computed only with a
+    /// finite `cap`.
     pub(super) deformed: [Lanes<T>; 2],
 }
 
-/// State of the blocks of a task beside stress and material: what options of the deck request.
+/// State of the blocks of a task other than stress and material; each list is empty unless the model needs it.
 #[derive(Clone, Debug, Default)]
 pub struct TaskState<T = f64> {
     /// Generalised hourglass stresses along r and z; empty without hourglass stiffness.
     pub(super) hourglass: Vec<[Lanes<T>; 2]>,
     /// Stresses of assumed strains; empty without ENHANCED.
-    pub(super) enhanced: Vec<Assumed>,
-    /// Stresses of the bulk viscosity; empty without any.
+    pub(super) enhanced: Vec<AssumedStresses>,
+    /// Stresses of the bulk viscosity; empty without bulk viscosity.
     pub(super) viscous: Vec<Lanes<T>>,
-    /// Quarters of elements; empty without subzonal pressures.
-    pub(super) subzones: Vec<Subzones>,
-    /// Strains and energies that outputs request; empty if none does.
-    pub(super) records: Vec<Record>,
-    /// Elements that were deleted from outside; empty where none can be.
-    pub(super) eroded: Vec<Eroded>,
-    /// Two over the stable increments of elements; empty unless elements are judged by them and no constant gives them.
+    /// Subzonal pressures; empty if off.
+    pub(super) subzones: Vec<SubzonalPressures>,
+    /// Strains and energies for output; empty if not requested.
+    pub(super) records: Vec<BlockRecord>,
+    /// Elements deleted by `*EROSION`; empty if no element is subject to it.
+    pub(super) eroded: Vec<ErodedLanes>,
+    /// Two over the stable time increments of elements; empty unless deletion criteria need them and no constant
+    /// determines them.
     pub(super) own_rates: Vec<Lanes<T>>,
 }
 
 impl<S, T: Real> ElementBlock<S, T> {
-    /// Masses of the corners of a lane, in the units of the block.
+    /// Returns the corner masses of a lane in the units of the block.
     pub(super) fn corner_masses(&self, lane: usize) -> [f64; 4] {
         at_corners(column(&self.inverse_mass, lane).inline_map(T::wide)).inline_map(|inverse| 4.0 / inverse)
     }
 
-    /// Gives the corners of a lane other masses, in the units of the block.
+    /// Sets the corner masses of a lane, in the units of the block.
     pub(super) fn set_corner_masses(&mut self, lane: usize, masses: [f64; 4]) {
         let total = (masses[0] + masses[1]) + (masses[2] + masses[3]);
         self.mass[lane] = T::of(total);
@@ -240,53 +245,54 @@ impl<S, T: Real> ElementBlock<S, T> {
 }
 
 impl<S: Clone> ElementBlock<S> {
-    /// One increment: stresses at its end, corner forces, and what is added to the sums.
+    /// Updates the block over one increment: stresses and corner forces at its end, and the sums.
     #[inline(always)]
     pub fn update<M: Material<State = S>, const AREA: bool>(
         &mut self,
         material: &M,
-        constants: &Constants,
-        (dt, before): (f64, Accelerated<'_>),
-        nodes: &mut Nodes,
-        scratch: &mut Workspace,
-        corners: &mut Corners,
+        constants: &ElementConstants,
+        (dt, before): (f64, NodeAccelerations<'_>),
+        nodes: &mut CornerNodes,
+        scratch: &mut TaskWorkspace,
+        corners: &mut BlockCornerForces,
     ) {
         let eroded = self.mask(material, nodes, scratch);
-        let owed = M::EQUATION_OF_STATE.then(|| scratch.owe(corners, &self.nodes, (nodes, dt), before));
+        let owed =
+            M::EQUATION_OF_STATE.then(|| scratch.begin_energy_correction(corners, &self.nodes, (nodes, dt), before));
         self.measure_strain::<M, AREA>(constants, dt, nodes, scratch);
         if M::EQUATION_OF_STATE {
             self.measure_volume::<AREA>(scratch);
         }
         self.finish::<M, AREA>(material, (constants, dt), eroded.as_ref(), nodes, scratch, corners);
         if let Some(owed) = owed {
-            scratch.pay(&owed, corners, nodes, dt);
+            scratch.apply_energy_correction(&owed, corners, nodes, dt);
             material.add_heat(&mut self.state, &scratch.stress.heat, &self.mass);
         }
     }
 
-    /// The second part of an increment, whose strains are known: stresses and corner forces.
+    /// Updates stresses and corner forces; the second part of an increment, when strains are known.
     #[inline(always)]
     pub(super) fn finish<M: Material<State = S>, const AREA: bool>(
         &mut self,
         material: &M,
-        (constants, dt): (&Constants, f64),
-        eroded: Option<&Eroded>,
-        nodes: &Nodes,
-        scratch: &mut Workspace,
-        corners: &mut Corners,
+        (constants, dt): (&ElementConstants, f64),
+        eroded: Option<&ErodedLanes>,
+        nodes: &CornerNodes,
+        scratch: &mut TaskWorkspace,
+        corners: &mut BlockCornerForces,
     ) {
-        let mut kept = scratch.kept();
+        let mut kept = scratch.hourglass_state();
         let enhanced = !scratch.task.enhanced.is_empty();
         let shares = if enhanced { self.shares(material) } else { [1.0; LANES] };
         self.update_stress(material, constants, scratch);
         if enhanced {
-            let mut seen = Seen::default();
+            let mut seen = EnhancedInput::default();
             self.forces::<M, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut seen);
             self.enhance::<M, AREA>((material, shares), (constants, dt), (&seen, nodes), scratch, corners);
         } else {
-            self.forces::<M, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut Spring);
+            self.forces::<M, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut PatternSpring);
         }
-        scratch.keep(kept);
+        scratch.store_hourglass_state(kept);
         if M::EQUATION_OF_STATE {
             scratch.resist_patterns((dt, constants.hourglass.viscosity), nodes, &self.inverse_mass, corners);
         }
@@ -296,11 +302,11 @@ impl<S: Clone> ElementBlock<S> {
         }
     }
 
-    /// Current volumes, masses and viscous stresses, which an equation of state uses.
+    /// Computes the current volumes, masses and viscous stresses for an equation of state.
     #[inline(always)]
-    fn measure_volume<const AREA: bool>(&self, scratch: &mut Workspace) {
+    fn measure_volume<const AREA: bool>(&self, scratch: &mut TaskWorkspace) {
         for l in 0..LANES {
-            let volume = Operators::of::<AREA>(column(&scratch.r, l), column(&scratch.z, l)).volume;
+            let volume = QuadOperators::of::<AREA>(column(&scratch.r, l), column(&scratch.z, l)).volume;
             scratch.strain.current_volume[l] = UNIT * volume;
         }
         scratch.strain.mass = self.mass;
@@ -309,14 +315,14 @@ impl<S: Clone> ElementBlock<S> {
 }
 
 impl<S: Clone, T: Real> ElementBlock<S, T> {
-    /// Before an increment: masks deleted elements. Returns those that were deleted from outside.
+    /// Masks deleted elements before an increment. Returns the elements that were deleted by `*EROSION`.
     #[inline(always)]
     pub(super) fn mask<M: Material<T, State = S>>(
         &mut self,
         material: &M,
-        nodes: &mut Nodes<T>,
-        scratch: &mut Workspace<T>,
-    ) -> Option<Eroded> {
+        nodes: &mut CornerNodes<T>,
+        scratch: &mut TaskWorkspace<T>,
+    ) -> Option<ErodedLanes> {
         if M::FAILS {
             self.mask_deleted(material, nodes, scratch);
         }
@@ -327,13 +333,13 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
         eroded
     }
 
-    /// After the increment: clears the forces of deleted elements.
+    /// Clears the forces of deleted elements after an increment.
     #[inline(always)]
     pub(super) fn clear<M: Material<T, State = S>>(
         &mut self,
         material: &M,
-        eroded: Option<&Eroded>,
-        corners: &mut Corners<T>,
+        eroded: Option<&ErodedLanes>,
+        corners: &mut BlockCornerForces<T>,
     ) {
         if M::FAILS {
             self.clear_deleted(material, corners);
@@ -343,20 +349,20 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
         }
     }
 
-    /// Strain increments and elastic trial, with averaged dilation where elements have it.
+    /// Computes strain increments and the elastic trial stress, with averaged dilation where it is used.
     #[inline(always)]
     pub(super) fn measure_strain<M: Material<T, State = S>, const AREA: bool>(
         &mut self,
-        constants: &Constants,
+        constants: &ElementConstants,
         dt: T,
-        nodes: &Nodes<T>,
-        scratch: &mut Workspace<T>,
+        nodes: &CornerNodes<T>,
+        scratch: &mut TaskWorkspace<T>,
     ) {
         self.strain::<M, AREA>(constants, dt, nodes, scratch);
         if let Some(averaging) = &scratch.strain.averaging
             && !M::MODULI_VARY
         {
-            // The stress answers to the averaged strain; its work is done on the element's own.
+            // The stress follows the averaged strain; its work uses the element's own strain.
             let bulk = T::of(constants.bulk);
             for l in 0..LANES {
                 scratch.stress.mean[l] += bulk * T::of(averaging[l]);
@@ -367,17 +373,17 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
         }
     }
 
-    /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
+    /// Computes the corner forces of stress, bulk viscosity and hourglass control, and the stable time increment.
     #[inline(always)]
-    pub(super) fn forces<M: Material<T>, C: Control<T>, const AREA: bool>(
+    pub(super) fn forces<M: Material<T>, C: HourglassScheme<T>, const AREA: bool>(
         &self,
-        increment: (&Constants, T),
+        increment: (&ElementConstants, T),
         kept: &mut HourglassState<T>,
-        scratch: &mut Workspace<T>,
-        corners: &mut Corners<T>,
+        scratch: &mut TaskWorkspace<T>,
+        corners: &mut BlockCornerForces<T>,
         control: &mut C,
     ) {
-        // Branches of which compilers keep the one that the material takes.
+        // The conditions are constants of the material: only one branch is compiled.
         if !M::MODULI_VARY {
             self.forces_by::<C, AREA, false, false>(increment, kept, scratch, corners, control);
         } else if !M::EQUATION_OF_STATE {
@@ -388,19 +394,19 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
     }
 
     #[inline(always)]
-    fn forces_by<C: Control<T>, const AREA: bool, const VARY: bool, const EOS: bool>(
+    fn forces_by<C: HourglassScheme<T>, const AREA: bool, const VARY: bool, const EOS: bool>(
         &self,
-        (constants, dt): (&Constants, T),
+        (constants, dt): (&ElementConstants, T),
         kept: &mut HourglassState<T>,
-        scratch: &mut Workspace<T>,
-        corners: &mut Corners<T>,
+        scratch: &mut TaskWorkspace<T>,
+        corners: &mut BlockCornerForces<T>,
         control: &mut C,
     ) {
         let ElementBlock { stress, mass, inverse_mass, .. } = self;
         let arch = scratch.arch;
         dispatch_outlined(
             arch,
-            CornerForces::<C, T, AREA, VARY, EOS> {
+            CornerForceUpdate::<C, T, AREA, VARY, EOS> {
                 stress,
                 mass,
                 inverse_mass,
@@ -418,8 +424,8 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
     pub(super) fn update_stress<M: Material<T, State = S>>(
         &mut self,
         material: &M,
-        constants: &Constants,
-        scratch: &mut Workspace<T>,
+        constants: &ElementConstants,
+        scratch: &mut TaskWorkspace<T>,
     ) {
         material.update(&mut self.state, &mut self.stress, &scratch.strain, &mut scratch.stress);
         if !matches!(M::FLOW, PlasticFlow::None) && !constants.hourglass.relaxes {
@@ -427,31 +433,40 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
         }
     }
 
-    /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
+    /// Computes strain increments at mid-increment, rotates the stress, and computes the elastic trial stress.
     #[inline(always)]
     pub(super) fn strain<M: Material<T>, const AREA: bool>(
         &mut self,
-        constants: &Constants,
+        constants: &ElementConstants,
         dt: T,
-        nodes: &Nodes<T>,
-        scratch: &mut Workspace<T>,
+        nodes: &CornerNodes<T>,
+        scratch: &mut TaskWorkspace<T>,
     ) {
         dispatch_outlined(scratch.arch, VelocityGradient::<T, AREA> { scratch, dt, nodes });
         self.trial::<M>(constants, dt, scratch);
     }
 
-    /// The stress turned with the material, and the elastic trial of its mean and deviator.
+    /// Rotates the stress with the material, and computes the mean and the deviator of the elastic trial stress.
     #[inline(always)]
-    pub(super) fn trial<M: Material<T>>(&mut self, constants: &Constants, dt: T, scratch: &mut Workspace<T>) {
+    pub(super) fn trial<M: Material<T>>(
+        &mut self,
+        constants: &ElementConstants,
+        dt: T,
+        scratch: &mut TaskWorkspace<T>,
+    ) {
         let (bulk, shear2) = (T::of(constants.bulk), T::of(2.0 * constants.shear));
         let (half, third, unit) = (T::of(0.5), T::of(1.0 / 3.0), T::of(UNIT));
         for l in 0..LANES {
             let ([rr, zz, around, both], difference) = (column(&scratch.strain.strain, l), scratch.strain.spin[l]);
-            let spin = SpinOver { dividend: difference, divisor: scratch.middle[l], inverse: scratch.inverse[l] };
+            let spin = SpinQuotient { dividend: difference, divisor: scratch.middle[l], inverse: scratch.inverse[l] };
             let per = dt * spin.per();
             let (d_rr, d_zz, d_hoop, d_rz) = (per * rr, per * zz, per * around, half * (per * both));
             let stress = column(&self.stress, l);
-            let carried = if T::SINGLE { turned_by(stress, spin.turn_by()) } else { turned(stress, spin.turn()) };
+            let carried = if T::SINGLE {
+                rotate_by_difference(stress, spin.rotation_difference())
+            } else {
+                rotate(stress, spin.rotation())
+            };
             if M::USES_SPIN || T::SINGLE {
                 scratch.strain.spin[l] = difference * spin.per();
             }
@@ -482,11 +497,11 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
     }
 }
 
-/// The velocity gradient of a block of elements.
+/// Operation that computes the velocity gradient of a block.
 struct VelocityGradient<'a, T, const AREA: bool> {
-    scratch: &'a mut Workspace<T>,
+    scratch: &'a mut TaskWorkspace<T>,
     dt: T,
-    nodes: &'a Nodes<T>,
+    nodes: &'a CornerNodes<T>,
 }
 
 impl<T: Real, const AREA: bool> NullaryFnOnce for VelocityGradient<'_, T, AREA> {
@@ -498,12 +513,12 @@ impl<T: Real, const AREA: bool> NullaryFnOnce for VelocityGradient<'_, T, AREA> 
     }
 }
 
-impl<T: Real> Workspace<T> {
-    /// Where the corners are and how they move, and the velocity gradient in the middle of the increment, times the volume there:
-    /// `strain` is rr, zz, hoop and the sum of rz and zr, `spin` half their difference times the increment. The division behind both
-    /// ends the loop, so that the lanes behind need not wait for it.
+impl<T: Real> TaskWorkspace<T> {
+    /// Computes positions and velocities of the corners, and the velocity gradient at mid-increment times the volume
+    /// there: `strain` is rr, zz, hoop and the sum of rz and zr; `spin` is half the difference of rz and zr times the
+    /// increment. The division ends the loop body, so that later lanes do not wait for its result.
     #[inline(always)]
-    fn velocity_gradient<const AREA: bool>(&mut self, dt: T, nodes: &Nodes<T>) {
+    fn velocity_gradient<const AREA: bool>(&mut self, dt: T, nodes: &CornerNodes<T>) {
         let half = T::of(0.5) * dt;
         let per_length = T::of(1.0 / self.length);
         for l in 0..LANES {
@@ -515,48 +530,48 @@ impl<T: Real> Workspace<T> {
                 self.v_z[i][l] = v_z[i];
             }
             let middle = |x: [T; 4], v: [T; 4]| [0, 1, 2, 3].inline_map(|i| x[i] - half * v[i]);
-            let g = Operators::of::<AREA>(middle(r, v_r), middle(z, v_z));
+            let g = QuadOperators::of::<AREA>(middle(r, v_r), middle(z, v_z));
             let (along_r, along_z) = ([v_r[1], v_r[2], v_r[3]], [v_z[1], v_z[2], v_z[3]]);
             let (rz, zr) = (dot3(g.z, along_r), dot3(g.r, along_z));
             self.strain.strain[0][l] = dot3(g.r, along_r);
             self.strain.strain[1][l] = dot3(g.z, along_z);
             self.strain.strain[2][l] = dot3(g.hoop, [v_r[0], v_r[1], v_r[2]]);
             self.strain.strain[3][l] = rz + zr;
-            let spin = SpinOver::new(half * (rz - zr), g.volume);
+            let spin = SpinQuotient::new(half * (rz - zr), g.volume);
             self.strain.spin[l] = spin.dividend;
             self.middle[l] = spin.divisor;
             self.inverse[l] = spin.inverse;
         }
     }
 
-    /// Sets velocity gradients (rr, zz, hoop, rz and zr) in the middle of the increment times the volumes there in the unit
-    /// [`UNIT`], of elements of another shape.
+    /// Sets the velocity gradients (rr, zz, hoop, rz, zr) at mid-increment times the volumes there, in [`UNIT`], for
+    /// elements of another shape.
     #[inline(always)]
     pub(super) fn set_gradients(&mut self, dt: T, gradients: &[Lanes<T>; 5], volume: &Lanes<T>) {
         let [rr, zz, hoop, rz, zr] = gradients;
         self.strain.strain = [*rr, *zz, *hoop, inline_from_fn(|l| rz[l] + zr[l])];
         for l in 0..LANES {
-            let spin = SpinOver::new(T::of(0.5) * dt * (rz[l] - zr[l]), volume[l]);
+            let spin = SpinQuotient::new(T::of(0.5) * dt * (rz[l] - zr[l]), volume[l]);
             (self.strain.spin[l], self.middle[l], self.inverse[l]) = (spin.dividend, spin.divisor, spin.inverse);
         }
     }
 
-    /// Scratch memory of a task of so many blocks whose frequencies are not capped, with room for what its elements keep of
-    /// hourglass control and bulk viscosity, in units of a length.
-    pub fn new(constants: &Constants, length: f64, blocks: usize) -> Self {
+    /// Creates the scratch memory of a task of `blocks` blocks, with storage for hourglass and viscous stresses if the
+    /// constants require it; `length` is the unit of lengths. Frequencies are not capped.
+    pub fn new(constants: &ElementConstants, length: f64, blocks: usize) -> Self {
         let stiff = constants.hourglass.stiffness != 0.0;
         let enhanced = constants.hourglass.enhanced != 0.0;
         let viscous = constants.bulk_viscosity != [0.0; 2];
-        Workspace {
+        TaskWorkspace {
             cap: T::of(f64::INFINITY),
             length,
             task: TaskState {
                 hourglass: if stiff { vec![[[T::ZERO; LANES]; 2]; blocks] } else { Vec::new() },
-                enhanced: if enhanced { vec![Assumed::default(); blocks] } else { Vec::new() },
+                enhanced: if enhanced { vec![AssumedStresses::default(); blocks] } else { Vec::new() },
                 viscous: if viscous { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() },
                 ..TaskState::default()
             },
-            ..Workspace::default()
+            ..TaskWorkspace::default()
         }
     }
 
@@ -571,13 +586,13 @@ impl<T: Real> Workspace<T> {
             + heap_bytes(own_rates)
     }
 
-    /// Makes room for elements of so many blocks that are deleted from outside, and for their rates where they are kept.
+    /// Allocates the state of deletion by `*EROSION` for `blocks` blocks, and the rates of elements if `rates`.
     pub(super) fn make_erodible(&mut self, blocks: usize, rates: bool) {
-        self.task.eroded = vec![Eroded::default(); blocks];
+        self.task.eroded = vec![ErodedLanes::default(); blocks];
         self.task.own_rates = if rates { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() };
     }
 
-    /// Keeps the rates of the block at hand, where anything asks for them.
+    /// Stores the rates of the current block if a list for them exists.
     #[inline(always)]
     fn keep_own_rates(&mut self) {
         if let Some(rates) = self.task.own_rates.get_mut(self.at) {
@@ -585,33 +600,33 @@ impl<T: Real> Workspace<T> {
         }
     }
 
-    /// A lane whose element is not there weighs nothing.
+    /// Sets the weight of a lane without an active element to zero.
     pub(super) fn mask(&mut self, lane: usize) {
         self.weight[lane] = T::ZERO;
     }
 
-    /// Whether a lane counts.
-    pub(super) fn weighs(&self, lane: usize) -> bool {
+    /// Returns whether a lane has an active element.
+    pub(super) fn is_active(&self, lane: usize) -> bool {
         self.weight[lane] > T::ZERO
     }
 
-    /// Number of the block at hand; a float, as the sums keep it.
+    /// Returns the index of the current block, as a float as in the sums.
     pub(super) fn number(&self) -> T {
         self.block
     }
 
-    /// What the block at hand keeps; zero where nothing is kept.
+    /// Returns the stored stresses of the current block; zero without storage.
     #[inline(always)]
-    pub(super) fn kept(&self) -> HourglassState<T> {
+    pub(super) fn hourglass_state(&self) -> HourglassState<T> {
         HourglassState {
             hourglass: self.task.hourglass.get(self.at).copied().unwrap_or_default(),
             viscous: self.task.viscous.get(self.at).copied().unwrap_or_default(),
         }
     }
 
-    /// Keeps it until the next increment.
+    /// Stores the stresses until the next increment.
     #[inline(always)]
-    pub(super) fn keep(&mut self, kept: HourglassState<T>) {
+    pub(super) fn store_hourglass_state(&mut self, kept: HourglassState<T>) {
         if let Some(place) = self.task.hourglass.get_mut(self.at) {
             *place = kept.hourglass;
         }
@@ -620,27 +635,27 @@ impl<T: Real> Workspace<T> {
         }
     }
 
-    /// Sums of the pass, and what deformed in it.
-    pub(super) fn parts(&self) -> (Sums, [Lanes; 2]) {
+    /// Returns the sums of the pass, and the squares of the largest strain increment and volume change.
+    pub(super) fn parts(&self) -> (LaneSums, [Lanes; 2]) {
         let StressUpdate { internal, dissipated, .. } = self.stress;
-        let sums = Sums { internal, plastic: dissipated, ..self.sums };
+        let sums = LaneSums { internal, plastic: dissipated, ..self.sums };
         (sums.wide(self.length), self.deformed.inline_map(|list| list.inline_map(T::wide)))
     }
 
-    /// Begins a pass under a bound of frequencies.
+    /// Begins a pass with the bound `cap` of the highest frequency.
     #[inline(always)]
-    pub(super) fn begin(&mut self, arch: Arch, cap: f64, dt: f64, constants: &Constants) {
+    pub(super) fn begin(&mut self, arch: Arch, cap: f64, dt: f64, constants: &ElementConstants) {
         self.arch = arch;
-        self.sums = Sums::default();
+        self.sums = LaneSums::default();
         self.stress.begin();
         self.strain.dt = dt;
-        self.strain.moduli = Moduli { bulk: constants.bulk, shear: constants.shear };
+        self.strain.moduli = ElasticModuli { bulk: constants.bulk, shear: constants.shear };
         (self.cap, self.deformed) = (T::of(cap * self.length), [[T::ZERO; LANES]; 2]);
     }
 
-    /// Lets the record of a block of the task, by its place there, follow an increment.
+    /// Updates the record of the block `index` of the task.
     #[inline(never)]
-    pub(super) fn follow(
+    pub(super) fn update_record(
         &mut self,
         arch: Arch,
         index: usize,
@@ -650,19 +665,19 @@ impl<T: Real> Workspace<T> {
     ) {
         let unit = self.length * self.length * self.length;
         let (increment, update, record) = (&self.strain, &self.stress, &mut self.task.records[index]);
-        arch.dispatch(Following { record, stress, flow, spins, dt, unit, increment, update });
+        arch.dispatch(RecordUpdate { record, stress, flow, spins, dt, unit, increment, update });
     }
 
-    /// Spin increments, where nothing but records asks for them.
+    /// Computes the spin increments if only records need them.
     #[inline(always)]
     fn divide_spins(&mut self) {
         for l in 0..LANES {
             let (dividend, divisor, inverse) = (self.strain.spin[l], self.middle[l], self.inverse[l]);
-            self.strain.spin[l] = dividend * SpinOver { dividend, divisor, inverse }.per();
+            self.strain.spin[l] = dividend * SpinQuotient { dividend, divisor, inverse }.per();
         }
     }
 
-    /// Follows the largest strain increment.
+    /// Updates the largest strain increment and volume change of the pass.
     #[inline(always)]
     pub(super) fn measure(&mut self) {
         for l in 0..LANES {
@@ -674,8 +689,8 @@ impl<T: Real> Workspace<T> {
         }
     }
 
-    /// Prepares for a block, by its number and its place in the task, of which the first `count` lanes hold elements; the
-    /// others weigh nothing.
+    /// Prepares for block number `block`, at index `at` of the task. Its first `count` lanes hold elements; the others
+    /// get weight 0.
     #[inline(always)]
     pub fn prepare(&mut self, block: usize, at: usize, count: usize) {
         self.block = T::of(block as f64);
@@ -688,9 +703,9 @@ impl<T: Real> Workspace<T> {
     }
 }
 
-impl<T: Real> Workspace<T> {
+impl<T: Real> TaskWorkspace<T> {
     /// Adds the sums of a block that was updated with other scratch memory.
-    pub(super) fn add_sums(&mut self, block: &Workspace<T>) {
+    pub(super) fn add_sums(&mut self, block: &TaskWorkspace<T>) {
         self.sums.add(&block.sums);
         for l in 0..LANES {
             self.stress.internal[l] += block.stress.internal[l];
@@ -703,12 +718,12 @@ impl<T: Real> Workspace<T> {
     }
 }
 
-impl<T: Real> Sums<T> {
-    /// The same in double precision and in the units of the scene, of numbers in units of a length.
-    fn wide(&self, length: f64) -> Sums {
+impl<T: Real> LaneSums<T> {
+    /// Converts the sums to double precision and to the units of the model; `length` is the unit of lengths.
+    fn wide(&self, length: f64) -> LaneSums {
         let volume = length * length * length;
         let energies = |list: &Lanes<T>| list.inline_map(|x| volume * x.wide());
-        Sums {
+        LaneSums {
             internal: energies(&self.internal),
             plastic: energies(&self.plastic),
             viscous: energies(&self.viscous),
@@ -719,35 +734,35 @@ impl<T: Real> Sums<T> {
     }
 }
 
-impl<T: Real> Sums<T> {
-    /// Adds the sums of blocks that come behind, lane by lane.
-    fn add(&mut self, behind: &Sums<T>) {
+impl<T: Real> LaneSums<T> {
+    /// Adds the sums of later blocks, lane by lane.
+    fn add(&mut self, later: &LaneSums<T>) {
         for l in 0..LANES {
-            self.internal[l] += behind.internal[l];
-            self.plastic[l] += behind.plastic[l];
-            self.viscous[l] += behind.viscous[l];
-            self.artificial[l] += behind.artificial[l];
-            if is_larger(behind.rate[l], self.rate[l]) {
-                (self.rate[l], self.limiting[l]) = (behind.rate[l], behind.limiting[l]);
+            self.internal[l] += later.internal[l];
+            self.plastic[l] += later.plastic[l];
+            self.viscous[l] += later.viscous[l];
+            self.artificial[l] += later.artificial[l];
+            if is_larger(later.rate[l], self.rate[l]) {
+                (self.rate[l], self.limiting[l]) = (later.rate[l], later.limiting[l]);
             }
         }
     }
 }
 
-/// The larger of two; the second where one is not a number.
+/// Returns the larger of two numbers; `b` if either is NaN.
 #[inline(always)]
 pub(super) fn larger<T: Real>(a: T, b: T) -> T {
     if a > b { a } else { b }
 }
 
-/// Whether a rate takes the place of the largest so far. Not a number counts as the largest, and the first stays: it must
-/// be found.
+/// Returns whether `rate` replaces the largest rate so far. NaN counts as the largest, and the first NaN is kept, so
+/// that the element with the error is reported.
 #[inline(always)]
 pub fn is_larger<T: Real>(rate: T, largest: T) -> bool {
     (rate > largest) | (rate.is_none() & !largest.is_none())
 }
 
-/// Sum over lanes, always in the same order.
+/// Returns the sum over lanes, always in the same order.
 pub fn across(list: &Lanes) -> f64 {
     let mut sums = *list;
     let mut width = LANES / 2;
@@ -762,18 +777,18 @@ pub fn across(list: &Lanes) -> f64 {
 
 persist_struct!(ElementBlock<S, T> [S: Persist, T: Persist] { stress, mass, inverse_mass, state } derived { nodes });
 
-persist_struct!(Sums<T> [T: Persist] { internal, plastic, viscous, artificial, rate, limiting });
+persist_struct!(LaneSums<T> [T: Persist] { internal, plastic, viscous, artificial, rate, limiting });
 
 persist_struct!(TaskState<T> [T: Persist] {
     eroded: fixed, own_rates: fixed, records: fixed, hourglass: fixed, enhanced: fixed, viscous: fixed,
     subzones: fixed
 });
 
-// The rest of it is scratch memory of one pass; the sums hold while a task is quiescent.
-persist_struct!(Workspace<T> [T: Persist] { sums, task } derived { stress, r, z, v_r, v_z, middle, inverse, now, weight, strain, block, at, own_rate, length, cap, arch, deformed } then Workspace::persist_work);
+// The other fields are scratch memory of one pass; the sums stay valid while a task is quiescent.
+persist_struct!(TaskWorkspace<T> [T: Persist] { sums, task } derived { stress, r, z, v_r, v_z, middle, inverse, now, weight, strain, block, at, own_rate, length, cap, arch, deformed } then TaskWorkspace::persist_work);
 
-impl<T: Persist> Workspace<T> {
-    fn persist_work(&mut self, archive: &mut Archive<'_>) {
+impl<T: Persist> TaskWorkspace<T> {
+    fn persist_work(&mut self, archive: &mut StateArchive<'_>) {
         persist_fields!(archive; &mut self.stress.internal, &mut self.stress.dissipated);
     }
 }

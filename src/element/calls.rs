@@ -1,60 +1,60 @@
-//! Groups whose material calls user subroutines: the kinematics of a batch of tasks, the calls by one thread in the order of the
-//! elements, then stresses and forces. Threads share what comes before and after the calls; no bit depends on their number.
-//! Never here: what a call is shown.
+//! Element groups whose material calls user subroutines. For a batch of tasks: threads compute the kinematics, one
+//! thread calls the subroutines in the order of the elements, then threads compute stresses and forces. Results have
+//! the same bits for any number of threads.
 
 use pulp::Arch;
 use rayon::prelude::*;
 
-use super::block::{ElementBlock, Nodes, Workspace};
-use super::constants::Constants;
-use super::group::{PARALLEL, Pass, Quads, TASK, Totals, UserCalls};
-use super::numbers::{Forces, Numbers};
-use super::record::{Followed, Record};
-use crate::kernel::lanes::{Corners, InlineMap, LANES, wide};
+use super::block::{CornerNodes, ElementBlock, TaskWorkspace};
+use super::constants::ElementConstants;
+use super::group::{ElementPass, GroupTotals, PARALLEL, QuadGroup, TASK, UserCalls};
+use super::numbers::{BlockForces, ElementPrecision};
+use super::record::{BlockRecord, ElementRecord};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, wide};
 use crate::material::Material;
-use crate::material::user::flow::Returning;
-use crate::material::user::points::{PointAccess, Points};
-use crate::material::user::{CALL_BLOCKS, CallTime, PointCalls, Shown};
+use crate::material::user::flow::ReturnScratch;
+use crate::material::user::points::{PointAccess, PointArguments};
+use crate::material::user::{BlockKinematics, CALL_BLOCKS, CallTime, PointCalls};
 use crate::state::Instant;
-use crate::state::halt::Halt;
+use crate::state::halt::HaltReason;
 use crate::state::nodes::Node;
-use crate::user::{AtPoints, LoadFailure};
-use crate::variables::{Part, Variable};
+use crate::user::{LoadFailure, PointRoutines};
+use crate::variables::{Variable, VariableComponent};
 
-/// Tasks between whose phases the subroutines are called for all of them, where threads share them.
+/// Number of tasks of a batch; its subroutine calls are made between two parallel phases.
 const BATCH: usize = 8;
-/// Calls of a task, and elements of a call.
+/// Calls per task, and elements per call.
 const CALLS: usize = TASK / CALL_BLOCKS;
 const ELEMENTS: usize = CALL_BLOCKS * LANES;
 
 /// Scratch memory of a block between the phases.
 #[derive(Clone)]
 struct BlockScratch<T> {
-    work: Workspace<T>,
-    nodes: Nodes<T>,
+    work: TaskWorkspace<T>,
+    nodes: CornerNodes<T>,
 }
 
-/// Scratch memory of the calls, and why the last pass failed.
+/// Scratch memory of the calls, and the failure of the last pass.
 #[derive(Clone)]
-pub(super) struct Calls<T> {
+pub(super) struct UserCallBuffers<T> {
     /// Arguments of the calls of a batch, and of the last call of the group, which has fewer points.
-    points: Vec<Points>,
-    last: Points,
+    points: Vec<PointArguments>,
+    last: PointArguments,
     blocks: Vec<BlockScratch<T>>,
-    returning: Returning,
-    failure: Option<Halt>,
+    returning: ReturnScratch,
+    failure: Option<HaltReason>,
 }
 
-/// A failure with the call in which it was.
-type Failed = (usize, LoadFailure);
+/// Index of the failed call, and the failure.
+type CallFailure = (usize, LoadFailure);
 
-impl<T: Numbers> Calls<T> {
-    /// For a group of so many elements.
-    pub fn new<S>(material: &dyn PointCalls<S>, constants: &Constants, count: usize) -> Calls<T> {
-        // What no other thread shares is best done task by task.
+impl<T: ElementPrecision> UserCallBuffers<T> {
+    /// Creates the buffers of a group of `count` elements.
+    pub fn new<S>(material: &dyn PointCalls<S>, constants: &ElementConstants, count: usize) -> UserCallBuffers<T> {
+        // Small groups are computed by one thread, which is fastest with one task per batch.
         let batch = if count < PARALLEL { 1 } else { BATCH.min(count.div_ceil(TASK * LANES)) };
-        let scratch = || BlockScratch { work: Workspace::new(constants, 1.0, 0), nodes: Nodes::default() };
-        Calls {
+        let scratch = || BlockScratch { work: TaskWorkspace::new(constants, 1.0, 0), nodes: CornerNodes::default() };
+        UserCallBuffers {
             points: (0..batch * CALLS).map(|_| material.arguments(ELEMENTS)).collect(),
             last: material.arguments(count % ELEMENTS),
             blocks: (0..batch * TASK).map(|_| scratch()).collect(),
@@ -64,26 +64,26 @@ impl<T: Numbers> Calls<T> {
     }
 
     pub fn bytes(&self) -> usize {
-        let Calls { points, last, blocks, returning, .. } = self;
+        let UserCallBuffers { points, last, blocks, returning, .. } = self;
         let points: usize = points.iter().chain([last]).map(|p| size_of_val(p) + p.bytes()).sum();
         size_of_val(self) + points + size_of_val(&**blocks) + returning.bytes()
     }
 }
 
-/// A task in one phase.
+/// Data of one task in one phase.
 struct TaskPhase<'a, S, T> {
     blocks: &'a mut [ElementBlock<S, T>],
-    task: &'a mut Workspace<T>,
+    task: &'a mut TaskWorkspace<T>,
     scratch: &'a mut [BlockScratch<T>],
-    points: &'a mut [Points],
-    corners: &'a mut [Corners<T>],
+    points: &'a mut [PointArguments],
+    corners: &'a mut [BlockCornerForces<T>],
 }
 
-/// What all tasks of a pass share.
-struct PassInput<'a, M: Material<T>, T: Numbers> {
+/// Input that all tasks of a pass share.
+struct PassInput<'a, M: Material<T>, T: ElementPrecision> {
     material: &'a M,
     calls: &'a dyn PointCalls<M::State>,
-    constants: &'a Constants,
+    constants: &'a ElementConstants,
     count: usize,
     nodes: &'a [Node],
     now: &'a Instant,
@@ -92,8 +92,8 @@ struct PassInput<'a, M: Material<T>, T: Numbers> {
     arch: Arch,
 }
 
-impl<M: Material<T>, T: Numbers> PassInput<'_, M, T> {
-    /// Kinematics of a task, and the arguments of its calls.
+impl<M: Material<T>, T: ElementPrecision> PassInput<'_, M, T> {
+    /// Computes the kinematics of a task, and stores the arguments of its calls.
     fn measure<const AREA: bool>(&self, index: usize, phase: TaskPhase<'_, M::State, T>) {
         let TaskPhase { blocks, task, scratch, points, .. } = phase;
         task.begin(self.arch, self.cap, self.dt, self.constants);
@@ -110,12 +110,12 @@ impl<M: Material<T>, T: Numbers> PassInput<'_, M, T> {
             let corners = |l: usize| [nodes.of(l, 0).inline_map(T::wide), nodes.of(l, 1).inline_map(T::wide)];
             let strain = work.strain.strain.each_ref().inline_map(wide);
             let (spin, volume) = (wide(&work.strain.spin), wide(&work.strain.volume));
-            let shown = Shown { strain, spin, volume, corners: &corners };
+            let shown = BlockKinematics { strain, spin, volume, corners: &corners };
             self.calls.gather(&mut points[i / CALL_BLOCKS], i % CALL_BLOCKS, &mut block.state, &shown);
         }
     }
 
-    /// The answers of the calls, and the corner forces that follow.
+    /// Reads the results of the calls, and computes the corner forces.
     fn respond<const AREA: bool>(&self, phase: TaskPhase<'_, M::State, T>) {
         let TaskPhase { blocks, task, scratch, points, corners } = phase;
         let each = blocks.iter_mut().zip(scratch).zip(corners).enumerate();
@@ -127,7 +127,7 @@ impl<M: Material<T>, T: Numbers> PassInput<'_, M, T> {
             T::finish::<M, AREA>(block, self.material, increment, eroded.as_ref(), nodes, work, corners);
             if !work.task.records.is_empty() {
                 let increment = (wide(&work.strain.spin), self.dt);
-                work.follow(self.arch, i, &block.stress, M::FLOW, increment);
+                work.update_record(self.arch, i, &block.stress, M::FLOW, increment);
             }
             std::mem::swap(&mut work.task, &mut task.task);
             task.add_sums(work);
@@ -135,20 +135,20 @@ impl<M: Material<T>, T: Numbers> PassInput<'_, M, T> {
     }
 }
 
-/// What a call may ask of its points.
-struct Access<'a, S, T> {
+/// Values of the points of a call that a subroutine may request.
+struct BlockPointAccess<'a, S, T> {
     blocks: &'a [ElementBlock<S, T>],
-    records: &'a [Record],
+    records: &'a [BlockRecord],
 }
 
-impl<S, T> Access<'_, S, T> {
-    fn followed(&self, point: usize) -> Option<Followed> {
+impl<S, T> BlockPointAccess<'_, S, T> {
+    fn followed(&self, point: usize) -> Option<ElementRecord> {
         Some(self.records.get(point / LANES)?.of(point % LANES))
     }
 }
 
-impl<S, T: Numbers> PointAccess for Access<'_, S, T> {
-    fn component(&self, point: usize, part: Part) -> Option<f64> {
+impl<S, T: ElementPrecision> PointAccess for BlockPointAccess<'_, S, T> {
+    fn component(&self, point: usize, part: VariableComponent) -> Option<f64> {
         match part.variable {
             Variable::Stress => Some(self.blocks[point / LANES].stress[part.component][point % LANES].wide()),
             _ => self.followed(point)?.value(part),
@@ -157,15 +157,15 @@ impl<S, T: Numbers> PointAccess for Access<'_, S, T> {
 }
 
 /// Runs a phase for each task of a batch.
-fn spread<S: Send, T: Numbers>(
+fn spread<S: Send, T: ElementPrecision>(
     threads: bool,
     blocks: &mut [ElementBlock<S, T>],
-    tasks: &mut [Workspace<T>],
-    corners: &mut [Corners<T>],
-    calls: &mut Calls<T>,
+    tasks: &mut [TaskWorkspace<T>],
+    corners: &mut [BlockCornerForces<T>],
+    calls: &mut UserCallBuffers<T>,
     phase: impl Fn(usize, TaskPhase<'_, S, T>) + Sync,
 ) {
-    let Calls { points, blocks: scratch, .. } = calls;
+    let UserCallBuffers { points, blocks: scratch, .. } = calls;
     if threads {
         let parts = blocks.par_chunks_mut(TASK).zip(tasks).zip(corners.par_chunks_mut(TASK));
         let parts = parts.zip(scratch.par_chunks_mut(TASK)).zip(points.par_chunks_mut(CALLS)).enumerate();
@@ -181,9 +181,9 @@ fn spread<S: Send, T: Numbers>(
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
-    /// As [`super::group::ElementGroup::update`], of a material that calls user subroutines.
-    pub(super) fn update_with_calls(&mut self, pass: Pass<'_>) -> Totals {
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T> {
+    /// Implements [`super::group::ElementGroup::update`] for a material that calls user subroutines.
+    pub(super) fn update_with_calls(&mut self, pass: ElementPass<'_>) -> GroupTotals {
         let now = *pass.now;
         let failed = self.pass_with_calls(pass).err().map(|failed| self.halt(&failed, &now));
         let totals = self.totals();
@@ -191,13 +191,13 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
         if let Some(calls) = &mut self.calls {
             calls.failure = failed;
         }
-        Totals { rate, ..totals }
+        GroupTotals { rate, ..totals }
     }
 
-    fn pass_with_calls(&mut self, pass: Pass<'_>) -> Result<(), Failed> {
-        let Pass { nodes, dt, before: _, now, threads, mut user, corners, lacking: _ } = pass;
-        let Forces::Own(corners) = T::forces(corners) else { return Ok(()) };
-        let Quads { material, constants, count, blocks, tasks, calls, arch, cap, .. } = self;
+    fn pass_with_calls(&mut self, pass: ElementPass<'_>) -> Result<(), CallFailure> {
+        let ElementPass { nodes, dt, before: _, now, threads, mut user, corners, dilation_correction: _ } = pass;
+        let BlockForces::Own(corners) = T::forces(corners) else { return Ok(()) };
+        let QuadGroup { material, constants, count, blocks, tasks, calls, arch, cap, .. } = self;
         let (Some(calls), Some(of_material)) = (calls.as_deref_mut(), material.calls()) else { return Ok(()) };
         let input = &PassInput::<M, T> {
             material: &**material,
@@ -232,21 +232,22 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
     }
 
     #[cold]
-    fn halt(&self, (call, failure): &Failed, now: &Instant) -> Halt {
+    fn halt(&self, (call, failure): &CallFailure, now: &Instant) -> HaltReason {
         let element = failure.point.map(|i| call * ELEMENTS + i);
         let (name, element) = self.material.calls().map_or(("", None), |calls| calls.names(element));
         let place = element.map_or(String::new(), |element| format!(" at element {element}"));
         failure.halt(&format!("the user material `{name}`{place}"), now)
     }
 
-    /// Moduli from the answers to fictitious strains at time zero, as ABAQUS/Explicit asks for them: the largest of all elements.
+    /// Returns the largest moduli of all elements, from the response to fictitious strains at time zero, as in
+    /// ABAQUS/Explicit.
     fn probe_moduli(
         &mut self,
         nodes: &[Node],
         now: &Instant,
-        user: &mut AtPoints<'_>,
-    ) -> Result<Option<[f64; 2]>, Failed> {
-        let Quads { material, constants, count, blocks, tasks, calls, arch, cap, .. } = self;
+        user: &mut PointRoutines<'_>,
+    ) -> Result<Option<[f64; 2]>, CallFailure> {
+        let QuadGroup { material, constants, count, blocks, tasks, calls, arch, cap, .. } = self;
         let (Some(calls), Some(of_material)) = (calls.as_deref_mut(), material.calls()) else { return Ok(None) };
         let (material, count, cap, arch) = (&**material, *count, *cap, *arch);
         let input =
@@ -255,9 +256,9 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
         for (index, (blocks, task)) in blocks.chunks_mut(TASK).zip(tasks).enumerate() {
             let count_of_calls = blocks.len().div_ceil(CALL_BLOCKS);
             let first = index * TASK * LANES;
-            // The first slot serves all tasks.
+            // All tasks use the first slot.
             calls.exchange_last(first, count, CALLS);
-            let Calls { points, blocks: scratch, .. } = &mut *calls;
+            let UserCallBuffers { points, blocks: scratch, .. } = &mut *calls;
             input.measure::<AREA>(index, TaskPhase { blocks, task, scratch, points, corners: &mut [] });
             for (i, points) in points.iter_mut().take(count_of_calls).enumerate() {
                 let found = of_material.probe(points, user.lend(), now);
@@ -273,22 +274,22 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
     }
 }
 
-impl<M: Material<T>, T: Numbers> PassInput<'_, M, T> {
-    /// The calls of a batch, in the order of its elements.
+impl<M: Material<T>, T: ElementPrecision> PassInput<'_, M, T> {
+    /// Calls the subroutines of a batch in the order of its elements.
     fn call(
         &self,
         first: usize,
         blocks: &[ElementBlock<M::State, T>],
-        tasks: &[Workspace<T>],
-        calls: &mut Calls<T>,
-        user: &mut AtPoints<'_>,
-    ) -> Result<(), Failed> {
-        let Calls { points, returning, .. } = calls;
+        tasks: &[TaskWorkspace<T>],
+        calls: &mut UserCallBuffers<T>,
+        user: &mut PointRoutines<'_>,
+    ) -> Result<(), CallFailure> {
+        let UserCallBuffers { points, returning, .. } = calls;
         let time = CallTime { now: self.now, dt: self.dt };
         for (i, (blocks, points)) in blocks.chunks(CALL_BLOCKS).zip(points).enumerate() {
             let records = &tasks[i / CALLS].task.records;
             let records = records.get(i % CALLS * CALL_BLOCKS..).unwrap_or_default();
-            let access = Access { blocks, records };
+            let access = BlockPointAccess { blocks, records };
             let called = self.calls.call(points, user.lend(), time, &access, returning);
             called.map_err(|failure| (first / ELEMENTS + i, failure))?;
         }
@@ -296,8 +297,9 @@ impl<M: Material<T>, T: Numbers> PassInput<'_, M, T> {
     }
 }
 
-impl<T> Calls<T> {
-    /// Puts the arguments of the group's last call in their place among so many calls that begin with an element, and back.
+impl<T> UserCallBuffers<T> {
+    /// Exchanges the arguments of the group's last call with those at its position, among `calls` calls that begin with
+    /// element `first`. A second call reverses the exchange.
     fn exchange_last(&mut self, first: usize, count: usize, calls: usize) {
         let place = (count / ELEMENTS).wrapping_sub(first / ELEMENTS);
         if !count.is_multiple_of(ELEMENTS) && place < calls {
@@ -306,8 +308,8 @@ impl<T> Calls<T> {
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> UserCalls for Quads<M, AREA, T> {
-    fn probe(&mut self, nodes: &[Node], now: &Instant, mut user: AtPoints<'_>) -> Result<(), Halt> {
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> UserCalls for QuadGroup<M, AREA, T> {
+    fn probe(&mut self, nodes: &[Node], now: &Instant, mut user: PointRoutines<'_>) -> Result<(), HaltReason> {
         let moduli = self.probe_moduli(nodes, now, &mut user).map_err(|failed| self.halt(&failed, now))?;
         if let Some([bulk, shear]) = moduli {
             (self.constants.bulk, self.constants.shear) = (bulk, shear);
@@ -315,7 +317,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> UserCalls for Quads<M, AREA, 
         Ok(())
     }
 
-    fn failure(&self) -> Option<Halt> {
+    fn failure(&self) -> Option<HaltReason> {
         self.calls.as_ref()?.failure.clone()
     }
 }

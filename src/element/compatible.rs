@@ -1,29 +1,31 @@
-//! The energy of what has an equation of state: what the forces of an element do on its corners comes from its own energy, to
-//! rounding (Caramana, Burton, Shashkov and Whalen 1998, J. Comput. Phys. 146, 227). Work of the stress is taken in the middle
-//! of an increment, hourglass control and viscosity are known at its end: what is missing follows here.
-//! Never here: pressures, forces.
-#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+//! Compatible energy update for materials with an equation of state: the work of an element's forces on its corners is
+//! taken from its internal energy, exact to rounding (Caramana, Burton, Shashkov and Whalen 1998, J. Comput. Phys. 146,
+//! 227). Stress work is computed at mid-increment, but hourglass control and viscosity are known at its end; the
+//! difference is added here.
+#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
-use super::block::{Nodes, Workspace};
-use crate::kernel::lanes::{Corners, LANES, Lanes};
-use crate::state::nodes::Accelerated;
+use super::block::{CornerNodes, TaskWorkspace};
+use crate::kernel::lanes::{BlockCornerForces, LANES, Lanes};
+use crate::state::nodes::NodeAccelerations;
 
-/// Sums before a block's increment, and the energy that its elements lose to the forces of the increment's begin.
+/// Sums before the increment of a block, and the energy that its elements lose to the forces at the start of the
+/// increment.
 pub(super) struct EnergyCorrection {
     sums: [Lanes; 3],
     lost: Lanes,
 }
 
-impl Workspace {
-    /// Before the increment, while corner forces are those of its begin. Central differences gain m a^2 (dt'^2 - dt^2)/8 on
-    /// the work by the trapezoid where dt follows dt'; the elements whose forces accelerate the node pay for it.
+impl TaskWorkspace {
+    /// Begins the correction, while corner forces are those of the start of the increment. Where an increment dt
+    /// follows dt', central differences gain m a² (dt'² - dt²)/8 relative to the trapezoidal work; this energy is
+    /// charged to the elements whose forces accelerate the node.
     #[inline(always)]
-    pub(super) fn owe(
+    pub(super) fn begin_energy_correction(
         &self,
-        corners: &Corners,
+        corners: &BlockCornerForces,
         of: &[[u32; LANES]; 4],
-        (nodes, dt): (&Nodes, f64),
-        before: Accelerated<'_>,
+        (nodes, dt): (&CornerNodes, f64),
+        before: NodeAccelerations<'_>,
     ) -> EnergyCorrection {
         let share = 0.5 * before.half * (dt - before.half);
         let half = 0.5 * dt;
@@ -39,10 +41,16 @@ impl Workspace {
         EnergyCorrection { sums: [self.stress.internal, self.sums.viscous, self.sums.artificial], lost }
     }
 
-    /// After the increment, with the corner forces of its end: books what is missing of the work, and counts it and the work of
-    /// hourglass control as heat.
+    /// Completes the correction with the corner forces of the end of the increment: adds the missing work to the
+    /// internal energy, and counts it and the hourglass work as heat.
     #[inline(always)]
-    pub(super) fn pay(&mut self, owed: &EnergyCorrection, corners: &Corners, nodes: &Nodes, dt: f64) {
+    pub(super) fn apply_energy_correction(
+        &mut self,
+        owed: &EnergyCorrection,
+        corners: &BlockCornerForces,
+        nodes: &CornerNodes,
+        dt: f64,
+    ) {
         let half = 0.5 * dt;
         let mut lost = owed.lost;
         for i in 0..4 {

@@ -1,6 +1,5 @@
-//! Springs and dashpots between nodes, or between a node and the ground: SPRINGA and DASHPOTA act along the line between
-//! their ends, SPRING1 and DASHPOT1 along an axis (ABAQUS Elements Guide, "Springs", "Dashpots").
-//! Never here: deck words, elements of a continuum.
+//! Springs and dashpots between two nodes, or between a node and the ground: SPRINGA and DASHPOTA act along the line
+//! between their ends, SPRING1 and DASHPOT1 along an axis (ABAQUS Elements Guide, "Springs", "Dashpots").
 
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
@@ -9,20 +8,21 @@ use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 
+/// Force law of a spring or dashpot.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Law {
-    /// Force a length.
+pub enum SpringDashpotLaw {
+    /// Linear spring: force per length.
     Spring(f64),
-    /// Rows of relative displacement and force, ascending; constant beyond the ends.
+    /// Nonlinear spring: rows of relative displacement and force, ascending; constant beyond the ends.
     Table(Vec<[f64; 2]>),
-    /// Force a velocity.
+    /// Linear dashpot: force per velocity.
     Dashpot(f64),
-    /// Rows of relative velocity and force, ascending; constant beyond the ends.
+    /// Nonlinear dashpot: rows of relative velocity and force, ascending; constant beyond the ends.
     DashpotTable(Vec<[f64; 2]>),
 }
 
-/// Force by rows of an abscissa and the force.
-fn between(rows: &[[f64; 2]], at: f64) -> f64 {
+/// Interpolates the force in rows of abscissa and force.
+fn interpolate(rows: &[[f64; 2]], at: f64) -> f64 {
     let next = rows.partition_point(|r| r[0] <= at);
     let (Some(a), Some(b)) = (rows.get(next.wrapping_sub(1)), rows.get(next)) else {
         return if next == 0 { rows[0][1] } else { rows[next - 1][1] };
@@ -30,63 +30,65 @@ fn between(rows: &[[f64; 2]], at: f64) -> f64 {
     a[1] + (b[1] - a[1]) * (at - a[0]) / (b[0] - a[0])
 }
 
-/// The steepest slope of a table.
+/// Returns the steepest slope of a table.
 fn steepest(rows: &[[f64; 2]]) -> f64 {
     rows.windows(2).map(|w| ((w[1][1] - w[0][1]) / (w[1][0] - w[0][0])).abs()).fold(0.0, f64::max)
 }
 
-impl Law {
+impl SpringDashpotLaw {
     fn force(&self, displacement: f64, velocity: f64) -> f64 {
         match self {
-            Law::Spring(stiffness) => stiffness * displacement,
-            Law::Dashpot(coefficient) => coefficient * velocity,
-            Law::Table(rows) => between(rows, displacement),
-            Law::DashpotTable(rows) => between(rows, velocity),
+            SpringDashpotLaw::Spring(stiffness) => stiffness * displacement,
+            SpringDashpotLaw::Dashpot(coefficient) => coefficient * velocity,
+            SpringDashpotLaw::Table(rows) => interpolate(rows, displacement),
+            SpringDashpotLaw::DashpotTable(rows) => interpolate(rows, velocity),
         }
     }
 
-    /// Stiffness and damping that bound the stable increment; of a table the steepest slope, or the largest force over the
-    /// length where it is more (across the line a force stiffens by itself).
+    /// Returns stiffness and damping that bound the stable time increment. For a spring table: the steepest slope, or
+    /// the largest force over the length if that is more (a force along the line gives stiffness across it).
     fn bounds(&self, length: f64) -> [f64; 2] {
         match self {
-            Law::Spring(stiffness) => [stiffness.abs(), 0.0],
-            Law::Dashpot(coefficient) => [0.0, coefficient.abs()],
-            Law::Table(rows) => {
+            SpringDashpotLaw::Spring(stiffness) => [stiffness.abs(), 0.0],
+            SpringDashpotLaw::Dashpot(coefficient) => [0.0, coefficient.abs()],
+            SpringDashpotLaw::Table(rows) => {
                 let across = rows.iter().map(|r| if length > 0.0 { r[1].abs() / length } else { 0.0 });
                 [across.fold(steepest(rows), f64::max), 0.0]
             }
-            Law::DashpotTable(rows) => [0.0, steepest(rows)],
+            SpringDashpotLaw::DashpotTable(rows) => [0.0, steepest(rows)],
         }
     }
 }
 
+/// A spring or dashpot between two nodes, or between a node and the ground.
 #[derive(Clone, Debug)]
 pub struct Connector {
-    /// Its nodes; without a second one it stands on the ground.
+    /// End nodes; `None` is the ground.
     pub ends: [Option<usize>; 2],
-    /// 0 along r, 1 along z; `None` along the line between its ends.
+    /// 0 along r, 1 along z; `None` along the line between the ends.
     pub axis: Option<usize>,
-    pub law: Law,
-    /// Force on the first end at the instant before.
+    pub law: SpringDashpotLaw,
+    /// Force on the first end at the previous instant.
     force: [f64; 2],
 }
 
 impl Connector {
-    pub fn new(ends: [Option<usize>; 2], axis: Option<usize>, law: Law) -> Self {
+    pub fn new(ends: [Option<usize>; 2], axis: Option<usize>, law: SpringDashpotLaw) -> Self {
         Connector { ends, axis, law, force: [0.0; 2] }
     }
 }
 
 /// Squared frequency and damping rate of connectors alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Bounds {
+pub struct ConnectorBounds {
     square: f64,
     damping: f64,
 }
 
-impl Bounds {
-    /// One over the stable increment of elements and connectors together. Frequencies add by their squares (Rayleigh), and
-    /// forces of the velocity half an increment behind are stable up to 2/omega (sqrt(1 + xi^2) - xi), xi = damping/2 omega.
+impl ConnectorBounds {
+    /// Returns one over the stable time increment of elements and connectors together, given that of the elements.
+    /// Squares of frequencies add (Rayleigh). Forces of the velocity half an increment earlier are stable up to 2/ω
+    /// (sqrt(1 + ξ²) - ξ) with ξ = damping/(2ω).
     pub fn rate(&self, elements: f64) -> f64 {
         let square = 4.0 * elements * elements + self.square;
         let half = 0.5 * self.damping;
@@ -94,20 +96,20 @@ impl Bounds {
     }
 }
 
-/// All springs and dashpots of a scene, and what they allow.
+/// All springs and dashpots of a model, and their bound of the time increment.
 #[derive(Clone, Debug)]
 pub struct Connectors {
     list: Vec<Connector>,
-    bounds: Bounds,
+    bounds: ConnectorBounds,
     /// Stiffness and damping of connectors at each node.
     sums: Vec<[f64; 2]>,
 }
 
 impl Connectors {
-    /// Connectors between nodes at the start.
+    /// Creates connectors between nodes in the initial configuration.
     ///
-    /// Their highest frequency: K = B^T k B has the eigenvalues of sqrt(k) B M^-1 B^T sqrt(k), bounded by the largest row
-    /// sum, for each connector the stiffnesses at its ends over the masses there (Gershgorin).
+    /// Bound of their highest frequency: K = Bᵀ k B has the eigenvalues of sqrt(k) B M⁻¹ Bᵀ sqrt(k). These are at most
+    /// the largest row sum (Gershgorin): for each connector the stiffnesses at its ends over the masses there.
     pub fn new(list: Vec<Connector>, nodes: &Nodes) -> Self {
         let mut sums = vec![[0.0; 2]; nodes.len()];
         for c in &list {
@@ -117,14 +119,14 @@ impl Connectors {
                 sums[n] = [sums[n][0] + bounds[0], sums[n][1] + bounds[1]];
             }
         }
-        let mut connectors = Connectors { list, bounds: Bounds::default(), sums };
+        let mut connectors = Connectors { list, bounds: ConnectorBounds::default(), sums };
         connectors.bound(nodes);
         connectors
     }
 
-    /// What they allow with the masses as they are.
+    /// Recomputes the bounds with the current masses.
     pub(super) fn bound(&mut self, nodes: &Nodes) {
-        self.bounds = Bounds::default();
+        self.bounds = ConnectorBounds::default();
         for c in &self.list {
             let ends = || c.ends.into_iter().flatten();
             let row = |i: usize| ends().map(|n| self.sums[n][i] * nodes.inverse_mass[n]).sum::<f64>();
@@ -133,15 +135,16 @@ impl Connectors {
         }
     }
 
-    /// One over the stable increment, given that of the elements.
+    /// Returns one over the stable time increment, given that of the elements.
     pub(super) fn rate(&self, elements: f64) -> f64 {
         self.bounds.rate(elements)
     }
 
-    /// Adds their forces to those on nodes. Their work over the increment behind, by the trapezoid that books the forces on
-    /// nodes, is strain energy or dissipation and not of the outside.
+    /// Adds connector forces to the nodal forces. Their work over the previous increment is computed by the trapezoidal
+    /// rule, as for all nodal forces; it is strain energy or dissipation and therefore subtracted from the external
+    /// work.
     pub(super) fn add_forces(&mut self, dofs: &mut Dofs) {
-        let dt = dofs.nodes.unbooked();
+        let dt = dofs.nodes.unaccounted_dt();
         for connector in &mut self.list {
             let (along, displacement, velocity) = connector.opening(&dofs.nodes);
             let size = connector.law.force(displacement, velocity);
@@ -154,7 +157,7 @@ impl Connectors {
                 dofs.nodes.forces[0][n][1] += sign * force[1];
             }
             dofs.energies.external -= work;
-            if matches!(connector.law, Law::Dashpot(_) | Law::DashpotTable(_)) {
+            if matches!(connector.law, SpringDashpotLaw::Dashpot(_) | SpringDashpotLaw::DashpotTable(_)) {
                 dofs.energies.viscous -= work;
             } else {
                 dofs.energies.internal -= work;
@@ -165,7 +168,7 @@ impl Connectors {
 
     pub fn bytes(&self) -> usize {
         let table = |c: &Connector| match &c.law {
-            Law::Table(rows) | Law::DashpotTable(rows) => heap_bytes(rows),
+            SpringDashpotLaw::Table(rows) | SpringDashpotLaw::DashpotTable(rows) => heap_bytes(rows),
             _ => 0,
         };
         heap_bytes(&self.list) + self.list.iter().map(table).sum::<usize>() + heap_bytes(&self.sums)
@@ -173,7 +176,8 @@ impl Connectors {
 }
 
 impl Connector {
-    /// Direction from the first to the second end, and the distance, by the places of nodes; `None` for one along an axis.
+    /// Returns the direction from the first to the second end, and the distance, for given node positions; `None` for a
+    /// connector along an axis.
     fn line(&self, place: impl Fn(usize) -> [f64; 2]) -> Option<([f64; 2], f64)> {
         let ([Some(a), Some(b)], None) = (self.ends, self.axis) else { return None };
         let [[r_a, z_a], [r_b, z_b]] = [place(a), place(b)];
@@ -182,8 +186,8 @@ impl Connector {
         Some(([dr / length, dz / length], length))
     }
 
-    /// Direction in which it opens, how far it is open, and how fast: the velocity is that of the middle of the increment
-    /// behind, as ABAQUS/Explicit takes it.
+    /// Returns the opening direction, the relative displacement and the relative velocity. The velocity is that of the
+    /// middle of the previous increment, as in ABAQUS/Explicit.
     fn opening(&self, nodes: &Nodes) -> ([f64; 2], f64, f64) {
         let speed = |n: usize| [nodes[n].v_r, nodes[n].v_z];
         match (self.ends, self.line(|n| nodes[n].place())) {
@@ -196,7 +200,7 @@ impl Connector {
                 let axis = self.axis.unwrap_or(1);
                 let mut along = [0.0; 2];
                 along[axis] = -1.0;
-                // The ground stays behind: what moves along the axis opens it.
+                // The ground is on the negative side: motion along the axis opens the connector.
                 (along, nodes.displacement(a)[axis], speed(a)[axis])
             }
             _ => ([0.0; 2], 0.0, 0.0),
@@ -208,4 +212,4 @@ persist_struct!(Connectors { list: fixed, bounds } derived { sums });
 
 persist_struct!(Connector { force } derived { ends, axis, law });
 
-persist_struct!(Bounds { square, damping });
+persist_struct!(ConnectorBounds { square, damping });

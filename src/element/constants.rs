@@ -1,23 +1,22 @@
-//! Numbers that all elements of a group share, and what follows from them for one linear element.
-//! Never here: state.
+//! Constants that all elements of a group share, and derived quantities of one linear elastic element.
 
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::real::Real;
 use crate::kernel::{assumed, quad};
 
-/// The largest fraction of its volume by which an element may change over one increment at the rate at which it does: the
-/// increment adapts before an element turns inside out, and the work of what expands at once is followed.
+/// Largest relative volume change of an element per increment at its current rate. It prevents element inversion and
+/// resolves the work of rapid expansion.
 pub const CHANGE: f64 = 0.2;
 
-/// Part of their modulus over that of a wave by which assumed strains raise the square of the highest frequency, found with
-/// skewed elements of any aspect (the test below).
+/// Increase of the squared highest frequency by assumed strains, per ratio of their modulus to the longitudinal
+/// modulus. Determined from skewed elements of all aspect ratios (test below).
 const SKEWED: f64 = 0.25;
-/// Linear bulk viscosity below which the highest modes of the whole count as undamped.
+/// Linear bulk viscosity below which the highest modes of the mesh count as undamped.
 const DAMPED: f64 = 0.05;
 
 /// Elastic moduli, hourglass control and bulk viscosity of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Constants {
+pub struct ElementConstants {
     /// Bulk modulus.
     pub bulk: f64,
     /// Shear modulus.
@@ -28,35 +27,35 @@ pub struct Constants {
     pub bulk_viscosity: [f64; 2],
 }
 
-/// What keeps elements with one integration point from deforming in the pattern that it does not see.
+/// Hourglass control of elements with one integration point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HourglassControl {
     /// Stiffness over the shear modulus.
     pub stiffness: f64,
-    /// Viscosity, a fraction of the critical.
+    /// Viscosity as a fraction of critical damping.
     pub viscosity: f64,
-    /// Whether the spring's force returns with the stress where the material flows.
+    /// Whether the hourglass stress is scaled back with the stress in plastic flow.
     pub relaxes: bool,
-    /// Factor on the stresses of assumed strains that vary across the element; 0 without any.
+    /// Factor on the stresses of assumed strains that vary across the element; 0 without assumed strains.
     pub enhanced: f64,
 }
 
-/// By how much a fraction of critical damping shortens the stable increment: 1 + xi + xi^2/2, never below
-/// sqrt(1 + xi^2) + xi (ABAQUS Analysis User's Guide, "Explicit dynamic analysis").
+/// Returns the factor by which a fraction ξ of critical damping divides the stable time increment: 1 + ξ + ξ²/2, never
+/// below sqrt(1 + ξ²) + ξ (ABAQUS Analysis User's Guide, "Explicit dynamic analysis").
 #[inline(always)]
 pub(super) fn damped<T: Real>(xi: T) -> T {
     T::ONE + xi * (T::ONE + T::of(0.5) * xi)
 }
 
 impl HourglassControl {
-    /// None, of elements that have no pattern without strain.
+    /// No hourglass control, for elements without hourglass modes.
     pub const NONE: HourglassControl =
         HourglassControl { stiffness: 0.0, viscosity: 0.0, relaxes: false, enhanced: 0.0 };
 }
 
-impl Constants {
-    /// One over the stable increment of an element with these corners `[r, z]` and corner masses, by the bound of the inner
-    /// loop with linear bulk viscosity alone.
+impl ElementConstants {
+    /// Returns one over the stable time increment of an element with these corners `[r, z]` and corner masses. Uses the
+    /// frequency bound of the inner loop, with linear bulk viscosity only.
     pub(super) fn own_rate(&self, corners: [[f64; 2]; 4], masses: &[f64; 4]) -> f64 {
         let g = quad::gradient(corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
         let corner = |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) / masses[i];
@@ -65,7 +64,8 @@ impl Constants {
         0.5 * (sum / g.volume).sqrt() * damped(self.bulk_viscosity[0]) * self.raises()
     }
 
-    /// Elastic stiffness of an element with these corners, `[r, z]` of each in turn; none of a deleted one.
+    /// Returns the elastic stiffness of an element, rows and columns `[r, z]` of each corner in turn; zero for a
+    /// deleted element.
     pub(super) fn stiffness(&self, corners: [[f64; 2]; 4], deleted: bool) -> [[f64; 8]; 8] {
         if deleted {
             return [[0.0; 8]; 8];
@@ -81,8 +81,9 @@ impl Constants {
         matrix
     }
 
-    /// By how much the assumed strains of an element that is skewed raise its highest frequency over the bound of the strains'
-    /// at most; not in rectangles, whose patterns are orthogonal to the strains, nor next to a bulk modulus that is far larger.
+    /// Returns the largest factor by which assumed strains raise the highest frequency of a skewed element above the
+    /// bound of the uniform strains. The factor is 1 for rectangles, whose patterns are orthogonal to the uniform
+    /// strains, and tends to 1 for a nearly incompressible material.
     fn raises(&self) -> f64 {
         if self.hourglass.enhanced == 0.0 {
             return 1.0;
@@ -91,8 +92,8 @@ impl Constants {
         (1.0 + SKEWED * share).sqrt()
     }
 
-    /// The rate that a pass came to, one over its stable increment, with what assumed strains may add: no more than the highest
-    /// frequency of the whole allows.
+    /// Returns the rate of a pass (one over its stable time increment) increased by the assumed strains, but not above
+    /// what the highest frequency `cap` of the model requires.
     pub(super) fn with_assumed(&self, rate: f64, cap: f64) -> f64 {
         if self.hourglass.enhanced == 0.0 {
             return rate;
@@ -101,12 +102,12 @@ impl Constants {
         if raised > most { most.max(rate) } else { raised }
     }
 
-    /// Whether bulk viscosity damps the highest modes.
+    /// Returns whether bulk viscosity damps the highest modes.
     pub(super) fn damps(&self) -> bool {
         self.bulk_viscosity[0] >= DAMPED
     }
 
-    /// The highest frequency of the whole, raised by the hourglass control, which damps the highest modes too.
+    /// Returns the highest frequency of the model increased by hourglass viscosity, which also damps the highest modes.
     pub(super) fn cap(&self, frequency: f64) -> f64 {
         frequency * damped(self.hourglass.viscosity)
     }
@@ -116,24 +117,24 @@ impl Constants {
 mod tests {
     use faer::{Mat, Side};
 
-    use super::{Constants, HourglassControl};
+    use super::{ElementConstants, HourglassControl};
     use crate::kernel::quad;
 
-    /// The highest frequency of one element by its stiffness (dense eigenvalues, faer).
+    /// Returns the highest frequency of one element from its stiffness (dense eigenvalues, faer).
     fn highest(matrix: &[[f64; 8]; 8], masses: &[f64; 4]) -> f64 {
         let entry = |a: usize, b: usize| matrix[a][b] / (masses[a / 2] * masses[b / 2]).sqrt();
         let dense = Mat::<f64>::from_fn(8, 8, |a, b| 0.5 * (entry(a, b) + entry(b, a)));
         dense.self_adjoint_eigenvalues(Side::Lower).expect("eigenvalues")[7].sqrt()
     }
 
-    /// Slender, skewed and tapered elements on the axis, near to and far from it: the bound of single elements without damping
-    /// holds with the assumed strains.
+    /// Slender, skewed and tapered elements on the axis, near it and far from it: the bound of single elements without
+    /// damping holds with assumed strains.
     #[test]
-    fn the_bound_by_elements_holds_with_assumed_strains() {
+    fn element_frequency_bound_holds_with_assumed_strains() {
         let mut largest: f64 = 0.0;
         for (bulk, shear) in [(1.0, 1.5), (2.0, 0.9), (100.0, 1.0)] {
             let hourglass = HourglassControl { stiffness: 0.0, viscosity: 0.0, relaxes: true, enhanced: 1.0 };
-            let constants = Constants { bulk, shear, hourglass, bulk_viscosity: [0.0, 0.0] };
+            let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity: [0.0, 0.0] };
             for shape in 0..20_000_usize {
                 let noise = |i: usize| ((shape * 7919 + i * 104_729) % 9973) as f64 / 9973.0 - 0.5;
                 let inner = [0.0, 0.3, 2.0, 50.0][shape % 4];

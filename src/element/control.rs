@@ -1,68 +1,69 @@
-//! What resists the patterns of elements that one integration point does not see: a spring of the pattern, which the corner forces
-//! of the uniform stress carry along, or stresses of assumed strains, which need what these have found.
-//! Never here: stresses.
-#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+//! Resistance to hourglass patterns, which one integration point cannot detect: an hourglass spring and dashpot,
+//! applied with the corner forces of the uniform stress, or stresses of assumed strains, which use intermediate results
+//! of the corner forces.
+#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
 use crate::kernel::assumed::{hoop, ring};
 use crate::kernel::lanes::{Lanes, column, dot};
-use crate::kernel::quad::Operators;
+use crate::kernel::quad::QuadOperators;
 use crate::kernel::real::Real;
 
-/// What resists the patterns of a block's elements.
-pub(super) trait Control<T: Real = f64> {
-    /// Whether it is assumed strains instead of a spring of the pattern.
+/// Type of hourglass resistance of a block.
+pub(super) trait HourglassScheme<T: Real = f64> {
+    /// Whether assumed strains replace the hourglass spring.
     const ENHANCED: bool;
 
-    /// Takes a lane as the corner forces of the uniform stress have found it.
-    fn see(&mut self, l: usize, lane: &Lane<'_, T>);
+    /// Stores the intermediate results of a lane.
+    fn store_lane(&mut self, l: usize, lane: &LaneKinematics<'_, T>);
 }
 
-/// The spring and the dashpot of the pattern.
-pub(super) struct Spring;
+/// Hourglass spring and dashpot.
+pub(super) struct PatternSpring;
 
-impl<T: Real> Control<T> for Spring {
+impl<T: Real> HourglassScheme<T> for PatternSpring {
     const ENHANCED: bool = false;
 
     #[inline(always)]
-    fn see(&mut self, _l: usize, _lane: &Lane<'_, T>) {}
+    fn store_lane(&mut self, _l: usize, _lane: &LaneKinematics<'_, T>) {}
 }
 
-/// A lane as the corner forces of the uniform stress have found it.
-pub(super) struct Lane<'a, T = f64> {
-    pub g: &'a Operators<T>,
+/// Intermediate results of a lane from the corner forces of the uniform stress.
+pub(super) struct LaneKinematics<'a, T = f64> {
+    pub g: &'a QuadOperators<T>,
     /// One over the volume.
     pub per: T,
-    /// The hourglass pattern by base vectors, and its products with the velocities along r and z.
+    /// Hourglass pattern in base vectors, and its products with the velocities along r and z.
     pub shape: [T; 3],
     pub rate: [T; 2],
-    /// Sums of the velocities along r.
+    /// Velocities along r, combined by [`sums`](crate::kernel::quad::sums).
     pub v_r: [T; 4],
-    /// Sum of the squares of all operators over the masses of the corners.
+    /// Sum of the squares of all operators over the corner masses.
     pub squares: T,
 }
 
-/// What stresses of assumed strains take from there, so that nothing is reckoned twice.
+/// Intermediate results that the stresses of assumed strains reuse.
 #[derive(Default)]
 #[repr(C, align(64))]
-pub(super) struct Seen {
-    /// The hourglass pattern by base vectors, and its products with the velocities along r and z.
+pub(super) struct EnhancedInput {
+    /// Hourglass pattern in base vectors, and its products with the velocities along r and z.
     pub shape: [Lanes; 3],
     pub rate: [Lanes; 2],
     /// Operators of the hoop strains along r and z ([`hoop`]), and their products with the velocities along r.
     pub hoop: [[Lanes; 4]; 2],
     pub hoop_rate: [Lanes; 2],
-    /// One over the mean radius and the volume ([`crate::kernel::assumed::Directions::of`]).
+    /// One over the product of mean radius and volume ([`crate::kernel::assumed::AssumedDirections::of`]), and the
+    /// volume.
     pub ring: Lanes,
     pub volume: Lanes,
-    /// Sum of the squares of all operators over the masses of the corners and the square of the volume.
+    /// Sum of the squares of all operators over the corner masses and the squared volume.
     pub squares: Lanes,
 }
 
-impl Control for Seen {
+impl HourglassScheme for EnhancedInput {
     const ENHANCED: bool = true;
 
     #[inline(always)]
-    fn see(&mut self, l: usize, lane: &Lane<'_>) {
+    fn store_lane(&mut self, l: usize, lane: &LaneKinematics<'_>) {
         let (g, shape, [by_r, by_z]) = (lane.g, lane.shape, hoop(lane.g));
         for i in 0..3 {
             self.shape[i][l] = shape[i];
@@ -82,8 +83,8 @@ impl Control for Seen {
     }
 }
 
-impl Seen {
-    /// The hourglass pattern and the operators of the hoop strains of a lane.
+impl EnhancedInput {
+    /// Returns the hourglass pattern and the hoop-strain operators of a lane.
     #[inline(always)]
     pub fn operators(&self, l: usize) -> ([f64; 3], [[f64; 4]; 2]) {
         ([self.shape[0][l], self.shape[1][l], self.shape[2][l]], [column(&self.hoop[0], l), column(&self.hoop[1], l)])

@@ -1,38 +1,38 @@
-//! Mass proportional damping of what deforms: at each node the force -alpha m v (ABAQUS Analysis User's Guide, "Material
-//! damping"), with the velocity of the middle of the increment behind, as ABAQUS/Explicit takes it.
-//! Never here: bulk viscosity, dashpots.
+//! Mass proportional damping of deformable bodies: the force -α m v at each node (ABAQUS Analysis User's Guide,
+//! "Material damping"). As in ABAQUS/Explicit, v is the velocity at the middle of the previous increment.
 
 use super::group::ElementGroup;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
-/// Damping of all nodes whose elements have some.
+/// Damping forces of all nodes of elements with mass proportional damping.
 #[derive(Clone, Debug)]
-pub struct Damping {
-    /// Factor of each group of elements, 1/time.
+pub struct MassDamping {
+    /// Factor α of each element group, 1/time.
     factors: Vec<f64>,
-    /// What bounds the increment: half the largest factor, raised for what bulk viscosity damps.
+    /// Half the largest factor, increased by linear bulk viscosity; limits the time increment.
     half: f64,
-    /// Factor times mass at each node.
+    /// Sum of factor times mass at each node.
     coefficients: Vec<f64>,
-    /// Forces at the instant before.
+    /// Forces at the previous instant.
     forces: Vec<[f64; 2]>,
     /// Whether central differences started at that instant.
     started: bool,
 }
 
-impl Damping {
-    /// Factors by group, and the linear bulk viscosity, which damps the highest mode too.
+impl MassDamping {
+    /// Creates the damping from the factors of the groups and the coefficient of linear bulk viscosity, which also
+    /// damps the highest mode.
     pub fn new(factors: Vec<f64>, bulk_viscosity: f64, groups: &[Box<dyn ElementGroup>], nodes: usize) -> Self {
         let half = 0.5 * factors.iter().copied().fold(0.0, f64::max) * (1.0 + bulk_viscosity);
         let (coefficients, forces) = (vec![0.0; nodes], vec![[0.0; 2]; nodes]);
-        let mut damping = Damping { factors, half, coefficients, forces, started: false };
-        damping.weigh(groups);
+        let mut damping = MassDamping { factors, half, coefficients, forces, started: false };
+        damping.update_masses(groups);
         damping
     }
 
-    /// Takes the masses of elements as they are.
-    pub(super) fn weigh(&mut self, groups: &[Box<dyn ElementGroup>]) {
+    /// Recomputes the coefficients from the current masses of elements.
+    pub(super) fn update_masses(&mut self, groups: &[Box<dyn ElementGroup>]) {
         self.coefficients.fill(0.0);
         for (group, factor) in groups.iter().zip(&self.factors).filter(|g| *g.1 > 0.0) {
             for e in 0..group.len() {
@@ -43,18 +43,18 @@ impl Damping {
         }
     }
 
-    /// One over the stable increment, given that without damping: with the fraction xi = alpha/2 omega of critical damping in
-    /// the highest mode it is 2/omega (sqrt(1 + xi^2) - xi) ("Explicit dynamic analysis"). The fraction of bulk viscosity,
-    /// which is in what is given, adds to it.
+    /// Returns one over the stable time increment, given its value without this damping. With the fraction ξ = α/(2ω)
+    /// of critical damping in the highest mode the increment is 2/ω (sqrt(1 + ξ²) - ξ) ("Explicit dynamic analysis").
+    /// The fraction of bulk viscosity, already included in the input, adds to ξ.
     pub(super) fn rate(&self, without: f64) -> f64 {
         0.5 * ((4.0 * without * without + self.half * self.half).sqrt() + self.half)
     }
 
-    /// Adds the forces to those on nodes. Their work over the increment behind, by the trapezoid that books the forces on nodes,
-    /// is dissipated and not of the outside.
+    /// Adds the damping forces to the nodal forces. Their work over the previous increment is computed by the
+    /// trapezoidal rule, as for all nodal forces; it is dissipated and therefore subtracted from the external work.
     pub(super) fn add_forces(&mut self, dofs: &mut Dofs) {
-        let dt = dofs.nodes.unbooked();
-        // Where central differences start, the outside is booked a part of the impulse less (`book_start`).
+        let dt = dofs.nodes.unaccounted_dt();
+        // At the start of central differences, the external work omits a part of the impulse (`book_start`).
         let start = if self.started && dt > 0.0 { 0.125 * dt * dt } else { 0.0 };
         let mut work = 0.0;
         for (n, (coefficient, before)) in self.coefficients.iter().zip(&mut self.forces).enumerate() {
@@ -69,7 +69,7 @@ impl Damping {
         }
         dofs.energies.external -= work;
         dofs.energies.viscous -= work;
-        self.started = dofs.nodes.behind == 0.0;
+        self.started = dofs.nodes.previous_dt == 0.0;
     }
 
     pub fn bytes(&self) -> usize {
@@ -77,4 +77,4 @@ impl Damping {
     }
 }
 
-persist_struct!(Damping { coefficients: fixed, forces: fixed, started } derived { factors, half });
+persist_struct!(MassDamping { coefficients: fixed, forces: fixed, started } derived { factors, half });

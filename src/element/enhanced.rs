@@ -1,44 +1,44 @@
-//! Hourglass control by the stresses of assumed strains that vary across an element (HOURGLASS=ENHANCED): they bend as the
-//! material does and flow with it.
-//! Never here: the geometry of the strains, how edges flow, uniform stress.
-#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+//! Hourglass control by stresses of assumed strains that vary across an element (HOURGLASS=ENHANCED). They have the
+//! bending stiffness of the material and follow its plastic flow.
+#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
 use pulp::NullaryFnOnce;
 
-use super::block::{ElementBlock, Nodes, Workspace};
-use super::constants::Constants;
-use super::control::Seen;
-use super::edges::{Yields, largest};
-use super::middle::Middle;
-use crate::kernel::assumed::Directions;
-use crate::kernel::lanes::{Corners, LANES, Lanes, column, dispatch_outlined, inline_from_fn};
+use super::block::{CornerNodes, ElementBlock, TaskWorkspace};
+use super::constants::ElementConstants;
+use super::control::EnhancedInput;
+use super::edges::{EdgeYield, largest};
+use super::middle::CentroidState;
+use crate::kernel::assumed::AssumedDirections;
+use crate::kernel::lanes::{BlockCornerForces, LANES, Lanes, column, dispatch_outlined, inline_from_fn};
 use crate::kernel::quad::{UNIT, at_corners};
 use crate::material::{Material, PlasticFlow};
 
-/// What damage leaves of the stress of each lane.
+/// Returns the stress fraction that damage leaves in each lane.
 #[inline(always)]
 fn shares<M: Material>(material: &M, state: &M::State) -> Lanes {
     if M::FAILS { inline_from_fn(|l| material.share(state, l)) } else { [1.0; LANES] }
 }
 
 impl<S: Clone> ElementBlock<S> {
-    /// What damage leaves, before it goes on.
+    /// Returns the stress fraction that damage leaves at the start of the increment.
     #[inline(always)]
     pub(super) fn shares<M: Material<State = S>>(&self, material: &M) -> Lanes {
         shares(material, &self.state)
     }
 
-    /// The patterns' share of an increment, by what damage left before it.
+    /// Adds the stresses and forces of assumed strains for an increment; `before` is the stress fraction left by damage
+    /// at its start.
     #[inline(always)]
     pub(super) fn enhance<M: Material<State = S>, const AREA: bool>(
         &self,
         (material, before): (&M, Lanes),
-        (constants, dt): (&Constants, f64),
-        (seen, nodes): (&Seen, &Nodes),
-        scratch: &mut Workspace,
-        corners: &mut Corners,
+        (constants, dt): (&ElementConstants, f64),
+        (seen, nodes): (&EnhancedInput, &CornerNodes),
+        scratch: &mut TaskWorkspace,
+        corners: &mut BlockCornerForces,
     ) {
-        let mut middle = Middle::of(constants, scratch);
+        let mut middle = CentroidState::of(constants, scratch);
         if M::FAILS {
             middle.fail(&before, &shares(material, &self.state));
         }
@@ -56,7 +56,7 @@ impl<S: Clone> ElementBlock<S> {
         }
         let (factor, arch) = (constants.hourglass.enhanced, scratch.arch);
         let patterns = AssumedForces { factor, dt, inverse_mass: &self.inverse_mass, seen, middle: &middle, nodes };
-        // Branches of which compilers keep the one that the material takes.
+        // The conditions are constants of the material: only one branch is compiled.
         if M::FAILS && matches!(M::FLOW, PlasticFlow::None) {
             dispatch_outlined(arch, AddForces::<AREA, true, false> { patterns, scratch, corners });
         } else if M::FAILS {
@@ -69,21 +69,21 @@ impl<S: Clone> ElementBlock<S> {
     }
 }
 
-/// Input of the forces of assumed strains. All materials share the compiled code that can fail and flow alike.
+/// Input of the forces of assumed strains. Materials with the same failure and flow properties share the compiled code.
 struct AssumedForces<'a> {
     factor: f64,
     dt: f64,
     inverse_mass: &'a [Lanes; 4],
-    seen: &'a Seen,
-    middle: &'a Middle,
-    nodes: &'a Nodes,
+    seen: &'a EnhancedInput,
+    middle: &'a CentroidState,
+    nodes: &'a CornerNodes,
 }
 
-/// Adds the forces of assumed strains to those on the corners.
+/// Operation that adds the forces of assumed strains to the corner forces.
 struct AddForces<'a, const AREA: bool, const FAILS: bool, const FLOWS: bool> {
     patterns: AssumedForces<'a>,
-    scratch: &'a mut Workspace,
-    corners: &'a mut Corners,
+    scratch: &'a mut TaskWorkspace,
+    corners: &'a mut BlockCornerForces,
 }
 
 impl<const AREA: bool, const FAILS: bool, const FLOWS: bool> NullaryFnOnce for AddForces<'_, AREA, FAILS, FLOWS> {
@@ -96,35 +96,34 @@ impl<const AREA: bool, const FAILS: bool, const FLOWS: bool> NullaryFnOnce for A
 }
 
 impl AssumedForces<'_> {
-    /// Stresses of the patterns at the end of the increment, and their corner forces: free of branches, and what is divided
-    /// shares divisions.
+    /// Updates the stresses of the patterns to the end of the increment, and adds their corner forces. The loop has no
+    /// branches and shares divisions.
     #[inline(always)]
     fn add<const AREA: bool, const FAILS: bool, const FLOWS: bool>(
         &self,
-        scratch: &mut Workspace,
-        corners: &mut Corners,
+        scratch: &mut TaskWorkspace,
+        corners: &mut BlockCornerForces,
     ) {
         let AssumedForces { factor, dt, inverse_mass, seen, middle, nodes } = *self;
-        // A value of its own: what the loop reads and writes in the scratch memory could be one, and would keep it from
-        // becoming one of vectors.
+        // A local copy: possible aliasing within the scratch memory would prevent vectorization.
         let mut assumed = scratch.task.enhanced[scratch.at];
         for l in 0..LANES {
             let (r, z) = (column(&scratch.r, l), column(&scratch.z, l));
-            let (directions, operators) = (Directions::of(r, z, seen.ring[l]), seen.operators(l));
-            let modulus = [middle.along[l], middle.beside[l]];
-            // Squares of frequencies: of the strains by the bound of all corners, of the patterns by their trace; both times
-            // three over the volume and the modulus along.
+            let (directions, operators) = (AssumedDirections::of(r, z, seen.ring[l]), seen.operators(l));
+            let modulus = [middle.along[l], middle.transverse[l]];
+            // Squared frequencies, both times three over the volume and the direct modulus: of the strains by the bound
+            // over all corners, of the patterns by their trace.
             let trace = directions.trace(operators, column(inverse_mass, l), middle.ratio[l]);
             let slowest = middle.slow[l] * seen.squares[l] / trace;
             let slowed = if slowest < factor { slowest } else { factor };
-            // A triangle, with two corners in one place, has no pattern.
+            // A triangle, with two coincident corners, has no pattern.
             let (of_r, of_z) = (nodes.of(l, 0), nodes.of(l, 1));
             let triangle = (of_r[2] == of_r[3]) & (of_z[2] == of_z[3]);
             let mut grows = if triangle { 0.0 } else { dt * slowed };
             if FAILS {
                 grows *= middle.share[l];
             }
-            let [along, beside] = [grows * modulus[0], grows * modulus[1]];
+            let [along, transverse] = [grows * modulus[0], grows * modulus[1]];
 
             let strained = directions.along([seen.rate[0][l], seen.rate[1][l]]);
             let turned = directions.around([seen.hoop_rate[0][l], seen.hoop_rate[1][l]]);
@@ -134,8 +133,8 @@ impl AssumedForces<'_> {
                 if FAILS {
                     stress[p] = [middle.remains[l] * stress[p][0], middle.remains[l] * stress[p][1]];
                 }
-                stress[p][0] += along * strained[p] + beside * turned[p];
-                stress[p][1] += along * turned[p] + beside * strained[p];
+                stress[p][0] += along * strained[p] + transverse * turned[p];
+                stress[p][1] += along * turned[p] + transverse * strained[p];
             }
             if FLOWS {
                 let (left, known) = (scratch.stress.returned[l], assumed.limit[l]);
@@ -146,10 +145,10 @@ impl AssumedForces<'_> {
                 if FAILS {
                     bound *= middle.share[l];
                 }
-                // What melts flows at no stress, which is not the same as a stress that is not known.
+                // The yield stress of a molten material is zero, whereas 0 means unknown.
                 let flown = if mises > 0.0 { mises } else { f64::MIN_POSITIVE };
                 assumed.limit[l] = if left < 1.0 { flown } else { known };
-                let yields = Yields {
+                let yields = EdgeYield {
                     normal: directions.normal([middle.deviator[0][l], middle.deviator[1][l], middle.deviator[3][l]]),
                     hoop: middle.deviator[2][l],
                     left,

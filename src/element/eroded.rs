@@ -1,24 +1,23 @@
-//! Which elements of a block were deleted from outside.
-//! Never here: why, what is done about it.
+//! Elements of a block that were deleted by `*EROSION`.
 
 use crate::kernel::lanes::Lanes;
 use crate::kernel::quad::UNIT;
 use crate::state::archive::persist_struct;
 
-/// Elements of a block that were deleted from outside, whatever their laws say.
+/// Deletion state of a block's elements, independent of their materials.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Eroded {
-    /// Height of the ring that stands in place of each; 0 of those that are there.
+pub struct ErodedLanes {
+    /// Height of the ring that replaces each deleted element; 0 for active elements.
     height: Lanes,
 }
 
-impl Eroded {
-    /// Takes an element of this volume at the start.
+impl ErodedLanes {
+    /// Deletes an element with this initial volume.
     pub(super) fn take(&mut self, lane: usize, volume: f64) {
         self.height[lane] = height(volume);
     }
 
-    /// Height of the ring that stands in place of a lane.
+    /// Returns the height of the ring that replaces a lane.
     pub(super) fn height(&self, lane: usize) -> f64 {
         self.height[lane]
     }
@@ -33,10 +32,10 @@ impl Eroded {
     }
 }
 
-/// Height of a ring from 1 to 2 of some volume, which is 3 pi a height.
+/// Returns the height of a ring of this volume with radii 1 and 2; the ring's volume is 3π times its height.
 #[inline(always)]
 pub(super) fn height(volume: f64) -> f64 {
     volume / (24.0 * UNIT)
 }
 
-persist_struct!(Eroded { height });
+persist_struct!(ErodedLanes { height });

@@ -1,7 +1,9 @@
-//! Erosion beyond what materials say (`*EROSION`): elements that are folded, strained or too short of an increment are deleted.
-//! It is decided in front of a pass over the elements, on what the pass before left and on where nodes are now, for all elements
-//! before any is deleted: the same set whatever threads take part, and a folded element is gone before its forces are asked for.
-//! Never here: what a deck may ask, failure of materials, what becomes of faces and nodes.
+//! Element deletion by `*EROSION`: elements that are too distorted, too strained or have too small a stable time
+//! increment are deleted.
+//!
+//! Criteria are evaluated before a pass over the elements, with the results of the previous pass and the current node
+//! positions, for all elements before any is deleted. The result is independent of threads, and an inverted element is
+//! deleted before its forces are computed.
 
 use rayon::prelude::*;
 
@@ -12,26 +14,26 @@ use crate::kernel::corners::{largest_shell_strain, largest_strain, scaled_jacobi
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
-/// When an element is deleted: any of these is enough.
+/// Deletion criteria of an element; one is sufficient.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Criteria {
-    /// Its scaled Jacobian is no more than this.
+pub struct DeletionCriteria {
+    /// Scaled Jacobian less than or equal to this value.
     pub distortion: Option<f64>,
-    /// Its equivalent plastic strain is no less than this; of shells that in the middle.
+    /// Equivalent plastic strain greater than or equal to this value; for shells at the middle point.
     pub plastic: Option<f64>,
-    /// Its largest principal logarithmic strain is no less than this.
+    /// Largest principal logarithmic strain greater than or equal to this value.
     pub strain: Option<f64>,
-    /// Its own stable increment is no more than this.
+    /// Own stable time increment less than or equal to this value.
     pub increment: Option<f64>,
 }
 
-impl Criteria {
-    /// Whether an element of a group has come to one of them. Not a number is no reason to delete: it must be found.
+impl DeletionCriteria {
+    /// Returns whether an element meets a criterion. NaN does not delete an element, so that the error is found.
     pub fn are_met(&self, group: &dyn ElementGroup, element: usize, nodes: &Nodes) -> bool {
         let place = |n: u32| nodes[n as usize].place();
         let start = |n: u32| nodes.start[n as usize];
@@ -47,7 +49,7 @@ impl Criteria {
         };
         let plastic = || group.value(element, Variable::PlasticStrain.into());
         let rate = || group.stable_rate(element, None, nodes.as_slice()).unwrap_or(0.0);
-        // Shells have no cells that could fold.
+        // Shells have no cells that can invert.
         let folds = |least| group.cells(element).any(|cell| scaled_jacobian(cell.inline_map(place)) <= least);
         self.distortion.is_some_and(folds)
             || self.plastic.is_some_and(|most| plastic().is_some_and(|p| p >= most))
@@ -56,28 +58,28 @@ impl Criteria {
     }
 }
 
-/// Elements under criteria.
+/// Elements with the same criteria.
 #[derive(Clone, Debug)]
-struct Watched {
-    criteria: Criteria,
+struct MonitoredElements {
+    criteria: DeletionCriteria,
     elements: Vec<(usize, usize)>,
-    /// Whether each has come to them; of those that are gone, too.
+    /// Whether each element has met the criteria; includes deleted elements.
     due: Vec<bool>,
 }
 
-impl Watched {
-    fn judge(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes, threads: bool) {
+impl MonitoredElements {
+    fn evaluate(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes, threads: bool) {
         let criteria = self.criteria;
         let judge = |(elements, due): (&[(usize, usize)], &mut [bool])| {
             for (&(group, element), due) in elements.iter().zip(due) {
                 let group = &*groups[group];
-                // What is at rest since the start has come to nothing.
+                // Quiescent elements have not deformed.
                 if !*due && !group.is_quiescent(element / (TASK * LANES)) {
                     *due = criteria.are_met(group, element, nodes);
                 }
             }
         };
-        let Watched { elements, due, .. } = self;
+        let MonitoredElements { elements, due, .. } = self;
         if threads && elements.len() >= PARALLEL {
             let tasks = elements.par_chunks(TASK * LANES).zip(due.par_chunks_mut(TASK * LANES));
             tasks.for_each(judge);
@@ -87,49 +89,49 @@ impl Watched {
     }
 }
 
-/// All elements under criteria.
+/// All elements with deletion criteria.
 #[derive(Clone, Debug, Default)]
-pub struct Erosion {
-    list: Vec<Watched>,
+pub struct ErosionControl {
+    list: Vec<MonitoredElements>,
 }
 
-impl Erosion {
-    /// Puts elements, by group and element of the group, under criteria.
-    pub fn watch(&mut self, criteria: Criteria, elements: Vec<(usize, usize)>) {
-        self.list.push(Watched { criteria, due: vec![false; elements.len()], elements });
+impl ErosionControl {
+    /// Adds criteria for elements, given by group and element of the group.
+    pub fn watch(&mut self, criteria: DeletionCriteria, elements: Vec<(usize, usize)>) {
+        self.list.push(MonitoredElements { criteria, due: vec![false; elements.len()], elements });
     }
 
-    /// Groups that have elements under criteria.
+    /// Returns the groups with deletion criteria.
     pub fn groups(&self) -> Vec<usize> {
         let groups: Vec<usize> = sorted_unique(self.list.iter().flat_map(|w| w.elements.iter().map(|e| e.0)));
         groups
     }
 
     pub fn bytes(&self) -> usize {
-        let each = |w: &Watched| size_of_val(w) + size_of_val(&*w.elements) + w.due.capacity();
+        let each = |w: &MonitoredElements| size_of_val(w) + size_of_val(&*w.elements) + w.due.capacity();
         self.list.iter().map(each).sum()
     }
 }
 
 impl Elements {
-    /// Puts elements under criteria, of nodes at the start.
-    pub fn watch(&mut self, erosion: Erosion, nodes: &Nodes) {
+    /// Sets the deletion criteria of elements; nodes are in the initial configuration.
+    pub fn watch(&mut self, erosion: ErosionControl, nodes: &Nodes) {
         for group in erosion.groups() {
             self.groups[group].extensions().deletion().make_erodible();
         }
         self.erosion = Some(Box::new(erosion));
-        self.make_room_for_deletions();
+        self.reserve_deletions();
         self.count_deletions(nodes.len());
     }
 
-    /// Deletes the elements that have come to their criteria, at the end of an increment whose strains are still to come.
+    /// Deletes the elements that meet their criteria, at the end of an increment, before its strains are computed.
     pub(super) fn erode(&mut self, dofs: &mut Dofs, threads: bool) {
-        if dofs.nodes.behind == 0.0 {
+        if dofs.nodes.previous_dt == 0.0 {
             return;
         }
         let Some(mut erosion) = self.erosion.take() else { return };
         for watched in &mut erosion.list {
-            watched.judge(&self.groups, &dofs.nodes, threads);
+            watched.evaluate(&self.groups, &dofs.nodes, threads);
         }
         for watched in &erosion.list {
             for (&(group, element), _) in watched.elements.iter().zip(&watched.due).filter(|e| *e.1) {
@@ -141,15 +143,15 @@ impl Elements {
         self.erosion = Some(erosion);
     }
 
-    /// Deletes an element: its forces have acted over the first half of the increment behind and not over the second, which is the
-    /// work that it still takes up. What it had stored counts as dissipated.
+    /// Deletes an element. Its forces have acted over the first half of the previous increment only; their work is
+    /// added to its energy. Its stored energy counts as dissipated.
     fn delete(&mut self, group: usize, element: usize, dofs: &mut Dofs) {
         let own = self.groups[group].nodes(element);
         let nodes = &dofs.nodes;
         let mut work = 0.0;
         for (corner, &n) in own.iter().enumerate() {
             let ([f_r, f_z], node) = (self.corner_force(group, element, corner), nodes[n as usize]);
-            work -= 0.5 * nodes.behind * (f_r * node.v_r + f_z * node.v_z);
+            work -= 0.5 * nodes.previous_dt * (f_r * node.v_r + f_z * node.v_z);
         }
         let stored = self.groups[group].value(element, Variable::ElementStrainEnergy.into()).unwrap_or(0.0);
         dofs.energies.internal += work;
@@ -166,9 +168,9 @@ impl Elements {
     }
 }
 
-impl Persist for Erosion {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        for Watched { criteria: _, elements: _, due } in &mut self.list {
+impl Persist for ErosionControl {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        for MonitoredElements { criteria: _, elements: _, due } in &mut self.list {
             due.as_mut_slice().persist(archive);
         }
     }

@@ -1,44 +1,43 @@
-//! Corner forces of a block of elements: stress, bulk viscosity, hourglass control, and the stable increments that follow.
-//! Never here: strains, stresses.
-#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+//! Corner forces of a block of elements (stress, bulk viscosity, hourglass control), and the stable time increments.
+#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
 use pulp::NullaryFnOnce;
 
-use super::block::{HourglassState, Workspace, is_larger};
-use super::constants::{CHANGE, Constants, damped};
-use super::control::{Control, Lane};
+use super::block::{HourglassState, TaskWorkspace, is_larger};
+use super::constants::{CHANGE, ElementConstants, damped};
+use super::control::{HourglassScheme, LaneKinematics};
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
-use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column};
-use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, squares};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column};
+use crate::kernel::quad::{QuadOperators, UNIT, at_corners, dot3, squares};
 use crate::kernel::real::Real;
 use crate::material::increment::StressUpdate;
 
-/// The largest square of the frequency of an hourglass pattern over that of the strains: a quarter leaves the stable increment
-/// of elements that are not folded as it is.
+/// Largest ratio of the squared frequency of an hourglass pattern to that of the strains. The value 1/4 leaves the
+/// stable time increment of undistorted elements unchanged.
 const SLOW: f64 = 0.25;
 
-/// Corner forces of a block of elements, and their input. The code depends on two properties of a material: whether its moduli vary,
-/// and whether it has an equation of state. Materials that agree in both share it.
-pub(super) struct CornerForces<'a, C, T, const AREA: bool, const VARY: bool, const EOS: bool> {
+/// Operation that computes the corner forces of a block. The code depends on two properties of a material: whether its
+/// moduli vary, and whether it has an equation of state. Materials with the same properties share the compiled code.
+pub(super) struct CornerForceUpdate<'a, C, T, const AREA: bool, const VARY: bool, const EOS: bool> {
     pub stress: &'a [Lanes<T>; 4],
     pub mass: &'a Lanes<T>,
     pub inverse_mass: &'a [Lanes<T>; 4],
-    pub constants: &'a Constants,
+    pub constants: &'a ElementConstants,
     pub dt: T,
     pub kept: &'a mut HourglassState<T>,
-    pub scratch: &'a mut Workspace<T>,
-    pub corners: &'a mut Corners<T>,
+    pub scratch: &'a mut TaskWorkspace<T>,
+    pub corners: &'a mut BlockCornerForces<T>,
     pub control: &'a mut C,
 }
 
-impl<C: Control<T>, T: Real, const AREA: bool, const VARY: bool, const EOS: bool> NullaryFnOnce
-    for CornerForces<'_, C, T, AREA, VARY, EOS>
+impl<C: HourglassScheme<T>, T: Real, const AREA: bool, const VARY: bool, const EOS: bool> NullaryFnOnce
+    for CornerForceUpdate<'_, C, T, AREA, VARY, EOS>
 {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let CornerForces { stress, mass, inverse_mass, constants, dt, kept, scratch, corners, control } = self;
+        let CornerForceUpdate { stress, mass, inverse_mass, constants, dt, kept, scratch, corners, control } = self;
         let block = BlockMaterial::<T, AREA, VARY, EOS> { stress, mass, inverse_mass };
         block.forces((constants, dt), kept, scratch, corners, control);
     }
@@ -52,18 +51,18 @@ struct BlockMaterial<'a, T, const AREA: bool, const VARY: bool, const EOS: bool>
 }
 
 impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial<'_, T, AREA, VARY, EOS> {
-    /// Computes the operators, the bound of the highest frequency and the hourglass pattern in the current configuration.
-    /// Divisions and roots end a loop, so that the next lanes need not wait for them.
+    /// Computes the operators, the bound of the highest frequency and the hourglass pattern in the current
+    /// configuration. Divisions and roots end a loop body, so that later lanes do not wait for their results.
     #[inline(always)]
-    fn measure_now(&self, constants: &Constants, scratch: &mut Workspace<T>) {
+    fn measure_now(&self, constants: &ElementConstants, scratch: &mut TaskWorkspace<T>) {
         let [shear43, modulus] = wave(constants);
         let unit = T::of(UNIT);
-        let Workspace { r, z, now, stress: StressUpdate { bulk, .. }, inverse, .. } = scratch;
+        let TaskWorkspace { r, z, now, stress: StressUpdate { bulk, .. }, inverse, .. } = scratch;
         for l in 0..LANES {
             let modulus = if VARY { bulk[l] + shear43 } else { modulus };
             let (r, z, inverse_mass) = (column(r, l), column(z, l), column(self.inverse_mass, l));
-            let g = Operators::of::<AREA>(r, z);
-            // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
+            let g = QuadOperators::of::<AREA>(r, z);
+            // ω² ≤ c_d² ρ V Σ (b_r² + b_z² + b_θ²)/m; this is the sum.
             let lists = [
                 [T::ZERO, g.r[0], g.r[1], g.r[2]],
                 [T::ZERO, g.z[0], g.z[1], g.z[2]],
@@ -87,14 +86,14 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
         }
     }
 
-    /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
+    /// Computes the corner forces of stress, bulk viscosity and hourglass control, and the stable time increment.
     #[inline(always)]
-    fn forces<C: Control<T>>(
+    fn forces<C: HourglassScheme<T>>(
         &self,
-        (constants, dt): (&Constants, T),
+        (constants, dt): (&ElementConstants, T),
         kept: &mut HourglassState<T>,
-        scratch: &mut Workspace<T>,
-        corners: &mut Corners<T>,
+        scratch: &mut TaskWorkspace<T>,
+        corners: &mut BlockCornerForces<T>,
         control: &mut C,
     ) {
         let factors = ForceFactors::new::<VARY>((constants, dt), scratch);
@@ -107,7 +106,7 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
             let mut hourglass = [T::ZERO; 2];
             if C::ENHANCED {
                 let (v_r, squares) = (lane.v_r, lane.squares);
-                control.see(l, &Lane { g: &lane.g, per: lane.per, shape, rate, v_r, squares });
+                control.store_lane(l, &LaneKinematics { g: &lane.g, per: lane.per, shape, rate, v_r, squares });
             } else {
                 hourglass = hourglass_stress(&factors, &lane, rate, (kept, scratch), l);
             }
@@ -122,37 +121,37 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
         }
     }
 
-    /// Geometry and motion of a lane.
+    /// Returns geometry and motion of a lane.
     #[inline(always)]
-    fn lane_motion(&self, factors: &ForceFactors<T>, scratch: &Workspace<T>, l: usize) -> LaneMotion<T> {
+    fn lane_motion(&self, factors: &ForceFactors<T>, scratch: &TaskWorkspace<T>, l: usize) -> LaneMotion<T> {
         let modulus = if VARY { scratch.stress.bulk[l] + factors.shear43 } else { factors.modulus };
         let (v_r, [_, w1, w2, w3]) = (column(&scratch.v_r, l), column(&scratch.v_z, l));
         let now = &scratch.now;
         let (g, inverse_mass, squares) = (now.operators(l), column(self.inverse_mass, l), now.squares[l]);
-        // omega = root / V; one division has served 1/V, 1/omega and the mass that the pattern moves.
+        // ω = root / V. One division yields 1/V, 1/ω and the mass that moves with the pattern.
         let (root, light, inverse) = (now.root[l], now.light[l], scratch.inverse[l]);
         let inverse_root = inverse * (g.volume * light);
         let per = inverse * (root * light);
         let square = dot3(g.r, g.r) + dot3(g.z, g.z);
-        // Bulk viscosity (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"): no part of the stress. The length
-        // is 2 c/omega, so that the linear coefficient is the fraction of critical damping in the highest mode, also
-        // of a flat element: then rho c times the length is 2 (K + 4/3 G)/omega.
+        // Bulk viscosity (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"); it is not part of the stored
+        // stress. The length is 2 c/ω, so that the linear coefficient is the fraction of critical damping in the
+        // highest mode, also in flat elements: ρ c times the length is then 2 (K + 4/3 G)/ω.
         let mut period = g.volume * inverse_root;
         if AREA {
-            // Of the section alone: the ring would show in what is spherical.
+            // From the plane section only: the hoop term would disturb spherical symmetry.
             period = g.volume / (modulus * factors.unit * square * inverse_mass[0] * g.volume).root();
         }
         let along = [[v_r[1], v_r[2], v_r[3]], [w1, w2, w3]];
         LaneMotion { g, v_r, along, modulus, squares, square, root, inverse, per, omega: root * per, period }
     }
 
-    /// Bulk viscosity of a lane; its work is added to the sums.
+    /// Returns the bulk viscosity of a lane, and adds its work to the sums.
     #[inline(always)]
     fn bulk_viscosity(
         &self,
         factors: &ForceFactors<T>,
         lane: &LaneMotion<T>,
-        (kept, scratch): (&mut HourglassState<T>, &mut Workspace<T>),
+        (kept, scratch): (&mut HourglassState<T>, &mut TaskWorkspace<T>),
         l: usize,
     ) -> BulkViscosity<T> {
         let (zero, half, two, g) = (T::ZERO, T::of(0.5), T::of(2.0), &lane.g);
@@ -173,7 +172,7 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
             } else {
                 [0, 1, 3].inline_map(|i: usize| scratch.strain.strain[i][l] * factors.per_dt)
             };
-            // The section is a quarter of the hoop operators' first part.
+            // The section area is a quarter of the first hoop operator.
             let length = half * (T::of(0.25) * g.hoop[0] * (self.mass[l] * lane.squares)).root() / g.volume;
             let squeezed = principal_compression(rates, -compression);
             fraction = length * (factors.linear + quadratic2 * length * two * period * squeezed);
@@ -190,11 +189,11 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
         BulkViscosity { dilation_rate, fraction, damping, sided }
     }
 
-    /// Stress of a lane with its bulk viscosity, in the unit of forces.
+    /// Returns the stress of a lane with its bulk viscosity, in the unit of forces.
     #[inline(always)]
     fn viscous_stress(&self, viscosity: &BulkViscosity<T>, l: usize) -> [T; 4] {
         let (unit, BulkViscosity { damping, sided, .. }) = (T::of(UNIT), viscosity);
-        // The work of viscosity by direction is counted as heat by the compatible energy.
+        // The compatible energy update adds the work of viscosity by direction to the heat.
         let viscous = if EOS { [0, 1, 2].inline_map(|i: usize| *damping + sided[i]) } else { [*damping; 3] };
         let [rr, zz, hoop] = [0, 1, 2].inline_map(|i: usize| unit * (self.stress[i][l] + viscous[i]));
         let rz = unit * if EOS { self.stress[3][l] + sided[3] } else { self.stress[3][l] };
@@ -202,38 +201,38 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
     }
 }
 
-/// Factors that are the same for all lanes of a block. They are copies: if the loop read them from the scratch memory that it
-/// writes, the compiler could not turn it into vector instructions.
+/// Factors that are the same for all lanes of a block. They are copies: reads from the scratch memory that the loop
+/// writes would prevent vectorization.
 struct ForceFactors<T> {
     dt: T,
     /// One over the previous increment; 0 at the start.
     per_dt: T,
     unit: T,
-    /// Unit of forces, that of areas.
+    /// Minus the unit of forces, which is that of areas.
     against: T,
     shear43: T,
     modulus: T,
-    /// Modulus over the bulk modulus.
+    /// Longitudinal modulus over the bulk modulus.
     pressing: T,
     /// Linear coefficient of bulk viscosity, and the square of the quadratic one.
     linear: T,
     quadratic2: T,
     /// Factor on bulk viscosity by direction.
     directed: T,
-    /// Hourglass control: stiffness, twice the fraction of critical damping, largest ratio to the stiffness against strains.
+    /// Hourglass control: stiffness, twice the fraction of critical damping, largest squared frequency ratio.
     stiffness: T,
     viscosity2: T,
     slow: T,
-    /// Highest frequency of the scene, number of the block.
+    /// Highest frequency of the model, and index of the block.
     cap: T,
     block: T,
-    /// Whether the analysis starts, so that velocities give the rate of the volume.
+    /// Whether the analysis starts, so that the rate of volume follows from the current velocities.
     starts: bool,
 }
 
 impl<T: Real> ForceFactors<T> {
     #[inline(always)]
-    fn new<const VARY: bool>((constants, dt): (&Constants, T), scratch: &Workspace<T>) -> Self {
+    fn new<const VARY: bool>((constants, dt): (&ElementConstants, T), scratch: &TaskWorkspace<T>) -> Self {
         let [shear43, modulus] = wave::<T>(constants);
         let [linear, quadratic] = constants.bulk_viscosity.inline_map(T::of);
         let per_dt = if dt > T::ZERO { T::ONE / dt } else { T::ZERO };
@@ -261,17 +260,17 @@ impl<T: Real> ForceFactors<T> {
 
 /// Geometry and motion of a lane.
 struct LaneMotion<T> {
-    g: Operators<T>,
-    /// Sums of the velocities along r.
+    g: QuadOperators<T>,
+    /// Velocities along r, combined by [`sums`](crate::kernel::quad::sums).
     v_r: [T; 4],
-    /// Differences of the velocities along r and z.
+    /// Combined velocities along r and z without the mean.
     along: [[T; 3]; 2],
     /// Modulus of longitudinal waves.
     modulus: T,
-    /// Sum of the squares of all operators over the masses of the corners, and the sum without the hoop operator.
+    /// Sum of the squares of all operators over the corner masses, and the sum of squares without the hoop operator.
     squares: T,
     square: T,
-    /// Highest frequency times the volume, and the division that serves all.
+    /// Highest frequency times the volume, and the common inverse.
     root: T,
     inverse: T,
     /// One over the volume.
@@ -286,30 +285,31 @@ struct BulkViscosity<T> {
     dilation_rate: T,
     /// Fraction of critical damping.
     fraction: T,
-    /// Its mean stress.
+    /// Mean stress of the viscosity.
     damping: T,
-    /// Its stress by direction: rr, zz, hoop, rz.
+    /// Stress of viscosity by direction: rr, zz, hoop, rz.
     sided: [T; 4],
 }
 
-/// Hourglass stresses of a lane along r and z (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields. The
-/// spring may return to the yield surface with the stress.
+/// Returns the hourglass stresses of a lane along r and z (Flanagan and Belytschko 1981, eqs. 25 to 45) for the pattern
+/// orthogonal to linear fields. The elastic part may be scaled back with the stress in plastic flow.
 #[inline(always)]
 fn hourglass_stress<T: Real>(
     factors: &ForceFactors<T>,
     lane: &LaneMotion<T>,
     [q_r, q_z]: [T; 2],
-    (kept, scratch): (&mut HourglassState<T>, &mut Workspace<T>),
+    (kept, scratch): (&mut HourglassState<T>, &mut TaskWorkspace<T>),
     l: usize,
 ) -> [T; 2] {
     let (half, four, dt) = (T::of(0.5), T::of(4.0), factors.dt);
     let LaneMotion { root, inverse, per, omega, square, .. } = *lane;
     let volume = lane.g.volume;
-    // The mass that the pattern moves, a sixteenth of a square's, vanishes as an element folds: the stiffness
-    // is bounded, so that the pattern's frequency stays below that of the strains, and damping is a fraction of the critical one.
+    // The mass that moves with the pattern, a sixteenth of the element mass for a square, vanishes as an element folds.
+    // The stiffness is therefore bounded, so that the pattern's frequency stays below that of the strains, and damping
+    // is a fraction of the critical damping.
     let moved = root * (volume * (inverse * (root * volume)));
-    let (wanted, most) = (factors.stiffness * (four * square) * per, factors.slow * dt * omega * moved);
-    let spring = if wanted < most { wanted } else { most };
+    let (unbounded, most) = (factors.stiffness * (four * square) * per, factors.slow * dt * omega * moved);
+    let spring = if unbounded < most { unbounded } else { most };
     let dashpot = factors.viscosity2 * moved;
     let (old_r, old_z) = (kept.hourglass[0][l], kept.hourglass[1][l]);
     let left = scratch.stress.returned[l];
@@ -322,11 +322,12 @@ fn hourglass_stress<T: Real>(
     [new_r + drag_r, new_z + drag_z]
 }
 
-/// Forces of stress and hourglass control along r and z at the corners of a lane. Weighted by area the equation of motion itself is
-/// integrated over the section, its terms with 1/r included; the ring is put back node by node (area.rs).
+/// Returns the forces of stress and hourglass control along r and z at the corners of a lane. With area weighting the
+/// equation of motion is integrated over the section, including its terms with 1/r; `RingFactors` then scale the nodal
+/// forces to full rings.
 #[inline(always)]
 fn corner_forces<T: Real, const AREA: bool>(
-    g: &Operators<T>,
+    g: &QuadOperators<T>,
     [s_rr, s_zz, s_hoop, s_rz]: [T; 4],
     shape: [T; 3],
     [f_r, f_z]: [T; 2],
@@ -349,15 +350,15 @@ fn corner_forces<T: Real, const AREA: bool>(
     [along_r, along_z]
 }
 
-/// Returns 4/3 of the shear modulus, and the modulus of longitudinal waves, K + 4/3 G.
-fn wave<T: Real>(constants: &Constants) -> [T; 2] {
+/// Returns 4/3 of the shear modulus, and the longitudinal modulus K + 4/3 G.
+fn wave<T: Real>(constants: &ElementConstants) -> [T; 2] {
     let shear43 = 4.0 / 3.0 * constants.shear;
     [shear43, constants.bulk + shear43].inline_map(T::of)
 }
 
-impl<T: Real> Workspace<T> {
-    /// Adds the rate of a lane, two over its stable increment, to the largest. With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the
-    /// same section of the guide), in which 1 + xi^2/2 replaces the root; it is never smaller.
+impl<T: Real> TaskWorkspace<T> {
+    /// Updates the largest rate (two over the stable time increment) with that of a lane. With damping 1/dt = ω/2
+    /// (sqrt(1 + ξ²) + ξ) (the same section of the guide); 1 + ξ²/2 replaces the root and is never smaller.
     #[inline(always)]
     fn add_rate<const VARY: bool>(
         &mut self,
@@ -367,20 +368,20 @@ impl<T: Real> Workspace<T> {
         l: usize,
     ) {
         let BulkViscosity { dilation_rate, fraction, .. } = *viscosity;
-        // In a mode of the whole mesh bulk viscosity is at most 2 xi/omega times the stiffness against uniform pressure.
+        // In a mode of the whole mesh, bulk viscosity is at most 2 ξ/ω times the stiffness against uniform pressure.
         let share = factors.cap * lane.period;
         let capped = share < T::ONE;
         let xi = if capped { fraction * share * factors.pressing } else { fraction };
-        // In a cold gas, where xi has no bound, the root itself.
+        // The exact root in a cold gas, where ξ has no bound.
         let damped = if VARY { xi + (T::ONE + xi * xi).root() } else { damped(xi) };
         let highest = if capped { factors.cap } else { lane.omega };
-        // Two over the increment in which the element would lose or gain as much of its volume as it may.
+        // Two over the increment in which the element would reach the largest allowed volume change.
         let (stable, changing) = (highest * damped, dilation_rate.size() * T::of(2.0 / CHANGE));
         if VARY {
             self.own_rate[l] = stable;
         }
         let rate = self.weight[l] * if changing > stable { changing } else { stable };
-        // Not a number counts as the largest: it must be found.
+        // NaN counts as the largest, so that the error is found.
         let (best, limiting) = (self.sums.rate[l], self.sums.limiting[l]);
         let larger = is_larger(rate, best);
         self.sums.rate[l] = if larger { rate } else { best };

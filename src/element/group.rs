@@ -1,40 +1,40 @@
-//! A group of elements: its blocks, dispatched to the instruction set of the machine, spread over threads.
-//! Never here: arithmetic.
+//! Interface of element groups, and the group of quadrilaterals: its blocks, dispatched to the instruction set of the
+//! machine and distributed over threads.
 
 use std::sync::Arc;
 
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use crate::element::block::{ElementBlock, Nodes, Sums, Workspace, across, is_larger};
-use crate::element::calls::Calls;
-use crate::element::constants::{Constants, damped};
-use crate::element::numbers::{Forces, IncrementInput, Numbers, widen};
-use crate::element::quiescent::Quiescence;
-use crate::element::record::{Followed, Record};
-use crate::element::subzonal::Subzones;
+use crate::element::block::{CornerNodes, ElementBlock, LaneSums, TaskWorkspace, across, is_larger};
+use crate::element::calls::UserCallBuffers;
+use crate::element::constants::{ElementConstants, damped};
+use crate::element::numbers::{BlockForces, ElementPrecision, IncrementInput, widen};
+use crate::element::quiescent::TaskQuiescence;
+use crate::element::record::{BlockRecord, ElementRecord};
+use crate::element::subzonal::SubzonalPressures;
 use crate::kernel::lanes::LANES;
-use crate::kernel::lanes::{Corners, InlineMap};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap};
 use crate::kernel::lanes::{Lanes, wide};
 use crate::kernel::quad;
 use crate::kernel::real::Real;
-use crate::kernel::shell::Frame;
-use crate::kernel::topology::{ElementNodes, MOST_NODES, PerNode, Topology};
+use crate::kernel::shell::ShellFrame;
+use crate::kernel::topology::{ElementNodes, ElementTopology, MOST_NODES, PerNode};
 use crate::material::{BlockStart, Material, PlasticFlow, PointValue};
-use crate::mesh::corner_forces::Slots;
+use crate::mesh::corner_forces::CornerForceSlots;
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
-use crate::state::halt::Halt;
-use crate::state::nodes::{Accelerated, Node};
-use crate::user::AtPoints;
-use crate::variables::{Part, Variable};
+use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use crate::state::halt::HaltReason;
+use crate::state::nodes::{Node, NodeAccelerations};
+use crate::user::PointRoutines;
+use crate::variables::{Variable, VariableComponent};
 
-/// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
+/// Blocks of one task of a thread. The number is fixed, so that sums do not depend on the number of threads.
 pub(crate) const TASK: usize = 16;
 
-/// What an increment of a group came to.
+/// Energy increments and limits of a group from one update.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Totals {
+pub struct GroupTotals {
     /// Work of the stress.
     pub internal: f64,
     /// Plastic dissipation.
@@ -43,240 +43,246 @@ pub struct Totals {
     pub viscous: f64,
     /// Work of the hourglass control.
     pub artificial: f64,
-    /// One over the stable increment.
+    /// One over the stable time increment.
     pub rate: f64,
-    /// Element (of the group) that limits it.
+    /// Index in the group of the element that limits it.
     pub limiting: usize,
-    /// By how much what deformed in this increment can raise a frequency, relative: gradients by the largest strain (the norm
-    /// of the tensor), the root of the volume by half its largest change. 0 unless frequencies are capped.
+    /// Bound of the relative increase of a frequency by the deformation in this increment: gradients by the largest
+    /// strain (norm of the tensor), the root of the volume by half its largest change. 0 unless frequencies are capped.
     pub deformed: f64,
 }
 
-/// What does not differ between the elements of a group.
+/// Properties that all elements of a group share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GroupProperties {
     /// Shape of the elements.
-    pub topology: Topology,
-    /// Whether the numbers are in single precision.
+    pub topology: ElementTopology,
+    /// Whether the group computes in single precision.
     pub single: bool,
-    /// Whether elements can be deleted at all.
+    /// Whether elements can be deleted.
     pub deletable: bool,
     /// Whether bulk viscosity damps the highest modes.
     pub damped: bool,
-    /// Whether the pressure follows from density, energy or the whole deformation, so that no initial stress can be given.
+    /// Whether the pressure follows from density, energy or the total deformation, so that no initial stress can be
+    /// prescribed.
     pub holds_pressure: bool,
-    /// Number of field variables that elements hold.
+    /// Number of field variables that elements store.
     pub fields: usize,
 }
 
 /// Elements of one topology and one material.
-#[allow(clippy::len_without_is_empty)] // It is a method of `dyn ElementGroup`.
+#[allow(clippy::len_without_is_empty)] // `is_empty` is a method of `dyn ElementGroup`.
 pub trait ElementGroup: Persist + Send + Sync {
-    /// Number of elements.
+    /// Returns the number of elements.
     fn len(&self) -> usize;
-    /// What all elements have in common.
+    /// Returns the properties that all elements share.
     fn properties(&self) -> GroupProperties;
-    /// Nodes of an element in the order of the topology; of shells their rotations, too.
+    /// Returns the nodes of an element in the order of the topology; for shells also the companion nodes of the
+    /// rotations.
     fn nodes(&self, element: usize) -> ElementNodes;
-    /// Lumped masses that an element gives to its nodes; rotary inertias to rotations.
+    /// Returns the lumped masses of an element at its nodes; rotary inertias at companion nodes.
     fn masses(&self, element: usize) -> PerNode<f64>;
-    /// Updates stresses to the end of an increment, and the forces on the nodes.
-    fn update(&mut self, pass: Pass<'_>) -> Totals;
-    /// Value of a variable that an element holds; `None` where it does not have it, or where it follows by a formula.
-    fn value(&self, element: usize, part: Part) -> Option<f64>;
-    /// One over the stable increment of an element on the present nodes, by the bound of the inner loop with linear bulk viscosity
-    /// alone and without a bound of the whole scene. With other masses than its own, `None` where masses cannot be scaled.
+    /// Updates the stresses to the end of an increment, and the corner forces.
+    fn update(&mut self, pass: ElementPass<'_>) -> GroupTotals;
+    /// Returns the value of a variable that the group stores for an element; `None` if the element does not have it or
+    /// a formula computes it.
+    fn value(&self, element: usize, part: VariableComponent) -> Option<f64>;
+    /// Returns one over the stable time increment of an element at the current positions, by the bound of the inner
+    /// loop with linear bulk viscosity only and without a bound of the whole model. Uses `masses` instead of the
+    /// element's own masses if given; `None` if the masses cannot be scaled.
     fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64>;
-    /// Elastic stiffness of an element on the present nodes; `None` where it is not linear, so that no highest frequency follows
-    /// from it.
-    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<Stiffness>;
-    /// Whether a task of elements is passed over because all of it is at rest and free of stress.
+    /// Returns the elastic stiffness of an element at the current positions; `None` for an element that is not linear
+    /// elastic at small strain, which has no highest frequency in this sense.
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<ElementStiffness>;
+    /// Returns whether a task of elements is skipped because all its elements are at rest and free of stress.
     fn is_quiescent(&self, _task: usize) -> bool {
         false
     }
-    /// Bytes that the elements occupy.
+    /// Returns the bytes of the arrays of the group.
     fn bytes(&self) -> usize;
-    /// Another group in the same state.
+    /// Returns a copy of the group in the same state.
     fn copy(&self) -> Box<dyn ElementGroup>;
-    /// What the group can do beside increments.
-    fn extensions(&mut self) -> &mut dyn Extensions;
+    /// Returns the functions of the group apart from updates.
+    fn extensions(&mut self) -> &mut dyn GroupExtensions;
 }
 
 impl dyn ElementGroup + '_ {
-    /// Whether there is no element.
+    /// Returns whether the group has no elements.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Shape of the elements.
-    pub fn topology(&self) -> Topology {
+    /// Returns the shape of the elements.
+    pub fn topology(&self) -> ElementTopology {
         self.properties().topology
     }
 
-    /// Whether the boundary of an element encloses its volume.
+    /// Returns whether the boundary of an element encloses its volume.
     pub fn is_solid(&self) -> bool {
         self.topology().is_solid()
     }
 
-    /// Blocks of corner forces of all elements.
+    /// Returns the number of blocks of corner forces of all elements.
     pub fn force_blocks(&self) -> usize {
         self.len().div_ceil(LANES) * self.topology().force_blocks()
     }
 
-    /// Nodes around an element, without rotations.
+    /// Returns the nodes on the boundary of an element, without rotations.
     pub fn boundary(&self, element: usize) -> ElementNodes {
         self.nodes(element).first(self.topology().boundary())
     }
 
-    /// Corner nodes of the quadrilaterals that a solid element consists of.
+    /// Returns the corner nodes of the quadrilateral cells of a solid element.
     pub fn cells(&self, element: usize) -> impl Iterator<Item = [u32; 4]> {
         let nodes = self.nodes(element);
         self.topology().cells().iter().map(move |cell| cell.inline_map(|i| nodes[i]))
     }
 
-    /// Whether an element is deleted.
+    /// Returns whether an element is deleted.
     pub fn is_deleted(&self, element: usize) -> bool {
         self.value(element, Variable::Status.into()) == Some(0.0)
     }
 
-    /// Volume of an element on the present nodes.
+    /// Returns the volume of an element at the current positions.
     pub fn volume(&self, element: usize, nodes: &[Node]) -> f64 {
         self.volume_at(element, |n| nodes[n as usize].place())
     }
 
-    /// Volume of an element whose nodes have these places.
+    /// Returns the volume of an element for given node positions.
     pub fn volume_at(&self, element: usize, place: impl Fn(u32) -> [f64; 2]) -> f64 {
         if self.is_solid() {
             return self.cells(element).map(|cell| quad::volume(cell.inline_map(&place))).sum();
         }
         let (nodes, thickness) = (self.nodes(element), self.value(element, Variable::Thickness.into()));
-        Frame::new([0, 1].inline_map(|i| place(nodes[i]))).area() * thickness.unwrap_or(0.0)
+        ShellFrame::new([0, 1].inline_map(|i| place(nodes[i]))).area() * thickness.unwrap_or(0.0)
     }
 }
 
-/// Elastic stiffness of an element: `[r, z]` of each node in turn.
+/// Elastic stiffness of an element, rows and columns `[r, z]` of each node in turn.
 #[derive(Clone, Copy, Debug)]
-pub struct Stiffness(pub [[f64; 2 * MOST_NODES]; 2 * MOST_NODES]);
+pub struct ElementStiffness(pub [[f64; 2 * MOST_NODES]; 2 * MOST_NODES]);
 
-impl<const N: usize> From<[[f64; N]; N]> for Stiffness {
+impl<const N: usize> From<[[f64; N]; N]> for ElementStiffness {
     fn from(list: [[f64; N]; N]) -> Self {
         let mut matrix = [[0.0; 2 * MOST_NODES]; 2 * MOST_NODES];
         matrix.iter_mut().zip(list).for_each(|(row, own)| row[..N].copy_from_slice(&own));
-        Stiffness(matrix)
+        ElementStiffness(matrix)
     }
 }
 
-/// What a group can do beside increments; `None` where it has nothing of the kind.
-pub trait Extensions {
-    /// Settings of the run.
-    fn settings(&mut self) -> &mut dyn Settings;
-    /// Deletion of elements.
-    fn deletion(&mut self) -> &mut dyn Deletion;
-    /// State at the start.
+/// Functions of a group apart from updates; optional ones return `None` if not available.
+pub trait GroupExtensions {
+    /// Returns the settings of the run.
+    fn settings(&mut self) -> &mut dyn GroupSettings;
+    /// Returns the deletion of elements.
+    fn deletion(&mut self) -> &mut dyn GroupDeletion;
+    /// Returns access to the initial state.
     fn initial_state(&mut self) -> &mut dyn InitialState;
-    /// Temperatures that are given from outside.
-    fn temperatures(&mut self) -> Option<&mut dyn Temperatures> {
+    /// Returns the interface for prescribed temperatures.
+    fn temperatures(&mut self) -> Option<&mut dyn ElementTemperatures> {
         None
     }
-    /// Field variables.
-    fn fields(&mut self) -> Option<&mut dyn Fields> {
+    /// Returns the interface for field variables.
+    fn fields(&mut self) -> Option<&mut dyn ElementFields> {
         None
     }
-    /// Routines of the user that elements call.
+    /// Returns the interface for user subroutines.
     fn user(&mut self) -> Option<&mut dyn UserCalls> {
         None
     }
 }
 
-/// Settings of a run that a group follows.
-pub trait Settings {
-    /// Gives the nodes of an element other masses.
+/// Settings of a run that affect a group.
+pub trait GroupSettings {
+    /// Sets the masses of an element at its nodes.
     fn set_masses(&mut self, element: usize, masses: &[f64]);
-    /// Follows strains and energies from now on, because an output asks for them.
+    /// Starts to record strains and energies for output.
     fn follow(&mut self);
-    /// Sets the highest frequency of the whole scene, angle over time; infinite if it is not known.
+    /// Sets the bound of the highest frequency of the whole model, radians per time; infinite if unknown.
     fn limit_frequency(&mut self, _frequency: f64) {}
-    /// Uses another instruction set from now on; the bits stay the same.
+    /// Selects another instruction set; results have the same bits.
     fn use_instructions(&mut self, _arch: Arch) {}
 }
 
-/// Elements that are deleted.
-pub trait Deletion {
-    /// Allows [`Deletion::erode`].
+/// Deletion of elements.
+pub trait GroupDeletion {
+    /// Allocates what [`GroupDeletion::erode`] needs.
     fn make_erodible(&mut self);
-    /// Deletes an element of this volume at the start, where it is solid; [`Deletion::newly_deleted`] does not list it.
+    /// Deletes an element; `volume` is its initial volume if it is solid. [`GroupDeletion::newly_deleted`] does not
+    /// list it.
     fn erode(&mut self, element: usize, volume: f64);
-    /// Adds the boundaries of elements that the last update deleted.
+    /// Appends the boundaries of elements that the last update deleted.
     fn newly_deleted(&mut self, _deleted: &mut Vec<ElementNodes>) {}
 }
 
-/// State of elements at the start. What an element does not hold is left alone.
+/// Initial state of elements. Values that an element does not store are ignored.
 pub trait InitialState {
     /// Sets stress and temperature.
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
-    /// Sets a state variable of the user, counted from 0; whether the element keeps it.
+    /// Sets a solution-dependent state variable, counted from 0. Returns whether the element stores it.
     fn set_state(&mut self, _element: usize, _variable: usize, _value: f64) -> bool {
         false
     }
-    /// Sets the equivalent plastic strain; whether the material hardens by it alone.
+    /// Sets the equivalent plastic strain. Returns whether the material hardens by this variable only.
     fn set_plastic_strain(&mut self, _element: usize, _strain: f64) -> bool {
         false
     }
-    /// Sets the energy a mass.
+    /// Sets the specific energy, energy per mass.
     fn set_energy(&mut self, _element: usize, _energy: f64) {}
-    /// Sets another characteristic length than the root of the area.
+    /// Sets the characteristic length, which is otherwise the square root of the section area.
     fn set_length(&mut self, _element: usize, _length: f64) {}
 }
 
 /// Temperatures of elements.
-pub trait Temperatures {
+pub trait ElementTemperatures {
     /// Sets the temperatures of all elements.
     fn set_temperatures(&mut self, temperatures: &[f64]);
-    /// Writes the temperatures that elements hold, plastic work counted; leaves alone what holds none.
+    /// Writes the temperatures of the elements, including the rise by plastic work, to `out`; entries of elements
+    /// without temperature are unchanged.
     fn temperatures(&self, out: &mut [f64]);
-    /// Subtracts increments of the thermal strain from the strains of the next update, which covers the increment `dt` that ends
-    /// at these nodes. Returns the work of the stress that the update will book too little.
+    /// Subtracts increments of the thermal strain from the strains of the next update, which covers the increment `dt`
+    /// that ends at these nodes. Returns the stress work that the update will omit.
     fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64;
 }
 
 /// Field variables of elements, counted from 0 and below [`GroupProperties::fields`].
-pub trait Fields {
-    /// Sets a variable of an element at the start.
+pub trait ElementFields {
+    /// Sets the initial value of a field variable of an element.
     fn set_field(&mut self, element: usize, variable: usize, value: f64);
-    /// Sets a variable of all elements.
+    /// Sets a field variable of all elements.
     fn set_fields(&mut self, variable: usize, values: &[f64]);
 }
 
-/// Routines of the user that a group calls.
+/// User subroutines that a group calls.
 pub trait UserCalls {
-    /// Asks for what must be known when the analysis begins, before masses are scaled and a highest frequency is estimated: the
-    /// moduli of a user's material.
+    /// Calls the user material at the start of the analysis to determine its moduli, before mass scaling and the
+    /// estimate of the highest frequency.
     ///
     /// # Errors
-    /// The routine's, and an answer that is not elastic.
-    fn probe(&mut self, nodes: &[Node], now: &Instant, user: AtPoints<'_>) -> Result<(), Halt>;
-    /// Why the last update gave no stress.
-    fn failure(&self) -> Option<Halt>;
+    /// The failure of the subroutine, or an inelastic response.
+    fn probe(&mut self, nodes: &[Node], now: &Instant, user: PointRoutines<'_>) -> Result<(), HaltReason>;
+    /// Returns the failure of the subroutine in the last update.
+    fn failure(&self) -> Option<HaltReason>;
 }
 
-/// What a pass over the elements of a group is given.
-pub struct Pass<'a> {
-    /// All nodes, where they are now.
+/// Input of the update of a group.
+pub struct ElementPass<'a> {
+    /// All nodes, at current positions.
     pub nodes: &'a [Node],
-    /// Length of the increment behind.
+    /// Length of the previous increment.
     pub dt: f64,
-    /// What carried nodes over it.
-    pub before: Accelerated<'a>,
-    /// Now.
+    /// Accelerations that moved the nodes over it.
+    pub before: NodeAccelerations<'a>,
+    /// Current instant.
     pub now: &'a Instant,
-    /// Whether other threads may take part.
+    /// Whether the update may use several threads.
     pub threads: bool,
-    /// The user's routines that are asked at points, where there are some.
-    pub user: AtPoints<'a>,
-    /// Where the corner forces of the group's blocks go.
-    pub corners: Slots<'a>,
-    /// What the volumetric strain increments lack to be averaged ones, block by block; `None` where each element has its own.
-    pub lacking: Option<&'a [Lanes]>,
+    /// User subroutines that are called at points.
+    pub user: PointRoutines<'a>,
+    /// Destination of the corner forces of the group.
+    pub corners: CornerForceSlots<'a>,
+    /// Averaged minus own volumetric strain increment of each element, block by block; `None` without averaging.
+    pub dilation_correction: Option<&'a [Lanes]>,
 }
 
 impl Clone for Box<dyn ElementGroup> {
@@ -285,56 +291,62 @@ impl Clone for Box<dyn ElementGroup> {
     }
 }
 
-/// Elements of a group from which on it pays to wake other threads every increment.
+/// Number of elements above which parallel updates are faster.
 pub(super) const PARALLEL: usize = 1000;
 
-/// Quadrilaterals of one material, weighted by volume or by area, in double precision or in single.
-pub struct Quads<M: Material<T>, const AREA: bool = false, T: Numbers = f64> {
+/// Quadrilaterals of one material, with volume or area weighting, in double or single precision.
+pub struct QuadGroup<M: Material<T>, const AREA: bool = false, T: ElementPrecision = f64> {
     pub(super) material: Arc<M>,
-    pub(super) constants: Constants,
+    pub(super) constants: ElementConstants,
     pub(super) count: usize,
     pub(super) blocks: Vec<ElementBlock<M::State, T>>,
-    pub(super) tasks: Vec<Workspace<T>>,
-    /// Scratch memory of user subroutines; `None` without any.
-    pub(super) calls: Option<Box<Calls<T>>>,
-    /// Unit of lengths and times of both.
+    pub(super) tasks: Vec<TaskWorkspace<T>>,
+    /// Buffers of user subroutines; `None` without user subroutines.
+    pub(super) calls: Option<Box<UserCallBuffers<T>>>,
+    /// Unit of lengths and times of blocks and tasks.
     length: f64,
-    /// Speed of sound to a power of two, beside which velocities are rounded; 0 in double precision.
+    /// Magnitude, a power of two near the speed of sound, at which velocities are rounded; 0 in double precision.
     sound: f64,
     pub(super) arch: Arch,
-    /// Elements whose deletion has been told.
-    told: Vec<bool>,
-    quiescence: Vec<Quiescence>,
-    /// Highest frequency that counts.
+    /// Elements that [`GroupDeletion::newly_deleted`] has already listed.
+    listed: Vec<bool>,
+    quiescence: Vec<TaskQuiescence>,
+    /// Bound of the highest frequency of the whole model.
     pub(super) cap: f64,
 }
 
-impl<M: Material> Quads<M> {
-    /// Elements by their corner nodes, at their places now.
-    pub fn new(material: M, constants: Constants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
-        Quads::weighted(material, constants, density, elements, nodes)
+impl<M: Material> QuadGroup<M> {
+    /// Creates a group from the corner nodes of its elements in the initial configuration.
+    pub fn new(material: M, constants: ElementConstants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
+        QuadGroup::weighted(material, constants, density, elements, nodes)
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
-    /// The same on another instruction set, which gives the same bits.
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T> {
+    /// Selects another instruction set; results have the same bits.
     #[must_use]
     pub fn on(mut self, arch: Arch) -> Self {
         self.arch = arch;
         self
     }
 
-    /// The same with subzonal pressures, of elements at their places at the start.
+    /// Adds subzonal pressures for elements in the initial configuration.
     #[must_use]
     pub fn with_subzones(mut self, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
         for (scratch, part) in self.tasks.iter_mut().zip(elements.chunks(TASK * LANES)) {
-            scratch.task.subzones = part.chunks(LANES).map(|block| Subzones::of(block, nodes)).collect();
+            scratch.task.subzones = part.chunks(LANES).map(|block| SubzonalPressures::of(block, nodes)).collect();
         }
         self
     }
 
-    /// The same, weighted by volume or by area.
-    pub fn weighted(material: M, constants: Constants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
+    /// Creates a group with the weighting (by volume or area) of its type.
+    pub fn weighted(
+        material: M,
+        constants: ElementConstants,
+        density: f64,
+        elements: &[[u32; 4]],
+        nodes: &[Node],
+    ) -> Self {
         let length = T::length(extremes(elements, nodes));
         let fresh = |(index, part): (usize, &[_])| {
             let state = material.initial_state(&block_start(index * LANES, part, nodes));
@@ -350,26 +362,26 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
             block
         };
         let blocks: Vec<_> = elements.chunks(LANES).enumerate().map(fresh).collect();
-        Quads {
-            calls: material.calls().map(|calls| Box::new(Calls::new(calls, &constants, elements.len()))),
+        QuadGroup {
+            calls: material.calls().map(|calls| Box::new(UserCallBuffers::new(calls, &constants, elements.len()))),
             material: Arc::new(material),
             constants,
             count: elements.len(),
-            tasks: blocks.chunks(TASK).map(|part| Workspace::new(&constants, length, part.len())).collect(),
+            tasks: blocks.chunks(TASK).map(|part| TaskWorkspace::new(&constants, length, part.len())).collect(),
             blocks,
             length,
             sound: T::sound((constants.bulk + 4.0 / 3.0 * constants.shear) / density),
             arch: Arch::new(),
-            quiescence: Quiescence::of_tasks(elements),
-            told: if M::FAILS { vec![false; elements.len()] } else { Vec::new() },
+            quiescence: TaskQuiescence::of_tasks(elements),
+            listed: if M::FAILS { vec![false; elements.len()] } else { Vec::new() },
             cap: f64::INFINITY,
         }
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> Clone for Quads<M, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> Clone for QuadGroup<M, AREA, T> {
     fn clone(&self) -> Self {
-        Quads {
+        QuadGroup {
             material: Arc::clone(&self.material),
             calls: self.calls.clone(),
             constants: self.constants,
@@ -379,24 +391,24 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Clone for Quads<M, AREA, T> {
             length: self.length,
             sound: self.sound,
             arch: self.arch,
-            told: self.told.clone(),
+            listed: self.listed.clone(),
             quiescence: self.quiescence.clone(),
             cap: self.cap,
         }
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
-    /// What is followed of an element; `None` if nothing is.
-    fn followed(&self, element: usize) -> Option<Followed> {
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T> {
+    /// Returns the recorded values of an element; `None` without a record.
+    fn followed(&self, element: usize) -> Option<ElementRecord> {
         let block = element / LANES;
         Some(self.tasks[block / TASK].task.records.get(block % TASK)?.of(element % LANES))
     }
 
-    /// Whether the pressure, and with it the mass, is part of the state.
+    /// Whether the pressure, and therefore the mass, is part of the material state.
     const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled);
 
-    /// Sets a value of an element; whether its material uses it.
+    /// Sets a value of an element. Returns whether its material uses it.
     fn set_value(&mut self, element: usize, value: PointValue) -> bool {
         self.material.set(&mut self.blocks[element / LANES].state, element % LANES, value)
     }
@@ -414,22 +426,22 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
         status == Some(0.0) || self.is_eroded(element)
     }
 
-    pub(super) fn totals(&self) -> Totals {
-        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+    pub(super) fn totals(&self) -> GroupTotals {
+        let ElementConstants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
         let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
         let still = self.cap * damped(xi);
-        let totals = totals(self.tasks.iter().map(Workspace::parts), |task| {
+        let totals = totals(self.tasks.iter().map(TaskWorkspace::parts), |task| {
             if self.quiescence[task].quiescent { still } else { f64::INFINITY }
         });
-        Totals { rate: self.constants.with_assumed(totals.rate, self.cap), ..totals }
+        GroupTotals { rate: self.constants.with_assumed(totals.rate, self.cap), ..totals }
     }
 
-    /// Unit of energies and masses of the blocks.
+    /// Returns the unit of energies and masses of the blocks.
     fn unit(&self) -> f64 {
         self.length * self.length * self.length
     }
 
-    /// Whether an element was deleted from outside.
+    /// Returns whether an element was deleted by `*EROSION`.
     fn is_eroded(&self, element: usize) -> bool {
         let block = element / LANES;
         self.tasks[block / TASK].task.eroded.get(block % TASK).is_some_and(|e| e.has(element % LANES))
@@ -437,14 +449,14 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
 }
 
 #[cfg(test)]
-impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
-    /// Lets no task become quiescent, by counting a node that never rests.
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T> {
+    /// Keeps all tasks active, by adding a moving node to each.
     pub fn keep_awake(&mut self, node: u32) {
         self.quiescence.iter_mut().for_each(|resting| resting.nodes.push(node));
     }
 }
 
-/// Elements of a block at their places at the start. Lanes behind the last element repeat it.
+/// Returns initial geometry of the elements of a block. Lanes after the last element repeat it.
 fn block_start(first: usize, elements: &[[u32; 4]], nodes: &[Node]) -> BlockStart {
     let (area, volume, centre) = ([1.0; LANES], [1.0; LANES], [[0.0; LANES]; 2]);
     let corners = [[[0.0; 4]; 2]; LANES];
@@ -462,13 +474,13 @@ fn block_start(first: usize, elements: &[[u32; 4]], nodes: &[Node]) -> BlockStar
     start
 }
 
-/// The least and the largest volume of elements.
+/// Returns the smallest and the largest volume of elements.
 fn extremes(elements: &[[u32; 4]], nodes: &[Node]) -> [f64; 2] {
     let volumes = elements.iter().map(|corners| quad::volume(corners.inline_map(|n| nodes[n as usize].place())));
     volumes.fold([f64::INFINITY, 0.0], |[least, largest], volume| [least.min(volume), largest.max(volume)])
 }
 
-/// A block of at most eight elements at rest, in units of a length.
+/// Creates a block of at most [`LANES`] elements at rest, in units of `length`.
 fn block<S, T: Real>(
     state: S,
     (density, length): (f64, f64),
@@ -484,7 +496,7 @@ fn block<S, T: Real>(
         state,
     };
     for l in 0..LANES {
-        // Lanes behind the last element repeat it; nothing reads their answers.
+        // Lanes after the last element repeat it; their results are not used.
         let element = elements[l.min(elements.len() - 1)];
         let corners = element.inline_map(|n| nodes[n as usize].place());
         let inverse_mass = quad::sums(quad::corner_masses(corners, density).inline_map(|mass| 1.0 / mass));
@@ -497,20 +509,20 @@ fn block<S, T: Real>(
     block
 }
 
-/// A block of points of other elements at rest, with their masses.
+/// Creates a block of integration points of other elements, at rest, with the given masses.
 pub(super) fn block_of_points<S>(state: S, mass: Lanes) -> ElementBlock<S> {
     let (nodes, zeros) = ([[0; LANES]; 4], [[0.0; LANES]; 4]);
     ElementBlock { nodes, stress: zeros, mass, inverse_mass: zeros, state }
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementGroup for QuadGroup<M, AREA, T> {
     fn len(&self) -> usize {
         self.count
     }
 
     fn properties(&self) -> GroupProperties {
         GroupProperties {
-            topology: Topology::Quadrilateral,
+            topology: ElementTopology::Quadrilateral,
             single: T::SINGLE,
             deletable: self.material.can_delete() || self.tasks.iter().any(|scratch| !scratch.task.eroded.is_empty()),
             damped: self.constants.damps(),
@@ -527,12 +539,12 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
         self.corner_masses(element).into()
     }
 
-    fn update(&mut self, pass: Pass<'_>) -> Totals {
+    fn update(&mut self, pass: ElementPass<'_>) -> GroupTotals {
         if M::CALLS {
             return self.update_with_calls(pass);
         }
-        let Pass { nodes, dt, before, now, threads, corners, lacking, .. } = pass;
-        let pass = Common {
+        let ElementPass { nodes, dt, before, now, threads, corners, dilation_correction, .. } = pass;
+        let pass = PassContext {
             material: &*self.material,
             constants: &self.constants,
             count: self.count,
@@ -541,24 +553,30 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
             sound: self.sound,
             time: now.total_time,
             cap: self.cap,
-            lacking,
+            dilation_correction,
         };
         let arch = self.arch;
         let run = |index,
                    blocks: &mut [ElementBlock<M::State, T>],
-                   mut corners: Forces<'_, T>,
-                   scratch: &mut Workspace<T>,
-                   resting: &mut Quiescence| {
-            if resting.quiescent && lacking.is_none() && resting.is_still(nodes) {
+                   mut corners: BlockForces<'_, T>,
+                   scratch: &mut TaskWorkspace<T>,
+                   resting: &mut TaskQuiescence| {
+            if resting.quiescent && dilation_correction.is_none() && resting.is_still(nodes) {
                 return;
             }
-            let task =
-                Task::<M, AREA, T> { pass: &pass, arch, index, blocks: &mut *blocks, corners: &mut corners, scratch };
+            let task = QuadTask::<M, AREA, T> {
+                pass: &pass,
+                arch,
+                index,
+                blocks: &mut *blocks,
+                corners: &mut corners,
+                scratch,
+            };
             arch.dispatch(task);
-            // Without an increment behind nothing has been added to the sums, so they hold while the task is quiescent. The
-            // pressure of an equation of state is not in the state looked at here.
+            // With dt = 0 nothing has been added to the sums, so they stay valid while the task is quiescent. The
+            // pressure of an equation of state is not part of the stress that is checked here.
             resting.quiescent = dt == 0.0
-                && lacking.is_none()
+                && dilation_correction.is_none()
                 && !M::MODULI_VARY
                 && corners.are_zero()
                 && blocks.iter().all(|b| b.stress.as_flattened().iter().all(|x| *x == T::ZERO))
@@ -568,12 +586,12 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
             let parts = self.blocks.chunks_mut(TASK).zip(self.tasks.iter_mut().zip(&mut self.quiescence)).enumerate();
             let each = |((i, (blocks, (own, resting))), corners)| run(i, blocks, corners, own, resting);
             match T::forces(corners) {
-                Forces::Own(list) => parts.zip(list.chunks_mut(TASK).map(Forces::Own)).for_each(each),
+                BlockForces::Own(list) => parts.zip(list.chunks_mut(TASK).map(BlockForces::Own)).for_each(each),
                 // Not compiled for double precision.
-                Forces::Wider(list) if T::SINGLE => {
-                    parts.zip(list.chunks_mut(TASK).map(Forces::Wider)).for_each(each);
+                BlockForces::Wider(list) if T::SINGLE => {
+                    parts.zip(list.chunks_mut(TASK).map(BlockForces::Wider)).for_each(each);
                 }
-                Forces::Wider(_) => {}
+                BlockForces::Wider(_) => {}
             }
         } else {
             let parts = self.tasks.par_iter_mut().zip(&mut self.quiescence);
@@ -582,24 +600,24 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
                 run(i, blocks, corners, own, resting);
             };
             match T::forces(corners) {
-                Forces::Own(list) => parts.zip(list.par_chunks_mut(TASK).map(Forces::Own)).for_each(each),
-                Forces::Wider(list) if T::SINGLE => {
-                    parts.zip(list.par_chunks_mut(TASK).map(Forces::Wider)).for_each(each);
+                BlockForces::Own(list) => parts.zip(list.par_chunks_mut(TASK).map(BlockForces::Own)).for_each(each),
+                BlockForces::Wider(list) if T::SINGLE => {
+                    parts.zip(list.par_chunks_mut(TASK).map(BlockForces::Wider)).for_each(each);
                 }
-                Forces::Wider(_) => {}
+                BlockForces::Wider(_) => {}
             }
         }
         self.totals()
     }
 
-    fn value(&self, element: usize, part: Part) -> Option<f64> {
+    fn value(&self, element: usize, part: VariableComponent) -> Option<f64> {
         let (block, lane) = (&self.blocks[element / LANES], element % LANES);
         match part.variable {
             Variable::Stress => Some(block.stress.get(part.component)?[lane].wide()),
             Variable::Mass => Some(self.unit() * block.mass[lane].wide()),
             Variable::Status => Some(f64::from(u8::from(!self.is_deleted(element)))),
             Variable::PlasticComponents if matches!(M::FLOW, PlasticFlow::None | PlasticFlow::Unknown) => None,
-            // What the material alone knows of dissipation is no part of the energy that is followed.
+            // For user materials, the recorded energy includes the dissipation that only the material knows.
             Variable::ElementStrainEnergy if M::FLOW == PlasticFlow::Unknown => {
                 let dissipated = self.value(element, Variable::ElementPlasticEnergy.into())?;
                 Some(self.followed(element)?.value(part)? - dissipated)
@@ -614,7 +632,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
     fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
         let (block, lane) = (element / LANES, element % LANES);
         let masses = match masses {
-            // Where the pressure follows from density or energy a mass, the mass is part of the state.
+            // If the pressure follows from density or specific energy, the mass is part of the material state.
             Some(_) if Self::HOLDS_PRESSURE || AREA => return None,
             None if Self::HOLDS_PRESSURE => {
                 let rates = self.tasks[block / TASK].task.own_rates.get(block % TASK);
@@ -627,7 +645,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
         Some(self.constants.own_rate(corners, &masses))
     }
 
-    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<Stiffness> {
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<ElementStiffness> {
         if Self::HOLDS_PRESSURE || AREA {
             return None;
         }
@@ -640,12 +658,12 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
     }
 
     fn bytes(&self) -> usize {
-        let kept: usize = self.tasks.iter().map(Workspace::bytes).sum();
-        let quiescence: usize = self.quiescence.iter().map(Quiescence::bytes).sum();
+        let kept: usize = self.tasks.iter().map(TaskWorkspace::bytes).sum();
+        let quiescence: usize = self.quiescence.iter().map(TaskQuiescence::bytes).sum();
         let states: usize = self.blocks.iter().map(|block| self.material.bytes(&block.state)).sum();
         let calls = self.calls.as_ref().map_or(0, |calls| calls.bytes());
         let names = self.material.calls().map_or(0, |calls| calls.bytes());
-        let arrays = size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + self.told.capacity();
+        let arrays = size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + self.listed.capacity();
         arrays + kept + quiescence + states + calls + names
     }
 
@@ -653,17 +671,17 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, ARE
         Box::new(self.clone())
     }
 
-    fn extensions(&mut self) -> &mut dyn Extensions {
+    fn extensions(&mut self) -> &mut dyn GroupExtensions {
         self
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> Extensions for Quads<M, AREA, T> {
-    fn settings(&mut self) -> &mut dyn Settings {
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupExtensions for QuadGroup<M, AREA, T> {
+    fn settings(&mut self) -> &mut dyn GroupSettings {
         self
     }
 
-    fn deletion(&mut self) -> &mut dyn Deletion {
+    fn deletion(&mut self) -> &mut dyn GroupDeletion {
         self
     }
 
@@ -671,11 +689,11 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Extensions for Quads<M, AREA,
         self
     }
 
-    fn temperatures(&mut self) -> Option<&mut dyn Temperatures> {
+    fn temperatures(&mut self) -> Option<&mut dyn ElementTemperatures> {
         Some(self)
     }
 
-    fn fields(&mut self) -> Option<&mut dyn Fields> {
+    fn fields(&mut self) -> Option<&mut dyn ElementFields> {
         if M::CALLS { Some(self) } else { None }
     }
 
@@ -684,7 +702,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Extensions for Quads<M, AREA,
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> Fields for Quads<M, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementFields for QuadGroup<M, AREA, T> {
     fn set_field(&mut self, element: usize, variable: usize, value: f64) {
         self.set_value(element, PointValue::Field(variable, value));
     }
@@ -696,10 +714,10 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Fields for Quads<M, AREA, T> 
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> Settings for Quads<M, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupSettings for QuadGroup<M, AREA, T> {
     fn set_masses(&mut self, element: usize, masses: &[f64]) {
         let Some(masses) = masses.first_chunk::<4>() else { return };
-        // The increment that a quiescent task allows is no longer what it was.
+        // The stable time increment of a quiescent task has changed.
         self.quiescence[element / (TASK * LANES)].quiescent = false;
         let masses = masses.inline_map(|mass| mass / self.unit());
         self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
@@ -707,7 +725,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Settings for Quads<M, AREA, T
 
     fn follow(&mut self) {
         for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
-            scratch.task.records = vec![Record::default(); blocks.len()];
+            scratch.task.records = vec![BlockRecord::default(); blocks.len()];
         }
     }
 
@@ -720,7 +738,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Settings for Quads<M, AREA, T
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> Deletion for Quads<M, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupDeletion for QuadGroup<M, AREA, T> {
     fn make_erodible(&mut self) {
         for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
             scratch.make_erodible(blocks.len(), Self::HOLDS_PRESSURE);
@@ -730,11 +748,11 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Deletion for Quads<M, AREA, T
     fn erode(&mut self, element: usize, volume: f64) {
         let (block, lane) = (element / LANES, element % LANES);
         self.quiescence[block / TASK].quiescent = false;
-        // Lanes behind the last element repeat it.
-        let behind = if element + 1 == self.count { LANES } else { lane + 1 };
-        (lane..behind).for_each(|l| self.tasks[block / TASK].task.eroded[block % TASK].take(l, volume));
-        if let Some(told) = self.told.get_mut(element) {
-            *told = true;
+        // Lanes after the last element repeat it.
+        let end = if element + 1 == self.count { LANES } else { lane + 1 };
+        (lane..end).for_each(|l| self.tasks[block / TASK].task.eroded[block % TASK].take(l, volume));
+        if let Some(listed) = self.listed.get_mut(element) {
+            *listed = true;
         }
     }
 
@@ -742,13 +760,13 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Deletion for Quads<M, AREA, T
         if !M::FAILS || self.tasks.iter().all(|scratch| scratch.stress.deleted == 0) {
             return;
         }
-        let mut told = std::mem::take(&mut self.told);
-        tell_deleted(self, &mut told, deleted);
-        self.told = told;
+        let mut listed = std::mem::take(&mut self.listed);
+        list_deleted(self, &mut listed, deleted);
+        self.listed = listed;
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> InitialState for Quads<M, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> InitialState for QuadGroup<M, AREA, T> {
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
         let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
         for (list, value) in block.stress.iter_mut().zip(stress.into_iter().flatten()) {
@@ -779,7 +797,7 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> InitialState for Quads<M, ARE
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> Temperatures for Quads<M, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementTemperatures for QuadGroup<M, AREA, T> {
     fn set_temperatures(&mut self, temperatures: &[f64]) {
         for (e, temperature) in temperatures.iter().enumerate() {
             self.set_value(e, PointValue::NodalTemperature(*temperature));
@@ -793,9 +811,9 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Temperatures for Quads<M, ARE
         }
     }
 
-    /// Of what expands alike in all directions the thermal strain is a pressure that is taken off the stress beforehand: the
-    /// trial is the same to the last term. The work is a trapezoid over the stress, of which the update sees the pressure taken
-    /// off already.
+    /// For isotropic expansion, the thermal strain is equivalent to a pressure that is subtracted from the stress
+    /// beforehand: the trial stress is identical. The returned work corrects the trapezoidal rule, which uses the
+    /// reduced stress.
     fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
         let mut work = 0.0;
         for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
@@ -814,77 +832,77 @@ impl<M: Material<T>, const AREA: bool, T: Numbers> Temperatures for Quads<M, ARE
     }
 }
 
-/// What all blocks of one pass share.
-struct Common<'a, M> {
+/// Input that all blocks of a pass share.
+struct PassContext<'a, M> {
     material: &'a M,
-    constants: &'a Constants,
+    constants: &'a ElementConstants,
     count: usize,
     nodes: &'a [Node],
     increment: IncrementInput<'a>,
-    /// Speed of sound; 0 in double precision, where nothing asks for it.
+    /// Speed of sound; 0 in double precision, which does not use it.
     sound: f64,
     time: f64,
     cap: f64,
-    lacking: Option<&'a [Lanes]>,
+    dilation_correction: Option<&'a [Lanes]>,
 }
 
-/// The blocks that a thread takes at once.
-struct Task<'a, 'c, M: Material<T>, const AREA: bool, T: Numbers> {
-    pass: &'a Common<'a, M>,
+/// Update of the blocks of one task.
+struct QuadTask<'a, 'c, M: Material<T>, const AREA: bool, T: ElementPrecision> {
+    pass: &'a PassContext<'a, M>,
     arch: Arch,
     index: usize,
     blocks: &'a mut [ElementBlock<M::State, T>],
-    corners: &'a mut Forces<'c, T>,
-    scratch: &'a mut Workspace<T>,
+    corners: &'a mut BlockForces<'c, T>,
+    scratch: &'a mut TaskWorkspace<T>,
 }
 
-impl<M: Material<T>, const AREA: bool, T: Numbers> NullaryFnOnce for Task<'_, '_, M, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> NullaryFnOnce for QuadTask<'_, '_, M, AREA, T> {
     type Output = ();
 
-    /// Inlined into a function of the machine's instruction set.
+    /// Inlined into a function compiled for the selected instruction set.
     #[inline(always)]
     fn call(self) {
         let scratch = self.scratch;
         let pass = self.pass;
         scratch.begin(self.arch, pass.cap, pass.increment.dt, pass.constants);
-        let mut places = Nodes::default();
-        let mut own = Corners::default();
+        let mut places = CornerNodes::default();
+        let mut own = BlockCornerForces::default();
         for (i, block) in self.blocks.iter_mut().enumerate() {
             let index = self.index * TASK + i;
             scratch.prepare(index, i, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes, pass.sound);
-            scratch.strain.averaging = pass.lacking.map(|list| list[index]);
+            scratch.strain.averaging = pass.dilation_correction.map(|list| list[index]);
             pass.material.begin(&mut block.state, pass.time);
             let corners = match self.corners {
-                Forces::Own(list) => &mut list[i],
-                Forces::Wider(_) => &mut own,
+                BlockForces::Own(list) => &mut list[i],
+                BlockForces::Wider(_) => &mut own,
             };
             let increment = &pass.increment;
             T::update::<M, AREA>(block, pass.material, pass.constants, increment, &mut places, scratch, corners);
-            if let Forces::Wider(list) = self.corners {
+            if let BlockForces::Wider(list) = self.corners {
                 widen(&own, &mut list[i]);
             }
             if !scratch.task.records.is_empty() {
                 let increment = (wide(&scratch.strain.spin), increment.dt);
-                scratch.follow(self.arch, i, &block.stress, M::FLOW, increment);
+                scratch.update_record(self.arch, i, &block.stress, M::FLOW, increment);
             }
         }
     }
 }
 
-/// Adds the boundaries of elements whose deletion has not been listed, and counts it as listed.
-pub(super) fn tell_deleted(group: &dyn ElementGroup, told: &mut [bool], deleted: &mut Vec<ElementNodes>) {
-    for (element, told) in told.iter_mut().enumerate() {
-        if !*told && group.is_deleted(element) {
-            *told = true;
+/// Appends the boundaries of elements whose deletion has not been listed, and marks them as listed.
+pub(super) fn list_deleted(group: &dyn ElementGroup, listed: &mut [bool], deleted: &mut Vec<ElementNodes>) {
+    for (element, listed) in listed.iter_mut().enumerate() {
+        if !*listed && group.is_deleted(element) {
+            *listed = true;
             deleted.push(group.boundary(element));
         }
     }
 }
 
-/// Folds what tasks came to in their order: their sums and what deformed; no rate of a task is larger than `most` says.
-pub(super) fn totals(tasks: impl Iterator<Item = (Sums, [Lanes; 2])>, most: impl Fn(usize) -> f64) -> Totals {
-    let mut totals = Totals::default();
+/// Combines the sums and the largest deformations of tasks, in their order; rates of a task are limited to `most`.
+pub(super) fn totals(tasks: impl Iterator<Item = (LaneSums, [Lanes; 2])>, most: impl Fn(usize) -> f64) -> GroupTotals {
+    let mut totals = GroupTotals::default();
     let mut largest = 0.0;
     for (task, (sums, deformed)) in tasks.enumerate() {
         let most = most(task);
@@ -906,39 +924,39 @@ pub(super) fn totals(tasks: impl Iterator<Item = (Sums, [Lanes; 2])>, most: impl
     totals
 }
 
-persist_struct!(Quads<M, AREA, T> [M: Material<T>, const AREA: bool, T: Numbers] {
-    cap, blocks: fixed, tasks: fixed, told: fixed, quiescence: fixed
+persist_struct!(QuadGroup<M, AREA, T> [M: Material<T>, const AREA: bool, T: ElementPrecision] {
+    cap, blocks: fixed, tasks: fixed, listed: fixed, quiescence: fixed
 } derived {
     material, constants, calls, count, length, sound, arch
 } then persist_called_moduli);
 
-/// The moduli of a user's material are those of its answer at time zero, which is not asked for again.
-fn persist_called_moduli<M: Material<T>, const AREA: bool, T: Numbers>(
-    quads: &mut Quads<M, AREA, T>,
-    archive: &mut Archive<'_>,
+/// Saves the moduli of a user material, which are determined only at time zero.
+fn persist_called_moduli<M: Material<T>, const AREA: bool, T: ElementPrecision>(
+    quads: &mut QuadGroup<M, AREA, T>,
+    archive: &mut StateArchive<'_>,
 ) {
     if M::CALLS {
         persist_fields!(archive; &mut quads.constants.bulk, &mut quads.constants.shear);
     }
 }
 
-persist_struct!(Totals { internal, plastic, viscous, artificial, rate, limiting, deformed });
+persist_struct!(GroupTotals { internal, plastic, viscous, artificial, rate, limiting, deformed });
 
 #[cfg(test)]
 mod tests {
     use pulp::Arch;
 
-    use super::{Accelerated, ElementGroup, Pass, Quads};
-    use crate::element::constants::{Constants, HourglassControl};
-    use crate::kernel::lanes::Corners;
+    use super::{ElementGroup, ElementPass, NodeAccelerations, QuadGroup};
+    use crate::element::constants::{ElementConstants, HourglassControl};
+    use crate::kernel::lanes::BlockCornerForces;
     use crate::kernel::lanes::LANES;
     use crate::material::plasticity::PiecewiseLinearHardening;
-    use crate::material::volumetric::Linear;
+    use crate::material::volumetric::ConstantBulkModulus;
     use crate::material::von_mises::VonMises;
-    use crate::mesh::corner_forces::Slots;
+    use crate::mesh::corner_forces::CornerForceSlots;
     use crate::state::Instant;
     use crate::state::nodes::Node;
-    use crate::user::AtPoints;
+    use crate::user::PointRoutines;
 
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
@@ -955,7 +973,7 @@ mod tests {
             [first, first + 1, first + row + 1, first + row]
         };
         let elements: Vec<[u32; 4]> = (0..columns * rows).map(corner).collect();
-        let constants = Constants {
+        let constants = ElementConstants {
             bulk: 3.0,
             shear: 1.0,
             hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true, enhanced: 0.0 },
@@ -963,19 +981,20 @@ mod tests {
         };
         let run = |arch: Arch| {
             let lines = PiecewiseLinearHardening::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");
-            let mut quads = Quads::new(VonMises::new(lines, Linear), constants, 2.0, &elements, &nodes).on(arch);
-            let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
+            let mut quads =
+                QuadGroup::new(VonMises::new(lines, ConstantBulkModulus), constants, 2.0, &elements, &nodes).on(arch);
+            let mut corners = vec![BlockCornerForces::default(); elements.len().div_ceil(LANES)];
             let totals = (0..3).map(|_| {
                 let now = &Instant::default();
-                quads.update(Pass {
+                quads.update(ElementPass {
                     nodes: &nodes,
                     dt: 0.3,
-                    before: Accelerated::default(),
+                    before: NodeAccelerations::default(),
                     now,
                     threads: false,
-                    user: AtPoints::default(),
-                    corners: Slots::Double(&mut corners),
-                    lacking: None,
+                    user: PointRoutines::default(),
+                    corners: CornerForceSlots::Double(&mut corners),
+                    dilation_correction: None,
                 })
             });
             let totals = totals.last().expect("totals");

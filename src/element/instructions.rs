@@ -1,5 +1,4 @@
-//! Which instruction set elements use, where it is not left to the machine.
-//! Never here: arithmetic, which is the same on all.
+//! Choice of the instruction set of element updates.
 
 use std::str::FromStr;
 
@@ -7,10 +6,10 @@ use pulp::Arch;
 
 use super::elements::Elements;
 
-/// An instruction set. All give the same bits; the machine's best is the default.
+/// An instruction set. All sets give the same bits; the default is the best of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instructions {
-    /// One number at a time, as far as the compiler leaves it so.
+    /// Scalar code, apart from vectorization by the compiler.
     Scalar,
     /// Four numbers at a time (x86-64-v3).
     Avx2,
@@ -18,9 +17,9 @@ pub enum Instructions {
     Avx512,
 }
 
-/// A word that names no instruction set.
+/// Error: the name of an instruction set is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("scalar, avx2 and avx512 are known")]
+#[error("unknown instruction set; allowed: scalar, avx2, avx512")]
 pub struct UnknownInstructions;
 
 impl FromStr for Instructions {
@@ -37,7 +36,7 @@ impl FromStr for Instructions {
 }
 
 impl Instructions {
-    /// The set; `None` where the machine does not have it.
+    /// Returns the instruction set for dispatch; `None` if the machine does not support it.
     pub fn arch(self) -> Option<Arch> {
         match self {
             Instructions::Scalar => Some(Arch::Scalar),
@@ -52,7 +51,7 @@ impl Instructions {
 }
 
 impl Elements {
-    /// Uses an instruction set from now on.
+    /// Selects an instruction set for all groups.
     pub fn use_arch(&mut self, arch: Arch) {
         self.groups.iter_mut().for_each(|group| group.extensions().settings().use_instructions(arch));
     }

@@ -1,42 +1,41 @@
-//! Characteristic lengths of the user (`*CHARACTERISTIC LENGTH, DEFINITION=USER`) of elements whose material is built in:
-//! asked for once, when the analysis begins, because damage takes the length at the start.
-//! Never here: what takes a length, elements that ask routines at their points.
+//! User-defined characteristic lengths (`*CHARACTERISTIC LENGTH, DEFINITION=USER`) of elements with a built-in
+//! material. The subroutine is called once, at the start of the analysis, because damage uses the initial length.
 
 use super::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::material::user::lengths::{ShownElements, above_zero, by_default, user_number};
 use crate::state::Instant;
-use crate::state::halt::Halt;
+use crate::state::halt::HaltReason;
 use crate::state::nodes::Node;
 use crate::user::{LengthCall, LoadFailure, MAX_MATERIAL_BLOCK, UserLengths};
 
-/// Elements of a group whose length the user's routine gives.
+/// Elements of a group whose characteristic length a user subroutine defines.
 #[derive(Clone, Debug)]
-pub struct AskedLengths {
+pub struct UserLengthElements {
     pub group: usize,
-    /// Material, upper case.
+    /// Name of the material, upper case.
     pub name: String,
     pub properties: Vec<f64>,
     pub elements: Vec<String>,
 }
 
-impl AskedLengths {
+impl UserLengthElements {
     pub fn bytes(&self) -> usize {
         let names: usize = self.elements.iter().map(|n| size_of_val(n) + n.capacity()).sum();
         size_of_val(self) + names + self.name.capacity() + size_of_val(&*self.properties)
     }
 
-    /// Asks for the lengths of all elements, which have their start before them, and gives them to the group.
+    /// Calls the subroutine for the lengths of all elements in the initial configuration, and sets them in the group.
     ///
     /// # Errors
-    /// The routine's, and a length that is not above zero.
+    /// The failure of the subroutine, or a length that is not positive.
     pub fn ask(
         &self,
         group: &mut dyn ElementGroup,
         nodes: &[Node],
         now: &Instant,
         routine: &mut dyn UserLengths,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), HaltReason> {
         for (chunk, names) in self.elements.chunks(MAX_MATERIAL_BLOCK).enumerate() {
             let first = chunk * MAX_MATERIAL_BLOCK;
             let corners: Vec<[u32; 4]> = (first..first + names.len()).flat_map(|e| group.cells(e).take(1)).collect();

@@ -1,61 +1,61 @@
-//! Mass scaling (`*FIXED MASS SCALING`, `*VARIABLE MASS SCALING`): which factor each element's mass carries, when it is
-//! found anew, and what follows it: masses of nodes, of elements, forces by mass, the work that added mass costs.
-//! Never here: the inner loop, deck words.
+//! Mass scaling (`*FIXED MASS SCALING`, `*VARIABLE MASS SCALING`): requests, the factor of each element, and when
+//! factors are recomputed.
 
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::PerNode;
 use crate::state::archive::persist_struct;
 
-/// How a stable increment that is aimed at decides on factors.
+/// Rule that derives mass factors from a target stable time increment (`TYPE`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aim {
-    /// Elements whose own stable increment is below it are brought up to it.
+pub enum ScalingTarget {
+    /// Elements with a smaller stable time increment are raised to the target.
     BelowMin,
-    /// One factor for all of the set: that of its smallest own stable increment.
+    /// One factor for the whole set, from its smallest stable time increment.
     Uniform,
-    /// Every element is brought to it, up or down.
+    /// Every element is set to the target, up or down.
     SetEqual,
 }
 
+/// Mass scaling of a set of elements: a factor, a target stable time increment, or both.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Request {
-    /// Group and element of those that it scales.
+pub struct ScalingRequest {
+    /// Group and element index of the scaled elements.
     pub elements: Vec<(usize, usize)>,
-    /// Factor on the mass; comes before the increment that is aimed at.
+    /// Factor on the mass, applied before the target increment.
     pub factor: f64,
-    /// Stable increment aimed at, time, and how.
-    pub aim: Option<(Aim, f64)>,
+    /// Scaling rule and target stable time increment.
+    pub aim: Option<(ScalingTarget, f64)>,
 }
 
-/// When variable requests are evaluated anew.
+/// Interval between evaluations of variable mass scaling.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rhythm {
-    /// Every so many increments of the step.
+pub enum ScalingInterval {
+    /// Number of increments of the step.
     Increments(u64),
-    /// Whenever so much time of the step has gone by.
+    /// Step time.
     Time(f64),
 }
 
-/// A variable request with its rhythm, and when it is due next: increments or intervals of the step.
+/// Variable mass scaling, with its interval and the next due increment or interval of the step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Variable {
-    /// What is scaled and how.
-    pub request: Request,
-    pub rhythm: Rhythm,
+pub struct VariableScaling {
+    /// Elements and scaling rule.
+    pub request: ScalingRequest,
+    pub rhythm: ScalingInterval,
     due: u64,
 }
 
-impl Variable {
-    /// Due at the start of the step for the first time.
-    pub fn new(request: Request, rhythm: Rhythm) -> Self {
-        Variable { request, rhythm, due: 0 }
+impl VariableScaling {
+    /// Creates variable mass scaling that is first due at the start of the step.
+    pub fn new(request: ScalingRequest, rhythm: ScalingInterval) -> Self {
+        VariableScaling { request, rhythm, due: 0 }
     }
 
-    /// Whether it is due at this instant; if so it waits for the next turn.
-    pub(super) fn take_turn(&mut self, increment: u64, step_time: f64) -> bool {
+    /// Returns whether scaling is due at this instant, and if so advances to the next interval.
+    pub(super) fn take_if_due(&mut self, increment: u64, step_time: f64) -> bool {
         let (reached, next) = match self.rhythm {
-            Rhythm::Increments(every) => (increment >= self.due, increment + every),
-            Rhythm::Time(every) => (step_time >= self.due as f64 * every, (step_time / every) as u64 + 1),
+            ScalingInterval::Increments(every) => (increment >= self.due, increment + every),
+            ScalingInterval::Time(every) => (step_time >= self.due as f64 * every, (step_time / every) as u64 + 1),
         };
         if reached {
             self.due = next;
@@ -66,65 +66,66 @@ impl Variable {
 
 /// Mass scaling of a step.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Scaling {
-    /// Those evaluated once, at the start of the step; `None` where those of an earlier step go on.
-    pub fixed: Option<Vec<Request>>,
-    pub variable: Vec<Variable>,
+pub struct StepMassScaling {
+    /// Requests evaluated once, at the start of the step; `None` if those of an earlier step continue.
+    pub fixed: Option<Vec<ScalingRequest>>,
+    pub variable: Vec<VariableScaling>,
     /// Increment in which the step began.
     pub(super) first: Option<u64>,
 }
 
-impl Scaling {
-    /// For a step that has not begun.
-    pub fn new(fixed: Option<Vec<Request>>, variable: Vec<Variable>) -> Self {
-        Scaling { fixed, variable, first: None }
+impl StepMassScaling {
+    /// Creates the scaling of a step that has not begun.
+    pub fn new(fixed: Option<Vec<ScalingRequest>>, variable: Vec<VariableScaling>) -> Self {
+        StepMassScaling { fixed, variable, first: None }
     }
 }
 
-/// Masses without scaling and the factors on them. Room for all, so that nothing allocates inside an increment.
+/// Masses without scaling, and the factors on them. All lists are allocated here, so that nothing allocates inside an
+/// increment.
 #[derive(Clone, Debug)]
-pub struct Masses {
+pub struct ScaledMasses {
     pub(super) nodes: Vec<f64>,
-    /// Of elements at their nodes, by group.
+    /// Masses of elements at their nodes, by group.
     pub(super) elements: Vec<Vec<PerNode<f64>>>,
-    /// Nodes whose mass stays: those that rigid bodies carry or equations keep; empty without any.
-    pub(super) left: Vec<bool>,
-    /// Factors of fixed requests, and all together.
+    /// Nodes whose mass is not scaled: those of rigid bodies, equations and ties; empty if there are none.
+    pub(super) unscaled: Vec<bool>,
+    /// Factors of fixed requests, and products of all factors.
     pub(super) fixed: Vec<Vec<f64>>,
     pub(super) factors: Vec<Vec<f64>>,
-    /// Factors that the elements have now.
-    pub(super) carried: Vec<Vec<f64>>,
-    /// Masses of nodes with the factors.
+    /// Factors that are applied to the elements.
+    pub(super) applied: Vec<Vec<f64>>,
+    /// Scaled masses of the nodes.
     pub(super) sums: Vec<f64>,
 }
 
-impl Scaling {
-    /// A step begins in which it goes on: what is due by the time of the step has just been done.
+impl StepMassScaling {
+    /// Begins a step that continues this scaling: requests by time were evaluated at the end of the previous step.
     pub fn begin_step(&mut self) {
-        let by_time = self.variable.iter_mut().filter(|v| matches!(v.rhythm, Rhythm::Time(_)));
+        let by_time = self.variable.iter_mut().filter(|v| matches!(v.rhythm, ScalingInterval::Time(_)));
         by_time.for_each(|variable| variable.due = 1);
     }
 
     pub fn bytes(&self) -> usize {
-        let of = |r: &Request| size_of_val(r) + heap_bytes(&r.elements);
+        let of = |r: &ScalingRequest| size_of_val(r) + heap_bytes(&r.elements);
         self.fixed.iter().flatten().map(of).sum::<usize>() + self.variable.iter().map(|v| of(&v.request)).sum::<usize>()
     }
 }
 
-persist_struct!(Variable { due } derived { request, rhythm });
+persist_struct!(VariableScaling { due } derived { request, rhythm });
 
-persist_struct!(Scaling { variable: fixed, first } derived { fixed });
+persist_struct!(StepMassScaling { variable: fixed, first } derived { fixed });
 
-impl Masses {
-    /// Whether a node keeps its mass.
-    pub(super) fn stays(&self, node: u32) -> bool {
-        self.left.get(node as usize).copied().unwrap_or(false)
+impl ScaledMasses {
+    /// Returns whether a node keeps its mass.
+    pub(super) fn is_unscaled(&self, node: u32) -> bool {
+        self.unscaled.get(node as usize).copied().unwrap_or(false)
     }
 
-    /// Masses of an element at its nodes under a factor.
+    /// Returns the masses of an element at its nodes, scaled by a factor.
     pub(super) fn scaled(&self, group: usize, element: usize, nodes: &[u32], factor: f64) -> PerNode<f64> {
         let mut masses = self.elements[group][element];
-        let scaled = masses.iter_mut().zip(nodes).filter(|(_, node)| !self.stays(**node));
+        let scaled = masses.iter_mut().zip(nodes).filter(|(_, node)| !self.is_unscaled(**node));
         scaled.for_each(|(mass, _)| *mass *= factor);
         masses
     }
@@ -134,16 +135,16 @@ impl Masses {
         let elements: usize = self.elements.iter().map(heap_bytes).sum();
         of(&self.fixed)
             + of(&self.factors)
-            + of(&self.carried)
+            + of(&self.applied)
             + elements
-            + self.left.capacity()
+            + self.unscaled.capacity()
             + 8 * (self.nodes.capacity() + self.sums.capacity())
     }
 }
 
-// Of nodes and elements, masses without factors and what stays are those of the plan; the scaled ones are computed anew.
-persist_struct!(Masses {
-    fixed: fixed_lists, factors: fixed_lists, carried: fixed_lists
+// Unscaled masses and the set of unscaled nodes follow from the plan; scaled masses are recomputed.
+persist_struct!(ScaledMasses {
+    fixed: fixed_lists, factors: fixed_lists, applied: fixed_lists
 } derived {
-    nodes, elements, left, sums
+    nodes, elements, unscaled, sums
 });

@@ -1,69 +1,70 @@
-//! What the middle of each element of a block says of what is assumed at its edges: moduli, what flows, what damage leaves.
-//! Never here: strains of the patterns.
-#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+//! Material state at the centre of each element of a block that determines the assumed stresses at its edges: moduli,
+//! plastic flow, damage.
+#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
-use super::block::Workspace;
-use super::constants::Constants;
+use super::block::TaskWorkspace;
+use super::constants::ElementConstants;
 use crate::kernel::assumed::moduli;
 use crate::kernel::lanes::{LANES, Lanes, column};
 use crate::kernel::stress::mises;
 use crate::material::Material;
 use crate::material::increment::StressUpdate;
 
-/// The largest trace of the squares of the patterns' frequencies over the square of that of the strains' bound: a folded
-/// element, whose patterns move next to no mass, has no more stiffness than that.
+/// Largest ratio of the trace of the patterns' squared frequencies to the squared frequency bound of the strains. It
+/// limits the stiffness of folded elements, whose patterns move almost no mass.
 const SLOW: f64 = 0.5;
 
-/// What the middle of each element says of what flows at its edges.
+/// Material state at the centres of a block's elements.
 #[repr(C, align(64))]
-pub(super) struct Middle {
-    /// Deviator of the elastic trial, reckoned from the middle of the yield surface, and its von Mises stress.
+pub(super) struct CentroidState {
+    /// Deviator of the elastic trial stress, relative to the centre of the yield surface, and its von Mises stress.
     pub deviator: [Lanes; 4],
     pub trial: Lanes,
-    /// Moduli of a stress: along a strain, beside it, and that over the one along it.
+    /// Moduli of a strain: for the stress in its direction, for the transverse stress, and the ratio of transverse to
+    /// direct modulus.
     pub along: Lanes,
-    pub beside: Lanes,
+    pub transverse: Lanes,
     pub ratio: Lanes,
-    /// Modulus of a wave over that along a strain, with what the patterns' frequencies may be of the strains'.
+    /// Longitudinal modulus over the direct modulus, times the largest ratio of squared frequencies.
     pub slow: Lanes,
     /// One over twice the shear modulus.
     pub compliance: Lanes,
-    /// Part of the stress that damage leaves, and that over what it left before.
+    /// Remaining stiffness fraction of damage, and its ratio to the previous one.
     pub share: Lanes,
     pub remains: Lanes,
 }
 
-/// The moduli of one lane as [`Middle`] has them.
-struct Elastic {
+/// Moduli of one lane, as in [`CentroidState`].
+struct LaneModuli {
     along: f64,
-    beside: f64,
+    transverse: f64,
     ratio: f64,
     slow: f64,
     compliance: f64,
 }
 
-impl Elastic {
+impl LaneModuli {
     #[inline(always)]
-    fn of(bulk: f64, shear: f64) -> Elastic {
-        let [along, beside] = moduli(bulk, shear);
-        // Without a shear modulus there is nothing along either.
+    fn of(bulk: f64, shear: f64) -> LaneModuli {
+        let [along, transverse] = moduli(bulk, shear);
+        // Without a shear modulus, the direct modulus is zero.
         let (per, compliance) = if shear > 0.0 { (1.0 / along, 0.5 / shear) } else { (0.0, 0.0) };
         let slow = 3.0 * SLOW * (bulk + 4.0 / 3.0 * shear) * per;
-        Elastic { along, beside, ratio: beside * per, slow, compliance }
+        LaneModuli { along, transverse, ratio: transverse * per, slow, compliance }
     }
 }
 
-impl Middle {
-    /// Of a material without damage that has these moduli everywhere.
+impl CentroidState {
+    /// Returns the state of a material without damage and with constant moduli.
     #[inline(always)]
-    pub fn of(constants: &Constants, scratch: &Workspace) -> Middle {
-        let Constants { bulk, shear, .. } = *constants;
-        let Elastic { along, beside, ratio, slow, compliance } = Elastic::of(bulk, shear);
-        Middle {
+    pub fn of(constants: &ElementConstants, scratch: &TaskWorkspace) -> CentroidState {
+        let ElementConstants { bulk, shear, .. } = *constants;
+        let LaneModuli { along, transverse, ratio, slow, compliance } = LaneModuli::of(bulk, shear);
+        CentroidState {
             deviator: scratch.stress.deviator,
             trial: scratch.stress.trial,
             along: [along; LANES],
-            beside: [beside; LANES],
+            transverse: [transverse; LANES],
             ratio: [ratio; LANES],
             slow: [slow; LANES],
             compliance: [compliance; LANES],
@@ -72,9 +73,9 @@ impl Middle {
         }
     }
 
-    /// Moduli of now where they vary.
+    /// Sets the current moduli of a material whose moduli vary.
     #[inline(always)]
-    pub fn vary<M: Material>(&mut self, constants: &Constants, scratch: &Workspace) {
+    pub fn vary<M: Material>(&mut self, constants: &ElementConstants, scratch: &TaskWorkspace) {
         for l in 0..LANES {
             let (mut bulk, mut shear) = (scratch.stress.bulk[l], constants.shear);
             if !M::EQUATION_OF_STATE {
@@ -82,9 +83,9 @@ impl Middle {
                 bulk += 4.0 / 3.0 * (constants.shear - shear);
                 bulk = if bulk > shear { bulk } else { shear };
             }
-            let Elastic { along, beside, ratio, slow, compliance } = Elastic::of(bulk, shear);
+            let LaneModuli { along, transverse, ratio, slow, compliance } = LaneModuli::of(bulk, shear);
             self.along[l] = along;
-            self.beside[l] = beside;
+            self.transverse[l] = transverse;
             self.ratio[l] = ratio;
             self.slow[l] = slow;
             self.compliance[l] = compliance;
@@ -100,7 +101,7 @@ impl Middle {
         }
     }
 
-    /// Of coupled plastic flow: the trial from the plastic strain, and the part of it that is left.
+    /// Restores the trial stress from the plastic strain of coupled flow, and the ratio of returned to trial stress.
     #[inline(always)]
     pub fn undo_flow(&mut self, update: &mut StressUpdate) {
         for l in 0..LANES {

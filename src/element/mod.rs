@@ -1,5 +1,5 @@
-//! Elements: groups of one kind and one material, springs and dashpots, and what follows from all of them together.
-//! Never here: nodes' motion, deck words.
+//! Elements: groups of one topology and material, springs and dashpots, and their common time increment limit,
+//! deletion, mass scaling and output.
 
 mod assumed;
 pub mod averaging;

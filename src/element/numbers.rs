@@ -1,68 +1,67 @@
-//! The precision of a group's numbers: what a block does in an increment, in which units, where its corner forces go.
-//! Never here: arithmetic that both precisions share.
+//! Precision of an element group: units and block update in single and double precision, destination of corner forces.
 
-use super::block::{ElementBlock, Nodes, Workspace};
-use super::constants::Constants;
-use super::control::Spring;
-use super::eroded::Eroded;
-use crate::kernel::lanes::{Corners, InlineMap};
+use super::block::{CornerNodes, ElementBlock, TaskWorkspace};
+use super::constants::ElementConstants;
+use super::control::PatternSpring;
+use super::eroded::ErodedLanes;
+use crate::kernel::lanes::{BlockCornerForces, InlineMap};
 use crate::kernel::quad::UNIT;
 use crate::kernel::real::Real;
 use crate::material::Material;
-use crate::mesh::corner_forces::Slots;
+use crate::mesh::corner_forces::CornerForceSlots;
 use crate::state::archive::Persist;
-use crate::state::nodes::Accelerated;
+use crate::state::nodes::NodeAccelerations;
 
-/// The increment that a block is updated over.
+/// Input of a block update that describes the increment.
 pub struct IncrementInput<'a> {
     /// Length of the increment.
     pub dt: f64,
-    /// What carried nodes over it.
-    pub before: Accelerated<'a>,
+    /// Accelerations that moved the nodes over the increment.
+    pub before: NodeAccelerations<'a>,
 }
 
-/// Corner forces of a group's blocks: its own, or wider ones.
-pub enum Forces<'a, T> {
-    /// Of the same precision.
-    Own(&'a mut [Corners<T>]),
-    /// Of a scene in which other groups are in double precision.
-    Wider(&'a mut [Corners]),
+/// Corner forces of a group's blocks, in the precision of the group or in double precision.
+pub enum BlockForces<'a, T> {
+    /// Same precision as the group.
+    Own(&'a mut [BlockCornerForces<T>]),
+    /// Double precision: other groups of the model are in double precision.
+    Wider(&'a mut [BlockCornerForces]),
 }
 
-/// What a block of a group is made of.
-pub trait Numbers: Real + Persist {
-    /// Unit of lengths and times for elements of volumes from the least to the largest.
+/// Floating-point type of an element group.
+pub trait ElementPrecision: Real + Persist {
+    /// Returns the unit of lengths and times for elements with the given smallest and largest volume.
     fn length(volumes: [f64; 2]) -> f64;
 
-    /// Speed of sound to a power of two, by its square; 0 where nothing asks for it.
+    /// Returns the speed of sound rounded to a power of two, from its square; 0 in double precision.
     fn sound(square: f64) -> f64;
 
-    /// The corner forces of a group.
-    fn forces(slots: Slots<'_>) -> Forces<'_, Self>;
+    /// Returns the corner forces of a group.
+    fn forces(slots: CornerForceSlots<'_>) -> BlockForces<'_, Self>;
 
     fn update<M: Material<Self>, const AREA: bool>(
         block: &mut ElementBlock<M::State, Self>,
         material: &M,
-        constants: &Constants,
+        constants: &ElementConstants,
         increment: &IncrementInput<'_>,
-        nodes: &mut Nodes<Self>,
-        scratch: &mut Workspace<Self>,
-        corners: &mut Corners<Self>,
+        nodes: &mut CornerNodes<Self>,
+        scratch: &mut TaskWorkspace<Self>,
+        corners: &mut BlockCornerForces<Self>,
     );
 
-    /// The second part of an increment, whose strains are known: stresses and corner forces.
+    /// Updates stresses and corner forces; the second part of an increment, when strains are known.
     fn finish<M: Material<Self>, const AREA: bool>(
         block: &mut ElementBlock<M::State, Self>,
         material: &M,
-        increment: (&Constants, f64),
-        eroded: Option<&Eroded>,
-        nodes: &Nodes<Self>,
-        scratch: &mut Workspace<Self>,
-        corners: &mut Corners<Self>,
+        increment: (&ElementConstants, f64),
+        eroded: Option<&ErodedLanes>,
+        nodes: &CornerNodes<Self>,
+        scratch: &mut TaskWorkspace<Self>,
+        corners: &mut BlockCornerForces<Self>,
     );
 }
 
-impl Numbers for f64 {
+impl ElementPrecision for f64 {
     fn length(_volumes: [f64; 2]) -> f64 {
         1.0
     }
@@ -71,10 +70,10 @@ impl Numbers for f64 {
         0.0
     }
 
-    fn forces(slots: Slots<'_>) -> Forces<'_, f64> {
+    fn forces(slots: CornerForceSlots<'_>) -> BlockForces<'_, f64> {
         match slots {
-            Slots::Double(list) => Forces::Own(list),
-            Slots::Single(_) => unreachable!("corner forces are single where all groups are"),
+            CornerForceSlots::Double(list) => BlockForces::Own(list),
+            CornerForceSlots::Single(_) => unreachable!("corner forces are single where all groups are"),
         }
     }
 
@@ -82,11 +81,11 @@ impl Numbers for f64 {
     fn update<M: Material, const AREA: bool>(
         block: &mut ElementBlock<M::State>,
         material: &M,
-        constants: &Constants,
+        constants: &ElementConstants,
         increment: &IncrementInput<'_>,
-        nodes: &mut Nodes,
-        scratch: &mut Workspace,
-        corners: &mut Corners,
+        nodes: &mut CornerNodes,
+        scratch: &mut TaskWorkspace,
+        corners: &mut BlockCornerForces,
     ) {
         block.update::<M, AREA>(material, constants, (increment.dt, increment.before), nodes, scratch, corners);
     }
@@ -95,11 +94,11 @@ impl Numbers for f64 {
     fn finish<M: Material, const AREA: bool>(
         block: &mut ElementBlock<M::State>,
         material: &M,
-        increment: (&Constants, f64),
-        eroded: Option<&Eroded>,
-        nodes: &Nodes,
-        scratch: &mut Workspace,
-        corners: &mut Corners,
+        increment: (&ElementConstants, f64),
+        eroded: Option<&ErodedLanes>,
+        nodes: &CornerNodes,
+        scratch: &mut TaskWorkspace,
+        corners: &mut BlockCornerForces,
     ) {
         block.finish::<M, AREA>(material, increment, eroded, nodes, scratch, corners);
     }
@@ -109,9 +108,9 @@ fn exponent(value: f64) -> i32 {
     (value.to_bits() >> 52) as i32 - 1023
 }
 
-impl Numbers for f32 {
-    /// A power of two, which costs no digit, so that products of volumes keep within the range of the numbers: in metres the
-    /// third power of the volume of an element of ten micrometres would not.
+impl ElementPrecision for f32 {
+    /// A power of two, so that scaling is exact. It keeps products of volumes in the range of the type: in metres, the
+    /// third power of the volume of a 10 µm element would underflow.
     fn length([least, largest]: [f64; 2]) -> f64 {
         2f64.powi((exponent(least / UNIT) + exponent(largest / UNIT)).div_euclid(6))
     }
@@ -120,10 +119,10 @@ impl Numbers for f32 {
         2f64.powi(exponent(square).div_euclid(2))
     }
 
-    fn forces(slots: Slots<'_>) -> Forces<'_, f32> {
+    fn forces(slots: CornerForceSlots<'_>) -> BlockForces<'_, f32> {
         match slots {
-            Slots::Double(list) => Forces::Wider(list),
-            Slots::Single(list) => Forces::Own(list),
+            CornerForceSlots::Double(list) => BlockForces::Wider(list),
+            CornerForceSlots::Single(list) => BlockForces::Own(list),
         }
     }
 
@@ -131,11 +130,11 @@ impl Numbers for f32 {
     fn update<M: Material<f32>, const AREA: bool>(
         block: &mut ElementBlock<M::State, f32>,
         material: &M,
-        constants: &Constants,
+        constants: &ElementConstants,
         increment: &IncrementInput<'_>,
-        nodes: &mut Nodes<f32>,
-        scratch: &mut Workspace<f32>,
-        corners: &mut Corners<f32>,
+        nodes: &mut CornerNodes<f32>,
+        scratch: &mut TaskWorkspace<f32>,
+        corners: &mut BlockCornerForces<f32>,
     ) {
         const { assert!(!M::MODULI_VARY) };
         let dt = f32::of(increment.dt / scratch.length);
@@ -149,32 +148,36 @@ impl Numbers for f32 {
     fn finish<M: Material<f32>, const AREA: bool>(
         block: &mut ElementBlock<M::State, f32>,
         material: &M,
-        (constants, dt): (&Constants, f64),
-        eroded: Option<&Eroded>,
-        _nodes: &Nodes<f32>,
-        scratch: &mut Workspace<f32>,
-        corners: &mut Corners<f32>,
+        (constants, dt): (&ElementConstants, f64),
+        eroded: Option<&ErodedLanes>,
+        _nodes: &CornerNodes<f32>,
+        scratch: &mut TaskWorkspace<f32>,
+        corners: &mut BlockCornerForces<f32>,
     ) {
         let dt = f32::of(dt / scratch.length);
-        let mut kept = scratch.kept();
+        let mut kept = scratch.hourglass_state();
         block.update_stress(material, constants, scratch);
-        block.forces::<M, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut Spring);
-        scratch.keep(kept);
+        block.forces::<M, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut PatternSpring);
+        scratch.store_hourglass_state(kept);
         block.clear(material, eroded, corners);
     }
 }
 
-impl<T: Real> Forces<'_, T> {
+impl<T: Real> BlockForces<'_, T> {
     pub fn are_zero(&self) -> bool {
         match self {
-            Forces::Own(list) => list.iter().all(|c| c.0.as_flattened().as_flattened().iter().all(|f| *f == T::ZERO)),
-            Forces::Wider(list) => list.iter().all(|c| c.0.as_flattened().as_flattened().iter().all(|f| *f == 0.0)),
+            BlockForces::Own(list) => {
+                list.iter().all(|c| c.0.as_flattened().as_flattened().iter().all(|f| *f == T::ZERO))
+            }
+            BlockForces::Wider(list) => {
+                list.iter().all(|c| c.0.as_flattened().as_flattened().iter().all(|f| *f == 0.0))
+            }
         }
     }
 }
 
-/// The same forces in double precision.
-pub fn widen<T: Real>(from: &Corners<T>, to: &mut Corners) {
+/// Converts corner forces to double precision.
+pub fn widen<T: Real>(from: &BlockCornerForces<T>, to: &mut BlockCornerForces) {
     for (to, from) in to.0.as_flattened_mut().iter_mut().zip(from.0.as_flattened()) {
         *to = from.inline_map(T::wide);
     }

@@ -1,44 +1,43 @@
-//! Field variables that are prescribed at nodes over time (`*FIELD`), as elements are given them.
-//! Never here: what depends on them.
+//! Field variables prescribed at nodes over time (`*FIELD`), and their transfer to elements.
 
 use std::sync::Arc;
 
 use super::group::ElementGroup;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
-use crate::state::magnitude::{Clock, Magnitude};
+use crate::state::magnitude::{AmplitudeClock, Magnitude};
 
-/// A field variable at some nodes in a step.
+/// Prescribed value of a field variable at some nodes in a step.
 #[derive(Clone, Debug)]
-pub struct Prescribed {
-    /// The variable, counted from 0.
+pub struct NodalFieldValue {
+    /// Index of the variable, from 0.
     pub variable: usize,
     pub nodes: Vec<usize>,
     /// Value over time.
     pub magnitude: Magnitude,
 }
 
-/// Fields of all steps. They follow from the clock alone: no state of the run holds them.
+/// Predefined fields of all steps. They depend on the time only and are not part of the saved state.
 #[derive(Clone)]
 pub struct PredefinedFields {
     pub id: EffectId,
-    /// Of each variable the values of nodes at the start.
+    /// Initial nodal values of each variable.
     start: Arc<Vec<Vec<f64>>>,
-    /// Of each step; one list serves all steps that go on with it.
-    steps: Arc<Vec<Arc<[Prescribed]>>>,
-    /// Groups that hold fields, with the boundaries of their elements.
+    /// Prescribed values of each step; steps that continue a list share it.
+    steps: Arc<Vec<Arc<[NodalFieldValue]>>>,
+    /// Groups with field variables, and the boundaries of their elements.
     groups: Arc<Vec<(usize, Vec<ElementNodes>)>>,
-    /// Of one variable: values of nodes, and of the elements of a group.
+    /// Values of one variable: at the nodes, and for the elements of a group.
     nodal: Vec<f64>,
     means: Vec<f64>,
 }
 
 impl PredefinedFields {
-    /// Values of nodes at the start by variable, and what each step prescribes.
+    /// Creates the fields from the initial nodal values by variable and the prescribed values of each step.
     pub fn new(
         id: EffectId,
         start: Vec<Vec<f64>>,
-        steps: Vec<Arc<[Prescribed]>>,
+        steps: Vec<Arc<[NodalFieldValue]>>,
         groups: &[Box<dyn ElementGroup>],
     ) -> Self {
         let holding = groups.iter().enumerate().filter(|(_, g)| g.properties().fields > 0);
@@ -54,8 +53,8 @@ impl PredefinedFields {
         }
     }
 
-    /// Gives elements the fields of this instant: the means of their nodes.
-    pub(super) fn give(&mut self, groups: &mut [Box<dyn ElementGroup>], clock: &Clock<'_>) {
+    /// Sets the field variables of elements at this instant to the means of their nodes.
+    pub(super) fn give(&mut self, groups: &mut [Box<dyn ElementGroup>], clock: &AmplitudeClock<'_>) {
         let Some(step) = (clock.now.step as usize).checked_sub(1).and_then(|s| self.steps.get(s)) else { return };
         for (variable, start) in self.start.iter().enumerate() {
             self.nodal.copy_from_slice(start);
@@ -80,13 +79,14 @@ impl PredefinedFields {
         let PredefinedFields { id: _, start, steps, groups, nodal, means } = self;
         let numbers = start.iter().map(Vec::capacity).sum::<usize>() + nodal.capacity() + means.capacity();
         let corners: usize = groups.iter().map(|g| size_of_val(&*g.1)).sum();
-        let of = |f: &Prescribed| size_of_val(f) + size_of_val(&*f.nodes) + f.magnitude.bytes();
+        let of = |f: &NodalFieldValue| size_of_val(f) + size_of_val(&*f.nodes) + f.magnitude.bytes();
         let lists = steps.iter().enumerate().filter(|(i, list)| *i == 0 || !Arc::ptr_eq(list, &steps[i - 1]));
         size_of::<f64>() * numbers + corners + lists.flat_map(|list| list.1.iter()).map(of).sum::<usize>()
     }
 }
 
-/// The value in the middle of an element: the mean of the nodes of its boundary, each counted once.
+/// Returns the value at the centre of an element: the mean over the nodes of its boundary, coincident nodes counted
+/// once.
 pub fn mean(boundary: &[u32], nodal: &[f64]) -> f64 {
     let at = |i: usize| nodal[boundary[i] as usize];
     match boundary {

@@ -1,57 +1,56 @@
-//! What is at rest costs nothing: tasks of elements without stress whose nodes do not move, and the nodes that only such
-//! elements touch, are passed over until something reaches them. Skipping them changes no bit.
-//! Never here: arithmetic of elements and nodes.
+//! Quiescent regions: tasks of stress-free elements whose nodes are at rest, and the nodes that belong only to such
+//! elements, are skipped until a wave or a load reaches them. Skipping does not change any bit of the results.
 
 use super::group::{ElementGroup, TASK};
 use crate::kernel::lanes::LANES;
 use crate::kernel::lists::heap_bytes;
-use crate::state::archive::{Archive, Persist, persist_struct};
+use crate::state::archive::{Persist, StateArchive, persist_struct};
 use crate::state::nodes::Node;
 
-/// Nodes that are passed over together.
+/// Number of nodes that are skipped together.
 pub const FEW: usize = 32;
 
-/// Whether a task of elements is quiescent, and its nodes.
+/// Nodes of a task of elements, and whether it is quiescent.
 #[derive(Clone, Debug)]
-pub(super) struct Quiescence {
+pub(super) struct TaskQuiescence {
     pub nodes: Vec<u32>,
-    /// Since the start of the analysis nothing has reached the task.
+    /// Whether the task has been at rest since the start of the analysis.
     pub quiescent: bool,
 }
 
-impl Quiescence {
-    /// The tasks of a group, all awake.
-    pub fn of_tasks<const N: usize>(elements: &[[u32; N]]) -> Vec<Quiescence> {
+impl TaskQuiescence {
+    /// Creates the states of the tasks of a group, all active.
+    pub fn of_tasks<const N: usize>(elements: &[[u32; N]]) -> Vec<TaskQuiescence> {
         let task = |part: &[[u32; N]]| {
             let mut nodes: Vec<u32> = part.as_flattened().to_vec();
             nodes.sort_unstable();
             nodes.dedup();
-            Quiescence { nodes, quiescent: false }
+            TaskQuiescence { nodes, quiescent: false }
         };
         elements.chunks(TASK * LANES).map(task).collect()
     }
 
     pub fn bytes(&self) -> usize {
-        size_of::<Quiescence>() + heap_bytes(&self.nodes)
+        size_of::<TaskQuiescence>() + heap_bytes(&self.nodes)
     }
 
-    /// Whether no node of the task moves.
+    /// Returns whether all nodes of the task are at rest.
     pub fn is_still(&self, nodes: &[Node]) -> bool {
         self.nodes.iter().all(|&n| nodes[n as usize].v_r == 0.0 && nodes[n as usize].v_z == 0.0)
     }
 }
 
-/// Which nodes have work, a few at a time.
+/// Chunks of nodes that need an update.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ActiveNodes {
-    /// Groups and tasks that touch each few nodes; empty once all are awake for good.
+    /// Groups and tasks of the elements at each chunk of nodes; empty once all are permanently active.
     touching: Vec<Vec<(u32, u32)>>,
-    /// Whether they have work in this increment; empty if all have.
+    /// Whether each chunk is active in this increment; empty if all are.
     awake: Vec<bool>,
 }
 
 impl ActiveNodes {
-    /// From the nodes of each group's elements.
+    /// Creates the lists from the nodes of each group's elements.
     pub fn new(count: usize, groups: &[Box<dyn ElementGroup>]) -> Self {
         let mut touching = vec![Vec::new(); count.div_ceil(FEW)];
         for (g, group) in groups.iter().enumerate() {
@@ -77,7 +76,8 @@ impl ActiveNodes {
         *self = ActiveNodes::default();
     }
 
-    /// After the elements: nodes of quiescent tasks have no work, unless a force acts on them.
+    /// Updates the active chunks after the elements: nodes of quiescent tasks are inactive unless an external force
+    /// acts on them.
     pub fn update(&mut self, groups: &[Box<dyn ElementGroup>], external: &[[f64; 2]]) {
         if self.touching.is_empty() {
             return;
@@ -94,17 +94,17 @@ impl ActiveNodes {
         }
     }
 
-    /// Whether the nodes from `first` on, a few, have work.
+    /// Returns whether the chunk of nodes from `first` on is active.
     #[inline(always)]
     pub fn has_work(&self, first: usize) -> bool {
         self.awake.is_empty() || self.awake[first / FEW]
     }
 }
 
-persist_struct!(Quiescence { quiescent } derived { nodes });
+persist_struct!(TaskQuiescence { quiescent } derived { nodes });
 
 impl Persist for ActiveNodes {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         let ActiveNodes { touching, awake } = self;
         let mut for_good = touching.is_empty();
         for_good.persist(archive);
@@ -112,12 +112,12 @@ impl Persist for ActiveNodes {
             touching.clear();
         }
         awake.persist(archive);
-        // On the way back all may be awake for good by now, which changes no bit.
+        // When reading, all chunks may already be permanently active, which does not change any bit.
         if touching.is_empty() {
             awake.clear();
         }
         if !(awake.is_empty() || awake.len() == touching.len()) {
-            archive.refuse(|| format!("{} parts of the nodes, of which the deck has {}", awake.len(), touching.len()));
+            archive.reject(|| format!("{} chunks of nodes, the deck requires {}", awake.len(), touching.len()));
             awake.clear();
         }
     }

@@ -1,5 +1,4 @@
-//! What is followed over increments only because some output asks for it: strains and energies of elements.
-//! Never here: anything that stresses or forces need.
+//! Strains and energies of elements that are integrated over increments for output only.
 #![allow(clippy::needless_range_loop)] // Loops over lanes, as in the inner loop.
 
 use pulp::NullaryFnOnce;
@@ -8,29 +7,29 @@ use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::column;
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::real::Real;
-use crate::kernel::rotation::{of_spin, turned};
+use crate::kernel::rotation::{rotate, rotation_of_spin};
 use crate::kernel::stress::mises;
 use crate::material::PlasticFlow;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::state::archive::persist_struct;
-use crate::variables::{Part, Variable};
+use crate::variables::{Variable, VariableComponent};
 
-/// Output variables of the eight elements of a block.
+/// Output variables of the elements of a block.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Record {
+pub struct BlockRecord {
     /// Logarithmic strain rr, zz, hoop, rz (tensor component), integrated with the rotation of the stress.
     strain: [Lanes; 4],
-    /// Plastic part of it.
+    /// Plastic strain, same components.
     plastic: [Lanes; 4],
-    /// Strain rate of the increment behind.
+    /// Strain rate of the previous increment.
     rate: [Lanes; 4],
-    /// Work of the stress, and the part of it that flow has dissipated.
+    /// Work of the stress, and its plastically dissipated part.
     work: [Lanes; 2],
 }
 
-/// What a record tells of one element. Tensors as rr, zz, hoop, rz with tensor shear.
+/// Recorded values of one element; tensors as rr, zz, hoop, rz with tensor shear.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Followed {
+pub struct ElementRecord {
     /// Logarithmic strain.
     pub strain: [f64; 4],
     pub plastic: [f64; 4],
@@ -40,9 +39,9 @@ pub struct Followed {
     pub energy: [f64; 2],
 }
 
-impl Followed {
-    /// A component of what is followed; of strains the engineering shear, as ABAQUS shows them.
-    pub(super) fn value(&self, part: Part) -> Option<f64> {
+impl ElementRecord {
+    /// Returns a recorded component; strains with engineering shear, as in ABAQUS.
+    pub(super) fn value(&self, part: VariableComponent) -> Option<f64> {
         let strain = |tensor: [f64; 4]| {
             let component = *tensor.get(part.component)?;
             Some(if part.component == 3 { 2.0 * component } else { component })
@@ -58,10 +57,10 @@ impl Followed {
     }
 }
 
-/// What a record is shown of an increment, after the stress of its end is known. As one call, so that it is compiled for the
-/// machine's instruction set once and not with each law.
-pub(super) struct Following<'a, T> {
-    pub record: &'a mut Record,
+/// Operation that updates a record after the stress update. It is a separate function, so that it is compiled once per
+/// instruction set and not for each material.
+pub(super) struct RecordUpdate<'a, T> {
+    pub record: &'a mut BlockRecord,
     pub stress: &'a [Lanes<T>; 4],
     pub flow: PlasticFlow,
     pub spins: Lanes,
@@ -72,30 +71,30 @@ pub(super) struct Following<'a, T> {
     pub update: &'a StressUpdate<T>,
 }
 
-impl<T: Real> NullaryFnOnce for Following<'_, T> {
+impl<T: Real> NullaryFnOnce for RecordUpdate<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn call(mut self) {
-        // Values of their own: of numbers behind a reference compilers do not know that writing one leaves the others.
+        // A local copy: with references, compilers must assume that a write may change other fields.
         let mut record = *self.record;
         self.follow(&mut record);
         match self.flow {
             PlasticFlow::None | PlasticFlow::Unknown => {}
-            PlasticFlow::Coupled => self.flow_as_told(&mut record),
+            PlasticFlow::Coupled => self.add_material_flow(&mut record),
             PlasticFlow::Deviatoric => self.flow_along_deviator(&mut record),
         }
         *self.record = record;
     }
 }
 
-impl<T: Real> Following<'_, T> {
+impl<T: Real> RecordUpdate<'_, T> {
     #[inline(always)]
-    fn follow(&mut self, record: &mut Record) {
+    fn follow(&mut self, record: &mut BlockRecord) {
         let per_dt = if self.dt > 0.0 { 1.0 / self.dt } else { 0.0 };
         for l in 0..LANES {
-            let turn = of_spin(self.spins[l]);
-            let (strain, plastic) = (turned(column(&record.strain, l), turn), turned(column(&record.plastic, l), turn));
+            let turn = rotation_of_spin(self.spins[l]);
+            let (strain, plastic) = (rotate(column(&record.strain, l), turn), rotate(column(&record.plastic, l), turn));
             let [increment, carried, stress] = [&self.increment.strain, &self.increment.carried, self.stress]
                 .inline_map(|list| column(list, l).inline_map(T::wide));
             let doubled = [0, 1, 2, 3].inline_map(|i| increment[i] * (carried[i] + stress[i]));
@@ -110,7 +109,7 @@ impl<T: Real> Following<'_, T> {
     }
 
     #[inline(always)]
-    fn flow_as_told(&self, record: &mut Record) {
+    fn add_material_flow(&self, record: &mut BlockRecord) {
         for l in 0..LANES {
             record.work[1][l] += self.unit * self.increment.volume[l].wide() * self.update.flow[l].wide();
             for i in 0..4 {
@@ -119,9 +118,9 @@ impl<T: Real> Following<'_, T> {
         }
     }
 
-    /// Associated flow: 3/2 dp s/q, the direction of the trial.
+    /// Adds associated plastic flow: 3/2 dp s/q in the direction of the trial deviator.
     #[inline(always)]
-    fn flow_along_deviator(&self, record: &mut Record) {
+    fn flow_along_deviator(&self, record: &mut BlockRecord) {
         for l in 0..LANES {
             let (flow, trial) = (self.update.flow[l].wide(), self.update.trial[l].wide());
             let (flows, per) = (flow > 0.0, 1.5 * flow / trial);
@@ -137,12 +136,12 @@ impl<T: Real> Following<'_, T> {
     }
 }
 
-impl Record {
-    /// What is told of one element.
-    pub(super) fn of(&self, lane: usize) -> Followed {
+impl BlockRecord {
+    /// Returns the recorded values of one element.
+    pub(super) fn of(&self, lane: usize) -> ElementRecord {
         let tensor = |x: &[Lanes; 4]| [0, 1, 2, 3].inline_map(|i| x[i][lane]);
         let [work, dissipated] = [self.work[0][lane], self.work[1][lane]];
-        Followed {
+        ElementRecord {
             strain: tensor(&self.strain),
             plastic: tensor(&self.plastic),
             rate: tensor(&self.rate),
@@ -151,4 +150,4 @@ impl Record {
     }
 }
 
-persist_struct!(Record { strain, plastic, rate, work });
+persist_struct!(BlockRecord { strain, plastic, rate, work });

@@ -1,5 +1,4 @@
-//! Books of what deletion took away: deleted elements, and the nodes that no element has any more, which fly on as points.
-//! Never here: what is deleted when, what points hit.
+//! Totals of element deletion: mass and energy of deleted elements, and of the free nodes that remain as point masses.
 
 use serde::Serialize;
 
@@ -9,49 +8,49 @@ use crate::state::archive::persist_struct;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
-/// What the books say at an instant.
+/// Totals at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Books {
-    /// Mass of the elements that were deleted.
+pub struct DeletionTotals {
+    /// Mass of deleted elements.
     #[serde(rename = "EROMASS")]
     pub mass: f64,
-    /// Energy that they had taken up: part of ALLIE.
+    /// Internal energy of deleted elements; part of ALLIE.
     #[serde(rename = "EROIE")]
     pub internal: f64,
-    /// Mass of nodes that no element has any more.
+    /// Mass of free nodes, whose elements are all deleted.
     #[serde(rename = "EROPMASS")]
     pub points: f64,
-    /// Their kinetic energy: part of ALLKE.
+    /// Kinetic energy of free nodes; part of ALLKE.
     #[serde(rename = "EROPKE")]
     pub kinetic: f64,
-    /// Their momentum along z.
+    /// Momentum of free nodes along z.
     #[serde(rename = "EROPMOM")]
     pub momentum: f64,
 }
 
-/// What was deleted so far.
+/// Deletion so far.
 #[derive(Clone, Debug)]
-pub struct Removed {
-    /// Of each group, the elements that are counted; empty where none can be deleted.
+pub struct DeletionRecord {
+    /// For each group, whether each element has been counted; empty if elements of the group cannot be deleted.
     counted: Vec<Vec<bool>>,
-    /// How many corners of elements lie at each node.
+    /// Number of active elements at each node.
     around: Vec<u32>,
-    /// Nodes that no element has any more.
+    /// Free nodes, whose elements are all deleted.
     points: Vec<u32>,
     mass: f64,
     internal: f64,
-    /// Deletions when elements were counted last.
+    /// Number of deleted elements at the last count.
     seen: usize,
 }
 
-impl Removed {
-    fn new(groups: &[Box<dyn ElementGroup>], nodes: usize) -> Removed {
+impl DeletionRecord {
+    fn new(groups: &[Box<dyn ElementGroup>], nodes: usize) -> DeletionRecord {
         let mut around = vec![0; nodes];
         for group in groups {
             (0..group.len()).flat_map(|e| group.boundary(e)).for_each(|n| around[n as usize] += 1);
         }
         let fragile = |group: &dyn ElementGroup| if group.properties().deletable { group.len() } else { 0 };
-        let mut removed = Removed {
+        let mut removed = DeletionRecord {
             counted: groups.iter().map(|g| vec![false; fragile(&**g)]).collect(),
             around,
             points: Vec::new(),
@@ -63,19 +62,19 @@ impl Removed {
         removed
     }
 
-    /// Room for all points: nothing allocates inside an increment.
+    /// Reserves memory for all nodes, so that nothing allocates inside an increment.
     pub(super) fn make_room(&mut self) {
         self.points.reserve_exact(self.around.len() - self.points.len());
     }
 
-    /// Adds what a deleted element takes up while its forces end.
+    /// Adds the work on a deleted element while its forces are removed.
     pub(super) fn add(&mut self, work: f64) {
         self.internal += work;
     }
 
-    /// Counts what was deleted since it was called last.
-    fn count(&mut self, groups: &[Box<dyn ElementGroup>], gone: usize) {
-        if std::mem::replace(&mut self.seen, gone) == gone {
+    /// Adds the elements deleted since the last call.
+    fn count(&mut self, groups: &[Box<dyn ElementGroup>], deleted: usize) {
+        if std::mem::replace(&mut self.seen, deleted) == deleted {
             return;
         }
         for (group, counted) in groups.iter().zip(&mut self.counted) {
@@ -97,18 +96,18 @@ impl Removed {
         }
     }
 
-    /// The books now. Velocities are those at the instant's own time, as in the energies of all.
-    pub fn books(&self, nodes: &Nodes) -> Books {
-        let mut books = Books { mass: self.mass, internal: self.internal, ..Books::default() };
+    /// Returns the current totals, with velocities at the current instant as in the total energies.
+    pub fn totals(&self, nodes: &Nodes) -> DeletionTotals {
+        let mut totals = DeletionTotals { mass: self.mass, internal: self.internal, ..DeletionTotals::default() };
         for &n in &self.points {
             let (node, [a_r, a_z]) = (nodes[n as usize], nodes.acceleration[n as usize]);
-            let (mass, behind) = (nodes.mass[n as usize], nodes.behind);
-            let twice = node.v_r * (node.v_r + behind * a_r) + node.v_z * (node.v_z + behind * a_z);
-            books.points += mass;
-            books.kinetic += 0.5 * mass * twice;
-            books.momentum += mass * (node.v_z + 0.5 * behind * a_z);
+            let (mass, dt) = (nodes.mass[n as usize], nodes.previous_dt);
+            let twice = node.v_r * (node.v_r + dt * a_r) + node.v_z * (node.v_z + dt * a_z);
+            totals.points += mass;
+            totals.kinetic += 0.5 * mass * twice;
+            totals.momentum += mass * (node.v_z + 0.5 * dt * a_z);
         }
-        books
+        totals
     }
 
     pub fn bytes(&self) -> usize {
@@ -118,14 +117,14 @@ impl Removed {
 }
 
 impl Elements {
-    /// Keeps books of deletions from now on, of so many nodes; strains and energies of elements are followed for them.
+    /// Starts to compute totals of deletion; elements then record strains and energies.
     pub fn count_deletions(&mut self, nodes: usize) {
-        self.removed = Some(Box::new(Removed::new(&self.groups, nodes)));
+        self.removed = Some(Box::new(DeletionRecord::new(&self.groups, nodes)));
         let deletable = self.groups.iter_mut().filter(|g| g.properties().deletable);
         deletable.for_each(|g| g.extensions().settings().follow());
     }
 
-    /// Counts what the pass behind deleted.
+    /// Adds the elements deleted in the last pass.
     pub(super) fn count_removed(&mut self) {
         if let Some(removed) = &mut self.removed {
             removed.count(&self.groups, self.deleted.0.len());
@@ -133,4 +132,4 @@ impl Elements {
     }
 }
 
-persist_struct!(Removed { counted: fixed_lists, around: fixed, points, mass, internal, seen });
+persist_struct!(DeletionRecord { counted: fixed_lists, around: fixed, points, mass, internal, seen });

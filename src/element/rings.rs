@@ -1,35 +1,35 @@
-//! Area weighting: elements give forces and masses of their plane sections, and a node moves by their ratio. Here that ratio
-//! is brought back to rings, so that loads and motions act on a node as everywhere else.
-//! Never here: the forces of elements.
+//! Area weighting: elements assemble forces and masses of their plane sections. This file scales the nodal forces back
+//! to full rings, so that loads and motions act on a node as in other formulations.
 
 use super::group::ElementGroup;
 use crate::state::archive::persist_struct;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
-/// Nodes of elements that are weighted by area.
+/// Factors from plane sections to rings at the nodes of area-weighted elements.
 #[derive(Clone, Debug)]
-pub struct Rings {
-    /// A quarter of the mass of each element over 2 pi, group by group.
+pub struct RingFactors {
+    /// A quarter of the mass of each element over 2π, group by group.
     quarters: Vec<Vec<f64>>,
-    /// Ring of each node, length: its mass over that of the plane sections around it.
+    /// Factor of each node, length: its mass over that of the adjacent plane sections.
     pub(super) factors: Vec<f64>,
 }
 
-impl Rings {
-    /// For all elements of a body.
-    pub fn new(groups: &[Box<dyn ElementGroup>], nodes: usize) -> Rings {
+impl RingFactors {
+    /// Creates the factors for all elements of a model.
+    pub fn new(groups: &[Box<dyn ElementGroup>], nodes: usize) -> RingFactors {
         let quarter = |mass: f64| 0.25 * mass / (2.0 * std::f64::consts::PI);
         let mass = |g: &dyn ElementGroup, e| g.value(e, Variable::Mass.into()).unwrap_or_default();
         let of_group = |g: &dyn ElementGroup| (0..g.len()).map(|e| quarter(mass(g, e))).collect();
-        Rings { quarters: groups.iter().map(|g| of_group(&**g)).collect(), factors: vec![0.0; nodes] }
+        RingFactors { quarters: groups.iter().map(|g| of_group(&**g)).collect(), factors: vec![0.0; nodes] }
     }
 
     pub fn bytes(&self) -> usize {
         self.quarters.iter().map(|q| size_of_val(&**q)).sum::<usize>() + size_of_val(&*self.factors)
     }
 
-    /// Rings of the nodes where they are now: a section has the mass of its element over its length around the axis.
+    /// Updates the factors at the current positions: the mass of a section is that of its element over the
+    /// circumference at its mean radius.
     pub(super) fn measure(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes) {
         self.factors.fill(0.0);
         for (group, quarters) in groups.iter().zip(&self.quarters) {
@@ -45,4 +45,4 @@ impl Rings {
     }
 }
 
-persist_struct!(Rings { factors: fixed } derived { quarters });
+persist_struct!(RingFactors { factors: fixed } derived { quarters });

@@ -1,12 +1,11 @@
-//! Bulk viscosity of what has an equation of state: how fast a shock compresses, and over which length it is spread.
-//! Never here: pressures, loops over lanes.
+//! Bulk viscosity of materials with an equation of state: compression rate and length scale of shocks.
 
 use crate::kernel::real::Real;
 
-/// Rate that takes the place of the volumetric one in the quadratic viscosity of a volume that shrinks at the rate `shrinking`
-/// (not negative): s^2/shrinking with s the strongest principal compression in the section, whose rates are rr, zz, rz. In a
-/// shock it is the volumetric rate; where rings converge smoothly it is nothing, and a cold gas is not heated ahead of
-/// the shock.
+/// Returns the rate that replaces the volumetric rate in the quadratic viscosity: s²/`shrinking`. Here s is the
+/// strongest principal compression rate in the plane section (rates rr, zz, rz), and `shrinking` ≥ 0 is the compression
+/// rate of the volume. In a shock the result is the volumetric rate. In smoothly converging flow it vanishes, so that a
+/// cold gas is not heated ahead of the shock.
 #[inline(always)]
 pub(super) fn principal_compression<T: Real>([rr, zz, rz]: [T; 3], shrinking: T) -> T {
     let half = T::of(0.5);
@@ -17,12 +16,13 @@ pub(super) fn principal_compression<T: Real>([rr, zz, rz]: [T; 3], shrinking: T)
     if shrinking > T::ZERO { s * s / shrinking } else { T::ZERO }
 }
 
-/// Of a gas, the share of the viscosity that resists each rate by itself and not the volumetric one. Where a shock runs along the
-/// lines of a mesh a pressure alone lets columns of elements run ahead beside each other.
+/// Fraction of the viscosity of a gas that resists each strain rate separately instead of the volumetric rate. With a
+/// scalar viscosity alone, columns of elements can move relative to each other when a shock travels along mesh lines.
 pub(super) const BY_DIRECTION: f64 = 0.1;
 
-/// Stress rr, zz, hoop, rz that a viscosity adds to its own pressure where it resists the rates rr, zz, rz each by itself: of a
-/// plane shock the stress along its way stays, beside it there is none.
+/// Returns the stress rr, zz, hoop, rz that turns a viscous pressure into a viscosity by direction, which resists the
+/// rates rr, zz, rz separately. In a plane shock the stress along its direction is unchanged and the transverse stress
+/// vanishes.
 #[inline(always)]
 pub(super) fn by_direction<T: Real>([rr, zz, rz]: [T; 3], dilation: T, viscosity: T) -> [T; 4] {
     let along = |rate: T| viscosity * (rate - dilation);
@@ -34,18 +34,18 @@ mod tests {
     use super::{by_direction, principal_compression};
 
     #[test]
-    fn viscosity_by_direction_leaves_a_plane_shock_its_stress() {
-        // Its pressure is 3 * -2.
+    fn viscosity_by_direction_keeps_the_stress_along_a_plane_shock() {
+        // The viscous pressure is 3 * -2.
         assert_eq!(by_direction([0.0, -2.0, 0.0], -2.0, 3.0).map(|s| s + 0.0), [6.0, 0.0, 6.0, 0.0]);
-        // The same turned by 45 degrees: all of it along rr = zz = rz, nothing across.
+        // Rotated by 45 degrees: all stress along rr = zz = rz, none across.
         let [rr, zz, hoop, rz] = by_direction([-1.0, -1.0, 1.0], -2.0, 3.0);
         assert_eq!([rr - 6.0, zz - 6.0, hoop - 6.0, rz], [-3.0, -3.0, 0.0, 3.0]);
     }
 
     #[test]
-    fn a_shock_counts_and_a_converging_ring_does_not() {
+    fn shocks_are_resisted_and_converging_rings_are_not() {
         assert!((principal_compression([0.0, -2.0, 0.0], 2.0_f64) - 2.0).abs() < 1e-15);
-        // The same shock, running at 45 degrees.
+        // The same shock travelling at 45 degrees.
         assert!((principal_compression([-1.0, -1.0, 1.0], 2.0_f64) - 2.0).abs() < 1e-15);
         assert!(principal_compression([0.0, 0.0, 0.0], 2.0_f64).abs() < 1e-300);
         assert!((principal_compression([-1.0, 0.0, 0.0], 2.0_f64) - 0.5).abs() < 1e-15);

@@ -1,38 +1,37 @@
-//! Subzonal pressures: the quarters of an element at its corners keep their masses, and one that is denser than the element
-//! pushes back. They see the patterns that the mean over the element does not (Caramana and Shashkov 1998, J. Comput. Phys.
-//! 142, 521), for what has an equation of state and no shear modulus.
-//! Never here: pressures of elements, viscosity.
-#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+//! Subzonal pressures: the quarter of an element at each corner keeps its mass, and resists if its density differs from
+//! that of the element. They control the hourglass patterns of materials with an equation of state and without shear
+//! modulus (Caramana and Shashkov 1998, J. Comput. Phys. 142, 521).
+#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
-use super::block::{Nodes, Workspace, is_larger};
-use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column, dispatch_outlined};
+use super::block::{CornerNodes, TaskWorkspace, is_larger};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, dispatch_outlined};
 use crate::kernel::quad::{UNIT, at_corners, volume_gradient};
 use crate::state::archive::persist_struct;
 use crate::state::nodes::Node;
 
-/// The least part of its share of the volume for which the pressure of a quarter still rises.
+/// Smallest fraction of its nominal volume at which the pressure of a quarter still increases.
 const LEAST: f64 = 0.01;
 
-/// What a block keeps of its quarters.
+/// Subzonal state of a block.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-pub(super) struct Subzones {
+pub(super) struct SubzonalPressures {
     /// Mass of each quarter over that of the element.
     share: [Lanes; 4],
-    /// Pressure of each quarter less that of the element.
+    /// Pressure of each quarter minus that of the element.
     pressure: [Lanes; 4],
 }
 
-/// Volume of a quarter in the unit [`UNIT`], and its derivatives by r and z of the element's corners.
-struct Quarter {
+/// Volume of a quarter in [`UNIT`], and its derivatives with respect to r and z of the element's corners.
+struct SubzoneVolume {
     volume: f64,
     by_r: [f64; 4],
     by_z: [f64; 4],
 }
 
-/// The quarter at a corner: its other corners lie in the middles of both sides and of the element.
+/// Returns the quarter at a corner; its other corners are the midpoints of the two sides and the centre of the element.
 #[inline(always)]
-fn quarter(corner: usize, r: &[f64; 4], z: &[f64; 4]) -> Quarter {
+fn quarter(corner: usize, r: &[f64; 4], z: &[f64; 4]) -> SubzoneVolume {
     let (next, before) = ((corner + 1) % 4, (corner + 3) % 4);
     let corners = |x: &[f64; 4]| {
         let middle = 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
@@ -46,10 +45,10 @@ fn quarter(corner: usize, r: &[f64; 4], z: &[f64; 4]) -> Quarter {
         all[before] += 0.5 * d[3];
         all
     };
-    Quarter { volume, by_r: spread(by_r), by_z: spread(by_z) }
+    SubzoneVolume { volume, by_r: spread(by_r), by_z: spread(by_z) }
 }
 
-/// One over the masses of the corners, by their sums.
+/// Returns the inverse masses of the corners from their combination by base vectors.
 #[inline(always)]
 fn by_corner(inverse_mass: &[Lanes; 4]) -> [Lanes; 4] {
     let mut list = [[0.0; LANES]; 4];
@@ -61,10 +60,10 @@ fn by_corner(inverse_mass: &[Lanes; 4]) -> [Lanes; 4] {
     list
 }
 
-impl Subzones {
-    /// Of a block's elements at the start; lanes behind the last element repeat it.
+impl SubzonalPressures {
+    /// Creates the state for a block's elements in the initial configuration; lanes after the last element repeat it.
     pub fn of(elements: &[[u32; 4]], nodes: &[Node]) -> Self {
-        let mut zones = Subzones::default();
+        let mut zones = SubzonalPressures::default();
         for l in 0..LANES {
             let corners = elements[l.min(elements.len() - 1)].inline_map(|n| nodes[n as usize].place());
             let (r, z) = (corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
@@ -76,22 +75,24 @@ impl Subzones {
     }
 }
 
-/// What the quarters of a block come to: forces as in [`Corners`] over [`UNIT`], power, and the trace that bounds the increment.
-struct Answers {
+/// Results of the quarters of a block: forces as in [`BlockCornerForces`] over [`UNIT`], power, and the trace that
+/// bounds the time increment.
+struct SubzonalForces {
     forces: [[[f64; 2]; LANES]; 4],
     power: Lanes,
     stiff: Lanes,
 }
 
-impl Workspace {
-    /// Adds the forces of the block's quarters to those on its corners, books their work as artificial, and bounds the increment
-    /// by them: nothing without subzonal pressures. `damping` is the fraction of critical damping that hourglass control has.
+impl TaskWorkspace {
+    /// Adds the forces of the quarters to the corner forces, their work to the artificial energy, and limits the time
+    /// increment. Does nothing without subzonal pressures. `damping` is the hourglass viscosity as a fraction of
+    /// critical damping.
     pub(super) fn resist_patterns(
         &mut self,
         increment: (f64, f64),
-        nodes: &Nodes,
+        nodes: &CornerNodes,
         inverse_mass: &[Lanes; 4],
-        corners: &mut Corners,
+        corners: &mut BlockCornerForces,
     ) {
         let Some(zones) = self.task.subzones.get(self.at).copied() else { return };
         dispatch_outlined(
@@ -104,17 +105,17 @@ impl Workspace {
     #[inline(always)]
     fn add_subzonal_forces(
         &mut self,
-        mut zones: Subzones,
+        mut zones: SubzonalPressures,
         (dt, damping): (f64, f64),
-        nodes: &Nodes,
+        nodes: &CornerNodes,
         inverse_mass: &[Lanes; 4],
-        corners: &mut Corners,
+        corners: &mut BlockCornerForces,
     ) {
         let inverse_mass = &by_corner(inverse_mass);
         let mut whole = [0.0; LANES];
-        let mut answers = Answers { forces: [[[0.0; 2]; LANES]; 4], power: [0.0; LANES], stiff: [0.0; LANES] };
-        // The trace of what the quarters do beside the element as a whole is no smaller than the square of their highest
-        // frequency.
+        let mut answers = SubzonalForces { forces: [[[0.0; 2]; LANES]; 4], power: [0.0; LANES], stiff: [0.0; LANES] };
+        // The trace of the stiffness of the quarters relative to that of the whole element bounds the square of their
+        // highest frequency.
         for l in 0..LANES {
             let (by_r, by_z, volume) = volume_gradient(nodes.of(l, 0), nodes.of(l, 1));
             let light = |i: usize| (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
@@ -145,21 +146,21 @@ impl Workspace {
         }
     }
 
-    /// The pressures of the quarters at one corner.
+    /// Adds the pressure forces of the quarters at one corner.
     #[inline(always)]
     fn add_quarter<const CORNER: usize>(
         &self,
-        zones: &mut Subzones,
-        (whole, nodes): (&Lanes, &Nodes),
+        zones: &mut SubzonalPressures,
+        (whole, nodes): (&Lanes, &CornerNodes),
         inverse_mass: &[Lanes; 4],
-        answers: &mut Answers,
+        answers: &mut SubzonalForces,
     ) {
         for l in 0..LANES {
-            let Quarter { volume, by_r, by_z } = quarter(CORNER, &nodes.of(l, 0), &nodes.of(l, 1));
+            let SubzoneVolume { volume, by_r, by_z } = quarter(CORNER, &nodes.of(l, 0), &nodes.of(l, 1));
             let (v_r, v_z) = (nodes.of(l, 2), nodes.of(l, 3));
-            let due = zones.share[CORNER][l] * whole[l];
-            let room = if volume > LEAST * due { volume } else { LEAST * due };
-            let pressure = self.stress.bulk[l] * (due / room - 1.0);
+            let nominal = zones.share[CORNER][l] * whole[l];
+            let bounded = if volume > LEAST * nominal { volume } else { LEAST * nominal };
+            let pressure = self.stress.bulk[l] * (nominal / bounded - 1.0);
             let mean = 0.5 * (zones.pressure[CORNER][l] + pressure);
             zones.pressure[CORNER][l] = pressure;
             let growth = |i: usize| by_r[i] * v_r[i] + by_z[i] * v_z[i];
@@ -169,24 +170,24 @@ impl Workspace {
                 answers.forces[i][l] = [r + pressure * by_r[i], z + pressure * by_z[i]];
             }
             answers.power[l] -= mean * ((growth(0) + growth(1)) + (growth(2) + growth(3)));
-            answers.stiff[l] += ((light(0) + light(1)) + (light(2) + light(3))) / room;
+            answers.stiff[l] += ((light(0) + light(1)) + (light(2) + light(3))) / bounded;
         }
     }
 }
 
-// The shares are those of the mesh.
-persist_struct!(Subzones { pressure } derived { share });
+// The mass fractions follow from the mesh.
+persist_struct!(SubzonalPressures { pressure } derived { share });
 
 #[cfg(test)]
 mod tests {
-    use super::{Quarter, quarter};
+    use super::{SubzoneVolume, quarter};
     use crate::kernel::quad::gradient;
 
     const R: [f64; 4] = [1.0, 3.2, 2.9, 0.8];
     const Z: [f64; 4] = [0.1, -0.2, 1.7, 2.0];
 
     #[test]
-    fn quarters_fill_the_element_and_have_its_derivatives() {
+    fn quarter_volumes_and_derivatives_sum_to_the_element() {
         let quarters = [0, 1, 2, 3].map(|c| quarter(c, &R, &Z));
         let g = gradient(R, Z);
         let volume: f64 = quarters.iter().map(|q| q.volume).sum();
@@ -198,10 +199,10 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_are_those_of_the_volume() {
+    fn quarter_derivatives_match_finite_differences() {
         let step = 1e-6;
         for c in 0..4 {
-            let Quarter { by_r, by_z, .. } = quarter(c, &R, &Z);
+            let SubzoneVolume { by_r, by_z, .. } = quarter(c, &R, &Z);
             for i in 0..4 {
                 let moved = |x: [f64; 4], by: f64| {
                     let mut x = x;

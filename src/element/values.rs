@@ -1,20 +1,19 @@
-//! An element as output sees it: what its group holds, and what follows from that by the formulas of the variables.
-//! Never here: which variables there are.
+//! Element output values: taken from the group, or computed by the formulas of the variables.
 
 use crate::element::group::ElementGroup;
 use crate::state::nodes::Node;
-use crate::variables::{ElementValues, Part, Variable};
+use crate::variables::{ElementValues, Variable, VariableComponent};
 
-/// An element of a group on the present nodes.
-struct Seen<'a> {
+/// An element of a group at the current node positions.
+struct ElementView<'a> {
     group: &'a dyn ElementGroup,
     nodes: &'a [Node],
     element: usize,
 }
 
-impl ElementValues for Seen<'_> {
+impl ElementValues for ElementView<'_> {
     fn held(&self, variable: Variable, component: usize) -> Option<f64> {
-        self.group.value(self.element, Part { variable, component })
+        self.group.value(self.element, VariableComponent { variable, component })
     }
 
     fn volume(&self) -> f64 {
@@ -22,13 +21,14 @@ impl ElementValues for Seen<'_> {
     }
 }
 
-/// A number of an element, held by its group or by formula; `None` where it does not have it.
-pub fn value(group: &dyn ElementGroup, nodes: &[Node], element: usize, part: Part) -> Option<f64> {
-    part.variable.of(part.component, &Seen { group, nodes, element })
+/// Returns an output value of an element, stored in its group or computed by formula; `None` if the element does not
+/// have it.
+pub fn value(group: &dyn ElementGroup, nodes: &[Node], element: usize, part: VariableComponent) -> Option<f64> {
+    part.variable.of(part.component, &ElementView { group, nodes, element })
 }
 
-/// Whether an element has a variable, or will have it once elements follow it.
-pub fn has(group: &dyn ElementGroup, nodes: &[Node], element: usize, part: Part) -> bool {
+/// Returns whether an element has a variable, or will have it once output records are active.
+pub fn has(group: &dyn ElementGroup, nodes: &[Node], element: usize, part: VariableComponent) -> bool {
     let row = part.variable.row();
     match row.needs {
         Some(other) => has(group, nodes, element, other.into()),

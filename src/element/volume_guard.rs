@@ -1,5 +1,4 @@
-//! How much of its volume an element may lose or gain in one increment.
-//! Never here: what is stable.
+//! Limit of the time increment by the relative volume change of elements.
 
 use super::constants::CHANGE;
 use super::elements::Elements;
@@ -7,17 +6,17 @@ use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
 use crate::state::nodes::Nodes;
 
-/// Increments at the start of an analysis over which accelerations are looked at as well: before them no rate is known, and
-/// what is let go all at once changes it most.
+/// Number of increments at the start of an analysis in which accelerations also limit the time increment. Rates are
+/// zero before the first increment, and suddenly released loads change them most.
 pub const STARTING: u64 = 100;
 
 impl Elements {
-    /// Lets elements limit the increment by their rate of volume and by the accelerations at this instant: over the
-    /// increment dt the rate is g + a (dt0 + dt)/2, where dt0 is the increment behind.
+    /// Limits the time increment by the rate of volume change of elements and by the accelerations at this instant:
+    /// over the increment dt the rate is g + a (dt0 + dt)/2, where dt0 is the previous increment.
     pub fn guard_start(&mut self, nodes: &Nodes) {
-        let half = 0.5 * nodes.behind;
+        let half = 0.5 * nodes.previous_dt;
         for group in 0..self.groups.len() {
-            // Shells limit it by their own rates.
+            // Shells limit the increment by their own rates.
             if !self.groups[group].is_solid() {
                 continue;
             }

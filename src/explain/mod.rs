@@ -1,12 +1,13 @@
-//! `revolve explain`: keywords, output variables, diagnostic codes, and topics that no table has.
+//! `revolve explain`: texts on keywords, output variables, diagnostic codes and other topics.
 
 mod topics;
 
-use crate::deck::{self, Code, manual, names::nearest};
+use crate::deck::{self, DiagnosticCode, manual, names::nearest};
 use crate::{generate, model, output, plan, user};
 use topics::TOPICS;
 
-/// Explains a keyword, output variable, code, element type, function or topic. A variable takes precedence over a partial keyword.
+/// Explains a keyword, output variable, diagnostic code, element type, function or topic. A variable takes precedence
+/// over a partial keyword. `None` for an unknown word.
 pub fn explain(word: &str) -> Option<String> {
     match word.trim().to_ascii_lowercase().as_str() {
         "keywords" => return Some(manual::keyword_manual()),
@@ -25,19 +26,19 @@ pub fn explain(word: &str) -> Option<String> {
     (!texts.is_empty()).then(|| texts.join("\n"))
 }
 
-/// The word that is nearest to one that nothing is known of.
+/// Returns the known word that is most similar to an unknown one.
 pub fn nearest_word(word: &str) -> Option<&'static str> {
     let topics = TOPICS.iter().flat_map(|topic| topic.words.iter().copied());
     let all = manual::keyword_names().chain(crate::variables::manual::variable_names()).chain(topics);
     nearest(word.trim().trim_start_matches('*'), all)
 }
 
-/// All diagnostic codes of all rooms.
-pub fn codes() -> impl Iterator<Item = &'static Code> {
+/// Returns the diagnostic codes of all modules.
+pub fn codes() -> impl Iterator<Item = &'static DiagnosticCode> {
     #[cfg(feature = "resistance")]
     let of_cavities = crate::resistance::codes::CODES;
     #[cfg(not(feature = "resistance"))]
-    let of_cavities: &[Code] = &[];
+    let of_cavities: &[DiagnosticCode] = &[];
     deck::CODES
         .iter()
         .chain(model::codes::CODES)

@@ -1,94 +1,95 @@
-//! Topics of `revolve explain` that no table has: element types, functions of quantities, units, files.
+//! Topics of `revolve explain` other than keywords, variables and codes: element types, functions of quantities, units,
+//! files.
 
-/// A topic: the words that it is asked by, and what is to be said.
-pub(super) struct Topic {
+/// A topic with its search words and its text.
+pub(super) struct HelpTopic {
     pub words: &'static [&'static str],
     pub text: &'static str,
 }
 
 /// All topics.
-pub(super) const TOPICS: &[Topic] = &[
-    Topic {
+pub(super) const TOPICS: &[HelpTopic] = &[
+    HelpTopic {
         words: &["CAX4R", "CAX4RT"],
         text: "CAX4R: four-node axisymmetric quadrilateral, one integration point, nodes counter-clockwise in (r, z).\n\
                Degrees of freedom 1 (r) and 2 (z). *SOLID SECTION gives the material, *SECTION CONTROLS the hourglass control.\n\
-               CAX4RT has temperatures at its nodes, too (degree of freedom 11), for *DYNAMIC TEMPERATURE-DISPLACEMENT.\n\
-               With a *RIGID BODY that names it the element does not deform.\n",
+               CAX4RT also has nodal temperatures (degree of freedom 11), for *DYNAMIC TEMPERATURE-DISPLACEMENT.\n\
+               Elements of a *RIGID BODY do not deform.\n",
     },
-    Topic {
+    HelpTopic {
         words: &["CAX3", "CAX3T"],
-        text: "CAX3: three-node axisymmetric triangle with constant strain; where materials flow plastically its change of volume is\n\
-               averaged over the nodes around, so that it does not lock (docs/theory.md). CAX3T has temperatures at its nodes, too.\n",
+        text: "CAX3: three-node axisymmetric triangle with constant strain. In plastic materials the volume change is averaged over the\n\
+               surrounding nodes to avoid volumetric locking (docs/theory.md). CAX3T also has nodal temperatures.\n",
     },
-    Topic {
+    HelpTopic {
         words: &["CAX6M"],
         text: "CAX6M: six-node axisymmetric triangle, modified, three integration points. Nodes: the corners counter-clockwise in\n\
                (r, z), then the middles of the sides 1-2, 2-3 and 3-1. Faces S1, S2 and S3 are these sides, each two straight parts\n\
-               that meet at the middle. It does not lock and needs no hourglass control (docs/theory.md); output is the mean of its\n\
-               points. Not for *DYNAMIC TEMPERATURE-DISPLACEMENT and not for routines of the user at points.\n",
+               that meet at the middle node. It has no volumetric locking and no hourglass modes (docs/theory.md); output is the mean of its\n\
+               integration points. Unsupported in *DYNAMIC TEMPERATURE-DISPLACEMENT and with user subroutines at integration points.\n",
     },
-    Topic {
+    HelpTopic {
         words: &["RAX2"],
         text: "RAX2: two-node axisymmetric rigid element, a facet of a body of revolution, for *RIGID BODY. Its positive side (SPOS)\n\
-               lies to the left of the way from the first node to the second. Mass by DENSITY and thickness of *RIGID BODY, or a\n\
-               point mass (TYPE=MASS) on the reference node. Loads act on its sides: P, PNU (vdload), CAVITY.\n",
+               is to the left of the direction from the first to the second node. Mass from DENSITY and thickness of *RIGID BODY, or a\n\
+               point mass (TYPE=MASS) at the reference node. Loads act on its sides: P, PNU (vdload), CAVITY.\n",
     },
-    Topic {
+    HelpTopic {
         words: &["SAX1"],
         text: "SAX1: two-node axisymmetric shell with *SHELL SECTION; degrees of freedom 1 (r), 2 (z), 6 (rotation).\n",
     },
-    Topic {
+    HelpTopic {
         words: &["MASS", "SPRINGA", "SPRING1", "DASHPOTA", "DASHPOT1"],
-        text: "TYPE=MASS with *MASS puts a point mass on a node; SPRINGA and DASHPOTA join two nodes, SPRING1 and DASHPOT1 a node\n\
+        text: "TYPE=MASS with *MASS adds a point mass to a node; SPRINGA and DASHPOTA connect two nodes, SPRING1 and DASHPOT1 a node\n\
                and the ground, with *SPRING and *DASHPOT.\n",
     },
-    Topic {
+    HelpTopic {
         words: &[
             "C3D8R", "C3D4", "C3D6", "C3D10M", "S4R", "S3R", "CPE4R", "CPS4R", "CAX4", "CAX8R", "CAX6MT", "CAX3H",
             "B31", "T3D2", "R3D4",
         ],
-        text: "This element type is not computed: the code is axisymmetric, and of its elements CAX4R, CAX4RT, CAX3, CAX3T, CAX6M,\n\
-               SAX1 and RAX2 are; a deck with others is refused with the line (docs/abaqus.md).\n",
+        text: "This element type is unsupported: the code is axisymmetric and supports CAX4R, CAX4RT, CAX3, CAX3T, CAX6M,\n\
+               SAX1 and RAX2. Other element types are reported as errors with their line (docs/abaqus.md).\n",
     },
-    Topic {
+    HelpTopic {
         words: &["final", "min", "max", "time_min", "time_max", "at", "mean", "norm", "quantity", "quantities"],
         text: "A quantity (--quantity of run, sweep and study) is an expression over history columns, such as -1000*final(U2@REF):\n\
                \x20 final(C)           the last value of column C\n\
                \x20 min(C), max(C)     the smallest and largest value; time_min(C), time_max(C) when\n\
-               \x20 at(C, t)           the value at time t, between rows by a straight line\n\
-               \x20 mean(C, t1, t2)    the mean over a time\n\
-               \x20 norm(VAR, EXPR)    rms error of a field against EXPR of r, z, r0, z0, t (study); norm(VAR) against the finest mesh\n\
+               \x20 at(C, t)           the value at time t, by linear interpolation\n\
+               \x20 mean(C, t1, t2)    the time average from t1 to t2\n\
+               \x20 norm(VAR, EXPR)    relative L2 error of a field against EXPR of r, z, r0, z0, t; norm(VAR) against the finest level (study)\n\
                with + - * / **, parentheses and the functions of *PARAMETER. `revolve check` lists the columns that a deck has.\n",
     },
-    Topic {
+    HelpTopic {
         words: &["units", "unit", "kg", "MPa", "mm"],
-        text: "The program computes in the deck's units and converts nothing: any consistent system will do.\n\
+        text: "The program uses the units of the deck without conversion: any consistent system of units is possible.\n\
                \x20 m, kg, s:    N, Pa, J     steel 7850, 2.1e11\n\
                \x20 mm, t, s:    N, MPa, mJ   steel 7.85e-9, 2.1e5\n\
                \x20 mm, kg, ms:  kN, GPa, J   steel 7.85e-6, 210\n\
                \x20 mm, g, ms:   N, MPa, mJ   steel 7.85e-3, 2.1e5\n\
                \x20 cm, g, us:   1e7 N, Mbar  steel 7.85, 2.1\n\
-               *UNITS names them for reports, pictures and tables. `check` warns where density and modulus fit no system (P119).\n\
-               Masses, forces and energies are those of the full ring, 2 pi included.\n",
+               *UNITS gives their names for reports, pictures and tables. `check` warns if density and modulus fit no system (P119).\n\
+               Masses, forces and energies refer to the full ring (360 degrees).\n",
     },
-    Topic {
+    HelpTopic {
         words: &["files", "results", "output", "pvd", "vtu", "sta", "paraview"],
         text: "A run writes into out/<deck>/ (--out DIR):\n\
                \x20 <job>.pvd, <job>_0000.vtu …  frames for ParaView: open the .pvd\n\
-               \x20 <job>_history.csv            histories, a column each\n\
-               \x20 <job>.sta                    how far it is: increments, energies, frames\n\
-               \x20 <job>.json                   summary: status, warnings, energies, ledger, times\n\
-               \x20 <job>.checkpoint             a state to go on from with --resume\n\
-               `revolve report DIR` makes one HTML page of them, `revolve chart DIR --column NAME` a picture.\n",
+               \x20 <job>_history.csv            histories, one per column\n\
+               \x20 <job>.sta                    progress: increments, energies, frames\n\
+               \x20 <job>.json                   summary: status, warnings, energies, ledger, run time\n\
+               \x20 <job>.checkpoint             state for a restart with --resume\n\
+               `revolve report DIR` writes them as one HTML page, `revolve chart DIR --column NAME` draws a picture.\n",
     },
-    Topic {
+    HelpTopic {
         words: &["threads", "cores", "instructions", "speed"],
-        text: "--threads N (default: all cores) and --instructions scalar|avx2|avx512 (default: the best there is) change the time a run\n\
-               takes and no bit of its results. Threads pay from a thousand elements on (docs/performance.md).\n",
+        text: "--threads N (default: all cores) and --instructions scalar|avx2|avx512 (default: the best of the machine) change the\n\
+               run time; results are bit-identical. Several threads are faster from about 1000 elements (docs/performance.md).\n",
     },
-    Topic {
+    HelpTopic {
         words: &["resume", "checkpoint", "restart"],
-        text: "*RESTART, WRITE in the deck, --checkpoint-every 10s, or Ctrl-C keep the state; `revolve run DECK --resume` goes on from it\n\
-               to the same bits (docs/restart.md).\n",
+        text: "*RESTART, WRITE in the deck, --checkpoint-every 10s, and Ctrl-C write a checkpoint; `revolve run DECK --resume`\n\
+               continues from it with bit-identical results (docs/restart.md).\n",
     },
 ];

@@ -1,11 +1,12 @@
-//! A mesh as the text of a deck, to be included by another.
+//! Output of a mesh as a deck file for `*INCLUDE`.
 
 use std::fmt::Write as _;
 
-use super::mesh::{DeckLabels, Mesh, MeshPart, SurfacePart};
+use super::mesh::{DeckLabels, MeshPart, ProjectileMesh, SurfacePart};
 
-impl Mesh {
-    /// The text: `*NODE`, `*ELEMENT, TYPE=CAX4R`, sets, surfaces, `*SOLID SECTION`. `comments` are written at its head.
+impl ProjectileMesh {
+    /// Returns the deck: `*NODE`, `*ELEMENT, TYPE=CAX4R`, sets, surfaces and `*SOLID SECTION`, after lines of
+    /// `comments`.
     pub fn deck(&self, labels: &DeckLabels, comments: &[String]) -> String {
         let mut text = String::new();
         comments.iter().for_each(|line| text += &format!("** {line}\n"));
@@ -14,15 +15,14 @@ impl Mesh {
         for (n, [r, z]) in self.sheet.points.iter().enumerate() {
             let _ = writeln!(text, " {}, {r:.12e}, {z:.12e}", n + labels.first);
         }
-        let hollow = self.wanted.cavity.is_some();
+        let hollow = self.request.cavity.is_some();
         let case = name(if hollow { "CASE" } else { "BODY" });
         self.elements(&mut text, &case, MeshPart::Case, labels.first);
-        if self.belongs.contains(&MeshPart::Fill) {
+        if self.parts.contains(&MeshPart::Fill) {
             self.elements(&mut text, &name("FILL"), MeshPart::Fill, labels.first);
         }
         if hollow {
-            let fill =
-                if self.belongs.contains(&MeshPart::Fill) { format!(", {}", name("FILL")) } else { String::new() };
+            let fill = if self.parts.contains(&MeshPart::Fill) { format!(", {}", name("FILL")) } else { String::new() };
             let _ = writeln!(text, "*Elset, elset={}\n {case}{fill}", name("BODY"));
         }
         if self.in_nose > 0 {
@@ -32,7 +32,7 @@ impl Mesh {
         self.sets(&mut text, labels);
         self.surfaces(&mut text, labels);
         let _ = writeln!(text, "*Solid Section, elset={case}, material={}", labels.material);
-        if self.belongs.contains(&MeshPart::Fill) {
+        if self.parts.contains(&MeshPart::Fill) {
             let _ = writeln!(text, "*Solid Section, elset={}, material={}", name("FILL"), labels.fill);
         }
         text
@@ -40,7 +40,7 @@ impl Mesh {
 
     fn elements(&self, text: &mut String, set: &str, part: MeshPart, first: usize) {
         let _ = writeln!(text, "*Element, type=CAX4R, elset={set}");
-        let of_part = self.sheet.elements.iter().zip(&self.belongs).enumerate().filter(|(_, (_, b))| **b == part);
+        let of_part = self.sheet.elements.iter().zip(&self.parts).enumerate().filter(|(_, (_, b))| **b == part);
         for (n, (corners, _)) in of_part {
             let [a, b, c, d] = corners.map(|c| c + first);
             let _ = writeln!(text, " {}, {a}, {b}, {c}, {d}", n + first);
@@ -68,7 +68,7 @@ impl Mesh {
         }
     }
 
-    /// `OUTER` is all that a target can wet: nose, shank and base.
+    /// Writes the surfaces. `OUTER` is all that can contact a target: nose, shank and base.
     fn surfaces(&self, text: &mut String, labels: &DeckLabels) {
         let outer: &[SurfacePart] = &[SurfacePart::Nose, SurfacePart::Shank, SurfacePart::Base];
         let surfaces: [(&str, &[SurfacePart]); 6] = [

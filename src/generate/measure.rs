@@ -1,50 +1,50 @@
-//! What a mesh amounts to: quality, where it is worst, volumes against those of the profile.
+//! Measures of a mesh: element quality with positions, and volumes compared with the exact profile.
 
-use super::mesh::{Mesh, MeshPart, SurfacePart};
-use super::profile::{Piece, Point};
+use super::mesh::{MeshPart, ProjectileMesh, SurfacePart};
+use super::profile::{MeridianPoint, ProfilePiece};
 use super::quality::{aspect, height, least_scaled_jacobian, volume};
 
-/// Volumes of a part: of the mesh and of the profile.
+/// Volume of a part, meshed and exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartVolume {
-    /// What the elements sweep about the axis.
+    /// Volume of the elements, revolved about the axis.
     pub meshed: f64,
-    /// What the profile does.
+    /// Volume of the exact profile, revolved about the axis.
     pub exact: f64,
 }
 
 impl PartVolume {
-    /// Relative error of the meshed volume; below rounding it is 0.
+    /// Returns the relative error of the meshed volume; rounding errors are set to 0.
     pub fn error(&self) -> f64 {
         let error = if self.exact > 0.0 { self.meshed / self.exact - 1.0 } else { 0.0 };
         if error.abs() < 1e-12 { 0.0 } else { error }
     }
 }
 
-/// A mesh in figures. Where there is a place, it is the middle of the element.
+/// Quality and volumes of a mesh. Positions are element centres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshMeasure {
     /// Number of nodes and of elements.
     pub counts: [usize; 2],
-    /// Least scaled Jacobian, and where.
-    pub jacobian: (f64, Point),
-    /// Largest ratio of sides, and where.
-    pub aspect: (f64, Point),
-    /// Least height of an element (area over longest side), and where.
-    pub height: (f64, Point),
-    /// The projectile without its fill, or its case.
+    /// Smallest scaled Jacobian, and its position.
+    pub jacobian: (f64, MeridianPoint),
+    /// Largest aspect ratio, and its position.
+    pub aspect: (f64, MeridianPoint),
+    /// Smallest element height (area over longest side), and its position.
+    pub height: (f64, MeridianPoint),
+    /// Volume of the projectile without fill, or of its case.
     pub case: PartVolume,
-    /// The fill.
+    /// Volume of the fill.
     pub fill: PartVolume,
 }
 
-impl Mesh {
+impl ProjectileMesh {
     /// Measures the mesh.
     pub fn measure(&self) -> MeshMeasure {
         let (mut jacobian, mut stretched, mut low) =
             ((f64::INFINITY, [0.0; 2]), (0.0, [0.0; 2]), (f64::INFINITY, [0.0; 2]));
         let mut volumes = [0.0; 2];
-        for (element, belongs) in self.belongs.iter().enumerate() {
+        for (element, belongs) in self.parts.iter().enumerate() {
             let corners = self.corners_of(element);
             let middle = [0, 1].map(|k| 0.25 * corners.iter().map(|p| p[k]).sum::<f64>());
             let [j, a, h] = [least_scaled_jacobian(corners), aspect(corners), height(corners)];
@@ -59,18 +59,22 @@ impl Mesh {
     }
 }
 
-impl Mesh {
-    /// Order of convergence of the volume when every side on the profile is halved. `None` for an exact profile.
+impl ProjectileMesh {
+    /// Returns the order of convergence of the volume when all element sides on the profile are halved; `None` for
+    /// exact profiles.
     pub fn order(&self) -> Option<f64> {
         let case = self.measure().case;
-        let arc =
-            self.outline.nose.first().filter(|piece| matches!(piece, Piece::Arc { .. }) && case.error() != 0.0)?;
+        let arc = self
+            .outline
+            .nose
+            .first()
+            .filter(|piece| matches!(piece, ProfilePiece::Arc { .. }) && case.error() != 0.0)?;
         let gained = |&(element, side, wall): &(usize, usize, SurfacePart)| {
             let corners = self.corners_of(element);
             let [a, b] = [corners[side - 1], corners[side % 4]];
             let middle = arc.between(a, b).filter(|_| wall == SurfacePart::Nose)?;
             let [once, twice] = [vec![a, b], vec![a, middle, b]]
-                .map(|p| p.windows(2).map(|p| Piece::Line(p[0], p[1]).volume()).sum::<f64>());
+                .map(|p| p.windows(2).map(|p| ProfilePiece::Line(p[0], p[1]).volume()).sum::<f64>());
             Some((twice - once).abs())
         };
         let gained: f64 = self.walls.iter().filter_map(gained).sum();

@@ -1,66 +1,66 @@
-//! The mesh of a projectile: nose, shank, case and fill, with their sets and surfaces.
+//! Mesh of a projectile: nose, shank, case and fill, with sets and surfaces.
 
 use std::collections::HashMap;
 
 use super::nose;
-use super::profile::{Piece, Point};
-use super::shape::{Nose, Outline, positive};
+use super::profile::{MeridianPoint, ProfilePiece};
+use super::shape::{NoseShape, ProjectileOutline, positive};
 use super::sheet::QuadMesh;
 use super::spacing::{graded, rows};
 use crate::deck::Diagnostic;
 
-/// What a mesh is made of. Lengths are in one unit, the deck's.
+/// Parameters of a projectile mesh. All lengths have the length unit of the deck.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshRequest {
-    /// The form of the nose.
-    pub nose: Nose,
-    /// Radius of the shank; a polyline brings its own.
+    /// Nose shape.
+    pub nose: NoseShape,
+    /// Radius of the shank; ignored for a polyline, which defines it.
     pub radius: f64,
-    /// Length of the whole projectile; a polyline brings its own.
+    /// Length of the whole projectile; ignored for a polyline, which defines it.
     pub length: f64,
-    /// Length of the sides of elements at the nose.
+    /// Element size at the nose.
     pub size: f64,
-    /// How many times longer elements are at the base than at the shoulder.
+    /// Ratio of the element lengths at the base and at the shoulder.
     pub along: f64,
-    /// How many times wider elements are at the axis than at the surface.
+    /// Ratio of the element widths at the axis and at the surface.
     pub across: f64,
-    /// What is hollow.
-    pub cavity: Option<Cavity>,
+    /// Cavity of a hollow projectile.
+    pub cavity: Option<CaseCavity>,
 }
 
-/// The hollow of a case: a cylinder about the axis.
+/// A cylindrical cavity about the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cavity {
-    /// Thickness of the wall around it.
+pub struct CaseCavity {
+    /// Wall thickness.
     pub wall: f64,
-    /// Elements through the wall; by the size of elements, and two at least, if not given.
+    /// Number of elements through the wall; by default from the element size, at least two.
     pub through: Option<usize>,
-    /// Where it begins, from the tip.
+    /// Distance of the front of the cavity from the tip.
     pub front: f64,
-    /// Thickness of the base behind it; 0 leaves it open.
+    /// Thickness of the base; 0 leaves the cavity open.
     pub base: f64,
-    /// What it holds.
-    pub fill: Fill,
+    /// Contents of the cavity.
+    pub fill: CavityFill,
 }
 
-/// What a cavity holds.
+/// Contents of a cavity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Fill {
-    /// Nothing.
+pub enum CavityFill {
+    /// Empty.
     None,
-    /// A fill that shares the nodes of the case.
+    /// Fill that shares nodes with the case.
     Bonded,
-    /// A fill with nodes of its own, for contact.
+    /// Fill with separate nodes, for contact.
     Apart,
 }
 
-/// Numbers and names in the deck.
+/// Labels and names in the generated deck.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeckLabels {
-    /// The first number of nodes and of elements.
+    /// First node and element label.
     pub first: usize,
-    /// What the names of sets and surfaces begin with.
+    /// Prefix of the names of sets and surfaces.
     pub prefix: String,
     /// Material of the projectile or of its case.
     pub material: String,
@@ -68,7 +68,7 @@ pub struct DeckLabels {
     pub fill: String,
 }
 
-/// What an element is part of.
+/// Part of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshPart {
     /// The projectile, or its case.
@@ -77,7 +77,7 @@ pub enum MeshPart {
     Fill,
 }
 
-/// Sides that a load or contact may act on.
+/// Part of the surface, for loads and contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfacePart {
     /// From the tip to the shoulder.
@@ -88,128 +88,136 @@ pub enum SurfacePart {
     Base,
     /// The wall of the cavity.
     Inner,
-    /// The surface of a fill apart.
+    /// Surface of a separate fill.
     Fill,
 }
 
-/// A mesh with what belongs to it.
+/// A projectile mesh with its parts and surfaces.
 #[derive(Clone, Debug)]
-pub struct Mesh {
+pub struct ProjectileMesh {
     /// Nodes and elements.
     pub(super) sheet: QuadMesh,
-    /// What each element is part of.
-    pub(super) belongs: Vec<MeshPart>,
-    /// How many elements, from the first, form the nose.
+    /// Part of each element.
+    pub(super) parts: Vec<MeshPart>,
+    /// Number of nose elements, which come first.
     pub(super) in_nose: usize,
-    /// Free sides off the axis: element, side from 1 to 4, wall.
+    /// Free sides off the axis: element index, side from 1 to 4, surface part.
     pub(super) walls: Vec<(usize, usize, SurfacePart)>,
-    /// The node at the middle of the front, at the shoulder's surface, nearest to the axis at the base, at the base's rim.
+    /// Nodes at the front centre, at the surface of the shoulder, at the base nearest to the axis, and at the rim of
+    /// the base.
     pub(super) corners: [usize; 4],
-    pub(super) outline: Outline,
-    pub(super) wanted: MeshRequest,
+    pub(super) outline: ProjectileOutline,
+    pub(super) request: MeshRequest,
 }
 
-/// The most elements of a mesh.
+/// Largest number of elements.
 const MOST: f64 = 1e7;
 
-impl Mesh {
-    /// Makes the mesh.
+impl ProjectileMesh {
+    /// Generates the mesh.
     ///
     /// # Errors
-    /// G001 to G006: what cannot be meshed, in words.
-    pub fn new(wanted: &MeshRequest) -> Result<Mesh, Diagnostic> {
-        let outline = Outline::new(&wanted.nose, wanted.radius, wanted.length)?;
-        check_sizes(wanted, &outline)?;
-        if let Some(cavity) = &wanted.cavity {
+    /// G001 to G006 for invalid parameters.
+    pub fn new(request: &MeshRequest) -> Result<ProjectileMesh, Diagnostic> {
+        let outline = ProjectileOutline::new(&request.nose, request.radius, request.length)?;
+        check_sizes(request, &outline)?;
+        if let Some(cavity) = &request.cavity {
             check_cavity(cavity, &outline)?;
         }
-        let columns = ColumnShares::of(wanted, &outline);
-        let mesh = MeshBuilder::new(wanted, &outline, &columns).mesh();
+        let columns = ColumnShares::of(request, &outline);
+        let mesh = MeshBuilder::new(request, &outline, &columns).mesh();
         let worst = mesh.measure().jacobian;
         if worst.0 > 1e-6 {
             return Ok(mesh);
         }
         let [r, z] = worst.1;
-        let message = format!("near r = {r:.4}, z = {z:.4} an element would fold");
+        let message = format!("an element near r = {r:.4}, z = {z:.4} would be folded");
         Err(Diagnostic::error("G006", message).help("give more points of the profile there, or a smaller --size"))
     }
 }
 
-fn check_sizes(wanted: &MeshRequest, outline: &Outline) -> Result<(), Diagnostic> {
-    positive("element size", wanted.size)?;
-    positive("growth along the shank", wanted.along)?;
-    positive("growth towards the axis", wanted.across)?;
+fn check_sizes(request: &MeshRequest, outline: &ProjectileOutline) -> Result<(), Diagnostic> {
+    positive("element size", request.size)?;
+    positive("growth along the shank", request.along)?;
+    positive("growth towards the axis", request.across)?;
     let radius = outline.widest();
-    if wanted.size > radius * (1.0 + 1e-12) {
-        let message = format!("elements of {} are larger than the radius of {radius}", wanted.size);
-        return Err(Diagnostic::error("G001", message).help("two elements over the radius are few, eight are many"));
+    if request.size > radius * (1.0 + 1e-12) {
+        let message = format!("elements of {} are larger than the radius of {radius}", request.size);
+        return Err(Diagnostic::error("G001", message).help("use about two to eight elements over the radius"));
     }
     let [_, end] = outline.rim();
-    if radius * end / (wanted.size * wanted.size) > MOST {
-        let message = format!("elements of {} would be more than {MOST:.0}", wanted.size);
-        return Err(Diagnostic::error("G001", message).help("is the size in the unit of the radius?"));
+    if radius * end / (request.size * request.size) > MOST {
+        let message = format!("element size {} gives more than {MOST:.0} elements", request.size);
+        return Err(Diagnostic::error("G001", message).help("element size and radius must have the same unit"));
     }
     Ok(())
 }
 
-fn check_cavity(cavity: &Cavity, outline: &Outline) -> Result<(), Diagnostic> {
+fn check_cavity(cavity: &CaseCavity, outline: &ProjectileOutline) -> Result<(), Diagnostic> {
     let refuse = |message: String, help: &str| Err(Diagnostic::error("G005", message).help(help));
     let ([radius, height], [_, end]) = (outline.shoulder(), outline.rim());
     positive("wall", cavity.wall)?;
     if cavity.wall >= radius {
-        return refuse(format!("a wall of {} leaves no cavity in a radius of {radius}", cavity.wall), "it is thinner");
+        return refuse(
+            format!("the wall thickness {} must be less than the radius {radius}", cavity.wall),
+            "give a thinner wall",
+        );
     }
     if cavity.front.is_nan() || cavity.front <= height {
-        let message = format!("the cavity begins at {}, the shoulder of the nose is at {height}", cavity.front);
-        return refuse(message, "noses are solid: the cavity begins behind the shoulder");
+        let message =
+            format!("the cavity starts at {}, in front of the shoulder of the nose at {height}", cavity.front);
+        return refuse(message, "the nose is solid: the cavity must start behind the shoulder");
     }
     if !(cavity.base >= 0.0 && end - cavity.base > cavity.front) {
         let message =
-            format!("the cavity begins at {} and ends {} in front of the base at {end}", cavity.front, cavity.base);
-        return refuse(message, "front + base are less than the length");
+            format!("the cavity starts at {} and ends {} before the base at {end}", cavity.front, cavity.base);
+        return refuse(message, "front + base must be less than the length");
     }
-    let touches = |piece: &&Piece| piece.ends()[1][1] > cavity.front && piece.ends()[0][1] < end - cavity.base;
+    let touches = |piece: &&ProfilePiece| piece.ends()[1][1] > cavity.front && piece.ends()[0][1] < end - cavity.base;
     if outline.body.iter().filter(touches).any(|piece| piece.ends().iter().any(|p| p[0] != radius)) {
-        return refuse("the radius changes along the cavity".into(), "a wall of one thickness needs a straight shank");
+        return refuse(
+            "the radius changes along the cavity".into(),
+            "a wall of constant thickness requires a straight shank",
+        );
     }
     Ok(())
 }
 
-/// Columns at the shoulder: shares of the radius, and how many lie within the cavity.
+/// Radial division at the shoulder: fractions of the radius, and the number of columns inside the cavity.
 struct ColumnShares {
     shares: Vec<f64>,
     within: usize,
 }
 
 impl ColumnShares {
-    fn of(wanted: &MeshRequest, outline: &Outline) -> ColumnShares {
+    fn of(request: &MeshRequest, outline: &ProjectileOutline) -> ColumnShares {
         let ([radius, _], pointed) = (outline.shoulder(), !outline.nose.is_empty());
-        let count = |length: f64, least: usize| ((length / wanted.size).round() as usize).max(least);
-        let Some(cavity) = &wanted.cavity else {
-            // As many beside the axis as beside the flank: a nose is best with an even number.
+        let count = |length: f64, least: usize| ((length / request.size).round() as usize).max(least);
+        let Some(cavity) = &request.cavity else {
+            // The nose mesh requires as many columns next to the axis as next to the flank, so an even number.
             let even = if pointed { 2 * count(radius / 2.0, 1) } else { count(outline.widest(), 1) };
-            let shares = graded(even, wanted.across);
+            let shares = graded(even, request.across);
             return ColumnShares { shares, within: 0 };
         };
         let hollow = radius - cavity.wall;
         let within = count(hollow, 1);
         let through = cavity.through.unwrap_or_else(|| count(cavity.wall, 2)).max(1);
-        let mut shares: Vec<f64> = graded(within, wanted.across).iter().map(|s| s * hollow / radius).collect();
+        let mut shares: Vec<f64> = graded(within, request.across).iter().map(|s| s * hollow / radius).collect();
         let wall = cavity.wall / radius;
         shares.extend((1..=through).map(|n| 1.0 - wall * (through - n) as f64 / through as f64));
         ColumnShares { shares, within }
     }
 }
 
-/// A mesh in the making.
+/// A mesh under construction.
 struct MeshBuilder<'a> {
-    wanted: &'a MeshRequest,
-    outline: &'a Outline,
+    request: &'a MeshRequest,
+    outline: &'a ProjectileOutline,
     columns: &'a ColumnShares,
     sheet: QuadMesh,
-    belongs: Vec<MeshPart>,
+    parts: Vec<MeshPart>,
     in_nose: usize,
-    /// By node: whether it lies on the nose, the shank, the base.
+    /// Marks of outer nodes: on the nose, the shank or the base.
     outer: HashMap<usize, u8>,
 }
 
@@ -218,16 +226,16 @@ const SHANK: u8 = 2;
 const BASE: u8 = 4;
 
 impl<'a> MeshBuilder<'a> {
-    fn new(wanted: &'a MeshRequest, outline: &'a Outline, columns: &'a ColumnShares) -> Self {
-        let (sheet, belongs, outer) = (QuadMesh::default(), Vec::new(), HashMap::new());
-        MeshBuilder { wanted, outline, columns, sheet, belongs, in_nose: 0, outer }
+    fn new(request: &'a MeshRequest, outline: &'a ProjectileOutline, columns: &'a ColumnShares) -> Self {
+        let (sheet, parts, outer) = (QuadMesh::default(), Vec::new(), HashMap::new());
+        MeshBuilder { request, outline, columns, sheet, parts, in_nose: 0, outer }
     }
 
     fn mark(&mut self, nodes: impl IntoIterator<Item = usize>, with: u8) {
         nodes.into_iter().for_each(|n| *self.outer.entry(n).or_default() |= with);
     }
 
-    fn mesh(mut self) -> Mesh {
+    fn mesh(mut self) -> ProjectileMesh {
         let [radius, height] = self.outline.shoulder();
         let (front, shoulder) = if self.outline.nose.is_empty() {
             let columns = self.columns.shares.clone();
@@ -235,9 +243,9 @@ impl<'a> MeshBuilder<'a> {
             self.mark(front.iter().copied(), NOSE);
             (front[0], front)
         } else {
-            let nose = nose::mesh(&mut self.sheet, &self.outline.nose, &self.columns.shares, self.wanted.size);
+            let nose = nose::mesh(&mut self.sheet, &self.outline.nose, &self.columns.shares, self.request.size);
             self.in_nose = self.sheet.elements.len();
-            self.belongs = vec![MeshPart::Case; self.in_nose];
+            self.parts = vec![MeshPart::Case; self.in_nose];
             self.mark(nose.flank.iter().copied(), NOSE);
             (nose.axis[0], nose.shoulder)
         };
@@ -246,27 +254,27 @@ impl<'a> MeshBuilder<'a> {
         self.mark(base.iter().copied(), BASE);
         let corners = [front, surface, base[0], base[base.len() - 1]];
         let walls = self.walls();
-        let MeshBuilder { sheet, belongs, in_nose, outline, wanted, .. } = self;
-        Mesh { sheet, belongs, in_nose, walls, corners, outline: outline.clone(), wanted: wanted.clone() }
+        let MeshBuilder { sheet, parts, in_nose, outline, request, .. } = self;
+        ProjectileMesh { sheet, parts, in_nose, walls, corners, outline: outline.clone(), request: request.clone() }
     }
 
-    /// What lies behind the shoulder, row by row; the nodes of the base.
+    /// Meshes the body behind the shoulder row by row, and returns the nodes of the base.
     fn body(&mut self, shoulder: Vec<usize>) -> Vec<usize> {
         let heights = self.heights();
-        let hollow = |z: f64| self.wanted.cavity.is_some_and(|c| z >= c.front && z < self.outline.rim()[1] - c.base);
-        let holds = self.wanted.cavity.map_or(Fill::None, |c| c.fill);
+        let hollow = |z: f64| self.request.cavity.is_some_and(|c| z >= c.front && z < self.outline.rim()[1] - c.base);
+        let fill = self.request.cavity.map_or(CavityFill::None, |c| c.fill);
         let mut surface = vec![shoulder[shoulder.len() - 1]];
         let mut row: Vec<Option<usize>> = shoulder.into_iter().map(Some).collect();
         let mut last_fill: Option<Vec<usize>> = None;
         for (n, z) in heights.iter().enumerate().skip(1) {
             let in_cavity = hollow(heights[n - 1]);
-            // Nodes within the case: none in the cavity, but for its back wall.
-            let open = in_cavity && holds != Fill::Bonded && (n + 1 == heights.len() || hollow(*z));
+            // Inside a cavity there are no case nodes, except at its back wall.
+            let open = in_cavity && fill != CavityFill::Bonded && (n + 1 == heights.len() || hollow(*z));
             let next = self.row(*z, if open { self.columns.within } else { 0 });
-            let from = if in_cavity && holds != Fill::Bonded { self.columns.within } else { 0 };
-            self.between(&row, &next, from, in_cavity && holds == Fill::Bonded);
-            if in_cavity && holds == Fill::Apart {
-                last_fill = Some(self.apart(last_fill.take(), [heights[n - 1], *z]));
+            let from = if in_cavity && fill != CavityFill::Bonded { self.columns.within } else { 0 };
+            self.between(&row, &next, from, in_cavity && fill == CavityFill::Bonded);
+            if in_cavity && fill == CavityFill::Apart {
+                last_fill = Some(self.separate_fill_row(last_fill.take(), [heights[n - 1], *z]));
                 if n + 1 == heights.len() {
                     self.mark(last_fill.iter().flatten().copied(), BASE);
                 }
@@ -280,7 +288,7 @@ impl<'a> MeshBuilder<'a> {
         row.into_iter().flatten().collect()
     }
 
-    /// Heights of rows from the shoulder to the base.
+    /// Returns the z coordinates of the rows from the shoulder to the base.
     fn heights(&self) -> Vec<f64> {
         let ([_, from], [_, end]) = (self.outline.shoulder(), self.outline.rim());
         if self.outline.body.is_empty() {
@@ -288,15 +296,15 @@ impl<'a> MeshBuilder<'a> {
         }
         let mut breaks: Vec<f64> = self.outline.body.iter().map(|piece| piece.ends()[1][1]).collect();
         breaks.push(from);
-        if let Some(cavity) = self.wanted.cavity {
+        if let Some(cavity) = self.request.cavity {
             breaks.extend([cavity.front, end - cavity.base]);
         }
         breaks.sort_by(f64::total_cmp);
         breaks.dedup();
-        rows(&breaks, self.wanted.size, self.wanted.along)
+        rows(&breaks, self.request.size, self.request.along)
     }
 
-    /// The outer radius at a height behind the shoulder.
+    /// Returns the outer radius at a height behind the shoulder.
     fn radius(&self, z: f64) -> f64 {
         let piece = self.outline.body.iter().find(|piece| z <= piece.ends()[1][1]);
         piece.map_or(self.outline.rim()[0], |piece| {
@@ -306,7 +314,7 @@ impl<'a> MeshBuilder<'a> {
         })
     }
 
-    /// Nodes of a row from a column on.
+    /// Adds the nodes of a row, starting with column `from`.
     fn row(&mut self, z: f64, from: usize) -> Vec<Option<usize>> {
         let radius = self.radius(z);
         let columns = self.columns;
@@ -314,20 +322,21 @@ impl<'a> MeshBuilder<'a> {
         columns.shares.iter().enumerate().map(node).collect()
     }
 
-    /// Elements between two rows from a column on; what lies within the cavity belongs to the fill if that is bonded.
+    /// Adds the elements between two rows, starting with column `from`. If `filled`, those inside the cavity belong to
+    /// the fill.
     fn between(&mut self, low: &[Option<usize>], high: &[Option<usize>], from: usize, filled: bool) {
         let columns = low.windows(2).zip(high.windows(2)).enumerate().skip(from);
         for (n, (low, high)) in columns {
             if let ([Some(a), Some(b)], [Some(d), Some(c)]) = (low, high) {
                 self.sheet.elements.push([*a, *b, *c, *d]);
                 let fill = filled && n < self.columns.within;
-                self.belongs.push(if fill { MeshPart::Fill } else { MeshPart::Case });
+                self.parts.push(if fill { MeshPart::Fill } else { MeshPart::Case });
             }
         }
     }
 
-    /// A row of a fill apart, between two heights; its last nodes.
-    fn apart(&mut self, last: Option<Vec<usize>>, [low, high]: [f64; 2]) -> Vec<usize> {
+    /// Adds a row of a separate fill between two heights, and returns its upper nodes.
+    fn separate_fill_row(&mut self, last: Option<Vec<usize>>, [low, high]: [f64; 2]) -> Vec<usize> {
         let radius = self.radius(high);
         let columns = self.columns;
         let shares = &columns.shares[..=columns.within];
@@ -336,12 +345,12 @@ impl<'a> MeshBuilder<'a> {
         let above = nodes(high);
         for (a, b) in below.windows(2).zip(above.windows(2)) {
             self.sheet.elements.push([a[0], a[1], b[1], b[0]]);
-            self.belongs.push(MeshPart::Fill);
+            self.parts.push(MeshPart::Fill);
         }
         above
     }
 
-    /// Free sides that do not lie on the axis.
+    /// Returns the free sides off the axis.
     fn walls(&self) -> Vec<(usize, usize, SurfacePart)> {
         let mut sides: HashMap<[usize; 2], u32> = HashMap::new();
         let each = || {
@@ -361,24 +370,24 @@ impl<'a> MeshBuilder<'a> {
             m if m & NOSE != 0 => SurfacePart::Nose,
             m if m & BASE != 0 => SurfacePart::Base,
             m if m & SHANK != 0 => SurfacePart::Shank,
-            _ if self.belongs[element] == MeshPart::Fill => SurfacePart::Fill,
+            _ if self.parts[element] == MeshPart::Fill => SurfacePart::Fill,
             _ => SurfacePart::Inner,
         }
     }
 }
 
-impl Mesh {
-    /// The exact volumes of case and fill.
+impl ProjectileMesh {
+    /// Returns the exact volumes of case and fill.
     pub(super) fn exact(&self) -> [f64; 2] {
-        let hollow = self.wanted.cavity.map_or(0.0, |c| {
+        let hollow = self.request.cavity.map_or(0.0, |c| {
             let inner = self.outline.shoulder()[0] - c.wall;
             std::f64::consts::PI * inner * inner * (self.outline.rim()[1] - c.base - c.front)
         });
-        let filled = self.wanted.cavity.is_some_and(|c| c.fill != Fill::None);
+        let filled = self.request.cavity.is_some_and(|c| c.fill != CavityFill::None);
         [self.outline.volume() - hollow, if filled { hollow } else { 0.0 }]
     }
 
-    pub(super) fn corners_of(&self, element: usize) -> [Point; 4] {
+    pub(super) fn corners_of(&self, element: usize) -> [MeridianPoint; 4] {
         self.sheet.corners(element)
     }
 }

@@ -1,4 +1,5 @@
-//! Meshes of projectiles for `revolve mesh`: shapes as profile curves, quadrilaterals in blocks, sets, surfaces, quality.
+//! Generation of projectile meshes for `revolve mesh`: profiles, structured quadrilateral blocks, sets, surfaces and
+//! quality.
 
 pub mod codes;
 mod deck;
@@ -13,6 +14,6 @@ mod sheet;
 mod spacing;
 
 pub use measure::{MeshMeasure, PartVolume};
-pub use mesh::{Cavity, DeckLabels, Fill, Mesh, MeshRequest};
-pub use profile::Point;
-pub use shape::Nose;
+pub use mesh::{CaseCavity, CavityFill, DeckLabels, MeshRequest, ProjectileMesh};
+pub use profile::MeridianPoint;
+pub use shape::NoseShape;

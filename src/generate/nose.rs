@@ -1,32 +1,33 @@
-//! A pointed nose in three blocks: its section is a triangle of axis, flank and shoulder, and a triangle is three quadrilaterals
-//! that meet in one node. So no element degenerates at the tip, and the columns of the shank need not all reach it.
+//! Mesh of a pointed nose. The meridian section, a triangle of axis, flank and shoulder, is divided into three
+//! quadrilateral blocks that meet in one node. No element degenerates at the tip, and not all columns of the shank
+//! continue to the tip.
 
-use super::profile::{Piece, Point, distance};
+use super::profile::{MeridianPoint, ProfilePiece, distance};
 use super::shape::length;
-use super::sheet::{Block, QuadMesh};
+use super::sheet::{QuadBlock, QuadMesh};
 
-/// Nodes of a nose that others go on from.
+/// Boundary nodes of a nose mesh.
 pub struct NoseMesh {
-    /// From the tip to the shoulder along the flank.
+    /// Nodes along the flank from the tip to the shoulder.
     pub flank: Vec<usize>,
-    /// From the tip to the shoulder along the axis.
+    /// Nodes along the axis from the tip to the shoulder.
     pub axis: Vec<usize>,
-    /// From the axis to the flank at the shoulder.
+    /// Nodes at the shoulder from the axis to the flank.
     pub shoulder: Vec<usize>,
 }
 
-/// Meshes a nose; `columns` are shares of the radius at the shoulder from 0 to 1, three or more.
-pub fn mesh(sheet: &mut QuadMesh, pieces: &[Piece], columns: &[f64], size: f64) -> NoseMesh {
+/// Meshes a nose. `columns` are at least three fractions of the shoulder radius, from 0 to 1.
+pub fn mesh(sheet: &mut QuadMesh, pieces: &[ProfilePiece], columns: &[f64], size: f64) -> NoseMesh {
     let [_, [radius, height]] = pieces[pieces.len() - 1].ends();
     let across = columns.len() - 1;
-    // Columns beside the flank and beside the axis.
+    // Columns next to the flank, and next to the axis.
     let outer = across / 2;
     let inner = across - outer;
     let points = flank(pieces, inner, size, height);
-    let behind = points.len() - 1 - inner;
+    let rear = points.len() - 1 - inner;
     let flank: Vec<usize> = points.into_iter().map(|p| sheet.node(p)).collect();
     let (tip, end) = (flank[0], flank[flank.len() - 1]);
-    let along = outer + behind;
+    let along = outer + rear;
     let mut axis = vec![tip];
     axis.extend((1..=along).map(|n| sheet.node([0.0, height * n as f64 / along as f64])));
     let mut shoulder = vec![axis[along]];
@@ -38,7 +39,7 @@ pub fn mesh(sheet: &mut QuadMesh, pieces: &[Piece], columns: &[f64], size: f64) 
     let (on_axis, on_flank, on_shoulder) = (axis[outer], flank[inner], shoulder[inner]);
     let to_axis = [&[middle][..], &inside(inner), &[on_axis]].concat();
     let to_flank = [&[middle][..], &inside(outer), &[on_flank]].concat();
-    let to_shoulder = [&[middle][..], &inside(behind), &[on_shoulder]].concat();
+    let to_shoulder = [&[middle][..], &inside(rear), &[on_shoulder]].concat();
     let backwards = |edge: &[usize]| -> Vec<usize> { edge.iter().rev().copied().collect() };
     let from_axis = backwards(&to_axis);
     let from_flank = backwards(&to_flank);
@@ -53,7 +54,7 @@ pub fn mesh(sheet: &mut QuadMesh, pieces: &[Piece], columns: &[f64], size: f64) 
     };
     let at_axis: Vec<f64> = shares(&columns[..=inner]).into_iter().rev().map(|x| 1.0 - x).collect();
     let at_flank = shares(&columns[inner..]);
-    let even: Vec<f64> = (0..=behind).map(|n| n as f64 / behind as f64).collect();
+    let even: Vec<f64> = (0..=rear).map(|n| n as f64 / rear as f64).collect();
     let edges = [(to_axis, at_axis), (to_flank, at_flank), (to_shoulder, even)];
     let nose = NoseBlocks {
         blocks,
@@ -63,17 +64,18 @@ pub fn mesh(sheet: &mut QuadMesh, pieces: &[Piece], columns: &[f64], size: f64) 
         flank: &flank,
         piece: pieces.first().filter(|_| pieces.len() == 1),
     };
-    nose.settle(&mut sheet.points, [outer, inner], on_shoulder);
+    nose.optimize(&mut sheet.points, [outer, inner], on_shoulder);
     nose.blocks.iter().for_each(|block| sheet.fill(block));
     NoseMesh { flank, axis, shoulder }
 }
 
-/// Points along the flank: the ends of its pieces are among them; `inner` divisions belong to the block at the tip, one at least
-/// to what is behind it. Sizes follow from the mean length of flank and axis, as both have as many divisions on the average.
-fn flank(pieces: &[Piece], inner: usize, size: f64, height: f64) -> Vec<Point> {
+/// Returns points along the flank, which include the ends of its pieces. The block at the tip has `inner` divisions,
+/// the rest at least one. The number of divisions follows from the mean length of flank and axis, because both have
+/// equally many.
+fn flank(pieces: &[ProfilePiece], inner: usize, size: f64, height: f64) -> Vec<MeridianPoint> {
     let whole = length(pieces);
-    let wanted = 0.5 * (whole + height) / whole / size;
-    let mut counts: Vec<usize> = pieces.iter().map(|p| ((p.length() * wanted).round() as usize).max(1)).collect();
+    let per_length = 0.5 * (whole + height) / whole / size;
+    let mut counts: Vec<usize> = pieces.iter().map(|p| ((p.length() * per_length).round() as usize).max(1)).collect();
     while counts.iter().sum::<usize>() < inner + 1 {
         let widest = |k: &usize| pieces[*k].length() / counts[*k] as f64;
         let most = (0..counts.len()).max_by(|a, b| widest(a).total_cmp(&widest(b))).unwrap_or(0);
@@ -86,34 +88,34 @@ fn flank(pieces: &[Piece], inner: usize, size: f64, height: f64) -> Vec<Point> {
     points
 }
 
-/// Three blocks about the node where they meet; each edge runs from there, with shares of its length.
+/// Three blocks that meet in a common node. Each inner edge starts there, with the fractions of its length.
 struct NoseBlocks<'a> {
-    blocks: [Block; 3],
+    blocks: [QuadBlock; 3],
     edges: [(Vec<usize>, Vec<f64>); 3],
     middle: usize,
     axis: &'a [usize],
     flank: &'a [usize],
-    /// The flank, if it is of one piece: its nodes may then be moved along it.
-    piece: Option<&'a Piece>,
+    /// The flank if it is a single piece; its nodes can then be moved along it.
+    piece: Option<&'a ProfilePiece>,
 }
 
-/// Where the blocks meet: shares of axis and flank at which the block at the tip ends, and the middle.
+/// Positions of the block corners: fractions of axis and flank at which the tip block ends, and the common node.
 #[derive(Clone, Copy)]
 struct BlockCorners {
     ends: [f64; 2],
-    middle: Point,
+    middle: MeridianPoint,
 }
 
 impl BlockCorners {
-    /// A trial: one of the four numbers, or two of the middle, moved by a step (shares by as many hundredths).
-    fn moved(mut self, [axis, flank, r, z]: [f64; 4], step: f64, length: f64) -> BlockCorners {
+    /// Returns a trial position: shifted by `step` in the four coordinates (lengths in units of `length`).
+    fn shifted(mut self, [axis, flank, r, z]: [f64; 4], step: f64, length: f64) -> BlockCorners {
         self.ends = [self.ends[0] + axis * step, self.ends[1] + flank * step].map(|share| share.clamp(0.02, 0.98));
         self.middle = [self.middle[0] + r * step * length, self.middle[1] + z * step * length];
         self
     }
 }
 
-/// Directions of trials.
+/// Directions of the trial steps.
 const TRIALS: [[f64; 4]; 14] = [
     [0.0, 0.0, 1.0, 0.0],
     [0.0, 0.0, -1.0, 0.0],
@@ -132,23 +134,23 @@ const TRIALS: [[f64; 4]; 14] = [
 ];
 
 impl NoseBlocks<'_> {
-    /// Finds the places at which the worst element is best, measured by the product of the least scaled Jacobian and the least
-    /// height: the one is distortion to come, the other the stable increment. A search by halved steps from three beginnings: a
-    /// rhombus at the tip, a kite, and what lies nearer to the shoulder.
-    fn settle(&self, points: &mut [Point], [outer, inner]: [usize; 2], on_shoulder: usize) {
+    /// Optimizes the block corners: maximizes the product of smallest scaled Jacobian and smallest height, which are
+    /// measures of distortion and of the stable time increment. A pattern search with halved steps starts from three
+    /// positions of the common node: a rhombus at the tip, a kite, and one nearer to the shoulder.
+    fn optimize(&self, points: &mut [MeridianPoint], [outer, inner]: [usize; 2], on_shoulder: usize) {
         let [axis, flank, shoulder] = [self.axis[outer], self.flank[inner], on_shoulder].map(|n| points[n]);
         let ends = [outer as f64 / (self.axis.len() - 1) as f64, inner as f64 / (self.flank.len() - 1) as f64];
         let mixed = |a: f64, b: f64, c: f64| [0, 1].map(|k| a * axis[k] + b * flank[k] + c * shoulder[k]);
         let length = distance(points[self.axis[0]], shoulder);
         let starts = [mixed(1.0, 1.0, 0.0), mixed(0.55, 0.55, 0.0), mixed(0.4, 0.4, 0.2)];
-        let search = |points: &mut [Point], middle: Point| {
+        let search = |points: &mut [MeridianPoint], middle: MeridianPoint| {
             let mut places = BlockCorners { ends, middle };
-            let (mut best, mut step) = (self.worth(points, places), 0.125);
+            let (mut best, mut step) = (self.quality(points, places), 0.125);
             let mut trials = self.trials();
             while step > 2e-4 && trials > 0 {
                 trials -= 1;
-                let tried = TRIALS.map(|trial| places.moved(trial, step, length));
-                let found = tried.into_iter().map(|p| (self.worth(points, p), p)).max_by(|a, b| a.0.total_cmp(&b.0));
+                let tried = TRIALS.map(|trial| places.shifted(trial, step, length));
+                let found = tried.into_iter().map(|p| (self.quality(points, p), p)).max_by(|a, b| a.0.total_cmp(&b.0));
                 match found {
                     Some((worth, p)) if worth > best => (best, places) = (worth, p),
                     _ => step *= 0.5,
@@ -162,15 +164,15 @@ impl NoseBlocks<'_> {
         }
     }
 
-    /// How many times the search may move or halve its step: fine meshes are content with less.
+    /// Returns the number of search steps; fine meshes use fewer.
     fn trials(&self) -> usize {
-        let [outer, inner, behind] = [1, 0, 2].map(|k| self.edges[k].0.len() - 1);
-        let elements = outer * inner + (outer + inner) * behind;
+        let [outer, inner, rear] = [1, 0, 2].map(|k| self.edges[k].0.len() - 1);
+        let elements = outer * inner + (outer + inner) * rear;
         (60_000 / elements).clamp(12, 200)
     }
 
-    /// Places all inner nodes, and those along axis and flank.
-    fn place(&self, points: &mut [Point], places: BlockCorners) {
+    /// Places all inner nodes, and the nodes along axis and flank.
+    fn place(&self, points: &mut [MeridianPoint], places: BlockCorners) {
         let [outer, inner] = [&self.edges[1], &self.edges[0]].map(|edge| edge.0.len() - 1);
         let height = points[self.axis[self.axis.len() - 1]][1];
         for (n, share) in split(self.axis.len() - 1, outer, places.ends[0]) {
@@ -191,7 +193,7 @@ impl NoseBlocks<'_> {
         self.blocks.iter().for_each(|block| block.spread(points));
     }
 
-    fn worth(&self, points: &mut [Point], places: BlockCorners) -> f64 {
+    fn quality(&self, points: &mut [MeridianPoint], places: BlockCorners) -> f64 {
         self.place(points, places);
         let each = self.blocks.iter().map(|block| block.worst(points));
         let [jacobian, height] = each.fold([f64::INFINITY; 2], |a, b| [a[0].min(b[0]), a[1].min(b[1])]);
@@ -199,11 +201,12 @@ impl NoseBlocks<'_> {
     }
 }
 
-/// Shares of a line of `count` divisions, even on both sides of division `at`, which ends at a share; without its ends.
+/// Returns the inner divisions of a line as index and fraction, uniform on both sides of division `at`, which is at
+/// `share`.
 fn split(count: usize, at: usize, share: f64) -> impl Iterator<Item = (usize, f64)> {
-    let behind = (count - at) as f64;
+    let rear = (count - at) as f64;
     (1..count).map(move |n| {
         let near = share * n as f64 / at as f64;
-        (n, if n <= at { near } else { share + (1.0 - share) * (n - at) as f64 / behind })
+        (n, if n <= at { near } else { share + (1.0 - share) * (n - at) as f64 / rear })
     })
 }

@@ -1,29 +1,29 @@
-//! A mesh of quadrilaterals in the meridian while it is made: nodes, blocks between four edges, elements.
+//! A quadrilateral mesh in the meridian plane under construction: nodes, structured blocks, elements.
 
-use super::profile::Point;
+use super::profile::MeridianPoint;
 use super::quality::{height, least_scaled_jacobian};
 
 #[derive(Clone, Debug, Default)]
 pub struct QuadMesh {
-    pub points: Vec<Point>,
-    /// Corners of elements, counterclockwise in (r, z).
+    pub points: Vec<MeridianPoint>,
+    /// Corner nodes of the elements, counter-clockwise in (r, z).
     pub elements: Vec<[usize; 4]>,
 }
 
-/// Nodes of a block: rows of equal length. Outer rows and columns are its edges.
+/// Nodes of a structured block: rows of equal length. The outer rows and columns are its edges.
 #[derive(Clone, Debug)]
-pub struct Block(Vec<Vec<usize>>);
+pub struct QuadBlock(Vec<Vec<usize>>);
 
 impl QuadMesh {
-    pub fn node(&mut self, point: Point) -> usize {
+    pub fn node(&mut self, point: MeridianPoint) -> usize {
         self.points.push(point);
         self.points.len() - 1
     }
 
-    /// A block between edges that share their ends: `first` and `last` run alike, `left` from the beginning of `first` to that of
-    /// `last`, `right` between their ends; from `first` to its left lies `last`. New nodes lie within; `Block::spread` gives them
-    /// places.
-    pub fn block(&mut self, [first, last]: [&[usize]; 2], [left, right]: [&[usize]; 2]) -> Block {
+    /// Creates a block between four edges that share their ends. `first` and `last` have the same direction; `left`
+    /// leads from the start of `first` to the start of `last`, and `right` connects their ends; `last` is to the left
+    /// of `first`. Inner nodes are created at the origin and placed by [`QuadBlock::spread`].
+    pub fn block(&mut self, [first, last]: [&[usize]; 2], [left, right]: [&[usize]; 2]) -> QuadBlock {
         let rows = left.len();
         let row = |n: usize, sheet: &mut QuadMesh| -> Vec<usize> {
             if n == 0 {
@@ -35,10 +35,10 @@ impl QuadMesh {
             let inner = (1..first.len() - 1).map(|_| sheet.node([0.0; 2])).collect::<Vec<_>>();
             [&[left[n]], &inner[..], &[right[n]]].concat()
         };
-        Block((0..rows).map(|n| row(n, self)).collect())
+        QuadBlock((0..rows).map(|n| row(n, self)).collect())
     }
 
-    pub fn fill(&mut self, block: &Block) {
+    pub fn fill(&mut self, block: &QuadBlock) {
         for rows in block.0.windows(2) {
             for (low, high) in rows[0].windows(2).zip(rows[1].windows(2)) {
                 self.elements.push([low[0], low[1], high[1], high[0]]);
@@ -46,21 +46,21 @@ impl QuadMesh {
         }
     }
 
-    pub fn corners(&self, element: usize) -> [Point; 4] {
+    pub fn corners(&self, element: usize) -> [MeridianPoint; 4] {
         self.elements[element].map(|n| self.points[n])
     }
 }
 
-impl Block {
-    /// Places the inner nodes by transfinite interpolation between the edges (Gordon and Hall 1973): each node is what the two
-    /// pairs of edges say, less what the corners say.
-    pub fn spread(&self, points: &mut [Point]) {
+impl QuadBlock {
+    /// Places the inner nodes by transfinite interpolation between the edges (Gordon and Hall 1973): the sum of the
+    /// interpolations between both pairs of edges minus the bilinear interpolation of the corners.
+    pub fn spread(&self, points: &mut [MeridianPoint]) {
         let (rows, columns) = (self.0.len() - 1, self.0[0].len() - 1);
         for i in 1..rows {
             for j in 1..columns {
                 let at = |i: usize, j: usize, axis: usize| points[self.0[i][j]][axis];
-                // Shares along the edges, as mean of both of a pair.
-                let along = |ends: [Point; 2], p: Point| {
+                // Fraction along the edges, as the mean of both opposite edges.
+                let along = |ends: [MeridianPoint; 2], p: MeridianPoint| {
                     let chord = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
                     let square = chord[0] * chord[0] + chord[1] * chord[1];
                     ((p[0] - ends[0][0]) * chord[0] + (p[1] - ends[0][1]) * chord[1]) / square
@@ -84,8 +84,8 @@ impl Block {
         }
     }
 
-    /// The least scaled Jacobian and the least height of its elements.
-    pub fn worst(&self, points: &[Point]) -> [f64; 2] {
+    /// Returns the smallest scaled Jacobian and the smallest height of the elements.
+    pub fn worst(&self, points: &[MeridianPoint]) -> [f64; 2] {
         let mut worst = [f64::INFINITY; 2];
         for rows in self.0.windows(2) {
             for (low, high) in rows[0].windows(2).zip(rows[1].windows(2)) {

@@ -1,6 +1,7 @@
-//! Where nodes lie along a line: even, or growing.
+//! Spacing of nodes along a line: uniform or graded.
 
-/// Shares from 0 to 1 of so many divisions, of which the first is `ratio` times as long as the last, in geometric progression.
+/// Returns the fractions from 0 to 1 of `count` divisions in geometric progression; the first is `ratio` times the
+/// last.
 pub fn graded(count: usize, ratio: f64) -> Vec<f64> {
     let factor = if count > 1 { libm::pow(1.0 / ratio, 1.0 / (count - 1) as f64) } else { 1.0 };
     let mut sums = vec![0.0];
@@ -15,12 +16,13 @@ pub fn graded(count: usize, ratio: f64) -> Vec<f64> {
     sums
 }
 
-/// Heights from the first to the last of `breaks`, all included, with sizes that grow from `size` by `growth` in all.
+/// Returns the z coordinates of rows from the first to the last break, all breaks included. The spacing grows
+/// exponentially from `size` by the factor `growth` in total.
 pub fn rows(breaks: &[f64], size: f64, growth: f64) -> Vec<f64> {
     let (from, to) = (breaks[0], breaks[breaks.len() - 1]);
     let rate = libm::log(growth) / (to - from);
     let even = libm::fabs(rate) * (to - from) < 1e-9;
-    // Number of local sizes up to a height, the integral of dz/s with s = size e^(rate (z - from)), and back.
+    // Number of local sizes up to z, the integral of dz/s with s = size e^(rate (z - from)), and its inverse.
     let counted = |z: f64| if even { (z - from) / size } else { -libm::expm1(-rate * (z - from)) / (rate * size) };
     let height = |n: f64| if even { from + n * size } else { from - libm::log1p(-rate * size * n) / rate };
     let mut rows = vec![from];

@@ -1,58 +1,57 @@
-//! Elements that conduct: their capacities, the heat that flows between their corners, and the rate that bounds the increment.
-//! Never here: temperatures of nodes over time, sources.
+//! Elements that conduct heat: capacities, heat rates at their corners, and the rate that limits the time increment.
 
 use crate::kernel::lanes::InlineMap;
 use rayon::prelude::*;
 
 use crate::element::elements::Elements;
 use crate::kernel::conduction::{conductance, highest_rate};
-use crate::kernel::hardening::Table;
+use crate::kernel::hardening::LinearTable;
 use crate::kernel::quad;
 use crate::state::nodes::{Node, Nodes};
 
-/// Elements from which on it pays to wake other threads every increment.
+/// Number of elements above which parallel updates are faster.
 const PARALLEL: usize = 2000;
-/// Elements that a thread takes at once.
+/// Number of elements per task of a thread.
 const CHUNK: usize = 256;
 
-/// How a material takes heat up and passes it on.
+/// Conductivity and specific heat of a material.
 #[derive(Clone, Debug)]
-pub struct Properties {
-    /// Heat a time, length and temperature, over temperature.
-    pub conductivity: Table,
-    /// Heat a mass and temperature, over temperature.
-    pub capacity: Table,
+pub struct ConductionProperties {
+    /// Conductivity (heat per time, length and temperature) over temperature.
+    pub conductivity: LinearTable,
+    /// Specific heat (heat per mass and temperature) over temperature.
+    pub capacity: LinearTable,
 }
 
-/// The elements of a group, which all conduct.
+/// Elements of a group, all of which conduct.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub struct ConductorGroup {
     pub group: usize,
-    /// Its first element among all that conduct, and one behind its last.
+    /// Index of its first element among all conducting elements, and end of its range.
     pub first: usize,
     pub end: usize,
-    pub properties: Properties,
+    pub properties: ConductionProperties,
 }
 
-/// A property at a temperature; one row needs no search.
+/// Returns a property at a temperature; a single row needs no search.
 #[inline]
-pub(super) fn at(table: &Table, temperature: f64) -> f64 {
+pub(super) fn at(table: &LinearTable, temperature: f64) -> f64 {
     match table.rows.as_slice() {
         [[value, _]] => *value,
         _ => table.value(temperature),
     }
 }
 
-/// One element.
+/// An element that conducts heat.
 #[derive(Clone, Copy, Debug)]
-pub struct Conductor {
-    /// Nodes at its corners, counter-clockwise; of a triangle the last two are the same.
+pub struct ConductingElement {
+    /// Corner nodes, counter-clockwise; for a triangle the last two are equal.
     pub nodes: [u32; 4],
-    /// Masses of the corners by the density of the material, which mass scaling leaves alone.
+    /// Corner masses from the density of the material, without mass scaling.
     pub masses: [f64; 4],
 }
 
-impl Conductor {
+impl ConductingElement {
     fn corners(&self, nodes: &[Node]) -> [[f64; 2]; 4] {
         self.nodes.inline_map(|n| nodes[n as usize].place())
     }
@@ -61,12 +60,14 @@ impl Conductor {
         self.nodes.inline_map(|n| nodal[n as usize])
     }
 
-    /// Mean over the volume: with the shares of the corners in it, so that what heats evenly stays even, also on the axis.
+    /// Returns the volume mean of the temperature, weighted with the corner masses, so that uniform heating remains
+    /// uniform, also on the axis.
     pub fn mean(&self, nodal: &[f64]) -> f64 {
         let (t, m) = (self.temperatures(nodal), self.masses);
         ((m[0] * t[0] + m[1] * t[1]) + (m[2] * t[2] + m[3] * t[3])) / self.mass()
     }
 
+    /// Returns the mass.
     pub fn mass(&self) -> f64 {
         let m = self.masses;
         (m[0] + m[1]) + (m[2] + m[3])
@@ -76,8 +77,8 @@ impl Conductor {
         quad::volume(self.corners(nodes.as_slice()))
     }
 
-    /// Heat flux in the middle: the conductivity times the mean slope of the temperature, downwards.
-    pub(super) fn flux(&self, nodal: &[f64], nodes: &Nodes, properties: &Properties) -> [f64; 2] {
+    /// Returns the heat flux at the centre: minus the conductivity times the mean temperature gradient.
+    pub(super) fn flux(&self, nodal: &[f64], nodes: &Nodes, properties: &ConductionProperties) -> [f64; 2] {
         let corners = self.corners(nodes.as_slice());
         let (g, t) =
             (quad::gradient(corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1])), self.temperatures(nodal));
@@ -85,8 +86,8 @@ impl Conductor {
         [g.r, g.z].inline_map(|g| per * ((g[0] * t[0] + g[1] * t[1]) + (g[2] * t[2] + g[3] * t[3])))
     }
 
-    /// Heat a time into the corners, and the highest rate.
-    fn conduct(&self, nodal: &[f64], nodes: &[Node], properties: &Properties) -> ([f64; 4], f64) {
+    /// Returns the heat rates into the corners, and the highest rate of temperature equalization.
+    fn conduct(&self, nodal: &[f64], nodes: &[Node], properties: &ConductionProperties) -> ([f64; 4], f64) {
         let t = self.temperatures(nodal);
         let k = conductance(self.corners(nodes), t, |t| at(&properties.conductivity, t));
         let heat =
@@ -96,23 +97,23 @@ impl Conductor {
     }
 }
 
-/// All of them, with the way from their corners to nodes.
+/// All conducting elements, with the connectivity from their corners to nodes.
 #[derive(Clone, Debug)]
-pub struct Conductors {
+pub struct ConductingElements {
     /// Groups.
-    pub parts: Vec<Part>,
-    /// Elements, part by part.
-    pub list: Vec<Conductor>,
-    /// Where the corners of each node begin in `slots`, and these: four times the element, plus the corner.
+    pub parts: Vec<ConductorGroup>,
+    /// Elements, group by group.
+    pub list: Vec<ConductingElement>,
+    /// Start of the corners of each node in `slots`; entries of `slots` are four times the element plus the corner.
     starts: Vec<u32>,
     slots: Vec<u32>,
 }
 
-/// The largest rate of a chunk, and its element.
-pub(super) type Largest = (f64, usize);
+/// Largest rate of a chunk, and its element.
+pub(super) type LargestRate = (f64, usize);
 
-impl Conductors {
-    pub fn new(parts: Vec<Part>, list: Vec<Conductor>, nodes: usize) -> Self {
+impl ConductingElements {
+    pub fn new(parts: Vec<ConductorGroup>, list: Vec<ConductingElement>, nodes: usize) -> Self {
         let mut starts = vec![0_u32; nodes + 1];
         let corners = || list.iter().flat_map(|c| c.nodes).enumerate();
         corners().for_each(|(_, n)| starts[n as usize + 1] += 1);
@@ -123,34 +124,36 @@ impl Conductors {
             slots[next[n as usize] as usize] = slot as u32;
             next[n as usize] += 1;
         }
-        Conductors { parts, list, starts, slots }
+        ConductingElements { parts, list, starts, slots }
     }
 
-    /// Chunks for which [`Conductors::conduct`] needs room.
+    /// Returns the number of chunks of [`ConductingElements::conduct`].
     pub(super) fn chunks(&self) -> usize {
         self.list.len().div_ceil(CHUNK)
     }
 
-    pub fn find(&self, group: usize, element: usize) -> Option<(&Conductor, &Part)> {
+    /// Returns a conducting element by group and index in the group; `None` if the group does not conduct.
+    pub fn find(&self, group: usize, element: usize) -> Option<(&ConductingElement, &ConductorGroup)> {
         let part = self.parts.iter().find(|p| p.group == group)?;
         Some((&self.list[part.first + element], part))
     }
 
-    fn part_of(&self, index: usize) -> &Part {
+    fn part_of(&self, index: usize) -> &ConductorGroup {
         &self.parts[self.parts.partition_point(|p| p.end <= index)]
     }
 
-    /// Heat a time into all corners; the largest rate with its element. Nothing flows through elements that are deleted.
+    /// Computes the heat rates into all corners; deleted elements do not conduct. Returns the largest rate with its
+    /// element.
     pub(super) fn conduct(
         &self,
         nodal: &[f64],
         elements: &Elements,
         nodes: &Nodes,
         corners: &mut [[f64; 4]],
-        largest: &mut [Largest],
+        largest: &mut [LargestRate],
         threads: bool,
-    ) -> Largest {
-        let of_chunk = |(index, (corners, largest)): (usize, (&mut [[f64; 4]], &mut Largest))| {
+    ) -> LargestRate {
+        let of_chunk = |(index, (corners, largest)): (usize, (&mut [[f64; 4]], &mut LargestRate))| {
             *largest = (0.0, 0);
             for (i, corner) in corners.iter_mut().enumerate() {
                 let e = index * CHUNK + i;
@@ -175,7 +178,7 @@ impl Conductors {
         largest.iter().fold((0.0, 0), |best, l| if l.0 > best.0 || l.0.is_nan() { *l } else { best })
     }
 
-    /// Adds what corners have to their nodes, in a fixed order.
+    /// Adds corner values to the nodes, in a fixed order.
     pub(super) fn gather(&self, corners: &[[f64; 4]], nodes: &mut [f64]) {
         let corners = corners.as_flattened();
         for (node, ends) in nodes.iter_mut().zip(self.starts.windows(2)) {
@@ -185,7 +188,7 @@ impl Conductors {
         }
     }
 
-    /// Group and element of one that conducts.
+    /// Returns group and element index of a conducting element.
     pub(super) fn place(&self, index: usize) -> (usize, usize) {
         let part = self.part_of(index);
         (part.group, index - part.first)

@@ -1,58 +1,58 @@
-//! Thermal strain (`*EXPANSION`): what it takes off the strain that stresses answer to.
-//! Never here: where temperatures come from.
+//! Thermal strain (`*EXPANSION`), which is subtracted from the strain that causes stress.
 
 use std::sync::Arc;
 
 use super::conductors::at;
-use super::field::Heat;
+use super::field::TemperatureField;
 use crate::element::elements::Elements;
-use crate::kernel::hardening::Table;
+use crate::kernel::hardening::LinearTable;
 use crate::kernel::lists::heap_bytes;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
-/// How a group of elements expands: `alpha(T) (T - T0) - alpha(T_I) (T_I - T0)` from its temperatures T_I at the start (ABAQUS
-/// Analysis User's Guide 26.1.2, "Thermal expansion").
+/// Thermal expansion of a group of elements: `alpha(T) (T - T0) - alpha(T_I) (T_I - T0)`, with the initial temperature
+/// T_I (ABAQUS Analysis User's Guide 26.1.2, "Thermal expansion").
 #[derive(Clone, Debug)]
-pub struct Expanding {
+pub struct GroupExpansion {
     pub id: EffectId,
     pub group: usize,
-    /// Coefficient over temperature, from the reference temperature.
-    pub coefficient: Table,
-    /// T0.
+    /// Mean coefficient from the reference temperature, over temperature.
+    pub coefficient: LinearTable,
+    /// Reference temperature T0.
     pub reference: f64,
 }
 
-impl Expanding {
-    /// Strain over that at T0.
+impl GroupExpansion {
+    /// Returns the thermal strain relative to T0.
     fn strain(&self, temperature: f64) -> f64 {
         at(&self.coefficient, temperature) * (temperature - self.reference)
     }
 }
 
-/// All that expands.
+/// Thermal strains of all groups with expansion.
 #[derive(Clone)]
-pub struct Expansion {
-    list: Arc<Vec<Expanding>>,
-    /// Strains over those at T0 that elements have been given, group by group.
+pub struct ThermalStrains {
+    list: Arc<Vec<GroupExpansion>>,
+    /// Strains relative to T0 already applied to the elements, group by group.
     strains: Vec<Vec<f64>>,
-    /// Room for temperatures and increments of a group.
-    room: [Vec<f64>; 2],
+    /// Work arrays for temperatures and strain increments of a group.
+    scratch: [Vec<f64>; 2],
 }
 
-impl Expansion {
-    /// Groups with the temperatures of their elements at the start.
-    pub fn new(list: Vec<(Expanding, Vec<f64>)>) -> Self {
+impl ThermalStrains {
+    /// Creates the strains from groups with the initial temperatures of their elements.
+    pub fn new(list: Vec<(GroupExpansion, Vec<f64>)>) -> Self {
         let most = list.iter().map(|l| l.1.len()).max().unwrap_or(0);
         let strains = list.iter().map(|(e, start)| start.iter().map(|t| e.strain(*t)).collect()).collect();
         let list = Arc::new(list.into_iter().map(|l| l.0).collect());
-        Expansion { list, strains, room: [vec![0.0; most], vec![0.0; most]] }
+        ThermalStrains { list, strains, scratch: [vec![0.0; most], vec![0.0; most]] }
     }
 
-    /// Takes the strain of the temperatures of now off; books what elements will book too little in their work.
-    pub(super) fn apply(&mut self, heat: Option<&Heat>, elements: &mut Elements, dofs: &mut Dofs) {
-        let [temperatures, increments] = &mut self.room;
+    /// Applies the increments of thermal strain at the current temperatures, and adds the stress work that the element
+    /// update will omit.
+    pub(super) fn apply(&mut self, heat: Option<&TemperatureField>, elements: &mut Elements, dofs: &mut Dofs) {
+        let [temperatures, increments] = &mut self.scratch;
         for (expanding, strains) in self.list.iter().zip(&mut self.strains) {
             let Some(group) = elements.groups[expanding.group].extensions().temperatures() else { continue };
             let (temperatures, increments) = (&mut temperatures[..strains.len()], &mut increments[..strains.len()]);
@@ -68,14 +68,14 @@ impl Expansion {
                 any |= *increment != 0.0;
             }
             if any {
-                dofs.energies.internal += group.expand(increments, dofs.nodes.as_slice(), dofs.nodes.behind);
+                dofs.energies.internal += group.expand(increments, dofs.nodes.as_slice(), dofs.nodes.previous_dt);
             }
         }
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.strains.iter().chain(&self.room).map(heap_bytes).sum()
+        self.strains.iter().chain(&self.scratch).map(heap_bytes).sum()
     }
 }
 
-persist_struct!(Expansion { strains: fixed_lists } derived { list, room });
+persist_struct!(ThermalStrains { strains: fixed_lists } derived { list, scratch });

@@ -1,9 +1,8 @@
-//! Temperatures of nodes: heat that is conducted, given and taken, and what temperatures do to elements.
-//! Never here: stresses, motion; deck words (an effect carries an opaque id that only the ledger reads).
+//! Nodal temperatures: heat conduction, heat sources, and the effects of temperature on elements.
 //!
-//! As ABAQUS/Explicit solves them (Analysis User's Guide 6.5.3, "Fully coupled thermal-stress analysis"): forward differences
-//! of lumped capacities, `C dT/dt = P - K T`, side by side with the central differences of the motion. Without a step that
-//! solves for temperatures nothing of this exists.
+//! As in ABAQUS/Explicit (Analysis User's Guide 6.5.3, "Fully coupled thermal-stress analysis"): forward differences
+//! with lumped capacities, `C dT/dt = P - K T`, parallel to the central differences of the motion. These data exist
+//! only if a step solves for temperatures or elements expand.
 
 pub mod conductors;
 pub mod expansion;
@@ -13,25 +12,25 @@ pub mod sources;
 use crate::element::elements::Elements;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
-use crate::state::magnitude::Clock;
-use expansion::Expansion;
-use field::Heat;
+use crate::state::magnitude::AmplitudeClock;
+use expansion::ThermalStrains;
+use field::TemperatureField;
 
-/// What temperatures bring into a scene; at least one of the two is there.
+/// Temperatures and thermal strains of a model; at least one of both exists.
 #[derive(Clone)]
-pub struct Thermal {
-    /// Temperatures of nodes; `None` where they stay with elements.
-    pub heat: Option<Heat>,
-    /// Thermal strains; `None` where nothing expands.
-    pub expansion: Option<Expansion>,
+pub struct ThermalState {
+    /// Nodal temperatures; `None` if each element has its own temperature.
+    pub heat: Option<TemperatureField>,
+    /// Thermal strains; `None` without expansion.
+    pub expansion: Option<ThermalStrains>,
 }
 
-impl Thermal {
-    /// Before elements are updated: gives them the temperatures of this instant and takes their thermal strains off.
-    pub fn before(&mut self, elements: &mut Elements, dofs: &mut Dofs, clock: &Clock<'_>) {
+impl ThermalState {
+    /// Sets the current temperatures of elements and applies their thermal strains, before the element update.
+    pub fn prepare_elements(&mut self, elements: &mut Elements, dofs: &mut Dofs, clock: &AmplitudeClock<'_>) {
         if let Some(heat) = &mut self.heat {
-            heat.hold(clock);
-            heat.warm(elements);
+            heat.apply_prescribed(clock);
+            heat.set_element_temperatures(elements);
         }
         if let Some(expansion) = &mut self.expansion {
             expansion.apply(self.heat.as_ref(), elements, dofs);
@@ -39,8 +38,11 @@ impl Thermal {
     }
 
     pub fn bytes(&self) -> [usize; 2] {
-        [self.heat.as_ref().map_or(0, Heat::bytes), self.expansion.as_ref().map_or(0, Expansion::bytes)]
+        [
+            self.heat.as_ref().map_or(0, TemperatureField::bytes),
+            self.expansion.as_ref().map_or(0, ThermalStrains::bytes),
+        ]
     }
 }
 
-persist_struct!(Thermal { heat: present, expansion: present });
+persist_struct!(ThermalState { heat: present, expansion: present });

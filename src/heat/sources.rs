@@ -1,51 +1,52 @@
-//! What gives heat and takes it: fluxes into nodes, faces and volumes, exchange with a fluid, temperatures that are held.
-//! Never here: conduction.
+//! Heat sources: fluxes into nodes, faces and volumes, films, and prescribed temperatures.
 
-use super::conductors::Conductors;
+use super::conductors::ConductingElements;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
-use crate::mesh::surface::{Face, Skin};
+use crate::mesh::surface::{CurrentFace, DeformableFaces};
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist, persist_struct};
+use crate::state::archive::{Persist, StateArchive, persist_struct};
 use crate::state::dofs::Dofs;
-use crate::state::limit::Limit;
-use crate::state::magnitude::{Clock, Magnitude};
+use crate::state::limit::IncrementLimit;
+use crate::state::magnitude::{AmplitudeClock, Magnitude};
 
+/// A heat source of a step, with its ledger row.
 #[derive(Clone, Debug)]
-pub struct Source {
+pub struct HeatSource {
     pub id: EffectId,
-    pub kind: Kind,
-    /// Heat a time into a node, through an area or into a volume; of a film the temperature of the fluid.
+    pub kind: HeatSourceKind,
+    /// Heat per time into a node, through an area or into a volume; for a film, the temperature of the fluid.
     pub magnitude: Magnitude,
 }
 
-/// Where a source acts.
+/// Region and type of a heat source.
 #[derive(Clone, Debug)]
-pub enum Kind {
+pub enum HeatSourceKind {
     /// Into each of these nodes (`*CFLUX`).
     Nodes(Vec<usize>),
     /// Through faces (`*DFLUX S`, `*DSFLUX`), positive into the body.
-    Faces(Skin),
-    /// Into the volumes of these conductors (`*DFLUX BF`).
+    Faces(DeformableFaces),
+    /// Into the volumes of these elements (`*DFLUX BF`).
     Volumes(Vec<usize>),
-    /// Through faces, by a film coefficient times the difference from the fluid to the face (`*FILM`, `*SFILM`).
-    Film(Skin, Magnitude),
+    /// Through faces: film coefficient times the temperature difference from the face to the fluid (`*FILM`, `*SFILM`).
+    Film(DeformableFaces, Magnitude),
 }
 
-/// Shares of the area of a face, a full ring, that go to its two nodes: `int N_I dA`.
+/// Returns the areas of a face, a full ring, that belong to its two nodes: `int N_I dA`.
 fn shares(face: [usize; 2], dofs: &Dofs) -> [f64; 2] {
-    let [a, b] = Face::new(face, &dofs.nodes).ends;
+    let [a, b] = CurrentFace::new(face, &dofs.nodes).ends;
     let (dr, dz) = (b[0] - a[0], b[1] - a[1]);
     let third = std::f64::consts::PI / 3.0 * (dr * dr + dz * dz).sqrt();
     [third * (2.0 * a[0] + b[0]), third * (a[0] + 2.0 * b[0])]
 }
 
-impl Source {
-    /// Adds heat a time to nodes, and to `exchange` what a film takes a temperature; returns the sum of what it gives.
-    pub(super) fn give(
+impl HeatSource {
+    /// Adds the heat rates of the source to the nodes, and the conductance of a film to `exchange`. Returns the total
+    /// heat rate.
+    pub(super) fn add_heat(
         &self,
-        (conductors, dofs, nodal): (&Conductors, &Dofs, &[f64]),
-        clock: &Clock<'_>,
+        (conductors, dofs, nodal): (&ConductingElements, &Dofs, &[f64]),
+        clock: &AmplitudeClock<'_>,
         power: &mut [f64],
         exchange: &mut [f64],
     ) -> f64 {
@@ -56,21 +57,21 @@ impl Source {
             sum += heat;
         };
         match &self.kind {
-            Kind::Nodes(nodes) => nodes.iter().for_each(|&n| add(n, value)),
-            Kind::Faces(skin) => {
-                for face in skin.carrying() {
+            HeatSourceKind::Nodes(nodes) => nodes.iter().for_each(|&n| add(n, value)),
+            HeatSourceKind::Faces(skin) => {
+                for face in skin.active_faces() {
                     face.into_iter().zip(shares(face, dofs)).for_each(|(n, area)| add(n, area * value));
                 }
             }
-            Kind::Volumes(list) => {
+            HeatSourceKind::Volumes(list) => {
                 for conductor in list.iter().map(|&i| &conductors.list[i]) {
                     let heat = value * conductor.volume(&dofs.nodes) / conductor.mass();
                     conductor.nodes.iter().zip(conductor.masses).for_each(|(&n, m)| add(n as usize, heat * m));
                 }
             }
-            Kind::Film(skin, coefficient) => {
+            HeatSourceKind::Film(skin, coefficient) => {
                 let coefficient = coefficient.at(clock);
-                for face in skin.carrying() {
+                for face in skin.active_faces() {
                     for (n, area) in face.into_iter().zip(shares(face, dofs)) {
                         add(n, coefficient * area * (value - nodal[n]));
                         exchange[n] += coefficient * area;
@@ -81,66 +82,70 @@ impl Source {
         sum
     }
 
-    /// Whether it is a film, which bounds the increment.
-    pub(super) fn exchanges(&self) -> bool {
-        matches!(self.kind, Kind::Film(..))
+    /// Returns whether it is a film, which limits the time increment.
+    pub(super) fn is_film(&self) -> bool {
+        matches!(self.kind, HeatSourceKind::Film(..))
     }
 
-    pub(super) fn limit(&self, clock: &Clock<'_>) -> Limit {
+    pub(super) fn limit(&self, clock: &AmplitudeClock<'_>) -> IncrementLimit {
         let limit = self.magnitude.limit(clock);
-        if let Kind::Film(_, coefficient) = &self.kind { limit.nearer(coefficient.limit(clock)) } else { limit }
+        if let HeatSourceKind::Film(_, coefficient) = &self.kind {
+            limit.earlier(coefficient.limit(clock))
+        } else {
+            limit
+        }
     }
 
-    /// Elements with these boundaries are deleted.
+    /// Removes the faces of deleted elements, given by their boundaries.
     pub(super) fn release(&mut self, deleted: &[ElementNodes]) {
-        if let Kind::Faces(skin) | Kind::Film(skin, _) = &mut self.kind {
-            skin.release(deleted);
+        if let HeatSourceKind::Faces(skin) | HeatSourceKind::Film(skin, _) = &mut self.kind {
+            skin.remove_elements(deleted);
         }
     }
 
     pub(super) fn bytes(&self) -> usize {
         self.magnitude.bytes()
             + match &self.kind {
-                Kind::Nodes(list) | Kind::Volumes(list) => heap_bytes(list),
-                Kind::Faces(skin) | Kind::Film(skin, _) => skin.bytes(),
+                HeatSourceKind::Nodes(list) | HeatSourceKind::Volumes(list) => heap_bytes(list),
+                HeatSourceKind::Faces(skin) | HeatSourceKind::Film(skin, _) => skin.bytes(),
             }
     }
 }
 
-/// Temperatures that are held (`*BOUNDARY` on degree of freedom 11).
+/// Prescribed temperatures (`*BOUNDARY` on degree of freedom 11).
 #[derive(Clone, Debug)]
-pub struct Held {
+pub struct PrescribedTemperature {
     pub id: EffectId,
-    /// The temperature.
+    /// Temperature over time.
     pub magnitude: Magnitude,
-    pub nodes: Vec<HeldNode>,
+    pub nodes: Vec<TemperatureNode>,
 }
 
-/// A node whose temperature is held.
+/// A node with prescribed temperature.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct HeldNode {
+pub struct TemperatureNode {
     pub node: usize,
-    /// Heat that plastic work made there since the increment began.
+    /// Heat by plastic work at the node since the start of the increment.
     pub(super) made: f64,
-    /// Heat a time that holding it took in the increment behind, positive into the body.
+    /// Reaction heat rate in the previous increment, positive into the body.
     pub(super) reaction: f64,
 }
 
-impl HeldNode {
+impl TemperatureNode {
     pub fn new(node: usize) -> Self {
-        HeldNode { node, ..HeldNode::default() }
+        TemperatureNode { node, ..TemperatureNode::default() }
     }
 }
 
-impl Persist for Source {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Source { id: _, kind, magnitude: _ } = self;
-        if let Kind::Faces(skin) | Kind::Film(skin, _) = kind {
+impl Persist for HeatSource {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let HeatSource { id: _, kind, magnitude: _ } = self;
+        if let HeatSourceKind::Faces(skin) | HeatSourceKind::Film(skin, _) = kind {
             skin.persist(archive);
         }
     }
 }
 
-persist_struct!(Held { nodes: fixed } derived { id, magnitude });
+persist_struct!(PrescribedTemperature { nodes: fixed } derived { id, magnitude });
 
-persist_struct!(HeldNode { made, reaction } derived { node });
+persist_struct!(TemperatureNode { made, reaction } derived { node });

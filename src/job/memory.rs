@@ -1,16 +1,16 @@
-//! A job whose results stay in memory: its summary, all rows of its histories, and its frames.
+//! Runs a job with its results in memory: summary, histories and frames.
 
 use std::sync::atomic::AtomicUsize;
 
-use super::{Follower, Prepared, Summary, announce, summarise};
-use crate::output::{Frame, History, Job};
-use crate::solve::{self, Control, Instant, Progress, Sink, SinkError};
+use super::{PreparedJob, ProgressFollower, RunSummary, announce_to_user, summarise};
+use crate::output::{JobFiles, OutputFrame, RunHistory};
+use crate::solve::{self, Instant, Progress, RunControl, Sink, SinkError};
 
-/// Keeps what it is shown.
+/// Sink that collects histories and frames in memory.
 struct MemorySink<'a> {
-    history: History,
-    frames: Option<Vec<Frame>>,
-    follow: &'a mut Follower<'a>,
+    history: RunHistory,
+    frames: Option<Vec<OutputFrame>>,
+    follow: &'a mut ProgressFollower<'a>,
 }
 
 impl Sink for MemorySink<'_> {
@@ -18,7 +18,7 @@ impl Sink for MemorySink<'_> {
         self.frames.is_some()
     }
 
-    fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
+    fn frame(&mut self, frame: &OutputFrame) -> Result<(), SinkError> {
         self.frames.iter_mut().for_each(|frames| frames.push(frame.clone()));
         Ok(())
     }
@@ -33,19 +33,20 @@ impl Sink for MemorySink<'_> {
     }
 }
 
-/// Runs a prepared deck in memory until `interrupt` is nonzero; the summary has all rows, frames only if wanted.
+/// Runs a prepared deck in memory. Returns the summary with all history rows, and the frames if `frames` is true. A
+/// nonzero `interrupt` ends the run.
 pub fn run_kept<'a>(
-    prepared: &Prepared,
-    job: &Job,
+    prepared: &PreparedJob,
+    job: &JobFiles,
     frames: bool,
     interrupt: &AtomicUsize,
-    follow: &'a mut Follower<'a>,
-) -> (Summary, Vec<Frame>) {
-    announce(prepared, job);
-    let history = History::of_rows(prepared.plan.column_names());
+    follow: &'a mut ProgressFollower<'a>,
+) -> (RunSummary, Vec<OutputFrame>) {
+    announce_to_user(prepared, job);
+    let history = RunHistory::of_rows(prepared.plan.column_names());
     let mut memory = MemorySink { history, frames: frames.then(Vec::new), follow };
-    let control = Control { interrupt: Some(interrupt), ..Control::default() };
-    // Without a state to go on from there is none that could be refused.
+    let control = RunControl { interrupt: Some(interrupt), ..RunControl::default() };
+    // Cannot fail: only a restart can have an unsuitable state.
     let (outcome, _) =
         solve::run_with(&prepared.plan, prepared.state.clone(), &mut memory, control).unwrap_or_default();
     (summarise(prepared, outcome, memory.history), memory.frames.unwrap_or_default())

@@ -1,4 +1,4 @@
-//! A job: a deck taken through the whole pipeline. Text to deck, deck to model, model to plan, plan to results.
+//! The pipeline from a deck to results: text to deck, deck to model, model to plan, plan to results.
 
 mod memory;
 mod status;
@@ -17,110 +17,118 @@ use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
 use crate::element::group::TASK;
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::kernel::lanes::LANES;
-use crate::model::{self, Model, Name, Precision, Units, scene::Scene};
-use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
+use crate::model::{self, DeckUnits, EntityName, Model, Precision, scene::SceneOutline};
+use crate::output::checkpoint::{CHECKPOINT, Checkpoint, JobIdentity, hash};
 use crate::output::lock::{FolderLock, LockError};
-use crate::output::pvd::{FrameWriter, Written, missing_frames};
+use crate::output::pvd::{FrameWriter, WrittenFrame, missing_frames};
 use crate::output::sums::{Checksums, SUMS, sum};
 use crate::output::{
-    Frame, HISTORY, History, HistorySummary, Job, Points, write_summary, write_whole, write_with_sums,
+    FramePoints, HISTORY, HistorySummary, JobFiles, OutputFrame, RunHistory, write_summary, write_whole,
+    write_with_sums,
 };
-use crate::overview::Overview;
+use crate::overview::DeckOverview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
 use crate::solve::{
-    self, Control, Energy, Every, Exit, Instant, LOST, LimitsOverTime, Outcome, PenetrationSummary, Progress, Rest,
-    Sink, SinkError, StepSummary, UnfitState,
+    self, BodyExit, BodyRest, CheckpointInterval, Energy, Instant, LOST, LimitsOverTime, Outcome, PenetrationSummary,
+    Progress, RunControl, Sink, SinkError, StepSummary, UnfitState,
 };
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::{Persist, StateArchive};
 use crate::user::{Routines, host};
 pub use memory::run_kept;
-use status::Status;
+use status::StatusFile;
 
-/// Errors of the plan on what bodies are made of: elements, sections, materials.
+/// Codes of planning errors on elements, sections and materials. They are reported even if the deck has errors
+/// elsewhere.
 const OF_BODIES: &[&str] = &["P001", "P012", "P013", "P014", "P016", "P017", "P019", "P041"];
 
-/// `--set NAME=VALUE` pairs.
-pub type Overrides = [(String, String)];
+/// Pairs of parameter name and value, as given by `--set NAME=VALUE`.
+pub type ParameterOverrides = [(String, String)];
 
-/// An instruction set that the machine does not have.
+/// Error: the machine does not have the requested instruction set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("this machine does not have {0:?}")]
 pub struct MissingInstructions(pub Instructions);
 
-/// A deck that has been read, resolved and planned, with all that was found on the way.
-pub struct Prepared {
-    /// Sources and parameters of the deck; its cards are in the plan.
+/// A deck that has been read, validated and planned, with its diagnostics.
+pub struct PreparedJob {
+    /// Source texts and parameters of the deck; its list of cards is empty.
     pub deck: Deck,
-    /// What will run; not to be run where there are errors.
+    /// The plan. Do not run it if `diagnostics` contains errors.
     pub plan: Plan,
-    /// The state that it starts from.
+    /// Initial state.
     pub state: State,
-    /// Findings of all rooms.
+    /// Diagnostics of reading, validation and planning.
     pub diagnostics: Diagnostics,
-    /// The `*HEADING`.
+    /// Text of `*HEADING`.
     pub title: String,
-    /// What no mesh shows.
-    scene: Scene,
-    /// Names of the units.
-    pub units: Option<Units>,
-    /// Whether routines of the user take part.
+    /// Targets without a mesh and analytical planes, for pictures.
+    scene: SceneOutline,
+    /// Names of the units, if the deck has `*UNITS`.
+    pub units: Option<DeckUnits>,
+    /// Whether user subroutines are present.
     has_routines: bool,
-    /// What tells a model that is composed in Rust from others.
+    /// Hash of a model that is composed in Rust; `None` for a deck.
     composed: Option<String>,
 }
 
-/// Takes a deck file up to the plan.
-pub fn prepare(path: &Path, overrides: &Overrides, routines: &Routines) -> Prepared {
+/// Reads, validates and plans a deck file.
+pub fn prepare(path: &Path, overrides: &ParameterOverrides, routines: &Routines) -> PreparedJob {
     resolve(deck::read(path, overrides), routines)
 }
 
-/// The same with elements in this precision, as far as they can be.
-pub fn prepare_in(precision: Precision, path: &Path, overrides: &Overrides, routines: &Routines) -> Prepared {
+/// Prepares a deck file with solid elements in the given floating-point precision, if their materials support it.
+pub fn prepare_in(
+    precision: Precision,
+    path: &Path,
+    overrides: &ParameterOverrides,
+    routines: &Routines,
+) -> PreparedJob {
     prepare_edited(deck::read(path, overrides), &mut |model| model.settings.precision = precision, routines)
 }
 
-/// The same, with what the deck amounts to; `None` where it is refused.
+/// Prepares a deck file like [`prepare_in`] and summarises the model; the overview is `None` if the deck has errors.
 pub fn examine(
     precision: Precision,
     path: &Path,
-    overrides: &Overrides,
+    overrides: &ParameterOverrides,
     routines: &Routines,
-) -> (Prepared, Option<Overview>) {
+) -> (PreparedJob, Option<DeckOverview>) {
     let set = &mut |model: &mut Model| model.settings.precision = precision;
     let (prepared, model) = prepared_model(deck::read(path, overrides), set, routines);
     let accepted = !prepared.diagnostics.has_errors();
-    let overview = accepted.then(|| Overview::of(&model, &prepared.plan, &prepared.state));
+    let overview = accepted.then(|| DeckOverview::of(&model, &prepared.plan, &prepared.state));
     (prepared, overview)
 }
 
-/// The same from text in memory; `name` stands for the file.
-pub fn prepare_text(name: &str, text: &str, overrides: &Overrides, routines: &Routines) -> Prepared {
+/// Reads, validates and plans a deck text; `name` is used as its file name in messages and for relative paths.
+pub fn prepare_text(name: &str, text: &str, overrides: &ParameterOverrides, routines: &Routines) -> PreparedJob {
     resolve(deck::read_text(name, text, overrides), routines)
 }
 
-impl Prepared {
-    /// Lets elements use an instruction set other than the machine's best; the bits stay the same.
+impl PreparedJob {
+    /// Selects the instruction set of the elements; results are bit-identical for all sets.
     pub fn use_instructions(&mut self, instructions: Instructions) -> Result<(), MissingInstructions> {
         let arch = instructions.arch().ok_or(MissingInstructions(instructions))?;
         self.state.elements.use_arch(arch);
         Ok(())
     }
 
-    /// Threads that have something to do in its run, at most.
+    /// Returns the largest number of threads that the run can use.
     pub fn most_threads(&self) -> usize {
         self.plan.mesh.elements.len().div_ceil(TASK * LANES).max(1)
     }
 
-    /// What tells a checkpoint of this job from others; `user` is that of the user's routines.
-    pub fn identity(&self, user: &str) -> Identity {
+    /// Returns the identity that a checkpoint must have for a restart of this job; `user` is the hash of the user
+    /// subroutines.
+    pub fn identity(&self, user: &str) -> JobIdentity {
         let files = self.deck.sources.files().iter().map(|f| f.text.as_bytes());
         let parameters = self.deck.parameters.iter().map(|(name, value)| format!("{name} = {value:?}"));
         let mesh = &self.plan.mesh;
         let points: Vec<u8> = mesh.points.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
         let corners = mesh.elements.iter().flat_map(|e| [e.nodes.len()].into_iter().chain(e.nodes.iter().copied()));
         let corners: Vec<u8> = corners.flat_map(usize::to_le_bytes).collect();
-        Identity {
+        JobIdentity {
             deck: self.composed.clone().unwrap_or_else(|| hash(files)),
             parameters: parameters.collect::<Vec<_>>().join(", "),
             mesh: hash([&points[..], &corners[..]]),
@@ -130,23 +138,23 @@ impl Prepared {
     }
 }
 
-fn resolve(read: (Deck, Diagnostics), routines: &Routines) -> Prepared {
+fn resolve(read: (Deck, Diagnostics), routines: &Routines) -> PreparedJob {
     prepare_edited(read, &mut |_| {}, routines)
 }
 
-/// The same from a deck that has been read, with a change of the model before it is planned.
-pub fn prepare_edited(read: (Deck, Diagnostics), edit: &mut dyn FnMut(&mut Model), routines: &Routines) -> Prepared {
+/// Validates and plans a deck that has been read; `edit` changes the model before it is planned.
+pub fn prepare_edited(read: (Deck, Diagnostics), edit: &mut dyn FnMut(&mut Model), routines: &Routines) -> PreparedJob {
     prepared_model(read, edit, routines).0
 }
 
-/// The same, with the model.
+/// Like [`prepare_edited`], and also returns the model.
 fn prepared_model(
     (mut deck, mut diagnostics): (Deck, Diagnostics),
     edit: &mut dyn FnMut(&mut Model),
     routines: &Routines,
-) -> (Prepared, Model) {
+) -> (PreparedJob, Model) {
     let (mut model, found) = model::build(&deck);
-    // Nothing asks for the cards again, and of a large mesh they are the largest part.
+    // The cards are not needed any more, and with a large mesh they take most of the memory.
     deck.cards = Vec::new();
     diagnostics.append(found);
     if !diagnostics.has_errors() {
@@ -155,95 +163,96 @@ fn prepared_model(
     (planned(deck, &model, diagnostics, routines), model)
 }
 
-/// Takes a model that is composed in Rust up to the plan.
-pub fn prepare_model(model: &Model, routines: &Routines) -> Prepared {
+/// Plans a model that is composed in Rust.
+pub fn prepare_model(model: &Model, routines: &Routines) -> PreparedJob {
     let prepared = planned(Deck::default(), model, Diagnostics::default(), routines);
-    Prepared { composed: Some(hash([format!("{model:?}").as_bytes()])), ..prepared }
+    PreparedJob { composed: Some(hash([format!("{model:?}").as_bytes()])), ..prepared }
 }
 
-fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &Routines) -> Prepared {
+fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &Routines) -> PreparedJob {
     let (plan, state, mut found) = plan::compile(model, routines);
-    // What follows from a fault already told would only hide it; what bodies are made of does not, where all of it was read.
+    // After an error in the deck, planning errors may be consequences of it and are dropped, except those on elements,
+    // // sections and materials if all bodies have been read.
     if diagnostics.has_errors() {
         found.retain(|d| model.origin.bodies_read && d.severity == Severity::Error && OF_BODIES.contains(&d.code));
     }
     diagnostics.append(found);
     diagnostics.merge_repeats();
-    let (title, scene, has_routines) = (model.settings.title.clone(), Scene::of(model), routines.any());
+    let (title, scene, has_routines) = (model.settings.title.clone(), SceneOutline::of(model), routines.any());
     let units = model.settings.units.clone();
-    Prepared { title, scene, units, deck, plan, state, diagnostics, has_routines, composed: None }
+    PreparedJob { title, scene, units, deck, plan, state, diagnostics, has_routines, composed: None }
 }
 
-/// What `<job>.json` holds. The keys are stable.
+/// Summary of a run, the contents of `<job>.json`. The keys are stable.
 #[derive(Clone, Debug, Serialize)]
-pub struct Summary {
+pub struct RunSummary {
     /// `completed` or `halted`.
     pub status: &'static str,
-    /// Why it halted.
+    /// Code and reason of the halt.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// Whether a user's routine ended the analysis.
+    /// Whether a user subroutine ended the analysis.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub ended_by_user: bool,
-    /// What the run warns of.
+    /// Warnings issued during the run.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// Messages of the user's routines.
+    /// Messages of user subroutines.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub messages: Vec<host::RoutineMessage>,
-    /// Steps begun.
+    /// Summaries of the steps that have started.
     pub steps: Vec<StepSummary>,
-    /// What limited the increments of each.
+    /// What limited the increments of each step, over time.
     pub limits: Vec<LimitsOverTime>,
-    /// History columns.
+    /// Final, smallest and largest value of each history column.
     #[serde(serialize_with = "what_they_came_to")]
-    pub history: History,
-    /// Energies at the end.
+    pub history: RunHistory,
+    /// Energies at the end of the run.
     pub energy: Energy,
-    /// SHA-256 over the bits of the state at the end.
+    /// SHA-256 hash of the final state.
     pub digest: String,
-    /// When bodies came to rest.
-    pub rests: Vec<Rest>,
-    /// What has become of bodies with six degrees of freedom.
+    /// Times at which bodies came to rest in a target.
+    pub rests: Vec<BodyRest>,
+    /// Penetration results of rigid bodies with six degrees of freedom.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[serde(rename = "flights")]
     pub penetrations: Vec<PenetrationSummary>,
-    /// Bodies that are still on their way in a target, or behind it.
+    /// Notes on bodies that are still moving in a target, or have passed through it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unfinished: Vec<String>,
-    /// Bodies that have left their target through its back, with their residual velocities.
+    /// Bodies that have left their target through its back face, with their residual velocities.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub exits: Vec<Exit>,
-    /// Elements that were deleted; absent where none was.
+    pub exits: Vec<BodyExit>,
+    /// Number of deleted elements; absent if zero.
     #[serde(skip_serializing_if = "is_zero")]
     pub deleted_elements: usize,
-    /// What was simulated.
+    /// Ledger of the simulated effects.
     pub ledger: Ledger,
-    /// Notes and warnings on the deck.
+    /// Notes and warnings of the deck.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub diagnostics: Vec<Finding>,
-    /// Targets that are not meshed and analytical planes, for pictures.
-    #[serde(skip_serializing_if = "Scene::is_empty")]
-    pub scene: Scene,
-    /// Names of the units, where the deck gives them.
+    /// Targets without a mesh and analytical planes, for pictures.
+    #[serde(skip_serializing_if = "SceneOutline::is_empty")]
+    pub scene: SceneOutline,
+    /// Names of the units, if the deck has `*UNITS`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub units: Option<Units>,
-    /// What it took.
-    pub timing: Timing,
+    pub units: Option<DeckUnits>,
+    /// Increments and run time.
+    pub timing: RunTiming,
     /// The deck and its parameters.
     pub deck: DeckSummary,
-    /// The program's version.
+    /// Version of the program.
     pub version: &'static str,
-    /// Whether a signal ended it.
+    /// Whether a signal ended the run.
     #[serde(skip)]
     pub interrupted: bool,
-    /// What the state that was kept last does not hold of the user's routines.
+    /// Internal data of user subroutines that the last checkpoint does not contain.
     #[serde(skip)]
     pub lost: Vec<String>,
 }
 
-/// The rows are in a file of their own.
-fn what_they_came_to<S: Serializer>(history: &History, serializer: S) -> Result<S::Ok, S::Error> {
+/// Serialises the history without its rows, which are in a CSV file.
+fn what_they_came_to<S: Serializer>(history: &RunHistory, serializer: S) -> Result<S::Ok, S::Error> {
     history.summary.serialize(serializer)
 }
 
@@ -252,17 +261,17 @@ fn is_zero(count: &usize) -> bool {
     *count == 0
 }
 
-/// What a run took.
+/// Increments and run time of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Timing {
-    /// Increments over all steps.
+pub struct RunTiming {
+    /// Number of increments of all steps.
     pub increments: u64,
-    /// Seconds in the time loop, output included; of a run that went on, since it did.
+    /// Wall-clock seconds in the time loop, output included; after a restart, those since the restart.
     pub seconds: f64,
-    /// Increment from which a run went on that had been interrupted.
+    /// Increment of the checkpoint from which the run was restarted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resumed_at: Option<u64>,
-    /// Seconds that keeping the state took.
+    /// Seconds spent on writing checkpoints.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub checkpoint_seconds: Option<f64>,
 }
@@ -270,150 +279,156 @@ pub struct Timing {
 /// The deck and its parameters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct DeckSummary {
-    /// The `*HEADING`.
+    /// Text of `*HEADING`.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub title: String,
-    /// Files, the deck first.
+    /// File names; the deck is the first, then its includes.
     pub files: Vec<String>,
-    /// `*PARAMETER` values in force.
+    /// Values of the `*PARAMETER`s, overrides applied.
     pub parameters: IndexMap<String, f64>,
 }
 
-/// Histories in memory and nothing else: frames are not wanted. What sweeps and studies use.
-impl Sink for History {
+/// Sink of sweeps and studies: histories in memory, no frames.
+impl Sink for RunHistory {
     fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
         self.push(now, values);
         Ok(())
     }
 }
 
-/// Is told how far a run is, some times a second.
-pub type Follower<'a> = dyn FnMut(&Progress<'_>) + 'a;
+/// Callback that receives the progress of a run several times a second.
+pub type ProgressFollower<'a> = dyn FnMut(&Progress<'_>) + 'a;
 
-/// How a job runs, beside its deck.
+/// Options of a job.
 #[derive(Default)]
-pub struct Options<'a> {
-    /// When the state is kept, beside what the deck asks.
-    pub every: Option<Every>,
-    /// Number of a signal as soon as one has come, else 0.
+pub struct JobOptions<'a> {
+    /// Interval of checkpoints, in addition to those of `*RESTART`.
+    pub every: Option<CheckpointInterval>,
+    /// Set to a signal number to interrupt the run; 0 otherwise.
     pub interrupt: Option<&'a AtomicUsize>,
-    /// State to go on from, as [`find_checkpoint`] gives it.
+    /// Checkpoint for a restart, from [`find_checkpoint`].
     pub from: Option<Checkpoint>,
-    /// State to start from in place of a copy of the prepared one, where memory is dear.
+    /// Initial state to use instead of a copy of the prepared one; saves memory.
     pub state: Option<State>,
-    /// What the user's routines are ([`crate::user::compile::Compiled::identity`]); empty without any.
+    /// Hash of the user subroutines ([`crate::user::compile::Compiled::identity`]); empty without any.
     pub user: String,
-    /// Is told each warning as soon as there is one.
+    /// Callback that receives each warning when it is issued.
     pub warn: Option<&'a (dyn Fn(&str) + Sync)>,
-    /// What becomes of the frames.
-    pub frames: Frames,
+    /// Output of frames.
+    pub frames: FrameOutput,
 }
 
-/// What becomes of the frames of a run.
+/// Output of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Frames {
-    /// They are written, with their points there.
-    Written(Points),
-    /// There are none: histories and the summary alone.
+pub enum FrameOutput {
+    /// Frames are written with their points at current or reference coordinates.
+    Written(FramePoints),
+    /// No frames are written, only histories and the summary.
     Absent,
 }
 
-impl Default for Frames {
+impl Default for FrameOutput {
     fn default() -> Self {
-        Frames::Written(Points::default())
+        FrameOutput::Written(FramePoints::default())
     }
 }
 
-/// Why a job does not begin.
+/// Error that prevents a job from starting.
 #[derive(Debug, Error)]
-pub enum Refusal {
-    /// Its folder cannot be made, cleared or read.
+pub enum JobError {
+    /// The output folder cannot be created, cleared or read.
     #[error(transparent)]
     Folder(#[from] io::Error),
-    /// Its checkpoint is not one of this job, or another job is at work in its folder.
+    /// The checkpoint does not belong to this job, or another job is using the output folder.
     #[error(transparent)]
     Checkpoint(Box<Diagnostic>),
 }
 
-/// What a checkpoint must hold of the user's routines for a run to go on from it.
+/// What a checkpoint must contain of the internal data of user subroutines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Demand {
-    /// All that they keep to themselves.
+pub enum RestartRequirement {
+    /// All internal data; otherwise the restart is an error (K009).
     #[default]
     Whole,
-    /// Whatever it holds.
+    /// Nothing: missing internal data have their initial values after the restart.
     Anything,
 }
 
-/// The checkpoint of a job, if there is one, and what is to be noted.
+/// Returns the checkpoint of a job, if there is one, and notes on it.
 ///
 /// # Errors
-/// Why it is not one of this job, or what it does not hold (K009).
+/// If the checkpoint belongs to a different job, or lacks internal data of user subroutines (K009).
 pub fn find_checkpoint(
-    prepared: &Prepared,
-    job: &Job,
+    prepared: &PreparedJob,
+    job: &JobFiles,
     user: &str,
-    demand: Demand,
+    demand: RestartRequirement,
 ) -> Result<(Option<Checkpoint>, Diagnostics), Box<Diagnostic>> {
     let mut notes = Diagnostics::default();
     let path = job.path(CHECKPOINT);
     let Some(checkpoint) = Checkpoint::read(&path)? else {
-        let message = format!("there is no checkpoint {}: the run starts at its beginning", path.display());
+        let message = format!("there is no checkpoint {}: the run starts at time 0", path.display());
         notes.push(Diagnostic::note("K101", message));
         return Ok((None, notes));
     };
     checkpoint.accept(&prepared.identity(user))?;
-    let mut frames: Vec<Written> = Vec::new();
-    frames.persist(&mut Archive::reader(&checkpoint.shown));
+    let mut frames: Vec<WrittenFrame> = Vec::new();
+    frames.persist(&mut StateArchive::reader(&checkpoint.shown));
     if let [first, rest @ ..] = &missing_frames(job, frames.len())[..] {
         let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
-        let message = format!("{}{more}, written before the checkpoint, is no longer there", first.display());
+        let message = format!("{}{more}, written before the checkpoint, no longer exists", first.display());
         notes.push(Diagnostic::warning("K103", message));
     }
-    if demand == Demand::Whole
+    if demand == RestartRequirement::Whole
         && let lost = solve::lost(&checkpoint.state)
         && !lost.is_empty()
     {
         let finding = Diagnostic::error("K009", format!("{LOST}: {}", lost.join("; ")));
-        return Err(Box::new(finding.help("--resume-anyway goes on without it; without either the run starts anew")));
+        return Err(Box::new(finding.help(
+            "use --resume-anyway to continue without these data, or start the run from the beginning without --resume",
+        )));
     }
-    notes.append(forgotten(prepared, Some(&checkpoint), &[]));
+    notes.append(lost_state_notes(prepared, Some(&checkpoint), &[]));
     Ok((Some(checkpoint), notes))
 }
 
-/// What routines keep to themselves and checkpoints do not hold: of one that a run went on from, and of the one that it left.
-fn forgotten(prepared: &Prepared, from: Option<&Checkpoint>, left: &[String]) -> Diagnostics {
+/// Returns warnings on internal data of user subroutines that are missing in the checkpoint of a restart (`from`) or in
+/// the last checkpoint of this run (`left`).
+fn lost_state_notes(prepared: &PreparedJob, from: Option<&Checkpoint>, left: &[String]) -> Diagnostics {
     let mut notes = Diagnostics::default();
     let missed = from.map(|checkpoint| solve::lost(&checkpoint.state)).unwrap_or_default();
-    for (lost, what) in [(&missed[..], "; the run goes on without it"), (left, "")] {
+    for (lost, what) in [(&missed[..], "; the run continues without these data"), (left, "")] {
         if !lost.is_empty() {
             notes.push(Diagnostic::warning("K102", format!("{LOST}: {}{what}", lost.join("; "))));
         }
     }
     if prepared.has_routines && prepared.plan.routines.memory.is_none() && from.is_some() {
-        notes.push(Diagnostic::note("K102", "what routines in Rust keep to themselves starts anew"));
+        notes.push(Diagnostic::note(
+            "K102",
+            "internal data of user subroutines in Rust have their initial values after a restart",
+        ));
     }
     notes
 }
 
-/// Histories are written with a frame if they are older than this: a killed process then loses little of them.
+/// The history file is rewritten at a frame if it is older than this, so that little is lost if the process is killed.
 const STALE: Duration = Duration::from_secs(1);
 
-/// Writes frames as they come, and histories and states now and then.
+/// Sink that writes frames, histories, the status file and checkpoints.
 struct FileSink<'a> {
-    job: &'a Job,
+    job: &'a JobFiles,
     frames: FrameWriter,
-    wanted: Frames,
-    status: Status,
-    history: History,
-    identity: Identity,
-    progress: &'a mut Follower<'a>,
+    wanted: FrameOutput,
+    status: StatusFile,
+    history: RunHistory,
+    identity: JobIdentity,
+    progress: &'a mut ProgressFollower<'a>,
     warn: &'a dyn Fn(&str),
     history_written: Stopwatch,
 }
 
 impl FileSink<'_> {
-    /// Writes the histories so far; their checksum.
+    /// Writes the history file and returns its checksum.
     fn write_history(&mut self) -> io::Result<u32> {
         self.history_written = Stopwatch::now();
         let text = self.history.csv();
@@ -421,9 +436,10 @@ impl FileSink<'_> {
         Ok(sum(text.as_bytes()))
     }
 
-    /// Writes the histories; checksums of all but the summary, and why the histories could not be written.
+    /// Writes the final history file. Returns the checksums of all files except the summary, and the error if the
+    /// history file could not be written.
     fn end(&mut self) -> (Checksums, Option<io::Error>) {
-        let mut sums = if self.wanted == Frames::Absent { Checksums::default() } else { self.frames.sums() };
+        let mut sums = if self.wanted == FrameOutput::Absent { Checksums::default() } else { self.frames.sums() };
         let written = self.write_history();
         if let Ok(sum) = &written {
             sums.add_sum(self.job, HISTORY, *sum);
@@ -432,8 +448,8 @@ impl FileSink<'_> {
     }
 }
 
-/// What has been shown so far: frames, histories, messages.
-fn persist_shown(frames: &mut Vec<Written>, history: &mut History, archive: &mut Archive<'_>) {
+/// Reads or writes the output so far in a checkpoint: list of frames, histories, messages.
+fn persist_shown(frames: &mut Vec<WrittenFrame>, history: &mut RunHistory, archive: &mut StateArchive<'_>) {
     frames.persist(archive);
     history.persist(archive);
     host::persist_messages(archive);
@@ -441,10 +457,10 @@ fn persist_shown(frames: &mut Vec<Written>, history: &mut History, archive: &mut
 
 impl Sink for FileSink<'_> {
     fn wants_frames(&self) -> bool {
-        self.wanted != Frames::Absent
+        self.wanted != FrameOutput::Absent
     }
 
-    fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
+    fn frame(&mut self, frame: &OutputFrame) -> Result<(), SinkError> {
         self.frames.write(frame)?;
         if self.history_written.elapsed() >= STALE {
             self.write_history()?;
@@ -459,7 +475,7 @@ impl Sink for FileSink<'_> {
 
     fn progress(&mut self, progress: &Progress<'_>) {
         let next = (progress.frame && self.wants_frames()).then(|| self.frames.next_name());
-        self.status.tell(progress, next.as_deref());
+        self.status.report_progress(progress, next.as_deref());
         (self.progress)(progress);
     }
 
@@ -476,168 +492,175 @@ impl Sink for FileSink<'_> {
         self.write_history()?;
         let mut shown = Vec::new();
         let mut frames = self.frames.frames().to_vec();
-        persist_shown(&mut frames, &mut self.history, &mut Archive::writer(&mut shown));
+        persist_shown(&mut frames, &mut self.history, &mut StateArchive::writer(&mut shown));
         let (version, identity) = (env!("CARGO_PKG_VERSION").into(), self.identity.clone());
         let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: state.to_vec() };
         Ok(checkpoint.write(&self.job.path(CHECKPOINT))?)
     }
 }
 
-/// Runs a prepared deck and keeps only what its histories came to.
-pub fn run_in_memory(prepared: &Prepared) -> (Outcome, HistorySummary) {
-    let mut history = History::of_sums(prepared.plan.column_names());
+/// Runs a prepared deck without writing files. Returns the outcome and the final, smallest and largest value of each
+/// history column.
+pub fn run_in_memory(prepared: &PreparedJob) -> (Outcome, HistorySummary) {
+    let mut history = RunHistory::of_sums(prepared.plan.column_names());
     let (outcome, _) = run_into(prepared, &mut history);
     (outcome, history.summary)
 }
 
-/// Runs a prepared deck into a sink of the caller's; no file is written.
-pub fn run_into(prepared: &Prepared, sink: &mut dyn Sink) -> (Outcome, State) {
-    announce(prepared, &Job { folder: PathBuf::from("."), name: "job".into() });
+/// Runs a prepared deck with a given sink; no file is written.
+pub fn run_into(prepared: &PreparedJob, sink: &mut dyn Sink) -> (Outcome, State) {
+    announce_to_user(prepared, &JobFiles { folder: PathBuf::from("."), name: "job".into() });
     solve::run(&prepared.plan, prepared.state.clone(), sink)
 }
 
-/// The same until `interrupt` is a number other than 0.
-pub fn run_until(prepared: &Prepared, sink: &mut dyn Sink, interrupt: &AtomicUsize) -> (Outcome, State) {
-    announce(prepared, &Job { folder: PathBuf::from("."), name: "job".into() });
-    let control = Control { interrupt: Some(interrupt), ..Control::default() };
-    // Without a state to go on from there is none that could be refused.
+/// Like [`run_into`]; a nonzero `interrupt` ends the run.
+pub fn run_until(prepared: &PreparedJob, sink: &mut dyn Sink, interrupt: &AtomicUsize) -> (Outcome, State) {
+    announce_to_user(prepared, &JobFiles { folder: PathBuf::from("."), name: "job".into() });
+    let control = RunControl { interrupt: Some(interrupt), ..RunControl::default() };
+    // Cannot fail: only a restart can have an unsuitable state.
     solve::run_with(&prepared.plan, prepared.state.clone(), sink, control).unwrap_or_default()
 }
 
-/// Writes summary and histories of a run in memory into the folder of a job; frames there are none.
-pub fn write_run(prepared: &Prepared, job: &Job, outcome: Outcome, history: History) -> io::Result<()> {
+/// Writes the summary and histories of a run in memory to the folder of a job, without frames.
+pub fn write_run(prepared: &PreparedJob, job: &JobFiles, outcome: Outcome, history: RunHistory) -> io::Result<()> {
     make_folder(job)?;
-    // Several runs at once share the messages of routines: whose they are is not known.
-    let summary = Summary { messages: Vec::new(), ..summarise(prepared, outcome, history) };
+    // Messages of user subroutines are shared by concurrent runs and cannot be assigned to one.
+    let summary = RunSummary { messages: Vec::new(), ..summarise(prepared, outcome, history) };
     let (text, rows) = (serde_json::to_string_pretty(&summary)? + "\n", summary.history.csv());
     let files = [(HISTORY.to_owned(), rows.into_bytes()), (".json".to_owned(), text.into_bytes())];
     write_with_sums(job, &files, SUMS)
 }
 
-/// Makes the folder of a job.
-pub fn make_folder(job: &Job) -> io::Result<()> {
+/// Creates the output folder of a job.
+pub fn make_folder(job: &JobFiles) -> io::Result<()> {
     let made = std::fs::create_dir_all(&job.folder);
-    made.map_err(|e| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display())))
+    made.map_err(|e| io::Error::new(e.kind(), format!("cannot create folder {}: {e}", job.folder.display())))
 }
 
-/// Runs a prepared deck and writes its files.
+/// Runs a prepared deck and writes its result files.
 ///
 /// # Errors
-/// Where the folder cannot be written; a file that cannot be written later halts the run instead.
-pub fn run_to_files<'a>(prepared: &Prepared, job: &'a Job, progress: &'a mut Follower<'a>) -> Result<Summary, Refusal> {
-    run_with(prepared, job, Options::default(), progress)
+/// If the folder cannot be written. A file that cannot be written during the run halts the run instead.
+pub fn run_to_files<'a>(
+    prepared: &PreparedJob,
+    job: &'a JobFiles,
+    progress: &'a mut ProgressFollower<'a>,
+) -> Result<RunSummary, JobError> {
+    run_with(prepared, job, JobOptions::default(), progress)
 }
 
-/// The same with options.
+/// Like [`run_to_files`], with options.
 ///
 /// # Errors
-/// Where the folder cannot be written, or a state does not fit.
+/// If the folder cannot be written or the checkpoint does not fit the deck.
 pub fn run_with<'a>(
-    prepared: &Prepared,
-    job: &'a Job,
-    options: Options<'a>,
-    progress: &'a mut Follower<'a>,
-) -> Result<Summary, Refusal> {
+    prepared: &PreparedJob,
+    job: &'a JobFiles,
+    options: JobOptions<'a>,
+    progress: &'a mut ProgressFollower<'a>,
+) -> Result<RunSummary, JobError> {
     let identity = prepared.identity(&options.user);
-    let _lock = take(job)?;
-    announce(prepared, job);
-    let mut history = History::of_rows(prepared.plan.column_names());
+    let _lock = lock_folder(job)?;
+    announce_to_user(prepared, job);
+    let mut history = RunHistory::of_rows(prepared.plan.column_names());
     let goes_on = options.from.is_some();
-    let points = if let Frames::Written(points) = options.frames { points } else { Points::default() };
+    let points = if let FrameOutput::Written(points) = options.frames { points } else { FramePoints::default() };
     let frames = match &options.from {
         None => FrameWriter::new(job.clone(), points),
         Some(checkpoint) => {
-            let (mut frames, mut archive) = (Vec::new(), Archive::reader(&checkpoint.shown));
+            let (mut frames, mut archive) = (Vec::new(), StateArchive::reader(&checkpoint.shown));
             persist_shown(&mut frames, &mut history, &mut archive);
-            archive.finish().map_err(unfit)?;
-            FrameWriter::go_on(job.clone(), frames, points)
+            archive.finish().map_err(checkpoint_mismatch)?;
+            FrameWriter::resume(job.clone(), frames, points)
         }
     };
-    let frames = frames.map_err(Refusal::Folder)?;
-    let status = Status::open(job, goes_on).map_err(Refusal::Folder)?;
+    let frames = frames.map_err(JobError::Folder)?;
+    let status = StatusFile::open(job, goes_on).map_err(JobError::Folder)?;
     let history_written = Stopwatch::now();
     let warn = options.warn.unwrap_or(&|_| {});
     let mut files =
         FileSink { job, frames, wanted: options.frames, status, history, identity, progress, warn, history_written };
     let kept = options.from.as_ref().map(|c| &c.state[..]);
-    let control = Control { every: options.every, interrupt: options.interrupt, state: kept };
+    let control = RunControl { every: options.every, interrupt: options.interrupt, state: kept };
     let state = options.state.unwrap_or_else(|| prepared.state.clone());
-    let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(unfit)?;
+    let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(checkpoint_mismatch)?;
     let kept = outcome.checkpoint_seconds;
     let (sums, history_failed) = files.end();
     let FileSink { mut status, history, .. } = files;
     let mut summary = summarise(prepared, outcome, history);
-    let forgotten = forgotten(prepared, options.from.as_ref(), &summary.lost);
+    let forgotten = lost_state_notes(prepared, options.from.as_ref(), &summary.lost);
     summary.diagnostics.extend(forgotten.findings(&prepared.deck.sources));
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
     summary.timing.checkpoint_seconds = (kept > 0.0).then_some(kept);
-    history_failed.into_iter().for_each(|why| summary.unwritten(why.to_string()));
+    history_failed.into_iter().for_each(|why| summary.mark_unwritten(why.to_string()));
     summary.reason.iter().for_each(|reason| status.note(&format!("***ERROR: {reason}")));
     status.note(&format!("THE ANALYSIS HAS {}", summary.status.to_uppercase()));
-    status.failed.into_iter().for_each(|why| summary.unwritten(why.to_string()));
+    status.failed.into_iter().for_each(|why| summary.mark_unwritten(why.to_string()));
     finish_files(job, &mut summary, sums);
     Ok(summary)
 }
 
-/// Makes the folder of a job and takes it: it is this job's until the lock is dropped.
+/// Creates the output folder of a job and locks it until the returned lock is dropped.
 ///
 /// # Errors
-/// Where it cannot be made, or another job is at work in it.
-pub fn take(job: &Job) -> Result<FolderLock, Refusal> {
+/// If the folder cannot be created, or another job is using it.
+pub fn lock_folder(job: &JobFiles) -> Result<FolderLock, JobError> {
     make_folder(job)?;
     FolderLock::take(&job.folder, &job.name).map_err(|why| match why {
-        LockError::Busy(finding) => Refusal::Checkpoint(finding),
-        LockError::File(error) => Refusal::Folder(error),
+        LockError::Busy(finding) => JobError::Checkpoint(finding),
+        LockError::File(error) => JobError::Folder(error),
     })
 }
 
-/// The summary and the list of checksums; then the checkpoint of a run that is complete has served its purpose.
-fn finish_files(job: &Job, summary: &mut Summary, mut sums: Checksums) {
+/// Writes the summary and the list of checksums, and removes the checkpoint of a completed run.
+fn finish_files(job: &JobFiles, summary: &mut RunSummary, mut sums: Checksums) {
     let written = write_summary(job, summary).and_then(|sum| {
         sums.add_sum(job, ".json", sum);
         sums.write(job, SUMS)
     });
     if let Err(e) = written {
-        summary.unwritten(e.to_string());
+        summary.mark_unwritten(e.to_string());
     }
     if summary.reason.is_none() {
-        // One that cannot be removed is of no harm: it leads to the same results again.
+        // A failure is harmless: a restart from the checkpoint gives the same results.
         let _ = std::fs::remove_file(job.path(CHECKPOINT));
     }
 }
 
-impl Summary {
-    /// A final file could not be written: nobody shall take the run for complete.
-    fn unwritten(&mut self, why: String) {
+impl RunSummary {
+    /// Marks the run as halted because a final file could not be written.
+    fn mark_unwritten(&mut self, why: String) {
         self.status = "halted";
         self.reason.get_or_insert_with(|| format!("R205: {why}"));
     }
 }
 
-fn unfit(why: UnfitState) -> Refusal {
+fn checkpoint_mismatch(why: UnfitState) -> JobError {
     let message = format!("the checkpoint does not fit the deck: {why}");
-    Refusal::Checkpoint(Box::new(Diagnostic::error("K006", message).help("run without --resume to start anew")))
+    JobError::Checkpoint(Box::new(
+        Diagnostic::error("K006", message).help("run without --resume to start from the beginning"),
+    ))
 }
 
-/// What the user's routines may ask of the job; nothing is made for a job without them.
-fn announce(prepared: &Prepared, job: &Job) {
+/// Provides the job data that user subroutines can query: name, folder, node and element names.
+fn announce_to_user(prepared: &PreparedJob, job: &JobFiles) {
     if !prepared.has_routines {
         return;
     }
     let folder = std::path::absolute(&job.folder).unwrap_or_else(|_| job.folder.clone());
-    host::announce(host::JobInfo {
+    host::begin_job(host::JobInfo {
         name: job.name.clone(),
         folder: folder.to_string_lossy().into_owned(),
-        nodes: prepared.plan.mesh.node_names.iter().map(Name::to_string).collect(),
+        nodes: prepared.plan.mesh.node_names.iter().map(EntityName::to_string).collect(),
         elements: prepared.plan.mesh.elements.iter().map(|e| e.name.to_string()).collect(),
     });
 }
 
-fn summarise(prepared: &Prepared, outcome: Outcome, history: History) -> Summary {
+fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> RunSummary {
     let deck = &prepared.deck;
     let mut ledger = prepared.plan.ledger.clone();
-    ledger.share(&outcome.effect_seconds, outcome.seconds);
-    Summary {
+    ledger.set_time_shares(&outcome.effect_seconds, outcome.seconds);
+    RunSummary {
         interrupted: outcome.halt.as_ref().is_some_and(|h| h.code == "R207"),
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
         reason: outcome.halt.map(|h| format!("{}: {}", h.code, h.reason)),
@@ -659,7 +682,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: History) -> Summary
         diagnostics: prepared.diagnostics.findings(&deck.sources),
         scene: prepared.scene.clone(),
         units: prepared.units.clone(),
-        timing: Timing {
+        timing: RunTiming {
             increments: outcome.increments,
             seconds: outcome.seconds,
             resumed_at: None,
@@ -674,13 +697,13 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: History) -> Summary
     }
 }
 
-/// The name of a job: the deck's file name without ending; and its default folder, `out/<job>`.
-pub fn default_job(deck: &Path, folder: Option<PathBuf>) -> Result<Job, Box<Diagnostic>> {
+/// Returns the job of a deck: the name is the file name without extension, the default folder `out/<job>`.
+pub fn default_job(deck: &Path, folder: Option<PathBuf>) -> Result<JobFiles, Box<Diagnostic>> {
     let named = if deck == Path::new(STANDARD_INPUT) { None } else { deck.file_stem() };
     let name = named.map_or("job".into(), |s| s.to_string_lossy().into_owned());
     if [".", ".."].contains(&name.as_str()) {
-        let message = format!("a deck called {} has no name that its results could have", deck.display());
-        return Err(Box::new(Diagnostic::error("K008", message).help("give the file a name before its ending")));
+        let message = format!("the deck name {} cannot be used for result files", deck.display());
+        return Err(Box::new(Diagnostic::error("K008", message).help("rename the deck, for example to deck.inp")));
     }
-    Ok(Job { folder: folder.unwrap_or_else(|| Path::new("out").join(&name)), name })
+    Ok(JobFiles { folder: folder.unwrap_or_else(|| Path::new("out").join(&name)), name })
 }

@@ -1,23 +1,22 @@
-//! Functions of time that scale loads and motions.
-//! Never here: which load refers to which amplitude.
+//! Functions of time (amplitudes) that scale loads and motions.
 
 use crate::kernel::lists::heap_bytes;
 
-/// A piecewise amplitude: linear or smooth-step between points, constant outside
-/// (ABAQUS Analysis User's Guide, "Amplitude curves").
+/// A tabulated amplitude: linear or smooth-step interpolation between points, constant outside (ABAQUS Analysis User's
+/// Guide, "Amplitude curves").
 #[derive(Clone, Debug)]
-pub struct Curve {
+pub struct AmplitudeCurve {
     points: Vec<[f64; 2]>,
     smooth: bool,
-    /// Whether the times count from the start of the analysis instead of the step.
+    /// Whether times are total times instead of step times.
     pub total_time: bool,
 }
 
-impl Curve {
-    /// A curve through `(time, value)` points with ascending times; `smooth` selects the smooth step
-    /// a(xi) = a0 + (a1 - a0) xi^3 (10 - 15 xi + 6 xi^2).
+impl AmplitudeCurve {
+    /// Creates an amplitude from `(time, value)` points with ascending times; `smooth` selects the smooth step a(ξ) =
+    /// a0 + (a1 - a0) ξ³ (10 - 15 ξ + 6 ξ²).
     pub fn new(points: Vec<[f64; 2]>, smooth: bool, total_time: bool) -> Self {
-        Curve { points, smooth, total_time }
+        AmplitudeCurve { points, smooth, total_time }
     }
 
     pub fn value(&self, time: f64) -> f64 {
@@ -34,7 +33,7 @@ impl Curve {
         heap_bytes(&self.points)
     }
 
-    /// Slope at a time, from the right at a kink.
+    /// Returns the slope at a time; at a kink the slope after it.
     pub fn slope(&self, time: f64) -> f64 {
         let after = self.points.partition_point(|p| p[0] <= time);
         let (Some(from), Some(to)) = (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after)) else {
@@ -46,7 +45,8 @@ impl Curve {
         (to[1] - from[1]) * weight / length
     }
 
-    /// The first point of the curve strictly after a time: increments end there, so that no kink is stepped over.
+    /// Returns the time of the first point after `time`. Increments end at points, so that no kink is inside an
+    /// increment.
     pub fn next_point(&self, time: f64) -> f64 {
         let scale = self.points.last().map_or(0.0, |p| p[0].abs());
         let after = self.points.partition_point(|p| p[0] <= time + 1e-12 * scale);
@@ -54,12 +54,12 @@ impl Curve {
     }
 }
 
-/// A function of time that is told value by value, as the run goes: linear between the last two, constant outside.
+/// An amplitude sampled during the run: linear between the last two samples, constant outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampledAmplitude {
-    /// Time and value before the last.
+    /// Time and value of the previous sample.
     before: [f64; 2],
-    /// Time and value told last.
+    /// Time and value of the last sample.
     last: [f64; 2],
 }
 
@@ -70,8 +70,8 @@ impl Default for SampledAmplitude {
 }
 
 impl SampledAmplitude {
-    /// Tells the value at a total time; the same time again replaces the last value.
-    pub fn tell(&mut self, time: f64, value: f64) {
+    /// Adds a sample at a total time; a sample at the same time replaces the last one.
+    pub fn add_sample(&mut self, time: f64, value: f64) {
         if time > self.last[0] {
             self.before = self.last;
         }
@@ -82,7 +82,7 @@ impl SampledAmplitude {
         self.last[1]
     }
 
-    /// Time and value of the last two, the earlier first.
+    /// Returns time and value of the last two samples, the earlier first.
     pub fn points(&mut self) -> [&mut [f64; 2]; 2] {
         [&mut self.before, &mut self.last]
     }
@@ -95,7 +95,7 @@ impl SampledAmplitude {
         if time <= before[0] { before[1] } else { last[1] - (last[0] - time) * self.slope() }
     }
 
-    /// Slope between the last two values.
+    /// Returns the slope between the last two samples.
     pub fn slope(&self) -> f64 {
         let (before, last) = (self.before, self.last);
         if before[0] == f64::NEG_INFINITY { 0.0 } else { (last[1] - before[1]) / (last[0] - before[0]) }
@@ -104,23 +104,23 @@ impl SampledAmplitude {
 
 #[cfg(test)]
 mod tests {
-    use super::{Curve, SampledAmplitude};
+    use super::{AmplitudeCurve, SampledAmplitude};
 
     #[test]
-    fn a_track_is_linear_between_what_it_was_told() {
+    fn sampled_amplitudes_are_linear_between_samples() {
         let mut track = SampledAmplitude::default();
         assert_eq!((track.value(1.0), track.slope()), (0.0, 0.0));
-        track.tell(0.0, 2.0);
+        track.add_sample(0.0, 2.0);
         assert_eq!(track.value(-1.0), 2.0);
-        track.tell(2.0, 6.0);
+        track.add_sample(2.0, 6.0);
         assert_eq!([-1.0, 0.0, 0.5, 2.0, 3.0].map(|t| track.value(t)), [2.0, 2.0, 3.0, 6.0, 6.0]);
-        track.tell(2.0, 8.0);
+        track.add_sample(2.0, 8.0);
         assert_eq!((track.slope(), track.last()), (3.0, 8.0));
     }
 
     #[test]
     fn linear_between_points_and_constant_outside() {
-        let curve = Curve::new(vec![[1.0, 2.0], [3.0, 6.0]], false, false);
+        let curve = AmplitudeCurve::new(vec![[1.0, 2.0], [3.0, 6.0]], false, false);
         assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|t| curve.value(t)), [2.0, 2.0, 4.0, 6.0, 6.0]);
         assert_eq!(curve.next_point(0.0), 1.0);
         assert_eq!(curve.next_point(1.0), 3.0);
@@ -128,8 +128,8 @@ mod tests {
     }
 
     #[test]
-    fn smooth_step_has_no_slope_at_its_ends() {
-        let curve = Curve::new(vec![[0.0, 0.0], [1.0, 1.0]], true, false);
+    fn smooth_step_has_zero_slope_at_its_ends() {
+        let curve = AmplitudeCurve::new(vec![[0.0, 0.0], [1.0, 1.0]], true, false);
         assert_eq!(curve.value(0.5), 0.5);
         assert!(curve.value(1e-4) < 1e-10);
     }

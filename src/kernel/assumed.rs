@@ -1,42 +1,42 @@
-//! Strains that vary across a quadrilateral, as an assumed field has them that locks neither in shear nor in volume: along one
-//! direction of the element, linear across it, with the hoop strain that varies beside it (assumed strain by direction as in
-//! Belytschko and Bindeman 1991, Comput. Meth. Appl. Mech. Eng. 88, 311, carried over to the ring: without the hoop part a
-//! plate bends against E instead of E/(1 - nu^2)).
-//! Never here: stress, what flows.
+//! Assumed strains that vary across a quadrilateral, without shear or volumetric locking: in each of two directions of
+//! the element a normal strain that is linear across it, with the corresponding hoop strain. (Directional assumed
+//! strain of Belytschko and Bindeman 1991, Comput. Meth. Appl. Mech. Eng. 88, 311, extended to rings: without the hoop
+//! part, a plate would bend with E instead of E/(1 - ν²).)
 
 use super::lanes::InlineMap;
-use super::quad::{Operators, UNIT, at_corners, squares, sums};
+use super::quad::{QuadOperators, UNIT, at_corners, squares, sums};
 
-/// How much of the square of the longer side the shorter counts at least: an element pressed flat has no more stiffness.
+/// Smallest ratio of the squared lengths of the two directions, which limits the stiffness of flattened elements.
 const FLAT: f64 = 1e-4;
 
-/// The two directions of an element: along each of them one field strains, across it the other does. Strains are those at the
-/// edge of the element, of which the mean square is a third; of each pair the first is of the field along the first direction.
+/// The two directions of an element. Each field is a strain in one direction that varies along the other. Strains are
+/// the values at the edge of the element; the mean square is a third of their square. The first entry of a pair belongs
+/// to the first direction.
 #[derive(Clone, Copy, Debug)]
-pub struct Directions {
-    /// Twice the sides `[r, z]` between the middles of the edges 4-1 and 2-3, and of 1-2 and 3-4.
+pub struct AssumedDirections {
+    /// Twice the lines `[r, z]` between the midpoints of the edges 4-1 and 2-3, and of 1-2 and 3-4.
     sides: [[f64; 2]; 2],
-    /// One over the squares of their lengths, and the sides over them.
+    /// Inverse squares of their lengths, and the lines divided by the squares.
     per: [f64; 2],
     dual: [[f64; 2]; 2],
-    /// What makes hoop strains of the sums of [`hoop`] and displacements along r: the side across over the mean radius
-    /// V/(2 pi A) and the volume, for grad (v_r/r) = (grad v_r - v_r/r)/r.
+    /// Factors from displacements along r, combined by [`hoop`], to hoop strains: the transverse line over the mean
+    /// radius V/(2πA) and the volume, from grad (v_r/r) = (grad v_r - v_r/r)/r.
     across: [[f64; 2]; 2],
 }
 
-impl Directions {
-    /// By the [`sums`] of r and z, and one over the mean radius and volume ([`ring`]).
+impl AssumedDirections {
+    /// Computes the directions from the [`sums`] of r and z and the factor of [`ring`].
     #[inline(always)]
-    pub fn of(r: [f64; 4], z: [f64; 4], ring: f64) -> Directions {
+    pub fn of(r: [f64; 4], z: [f64; 4], ring: f64) -> AssumedDirections {
         let ([_, a_r, c_r, _], [_, a_z, c_z, _]) = (r, z);
         let (aa, cc) = (a_r * a_r + a_z * a_z, c_r * c_r + c_z * c_z);
         let (least_a, least_c) = (FLAT * cc, FLAT * aa);
         let (aa, cc) = (if aa > least_a { aa } else { least_a }, if cc > least_c { cc } else { least_c });
-        // One division serves both squares.
+        // One division for both squares.
         let both = 1.0 / (aa * cc);
         let (per_a, per_c) = (cc * both, aa * both);
         let factor = 0.25 * ring;
-        Directions {
+        AssumedDirections {
             sides: [[a_r, a_z], [c_r, c_z]],
             per: [per_a, per_c],
             dual: [[per_a * a_r, per_a * a_z], [per_c * c_r, per_c * c_z]],
@@ -44,21 +44,21 @@ impl Directions {
         }
     }
 
-    /// Strains along both directions by the pattern's displacement `[r, z]`.
+    /// Returns the strains in both directions from the pattern's displacement `[r, z]`.
     #[inline(always)]
     pub fn along(&self, [q_r, q_z]: [f64; 2]) -> [f64; 2] {
         let [a, c] = self.dual;
         [a[0] * q_r + a[1] * q_z, c[0] * q_r + c[1] * q_z]
     }
 
-    /// Hoop strains of both fields by the sums of [`hoop`] and displacements along r.
+    /// Returns the hoop strains of both fields from displacements along r, combined by [`hoop`].
     #[inline(always)]
     pub fn around(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [a, c] = self.across;
         [a[0] * x + a[1] * y, c[0] * x + c[1] * y]
     }
 
-    /// The components of a tensor rr, zz, rz along both directions.
+    /// Returns the components of a tensor rr, zz, rz in both directions.
     #[inline(always)]
     pub fn normal(&self, [rr, zz, rz]: [f64; 3]) -> [f64; 2] {
         let ([a, c], [dual_a, dual_c]) = (self.sides, self.dual);
@@ -69,22 +69,24 @@ impl Directions {
         ]
     }
 
-    /// What stresses along both directions and around come to: for the hourglass shape `[r, z]`, and for the operators of [`hoop`].
+    /// Returns the generalised forces of stresses in both directions and hoop stresses: on the hourglass pattern `[r,
+    /// z]`, and on the operators of [`hoop`].
     #[inline(always)]
     pub fn forces(&self, along: [f64; 2], around: [f64; 2]) -> [[f64; 2]; 2] {
         let sum = |[x, y]: [f64; 2], [a, c]: [[f64; 2]; 2]| [x * a[0] + y * c[0], x * a[1] + y * c[1]];
         [sum(along, self.dual), sum(around, self.across)]
     }
 
-    /// Trace of the fields' stiffness over the masses of the corners, by three over the volume and the modulus along a strain; for
-    /// the hourglass pattern and the operators of [`hoop`] by base vectors, the [`sums`] of one over the masses, and n, the modulus
-    /// beside a strain over that along it. Of strains e along and h around the stiffness is (h + n e)^2 + (1 - n^2) e^2.
+    /// Returns the trace of the fields' stiffness over the corner masses, times three over the volume and the direct
+    /// modulus. Input: hourglass pattern and operators of [`hoop`] in base vectors, [`sums`] of the inverse masses, and
+    /// the ratio n of the transverse to the direct modulus. The stiffness of a direct strain e and a hoop strain h is
+    /// (h + n e)² + (1 - n²) e².
     #[inline(always)]
     pub fn trace(&self, (shape, [by_r, by_z]): ([f64; 3], [[f64; 4]; 2]), inverse: [f64; 4], ratio: f64) -> f64 {
         let shape = [0.0, shape[0], shape[1], shape[2]];
         let [a, c] = self.across;
         let (n_a, n_c) = (ratio * self.dual[0][0], ratio * self.dual[1][0]);
-        // Along z there is no hoop strain.
+        // There is no hoop strain along z.
         let rest = (self.per[0] + self.per[1]) - (n_a * n_a + n_c * n_c);
         let parts =
             |[b_r, b_z]: [f64; 2], n: f64| [0, 1, 2, 3].inline_map(|i| b_r * by_r[i] + b_z * by_z[i] + n * shape[i]);
@@ -92,36 +94,36 @@ impl Directions {
     }
 }
 
-/// One over the mean radius and the volume, where it has the unit of [`Operators`], by one over the square of that: the mean radius is
-/// the volume over that of the hoop operators' sum.
+/// Returns one over the product of mean radius and volume, in the unit of [`QuadOperators`]; `square` is one over the
+/// squared volume. The mean radius follows from the ratio of the volume to the first hoop operator.
 #[inline(always)]
-pub fn ring(g: &Operators, square: f64) -> f64 {
+pub fn ring(g: &QuadOperators, square: f64) -> f64 {
     4.0 * g.hoop[0] * square
 }
 
-/// Operators `[r, z]` that [`Directions`] make hoop strains of, by base vectors.
+/// Returns the operators `[r, z]` in base vectors from which [`AssumedDirections`] computes hoop strains.
 #[inline(always)]
-pub fn hoop(g: &Operators) -> [[f64; 4]; 2] {
+pub fn hoop(g: &QuadOperators) -> [[f64; 4]; 2] {
     [[-g.hoop[0], g.r[0] - g.hoop[1], g.r[1] - g.hoop[2], g.r[2]], [0.0, g.z[0], g.z[1], g.z[2]]]
 }
 
-/// Plane stress moduli E/(1 - nu^2), and nu times it, by bulk and shear modulus.
+/// Returns the plane stress moduli E/(1 - ν²) and ν E/(1 - ν²) from bulk and shear modulus.
 #[inline(always)]
 pub fn moduli(bulk: f64, shear: f64) -> [f64; 2] {
     let per = 2.0 * shear / (3.0 * bulk + 4.0 * shear);
     [2.0 * per * (3.0 * bulk + shear), per * (3.0 * bulk - 2.0 * shear)]
 }
 
-/// Stiffness that the two fields give an element: force over length, for `[r, z]` of each corner in turn.
+/// Returns the stiffness of the two fields of an element: force per length, for `[r, z]` of each corner in turn.
 pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2]) -> [[f64; 8]; 8] {
     let (r, z) = (sums(corners.inline_map(|c| c[0])), sums(corners.inline_map(|c| c[1])));
-    let g = Operators::of::<false>(r, z);
+    let g = QuadOperators::of::<false>(r, z);
     let per = 1.0 / g.volume;
     let [first, second, pattern] = g.pattern([r[3], z[3]]).inline_map(|part| per * part);
     let shape = at_corners([0.0, first, second, pattern]);
-    let [along, beside] = moduli(bulk, shear);
+    let [along, transverse] = moduli(bulk, shear);
     let third = UNIT * g.volume / 3.0;
-    let (directions, operators) = (Directions::of(r, z, ring(&g, per * per)), hoop(&g).inline_map(at_corners));
+    let (directions, operators) = (AssumedDirections::of(r, z, ring(&g, per * per)), hoop(&g).inline_map(at_corners));
     let mut matrix = [[0.0; 8]; 8];
     for field in 0..2 {
         let column = |d: usize| {
@@ -135,7 +137,7 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2]) -> [[f64; 8]; 
             let [e, h] = column(a);
             for (b, entry) in row.iter_mut().enumerate() {
                 let [f, k] = column(b);
-                *entry += third * (along * (e * f + h * k) + beside * (e * k + h * f));
+                *entry += third * (along * (e * f + h * k) + transverse * (e * k + h * f));
             }
         }
     }
@@ -144,21 +146,22 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2]) -> [[f64; 8]; 
 
 #[cfg(test)]
 mod tests {
-    use super::{Directions, Operators, UNIT, at_corners, hoop, moduli, ring, stiffness, sums};
+    use super::{AssumedDirections, QuadOperators, UNIT, at_corners, hoop, moduli, ring, stiffness, sums};
     use crate::kernel::quad::dot3;
 
     const R: [f64; 4] = [1.0, 3.2, 2.9, 0.8];
     const Z: [f64; 4] = [0.1, -0.2, 1.7, 2.0];
 
-    /// The element above: sums, operators, the pattern, the directions.
-    fn element() -> ([[f64; 4]; 2], Operators, [f64; 3], Directions) {
+    /// Returns sums, operators, pattern and directions of the element above.
+    fn element() -> ([[f64; 4]; 2], QuadOperators, [f64; 3], AssumedDirections) {
         let (r, z) = (sums(R), sums(Z));
-        let g = Operators::of::<false>(r, z);
+        let g = QuadOperators::of::<false>(r, z);
         let per = 1.0 / g.volume;
-        ([r, z], g, g.pattern([r[3], z[3]]).map(|part| per * part), Directions::of(r, z, ring(&g, per * per)))
+        ([r, z], g, g.pattern([r[3], z[3]]).map(|part| per * part), AssumedDirections::of(r, z, ring(&g, per * per)))
     }
 
-    /// A thin ring far from the axis bends as a plate strip: E/(1 - nu^2) times its section modulus, whatever its aspect.
+    /// A thin ring far from the axis bends as a plate strip: E/(1 - ν²) times its second moment of area, for any aspect
+    /// ratio.
     #[test]
     fn a_strip_far_from_the_axis_bends_as_a_plate() {
         let (bulk, shear) = (2.0, 0.9);
@@ -166,20 +169,20 @@ mod tests {
         for [long, high] in [[1.0, 1.0], [8.0, 1.0], [0.1, 1.0]] {
             let corners = [[far, 0.0], [far + long, 0.0], [far + long, high], [far, high]];
             let matrix = stiffness(corners, [bulk, shear]);
-            // Ends turn against each other by the angle 1: u = -+ 1/2 of the height at the corners.
+            // The ends rotate relative to each other by the angle 1: u = ±1/2 of the height at the corners.
             let bent = [-0.25 * high, 0.0, 0.25 * high, 0.0, -0.25 * high, 0.0, 0.25 * high, 0.0];
             let energy: f64 = (0..8).map(|a| (0..8).map(|b| bent[a] * matrix[a][b] * bent[b]).sum::<f64>()).sum();
             let around = 2.0 * std::f64::consts::PI * (far + 0.5 * long);
             let exact = moduli(bulk, shear)[0] * high.powi(3) / 12.0 / long * around;
-            // The angle is high/2 over high/2, on both sides: 1 in all.
+            // The relative angle of both ends is 1.
             let angle: f64 = 1.0;
             assert!((energy / (exact * angle * angle) - 1.0).abs() < 1e-5, "{long} {high}: {energy} {exact}");
         }
     }
 
-    /// Rigid motion along z, and growth of all radii alike, make neither strain.
+    /// A translation along z and a uniform radial expansion cause no strain of the fields.
     #[test]
-    fn uniform_strain_is_not_seen() {
+    fn uniform_strain_has_no_assumed_part() {
         let ([r, z], g, shape, directions) = element();
         let dot = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let around = directions.around(hoop(&g).map(|o| dot(o, r)));
@@ -190,27 +193,28 @@ mod tests {
     }
 
     #[test]
-    fn the_trace_is_that_of_the_matrix() {
+    fn trace_matches_the_stiffness_matrix() {
         let (_, g, shape, directions) = element();
         let (inverse, [bulk, shear]) = ([0.3, 0.2, 0.5, 0.7], [2.0, 0.9]);
-        let [along, beside] = moduli(bulk, shear);
-        let trace = directions.trace((shape, hoop(&g)), sums(inverse), beside / along) * along * UNIT * g.volume / 3.0;
+        let [along, transverse] = moduli(bulk, shear);
+        let trace =
+            directions.trace((shape, hoop(&g)), sums(inverse), transverse / along) * along * UNIT * g.volume / 3.0;
         let matrix = stiffness([0, 1, 2, 3].map(|i| [R[i], Z[i]]), [bulk, shear]);
         let exact: f64 = (0..8).map(|d| matrix[d][d] * inverse[d / 2]).sum();
         assert!((trace / exact - 1.0).abs() < 1e-13, "{trace} {exact}");
     }
 
-    /// Forces do the work of the strains.
+    /// Forces and strains are work-conjugate.
     #[test]
-    fn forces_and_strains_belong_together() {
+    fn forces_and_strains_are_work_conjugate() {
         let directions = element().3;
         let (q, x, along, around) = ([0.3, -0.4], [0.7, 0.2], [2.0, -3.0], [0.5, 1.5]);
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         let [bent, turned] = directions.forces(along, around);
         let work = dot(along, directions.along(q)) + dot(around, directions.around(x));
         assert!((dot(bent, q) + dot(turned, x) - work).abs() < 1e-14);
-        // A direction and the one across give the trace of a tensor in the plane of a square.
-        let flat = Directions::of(sums([1.0, 3.0, 3.0, 1.0]), sums([0.0, 0.0, 2.0, 2.0]), 1.0);
+        // In a square, the two directional components sum to the in-plane trace of a tensor.
+        let flat = AssumedDirections::of(sums([1.0, 3.0, 3.0, 1.0]), sums([0.0, 0.0, 2.0, 2.0]), 1.0);
         assert_eq!(flat.normal([2.0, 5.0, 7.0]), [2.0, 5.0]);
     }
 }

@@ -1,44 +1,43 @@
-//! Attitude of a rigid body of revolution in space: vectors, unit quaternions, and the exact motion of a symmetric top that nothing
-//! turns. Axes 1, 2, 3: r at angle 0, the axis of symmetry, and the third of a right-handed frame.
-//! Never here: forces and moments.
+//! Attitude of a rigid body of revolution in space: vectors, unit quaternions, and the exact torque-free motion of a
+//! symmetric top. Axes 1, 2, 3: r at angle 0, the axis of symmetry, and the third axis of a right-handed frame.
 
 use super::lanes::InlineMap;
-/// A vector along 1, 2, 3.
-pub type Vector = [f64; 3];
+/// A vector with components along 1, 2, 3.
+pub type SpatialVector = [f64; 3];
 
 #[inline]
-pub fn dot(a: Vector, b: Vector) -> f64 {
+pub fn dot(a: SpatialVector, b: SpatialVector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline]
-pub fn cross(a: Vector, b: Vector) -> Vector {
+pub fn cross(a: SpatialVector, b: SpatialVector) -> SpatialVector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[inline]
-pub fn norm(a: Vector) -> f64 {
+pub fn norm(a: SpatialVector) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// `a + factor b`.
+/// Returns `a + factor b`.
 #[inline]
-pub fn plus(a: Vector, factor: f64, b: Vector) -> Vector {
+pub fn plus(a: SpatialVector, factor: f64, b: SpatialVector) -> SpatialVector {
     [a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]]
 }
 
-/// `factor a`.
+/// Returns `factor a`.
 #[inline]
-pub fn times(factor: f64, a: Vector) -> Vector {
+pub fn times(factor: f64, a: SpatialVector) -> SpatialVector {
     a.inline_map(|x| factor * x)
 }
 
-/// Angle between two vectors, radians: 0 where one has no length. Accurate near 0 and pi too.
-pub fn angle(a: Vector, b: Vector) -> f64 {
+/// Returns the angle between two vectors, radians; 0 if one has no length. Also accurate near 0 and π.
+pub fn angle(a: SpatialVector, b: SpatialVector) -> f64 {
     libm::atan2(norm(cross(a, b)), dot(a, b))
 }
 
-/// A rotation as a unit quaternion: the scalar part and the vector part.
+/// A rotation as a unit quaternion: scalar part, then vector part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attitude(pub [f64; 4]);
 
@@ -49,15 +48,15 @@ impl Default for Attitude {
 }
 
 impl Attitude {
-    /// The rotation by a rotation vector: about its direction by its length, radians.
-    pub fn turned(by: Vector) -> Attitude {
+    /// Creates the rotation of a rotation vector, whose length is the angle in radians.
+    pub fn turned(by: SpatialVector) -> Attitude {
         let angle = norm(by);
         let half = 0.5 * angle;
         let factor = if angle > 0.0 { libm::sin(half) / angle } else { 0.5 };
         Attitude([libm::cos(half), factor * by[0], factor * by[1], factor * by[2]])
     }
 
-    /// This rotation behind another one.
+    /// Returns the composition: rotation `first`, then this rotation.
     #[must_use]
     pub fn after(self, first: Attitude) -> Attitude {
         let (Attitude([a, p @ ..]), Attitude([b, q @ ..])) = (self, first);
@@ -71,38 +70,38 @@ impl Attitude {
         Attitude([w, -x, -y, -z])
     }
 
-    /// The same without what rounding has added to its length.
+    /// Returns the quaternion normalised to unit length, for small deviations by rounding.
     #[must_use]
     pub fn normalized(self) -> Attitude {
         let square: f64 = self.0.iter().map(|x| x * x).sum();
-        // Newton's step for 1/sqrt next to 1.
+        // Newton's step for 1/sqrt near 1.
         let factor = 1.5 - 0.5 * square;
         Attitude(self.0.inline_map(|x| factor * x))
     }
 
-    /// A vector of the body as the world sees it.
+    /// Transforms a vector from the body frame to the global frame.
     #[inline]
-    pub fn to_world(self, v: Vector) -> Vector {
+    pub fn to_world(self, v: SpatialVector) -> SpatialVector {
         let Attitude([w, q @ ..]) = self;
         let t = times(2.0, cross(q, v));
         plus(plus(v, w, t), 1.0, cross(q, t))
     }
 
-    /// A vector of the world as the body sees it.
+    /// Transforms a vector from the global frame to the body frame.
     #[inline]
-    pub fn to_body(self, v: Vector) -> Vector {
+    pub fn to_body(self, v: SpatialVector) -> SpatialVector {
         self.inverse().to_world(v)
     }
 
-    /// The axis of symmetry in the world.
+    /// Returns the axis of symmetry in the global frame.
     #[inline]
-    pub fn axis(self) -> Vector {
+    pub fn axis(self) -> SpatialVector {
         let Attitude([w, x, y, z]) = self;
         [2.0 * (x * y - w * z), w * w - x * x + y * y - z * z, 2.0 * (y * z + w * x)]
     }
 
-    /// The rotation vector, of a length up to pi.
-    pub fn vector(self) -> Vector {
+    /// Returns the rotation vector, with a length up to π.
+    pub fn vector(self) -> SpatialVector {
         let Attitude([w, q @ ..]) = self;
         let (sine, sign) = (norm(q), if w < 0.0 { -1.0 } else { 1.0 });
         let factor = if sine > 0.0 { 2.0 * libm::atan2(sine, sign * w) / sine } else { 2.0 };
@@ -112,35 +111,37 @@ impl Attitude {
 
 /// Moments of inertia of a body of revolution about its centre of mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Inertia {
+pub struct PrincipalInertia {
     /// About the axis of symmetry.
     pub axial: f64,
-    /// About any axis across it.
+    /// About any transverse axis.
     pub transverse: f64,
 }
 
-impl Inertia {
-    /// Angular velocity in the world of a body with this axis and angular momentum: L/I_t + (1/I_a - 1/I_t) (L . e) e.
+impl PrincipalInertia {
+    /// Returns the global angular velocity for an axis of symmetry and an angular momentum: L/I_t + (1/I_a - 1/I_t) (L
+    /// . e) e.
     #[inline]
-    pub fn angular_velocity(self, axis: Vector, momentum: Vector) -> Vector {
+    pub fn angular_velocity(self, axis: SpatialVector, momentum: SpatialVector) -> SpatialVector {
         let along = dot(momentum, axis);
         plus(times(1.0 / self.transverse, momentum), along * (1.0 / self.axial - 1.0 / self.transverse), axis)
     }
 
-    /// Angular momentum in the world of a body with this axis and angular velocity.
-    pub fn momentum(self, axis: Vector, velocity: Vector) -> Vector {
+    /// Returns the global angular momentum for an axis of symmetry and an angular velocity.
+    pub fn momentum(self, axis: SpatialVector, velocity: SpatialVector) -> SpatialVector {
         plus(times(self.transverse, velocity), dot(velocity, axis) * (self.axial - self.transverse), axis)
     }
 
-    /// Energy of rotation.
+    /// Returns the rotational kinetic energy.
     #[inline]
-    pub fn energy(self, axis: Vector, momentum: Vector) -> f64 {
+    pub fn energy(self, axis: SpatialVector, momentum: SpatialVector) -> f64 {
         0.5 * dot(momentum, self.angular_velocity(axis, momentum))
     }
 
-    /// The attitude a time later of a body that nothing turns, exactly: a symmetric top precesses about its angular momentum at
-    /// L/I_t and turns about its own axis at L_a (1/I_a - 1/I_t) beside (Goldstein, Poole and Safko, Classical Mechanics, 5.6).
-    pub fn free_motion(self, attitude: Attitude, momentum: Vector, time: f64) -> Attitude {
+    /// Returns the attitude after torque-free motion over a time, exactly: a symmetric top precesses about its angular
+    /// momentum at L/I_t, and in addition spins about its own axis at L_a (1/I_a - 1/I_t) (Goldstein, Poole and Safko,
+    /// Classical Mechanics, 5.6).
+    pub fn free_motion(self, attitude: Attitude, momentum: SpatialVector, time: f64) -> Attitude {
         if momentum == [0.0; 3] {
             return attitude;
         }
@@ -155,12 +156,12 @@ impl Inertia {
 mod tests {
     use super::*;
 
-    fn near(a: Vector, b: Vector, tolerance: f64) {
+    fn near(a: SpatialVector, b: SpatialVector, tolerance: f64) {
         assert!(norm(plus(a, -1.0, b)) <= tolerance, "{a:?} and {b:?}");
     }
 
     #[test]
-    fn rotations_compose_and_go_back() {
+    fn rotations_compose_and_invert() {
         let first = Attitude::turned([0.3, -1.1, 0.7]);
         let second = Attitude::turned([0.0, 0.0, 1.3]);
         let v = [0.2, 0.9, -1.7];
@@ -171,12 +172,12 @@ mod tests {
         near(Attitude::turned([0.0, 0.0, 0.5]).axis(), [-libm::sin(0.5), libm::cos(0.5), 0.0], 1e-15);
     }
 
-    /// Euler's equations by steps of the fourth order (whose own error is 2e-9 at the largest spin) against the closed form, with the
-    /// spin far above and below the rest.
+    /// Closed form compared with Euler's equations integrated to fourth order (error 2e-9 at the largest spin), for
+    /// spins far above and below the transverse rates.
     #[test]
     fn free_motion_is_that_of_eulers_equations() {
         for spin in [-40.0, 0.0, 3.0, 400.0] {
-            let inertia = Inertia { axial: 0.3, transverse: 1.7 };
+            let inertia = PrincipalInertia { axial: 0.3, transverse: 1.7 };
             let start = Attitude::turned([0.4, 0.1, -0.2]);
             let omega = plus([0.9, 0.0, -0.4], spin, start.axis());
             let momentum = inertia.momentum(start.axis(), omega);

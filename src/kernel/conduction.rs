@@ -1,7 +1,7 @@
-//! Conduction of heat in a four-node axisymmetric quadrilateral: its conductance, and the highest rate at which its
-//! temperatures even out. Corners run counter-clockwise in (r, z). Never here: meshes, materials.
+//! Heat conduction in a four-node axisymmetric quadrilateral: its conductance matrix, and the highest eigenvalue over
+//! lumped capacities. Corners run counter-clockwise in (r, z).
 //!
-//! Two Gauss points each way: of one point alone a checkerboard of temperatures would be without flux.
+//! Two Gauss points per direction: with one point, a checkerboard of temperatures would cause no flux.
 #![allow(clippy::needless_range_loop)] // Matrices are written by their indices.
 
 use super::lanes::InlineMap;
@@ -10,8 +10,8 @@ use std::f64::consts::PI;
 /// Abscissa of two Gauss points.
 const POINT: f64 = 0.577_350_269_189_625_8;
 
-/// Conductance of a full ring with these corners `[r, z]`, heat a time and temperature: `int k grad N_I . grad N_J dV`. The
-/// conductivity is asked for at the temperature of each Gauss point.
+/// Returns the conductance of a full ring with these corners `[r, z]`, heat per time and temperature: `int k grad N_I .
+/// grad N_J dV`. The conductivity is evaluated at the temperature of each Gauss point.
 pub fn conductance(corners: [[f64; 2]; 4], temperatures: [f64; 4], conductivity: impl Fn(f64) -> f64) -> [[f64; 4]; 4] {
     let (r, z) = (corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
     let dot = |a: &[f64; 4], b: &[f64; 4]| (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]);
@@ -42,8 +42,8 @@ pub fn conductance(corners: [[f64; 2]; 4], temperatures: [f64; 4], conductivity:
     matrix
 }
 
-/// The highest eigenvalue of a conductance over lumped capacities, 1/time, never below it: forward differences are stable up
-/// to two over it. Of a triangle the last two corners coincide.
+/// Returns the highest eigenvalue of a conductance over lumped capacities, 1/time, never below the exact value. Forward
+/// differences are stable up to two over this rate. For a triangle the last two corners coincide.
 pub fn highest_rate(conductance: &[[f64; 4]; 4], capacities: [f64; 4], triangle: bool) -> f64 {
     let (mut k, mut m) = (*conductance, capacities);
     if triangle {
@@ -58,7 +58,7 @@ pub fn highest_rate(conductance: &[[f64; 4]; 4], capacities: [f64; 4], triangle:
         }
         m[3] = 1.0;
     }
-    // The characteristic polynomial of a matrix whose rows add up to nothing: x (x^3 - a x^2 + b x - c).
+    // Characteristic polynomial of a matrix with zero row sums: x (x³ - a x² + b x - c).
     let inverse = m.inline_map(|m| 1.0 / m);
     let a: f64 = (0..4).map(|i| k[i][i] * inverse[i]).sum();
     let mut b = 0.0;
@@ -67,20 +67,20 @@ pub fn highest_rate(conductance: &[[f64; 4]; 4], capacities: [f64; 4], triangle:
             b += (k[i][i] * k[j][j] - k[i][j] * k[i][j]) * (inverse[i] * inverse[j]);
         }
     }
-    // All its cofactors are the same.
+    // All cofactors of the matrix are equal.
     let cofactor = k[0][0] * (k[1][1] * k[2][2] - k[1][2] * k[1][2])
         - k[0][1] * (k[0][1] * k[2][2] - k[1][2] * k[0][2])
         + k[0][2] * (k[0][1] * k[1][2] - k[1][1] * k[0][2]);
     let product = (inverse[0] * inverse[1]) * (inverse[2] * inverse[3]);
     let c = if triangle { 0.0 } else { cofactor * ((m[0] + m[1]) + (m[2] + m[3])) * product };
-    // Three real roots: the highest is mean + 2 root p cos(angle/3) (Viete).
+    // Three real roots; the highest is mean + 2 sqrt(p) cos(angle/3) (Viète).
     let p = (a * a - 3.0 * b) / 9.0;
     let p = if p > 0.0 { p } else { 0.0 };
     let q = (2.0 * a * a * a - 9.0 * a * b + 27.0 * c) / 54.0;
     let root = p.sqrt();
     let cosine = if p > 0.0 { q / (p * root) } else { 1.0 };
     let angle = libm::acos(cosine.clamp(-1.0, 1.0));
-    // Beyond rounding, which two equal roots double.
+    // A margin for rounding, which is large near double roots.
     (a / 3.0 + 2.0 * root * libm::cos(angle / 3.0)) * (1.0 + 1e-7)
 }
 
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn even_temperatures_give_no_flux_and_a_slope_its_energy() {
+    fn uniform_temperatures_cause_no_flux_and_a_gradient_has_its_energy() {
         let k = conductance(SKEWED, [0.0; 4], |_| 2.0);
         assert!(flux(&k, [5.0; 4]).iter().all(|q| q.abs() < 1e-12));
         let slope = SKEWED.map(|c| c[1]);
@@ -104,9 +104,9 @@ mod tests {
         assert!((energy / (2.0 * volume) - 1.0).abs() < 1e-13, "{energy} {volume}");
     }
 
-    /// Against power iteration, on quadrilaterals and on a triangle.
+    /// Comparison with power iteration, on quadrilaterals and on a triangle.
     #[test]
-    fn the_rate_is_the_highest_eigenvalue() {
+    fn highest_rate_matches_the_highest_eigenvalue() {
         let triangle = [[0.0, 0.0], [1.0, 0.1], [0.2, 1.3], [0.2, 1.3]];
         let flat = [[5.0, 0.0], [9.0, 0.0], [9.0, 0.1], [5.0, 0.1]];
         let square = [[1e3, 0.0], [1001.0, 0.0], [1001.0, 1.0], [1e3, 1.0]];
@@ -128,7 +128,7 @@ mod tests {
             let found = highest_rate(&k, m, folded);
             assert!(found >= rate && found < 1.001 * rate, "{corners:?}: {found} and {rate}");
         }
-        // Squares far from the axis: 4 k/(rho c h^2), so that the increment is h^2 rho c/2k.
+        // Squares far from the axis: 4 k/(ρ c h²), so that the stable increment is h² ρ c/(2 k).
         let k = conductance(square, [0.0; 4], |_| 1.0);
         let rate = highest_rate(&k, crate::kernel::quad::corner_masses(square, 1.0), false);
         assert!((rate / 4.0 - 1.0).abs() < 2e-3, "{rate}");

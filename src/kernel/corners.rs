@@ -1,11 +1,10 @@
-//! How far an element has come from a good shape: its corners, and its largest stretch.
-//! Never here: limits.
+//! Element quality and deformation: scaled Jacobian of the corners, and largest principal strain.
 
 use super::lanes::InlineMap;
-/// The least sine of the angles at the corners of an element over that of a rectangle, of a triangle over that of the
-/// equilateral one: 1 at best, 0 where a corner lies on the line between its neighbours, below 0 once the element is folded.
-/// (The scaled Jacobian of mesh generators: P. Knupp 2000, Int. J. Numer. Meth. Eng. 48, 401.) Corners run counter-clockwise; a
-/// side without length is no side. Not a number where no three corners are left.
+/// Returns the scaled Jacobian of an element: the smallest sine of its corner angles, for triangles divided by that of
+/// the equilateral triangle. It is 1 for a rectangle, 0 if a corner is on the line between its neighbours, and negative
+/// for an inverted element (P. Knupp 2000, Int. J. Numer. Meth. Eng. 48, 401). Corners run counter-clockwise;
+/// coincident corners count once. NaN for fewer than three corners.
 pub fn scaled_jacobian(places: [[f64; 2]; 4]) -> f64 {
     let mut corners = [[0.0; 2]; 4];
     let mut count = 0;
@@ -29,7 +28,8 @@ pub fn scaled_jacobian(places: [[f64; 2]; 4]) -> f64 {
     (0..count).map(sine).fold(f64::INFINITY, f64::min) / best
 }
 
-/// Derivatives of the coordinates by those of a square at its middle, times 4: `[r, z]` along each.
+/// Returns the derivatives of the coordinates with respect to those of the unit square at its centre, times 2: `[r, z]`
+/// along each direction.
 fn spans(places: [[f64; 2]; 4]) -> [[f64; 2]; 2] {
     let [a, b, c, d] = places;
     [0, 1].inline_map(|way| {
@@ -37,12 +37,12 @@ fn spans(places: [[f64; 2]; 4]) -> [[f64; 2]; 2] {
     })
 }
 
-/// The largest principal logarithmic strain in the middle of an element that had its corners at `start`: of both directions in the
-/// plane and the hoop.
+/// Returns the largest principal logarithmic strain at the centre of an element with initial corners `start`: the
+/// larger of the in-plane and the hoop strain.
 pub fn largest_strain(places: [[f64; 2]; 4], start: [[f64; 2]; 4]) -> f64 {
     let (now, then) = (spans(places), spans(start));
     let per = 1.0 / (then[0][0] * then[1][1] - then[0][1] * then[1][0]);
-    // Deformation gradient: what a direction at the start has become.
+    // Columns of the deformation gradient.
     let column = |[along, across]: [f64; 2]| [0, 1].inline_map(|i| per * (now[0][i] * along + now[1][i] * across));
     let (of_r, of_z) = (column([then[1][1], -then[0][1]]), column([-then[1][0], then[0][0]]));
     let square = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
@@ -52,7 +52,7 @@ pub fn largest_strain(places: [[f64; 2]; 4], start: [[f64; 2]; 4]) -> f64 {
     larger(plane, hoop(&places, &start))
 }
 
-/// The same of a shell: along the meridian between two nodes, and the hoop.
+/// Returns the largest logarithmic strain of a shell: along the meridian between two nodes, or hoop.
 pub fn largest_shell_strain(places: [[f64; 2]; 2], start: [[f64; 2]; 2]) -> f64 {
     let length = |[a, b]: [[f64; 2]; 2]| {
         let along = [b[0] - a[0], b[1] - a[1]];
@@ -61,13 +61,13 @@ pub fn largest_shell_strain(places: [[f64; 2]; 2], start: [[f64; 2]; 2]) -> f64 
     larger(libm::log(length(places) / length(start)), hoop(&places, &start))
 }
 
-/// Logarithmic strain of the circle through the mean of some places.
+/// Returns the logarithmic hoop strain at the mean radius of some points.
 fn hoop(places: &[[f64; 2]], start: &[[f64; 2]]) -> f64 {
     let radius = |list: &[[f64; 2]]| list.iter().map(|p| p[0]).sum::<f64>();
     libm::log(radius(places) / radius(start))
 }
 
-/// The larger of two numbers; not a number where the first is not one.
+/// Returns the larger of two numbers; NaN if the first is NaN.
 fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }
@@ -79,7 +79,7 @@ mod tests {
     const SQUARE: [[f64; 2]; 4] = [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]];
 
     #[test]
-    fn rectangles_and_equilateral_triangles_are_best() {
+    fn rectangles_and_equilateral_triangles_have_scaled_jacobian_one() {
         assert_eq!(scaled_jacobian(SQUARE), 1.0);
         assert_eq!(scaled_jacobian(SQUARE.map(|[r, z]| [r, 50.0 * z])), 1.0);
         let height = 0.75_f64.sqrt();
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fold_is_below_zero() {
+    fn inverted_elements_have_a_negative_scaled_jacobian() {
         let with = |corner: [f64; 2]| scaled_jacobian([SQUARE[0], SQUARE[1], corner, SQUARE[3]]);
         assert!(with([1.5, 0.5]).abs() < 1e-15 && with([1.4, 0.4]) < 0.0 && with([1.6, 0.6]) > 0.0);
         let turned = [[0.0, 0.0], [0.5, 1.0], [1.0, 0.0], [1.0, 0.0]];
@@ -102,9 +102,9 @@ mod tests {
         assert!((scaled_jacobian(sheared) - 0.2_f64.sqrt()).abs() < 1e-15);
     }
 
-    /// Turned and stretched by 1.5 along one direction of the plane.
+    /// Rotated, and stretched by 1.5 along one direction of the plane.
     #[test]
-    fn the_largest_strain_is_that_of_the_stretch() {
+    fn largest_strain_is_that_of_the_largest_stretch() {
         let (cosine, sine) = (0.8, 0.6);
         let moved = SQUARE.map(|[r, z]| {
             let (along, across) = (1.5 * (r - 1.5), 0.7 * (z - 0.5));

@@ -1,35 +1,35 @@
-//! Facets: straight meridian segments, which are frusta of cones in space. Area, normal, clipping by planes z = const.
-//! Never here: what acts on a facet.
+//! Facets: straight meridian segments, which are conical frusta in space. Area, normal, clipping by planes z = const,
+//! pressure forces.
 
 use super::lanes::InlineMap;
 use crate::platform::PortableMath as _;
 use std::f64::consts::PI;
 
-/// One facet with its outward unit normal. Coordinates are `[r, z]`, lengths in the deck's unit.
+/// A facet with its outward unit normal. Coordinates are `[r, z]`, lengths in the unit of the deck.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facet {
-    /// The end with the smaller z (the first end where both are level).
+    /// End with the smaller z (the first end if both are equal).
     pub low: [f64; 2],
-    /// The end with the larger z.
+    /// End with the larger z.
     pub high: [f64; 2],
     /// Outward unit normal.
     pub normal: [f64; 2],
-    /// Area of the frustum, pi (r1 + r2) L.
+    /// Area of the frustum, π (r1 + r2) L.
     pub area: f64,
 }
 
-/// A piece of a facet, a frustum too.
+/// Part of a facet, also a frustum.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct FacetPart {
     pub area: f64,
-    /// Middle of its meridian, `[r, z]`.
+    /// Midpoint of its meridian, `[r, z]`.
     pub middle: [f64; 2],
 }
 
 impl Facet {
-    /// The facet between two nodes. Its positive normal is the direction from the first to the second node turned 90
-    /// degrees counter-clockwise in (r, z); `positive` chooses that side as the outward one, otherwise the other.
-    /// `None` if the nodes coincide.
+    /// Creates the facet between two nodes. Its positive normal is the direction from the first to the second node
+    /// rotated 90 degrees counter-clockwise in (r, z); `positive` selects this side as outward, otherwise the other
+    /// side. `None` if the nodes coincide.
     pub fn new(first: [f64; 2], second: [f64; 2], positive: bool) -> Option<Facet> {
         let along = [second[0] - first[0], second[1] - first[1]];
         let length = along[0].portable_hypot(along[1]);
@@ -42,7 +42,7 @@ impl Facet {
         Some(Facet { low, high, normal, area: PI * (first[0] + second[0]) * length })
     }
 
-    /// Midpoint of the segment: the load integration point, where 2 pi r L is the facet's area.
+    /// Returns the midpoint of the segment: the integration point of loads, where 2π r L is the facet's area.
     pub fn middle(&self) -> [f64; 2] {
         [0.5 * (self.low[0] + self.high[0]), 0.5 * (self.low[1] + self.high[1])]
     }
@@ -51,15 +51,16 @@ impl Facet {
         (self.high[0] - self.low[0]).portable_hypot(self.height())
     }
 
-    /// Extent along z.
+    /// Returns the extent along z.
     pub fn height(&self) -> f64 {
         self.high[1] - self.low[1]
     }
 
-    /// Area of the part with `from <= z <= to`, for a facet that is not level. Exact: the part is a frustum too.
+    /// Returns the area of the part with `from <= z <= to`, for a facet that is not horizontal. Exact: the part is a
+    /// frustum too.
     pub fn area_between(&self, from: f64, to: f64) -> f64 {
         if from <= self.low[1] && to >= self.high[1] {
-            // All of it, in the arithmetic of parts with nothing cut off: the same bits without their divisions.
+            // The whole facet, with the arithmetic of an uncut part: the same bits without its divisions.
             let radii = self.low[0] + (self.low[0] + (self.high[0] - self.low[0]));
             return self.area * radii / (self.low[0] + self.high[0]);
         }
@@ -73,8 +74,9 @@ impl Facet {
         self.area * (end - start) * (radius(start) + radius(end)) / (self.low[0] + self.high[0])
     }
 
-    /// The part with `from <= z <= to` and r <= `within`; a level facet lies between any planes.
-    pub fn part(&self, [from, to]: [f64; 2], within: f64) -> Option<Part> {
+    /// Returns the part with `from <= z <= to` and r <= `within`; a horizontal facet counts as between any planes.
+    /// `None` if the part is empty.
+    pub fn part(&self, [from, to]: [f64; 2], within: f64) -> Option<FacetPart> {
         let (height, widening) = (self.height(), self.high[0] - self.low[0]);
         let [mut start, mut end] = if height > 0.0 {
             [from, to].inline_map(|z| ((z - self.low[1]) / height).clamp(0.0, 1.0))
@@ -95,17 +97,17 @@ impl Facet {
         let at = |s: f64| [self.low[0] + s * widening, self.low[1] + s * height];
         let (low, high) = (at(start), at(end));
         let area = self.area * (end - start) * (low[0] + high[0]) / (self.low[0] + self.high[0]);
-        Some(Part { area, middle: at(0.5 * (start + end)) })
+        Some(FacetPart { area, middle: at(0.5 * (start + end)) })
     }
 
-    /// The same facet a way along z further.
+    /// Returns the facet displaced by `shift` along z.
     pub fn shifted(&self, shift: f64) -> Facet {
         let at = |[r, z]: [f64; 2]| [r, z + shift];
         Facet { low: at(self.low), high: at(self.high), ..*self }
     }
 
-    /// Consistent mass of a shell of this thickness and density, lumped by row sums on the first (low) and second
-    /// (high) end: rho t 2 pi L (2 r1 + r2) / 6 and rho t 2 pi L (r1 + 2 r2) / 6.
+    /// Returns the masses of a shell with this thickness and density, lumped by row sums, at the low and the high end:
+    /// ρ t 2πL (2 r1 + r2)/6 and ρ t 2πL (r1 + 2 r2)/6.
     pub fn lumped_mass(&self, density: f64, thickness: f64) -> [f64; 2] {
         let (low, high) = (self.low[0], self.high[0]);
         let length = (high - low).portable_hypot(self.height());
@@ -114,15 +116,16 @@ impl Facet {
     }
 }
 
-/// Force on each of the two nodes by a pressure on the plane section of a facet, a length 1 out of it, with the sign of
-/// [`ring_pressure`]: -p n L/2.
+/// Returns the force on each of the two nodes by a pressure on the plane section of a facet, per unit depth, with the
+/// sign of [`ring_pressure`]: -p n L/2.
 #[inline]
 pub fn section_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [f64; 2] {
     [-0.5 * pressure * (b[1] - a[1]), 0.5 * pressure * (b[0] - a[0])]
 }
 
-/// Forces on the two nodes of a facet by a pressure, positive against the outward normal, which lies to the right of the way
-/// from the first to the second: the consistent forces of a uniform pressure, -p n 2 pi L (2 r1 + r2)/6 on the first node.
+/// Returns the forces on the two nodes of a facet by a pressure, positive against the outward normal, which points to
+/// the right of the direction from the first to the second node: the consistent forces of a uniform pressure,
+/// -p n 2πL (2 r1 + r2)/6 on the first node.
 #[inline]
 pub fn ring_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [[f64; 2]; 2] {
     let third = PI / 3.0 * pressure;
@@ -131,8 +134,9 @@ pub fn ring_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [[f64; 2]; 2] {
     [2.0 * a[0] + b[0], a[0] + 2.0 * b[0]].inline_map(|weight| [-n_r * weight, -n_z * weight])
 }
 
-/// The same on a shell: each node takes its half of the meridian, -p n 2 pi L/2 (3 r1 + r2)/4 on the first. Shells of one point
-/// hold what lies between the middles of elements, so that these forces leave nothing over on the axis.
+/// Returns the forces of a pressure on a shell: each node receives that of its half of the meridian,
+/// -p n 2πL/2 (3 r1 + r2)/4 on the first node. The stress of one-point shells is in equilibrium with the load between
+/// midpoints of adjacent elements, so that these forces leave no residual on the axis.
 #[inline]
 pub fn shell_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [[f64; 2]; 2] {
     let quarter = 0.25 * PI * pressure;
@@ -152,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_add_up_to_the_whole() {
+    fn areas_of_parts_sum_to_the_whole() {
         let facet = Facet::new([0.5, 1.0], [2.0, 4.0], true).expect("a facet");
         let parts = facet.area_between(-9.0, 1.7) + facet.area_between(1.7, 3.1) + facet.area_between(3.1, 9.0);
         assert!((parts - facet.area).abs() < 1e-14 * facet.area);

@@ -1,30 +1,33 @@
-//! What a free surface takes from the resistance of a target: the exact factor of a finite sphere.
-//! Never here: where the free surfaces of a target are.
+//! Reduction of a target's resistance near a free surface: the exact factor of a finite sphere.
 
-/// The pressure in a spherical cavity of radius a within a sphere of radius b of incompressible elastic, perfectly plastic material,
-/// over that in a body without end: with q = 2E/3Y, c = q^(1/3) a the radius of the plastic zone, by the equilibrium of a thick-walled
-/// sphere (Hill 1950, The Mathematical Theory of Plasticity, V.2, with a cavity opened from nothing),
-/// sigma(b) = (2Y/3) (1 + ln q - q (a/b)^3) where the plastic zone ends inside, b > c, and 2 Y ln(b/a) where all is plastic;
-/// sigma(without end) = (2Y/3) (1 + ln q).
+/// Ratio of the pressure in a spherical cavity of radius a in a sphere of radius b, of incompressible elastic,
+/// perfectly plastic material, to that in an infinite body. With q = 2E/(3Y) and the plastic radius c = q^(1/3) a, from
+/// the equilibrium of a thick-walled sphere (Hill 1950, The Mathematical Theory of Plasticity, V.2, with a cavity
+/// opened from zero radius):
+///
+/// - σ(b) = (2Y/3) (1 + ln q - q (a/b)³) if the plastic zone ends inside, b > c
+/// - σ(b) = 2 Y ln(b/a) if the whole sphere is plastic
+/// - σ(∞) = (2Y/3) (1 + ln q)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FiniteSphere {
-    /// q = 2E/3Y.
+    /// q = 2E/(3Y).
     stiffness: f64,
-    /// b/a at which the plastic zone meets the free surface.
+    /// b/a at which the plastic zone reaches the free surface.
     plastic: f64,
     /// 1 + ln q.
     whole: f64,
 }
 
 impl FiniteSphere {
-    /// Of a material with these Young's modulus and yield stress; `None` where q is not above 1: nothing yields around a cavity.
+    /// Creates the factor from Young's modulus and yield stress; `None` if q is not above 1, i.e. no yielding around a
+    /// cavity.
     pub fn new(young: f64, yield_stress: f64) -> Option<Self> {
         let stiffness = 2.0 * young / (3.0 * yield_stress);
         let sound = stiffness > 1.0 && stiffness.is_finite();
         sound.then(|| FiniteSphere { stiffness, plastic: libm::cbrt(stiffness), whole: 1.0 + libm::log(stiffness) })
     }
 
-    /// The factor at a distance (>= 0) from the cavity's wall to the free surface, for a cavity of this radius.
+    /// Returns the factor for a distance ≥ 0 from the cavity wall to the free surface, and the radius of the cavity.
     #[inline]
     pub fn factor(&self, radius: f64, distance: f64) -> f64 {
         let ratio = 1.0 + distance / radius;
@@ -46,9 +49,9 @@ mod tests {
         FiniteSphere::new(68.9e9, 276e6).expect("a stiff material")
     }
 
-    /// Reference: the table of the factor for 6061-T6511, b/a and the factor.
+    /// Reference: tabulated factor for 6061-T6511 over b/a.
     #[test]
-    fn the_factor_is_that_of_the_table() {
+    fn factor_matches_reference_table() {
         let table = [
             (1.25, 0.109),
             (1.5, 0.199),
@@ -67,14 +70,14 @@ mod tests {
     }
 
     #[test]
-    fn it_grows_from_nothing_to_one_without_a_jump() {
+    fn factor_increases_continuously_from_zero_to_one() {
         let sphere = aluminium();
         assert_eq!(sphere.factor(1.0, 0.0), 0.0);
         assert_eq!(sphere.factor(1.0, f64::INFINITY), 1.0);
-        assert_eq!(sphere.factor(0.0, 1.0), 1.0, "nothing is near a point");
+        assert_eq!(sphere.factor(0.0, 1.0), 1.0, "zero radius");
         assert!(1.0 - sphere.factor(1.0, 1e6) < 1e-15);
         let edge = sphere.plastic - 1.0;
-        // At the change both value and slope meet: 3/(b/a) on either side.
+        // Value and slope are continuous at the transition: 3/(b/a) on either side.
         let [below, at, above] = [-1e-6, 0.0, 1e-6].map(|d| sphere.factor(1.0, edge + d));
         assert!(below < at && at < above && ((above - at) / (at - below) - 1.0).abs() < 1e-5);
         assert!(FiniteSphere::new(1.0, 1.0).is_none());

@@ -1,21 +1,22 @@
-//! Yield stress of metals over plastic strain, rate and temperature, and the plastic strain that brings a trial stress back
-//! to it. Never here: stress tensors.
+//! Yield stress of metals as a function of plastic strain, rate and temperature, and the scalar return to the yield
+//! stress.
 
-/// A yield stress that depends on one element's history.
+/// A yield stress that depends on the state of a material point.
 pub trait YieldStress: Send + Sync {
-    /// Yield stress at an equivalent plastic strain, its rate, and a temperature.
+    /// Returns the yield stress at an equivalent plastic strain, its rate, and a temperature.
     fn at(&self, strain: f64, rate: f64, temperature: f64) -> f64;
 }
 
-/// Rows of a value, such as the yield stress, and its abscissa, such as the plastic strain: linear between them and constant
-/// beyond the ends (ABAQUS Analysis User's Guide, "Classical metal plasticity").
+/// Table of a value (for example yield stress) over an abscissa (for example plastic strain), with linear
+/// interpolation, constant beyond the ends (ABAQUS Analysis User's Guide, "Classical metal plasticity").
 #[derive(Clone, Debug)]
-pub struct Table {
+pub struct LinearTable {
     /// `[value, abscissa]`, ascending in the abscissa.
     pub rows: Vec<[f64; 2]>,
 }
 
-impl Table {
+impl LinearTable {
+    /// Returns the interpolated value at an abscissa.
     pub fn value(&self, at: f64) -> f64 {
         let after = self.rows.partition_point(|r| r[1] <= at);
         match (after.checked_sub(1).map(|i| self.rows[i]), self.rows.get(after)) {
@@ -27,17 +28,17 @@ impl Table {
     }
 }
 
-impl YieldStress for Table {
+impl YieldStress for LinearTable {
     fn at(&self, strain: f64, _rate: f64, _temperature: f64) -> f64 {
         self.value(strain)
     }
 }
 
-/// Tables at ascending temperatures: linear between them and constant beyond the ends (the same section).
+/// Tables at ascending temperatures, with linear interpolation, constant beyond the ends (the same section).
 #[derive(Clone, Debug)]
 pub struct TableOverTemperature {
-    /// Temperature and the yield stress over plastic strain there, ascending.
-    pub tables: Vec<(f64, Table)>,
+    /// Temperature and the table at that temperature, ascending.
+    pub tables: Vec<(f64, LinearTable)>,
 }
 
 impl YieldStress for TableOverTemperature {
@@ -55,7 +56,7 @@ impl YieldStress for TableOverTemperature {
     }
 }
 
-/// Johnson and Cook: (A + B p^n)(1 - theta^m), theta = (T - T_transition)/(T_melt - T_transition) clipped to 0..1
+/// Johnson-Cook yield stress: (A + B p^n)(1 - θ^m), θ = (T - T_transition)/(T_melt - T_transition) limited to 0..1
 /// (ABAQUS Analysis User's Guide, "Johnson-Cook plasticity").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JohnsonCook {
@@ -81,29 +82,29 @@ impl YieldStress for JohnsonCook {
     }
 }
 
-/// Factor of rate dependence on a static yield stress.
+/// Rate dependence: factor on a static yield stress.
 #[derive(Clone, Debug)]
 pub enum RateFactor {
-    /// 1 + C ln(rate/reference), not below 1.
+    /// Johnson and Cook: 1 + C ln(rate/reference), not below 1.
     JohnsonCook {
         c: f64,
         /// Reference rate.
         reference: f64,
     },
-    /// 1 + (rate/D)^(1/n), Cowper and Symonds.
+    /// Cowper and Symonds: 1 + (rate/D)^(1/n).
     PowerLaw {
         /// D over temperature.
-        d: Table,
+        d: LinearTable,
         /// n over temperature.
-        n: Table,
+        n: LinearTable,
     },
-    /// Ratio over rate, at ascending temperatures.
+    /// Tabulated yield stress ratio over rate, at ascending temperatures.
     Ratio(TableOverTemperature),
 }
 
 impl RateFactor {
-    /// The factor at a rate of equivalent plastic strain and a temperature (ABAQUS Analysis User's Guide 23.2.3,
-    /// "Rate-dependent yield").
+    /// Returns the factor at a rate of equivalent plastic strain and a temperature (ABAQUS Analysis User's Guide
+    /// 23.2.3, "Rate-dependent yield").
     pub fn at(&self, rate: f64, temperature: f64) -> f64 {
         match self {
             RateFactor::JohnsonCook { c, reference } if rate > *reference => 1.0 + c * libm::log(rate / reference),
@@ -114,20 +115,20 @@ impl RateFactor {
     }
 }
 
-/// x^n for x above zero, else zero, to a few units in the last place: several times as fast as a `pow` that is exact to the
-/// last. From `libm`, so that every machine gives the same bits.
+/// Returns x^n for positive x, otherwise zero, accurate to a few units in the last place: several times as fast as a
+/// correctly rounded `pow`. Uses `libm`, so that every machine gives the same bits.
 fn power(x: f64, n: f64) -> f64 {
     if x > 0.0 { libm::exp(n * libm::log(x)) } else { 0.0 }
 }
 
-/// A yield stress without rates.
+/// A rate-independent yield stress.
 #[derive(Clone, Debug)]
 pub enum StaticYield {
     Tables(TableOverTemperature),
     JohnsonCook(JohnsonCook),
 }
 
-/// The yield stress of a metal: static, times a factor of rate.
+/// Yield stress of a metal: static yield stress times rate factor.
 #[derive(Clone, Debug)]
 pub struct FlowStress {
     pub base: StaticYield,
@@ -144,8 +145,8 @@ impl YieldStress for FlowStress {
     }
 }
 
-/// The increment of plastic strain dp for which `trial - 3 G dp` is the yield stress at `strain + dp` and `dp/dt`. The
-/// residual falls with dp, so it has one root; secants find it, and a bracket keeps them.
+/// Returns the increment dp of plastic strain for which `trial - 3 G dp` equals the yield stress at `strain + dp` and
+/// `dp/dt`. The residual decreases with dp and has one root, which is found by bracketed secants.
 pub fn plastic_increment(
     law: &dyn YieldStress,
     trial: f64,
@@ -160,7 +161,7 @@ pub fn plastic_increment(
     if at_low <= 0.0 || at_low.is_nan() {
         return 0.0;
     }
-    // With a yield stress that does not fall, the root is below what perfect plasticity gives; if not, below no stress.
+    // If the yield stress does not decrease, the root is below that of perfect plasticity; otherwise below zero stress.
     let mut high = at_low / shear3;
     let mut at_high = residual(high);
     if at_high > 0.0 {
@@ -172,7 +173,7 @@ pub fn plastic_increment(
         }
     }
     let enough = 1e-11 * trial;
-    // Secants through the last two points, kept inside the bracket; halves where they do not halve it in two rounds.
+    // Secants through the last two points inside the bracket; bisection if two secants do not halve the bracket.
     let (mut before, mut at_before) = (low, at_low);
     let (mut dp, mut value) = (high, at_high);
     let (mut width, mut slow) = (high - low, 0);
@@ -198,13 +199,13 @@ mod tests {
 
     #[test]
     fn tables_are_linear_between_rows() {
-        let table = Table { rows: vec![[100.0, 0.0], [150.0, 0.1], [160.0, 0.5]] };
+        let table = LinearTable { rows: vec![[100.0, 0.0], [150.0, 0.1], [160.0, 0.5]] };
         assert_eq!([0.0, 0.05, 0.1, 0.3, 9.0].map(|p| table.at(p, 0.0, 0.0)), [100.0, 125.0, 150.0, 155.0, 160.0]);
     }
 
     #[test]
     fn tables_are_linear_between_temperatures() {
-        let table = |factor: f64| Table { rows: vec![[100.0 * factor, 0.0], [150.0 * factor, 0.1]] };
+        let table = |factor: f64| LinearTable { rows: vec![[100.0 * factor, 0.0], [150.0 * factor, 0.1]] };
         let tables = TableOverTemperature { tables: vec![(20.0, table(1.0)), (220.0, table(0.5))] };
         for (strain, temperature, expected) in
             [(0.0, 0.0, 100.0), (0.05, 20.0, 125.0), (0.0, 120.0, 75.0), (0.1, 170.0, 93.75), (0.2, 900.0, 75.0)]
@@ -219,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn johnson_cook_by_hand() {
+    fn johnson_cook_matches_its_formula() {
         let law = weldox(RateFactor::JohnsonCook { c: 0.0089, reference: 1.0 });
         let expected =
             (806.0 + 614.0 * 0.2f64.powf(0.168)) * (1.0 + 0.0089 * 1e4f64.ln()) * (1.0 - (480.0f64 / 1520.0).powf(1.1));
@@ -228,17 +229,17 @@ mod tests {
         assert_eq!(law.at(0.0, 0.5, 1540.0), 0.0);
     }
 
-    fn constant(value: f64) -> Table {
-        Table { rows: vec![[value, 0.0]] }
+    fn constant(value: f64) -> LinearTable {
+        LinearTable { rows: vec![[value, 0.0]] }
     }
 
     #[test]
-    fn factors_of_rate_are_linear_between_temperatures() {
-        let over = |cold: f64, hot: f64| Table { rows: vec![[cold, 20.0], [hot, 220.0]] };
+    fn rate_factors_are_linear_between_temperatures() {
+        let over = |cold: f64, hot: f64| LinearTable { rows: vec![[cold, 20.0], [hot, 220.0]] };
         let law = RateFactor::PowerLaw { d: over(40.0, 80.0), n: over(4.0, 6.0) };
-        // Half way D = 60 and n = 5.
+        // At the mean temperature D = 60 and n = 5.
         assert!((law.at(600.0, 120.0) / (1.0 + 10.0f64.powf(0.2)) - 1.0).abs() < 1e-14);
-        let ratios = |factor: f64| Table { rows: vec![[1.0, 0.0], [1.0 + factor, 1000.0]] };
+        let ratios = |factor: f64| LinearTable { rows: vec![[1.0, 0.0], [1.0 + factor, 1000.0]] };
         let law = RateFactor::Ratio(TableOverTemperature { tables: vec![(20.0, ratios(0.4)), (220.0, ratios(0.8))] });
         for (temperature, ratio) in [(20.0, 1.2), (120.0, 1.3), (500.0, 1.4)] {
             assert!((law.at(500.0, temperature) / ratio - 1.0f64).abs() < 1e-15);
@@ -246,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn the_return_meets_the_yield_surface() {
+    fn return_reaches_the_yield_surface() {
         let law = weldox(RateFactor::PowerLaw { d: constant(40.0), n: constant(5.0) });
         for (trial, strain) in [(900.0, 0.0), (5000.0, 0.3), (806.1, 0.0)] {
             let dp = plastic_increment(&law, trial, strain, 300.0, 3.0 * 80_000.0, 1e-6);

@@ -1,68 +1,67 @@
-//! How surfaces that meet interact: pressure over the closure of the gap, friction over the pressure.
-//! Never here: where they meet.
+//! Interaction of contact surfaces: pressure-overclosure relation, friction, heat exchange.
 
 /// Pressure over overclosure (ABAQUS Analysis User's Guide, "Contact pressure-overclosure relationships").
 #[derive(Clone, Debug, Default, PartialEq)]
-pub enum Overclosure {
-    /// Surfaces never overlap, whatever the pressure.
+pub enum PressureOverclosure {
+    /// No overclosure at any pressure.
     #[default]
     Hard,
-    /// Pressure a length of overlap.
+    /// Pressure per length of overclosure.
     Linear(f64),
-    /// The same of a penalty spring, which presses as at the overlap in the middle of an increment.
+    /// As `Linear`, for a penalty spring whose pressure follows the overclosure at mid-increment.
     Spring(f64),
-    /// Pressure at no gap, and the gap at which it begins:
-    /// p = p0/(e - 1) ((h/c + 1)(exp(h/c + 1) - 1)) for overlaps h above -c.
+    /// Pressure p0 at zero gap, and gap c at which pressure begins: p = p0/(e - 1) ((h/c + 1)(exp(h/c + 1) - 1)) for
+    /// overclosures h above -c.
     Exponential([f64; 2]),
-    /// Rows of pressure and overlap, ascending; the last slope goes on.
+    /// Rows of pressure and overclosure, ascending; the last slope continues.
     Table(Vec<[f64; 2]>),
 }
 
-impl Overclosure {
-    /// The part of the increment behind which the overlap counts. At its end no slope limits the increment and what oscillates on
-    /// it is damped most; the middle is the earliest at which none does: x(n+1) - 2 x(n) + x(n-1) = -s ((1 - t) x(n) + t x(n+1)) has
-    /// no growing root where (1 - 2 t) s <= 4.
-    pub fn look_ahead(&self) -> f64 {
-        if matches!(self, Overclosure::Spring(_)) { 0.5 } else { 1.0 }
+impl PressureOverclosure {
+    /// Returns the fraction t of the next increment at whose end the overclosure is evaluated. With t = 1, no slope
+    /// limits the increment and oscillations are damped most. t = 1/2 is the smallest value that is stable for any
+    /// slope s: x(n+1) - 2 x(n) + x(n-1) = -s ((1 - t) x(n) + t x(n+1)) has no growing root if (1 - 2 t) s <= 4.
+    pub fn evaluation_point(&self) -> f64 {
+        if matches!(self, PressureOverclosure::Spring(_)) { 0.5 } else { 1.0 }
     }
 
-    /// The gap at which pressure begins.
-    pub fn begins(&self) -> f64 {
+    /// Returns the gap at which pressure begins.
+    pub fn onset_gap(&self) -> f64 {
         match self {
-            Overclosure::Hard | Overclosure::Linear(_) | Overclosure::Spring(_) => 0.0,
-            Overclosure::Exponential([_, gap]) => *gap,
-            Overclosure::Table(rows) => rows.first().map_or(0.0, |row| -row[1]),
+            PressureOverclosure::Hard | PressureOverclosure::Linear(_) | PressureOverclosure::Spring(_) => 0.0,
+            PressureOverclosure::Exponential([_, gap]) => *gap,
+            PressureOverclosure::Table(rows) => rows.first().map_or(0.0, |row| -row[1]),
         }
     }
 
-    /// A straight line near an overlap, by its value there and its slope, which is never zero: the tangent, and where nothing
-    /// presses the line along which pressure begins, gone on with below zero.
-    pub fn line(&self, overlap: f64) -> [f64; 2] {
+    /// Returns a linearization at an overclosure, as value and slope: the tangent, or, where the pressure is zero, the
+    /// initial line extended to negative pressures. The slope is zero only for hard contact and incomplete tables.
+    pub fn linearized(&self, overlap: f64) -> [f64; 2] {
         let tangent = self.pressure(overlap);
         if tangent[1] > 0.0 {
             return tangent;
         }
         let slope = match self {
-            Overclosure::Hard => return tangent,
-            Overclosure::Linear(stiffness) | Overclosure::Spring(stiffness) => *stiffness,
-            Overclosure::Exponential([at_zero, gap]) => at_zero / gap,
-            Overclosure::Table(rows) => match rows[..] {
+            PressureOverclosure::Hard => return tangent,
+            PressureOverclosure::Linear(stiffness) | PressureOverclosure::Spring(stiffness) => *stiffness,
+            PressureOverclosure::Exponential([at_zero, gap]) => at_zero / gap,
+            PressureOverclosure::Table(rows) => match rows[..] {
                 [first, second, ..] => (second[0] - first[0]) / (second[1] - first[1]),
                 _ => return tangent,
             },
         };
-        [slope * (overlap + self.begins()), slope]
+        [slope * (overlap + self.onset_gap()), slope]
     }
 
-    /// Pressure at an overlap, and how fast it grows.
+    /// Returns the pressure at an overclosure, and its derivative.
     pub fn pressure(&self, overlap: f64) -> [f64; 2] {
         match self {
-            Overclosure::Hard => [0.0, 0.0],
-            Overclosure::Linear(stiffness) | Overclosure::Spring(stiffness) if overlap > 0.0 => {
+            PressureOverclosure::Hard => [0.0, 0.0],
+            PressureOverclosure::Linear(stiffness) | PressureOverclosure::Spring(stiffness) if overlap > 0.0 => {
                 [stiffness * overlap, *stiffness]
             }
-            Overclosure::Linear(_) | Overclosure::Spring(_) => [0.0, 0.0],
-            Overclosure::Exponential([at_zero, gap]) => {
+            PressureOverclosure::Linear(_) | PressureOverclosure::Spring(_) => [0.0, 0.0],
+            PressureOverclosure::Exponential([at_zero, gap]) => {
                 let x = overlap / gap + 1.0;
                 if x <= 0.0 {
                     return [0.0, 0.0];
@@ -70,7 +69,7 @@ impl Overclosure {
                 let (factor, grown) = (at_zero / (std::f64::consts::E - 1.0), libm::exp(x));
                 [factor * x * (grown - 1.0), factor * (grown - 1.0 + x * grown) / gap]
             }
-            Overclosure::Table(rows) => tabulated(rows, overlap),
+            PressureOverclosure::Table(rows) => tabulated(rows, overlap),
         }
     }
 }
@@ -86,38 +85,38 @@ fn tabulated(rows: &[[f64; 2]], overlap: f64) -> [f64; 2] {
     [p + slope * (overlap - h), slope]
 }
 
-/// Coulomb friction, with a coefficient that may decay with the rate of slip (ABAQUS Analysis User's Guide, "Frictional
+/// Coulomb friction, with a coefficient that may decay with the slip rate (ABAQUS Analysis User's Guide, "Frictional
 /// behavior").
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Friction {
-    /// Coefficient at rest, or at any rate.
+pub struct CoulombFriction {
+    /// Static coefficient; the only one without decay.
     pub at_rest: f64,
-    /// Coefficient at great rates of slip.
+    /// Kinetic coefficient, at high slip rates.
     pub sliding: f64,
-    /// How fast one becomes the other, time a length.
+    /// Decay constant, time per length.
     pub decay: f64,
-    /// The largest shear stress (`TAUMAX`).
+    /// Largest shear stress (`TAUMAX`).
     pub largest: f64,
 }
 
-impl Default for Friction {
+impl Default for CoulombFriction {
     fn default() -> Self {
-        Friction::of(0.0)
+        CoulombFriction::of(0.0)
     }
 }
 
-impl Friction {
-    /// One coefficient.
-    pub fn of(coefficient: f64) -> Friction {
-        Friction { at_rest: coefficient, sliding: coefficient, decay: 0.0, largest: f64::INFINITY }
+impl CoulombFriction {
+    /// Creates friction with a constant coefficient.
+    pub fn of(coefficient: f64) -> CoulombFriction {
+        CoulombFriction { at_rest: coefficient, sliding: coefficient, decay: 0.0, largest: f64::INFINITY }
     }
 
-    /// Whether there is any.
-    pub fn is_there(&self) -> bool {
+    /// Returns whether there is friction.
+    pub fn is_active(&self) -> bool {
         self.at_rest > 0.0 || self.sliding > 0.0
     }
 
-    /// The coefficient at a rate of slip.
+    /// Returns the coefficient at a slip rate.
     pub fn coefficient(&self, rate: f64) -> f64 {
         if self.decay == 0.0 {
             return self.at_rest;
@@ -126,27 +125,27 @@ impl Friction {
     }
 }
 
-/// How two surfaces interact.
+/// Mechanical and thermal interaction of two surfaces.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Law {
-    /// Along the normal.
-    pub overclosure: Overclosure,
-    /// Along the surface.
-    pub friction: Friction,
-    /// Of heat.
+pub struct InteractionLaw {
+    /// Normal behaviour.
+    pub overclosure: PressureOverclosure,
+    /// Tangential behaviour.
+    pub friction: CoulombFriction,
+    /// Thermal behaviour.
     pub heat: GapHeat,
 }
 
-/// Heat where surfaces meet (ABAQUS Analysis User's Guide, "Thermal contact properties").
+/// Heat exchange between contact surfaces (ABAQUS Analysis User's Guide, "Thermal contact properties").
 #[derive(Clone, Debug, PartialEq)]
 pub struct GapHeat {
-    /// Rows of the conductance, heat a time, area and temperature, and the clearance, ascending; none beyond the last.
+    /// Rows of conductance (heat per time, area and temperature) and clearance, ascending; zero beyond the last row.
     pub over_clearance: Vec<[f64; 2]>,
-    /// The same over the pressure, of surfaces that press; the last row goes on.
+    /// Rows of conductance and contact pressure, ascending; constant beyond the last row.
     pub over_pressure: Vec<[f64; 2]>,
-    /// Part of the work of friction that becomes heat.
+    /// Fraction of the frictional work that becomes heat.
     pub fraction: f64,
-    /// Part of that which goes to the first surface.
+    /// Fraction of this heat that enters the first surface.
     pub to_first: f64,
 }
 
@@ -157,7 +156,7 @@ impl Default for GapHeat {
 }
 
 impl GapHeat {
-    /// Conductance across a gap at a pressure.
+    /// Returns the conductance at a clearance and a contact pressure.
     pub fn conductance(&self, gap: f64, pressure: f64) -> f64 {
         if pressure > 0.0 && !self.over_pressure.is_empty() {
             return between(&self.over_pressure, pressure);
@@ -168,13 +167,13 @@ impl GapHeat {
         }
     }
 
-    /// The largest conductance there can be.
-    pub fn most(&self) -> f64 {
+    /// Returns the largest possible conductance.
+    pub fn largest_conductance(&self) -> f64 {
         self.over_clearance.iter().chain(&self.over_pressure).map(|row| row[0]).fold(0.0, f64::max)
     }
 }
 
-/// Rows of a value and its argument, which ascends; the first and the last go on.
+/// Interpolates rows of a value and its ascending argument; constant beyond the ends.
 fn between(rows: &[[f64; 2]], at: f64) -> f64 {
     let next = rows.partition_point(|row| row[1] < at);
     match (next.checked_sub(1).map(|i| rows[i]), rows.get(next)) {
@@ -188,8 +187,8 @@ fn between(rows: &[[f64; 2]], at: f64) -> f64 {
 mod tests {
     use super::GapHeat;
 
-    /// Between rows by their line, before the first as there, behind the last none over the clearance and as there over the
-    /// pressure, which counts where surfaces press.
+    /// Linear between rows, constant before the first; beyond the last row zero over the clearance and constant over
+    /// the pressure, which applies to closed gaps.
     #[test]
     fn conductance_follows_its_rows() {
         let over_clearance = vec![[4.0, 0.0], [2.0, 0.1], [1.0, 0.3]];
@@ -200,6 +199,6 @@ mod tests {
         }
         let both = GapHeat { over_pressure: vec![[5.0, 0.0], [9.0, 2.0]], ..open };
         assert_eq!([0.0, 1.0, 9.0].map(|p| both.conductance(0.0, p)), [4.0, 7.0, 9.0]);
-        assert_eq!(both.most(), 9.0);
+        assert_eq!(both.largest_conductance(), 9.0);
     }
 }

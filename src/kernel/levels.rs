@@ -1,19 +1,18 @@
-//! Tables over several variables: linear between entries of each and constant beyond the ends.
-//! Never here: what the variables mean.
+//! Tables over several variables, with linear interpolation, constant beyond the ends.
 
-/// A value over variables, one level each (ABAQUS Analysis User's Guide, "Material data definition": in a table of several
-/// independent variables the first varies fastest).
+/// A table over several variables, nested by variable (ABAQUS Analysis User's Guide, "Material data definition": in a
+/// table of several independent variables the first varies fastest).
 #[derive(Clone, Debug, PartialEq)]
 pub enum NestedTable {
-    /// No variable is left.
+    /// Value without further variables.
     Value(f64),
-    /// Entries at ascending values of a variable.
+    /// Tables at ascending values of a variable.
     Over(Vec<(f64, NestedTable)>),
 }
 
 impl NestedTable {
-    /// From rows of a value and its variables, as many in each; `None` where rows of one value of a slower variable do not
-    /// follow each other, or a variable does not ascend.
+    /// Creates a table from rows of a value and its variables, the same number in each row. `None` if rows with the
+    /// same value of a slower variable are not consecutive, or if a variable is not ascending.
     pub fn new<R: AsRef<[f64]>>(rows: &[R]) -> Option<NestedTable> {
         let rows: Vec<&[f64]> = rows.iter().map(AsRef::as_ref).collect();
         let length = rows.first()?.len();
@@ -32,7 +31,7 @@ impl NestedTable {
         (ascends && !entries.is_empty()).then_some(NestedTable::Over(entries))
     }
 
-    /// The value at variables in the order of the rows.
+    /// Returns the interpolated value; variables in the order of the rows.
     pub fn at(&self, variables: &[f64]) -> f64 {
         let (entries, Some((&x, faster))) = (self.entries(), variables.split_last()) else { return self.value() };
         let after = entries.partition_point(|e| e.0 <= x);
@@ -65,9 +64,9 @@ impl NestedTable {
 mod tests {
     use super::NestedTable;
 
-    /// 1 + x + 10 y + 100 z is linear, so the table gives it everywhere inside, and at the nearest edge outside.
+    /// 1 + x + 10 y + 100 z is linear: the table reproduces it inside, and returns the closest edge value outside.
     #[test]
-    fn a_table_of_a_linear_function_is_the_function() {
+    fn linear_functions_are_reproduced_exactly() {
         let f = |x: f64, y: f64, z: f64| 1.0 + x + 10.0 * y + 100.0 * z;
         let mut rows = Vec::new();
         for z in [0.0, 2.0] {

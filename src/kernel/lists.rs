@@ -1,10 +1,9 @@
-//! Lists: members in order without repetition, and the memory that they occupy.
-//! Never here: what they list.
+//! Lists: sorting without duplicates, and memory use.
 
 use std::iter::Sum;
 use std::ops::Add;
 
-/// Members in ascending order, each once.
+/// Returns the members in ascending order without duplicates.
 pub fn sorted_unique<T: Ord>(members: impl IntoIterator<Item = T>) -> Vec<T> {
     let mut sorted: Vec<T> = members.into_iter().collect();
     sorted.sort_unstable();
@@ -12,12 +11,12 @@ pub fn sorted_unique<T: Ord>(members: impl IntoIterator<Item = T>) -> Vec<T> {
     sorted
 }
 
-/// Bytes of the allocation of a list.
+/// Returns the bytes allocated by a list.
 pub fn heap_bytes<T>(list: &Vec<T>) -> usize {
     size_of::<T>() * list.capacity()
 }
 
-/// Bytes of lists. The system assigns no memory to the reserved part before it is written.
+/// Memory of lists. The operating system assigns no memory to the reserved part before it is written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MemoryUse {
     /// Bytes of entries.
@@ -27,12 +26,12 @@ pub struct MemoryUse {
 }
 
 impl MemoryUse {
-    /// Memory of a list.
+    /// Returns the memory of a list.
     pub fn of<T>(list: &Vec<T>) -> MemoryUse {
         MemoryUse { used: size_of::<T>() * list.len(), reserved: size_of::<T>() * (list.capacity() - list.len()) }
     }
 
-    /// Memory without reserve.
+    /// Returns memory in use without reserve.
     pub fn in_use(bytes: usize) -> MemoryUse {
         MemoryUse { used: bytes, reserved: 0 }
     }

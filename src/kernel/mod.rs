@@ -1,5 +1,5 @@
-//! Pure arithmetic: facets, resistance laws, amplitudes. Sources are cited where a formula stands.
-//! Never here: meshes, allocation inside an increment, text.
+//! Arithmetic without state: element operators, shells, facets, profiles, yield stress and return mapping, amplitudes,
+//! conduction, SIMD lanes. Sources of formulas are cited where they are used.
 
 pub mod amplitude;
 pub mod assumed;

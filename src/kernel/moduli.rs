@@ -1,18 +1,17 @@
 //! Moduli of isotropic elasticity.
-//! Never here: laws.
 
 /// Bulk and shear modulus.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moduli {
+pub struct ElasticModuli {
     /// Bulk modulus.
     pub bulk: f64,
     /// Shear modulus.
     pub shear: f64,
 }
 
-impl Moduli {
-    /// Returns the moduli of Young's modulus and Poisson's ratio.
-    pub fn from_young(young: f64, ratio: f64) -> Moduli {
-        Moduli { bulk: young / (3.0 * (1.0 - 2.0 * ratio)), shear: young / (2.0 * (1.0 + ratio)) }
+impl ElasticModuli {
+    /// Converts Young's modulus and Poisson's ratio.
+    pub fn from_young(young: f64, ratio: f64) -> ElasticModuli {
+        ElasticModuli { bulk: young / (3.0 * (1.0 - 2.0 * ratio)), shear: young / (2.0 * (1.0 + ratio)) }
     }
 }

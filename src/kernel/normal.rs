@@ -1,25 +1,25 @@
-//! The normal distribution of mean 0 and deviation 1, with the same bits on every machine.
-//! Never here: other distributions.
+//! The standard normal distribution, with the same bits on every machine.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
-/// Nothing is drawn further out than this: the least step between draws.
+/// Smallest probability: the distance between random numbers of 53 bits.
 const LEAST: f64 = 1.0 / (1_u64 << 53) as f64;
 
-/// How much lies below.
+/// Returns the cumulative distribution function.
 pub fn cumulative(x: f64) -> f64 {
     0.5 * libm::erfc(-x * FRAC_1_SQRT_2)
 }
 
-/// The density.
+/// Returns the probability density.
 pub fn density(x: f64) -> f64 {
     libm::exp(-0.5 * x * x) / TAU.sqrt()
 }
 
-/// The value below which so much lies, to about 1 in 10^16; ends are kept off infinity.
+/// Returns the quantile of a probability, with a relative error of about 1e-16. Probabilities 0 and 1 are limited to
+/// finite quantiles.
 ///
-/// Source: M. J. Wichura, Algorithm AS 241, Applied Statistics 37 (1988) 477, routine PPND16. Crates of statistics take the
-/// logarithm of the machine, whose last digit differs from one to the next.
+/// Source: M. J. Wichura, Algorithm AS 241, Applied Statistics 37 (1988) 477, routine PPND16. Statistics crates use the
+/// logarithm of the platform, whose last bit differs between machines.
 pub fn quantile(part: f64) -> f64 {
     let part = part.clamp(LEAST, 1.0 - LEAST);
     let q = part - 0.5;
@@ -103,7 +103,7 @@ mod tests {
     use super::{cumulative, density, quantile};
     use statrs::distribution::{Continuous as _, ContinuousCDF as _, Normal};
 
-    /// Source: the crate statrs, to its own accuracy, and the inverse of what is asked.
+    /// Comparison with the crate statrs within its accuracy, and with the cumulative distribution function.
     #[test]
     fn quantiles_are_those_of_the_normal_distribution() {
         let known = Normal::standard();

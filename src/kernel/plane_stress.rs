@@ -1,13 +1,13 @@
-//! Plane stress at a point of a shell: linear elasticity with isotropic von Mises plasticity, the stress through the thickness
-//! zero. Never here: integration through the thickness.
+//! Plane stress at a point of a shell: linear elasticity with isotropic von Mises plasticity and zero stress through
+//! the thickness.
 //!
-//! In the directions of meridian and hoop there is no shear, so that with p = s1 + s2 and d = s1 - s2 the von Mises stress is
-//! q^2 = (p^2 + 3 d^2)/4, and the return is two scalings by one unknown (Simo and Taylor 1986, Int. J. Numer. Meth. Eng. 22,
-//! 649): p = p_trial / (1 + x E/(3 (1 - nu))), d = d_trial / (1 + 2 G x), with the plastic strain increment 2/3 x q.
+//! There is no shear in the directions of meridian and hoop. With p = s1 + s2 and d = s1 - s2 the von Mises stress is
+//! q² = (p² + 3 d²)/4, and the return scales both by one unknown x (Simo and Taylor 1986, Int. J. Numer. Meth. Eng. 22,
+//! 649): p = p_trial / (1 + x E/(3 (1 - ν))), d = d_trial / (1 + 2 G x), with the plastic strain increment 2/3 x q.
 
 use super::hardening::YieldStress;
 
-/// Young's modulus and Poisson's ratio.
+/// Young's modulus and Poisson's ratio in plane stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneElastic {
     /// Young's modulus.
@@ -16,29 +16,31 @@ pub struct PlaneElastic {
     pub ratio: f64,
 }
 
-/// What a return came to.
+/// Result of a return to the yield surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlaneReturn {
-    /// Stress along the meridian and the hoop.
+    /// Stress along meridian and hoop.
     pub stress: [f64; 2],
-    /// Von Mises stress; 0 where nothing flows.
+    /// Von Mises stress; 0 for an elastic increment.
     pub mises: f64,
-    /// Increment of the equivalent plastic strain.
+    /// Increment of equivalent plastic strain.
     pub flow: f64,
-    /// Increment of the plastic strain along the meridian and the hoop.
+    /// Increment of plastic strain along meridian and hoop.
     pub plastic: [f64; 2],
 }
 
 impl PlaneElastic {
-    /// Modulus of one strain with the other held, E/(1 - nu^2).
+    /// Returns the modulus of one strain with the other fixed, E/(1 - ν²).
     pub fn modulus(&self) -> f64 {
         self.young / (1.0 - self.ratio * self.ratio)
     }
 
+    /// Returns the shear modulus.
     pub fn shear(&self) -> f64 {
         0.5 * self.young / (1.0 + self.ratio)
     }
 
+    /// Returns the elastic trial stress for a strain increment, both along meridian and hoop.
     pub fn trial(&self, stress: [f64; 2], strain: [f64; 2]) -> [f64; 2] {
         let modulus = self.modulus();
         [
@@ -47,12 +49,12 @@ impl PlaneElastic {
         ]
     }
 
-    /// Elastic strain through the thickness that a change of stress brings.
+    /// Returns the elastic strain through the thickness for a change of stress.
     pub fn thinning(&self, change: [f64; 2]) -> f64 {
         -self.ratio / self.young * (change[0] + change[1])
     }
 
-    /// Brings a trial stress back to the yield stress at the strain and rate that the flow comes to.
+    /// Returns a trial stress to the yield stress at the resulting plastic strain and rate.
     pub fn returned(
         &self,
         law: &dyn YieldStress,
@@ -79,15 +81,15 @@ impl PlaneElastic {
         PlaneReturn { stress, mises, flow: 2.0 / 3.0 * x * mises, plastic }
     }
 
-    /// The trial stress with p and d scaled by the unknown.
+    /// Returns the trial stress with p and d scaled for the unknown x.
     fn scaled(&self, trial: [f64; 2], x: f64) -> [f64; 2] {
         let p = (trial[0] + trial[1]) / (1.0 + x * self.young / (3.0 * (1.0 - self.ratio)));
         let d = (trial[0] - trial[1]) / (1.0 + 2.0 * self.shear() * x);
         [0.5 * (p + d), 0.5 * (p - d)]
     }
 
-    /// The zero of a residual that falls from above zero at 0: doubled until it has been passed, then by secants that a bracket
-    /// keeps.
+    /// Returns the root of a residual that is positive at 0 and decreases: the upper limit is doubled until the sign
+    /// changes, then bracketed secants.
     fn root(&self, residual: impl Fn(f64) -> f64, at_zero: f64, trial: f64) -> f64 {
         let (mut low, mut at_low) = (0.0, at_zero);
         let mut high = at_zero / (trial * self.shear());
@@ -117,7 +119,7 @@ impl PlaneElastic {
     }
 }
 
-/// Von Mises stress of two principal stresses.
+/// Returns the von Mises stress of two principal stresses.
 pub fn mises([a, b]: [f64; 2]) -> f64 {
     (a * a - a * b + b * b).sqrt()
 }
@@ -125,14 +127,14 @@ pub fn mises([a, b]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{PlaneElastic, mises};
-    use crate::kernel::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table, YieldStress};
+    use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, RateFactor, StaticYield, YieldStress};
 
     const STEEL: PlaneElastic = PlaneElastic { young: 200e3, ratio: 0.3 };
 
-    /// Pulled along one direction with the other free, the strain splits into its elastic and its plastic part.
+    /// Uniaxial tension: the strain is the sum of its elastic and plastic parts.
     #[test]
-    fn a_bar_follows_its_hardening() {
-        let law = Table { rows: vec![[200.0, 0.0], [400.0, 0.2]] };
+    fn uniaxial_tension_follows_the_hardening_curve() {
+        let law = LinearTable { rows: vec![[200.0, 0.0], [400.0, 0.2]] };
         // Strains of a bar at the plastic strain 0.01: the stress is 210.
         let (stress, plastic) = (210.0, 0.01);
         let strain = [stress / STEEL.young + plastic, -0.3 * stress / STEEL.young - 0.5 * plastic];
@@ -143,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn the_return_meets_the_yield_surface() {
+    fn return_reaches_the_yield_surface() {
         let base = JohnsonCook { a: 806.0, b: 614.0, n: 0.168, m: 1.1, melt: 1540.0, transition: 20.0 };
         let factor = Some(RateFactor::JohnsonCook { c: 0.0089, reference: 1.0 });
         let law = FlowStress { base: StaticYield::JohnsonCook(base), factor };
@@ -151,7 +153,7 @@ mod tests {
             let found = STEEL.returned(&law, trial, [0.02, 300.0], 1e-6);
             let yields = law.at(0.02 + found.flow, found.flow / 1e-6, 300.0);
             assert!((found.mises / yields - 1.0).abs() < 1e-9, "{trial:?} {found:?}");
-            // The elastic strain that is left gives the stress again.
+            // The remaining elastic strain gives the same stress.
             let back = STEEL.trial(trial, found.plastic.map(|p| -p));
             assert!((0..2).all(|i| (back[i] - found.stress[i]).abs() < 1e-8 * mises(trial)), "{trial:?} {back:?}");
         }

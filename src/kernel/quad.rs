@@ -1,21 +1,23 @@
 //! The four-node axisymmetric quadrilateral with mean quadrature (CAX4R): volume, gradient operators, corner masses.
-//! Corners run counter-clockwise in (r, z). Never here: stress, meshes.
+//! Corners run counter-clockwise in (r, z).
 //!
-//! Mean quadrature integrates the gradient operators over the volume exactly (Flanagan and Belytschko 1981, Int. J. Numer.
-//! Meth. Eng. 17, eqs. 13 to 21, carried over to the axisymmetric volume): with V = 2 pi int r dA, the operator along z is
-//! dV/dz_I, and along r dV/dr_I less the hoop part 2 pi int N_I dA. Centroid quadrature would be wrong on the axis.
+//! Mean quadrature integrates the gradient operators over the volume exactly (Flanagan and Belytschko 1981, Int. J.
+//! Numer. Meth. Eng. 17, eqs. 13 to 21, extended to the axisymmetric volume): with V = 2π∫r dA, the operator along z is
+//! dV/dz_I, and the operator along r is dV/dr_I minus the hoop part 2π∫N_I dA. Centroid quadrature would be inaccurate
+//! on the axis.
 
 use super::lanes::{InlineMap, inline_from_fn};
 use std::f64::consts::PI;
 
 use super::real::Real;
 
-/// Factor of all integrals in [`Operators`] and [`Gradient`]: most uses are ratios, in which it drops out.
+/// Factor of all integrals in [`QuadOperators`] and [`CornerGradient`]; it cancels in most uses, which are ratios.
 pub const UNIT: f64 = PI / 8.0;
 
-/// Sums of the values at four corners with the signs of the base vectors Sigma, Lambda_1, Lambda_2 and Gamma: all, along the first
-/// direction of the square that the corners are mapped from, along the second, and the hourglass pattern (Flanagan and
-/// Belytschko 1981, eq. 6). Formed from differences, so that what is common to all corners costs no digits of the last three.
+/// Returns the sums of the values at four corners with the signs of the base vectors Sigma, Lambda_1, Lambda_2 and
+/// Gamma: the total, the differences along the first and the second direction of the parent square, and the hourglass
+/// pattern (Flanagan and Belytschko 1981, eq. 6). They are computed from differences, so that a large common value does
+/// not reduce the accuracy of the last three.
 #[inline(always)]
 pub fn sums<T: Real>(x: [T; 4]) -> [T; 4] {
     let (below, above) = (x[1] - x[0], x[2] - x[3]);
@@ -23,7 +25,7 @@ pub fn sums<T: Real>(x: [T; 4]) -> [T; 4] {
     [(x[0] + x[1]) + (x[2] + x[3]), below + above, left + right, above - below]
 }
 
-/// Values at the corners by their parts in the four base vectors.
+/// Returns the values at the corners from their components in the four base vectors.
 #[inline(always)]
 pub fn at_corners<T: Real>([all, first, second, pattern]: [T; 4]) -> [T; 4] {
     let (even, odd) = (all + pattern, all - pattern);
@@ -31,31 +33,32 @@ pub fn at_corners<T: Real>([all, first, second, pattern]: [T; 4]) -> [T; 4] {
     [even - both, odd + apart, even + both, odd - apart]
 }
 
-/// Gradient operators of a quadrilateral by base vectors: of values with the [`sums`] s the integral of the derivative along r
-/// is r . s\[1..4\], along z z . s\[1..4\], and of the value over r it is hoop . s\[0..3\]. In the unit [`UNIT`].
+/// Gradient operators of a quadrilateral in base vectors, in [`UNIT`]. For values with the [`sums`] s, the integral of
+/// the derivative along r is r . s\[1..4\], along z it is z . s\[1..4\], and the integral of the value over r is hoop .
+/// s\[0..3\].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Operators<T = f64> {
-    /// Parts of int dN_I/dr dV in Lambda_1, Lambda_2 and Gamma, length^2.
+pub struct QuadOperators<T = f64> {
+    /// Components of int dN_I/dr dV in Lambda_1, Lambda_2 and Gamma, length².
     pub r: [T; 3],
-    /// Parts of int dN_I/dz dV, length^2.
+    /// Components of int dN_I/dz dV, length².
     pub z: [T; 3],
-    /// Parts of int N_I/r dV in Sigma, Lambda_1 and Lambda_2, length^2.
+    /// Components of int N_I/r dV in Sigma, Lambda_1 and Lambda_2, length².
     pub hoop: [T; 3],
-    /// Volume, length^3.
+    /// Volume, length³.
     pub volume: T,
 }
 
-impl<T: Real> Operators<T> {
-    /// By the [`sums`] of r and z, weighted by volume or by area. By volume they are the derivatives of the volume of the ring, the
-    /// hoop part taken off along r. Area weighting (Goudreau and Hallquist 1982, Comput. Meth. Appl. Mech. Eng. 33, 725) has the
-    /// gradients in the middle of the plane section times 2 pi times the radius there, so that ratios to the volume are those of
-    /// the plane.
+impl<T: Real> QuadOperators<T> {
+    /// Computes the operators from the [`sums`] of r and z, with volume or area weighting. With volume weighting they
+    /// are the derivatives of the ring volume, minus the hoop part along r. Area weighting (Goudreau and Hallquist
+    /// 1982, Comput. Meth. Appl. Mech. Eng. 33, 725) uses the gradients at the centre of the plane section times 2π
+    /// times the radius there, so that ratios to the volume are those of the plane.
     #[inline(always)]
     pub fn of<const AREA: bool>(r: [T; 4], z: [T; 4]) -> Self {
         let section = r[1] * z[2] - r[2] * z[1];
         let (r_first, r_second) = ([r[0] * z[2], -(r[0] * z[1])], [-(r[0] * r[2]), r[0] * r[1]]);
         if AREA {
-            return Operators {
+            return QuadOperators {
                 r: [r_first[0], r_first[1], T::ZERO],
                 z: [r_second[0], r_second[1], T::ZERO],
                 hoop: [section, T::ZERO, T::ZERO],
@@ -65,7 +68,7 @@ impl<T: Real> Operators<T> {
         let [_, r1, r2, r3] = r.inline_map(|x| x * T::of(1.0 / 3.0));
         let (first, second) = (r1 * z[3], r2 * z[3]);
         let hoop = [section, first - r3 * z[1], r3 * z[2] - second];
-        Operators {
+        QuadOperators {
             r: [r_first[0] + first, r_first[1] - second, r2 * z[2] - r1 * z[1]],
             z: [r_second[0] - r1 * r[3], r_second[1] + r2 * r[3], (r1 - r2) * (r[1] + r[2])],
             hoop,
@@ -73,8 +76,8 @@ impl<T: Real> Operators<T> {
         }
     }
 
-    /// The hourglass pattern, free of linear fields (Flanagan and Belytschko 1981, eqs. 25 to 45), times the volume: its parts in
-    /// Lambda_1, Lambda_2 and Gamma, by the last of the [`sums`] of r and of z.
+    /// Returns the hourglass pattern orthogonal to linear fields (Flanagan and Belytschko 1981, eqs. 25 to 45), times
+    /// the volume: components in Lambda_1, Lambda_2 and Gamma, from the last of the [`sums`] of r and z.
     #[inline(always)]
     pub fn pattern(&self, [r, z]: [T; 2]) -> [T; 3] {
         let linear = |i: usize| r * self.r[i] + z * self.z[i];
@@ -82,12 +85,12 @@ impl<T: Real> Operators<T> {
     }
 }
 
-impl Operators {
-    /// The operators of each corner.
+impl QuadOperators {
+    /// Returns the operators at each corner.
     #[inline(always)]
-    pub fn gradient(&self) -> Gradient {
+    pub fn gradient(&self) -> CornerGradient {
         let [along, across, around] = [self.r, self.z, self.hoop];
-        Gradient {
+        CornerGradient {
             r: at_corners([0.0, along[0], along[1], along[2]]),
             z: at_corners([0.0, across[0], across[1], across[2]]),
             hoop: at_corners([around[0], around[1], around[2], 0.0]),
@@ -96,13 +99,14 @@ impl Operators {
     }
 }
 
-/// Sum of the products of three and three numbers, in this order.
+/// Returns the scalar product of three numbers, summed in this order.
 #[inline(always)]
 pub fn dot3<T: Real>(a: [T; 3], b: [T; 3]) -> T {
     (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }
 
-/// Sum over the corners of a weight, by its [`sums`], times the squares of what has these lists of parts in the base vectors.
+/// Returns the weighted sum over the corners of the squares of fields, given by their components in the base vectors;
+/// the weight is given by its [`sums`].
 #[inline(always)]
 pub fn squares<T: Real, const N: usize>(lists: &[[T; 4]; N], weight: [T; 4]) -> T {
     let mut sums = [T::ZERO; 4];
@@ -115,52 +119,52 @@ pub fn squares<T: Real, const N: usize>(lists: &[[T; 4]; N], weight: [T; 4]) -> 
     sums[0] * weight[0] + T::of(2.0) * ((sums[1] * weight[1] + sums[2] * weight[2]) + sums[3] * weight[3])
 }
 
-/// Integrals over the volume of an element, a full ring, in the unit [`UNIT`].
+/// Integrals over the volume of an element, a full ring, in [`UNIT`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gradient {
-    /// int dN_I/dr dV of each corner, length^2.
+pub struct CornerGradient {
+    /// int dN_I/dr dV of each corner, length².
     pub r: [f64; 4],
-    /// int dN_I/dz dV, length^2.
+    /// int dN_I/dz dV, length².
     pub z: [f64; 4],
-    /// int N_I/r dV, length^2.
+    /// int N_I/r dV, length².
     pub hoop: [f64; 4],
-    /// Volume.
+    /// Volume, length³.
     pub volume: f64,
 }
 
-/// The gradient operators of a quadrilateral.
+/// Returns the gradient operators of a quadrilateral at its corners.
 #[inline(always)]
-pub fn gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
-    Operators::of::<false>(sums(r), sums(z)).gradient()
+pub fn gradient(r: [f64; 4], z: [f64; 4]) -> CornerGradient {
+    QuadOperators::of::<false>(sums(r), sums(z)).gradient()
 }
 
-/// Derivatives of the volume of a ring by r and z of its corners, and the volume, in the unit [`UNIT`].
+/// Returns the derivatives of the volume of a ring with respect to r and z of its corners, and the volume, in [`UNIT`].
 #[inline(always)]
 pub fn volume_gradient(r: [f64; 4], z: [f64; 4]) -> ([f64; 4], [f64; 4], f64) {
-    let Operators { r: [a, b, c], z: [d, e, f], hoop, volume } = Operators::of::<false>(sums(r), sums(z));
+    let QuadOperators { r: [a, b, c], z: [d, e, f], hoop, volume } = QuadOperators::of::<false>(sums(r), sums(z));
     (at_corners([hoop[0], a + hoop[1], b + hoop[2], c]), at_corners([0.0, d, e, f]), volume)
 }
 
-/// Area of the plane section, positive for corners that run counter-clockwise.
+/// Returns the area of the plane section, positive for corners that run counter-clockwise.
 #[inline(always)]
 pub fn section(r: [f64; 4], z: [f64; 4]) -> f64 {
     0.5 * ((r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]))
 }
 
-/// Stiffness of a linear elastic element with mean quadrature, and of its hourglass control: force over length, for
-/// `[r, z]` of each corner in turn. With gradient operators B it is V B^T C B; hourglass stiffness as in Flanagan and
-/// Belytschko 1981, eqs. 25 to 45, `hourglass` times the shear modulus.
+/// Returns the stiffness of a linear elastic element with mean quadrature and of its hourglass control: force per
+/// length, for `[r, z]` of each corner in turn. With the gradient operators B it is V Bᵀ C B. The hourglass stiffness
+/// follows Flanagan and Belytschko 1981, eqs. 25 to 45, with `hourglass` times the shear modulus.
 pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2], hourglass: f64) -> [[f64; 8]; 8] {
     let (r, z) = (corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
     let (r, z) = (sums(r), sums(z));
-    let operators = Operators::of::<false>(r, z);
+    let operators = QuadOperators::of::<false>(r, z);
     let g = operators.gradient();
     let (lame, per) = (bulk - 2.0 / 3.0 * shear, 1.0 / g.volume);
     let [first, second, pattern] = operators.pattern([r[3], z[3]]).inline_map(|part| per * part);
     let shape = at_corners([0.0, first, second, pattern]);
     let square: f64 = (0..4).map(|i| g.r[i] * g.r[i] + g.z[i] * g.z[i]).sum();
     let spring = hourglass * shear * square;
-    // Strains rr, zz, hoop and twice rz that a corner's displacement along r or z makes, and the pattern.
+    // Strains rr, zz, hoop and twice rz, and pattern amplitude, of a corner's unit displacement along r or z.
     let column = |d: usize| {
         let i = d / 2;
         if d.is_multiple_of(2) {
@@ -179,27 +183,27 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2], hourglass: f64
     inline_from_fn(|a| inline_from_fn(|b| entry(a, b)))
 }
 
-/// By how much the volume of an element with these corners `[r, z, v_r, v_z]` grew over an increment behind them, as the strain
-/// in the middle of the increment says.
+/// Returns the volume change of an element with these corners `[r, z, v_r, v_z]` over the previous increment, from the
+/// strain at mid-increment.
 pub fn volume_change<const AREA: bool>(corners: [[f64; 4]; 4], dt: f64) -> f64 {
     dilation::<AREA>(corners, dt)[1]
 }
 
-/// The same, behind the volume in the middle of the increment.
+/// Returns the volume at mid-increment, and the volume change of [`volume_change`].
 pub fn dilation<const AREA: bool>(corners: [[f64; 4]; 4], dt: f64) -> [f64; 2] {
     let middle = |axis: usize| corners.inline_map(|c| c[axis] - 0.5 * dt * c[axis + 2]);
-    let g = Operators::of::<AREA>(sums(middle(0)), sums(middle(1)));
+    let g = QuadOperators::of::<AREA>(sums(middle(0)), sums(middle(1)));
     let ([s0, s1, s2, s3], [_, v1, v2, v3]) = (sums(corners.inline_map(|c| c[2])), sums(corners.inline_map(|c| c[3])));
     let growth = dot3(g.r, [s1, s2, s3]) + dot3(g.hoop, [s0, s1, s2]) + dot3(g.z, [v1, v2, v3]);
     [UNIT * g.volume, UNIT * dt * growth]
 }
 
-/// Volume of a full ring with these corners `[r, z]`.
+/// Returns the volume of a full ring with these corners `[r, z]`.
 pub fn volume(corners: [[f64; 2]; 4]) -> f64 {
     UNIT * gradient(corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1])).volume
 }
 
-/// Row-sum lumped mass of each corner: density times int N_I dV, exact by two Gauss points each way.
+/// Returns the row-sum lumped mass of each corner: density times int N_I dV, exact with two Gauss points per direction.
 pub fn corner_masses(corners: [[f64; 2]; 4], density: f64) -> [f64; 4] {
     let (r, z) = (corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
     let mut masses = [0.0; 4];
@@ -250,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn linear_fields_have_their_gradients_and_constant_fields_none() {
+    fn gradients_of_linear_and_constant_fields_are_exact() {
         let g = gradient(R, Z);
         let dot = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         for (value, expected) in [
@@ -268,27 +272,27 @@ mod tests {
 
     #[test]
     fn plane_operators_are_those_of_the_section() {
-        let plane = |r, z| Operators::of::<true>(sums(r), sums(z)).gradient();
+        let plane = |r, z| QuadOperators::of::<true>(sums(r), sums(z)).gradient();
         let g = plane(R, Z);
         let dot = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let flat = [dot(g.r, R) - g.volume, dot(g.z, Z) - g.volume, dot(g.hoop, R) - g.volume];
         let none = [dot(g.r, Z), dot(g.z, R), dot(g.r, [1.0; 4]), dot(g.z, [1.0; 4])];
         assert!(flat.iter().chain(&none).all(|x| x.abs() < 1e-13 * g.volume), "{flat:?} {none:?}");
-        // Pappus: the ring of the middle radius.
+        // Pappus: a ring at the mean radius.
         let square = plane([1.0, 3.0, 3.0, 1.0], [0.0, 0.0, 1.0, 1.0]);
         assert!((UNIT * square.volume - 8.0 * PI).abs() < 1e-13);
     }
 
     #[test]
-    fn a_section_has_its_area() {
+    fn section_area_of_a_rectangle_is_exact() {
         assert!((section([1.0, 3.0, 3.0, 1.0], [0.0, 0.0, 1.5, 1.5]) - 3.0).abs() < 1e-15);
     }
 
     #[test]
-    fn corner_masses_add_up_and_the_axis_carries_little() {
+    fn corner_masses_sum_to_the_total_and_are_smaller_on_the_axis() {
         let masses = corner_masses([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 6.0);
         assert!((masses.iter().sum::<f64>() - 6.0 * PI).abs() < 1e-13);
-        // int (1 - r) 2 pi r dr = pi/3 of pi on the axis side.
+        // int (1 - r) 2π r dr = π/3; of the total π on the axis side.
         assert!((masses[0] - PI).abs() < 1e-13 && (masses[1] - 2.0 * PI).abs() < 1e-13);
     }
 }

@@ -1,12 +1,12 @@
-//! Numbers that the inner loop can be made of: double precision, and single for those who trade digits for time.
-//! Never here: which elements are in single precision, the units that keep their numbers near one.
+//! Floating-point types of the inner loop: double precision, and single precision for shorter run time at lower
+//! accuracy.
 
 use super::lanes::InlineMap;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-/// A floating-point number. Arithmetic that is written over it has, in double precision, the operations of the same written
-/// over `f64`, in their order.
+/// A floating-point number. In double precision, arithmetic over this trait performs the same operations as arithmetic
+/// over `f64`, in the same order.
 pub trait Real:
     Copy
     + Debug
@@ -23,21 +23,21 @@ pub trait Real:
     + Sync
     + 'static
 {
-    /// Whether it has fewer digits and a smaller range than what nodes have: lengths are then in units of their own.
+    /// Whether the type is single precision; lengths are then scaled by a unit of the element group.
     const SINGLE: bool;
     const ZERO: Self;
     const ONE: Self;
 
-    /// The nearest number to one of double precision.
+    /// Rounds a number of double precision.
     fn of(value: f64) -> Self;
-    /// The same number in double precision.
+    /// Converts to double precision.
     fn wide(self) -> f64;
     fn root(self) -> Self;
-    /// Without sign.
+    /// Returns the absolute value.
     fn size(self) -> Self;
-    /// Whether it is not a number.
+    /// Returns whether the number is NaN.
     fn is_none(self) -> bool;
-    /// Calls a function with a list in double precision: the list itself, or a copy of one in single precision.
+    /// Calls a function with a list in double precision: the list itself, or a converted copy.
     fn with_wide<R, const N: usize>(list: &[Self; N], call: impl FnOnce(&[f64; N]) -> R) -> R;
 }
 

@@ -1,20 +1,21 @@
-//! The return to the yield surface of eight elements at once, for every flow stress over plastic strain, rate and temperature.
-//! Never here: stress tensors, one element at a time.
+//! Return mapping of all lanes of a block, for every flow stress that depends on plastic strain, rate and temperature.
 //!
-//! Halley's method in the plastic strain increment; where the yield stress is steeper than 3 G, Newton's in its logarithm: there
-//! trial - 3 G dp - yield stress is concave for the laws of Johnson and Cook and of Cowper and Symonds, and from above the root
-//! every step stays above it, also at the onset of flow, where slopes over dp itself have no bound. Each lane goes its own way until its residual is
-//! met, whatever the lanes beside it do; one that has not met it after some rounds takes the bracketed secants of
-//! [`plastic_increment`].
-#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+//! Halley's method in the plastic strain increment. If the yield stress is steeper than 3 G: Newton's method in the
+//! logarithm of the increment. There, trial - 3 G dp - yield stress is concave for the laws of Johnson and Cook and of
+//! Cowper and Symonds, and iterates that start above the root remain above it, also at the onset of flow, where the
+//! slope with respect to dp is unbounded.
+//!
+//! Each lane iterates until its own residual converges, independently of the other lanes. A lane that has not converged
+//! after some iterations uses the bracketed secants of [`plastic_increment`].
+#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
 use super::hardening::{
-    FlowStress, JohnsonCook, RateFactor, StaticYield, Table, TableOverTemperature, plastic_increment,
+    FlowStress, JohnsonCook, LinearTable, RateFactor, StaticYield, TableOverTemperature, plastic_increment,
 };
 use super::lanes::{LANES, Lanes};
 use super::transcendental::{ln, power};
 
-/// What lanes return from.
+/// Elastic trial state of the lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct TrialState<'a> {
     /// Von Mises stress of the elastic trial.
@@ -23,28 +24,29 @@ pub struct TrialState<'a> {
     pub strain: &'a Lanes,
     /// Temperature before the increment.
     pub temperature: &'a Lanes,
-    /// Rate of the equivalent plastic strain in the increment before: where the search begins.
+    /// Rate of equivalent plastic strain in the previous increment: start value of the iteration.
     pub rate: &'a Lanes,
     pub shear3: f64,
     /// Length of the increment.
     pub dt: f64,
 }
 
-/// A value, its slope, and how that changes.
+/// Value, first and second derivative.
 type CurveLanes = [Lanes; 3];
 
 const ZERO: Lanes = [0.0; LANES];
 const ROUNDS: usize = 8;
-/// Residual that is enough, a part of the trial stress.
+/// Converged residual, relative to the trial stress.
 const ENOUGH: f64 = 1e-11;
-/// Steps that are the last, a part of the plastic strain increment: what they leave goes with the square of Newton's, the cube of
-/// Halley's, which lines do not need. Where a rate passes the reference rate of Johnson and Cook in such a step, a part c of the step
-/// is left.
+/// Relative change of the plastic strain increment below which an iteration is the last: for Newton's method (also
+/// Halley's method on a linear law), whose error is of second order, and for Halley's method, whose error is of third
+/// order. If the rate crosses the Johnson-Cook reference rate in the last iteration, the error is a fraction c of the
+/// change.
 const SHORT: [f64; 2] = [1e-7, 2e-4];
-/// The least part of the plastic strain increment that a round leaves.
+/// Smallest ratio of successive plastic strain increments in an iteration.
 const LEAST: f64 = 0.02;
 
-/// Increments of the equivalent plastic strain: zero where nothing flows.
+/// Returns the increments of equivalent plastic strain of the first `count` lanes; zero for elastic lanes.
 #[inline(always)]
 pub fn plastic_increments(law: &FlowStress, trial: TrialState<'_>, count: usize) -> Lanes {
     let TrialState { stress, strain, temperature, rate, shear3, dt } = trial;
@@ -60,7 +62,7 @@ pub fn plastic_increments(law: &FlowStress, trial: TrialState<'_>, count: usize)
     let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
     let (mut increment, mut highest, mut open) = (ZERO, ZERO, [false; LANES]);
     for l in 0..LANES {
-        // A yield stress that does not fall leaves no more than this.
+        // Upper bound if the yield stress does not decrease.
         open[l] = l < count && stress[l] > at_rest[l];
         highest[l] = if open[l] { (stress[l] - at_rest[l]) / shear3 } else { 0.0 };
         let warm = rate[l] * dt;
@@ -83,7 +85,7 @@ pub fn plastic_increments(law: &FlowStress, trial: TrialState<'_>, count: usize)
             let newton = residual / per;
             let bends = 2.0 * per * per + residual * bend[l];
             let halley = 2.0 * residual * per / (if bends > per * per { bends } else { per * per });
-            // From above, where 1/(1 - x) is not below exp(x).
+            // From above the root: 1/(1 - x) is not below exp(x).
             let steep = residual < 0.0 && slope[l] > shear3;
             let next = if steep { dp * dp / (dp - newton) } else { dp + halley };
             let next = if next > LEAST * dp { next } else { LEAST * dp };
@@ -104,7 +106,7 @@ pub fn plastic_increments(law: &FlowStress, trial: TrialState<'_>, count: usize)
 }
 
 impl FlowStress {
-    /// What the temperature leaves of a Johnson-Cook yield stress; one elsewhere.
+    /// Returns the temperature factor of a Johnson-Cook yield stress; 1 for tables.
     #[inline(always)]
     fn softening(&self, temperature: &Lanes) -> Lanes {
         match &self.base {
@@ -113,7 +115,7 @@ impl FlowStress {
         }
     }
 
-    /// The yield stress where nothing flows yet.
+    /// Returns the yield stress at zero rate.
     #[inline(always)]
     fn at_rest(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> Lanes {
         let [mut value, ..] = self.static_yield(strain, temperature, softening);
@@ -132,7 +134,8 @@ impl FlowStress {
         }
     }
 
-    /// The yield stress at plastic strains and their rates, which grow by `per_dt` a unit of strain, over the strain.
+    /// Returns the yield stress and its derivatives with respect to strain; the rate increases by `per_dt` per unit of
+    /// strain.
     #[inline(always)]
     fn lanes(&self, strain: &Lanes, rate: &Lanes, temperature: &Lanes, softening: &Lanes, per_dt: f64) -> CurveLanes {
         let [mut value, mut slope, mut bend] = self.static_yield(strain, temperature, softening);
@@ -186,7 +189,7 @@ impl JohnsonCook {
 }
 
 impl RateFactor {
-    /// The factor over the rate.
+    /// Returns the rate factor and its derivatives with respect to the rate.
     #[inline(always)]
     fn lanes(&self, rate: &Lanes, temperature: &Lanes) -> CurveLanes {
         let [mut value, mut slope, mut bend] = [[1.0; LANES], ZERO, ZERO];
@@ -227,7 +230,7 @@ impl RateFactor {
 }
 
 impl TableOverTemperature {
-    /// Values and their slopes over the abscissa: the tables around each temperature, by their shares.
+    /// Returns values and slopes: interpolation between the tables around each temperature.
     #[inline(always)]
     fn lanes(&self, at: &Lanes, temperature: &Lanes) -> CurveLanes {
         let Some((first, rest)) = self.tables.split_first() else { return [ZERO; 3] };
@@ -237,7 +240,7 @@ impl TableOverTemperature {
             let [over, steeper, _] = table.lanes(at);
             let per = 1.0 / (above - below);
             for l in 0..LANES {
-                // At temperatures below these two the share is none; above, all.
+                // Weight 0 for temperatures below this interval, 1 above it.
                 let share = (temperature[l] - below) * per;
                 let share = if share > 0.0 { share } else { 0.0 };
                 let share = if share < 1.0 { share } else { 1.0 };
@@ -250,8 +253,8 @@ impl TableOverTemperature {
     }
 }
 
-impl Table {
-    /// Values and slopes, row after row: what lies behind a row takes it.
+impl LinearTable {
+    /// Returns values and slopes; each row overwrites the lanes at and above its abscissa.
     #[inline(always)]
     fn lanes(&self, at: &Lanes) -> CurveLanes {
         let Some(last) = self.rows.last() else { return [ZERO; 3] };
@@ -259,15 +262,15 @@ impl Table {
         for row in self.rows.windows(2) {
             let steep = (row[1][0] - row[0][0]) / (row[1][1] - row[0][1]);
             for l in 0..LANES {
-                let behind = at[l] >= row[0][1];
-                value[l] = if behind { row[0][0] + steep * (at[l] - row[0][1]) } else { value[l] };
-                slope[l] = if behind { steep } else { slope[l] };
+                let above = at[l] >= row[0][1];
+                value[l] = if above { row[0][0] + steep * (at[l] - row[0][1]) } else { value[l] };
+                slope[l] = if above { steep } else { slope[l] };
             }
         }
         for l in 0..LANES {
-            let behind = at[l] >= last[1];
-            value[l] = if behind { last[0] } else { value[l] };
-            slope[l] = if behind { 0.0 } else { slope[l] };
+            let above = at[l] >= last[1];
+            value[l] = if above { last[0] } else { value[l] };
+            slope[l] = if above { 0.0 } else { slope[l] };
         }
         [value, slope, ZERO]
     }
@@ -278,14 +281,14 @@ mod tests {
     use super::*;
     use crate::kernel::hardening::YieldStress;
 
-    fn table(rows: &[[f64; 2]], factor: f64) -> Table {
-        Table { rows: rows.iter().map(|r| [r[0] * factor, r[1]]).collect() }
+    fn table(rows: &[[f64; 2]], factor: f64) -> LinearTable {
+        LinearTable { rows: rows.iter().map(|r| [r[0] * factor, r[1]]).collect() }
     }
 
-    /// Every law with every factor of rate, in MPa, at 20 to 900 degrees.
+    /// Every law with every rate factor, in MPa, at 20 to 900 degrees.
     fn laws() -> Vec<FlowStress> {
         let rows = [[400.0, 0.0], [480.0, 0.02], [520.0, 0.1], [600.0, 0.4]];
-        let over = |a: f64, b: f64| Table { rows: vec![[a, 20.0], [b, 600.0]] };
+        let over = |a: f64, b: f64| LinearTable { rows: vec![[a, 20.0], [b, 600.0]] };
         let tables = vec![(20.0, table(&rows, 1.0)), (300.0, table(&rows, 0.7)), (800.0, table(&rows, 0.2))];
         let steel = JohnsonCook { a: 806.0, b: 614.0, n: 0.168, m: 1.1, melt: 1540.0, transition: 20.0 };
         let copper = JohnsonCook { a: 90.0, b: 292.0, n: 0.31, m: 1.09, melt: 1083.0, transition: 20.0 };
@@ -297,8 +300,9 @@ mod tests {
             StaticYield::JohnsonCook(copper),
             StaticYield::JohnsonCook(soft),
         ];
-        let ratios =
-            TableOverTemperature { tables: vec![(20.0, Table { rows: vec![[1.0, 0.0], [1.2, 100.0], [1.9, 1e6]] })] };
+        let ratios = TableOverTemperature {
+            tables: vec![(20.0, LinearTable { rows: vec![[1.0, 0.0], [1.2, 100.0], [1.9, 1e6]] })],
+        };
         let factors = [
             None,
             Some(RateFactor::JohnsonCook { c: 0.0089, reference: 1.0 }),
@@ -310,8 +314,8 @@ mod tests {
         bases.iter().flat_map(with).collect()
     }
 
-    /// What lanes return to is the yield surface, from a hair beyond it to a thousand times its stress, at the onset of flow and far
-    /// in it, in increments of any length, with any rate to begin from; rows that do not flow stay.
+    /// Lanes return to the yield surface: for trial stresses from just above it to a thousand times the yield stress,
+    /// at the onset of flow and far into it, for any increment length and start rate; elastic lanes are unchanged.
     #[test]
     fn lanes_return_to_the_yield_surface() {
         let (mut worst, mut tried): (f64, u32) = (0.0, 0);
@@ -351,9 +355,9 @@ mod tests {
         println!("{tried} returns, off by {worst:e} of the trial stress at most");
     }
 
-    /// A lane answers alike whatever lies beside it.
+    /// The result of a lane is independent of the other lanes.
     #[test]
-    fn lanes_do_not_see_each_other() {
+    fn lanes_are_independent() {
         for law in laws() {
             let stress: Lanes = std::array::from_fn(|l| 300.0 + 100.0 * l as f64);
             let (strain, temperature, rate) = ([0.01; LANES], [100.0; LANES], [1e3; LANES]);

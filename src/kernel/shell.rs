@@ -1,10 +1,10 @@
-//! The two-node axisymmetric shell with one integration point along the meridian (SAX1): its frame, strain increments, forces,
-//! masses, stiffness against transverse shear and highest frequency. Never here: stress at points, meshes.
+//! The two-node axisymmetric shell with one integration point along the meridian (SAX1): frame, strain increments,
+//! nodal forces, masses, transverse shear stiffness and highest frequency.
 //!
-//! The way from the first node to the second is the meridian t, and the normal n is t turned counter-clockwise in (r, z)
-//! (ABAQUS Analysis User's Guide 29.6.1, "Shell elements: overview"). Strains are those of a shell whose normals stay straight
-//! (ABAQUS Theory Guide 3.6.2, "Axisymmetric shell elements"), taken as rates in the middle of an increment, so that membrane
-//! strains add up to logarithms and rotations may be large:
+//! The meridian t points from the first node to the second, and the normal n is t rotated counter-clockwise in (r, z)
+//! (ABAQUS Analysis User's Guide 29.6.1, "Shell elements: overview"). Strains assume straight normals (ABAQUS Theory
+//! Guide 3.6.2, "Axisymmetric shell elements"). They are computed as rates at mid-increment, so that membrane strains
+//! sum to logarithmic strains and rotations may be large:
 //!
 //! | strain | of velocities v and rotation rates w (counter-clockwise) |
 //! |---|---|
@@ -14,50 +14,51 @@
 //! | curvature of the hoop | -w t_r / r |
 //! | transverse shear | (v2 - v1).n / l - w |
 //!
-//! Values without a number are means of both nodes. Curvatures are positive where they stretch the side that n points to.
-//! Six motions less one of the rigid ring make five strains: there is nothing that hourglasses.
+//! Quantities without an index are means over both nodes. Curvatures are positive if they stretch the side that n
+//! points to. The six nodal velocities contain one rigid-body mode and five strain modes; there is no hourglass mode.
 
 use super::lanes::InlineMap;
 use std::f64::consts::PI;
 
 use super::plane_stress::PlaneElastic;
 
-/// Strains, or resultants a length, in the order of the table above.
-pub type Five = [f64; 5];
+/// Strains, or stress resultants per length, in the order of the table above.
+pub type SectionComponents = [f64; 5];
 
-/// Share of the elastic shear modulus that resists transverse shear: parabolic over the thickness.
+/// Shear correction factor of a parabolic shear stress over the thickness.
 const SHEAR_SHARE: f64 = 5.0 / 6.0;
 
-/// Where an element lies.
+/// Geometry of an element.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub struct ShellFrame {
     /// Unit vector from the first node to the second.
     pub t: [f64; 2],
     /// Length of the meridian.
     pub length: f64,
-    /// Radius of its middle.
+    /// Radius at the middle of the meridian.
     pub radius: f64,
 }
 
-impl Frame {
-    pub fn new([a, b]: [[f64; 2]; 2]) -> Frame {
+impl ShellFrame {
+    /// Creates the frame of a shell between two nodes `[r, z]`.
+    pub fn new([a, b]: [[f64; 2]; 2]) -> ShellFrame {
         let (dr, dz) = (b[0] - a[0], b[1] - a[1]);
         let length = (dr * dr + dz * dz).sqrt();
-        Frame { t: [dr / length, dz / length], length, radius: 0.5 * (a[0] + b[0]) }
+        ShellFrame { t: [dr / length, dz / length], length, radius: 0.5 * (a[0] + b[0]) }
     }
 
-    /// Unit normal.
+    /// Returns the unit normal.
     pub fn n(&self) -> [f64; 2] {
         [-self.t[1], self.t[0]]
     }
 
-    /// Area of the middle surface, a full ring.
+    /// Returns the area of the middle surface, a full ring.
     pub fn area(&self) -> f64 {
         2.0 * PI * self.radius * self.length
     }
 
-    /// Strains that motions of both nodes make, `[r, z]` and rotation of each.
-    pub fn strains(&self, [a, b]: [[f64; 3]; 2]) -> Five {
+    /// Returns the strains for displacements `[r, z]` and a rotation of each node.
+    pub fn strains(&self, [a, b]: [[f64; 3]; 2]) -> SectionComponents {
         let (along, n) = ([b[0] - a[0], b[1] - a[1]], self.n());
         let turn = 0.5 * (a[2] + b[2]);
         [
@@ -69,8 +70,8 @@ impl Frame {
         ]
     }
 
-    /// Forces and moments of resultants on both nodes: what their power is taken from.
-    pub fn forces(&self, [n_s, n_h, m_s, m_h, q]: &Five) -> [[f64; 3]; 2] {
+    /// Returns forces and moments of the stress resultants on both nodes; their power is minus that of the strains.
+    pub fn forces(&self, [n_s, n_h, m_s, m_h, q]: &SectionComponents) -> [[f64; 3]; 2] {
         let (area, n) = (self.area(), self.n());
         let pull = [0, 1].inline_map(|i| (n_s * self.t[i] + q * n[i]) / self.length);
         let hoop = 0.5 * n_h / self.radius;
@@ -82,27 +83,29 @@ impl Frame {
         ]
     }
 
-    /// Lumped masses of both nodes, each of its half of the meridian, and their rotary inertias, of a mass an area and the thickness at the
-    /// start.
+    /// Returns the lumped masses of both nodes, each for its half of the meridian, and their rotary inertias, from the
+    /// mass per area and the initial thickness.
     ///
-    /// Inertias are scaled on the geometry at the start, so that the frequency of transverse shear stays below that of the
-    /// membrane (ABAQUS Theory Guide 3.6.5, "Rotary inertia scaling for explicit dynamics"): with the modulus E' and a mass m
-    /// at each node, shear has the frequency squared K (4/l^2 + m/J) / (E' h) of the membrane's 4/l^2.
+    /// Rotary inertias are scaled with the initial geometry, so that the frequency of transverse shear is not above
+    /// that of the membrane (ABAQUS Theory Guide 3.6.5, "Rotary inertia scaling for explicit dynamics"): with the
+    /// modulus E' and a mass m and inertia J at each node, the squared shear frequency is K (4/l² + m/J) / (E' h)
+    /// relative to 4/l² of the membrane.
     pub fn masses(&self, [a, b]: [f64; 2], per_area: f64, thickness: f64, elastic: &PlaneElastic) -> [f64; 4] {
         let quarter = 0.25 * PI * self.length * per_area;
         let masses = [quarter * (3.0 * a + b), quarter * (a + 3.0 * b)];
-        let slack = elastic.modulus() * thickness / Frame::shear_stiffness(thickness, elastic) - 1.0;
+        let slack = elastic.modulus() * thickness / ShellFrame::shear_stiffness(thickness, elastic) - 1.0;
         let arm = (thickness * thickness / 12.0).max(0.25 * self.length * self.length / slack);
         [masses[0], masses[1], arm * masses[0], arm * masses[1]]
     }
 
-    /// Force a length over the angle of transverse shear: elastic, of the section at the start.
+    /// Returns the transverse shear force per length and shear angle: elastic, for the initial section.
     pub fn shear_stiffness(thickness: f64, elastic: &PlaneElastic) -> f64 {
         SHEAR_SHARE * elastic.shear() * thickness
     }
 
-    /// A bound of the highest frequency of the element alone, angle over time: the eigenvalues of the five strains' operator
-    /// are real, so that the sixteenth root of the trace of its eighth power is not below the largest.
+    /// Returns a bound of the highest frequency of the single element, radians per time. The eigenvalues of the
+    /// operator of the five strains are real, so that the eighth root of the trace of its eighth power bounds the
+    /// largest one.
     pub fn frequency(&self, masses: &[f64; 4], thickness: f64, shear_stiffness: f64, elastic: &PlaneElastic) -> f64 {
         let operator = self.operator(masses, thickness, shear_stiffness, elastic);
         let scale: f64 = (0..5).map(|i| operator[i][i]).sum();
@@ -111,8 +114,14 @@ impl Frame {
         (scale * eighth.sqrt().sqrt().sqrt()).sqrt()
     }
 
-    /// Elasticity times B M^-1 B^T.
-    fn operator(&self, m: &[f64; 4], thickness: f64, shear_stiffness: f64, elastic: &PlaneElastic) -> [Five; 5] {
+    /// Returns the elasticity matrix times B M⁻¹ Bᵀ.
+    fn operator(
+        &self,
+        m: &[f64; 4],
+        thickness: f64,
+        shear_stiffness: f64,
+        elastic: &PlaneElastic,
+    ) -> [SectionComponents; 5] {
         let (l, r, t_r, n_r) = (self.length, self.radius, self.t[0], -self.t[1]);
         let [sum, difference] = [1.0 / m[0] + 1.0 / m[1], 1.0 / m[1] - 1.0 / m[0]];
         let [turns, twist] = [1.0 / m[2] + 1.0 / m[3], 1.0 / m[3] - 1.0 / m[2]];
@@ -127,21 +136,23 @@ impl Frame {
         ];
         let stretch = self.area() * elastic.modulus() * thickness;
         let bend = stretch * thickness * thickness / 12.0;
-        let pair =
-            |factor: f64, a: &Five, b: &Five| [0, 1, 2, 3, 4].inline_map(|j| factor * (a[j] + elastic.ratio * b[j]));
+        let pair = |factor: f64, a: &SectionComponents, b: &SectionComponents| {
+            [0, 1, 2, 3, 4].inline_map(|j| factor * (a[j] + elastic.ratio * b[j]))
+        };
         let [s, h, k, c, q] = &compliance;
         let shear = q.inline_map(|x| self.area() * shear_stiffness * x);
         [pair(stretch, s, h), pair(stretch, h, s), pair(bend, k, c), pair(bend, c, k), shear]
     }
 }
 
-fn square(a: &[Five; 5]) -> [Five; 5] {
+fn square(a: &[SectionComponents; 5]) -> [SectionComponents; 5] {
     let entry = |i: usize, j: usize| (0..5).map(|k| a[i][k] * a[k][j]).sum();
     [0, 1, 2, 3, 4].inline_map(|i| [0, 1, 2, 3, 4].inline_map(|j| entry(i, j)))
 }
 
-/// Simpson's rule over a thickness of one: place of each point between -1 (the side away from n) and 1, and its weight.
-/// `count` is odd and at least 3 (ABAQUS Analysis User's Guide 29.6.5, "Using a shell section integrated during the analysis").
+/// Returns Simpson's rule over a unit thickness: position of each point between -1 (the side opposite to n) and 1, and
+/// its weight. `count` is odd and at least 3 (ABAQUS Analysis User's Guide 29.6.5, "Using a shell section integrated
+/// during the analysis").
 pub fn simpson(count: usize) -> Vec<[f64; 2]> {
     let intervals = (count - 1) as f64;
     let weight = |i: usize| match i {
@@ -156,13 +167,13 @@ pub fn simpson(count: usize) -> Vec<[f64; 2]> {
 mod tests {
     use faer::Mat;
 
-    use super::{Frame, simpson};
+    use super::{ShellFrame, simpson};
     use crate::kernel::plane_stress::PlaneElastic;
 
     const STEEL: PlaneElastic = PlaneElastic { young: 200e9, ratio: 0.3 };
 
     #[test]
-    fn the_rule_integrates_cubics() {
+    fn simpson_rule_integrates_cubics_exactly() {
         for count in [3, 5, 9] {
             let over = |f: fn(f64) -> f64| simpson(count).iter().map(|[x, w]| w * f(*x)).sum::<f64>();
             assert!((over(|_| 1.0) - 1.0).abs() < 1e-15 && over(|x| x * x * x).abs() < 1e-15);
@@ -170,10 +181,10 @@ mod tests {
         }
     }
 
-    /// Forces are what the strains' power says of every motion, and a shift along z strains nothing.
+    /// The power of nodal forces is that of the strains for any motion, and a translation along z causes no strain.
     #[test]
     fn forces_do_the_work_of_the_strains() {
-        let frame = Frame::new([[0.3, 0.1], [0.5, 0.4]]);
+        let frame = ShellFrame::new([[0.3, 0.1], [0.5, 0.4]]);
         let motion = [[0.1, -0.4, 0.7], [0.3, 0.2, -0.5]];
         let resultants = [3.0, -1.0, 0.2, 0.5, 0.9];
         let power: f64 = frame.strains(motion).iter().zip(resultants).map(|(e, s)| e * s).sum::<f64>() * frame.area();
@@ -183,18 +194,18 @@ mod tests {
         assert!(frame.strains([[0.0, 1.0, 0.0]; 2]).iter().all(|e| *e == 0.0));
     }
 
-    /// Against the eigenvalues of the dense stiffness.
+    /// Comparison with the eigenvalues of the dense stiffness.
     #[test]
-    fn the_bound_lies_just_above_the_highest_frequency() {
+    fn frequency_bound_is_close_to_the_highest_frequency() {
         for (places, thickness) in [
             ([[0.0, 0.0], [0.01, 0.0]], 0.002),
             ([[0.1, 0.0], [0.1, 0.005]], 0.002),
             ([[0.1, 0.0], [0.105, 0.003]], 0.0001),
             ([[0.001, 0.0], [0.002, 0.003]], 0.02),
         ] {
-            let frame = Frame::new(places);
+            let frame = ShellFrame::new(places);
             let masses = frame.masses([places[0][0], places[1][0]], 7800.0 * thickness, thickness, &STEEL);
-            let shear = Frame::shear_stiffness(thickness, &STEEL);
+            let shear = ShellFrame::shear_stiffness(thickness, &STEEL);
             let unit = |i: usize| {
                 let mut motion = [[0.0; 3]; 2];
                 motion[i / 3][i % 3] = 1.0;
@@ -219,7 +230,7 @@ mod tests {
             let largest = matrix.self_adjoint_eigenvalues(faer::Side::Lower).expect("eigenvalues")[5].sqrt();
             let bound = frame.frequency(&masses, thickness, shear, &STEEL);
             assert!(bound >= largest * (1.0 - 1e-12) && bound < 1.06 * largest, "{bound} {largest}");
-            // Rotations do not limit.
+            // Rotations do not limit the time increment.
             let membrane = 2.0 / frame.length * (STEEL.modulus() / 7800.0).sqrt();
             assert!(places[0][0] < 0.05 || bound < 1.1 * membrane, "{bound} {membrane}");
         }

@@ -1,52 +1,54 @@
-//! The six-node axisymmetric triangle (CAX6M) as a composite element: strains at three points, volume, masses, a bound of the
-//! highest frequency. Never here: stress, meshes.
+//! The six-node axisymmetric triangle (CAX6M) as a composite element: strains at three points, volume, masses, a bound
+//! of the highest frequency.
 //!
-//! The element consists of four triangles with linear displacements. Their strains are projected onto strains that are linear over
-//! the element (least squares; Guo, Ortiz, Belytschko and Repetto 2000, Int. J. Numer. Meth. Eng. 47, 287, "Triangular composite
-//! finite elements"), here over the volume of the ring, and taken at three points (2/3, 1/6, 1/6) whose volumes integrate linear
-//! functions exactly. Linear displacements have their strains exactly, and the forces of a uniform stress are those of the tractions
-//! on the sides. Each point has its own change of volume: that of the whole element at all points would leave dilations that vary
-//! over the element to the deviatoric stress alone, which cannot keep a yielding element from folding.
+//! The element consists of four triangles with linear displacements. Their strains are projected onto strains that are
+//! linear over the element (least squares; Guo, Ortiz, Belytschko and Repetto 2000, Int. J. Numer. Meth. Eng. 47, 287,
+//! "Triangular composite finite elements"), here over the volume of the ring, and evaluated at three points (2/3, 1/6,
+//! 1/6) whose volumes integrate linear functions exactly. Linear displacements have exact strains, and the forces of a
+//! uniform stress are those of the tractions on the sides.
 //!
-//! Nodes follow the boundary counter-clockwise: corner, middle, corner, middle, corner, middle.
+//! Each point has its own volume change. With a common value for the whole element, only the deviatoric stress would
+//! resist dilations that vary over the element, and a yielding element could fold.
+//!
+//! Nodes are ordered counter-clockwise around the boundary: corner, middle, corner, middle, corner, middle.
 
-#![allow(clippy::needless_range_loop)] // Loops over nodes and points, as over lanes elsewhere.
+#![allow(clippy::needless_range_loop)] // Loops over nodes and points have the form of loops over lanes.
 
 use super::lanes::{InlineMap, inline_from_fn};
 use std::f64::consts::PI;
 
-use super::topology::Topology;
+use super::topology::ElementTopology;
 
-/// Nodes.
+/// Number of nodes.
 pub const NODES: usize = 6;
-/// Points at which strain and stress are known.
+/// Number of integration points.
 pub const POINTS: usize = 3;
 
-/// Linear functions of the corners at the nodes: linear from 1 at its corner to 0 on the opposite side.
+/// Linear shape functions of the corners at the nodes: 1 at the corner, 0 on the opposite side.
 const WEIGHTS: [[f64; NODES]; POINTS] =
     [[1.0, 0.5, 0.0, 0.0, 0.0, 0.5], [0.0, 0.5, 1.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.0, 0.5, 1.0, 0.5]];
 
 /// Gradient operators at the points of an element times their volumes, per radian.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Operators {
-    /// Of each point and node, volume times the derivative along r, length^2.
+pub struct TriangleOperators {
+    /// Volume times the derivative along r, for each point and node, length².
     pub r: [[f64; NODES]; POINTS],
-    /// Along z, length^2.
+    /// Volume times the derivative along z, length².
     pub z: [[f64; NODES]; POINTS],
-    /// Over r, length^2.
+    /// Volume times 1/r, length².
     pub hoop: [[f64; NODES]; POINTS],
-    /// Volume of each point, length^3.
+    /// Volume of each point, length³.
     pub volume: [f64; POINTS],
 }
 
-impl Operators {
-    /// Of nodes at these places.
+impl TriangleOperators {
+    /// Computes the operators from the nodal coordinates.
     #[inline(always)]
-    pub fn of(r: [f64; NODES], z: [f64; NODES]) -> Operators {
-        let mut g = Operators::default();
-        // Integrals of products of the linear functions of two corners, by the middles of sides.
+    pub fn of(r: [f64; NODES], z: [f64; NODES]) -> TriangleOperators {
+        let mut g = TriangleOperators::default();
+        // Integrals of products of the linear functions of two corners, by the midpoints of sides.
         let mut products = [[0.0; POINTS]; POINTS];
-        for cell in Topology::SixNodeTriangle.cells() {
+        for cell in ElementTopology::SixNodeTriangle.cells() {
             let [a, b, c] = [cell[0], cell[1], cell[2]];
             let along = [z[b] - z[c], z[c] - z[a], z[a] - z[b]];
             let across = [r[c] - r[b], r[a] - r[c], r[b] - r[a]];
@@ -55,7 +57,8 @@ impl Operators {
             for (p, weights) in WEIGHTS.iter().enumerate() {
                 let w = [weights[a], weights[b], weights[c]];
                 let sum = (w[0] + w[1]) + w[2];
-                // Over the area, times 24: (sum of w)(sum of r) + sum of w r, of a triangle with linear w and r.
+                // Integral over the area, times 24, of a triangle with linear w and r: (sum of w)(sum of r) + sum of w
+                // r.
                 let moment = (sum * radius + ((w[0] * r[a] + w[1] * r[b]) + w[2] * r[c])) * (1.0 / 24.0);
                 g.volume[p] += moment * twice;
                 for (i, node) in [a, b, c].into_iter().enumerate() {
@@ -77,9 +80,9 @@ impl Operators {
         g.project(&products)
     }
 
-    /// From integrals weighted by the linear functions of the corners to the points.
+    /// Converts integrals weighted by the linear corner functions to values at the points.
     #[inline(always)]
-    fn project(&self, m: &[[f64; POINTS]; POINTS]) -> Operators {
+    fn project(&self, m: &[[f64; POINTS]; POINTS]) -> TriangleOperators {
         let minor = |p: usize, q: usize| {
             let ([a, b], [c, d]) = ([(p + 1) % 3, (p + 2) % 3], [(q + 1) % 3, (q + 2) % 3]);
             m[a][c] * m[b][d] - m[a][d] * m[b][c]
@@ -87,7 +90,7 @@ impl Operators {
         let inverse = 1.0 / ((m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1)) + m[0][2] * minor(0, 2));
         let third = self.total() * (1.0 / 3.0);
         let volume = self.volume.inline_map(|v| 2.0 * v - third);
-        let mut projected = Operators { volume, ..Operators::default() };
+        let mut projected = TriangleOperators { volume, ..TriangleOperators::default() };
         for p in 0..POINTS {
             for q in 0..POINTS {
                 let sum = (minor(0, q) + minor(1, q)) + minor(2, q);
@@ -102,20 +105,20 @@ impl Operators {
         projected
     }
 
-    /// Volume of the element, per radian.
+    /// Returns the volume of the element per radian.
     #[inline(always)]
     pub fn total(&self) -> f64 {
         (self.volume[0] + self.volume[1]) + self.volume[2]
     }
 
-    /// Gradients at a point times its volume, of velocities of the nodes: rr, zz, hoop, rz and zr.
+    /// Returns the velocity gradients at a point times its volume: rr, zz, hoop, rz and zr.
     #[inline(always)]
     pub fn gradients(&self, point: usize, v_r: &[f64; NODES], v_z: &[f64; NODES]) -> [f64; 5] {
         let (r, z, hoop) = (&self.r[point], &self.z[point], &self.hoop[point]);
         [dot(r, v_r), dot(z, v_z), dot(hoop, v_r), dot(z, v_r), dot(r, v_z)]
     }
 
-    /// Rate of the volume over the volume, of velocities of the nodes.
+    /// Returns the relative rate of volume.
     #[inline(always)]
     pub fn dilation(&self, v_r: &[f64; NODES], v_z: &[f64; NODES]) -> f64 {
         let of_point = |p: usize| {
@@ -125,7 +128,7 @@ impl Operators {
         (of_point(0) + of_point(1) + of_point(2)) / self.total()
     }
 
-    /// Forces of stresses rr, zz, hoop, rz at the points on the nodes, `[r, z]`, per radian.
+    /// Returns the nodal forces `[r, z]`, per radian, of stresses rr, zz, hoop, rz at the points.
     #[inline(always)]
     pub fn forces(&self, stress: &[[f64; 4]; POINTS]) -> [[f64; 2]; NODES] {
         let mut forces = [[0.0; 2]; NODES];
@@ -139,13 +142,14 @@ impl Operators {
         forces
     }
 
-    /// Bounds of the squares of frequencies over a modulus and 2 pi, with masses of the nodes: of the change of volume, and of
-    /// strains by twice the shear modulus.
+    /// Returns bounds of squared frequencies over a modulus and 2π, for given nodal masses: of volumetric strain, and
+    /// of deviatoric strain with twice the shear modulus.
     ///
-    /// The energy of an elastic element is K/2 (tr e)^2 + G |dev e|^2 over the volume. For displacements u with u . M u = 1 the first
-    /// is no larger than K/2 times the largest eigenvalue of the products of the operators of tr e at the points, which is no larger
-    /// than the root of the sum of their squares; the second no larger than G times the largest eigenvalue of the sum over points of
-    /// B^T B, which is no larger than the fourth root of the sum of fourth powers of all.
+    /// The energy density of an elastic element is K/2 (tr e)² + G |dev e|². For displacements u with u . M u = 1 the
+    /// volumetric part is at most K/2 times the largest eigenvalue of the products of the operators of tr e at the
+    /// points, hence at most the root of the sum of their squares. The deviatoric part is at most G times the largest
+    /// eigenvalue of the sum over points of BᵀB, hence at most the fourth root of the sum of fourth powers of all
+    /// eigenvalues.
     #[inline(always)]
     pub fn bounds(&self, inverse_mass: &[f64; NODES]) -> [f64; 2] {
         let traces: [[[f64; NODES]; 2]; POINTS] =
@@ -170,7 +174,7 @@ impl Operators {
                 matrix[m][n] = entry;
             }
         }
-        // Of M^-1 A, which has the eigenvalues of its symmetric form: the trace of its fourth power.
+        // M⁻¹ A has the eigenvalues of its symmetric form; this is the trace of its fourth power.
         let mut square = [[0.0; NODES]; NODES];
         for n in 0..NODES {
             for m in 0..NODES {
@@ -193,7 +197,7 @@ fn sum6(x: &[f64; NODES]) -> f64 {
     ((x[0] + x[1]) + (x[2] + x[3])) + (x[4] + x[5])
 }
 
-/// Sum of products, in order.
+/// Returns the scalar product, summed in order.
 #[inline(always)]
 pub fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     let mut sum = 0.0;
@@ -203,16 +207,16 @@ pub fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     sum
 }
 
-/// Square of a bound of the highest frequency of an element with these moduli and masses.
+/// Returns the square of a bound of the highest frequency for these moduli and inverse masses.
 #[inline(always)]
-pub fn frequency_squared(g: &Operators, [bulk, shear]: [f64; 2], inverse_mass: &[f64; NODES]) -> f64 {
+pub fn frequency_squared(g: &TriangleOperators, [bulk, shear]: [f64; 2], inverse_mass: &[f64; NODES]) -> f64 {
     let [volume, shape] = g.bounds(inverse_mass);
     2.0 * PI * (bulk * volume + 2.0 * shear * shape)
 }
 
-/// Elastic stiffness, force over length, for `[r, z]` of each node in turn.
+/// Returns the elastic stiffness, force per length, for `[r, z]` of each node in turn.
 pub fn stiffness(places: [[f64; 2]; NODES], [bulk, shear]: [f64; 2]) -> [[f64; 2 * NODES]; 2 * NODES] {
-    let g = Operators::of(places.inline_map(|p| p[0]), places.inline_map(|p| p[1]));
+    let g = TriangleOperators::of(places.inline_map(|p| p[0]), places.inline_map(|p| p[1]));
     inline_from_fn(|d| {
         let mut v = [[0.0; NODES]; 2];
         v[d % 2][d / 2] = 1.0;
@@ -227,10 +231,10 @@ pub fn stiffness(places: [[f64; 2]; NODES], [bulk, shear]: [f64; 2]) -> [[f64; 2
     })
 }
 
-/// Lumped masses of the nodes: those of the four triangles by row sums.
+/// Returns the lumped masses of the nodes: row sums of the four triangles.
 pub fn masses(places: [[f64; 2]; NODES], density: f64) -> [f64; NODES] {
     let mut masses = [0.0; NODES];
-    for cell in Topology::SixNodeTriangle.cells() {
+    for cell in ElementTopology::SixNodeTriangle.cells() {
         let corners = [cell[0], cell[1], cell[2]];
         let [a, b, c] = corners.inline_map(|n| places[n]);
         let twice = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
@@ -249,7 +253,7 @@ mod tests {
     use super::*;
     use crate::kernel::{quad, solid};
 
-    /// Triangles of many shapes next to the axis and far from it, their middles moved off the sides.
+    /// Triangles of many shapes near the axis and far from it, with middle nodes off the sides.
     fn shapes() -> impl Iterator<Item = [[f64; 2]; NODES]> {
         (0..2000_usize).filter_map(|shape| {
             let noise = |i: usize| ((shape * 7919 + i * 104_729) % 9973) as f64 / 9973.0 - 0.5;
@@ -263,8 +267,10 @@ mod tests {
                 [0.5 * (p[0] + q[0]) + off, 0.5 * (p[1] + q[1]) + 0.1 * high * noise(i + 1)]
             };
             let places = [a, middle(a, b, 4), b, middle(b, c, 6), c, middle(c, a, 8)];
-            let whole =
-                Topology::SixNodeTriangle.cells().iter().all(|s| quad::volume(s.map(|i| places[i])) > 0.02 * high);
+            let whole = ElementTopology::SixNodeTriangle
+                .cells()
+                .iter()
+                .all(|s| quad::volume(s.map(|i| places[i])) > 0.02 * high);
             (whole && places.iter().all(|p| p[0] >= 0.0)).then_some(places)
         })
     }
@@ -274,12 +280,12 @@ mod tests {
     }
 
     #[test]
-    fn points_share_the_volume_and_see_linear_fields_exactly() {
+    fn point_volumes_sum_to_the_element_and_linear_fields_are_exact() {
         let mut count = 0;
         for places in shapes() {
             count += 1;
             let [r, z] = columns(places);
-            let g = Operators::of(r, z);
+            let g = TriangleOperators::of(r, z);
             let volume = solid::volume(&places);
             assert!((2.0 * PI * g.total() / volume - 1.0).abs() < 1e-12);
             assert!((masses(places, 3.0).iter().sum::<f64>() / (3.0 * volume) - 1.0).abs() < 1e-12);
@@ -294,12 +300,12 @@ mod tests {
         assert!(count > 500, "{count} shapes");
     }
 
-    /// Forces of a uniform pressure are the derivatives of the volume: those of pressure on the sides.
+    /// Forces of a uniform pressure are the derivatives of the volume, i.e. the forces of a pressure on the sides.
     #[test]
-    fn forces_of_a_pressure_are_those_on_the_sides() {
+    fn pressure_forces_match_volume_derivatives() {
         for places in shapes().take(300) {
             let [r, z] = columns(places);
-            let forces = Operators::of(r, z).forces(&[[1.0, 1.0, 1.0, 0.0]; POINTS]);
+            let forces = TriangleOperators::of(r, z).forces(&[[1.0, 1.0, 1.0, 0.0]; POINTS]);
             let size = forces.as_flattened().iter().fold(0.0, |m: f64, f| m.max(f.abs()));
             for n in 0..NODES {
                 for axis in 0..2 {
@@ -315,9 +321,10 @@ mod tests {
         }
     }
 
-    /// Dense eigenvalues (faer): no frequency above the bound, and no motion without stress but that along z.
+    /// Comparison with dense eigenvalues (faer): no frequency exceeds the bound, and only translation along z is
+    /// stress-free.
     #[test]
-    fn few_motions_are_free_and_the_bound_holds() {
+    fn only_axial_translation_is_free_and_the_frequency_bound_holds() {
         let mut largest: f64 = 0.0;
         let mut mean = (0.0, 0);
         for (bulk, shear) in [(1.0, 1.5), (2.0, 0.9), (100.0, 1.0)] {
@@ -328,15 +335,15 @@ mod tests {
                 let dense = Mat::<f64>::from_fn(12, 12, |a, b| 0.5 * (entry(a, b) + entry(b, a)));
                 let values = dense.self_adjoint_eigenvalues(Side::Lower).expect("eigenvalues");
                 assert!(values[0].abs() < 1e-9 * values[11], "{values:?}");
-                // Far from the axis moving along r costs next to nothing.
+                // Far from the axis a translation along r is almost free of stress.
                 let first = if r[0] > 10.0 { 2 } else { 1 };
                 assert!(values[first] > 1e-8 * values[11] / bulk, "{places:?} {values:?}");
-                let bound = frequency_squared(&Operators::of(r, z), [bulk, shear], &mass.map(|m| 1.0 / m));
+                let bound = frequency_squared(&TriangleOperators::of(r, z), [bulk, shear], &mass.map(|m| 1.0 / m));
                 largest = largest.max(values[11] / bound);
                 mean = (mean.0 + (values[11] / bound).sqrt(), mean.1 + 1);
             }
         }
-        // Two triangles that share a side leave only the motion along z.
+        // Two triangles with a common side: only translation along z is stress-free.
         let places = [
             [1.0, 0.0],
             [2.0, 0.0],

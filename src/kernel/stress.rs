@@ -1,23 +1,22 @@
 //! Invariants of a stress rr, zz, hoop, rz.
-//! Never here: laws that give a stress.
 
 use super::lanes::InlineMap;
 use super::real::Real;
 
-/// Mises equivalent stress, sqrt(3/2 s:s), in the unit of the stress.
+/// Returns the von Mises stress, sqrt(3/2 s:s).
 #[inline(always)] // Into loops over lanes, compiled for the instruction set of the machine.
 pub fn mises<T: Real>([rr, zz, hoop, rz]: [T; 4]) -> T {
     let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].inline_map(|d| d * d);
     (T::of(0.5) * (a + b + c) + T::of(3.0) * rz * rz).root()
 }
 
-/// Pressure, positive in compression: minus a third of the trace.
+/// Returns the pressure, positive in compression: minus a third of the trace.
 #[inline(always)] // Likewise.
 pub fn pressure([rr, zz, hoop, _]: [f64; 4]) -> f64 {
     -(rr + zz + hoop) / 3.0
 }
 
-/// Principal stresses, ascending: those of the plane of r and z, and the hoop stress.
+/// Returns the principal stresses, ascending: two in the plane of r and z, and the hoop stress.
 pub fn principal([rr, zz, hoop, rz]: [f64; 4]) -> [f64; 3] {
     let (centre, radius) = (0.5 * (rr + zz), (0.25 * (rr - zz) * (rr - zz) + rz * rz).sqrt());
     let mut all = [centre - radius, centre + radius, hoop];
@@ -25,19 +24,19 @@ pub fn principal([rr, zz, hoop, rz]: [f64; 4]) -> [f64; 3] {
     all
 }
 
-/// Tresca equivalent stress: the largest difference of principal stresses.
+/// Returns the Tresca stress: the largest difference of principal stresses.
 pub fn tresca(stress: [f64; 4]) -> f64 {
     let [low, _, high] = principal(stress);
     high - low
 }
 
-/// Triaxiality: mean stress over the Mises stress; 0 without any stress.
+/// Returns the stress triaxiality: mean stress over von Mises stress; 0 for zero mean stress.
 pub fn triaxiality(stress: [f64; 4]) -> f64 {
     let (mean, mises) = (-pressure(stress), mises(stress));
     if mean == 0.0 { 0.0 } else { mean / mises }
 }
 
-/// Magnitude of a strain with the shear of a tensor: sqrt(2/3 e:e).
+/// Returns the magnitude of a strain with tensor shear: sqrt(2/3 e:e).
 pub fn magnitude([rr, zz, hoop, rz]: [f64; 4]) -> f64 {
     (2.0 / 3.0 * (rr * rr + zz * zz + hoop * hoop + 2.0 * rz * rz)).sqrt()
 }
@@ -46,9 +45,9 @@ pub fn magnitude([rr, zz, hoop, rz]: [f64; 4]) -> f64 {
 mod tests {
     use super::{magnitude, mises, pressure, principal, tresca, triaxiality};
 
-    /// Uniaxial tension, pure shear, uniaxial compression along the hoop, and a plane state against the invariants.
+    /// Uniaxial tension, pure shear, hoop compression, and a general state checked by the invariants.
     #[test]
-    fn principal_stresses_and_what_follows_from_them() {
+    fn principal_stresses_tresca_and_triaxiality_are_exact() {
         assert_eq!(principal([300.0, 0.0, 0.0, 0.0]), [0.0, 0.0, 300.0]);
         assert_eq!(principal([0.0, 0.0, 0.0, 100.0]), [-100.0, 0.0, 100.0]);
         assert_eq!((tresca([0.0, 0.0, 0.0, 100.0]), tresca([0.0, 0.0, -70.0, 0.0])), (200.0, 70.0));
@@ -64,8 +63,8 @@ mod tests {
     }
 
     #[test]
-    fn tension_and_shear() {
-        // Uniaxial and without change of volume, and pure shear of the engineering shear 0.3: 0.3/sqrt 3.
+    fn magnitudes_of_tension_and_shear_are_exact() {
+        // Uniaxial strain without volume change, and pure shear with the engineering shear 0.3: 0.3/sqrt(3).
         assert!((magnitude([-0.05, 0.1, -0.05, 0.0]) - 0.1).abs() < 1e-16);
         assert!((magnitude([0.0, 0.0, 0.0, 0.15]) - 0.3 / 3.0_f64.sqrt()).abs() < 1e-16);
         assert!((mises([300.0_f64, 0.0, 0.0, 0.0]) - 300.0).abs() < 1e-12);

@@ -1,14 +1,13 @@
 //! Student's t distribution.
-//! Never here: what it is the distribution of.
 
 use statrs::distribution::{Continuous as _, ContinuousCDF as _, StudentsT};
 
 use super::normal;
 
-/// The value below which so much (a half or more) lies, with so many degrees of freedom; infinite where there are none.
+/// Returns the quantile of a probability ≥ 0.5 for a number of degrees of freedom; infinite if that is not positive.
 ///
-/// Newton's method on the cumulative function from the expansion of Cornish and Fisher (Abramowitz and Stegun 26.7.5). The quantile of
-/// statrs 0.19 finds no end for some thousand degrees of freedom.
+/// Newton's method on the cumulative distribution function, started from the Cornish-Fisher expansion (Abramowitz and
+/// Stegun 26.7.5). The quantile function of statrs 0.19 does not terminate for some thousand degrees of freedom.
 pub fn quantile(part: f64, freedom: f64) -> f64 {
     let Ok(t) = StudentsT::new(0.0, 1.0, freedom) else { return f64::INFINITY };
     let x = normal::quantile(part);

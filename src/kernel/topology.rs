@@ -1,9 +1,8 @@
-//! Topologies of elements: how many nodes an element acts on, which of them are its boundary, and its quadrilateral cells.
-//! Never here: which nodes an element has, strains.
+//! Topologies of elements: number of nodes, boundary, and quadrilateral cells.
 
 use std::ops::{Deref, DerefMut};
 
-/// Most nodes that an element acts on.
+/// Largest number of nodes of an element.
 pub const MOST_NODES: usize = 6;
 
 /// One value for each node of an element, in the order of its topology.
@@ -23,12 +22,12 @@ impl<T: Copy + Default> PerNode<T> {
         self
     }
 
-    /// The values, and how many of them count.
+    /// Returns the values, and how many are in use.
     pub fn parts_mut(&mut self) -> (&mut [T; MOST_NODES], &mut u8) {
         (&mut self.values, &mut self.count)
     }
 
-    /// Sides of a closed boundary, from each node to the next; a node that is doubled makes none with itself.
+    /// Returns the sides of a closed boundary, from each node to the next; a side between coincident nodes is omitted.
     pub fn sides(self) -> impl Iterator<Item = [T; 2]> + Clone
     where
         T: PartialEq,
@@ -37,7 +36,7 @@ impl<T: Copy + Default> PerNode<T> {
         (0..count).map(move |i| [self[i], self[(i + 1) % count]]).filter(|[a, b]| a != b)
     }
 
-    /// Another value for each node, by its own.
+    /// Applies a function to each value.
     pub fn map<U: Copy + Default>(&self, of: impl Fn(T) -> U) -> PerNode<U> {
         let mut mapped = PerNode { values: [U::default(); MOST_NODES], count: self.count };
         mapped.values.iter_mut().zip(self.iter()).for_each(|(to, from)| *to = of(*from));
@@ -85,59 +84,60 @@ impl<T: PartialEq> PartialEq for PerNode<T> {
 
 /// The shape of the elements of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Topology {
-    /// Two nodes, which shells are met at from both sides, then their rotations.
+pub enum ElementTopology {
+    /// Two nodes, then the companion nodes of their rotations; both sides of a shell can be in contact.
     Shell,
-    /// Four corners, counter-clockwise; of a triangle the last two coincide.
+    /// Four corners, counter-clockwise; for a triangle the last two coincide.
     Quadrilateral,
-    /// Three corners and the middles of the sides between them, around the boundary counter-clockwise from a corner.
+    /// Three corners and the middle nodes of the sides between them, around the boundary counter-clockwise from a
+    /// corner.
     SixNodeTriangle,
 }
 
-impl Topology {
-    /// How many nodes, rotations included, an element acts on.
+impl ElementTopology {
+    /// Returns the number of nodes of an element, including rotations.
     pub fn nodes(self) -> usize {
         match self {
-            Topology::Shell | Topology::Quadrilateral => 4,
-            Topology::SixNodeTriangle => 6,
+            ElementTopology::Shell | ElementTopology::Quadrilateral => 4,
+            ElementTopology::SixNodeTriangle => 6,
         }
     }
 
-    /// How many of them, the first ones, are its boundary.
+    /// Returns the number of boundary nodes, which are the first ones.
     pub fn boundary(self) -> usize {
-        if self == Topology::Shell { 2 } else { self.nodes() }
+        if self == ElementTopology::Shell { 2 } else { self.nodes() }
     }
 
-    /// Whether the boundary encloses the volume of an element.
+    /// Returns whether the boundary encloses the volume of an element.
     pub fn is_solid(self) -> bool {
-        self != Topology::Shell
+        self != ElementTopology::Shell
     }
 
-    /// Blocks of four corner forces of each block of elements.
+    /// Returns the number of blocks of four corner forces per block of elements.
     pub fn force_blocks(self) -> usize {
         self.nodes().div_ceil(4)
     }
 
-    /// Quadrilaterals, counter-clockwise by place in the boundary, that a solid element consists of; of a triangle the last two
-    /// corners coincide.
+    /// Returns the quadrilateral cells of a solid element, counter-clockwise, as indices into the boundary; for a
+    /// triangle the last two corners coincide.
     pub fn cells(self) -> &'static [[usize; 4]] {
         match self {
-            Topology::Shell => &[],
-            Topology::Quadrilateral => &[[0, 1, 2, 3]],
-            Topology::SixNodeTriangle => &[[0, 1, 5, 5], [2, 3, 1, 1], [4, 5, 3, 3], [1, 3, 5, 5]],
+            ElementTopology::Shell => &[],
+            ElementTopology::Quadrilateral => &[[0, 1, 2, 3]],
+            ElementTopology::SixNodeTriangle => &[[0, 1, 5, 5], [2, 3, 1, 1], [4, 5, 3, 3], [1, 3, 5, 5]],
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{ElementNodes, PerNode, Topology};
+    use super::{ElementNodes, ElementTopology, PerNode};
     use crate::kernel::quad;
 
     #[test]
     fn cells_of_a_six_node_triangle_fill_its_boundary() {
         let corners = [[1.0, 0.0], [2.0, 0.25], [3.0, 0.5], [2.5, 1.5], [1.0, 2.0], [0.75, 1.0]];
-        let cells = Topology::SixNodeTriangle.cells().iter().map(|cell| quad::volume(cell.map(|i| corners[i])));
+        let cells = ElementTopology::SixNodeTriangle.cells().iter().map(|cell| quad::volume(cell.map(|i| corners[i])));
         assert!((cells.sum::<f64>() - crate::kernel::solid::volume(&corners)).abs() < 1e-13);
     }
 

@@ -1,33 +1,32 @@
-//! Logarithm and exponential of several numbers at once, in plain arithmetic without a branch: compilers make vectors of it, and every
+//! Logarithm and exponential of all lanes, in branch-free plain arithmetic: compilers vectorize it, and every
 //! instruction set gives the same bits.
-//! Never here: what the numbers mean.
 //!
-//! Both reduce their argument and take a polynomial of what is left (Tang 1989 and 1990, ACM Trans. Math. Softw. 15, 144 and 16,
-//! 378; the coefficients are those of the minimax polynomials published with Sun's fdlibm, `e_log.c` and `e_exp.c`). Errors stay
-//! below 1 unit in the last place, of powers below 2 + |n ln x| units.
-#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+//! Both reduce the argument and evaluate a polynomial (Tang 1989 and 1990, ACM Trans. Math. Softw. 15, 144 and 16, 378;
+//! the coefficients are those of the minimax polynomials published with Sun's fdlibm, `e_log.c` and `e_exp.c`). Errors
+//! are below 1 unit in the last place; errors of powers are below 2 + |n ln x| units.
+#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
 use super::lanes::{LANES, Lanes};
 use std::f64::consts::LOG2_E;
 
-/// ln 2 in two parts, the first with zeros behind, so that multiples of it up to 2^11 are exact.
+/// ln 2 in two parts; the first ends in zero bits, so that its multiples up to 2^11 are exact.
 const LN2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
-/// Bits of the square root of a half: mantissas are taken between it and twice it.
+/// Bits of sqrt(1/2): mantissas are reduced to the interval from sqrt(1/2) to sqrt(2).
 const ROOT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
-/// Bits of one.
+/// Bits of 1.
 const ONE: u64 = 0x3ff0_0000_0000_0000;
-/// Bits of 2^52: with a whole number below 2^52 in its place, the mantissa is that number.
+/// Bits of 2^52: an integer below 2^52 in the mantissa bits is added to the value.
 const WHOLE: u64 = 0x4330_0000_0000_0000;
-/// 2^52 and the half of it: added and taken off again it leaves the nearest whole number.
+/// 1.5 * 2^52: adding and subtracting it rounds to the nearest integer.
 const NEAREST: f64 = 6_755_399_441_055_744.0;
 
-/// Natural logarithms. Numbers must be normal and above zero; of others the answer means nothing.
+/// Returns the natural logarithms. Numbers must be normal and positive; the result is otherwise meaningless.
 #[inline(always)]
 pub fn ln(x: &Lanes) -> Lanes {
     let mut result = [0.0; LANES];
     for l in 0..LANES {
         let bits = x[l].to_bits();
-        // x = 2^k m with m between the root of a half and that of two.
+        // x = 2^k m with m between sqrt(1/2) and sqrt(2).
         let biased = bits.wrapping_sub(ROOT_HALF).wrapping_add(ONE) >> 52;
         let k = f64::from_bits(WHOLE | biased) - f64::from_bits(WHOLE | 1023);
         let f = f64::from_bits(bits.wrapping_sub(biased << 52).wrapping_add(ONE)) - 1.0;
@@ -44,7 +43,7 @@ pub fn ln(x: &Lanes) -> Lanes {
     result
 }
 
-/// Exponentials; arguments beyond those of normal numbers are taken as the last that have some.
+/// Returns the exponentials; arguments are limited to the range of normal results.
 #[inline(always)]
 pub fn exp(x: &Lanes) -> Lanes {
     let mut result = [0.0; LANES];
@@ -71,7 +70,7 @@ pub fn exp(x: &Lanes) -> Lanes {
     result
 }
 
-/// Powers x^n of numbers above zero, zero of others.
+/// Returns the powers x^n of positive numbers, and 0 for other numbers.
 #[inline(always)]
 pub fn power(x: &Lanes, n: &Lanes) -> Lanes {
     let mut safe = *x;
@@ -93,13 +92,13 @@ pub fn power(x: &Lanes, n: &Lanes) -> Lanes {
 mod tests {
     use super::{LANES, exp, ln, power};
 
-    /// Units in the last place between two numbers.
+    /// Returns the units in the last place between two numbers.
     fn apart(a: f64, b: f64) -> u64 {
         a.to_bits().abs_diff(b.to_bits())
     }
 
-    /// Numbers over all that is asked, and beside where the reductions change over: within one unit of those that are exact to the
-    /// last place or one beside it.
+    /// Arguments over the whole range of use and near the limits of argument reduction, compared with libm, whose own
+    /// errors are at most one unit.
     #[test]
     fn errors_are_below_one_unit() {
         let mut worst = [0; 3];
@@ -142,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_power_has_none() {
+    fn powers_of_nonpositive_numbers_are_zero() {
         let mut x = [0.0; LANES];
         x[..5].copy_from_slice(&[0.0, -1.0, f64::NAN, 5e-324, 1.0]);
         assert_eq!(power(&x, &[0.3; LANES])[..5], [0.0, 0.0, 0.0, 0.0, 1.0]);

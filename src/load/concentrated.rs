@@ -1,34 +1,33 @@
-//! A concentrated force or moment (`*CLOAD`).
-//! Never here: distributed loads.
+//! Concentrated forces and moments (`*CLOAD`).
 
-use super::{Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneView, Targets};
+use super::{EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneView, TargetDissipation};
 use crate::kernel::lists::heap_bytes;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
-use crate::state::halt::Halt;
-use crate::state::limit::Limit;
+use crate::state::halt::HaltReason;
+use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
 use crate::state::rigid_body_3d::Wrench;
 use crate::user::Locked;
 
-/// The same force or moment along one degree of freedom of each of some bodies and nodes.
+/// A force or moment on one degree of freedom of each listed body and node.
 #[derive(Clone, Debug)]
-pub struct Concentrated {
+pub struct ConcentratedLoad {
     pub id: EffectId,
-    /// Bodies along z.
+    /// Bodies that move along z only.
     pub bodies: Vec<usize>,
-    /// Bodies in space, with the height in the mesh of the ring on which the force is spread.
+    /// Bodies with six degrees of freedom, with the z coordinate in the mesh of the ring on which the force acts.
     pub spatial: Vec<(usize, f64)>,
     pub nodes: Vec<usize>,
-    /// The degree of freedom from 0: along 1, 2, 3, about 1, 2, 3; of nodes 0 along r or of a rotation, 1 along z.
+    /// Degree of freedom, from 0. Bodies: along 1, 2, 3, about 1, 2, 3. Nodes: 0 along r or rotation, 1 along z.
     pub dof: usize,
-    /// Force on each.
+    /// Force or moment on each body and node.
     pub magnitude: Magnitude,
 }
 
-impl Concentrated {
-    /// The force on a body in space at a height on its axis.
+impl ConcentratedLoad {
+    /// Returns the force and moment on a body with six degrees of freedom, for a force at a height on its axis.
     fn wrench(&self, (body, height): (usize, f64), dofs: &Dofs, magnitude: f64) -> Wrench {
         let mut components = [0.0; 6];
         components[self.dof] = magnitude;
@@ -40,27 +39,27 @@ impl Concentrated {
     }
 }
 
-impl Load for Concentrated {
+impl Load for ConcentratedLoad {
     fn effect(&self) -> EffectId {
         self.id
     }
 
-    fn targets(&self) -> Targets {
-        let along_z = self.bodies.iter().map(|&body| GeneralizedForce::along_z(body, Account::Work));
-        let in_space = self.spatial.iter().flat_map(|&(body, _)| GeneralizedForce::in_space(body, Account::Work));
-        Targets { bodies: along_z.chain(in_space).collect(), nodes: !self.nodes.is_empty() }
+    fn targets(&self) -> LoadTargets {
+        let along_z = self.bodies.iter().map(|&body| GeneralizedForce::along_z(body, EnergyAccount::Work));
+        let in_space = self.spatial.iter().flat_map(|&(body, _)| GeneralizedForce::in_space(body, EnergyAccount::Work));
+        LoadTargets { bodies: along_z.chain(in_space).collect(), nodes: !self.nodes.is_empty() }
     }
 
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
         _: &mut Locked<'_>,
-        forces: &mut Forces<'_>,
-    ) -> Result<Dissipation, Halt> {
+        forces: &mut LoadForces<'_>,
+    ) -> Result<TargetDissipation, HaltReason> {
         let magnitude = self.magnitude.at(&scene.clock);
         match forces {
-            Forces::OnNodes(forces) => self.nodes.iter().for_each(|&n| forces[n][self.dof] += magnitude),
-            Forces::OnBodies(forces) => {
+            LoadForces::OnNodes(forces) => self.nodes.iter().for_each(|&n| forces[n][self.dof] += magnitude),
+            LoadForces::OnBodies(forces) => {
                 let (along_z, in_space) = forces.split_at_mut(self.bodies.len());
                 along_z.fill(magnitude);
                 for (out, &place) in in_space.chunks_exact_mut(6).zip(&self.spatial) {
@@ -68,15 +67,15 @@ impl Load for Concentrated {
                 }
             }
         }
-        Ok(Dissipation::default())
+        Ok(TargetDissipation::default())
     }
 
-    fn max_increment(&self, scene: &SceneView<'_>) -> Limit {
+    fn max_increment(&self, scene: &SceneView<'_>) -> IncrementLimit {
         self.magnitude.limit(&scene.clock)
     }
 }
 
-impl LoadOutput for Concentrated {
+impl LoadOutput for ConcentratedLoad {
     fn arrays(&self) -> Vec<(&'static str, usize)> {
         let places = size_of::<usize>() * (self.bodies.capacity() + self.nodes.capacity());
         let places = places + heap_bytes(&self.spatial);
@@ -84,4 +83,4 @@ impl LoadOutput for Concentrated {
     }
 }
 
-persist_struct!(Concentrated {} derived { id, bodies, spatial, nodes, dof, magnitude });
+persist_struct!(ConcentratedLoad {} derived { id, bodies, spatial, nodes, dof, magnitude });

@@ -1,26 +1,25 @@
-//! What loads show of the surfaces that they act on.
-//! Never here: files.
+//! Facet output of the loads that act on a surface.
 
 use crate::load::stations::stations;
-use crate::mesh::surface::{Face, Surface};
+use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
 use crate::state::dofs::Dofs;
 use crate::variables::Variable;
 
-/// What a load shows of a surface in a frame, one entry a facet or face.
+/// Output of a load on a surface in one frame; each list has one entry per facet or face.
 #[derive(Clone, Debug, Default)]
 pub struct FacetFields {
-    /// Index of its element in the mesh.
+    /// Index of the element in the mesh.
     pub elements: Vec<usize>,
-    /// Pressure, area mean.
+    /// Pressure, averaged over the area.
     pub pressure: Vec<f64>,
     /// Velocity along the outward normal.
     pub normal_velocity: Vec<f64>,
-    /// Number (from 1) of the layer that takes the largest part of the area; 0 outside any.
+    /// Number (from 1) of the target layer that contains the largest part of the area; 0 outside all layers.
     pub layer: Vec<f64>,
 }
 
 impl FacetFields {
-    /// What a facet, by its index here, has of a variable of facets; `None` where loads do not tell it.
+    /// Returns a facet variable of the facet with this index; `None` if loads do not provide the variable.
     pub fn value(&self, facet: usize, variable: Variable) -> Option<f64> {
         let values = match variable {
             Variable::FacetPressure => &self.pressure,
@@ -31,7 +30,7 @@ impl FacetFields {
         values.get(facet).copied()
     }
 
-    /// A facet or face in no layer.
+    /// Adds a facet or face outside all layers.
     pub fn push(&mut self, element: usize, pressure: f64, normal_velocity: f64) {
         self.elements.push(element);
         self.pressure.push(pressure);
@@ -39,8 +38,8 @@ impl FacetFields {
         self.layer.push(0.0);
     }
 
-    /// One pressure all over a surface.
-    pub fn uniform(surface: &Surface, pressure: f64, dofs: &Dofs) -> FacetFields {
+    /// Returns the output for a uniform pressure on a surface.
+    pub fn uniform(surface: &SurfaceGeometry, pressure: f64, dofs: &Dofs) -> FacetFields {
         let mut fields = FacetFields::default();
         for patch in &surface.patches {
             let body = &dofs.bodies[patch.body];
@@ -53,8 +52,8 @@ impl FacetFields {
             }
         }
         let skin = &surface.skin;
-        for ((&face, &element), &carries) in skin.faces.iter().zip(&skin.elements).zip(&skin.carries) {
-            let velocity = Face::new(face, &dofs.nodes).normal_velocity(&dofs.nodes);
+        for ((&face, &element), &carries) in skin.faces.iter().zip(&skin.elements).zip(&skin.is_active) {
+            let velocity = CurrentFace::new(face, &dofs.nodes).normal_velocity(&dofs.nodes);
             fields.push(element, if carries { pressure } else { 0.0 }, velocity);
         }
         fields

@@ -1,61 +1,60 @@
-//! A uniform acceleration of mass (`*DLOAD`, GRAV): along z, on bodies in space in any direction.
-//! Never here: forces that do not scale with mass.
+//! Gravity (`*DLOAD`, GRAV): a uniform acceleration along z, or in any direction on bodies with six degrees of freedom.
 
-use super::{Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneChange, SceneView, Targets};
+use super::{GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView, TargetDissipation};
 use crate::kernel::lists::heap_bytes;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
-use crate::state::halt::Halt;
-use crate::state::limit::Limit;
+use crate::state::halt::HaltReason;
+use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
 use crate::user::Locked;
 
-/// Gravity on some bodies and nodes.
+/// Gravity on a set of bodies and nodes.
 #[derive(Clone, Debug)]
-pub struct Gravity {
+pub struct GravityLoad {
     pub id: EffectId,
-    /// Generalised forces on bodies, with mass times the component of the direction.
+    /// Generalised forces on bodies, with mass times the direction's component.
     pub bodies: Vec<(GeneralizedForce, f64)>,
-    /// `(node, mass it acts on)`.
+    /// Nodes, with the part of their mass on which gravity acts.
     pub nodes: Vec<(usize, f64)>,
-    /// Whether it acts on all of the nodes' mass, whatever that becomes.
+    /// Whether gravity acts on the full mass of the nodes; the masses are then updated when they change.
     pub whole: bool,
     pub acceleration: Magnitude,
-    /// Component of the direction along z.
+    /// Component of the direction along z, -1 to 1.
     pub along_z: f64,
 }
 
-impl Load for Gravity {
+impl Load for GravityLoad {
     fn effect(&self) -> EffectId {
         self.id
     }
 
-    fn targets(&self) -> Targets {
-        Targets { bodies: self.bodies.iter().map(|body| body.0).collect(), nodes: !self.nodes.is_empty() }
+    fn targets(&self) -> LoadTargets {
+        LoadTargets { bodies: self.bodies.iter().map(|body| body.0).collect(), nodes: !self.nodes.is_empty() }
     }
 
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
         _: &mut Locked<'_>,
-        forces: &mut Forces<'_>,
-    ) -> Result<Dissipation, Halt> {
+        forces: &mut LoadForces<'_>,
+    ) -> Result<TargetDissipation, HaltReason> {
         let acceleration = self.acceleration.at(&scene.clock);
         match forces {
-            Forces::OnNodes(forces) => {
+            LoadForces::OnNodes(forces) => {
                 let along_z = acceleration * self.along_z;
                 self.nodes.iter().for_each(|&(n, mass)| forces[n][1] += mass * along_z);
             }
-            Forces::OnBodies(forces) => {
+            LoadForces::OnBodies(forces) => {
                 for (force, (_, mass)) in forces.iter_mut().zip(&self.bodies) {
                     *force = mass * acceleration;
                 }
             }
         }
-        Ok(Dissipation::default())
+        Ok(TargetDissipation::default())
     }
 
-    fn max_increment(&self, scene: &SceneView<'_>) -> Limit {
+    fn max_increment(&self, scene: &SceneView<'_>) -> IncrementLimit {
         self.acceleration.limit(&scene.clock)
     }
 
@@ -68,7 +67,7 @@ impl Load for Gravity {
     }
 }
 
-impl LoadOutput for Gravity {
+impl LoadOutput for GravityLoad {
     fn arrays(&self) -> Vec<(&'static str, usize)> {
         let masses = heap_bytes(&self.bodies);
         let masses = masses + heap_bytes(&self.nodes);
@@ -76,4 +75,4 @@ impl LoadOutput for Gravity {
     }
 }
 
-persist_struct!(Gravity { nodes: fixed } derived { id, bodies, whole, acceleration, along_z });
+persist_struct!(GravityLoad { nodes: fixed } derived { id, bodies, whole, acceleration, along_z });

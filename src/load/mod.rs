@@ -1,5 +1,5 @@
-//! Loads: what pushes surfaces, nodes and bodies, one file a kind for what is rigid and what deforms alike.
-//! Never here: names of other effects; deck words (an effect carries an opaque id that only the ledger reads).
+//! Loads on surfaces, nodes and bodies, one file per kind. Each kind handles both rigid and deformable bodies. A load
+//! knows neither other effects nor keywords; it carries an opaque id, which only the ledger resolves.
 
 pub mod cavity;
 pub mod concentrated;
@@ -13,142 +13,143 @@ pub mod user_load;
 
 use std::any::Any;
 
-use crate::kernel::attitude::Vector;
+use crate::kernel::attitude::SpatialVector;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
+use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
 use crate::state::dofs::Dofs;
-use crate::state::halt::Halt;
-use crate::state::limit::Limit;
-use crate::state::magnitude::Clock;
+use crate::state::halt::HaltReason;
+use crate::state::limit::IncrementLimit;
+use crate::state::magnitude::AmplitudeClock;
 use crate::user::Locked;
 use fields::FacetFields;
-use stiffness::Stiffness;
+use stiffness::LoadStiffness;
 
-/// Which energy a force's work is booked under.
+/// Energy account to which the work of a force is added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Account {
+pub enum EnergyAccount {
     /// Work of prescribed loads and motions (`ALLWK`).
     Work,
     /// Dissipated by friction (`ALLFD`).
     Friction,
     /// Dissipated by opening the cavity (`ALLCD` is creep in ABAQUS, so `ALLCAV`).
     Cavity,
-    /// Of what deforms on a body that it is tied to: passed on within the scene, so no account of its own.
+    /// Force of a deformable body on a rigid body to which it is tied. Its work is exchanged inside the model and has
+    /// no account.
     Tie,
 }
 
-/// A generalised force of one effect on one body, and the account of its work.
+/// Generalised force of one effect on one rigid body, with the account of its work.
 #[derive(Clone, Copy, Debug)]
 pub struct GeneralizedForce {
     pub body: usize,
-    /// Along (0 to 2) or about (3 to 5) 1, 2, 3; of a body along z always 1.
+    /// Force along (0 to 2) or moment about (3 to 5) axis 1, 2, 3. Always 1 for a body that moves along z only.
     pub coordinate: u32,
-    /// Where its work is booked.
-    pub account: Account,
+    /// Energy account of its work.
+    pub account: EnergyAccount,
 }
 
 impl GeneralizedForce {
-    pub fn along_z(body: usize, account: Account) -> Self {
+    pub fn along_z(body: usize, account: EnergyAccount) -> Self {
         GeneralizedForce { body, coordinate: 1, account }
     }
 
-    /// Forces along 1, 2, 3 and moments about the centre of mass of a body in space.
-    pub fn in_space(body: usize, account: Account) -> impl Iterator<Item = Self> {
+    /// Returns forces along axes 1, 2, 3 and moments about the centre of mass, for a body with six degrees of freedom.
+    pub fn in_space(body: usize, account: EnergyAccount) -> impl Iterator<Item = Self> {
         (0..6).map(move |coordinate| GeneralizedForce { body, coordinate, account })
     }
 }
 
 /// The degrees of freedom on which a load acts.
 #[derive(Clone, Debug, Default)]
-pub struct Targets {
+pub struct LoadTargets {
     /// Generalised forces on rigid bodies.
     pub bodies: Vec<GeneralizedForce>,
-    /// Whether it acts on nodes.
+    /// Whether the load acts on nodes.
     pub nodes: bool,
 }
 
-/// Where a load puts its forces: first those on nodes are asked for, because forces of tied nodes count among those on their bodies,
-/// which resistances see; then those on rigid bodies.
-pub enum Forces<'a> {
-    /// Forces on nodes, `[r, z]` of each: it adds to them.
+/// Destination of the forces of a load. Loads are called first with the nodes, then with the rigid bodies: the forces
+/// on tied nodes contribute to the forces on their rigid bodies, which resistance loads read.
+pub enum LoadForces<'a> {
+    /// Forces on nodes, `[r, z]`; the load adds to them.
     OnNodes(&'a mut [[f64; 2]]),
-    /// Generalised forces on rigid bodies in the order of its [`Targets`]: it writes them.
+    /// Generalised forces on rigid bodies, in the order of the load's [`LoadTargets`]; the load overwrites them.
     OnBodies(&'a mut [f64]),
 }
 
-/// Part of the work of forces on nodes over the previous increment that is dissipated in a target.
+/// Energy dissipated in a target: the work of the nodal forces over the previous increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Dissipation {
-    /// By opening a cavity.
+pub struct TargetDissipation {
+    /// Dissipated by cavity expansion.
     pub cavity: f64,
-    /// By friction.
+    /// Dissipated by friction.
     pub friction: f64,
 }
 
-impl Dissipation {
-    pub fn add(&mut self, other: Dissipation) {
+impl TargetDissipation {
+    pub fn add(&mut self, other: TargetDissipation) {
         self.cavity += other.cavity;
         self.friction += other.friction;
     }
 }
 
-/// A change of the scene that loads follow.
+/// Change of the model that loads must take into account.
 pub enum SceneChange<'a> {
-    /// Elements with these boundaries have been deleted: loads on their faces end.
+    /// Boundary nodes of the elements that were deleted; loads on their faces end.
     DeletedElements(&'a [ElementNodes]),
-    /// The masses of all nodes, which have changed.
+    /// New masses of all nodes.
     Masses(&'a [f64]),
 }
 
-/// What a load makes of velocity.
+/// Dependence of a load on velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VelocityUse {
     None,
-    /// It reads it, so that an instant of rest must be met exactly.
+    /// The load reads velocities; an instant at which a body comes to rest is resolved exactly.
     Reads,
-    /// It opposes motion and vanishes at rest, so that it can stop a body but never push it back.
+    /// The load opposes motion and vanishes at rest; it can stop a body but not reverse its motion.
     Resists,
 }
 
-/// The scene as loads see it at an instant.
+/// State of the model at an instant, as passed to loads.
 #[derive(Clone, Copy)]
 pub struct SceneView<'a> {
-    /// When.
-    pub clock: Clock<'a>,
-    /// All that moves.
+    /// Step time, total time and amplitudes.
+    pub clock: AmplitudeClock<'a>,
+    /// Degrees of freedom of nodes and rigid bodies.
     pub dofs: &'a Dofs,
-    /// Part of the previous increment over which the velocity of nodes is extrapolated from its middle: half of it for a
-    /// second-order estimate of the velocity at the instant's own time, none for the lagged velocity.
+    /// Fraction of the previous increment over which nodal velocities are extrapolated from its middle: 0.5 for a
+    /// second-order estimate at the current time, 0 for the lagged velocity.
     pub velocity_extrapolation: f64,
-    /// Under area weighting, by how much a force on the plane section around each node is multiplied to act on its ring.
+    /// Factor per node from a force on the plane section to the force on the node's ring; only with area weighting.
     pub rings: Option<&'a [f64]>,
 }
 
 impl SceneView<'_> {
-    /// The velocity of a node that loads are shown.
+    /// Returns the velocity `[v_r, v_z]` of a node for the evaluation of loads.
     #[inline]
     pub fn velocity(&self, node: usize) -> [f64; 2] {
         self.dofs.nodes.velocity_after(node, self.velocity_extrapolation)
     }
 }
 
-/// What has become of a rigid body in a target.
+/// Outcome of a rigid body's impact on a target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PenetrationOutcome {
-    /// It is at rest in it.
+    /// At rest in the target.
     AtRest,
     Moving,
-    /// It has left it through its back.
+    /// Left the target through the rear face.
     Through,
-    /// It has left it through its front.
+    /// Left the target through the front face.
     Ricochet,
     #[default]
     NotMet,
 }
 
 impl PenetrationOutcome {
-    /// In words, as results have it.
+    /// Returns the text used in result files.
     pub fn words(self) -> &'static str {
         match self {
             PenetrationOutcome::AtRest => "at rest",
@@ -160,95 +161,96 @@ impl PenetrationOutcome {
     }
 }
 
-/// A rigid body and a target.
+/// Result of a rigid body's impact on a target.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Penetration {
+pub struct PenetrationRecord {
     pub body: usize,
-    /// What has become of it.
+    /// Outcome at the current time.
     pub outcome: PenetrationOutcome,
-    pub in_space: Option<MotionAtEnd>,
+    pub in_space: Option<FinalMotion>,
 }
 
-/// How a body in space moves at the end; angles in degrees.
+/// Motion of a rigid body with six degrees of freedom at the end of the run; angles in degrees.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct MotionAtEnd {
-    /// Total time at which it had left the target.
+pub struct FinalMotion {
+    /// Total time at which the body left the target, if it did.
     pub exit_time: Option<f64>,
     /// Velocity of the centre of mass.
-    pub velocity: Vector,
+    pub velocity: SpatialVector,
     /// Angular velocity.
-    pub rotational_velocity: Vector,
+    pub rotational_velocity: SpatialVector,
     /// Speed of the centre of mass.
     pub speed: f64,
-    /// Between the velocity and the target's normal, 0 to 90.
+    /// Angle between the velocity and the target's normal, 0 to 90.
     pub obliquity: f64,
-    /// Between the axis and the velocity, 0 to 90.
+    /// Angle between the body's axis and the velocity, 0 to 90.
     pub yaw: f64,
-    /// Between the axis and direction 2.
+    /// Angle between the body's axis and direction 2.
     pub tilt: f64,
 }
 
-/// A load in force: forces on nodes or on rigid bodies, computed once an increment.
+/// An active load: forces on nodes or on rigid bodies, computed once per increment.
 pub trait Load: LoadOutput + CopyLoad + Persist + Send + Sync {
-    /// Row of the ledger that its run time and memory belong to.
+    /// Returns the ledger row to which the load's run time and memory are assigned.
     fn effect(&self) -> EffectId;
 
-    /// The nodes and generalised forces that [`Load::apply`] writes.
-    fn targets(&self) -> Targets;
+    /// Returns the nodes and generalised forces that [`Load::apply`] writes.
+    fn targets(&self) -> LoadTargets;
 
-    /// How its forces depend on velocity: it decides their order, and how the increment meets an instant of rest.
+    /// Returns how the forces depend on velocity. This determines the order in which loads are applied and whether an
+    /// instant of rest is resolved.
     fn velocity_use(&self) -> VelocityUse {
         VelocityUse::None
     }
 
-    /// Puts its forces on nodes or on bodies. Returns what those on nodes dissipated over the previous increment; of bodies each
-    /// generalised force has its account.
+    /// Applies the load to nodes or to rigid bodies. Returns the energy that the nodal forces dissipated over the
+    /// previous increment; forces on rigid bodies have their own accounts.
     ///
     /// # Errors
-    /// Where no finite force can be given; the run halts.
+    /// If a force is not finite; the run halts.
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
         user: &mut Locked<'_>,
-        forces: &mut Forces<'_>,
-    ) -> Result<Dissipation, Halt>;
+        forces: &mut LoadForces<'_>,
+    ) -> Result<TargetDissipation, HaltReason>;
 
-    /// How far the next increment may go.
-    fn max_increment(&self, _scene: &SceneView<'_>) -> Limit {
-        Limit::NONE
+    /// Returns the limit on the next time increment.
+    fn max_increment(&self, _scene: &SceneView<'_>) -> IncrementLimit {
+        IncrementLimit::NONE
     }
 
-    /// Follows a change of the scene.
+    /// Updates the load after a change of the model.
     fn scene_changed(&mut self, _change: &SceneChange<'_>) {}
 }
 
-/// Output, memory and continuation of a load.
+/// Output, memory use and restart of a load.
 pub trait LoadOutput: Any {
-    /// Names and bytes of the arrays it holds.
+    /// Returns the names and sizes (bytes) of the load's arrays.
     fn arrays(&self) -> Vec<(&'static str, usize)>;
 
-    /// What it shows on a surface in a frame.
+    /// Returns the facet output of the load, if it acts on a surface.
     fn fields(&self, _dofs: &Dofs) -> Option<FacetFields> {
         None
     }
 
-    /// Takes over the memory of a load that it replaces.
+    /// Copies the history of the load that this one replaces at the start of a step.
     fn continue_from(&mut self, _previous: &dyn Load) {}
 
-    /// What has become of the rigid bodies that it resists.
-    fn penetrations(&self, _dofs: &Dofs) -> Vec<Penetration> {
+    /// Returns the outcome for each rigid body that the load resists.
+    fn penetrations(&self, _dofs: &Dofs) -> Vec<PenetrationRecord> {
         Vec::new()
     }
 
-    /// What it was found to add to the stiffness of nodes, where that has made motion grow.
-    fn stiffness(&self) -> Option<&Stiffness> {
+    /// Returns the stiffness that the load adds to nodes, if it was measured because the motion grew.
+    fn stiffness(&self) -> Option<&LoadStiffness> {
         None
     }
 }
 
 /// Copies a load with its state.
 pub trait CopyLoad {
-    /// Another one in the same state.
+    /// Returns a copy in the same state.
     fn copy(&self) -> Box<dyn Load>;
 }
 
@@ -264,21 +266,21 @@ impl Clone for Box<dyn Load> {
     }
 }
 
-/// The increment behind, for the work of forces on nodes.
+/// The previous increment, used to integrate the work of nodal forces.
 #[derive(Clone, Copy)]
 pub struct LastIncrement<'a> {
-    /// Half its length; 0 where there is none.
+    /// Half the increment; 0 before the first increment.
     half: f64,
-    /// An eighth of its square, where central differences started with it; else 0.
+    /// dt²/8 for the increment with which central differences start, else 0.
     start: f64,
     dofs: &'a Dofs,
 }
 
-persist_struct!(MotionAtEnd { exit_time, velocity, rotational_velocity, speed, obliquity, yaw, tilt });
+persist_struct!(FinalMotion { exit_time, velocity, rotational_velocity, speed, obliquity, yaw, tilt });
 
-impl Persist for Penetration {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Penetration { body, outcome, in_space } = self;
+impl Persist for PenetrationRecord {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let PenetrationRecord { body, outcome, in_space } = self;
         let mut number = *outcome as u8;
         persist_fields!(archive; body, &mut number, in_space);
         use PenetrationOutcome::{AtRest, Moving, NotMet, Ricochet, Through};
@@ -288,18 +290,19 @@ impl Persist for Penetration {
 }
 
 impl<'a> LastIncrement<'a> {
-    /// The increment behind nodes that have moved, with accelerations as they were at its start.
+    /// Returns the previous increment of nodes that have been moved; their accelerations are those at its start.
     ///
-    /// Where central differences start, forces act for half an increment alone and bring velocities from v to v + dt/2 a.
-    /// What they give in that half is their impulse times the mean of both, v + dt/4 a, while the trapezoid over the whole
-    /// increment reckons with the velocity at its end: too much by f a dt^2/8.
+    /// In the first increment of central differences, forces act over half an increment and change the velocity from v
+    /// to v + a dt/2. The work is the impulse times the mean velocity v + a dt/4. The trapezoidal rule over the whole
+    /// increment uses the velocity at its end, and overestimates the work by f a dt²/8.
     pub fn new(dofs: &'a Dofs) -> Self {
-        let dt = dofs.nodes.unbooked();
+        let dt = dofs.nodes.unaccounted_dt();
         let start = if dofs.nodes.half == 0.5 * dt { 0.125 * dt * dt } else { 0.0 };
         LastIncrement { half: 0.5 * dt, start, dofs }
     }
 
-    /// Work on a node of a force now and at the start of the increment, by the trapezoid.
+    /// Returns the work of a force on a node over the increment by the trapezoidal rule, from its current and previous
+    /// values.
     pub fn work(&self, node: usize, now: [f64; 2], before: [f64; 2]) -> f64 {
         let (n, a) = (&self.dofs.nodes[node], self.dofs.nodes.acceleration[node]);
         self.half * ((now[0] + before[0]) * n.v_r + (now[1] + before[1]) * n.v_z)

@@ -1,45 +1,45 @@
-//! Circumferential stations: facets of a rigid body that moves in space, cut into equal parts around its axis.
-//! Never here: what acts on them.
+//! Circumferential stations: the facets of a rigid body with six degrees of freedom, divided into equal parts around
+//! the axis.
 
 use crate::kernel::lanes::InlineMap;
 use std::f64::consts::PI;
 
-use crate::kernel::attitude::{Vector, cross, dot, plus};
+use crate::kernel::attitude::{SpatialVector, cross, dot, plus};
 use crate::kernel::facet::Facet;
-use crate::mesh::surface::Patch;
+use crate::mesh::surface::RigidFacets;
 use crate::platform::PortableMath as _;
 use crate::state::rigid_body_3d::{RigidBody3d, Wrench};
 
-/// One station: position and outward normal in the frame of the body, from its centre of mass.
+/// One station: position and outward normal in the body frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Station {
+pub struct SurfaceStation {
     /// Index of its element in the mesh.
     pub element: usize,
-    /// From the centre of mass.
-    pub arm: Vector,
+    /// Position relative to the centre of mass.
+    pub arm: SpatialVector,
     /// Outward unit normal.
-    pub normal: Vector,
+    pub normal: SpatialVector,
     pub area: f64,
 }
 
-/// A station in the plane of direction 2 and of the horizontal direction of its normal: as a point of a body of revolution that is
-/// not turned lies in the plane of r and z.
+/// A station projected onto the plane through axis 2 that contains its normal. It corresponds to a point in the (r, z)
+/// plane of a body that is not rotated.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanarPoint {
-    /// Distance from the axis 2, and position along it.
+    /// Distance from axis 2, and position along it.
     pub place: [f64; 2],
-    /// The same at the start.
+    /// Initial position, in the same coordinates.
     pub start: [f64; 2],
     /// Outward unit normal.
     pub normal: [f64; 2],
-    /// Velocity that loads see.
+    /// Velocity for the evaluation of loads.
     pub velocity: [f64; 2],
     pub acceleration: [f64; 2],
 }
 
-impl Station {
-    /// Its position and motion now. The horizontal direction is that of the normal, away from the axis 2; so the normal velocity is that
-    /// in space.
+impl SurfaceStation {
+    /// Returns the current position and motion. The horizontal direction is that of the normal, away from axis 2, so
+    /// the normal velocity equals that in three dimensions.
     pub fn in_plane(&self, body: &RigidBody3d) -> PlanarPoint {
         let arm = body.attitude.to_world(self.arm);
         let [x, y, z] = plus(body.centre, 1.0, arm);
@@ -48,7 +48,7 @@ impl Station {
         let outwards = if normal[0] * x + normal[2] * z < 0.0 { -1.0 } else { 1.0 };
         let across =
             if level > 0.0 { [outwards * normal[0] / level, outwards * normal[2] / level] } else { [1.0, 0.0] };
-        let flat = |v: Vector| [v[0] * across[0] + v[2] * across[1], v[1]];
+        let flat = |v: SpatialVector| [v[0] * across[0] + v[2] * across[1], v[1]];
         let velocity = plus(body.shown.velocity, 1.0, cross(body.shown.turning, arm));
         let start = plus(body.start.centre, 1.0, body.start.attitude.to_world(self.arm));
         PlanarPoint {
@@ -60,8 +60,8 @@ impl Station {
         }
     }
 
-    /// What a pressure on it comes to.
-    pub fn push(&self, body: &RigidBody3d, pressure: f64) -> Wrench {
+    /// Returns the force and moment of a pressure on the station.
+    pub fn pressure_wrench(&self, body: &RigidBody3d, pressure: f64) -> Wrench {
         let force = body.attitude.to_world(self.normal).inline_map(|n| -pressure * self.area * n);
         Wrench::at(body.attitude.to_world(self.arm), force)
     }
@@ -71,7 +71,7 @@ impl Station {
     }
 }
 
-/// Radius and height of the circle on which centroids of stations of a facet lie.
+/// Returns radius and height of the circle through the centroids of a facet's stations.
 pub fn centroid(facet: &Facet) -> [f64; 2] {
     let (low, high) = (facet.low, facet.high);
     let (a, b) = (low[0], high[0]);
@@ -79,15 +79,15 @@ pub fn centroid(facet: &Facet) -> [f64; 2] {
     [0, 1].inline_map(|i| low[i] + share * (high[i] - low[i]))
 }
 
-/// The stations of a body's facets: those of the first facet around the axis, then those of the next.
-pub fn stations(patch: &Patch, body: &RigidBody3d) -> Vec<Station> {
+/// Returns the stations of a body's facets, facet by facet, in the order of the angle.
+pub fn stations(patch: &RigidFacets, body: &RigidBody3d) -> Vec<SurfaceStation> {
     let count = body.stations;
     let around = |k: usize| libm::sincos(2.0 * PI * (k as f64 + 0.5) / count as f64);
     let mut all = Vec::with_capacity(count * patch.facets.len());
     for &(element, facet) in &patch.facets {
         let [r, z] = centroid(&facet);
         let [n_r, n_z] = facet.normal;
-        all.extend((0..count).map(around).map(|(sine, cosine)| Station {
+        all.extend((0..count).map(around).map(|(sine, cosine)| SurfaceStation {
             element,
             arm: [r * cosine, z - body.heights[0], r * sine],
             normal: [n_r * cosine, n_z, n_r * sine],

@@ -1,42 +1,41 @@
-//! An amplitude computed by the user's routine (`*AMPLITUDE, DEFINITION=USER`).
-//! Never here: what it scales.
+//! Amplitudes computed by a user subroutine (`*AMPLITUDE, DEFINITION=USER`).
 
 use crate::kernel::amplitude::SampledAmplitude;
 use crate::kernel::lists::heap_bytes;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
-use crate::state::halt::Halt;
+use crate::state::halt::HaltReason;
 use crate::state::{EffectId, Instant};
 use crate::user::{AmplitudeCall, LoadFailure, Locked, RunAction};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sensed {
+pub enum SensorQuantity {
     Displacement(Dof),
     Velocity(Dof),
     Acceleration(Dof),
 }
 
-/// The amplitude: asked once an increment, whatever it scales.
+/// A user amplitude, evaluated once per increment for all loads and conditions that use it.
 #[derive(Clone, Debug)]
-pub struct UserAmplitude {
+pub struct SubroutineAmplitude {
     pub id: EffectId,
     /// Name, upper case.
     pub name: String,
-    /// Constants on the data lines.
+    /// Constants of the data lines.
     pub properties: Vec<f64>,
     pub variables: Vec<f64>,
     pub sensor_names: Vec<String>,
-    pub sensors: Vec<Sensed>,
+    pub sensors: Vec<SensorQuantity>,
     pub sensor_values: Vec<f64>,
-    /// Its index among the user amplitudes.
+    /// Index among the user amplitudes.
     pub index: usize,
 }
 
-impl UserAmplitude {
-    /// Asks for the value at `arrival`, an increment away (0 at the start of a step).
+impl SubroutineAmplitude {
+    /// Calls the subroutine for the value at `arrival`, the end of an increment (of length 0 at the start of a step).
     ///
     /// # Errors
-    /// Where the routine fails or gives no finite value; the run halts.
+    /// If the subroutine fails or returns a value that is not finite; the run halts.
     pub fn call(
         &mut self,
         arrival: &Instant,
@@ -44,13 +43,13 @@ impl UserAmplitude {
         dofs: &Dofs,
         user_amplitudes: &mut [SampledAmplitude],
         user: &mut Locked<'_>,
-    ) -> Result<RunAction, Halt> {
+    ) -> Result<RunAction, HaltReason> {
         let Some(routine) = user.amplitude.as_deref_mut() else { return Ok(RunAction::Continue) };
         for (value, sensor) in self.sensor_values.iter_mut().zip(&self.sensors) {
             *value = match *sensor {
-                Sensed::Displacement(dof) => dofs.displacement(dof),
-                Sensed::Velocity(dof) => dofs.velocity(dof),
-                Sensed::Acceleration(dof) => dofs.acceleration(dof),
+                SensorQuantity::Displacement(dof) => dofs.displacement(dof),
+                SensorQuantity::Velocity(dof) => dofs.velocity(dof),
+                SensorQuantity::Acceleration(dof) => dofs.acceleration(dof),
             };
         }
         let mut call = AmplitudeCall {
@@ -65,12 +64,12 @@ impl UserAmplitude {
             sensor_values: &self.sensor_values,
         };
         let answer = routine.amplitude(&mut call).and_then(|answer| {
-            let reason = || LoadFailure::new(format!("it gave the value {}", answer.value));
+            let reason = || LoadFailure::new(format!("it returned the value {}", answer.value));
             answer.value.is_finite().then_some(answer).ok_or_else(reason)
         });
         let what = || format!("the user amplitude `{}`", self.name);
         let answer = answer.map_err(|failure| failure.halt(&what(), arrival))?;
-        user_amplitudes[self.index].tell(arrival.total_time, answer.value);
+        user_amplitudes[self.index].add_sample(arrival.total_time, answer.value);
         Ok(match (answer.stop, answer.conclude_step) {
             (true, _) => RunAction::EndAnalysis,
             (_, true) => RunAction::EndStep,
@@ -85,8 +84,8 @@ impl UserAmplitude {
     }
 }
 
-// Values of sensors are read before each call; the values that the subroutine gives belong to the run.
-persist_struct!(UserAmplitude {
+// Sensor values are read before each call; amplitude values are saved with the run.
+persist_struct!(SubroutineAmplitude {
     variables: fixed
 } derived {
     id, name, properties, sensor_names, sensors, sensor_values, index

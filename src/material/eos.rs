@@ -1,33 +1,32 @@
-//! Laws of equations of state: pressure by density and energy, and the energy an element gains in an increment.
-//! Never here: deviators, meshes.
+//! Equations of state: pressure as a function of density and specific energy, and the energy update of an increment.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::material::volumetric::PressureUpdate;
 
-/// Pressure at one density, linear in the energy a mass: p = cold + per_energy e.
+/// Pressure at one density, linear in the specific energy e (energy per mass): p = cold + per_energy e.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Curve {
-    /// Pressure without energy.
+pub struct EosLine {
+    /// Pressure at zero energy.
     pub cold: f64,
-    /// Pressure for the energy a mass (density times the Grueneisen coefficient).
+    /// Derivative of the pressure with respect to the specific energy (density times Grueneisen coefficient).
     pub per_energy: f64,
-    /// Derivative of `cold` by density.
+    /// Derivative of `cold` with respect to density.
     pub cold_slope: f64,
-    /// Derivative of `per_energy` by density.
+    /// Derivative of `per_energy` with respect to density.
     pub energy_slope: f64,
 }
 
-/// An equation of state that is linear in the energy.
-pub trait Pressure: Send + Sync + 'static {
-    /// The line at a density.
-    fn curve(&self, density: f64) -> Curve;
-    /// Pressure of the surroundings, which the stress does not hold but the gas works against.
+/// An equation of state that is linear in the specific energy.
+pub trait EosLaw: Send + Sync + 'static {
+    /// Returns the pressure line at a density.
+    fn curve(&self, density: f64) -> EosLine;
+    /// Returns the ambient pressure: it is not part of the stress, but the gas works against it.
     fn ambient(&self) -> f64 {
         0.0
     }
-    /// The least bulk modulus: a state without stiffness still has an increment.
+    /// Returns the smallest bulk modulus, which keeps the stable time increment finite for states without stiffness.
     fn floor(&self) -> f64;
 }
 
@@ -35,21 +34,21 @@ pub trait Pressure: Send + Sync + 'static {
 /// "Equation of state", ideal gas).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IdealGas {
-    /// R, energy a mass and temperature.
+    /// Specific gas constant R, energy per mass and temperature.
     pub gas_constant: f64,
-    /// Heat capacity at constant volume, energy a mass and temperature.
+    /// Specific heat at constant volume c_v, energy per mass and temperature.
     pub specific_heat: f64,
-    /// p_A.
+    /// Ambient pressure p_A.
     pub ambient: f64,
-    /// T_Z.
+    /// Absolute zero T_Z on the temperature scale of the deck.
     pub absolute_zero: f64,
 }
 
-impl Pressure for IdealGas {
+impl EosLaw for IdealGas {
     #[inline(always)]
-    fn curve(&self, density: f64) -> Curve {
+    fn curve(&self, density: f64) -> EosLine {
         let ratio = self.gas_constant / self.specific_heat;
-        Curve { cold: -self.ambient, per_energy: ratio * density, cold_slope: 0.0, energy_slope: ratio }
+        EosLine { cold: -self.ambient, per_energy: ratio * density, cold_slope: 0.0, energy_slope: ratio }
     }
 
     fn ambient(&self) -> f64 {
@@ -65,20 +64,20 @@ impl Pressure for IdealGas {
 /// Gamma0 rho0 e with eta = 1 - rho0/rho (the same section, linear U_s - U_p Hugoniot form).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UsUp {
-    /// Density without pressure and energy.
+    /// Reference density rho0, at zero pressure and energy.
     pub density: f64,
-    /// Sound speed there.
+    /// Sound speed at the reference state.
     pub c0: f64,
-    /// Slope of the shock speed over the particle velocity.
+    /// Slope of the shock speed U_s over the particle velocity U_p.
     pub s: f64,
     /// Grueneisen coefficient.
     pub gamma0: f64,
 }
 
-impl Pressure for UsUp {
-    /// Not a number at the compression that no shock reaches, 1/s, and beyond.
+impl EosLaw for UsUp {
+    /// Returns NaN at compressions eta >= 1/s, which no shock reaches.
     #[inline(always)]
-    fn curve(&self, density: f64) -> Curve {
+    fn curve(&self, density: f64) -> EosLine {
         let (stiffness, per) = (self.density * self.c0 * self.c0, 1.0 / density);
         let eta = 1.0 - self.density * per;
         let rest = 1.0 - self.s * eta;
@@ -86,7 +85,7 @@ impl Pressure for UsUp {
         let square = stiffness * inverse * inverse;
         let thermal = 1.0 - 0.5 * self.gamma0 * eta;
         let by_eta = square * ((1.0 - self.gamma0 * eta) + 2.0 * self.s * eta * thermal * inverse);
-        Curve {
+        EosLine {
             cold: square * eta * thermal,
             per_energy: self.gamma0 * self.density,
             cold_slope: by_eta * self.density * per * per,
@@ -99,18 +98,18 @@ impl Pressure for UsUp {
     }
 }
 
-/// Pressure by tables: p = f1 + rho0 f2 e, both linear over the volumetric strain ln(rho0/rho), beyond the ends with the slope
-/// there (the same section, tabulated equation of state).
+/// Tabulated equation of state: p = f1 + rho0 f2 e, both functions linear in the volumetric strain ln(rho0/rho),
+/// extrapolated with the slopes at the ends (the same section, tabulated equation of state).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tabulated {
-    /// Density without volumetric strain.
+    /// Reference density rho0.
     pub density: f64,
-    /// Rows of f1, f2 and the volumetric strain, which descends; at least two.
+    /// Rows of f1, f2 and the volumetric strain, in descending order of the strain; at least two.
     pub rows: Vec<[f64; 3]>,
 }
 
 impl Tabulated {
-    /// Values and slopes of both functions at a volumetric strain.
+    /// Returns value and slope of both functions at a volumetric strain.
     fn at(&self, strain: f64) -> [[f64; 2]; 2] {
         let after = self.rows.partition_point(|row| row[2] > strain).clamp(1, self.rows.len() - 1);
         let (a, b) = (self.rows[after - 1], self.rows[after]);
@@ -120,18 +119,18 @@ impl Tabulated {
         })
     }
 
-    /// The largest bulk modulus of the table without energy.
+    /// Returns the largest bulk modulus of the table at zero energy.
     fn stiffest(&self) -> f64 {
         self.rows.windows(2).map(|w| (w[1][0] - w[0][0]) / (w[0][2] - w[1][2])).fold(0.0, f64::max)
     }
 }
 
-impl Pressure for Tabulated {
-    fn curve(&self, density: f64) -> Curve {
+impl EosLaw for Tabulated {
+    fn curve(&self, density: f64) -> EosLine {
         let [[cold, cold_slope], [factor, slope]] = self.at(libm::log(self.density / density));
-        // By density: the strain falls by 1/rho.
+        // d(strain)/d(rho) = -1/rho.
         let per = -1.0 / density;
-        Curve {
+        EosLine {
             cold,
             per_energy: self.density * factor,
             cold_slope: per * cold_slope,
@@ -144,50 +143,51 @@ impl Pressure for Tabulated {
     }
 }
 
-/// m de = -(p + p') / 2 dV + deviatoric and viscous work, with p' = a + b e' at the end: linear in e', solved in closed
-/// form. The work of the bulk viscosity is expected with its stress of the increment before. Returns the energy a mass.
+/// Updates pressure, bulk modulus and specific energy of a lane. The energy balance m de = -(p + p')/2 dV + deviatoric
+/// and viscous work, with p' = a + b e' at the end of the increment, is linear in e' and solved in closed form. The
+/// viscous work is estimated with the viscous stress of the previous increment. Returns the specific energy.
 #[inline(always)]
 pub(super) fn advance(
-    ask: &mut PressureUpdate<'_>,
+    update: &mut PressureUpdate<'_>,
     l: usize,
-    curve: Curve,
+    curve: EosLine,
     before: f64,
     [ambient, floor]: [f64; 2],
 ) -> f64 {
-    let Curve { cold, per_energy, cold_slope, energy_slope } = curve;
-    let inverse = 1.0 / ask.mass[l];
-    let density = ask.mass[l] / ask.volume[l];
-    let change = ask.middle[l] * ask.dilation[l];
-    let expected = ask.viscous[l] * change;
-    let absolute = 0.5 * (ask.mean[l] - ambient - cold - ambient);
-    let gained = absolute * change + ask.work[l] + expected;
+    let EosLine { cold, per_energy, cold_slope, energy_slope } = curve;
+    let inverse = 1.0 / update.mass[l];
+    let density = update.mass[l] / update.volume[l];
+    let change = update.middle[l] * update.dilation[l];
+    let expected = update.viscous[l] * change;
+    let absolute = 0.5 * (update.mean[l] - ambient - cold - ambient);
+    let gained = absolute * change + update.work[l] + expected;
     let energy = (before + gained * inverse) / (1.0 + 0.5 * per_energy * change * inverse);
     let pressure = cold + per_energy * energy;
-    // rho dp/drho with de = (p + p_A) drho/rho^2. Not a number stays: it must be found.
+    // rho dp/drho with de = (p + p_A) drho/rho². A NaN is kept, so that the run halts.
     let bulk = density * (cold_slope + energy_slope * energy) + per_energy * (pressure + ambient) * (1.0 / density);
-    ask.bulk[l] = if bulk < floor { floor } else { bulk };
-    ask.mean[l] = -pressure;
-    ask.heat[l] = expected;
+    update.bulk[l] = if bulk < floor { floor } else { bulk };
+    update.mean[l] = -pressure;
+    update.heat[l] = expected;
     energy
 }
 
-/// Pressures and energies of a block whose curve depends on nothing but the density.
+/// Updates pressures and energies of a block whose pressure line depends on density only.
 #[inline(always)]
-pub(super) fn advance_block(law: &impl Pressure, energy: &mut Lanes, mut ask: PressureUpdate<'_>) {
+pub(super) fn advance_block(law: &impl EosLaw, energy: &mut Lanes, mut update: PressureUpdate<'_>) {
     let (ambient, floor) = (law.ambient(), law.floor());
     for l in 0..LANES {
-        let curve = law.curve(ask.mass[l] / ask.volume[l]);
-        energy[l] = advance(&mut ask, l, curve, energy[l], [ambient, floor]);
+        let curve = law.curve(update.mass[l] / update.volume[l]);
+        energy[l] = advance(&mut update, l, curve, energy[l], [ambient, floor]);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{IdealGas, Pressure, UsUp};
+    use super::{EosLaw, IdealGas, UsUp};
 
-    /// On the Hugoniot e = p (1/rho0 - 1/rho)/2 the pressure is rho0 Us up for every particle velocity.
+    /// On the Hugoniot, e = p (1/rho0 - 1/rho)/2, the pressure is rho0 U_s U_p for every particle velocity U_p.
     #[test]
-    fn the_hugoniot_is_met() {
+    fn pressure_on_the_hugoniot_matches_shock_relations() {
         let law = UsUp { density: 2.785, c0: 5.328, s: 1.338, gamma0: 2.0 };
         for up in [0.01, 0.5, 2.0] {
             let us = law.c0 + law.s * up;

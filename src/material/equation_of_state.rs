@@ -1,35 +1,35 @@
-//! The equation of state of a material, one of all laws, with the energy of each element.
-//! Never here: the laws.
+//! The equation of state of a material, with the specific energy of each element. The laws are in `eos` and
+//! `explosive`.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the laws.
 
 use super::BlockStart;
 use super::eos::{IdealGas, Tabulated, UsUp, advance_block};
-use super::explosive::{Burn, Explosive};
-use super::volumetric::{PressureUpdate, Volumetric};
+use super::explosive::{BurnState, HighExplosive};
+use super::volumetric::{PressureUpdate, VolumetricLaw};
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::state::archive::persist_struct;
 
-/// An equation of state with the energy of each element. One type for all, chosen once a block: a type each would compile every
-/// hardening law and failure criterion once more.
+/// An equation of state with the energy of each element. One enum for all laws, matched once per block: with one type
+/// per law, every hardening law and failure criterion would be compiled once more for each.
 #[derive(Clone, Debug)]
 pub enum EquationOfState {
     IdealGas(IdealGas),
     UsUp(UsUp),
     Tabulated(Tabulated),
-    Explosive(Explosive),
+    Explosive(HighExplosive),
 }
 
-/// What a block keeps under an equation of state.
+/// State variables of a block.
 #[derive(Clone, Debug)]
 pub struct EosState {
-    /// Energy a mass.
+    /// Specific energy, energy per mass.
     energy: Lanes,
-    /// Progress of the detonation; of explosives alone.
-    burn: Option<Box<Burn>>,
+    /// Burn fractions; for explosives only.
+    burn: Option<Box<BurnState>>,
 }
 
 impl EquationOfState {
-    /// Heat capacity and absolute zero where there is a specific heat.
+    /// Returns specific heat and absolute zero, for laws with a specific heat.
     fn thermal(&self) -> Option<[f64; 2]> {
         match self {
             EquationOfState::IdealGas(law) => Some([law.specific_heat, law.absolute_zero]),
@@ -38,7 +38,7 @@ impl EquationOfState {
     }
 }
 
-impl Volumetric for EquationOfState {
+impl VolumetricLaw for EquationOfState {
     type State = EosState;
     const EOS: bool = true;
 
@@ -59,14 +59,14 @@ impl Volumetric for EquationOfState {
     }
 
     #[inline(always)]
-    fn update_pressure(&self, state: &mut EosState, ask: PressureUpdate<'_>) {
+    fn update_pressure(&self, state: &mut EosState, update: PressureUpdate<'_>) {
         match self {
-            EquationOfState::IdealGas(law) => advance_block(law, &mut state.energy, ask),
-            EquationOfState::UsUp(law) => advance_block(law, &mut state.energy, ask),
-            EquationOfState::Tabulated(law) => advance_block(law, &mut state.energy, ask),
+            EquationOfState::IdealGas(law) => advance_block(law, &mut state.energy, update),
+            EquationOfState::UsUp(law) => advance_block(law, &mut state.energy, update),
+            EquationOfState::Tabulated(law) => advance_block(law, &mut state.energy, update),
             EquationOfState::Explosive(law) => {
                 if let Some(burn) = &state.burn {
-                    law.advance_block(burn, &mut state.energy, ask);
+                    law.advance_block(burn, &mut state.energy, update);
                 }
             }
         }
@@ -95,7 +95,7 @@ impl Volumetric for EquationOfState {
         self.thermal().map(|[heat, zero]| zero + state.energy[lane] / heat)
     }
 
-    fn heat(&self, state: &mut EosState, lane: usize, temperature: f64) {
+    fn set_temperature(&self, state: &mut EosState, lane: usize, temperature: f64) {
         if let Some([heat, zero]) = self.thermal() {
             state.energy[lane] = heat * (temperature - zero);
         }

@@ -1,21 +1,20 @@
-//! High explosives: the products of Jones, Wilkins and Lee, which are there when the detonation has come by (programmed burn:
-//! ABAQUS Analysis User's Guide, "Equation of state", JWL high explosive equation of state).
-//! Never here: reactions that follow pressure.
+//! High explosives with programmed burn and JWL detonation products (Jones, Wilkins and Lee; ABAQUS Analysis User's
+//! Guide, "Equation of state", JWL high explosive equation of state). Reactions driven by pressure are not modelled.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other laws.
 
-use super::eos::{Curve, Pressure, advance};
+use super::eos::{EosLaw, EosLine, advance};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::material::BlockStart;
 use crate::material::volumetric::PressureUpdate;
 use crate::state::archive::persist_struct;
 
-/// Elements over which the burn is spread (the same section).
+/// Width of the burn front in elements (the same section).
 const WIDTH: f64 = 2.5;
 
-/// Products: p = A (1 - omega rho/(R1 rho0)) exp(-R1 rho0/rho) + B (1 - omega rho/(R2 rho0)) exp(-R2 rho0/rho) +
-/// omega rho e.
+/// JWL pressure of the products: p = A (1 - omega rho/(R1 rho0)) exp(-R1 rho0/rho) + B (1 - omega rho/(R2 rho0))
+/// exp(-R2 rho0/rho) + omega rho e.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Jwl {
+pub struct JwlProducts {
     pub density: f64,
     /// A and B.
     pub pressures: [f64; 2],
@@ -24,9 +23,9 @@ pub struct Jwl {
     pub omega: f64,
 }
 
-impl Pressure for Jwl {
+impl EosLaw for JwlProducts {
     #[inline(always)]
-    fn curve(&self, density: f64) -> Curve {
+    fn curve(&self, density: f64) -> EosLine {
         let (volume, per) = (self.density / density, 1.0 / density);
         let (mut cold, mut by_volume) = (0.0, 0.0);
         for i in 0..2 {
@@ -35,7 +34,7 @@ impl Pressure for Jwl {
             cold += decayed * (1.0 - share);
             by_volume += decayed * (share / volume - r * (1.0 - share));
         }
-        Curve {
+        EosLine {
             cold,
             per_energy: self.omega * density,
             cold_slope: -by_volume * volume * per,
@@ -48,41 +47,41 @@ impl Pressure for Jwl {
     }
 }
 
-/// A point from which the detonation spreads.
+/// A detonation point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetonationPoint {
-    /// `[r, z]`.
+    /// Position `[r, z]`.
     pub place: [f64; 2],
-    /// Total time at which it is lit.
+    /// Total time of ignition.
     pub time: f64,
 }
 
-/// An explosive that the detonation burns at a given speed.
+/// An explosive with a constant detonation speed.
 #[derive(Clone, Debug)]
-pub struct Explosive {
-    pub products: Jwl,
-    /// Speed of the detonation.
+pub struct HighExplosive {
+    pub products: JwlProducts,
+    /// Detonation speed.
     pub speed: f64,
-    /// Energy a mass at the start.
+    /// Initial specific energy, energy per mass.
     pub energy: f64,
-    /// Bulk modulus before the detonation.
+    /// Bulk modulus of the unburnt explosive.
     pub unburnt: f64,
-    /// Where it begins.
+    /// Detonation points.
     pub points: Vec<DetonationPoint>,
 }
 
-/// Progress of the detonation through a block.
+/// Burn state of a block.
 #[derive(Clone, Debug)]
-pub struct Burn {
-    /// Share that has burnt.
+pub struct BurnState {
+    /// Burn fraction, 0 to 1.
     burnt: Lanes,
-    /// When the detonation comes by, and how much burns in a time from then on.
+    /// Total time at which the detonation front arrives, and burn rate (1/time) from then on.
     lit: Lanes,
     pace: Lanes,
 }
 
-impl Burn {
-    /// Advances it to a total time.
+impl BurnState {
+    /// Updates the burn fractions for a total time.
     pub(super) fn advance(&mut self, now: f64) {
         for l in 0..LANES {
             let share = (now - self.lit[l]) * self.pace[l];
@@ -91,15 +90,15 @@ impl Burn {
         }
     }
 
-    /// Share of a lane that has burnt.
+    /// Returns the burn fraction of a lane.
     pub(super) fn share(&self, lane: usize) -> f64 {
         self.burnt[lane]
     }
 }
 
-impl Explosive {
-    /// The detonation comes from the point from which it arrives first.
-    pub(super) fn start_burn(&self, start: &BlockStart) -> Burn {
+impl HighExplosive {
+    /// Computes arrival times and burn rates; each element burns from the point whose front arrives first.
+    pub(super) fn start_burn(&self, start: &BlockStart) -> BurnState {
         let (mut lit, mut pace) = ([f64::INFINITY; LANES], [0.0; LANES]);
         for l in 0..start.count {
             let [r, z] = [0, 1].inline_map(|i: usize| start.centre[i][l]);
@@ -108,38 +107,40 @@ impl Explosive {
             lit[l] = self.points.iter().map(arrival).fold(f64::INFINITY, f64::min);
             pace[l] = self.speed / (WIDTH * start.area[l].sqrt());
         }
-        Burn { burnt: [0.0; LANES], lit, pace }
+        BurnState { burnt: [0.0; LANES], lit, pace }
     }
 
-    /// Pressures and energies of a block. The share that has burnt has the pressure of the products, the rest that of the explosive.
-    /// Until all has burnt the increment follows the detonation.
+    /// Updates pressures and energies of a block. The burn fraction has the pressure of the products, the rest that of
+    /// the unburnt explosive. Until an element has burnt completely, its bulk modulus is at least rho D², so that the
+    /// time increment resolves the detonation.
     #[inline(always)]
-    pub(super) fn advance_block(&self, burn: &Burn, energy: &mut Lanes, mut ask: PressureUpdate<'_>) {
+    pub(super) fn advance_block(&self, burn: &BurnState, energy: &mut Lanes, mut update: PressureUpdate<'_>) {
         let strong = self.products.density * self.speed * self.speed;
         for l in 0..LANES {
-            let density = ask.mass[l] / ask.volume[l];
-            let Curve { cold, per_energy, cold_slope, energy_slope } = self.products.curve(density);
+            let density = update.mass[l] / update.volume[l];
+            let EosLine { cold, per_energy, cold_slope, energy_slope } = self.products.curve(density);
             let burnt = burn.burnt[l];
             let rest = (1.0 - burnt) * self.unburnt / self.products.density;
-            let curve = Curve {
+            let curve = EosLine {
                 cold: burnt * cold + rest * (density - self.products.density),
                 per_energy: burnt * per_energy,
                 cold_slope: burnt * cold_slope + rest,
                 energy_slope: burnt * energy_slope,
             };
             let floor = if burnt < 1.0 { strong } else { 1e-12 * strong };
-            energy[l] = advance(&mut ask, l, curve, energy[l], [0.0, floor]);
+            energy[l] = advance(&mut update, l, curve, energy[l], [0.0, floor]);
         }
     }
 }
 
-persist_struct!(Burn { burnt } derived { lit, pace });
+persist_struct!(BurnState { burnt } derived { lit, pace });
 
 #[cfg(test)]
 mod tests {
-    use super::{Jwl, Pressure};
+    use super::{EosLaw, JwlProducts};
 
-    const TNT: Jwl = Jwl { density: 1630.0, pressures: [3.712e11, 3.231e9], exponents: [4.15, 0.95], omega: 0.3 };
+    const TNT: JwlProducts =
+        JwlProducts { density: 1630.0, pressures: [3.712e11, 3.231e9], exponents: [4.15, 0.95], omega: 0.3 };
 
     #[test]
     fn slopes_are_derivatives() {
@@ -150,10 +151,10 @@ mod tests {
         }
     }
 
-    /// Where the isentrope of the products touches the line of a detonation at 6930 m/s, pressure and volume are those of
-    /// Chapman and Jouguet that the handbook gives with these constants: 21.0 GPa (Dobratz and Crawford 1985, UCRL-52997).
+    /// The Hugoniot of the products touches the Rayleigh line of a detonation at 6930 m/s in the Chapman-Jouguet state,
+    /// for which the handbook gives 21.0 GPa with these constants (Dobratz and Crawford 1985, UCRL-52997).
     #[test]
-    fn the_detonation_is_that_of_chapman_and_jouguet() {
+    fn detonation_matches_the_chapman_jouguet_state() {
         let hugoniot = |volume: f64| {
             let curve = TNT.curve(TNT.density / volume);
             // p = a + b (e0 + p (v0 - v)/2)

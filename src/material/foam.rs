@@ -1,29 +1,29 @@
-//! Crushable foam: a yield surface that is an ellipse of pressure and von Mises stress (ABAQUS Analysis User's Guide,
-//! "Crushable foam plasticity models"; isotropic hardening after Deshpande and Fleck 2000, J. Mech. Phys. Solids 48, 1253).
-//! Never here: metals, which yield by the von Mises stress alone.
+//! Crushable foam: an elliptic yield surface in the plane of pressure and von Mises stress (ABAQUS Analysis User's
+//! Guide, "Crushable foam plasticity models"; isotropic hardening after Deshpande and Fleck 2000, J. Mech. Phys. Solids
+//! 48, 1253).
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other laws.
 
-use crate::kernel::hardening::{RateFactor, Table};
+use crate::kernel::hardening::{LinearTable, RateFactor};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{BlockStart, Material, PlasticFlow};
 use crate::state::archive::persist_struct;
-use crate::variables::{Part, Variable};
+use crate::variables::{Variable, VariableComponent};
 
-/// How the surface grows.
+/// Hardening of the yield surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Growth {
-    /// By compaction; the strength in hydrostatic tension stays. Flow is along the stress, so that uniaxial compression has
-    /// no lateral plastic strain.
+pub enum FoamHardening {
+    /// Volumetric hardening: by compaction, with constant strength in hydrostatic tension. Flow is along the stress, so
+    /// that uniaxial compression causes no lateral plastic strain.
     Volumetric {
-        /// Strength in uniaxial over that in hydrostatic compression at the start.
+        /// Ratio of the initial yield stresses in uniaxial and hydrostatic compression, k.
         compression: f64,
-        /// Strength in hydrostatic tension over that in hydrostatic compression at the start.
+        /// Ratio of the yield stress in hydrostatic tension to the initial one in hydrostatic compression, k_t.
         tension: f64,
     },
-    /// Alike in all directions by the plastic work over the yield stress.
+    /// Isotropic hardening: uniform growth by the equivalent plastic strain, plastic work over yield stress.
     Isotropic {
-        /// Strength in uniaxial over that in hydrostatic compression.
+        /// Ratio of the yield stresses in uniaxial and hydrostatic compression, k.
         compression: f64,
         /// Plastic Poisson's ratio.
         ratio: f64,
@@ -31,96 +31,100 @@ pub enum Growth {
 }
 
 #[derive(Clone, Debug)]
-pub struct Foam {
-    pub growth: Growth,
-    /// Yield stress in uniaxial compression over the plastic strain, constant beyond the ends.
-    pub hardening: Table,
-    /// Factor of the rate on it.
+pub struct FoamMaterial {
+    pub growth: FoamHardening,
+    /// Yield stress in uniaxial compression over the plastic strain, constant beyond both ends of the table.
+    pub hardening: LinearTable,
+    /// Rate factor on the yield stress.
     pub rate: Option<RateFactor>,
     /// Bulk and shear modulus.
     pub moduli: [f64; 2],
 }
 
-/// What a block of foam keeps.
+/// State variables of a block.
 #[derive(Clone, Debug)]
-pub struct Crushed {
-    /// Compacting volumetric plastic strain, or the equivalent plastic strain.
+pub struct FoamState {
+    /// Compacting volumetric plastic strain (volumetric hardening) or equivalent plastic strain (isotropic hardening).
     strain: Lanes,
 }
 
-/// A stress that has flown.
+/// Result of the return to the yield surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Flown {
+struct FoamReturn {
     pressure: f64,
     mises: f64,
-    /// Plastic strain along the stress that is the normal of the potential, over that stress.
+    /// Plastic multiplier: plastic strain over the stress that is normal to the flow potential.
     flow: f64,
-    /// Increment of the strain that hardens.
+    /// Increment of the hardening strain.
     hardening: f64,
 }
 
-impl Foam {
-    /// Squares of the pressure in the potential, sqrt(q^2 + this p^2), and in the surface, sqrt(q^2 + this (p - p0)^2).
+impl FoamMaterial {
+    /// Returns the squared shape factors beta² of the flow potential sqrt(q² + beta² p²) and alpha² of the yield
+    /// surface sqrt(q² + alpha² (p - p0)²).
     fn shapes(&self) -> [f64; 2] {
         match self.growth {
-            Growth::Volumetric { compression: k, tension } => [4.5, 9.0 * k * k / ((3.0 * tension + k) * (3.0 - k))],
-            Growth::Isotropic { compression: k, ratio } => {
+            FoamHardening::Volumetric { compression: k, tension } => {
+                [4.5, 9.0 * k * k / ((3.0 * tension + k) * (3.0 - k))]
+            }
+            FoamHardening::Isotropic { compression: k, ratio } => {
                 [4.5 * (1.0 - 2.0 * ratio) / (1.0 + ratio), 9.0 * k * k / (9.0 - k * k)]
             }
         }
     }
 
-    /// Centre of the surface on the axis of pressure and its half axis along the von Mises stress, by the yield stress in
-    /// uniaxial compression.
+    /// Returns the centre of the yield surface on the pressure axis and its half axis along the von Mises stress, for a
+    /// yield stress in uniaxial compression.
     fn surface(&self, uniaxial: f64, alpha2: f64) -> [f64; 2] {
         match self.growth {
-            Growth::Volumetric { compression, tension } => {
+            FoamHardening::Volumetric { compression, tension } => {
                 let drawn = tension * self.hardening.value(0.0) / compression;
-                // The ellipse through hydrostatic tension and uniaxial compression.
+                // The ellipse passes through hydrostatic tension and uniaxial compression.
                 let pressed =
                     uniaxial * (uniaxial * (1.0 / alpha2 + 1.0 / 9.0) + drawn / 3.0) / (drawn + uniaxial / 3.0);
                 [0.5 * (pressed - drawn), alpha2.sqrt() * 0.5 * (pressed + drawn)]
             }
-            Growth::Isotropic { .. } => [0.0, uniaxial * (1.0 + alpha2 / 9.0).sqrt()],
+            FoamHardening::Isotropic { .. } => [0.0, uniaxial * (1.0 + alpha2 / 9.0).sqrt()],
         }
     }
 
-    /// The state after a share of the trial's von Mises stress is left, and how far it lies outside the surface.
-    fn at(&self, share: f64, [pressure, mises]: [f64; 2], before: f64, dt: f64) -> (Flown, f64) {
+    /// Returns the state for a ratio `share` of the von Mises stress to that of the trial, and its yield function:
+    /// positive outside the surface.
+    fn at(&self, share: f64, [pressure, mises]: [f64; 2], before: f64, dt: f64) -> (FoamReturn, f64) {
         let [bulk, shear] = self.moduli;
         let [beta2, alpha2] = self.shapes();
-        // q = q_trial/(1 + 3 G x), p = p_trial/(1 + beta^2 K x).
+        // With the plastic multiplier x: q = q_trial/(1 + 3 G x), p = p_trial/(1 + beta² K x).
         let flow = (1.0 / share - 1.0) / (3.0 * shear);
         let (p, q) = (pressure / (1.0 + beta2 * bulk * flow), mises * share);
         let potential = (q * q + beta2 * p * p).sqrt();
         let hardening = match self.growth {
-            Growth::Volumetric { .. } => beta2 * flow * p,
-            Growth::Isotropic { .. } => {
+            FoamHardening::Volumetric { .. } => beta2 * flow * p,
+            FoamHardening::Isotropic { .. } => {
                 let yielding = (q * q + alpha2 * p * p).sqrt() / (1.0 + alpha2 / 9.0).sqrt();
                 if yielding > 0.0 { flow * potential * potential / yielding } else { 0.0 }
             }
         };
         let mut uniaxial = self.hardening.value(before + hardening);
         if let (Some(rate), true) = (&self.rate, dt > 0.0) {
-            // The rate of what is the axial strain in uniaxial compression.
+            // The rate of the axial strain in uniaxial compression.
             let axial = match self.growth {
-                Growth::Volumetric { .. } => 1.5_f64.sqrt() * flow * potential,
-                Growth::Isotropic { .. } => hardening,
+                FoamHardening::Volumetric { .. } => 1.5_f64.sqrt() * flow * potential,
+                FoamHardening::Isotropic { .. } => hardening,
             };
             uniaxial *= rate.at(axial / dt, 0.0);
         }
         let [centre, half] = self.surface(uniaxial, alpha2);
         let away = p - centre;
         let outside = (q * q + alpha2 * away * away).sqrt() - half;
-        (Flown { pressure: p, mises: q, flow, hardening }, outside)
+        (FoamReturn { pressure: p, mises: q, flow, hardening }, outside)
     }
 
-    /// Brings a trial stress back to the surface: the share is found between all of it and none by the method of Illinois
-    /// (Dowell and Jarratt 1971, BIT 11, 168).
-    fn flow(&self, trial: [f64; 2], before: f64, dt: f64) -> Option<Flown> {
+    /// Returns a trial stress to the yield surface, by the Illinois method for the ratio of the von Mises stresses
+    /// between 0 and 1 (Dowell and Jarratt 1971, BIT 11, 168); `None` for an elastic trial.
+    fn flow(&self, trial: [f64; 2], before: f64, dt: f64) -> Option<FoamReturn> {
         let (start, mut high) = self.at(1.0, trial, before, dt);
         let size = high + self.hardening.value(before);
-        // Not a number flows nowhere, and is found.
+        // A NaN is not returned, so that the run halts.
         if high.is_nan() || high <= 1e-14 * size {
             return None;
         }
@@ -137,7 +141,7 @@ impl Foam {
         if low.abs() <= 1e-13 * size {
             return Some(found);
         }
-        // Which end the last guess replaced.
+        // Bound that the last iteration replaced: 1 upper, -1 lower.
         let mut last = 0;
         for _ in 0..100 {
             let share = lower + (upper - lower) * low / (low - high);
@@ -160,19 +164,19 @@ impl Foam {
     }
 }
 
-impl Material for Foam {
-    type State = Crushed;
+impl Material for FoamMaterial {
+    type State = FoamState;
     const FLOW: PlasticFlow = PlasticFlow::Coupled;
     const MODULI_VARY: bool = true;
 
-    fn initial_state(&self, _start: &BlockStart) -> Crushed {
-        Crushed { strain: [0.0; LANES] }
+    fn initial_state(&self, _start: &BlockStart) -> FoamState {
+        FoamState { strain: [0.0; LANES] }
     }
 
     #[inline(always)]
     fn update(
         &self,
-        state: &mut Crushed,
+        state: &mut FoamState,
         stress: &mut [Lanes; 4],
         strain: &StrainIncrement,
         update: &mut StressUpdate,
@@ -183,8 +187,8 @@ impl Material for Foam {
             let mises = (1.5 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) + 3.0 * s[3] * s[3]).sqrt();
             let trial = [-update.mean[l], mises];
             let flown = self.flow(trial, state.strain[l], strain.dt);
-            let Flown { pressure, mises: q, flow, hardening } =
-                flown.unwrap_or(Flown { pressure: trial[0], mises, flow: 0.0, hardening: 0.0 });
+            let FoamReturn { pressure, mises: q, flow, hardening } =
+                flown.unwrap_or(FoamReturn { pressure: trial[0], mises, flow: 0.0, hardening: 0.0 });
             let factor = if q < mises { q / mises } else { 1.0 };
             for i in 0..4 {
                 update.deviator[i][l] = factor * s[i];
@@ -203,31 +207,31 @@ impl Material for Foam {
         update.set_stress::<false, false>(stress, strain);
     }
 
-    fn value(&self, state: &Crushed, lane: usize, part: Part) -> Option<f64> {
+    fn value(&self, state: &FoamState, lane: usize, part: VariableComponent) -> Option<f64> {
         (part.variable == Variable::PlasticStrain).then(|| state.strain[lane])
     }
 }
 
-persist_struct!(Crushed { strain });
+persist_struct!(FoamState { strain });
 
 #[cfg(test)]
 mod tests {
-    use super::{Foam, Growth};
-    use crate::kernel::hardening::Table;
+    use super::{FoamHardening, FoamMaterial};
+    use crate::kernel::hardening::LinearTable;
 
-    fn foam(growth: Growth) -> Foam {
-        let hardening = Table { rows: vec![[6.0, 0.0], [7.0, 0.4], [20.0, 0.8]] };
-        Foam { growth, hardening, rate: None, moduli: [50.0, 75.0] }
+    fn foam(growth: FoamHardening) -> FoamMaterial {
+        let hardening = LinearTable { rows: vec![[6.0, 0.0], [7.0, 0.4], [20.0, 0.8]] };
+        FoamMaterial { growth, hardening, rate: None, moduli: [50.0, 75.0] }
     }
 
-    /// Uniaxial and hydrostatic compression and hydrostatic tension lie on the surface of the start.
+    /// Uniaxial and hydrostatic compression and hydrostatic tension are on the initial yield surface.
     #[test]
-    fn the_surface_holds_the_strengths_of_the_card() {
+    fn initial_yield_surface_passes_through_the_given_strengths() {
         let (k, kt) = (1.1, 0.1);
         let p_c = 6.0 / k;
         for (growth, tension) in [
-            (Growth::Volumetric { compression: k, tension: kt }, kt * p_c),
-            (Growth::Isotropic { compression: k, ratio: 0.2 }, p_c),
+            (FoamHardening::Volumetric { compression: k, tension: kt }, kt * p_c),
+            (FoamHardening::Isotropic { compression: k, ratio: 0.2 }, p_c),
         ] {
             let law = foam(growth);
             let [_, alpha2] = law.shapes();
@@ -239,13 +243,13 @@ mod tests {
         }
     }
 
-    /// From far outside: the stress that is found lies on the surface that it has made.
+    /// The returned stress is on the hardened yield surface, even for distant trials.
     #[test]
-    fn a_trial_comes_back_to_the_surface() {
+    fn trial_stress_returns_to_the_yield_surface() {
         for growth in [
-            Growth::Volumetric { compression: 1.1, tension: 0.1 },
-            Growth::Volumetric { compression: 1.1, tension: 0.0 },
-            Growth::Isotropic { compression: 1.7, ratio: -0.2 },
+            FoamHardening::Volumetric { compression: 1.1, tension: 0.1 },
+            FoamHardening::Volumetric { compression: 1.1, tension: 0.0 },
+            FoamHardening::Isotropic { compression: 1.7, ratio: -0.2 },
         ] {
             let law = foam(growth);
             for trial in [[20.0, 60.0], [-30.0, 0.0], [6.0, 0.0], [300.0, 10.0], [-30.0, 40.0], [2.1, 6.3]] {

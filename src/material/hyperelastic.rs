@@ -1,16 +1,15 @@
-//! Rubber: stress by the whole deformation since the start.
-//! Never here: laws by the rate of strain, plasticity.
+//! Hyperelastic materials (rubber): the stress is a function of the total deformation gradient.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::transcendental::{exp, ln};
 use crate::material::increment::{StrainIncrement, StressUpdate};
-use crate::material::strain_energy::{Compression, Principal, StrainEnergy};
+use crate::material::strain_energy::{PrincipalResponse, StrainEnergy, VolumetricEnergy};
 use crate::material::{BlockStart, Material};
 use crate::state::archive::persist_struct;
 
-/// Neo-Hooke: U = C10 (J^(-2/3) tr B - 3) + (J - 1)^2 / D1, so the Cauchy stress is 2 C10 J^(-5/3) dev B + 2 (J - 1)/D1
+/// Neo-Hooke: U = C10 (J^(-2/3) tr B - 3) + (J - 1)²/D1. The Cauchy stress is 2 C10 J^(-5/3) dev B + 2 (J - 1)/D1
 /// (ABAQUS Theory Guide, "Hyperelastic material behavior").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NeoHooke {
@@ -20,25 +19,25 @@ pub struct NeoHooke {
     pub d1: f64,
 }
 
-/// What a block of rubber keeps.
+/// State variables of a block.
 #[derive(Clone, Debug)]
-pub struct Deformed {
+pub struct DeformationState {
     /// Deformation gradient: rr, rz, zr, zz, and the hoop stretch r/R.
     gradient: [Lanes; 5],
 }
 
-impl Deformed {
-    fn fresh() -> Deformed {
+impl DeformationState {
+    fn fresh() -> DeformationState {
         let (one, zero) = ([1.0; LANES], [0.0; LANES]);
-        Deformed { gradient: [one, zero, zero, one, one] }
+        DeformationState { gradient: [one, zero, zero, one, one] }
     }
 
-    /// With h, the gradient of the displacement increment in the middle of the increment, the deformation gradient becomes
-    /// (1 + h/2)(1 - h/2)^-1 F: exact, since the middle lies halfway.
+    /// Updates the deformation gradient by (1 + h/2)(1 - h/2)^-1 F with the displacement gradient h in the middle of
+    /// the increment. The update is exact, since the middle configuration is the mean of both ends.
     #[inline(always)]
     fn advance(&mut self, increment: &StrainIncrement) {
-        let mut room = [[0.0; LANES]; 4];
-        let strain = increment.averaged(&mut room);
+        let mut averaged = [[0.0; LANES]; 4];
+        let strain = increment.averaged(&mut averaged);
         for l in 0..LANES {
             let now = self.advanced(strain, &increment.spin, l);
             for i in 0..5 {
@@ -72,18 +71,18 @@ impl Deformed {
 }
 
 impl Material for NeoHooke {
-    type State = Deformed;
+    type State = DeformationState;
     const MODULI_VARY: bool = true;
     const USES_SPIN: bool = true;
 
-    fn initial_state(&self, _start: &BlockStart) -> Deformed {
-        Deformed::fresh()
+    fn initial_state(&self, _start: &BlockStart) -> DeformationState {
+        DeformationState::fresh()
     }
 
     #[inline(always)]
     fn update(
         &self,
-        state: &mut Deformed,
+        state: &mut DeformationState,
         stress: &mut [Lanes; 4],
         strain: &StrainIncrement,
         update: &mut StressUpdate,
@@ -95,13 +94,13 @@ impl Material for NeoHooke {
             let [rr, rz, zr, zz, hoop] = state.of(l);
             volume[l] = (rr * zz - rz * zr) * hoop;
         }
-        // In a loop of its own: a call for each lane keeps the others from becoming vectors.
+        // Separate loop: a function call per lane would prevent vectorisation of the other loops.
         let thirds = volume.inline_map(libm::cbrt);
         for l in 0..LANES {
             let ([rr, rz, zr, zz, hoop], j, third) = (state.of(l), volume[l], thirds[l]);
             let left = [rr * rr + rz * rz, zr * zr + zz * zz, hoop * hoop, rr * zr + rz * zz];
             let trace = left[0] + left[1] + left[2];
-            // J^(-5/3); a volume that is not above zero gives not a number, and is found.
+            // J^(-5/3); a volume ratio that is not positive gives NaN, so that the run halts.
             let scale = if j > 0.0 { shear / (j * third * third) } else { f64::NAN };
             for i in 0..3 {
                 update.deviator[i][l] = scale * (left[i] - trace * (1.0 / 3.0));
@@ -109,8 +108,8 @@ impl Material for NeoHooke {
             update.deviator[3][l] = scale * left[3];
             update.mean[l] = bulk * (j - 1.0);
             update.shear[l] = scale * trace * (1.0 / 3.0);
-            // The stiffness along the greatest stretch is below bulk J + 4/3 scale tr B; the constants hold 4/3 of the
-            // initial shear modulus.
+            // The stiffness along the largest stretch is below bulk J + 4/3 scale tr B; the constant moduli contain 4/3
+            // of the initial shear modulus.
             let stiffer = 4.0 / 3.0 * (scale * trace - shear);
             update.bulk[l] =
                 bulk * (if j > 1.0 { 2.0 * j - 1.0 } else { 1.0 }) + if stiffer < 0.0 { 0.0 } else { stiffer };
@@ -119,31 +118,31 @@ impl Material for NeoHooke {
     }
 }
 
-/// Rubber by any energy of the principal stretches.
+/// Hyperelastic material with any strain energy of the principal stretches.
 #[derive(Clone, Debug)]
-pub struct Rubber<E> {
-    /// Energy of a change of shape.
+pub struct HyperelasticMaterial<E> {
+    /// Deviatoric strain energy.
     pub shape: E,
-    /// Energy of a change of volume.
-    pub volume: Compression,
+    /// Volumetric strain energy.
+    pub volume: VolumetricEnergy,
     /// Initial shear modulus.
     pub shear: f64,
 }
 
-impl<E: StrainEnergy> Material for Rubber<E> {
-    type State = Deformed;
+impl<E: StrainEnergy> Material for HyperelasticMaterial<E> {
+    type State = DeformationState;
     const MODULI_VARY: bool = true;
     const USES_SPIN: bool = true;
 
-    fn initial_state(&self, _start: &BlockStart) -> Deformed {
-        Deformed::fresh()
+    fn initial_state(&self, _start: &BlockStart) -> DeformationState {
+        DeformationState::fresh()
     }
 
-    /// The principal directions are those of B: two in the plane, which turn, and the hoop.
+    /// The principal directions are those of B: two in the (r, z) plane and the hoop direction.
     #[inline(always)]
     fn update(
         &self,
-        state: &mut Deformed,
+        state: &mut DeformationState,
         stress: &mut [Lanes; 4],
         strain: &StrainIncrement,
         update: &mut StressUpdate,
@@ -169,20 +168,20 @@ impl<E: StrainEnergy> Material for Rubber<E> {
             }
         }
         let shape = self.shape.respond(&squares);
-        self.answer(&volume, &shape, &turn, update);
+        self.set_response(&volume, &shape, &turn, update);
         update.set_stress::<false, false>(stress, strain);
     }
 }
 
-impl<E: StrainEnergy> Rubber<E> {
+impl<E: StrainEnergy> HyperelasticMaterial<E> {
     #[inline(always)]
-    fn answer(&self, volume: &Lanes, shape: &Principal, turn: &[Lanes; 2], update: &mut StressUpdate) {
+    fn set_response(&self, volume: &Lanes, shape: &PrincipalResponse, turn: &[Lanes; 2], update: &mut StressUpdate) {
         let known = 4.0 / 3.0 * self.shear;
         let (least, softest) = (LEAST * (known + self.volume.initial()), LEAST * self.shear);
         let [pressing, slope] = self.volume.respond(volume);
         for l in 0..LANES {
             let (j, pressing) = (volume[l], pressing[l]);
-            // A volume that is not above zero gives not a number, and is found.
+            // A volume ratio that is not positive gives NaN, so that the run halts.
             let per = if j > 0.0 { 1.0 / j } else { f64::NAN };
             let [one, two, three] = [0, 1, 2].inline_map(|k| per * shape.stress[k][l]);
             let stiffness = [0, 1, 2].inline_map(|k| shape.stiffness[k][l]);
@@ -192,8 +191,8 @@ impl<E: StrainEnergy> Rubber<E> {
             update.deviator[2][l] = three;
             update.deviator[3][l] = apart * turn[1][l];
             update.mean[l] = pressing;
-            // Along a principal direction a wave has the modulus (dtau/de - tau)/J, tau the Kirchhoff stress and e the
-            // logarithmic stretch; a tension is not counted, which makes it no less.
+            // A wave along a principal direction has the modulus (dtau/de - tau)/J with the Kirchhoff stress tau and
+            // the logarithmic stretch e. Tension is ignored, which can only increase the modulus.
             let mut modulus = least;
             for (deviator, stiffness) in [one, two, three].into_iter().zip(stiffness) {
                 let stress = deviator + pressing;
@@ -207,7 +206,7 @@ impl<E: StrainEnergy> Rubber<E> {
     }
 }
 
-/// J^(-2/3) of volumes above zero.
+/// Returns J^(-2/3) of positive volume ratios.
 #[inline(always)]
 fn to_the_minus_two_thirds(volume: &Lanes) -> Lanes {
     let mut exponent = ln(volume);
@@ -217,7 +216,7 @@ fn to_the_minus_two_thirds(volume: &Lanes) -> Lanes {
     exp(&exponent)
 }
 
-/// The least modulus of a wave, over the initial one: rubber that softens still has an increment.
+/// Smallest wave modulus over the initial one: a softening rubber keeps a finite stable time increment.
 const LEAST: f64 = 1e-2;
 
-persist_struct!(Deformed { gradient });
+persist_struct!(DeformationState { gradient });

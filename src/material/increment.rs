@@ -1,11 +1,10 @@
-//! What an element gives its material in an increment, and what the material answers.
-//! Never here: laws, geometry.
+//! Inputs and outputs of a material in one increment.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use std::any::Any;
 
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
-use crate::kernel::moduli::Moduli;
+use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::real::Real;
 
 /// Kinematics of a block of elements over an increment.
@@ -30,68 +29,70 @@ pub struct StrainIncrement<T = f64> {
     /// Length of the increment.
     pub dt: f64,
     /// Moduli of the elastic trial, upper bounds where they vary.
-    pub moduli: Moduli,
+    pub moduli: ElasticModuli,
     /// Lanes with an element.
     pub count: usize,
-    /// Averaged volumetric strain increments less the element's own; `None` without averaging.
+    /// Averaged minus own volumetric strain increments; `None` without averaging.
     pub averaging: Option<Lanes>,
 }
 
-/// Stress update of a block of elements: the elastic trial on entry, the answers of the material on return.
+/// Stress update of a block of elements: the elastic trial on entry, the results of the material on return.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
 pub struct StressUpdate<T = f64> {
-    /// Mean stress of the trial, in single precision what the increment adds to it; pressure laws replace it.
+    /// Mean stress of the trial (in single precision: its increment); pressure laws replace it.
     pub mean: Lanes<T>,
     /// Deviator of the trial, relative to the back stress where there is one.
     pub deviator: [Lanes<T>; 4],
     /// Von Mises stress of the deviator, for laws of [`super::PlasticFlow::Deviatoric`].
     pub trial: Lanes<T>,
-    /// Answer: equivalent plastic strain increments; of [`super::PlasticFlow::Coupled`] the energy dissipated per volume.
+    /// Result: equivalent plastic strain increments; for [`super::PlasticFlow::Coupled`] the dissipated energy per
+    /// volume.
     pub flow: Lanes<T>,
-    /// Answer of [`super::PlasticFlow::Coupled`]: plastic strain increments. Other laws keep their rotated back stress here.
+    /// Result of [`super::PlasticFlow::Coupled`]: plastic strain increments. Other laws store the rotated back stress
+    /// here.
     pub plastic: [Lanes<T>; 4],
-    /// Answer: part of the elastic trial that the return to the yield surface left, 1 without plastic flow.
+    /// Result: ratio of the returned to the trial stress, 1 without plastic flow.
     pub returned: Lanes<T>,
-    /// Part of the trial that multiplies the deviator; in single precision the part that the return took.
+    /// Factor on the trial deviator; in single precision the part that the return subtracts.
     left: Lanes<T>,
-    /// Answer where moduli vary: bulk modulus, and shear modulus where the law has no equation of state.
+    /// Result for varying moduli: bulk modulus, and shear modulus unless the law has an equation of state.
     pub bulk: Lanes<T>,
     /// See [`StressUpdate::bulk`].
     pub shear: Lanes<T>,
-    /// Answer of an equation of state: work of the bulk viscosity that it expected.
+    /// Result of an equation of state: estimated work of the bulk viscosity.
     pub heat: Lanes<T>,
-    /// Sums over the blocks of a task, lane by lane: work of the stress.
+    /// Work of the stress, summed over the blocks of a task, lane by lane.
     pub internal: Lanes<T>,
-    /// Sums likewise: plastic dissipation and damage.
+    /// Energy dissipated by plastic flow and damage, summed in the same way.
     pub dissipated: Lanes<T>,
-    /// Elements that the material deleted in this pass.
+    /// Number of elements that the material deleted.
     pub deleted: usize,
 }
 
-/// Returns a value as one of another type, where it is of that type.
+/// Casts a value to another type; `None` if the types differ.
 #[inline(always)]
 pub(super) fn as_type<A: 'static, B: 'static>(value: &mut A) -> Option<&mut B> {
     (value as &mut dyn Any).downcast_mut()
 }
 
 impl StrainIncrement {
-    /// Returns the strain increments with averaged volumetric parts; `room` holds them where they differ.
+    /// Returns the strain increments with averaged volumetric parts; `averaged` holds them if averaging is active.
     #[inline(always)]
-    pub fn averaged<'a>(&'a self, room: &'a mut [Lanes; 4]) -> &'a [Lanes; 4] {
+    pub fn averaged<'a>(&'a self, averaged: &'a mut [Lanes; 4]) -> &'a [Lanes; 4] {
         let Some(averaging) = &self.averaging else { return &self.strain };
-        *room = self.strain;
-        for normal in &mut room[..3] {
+        *averaged = self.strain;
+        for normal in &mut averaged[..3] {
             for l in 0..LANES {
                 normal[l] += averaging[l] * (1.0 / 3.0);
             }
         }
-        room
+        averaged
     }
 }
 
 impl<T: Real> StressUpdate<T> {
-    /// Starts the sums of a task.
+    /// Resets the sums of a task.
     #[inline(always)]
     pub fn begin(&mut self) {
         (self.internal, self.dissipated, self.deleted) = ([T::ZERO; LANES], [T::ZERO; LANES], 0);
@@ -118,8 +119,8 @@ impl<T: Real> StressUpdate<T> {
         }
     }
 
-    /// Sets the stress to mean stress and deviator, the latter returned to the yield surface (`PLASTIC`) and shifted by the back
-    /// stress (`BACK`), and adds its work.
+    /// Sets the stress to mean stress plus deviator, the latter returned to the yield surface (`PLASTIC`) and shifted
+    /// by the back stress (`BACK`), and adds the work of the stress.
     #[inline(always)]
     pub(super) fn set_stress<const PLASTIC: bool, const BACK: bool>(
         &mut self,
@@ -154,8 +155,8 @@ impl<T: Real> StressUpdate<T> {
         }
     }
 
-    /// Returns the stress of a lane in single precision: the rotated stress, what the increment adds to it and what the return
-    /// takes. Where nothing is added or taken no digit changes, so that rounding does not add up over increments.
+    /// Returns the stress of a lane in single precision: the rotated stress plus the increment minus the plastic
+    /// correction. A zero increment or correction changes no digit, so rounding errors do not accumulate.
     #[inline(always)]
     fn add_increment<const PLASTIC: bool>(&self, strain: &StrainIncrement<T>, l: usize) -> [T; 4] {
         let shear2 = T::of(2.0 * strain.moduli.shear);
@@ -169,7 +170,8 @@ impl<T: Real> StressUpdate<T> {
         })
     }
 
-    /// Returns the plastic work against the back stress of a lane: 3/2 dp times the back stress along the relative stress.
+    /// Returns the plastic work against the back stress of a lane: 3/2 dp times the back stress along the relative
+    /// stress.
     #[inline(always)]
     fn work_against_back_stress(&self, strain: &StrainIncrement<T>, l: usize) -> T {
         let part = |i: usize| self.plastic[i][l] * self.deviator[i][l];

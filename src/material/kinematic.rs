@@ -1,23 +1,23 @@
-//! Linear kinematic hardening: the yield surface moves with the plastic strain and keeps its size.
-//! Never here: isotropic hardening, the rotation of the stress.
+//! Linear kinematic hardening: the yield surface translates with the plastic strain and keeps its size.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
-use crate::material::plasticity::{Flow, Hardening};
+use crate::material::plasticity::{FlowUpdate, HardeningLaw};
 use crate::state::archive::persist_struct;
 
-/// Linear kinematic hardening of Prager and Ziegler (ABAQUS Analysis User's Guide, "Models for metals subjected to cyclic
-/// loading", linear kinematic hardening): the back stress grows by 2/3 C times the plastic strain and turns with the stress.
+/// Linear kinematic hardening of Prager and Ziegler (ABAQUS Analysis User's Guide, "Models for metals subjected to
+/// cyclic loading", linear kinematic hardening): the back stress grows by 2/3 C times the plastic strain and rotates
+/// with the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kinematic {
-    /// Radius of the yield surface: yield stress without plastic strain.
+pub struct KinematicHardening {
+    /// Radius of the yield surface: the initial yield stress.
     pub yield_stress: f64,
     /// C, slope of the stress over the plastic strain in uniaxial tension.
     pub slope: f64,
 }
 
-/// What a block keeps under kinematic hardening.
+/// State variables of a block.
 #[derive(Clone, Debug)]
 pub struct BackStress {
     strain: Lanes,
@@ -25,7 +25,7 @@ pub struct BackStress {
     back: [Lanes; 4],
 }
 
-impl Hardening for Kinematic {
+impl HardeningLaw for KinematicHardening {
     type State = BackStress;
     const PLASTIC: bool = true;
     const BACKSTRESS: bool = true;
@@ -34,13 +34,13 @@ impl Hardening for Kinematic {
         BackStress { strain: [0.0; LANES], back: [[0.0; LANES]; 4] }
     }
 
-    /// Radial return: the trial stress, reckoned from the back stress, less (3 G + C) dp is the yield stress.
+    /// Radial return: the trial stress relative to the back stress minus (3 G + C) dp equals the yield stress.
     #[inline(always)]
-    fn flow(&self, state: &mut BackStress, flow: &mut Flow<'_>) {
+    fn flow(&self, state: &mut BackStress, flow: &mut FlowUpdate<'_>) {
         let per = 1.0 / (flow.shear3 + self.slope);
         for l in 0..LANES {
-            let asked = (flow.trial[l] - self.yield_stress) * per;
-            let increment = if asked > 0.0 { asked } else { 0.0 };
+            let dp = (flow.trial[l] - self.yield_stress) * per;
+            let increment = if dp > 0.0 { dp } else { 0.0 };
             flow.increment[l] = increment;
             state.strain[l] += increment;
         }
@@ -53,7 +53,14 @@ impl Hardening for Kinematic {
 
     /// The plastic strain increment is 3/2 dp times the direction of the relative stress.
     #[inline(always)]
-    fn follow(&self, state: &mut BackStress, carried: &[Lanes; 4], relative: &[Lanes; 4], trial: &Lanes, flow: &Lanes) {
+    fn update_back_stress(
+        &self,
+        state: &mut BackStress,
+        carried: &[Lanes; 4],
+        relative: &[Lanes; 4],
+        trial: &Lanes,
+        flow: &Lanes,
+    ) {
         for l in 0..LANES {
             let part = if flow[l] > 0.0 { self.slope * flow[l] / trial[l] } else { 0.0 };
             for i in 0..4 {

@@ -1,26 +1,26 @@
-//! Linear kinematic hardening whose yield stress depends on rate and temperature, and whose slope on temperature.
-//! Never here: isotropic hardening, the rotation of the stress.
+//! Linear kinematic hardening with a yield stress that depends on rate and temperature, and a slope that depends on
+//! temperature.
 
-use crate::kernel::hardening::{FlowStress, Table, plastic_increment};
-use crate::kernel::heating::Heating;
+use crate::kernel::hardening::{FlowStress, LinearTable, plastic_increment};
+use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
-use crate::material::plasticity::{Flow, Hardening};
+use crate::material::plasticity::{FlowUpdate, HardeningLaw};
 use crate::state::archive::persist_struct;
 
-/// Linear kinematic hardening over rate and temperature (ABAQUS Analysis User's Guide, "Models for metals subjected to cyclic
-/// loading"): the yield surface has the size that rate and temperature give it; the back stress grows by 2/3 C times the
-/// plastic strain, and where C changes with the temperature it changes in proportion.
-pub struct RateKinematic {
-    /// Radius of the yield surface, over rate and temperature.
+/// Linear kinematic hardening with rate and temperature dependence (ABAQUS Analysis User's Guide, "Models for metals
+/// subjected to cyclic loading"). The back stress grows by 2/3 C times the plastic strain; if C changes with
+/// temperature, the back stress changes in proportion.
+pub struct RateKinematicHardening {
+    /// Radius of the yield surface as a function of rate and temperature.
     pub size: FlowStress,
-    /// C, slope of the stress over the plastic strain, over temperature.
-    pub slope: Table,
-    /// Rise of temperature by plastic work.
-    pub heating: Heating,
+    /// C, slope of the stress over the plastic strain, as a function of temperature.
+    pub slope: LinearTable,
+    /// Temperature rise by plastic work.
+    pub heating: PlasticHeating,
 }
 
-/// What a block keeps.
+/// State variables of a block.
 #[derive(Clone, Debug)]
 pub struct RateBackStress {
     strain: Lanes,
@@ -31,7 +31,7 @@ pub struct RateBackStress {
     back: [Lanes; 4],
 }
 
-impl Hardening for RateKinematic {
+impl HardeningLaw for RateKinematicHardening {
     type State = RateBackStress;
     const PLASTIC: bool = true;
     const BACKSTRESS: bool = true;
@@ -41,8 +41,9 @@ impl Hardening for RateKinematic {
         RateBackStress { strain: zero, temperature: zero, slope: zero, back: [zero; 4] }
     }
 
-    /// The trial stress, reckoned from the back stress, less (3 G + C) dp is the yield stress at the rate of dp.
-    fn flow(&self, state: &mut RateBackStress, flow: &mut Flow<'_>) {
+    /// Radial return: the trial stress relative to the back stress minus (3 G + C) dp equals the yield stress at the
+    /// rate dp/dt.
+    fn flow(&self, state: &mut RateBackStress, flow: &mut FlowUpdate<'_>) {
         for l in 0..flow.count {
             let temperature = state.temperature[l];
             let slope = self.slope.value(temperature);
@@ -59,9 +60,9 @@ impl Hardening for RateKinematic {
         state.back
     }
 
-    /// The plastic strain increment is 3/2 dp times the direction of the relative stress; the work against the back stress
-    /// heats as well.
-    fn follow(
+    /// The plastic strain increment is 3/2 dp times the direction of the relative stress. The work against the back
+    /// stress also heats the material.
+    fn update_back_stress(
         &self,
         state: &mut RateBackStress,
         carried: &[Lanes; 4],
@@ -91,7 +92,7 @@ impl Hardening for RateKinematic {
         Some(state.temperature[lane])
     }
 
-    fn heat(&self, state: &mut RateBackStress, lane: usize, temperature: f64) {
+    fn set_temperature(&self, state: &mut RateBackStress, lane: usize, temperature: f64) {
         state.temperature[lane] = temperature;
     }
 }

@@ -1,5 +1,4 @@
-//! Materials: one interface for all laws, one file a law.
-//! Never here: elements, meshes.
+//! Material laws: one trait for all laws, one file per law. Laws know neither elements nor meshes.
 
 pub mod eos;
 pub mod equation_of_state;
@@ -20,7 +19,7 @@ pub mod von_mises;
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::kernel::real::Real;
 use crate::state::archive::Persist;
-use crate::variables::Part;
+use crate::variables::VariableComponent;
 use increment::{StrainIncrement, StressUpdate};
 use user::PointCalls;
 
@@ -30,9 +29,9 @@ pub enum PlasticFlow {
     None,
     /// Along the deviator of the trial stress, by [`StressUpdate::flow`].
     Deviatoric,
-    /// With a volumetric part: [`StressUpdate::plastic`] has the plastic strain increments.
+    /// With a volumetric part; [`StressUpdate::plastic`] holds the plastic strain increments.
     Coupled,
-    /// Known to a law of the user alone.
+    /// Unknown: the law is a user subroutine or a law in Rust.
     Unknown,
 }
 
@@ -49,11 +48,11 @@ pub struct BlockStart {
     pub centre: [Lanes; 2],
     /// Corners of each lane: their r, then their z.
     pub corners: [[[f64; 4]; 2]; LANES],
-    /// Place of the first element in its group.
+    /// Index of the first element in its group.
     pub first: usize,
 }
 
-/// A value that a material is given from outside: at the start of the analysis unless said otherwise.
+/// A value prescribed to a material point, at the start of the analysis unless stated otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointValue {
     /// Stress rr, zz, hoop, rz.
@@ -77,16 +76,17 @@ pub enum PointValue {
     NodalField(usize, f64),
 }
 
-/// A material law, which gives the stress of a block of elements. The associated constants decide what an element compiles:
-/// what a material does not use costs nothing.
+/// A material law: it computes the stress of a block of elements. The associated constants select the code that is
+/// compiled for its elements; unused features have no cost.
 pub trait Material<T: Real = f64>: Send + Sync + 'static {
     /// State variables of a block of elements.
     type State: Clone + Send + Sync + Persist;
 
-    /// Direction of plastic flow. [`PlasticFlow::Deviatoric`] and [`PlasticFlow::Unknown`] laws are given the von Mises stress of
-    /// the trial.
+    /// Direction of plastic flow. [`PlasticFlow::Deviatoric`] and [`PlasticFlow::Unknown`] laws are given the von Mises
+    /// stress of the trial.
     const FLOW: PlasticFlow = PlasticFlow::None;
-    /// Whether [`Material::update`] gives the moduli ([`StressUpdate::bulk`], [`StressUpdate::shear`]) in every increment.
+    /// Whether [`Material::update`] gives the moduli ([`StressUpdate::bulk`], [`StressUpdate::shear`]) in every
+    /// increment.
     const MODULI_VARY: bool = false;
     /// Whether the pressure follows from density and energy. The element then closes its energy balance with
     /// [`Material::add_heat`].
@@ -130,14 +130,14 @@ pub trait Material<T: Real = f64>: Send + Sync + 'static {
         1.0
     }
 
-    /// Returns the von Mises stress at which each of the first `count` elements begins to yield at rest; `None` without a
-    /// hardening law.
+    /// Returns the von Mises stress at which each of the first `count` elements begins to yield at rest; `None` without
+    /// a hardening law.
     fn yield_stress(&self, _state: &Self::State, _shear: f64, _count: usize) -> Option<Lanes> {
         None
     }
 
     /// Returns an output variable of an element; `None` where the material does not have it.
-    fn value(&self, _state: &Self::State, _lane: usize, _part: Part) -> Option<f64> {
+    fn value(&self, _state: &Self::State, _lane: usize, _part: VariableComponent) -> Option<f64> {
         None
     }
 
@@ -151,7 +151,7 @@ pub trait Material<T: Real = f64>: Send + Sync + 'static {
         None
     }
 
-    /// Returns the bytes that the state of a block holds beside its own size.
+    /// Returns the heap memory of a block's state in bytes.
     fn bytes(&self, _state: &Self::State) -> usize {
         0
     }

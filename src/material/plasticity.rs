@@ -1,38 +1,37 @@
 //! Yield and isotropic hardening of von Mises plasticity.
-//! Never here: loops over elements.
 
 use crate::kernel::hardening::FlowStress;
-use crate::kernel::heating::Heating;
+use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::return_mapping::{TrialState, plastic_increments};
 use crate::state::archive::{Persist, persist_struct};
 
-/// How the yield stress of von Mises plasticity develops. An absent one is a type without state.
-pub trait Hardening: Send + Sync + 'static {
-    /// What a block of elements keeps.
+/// Hardening law of von Mises plasticity. Materials without yield use [`ElasticOnly`], which has no state.
+pub trait HardeningLaw: Send + Sync + 'static {
+    /// State variables of a block of elements.
     type State: Clone + Send + Sync + Persist;
 
-    /// Whether anything flows at all.
+    /// Whether the material can yield.
     const PLASTIC: bool;
 
-    /// Whether the yield surface moves.
+    /// Whether the law has a back stress.
     const BACKSTRESS: bool = false;
 
-    /// State of a block that has never yielded.
+    /// Returns the state of a block that has never yielded.
     fn fresh(&self) -> Self::State;
 
-    /// Equivalent plastic strain increments, given the elastic trial's von Mises stress and three shear moduli.
-    fn flow(&self, state: &mut Self::State, flow: &mut Flow<'_>);
+    /// Computes the equivalent plastic strain increments of a block from the elastic trial.
+    fn flow(&self, state: &mut Self::State, flow: &mut FlowUpdate<'_>);
 
-    /// Back stress: rr, zz, hoop, rz.
+    /// Returns the back stress: rr, zz, hoop, rz.
     fn back_stress(&self, _state: &Self::State) -> [Lanes; 4] {
         [[0.0; LANES]; 4]
     }
 
-    /// Moves the back stress, which the rotation has carried along, with the plastic strain: given the trial stress
+    /// Updates the back stress with the plastic strain, from the rotated previous back stress, the trial stress
     /// relative to it, its von Mises stress, and the plastic strain increments.
-    fn follow(
+    fn update_back_stress(
         &self,
         _state: &mut Self::State,
         _carried: &[Lanes; 4],
@@ -42,65 +41,65 @@ pub trait Hardening: Send + Sync + 'static {
     ) {
     }
 
-    /// Equivalent plastic strain of a lane.
+    /// Returns the equivalent plastic strain of a lane.
     fn plastic_strain(&self, state: &Self::State, lane: usize) -> f64;
 
-    /// Sets the equivalent plastic strain of a lane at the start; whether it says all of the hardening.
-    fn harden(&self, _state: &mut Self::State, _lane: usize, _strain: f64) -> bool {
+    /// Sets the initial equivalent plastic strain of a lane. Returns whether the law's hardening is determined by it.
+    fn set_plastic_strain(&self, _state: &mut Self::State, _lane: usize, _strain: f64) -> bool {
         false
     }
 
-    /// Temperature of a lane, where it is followed.
+    /// Returns the temperature of a lane, if the law computes it.
     fn temperature(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
         None
     }
 
-    /// Sets the temperature at the start.
-    fn heat(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
+    /// Sets the temperature of a lane.
+    fn set_temperature(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
 }
 
-/// One block's question to its hardening law.
-pub struct Flow<'a> {
+/// Inputs and results of a hardening law for one block.
+pub struct FlowUpdate<'a> {
     /// Von Mises stress of the elastic trial.
     pub trial: &'a Lanes,
     /// Three shear moduli.
     pub shear3: f64,
-    /// Length of the increment.
+    /// Length of the increment; 0 at the start.
     pub dt: f64,
     /// Lanes that hold elements.
     pub count: usize,
-    /// Answer: increments of the equivalent plastic strain.
+    /// Result: equivalent plastic strain increments.
     pub increment: &'a mut Lanes,
 }
 
-/// Nothing flows.
+/// No yield.
 #[derive(Clone, Copy, Debug)]
-pub struct Elastic;
+pub struct ElasticOnly;
 
-impl Hardening for Elastic {
+impl HardeningLaw for ElasticOnly {
     type State = ();
     const PLASTIC: bool = false;
 
     fn fresh(&self) {}
 
     #[inline(always)]
-    fn flow(&self, (): &mut (), _flow: &mut Flow<'_>) {}
+    fn flow(&self, (): &mut (), _flow: &mut FlowUpdate<'_>) {}
 
     fn plastic_strain(&self, (): &(), _lane: usize) -> f64 {
         0.0
     }
 }
 
-/// Yield stress that is the least of some lines over plastic strain: perfect plasticity, linear hardening, and every table
-/// whose slopes fall.
+/// Yield stress as the minimum of several lines over the plastic strain: perfect plasticity, linear hardening, and
+/// every table with descending slopes.
 #[derive(Clone, Debug)]
 pub struct PiecewiseLinearHardening {
-    lines: Vec<Line>,
+    lines: Vec<HardeningLine>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Line {
-    /// Yield stress at no plastic strain.
+struct HardeningLine {
+    /// Yield stress of the line at zero plastic strain.
     start: f64,
     slope: f64,
     /// 1 / (3 G + slope).
@@ -108,24 +107,24 @@ struct Line {
 }
 
 impl PiecewiseLinearHardening {
-    /// The lines of a table of yield stress and plastic strain, constant behind its last row; `None` if its slopes do not
-    /// fall, or fall below zero.
+    /// Returns the law for a table of yield stress and plastic strain, constant after its last row; `None` if its
+    /// slopes do not descend or are negative.
     pub fn new(rows: &[[f64; 2]], shear: f64) -> Option<PiecewiseLinearHardening> {
         let last = rows.last()?;
-        let line = |start, slope| Line { start, slope, per: 1.0 / (3.0 * shear + slope) };
+        let line = |start, slope| HardeningLine { start, slope, per: 1.0 / (3.0 * shear + slope) };
         let between = rows.windows(2).map(|w| {
             let slope = (w[1][0] - w[0][0]) / (w[1][1] - w[0][1]);
             line(w[0][0] - slope * w[0][1], slope)
         });
-        let mut lines: Vec<Line> = between.collect();
-        // Rows on one line are one line.
+        let mut lines: Vec<HardeningLine> = between.collect();
+        // Collinear rows form one line.
         lines.dedup_by(|b, a| (b.slope - a.slope).abs() <= 1e-9 * a.slope.abs());
         lines.push(line(last[0], 0.0));
         lines.windows(2).all(|w| w[1].slope <= w[0].slope).then_some(PiecewiseLinearHardening { lines })
     }
 }
 
-impl Hardening for PiecewiseLinearHardening {
+impl HardeningLaw for PiecewiseLinearHardening {
     type State = Lanes;
     const PLASTIC: bool = true;
 
@@ -133,15 +132,15 @@ impl Hardening for PiecewiseLinearHardening {
         [0.0; LANES]
     }
 
-    /// Radial return: the trial stress less 3 G dp is the least of the lines at p + dp, so dp is the largest that a line
-    /// asks for.
+    /// Radial return: the trial stress minus 3 G dp equals the minimum of the lines at p + dp, so dp is the maximum
+    /// over the lines.
     #[inline(always)]
-    fn flow(&self, strain: &mut Lanes, flow: &mut Flow<'_>) {
+    fn flow(&self, strain: &mut Lanes, flow: &mut FlowUpdate<'_>) {
         let mut increment = [0.0; LANES];
         for line in &self.lines {
             for l in 0..LANES {
-                let asked = (flow.trial[l] - (line.start + line.slope * strain[l])) * line.per;
-                increment[l] = if asked > increment[l] { asked } else { increment[l] };
+                let dp = (flow.trial[l] - (line.start + line.slope * strain[l])) * line.per;
+                increment[l] = if dp > increment[l] { dp } else { increment[l] };
             }
         }
         for l in 0..LANES {
@@ -154,30 +153,30 @@ impl Hardening for PiecewiseLinearHardening {
         strain[lane]
     }
 
-    fn harden(&self, strain: &mut Lanes, lane: usize, start: f64) -> bool {
+    fn set_plastic_strain(&self, strain: &mut Lanes, lane: usize, start: f64) -> bool {
         strain[lane] = start;
         true
     }
 }
 
-/// Any yield stress over plastic strain, rate and temperature; plastic work may heat.
+/// Hardening law with a yield stress over plastic strain, rate and temperature, and optional heating by plastic work.
 pub struct RateDependentHardening {
     /// The yield stress.
     pub law: FlowStress,
-    /// Rise of temperature by plastic work.
-    pub heating: Heating,
+    /// Temperature rise by plastic work.
+    pub heating: PlasticHeating,
 }
 
-/// What a block keeps under a general law.
+/// State variables of a block.
 #[derive(Clone, Debug)]
 pub struct PlasticState {
     strain: Lanes,
     temperature: Lanes,
-    /// Rate of the plastic strain where it last grew.
+    /// Plastic strain rate of the last increment with plastic flow.
     rate: Lanes,
 }
 
-impl Hardening for RateDependentHardening {
+impl HardeningLaw for RateDependentHardening {
     type State = PlasticState;
     const PLASTIC: bool = true;
 
@@ -186,7 +185,7 @@ impl Hardening for RateDependentHardening {
     }
 
     #[inline(always)]
-    fn flow(&self, state: &mut PlasticState, flow: &mut Flow<'_>) {
+    fn flow(&self, state: &mut PlasticState, flow: &mut FlowUpdate<'_>) {
         let PlasticState { strain, temperature, rate } = state;
         let trial = TrialState { stress: flow.trial, strain, temperature, rate, shear3: flow.shear3, dt: flow.dt };
         let increment = plastic_increments(&self.law, trial, flow.count);
@@ -208,7 +207,7 @@ impl Hardening for RateDependentHardening {
         state.strain[lane]
     }
 
-    fn harden(&self, state: &mut PlasticState, lane: usize, start: f64) -> bool {
+    fn set_plastic_strain(&self, state: &mut PlasticState, lane: usize, start: f64) -> bool {
         state.strain[lane] = start;
         true
     }
@@ -217,7 +216,7 @@ impl Hardening for RateDependentHardening {
         Some(state.temperature[lane])
     }
 
-    fn heat(&self, state: &mut PlasticState, lane: usize, temperature: f64) {
+    fn set_temperature(&self, state: &mut PlasticState, lane: usize, temperature: f64) {
         state.temperature[lane] = temperature;
     }
 }
@@ -226,19 +225,19 @@ persist_struct!(PlasticState { strain, temperature, rate });
 
 #[cfg(test)]
 mod tests {
-    use super::{Flow, Hardening, LANES, PiecewiseLinearHardening};
-    use crate::kernel::hardening::{Table, plastic_increment};
+    use super::{FlowUpdate, HardeningLaw, LANES, PiecewiseLinearHardening};
+    use crate::kernel::hardening::{LinearTable, plastic_increment};
 
     #[test]
-    fn lines_return_as_the_table_does() {
+    fn lines_give_the_same_increments_as_the_table() {
         let rows = [[400.0, 0.0], [450.0, 0.1], [500.0, 0.2], [540.0, 0.4]];
-        let (shear, table) = (45.0, Table { rows: rows.to_vec() });
+        let (shear, table) = (45.0, LinearTable { rows: rows.to_vec() });
         let lines = PiecewiseLinearHardening::new(&rows, shear).expect("slopes fall");
-        assert_eq!(lines.lines.len(), 3, "two rows are on one line");
+        assert_eq!(lines.lines.len(), 3, "two rows are collinear");
         for (trial, strain) in [(399.0, 0.0), (401.0, 0.0), (460.0, 0.0), (700.0, 0.15), (900.0, 0.39), (600.0, 0.9)] {
             let mut state = [strain; LANES];
             let mut increment = [0.0; LANES];
-            let flow = &mut Flow {
+            let flow = &mut FlowUpdate {
                 trial: &[trial; LANES],
                 shear3: 3.0 * shear,
                 dt: 1.0,

@@ -1,5 +1,4 @@
-//! A material law of a Rust program (`revolve::user::MaterialLaw`) as a material.
-//! Never here: laws.
+//! Adapter from a material law in Rust (`revolve::user::MaterialLaw`) to a material.
 
 use std::sync::Arc;
 
@@ -9,24 +8,24 @@ use crate::kernel::lanes::{LANES, Lanes, column};
 use crate::kernel::stress::mises;
 use crate::state::archive::persist_struct;
 use crate::user::law::{MaterialLaw, MaterialPoint};
-use crate::variables::{Part, Variable};
+use crate::variables::{Variable, VariableComponent};
 
-/// A law with what the deck says of its material.
+/// A material law in Rust with the constants of the deck.
 pub struct PointLaw {
     pub law: Arc<dyn MaterialLaw>,
     pub constants: Vec<f64>,
     pub variables: usize,
-    /// The state variable that deletes an element when it becomes zero, by its index.
+    /// Index of the state variable that deletes an element when it becomes zero.
     pub delete: Option<usize>,
 }
 
-/// State of a block.
+/// State variables of a block.
 #[derive(Clone, Debug)]
 pub struct PointState {
-    /// State variables of one point after the other.
+    /// State variables, point by point.
     variables: Vec<f64>,
     deleted: [bool; LANES],
-    /// Volumes at the start.
+    /// Initial volumes.
     volume: Lanes,
     total_time: f64,
 }
@@ -48,7 +47,7 @@ impl Material for PointLaw {
         state.total_time = total_time;
     }
 
-    /// An increment of no length leaves all as it is.
+    /// An increment of zero length changes nothing.
     fn update(
         &self,
         state: &mut PointState,
@@ -80,7 +79,7 @@ impl Material for PointLaw {
             let volume = strain.volume[l];
             update.internal[l] += 0.5 * volume * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
             update.dissipated[l] += volume * dissipated;
-            // 1 but for rounding is 1.
+            // A ratio within rounding of 1 is set to 1.
             let left = mises(new) / update.trial[l];
             update.returned[l] = if left < 1.0 - 1e-12 { left } else { 1.0 };
             if self.delete.is_some_and(|delete| variables[delete] == 0.0) {
@@ -105,7 +104,7 @@ impl Material for PointLaw {
         state.volume[lane]
     }
 
-    fn value(&self, state: &PointState, lane: usize, part: Part) -> Option<f64> {
+    fn value(&self, state: &PointState, lane: usize, part: VariableComponent) -> Option<f64> {
         match part.variable {
             Variable::State if part.component < self.variables => {
                 Some(state.variables[lane * self.variables + part.component])

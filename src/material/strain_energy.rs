@@ -1,51 +1,49 @@
-//! Strain energies of rubber: the part of a change of shape, by principal stretches, and the part of a change of volume
-//! (ABAQUS Analysis User's Guide, "Hyperelastic behavior of rubberlike materials"; Theory Guide, "Hyperelastic material
-//! behavior").
-//! Never here: deformation gradients, rotations.
+//! Strain energies of rubber: deviatoric part by principal stretches, and volumetric part (ABAQUS Analysis User's
+//! Guide, "Hyperelastic behavior of rubberlike materials"; Theory Guide, "Hyperelastic material behavior").
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::kernel::transcendental::{exp, ln};
 
-/// Answer of an energy in its principal directions, of the energy a volume at the start.
+/// Derivatives of a strain energy per initial volume in the principal directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Principal {
-    /// Derivative by the logarithm of each stretch: the deviator of the Kirchhoff stress.
+pub struct PrincipalResponse {
+    /// First derivatives with respect to the logarithmic principal stretches: the deviator of the Kirchhoff stress.
     pub stress: [Lanes; 3],
-    /// Second derivative by it.
+    /// Second derivatives.
     pub stiffness: [Lanes; 3],
 }
 
-impl Principal {
-    const NOTHING: Principal = Principal { stress: [[0.0; LANES]; 3], stiffness: [[0.0; LANES]; 3] };
+impl PrincipalResponse {
+    const NOTHING: PrincipalResponse = PrincipalResponse { stress: [[0.0; LANES]; 3], stiffness: [[0.0; LANES]; 3] };
 }
 
-/// Energy of a change of shape.
+/// Deviatoric strain energy.
 pub trait StrainEnergy: Send + Sync + 'static {
-    /// Its derivatives at these squares of the principal stretches, their product 1.
-    fn respond(&self, squares: &[Lanes; 3]) -> Principal;
+    /// Returns the derivatives of the energy at squared isochoric principal stretches, whose product is 1.
+    fn respond(&self, squares: &[Lanes; 3]) -> PrincipalResponse;
 }
 
-/// The highest order of a polynomial.
+/// Highest order of a polynomial.
 pub const ORDER: usize = 6;
 
-/// Sum of C_ij (I1 - 3)^i (I2 - 3)^j: Mooney and Rivlin, Yeoh, reduced and full polynomials.
+/// Polynomial energy Σ C_ij (I1 - 3)^i (I2 - 3)^j: Mooney-Rivlin, Yeoh, reduced and full polynomials.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Polynomial {
-    /// Each C_ij with i and j, which are no higher than [`ORDER`].
+pub struct PolynomialEnergy {
+    /// Terms C_ij, i, j; the exponents are at most [`ORDER`].
     pub terms: Vec<(f64, usize, usize)>,
 }
 
-/// Derivatives of a polynomial by the two invariants.
-struct ByInvariants {
+/// Derivatives of a polynomial with respect to the two invariants.
+struct InvariantDerivatives {
     first: [Lanes; 2],
-    /// By the first twice, by both, by the second twice.
+    /// With respect to I1 twice, to both, to I2 twice.
     second: [Lanes; 3],
 }
 
-impl Polynomial {
+impl PolynomialEnergy {
     #[inline(always)]
-    fn derivatives(&self, i1: &Lanes, i2: &Lanes) -> ByInvariants {
+    fn derivatives(&self, i1: &Lanes, i2: &Lanes) -> InvariantDerivatives {
         let highest = self.terms.iter().fold(0, |most, term| most.max(term.1).max(term.2));
         let [mut x, mut y] = [[[1.0; LANES]; ORDER + 1]; 2];
         for i in 1..=highest {
@@ -54,9 +52,9 @@ impl Polynomial {
                 y[i][l] = y[i - 1][l] * (i2[l] - 3.0);
             }
         }
-        let mut sums = ByInvariants { first: [[0.0; LANES]; 2], second: [[0.0; LANES]; 3] };
+        let mut sums = InvariantDerivatives { first: [[0.0; LANES]; 2], second: [[0.0; LANES]; 3] };
         for &(c, i, j) in &self.terms {
-            // Of x^i: the power, and its derivatives as powers with their factors.
+            // The power x^i and its derivatives: lower powers with their factors.
             let [a, b] = [i, j].inline_map(|n| [n as f64, (n * n.saturating_sub(1)) as f64]);
             let [f, g] =
                 [(&x, i), (&y, j)].inline_map(|(list, n)| [0, 1, 2].inline_map(|less| &list[n.saturating_sub(less)]));
@@ -72,9 +70,9 @@ impl Polynomial {
     }
 }
 
-impl StrainEnergy for Polynomial {
+impl StrainEnergy for PolynomialEnergy {
     #[inline(always)]
-    fn respond(&self, squares: &[Lanes; 3]) -> Principal {
+    fn respond(&self, squares: &[Lanes; 3]) -> PrincipalResponse {
         let (mut inverse, mut i1, mut i2) = ([[0.0; LANES]; 3], [0.0; LANES], [0.0; LANES]);
         for l in 0..LANES {
             let [a, b, c] = [0, 1, 2].inline_map(|k| squares[k][l]);
@@ -82,12 +80,13 @@ impl StrainEnergy for Polynomial {
             (inverse[0][l], inverse[1][l], inverse[2][l]) = (d, e, f);
             (i1[l], i2[l]) = (a + b + c, d + e + f);
         }
-        let ByInvariants { first: [u1, u2], second: [u11, u12, u22] } = self.derivatives(&i1, &i2);
-        let mut answer = Principal::NOTHING;
+        let InvariantDerivatives { first: [u1, u2], second: [u11, u12, u22] } = self.derivatives(&i1, &i2);
+        let mut answer = PrincipalResponse::NOTHING;
         for k in 0..3 {
             for l in 0..LANES {
                 let (x, y, i1, i2) = (squares[k][l], inverse[k][l], i1[l], i2[l]);
-                // Derivatives of the invariants by the logarithm of a stretch of which a third is taken from each.
+                // Derivatives of the invariants with respect to one logarithmic stretch at constant volume: a third of
+                // its change is subtracted from each stretch.
                 let (a, b) = (2.0 * (x - i1 * (1.0 / 3.0)), 2.0 * (i2 * (1.0 / 3.0) - y));
                 let (aa, bb) = (4.0 / 9.0 * (3.0 * x + i1), 4.0 / 9.0 * (3.0 * y + i2));
                 answer.stress[k][l] = u1[l] * a + u2[l] * b;
@@ -99,18 +98,18 @@ impl StrainEnergy for Polynomial {
     }
 }
 
-/// Sum of 2 mu_i/alpha_i^2 (l1^alpha_i + l2^alpha_i + l3^alpha_i - 3) (Ogden).
+/// Ogden energy Σ 2 mu_i/alpha_i² (l1^alpha_i + l2^alpha_i + l3^alpha_i - 3).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ogden {
-    /// Each mu and alpha.
+pub struct OgdenEnergy {
+    /// Pairs mu_i, alpha_i.
     pub terms: Vec<[f64; 2]>,
 }
 
-impl StrainEnergy for Ogden {
+impl StrainEnergy for OgdenEnergy {
     #[inline(always)]
-    fn respond(&self, squares: &[Lanes; 3]) -> Principal {
+    fn respond(&self, squares: &[Lanes; 3]) -> PrincipalResponse {
         let logarithms = [ln(&squares[0]), ln(&squares[1]), ln(&squares[2])];
-        let mut answer = Principal::NOTHING;
+        let mut answer = PrincipalResponse::NOTHING;
         for &[mu, alpha] in &self.terms {
             let power = [0, 1, 2].inline_map(|k| {
                 let mut exponent = logarithms[k];
@@ -132,23 +131,23 @@ impl StrainEnergy for Ogden {
     }
 }
 
-/// Energy of a change of volume: the sum of (J - 1)^(2i)/D_i.
+/// Volumetric strain energy Σ (J - 1)^(2i)/D_i.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Compression {
-    /// One over each D_i.
+pub struct VolumetricEnergy {
+    /// 1/D_i.
     pub inverse: Vec<f64>,
 }
 
-impl Compression {
+impl VolumetricEnergy {
     pub fn initial(&self) -> f64 {
         self.inverse.first().map_or(0.0, |inverse| 2.0 * inverse)
     }
 
-    /// First and second derivative by J.
+    /// Returns the first and second derivative with respect to J.
     #[inline(always)]
     pub fn respond(&self, j: &Lanes) -> [Lanes; 2] {
         let (mut first, mut second) = ([0.0; LANES], [0.0; LANES]);
-        // (J - 1)^(2i - 2), and 2i.
+        // `power` is (J - 1)^(2i - 2), `order` is 2i.
         let (mut power, mut order) = ([1.0; LANES], 2.0);
         for inverse in &self.inverse {
             for l in 0..LANES {
@@ -165,15 +164,15 @@ impl Compression {
 
 #[cfg(test)]
 mod tests {
-    use super::{Compression, LANES, Ogden, Polynomial, StrainEnergy};
+    use super::{LANES, OgdenEnergy, PolynomialEnergy, StrainEnergy, VolumetricEnergy};
 
-    /// Squares of stretches of product 1 from two logarithms; a third of the change of one is taken from each.
+    /// Returns squared isochoric stretches: a third of the sum is subtracted from each logarithm.
     fn squares(logarithms: [f64; 3]) -> [f64; 3] {
         let third = logarithms.iter().sum::<f64>() / 3.0;
         logarithms.map(|l| (2.0 * (l - third)).exp())
     }
 
-    /// The derivatives against differences of the energy itself.
+    /// Compares the derivatives with difference quotients of the energy.
     fn agrees(law: &impl StrainEnergy, energy: impl Fn([f64; 3]) -> f64) {
         for at in [[0.0, 0.0, 0.0], [0.6, -0.2, 0.1], [-0.4, 0.5, -0.9]] {
             let answer = law.respond(&squares(at).map(|square| [square; LANES]));
@@ -194,19 +193,19 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_are_those_of_the_energies() {
+    fn derivatives_match_difference_quotients() {
         let terms = vec![(0.5, 1, 0), (0.2, 0, 1), (-0.02, 2, 0), (0.01, 1, 1), (0.03, 0, 2), (0.004, 3, 0)];
         let of = terms.clone();
-        agrees(&Polynomial { terms }, |s| {
+        agrees(&PolynomialEnergy { terms }, |s| {
             let (x, y) = (s.iter().sum::<f64>() - 3.0, s.iter().map(|x| 1.0 / x).sum::<f64>() - 3.0);
             of.iter().map(|&(c, i, j)| c * x.powi(i as i32) * y.powi(j as i32)).sum()
         });
         let terms = vec![[0.6, 1.3], [0.01, 5.0], [-0.1, -2.0]];
         let of = terms.clone();
-        agrees(&Ogden { terms }, |s| {
+        agrees(&OgdenEnergy { terms }, |s| {
             of.iter().map(|[mu, a]| 2.0 * mu / (a * a) * (s.iter().map(|x| x.powf(a / 2.0)).sum::<f64>() - 3.0)).sum()
         });
-        let volume = Compression { inverse: vec![10.0, 3.0] };
+        let volume = VolumetricEnergy { inverse: vec![10.0, 3.0] };
         let energy = |j: f64| 10.0 * (j - 1.0).powi(2) + 3.0 * (j - 1.0).powi(4);
         let [first, second] = volume.respond(&[1.3; LANES]).map(|lanes| lanes[0]);
         assert!((first - (energy(1.3 + 1e-6) - energy(1.3 - 1e-6)) / 2e-6).abs() < 1e-6);

@@ -1,19 +1,18 @@
-//! Pressure laws: the mean stress over the change of volume.
-//! Never here: deviators, forces.
+//! Pressure laws: mean stress as a function of the volume change.
 
 use super::BlockStart;
 use crate::kernel::lanes::Lanes;
 use crate::state::archive::Persist;
 
-/// The volumetric part of a material. A constant bulk modulus is a type without state, and costs nothing.
-pub trait Volumetric: Send + Sync + 'static {
-    /// What a block of elements keeps.
+/// Volumetric part of a material. A constant bulk modulus is a type without state or cost.
+pub trait VolumetricLaw: Send + Sync + 'static {
+    /// State variables of a block of elements.
     type State: Clone + Send + Sync + Persist;
 
-    /// Whether the pressure is other than a constant bulk modulus times the dilation.
+    /// Whether the law is an equation of state, i.e. not a constant bulk modulus times the volumetric strain.
     const EOS: bool;
 
-    /// Returns the state of a block at the start.
+    /// Returns the initial state of a block.
     fn fresh(&self, start: &BlockStart) -> Self::State;
 
     /// Updates mean stress and tangent bulk modulus over an increment.
@@ -22,29 +21,29 @@ pub trait Volumetric: Send + Sync + 'static {
     /// Begins an increment that ends at this total time.
     fn begin(&self, _state: &mut Self::State, _now: f64) {}
 
-    /// Share of an explosive that has burnt, where it is one.
+    /// Returns the burn fraction of a lane, for explosives.
     fn burnt(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
         None
     }
 
-    /// Adds heat (energy) beyond what [`Volumetric::update_pressure`] expected.
+    /// Adds heat (energy) in addition to the estimate of [`VolumetricLaw::update_pressure`].
     fn add_heat(&self, _state: &mut Self::State, _heat: &Lanes, _mass: &Lanes) {}
 
-    /// Energy a mass of a lane, where it is followed.
+    /// Returns the specific energy (energy per mass) of a lane, if the law computes it.
     fn energy(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
         None
     }
 
-    /// Sets the energy a mass at the start.
+    /// Sets the initial specific energy of a lane.
     fn set_energy(&self, _state: &mut Self::State, _lane: usize, _energy: f64) {}
 
-    /// Temperature of a lane, where the energy gives it.
+    /// Returns the temperature of a lane, if the specific energy determines it.
     fn temperature(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
         None
     }
 
-    /// Sets the energy by the temperature at the start.
-    fn heat(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
+    /// Sets the specific energy of a lane from its initial temperature.
+    fn set_temperature(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
 
     /// Returns the bytes that the state of a block holds in addition to its own size.
     fn bytes(&self, _state: &Self::State) -> usize {
@@ -52,23 +51,23 @@ pub trait Volumetric: Send + Sync + 'static {
     }
 }
 
-/// Pressure update of a block.
+/// Inputs and results of a pressure law for one block.
 pub struct PressureUpdate<'a> {
-    /// Mean stress: before the increment; the answer after it.
+    /// Mean stress: previous value on entry, result on return.
     pub mean: &'a mut Lanes,
-    /// Answer: isentropic bulk modulus.
+    /// Result: isentropic bulk modulus.
     pub bulk: &'a mut Lanes,
-    /// Stress of the bulk viscosity an increment before.
+    /// Bulk viscosity stress of the previous increment.
     pub viscous: &'a Lanes,
-    /// Answer: work of the bulk viscosity that was expected.
+    /// Result: estimated work of the bulk viscosity.
     pub heat: &'a mut Lanes,
-    /// Increment of the volumetric strain.
+    /// Volumetric strain increment.
     pub dilation: &'a Lanes,
-    /// Work of the deviator in the increment, energy.
+    /// Work of the deviatoric stress in the increment, energy.
     pub work: &'a Lanes,
     /// Volume in the middle of the increment; 0 for lanes without element.
     pub middle: &'a Lanes,
-    /// Volume now.
+    /// Current volume.
     pub volume: &'a Lanes,
     /// Mass.
     pub mass: &'a Lanes,
@@ -76,9 +75,9 @@ pub struct PressureUpdate<'a> {
 
 /// A constant bulk modulus.
 #[derive(Clone, Copy, Debug)]
-pub struct Linear;
+pub struct ConstantBulkModulus;
 
-impl Volumetric for Linear {
+impl VolumetricLaw for ConstantBulkModulus {
     type State = ();
     const EOS: bool = false;
 

@@ -1,28 +1,28 @@
-//! Isotropic solids and fluids: a hardening law of von Mises plasticity, a pressure law and failure as one material.
-//! Never here: these laws.
+//! Isotropic solids and fluids, composed of a hardening law of von Mises plasticity, a pressure law and a failure
+//! model.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::failure::{Failure, Initiation, NoDamage, Seen};
+use super::failure::{FailureInput, FailureLaw, InitiationKind, NoDamage};
 use super::increment::{StrainIncrement, StressUpdate, as_type};
-use super::plasticity::{Flow, Hardening};
-use super::volumetric::{PressureUpdate, Volumetric};
+use super::plasticity::{FlowUpdate, HardeningLaw};
+use super::volumetric::{PressureUpdate, VolumetricLaw};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn, near, wide};
-use crate::kernel::moduli::Moduli;
+use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::real::Real;
 use crate::kernel::rotation::rotated;
 use crate::kernel::stress;
 use crate::state::archive::{Persist, persist_struct};
-use crate::variables::{Part, Variable};
+use crate::variables::{Variable, VariableComponent};
 
-/// A material of three laws.
+/// A material composed of three laws.
 #[derive(Clone, Debug)]
 pub struct VonMises<H, V, F = NoDamage> {
     /// Hardening law; [`super::plasticity::Elastic`] without yield.
     pub hardening: H,
     /// Pressure law; [`super::volumetric::Linear`] for a constant bulk modulus.
     pub volumetric: V,
-    /// Failure criterion; `NoDamage` where elements do not fail.
+    /// Failure model; [`NoDamage`] if elements do not fail.
     pub failure: F,
 }
 
@@ -34,14 +34,14 @@ pub struct VonMisesState<S, Q, X> {
     failure: X,
 }
 
-impl<H: Hardening, V: Volumetric> VonMises<H, V> {
+impl<H: HardeningLaw, V: VolumetricLaw> VonMises<H, V> {
     /// Returns a material without failure.
     pub fn new(hardening: H, volumetric: V) -> Self {
         VonMises { hardening, volumetric, failure: NoDamage }
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, T: Real> Material<T> for VonMises<H, V, F> {
+impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw, T: Real> Material<T> for VonMises<H, V, F> {
     type State = VonMisesState<H::State, V::State, F::State>;
 
     const FLOW: PlasticFlow = if H::PLASTIC { PlasticFlow::Deviatoric } else { PlasticFlow::None };
@@ -82,15 +82,26 @@ impl<H: Hardening, V: Volumetric, F: Failure, T: Real> Material<T> for VonMises<
                 &update.trial,
                 #[inline(always)]
                 |trial| {
-                    let flow =
-                        &mut Flow { trial, shear3, dt: strain.dt, count: strain.count, increment: &mut increment };
+                    let flow = &mut FlowUpdate {
+                        trial,
+                        shear3,
+                        dt: strain.dt,
+                        count: strain.count,
+                        increment: &mut increment,
+                    };
                     self.hardening.flow(&mut state.hardening, flow);
                 },
             );
             if H::BACKSTRESS {
                 let [back, relative] =
                     [&update.plastic, &update.deviator].inline_map(|list| list.each_ref().inline_map(wide));
-                self.hardening.follow(&mut state.hardening, &back, &relative, &wide(&update.trial), &increment);
+                self.hardening.update_back_stress(
+                    &mut state.hardening,
+                    &back,
+                    &relative,
+                    &wide(&update.trial),
+                    &increment,
+                );
             }
             update.flow = near(&increment);
         }
@@ -134,20 +145,22 @@ impl<H: Hardening, V: Volumetric, F: Failure, T: Real> Material<T> for VonMises<
         self.failure.volume(&state.failure, lane)
     }
 
-    /// Asks the law for the stress at which it begins to yield.
+    /// Finds the yield stress by evaluating the hardening law.
     #[cold]
     #[inline(never)]
     fn yield_stress(&self, state: &Self::State, shear: f64, count: usize) -> Option<Lanes> {
         H::PLASTIC.then(|| yield_stress(&self.hardening, &state.hardening, shear, count))
     }
 
-    fn value(&self, state: &Self::State, lane: usize, part: Part) -> Option<f64> {
+    fn value(&self, state: &Self::State, lane: usize, part: VariableComponent) -> Option<f64> {
         match part.variable {
             Variable::PlasticStrain => H::PLASTIC.then(|| self.hardening.plastic_strain(&state.hardening, lane)),
             Variable::Degradation => self.failure.damage(&state.failure, lane),
-            Variable::DamageInitiation => self.failure.initiation(&state.failure, lane, Initiation::Any),
-            Variable::DuctileInitiation => self.failure.initiation(&state.failure, lane, Initiation::Ductile),
-            Variable::JohnsonCookInitiation => self.failure.initiation(&state.failure, lane, Initiation::JohnsonCook),
+            Variable::DamageInitiation => self.failure.initiation(&state.failure, lane, InitiationKind::Any),
+            Variable::DuctileInitiation => self.failure.initiation(&state.failure, lane, InitiationKind::Ductile),
+            Variable::JohnsonCookInitiation => {
+                self.failure.initiation(&state.failure, lane, InitiationKind::JohnsonCook)
+            }
             Variable::BurnFraction => self.volumetric.burnt(&state.volumetric, lane),
             Variable::Temperature => self.temperature(state, lane),
             Variable::SpecificEnergy => self.volumetric.energy(&state.volumetric, lane),
@@ -159,14 +172,16 @@ impl<H: Hardening, V: Volumetric, F: Failure, T: Real> Material<T> for VonMises<
     fn set(&self, state: &mut Self::State, lane: usize, value: PointValue) -> bool {
         match value {
             PointValue::Temperature(temperature) => {
-                self.hardening.heat(&mut state.hardening, lane, temperature);
-                self.volumetric.heat(&mut state.volumetric, lane, temperature);
+                self.hardening.set_temperature(&mut state.hardening, lane, temperature);
+                self.volumetric.set_temperature(&mut state.volumetric, lane, temperature);
             }
             PointValue::SpecificEnergy(energy) => self.volumetric.set_energy(&mut state.volumetric, lane, energy),
-            PointValue::PlasticStrain(strain) => return self.hardening.harden(&mut state.hardening, lane, strain),
+            PointValue::PlasticStrain(strain) => {
+                return self.hardening.set_plastic_strain(&mut state.hardening, lane, strain);
+            }
             PointValue::Length(length) => self.failure.set_length(&mut state.failure, lane, length),
             PointValue::NodalTemperature(temperature) => {
-                self.hardening.heat(&mut state.hardening, lane, temperature);
+                self.hardening.set_temperature(&mut state.hardening, lane, temperature);
             }
             _ => return false,
         }
@@ -174,19 +189,19 @@ impl<H: Hardening, V: Volumetric, F: Failure, T: Real> Material<T> for VonMises<
     }
 }
 
-/// As [`as_type`], of a value that is only read.
+/// As [`as_type`], for a shared reference.
 #[inline(always)]
 fn as_same<T: Real>(strain: &StrainIncrement<T>) -> Option<&StrainIncrement> {
     (strain as &dyn std::any::Any).downcast_ref()
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure> VonMises<H, V, F> {
+impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
     fn temperature(&self, state: &VonMisesState<H::State, V::State, F::State>, lane: usize) -> Option<f64> {
         let by_energy = self.volumetric.temperature(&state.volumetric, lane);
         by_energy.or_else(|| self.hardening.temperature(&state.hardening, lane))
     }
 
-    /// Updates the mean stress by the pressure law, with the work of the deviator that the yield surface left.
+    /// Updates the mean stress by the pressure law, with the work of the returned deviator.
     #[inline(always)]
     fn update_pressure(&self, state: &mut V::State, strain: &StrainIncrement, update: &mut StressUpdate) {
         let shear3 = 3.0 * strain.moduli.shear;
@@ -204,7 +219,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> VonMises<H, V, F> {
             work[l] = 0.5 * strain.volume[l] * ((normal(0) + normal(1)) + (normal(2) + shear));
             dilation[l] = strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l];
         }
-        let question = PressureUpdate {
+        let pressure_update = PressureUpdate {
             mean: &mut update.mean,
             bulk: &mut update.bulk,
             viscous: &strain.viscous,
@@ -215,11 +230,11 @@ impl<H: Hardening, V: Volumetric, F: Failure> VonMises<H, V, F> {
             volume: &strain.current_volume,
             mass: &strain.mass,
         };
-        self.volumetric.update_pressure(state, question);
+        self.volumetric.update_pressure(state, pressure_update);
     }
 
-    /// Applies failure to the stress of the undamaged material. The work added becomes that of the degraded stress; the elastic
-    /// energy that is lost counts as dissipated.
+    /// Applies failure to the stress of the undamaged material. The added work becomes that of the degraded stress;
+    /// lost elastic energy is dissipated.
     #[inline(always)]
     fn degrade<T: Real>(
         &self,
@@ -228,8 +243,8 @@ impl<H: Hardening, V: Volumetric, F: Failure> VonMises<H, V, F> {
         strain: &StrainIncrement<T>,
         update: &mut StressUpdate<T>,
     ) {
-        let Moduli { bulk, shear } = strain.moduli;
-        let mut seen = Seen {
+        let ElasticModuli { bulk, shear } = strain.moduli;
+        let mut input = FailureInput {
             plastic: if H::PLASTIC { wide(&update.flow) } else { [0.0; LANES] },
             mean: [0.0; LANES],
             mises: [0.0; LANES],
@@ -240,44 +255,45 @@ impl<H: Hardening, V: Volumetric, F: Failure> VonMises<H, V, F> {
         let mut before = [0.0; LANES];
         for l in 0..LANES {
             let stress = column(stress, l).inline_map(T::wide);
-            (seen.mean[l], seen.mises[l]) = (-stress::pressure(stress), stress::mises(stress));
+            (input.mean[l], input.mises[l]) = (-stress::pressure(stress), stress::mises(stress));
         }
         for l in 0..strain.count {
             before[l] = self.failure.share(&state.failure, l);
-            seen.temperature[l] = self.temperature(state, l).unwrap_or(0.0);
+            input.temperature[l] = self.temperature(state, l).unwrap_or(0.0);
         }
-        let left = self.failure.degrade(&mut state.failure, &seen);
+        let left = self.failure.degrade(&mut state.failure, &input);
         let per_shear = if shear > 0.0 { 1.0 / (6.0 * shear) } else { 0.0 };
         for l in 0..strain.count {
             if before[l] == 0.0 {
                 stress.iter_mut().for_each(|s| s[l] = T::ZERO);
                 continue;
             }
-            let (full, mean, mises) = (column(stress, l).inline_map(T::wide), seen.mean[l], seen.mises[l]);
-            let (left, bears) = (left.stress[l], left.mean[l]);
-            let shift = [bears - mean, bears - mean, bears - mean, 0.0];
+            let (full, mean, mises) = (column(stress, l).inline_map(T::wide), input.mean[l], input.mises[l]);
+            let (left, limited) = (left.stress[l], left.mean[l]);
+            let shift = [limited - mean, limited - mean, limited - mean, 0.0];
             let (mut work, volume) = (0.0, strain.volume[l].wide());
             for i in 0..4 {
-                let acts = left * (full[i] + shift[i]);
+                let degraded = left * (full[i] + shift[i]);
                 let (increment, carried) = (strain.strain[i][l].wide(), strain.carried[i][l].wide());
                 let added = carried + full[i];
                 let twice = if i == 3 { 2.0 } else { 1.0 };
-                work += twice * increment * (before[l] * carried + acts - added);
-                stress[i][l] = T::of(acts);
+                work += twice * increment * (before[l] * carried + degraded - added);
+                stress[i][l] = T::of(degraded);
             }
             update.internal[l] += T::of(0.5 * volume * work);
             let bulk = if V::EOS { update.bulk[l].wide() } else { bulk };
             let distortion = mises * mises * per_shear;
-            let [had, has] = [(before[l], mean), (left, bears)]
+            let [energy_before, energy_after] = [(before[l], mean), (left, limited)]
                 .inline_map(|(share, mean)| share * (distortion + mean * mean / (2.0 * bulk)));
-            update.dissipated[l] += T::of(volume * ((had - has) - (1.0 - left) * mises * seen.plastic[l]));
+            update.dissipated[l] +=
+                T::of(volume * ((energy_before - energy_after) - (1.0 - left) * mises * input.plastic[l]));
             update.deleted += usize::from(left == 0.0);
         }
     }
 }
 
 impl<T: Real> StressUpdate<T> {
-    /// Rotates the back stress with the material, and takes it off the trial stress.
+    /// Rotates the back stress with the material, and subtracts it from the trial stress.
     #[inline(always)]
     fn shift(&mut self, spin: &Lanes<T>) {
         for l in 0..LANES {
@@ -292,17 +308,18 @@ impl<T: Real> StressUpdate<T> {
     }
 }
 
-/// Von Mises stress at which each lane begins to flow at rest, as its law is now: found by asking it.
-fn yield_stress<H: Hardening>(hardening: &H, state: &H::State, shear: f64, count: usize) -> Lanes {
+/// Returns the von Mises stress at which each lane begins to yield at zero strain rate, by bisection on the hardening
+/// law.
+fn yield_stress<H: HardeningLaw>(hardening: &H, state: &H::State, shear: f64, count: usize) -> Lanes {
     let shear3 = 3.0 * shear;
     let flows = |trial: &Lanes| {
         let (mut state, mut increment) = (state.clone(), [0.0; LANES]);
-        let flow = &mut Flow { trial, shear3, dt: f64::MAX, count, increment: &mut increment };
+        let flow = &mut FlowUpdate { trial, shear3, dt: f64::MAX, count, increment: &mut increment };
         hardening.flow(&mut state, flow);
         increment.inline_map(|dp| dp > 0.0)
     };
     let (mut low, mut high) = ([0.0; LANES], [1e-12 * shear; LANES]);
-    // Up to what no material bears.
+    // The upper bound 1e-12 shear · 2^60 exceeds every yield stress.
     for _ in 0..60 {
         for (l, flown) in flows(&high).into_iter().enumerate() {
             if !flown {
@@ -325,8 +342,8 @@ persist_struct!(VonMisesState<S, Q, X> [S: Persist, Q: Persist, X: Persist] { ha
 mod tests {
     use super::{LANES, StressUpdate};
 
-    /// The tangent of half the angle is half the spin, so a spin of 2 is a quarter turn: rr and zz change places, and the
-    /// shear its sign.
+    /// The tangent of half the rotation angle is half the spin: a spin of 2 is a quarter turn, which exchanges rr and
+    /// zz and reverses the shear.
     #[test]
     fn back_stress_rotates_with_the_material() {
         let mut update: StressUpdate = StressUpdate::default();

@@ -1,28 +1,27 @@
-//! Forces of elements on their corners, block by block, in the precision of what makes them.
-//! Never here: which node a corner belongs to.
+//! Forces of elements on their corner nodes, stored by blocks of elements.
 
 use std::ops::Range;
 
-use crate::kernel::lanes::{Corners, InlineMap};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::real::Real;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::{Persist, StateArchive};
 
-/// Corner forces of all elements of a scene.
+/// Corner forces of all elements.
 #[derive(Clone, Debug)]
 pub enum CornerForces {
     /// In double precision.
-    Double(Vec<Corners>),
-    /// In single precision: of a scene whose elements all are.
-    Single(Vec<Corners<f32>>),
+    Double(Vec<BlockCornerForces>),
+    /// In single precision, if all elements use single precision.
+    Single(Vec<BlockCornerForces<f32>>),
 }
 
-/// Those of some blocks, to be written.
-pub enum Slots<'a> {
+/// Mutable corner forces of a range of blocks.
+pub enum CornerForceSlots<'a> {
     /// In double precision.
-    Double(&'a mut [Corners]),
+    Double(&'a mut [BlockCornerForces]),
     /// In single precision.
-    Single(&'a mut [Corners<f32>]),
+    Single(&'a mut [BlockCornerForces<f32>]),
 }
 
 impl Default for CornerForces {
@@ -32,24 +31,24 @@ impl Default for CornerForces {
 }
 
 impl CornerForces {
-    /// Zeros for so many blocks.
+    /// Creates zero forces for a number of blocks.
     pub fn new(blocks: usize, single: bool) -> Self {
         if single {
-            CornerForces::Single(vec![Corners::default(); blocks])
+            CornerForces::Single(vec![BlockCornerForces::default(); blocks])
         } else {
-            CornerForces::Double(vec![Corners::default(); blocks])
+            CornerForces::Double(vec![BlockCornerForces::default(); blocks])
         }
     }
 
-    /// Those of some blocks.
-    pub fn slots(&mut self, blocks: Range<usize>) -> Slots<'_> {
+    /// Returns the corner forces of a range of blocks.
+    pub fn slots(&mut self, blocks: Range<usize>) -> CornerForceSlots<'_> {
         match self {
-            CornerForces::Double(list) => Slots::Double(&mut list[blocks]),
-            CornerForces::Single(list) => Slots::Single(&mut list[blocks]),
+            CornerForces::Double(list) => CornerForceSlots::Double(&mut list[blocks]),
+            CornerForces::Single(list) => CornerForceSlots::Single(&mut list[blocks]),
         }
     }
 
-    /// The force on a corner of an element of a block.
+    /// Returns the force `[r, z]` on a corner of an element.
     pub fn of(&self, block: usize, lane: usize, corner: usize) -> [f64; 2] {
         match self {
             CornerForces::Double(list) => list[block].0[corner][lane],
@@ -57,7 +56,7 @@ impl CornerForces {
         }
     }
 
-    /// Sets the forces of an element of a block to zero.
+    /// Sets the corner forces of an element to zero.
     pub fn clear(&mut self, block: usize, lane: usize) {
         match self {
             CornerForces::Double(list) => list[block].clear(lane),
@@ -65,7 +64,7 @@ impl CornerForces {
         }
     }
 
-    /// Bytes of them.
+    /// Returns the heap memory in bytes.
     pub fn bytes(&self) -> usize {
         match self {
             CornerForces::Double(list) => heap_bytes(list),
@@ -74,18 +73,18 @@ impl CornerForces {
     }
 }
 
-impl Slots<'_> {
-    /// Those in double precision, of a group that has no other.
-    pub fn double(&mut self) -> &mut [Corners] {
+impl CornerForceSlots<'_> {
+    /// Returns the double-precision forces of an element group.
+    pub fn double(&mut self) -> &mut [BlockCornerForces] {
         match self {
-            Slots::Double(list) => list,
-            Slots::Single(_) => unreachable!("corner forces are single where all groups are"),
+            CornerForceSlots::Double(list) => list,
+            CornerForceSlots::Single(_) => unreachable!("corner forces are single where all groups are"),
         }
     }
 }
 
 impl Persist for CornerForces {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         match self {
             CornerForces::Double(list) => list.as_mut_slice().persist(archive),
             CornerForces::Single(list) => list.as_mut_slice().persist(archive),

@@ -1,31 +1,31 @@
-//! From corners of elements to nodes: which corner forces act on which node, in fixed order, so that sums have the same bits on
-//! any number of threads. Never here: arithmetic of elements.
+//! Assembly of corner forces into nodal forces, in a fixed order, so that the sums have the same bits on any number of
+//! threads.
 
 use super::corner_forces::CornerForces;
-use crate::kernel::lanes::{Corners, InlineMap, LANES};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::real::Real;
 use crate::kernel::topology::ElementNodes;
 
-/// Corner slots that most nodes of a mesh of quadrilaterals have at most.
+/// Corner slots stored inline; most nodes of a quadrilateral mesh have at most four.
 const SLOTS: usize = 4;
 
-/// Which corner slots act on which node, in fixed order.
+/// Corner slots of each node, in fixed order.
 #[derive(Clone, Debug, Default)]
-pub struct Gather {
-    /// The first slots of each node, as places in the blocks' corner forces; where it has fewer, one that holds zeros.
+pub struct NodalAssembly {
+    /// First slots of each node, as indices of corner forces; unused ones refer to a slot of zeros.
     slots: Vec<[u32; SLOTS]>,
-    /// The slots of nodes that have more: node, slot.
+    /// Additional slots, as pairs of node and slot.
     more: Vec<(u32, u32)>,
 }
 
-impl Gather {
-    /// From the nodes of elements, group by group, with the blocks of corner forces that each block of elements has; each group
-    /// begins a new block.
+impl NodalAssembly {
+    /// Creates the assembly for `count` nodes. Each group gives its number of corner force blocks per element block,
+    /// and its elements; it starts with a new block.
     pub fn new(count: usize, groups: &[(usize, Vec<ElementNodes>)]) -> Self {
         let blocks: usize = groups.iter().map(|(per, g)| per * g.len().div_ceil(LANES)).sum();
         let empty = (blocks * 4 * LANES) as u32;
-        let mut gather = Gather { slots: vec![[empty; SLOTS]; count], more: Vec::new() };
+        let mut gather = NodalAssembly { slots: vec![[empty; SLOTS]; count], more: Vec::new() };
         let mut block = 0;
         for (per, elements) in groups {
             for (e, nodes) in elements.iter().enumerate() {
@@ -43,13 +43,13 @@ impl Gather {
         gather
     }
 
-    pub fn one(&self, node: usize, corners: &CornerForces) -> [f64; 2] {
+    pub fn node_force(&self, node: usize, corners: &CornerForces) -> [f64; 2] {
         let mut force = [[0.0; 2]];
         self.sum(node, corners, &mut force);
         force[0]
     }
 
-    /// Sums of the corner forces of nodes from `first` on.
+    /// Sums the corner forces of the nodes starting with `first`.
     #[inline(always)]
     pub fn sum(&self, first: usize, corners: &CornerForces, forces: &mut [[f64; 2]]) {
         match corners {
@@ -59,7 +59,7 @@ impl Gather {
     }
 
     #[inline(always)]
-    fn add_up<T: Real>(&self, first: usize, corners: &[Corners<T>], forces: &mut [[f64; 2]]) {
+    fn add_up<T: Real>(&self, first: usize, corners: &[BlockCornerForces<T>], forces: &mut [[f64; 2]]) {
         let pair = |slot: u32| {
             let (block, at) = (slot as usize / (4 * LANES), slot as usize % (4 * LANES));
             corners[block].0.as_flattened()[at].inline_map(T::wide)

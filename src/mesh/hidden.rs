@@ -1,37 +1,37 @@
-//! Faces between elements that come to lie bare as what is in front of them is deleted.
-//! Never here: faces that lie bare already, what acts on them.
+//! Interior faces, which become exposed when an adjacent element is deleted.
 
 use crate::kernel::lanes::InlineMap;
 use std::ops::Range;
 
-use super::room::with_room;
+use super::room::clone_with_capacity;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Persist, StateArchive, persist_fields};
 
-/// Faces that nothing acts on yet.
+/// Interior faces and their exposure state.
 #[derive(Debug, Default)]
-pub struct Hidden {
-    /// The two nodes of each, ascending, so that the body lies to the left of the way from the first to the second.
+pub struct InteriorFaces {
+    /// Nodes of each face, in ascending order of faces; the body is on the left in the direction from first to second
+    /// node.
     faces: Vec<[usize; 2]>,
-    /// Index in the mesh of the element behind each.
+    /// Mesh index of the element of each face.
     elements: Vec<usize>,
-    /// Whether it is still hidden, with its element behind it.
-    waits: Vec<bool>,
-    /// Those that have come to lie bare, in that order.
-    bare: Vec<u32>,
+    /// Whether the face is still hidden and its element not deleted.
+    is_hidden: Vec<bool>,
+    /// Indices of the exposed faces, in order of exposure.
+    exposed: Vec<u32>,
 }
 
-impl Hidden {
-    /// Faces with the elements behind them, in any order; each counts once.
+impl InteriorFaces {
+    /// Creates the interior faces from nodes and element indices in any order; duplicates are removed.
     pub fn new(mut list: Vec<([usize; 2], usize)>) -> Self {
         list.sort_unstable();
         list.dedup();
         let (faces, elements): (Vec<_>, Vec<_>) = list.into_iter().unzip();
-        Hidden { waits: vec![true; faces.len()], bare: Vec::with_capacity(faces.len()), faces, elements }
+        InteriorFaces { is_hidden: vec![true; faces.len()], exposed: Vec::with_capacity(faces.len()), faces, elements }
     }
 
-    /// All of them, bare by now or not.
+    /// Returns the number of faces, hidden or exposed.
     pub fn len(&self) -> usize {
         self.faces.len()
     }
@@ -40,86 +40,86 @@ impl Hidden {
         self.faces.is_empty()
     }
 
-    /// The nodes of all, bare by now or not.
+    /// Returns the nodes of all faces, hidden or exposed.
     pub fn faces(&self) -> &[[usize; 2]] {
         &self.faces
     }
 
-    pub fn bare(&self) -> usize {
-        self.bare.len()
+    pub fn exposed_count(&self) -> usize {
+        self.exposed.len()
     }
 
-    /// Of those that lie bare by the order in which they came: index among all, nodes, element.
-    pub fn came(&self, at: usize) -> (usize, [usize; 2], usize) {
-        let i = self.bare[at] as usize;
+    /// Returns the exposed face with a number in order of exposure: its index, nodes and element.
+    pub fn exposed_face(&self, at: usize) -> (usize, [usize; 2], usize) {
+        let i = self.exposed[at] as usize;
         (i, self.faces[i], self.elements[i])
     }
 
-    /// Elements with these boundaries are deleted: their faces stay hidden, those against them are exposed if the element behind is
-    /// still there. Returns which have come, for [`Hidden::came`].
-    pub fn release(&mut self, deleted: &[ElementNodes]) -> Range<usize> {
-        let first = self.bare.len();
+    /// Deletes elements: their own faces will not be exposed, and the opposite faces of elements that remain become
+    /// exposed. Returns the range of newly exposed faces, for [`InteriorFaces::exposed_face`].
+    pub fn remove_elements(&mut self, deleted: &[ElementNodes]) -> Range<usize> {
+        let first = self.exposed.len();
         if self.faces.is_empty() {
             return first..first;
         }
         let edges = || deleted.iter().flat_map(|boundary| boundary.sides()).map(|side| side.inline_map(|n| n as usize));
         for own in edges() {
             if let Ok(i) = self.faces.binary_search(&own) {
-                self.waits[i] = false;
+                self.is_hidden[i] = false;
             }
         }
         for [a, b] in edges() {
             if let Ok(i) = self.faces.binary_search(&[b, a])
-                && std::mem::replace(&mut self.waits[i], false)
+                && std::mem::replace(&mut self.is_hidden[i], false)
             {
-                self.bare.push(i as u32);
+                self.exposed.push(i as u32);
             }
         }
-        first..self.bare.len()
+        first..self.exposed.len()
     }
 
     pub fn bytes(&self) -> usize {
-        heap_bytes(&self.faces) + heap_bytes(&self.elements) + self.waits.capacity() + heap_bytes(&self.bare)
+        heap_bytes(&self.faces) + heap_bytes(&self.elements) + self.is_hidden.capacity() + heap_bytes(&self.exposed)
     }
 }
 
-impl Clone for Hidden {
+impl Clone for InteriorFaces {
     fn clone(&self) -> Self {
-        let Hidden { faces, elements, waits, bare } = self;
-        let (faces, elements, waits) = (faces.clone(), elements.clone(), waits.clone());
-        Hidden { faces, elements, waits, bare: with_room(bare) }
+        let InteriorFaces { faces, elements, is_hidden, exposed } = self;
+        let (faces, elements, is_hidden) = (faces.clone(), elements.clone(), is_hidden.clone());
+        InteriorFaces { faces, elements, is_hidden, exposed: clone_with_capacity(exposed) }
     }
 }
 
-impl Persist for Hidden {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Hidden { faces, elements: _, waits, bare } = self;
+impl Persist for InteriorFaces {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let InteriorFaces { faces, elements: _, is_hidden, exposed } = self;
         if faces.is_empty() {
             return;
         }
-        persist_fields!(archive; waits.as_mut_slice(), bare);
-        if bare.len() > faces.len() || bare.iter().any(|i| *i as usize >= faces.len()) {
-            archive.refuse(|| "faces lie bare that the deck does not have".into());
-            bare.clear();
+        persist_fields!(archive; is_hidden.as_mut_slice(), exposed);
+        if exposed.len() > faces.len() || exposed.iter().any(|i| *i as usize >= faces.len()) {
+            archive.reject(|| "the exposed faces do not match the deck".into());
+            exposed.clear();
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Hidden;
+    use super::InteriorFaces;
     use crate::kernel::topology::ElementNodes;
 
-    /// Two squares above each other between nodes 0 to 5, each two nodes a row: what is between them has two sides.
+    /// Two stacked squares with nodes 0 to 5; the face between them has two sides.
     #[test]
-    fn a_face_comes_when_what_is_in_front_goes_and_never_without_what_is_behind() {
+    fn a_face_is_exposed_only_if_its_own_element_remains() {
         let [lower, upper] = [[0, 1, 3, 2], [2, 3, 5, 4]].map(ElementNodes::from);
-        let both = || Hidden::new(vec![([3, 2], 7), ([2, 3], 8), ([3, 2], 7)]);
+        let both = || InteriorFaces::new(vec![([3, 2], 7), ([2, 3], 8), ([3, 2], 7)]);
         let mut hidden = both();
         assert_eq!(hidden.len(), 2);
-        let came: Vec<_> = hidden.release(&[upper]).map(|at| hidden.came(at)).collect();
+        let came: Vec<_> = hidden.remove_elements(&[upper]).map(|at| hidden.exposed_face(at)).collect();
         assert_eq!(came, [(1, [3, 2], 7)]);
-        assert_eq!(hidden.release(&[lower]).len(), 0);
-        assert_eq!(both().release(&[lower, upper]).len(), 0);
+        assert_eq!(hidden.remove_elements(&[lower]).len(), 0);
+        assert_eq!(both().remove_elements(&[lower, upper]).len(), 0);
     }
 }

@@ -1,5 +1,4 @@
-//! Surfaces and the way from elements to nodes.
-//! Never here: time.
+//! Surfaces, and the assembly of element forces into nodal forces.
 
 pub mod corner_forces;
 pub mod gather;

@@ -1,8 +1,7 @@
-//! Lists that grow inside increments, where nothing allocates: copies that keep their capacity.
-//! Never here: what is listed.
+//! Clones of lists that keep their capacity, because lists that grow during increments must not allocate.
 
-/// A copy that has the room of the original, which an ordinary copy loses.
-pub fn with_room<T: Clone>(list: &Vec<T>) -> Vec<T> {
+/// Clones a list with its capacity, which `Vec::clone` does not preserve.
+pub fn clone_with_capacity<T: Clone>(list: &Vec<T>) -> Vec<T> {
     let mut copy = Vec::with_capacity(list.capacity());
     copy.extend_from_slice(list);
     copy

@@ -1,18 +1,17 @@
-//! `*AMPLITUDE`.
-//! Never here: how it is evaluated.
+//! `*AMPLITUDE`. The kernel evaluates amplitudes.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use super::names::upper;
 use super::types::{Amplitude, AmplitudeDefinition, AmplitudeId};
 use crate::deck::table::steps as cards;
 use crate::deck::{Card, Word};
 
-/// Definitions by their place among the words of `DEFINITION`.
+/// Indices of the values of `DEFINITION` in the keyword table.
 const SMOOTH_STEP: usize = 1;
 const EQUALLY_SPACED: usize = 2;
 const USER: usize = 3;
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn amplitude(&mut self, card: &Card) {
         let amplitude: cards::Amplitude = self.values(card);
         let Some(definition) = self.amplitude_definition(card, &amplitude) else { return };
@@ -26,46 +25,46 @@ impl Builder<'_> {
             USER => return self.user_amplitude(card, amplitude),
             EQUALLY_SPACED => {
                 let Some(interval) = amplitude.interval else {
-                    return self.refuse_value(card.span, "EQUALLY SPACED needs FIXED INTERVAL=");
+                    return self.refuse_value(card.span, "DEFINITION=EQUALLY SPACED needs FIXED INTERVAL=");
                 };
                 values.iter().enumerate().map(|(i, v)| [amplitude.begin + i as f64 * interval, *v]).collect()
             }
             _ => values.as_chunks::<2>().0.to_vec(),
         };
         if amplitude.definition != EQUALLY_SPACED && values.len() % 2 == 1 {
-            self.out_of_range(card.span, format!("{} numbers are not pairs of time and value", values.len()));
+            self.out_of_range(card.span, format!("expected pairs of time and value, found {} numbers", values.len()));
         }
         let (scale, shift) = ([amplitude.scale_time, amplitude.scale], [amplitude.shift_time, amplitude.shift]);
         points.iter_mut().for_each(|p| *p = [0, 1].map(|i: usize| p[i] * scale[i] + shift[i]));
         if points.windows(2).any(|w| w[1][0] <= w[0][0]) || points.is_empty() {
-            return self.refuse_value(card.span, "an amplitude needs times that ascend");
+            return self.refuse_value(card.span, "the times of an amplitude must ascend");
         }
         let (smooth, total_time) = (amplitude.definition == SMOOTH_STEP, amplitude.total_time);
         Some(AmplitudeDefinition::Curve { points, smooth, total_time })
     }
 
-    /// `DEFINITION=USER`: constants for the routine, and how many variables it keeps.
+    /// Returns the definition of a user amplitude: properties and number of state variables (`DEFINITION=USER`).
     fn user_amplitude(&mut self, card: &Card, amplitude: &cards::Amplitude) -> Option<AmplitudeDefinition> {
         let (expected, properties) = (amplitude.properties.unwrap_or(0), amplitude.values.clone());
         if expected != properties.len() {
-            let message = format!("PROPERTIES={expected}, but {} constants are given", properties.len());
+            let message = format!("PROPERTIES={expected}, but the data lines have {} values", properties.len());
             return self.refuse_value(card.span, message);
         }
         Some(AmplitudeDefinition::User { properties, variables: amplitude.variables })
     }
 
-    /// The magnitude that an amplitude scales: 1 where its values are magnitudes themselves.
+    /// Returns the magnitude to which an amplitude is applied: 1 for an amplitude of absolute values.
     pub(super) fn scaled(&self, magnitude: f64, amplitude: Option<AmplitudeId>) -> f64 {
         if amplitude.is_some_and(|i| self.model.amplitudes[i].absolute) { 1.0 } else { magnitude }
     }
 
-    /// The amplitude of a card; `Err` if it is named and unknown (reported).
+    /// Returns the amplitude of a card; `Err` if the name is unknown, which is reported.
     pub(super) fn amplitude_of(&mut self, card: &Card) -> Result<Option<AmplitudeId>, ()> {
         let Some(word) = card.value("AMPLITUDE") else { return Ok(None) };
         self.find_amplitude(word).map(Some).ok_or(())
     }
 
-    /// The same of a film coefficient.
+    /// Returns the amplitude of a film coefficient, with the same errors.
     pub(super) fn film_amplitude(&mut self, card: &Card) -> Result<Option<AmplitudeId>, ()> {
         let Some(word) = card.value("FILM AMPLITUDE") else { return Ok(None) };
         self.find_amplitude(word).map(Some).ok_or(())

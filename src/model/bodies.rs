@@ -1,26 +1,25 @@
-//! Bodies: `*RIGID BODY`, `*MASS`, `*TARGET`, `*INITIAL CONDITIONS`.
-//! Never here: mass matrices.
+//! `*RIGID BODY`, `*ATTITUDE`, `*MASS`, `*ROTARY INERTIA` and `*INITIAL CONDITIONS`.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use super::names::{qualified, upper};
 use super::types::{
-    Attitude, ElementKind, InitialCondition, InitialKind, PointMass, RigidBody, RotaryInertia, SurfaceId,
+    ElementKind, InitialAttitude, InitialCondition, InitialKind, PointMass, RigidBody, RotaryInertia, SurfaceId,
 };
 use crate::deck::read::FromValue;
 use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Diagnostic, Word};
 
-/// Kinds of initial conditions by their place among the words of `TYPE`.
+/// Indices of the values of `TYPE` in the keyword table.
 const FIELD: usize = 5;
 const SOLUTION: usize = 6;
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn rigid_body(&mut self, card: &Card) {
         let Some(reference) = self.required(card, "REF NODE") else { return };
         let Some(nodes) = self.node_members(reference) else { return };
         let [reference] = nodes[..] else {
             return self
-                .out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
+                .out_of_range(reference.span, format!("REF NODE must be one node, found a set of {}", nodes.len()));
         };
         if let Some(word) = card.value("ANALYTICAL SURFACE") {
             self.carry_surface(word, reference);
@@ -44,15 +43,16 @@ impl Builder<'_> {
         });
     }
 
-    /// The mass is kept with its set and given to nodes at the end: MASS elements may follow.
+    /// Assigns a mass to the nodes of the MASS elements of a set.
     pub(super) fn mass(&mut self, card: &Card) {
         let Some(set) = self.required(card, "ELSET") else { return };
         let cards::Mass { mass: [mass] } = self.values(card);
         let elements = match self.point_elements(card, set, ElementKind::Mass) {
             Ok(elements) => elements,
-            Err(finding) => {
-                let help = "*Element, type=MASS with an ELSET of its own puts a mass on a node; solids have *DENSITY";
-                return self.diagnostics.push(finding.help(help));
+            Err(diagnostic) => {
+                let help = "define the point mass with *ELEMENT, TYPE=MASS in a separate \
+                            ELSET; the mass of solids is given by *DENSITY";
+                return self.diagnostics.push(diagnostic.help(help));
             }
         };
         self.claim("mass", &elements, card.span);
@@ -62,14 +62,14 @@ impl Builder<'_> {
         }
     }
 
-    /// Elements of a set that a card is for, which are all of one kind.
+    /// Returns the elements of a set, which must all be of the type that the card requires.
     fn point_elements(&mut self, card: &Card, set: &Word, kind: ElementKind) -> Result<Vec<usize>, Diagnostic> {
         let elements = self.element_members(set).unwrap_or_default();
         let mesh = &self.model.mesh;
         let Some(&other) = elements.iter().find(|&&e| mesh.elements[e].kind != kind) else { return Ok(elements) };
         let other = &mesh.elements[other];
         let message = format!(
-            "`{}` holds element {} of the type {}: *{} is for elements of TYPE={}",
+            "`{}` contains element {} of type {}, but *{} requires elements of TYPE={}",
             set.text,
             other.name,
             other.kind.name(),
@@ -79,7 +79,7 @@ impl Builder<'_> {
         Err(Diagnostic::error("M121", message).at(set.span, "this set"))
     }
 
-    /// Rotary inertia of ROTARYI elements: a body of revolution is as heavy to turn about 1 as about 3, and has no products.
+    /// Reads the rotary inertia of ROTARYI elements. A body of revolution has I11 = I33 and no products of inertia.
     pub(super) fn rotary_inertia(&mut self, card: &Card) {
         let Some(set) = self.required(card, "ELSET") else { return };
         let cards::RotaryInertia { moments: [first, axial, third] } = self.values(card);
@@ -90,7 +90,7 @@ impl Builder<'_> {
         }
         let elements = match self.point_elements(card, set, ElementKind::RotaryInertia) {
             Ok(elements) => elements,
-            Err(finding) => return self.diagnostics.push(finding),
+            Err(diagnostic) => return self.diagnostics.push(diagnostic),
         };
         self.claim("rotary inertia", &elements, card.span);
         for element in elements {
@@ -105,14 +105,14 @@ impl Builder<'_> {
         let Some(nodes) = self.node_members(reference) else { return };
         let [reference] = nodes[..] else {
             return self
-                .out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
+                .out_of_range(reference.span, format!("REF NODE must be one node, found a set of {}", nodes.len()));
         };
         let cards::Attitude { stations, inertia, angles } = self.values(card);
         let uniform = inertia.is_some();
-        self.model.attitudes.push(Attitude { reference, angles, stations, uniform, span: card.span });
+        self.model.attitudes.push(InitialAttitude { reference, angles, stations, uniform, span: card.span });
     }
 
-    /// Several masses on one node add up; MASS elements without *MASS are left without.
+    /// Removes masses of zero. Several masses on one node add up.
     pub(super) fn apply_masses(&mut self) {
         self.model.discrete.masses.retain(|p| p.mass > 0.0);
     }
@@ -123,7 +123,7 @@ impl Builder<'_> {
             return self.initial_state(card);
         }
         if let Some(word) = card.value("VARIABLE").filter(|_| kind != FIELD) {
-            return self.unsupported(word.span, "VARIABLE is one of TYPE=FIELD", "remove it");
+            return self.unsupported(word.span, "VARIABLE is allowed with TYPE=FIELD only", "remove it");
         }
         for (at, line) in card.lines.iter().enumerate() {
             let Some(set) = line.field(0) else { continue };
@@ -138,7 +138,7 @@ impl Builder<'_> {
                 4 => InitialKind::Hardening(value(1)),
                 _ => InitialKind::Field(card.read::<usize>("VARIABLE") - 1, value(1)),
             };
-            let members = if kind.is_of_elements() { self.element_members(set) } else { self.node_members(set) };
+            let members = if kind.applies_to_elements() { self.element_members(set) } else { self.node_members(set) };
             if let Some(members) = members {
                 self.model.initial_conditions.push(InitialCondition { kind, members, span: line.span });
             }

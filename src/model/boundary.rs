@@ -1,29 +1,28 @@
-//! `*BOUNDARY`.
-//! Never here: what becomes of boundaries over the steps.
+//! `*BOUNDARY`. Propagation over the steps is in `history`.
 
-use super::builder::Builder;
-use super::degrees::Rotational;
+use super::builder::ModelBuilder;
+use super::degrees::RotationalCondition;
 use super::names::upper;
-use super::types::{AmplitudeId, Boundary, Motion};
+use super::types::{AmplitudeId, BoundaryCondition, MotionKind};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
-/// What a line of `*BOUNDARY` names.
-struct Degrees {
+/// Degrees of freedom named on a data line of `*BOUNDARY`.
+struct DofSelection {
     /// First and last degree of freedom.
     range: [u8; 2],
-    /// The rotation besides, of a named symmetry.
+    /// Rotation that a named symmetry constrains in addition.
     rotation: Option<u8>,
 }
 
-impl Degrees {
-    fn range(first: u8, last: u8) -> Degrees {
-        Degrees { range: [first, last], rotation: None }
+impl DofSelection {
+    fn range(first: u8, last: u8) -> DofSelection {
+        DofSelection { range: [first, last], rotation: None }
     }
 }
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn boundary(&mut self, card: &Card) {
-        let kinds = [Motion::Displacement, Motion::Velocity, Motion::Acceleration];
+        let kinds = [MotionKind::Displacement, MotionKind::Velocity, MotionKind::Acceleration];
         let kind = match card.read::<Option<usize>>("TYPE") {
             None if card.has("TYPE") => return,
             kind => kinds[kind.unwrap_or(0)],
@@ -47,19 +46,27 @@ impl Builder<'_> {
                 self.before_steps(line);
                 continue;
             }
-            if kind == Motion::Displacement && value != 0.0 && amplitude.is_none() && !user && !ramp {
+            if kind == MotionKind::Displacement && value != 0.0 && amplitude.is_none() && !user && !ramp {
                 let message = format!(
-                    "the displacement {value} has no AMPLITUDE and would be a jump: it is ignored, the motion is held"
+                    "the displacement {value} without AMPLITUDE would be a jump: the \
+                     value is ignored and the degree of freedom is fixed"
                 );
-                let finding = Diagnostic::warning("M140", message).at(line.span, "as ABAQUS/Explicit does");
-                self.diagnostics.push(finding.help("give AMPLITUDE=, or prescribe a velocity"));
+                let diagnostic = Diagnostic::warning("M140", message).at(line.span, "as ABAQUS/Explicit does");
+                self.diagnostics.push(diagnostic.help("give AMPLITUDE=, or prescribe a velocity"));
             }
             if first > 2 {
                 let (span, set, nodes) = (line.span, set.text.clone(), nodes.clone());
-                self.rotational.push(Rotational { span, set, dofs: [first, last], nodes, lost: "is held", value });
+                self.rotational.push(RotationalCondition {
+                    span,
+                    set,
+                    dofs: [first, last],
+                    nodes,
+                    lost: "is constrained",
+                    value,
+                });
             }
             for dof in (first..=last).chain(rotation) {
-                let boundary = Boundary {
+                let boundary = BoundaryCondition {
                     nodes: nodes.clone(),
                     set: set.text.clone(),
                     dof,
@@ -74,8 +81,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Degree of freedom 11: a value without amplitude is there at once (ABAQUS Analysis User's Guide 34.1.2, "Amplitude
-    /// curves").
+    /// Prescribes a temperature (degree of freedom 11). Without amplitude the value is applied at once (ABAQUS Analysis
+    /// User's Guide 34.1.2, "Amplitude curves").
     fn held_temperature(
         &mut self,
         card: &Card,
@@ -85,7 +92,7 @@ impl Builder<'_> {
         let refusal = if card.has("USER") || card.value("TYPE").is_some_and(|w| !w.is("DISPLACEMENT")) {
             Some(("USER and TYPE of a prescribed temperature are not supported", "give a value, with AMPLITUDE="))
         } else if self.step.is_none() {
-            Some(("a temperature before the first step is not prescribed", "give it inside a *STEP"))
+            Some(("a temperature cannot be prescribed before the first step", "give it inside a *STEP"))
         } else if self.step.as_ref().is_some_and(|s| s.ramp) && amplitude.is_none() {
             Some(("*STEP, AMPLITUDE=RAMP with a prescribed temperature is not supported", "give AMPLITUDE="))
         } else {
@@ -94,26 +101,35 @@ impl Builder<'_> {
         if let Some((message, help)) = refusal {
             return self.unsupported(line.span, message, help);
         }
-        let (span, kind) = (line.span, Motion::Temperature);
-        self.state().boundaries.push(Boundary { nodes, set, dof: 11, kind, user: false, value, amplitude, span });
+        let (span, kind) = (line.span, MotionKind::Temperature);
+        self.state().boundaries.push(BoundaryCondition {
+            nodes,
+            set,
+            dof: 11,
+            kind,
+            user: false,
+            value,
+            amplitude,
+            span,
+        });
     }
 
-    /// Before the first step boundaries hold, and move nothing (ABAQUS Analysis User's Guide 34.3.1, "Prescribing boundary
-    /// conditions as model data").
+    /// Reports a nonzero value before the first step, where boundary conditions can only fix degrees of freedom (ABAQUS
+    /// Analysis User's Guide 34.3.1, "Prescribing boundary conditions as model data").
     fn before_steps(&mut self, line: &DataLine) {
-        let message = "a boundary before the first step holds degrees of freedom: it cannot move them";
-        let finding = Diagnostic::error("M105", message).at(line.span, "a value that is not zero");
-        self.diagnostics.push(finding.help("give it inside a *STEP"));
+        let message = "a boundary condition before the first step can only fix degrees of freedom";
+        let diagnostic = Diagnostic::error("M105", message).at(line.span, "nonzero value");
+        self.diagnostics.push(diagnostic.help("give it inside a *STEP"));
     }
 
-    /// With OP=NEW the boundaries of earlier steps end. OP must be the same on all `*BOUNDARY` cards of a step (ABAQUS
-    /// Keywords Reference Guide, *BOUNDARY).
+    /// Applies `OP`: `OP=NEW` removes the boundary conditions of earlier steps. All `*BOUNDARY` cards of a step must
+    /// have the same `OP` (ABAQUS Keywords Reference Guide, *BOUNDARY).
     fn boundary_operation(&mut self, card: &Card) {
         let new = self.is_new(card);
         let Some(step) = &mut self.step else { return };
         if step.new_boundaries.is_some_and(|other| other != new) {
-            let message =
-                "OP must be the same on every *BOUNDARY of a step: NEW removes all of earlier steps, MOD keeps them";
+            let message = "OP must be the same on all *BOUNDARY cards of a step: NEW \
+                 removes all earlier conditions, MOD keeps them";
             return self.out_of_range(card.span, message);
         }
         step.new_boundaries = Some(new);
@@ -122,26 +138,30 @@ impl Builder<'_> {
         }
     }
 
-    /// First and last degree of freedom, and the value.
-    fn boundary_dofs(&mut self, line: &DataLine) -> Option<(Degrees, f64)> {
+    /// Returns the degrees of freedom of a data line, and the value.
+    fn boundary_dofs(&mut self, line: &DataLine) -> Option<(DofSelection, f64)> {
         let word: &Word = match line.field(1) {
             Some(word) => word,
             None => {
-                let finding = Diagnostic::error("M102", "a degree of freedom is missing").at(line.span, "here");
-                return self.diagnostics.refuse(finding);
+                let diagnostic = Diagnostic::error("M102", "a degree of freedom is missing").at(line.span, "here");
+                return self.diagnostics.refuse(diagnostic);
             }
         };
         match upper(&word.text).as_str() {
-            "ENCASTRE" => return Some((Degrees::range(1, 6), 0.0)),
-            "PINNED" => return Some((Degrees::range(1, 3), 0.0)),
-            // Symmetry about a plane holds the rotations in it as well: 5 and 6, 4 and 6, 4 and 5 (ABAQUS Analysis User's
-            // Guide 34.3.1, "Boundary conditions").
-            "XSYMM" => return Some((Degrees { rotation: self.shell_rotation(), ..Degrees::range(1, 1) }, 0.0)),
-            "YSYMM" => return Some((Degrees { rotation: self.shell_rotation(), ..Degrees::range(2, 2) }, 0.0)),
-            "ZSYMM" => return Some((Degrees::range(3, 3), 0.0)),
+            "ENCASTRE" => return Some((DofSelection::range(1, 6), 0.0)),
+            "PINNED" => return Some((DofSelection::range(1, 3), 0.0)),
+            // Symmetry also constrains the rotations about axes in the plane: 5 and 6, 4 and 6, 4 and 5 (ABAQUS
+            // Analysis User's Guide 34.3.1, "Boundary conditions").
+            "XSYMM" => {
+                return Some((DofSelection { rotation: self.shell_rotation(), ..DofSelection::range(1, 1) }, 0.0));
+            }
+            "YSYMM" => {
+                return Some((DofSelection { rotation: self.shell_rotation(), ..DofSelection::range(2, 2) }, 0.0));
+            }
+            "ZSYMM" => return Some((DofSelection::range(3, 3), 0.0)),
             other @ ("XASYMM" | "YASYMM" | "ZASYMM") => {
                 let message =
-                    format!("antisymmetry ({other}) is not supported: ABAQUS has it in implicit analyses alone");
+                    format!("antisymmetry ({other}) is not supported; ABAQUS has it in implicit analyses only");
                 return self.refuse_unsupported(word.span, message, "name the degrees of freedom: 1 is r, 2 is z");
             }
             _ => {}
@@ -152,13 +172,16 @@ impl Builder<'_> {
         if [first, last] != [11; 2] && (!(1..=6).contains(&first) || !(first..=6).contains(&last)) {
             return self.refuse_value(
                 line.span,
-                format!("degrees of freedom {first} to {last}: 1 is r, 2 is z, 6 the rotation, 11 the temperature"),
+                format!(
+                    "invalid degrees of freedom {first} to {last}: 1 is r, 2 \
+                         is z, 6 is rotation, 11 is temperature"
+                ),
             );
         }
-        Some((Degrees::range(first as u8, last as u8), value))
+        Some((DofSelection::range(first as u8, last as u8), value))
     }
 
-    /// The rotation, where some nodes of the deck have one.
+    /// Returns the rotational degree of freedom if the deck has shells.
     fn shell_rotation(&self) -> Option<u8> {
         let shells = |c: &&Card| c.keyword.name == "ELEMENT" && c.value("TYPE").is_some_and(|w| w.is("SAX1"));
         self.deck.cards.iter().find(shells).map(|_| 6)

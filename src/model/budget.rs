@@ -1,58 +1,55 @@
-//! What a deck may ask for, over all its cards: told with the card that asks for too much, before it is made.
-//! Never here: what is made.
+//! Limits of the model size, summed over all cards. A card that exceeds a limit is reported before memory is allocated.
 
 use crate::platform::memory_of_machine;
 
-/// What is counted.
+/// Counted items.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Good {
+pub(super) enum BudgetedItem {
     Nodes,
     Elements,
-    /// Places in lists of nodes and elements, as sets and other cards name them.
+    /// Entries in lists of nodes and elements, for example in sets.
     Members,
 }
 
-/// Names, and bytes that one takes from reading to running.
-const GOODS: [(&str, u64); 3] = [("nodes", 200), ("elements", 700), ("places in sets and lists", 16)];
-/// The most nodes, and the most elements.
+/// Name of each item, and the memory it needs from reading to running, in bytes.
+const GOODS: [(&str, u64); 3] = [("nodes", 200), ("elements", 700), ("entries in sets and lists", 16)];
+/// Largest number of nodes, and of elements.
 const MOST: u128 = 20_000_000;
-/// The most places: so many, and so many more for each node and element.
+/// Largest number of list entries: a constant, plus a number per node and element.
 const PLACES: [u128; 2] = [20_000_000, 40];
 
-/// What a deck has.
+/// Items of the model that have been counted so far.
 #[derive(Debug)]
-pub(super) struct Budget {
+pub(super) struct SizeBudget {
     members: u64,
-    /// Bytes of the machine.
+    /// Memory of the machine in bytes.
     memory: u128,
-    pub told: bool,
+    pub reported: bool,
 }
 
-impl Default for Budget {
+impl Default for SizeBudget {
     fn default() -> Self {
-        Budget { members: 0, memory: memory_of_machine().unwrap_or(u128::MAX), told: false }
+        SizeBudget { members: 0, memory: memory_of_machine().unwrap_or(u128::MAX), reported: false }
     }
 }
 
-impl Budget {
-    /// Whether so many more may be where there are these nodes and elements.
+impl SizeBudget {
+    /// Counts `count` more items in a model with `mesh` nodes and elements.
     ///
     /// # Errors
-    /// What is too much.
-    pub fn spend(&mut self, good: Good, count: u128, mesh: [usize; 2]) -> Result<(), String> {
+    /// A message if a limit is exceeded; nothing is counted then.
+    pub fn spend(&mut self, good: BudgetedItem, count: u128, mesh: [usize; 2]) -> Result<(), String> {
         let mut all = [mesh[0] as u128, mesh[1] as u128, u128::from(self.members)];
-        let most = if good == Good::Members { PLACES[0] + PLACES[1] * (all[0] + all[1]) } else { MOST };
-        let (name, wanted) = (GOODS[good as usize].0, all[good as usize].saturating_add(count));
-        if wanted > most {
-            return Err(format!(
-                "{wanted} {name} up to this card, over all cards; more than {most} are taken for a slip"
-            ));
+        let most = if good == BudgetedItem::Members { PLACES[0] + PLACES[1] * (all[0] + all[1]) } else { MOST };
+        let (name, total) = (GOODS[good as usize].0, all[good as usize].saturating_add(count));
+        if total > most {
+            return Err(format!("{total} {name} in all cards up to this one; at most {most} are allowed"));
         }
-        all[good as usize] = wanted;
+        all[good as usize] = total;
         let bytes: u128 = all.iter().zip(GOODS).map(|(count, (_, bytes))| count * u128::from(bytes)).sum();
         if bytes > self.memory {
             return Err(format!(
-                "{wanted} {name} up to this card: the deck needs about {:.1} GB, and the machine has {:.1}",
+                "{total} {name} in all cards up to this one: the deck needs about {:.1} GB, and the machine has {:.1}",
                 1e-9 * bytes as f64,
                 1e-9 * self.memory as f64
             ));
@@ -64,19 +61,19 @@ impl Budget {
 
 #[cfg(test)]
 mod tests {
-    use super::{Budget, Good};
+    use super::{BudgetedItem, SizeBudget};
 
     #[test]
     fn counts_and_bytes_are_bounded_over_all_cards() {
-        let mut budget = Budget { members: 0, memory: 1_000_000_000, told: false };
+        let mut budget = SizeBudget { members: 0, memory: 1_000_000_000, reported: false };
         let mut spend = |good, count, mesh| budget.spend(good, count, mesh);
-        assert_eq!(spend(Good::Members, 20_000_040, [1, 0]), Ok(()));
-        let told = spend(Good::Members, 1, [1, 0]).expect_err("too many");
-        assert!(told.contains("20000041 places in sets and lists"), "{told}");
-        assert!(spend(Good::Nodes, u128::MAX, [1, 0]).is_err());
-        // 0.3 GB of places, and 0.8 of elements.
-        let told = spend(Good::Elements, 1_100_000, [0, 0]).expect_err("too many bytes");
-        assert!(told.contains("about 1.1 GB, and the machine has 1.0"), "{told}");
-        assert_eq!(spend(Good::Elements, 900_000, [0, 0]), Ok(()));
+        assert_eq!(spend(BudgetedItem::Members, 20_000_040, [1, 0]), Ok(()));
+        let message = spend(BudgetedItem::Members, 1, [1, 0]).expect_err("too many");
+        assert!(message.contains("20000041 entries in sets and lists"), "{message}");
+        assert!(spend(BudgetedItem::Nodes, u128::MAX, [1, 0]).is_err());
+        // 0.3 GB of list entries and 0.8 GB of elements.
+        let message = spend(BudgetedItem::Elements, 1_100_000, [0, 0]).expect_err("too many bytes");
+        assert!(message.contains("about 1.1 GB, and the machine has 1.0"), "{message}");
+        assert_eq!(spend(BudgetedItem::Elements, 900_000, [0, 0]), Ok(()));
     }
 }

@@ -1,10 +1,10 @@
-//! The builder that walks over the cards: which block it is in, and helpers every card uses.
-//! Never here: what a card means (one file per family of cards).
+//! The model builder: state of reading the cards in order, and helpers that all cards use. Each family of cards has its
+//! own file.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use crate::deck::keywords::{Place, Tier};
+use crate::deck::keywords::{CardPlace, KeywordTier};
 use crate::deck::names::nearest;
 use crate::deck::read::ReadCard;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
@@ -12,111 +12,111 @@ use crate::kernel::lists::sorted_unique;
 
 use indexmap::IndexMap;
 
-use super::budget::{Budget, Good};
-use super::coupling::Coupling;
-use super::degrees::Rotational;
+use super::budget::{BudgetedItem, SizeBudget};
+use super::coupling::PendingCoupling;
+use super::degrees::RotationalCondition;
 #[cfg(feature = "resistance")]
-use super::derivation::Asked;
-use super::lost::{Lost, is_skipped};
-use super::names::{Labels, qualified, upper};
+use super::derivation::DerivationRequest;
+use super::lost::{MissingDefinitions, is_skipped};
+use super::names::{LabelTable, qualified, upper};
 use super::steps::StepState;
-use super::types::{Inert, Material, MaterialId, Model, Origin, SectionControls, SurfaceId};
+use super::types::{IgnoredCard, MaterialDefinition, MaterialId, Model, ModelOrigin, SectionControls, SurfaceId};
 
-/// The most nodes, elements or members that one card may generate.
+/// Largest number of nodes, elements or set members that one card may generate.
 pub(super) const MOST: usize = 20_000_000;
 
-/// Unknown names for which the nearest known ones are looked for.
+/// Number of unknown names for which similar names are suggested.
 const SUGGESTIONS: usize = 20;
 
-/// A block that is open.
+/// An open block.
 #[derive(Debug)]
-pub(super) struct Block {
+pub(super) struct OpenBlock {
     /// `PART`, `ASSEMBLY`, `INSTANCE` or `STEP`.
     pub kind: &'static str,
     pub span: Span,
 }
 
-/// What is collected while the cards are read.
-pub(super) struct Builder<'a> {
+/// State of reading a deck.
+pub(super) struct ModelBuilder<'a> {
     pub deck: &'a Deck,
     pub model: Model,
     pub diagnostics: Diagnostics,
-    pub nodes: Labels,
-    pub elements: Labels,
-    /// Name space of labels and sets: an instance, or empty.
+    pub nodes: LabelTable,
+    pub elements: LabelTable,
+    /// Scope of labels and set names: an instance name, or empty.
     pub scope: String,
-    pub blocks: Vec<Block>,
-    /// Cards of each part, replayed for each instance.
+    pub blocks: Vec<OpenBlock>,
+    /// Cards of each part, read again for each instance.
     pub parts: HashMap<String, Vec<&'a Card>>,
     pub recording: Option<String>,
-    pub instance: Option<super::parts::Placement>,
+    pub instance: Option<super::parts::InstancePlacement>,
     pub step: Option<StepState>,
     pub carried: StepState,
     pub output: Option<super::types::OutputRequest>,
-    /// What errors have taken away.
-    pub lost: Lost,
-    /// Cards with a fault that has been told.
+    /// Definitions that are missing because of reported errors.
+    pub missing: MissingDefinitions,
+    /// Cards with a reported error.
     pub faulty: HashSet<Span>,
-    /// Nodes given another place than they had, and where.
+    /// Nodes that were redefined at other coordinates, and the card that did so.
     pub moved: HashMap<usize, Span>,
-    /// Element labels given again: label, where, and where first.
+    /// Element labels that were defined twice: label, second and first position.
     pub used_twice: Vec<(i64, Span, Span)>,
-    /// The card that is being read.
+    /// Card being read.
     pub current: Span,
-    /// Cards that generated nodes which were elsewhere already: the first label, and how many.
-    pub again: HashMap<Span, (i64, usize)>,
-    /// Those nodes, and how many elements with them have no shape.
+    /// Cards that generated existing nodes at other coordinates: first label, and number of nodes.
+    pub regenerated_by_card: HashMap<Span, (i64, usize)>,
+    /// Nodes generated again at other coordinates, and elements that are degenerate because of them.
     pub regenerated: HashSet<usize>,
-    pub spoilt: HashSet<usize>,
-    /// Origin and directions of the coordinates of nodes (`*SYSTEM`).
+    pub shapeless_elements: HashSet<usize>,
+    /// Origin and axes of the local system of node coordinates (`*SYSTEM`).
     pub system: Option<([f64; 2], [[f64; 2]; 2])>,
-    /// Surfaces of `*INTEGRATED OUTPUT SECTION` by the name of the section.
+    /// Surfaces of `*INTEGRATED OUTPUT SECTION`, by section name.
     pub sections: HashMap<String, SurfaceId>,
-    /// Nodes with turned directions.
+    /// Nodes with transformed directions (`*TRANSFORM`).
     pub transforms: Vec<(Vec<usize>, Span)>,
-    /// Members of UNSORTED node sets in the order given, by the name of the set.
+    /// Members of UNSORTED node sets in the given order, by set name.
     pub unsorted: HashMap<String, Vec<usize>>,
-    /// Where elements were given a section, a mass, a spring or a dashpot.
+    /// Source position of the section, mass, spring or dashpot of each element, by kind of property.
     pub property_of: HashMap<&'static str, Vec<Option<Span>>>,
     /// Section controls by name.
     pub controls: IndexMap<String, SectionControls>,
-    /// Sections that name controls, which may follow.
+    /// Sections that refer to section controls, which may be defined later.
     pub controls_used: Vec<(usize, Word)>,
-    /// The `*COUPLING` whose kind is to follow.
-    pub coupling: Option<Coupling>,
-    /// Surface interactions that contact refers to: some may be defined below.
+    /// The `*COUPLING` card whose `*KINEMATIC` or `*DISTRIBUTING` card follows.
+    pub coupling: Option<PendingCoupling>,
+    /// Names of surface interactions used by contact, which may be defined later.
     pub interactions_used: Vec<Word>,
-    /// Clearances of general contact by name.
-    pub clearances: IndexMap<String, super::types::Clearance>,
-    /// Boundaries on degrees of freedom above 2 alone.
-    pub rotational: Vec<Rotational>,
-    /// Resistances that are derived once all cards are read.
+    /// Initial clearances of general contact, by name.
+    pub clearances: IndexMap<String, super::types::PrescribedClearance>,
+    /// Boundary conditions on degrees of freedom above 2 only.
+    pub rotational: Vec<RotationalCondition>,
+    /// Cavity expansion constants to be derived after all cards are read.
     #[cfg(feature = "resistance")]
-    pub derivations: Vec<Asked>,
-    /// Place of each `*MATERIAL` and of each `*SURFACE INTERACTION` among its kind, by its name in upper case.
+    pub derivations: Vec<DerivationRequest>,
+    /// Index of each `*MATERIAL`, and of each `*SURFACE INTERACTION`, by upper-case name.
     pub material_places: IndexMap<String, usize>,
     pub interaction_places: IndexMap<String, usize>,
-    /// What the deck has asked for so far.
-    pub budget: Budget,
-    /// Unknown names for which others were suggested.
+    /// Size of the model so far.
+    pub budget: SizeBudget,
+    /// Number of unknown names for which similar names were suggested.
     pub suggested: usize,
 }
 
-impl<'a> Builder<'a> {
+impl<'a> ModelBuilder<'a> {
     pub fn new(deck: &'a Deck) -> Self {
-        Builder {
+        ModelBuilder {
             deck,
             model: Model {
-                origin: Origin {
+                origin: ModelOrigin {
                     sources: Arc::clone(&deck.sources),
                     last_card: deck.cards.last().map(|card| card.span),
-                    ..Origin::default()
+                    ..ModelOrigin::default()
                 },
                 ..Model::default()
             },
             diagnostics: Diagnostics::default(),
-            nodes: Labels::default(),
-            elements: Labels::default(),
+            nodes: LabelTable::default(),
+            elements: LabelTable::default(),
             scope: String::new(),
             blocks: Vec::new(),
             parts: HashMap::new(),
@@ -125,14 +125,14 @@ impl<'a> Builder<'a> {
             step: None,
             carried: StepState::default(),
             output: None,
-            lost: Lost::of(deck),
+            missing: MissingDefinitions::from_deck(deck),
             faulty: HashSet::new(),
             moved: HashMap::new(),
             used_twice: Vec::new(),
             current: Span::default(),
-            again: HashMap::new(),
+            regenerated_by_card: HashMap::new(),
             regenerated: HashSet::new(),
-            spoilt: HashSet::new(),
+            shapeless_elements: HashSet::new(),
             system: None,
             sections: HashMap::new(),
             transforms: Vec::new(),
@@ -148,26 +148,26 @@ impl<'a> Builder<'a> {
             derivations: Vec::new(),
             material_places: super::names::places(deck, "MATERIAL"),
             interaction_places: super::names::places(deck, "SURFACE INTERACTION"),
-            budget: Budget::default(),
+            budget: SizeBudget::default(),
             suggested: 0,
         }
     }
 
-    /// Reads one card.
+    /// Reads a card, or records it if a part is open.
     pub fn card(&mut self, card: &'a Card) {
         if self.record(card) {
             return;
         }
         let name = card.keyword.name;
         let is_of_output = name.ends_with(" OUTPUT") || name == "OUTPUT EXPRESSION";
-        if card.keyword.tier == Tier::Used && !is_of_output {
+        if card.keyword.tier == KeywordTier::Used && !is_of_output {
             self.output = None;
         }
         self.current = card.span;
         self.read(card, Self::understand);
     }
 
-    /// Reads a card; what an error on it takes away is remembered.
+    /// Calls the reader of a card and notes what an erroneous card would have defined.
     fn read(&mut self, card: &'a Card, read: impl FnOnce(&mut Self, &'a Card)) {
         let faulty = card.faulty || self.faulty.contains(&card.span);
         let before = self.diagnostics.error_count();
@@ -175,7 +175,7 @@ impl<'a> Builder<'a> {
             read(self, card);
         }
         if faulty || self.diagnostics.error_count() > before {
-            self.lost.card(card);
+            self.missing.note_faulty_card(card);
         }
     }
 
@@ -200,7 +200,7 @@ impl<'a> Builder<'a> {
             "MESH" => self.mesh_file(card),
             "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => self.block(card),
             "MATERIAL" => self.begin_material(card),
-            _ if card.keyword.place == Place::Below("MATERIAL") => self.material_card(card),
+            _ if card.keyword.place == CardPlace::Below("MATERIAL") => self.material_card(card),
             "PHYSICAL CONSTANTS" => self.physical_constants(card),
             "SOLID SECTION" => self.solid_section(card),
             "SHELL SECTION" => self.shell_section(card),
@@ -261,34 +261,34 @@ impl<'a> Builder<'a> {
 
     pub fn finish(mut self) -> (Model, Diagnostics) {
         for block in std::mem::take(&mut self.blocks) {
-            let message = format!("this *{} is never closed", block.kind);
-            let finding = Diagnostic::error("M105", message).at(block.span, "opened here");
-            self.diagnostics.push(finding.help(format!("end it with *END {}", block.kind)));
+            let message = format!("this *{} is not closed", block.kind);
+            let diagnostic = Diagnostic::error("M105", message).at(block.span, "opened here");
+            self.diagnostics.push(diagnostic.help(format!("end it with *END {}", block.kind)));
         }
         self.close_step();
         self.end_coupling();
         self.apply_masses();
-        self.tell_labels_used_twice();
-        self.tell_shape_faults();
-        self.tell_generated_again();
+        self.report_duplicate_labels();
+        self.report_shape_faults();
+        self.report_regenerated_nodes();
         self.check_transforms();
         self.apply_controls();
         self.apply_interactions();
         self.complete();
-        self.model.origin.bodies_read = !self.lost.bodies;
+        self.model.origin.bodies_read = !self.missing.bodies;
         (self.model, self.diagnostics)
     }
 
     pub fn inert(&mut self, card: &Card, why: String) {
-        self.model.origin.inert.push(Inert { keyword: card.keyword.name.into(), span: card.span, why });
+        self.model.origin.inert.push(IgnoredCard { keyword: card.keyword.name.into(), span: card.span, why });
     }
 
-    /// The values of a card, which have been checked.
+    /// Returns the values of a card, which have been checked.
     pub fn values<T: ReadCard>(&self, card: &Card) -> T {
         T::read(card)
     }
 
-    /// A parameter value that must be there.
+    /// Returns the value of a required parameter; reports an error if it is missing.
     pub fn required<'c>(&mut self, card: &'c Card, name: &str) -> Option<&'c Word> {
         let value = card.value(name);
         if value.is_none() && !card.faulty {
@@ -298,29 +298,29 @@ impl<'a> Builder<'a> {
         value
     }
 
-    /// A number that must be there.
+    /// Returns the number in a required field; reports an error if it is missing.
     pub fn number(&mut self, line: &DataLine, index: usize, what: &str) -> Option<f64> {
         match line.field(index) {
             Some(word) => word.number(&mut self.diagnostics),
             None => {
-                let finding = Diagnostic::error("M102", format!("{what} is missing"));
-                self.diagnostics.refuse(finding.at(line.span, format!("field {} should be {what}", index + 1)))
+                let diagnostic = Diagnostic::error("M102", format!("{what} is missing"));
+                self.diagnostics.refuse(diagnostic.at(line.span, format!("field {} should be {what}", index + 1)))
             }
         }
     }
 
-    /// A number, or a default where the field is empty or absent.
+    /// Returns the number in an optional field.
     pub fn number_or(&mut self, line: &DataLine, index: usize, default: f64) -> Option<f64> {
         line.field(index).map_or(Some(default), |w| w.number(&mut self.diagnostics))
     }
 
-    /// A whole number that must be there.
+    /// Returns the integer in a required field; reports an error if it is missing.
     pub fn integer(&mut self, line: &DataLine, index: usize, what: &str) -> Option<i64> {
         match line.field(index) {
             Some(word) => word.integer(&mut self.diagnostics),
             None => {
-                let finding = Diagnostic::error("M102", format!("{what} is missing"));
-                self.diagnostics.refuse(finding.at(line.span, format!("field {} should be {what}", index + 1)))
+                let diagnostic = Diagnostic::error("M102", format!("{what} is missing"));
+                self.diagnostics.refuse(diagnostic.at(line.span, format!("field {} should be {what}", index + 1)))
             }
         }
     }
@@ -330,23 +330,23 @@ impl<'a> Builder<'a> {
     }
 
     pub fn unsupported(&mut self, span: Span, message: impl Into<String>, help: &str) {
-        let finding = Diagnostic::error("M104", message).at(span, "not supported");
-        self.diagnostics.push(if help.is_empty() { finding } else { finding.help(help) });
+        let diagnostic = Diagnostic::error("M104", message).at(span, "not supported");
+        self.diagnostics.push(if help.is_empty() { diagnostic } else { diagnostic.help(help) });
     }
 
-    /// Reports a value out of range in place of what would have been read.
+    /// Reports a value out of range and returns `None`.
     pub fn refuse_value<T>(&mut self, span: Span, message: impl Into<String>) -> Option<T> {
         self.out_of_range(span, message);
         None
     }
 
-    /// Reports what is not supported in place of what would have been read.
+    /// Reports unsupported input and returns `None`.
     pub fn refuse_unsupported<T>(&mut self, span: Span, message: impl Into<String>, help: &str) -> Option<T> {
         self.unsupported(span, message, help);
         None
     }
 
-    /// An element has one property of a kind: what gives it a second one is an error.
+    /// Notes that a card gives elements a property, and reports elements that already have one of this kind.
     pub fn claim(&mut self, kind: &'static str, elements: &[usize], span: Span) {
         let mut twice: Vec<(usize, Span)> = Vec::new();
         let of_kind = self.property_of.entry(kind).or_default();
@@ -359,77 +359,81 @@ impl<'a> Builder<'a> {
         }
         let Some(&(element, first)) = twice.first() else { return };
         let name = &self.model.mesh.elements[element].name;
-        let more = if twice.len() > 1 { format!(" and {} more have", twice.len() - 1) } else { " has".into() };
-        let finding = Diagnostic::error("M165", format!("element {name}{more} a {kind} already"));
-        self.diagnostics.push(finding.at(span, "a second one").at(first, "the first").help("an element has one"));
+        let more =
+            if twice.len() > 1 { format!(" and {} more already have", twice.len() - 1) } else { " already has".into() };
+        let diagnostic = Diagnostic::error("M165", format!("element {name}{more} a {kind}"));
+        self.diagnostics.push(
+            diagnostic.at(span, "second definition").at(first, "first definition").help("an element can have one only"),
+        );
     }
 
-    /// Says that a name refers to nothing, with the nearest that exists.
+    /// Reports an unknown name, with a similar existing name as help.
     pub fn unknown(&mut self, code: &'static str, what: &str, word: &Word, names: impl FnOnce(&Self) -> Vec<String>) {
-        if self.lost.explains(what, word) {
+        if self.missing.explains(what, word) {
             return;
         }
-        let finding =
+        let diagnostic =
             Diagnostic::error(code, format!("there is no {what} `{}`", word.text)).at(word.span, "not defined");
-        // Of many that are unknown no more are read, and each look at all names takes its time.
+        // Each suggestion compares all names, and only the first ones are read.
         if self.suggested == SUGGESTIONS {
-            return self.diagnostics.push(finding);
+            return self.diagnostics.push(diagnostic);
         }
         self.suggested += 1;
         let names = &names(self)[..];
         let near = nearest(&word.text, names.iter().map(String::as_str)).map(str::to_owned);
-        let finding = match near.filter(|_| !is_label(word)) {
+        let diagnostic = match near.filter(|_| !is_label(word)) {
             _ if what.starts_with("element set") && self.model.node_sets.contains_key(&upper(&word.text)) => {
-                finding.help(format!("`{}` is a node set; element sets are: {}", word.text, first_of(names)))
+                diagnostic.help(format!("`{}` is a node set; element sets are: {}", word.text, first_of(names)))
             }
-            None if is_label(word) => finding,
-            Some(near) => finding.help(format!("did you mean {near}?")),
-            None if names.is_empty() => finding.help(format!("the deck defines no {what}")),
-            None => finding.help(format!("there are: {}", first_of(names))),
+            None if is_label(word) => diagnostic,
+            Some(near) => diagnostic.help(format!("did you mean {near}?")),
+            None if names.is_empty() => diagnostic.help(format!("the deck defines no {what}")),
+            None => diagnostic.help(format!("defined are: {}", first_of(names))),
         };
-        self.diagnostics.push(finding);
+        self.diagnostics.push(diagnostic);
     }
 
-    /// Whether the deck may have so many more; where it may not that is told once, with the card.
-    pub(super) fn affords(&mut self, good: Good, count: u128, span: Span) -> bool {
+    /// Counts model items against the size limits. The first excess is reported at the card; returns `false` then.
+    pub(super) fn fits_budget(&mut self, good: BudgetedItem, count: u128, span: Span) -> bool {
         let mesh = [self.model.mesh.points.len(), self.model.mesh.elements.len()];
         let Err(too_much) = self.budget.spend(good, count, mesh) else { return true };
-        if !std::mem::replace(&mut self.budget.told, true) {
-            self.diagnostics.push(Diagnostic::error("M125", too_much).at(span, "too many with this"));
+        if !std::mem::replace(&mut self.budget.reported, true) {
+            self.diagnostics.push(Diagnostic::error("M125", too_much).at(span, "limit exceeded here"));
         }
-        self.lost.everything = true;
+        self.missing.everything = true;
         false
     }
 
-    /// The material of a name.
+    /// Returns the material with a name, or reports that it is unknown.
     pub fn material(&mut self, word: &Word) -> Option<MaterialId> {
         let name = upper(&word.text);
         let place = self.material_places.get(&name).copied();
-        let found = place.filter(|&place| self.model.materials.get(place).is_some_and(|m: &Material| m.name == name));
+        let found =
+            place.filter(|&place| self.model.materials.get(place).is_some_and(|m: &MaterialDefinition| m.name == name));
         if found.is_none() {
             self.unknown("M111", "material", word, |b| b.model.materials.iter().map(|m| m.name.clone()).collect());
         }
         found.map(MaterialId::new)
     }
 
-    /// An element set in the place of a node set: its nodes can be meant only; it is a node set from here on.
+    /// Returns the nodes of an element set given in place of a node set, with a warning, and adds that node set.
     fn nodes_of_element_set(&mut self, word: &Word) -> Option<Vec<usize>> {
         let names = [qualified(&self.scope, &word.text), upper(&word.text)];
         let (name, set) = names.into_iter().find_map(|n| Some((n.clone(), self.model.element_sets.get(&n)?)))?;
         let members: Vec<usize> =
             sorted_unique(set.members.iter().flat_map(|&e| self.model.mesh.elements[e].nodes.iter().copied()));
-        let message = format!("`{}` is an element set: the nodes of its elements are taken", word.text);
-        let finding = Diagnostic::warning("M168", message).at(word.span, "a node set is asked for");
-        self.diagnostics.push(finding.help(format!("*NSET, NSET={name}, ELSET={name} says the same")));
-        self.model.node_sets.insert(name, super::types::Set { members: members.clone(), span: word.span });
+        let message = format!("`{}` is an element set; the nodes of its elements are used", word.text);
+        let diagnostic = Diagnostic::warning("M168", message).at(word.span, "a node set is expected");
+        self.diagnostics.push(diagnostic.help(format!("define the node set with *NSET, NSET={name}, ELSET={name}")));
+        self.model.node_sets.insert(name, super::types::MemberSet { members: members.clone(), span: word.span });
         Some(members)
     }
 
-    /// The nodes a word stands for: a set or a label.
+    /// Returns the nodes of a set or label, or reports that it is unknown.
     pub fn node_members(&mut self, word: &Word) -> Option<Vec<usize>> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(count) = self.model.node_sets.get(&name).map(|set| set.members.len()) {
-                let affords = self.affords(Good::Members, count as u128, word.span);
+                let affords = self.fits_budget(BudgetedItem::Members, count as u128, word.span);
                 return affords.then(|| self.model.node_sets[&name].members.clone());
             }
         }
@@ -444,11 +448,11 @@ impl<'a> Builder<'a> {
         None
     }
 
-    /// The elements a word stands for: a set or a label.
+    /// Returns the elements of a set or label, or reports that it is unknown.
     pub fn element_members(&mut self, word: &Word) -> Option<Vec<usize>> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(count) = self.model.element_sets.get(&name).map(|set| set.members.len()) {
-                let affords = self.affords(Good::Members, count as u128, word.span);
+                let affords = self.fits_budget(BudgetedItem::Members, count as u128, word.span);
                 return affords.then(|| self.model.element_sets[&name].members.clone());
             }
         }
@@ -461,7 +465,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Whether a word is a number, of a node or an element.
+/// Returns whether a word is a node or element label.
 fn is_label(word: &Word) -> bool {
     word.text.parse::<i64>().is_ok()
 }

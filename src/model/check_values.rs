@@ -1,18 +1,17 @@
-//! Values of cards against what the keyword table says of them: kind, range, presence, order of rows.
-//! Never here: what values mean together.
+//! Checks single values of cards against the keyword table: kind, range, presence, order of rows.
 
-use crate::deck::keywords::{Rule, Shape};
-use crate::deck::value::Kind;
+use crate::deck::keywords::{DataShape, InputRule};
+use crate::deck::value::ValueKind;
 use crate::deck::{Card, Diagnostic, Diagnostics, Parameter, Word};
 
-/// Tells what is wrong with a value.
-pub(super) fn check_value(card: &Card, rule: &Rule, word: &Word, diagnostics: &mut Diagnostics) {
+/// Reports an invalid value.
+pub(super) fn check_value(card: &Card, rule: &InputRule, word: &Word, diagnostics: &mut Diagnostics) {
     let (value, keyword, name) = (rule.value, card.keyword.name, rule.name);
     let found = match value.kind {
-        Kind::Text => return,
-        Kind::Number => word.number(diagnostics),
-        Kind::Integer => word.integer(diagnostics).map(|number| number as f64),
-        Kind::Word(_) | Kind::Variant(_) => {
+        ValueKind::Text => return,
+        ValueKind::Number => word.number(diagnostics),
+        ValueKind::Integer => word.integer(diagnostics).map(|number| number as f64),
+        ValueKind::Word(_) | ValueKind::Variant(_) => {
             if value.number(&word.text).is_none() && !crate::deck::is_unresolved(&word.text) {
                 diagnostics.push(unknown_word(card, rule, word));
             }
@@ -21,13 +20,13 @@ pub(super) fn check_value(card: &Card, rule: &Rule, word: &Word, diagnostics: &m
     };
     let Some(number) = found.filter(|number| !value.allows(*number)) else { return };
     let message = format!("{name} of *{keyword} must be {}, found {number}", value.allowed());
-    let finding = Diagnostic::error("M103", message).at(word.span, "here");
-    diagnostics.push(if rule.help.is_empty() { finding } else { finding.help(rule.help) });
+    let diagnostic = Diagnostic::error("M103", message).at(word.span, "here");
+    diagnostics.push(if rule.help.is_empty() { diagnostic } else { diagnostic.help(rule.help) });
 }
 
-fn unknown_word(card: &Card, rule: &Rule, word: &Word) -> Diagnostic {
+fn unknown_word(card: &Card, rule: &InputRule, word: &Word) -> Diagnostic {
     let (allowed, keyword, name) = (rule.value.allowed(), card.keyword.name, rule.name);
-    if let Kind::Variant(_) = rule.value.kind {
+    if let ValueKind::Variant(_) = rule.value.kind {
         let message = format!("{name}={} on *{keyword} is not supported", word.text);
         return Diagnostic::error("M104", message).at(word.span, "not supported").help(format!("supported: {allowed}"));
     }
@@ -35,11 +34,11 @@ fn unknown_word(card: &Card, rule: &Rule, word: &Word) -> Diagnostic {
     Diagnostic::error("M103", message).at(word.span, "here")
 }
 
-/// Tells what is wrong with the value of a parameter, or that it has none.
-pub(super) fn check_parameter(card: &Card, rule: &Rule, parameter: &Parameter, diagnostics: &mut Diagnostics) {
+/// Reports a missing or invalid value of a parameter.
+pub(super) fn check_parameter(card: &Card, rule: &InputRule, parameter: &Parameter, diagnostics: &mut Diagnostics) {
     match &parameter.value {
         Some(word) => check_value(card, rule, word, diagnostics),
-        None if rule.value.kind == Kind::Text || rule.value.bare.is_some() || rule.value.required => {}
+        None if rule.value.kind == ValueKind::Text || rule.value.bare.is_some() || rule.value.required => {}
         None => {
             let message = format!("{} of *{} needs a value: {}", rule.name, card.keyword.name, rule.value.allowed());
             diagnostics.push(Diagnostic::error("M103", message).at(parameter.span, "no value"));
@@ -51,25 +50,25 @@ pub(super) fn check_required_parameters(card: &Card, diagnostics: &mut Diagnosti
     for rule in card.keyword.parameters.iter().filter(|rule| rule.value.required) {
         if card.value(rule.name).is_none() && !card.faulty {
             let message = format!("*{} needs {}=", card.keyword.name, rule.name);
-            let finding = Diagnostic::error("M101", message).at(card.span, format!("{}= is missing", rule.name));
-            diagnostics.push(finding);
+            let diagnostic = Diagnostic::error("M101", message).at(card.span, format!("{}= is missing", rule.name));
+            diagnostics.push(diagnostic);
         }
     }
 }
 
-/// Tells which data lines and fields are missing, and which rows do not ascend.
+/// Reports missing data lines and fields, and rows that do not ascend.
 pub(super) fn check_lines(card: &Card, diagnostics: &mut Diagnostics) {
     if card.lines.is_empty() && card.needs_line() {
         let message = format!("*{} needs a data line", card.keyword.name);
-        diagnostics.push(Diagnostic::error("M107", message).at(card.span, "no data below"));
+        diagnostics.push(Diagnostic::error("M107", message).at(card.span, "data line missing"));
         return;
     }
-    let Shape::Lines(rows, repeats) = card.shape() else { return };
+    let DataShape::Lines(rows, repeats) = card.shape() else { return };
     for (i, line) in card.lines.iter().enumerate() {
         let Some(rules) = rows.get(if *repeats { i.min(rows.len() - 1) } else { i }) else { return };
         for (k, rule) in rules.iter().enumerate().filter(|(k, rule)| rule.value.required && line.field(*k).is_none()) {
-            let finding = Diagnostic::error("M102", format!("{} is missing", rule.name));
-            diagnostics.push(finding.at(line.span, format!("field {} should be {}", k + 1, rule.name)));
+            let diagnostic = Diagnostic::error("M102", format!("{} is missing", rule.name));
+            diagnostics.push(diagnostic.at(line.span, format!("field {} should be {}", k + 1, rule.name)));
         }
     }
     if *repeats && card.lines.len() > 1 {
@@ -78,8 +77,8 @@ pub(super) fn check_lines(card: &Card, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Tells where a column of a table does not ascend.
-fn check_order(card: &Card, rule: &Rule, column: usize, diagnostics: &mut Diagnostics) {
+/// Reports the first row at which a column of a table does not ascend.
+fn check_order(card: &Card, rule: &InputRule, column: usize, diagnostics: &mut Diagnostics) {
     let numbers = card.lines.iter().map(|line| line.field(column).and_then(|word| rule.value.number(&word.text)));
     let numbers: Vec<Option<f64>> = numbers.collect();
     let ascends = |pair: &[Option<f64>]| matches!(pair, [Some(a), Some(b)] if a < b);
@@ -87,6 +86,6 @@ fn check_order(card: &Card, rule: &Rule, column: usize, diagnostics: &mut Diagno
     let words = |number: Option<f64>| number.map_or("nothing".into(), |number| format!("{number}"));
     let (before, after) = (words(numbers[at]), words(numbers[at + 1]));
     let (name, keyword) = (rule.name, card.keyword.name);
-    let message = format!("{name} of *{keyword} must ascend from row to row: {after} follows {before}");
+    let message = format!("{name} of *{keyword} must increase from row to row, found {after} after {before}");
     diagnostics.push(Diagnostic::error("M103", message).at(card.lines[at + 1].span, "this row"));
 }

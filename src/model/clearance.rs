@@ -1,32 +1,30 @@
-//! What gaps at the start are taken as: `*CLEARANCE` of contact pairs, `*CONTACT CLEARANCE` and `*CONTACT INITIALIZATION DATA` of
-//! general contact, with their assignments.
-//! Never here: which surfaces there are, where they meet.
+//! Initial clearances of contact: `*CLEARANCE` of contact pairs, and the assignments of general contact.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use super::names::upper;
-use super::types::Clearance;
+use super::types::PrescribedClearance;
 use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Word};
 
-impl Builder<'_> {
-    /// The clearance of a name.
-    pub(super) fn clearance(&mut self, word: &Word) -> Option<Clearance> {
+impl ModelBuilder<'_> {
+    /// Returns the clearance with a name, or reports that it is unknown.
+    pub(super) fn clearance(&mut self, word: &Word) -> Option<PrescribedClearance> {
         let found = self.clearances.get(&upper(&word.text)).copied();
         if found.is_none() {
-            self.unknown("M114", "clearance of contact", word, |b| b.clearances.keys().cloned().collect());
+            self.unknown("M114", "contact clearance", word, |b| b.clearances.keys().cloned().collect());
         }
         found
     }
 
-    /// ABAQUS Keywords Reference Guide, *CLEARANCE: an initial clearance of all pairs of a set.
+    /// Records the initial clearance of all pairs of a contact pair set (ABAQUS Keywords Reference Guide, *CLEARANCE).
     pub(super) fn pair_clearance(&mut self, card: &Card) {
         let Some(set) = self.required(card, "CPSET").cloned() else { return };
         let cards::Clearance { gap } = self.values(card);
         let [above, below] = [Some(f64::INFINITY); 2];
-        self.state().pair_clearances.push((set, Clearance { gap, above, below }));
+        self.state().pair_clearances.push((set, PrescribedClearance { gap, above, below }));
     }
 
-    /// Gives pairs the clearances and the factors on penalty springs that cards of the step give their sets.
+    /// Applies the clearances and penalty scale factors of the step to the contact pair sets.
     pub(super) fn apply_to_sets(&mut self) {
         let state = self.state();
         let (clearances, factors) =
@@ -34,10 +32,10 @@ impl Builder<'_> {
         let mut pairs = std::mem::take(&mut state.surface_contacts);
         let names: Vec<String> = pairs.iter().filter_map(|p| p.cpset.clone()).collect();
         for (word, _) in clearances.iter().filter(|c| !names.contains(&upper(&c.0.text))) {
-            self.unknown("M114", "set of contact pairs", word, |_| names.clone());
+            self.unknown("M114", "contact pair set", word, |_| names.clone());
         }
         for (word, _) in factors.iter().filter(|f| !names.contains(&upper(&f.0.text))) {
-            self.unknown("M114", "set of contact pairs", word, |_| names.clone());
+            self.unknown("M114", "contact pair set", word, |_| names.clone());
         }
         for pair in &mut pairs {
             let is_of = |word: &Word| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text));

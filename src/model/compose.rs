@@ -1,62 +1,63 @@
-//! Models composed in Rust: constructors of the pieces, and putting them together.
-//! Never here: decks; whether the pieces fit, which `consistency` says.
+//! Construction of models in Rust, without a deck. [`Model::check`] validates them.
 
-use super::name::Name;
+use super::name::EntityName;
 use super::steps::{BULK_VISCOSITY, DEFAULT_ACCURACY};
 use super::types::{
-    Amplitude, AmplitudeDefinition, AmplitudeId, Boundary, Element, ElementKind, ElementSetId, IncrementControl,
-    InitialCondition, InitialKind, Interval, Load, LoadKind, LoadVelocity, Material, MaterialId, Model, Motion,
-    NodeSetId, OutputCard, OutputExpression, OutputKind, OutputRequest, PointMass, Position, Region, RigidBody,
-    SectionControls, Set, ShellSection, ShellThinning, Side, Sides, SolidSection, Step,
+    Amplitude, AmplitudeDefinition, AmplitudeId, BoundaryCondition, Element, ElementKind, ElementSetId, ElementSide,
+    IncrementControl, InitialCondition, InitialKind, Load, LoadKind, LoadVelocity, MaterialDefinition, MaterialId,
+    MemberSet, Model, MotionKind, NodeSetId, OutputCard, OutputExpression, OutputInterval, OutputKind, OutputPosition,
+    OutputRegion, OutputRequest, PointMass, RigidBody, SectionControls, ShellSection, ShellThinning, SideSelection,
+    SolidSection, Step,
 };
 use crate::deck::Span;
 use crate::kernel::lists::sorted_unique;
 use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
-use crate::variables::{Part, Variable};
+use crate::variables::{Variable, VariableComponent};
 
 impl Model {
-    /// What deforms is made of: material and elements of each section, solids before shells.
-    pub fn made_of(&self) -> impl Iterator<Item = (MaterialId, &[usize])> {
+    /// Iterates over material and elements of all sections, solids before shells.
+    pub fn material_regions(&self) -> impl Iterator<Item = (MaterialId, &[usize])> {
         let solids = self.sections.iter().map(|s| (s.material, &s.elements[..]));
         solids.chain(self.shell_sections.iter().map(|s| (s.material, &s.elements[..])))
     }
 
-    /// Adds a node at `[r, z]`, named by its number from 1 on, and returns its index.
+    /// Adds a node at `[r, z]` and returns its index. Its name is its number, counted from 1.
     pub fn node(&mut self, r: f64, z: f64) -> usize {
         self.mesh.points.push([r, z]);
         let number = self.mesh.points.len() as i64;
-        self.mesh.node_names.push(Name::of_label("", number));
+        self.mesh.node_names.push(EntityName::of_label("", number));
         self.mesh.points.len() - 1
     }
 
-    /// Adds an element, named by its number from 1 on, and returns its index. Nodes of solids run counter-clockwise in (r, z).
+    /// Adds an element and returns its index. Its name is its number, counted from 1. Nodes of solids are given
+    /// counter-clockwise in (r, z), in the order of ABAQUS.
     #[track_caller]
     pub fn element(&mut self, kind: ElementKind, nodes: &[usize]) -> usize {
-        let name = Name::of_label("", self.mesh.elements.len() as i64 + 1);
+        let name = EntityName::of_label("", self.mesh.elements.len() as i64 + 1);
         self.mesh.elements.push(Element { name, kind, nodes: kind.around(nodes), span: Span::composed() });
         self.mesh.elements.len() - 1
     }
 
-    /// Names some nodes, for output requests; names are kept in upper case.
+    /// Defines a node set, for output requests; the name is converted to upper case.
     #[track_caller]
     pub fn node_set(&mut self, name: &str, members: &[usize]) -> NodeSetId {
-        NodeSetId::new(self.node_sets.insert_full(name.to_uppercase(), Set::new(members)).0)
+        NodeSetId::new(self.node_sets.insert_full(name.to_uppercase(), MemberSet::new(members)).0)
     }
 
-    /// Names some elements, likewise.
+    /// Defines an element set, for output requests; the name is converted to upper case.
     #[track_caller]
     pub fn element_set(&mut self, name: &str, members: &[usize]) -> ElementSetId {
-        ElementSetId::new(self.element_sets.insert_full(name.to_uppercase(), Set::new(members)).0)
+        ElementSetId::new(self.element_sets.insert_full(name.to_uppercase(), MemberSet::new(members)).0)
     }
 
-    /// Adds a material.
-    pub fn material(&mut self, material: Material) -> MaterialId {
+    /// Adds a material and returns its handle.
+    pub fn material(&mut self, material: MaterialDefinition) -> MaterialId {
         self.materials.push(material);
         MaterialId::new(self.materials.len() - 1)
     }
 
-    /// Lets elements deform that are of a material.
+    /// Assigns a material to solid elements.
     #[track_caller]
     pub fn section(&mut self, elements: &[usize], material: MaterialId) {
         let elements = elements.to_vec();
@@ -68,7 +69,7 @@ impl Model {
         });
     }
 
-    /// Lets shells deform that are of a material and of a thickness, with five points through it.
+    /// Assigns a material and a thickness to shell elements, with five section points.
     #[track_caller]
     pub fn shell_section(&mut self, elements: &[usize], material: MaterialId, thickness: f64) -> &mut ShellSection {
         self.shell_sections.push(ShellSection {
@@ -84,8 +85,7 @@ impl Model {
         &mut self.shell_sections[last]
     }
 
-    /// Makes elements one rigid body with a reference node. Mass comes from [`RigidBody::density`] and thickness, or from
-    /// [`Model::mass`].
+    /// Defines a rigid body. Its mass is given by [`RigidBody::density`] and thickness, or by [`Model::mass`].
     #[track_caller]
     pub fn rigid_body(&mut self, name: &str, reference: usize, elements: &[usize]) -> &mut RigidBody {
         self.rigid_bodies.push(RigidBody {
@@ -101,13 +101,13 @@ impl Model {
         &mut self.rigid_bodies[last]
     }
 
-    /// Puts a mass on a node.
+    /// Adds a point mass to a node.
     #[track_caller]
     pub fn mass(&mut self, node: usize, mass: f64) {
         self.discrete.masses.push(PointMass { node, mass, span: Span::composed() });
     }
 
-    /// Lets nodes start with a velocity along a degree of freedom (1 = r, 2 = z).
+    /// Sets the initial velocity of nodes along a degree of freedom (1 = r, 2 = z).
     #[track_caller]
     pub fn initial_velocity(&mut self, nodes: &[usize], dof: u8, velocity: f64) {
         let kind = InitialKind::Velocity(dof, velocity);
@@ -118,7 +118,7 @@ impl Model {
         });
     }
 
-    /// Adds a piecewise linear function of the time in a step, `[time, value]` with ascending times.
+    /// Adds a piecewise linear amplitude of step time, from points `[time, value]` with ascending times.
     #[track_caller]
     pub fn amplitude(&mut self, name: &str, points: &[[f64; 2]]) -> AmplitudeId {
         let definition = AmplitudeDefinition::Curve { points: points.to_vec(), smooth: false, total_time: false };
@@ -128,37 +128,38 @@ impl Model {
     }
 }
 
-impl Set {
-    /// A set of some members in any order.
+impl MemberSet {
+    /// Creates a set from members in any order.
     #[track_caller]
-    pub fn new(members: &[usize]) -> Set {
-        Set { members: sorted_unique(members.iter().copied()), span: Span::composed() }
+    pub fn new(members: &[usize]) -> MemberSet {
+        MemberSet { members: sorted_unique(members.iter().copied()), span: Span::composed() }
     }
 }
 
-impl Material {
-    /// A linear elastic material by density, Young's modulus and Poisson's ratio. Other laws go into its fields.
+impl MaterialDefinition {
+    /// Creates a linear elastic material from density, Young's modulus and Poisson's ratio. Set its fields for other
+    /// laws.
     #[track_caller]
-    pub fn elastic(name: &str, density: f64, modulus: f64, ratio: f64) -> Material {
-        Material {
+    pub fn elastic(name: &str, density: f64, modulus: f64, ratio: f64) -> MaterialDefinition {
+        MaterialDefinition {
             name: name.to_uppercase(),
             span: Span::composed(),
             density: Some(density),
             elastic: Some([modulus, ratio]),
-            ..Material::default()
+            ..MaterialDefinition::default()
         }
     }
 }
 
-impl Sides {
-    /// Sides of elements as a surface, `(element, side)`.
-    pub fn new(name: &str, faces: &[(usize, Side)]) -> Sides {
-        Sides { name: name.into(), surface: true, faces: faces.to_vec(), whole: Vec::new() }
+impl SideSelection {
+    /// Creates a surface from faces `(element, side)`.
+    pub fn new(name: &str, faces: &[(usize, ElementSide)]) -> SideSelection {
+        SideSelection { name: name.into(), surface: true, faces: faces.to_vec(), free_face_elements: Vec::new() }
     }
 }
 
 impl Step {
-    /// A step of some length in time, with the increment that the mesh calls for and nothing in force.
+    /// Creates a step of a duration, with automatic increments and nothing in force.
     #[track_caller]
     pub fn new(name: &str, duration: f64) -> Step {
         Step {
@@ -183,21 +184,21 @@ impl Step {
         }
     }
 
-    /// With a prescribed motion.
+    /// Adds a prescribed motion.
     #[must_use]
-    pub fn with_boundary(mut self, boundary: Boundary) -> Step {
+    pub fn with_boundary(mut self, boundary: BoundaryCondition) -> Step {
         self.boundaries.push(boundary);
         self
     }
 
-    /// With a load.
+    /// Adds a load.
     #[must_use]
     pub fn with_load(mut self, load: Load) -> Step {
         self.loads.push(load);
         self
     }
 
-    /// With an output request.
+    /// Adds an output request.
     #[must_use]
     pub fn with_output(mut self, request: OutputRequest) -> Step {
         self.outputs.push(request);
@@ -212,41 +213,42 @@ impl Default for IncrementControl {
     }
 }
 
-impl Boundary {
-    /// Holds nodes along a degree of freedom (1 = r, 2 = z).
+impl BoundaryCondition {
+    /// Fixes nodes along a degree of freedom (1 = r, 2 = z).
     #[track_caller]
-    pub fn held(name: &str, nodes: &[usize], dof: u8) -> Boundary {
-        Boundary::moved(name, nodes, dof, Motion::Displacement, 0.0)
+    pub fn fixed(name: &str, nodes: &[usize], dof: u8) -> BoundaryCondition {
+        BoundaryCondition::prescribed(name, nodes, dof, MotionKind::Displacement, 0.0)
     }
 
-    /// Moves nodes along a degree of freedom. A displacement needs an [`Boundary::amplitude`]: none jumps.
+    /// Prescribes a motion of nodes. A displacement requires [`Boundary::amplitude`], because displacements cannot
+    /// jump.
     #[track_caller]
-    pub fn moved(name: &str, nodes: &[usize], dof: u8, kind: Motion, value: f64) -> Boundary {
+    pub fn prescribed(name: &str, nodes: &[usize], dof: u8, kind: MotionKind, value: f64) -> BoundaryCondition {
         let (set, nodes, span) = (name.into(), nodes.to_vec(), Span::composed());
-        Boundary { nodes, set, dof, kind, user: false, value, amplitude: None, span }
+        BoundaryCondition { nodes, set, dof, kind, user: false, value, amplitude: None, span }
     }
 }
 
 impl Load {
-    /// A load of a kind with a magnitude that stays.
+    /// Creates a constant load.
     #[track_caller]
     pub fn new(kind: LoadKind, magnitude: f64) -> Load {
         Load { kind, magnitude, amplitude: None, span: Span::composed() }
     }
 
-    /// A pressure, positive towards the surface.
+    /// Creates a pressure load; positive pressure acts against the outward normal.
     #[track_caller]
-    pub fn pressure(sides: Sides, magnitude: f64) -> Load {
+    pub fn pressure(sides: SideSelection, magnitude: f64) -> Load {
         Load::new(LoadKind::Pressure(sides), magnitude)
     }
 
-    /// The pressure of a user load ([`crate::user::Routines::with_load`]).
+    /// Creates a pressure load given by a user load ([`crate::user::Routines::with_load`]).
     #[track_caller]
-    pub fn user(sides: Sides) -> Load {
+    pub fn user(sides: SideSelection) -> Load {
         Load::new(LoadKind::User { sides, load_type: 0 }, 1.0)
     }
 
-    /// The same with an amplitude.
+    /// Sets the amplitude.
     #[must_use]
     pub fn with_amplitude(mut self, amplitude: AmplitudeId) -> Load {
         self.amplitude = Some(amplitude);
@@ -255,48 +257,51 @@ impl Load {
 }
 
 impl OutputRequest {
-    /// History columns of variables, `<VARIABLE>@<SET>`, at the program's default interval.
+    /// Requests history columns `<VARIABLE>@<SET>` at the default interval.
     #[track_caller]
-    pub fn history<A: Into<VariableRequest>>(region: Region, variables: impl IntoIterator<Item = A>) -> OutputRequest {
+    pub fn history<A: Into<VariableRequest>>(
+        region: OutputRegion,
+        variables: impl IntoIterator<Item = A>,
+    ) -> OutputRequest {
         OutputRequest::new(OutputKind::History, region, variables.into_iter().map(Into::into).collect())
     }
 
-    /// Arrays of frames, at the program's default interval.
+    /// Requests field output at the default interval.
     #[track_caller]
     pub fn field<A: Into<VariableRequest>>(variables: impl IntoIterator<Item = A>) -> OutputRequest {
-        OutputRequest::new(OutputKind::Field, Region::Whole, variables.into_iter().map(Into::into).collect())
+        OutputRequest::new(OutputKind::Field, OutputRegion::Whole, variables.into_iter().map(Into::into).collect())
     }
 
     #[track_caller]
-    fn new(kind: OutputKind, region: Region, variables: Vec<VariableRequest>) -> OutputRequest {
+    fn new(kind: OutputKind, region: OutputRegion, variables: Vec<VariableRequest>) -> OutputRequest {
         let card = match region {
-            Region::Whole => OutputCard::Output,
-            Region::Nodes(_) => OutputCard::Node,
-            Region::Elements(_) => OutputCard::Element,
-            Region::Surface(..) => OutputCard::Integrated,
-            Region::Pairs(_) => OutputCard::Contact,
+            OutputRegion::Whole => OutputCard::Output,
+            OutputRegion::Nodes(_) => OutputCard::Node,
+            OutputRegion::Elements(_) => OutputCard::Element,
+            OutputRegion::Surface(..) => OutputCard::Integrated,
+            OutputRegion::Pairs(_) => OutputCard::Contact,
         };
-        let (interval, position, span) = (Interval::Default, Position::Element, Span::composed());
+        let (interval, position, span) = (OutputInterval::Default, OutputPosition::Element, Span::composed());
         OutputRequest { kind, interval, card, variables, position, region, statistics: Vec::new(), sensor: None, span }
     }
 
-    /// The same with statistics over the set in place of a column for each member.
+    /// Requests statistics over the set instead of one column per member.
     #[must_use]
     pub fn with_statistics(mut self, statistics: &[Statistic]) -> OutputRequest {
         self.statistics = statistics.to_vec();
         self
     }
 
-    /// The same as often as told.
+    /// Sets the output interval.
     #[must_use]
-    pub fn every(mut self, interval: Interval) -> OutputRequest {
+    pub fn every(mut self, interval: OutputInterval) -> OutputRequest {
         self.interval = interval;
         self
     }
 }
 
 impl OutputExpression {
-    /// A history column of that name, by an expression over others (`-1000*(U2@TOP - U2@FOOT)`).
+    /// Creates a history column from an expression in other columns, for example `-1000*(U2@TOP - U2@FOOT)`.
     #[track_caller]
     pub fn new(name: &str, text: &str) -> OutputExpression {
         let span = Span::composed();
@@ -310,8 +315,8 @@ impl From<Variable> for VariableRequest {
     }
 }
 
-impl From<Part> for VariableRequest {
-    fn from(part: Part) -> VariableRequest {
+impl From<VariableComponent> for VariableRequest {
+    fn from(part: VariableComponent) -> VariableRequest {
         VariableRequest::One(part)
     }
 }

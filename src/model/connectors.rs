@@ -1,11 +1,10 @@
-//! `*SPRING` and `*DASHPOT`: properties of SPRINGA, SPRING1, DASHPOTA and DASHPOT1.
-//! Never here: forces.
+//! `*SPRING` and `*DASHPOT`: properties of SPRINGA, SPRING1, DASHPOTA and DASHPOT1 elements.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use super::types::{ConnectorLaw, ConnectorProperty, ElementKind};
 use crate::deck::{Card, DataLine};
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn connector(&mut self, card: &Card) {
         let Some(set) = self.required(card, "ELSET") else { return };
         let Some(elements) = self.element_members(set) else { return };
@@ -18,7 +17,11 @@ impl Builder<'_> {
         let kind_of = |e: &usize| self.model.mesh.elements[*e].kind;
         let first = elements.first().map_or(kinds[0], kind_of);
         if !kinds.contains(&first) || elements.iter().any(|e| kind_of(e) != first) {
-            let message = format!("this set must hold {} elements, or {} elements", kinds[0].name(), kinds[1].name());
+            let message = format!(
+                "this set must contain only {} elements, or only {} elements",
+                kinds[0].name(),
+                kinds[1].name()
+            );
             return self.out_of_range(set.span, message);
         }
         let along_line = first == kinds[0];
@@ -29,7 +32,8 @@ impl Builder<'_> {
             let Some(line) = self.first_line(card) else { return };
             let Some(given) = self.integer(line, 0, "the degree of freedom") else { return };
             if !(1..=2).contains(&given) {
-                return self.out_of_range(line.span, format!("degree of freedom {given}: 1 is r, 2 is z"));
+                return self
+                    .out_of_range(line.span, format!("degree of freedom must be 1 (r) or 2 (z), found {given}"));
             }
             dof = given as u8;
             lines = &lines[1..];
@@ -48,21 +52,21 @@ impl Builder<'_> {
             if rows.is_empty()
                 || rows.windows(2).any(|w| w[1][0].partial_cmp(&w[0][0]) != Some(std::cmp::Ordering::Greater))
             {
-                return self.refuse_value(card.span, format!("rows of a force must ascend in {over}"));
+                return self.refuse_value(card.span, format!("{over} must increase from row to row"));
             }
             let table = if is_spring { ConnectorLaw::Table } else { ConnectorLaw::DashpotTable };
             return Some(table(rows));
         }
-        // For those along a line the first data line may be there, without meaning.
+        // For SPRINGA and DASHPOTA the first data line is optional and has no meaning.
         let line = match lines {
             [line] | [_, line] => line,
             _ => {
-                return self.refuse_value(card.span, "one value is needed; dependence on temperature is not supported");
+                return self.refuse_value(card.span, "expected one value; temperature dependence is not supported");
             }
         };
         let value = self.number(line, 0, if is_spring { "the stiffness" } else { "the coefficient" })?;
         if value < 0.0 || !value.is_finite() {
-            return self.refuse_value(line.span, format!("it must not be {value}"));
+            return self.refuse_value(line.span, format!("the value must not be negative, found {value}"));
         }
         Some(if is_spring { ConnectorLaw::Spring(value) } else { ConnectorLaw::Dashpot(value) })
     }

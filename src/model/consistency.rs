@@ -1,12 +1,11 @@
-//! Whether a model holds together: every index leads somewhere, every value is one that its card could have. What decks are
-//! told word by word, models composed in Rust are told here, with the same codes.
-//! Never here: what a card says, decisions about effects.
+//! Validation of composed models: indices and value ranges, with the diagnostic codes of decks.
 
 use super::fields::MOST_FIELDS;
 use super::types::{
-    AmplitudeDefinition, AmplitudeId, AnalyticalSide, Boundary, Clearance, ConnectorLaw, ConnectorProperty,
-    ElementKind, Erosion, Friction, IncrementControl, InitialKind, InteractionId, Interval, LinkKind, Load, LoadKind,
-    Model, Motion, OutputRequest, Region, ShellSection, ShellThinning, Side, Sides, Step, SurfaceContact, Target,
+    AmplitudeDefinition, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorLaw, ConnectorProperty,
+    CoulombFriction, ElementKind, ElementSide, ErosionCriteria, IncrementControl, InitialKind, InteractionId, LinkKind,
+    Load, LoadKind, Model, MotionKind, OutputInterval, OutputRegion, OutputRequest, PrescribedClearance, ShellSection,
+    ShellThinning, SideSelection, Step, SurfaceContact, TargetStack,
 };
 use crate::deck::keywords::Keyword;
 use crate::deck::table::{constraints, materials, steps};
@@ -15,11 +14,11 @@ use crate::platform::PortableMath as _;
 use crate::variables::request::VariableRequest;
 
 impl Model {
-    /// What keeps it from being planned; empty for a model of a deck that was read without errors.
+    /// Returns the errors that prevent a plan. A model read from a deck without errors has none.
     pub fn check(&self) -> Diagnostics {
-        let mut check = Check { model: self, found: Diagnostics::default() };
+        let mut check = ConsistencyCheck { model: self, found: Diagnostics::default() };
         check.mesh();
-        // What refers to a broken mesh would only be told as broken, too.
+        // Further messages about an invalid mesh would be consequential errors.
         if !check.found.has_errors() {
             check.names();
             self.materials.iter().for_each(|m| check.material(m));
@@ -35,8 +34,8 @@ impl Model {
     }
 }
 
-/// A model and what was found wrong with it.
-pub(super) struct Check<'a> {
+/// Validation state: the model and the diagnostics.
+pub(super) struct ConsistencyCheck<'a> {
     model: &'a Model,
     found: Diagnostics,
 }
@@ -53,19 +52,19 @@ fn ascend(members: &[usize]) -> bool {
     members.windows(2).all(|w| w[0] < w[1])
 }
 
-impl Check<'_> {
+impl ConsistencyCheck<'_> {
     fn error(&mut self, code: &'static str, span: Span, message: impl Into<String>) {
         self.found.push(Diagnostic::error(code, message).at(span, "here"));
     }
 
-    /// Says what is wrong with a value unless it is good.
+    /// Reports an invalid value unless `good`.
     pub(super) fn value(&mut self, good: bool, span: Span, message: impl FnOnce() -> String) {
         if !good {
             self.error("M103", span, message());
         }
     }
 
-    /// Says that a value is not one that its card could have.
+    /// Reports a value outside the range of its field in the keyword table.
     pub(super) fn in_range(&mut self, span: Span, of: &str, row: &Keyword, field: &str, value: Option<f64>) {
         let (Some(allowed), Some(value)) = (row.value(field), value) else { return };
         self.value(allowed.allows(value), span, || {
@@ -74,10 +73,10 @@ impl Check<'_> {
         });
     }
 
-    /// Says which index leads nowhere.
+    /// Reports the first index that is out of range.
     fn indices(&mut self, code: &'static str, span: Span, what: &str, indices: &[usize], count: usize) {
         if let Some(stray) = indices.iter().find(|i| **i >= count) {
-            self.error(code, span, format!("there is no {what} with the index {stray}: the model has {count}"));
+            self.error(code, span, format!("{what} index {stray} is out of range: the model has {count}"));
         }
     }
 
@@ -89,7 +88,7 @@ impl Check<'_> {
         self.indices("M110", span, "element", indices, self.model.mesh.elements.len());
     }
 
-    fn erosion(&mut self, erosion: &Erosion) {
+    fn erosion(&mut self, erosion: &ErosionCriteria) {
         self.elements(erosion.span, erosion.elements.as_deref().unwrap_or_default());
         let row = &materials::Erosion::ROW;
         let limits = [
@@ -100,7 +99,7 @@ impl Check<'_> {
         ];
         limits.iter().for_each(|(field, limit)| self.in_range(erosion.span, "", row, field, *limit));
         let any = limits.iter().any(|limit| limit.1.is_some());
-        self.value(any, erosion.span, || "erosion needs a limit".into());
+        self.value(any, erosion.span, || "*EROSION requires at least one limit".into());
     }
 
     fn amplitude(&mut self, span: Span, id: Option<AmplitudeId>) {
@@ -108,37 +107,39 @@ impl Check<'_> {
     }
 
     fn degree(&mut self, span: Span, dof: u8, last: u8) {
-        self.value((1..=last).contains(&dof), span, || format!("degree of freedom {dof}: 1 is r, 2 is z"));
+        self.value((1..=last).contains(&dof), span, || {
+            format!("degree of freedom must be from 1 to {last} (1 = r, 2 = z), found {dof}")
+        });
     }
 
     fn mesh(&mut self) {
         let mesh = &self.model.mesh;
         let (points, names) = (mesh.points.len(), mesh.node_names.len());
         if points != names {
-            self.found.push(Diagnostic::error("M110", format!("{points} nodes have {names} names")));
+            self.found.push(Diagnostic::error("M110", format!("the mesh has {points} nodes but {names} node names")));
         }
-        // A node of no element may lie anywhere, as the centre of an arc does.
+        // Coordinates of unused nodes are not restricted; an example is the centre of an arc.
         let stray = mesh.points.iter().find(|[r, z]| !(r.is_finite() && z.is_finite()));
         if let Some([r, z]) = stray {
-            let message = format!("a node at r = {r}, z = {z}: both must be finite");
+            let message = format!("node coordinates must be finite, found r = {r}, z = {z}");
             self.found.push(Diagnostic::error("M126", message));
         }
         for element in &mesh.elements {
             let (need, has) = (element.kind.node_count(), element.nodes.len());
             if need != has {
                 let message =
-                    format!("element {} of {} has {has} nodes, not {need}", element.name, element.kind.name());
+                    format!("element {} of {} must have {need} nodes, found {has}", element.name, element.kind.name());
                 self.error("M122", element.span, message);
             }
             self.indices("M122", element.span, "node", &element.nodes, points);
-            // Rounding of what has been turned or generated does not count.
+            // Rounding errors of rotated or generated nodes are tolerated.
             let largest = element
                 .nodes
                 .iter()
                 .filter_map(|&n| mesh.points.get(n))
                 .fold(0.0_f64, |m, p| m.max(p[0].abs()).max(p[1].abs()));
             if element.nodes.iter().filter_map(|&n| mesh.points.get(n)).any(|p| p[0] < -1e-9 * largest) {
-                let message = format!("element {} has a node at an r below zero", element.name);
+                let message = format!("element {} has a node with negative r", element.name);
                 self.error("M126", element.span, message);
             }
         }
@@ -147,7 +148,9 @@ impl Check<'_> {
     fn names(&mut self) {
         let model = self.model;
         for (name, set) in model.node_sets.iter().chain(&model.element_sets) {
-            self.value(ascend(&set.members), set.span, || format!("members of the set `{name}` must ascend"));
+            self.value(ascend(&set.members), set.span, || {
+                format!("the members of set `{name}` must be in ascending order")
+            });
         }
         model.node_sets.values().for_each(|set| self.nodes(set.span, &set.members));
         model.element_sets.values().for_each(|set| self.elements(set.span, &set.members));
@@ -155,13 +158,13 @@ impl Check<'_> {
         model.surfaces.nodes.values().for_each(|nodes| self.nodes(Span::default(), nodes));
     }
 
-    /// Sides of elements: each is one that its element has.
-    fn sides(&mut self, span: Span, sides: &Sides) {
+    /// Checks that the selected sides and elements exist.
+    fn sides(&mut self, span: Span, sides: &SideSelection) {
         self.faces(span, &sides.faces);
-        self.elements(span, &sides.whole);
+        self.elements(span, &sides.free_face_elements);
     }
 
-    fn faces(&mut self, span: Span, faces: &[(usize, Side)]) {
+    fn faces(&mut self, span: Span, faces: &[(usize, ElementSide)]) {
         let mesh = &self.model.mesh;
         for &(index, side) in faces {
             let Some(element) = mesh.elements.get(index) else {
@@ -169,8 +172,10 @@ impl Check<'_> {
                 return;
             };
             let has = match side {
-                Side::Positive | Side::Negative => matches!(element.kind, ElementKind::Rax2 | ElementKind::Sax1),
-                Side::Face(n) => element.nodes.len() > 2 && (1..=element.nodes.len()).contains(&usize::from(n)),
+                ElementSide::Positive | ElementSide::Negative => {
+                    matches!(element.kind, ElementKind::Rax2 | ElementKind::Sax1)
+                }
+                ElementSide::Face(n) => element.nodes.len() > 2 && (1..=element.nodes.len()).contains(&usize::from(n)),
             };
             if !has {
                 let message = format!("element {} of {} has no side {side:?}", element.name, element.kind.name());
@@ -196,7 +201,7 @@ impl Check<'_> {
             self.nodes(body.span, &body.nodes);
             self.elements(body.span, &body.elements);
             self.value(not_below(body.density) && not_below(body.thickness), body.span, || {
-                "density and thickness of a rigid body must not be below zero".into()
+                "density and thickness of a rigid body must not be negative".into()
             });
         }
         for point in &model.discrete.masses {
@@ -206,7 +211,7 @@ impl Check<'_> {
         for attitude in &model.attitudes {
             self.nodes(attitude.span, &[attitude.reference]);
             let good = attitude.angles.iter().all(|a| a.is_finite());
-            self.value(good, attitude.span, || "an attitude has finite angles".into());
+            self.value(good, attitude.span, || "the angles of an attitude must be finite".into());
             let stations = Some(attitude.stations as f64);
             self.in_range(attitude.span, "", &constraints::Attitude::ROW, "STATIONS", stations);
         }
@@ -221,7 +226,7 @@ impl Check<'_> {
             let segments = &surface.profile.segments;
             let finite = segments.iter().flat_map(|s| s.ends()).flatten().all(f64::is_finite);
             self.value(finite && !segments.is_empty(), surface.span, || {
-                "an analytical surface needs segments with finite coordinates".into()
+                "an analytical surface requires segments with finite coordinates".into()
             });
         }
     }
@@ -232,10 +237,12 @@ impl Check<'_> {
         self.in_range(section.span, "", row, "points", Some(section.points as f64));
         self.in_range(section.span, "", row, "DENSITY", Some(section.per_area));
         let odd = section.points % 2 == 1;
-        self.value(odd, section.span, || format!("a shell needs an odd number of points, not {}", section.points));
+        self.value(odd, section.span, || {
+            format!("the number of shell section points must be odd, found {}", section.points)
+        });
         let ratio = |r: f64| r > -1.0 && r <= 0.5;
         let thins = !matches!(section.thinning, ShellThinning::Ratio(r) if !ratio(r));
-        self.value(thins, section.span, || "POISSON of a shell lies above -1 and is 0.5 at most".into());
+        self.value(thins, section.span, || "POISSON of a shell must be above -1 and at most 0.5".into());
     }
 
     fn amplitudes(&mut self) {
@@ -244,26 +251,33 @@ impl Check<'_> {
             let AmplitudeDefinition::Curve { points, .. } = &amplitude.definition else { continue };
             let finite = points.iter().flatten().all(|x| x.is_finite());
             let good = finite && !points.is_empty() && points.windows(2).all(|w| w[0][0] < w[1][0]);
-            self.value(good, amplitude.span, || "an amplitude needs times that ascend".into());
+            self.value(good, amplitude.span, || "the times of an amplitude must ascend".into());
         }
     }
 
-    fn target(&mut self, target: &Target) {
+    fn target(&mut self, target: &TargetStack) {
         let good = target.front.is_finite() && target.direction.abs() == 1.0 && !target.layers.is_empty();
-        self.value(good, target.span, || "a target needs a front, the direction +1 or -1, and layers".into());
+        self.value(good, target.span, || {
+            "a target requires a finite front, a direction of +1 or -1, and layers".into()
+        });
         let row = &constraints::Target::ROW;
         self.in_range(target.span, &target.name, row, "OBLIQUITY", Some(target.obliquity));
         for layer in &target.layers {
             self.value(layer.thickness > 0.0 && layer.radius > 0.0, layer.span, || {
-                format!("a layer must be thicker and wider than zero, not {} by {}", layer.thickness, layer.radius)
+                format!(
+                    "thickness and radius of a layer must be positive, found {} and {}",
+                    layer.thickness, layer.radius
+                )
             });
             let Some(index) = layer.material else { continue };
             self.indices("M111", layer.span, "material", &[index.index()], self.model.materials.len());
             let Some(material) = self.model.materials.get(index.index()) else { continue };
             if material.cavity.is_none() || material.density.is_none() {
                 let name = &material.name;
-                let message =
-                    format!("material {name} has no resistance: a layer needs *DENSITY and *CAVITY EXPANSION");
+                let message = format!(
+                    "material {name} has no resistance: a target layer \
+                             requires *DENSITY and *CAVITY EXPANSION"
+                );
                 self.error("M101", layer.span, message);
             }
         }
@@ -274,7 +288,7 @@ impl Check<'_> {
         let elements = property.elements.iter().filter_map(|&e| self.model.mesh.elements.get(e));
         let kinds: Vec<ElementKind> = elements.map(|e| e.kind).collect();
         self.value(kinds.iter().all(|k| k.is_connector()), property.span, || {
-            "the property of springs and dashpots is given to other elements".into()
+            "a spring or dashpot property is assigned to elements of another type".into()
         });
         if kinds.iter().any(|k| k.node_count() == 1) {
             self.degree(property.span, property.dof, 2);
@@ -286,7 +300,9 @@ impl Check<'_> {
                 finite && !rows.is_empty() && rows.windows(2).all(|w| w[0][0] < w[1][0])
             }
         };
-        self.value(good, property.span, || "a spring or dashpot needs a value, or rows that ascend".into());
+        self.value(good, property.span, || {
+            "a spring or dashpot requires a value that is not negative, or rows in ascending order".into()
+        });
     }
 
     fn conditions(&mut self) {
@@ -296,12 +312,14 @@ impl Check<'_> {
             self.nodes(equation.span, &nodes);
             if equation.is_thermal() {
                 let all = equation.terms.iter().all(|t| t.1 == 11);
-                self.value(all, equation.span, || "an equation between temperatures (11) and displacements".into());
+                self.value(all, equation.span, || {
+                    "an equation cannot combine temperatures (11) and displacements".into()
+                });
             } else {
                 equation.terms.iter().for_each(|t| self.degree(equation.span, t.1, 2));
             }
             let good = !nodes.is_empty() && equation.terms.iter().all(|t| t.2.is_finite() && t.2 != 0.0);
-            self.value(good, equation.span, || "an equation needs terms, with coefficients other than zero".into());
+            self.value(good, equation.span, || "an equation requires terms with nonzero coefficients".into());
         }
         for link in &model.constraints.links {
             self.nodes(link.span, &[link.reference]);
@@ -310,7 +328,7 @@ impl Check<'_> {
                 let sum: f64 = weights.iter().sum();
                 let good =
                     weights.len() == link.nodes.len() && weights.iter().all(|w| not_below(*w)) && above_zero(sum);
-                self.value(good, link.span, || "a coupling needs a weight for each node, their sum above zero".into());
+                self.value(good, link.span, || "a coupling requires one weight per node, with a positive sum".into());
             }
         }
         for tie in &model.constraints.ties {
@@ -318,7 +336,7 @@ impl Check<'_> {
             self.nodes(tie.span, tie.chosen.as_deref().unwrap_or_default());
             self.faces(tie.span, &tie.masters);
             let tolerance = tie.tolerance.is_none_or(not_below);
-            self.value(tolerance, tie.span, || "POSITION TOLERANCE must not be below zero".into());
+            self.value(tolerance, tie.span, || "POSITION TOLERANCE must not be negative".into());
         }
         for condition in &model.initial_conditions {
             let finite = match &condition.kind {
@@ -329,9 +347,11 @@ impl Check<'_> {
                 | InitialKind::Hardening(v)
                 | InitialKind::Field(_, v) => v.is_finite(),
             };
-            self.value(finite, condition.span, || "an initial condition needs finite values".into());
-            self.value(ascend(&condition.members), condition.span, || "members must ascend".into());
-            if condition.kind.is_of_elements() {
+            self.value(finite, condition.span, || "the values of an initial condition must be finite".into());
+            self.value(ascend(&condition.members), condition.span, || {
+                "the members of an initial condition must be in ascending order".into()
+            });
+            if condition.kind.applies_to_elements() {
                 self.elements(condition.span, &condition.members);
             } else {
                 self.nodes(condition.span, &condition.members);
@@ -354,9 +374,9 @@ impl Check<'_> {
             }
             IncrementControl::Fixed(increment) => increment > 0.0 && increment <= step.duration,
         };
-        self.value(increment, step.span, || format!("no increment can be chosen by {:?}", step.increment));
+        self.value(increment, step.span, || format!("invalid increment control {:?}", step.increment));
         self.value(step.bulk_viscosity.iter().all(|b| not_below(*b)), step.span, || {
-            "bulk viscosity must not be below zero".into()
+            "bulk viscosity must not be negative".into()
         });
         step.boundaries.iter().for_each(|b| self.boundary(b));
         step.loads.iter().for_each(|l| self.load(l));
@@ -364,7 +384,7 @@ impl Check<'_> {
             self.nodes(field.span, &field.nodes);
             self.amplitude(field.span, field.amplitude);
             let good = field.value.is_finite() && field.variable < MOST_FIELDS && ascend(&field.nodes);
-            self.value(good, field.span, || "a field needs a finite value, and nodes that ascend".into());
+            self.value(good, field.span, || "a field requires a finite value and nodes in ascending order".into());
         }
         step.outputs.iter().for_each(|o| self.output(o));
         if let Some(restart) = step.restart {
@@ -385,17 +405,15 @@ impl Check<'_> {
             let interaction = contact.interaction.map(InteractionId::index);
             let count = self.model.interactions.len();
             self.indices("M114", contact.span, "surface interaction", interaction.as_slice(), count);
-            let Friction { at_rest, sliding, decay, largest } = contact.law.friction;
+            let CoulombFriction { at_rest, sliding, decay, largest } = contact.law.friction;
             let good = [at_rest, sliding, decay, largest].iter().all(|x| *x >= 0.0);
-            self.value(good, contact.span, || "numbers of friction must not be below zero".into());
-            if let Some(Clearance { gap, above, below }) = contact.clearance {
+            self.value(good, contact.span, || "friction parameters must not be negative".into());
+            if let Some(PrescribedClearance { gap, above, below }) = contact.clearance {
                 let good = [Some(gap), above, below].into_iter().flatten().all(|x| x >= 0.0);
-                self.value(good, contact.span, || {
-                    "a clearance and how far it is searched must not be below zero".into()
-                });
+                self.value(good, contact.span, || "a clearance and its search distances must not be negative".into());
             }
             let good = contact.penalty.is_none_or(above_zero);
-            self.value(good, contact.span, || "a factor on penalty springs must be above zero".into());
+            self.value(good, contact.span, || "the scale factor of the penalty stiffness must be positive".into());
         }
         for scaling in &step.mass_scalings {
             self.elements(scaling.span, scaling.elements.as_deref().unwrap_or_default());
@@ -407,15 +425,19 @@ impl Check<'_> {
 
     fn analytical_side(&mut self, contact: &SurfaceContact, analytical: &AnalyticalSide) {
         self.nodes(contact.span, &analytical.nodes);
-        self.value(ascend(&analytical.nodes), contact.span, || "nodes in contact must ascend".into());
+        self.value(ascend(&analytical.nodes), contact.span, || {
+            "the nodes of a contact surface must be in ascending order".into()
+        });
         let count = self.model.surfaces.analytical.len();
         self.indices("M114", contact.span, "analytical surface", &[analytical.surface.index()], count);
     }
 
-    fn boundary(&mut self, boundary: &Boundary) {
+    fn boundary(&mut self, boundary: &BoundaryCondition) {
         self.nodes(boundary.span, &boundary.nodes);
-        if boundary.kind == Motion::Temperature {
-            self.value(boundary.dof == 11, boundary.span, || "a temperature is degree of freedom 11".into());
+        if boundary.kind == MotionKind::Temperature {
+            self.value(boundary.dof == 11, boundary.span, || {
+                "a temperature must be prescribed at degree of freedom 11".into()
+            });
         } else {
             self.degree(boundary.span, boundary.dof, 6);
         }
@@ -434,7 +456,9 @@ impl Check<'_> {
             LoadKind::Gravity { elements, direction } => {
                 self.elements(load.span, elements.as_deref().unwrap_or_default());
                 let length = direction[0].portable_hypot(direction[1]).portable_hypot(direction[2]);
-                self.value((length - 1.0).abs() < 1e-9, load.span, || "GRAV needs a unit vector as direction".into());
+                self.value((length - 1.0).abs() < 1e-9, load.span, || {
+                    "the direction of GRAV must be a unit vector".into()
+                });
             }
             LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) => self.sides(load.span, sides),
             LoadKind::NodalHeat { nodes, .. } => self.nodes(load.span, nodes),
@@ -442,7 +466,7 @@ impl Check<'_> {
             LoadKind::Film { sides, coefficient, amplitude } => {
                 self.sides(load.span, sides);
                 self.amplitude(load.span, *amplitude);
-                self.value(not_below(*coefficient), load.span, || "a film coefficient must not be below zero".into());
+                self.value(not_below(*coefficient), load.span, || "a film coefficient must not be negative".into());
             }
             LoadKind::User { sides, load_type } => {
                 self.sides(load.span, sides);
@@ -456,7 +480,7 @@ impl Check<'_> {
                 self.sides(load.span, sides);
                 self.indices("M113", load.span, "target", &[target.index()], self.model.targets.len());
                 self.value(not_below(*friction), load.span, || {
-                    format!("FRICTION must not be below zero, not {friction}")
+                    format!("FRICTION must not be negative, found {friction}")
                 });
             }
         }
@@ -464,32 +488,32 @@ impl Check<'_> {
 
     fn load_type(&mut self, span: Span, load_type: i32, known: bool) {
         if !known {
-            self.error("M132", span, format!("{load_type} is no load type of VDLOAD for this kind of load"));
+            self.error("M132", span, format!("{load_type} is not a VDLOAD load type for this load"));
         }
     }
 
     fn output(&mut self, request: &OutputRequest) {
         self.interval(request.span, request.interval);
         let model = self.model;
-        for asked in &request.variables {
-            let VariableRequest::One(part) = asked else { continue };
+        for variable in &request.variables {
+            let VariableRequest::One(part) = variable else { continue };
             if !part.variable.row().numbered && part.variable.parts().all(|p| p != *part) {
                 let message = format!("{} has no component {}", part.variable.name(), part.component);
                 self.error("M141", request.span, message);
             }
         }
         let (what, index, count) = match &request.region {
-            Region::Nodes(set) => ("node set", set.index(), model.node_sets.len()),
-            Region::Elements(set) => ("element set", set.index(), model.element_sets.len()),
-            Region::Surface(surface, _) => ("surface", surface.index(), model.surfaces.faces.len()),
-            Region::Whole | Region::Pairs(_) => return,
+            OutputRegion::Nodes(set) => ("node set", set.index(), model.node_sets.len()),
+            OutputRegion::Elements(set) => ("element set", set.index(), model.element_sets.len()),
+            OutputRegion::Surface(surface, _) => ("surface", surface.index(), model.surfaces.faces.len()),
+            OutputRegion::Whole | OutputRegion::Pairs(_) => return,
         };
         self.indices("M110", request.span, what, &[index], count);
     }
 
-    fn interval(&mut self, span: Span, interval: Interval) {
-        if let Interval::Time(time) = interval {
-            self.value(time > 0.0, span, || format!("an interval must be above zero, not {time}"));
+    fn interval(&mut self, span: Span, interval: OutputInterval) {
+        if let OutputInterval::Time(time) = interval {
+            self.value(time > 0.0, span, || format!("an output interval must be positive, found {time}"));
         }
     }
 }

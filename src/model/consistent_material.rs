@@ -1,27 +1,26 @@
-//! Whether the values of a material are such as its cards could have.
-//! Never here: which laws can stand beside each other, which the plan says.
+//! Validation of the material data of composed models. The plan checks the combination of laws.
 
-use super::consistency::{Check, above_zero, not_below};
+use super::consistency::{ConsistencyCheck, above_zero, not_below};
 use super::eos::stiffens;
 use super::rubber::ORDER;
 use super::types::{
-    DamageEvolution, EosKind, FailureCriterion, FoamShape, Hyperelastic, Material, Plastic, RateDependence,
-    RubberShape, StateVariables, StrainAtFailure,
+    DamageEvolution, DeviatoricEnergy, EosKind, FailureCriterion, FoamYieldSurface, HyperelasticLaw,
+    MaterialDefinition, PlasticityModel, RateDependence, StateVariables, StrainAtFailure,
 };
 use crate::deck::keywords::Keyword;
 use crate::deck::table::materials as cards;
 use crate::kernel::levels::NestedTable;
 
-/// Whether temperatures ascend in rows; one row needs none.
+/// Returns whether the temperatures of the rows ascend; a single row needs none.
 fn by_temperature(rows: &[[f64; 3]]) -> bool {
     !rows.is_empty() && (rows.len() == 1 || rows.windows(2).all(|w| w[0][2] < w[1][2]))
 }
 
-/// Fields of a card with the values of a model.
-type Fields<'a> = &'a [(&'static str, Option<f64>)];
+/// Fields of a card, with their values.
+type NamedValues<'a> = &'a [(&'static str, Option<f64>)];
 
-impl Check<'_> {
-    pub(super) fn material(&mut self, material: &Material) {
+impl ConsistencyCheck<'_> {
+    pub(super) fn material(&mut self, material: &MaterialDefinition) {
         self.elasticity(material);
         self.compressible(material);
         self.heat(material);
@@ -32,17 +31,19 @@ impl Check<'_> {
         let mut constants = user.material.iter().flatten().chain(of_fields);
         let StateVariables { count, delete } = user.state;
         let good = constants.all(|c| c.is_finite()) && count <= 10_000 && delete.is_none_or(|d| d < count);
-        self.value(good, span, || format!("material `{name}`: constants or state variables of the user out of range"));
+        self.value(good, span, || {
+            format!("material `{name}`: user material properties or state variables out of range")
+        });
     }
 
-    /// Values of a card, by the ranges that decks are held to.
-    fn card(&mut self, material: &Material, row: &Keyword, fields: Fields<'_>) {
+    /// Checks the values of a card against the ranges of the keyword table.
+    fn card(&mut self, material: &MaterialDefinition, row: &Keyword, fields: NamedValues<'_>) {
         fields.iter().for_each(|(field, value)| self.in_range(material.span, &material.name, row, field, *value));
     }
 
     fn rows<const N: usize>(
         &mut self,
-        material: &Material,
+        material: &MaterialDefinition,
         row: &Keyword,
         names: [&'static str; N],
         rows: &[[f64; N]],
@@ -53,7 +54,7 @@ impl Check<'_> {
         }
     }
 
-    fn elasticity(&mut self, material: &Material) {
+    fn elasticity(&mut self, material: &MaterialDefinition) {
         self.card(material, &cards::Density::ROW, &[("density", material.density)]);
         let names = ["Young's modulus", "Poisson's ratio"];
         self.rows(material, &cards::Elastic::ROW, names, material.elastic.as_slice());
@@ -61,12 +62,12 @@ impl Check<'_> {
         self.card(material, &cards::Damping::ROW, &[("ALPHA", material.damping.map(|d| d.0))]);
         let (name, span) = (&material.name, material.span);
         let mut need = |good: bool, what: &str| self.value(good, span, || format!("material `{name}`: {what}"));
-        need(is_elastic_table(&material.elastic_table), "rows of the moduli out of range");
-        need(material.hyperelastic.as_ref().is_none_or(is_rubber), "constants of the rubber out of range");
+        need(is_elastic_table(&material.elastic_table), "elastic moduli table out of range");
+        need(material.hyperelastic.as_ref().is_none_or(is_rubber), "hyperelastic constants out of range");
     }
 
-    /// Equation of state and foam.
-    fn compressible(&mut self, material: &Material) {
+    /// Checks equation of state and crushable foam.
+    fn compressible(&mut self, material: &MaterialDefinition) {
         let row = &cards::Eos::ROW;
         match material.eos.as_ref().map(|eos| &eos.kind) {
             Some(EosKind::IdealGas(values)) => {
@@ -76,18 +77,18 @@ impl Check<'_> {
             Some(EosKind::Jwl(values)) => self.rows(material, row, JWL, &[*values]),
             Some(EosKind::Tabular(rows)) => {
                 let good = stiffens(rows) && rows.windows(2).all(|w| w[0][2] > w[1][2]);
-                self.value(good, material.span, || "rows of the equation of state out of range".into());
+                self.value(good, material.span, || "equation of state table out of range".into());
             }
             None => {}
         }
         let [first, second, third] =
             ["compression yield stress ratio", "hydrostatic yield stress ratio", "plastic Poisson's ratio"];
         match material.foam.shape {
-            Some((FoamShape::Volumetric(values), _)) => {
+            Some((FoamYieldSurface::Volumetric(values), _)) => {
                 self.rows(material, &cards::CrushableFoam::ROW, [first, second], &[values]);
-                self.value(values[0] > 0.0, material.span, || format!("{first} must be above 0"));
+                self.value(values[0] > 0.0, material.span, || format!("{first} must be positive"));
             }
-            Some((FoamShape::Isotropic(values), _)) => {
+            Some((FoamYieldSurface::Isotropic(values), _)) => {
                 self.rows(material, &cards::CrushableFoam::ROW, [first, third], &[values]);
             }
             None => {}
@@ -96,10 +97,10 @@ impl Check<'_> {
         let names = ["yield stress in uniaxial compression", "plastic strain in compression"];
         self.rows(material, &cards::CrushableFoamHardening::ROW, names, rows);
         let starts = rows.first().is_none_or(|r| r[1] == 0.0) && rows.windows(2).all(|w| w[0][1] < w[1][1]);
-        self.value(starts, material.span, || "plastic strains of the foam must begin at 0 and ascend".into());
+        self.value(starts, material.span, || "plastic strains of the foam must start at 0 and ascend".into());
     }
 
-    fn heat(&mut self, material: &Material) {
+    fn heat(&mut self, material: &MaterialDefinition) {
         let thermal = &material.thermal;
         self.card(material, &cards::InelasticHeatFraction::ROW, &[("fraction", thermal.inelastic_heat_fraction)]);
         let capacity = thermal.specific_heat.as_deref().unwrap_or_default();
@@ -112,27 +113,27 @@ impl Check<'_> {
         self.card(material, &cards::Expansion::ROW, &[("ZERO", zero)]);
     }
 
-    fn flow(&mut self, material: &Material) {
+    fn flow(&mut self, material: &MaterialDefinition) {
         let (name, span) = (&material.name, material.span);
         let mut need = |good: bool, what: &str| self.value(good, span, || format!("material `{name}`: {what}"));
-        need(material.plastic.as_ref().is_none_or(yields), "rows of the yield stress out of range");
-        need(material.rate.as_ref().is_none_or(is_rate), "rows of the rate dependence out of range");
+        need(material.plastic.as_ref().is_none_or(yields), "yield stress table out of range");
+        need(material.rate.as_ref().is_none_or(is_rate), "rate dependence table out of range");
         let Some(law) = material.cavity else { return };
         let row = &cards::CavityExpansion::ROW;
         let values = [("YIELD", law.yield_stress), ("A", law.a), ("B", law.b), ("C", law.c)];
         self.card(material, row, &values.map(|(field, value)| (field, Some(value))));
     }
 
-    fn failure(&mut self, material: &Material) {
+    fn failure(&mut self, material: &MaterialDefinition) {
         let cutoff = material.tensile_failure.map(|t| t.cutoff);
         self.card(material, &cards::TensileFailure::ROW, &[("mean stress, tension", cutoff)]);
         let (name, span) = (&material.name, material.span);
         let good = material.failures.iter().all(fails);
-        self.value(good, span, || format!("material `{name}`: strain at failure or damage out of range"));
+        self.value(good, span, || format!("material `{name}`: failure strain or damage evolution out of range"));
     }
 }
 
-/// Constants of an explosive, in their order.
+/// Names of the JWL constants, in their order.
 const JWL: [&str; 8] =
     ["detonation wave speed", "A", "B", "omega", "R1", "R2", "detonation energy", "pre-detonation bulk modulus"];
 
@@ -142,27 +143,31 @@ fn is_elastic_table(rows: &[Vec<f64>]) -> bool {
     rows.is_empty() || rows.iter().all(good) && over().is_some()
 }
 
-fn is_rubber(rubber: &Hyperelastic) -> bool {
+fn is_rubber(rubber: &HyperelasticLaw) -> bool {
     let [first, more @ ..] = &rubber.compressibility[..] else { return false };
     let alike = above_zero(*first) || more.iter().all(|d| *d == 0.0);
     let shape = match &rubber.shape {
-        RubberShape::NeoHooke(_) => true,
-        RubberShape::Polynomial(terms) => {
+        DeviatoricEnergy::NeoHooke(_) => true,
+        DeviatoricEnergy::Polynomial(terms) => {
             terms.iter().all(|&(c, i, j)| c.is_finite() && i <= ORDER && j <= ORDER && i + j > 0)
         }
-        RubberShape::Ogden(terms) => terms.iter().all(|t| t[0].is_finite() && t[1].is_finite() && t[1] != 0.0),
+        DeviatoricEnergy::Ogden(terms) => terms.iter().all(|t| t[0].is_finite() && t[1].is_finite() && t[1] != 0.0),
     };
     above_zero(rubber.shape.shear()) && rubber.compressibility.iter().all(|d| not_below(*d)) && alike && shape
 }
 
-/// The plan says more of tables.
-fn yields(plastic: &Plastic) -> bool {
+/// Returns whether the yield stress data are in range. The plan checks tables further.
+fn yields(plastic: &PlasticityModel) -> bool {
     match plastic {
-        Plastic::JohnsonCook(values) => values.iter().all(|v| v.is_finite()),
-        Plastic::Tabular(rows) => rows.iter().all(|r| r[0].is_finite() && r[1].is_finite()),
-        Plastic::OverFields(rows) => rows.iter().flatten().all(|v| v.is_finite()) && NestedTable::new(rows).is_some(),
-        Plastic::User(constants) => constants.iter().all(|c| c.is_finite()),
-        Plastic::Kinematic(lines) => by_temperature(lines) && lines.iter().all(|l| above_zero(l[0]) && not_below(l[1])),
+        PlasticityModel::JohnsonCook(values) => values.iter().all(|v| v.is_finite()),
+        PlasticityModel::Tabular(rows) => rows.iter().all(|r| r[0].is_finite() && r[1].is_finite()),
+        PlasticityModel::OverFields(rows) => {
+            rows.iter().flatten().all(|v| v.is_finite()) && NestedTable::new(rows).is_some()
+        }
+        PlasticityModel::User(constants) => constants.iter().all(|c| c.is_finite()),
+        PlasticityModel::Kinematic(lines) => {
+            by_temperature(lines) && lines.iter().all(|l| above_zero(l[0]) && not_below(l[1]))
+        }
     }
 }
 

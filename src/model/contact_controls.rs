@@ -1,12 +1,11 @@
-//! `*CONTACT CONTROLS` of contact pairs, `*CONTACT CONTROLS ASSIGNMENT` of general contact.
-//! Never here: which surfaces there are, what contact does.
+//! `*CONTACT CONTROLS` of contact pairs.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use crate::deck::Card;
 use crate::deck::table::constraints as cards;
 
-impl Builder<'_> {
-    /// ABAQUS Keywords Reference Guide, *CONTACT CONTROLS: a factor on the stiffness of the penalty springs of a set of pairs.
+impl ModelBuilder<'_> {
+    /// Records the penalty scale factor of a contact pair set (ABAQUS Keywords Reference Guide, *CONTACT CONTROLS).
     pub(super) fn contact_controls(&mut self, card: &Card) {
         let Some(set) = self.required(card, "CPSET").cloned() else { return };
         let cards::ContactControls { penalty, reset } = self.values(card);

@@ -1,29 +1,28 @@
-//! Copies and maps of a mesh: `*NCOPY`, `*ELCOPY`, `*NMAP`.
-//! Never here: nodes and elements that are given one by one.
+//! Copies and coordinate mappings of meshes: `*NCOPY`, `*ELCOPY`, `*NMAP`, `*SYSTEM`, `*TRANSFORM`.
 
-use super::budget::Good;
-use super::builder::Builder;
+use super::budget::BudgetedItem;
+use super::builder::ModelBuilder;
 use crate::deck::{Card, DataLine, Diagnostic, Span};
 
-/// A motion of points in the r-z plane: origin, and what the unit vectors along r and z become.
+/// An affine map of the r-z plane: fixed point, and images of the unit vectors along r and z.
 #[derive(Clone, Copy, Debug)]
-struct Mapping {
+struct PlaneMapping {
     fixed: [f64; 2],
     along: [[f64; 2]; 2],
 }
 
-impl Mapping {
-    /// Reflection across the line through a point along a direction.
-    fn mirror(point: [f64; 2], direction: [f64; 2]) -> Option<Mapping> {
+impl PlaneMapping {
+    /// Returns the reflection across the line through a point along a direction; `None` for a zero direction.
+    fn mirror(point: [f64; 2], direction: [f64; 2]) -> Option<PlaneMapping> {
         let square = direction[0] * direction[0] + direction[1] * direction[1];
         let [r, z] = direction;
         let (cosine, sine) = ((r * r - z * z) / square, 2.0 * r * z / square);
-        (square > 0.0).then_some(Mapping { fixed: point, along: [[cosine, sine], [sine, -cosine]] })
+        (square > 0.0).then_some(PlaneMapping { fixed: point, along: [[cosine, sine], [sine, -cosine]] })
     }
 
-    /// Reflection at a point.
-    fn through(point: [f64; 2]) -> Mapping {
-        Mapping { fixed: point, along: [[-1.0, 0.0], [0.0, -1.0]] }
+    /// Returns the reflection through a point.
+    fn point_reflection(point: [f64; 2]) -> PlaneMapping {
+        PlaneMapping { fixed: point, along: [[-1.0, 0.0], [0.0, -1.0]] }
     }
 
     fn apply(&self, p: [f64; 2]) -> [f64; 2] {
@@ -32,21 +31,22 @@ impl Mapping {
     }
 }
 
-impl Builder<'_> {
-    /// Nodes copied with a shift of their numbers (ABAQUS Keywords Reference Guide, *NCOPY): SHIFT moves, then turns them as
-    /// `*INSTANCE` does; REFLECT mirrors them at a point, a line or a plane.
+impl ModelBuilder<'_> {
+    /// Copies nodes with shifted labels (ABAQUS Keywords Reference Guide, *NCOPY). SHIFT translates and rotates them as
+    /// `*INSTANCE` does; REFLECT reflects them through a point or across a line or plane.
     pub(super) fn ncopy(&mut self, card: &Card) {
-        let Some(change) = self.change_of_labels(card, "CHANGE NUMBER") else { return };
+        let Some(change) = self.label_shift(card, "CHANGE NUMBER") else { return };
         let Some(old) = self.required(card, "OLD SET").and_then(|w| self.nodes_in_order(w)) else { return };
-        let Some(place) = self.copy_of_places(card) else { return };
-        if !self.affords(Good::Nodes, old.len() as u128, card.span) {
+        let Some(place) = self.copy_transform(card) else { return };
+        if !self.fits_budget(BudgetedItem::Nodes, old.len() as u128, card.span) {
             return;
         }
         let mut made = Vec::with_capacity(old.len());
         for node in old {
             let Some(label) = self.label_of_index(node) else { continue };
             let point = self.model.mesh.points[node];
-            // A part's nodes stand where its instance puts them: the copy is made in the part.
+            // Nodes of a part have the coordinates of its instance, but the copy is defined in the coordinates of the
+            // part.
             let copy = match &self.instance {
                 Some(placement) => placement.apply(place(self, placement.undo(point))),
                 None => place(self, point),
@@ -58,55 +58,58 @@ impl Builder<'_> {
         }
     }
 
-    fn change_of_labels(&mut self, card: &Card, name: &str) -> Option<i64> {
+    fn label_shift(&mut self, card: &Card, name: &str) -> Option<i64> {
         let word = self.required(card, name)?;
         let change = word.integer(&mut self.diagnostics)?;
         if change == 0 {
-            self.out_of_range(word.span, format!("{name} must not be zero: the copies would be the originals"));
+            self.out_of_range(
+                word.span,
+                format!("{name} must not be zero, because the copies need labels of their own"),
+            );
         }
         (change != 0).then_some(change)
     }
 
-    /// What a copy does to a point.
-    #[allow(clippy::type_complexity)] // A function made of the card.
-    fn copy_of_places(&mut self, card: &Card) -> Option<Box<dyn Fn(&Self, [f64; 2]) -> [f64; 2]>> {
+    /// Returns the coordinate transformation of a `*NCOPY` card.
+    #[allow(clippy::type_complexity)] // The function depends on the card.
+    fn copy_transform(&mut self, card: &Card) -> Option<Box<dyn Fn(&Self, [f64; 2]) -> [f64; 2]>> {
         if card.has("SHIFT") {
             let placement = if card.lines.is_empty() { None } else { Some(self.placement(card)?) };
             return Some(Box::new(move |_, p| placement.as_ref().map_or(p, |placement| placement.apply(p))));
         }
         let Some(kind) = card.read::<Option<usize>>("REFLECT") else {
-            let finding = Diagnostic::error("M101", "*NCOPY needs SHIFT or REFLECT=");
-            return self.diagnostics.refuse(finding.at(card.span, "where do the copies stand?"));
+            let diagnostic = Diagnostic::error("M101", "*NCOPY needs SHIFT or REFLECT=");
+            return self.diagnostics.refuse(diagnostic.at(card.span, "no transformation given"));
         };
         let mapping = self.reflection(card, kind)?;
         Some(Box::new(move |_, p| mapping.apply(p)))
     }
 
-    fn reflection(&mut self, card: &Card, kind: usize) -> Option<Mapping> {
+    fn reflection(&mut self, card: &Card, kind: usize) -> Option<PlaneMapping> {
         let line = self.first_line(card)?;
         let [a, b] = [self.space_point(line, 0)?, self.space_point(line, 3)?];
         let way = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
-        let (flat, leaves) = ([a[0], a[1]], "this reflection leaves the r-z plane");
+        let (flat, leaves) = ([a[0], a[1]], "this reflection maps points out of the r-z plane");
         let found = if kind == 0 {
-            (a[2] == 0.0).then(|| Mapping::through(flat))
+            (a[2] == 0.0).then(|| PlaneMapping::point_reflection(flat))
         } else if kind == 1 {
             match (way[2] == 0.0, way[0] == 0.0 && way[1] == 0.0) {
-                (true, _) if a[2] == 0.0 => Mapping::mirror(flat, [way[0], way[1]]),
-                (false, true) => Some(Mapping::through(flat)),
+                (true, _) if a[2] == 0.0 => PlaneMapping::mirror(flat, [way[0], way[1]]),
+                (false, true) => Some(PlaneMapping::point_reflection(flat)),
                 _ => None,
             }
         } else {
             let second = card.lines.get(1).unwrap_or(line);
             let c = self.space_point(second, 0)?;
             let other = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
-            // The plane stands on the r-z plane where its normal lies in it.
+            // The plane is perpendicular to the r-z plane if its normal is in the r-z plane.
             let normal = [
                 way[1] * other[2] - way[2] * other[1],
                 way[2] * other[0] - way[0] * other[2],
                 way[0] * other[1] - way[1] * other[0],
             ];
             let upright = normal[2].abs() <= 1e-9 * normal[0].abs().max(normal[1].abs());
-            if upright { Mapping::mirror(flat, [-normal[1], normal[0]]) } else { None }
+            if upright { PlaneMapping::mirror(flat, [-normal[1], normal[0]]) } else { None }
         };
         if found.is_none() {
             self.diagnostics.push(Diagnostic::error("M126", leaves).at(line.span, "these points"));
@@ -114,7 +117,7 @@ impl Builder<'_> {
         found
     }
 
-    /// Three coordinates from a field on; those that are not given are zero.
+    /// Reads three coordinates, starting at a field; empty fields are zero.
     pub(super) fn space_point(&mut self, line: &DataLine, first: usize) -> Option<[f64; 3]> {
         let mut point = [0.0; 3];
         for (i, value) in point.iter_mut().enumerate() {
@@ -123,15 +126,15 @@ impl Builder<'_> {
         Some(point)
     }
 
-    /// Elements copied with shifts of their numbers and of those of their nodes (ABAQUS Keywords Reference Guide, *ELCOPY).
-    /// REFLECT runs through the nodes the other way round, for copies of reflected nodes.
+    /// Copies elements with shifted element and node labels (ABAQUS Keywords Reference Guide, *ELCOPY). REFLECT
+    /// reverses the node order, for copies of reflected nodes.
     pub(super) fn elcopy(&mut self, card: &Card) {
         let shift_of_nodes = self.required(card, "SHIFT NODES").and_then(|w| w.integer(&mut self.diagnostics));
-        let (Some(change), Some(shift)) = (self.change_of_labels(card, "ELEMENT SHIFT"), shift_of_nodes) else {
+        let (Some(change), Some(shift)) = (self.label_shift(card, "ELEMENT SHIFT"), shift_of_nodes) else {
             return;
         };
         let Some(old) = self.required(card, "OLD SET").and_then(|w| self.element_members(w)) else { return };
-        if !self.affords(Good::Elements, old.len() as u128, card.span) {
+        if !self.fits_budget(BudgetedItem::Elements, old.len() as u128, card.span) {
             return;
         }
         let mut made = Vec::with_capacity(old.len());
@@ -154,8 +157,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Nodes taken from coordinates of a local system (ABAQUS Keywords Reference Guide, *NMAP): RECTANGULAR, or CYLINDRICAL
-    /// about an axis that stands on the r-z plane, with angles in degrees.
+    /// Maps nodes from coordinates of a local system (ABAQUS Keywords Reference Guide, *NMAP): RECTANGULAR, or
+    /// CYLINDRICAL about an axis perpendicular to the r-z plane, with angles in degrees.
     pub(super) fn nmap(&mut self, card: &Card) {
         let Some(nodes) = self.required(card, "NSET").and_then(|w| self.node_members(w)) else { return };
         let Some(line) = self.first_line(card) else { return };
@@ -169,11 +172,12 @@ impl Builder<'_> {
         let Some(c) = c else { return };
         let axes = if polar { axis_system(a, b, c) } else { plane_system(a, b, c, alone) };
         let Some([e1, e2]) = axes else {
-            let message = "this local system leaves the r-z plane";
-            let finding = Diagnostic::error("M126", message).at(line.span, "these points");
-            return self.diagnostics.push(
-                finding.help("b of CYLINDRICAL lies above a, as in a = 0, 0, 0 and b = 0, 0, 1; all else in the plane"),
-            );
+            let message = "this local system is not in the r-z plane";
+            let diagnostic = Diagnostic::error("M126", message).at(line.span, "these points");
+            return self.diagnostics.push(diagnostic.help(
+                "the axis a-b of CYLINDRICAL must be perpendicular to the r-z \
+                              plane, for example a = 0, 0, 0 and b = 0, 0, 1",
+            ));
         };
         let mut scale = [1.0; 2];
         if let Some(third) = card.lines.get(2) {
@@ -192,38 +196,39 @@ impl Builder<'_> {
         }
     }
 
-    /// Notes a node that was generated although it was there already, elsewhere.
-    pub(super) fn note_generated_again(&mut self, node: usize, label: i64, span: Span) {
-        let entry = self.again.entry(span).or_insert((label, 0));
+    /// Records a node that was generated again at other coordinates.
+    pub(super) fn note_regenerated_node(&mut self, node: usize, label: i64, span: Span) {
+        let entry = self.regenerated_by_card.entry(span).or_insert((label, 0));
         entry.1 += 1;
         self.regenerated.insert(node);
     }
 
-    /// Says which nodes were generated although they were there already: an error where elements are none because of it.
-    pub(super) fn tell_generated_again(&mut self) {
-        let bad = self.spoilt.len();
-        self.lost.bodies |= bad > 0;
-        let mut again: Vec<(Span, (i64, usize))> = std::mem::take(&mut self.again).into_iter().collect();
+    /// Reports nodes that were generated again at other coordinates: an error if elements become degenerate, else a
+    /// warning.
+    pub(super) fn report_regenerated_nodes(&mut self) {
+        let bad = self.shapeless_elements.len();
+        self.missing.bodies |= bad > 0;
+        let mut again: Vec<(Span, (i64, usize))> = std::mem::take(&mut self.regenerated_by_card).into_iter().collect();
         again.sort_unstable_by_key(|(span, _)| (span.file, span.start));
         for (span, (label, count)) in again {
             let more = if count > 1 { format!(" and {} more nodes are", count - 1) } else { " is".into() };
-            let message = format!("node {label}{more} generated again in another place");
-            let finding =
+            let message = format!("node {label}{more} generated again at other coordinates");
+            let diagnostic =
                 if bad > 0 { Diagnostic::error("M164", message) } else { Diagnostic::warning("M164", message) };
-            let help = "choose increments of node numbers that leave no two nodes with one number";
+            let help = "choose increments so that all generated nodes have different labels";
             let label = match bad {
-                0 => "the last place counts".to_owned(),
-                _ => format!("the last place counts, and {bad} elements with such nodes have no shape"),
+                0 => "the last coordinates are used".to_owned(),
+                _ => format!("the last coordinates are used, and {bad} elements with these nodes are degenerate"),
             };
-            self.diagnostics.push(finding.at(span, label).help(help));
+            self.diagnostics.push(diagnostic.at(span, label).help(help));
         }
     }
 }
 
-/// A point at a radius and an angle in degrees.
+/// Returns the point at a radius and an angle in degrees.
 pub(super) fn polar_point(radius: f64, degrees: f64) -> [f64; 2] {
     let (sine, cosine) = match degrees.rem_euclid(360.0) {
-        // Quarters are exact: nodes on the axis stay there.
+        // Multiples of 90 degrees are exact, so that nodes on the axis remain there.
         0.0 => (0.0, 1.0),
         90.0 => (1.0, 0.0),
         180.0 => (0.0, -1.0),
@@ -233,7 +238,7 @@ pub(super) fn polar_point(radius: f64, degrees: f64) -> [f64; 2] {
     [radius * cosine, radius * sine]
 }
 
-/// Directions of a rectangular system in the r-z plane: from a to b, and to the side where c is.
+/// Returns the axes of a rectangular system in the r-z plane: from a to b, and perpendicular to it towards c.
 pub(super) fn plane_system(a: [f64; 3], b: [f64; 3], c: [f64; 3], alone: bool) -> Option<[[f64; 2]; 2]> {
     if alone {
         return Some([[1.0, 0.0], [0.0, 1.0]]);
@@ -248,7 +253,8 @@ pub(super) fn plane_system(a: [f64; 3], b: [f64; 3], c: [f64; 3], alone: bool) -
     Some([e1, [-turn.signum() * e1[1], turn.signum() * e1[0]]])
 }
 
-/// Directions at the angles 0 and 90 degrees of a cylindrical system whose axis from a to b stands on the r-z plane; c is at 0.
+/// Returns the directions at 0 and 90 degrees of a cylindrical system. Its axis from a to b is perpendicular to the r-z
+/// plane, and c is at 0 degrees.
 fn axis_system(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> Option<[[f64; 2]; 2]> {
     let (up, side) = (b[2] - a[2], [c[0] - a[0], c[1] - a[1]]);
     let length = libm::hypot(side[0], side[1]);
@@ -259,9 +265,9 @@ fn axis_system(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> Option<[[f64; 2]; 2]> {
     Some([e1, [-up.signum() * e1[1], up.signum() * e1[0]]])
 }
 
-impl Builder<'_> {
-    /// Coordinates of the `*NODE` cards that follow are those of a local system (ABAQUS Keywords Reference Guide, *SYSTEM);
-    /// without data lines they are r and z again.
+impl ModelBuilder<'_> {
+    /// Sets the local system of the following `*NODE` cards (ABAQUS Keywords Reference Guide, *SYSTEM). Without data
+    /// lines the coordinates are r and z again.
     pub(super) fn system(&mut self, card: &Card) {
         let Some(line) = card.lines.first() else {
             self.system = None;
@@ -278,14 +284,14 @@ impl Builder<'_> {
         match plane_system(a, b, c, alone).filter(|_| a[2] == 0.0) {
             Some(axes) => self.system = Some(([a[0], a[1]], axes)),
             None => {
-                let message = "this local system leaves the r-z plane, or its points lie on a line";
+                let message = "this local system is not in the r-z plane, or its points are collinear";
                 self.diagnostics.push(Diagnostic::error("M126", message).at(line.span, "these points"));
             }
         }
     }
 
-    /// Turned directions at nodes (ABAQUS Keywords Reference Guide, *TRANSFORM). Those along r and z are the directions there
-    /// are; others matter where a condition or a force is given on the nodes, which [`Builder::check_transforms`] refuses.
+    /// Reads transformed directions at nodes (ABAQUS Keywords Reference Guide, *TRANSFORM). Directions along r and z
+    /// have no effect; others are reported by [`Builder::check_transforms`] if the nodes have a condition or force.
     pub(super) fn transform(&mut self, card: &Card) {
         let Some(set) = self.required(card, "NSET") else { return };
         let Some(nodes) = self.node_members(set) else { return };
@@ -297,18 +303,18 @@ impl Builder<'_> {
             self.inert(card, "its directions are r and z".into());
         } else {
             self.transforms.push((nodes, card.span));
-            self.inert(card, "no condition or force is given in its directions".into());
+            self.inert(card, "no condition or force uses its directions".into());
         }
     }
 
-    /// Refuses conditions and forces that were meant in turned directions.
+    /// Reports conditions and forces on nodes with transformed directions, which are not supported.
     pub(super) fn check_transforms(&mut self) {
         for (nodes, span) in std::mem::take(&mut self.transforms) {
             let steps = &self.model.steps;
             let meant = |list: &[usize]| list.iter().any(|n| nodes.contains(n));
             let conditions = || steps.iter().flat_map(|s| &s.boundaries);
-            // What is held along r and z is held in every direction.
-            let whole = |b: &&super::types::Boundary| {
+            // A node that is fixed along r and z is fixed in all directions.
+            let whole = |b: &&super::types::BoundaryCondition| {
                 b.value == 0.0 && conditions().any(|o| o.dof + b.dof == 3 && o.nodes == b.nodes && o.value == 0.0)
             };
             let held = conditions().find(|b| b.dof < 3 && meant(&b.nodes) && !whole(b)).map(|b| b.span);
@@ -317,16 +323,16 @@ impl Builder<'_> {
                 _ => None,
             });
             let Some(given) = held.or(pushed) else { continue };
-            let message = "conditions in turned directions are not supported";
-            let finding =
-                Diagnostic::error("M104", message).at(given, "given on nodes of a *TRANSFORM").at(span, "turned here");
-            self.diagnostics.push(finding.help("give them along r and z, or write the direction as an *EQUATION"));
+            let message = "conditions in transformed directions are not supported";
+            let diagnostic =
+                Diagnostic::error("M104", message).at(given, "on nodes of a *TRANSFORM").at(span, "transformed here");
+            self.diagnostics.push(diagnostic.help("give them along r and z, or write the direction as an *EQUATION"));
             self.model.origin.inert.retain(|i| i.span != span);
         }
     }
 
-    /// A point of the system that `*SYSTEM` has set, in r and z.
-    pub(super) fn in_system(&self, p: [f64; 2]) -> [f64; 2] {
+    /// Converts a point of the system set by `*SYSTEM` to r and z.
+    pub(super) fn from_local_system(&self, p: [f64; 2]) -> [f64; 2] {
         match &self.system {
             Some((origin, [e1, e2])) => [0, 1].map(|i| origin[i] + p[0] * e1[i] + p[1] * e2[i]),
             None => p,

@@ -1,18 +1,17 @@
-//! A `*COUPLING` between its card and the one that says its kind.
-//! Never here: what is coupled how.
+//! A `*COUPLING` card before its `*KINEMATIC` or `*DISTRIBUTING` card is read.
 
 use crate::deck::Span;
 
-/// A `*COUPLING` that waits for its kind.
-pub(super) struct Coupling {
+/// A `*COUPLING` card whose kind is not known yet.
+pub(super) struct PendingCoupling {
     /// Upper-case name.
     pub name: String,
-    /// Reference node.
+    /// Index of the reference node.
     pub reference: usize,
-    /// Nodes of the surface, ascending.
+    /// Indices of the nodes of the surface, ascending.
     pub nodes: Vec<usize>,
-    /// Tributary area of each node; one each for a surface of nodes.
+    /// Tributary area of each node; 1 for each node of a node-based surface.
     pub areas: Vec<f64>,
-    /// The card.
+    /// Source position of the card.
     pub span: Span,
 }

@@ -1,20 +1,19 @@
-//! Conditions on degrees of freedom that few nodes have.
-//! Never here: what is said of them.
+//! Conditions on degrees of freedom above 2, which only some nodes have.
 
 use crate::deck::Span;
 
 /// A condition on degrees of freedom above 2.
 #[derive(Clone, Debug)]
-pub(super) struct Rotational {
-    /// Its line.
+pub(super) struct RotationalCondition {
+    /// Source position of the data line.
     pub span: Span,
-    /// What the deck called the nodes; empty where it is not kept.
+    /// Node set as named in the deck; empty if not known.
     pub set: String,
     /// First and last degree of freedom.
     pub dofs: [u8; 2],
-    /// Nodes.
+    /// Node indices.
     pub nodes: Vec<usize>,
-    /// What does not happen where they do not have it.
+    /// Intended effect, for the message: `nothing {lost} by this line`.
     pub lost: &'static str,
     /// Magnitude.
     pub value: f64,

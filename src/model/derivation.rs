@@ -1,19 +1,18 @@
-//! A `*CAVITY EXPANSION, DERIVE` between its card and the end of the deck, when its material is complete.
-//! Never here: what comes of it.
+//! A request of `*CAVITY EXPANSION, DERIVE`, stored until its material is complete.
 
 use crate::deck::Span;
-use crate::resistance::Request;
+use crate::resistance::FitRequest;
 
-/// What a card asks for.
-pub(super) struct Asked {
+/// A request to derive cavity expansion constants.
+pub(super) struct DerivationRequest {
     /// Index of the material.
     pub material: usize,
     /// Range and form of the fit.
-    pub request: Request,
-    /// Radius of the cavity, with which strain rates count.
+    pub request: FitRequest,
+    /// Radius of the cavity, which determines strain rates; `None` for quasi-static constants.
     pub radius: Option<f64>,
-    /// Tension beyond which the target cracks.
+    /// Tensile strength at which the target cracks.
     pub tension: Option<f64>,
-    /// The card.
+    /// Source position of the card.
     pub span: Span,
 }

@@ -1,71 +1,70 @@
-//! Nodes of an element: four at most, which lie in the element itself.
-//! Never here: what they are for.
+//! Node indices of an element, stored inline for up to four nodes.
 
 use crate::kernel::lists::heap_bytes;
 
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 
-/// Indices of the nodes of an element, in its order: a list that reads like a slice.
+/// Node indices of an element in element order; dereferences to a slice.
 #[derive(Clone, PartialEq, Eq)]
-pub struct ElementNodes(Held);
+pub struct NodeIndices(NodeStorage);
 
 #[derive(Clone, PartialEq, Eq)]
-enum Held {
+enum NodeStorage {
     Few(u8, [usize; 4]),
-    /// More than any type has; a check of the model tells.
+    /// More than four nodes.
     Many(Vec<usize>),
 }
 
-impl ElementNodes {
-    /// Leaves the first ones alone.
+impl NodeIndices {
+    /// Keeps the first `count` indices.
     pub fn truncate(&mut self, count: usize) {
-        *self = ElementNodes::from(&self[..count.min(self.len())]);
+        *self = NodeIndices::from(&self[..count.min(self.len())]);
     }
 
-    /// Bytes beside its own.
+    /// Returns the heap memory in bytes.
     pub(super) fn bytes_elsewhere(&self) -> usize {
         match &self.0 {
-            Held::Few(..) => 0,
-            Held::Many(list) => heap_bytes(list),
+            NodeStorage::Few(..) => 0,
+            NodeStorage::Many(list) => heap_bytes(list),
         }
     }
 }
 
-impl From<&[usize]> for ElementNodes {
+impl From<&[usize]> for NodeIndices {
     fn from(nodes: &[usize]) -> Self {
         let mut few = [0; 4];
         match few.get_mut(..nodes.len()) {
             Some(place) => {
                 place.copy_from_slice(nodes);
-                ElementNodes(Held::Few(nodes.len() as u8, few))
+                NodeIndices(NodeStorage::Few(nodes.len() as u8, few))
             }
-            None => ElementNodes(Held::Many(nodes.to_vec())),
+            None => NodeIndices(NodeStorage::Many(nodes.to_vec())),
         }
     }
 }
 
-impl Deref for ElementNodes {
+impl Deref for NodeIndices {
     type Target = [usize];
 
     fn deref(&self) -> &[usize] {
         match &self.0 {
-            Held::Few(count, nodes) => &nodes[..usize::from(*count)],
-            Held::Many(nodes) => nodes,
+            NodeStorage::Few(count, nodes) => &nodes[..usize::from(*count)],
+            NodeStorage::Many(nodes) => nodes,
         }
     }
 }
 
-impl DerefMut for ElementNodes {
+impl DerefMut for NodeIndices {
     fn deref_mut(&mut self) -> &mut [usize] {
         match &mut self.0 {
-            Held::Few(count, nodes) => &mut nodes[..usize::from(*count)],
-            Held::Many(nodes) => nodes,
+            NodeStorage::Few(count, nodes) => &mut nodes[..usize::from(*count)],
+            NodeStorage::Many(nodes) => nodes,
         }
     }
 }
 
-impl<'a> IntoIterator for &'a ElementNodes {
+impl<'a> IntoIterator for &'a NodeIndices {
     type Item = &'a usize;
     type IntoIter = std::slice::Iter<'a, usize>;
 
@@ -74,13 +73,13 @@ impl<'a> IntoIterator for &'a ElementNodes {
     }
 }
 
-impl<const N: usize> PartialEq<[usize; N]> for ElementNodes {
+impl<const N: usize> PartialEq<[usize; N]> for NodeIndices {
     fn eq(&self, other: &[usize; N]) -> bool {
         **self == other[..]
     }
 }
 
-impl fmt::Debug for ElementNodes {
+impl fmt::Debug for NodeIndices {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Debug::fmt(&**self, f)
     }
@@ -88,13 +87,13 @@ impl fmt::Debug for ElementNodes {
 
 #[cfg(test)]
 mod tests {
-    use super::ElementNodes;
+    use super::NodeIndices;
 
     #[test]
-    fn a_list_of_any_length() {
+    fn lists_of_any_length_are_stored() {
         for count in 0..7 {
             let all: Vec<usize> = (10..10 + count).collect();
-            let mut nodes = ElementNodes::from(&all[..]);
+            let mut nodes = NodeIndices::from(&all[..]);
             assert_eq!((&*nodes, format!("{nodes:?}")), (&all[..], format!("{all:?}")));
             nodes.reverse();
             assert!(nodes.iter().rev().eq(&all));

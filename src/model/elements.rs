@@ -1,22 +1,21 @@
-//! Elements: `*ELEMENT`, `*ELGEN`, and the types there are.
-//! Never here: materials.
+//! Element types, and the cards `*ELEMENT` and `*ELGEN`.
 
 use std::collections::HashMap;
 
 use indexmap::IndexMap;
 
-use super::budget::Good;
-use super::builder::Builder;
-use super::element_nodes::ElementNodes;
-use super::name::Name;
+use super::budget::BudgetedItem;
+use super::builder::ModelBuilder;
+use super::element_nodes::NodeIndices;
+use super::name::EntityName;
 use super::types::{Element, ElementKind};
 use crate::deck::names::nearest;
 use crate::deck::rows::words;
-use crate::deck::syntax::Row;
+use crate::deck::syntax::ListingRow;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
-use crate::kernel::topology::Topology;
+use crate::kernel::topology::ElementTopology;
 
-/// Types that are simulated.
+/// Supported element types.
 const SUPPORTED: &[(&str, ElementKind)] = &[
     ("RAX2", ElementKind::Rax2),
     ("SAX1", ElementKind::Sax1),
@@ -33,30 +32,30 @@ const SUPPORTED: &[(&str, ElementKind)] = &[
     ("DASHPOT1", ElementKind::Dashpot1),
 ];
 
-/// Axisymmetric types of ABAQUS that are not simulated, with what to use instead.
+/// Axisymmetric element types of ABAQUS that are not supported, with the alternative or the reason.
 const AXISYMMETRIC: &[(&str, &str)] = &[
-    ("CAX4", "CAX4R is; it has one integration point"),
-    ("CAX4H", "CAX4R is"),
-    ("CAX4RH", "CAX4R is"),
-    ("CAX4I", "CAX4R is"),
-    ("CAX4T", "CAX4RT is; it has one integration point"),
-    ("CAX3H", "CAX3 is"),
-    ("CAX6MT", "temperatures at nodes are those of CAX3T and CAX4RT"),
-    ("CAX6", "CAX6M is"),
-    ("CAX6H", "CAX6M is; it does not lock"),
-    ("CAX8", "explicit dynamics uses linear elements: CAX4R"),
-    ("CAX8R", "explicit dynamics uses linear elements: CAX4R"),
-    ("CAX8RT", "explicit dynamics uses linear elements: CAX4RT"),
-    ("SAX2", "explicit dynamics uses linear elements: SAX1"),
+    ("CAX4", "use CAX4R, which has one integration point"),
+    ("CAX4H", "use CAX4R"),
+    ("CAX4RH", "use CAX4R"),
+    ("CAX4I", "use CAX4R"),
+    ("CAX4T", "use CAX4RT, which has one integration point"),
+    ("CAX3H", "use CAX3"),
+    ("CAX6MT", "use CAX3T or CAX4RT for nodal temperatures"),
+    ("CAX6", "use CAX6M"),
+    ("CAX6H", "use CAX6M, which does not lock"),
+    ("CAX8", "use CAX4R; explicit dynamics requires linear elements"),
+    ("CAX8R", "use CAX4R; explicit dynamics requires linear elements"),
+    ("CAX8RT", "use CAX4RT; explicit dynamics requires linear elements"),
+    ("SAX2", "use SAX1; explicit dynamics requires linear elements"),
     ("MAX1", "membranes are not simulated"),
     ("SFMAX1", "surface elements on solids are not simulated"),
     ("COHAX4", "cohesive elements are not simulated"),
-    ("SPRING2", "SPRINGA and SPRING1 are"),
-    ("DASHPOT2", "DASHPOTA and DASHPOT1 are"),
+    ("SPRING2", "use SPRINGA or SPRING1"),
+    ("DASHPOT2", "use DASHPOTA or DASHPOT1"),
     ("CONN2D2", "connectors are not simulated"),
 ];
 
-/// Beginnings of names of types for other geometries.
+/// Name prefixes of element types for other geometries.
 const OTHER_GEOMETRY: &[(&str, &str)] = &[
     ("C3D", "three-dimensional"),
     ("SC6", "three-dimensional"),
@@ -84,7 +83,7 @@ const OTHER_GEOMETRY: &[(&str, &str)] = &[
 ];
 
 impl ElementKind {
-    /// How many nodes it has.
+    /// Returns the number of nodes.
     pub fn node_count(self) -> usize {
         match self {
             ElementKind::Mass | ElementKind::RotaryInertia | ElementKind::Spring1 | ElementKind::Dashpot1 => 1,
@@ -95,69 +94,70 @@ impl ElementKind {
         }
     }
 
-    /// Shape of a type that deforms; triangles are quadrilaterals whose last corners coincide.
-    pub fn topology(self) -> Option<Topology> {
+    /// Returns the topology of a deformable type; `None` for other types. A three-node triangle is a degenerate
+    /// quadrilateral.
+    pub fn topology(self) -> Option<ElementTopology> {
         match self {
-            ElementKind::Sax1 => Some(Topology::Shell),
+            ElementKind::Sax1 => Some(ElementTopology::Shell),
             ElementKind::Cax3 | ElementKind::Cax3t | ElementKind::Cax4r | ElementKind::Cax4rt => {
-                Some(Topology::Quadrilateral)
+                Some(ElementTopology::Quadrilateral)
             }
-            ElementKind::Cax6m => Some(Topology::SixNodeTriangle),
+            ElementKind::Cax6m => Some(ElementTopology::SixNodeTriangle),
             _ => None,
         }
     }
 
-    /// Whether it is a solid that can deform.
+    /// Returns whether the type is a deformable solid.
     pub fn is_solid(self) -> bool {
-        self.topology().is_some_and(Topology::is_solid)
+        self.topology().is_some_and(ElementTopology::is_solid)
     }
 
-    /// Nodes around the boundary, from those in the order of ABAQUS: the middles of the sides come after the corners there.
-    pub fn around(self, nodes: &[usize]) -> ElementNodes {
+    /// Converts nodes from the order of ABAQUS (corners, then midside nodes) to the order around the boundary.
+    pub fn around(self, nodes: &[usize]) -> NodeIndices {
         match (self, nodes) {
             (ElementKind::Cax6m, &[a, b, c, ab, bc, ca]) => [a, ab, b, bc, c, ca][..].into(),
             _ => nodes.into(),
         }
     }
 
-    /// Parts of the boundary that a face is, by their numbers; none where the type has no such face.
+    /// Returns the one-based boundary segments of an ABAQUS face; empty if the type has no such face.
     pub fn face(self, number: u8) -> std::ops::Range<u8> {
         let parts = if self == ElementKind::Cax6m { 2 } else { 1 };
         let count = self.node_count() as u8 / parts;
         if (1..=count).contains(&number) { parts * (number - 1) + 1..parts * number + 1 } else { 0..0 }
     }
 
-    /// Whether its nodes have temperatures.
+    /// Returns whether the nodes have temperatures.
     pub fn is_thermal(self) -> bool {
         matches!(self, ElementKind::Cax3t | ElementKind::Cax4rt)
     }
 
-    /// Whether it is a spring or a dashpot.
+    /// Returns whether the type is a spring or a dashpot.
     pub fn is_connector(self) -> bool {
         use ElementKind::{Dashpot1, DashpotA, Spring1, SpringA};
         matches!(self, Dashpot1 | DashpotA | Spring1 | SpringA)
     }
 
-    /// Whether it has no volume and no surface: a point mass, a rotary inertia, a spring, a dashpot.
+    /// Returns whether the type has no volume and no surface: point mass, rotary inertia, spring or dashpot.
     pub fn is_discrete(self) -> bool {
         matches!(self, ElementKind::Mass | ElementKind::RotaryInertia) || self.is_connector()
     }
 
-    /// ABAQUS's name of the type.
+    /// Returns the name of the type in ABAQUS.
     pub fn name(self) -> &'static str {
         SUPPORTED.iter().find(|s| s.1 == self).map_or("?", |s| s.0)
     }
 }
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn element(&mut self, card: &Card) {
         let Some(kind) = self.required(card, "TYPE").and_then(|w| self.element_kind(w)) else {
-            self.lost.elements = true;
+            self.missing.elements = true;
             return;
         };
         let listed = card.has("ELSET");
         let mut made = Vec::with_capacity(if listed { card.rows.len() } else { 0 });
-        self.model.mesh.room_for_elements(card.rows.len());
+        self.model.mesh.reserve_elements(card.rows.len());
         let mut at = 0;
         while at < card.rows.len() {
             let (element, next) = match self.plain_element(kind, &card.rows[at]) {
@@ -172,14 +172,15 @@ impl Builder<'_> {
         }
     }
 
-    /// The type a word names; one finding where it is none of ours.
+    /// Returns the element type with a name, or reports that it is unknown or unsupported.
     pub(super) fn element_kind(&mut self, word: &Word) -> Option<ElementKind> {
         let name = word.text.to_uppercase();
         if let Some(found) = SUPPORTED.iter().find(|s| s.0 == name) {
             return Some(found.1);
         }
-        let supported = "supported are RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1";
-        let finding = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
+        let supported = "supported: RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, MASS, \
+                         ROTARYI, SPRINGA, SPRING1, DASHPOTA, DASHPOT1";
+        let diagnostic = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
             Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
         } else if let Some((_, what)) = OTHER_GEOMETRY.iter().find(|o| name.starts_with(o.0)) {
             Diagnostic::error("M121", format!("element type {name} is {what}; this code is axisymmetric"))
@@ -189,11 +190,11 @@ impl Builder<'_> {
             let help = nearest(&name, names).map_or(supported.into(), |n| format!("did you mean {n}? {supported}"));
             Diagnostic::error("M120", format!("unknown element type {name}")).help(help)
         };
-        self.diagnostics.refuse(finding.at(word.span, "this type"))
+        self.diagnostics.refuse(diagnostic.at(word.span, "this type"))
     }
 
-    /// Most elements are a line of numbers that are all there; `None` of any other.
-    fn plain_element(&mut self, kind: ElementKind, row: &Row) -> Option<usize> {
+    /// Reads an element from one line of labels, the most frequent form; `None` for any other form.
+    fn plain_element(&mut self, kind: ElementKind, row: &ListingRow) -> Option<usize> {
         let mut numbers = words(row.text(&self.deck.sources)?).map(|word| word.parse::<i64>().ok());
         let label = numbers.next()??;
         let (mut nodes, need) = ([0; 6], kind.node_count());
@@ -204,8 +205,8 @@ impl Builder<'_> {
         self.add_element(label, kind, kind.around(&nodes[..need]), row.span())
     }
 
-    /// An element that may go on over several lines, and the row behind it.
-    fn element_of_rows(&mut self, kind: ElementKind, rows: &[Row], at: usize) -> (Option<usize>, usize) {
+    /// Reads an element that may continue over several lines; returns its index and the index of the next row.
+    fn element_of_rows(&mut self, kind: ElementKind, rows: &[ListingRow], at: usize) -> (Option<usize>, usize) {
         let sources = &self.deck.sources;
         let mut all: Vec<Word> = Vec::new();
         let mut next = at;
@@ -219,44 +220,44 @@ impl Builder<'_> {
     fn element_line(&mut self, kind: ElementKind, words: &[Word], span: Span) -> Option<usize> {
         let need = kind.node_count();
         if words.len() < need + 1 {
-            let message = format!("a {} element has a label and {need} nodes", kind.name());
+            let message = format!("a {} element requires a label and {need} nodes", kind.name());
             return self
                 .diagnostics
-                .refuse(Diagnostic::error("M102", message).at(span, format!("{} given", words.len())));
+                .refuse(Diagnostic::error("M102", message).at(span, format!("found {} values", words.len())));
         }
         let label = words[0].integer(&mut self.diagnostics)?;
         let mut nodes = Vec::with_capacity(need);
         for word in &words[1..=need] {
             match self.nodes.resolve(&self.scope, word) {
                 Some(node) => nodes.push(node),
-                None if self.lost.explains("node", word) => {
-                    self.lost.elements = true;
+                None if self.missing.explains("node", word) => {
+                    self.missing.elements = true;
                     return None;
                 }
                 None => {
                     let message = format!("element {label} refers to node {}, which is not defined", word.text);
-                    let finding = Diagnostic::error("M122", message).at(word.span, "no such node");
-                    let help = format!("there are {} nodes", self.nodes.len());
-                    return self.diagnostics.refuse(finding.help(help));
+                    let diagnostic = Diagnostic::error("M122", message).at(word.span, "no such node");
+                    let help = format!("{} nodes are defined so far", self.nodes.len());
+                    return self.diagnostics.refuse(diagnostic.help(help));
                 }
             }
         }
         self.add_element(label, kind, kind.around(&nodes), span)
     }
 
-    /// Adds an element of the present scope, its nodes around the boundary.
+    /// Adds an element in the current scope; its nodes are in order around the boundary.
     pub(super) fn add_element(
         &mut self,
         label: i64,
         kind: ElementKind,
-        nodes: ElementNodes,
+        nodes: NodeIndices,
         span: Span,
     ) -> Option<usize> {
         let index = self.model.mesh.elements.len();
         if let Some(other) = self.elements.insert(&self.scope, label, index) {
             self.used_twice.push((label, span, self.model.mesh.elements[other].span));
         }
-        let name = Name::of_label(&self.scope, label);
+        let name = EntityName::of_label(&self.scope, label);
         self.model.mesh.elements.push(Element { name, kind, nodes, span });
         Some(index)
     }
@@ -286,41 +287,41 @@ impl Builder<'_> {
         }
     }
 
-    /// Tells of labels that several elements have.
-    pub(super) fn tell_labels_used_twice(&mut self) {
+    /// Reports duplicate element labels.
+    pub(super) fn report_duplicate_labels(&mut self) {
         let Some(&(label, span, first)) = self.used_twice.first() else { return };
         let who = match self.used_twice.len() {
             1 => format!("element label {label} is"),
             count => format!("element label {label} and {} more are", count - 1),
         };
-        let finding = Diagnostic::error("M124", format!("{who} used twice")).at(span, "again here");
-        self.diagnostics.push(finding.at(first, "first here"));
-        self.lost.bodies = true;
+        let diagnostic = Diagnostic::error("M124", format!("{who} defined twice")).at(span, "second definition");
+        self.diagnostics.push(diagnostic.at(first, "first definition"));
+        self.missing.bodies = true;
     }
 
-    /// Tells of elements that cannot be, once all nodes stand: one finding for each fault.
-    pub(super) fn tell_shape_faults(&mut self) {
-        if self.lost.nodes {
+    /// Reports elements with an invalid shape after all nodes are read, one error per kind of fault.
+    pub(super) fn report_shape_faults(&mut self) {
+        if self.missing.nodes {
             return;
         }
         let mut faults: IndexMap<ShapeFault, Vec<usize>> = IndexMap::new();
         for (index, element) in self.model.mesh.elements.iter().enumerate() {
             let Some(fault) = self.shape_fault(element.kind, &element.nodes) else { continue };
             if element.nodes.iter().any(|n| self.regenerated.contains(n)) {
-                // Told once for all of them, with the card that gave nodes their numbers again.
-                self.spoilt.insert(index);
+                // Reported once for all, at the card that generated the nodes again.
+                self.shapeless_elements.insert(index);
             } else {
                 faults.entry(fault).or_default().push(index);
             }
         }
         for (fault, elements) in faults {
-            let finding = self.shape_finding(fault, &elements);
-            self.diagnostics.push(finding);
-            self.lost.bodies = true;
+            let diagnostic = self.shape_diagnostic(fault, &elements);
+            self.diagnostics.push(diagnostic);
+            self.missing.bodies = true;
         }
     }
 
-    fn shape_finding(&self, fault: ShapeFault, elements: &[usize]) -> Diagnostic {
+    fn shape_diagnostic(&self, fault: ShapeFault, elements: &[usize]) -> Diagnostic {
         let mesh = &self.model.mesh;
         let Element { name, kind, span, .. } = &mesh.elements[elements[0]];
         let who = match elements.len() {
@@ -328,7 +329,7 @@ impl Builder<'_> {
             count => format!("element {name} ({}) and {} more", kind.name(), count - 1),
         };
         let (what, help) = fault.words();
-        let mut finding = Diagnostic::error("M123", format!("{who}: {what}")).at(*span, "this element").help(help);
+        let mut diagnostic = Diagnostic::error("M123", format!("{who}: {what}")).at(*span, "this element").help(help);
         let nodes = || elements.iter().flat_map(|&e| &mesh.elements[e].nodes);
         if fault == ShapeFault::AcrossAxis {
             let beyond = nodes().filter(|&&n| mesh.points[n][0] < 0.0);
@@ -336,24 +337,24 @@ impl Builder<'_> {
             if let Some((name, line)) =
                 beyond.map(|&n| &mesh.node_names[n]).find_map(|n| Some((n, lines.get(n.as_str())?)))
             {
-                finding = finding.at(*line, format!("node {name} is beyond the axis"));
-                finding.labels.reverse();
+                diagnostic = diagnostic.at(*line, format!("node {name} is beyond the axis"));
+                diagnostic.labels.reverse();
             }
         } else if let Some((node, at)) = nodes().find_map(|n| self.moved.get(n).map(|at| (n, at))) {
-            finding.help = Some(format!("node {} is given twice: give each node once", mesh.node_names[*node]));
-            finding = finding.at(*at, format!("node {} is given another place here", mesh.node_names[*node]));
+            diagnostic.help = Some(format!("node {} is defined twice; define each node once", mesh.node_names[*node]));
+            diagnostic = diagnostic.at(*at, format!("node {} is redefined here", mesh.node_names[*node]));
         }
-        finding
+        diagnostic
     }
 
-    /// Lines of `*NODE` cards by label.
+    /// Returns the data lines of `*NODE` cards by node label.
     fn node_lines(&self) -> HashMap<&str, Span> {
         let cards = self.deck.cards.iter().filter(|c| c.keyword.name == "NODE");
         let rows = cards.flat_map(|c| &c.rows);
         rows.filter_map(|row| Some((words(row.text(&self.deck.sources)?).next()?, row.span()))).collect()
     }
 
-    /// Repeats elements in rows and rows of rows (ABAQUS Keywords Guide, *ELGEN).
+    /// Generates elements in rows, layers and groups of layers (ABAQUS Keywords Guide, *ELGEN).
     pub(super) fn elgen(&mut self, card: &Card) {
         let mut made = Vec::new();
         for (line, row) in card.lines.iter().zip(card.read_lines::<Vec<[f64; 10]>>()) {
@@ -371,7 +372,7 @@ impl Builder<'_> {
         let [master, count, node_step, element_step, given @ ..] = row.map(|number| number as i64);
         let [rows, row_node_step, row_element_step, layers, layer_node, layer_element] = given;
         let Some(model) = self.elements.find(&self.scope, master) else {
-            if self.lost.elements || self.lost.everything {
+            if self.missing.elements || self.missing.everything {
                 return None;
             }
             let message = format!("the master element {master} is not defined");
@@ -380,10 +381,9 @@ impl Builder<'_> {
         let total = i128::from(count) * i128::from(rows).saturating_mul(i128::from(layers));
         let same = [(count, element_step), (rows, row_element_step), (layers, layer_element)];
         if same.into_iter().any(|(times, step)| times > 1 && step == 0) {
-            return self
-                .refuse_value(line.span, "elements that are repeated need increments of their labels above zero");
+            return self.refuse_value(line.span, "repeated elements require a nonzero increment of element labels");
         }
-        if !self.affords(Good::Elements, total.unsigned_abs(), line.span) {
+        if !self.fits_budget(BudgetedItem::Elements, total.unsigned_abs(), line.span) {
             return None;
         }
         let master_nodes = self.model.mesh.elements[model].nodes.clone();
@@ -413,12 +413,12 @@ impl Builder<'_> {
             let label = label.saturating_add(shift);
             match self.nodes.find(&self.scope, label) {
                 Some(node) => nodes.push(node),
-                None if self.lost.nodes || self.lost.everything => {
-                    self.lost.elements = true;
+                None if self.missing.nodes || self.missing.everything => {
+                    self.missing.elements = true;
                     return None;
                 }
                 None => {
-                    let message = format!("generated element {element} needs node {label}, which is not defined");
+                    let message = format!("generated element {element} refers to node {label}, which is not defined");
                     return self.diagnostics.refuse(Diagnostic::error("M122", message).at(span, "generated here"));
                 }
             }
@@ -427,7 +427,7 @@ impl Builder<'_> {
     }
 }
 
-/// Why an element cannot be.
+/// Fault of the shape of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum ShapeFault {
     AcrossAxis,
@@ -439,37 +439,35 @@ enum ShapeFault {
 }
 
 impl ShapeFault {
-    /// What is wrong, and what would be right.
+    /// Returns the message and the help text.
     fn words(self) -> (&'static str, &'static str) {
         match self {
             ShapeFault::AcrossAxis => {
-                ("across the axis: r of a node is negative", "an axisymmetric model lies at r >= 0")
+                ("crosses the axis: r of a node is negative", "an axisymmetric model requires r >= 0")
             }
-            ShapeFault::NoLength => ("no length: its nodes coincide", "give two places"),
-            ShapeFault::Clockwise => {
-                ("clockwise in the (r, z) plane", "number the nodes counter-clockwise, the other way round")
-            }
-            ShapeFault::NoArea => ("no area: its corners coincide or lie on one line", "check the places of its nodes"),
-            ShapeFault::Concave => ("concave: a corner points inward", "check the places of its nodes and their order"),
+            ShapeFault::NoLength => ("has zero length: its nodes coincide", "give its nodes different coordinates"),
+            ShapeFault::Clockwise => ("is clockwise in the (r, z) plane", "list its nodes counter-clockwise"),
+            ShapeFault::NoArea => ("has no area: its corners coincide or are collinear", "check the node coordinates"),
+            ShapeFault::Concave => ("is concave", "check the node coordinates and their order"),
             ShapeFault::Folded => (
-                "folded: one of the four triangles between its corners and the middles of its sides has no area",
-                "the nodes are three corners, then the middles of the sides 1-2, 2-3 and 3-1",
+                "is folded: one of the four triangles between corners and midside nodes has no area",
+                "the node order is: three corners, then the midside nodes of the sides 1-2, 2-3 and 3-1",
             ),
         }
     }
 }
 
-/// Whether a triangle within a six-node triangle has no positive area.
+/// Returns whether one of the four sub-triangles of a six-node triangle has no positive area.
 fn has_folded_cell(points: &[[f64; 2]]) -> bool {
     let area = |cell: &[usize; 4]| {
         let [a, b, c] = [0, 1, 2].map(|i| points[cell[i]]);
         (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
     };
-    Topology::SixNodeTriangle.cells().iter().any(|cell| area(cell) <= 0.0)
+    ElementTopology::SixNodeTriangle.cells().iter().any(|cell| area(cell) <= 0.0)
 }
 
-/// Whether a corner of a quadrilateral points inward: it would turn inside out at once. Corners on the line between their
-/// neighbours pass.
+/// Returns whether a quadrilateral has a reentrant corner, at which it would invert immediately. Angles of 180 degrees
+/// are allowed.
 fn has_inward_corner(points: &[[f64; 2]], area: f64) -> bool {
     let turn = |i: usize| {
         let [a, b, c] = [points[i], points[(i + 1) % 4], points[(i + 2) % 4]];
@@ -478,7 +476,7 @@ fn has_inward_corner(points: &[[f64; 2]], area: f64) -> bool {
     (0..4).any(|i| turn(i) < -1e-9 * area)
 }
 
-/// The fields of as many lines as a card needs, and the index of the line after them.
+/// Returns the fields of as many lines as are needed for `need` values, and the index of the next line.
 pub(super) fn joined(card: &Card, at: usize, need: usize) -> (Vec<&Word>, usize) {
     let mut words: Vec<&Word> = card.lines[at].fields.iter().filter(|w| !w.text.is_empty()).collect();
     let mut next = at + 1;

@@ -1,12 +1,11 @@
-//! Equations of state: `*EOS`, `*PHYSICAL CONSTANTS`.
-//! Never here: pressures.
+//! Equations of state: `*EOS`, `*DETONATION POINT`, `*PHYSICAL CONSTANTS`.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use super::types::{EosKind, EquationOfState};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn eos(&mut self, card: &Card) {
         let cards::Eos { kind } = self.values(card);
         let kind = match kind {
@@ -20,21 +19,22 @@ impl Builder<'_> {
         }
     }
 
-    /// Rows of f1, f2 and the volumetric strain, from tension to compression.
+    /// Reads rows of f1, f2 and volumetric strain, from tension to compression.
     fn tabulated(&mut self, card: &Card) -> Option<EosKind> {
         self.first_line(card)?;
         let rows: Vec<[f64; 3]> = card.read_lines();
         if let Some(line) = (1..rows.len()).find(|&i| rows[i - 1][2] <= rows[i][2]) {
-            let message = "the volumetric strains of the rows must descend, from tension to compression";
+            let message = "the volumetric strain must decrease from row to row, from tension to compression";
             return self.refuse_value(card.lines[line].span, message);
         }
         if !stiffens(&rows) {
-            return self.refuse_value(card.span, "at least two rows are needed, and f1 must grow with the compression");
+            return self
+                .refuse_value(card.span, "at least two rows are required, and f1 must increase with compression");
         }
         Some(EosKind::Tabular(rows))
     }
 
-    /// Explosive. The seventh value is an energy a mass; one that is far too large is likely an energy a volume.
+    /// Reads a JWL explosive. A very large energy is likely given per volume instead of per mass.
     fn jwl(&mut self, card: &Card) -> Option<EosKind> {
         let line = self.first_line(card)?;
         let values: [f64; 8] = card.read_lines();
@@ -42,16 +42,16 @@ impl Builder<'_> {
         let square = speed * speed;
         if energy > square {
             let message = format!(
-                "the detonation energy {energy:e} is more than the square of the detonation wave speed, {square:e}: it is taken \
-                 as an energy a mass"
+                "the detonation energy per mass, {energy:e}, is above the square of the detonation wave speed, \
+                 {square:e}; it is used as given"
             );
-            let finding = Diagnostic::warning("M169", message).at(line.span, "the seventh value");
-            self.diagnostics.push(finding.help("is it an energy a volume? divide it by the density"));
+            let diagnostic = Diagnostic::warning("M169", message).at(line.span, "seventh value");
+            self.diagnostics.push(diagnostic.help("if it is an energy per volume, divide it by the density"));
         }
         Some(EosKind::Jwl(values))
     }
 
-    /// `*DETONATION POINT`: places in the plane, the delay in the fourth field.
+    /// Reads detonation points: coordinates and, in the fourth field, the delay time.
     pub(super) fn detonation_points(&mut self, card: &Card) {
         let cards::DetonationPoint { points } = self.values(card);
         if self.first_line(card).is_some() {
@@ -59,14 +59,14 @@ impl Builder<'_> {
         }
     }
 
-    /// `*PHYSICAL CONSTANTS`: absolute zero; other constants serve analyses that are not here.
+    /// Reads absolute zero; the other physical constants are not used.
     pub(super) fn physical_constants(&mut self, card: &Card) {
         let cards::PhysicalConstants { absolute_zero } = self.values(card);
         self.model.settings.absolute_zero = absolute_zero.unwrap_or(0.0);
     }
 }
 
-/// Whether pressure grows with compression in rows of f1, f2 and a volumetric strain that descends.
+/// Returns whether the pressure increases with compression, for rows in descending order of volumetric strain.
 pub(super) fn stiffens(rows: &[[f64; 3]]) -> bool {
     rows.len() > 1 && rows.windows(2).all(|w| w[1][0] >= w[0][0]) && rows[rows.len() - 1][0] > rows[0][0]
 }

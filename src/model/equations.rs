@@ -1,14 +1,13 @@
-//! `*EQUATION`: linear equations between degrees of freedom, all displacements or all temperatures.
-//! Never here: how they are kept.
+//! `*EQUATION`: linear equations between displacements or between temperatures.
 
-use super::builder::{Builder, MOST};
-use super::types::Equation;
+use super::builder::{MOST, ModelBuilder};
+use super::types::LinearEquation;
 use crate::deck::{Card, Diagnostic, Span, Word};
 
-/// A term as read: nodes in the order of their labels, of an UNSORTED set in its own, degree of freedom, coefficient.
-type Term = (Vec<usize>, u8, f64);
+/// A term: nodes (in order of labels, or in the order of an UNSORTED set), degree of freedom, coefficient.
+type EquationTerm = (Vec<usize>, u8, f64);
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn equation(&mut self, card: &Card) {
         if self.first_line(card).is_none() {
             return;
@@ -18,17 +17,17 @@ impl Builder<'_> {
             let line = &card.lines[at];
             let Some(count) = self.integer(line, 0, "the number of terms") else { return };
             if !(2..=MOST as i64).contains(&count) {
-                return self.out_of_range(line.span, format!("an equation has two terms or more, not {count}"));
+                return self.out_of_range(line.span, format!("an equation requires at least two terms, found {count}"));
             }
             let (words, next) = match at + 1 < card.lines.len() {
                 true => super::elements::joined(card, at + 1, 3 * count as usize),
                 false => (Vec::new(), at + 1),
             };
             if words.len() != 3 * count as usize {
-                let message = format!("{count} terms have {} values; {} are given", 3 * count, words.len());
+                let message = format!("{count} terms require {} values, found {}", 3 * count, words.len());
                 return self.diagnostics.push(Diagnostic::error("M102", message).at(line.span, "this equation"));
             }
-            let terms: Option<Vec<Term>> = words.chunks(3).map(|w| self.equation_term(w)).collect();
+            let terms: Option<Vec<EquationTerm>> = words.chunks(3).map(|w| self.equation_term(w)).collect();
             if let Some(terms) = terms {
                 self.add_equations(&terms, line.span);
             }
@@ -36,33 +35,37 @@ impl Builder<'_> {
         }
     }
 
-    fn equation_term(&mut self, words: &[&Word]) -> Option<Term> {
+    fn equation_term(&mut self, words: &[&Word]) -> Option<EquationTerm> {
         let nodes = self.nodes_in_order(words[0])?;
         let dof = words[1].integer(&mut self.diagnostics)?;
         let coefficient = words[2].number(&mut self.diagnostics)?;
         if !matches!(dof, 1 | 2 | 11) {
-            return self
-                .refuse_value(words[1].span, format!("degree of freedom {dof}: 1 is r, 2 is z, 11 a temperature"));
+            return self.refuse_value(
+                words[1].span,
+                format!("degree of freedom must be 1 (r), 2 (z) or 11 (temperature), found {dof}"),
+            );
         }
         if coefficient == 0.0 || !coefficient.is_finite() {
-            return self.refuse_value(words[2].span, format!("a coefficient must not be {coefficient}"));
+            return self
+                .refuse_value(words[2].span, format!("a coefficient must be finite and nonzero, found {coefficient}"));
         }
         Some((nodes, dof as u8, coefficient))
     }
 
-    /// A set stands for as many equations as it has nodes; single nodes take part in all of them.
-    fn add_equations(&mut self, terms: &[Term], span: Span) {
+    /// Adds one equation per node of the sets; single nodes appear in all of them.
+    fn add_equations(&mut self, terms: &[EquationTerm], span: Span) {
         let count = terms[0].0.len();
         if let Some(other) = terms.iter().find(|t| t.0.len() != count && t.0.len() != 1) {
-            let message = format!("the first term has {count} nodes, another {}", other.0.len());
+            let message =
+                format!("the sets of an equation must have equal sizes, found {count} and {} nodes", other.0.len());
             return self.out_of_range(span, message);
         }
         if terms.iter().any(|t| t.1 == 11) && terms.iter().any(|t| t.1 != 11) {
-            return self.out_of_range(span, "an equation between temperatures (11) and displacements");
+            return self.out_of_range(span, "an equation cannot combine temperatures (11) and displacements");
         }
         for i in 0..count {
-            let term = |(nodes, dof, c): &Term| (nodes[i.min(nodes.len() - 1)], *dof, *c);
-            self.model.constraints.equations.push(Equation { terms: terms.iter().map(term).collect(), span });
+            let term = |(nodes, dof, c): &EquationTerm| (nodes[i.min(nodes.len() - 1)], *dof, *c);
+            self.model.constraints.equations.push(LinearEquation { terms: terms.iter().map(term).collect(), span });
         }
     }
 }

@@ -1,13 +1,12 @@
 //! `*EROSION`.
-//! Never here: when an element has come to a criterion.
 
-use super::builder::Builder;
-use super::types::Erosion;
+use super::builder::ModelBuilder;
+use super::types::ErosionCriteria;
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
 
-impl Builder<'_> {
-    /// Elements that are deleted by more than their material.
+impl ModelBuilder<'_> {
+    /// Reads erosion criteria, which delete elements independently of their material.
     pub(super) fn erosion(&mut self, card: &Card) {
         let elements = match card.value("ELSET") {
             Some(word) => match self.element_members(word) {
@@ -18,9 +17,11 @@ impl Builder<'_> {
         };
         let cards::Erosion { distortion, plastic, strain, increment } = self.values(card);
         if [distortion, plastic, strain, increment].iter().all(Option::is_none) {
-            return self
-                .out_of_range(card.span, "*EROSION needs DISTORTION, PLASTIC STRAIN, PRINCIPAL STRAIN or INCREMENT");
+            return self.out_of_range(
+                card.span,
+                "*EROSION requires DISTORTION, PLASTIC STRAIN, PRINCIPAL STRAIN or INCREMENT",
+            );
         }
-        self.model.erosions.push(Erosion { span: card.span, elements, distortion, plastic, strain, increment });
+        self.model.erosions.push(ErosionCriteria { span: card.span, elements, distortion, plastic, strain, increment });
     }
 }

@@ -1,17 +1,17 @@
-//! `*OUTPUT EXPRESSION`: names of history columns that follow from others, and the text that says how.
-//! Never here: what the names in the text stand for (`plan/expressions.rs`).
+//! `*OUTPUT EXPRESSION`: names and texts of derived history columns. `plan/expressions.rs` resolves the names in the
+//! text.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use super::names::upper;
 use super::types::OutputExpression;
 use crate::deck::{Card, Diagnostic, Span, Word};
 
-impl Builder<'_> {
-    /// Lines `name = expression`.
+impl ModelBuilder<'_> {
+    /// Reads data lines of the form `name = expression`.
     pub(super) fn output_expressions(&mut self, card: &Card) {
         for word in card.lines.iter().filter_map(|line| line.fields.first()) {
             let Some((name, text)) = word.text.split_once('=') else {
-                self.no_expression(word.span, "it has no equals sign");
+                self.no_expression(word.span, "there is no equals sign");
                 continue;
             };
             let (name, text) = (upper(name), text.trim());
@@ -19,7 +19,7 @@ impl Builder<'_> {
             if !name.starts_with(letter) || !name.chars().all(|c| letter(c) || c.is_ascii_digit()) {
                 self.no_expression(
                     word.span,
-                    "its name is not one of letters, digits and `_` that begins with no digit",
+                    "a name consists of letters, digits and `_` and does not start with a digit",
                 );
                 continue;
             }
@@ -29,12 +29,12 @@ impl Builder<'_> {
     }
 
     fn no_expression(&mut self, span: Span, why: &str) {
-        let finding = Diagnostic::error("M171", format!("this defines no history column: {why}"));
-        self.diagnostics.push(finding.at(span, "expected `name = expression`"));
+        let diagnostic = Diagnostic::error("M171", format!("invalid history expression: {why}"));
+        self.diagnostics.push(diagnostic.at(span, "expected `name = expression`"));
     }
 }
 
-/// Where a piece of a word stands; the whole word where parameters were put into it.
+/// Returns the source position of a part of a word, or of the whole word if parameters were substituted in it.
 fn place_of(word: &Word, piece: &str) -> Span {
     let start = (piece.as_ptr() as usize - word.text.as_ptr() as usize) as u32 + word.span.start;
     if word.text.len() as u32 != word.span.end - word.span.start {

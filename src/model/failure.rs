@@ -1,13 +1,12 @@
-//! Failure of materials: `*SHEAR FAILURE`, `*TENSILE FAILURE`, `*DAMAGE INITIATION`, `*DAMAGE EVOLUTION`.
-//! Never here: what fails when.
+//! Material failure: `*SHEAR FAILURE`, `*TENSILE FAILURE`, `*DAMAGE INITIATION`, `*DAMAGE EVOLUTION`.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use super::types::{DamageEvolution, FailureCriterion, StrainAtFailure, TensileFailure};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 use crate::kernel::levels::NestedTable;
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn shear_failure(&mut self, card: &Card) {
         let cards::ShearFailure { johnson_cook } = self.values(card);
         let Some(line) = self.first_line(card) else { return };
@@ -28,24 +27,24 @@ impl Builder<'_> {
         }
     }
 
-    /// Rows of a strain and three variables, the first of which varies fastest.
+    /// Reads rows of a strain and three variables, the first of which varies fastest.
     fn strains(&mut self, card: &Card) -> Option<Vec<[f64; 4]>> {
         let line = self.first_line(card)?;
         let rows: Vec<[f64; 4]> = card.read_lines();
         if NestedTable::new(&rows).is_none() {
-            let message = "each variable must ascend, the first fastest, for each value of the next";
+            let message = "the rows must be in ascending order, with the first variable varying fastest";
             return self.refuse_value(line.span, message);
         }
         Some(rows)
     }
 
-    /// d1 to d5, melting temperature, transition temperature and reference rate.
+    /// Reads d1 to d5, melting temperature, transition temperature and reference strain rate.
     fn johnson_cook(&mut self, card: &Card) -> Option<StrainAtFailure> {
         let line = self.first_line(card)?;
         let [d1, d2, d3, d4, d5, melt, transition, rate]: [f64; 8] = card.read_lines();
         if d4 != 0.0 && rate <= 0.0 || d5 != 0.0 && melt <= transition {
-            let message =
-                "d4 needs a reference rate above zero, d5 a melting temperature above the transition temperature";
+            let message = "d4 requires a positive reference strain rate, d5 a melting \
+                 temperature above the transition temperature";
             return self.refuse_value(line.span, message);
         }
         Some(StrainAtFailure::JohnsonCook([d1, d2, d3, d4, d5], Some([melt, transition, rate])))
@@ -63,8 +62,8 @@ impl Builder<'_> {
         match self.last_material().failures.last_mut() {
             Some(last) if last.evolution == DamageEvolution::Absent => last.evolution = evolution,
             _ => {
-                let message = "*DAMAGE EVOLUTION belongs below a *DAMAGE INITIATION";
-                self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "none above"));
+                let message = "*DAMAGE EVOLUTION must follow a *DAMAGE INITIATION";
+                self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *DAMAGE INITIATION before"));
             }
         }
     }

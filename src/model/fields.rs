@@ -1,18 +1,17 @@
-//! Field variables over the steps: `*FIELD`, and tables of materials that depend on them (`DEPENDENCIES=`).
-//! Never here: how elements are given them.
+//! Field variables: `*FIELD`, their propagation over steps, and material tables that depend on them (`DEPENDENCIES=`).
 
-use super::builder::Builder;
-use super::history::{History, StepTime};
+use super::builder::ModelBuilder;
+use super::history::{StepHistory, StepTiming};
 use super::types::{Model, PrescribedField};
 use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine};
 
-/// Field variables that a deck may give.
+/// Largest number of field variables.
 pub(super) const MOST_FIELDS: usize = 100;
 
-impl Builder<'_> {
-    /// `*FIELD`: a value without amplitude is there at once (ABAQUS Analysis User's Guide 34.6.1, "Predefined fields", and
-    /// 34.1.2, "Amplitude curves").
+impl ModelBuilder<'_> {
+    /// Reads `*FIELD`. A value without amplitude is applied at once (ABAQUS Analysis User's Guide 34.6.1, "Predefined
+    /// fields", and 34.1.2, "Amplitude curves").
     pub(super) fn prescribed_fields(&mut self, card: &Card) {
         let Ok(amplitude) = self.amplitude_of(card) else { return };
         if self.step.as_ref().is_some_and(|s| s.ramp) && amplitude.is_none() {
@@ -36,7 +35,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Rows of some values, the temperature and so many field variables. Where no row has a temperature it is 0 in all.
+    /// Reads rows of `values` values, the temperature and `fields` field variables. If no row has a temperature, it is
+    /// 0.
     pub(super) fn rows_over_fields(&mut self, card: &Card, values: usize, fields: usize) -> Option<Vec<Vec<f64>>> {
         let first = self.first_line(card)?;
         let row = |builder: &mut Self, line: &DataLine| -> Option<Vec<f64>> {
@@ -46,17 +46,17 @@ impl Builder<'_> {
         let mut rows: Vec<Vec<f64>> = card.lines.iter().map(|line| row(self, line)).collect::<Option<_>>()?;
         let cold = rows.iter().filter(|r| r[values].is_nan()).count();
         if cold != 0 && cold != rows.len() {
-            return self.refuse_value(first.span, "either all rows of a table have a temperature, or none");
+            return self.refuse_value(first.span, "all rows of a table must have a temperature, or none");
         }
         rows.iter_mut().filter(|r| r[values].is_nan()).for_each(|r| r[values] = 0.0);
         Some(rows)
     }
 }
 
-impl History {
-    /// Fields in force in a step that gives these; what follows from them is remembered for the next. A field that no step
-    /// in force gives is what it was at the start.
-    pub fn fields(&mut self, given: Vec<PrescribedField>, step: &StepTime, model: &Model) -> Vec<PrescribedField> {
+impl StepHistory {
+    /// Returns the field variables in force in a step that prescribes `given`, and stores those that continue in the
+    /// next step. A field that is no longer prescribed returns to its initial value.
+    pub fn fields(&mut self, given: Vec<PrescribedField>, step: &StepTiming, model: &Model) -> Vec<PrescribedField> {
         let mut all = std::mem::take(&mut self.fields);
         for later in given {
             for earlier in all.iter_mut().filter(|e| e.variable == later.variable) {
@@ -67,7 +67,7 @@ impl History {
         all.retain(|field| !field.nodes.is_empty());
         let settled = |field: &PrescribedField| {
             let mut settled = field.clone();
-            if let Some(factor) = self.stays(field.amplitude, step, model) {
+            if let Some(factor) = self.factor_after_step(field.amplitude, step, model) {
                 (settled.value, settled.amplitude) = (field.value * factor, None);
             }
             settled

@@ -1,13 +1,13 @@
-//! General contact: `*CONTACT`, `*CONTACT INCLUSIONS`, `*CONTACT EXCLUSIONS`, and the cards that give what meets something.
-//! Never here: which surfaces there are, pairs that the deck names one by one.
+//! General contact: `*CONTACT`, `*CONTACT INCLUSIONS`, `*CONTACT EXCLUSIONS` and the assignment cards.
 
-use super::builder::Builder;
-use super::types::{AssignedInteraction, ContactDomain, GeneralContact, Law};
+use super::builder::ModelBuilder;
+use super::types::{AssignedInteraction, ContactDomain, GeneralContact, InteractionLaw};
 use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
-impl Builder<'_> {
-    /// ABAQUS Keywords Reference Guide, *CONTACT: OP=MOD (default) goes on with what is in force, NEW begins anew.
+impl ModelBuilder<'_> {
+    /// Reads `*CONTACT` (ABAQUS Keywords Reference Guide): OP=MOD, the default, extends the definition in force; NEW
+    /// replaces it.
     pub(super) fn general_contact(&mut self, card: &Card) {
         let new = self.is_new(card);
         let in_force = &mut self.state().general_contact;
@@ -16,18 +16,18 @@ impl Builder<'_> {
         }
     }
 
-    /// One of the cards below *CONTACT.
+    /// Reads a card that follows `*CONTACT`.
     pub(super) fn general_contact_card(&mut self, card: &Card) {
         if self.state().general_contact.is_none() {
-            let message = format!("*{} belongs below a *CONTACT", card.keyword.name);
-            return self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *CONTACT above"));
+            let message = format!("*{} must follow a *CONTACT", card.keyword.name);
+            return self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *CONTACT before"));
         }
         if let Some(general) = &mut self.state().general_contact {
             general.all |= card.has("ALL EXTERIOR");
-            // With NODAL EROSION=NO, the default, nodes whose faces have all eroded stay in contact as point masses, with YES they
-            // do not (ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT).
+            // NODAL EROSION=NO, the default, keeps the nodes of completely eroded elements in contact as point masses;
+            // YES removes them (ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT).
             if card.has("NODAL EROSION") {
-                general.drops_points = card.read("NODAL EROSION");
+                general.excludes_detached_nodes = card.read("NODAL EROSION");
             }
         }
         for (at, line) in card.lines.iter().enumerate() {
@@ -42,7 +42,7 @@ impl Builder<'_> {
                 ("CONTACT PROPERTY ASSIGNMENT", Some(word)) => {
                     let interaction = self.interaction(&word);
                     let Some(general) = &mut self.state().general_contact else { continue };
-                    general.assigned.push(AssignedInteraction { domains, interaction, law: Law::default() });
+                    general.assigned.push(AssignedInteraction { domains, interaction, law: InteractionLaw::default() });
                 }
                 (_, Some(word)) => {
                     let clearance = self.clearance(&word);
@@ -53,7 +53,8 @@ impl Builder<'_> {
         }
     }
 
-    /// The two surfaces of a line: the first is all that is outside where it is left out, the second the first.
+    /// Returns the pair of surfaces of a data line. An empty first field is all exterior faces, an empty second field
+    /// the first.
     fn domains(&mut self, line: &DataLine) -> Option<[ContactDomain; 2]> {
         let first = self.domain(line.field(0))?;
         let second = match line.field(1).filter(|w| !w.text.is_empty()) {

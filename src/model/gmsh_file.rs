@@ -1,13 +1,12 @@
-//! Mesh files of Gmsh, `.msh` in the versions 2.2 and 4.1 as text (Gmsh reference manual, "MSH file format").
-//! Physical groups of surfaces become element sets, of their nodes and of those of curves and points node sets.
-//! Never here: what sets mean.
+//! Reader of Gmsh mesh files (`.msh`), versions 2.2 and 4.1 as text (Gmsh reference manual, "MSH file format").
+//! Physical surfaces become element sets and node sets, physical curves and points become node sets.
 
 use std::collections::{BTreeMap, HashMap};
 use std::str::SplitAsciiWhitespace;
 
-use super::mesh_data::{Grouped, MeshFile};
+use super::mesh_data::{MeshFile, MeshGroups};
 
-/// Numbers of nodes of Gmsh's element types from 1 on, and their dimensions; types beyond have none here.
+/// Number of nodes and dimension of the Gmsh element types 1 to 21.
 const TYPES: [(usize, usize); 21] = [
     (2, 1),
     (3, 2),
@@ -34,24 +33,24 @@ const TYPES: [(usize, usize); 21] = [
 
 pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
     let sections = sections(text)?;
-    let section = |name: &str| sections.get(name).map(|t| Words(t.split_ascii_whitespace()));
-    let mut format = section("MeshFormat").ok_or("it has no $MeshFormat: is it a mesh of Gmsh?")?;
+    let section = |name: &str| sections.get(name).map(|t| WordReader(t.split_ascii_whitespace()));
+    let mut format = section("MeshFormat").ok_or("it has no $MeshFormat section, so it is not a Gmsh mesh")?;
     let version = format.word()?.to_owned();
     if format.number()? != 0.0 {
-        return Err("it is binary: save it as text (Mesh.Binary = 0)".into());
+        return Err("binary files are not supported: save it as text (Mesh.Binary = 0)".into());
     }
     let mut names: HashMap<(usize, i64), String> = HashMap::new();
     if let Some(text) = sections.get("PhysicalNames") {
         for line in text.lines().skip_while(|l| l.trim().is_empty()).skip(1) {
-            let mut words = Words(line.split_ascii_whitespace());
+            let mut words = WordReader(line.split_ascii_whitespace());
             let (Ok(dimension), Ok(tag)) = (words.count(), words.whole()) else { continue };
             let name = line.split('"').nth(1).ok_or("a physical name is not in quotes")?;
             names.insert((dimension, tag), name.to_owned());
         }
     }
-    let nodes = section("Nodes").ok_or("it has no $Nodes")?;
-    let elements = section("Elements").ok_or("it has no $Elements")?;
-    let mut grouped = Grouped::default();
+    let nodes = section("Nodes").ok_or("it has no $Nodes section")?;
+    let elements = section("Elements").ok_or("it has no $Elements section")?;
+    let mut grouped = MeshGroups::default();
     if version.starts_with("2.") {
         nodes_of_2(nodes, &mut grouped)?;
         elements_of_2(elements, &names, &mut grouped)?;
@@ -60,31 +59,31 @@ pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
         let groups = section("Entities").map_or(Ok(HashMap::new()), entities)?;
         elements_of_4(elements, &groups, &names, &mut grouped)?;
     } else {
-        return Err(format!("its version is {version}; 2.2 and 4.1 are read (Mesh.MshFileVersion)"));
+        return Err(format!("version {version} is not supported: save it as 2.2 or 4.1 (Mesh.MshFileVersion)"));
     }
     grouped.finish(true)
 }
 
-/// The text between `$Name` and `$EndName`.
+/// Returns the text between `$Name` and `$EndName` of each section.
 fn sections(text: &str) -> Result<BTreeMap<&str, &str>, String> {
     let mut found = BTreeMap::new();
     let mut rest = text;
     while let Some(at) = rest.find('$') {
         let name = rest[at + 1..].split(|c: char| c.is_ascii_whitespace()).next().unwrap_or("");
         if name.is_empty() {
-            return Err("a section has no name behind its $".into());
+            return Err("a section has no name after $".into());
         }
         let body = &rest[at + 1 + name.len()..];
-        let end = body.find(&format!("$End{name}")).ok_or(format!("its section ${name} has no end"))?;
+        let end = body.find(&format!("$End{name}")).ok_or(format!("the section ${name} is not closed"))?;
         found.insert(name, &body[..end]);
         rest = &body[end + 4 + name.len()..];
     }
     Ok(found)
 }
 
-struct Words<'a>(SplitAsciiWhitespace<'a>);
+struct WordReader<'a>(SplitAsciiWhitespace<'a>);
 
-impl<'a> Words<'a> {
+impl<'a> WordReader<'a> {
     fn word(&mut self) -> Result<&'a str, String> {
         self.0.next().ok_or_else(|| "a section ends early".into())
     }
@@ -100,7 +99,7 @@ impl<'a> Words<'a> {
     }
 
     fn count(&mut self) -> Result<usize, String> {
-        usize::try_from(self.whole()?).map_err(|_| "a count is below zero".into())
+        usize::try_from(self.whole()?).map_err(|_| "a count is negative".into())
     }
 
     fn skip(&mut self, count: usize) -> Result<(), String> {
@@ -112,7 +111,7 @@ impl<'a> Words<'a> {
     }
 }
 
-fn nodes_of_2(mut words: Words<'_>, mesh: &mut Grouped) -> Result<(), String> {
+fn nodes_of_2(mut words: WordReader<'_>, mesh: &mut MeshGroups) -> Result<(), String> {
     for _ in 0..words.count()? {
         let label = words.whole()?;
         mesh.node(label, words.point()?);
@@ -126,13 +125,13 @@ fn name_of(names: &HashMap<(usize, i64), String>, dimension: usize, tag: i64) ->
 
 fn kind(number: usize) -> Result<(usize, usize), String> {
     let found = number.checked_sub(1).and_then(|i| TYPES.get(i)).copied();
-    found.ok_or(format!("its elements of Gmsh's type {number} are not known"))
+    found.ok_or(format!("Gmsh element type {number} is not supported"))
 }
 
 fn elements_of_2(
-    mut words: Words<'_>,
+    mut words: WordReader<'_>,
     names: &HashMap<(usize, i64), String>,
-    mesh: &mut Grouped,
+    mesh: &mut MeshGroups,
 ) -> Result<(), String> {
     for _ in 0..words.count()? {
         let label = words.whole()?;
@@ -147,7 +146,7 @@ fn elements_of_2(
     Ok(())
 }
 
-fn nodes_of_4(mut words: Words<'_>, mesh: &mut Grouped) -> Result<(), String> {
+fn nodes_of_4(mut words: WordReader<'_>, mesh: &mut MeshGroups) -> Result<(), String> {
     let blocks = words.count()?;
     words.skip(3)?;
     for _ in 0..blocks {
@@ -164,8 +163,8 @@ fn nodes_of_4(mut words: Words<'_>, mesh: &mut Grouped) -> Result<(), String> {
     Ok(())
 }
 
-/// Physical groups of each entity.
-fn entities(mut words: Words<'_>) -> Result<HashMap<(usize, i64), Vec<i64>>, String> {
+/// Returns the physical groups of each entity.
+fn entities(mut words: WordReader<'_>) -> Result<HashMap<(usize, i64), Vec<i64>>, String> {
     let mut groups = HashMap::new();
     let counts = [words.count()?, words.count()?, words.count()?, words.count()?];
     for (dimension, count) in counts.into_iter().enumerate() {
@@ -184,10 +183,10 @@ fn entities(mut words: Words<'_>) -> Result<HashMap<(usize, i64), Vec<i64>>, Str
 }
 
 fn elements_of_4(
-    mut words: Words<'_>,
+    mut words: WordReader<'_>,
     groups: &HashMap<(usize, i64), Vec<i64>>,
     names: &HashMap<(usize, i64), String>,
-    mesh: &mut Grouped,
+    mesh: &mut MeshGroups,
 ) -> Result<(), String> {
     let blocks = words.count()?;
     words.skip(3)?;

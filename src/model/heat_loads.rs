@@ -1,13 +1,12 @@
-//! Heat given and taken: `*CFLUX`, `*DFLUX`, `*DSFLUX`, `*FILM`, `*SFILM`.
-//! Never here: their effect.
+//! Thermal loads: `*CFLUX`, `*DFLUX`, `*DSFLUX`, `*FILM`, `*SFILM`.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use super::loads::load_family;
 use super::names::upper;
-use super::types::{AmplitudeId, Load, LoadKind, Sides};
+use super::types::{AmplitudeId, Load, LoadKind, SideSelection};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn heat_card(&mut self, card: &Card) {
         let Ok(amplitude) = self.amplitude_of(card) else { return };
         let Ok(of_film) = self.film_amplitude(card) else { return };
@@ -20,7 +19,7 @@ impl Builder<'_> {
                 "CFLUX" => self.nodal_heat(line),
                 "DFLUX" => self.element_heat(line),
                 "DSFLUX" => self.surface_sides(line).and_then(|sides| {
-                    Some((LoadKind::SurfaceHeat(sides), self.number(line, 2, "the heat a time and area")?))
+                    Some((LoadKind::SurfaceHeat(sides), self.number(line, 2, "the heat flux per area")?))
                 }),
                 _ => self.film(line, family, of_film),
             };
@@ -34,47 +33,52 @@ impl Builder<'_> {
     fn nodal_heat(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
         let set = self.region(line)?;
         let nodes = self.node_members(set)?;
-        Some((LoadKind::NodalHeat { nodes, set: set.text.clone() }, self.number(line, 2, "the heat a time")?))
+        Some((LoadKind::NodalHeat { nodes, set: set.text.clone() }, self.number(line, 2, "the heat flux")?))
     }
 
     fn element_heat(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
         if line.field(1).is_some_and(|label| label.is("BF")) {
             let set = self.region(line)?;
             let elements = self.element_members(set)?;
-            let magnitude = self.number(line, 2, "the heat a time and volume")?;
+            let magnitude = self.number(line, 2, "the heat source per volume")?;
             return Some((LoadKind::BodyHeat { elements, set: set.text.clone() }, magnitude));
         }
         let sides = self.element_sides(line, 'S', "S1 to S4 and BF")?;
-        Some((LoadKind::SurfaceHeat(sides), self.number(line, 2, "the heat a time and area")?))
+        Some((LoadKind::SurfaceHeat(sides), self.number(line, 2, "the heat flux per area")?))
     }
 
     fn film(&mut self, line: &DataLine, family: &str, amplitude: Option<AmplitudeId>) -> Option<(LoadKind, f64)> {
         let sides =
             if family == "FILM" { self.element_sides(line, 'F', "F1 to F4")? } else { self.surface_sides(line)? };
-        let fluid = self.number(line, 2, "the temperature of the fluid")?;
+        let fluid = self.number(line, 2, "the fluid temperature")?;
         let coefficient = self.number(line, 3, "the film coefficient")?;
         Some((LoadKind::Film { sides, coefficient: self.scaled(coefficient, amplitude), amplitude }, fluid))
     }
 
-    /// Faces of elements by a label of one letter and their number.
-    fn element_sides(&mut self, line: &DataLine, letter: char, known: &str) -> Option<Sides> {
+    /// Returns the element faces named by a load label: a letter and the face number.
+    fn element_sides(&mut self, line: &DataLine, letter: char, known: &str) -> Option<SideSelection> {
         let set = self.region(line)?;
         let elements = self.element_members(set)?;
         let Some(label) = line.field(1) else {
-            let finding = Diagnostic::error("M102", "a label is missing").at(line.span, "second field");
-            return self.diagnostics.refuse(finding.help(format!("known are {known}")));
+            let diagnostic = Diagnostic::error("M102", "the load label is missing").at(line.span, "second field");
+            return self.diagnostics.refuse(diagnostic.help(format!("supported: {known}")));
         };
         let number = upper(&label.text).strip_prefix(letter).and_then(|n| n.parse::<u8>().ok());
         let Some(number) = number.filter(|n| (1..=4).contains(n)) else {
-            let message = format!("load label {} is not supported", label.text);
-            let finding = Diagnostic::error("M132", message).at(label.span, "this label");
-            return self.diagnostics.refuse(finding.help(format!("known are {known}")));
+            let message = format!("load type {} is not supported", label.text);
+            let diagnostic = Diagnostic::error("M132", message).at(label.span, "this label");
+            return self.diagnostics.refuse(diagnostic.help(format!("supported: {known}")));
         };
         let word = Word { text: format!("S{number}"), ..label.clone() };
-        Some(Sides { name: set.text.clone(), surface: false, faces: self.sides(&elements, &word), whole: Vec::new() })
+        Some(SideSelection {
+            name: set.text.clone(),
+            surface: false,
+            faces: self.sides(&elements, &word),
+            free_face_elements: Vec::new(),
+        })
     }
 
-    fn surface_sides(&mut self, line: &DataLine) -> Option<Sides> {
+    fn surface_sides(&mut self, line: &DataLine) -> Option<SideSelection> {
         let word = self.region(line)?;
         let id = self.surface_id(word)?;
         Some(self.model.surfaces.faces[id].sides(&word.text))

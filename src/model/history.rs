@@ -1,64 +1,67 @@
-//! What the boundaries of several steps come to: which one holds a node, how large it is, and what goes on into the next step
-//! (ABAQUS Analysis User's Guide 34.1.2, "Continuation of an amplitude reference in subsequent steps", and 34.3.1).
-//! Never here: cards, loads.
+//! Propagation of boundary conditions over steps: which condition controls a node, its magnitude, and its continuation
+//! in the next step (ABAQUS Analysis User's Guide 34.1.2, "Continuation of an amplitude reference in subsequent steps",
+//! and 34.3.1).
 
 use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 
-use super::types::{Amplitude, AmplitudeDefinition, AmplitudeId, Boundary, Load, Model, Motion, PrescribedField};
+use super::types::{
+    Amplitude, AmplitudeDefinition, AmplitudeId, BoundaryCondition, Load, Model, MotionKind, PrescribedField,
+};
 use crate::deck::{Diagnostic, Span};
-use crate::kernel::amplitude::Curve;
+use crate::kernel::amplitude::AmplitudeCurve;
 
-/// Displacements closer than this fraction of a prescribed one are no jump.
+/// Relative difference of displacements up to which a prescribed displacement does not jump.
 const JUMP: f64 = 1e-9;
-/// Name of amplitudes that `*STEP, AMPLITUDE=RAMP` makes.
+/// Name of the amplitudes created for `*STEP, AMPLITUDE=RAMP`.
 const RAMP: &str = "RAMP";
 
-/// A degree of freedom of a node.
-type Dof = (usize, u8);
+/// Node index and degree of freedom.
+type NodeDof = (usize, u8);
 
-/// What earlier steps leave to later ones.
+/// Conditions and state passed from earlier steps to the next one.
 #[derive(Clone, Debug, Default)]
-pub(super) struct History {
-    /// Boundaries in force, as large as they stay.
-    pub boundaries: Vec<Boundary>,
-    /// Loads in force, likewise.
+pub(super) struct StepHistory {
+    /// Boundary conditions in force, with the values that they keep in the next step.
+    pub boundaries: Vec<BoundaryCondition>,
+    /// Loads in force, with the magnitudes that they keep in the next step.
     pub loads: Vec<Load>,
-    /// Field variables in force, likewise.
+    /// Field variables in force, with the values that they keep in the next step.
     pub fields: Vec<PrescribedField>,
-    /// Total time at which the next step begins.
+    /// Total time at the start of the next step.
     time: f64,
-    /// Displacements that are known beforehand; before the first step all are zero.
-    places: HashMap<Dof, f64>,
-    /// What the amplitudes of displacements in force began with, by their data lines.
+    /// Prescribed displacements that are known in advance; all are zero before the first step.
+    places: HashMap<NodeDof, f64>,
+    /// Initial amplitude values of the displacements in force, by data line.
     first_values: HashMap<(Span, AmplitudeId), f64>,
-    /// Whether a step is over.
+    /// Whether a step has ended.
     begun: bool,
 }
 
-/// The step that conditions are of.
-pub(super) struct StepTime {
-    /// Length, time.
+/// Time data of the current step.
+pub(super) struct StepTiming {
+    /// Step duration, time.
     pub duration: f64,
-    /// Whether conditions without amplitude grow over the step (`*STEP, AMPLITUDE=RAMP`).
+    /// Whether conditions without amplitude increase linearly over the step (`*STEP, AMPLITUDE=RAMP`).
     pub ramp: bool,
 }
 
-impl History {
-    /// Boundaries in force in a step that gives these; what follows from them is remembered for the next.
+impl StepHistory {
+    /// Returns the boundary conditions in force in a step that defines `given`, and stores those that continue in the
+    /// next step.
     pub fn boundaries(
         &mut self,
-        given: Vec<Boundary>,
-        step: &StepTime,
+        given: Vec<BoundaryCondition>,
+        step: &StepTiming,
         model: &mut Model,
         words: &mut Vec<Diagnostic>,
-    ) -> Vec<Boundary> {
+    ) -> Vec<BoundaryCondition> {
         let given = if step.ramp { self.ramped_boundaries(given, step, model) } else { given };
         let spans: HashSet<Span> = given.iter().map(|b| b.span).collect();
         let merged = merge_boundaries(std::mem::take(&mut self.boundaries), given, words);
-        self.boundaries = merged.iter().map(|b| self.settled_boundary(b, step, model)).collect();
-        let places = self.places_after(&merged, step, model);
+        self.boundaries = merged.iter().map(|b| self.carried_boundary(b, step, model)).collect();
+        let places = self.displacements_after(&merged, step, model);
         self.first_values.retain(|(span, _), _| !spans.contains(span));
         let mut in_force = Vec::with_capacity(merged.len());
         for b in merged {
@@ -66,41 +69,51 @@ impl History {
             if spans.contains(&b.span) {
                 words.extend(self.jump(&b, model));
             }
-            in_force.push(self.since_start(b, model));
+            in_force.push(self.relative_to_start(b, model));
         }
         self.places = places;
         in_force
     }
 
-    /// Boundaries given before the first step hold from then on.
-    pub fn model_data(&mut self, given: Vec<Boundary>, words: &mut Vec<Diagnostic>) {
+    /// Stores boundary conditions defined before the first step, which are in force from then on.
+    pub fn model_data(&mut self, given: Vec<BoundaryCondition>, words: &mut Vec<Diagnostic>) {
         self.boundaries = merge_boundaries(Vec::new(), given, words);
     }
 
-    /// The step is over.
-    pub fn end(&mut self, step: &StepTime) {
+    /// Ends a step.
+    pub fn end(&mut self, step: &StepTiming) {
         self.time += step.duration;
         self.begun = true;
     }
 
-    /// Value of an amplitude at a time of the step; `None` for one that a routine gives.
+    /// Returns the value of an amplitude at a step time; `None` for a user amplitude.
     pub(super) fn amplitude(&self, amplitude: Option<AmplitudeId>, step_time: f64, model: &Model) -> Option<f64> {
         let Some(id) = amplitude else { return Some(1.0) };
         let curve = curve(&model.amplitudes[id])?;
         Some(curve.value(if curve.total_time { self.time + step_time } else { step_time }))
     }
 
-    /// What stays of an amplitude after its step: one in total time goes on, and so does a routine, which knows the step. One
-    /// in step time is constant from then on.
-    pub(super) fn stays(&self, amplitude: Option<AmplitudeId>, step: &StepTime, model: &Model) -> Option<f64> {
+    /// Returns the constant factor of an amplitude after its step; `None` if the amplitude continues. Amplitudes in
+    /// total time and user amplitudes continue; amplitudes in step time keep their last value.
+    pub(super) fn factor_after_step(
+        &self,
+        amplitude: Option<AmplitudeId>,
+        step: &StepTiming,
+        model: &Model,
+    ) -> Option<f64> {
         let in_total_time = |a: &Amplitude| matches!(a.definition, AmplitudeDefinition::Curve { total_time: true, .. });
         let id = amplitude.filter(|&id| !in_total_time(&model.amplitudes[id]))?;
         self.amplitude(Some(id), step.duration, model)
     }
 
-    fn settled_boundary(&self, boundary: &Boundary, step: &StepTime, model: &mut Model) -> Boundary {
+    fn carried_boundary(
+        &self,
+        boundary: &BoundaryCondition,
+        step: &StepTiming,
+        model: &mut Model,
+    ) -> BoundaryCondition {
         let mut settled = boundary.clone();
-        if let Some(factor) = self.stays(boundary.amplitude, step, model) {
+        if let Some(factor) = self.factor_after_step(boundary.amplitude, step, model) {
             if boundary.user {
                 settled.amplitude = Some(constant(factor, boundary.amplitude, model));
             } else {
@@ -110,18 +123,23 @@ impl History {
         settled
     }
 
-    /// Displacements at the end of a step, where they are known beforehand.
-    fn places_after(&self, boundaries: &[Boundary], step: &StepTime, model: &Model) -> HashMap<Dof, f64> {
+    /// Returns the displacements at the end of a step that are known in advance.
+    fn displacements_after(
+        &self,
+        boundaries: &[BoundaryCondition],
+        step: &StepTiming,
+        model: &Model,
+    ) -> HashMap<NodeDof, f64> {
         let mut places = HashMap::new();
         for b in boundaries.iter().filter(|b| !b.user) {
             let ends = [0.0, step.duration].map(|t| self.amplitude(b.amplitude, t, model));
             let moved = match (b.kind, b.value, ends) {
-                (Motion::Displacement, value, [Some(first), Some(last)]) => value * (last - first),
-                (Motion::Velocity, 0.0, _) => 0.0,
+                (MotionKind::Displacement, value, [Some(first), Some(last)]) => value * (last - first),
+                (MotionKind::Velocity, 0.0, _) => 0.0,
                 _ => continue,
             };
             for &node in &b.nodes {
-                if let Some(place) = self.place((node, b.dof)) {
+                if let Some(place) = self.initial_displacement((node, b.dof)) {
                     places.insert((node, b.dof), place + moved);
                 }
             }
@@ -129,51 +147,54 @@ impl History {
         places
     }
 
-    /// Displacement when the step begins, where it is known beforehand.
-    fn place(&self, dof: Dof) -> Option<f64> {
+    /// Returns the displacement at the start of the step if it is known in advance.
+    fn initial_displacement(&self, dof: NodeDof) -> Option<f64> {
         if self.begun { self.places.get(&dof).copied() } else { Some(0.0) }
     }
 
-    /// A displacement that a routine gives by its amplitude begins a later step with a value that nothing knows beforehand.
-    fn unknown_start(&self, b: &Boundary, model: &Model) -> Option<Diagnostic> {
+    /// Reports a displacement with a user amplitude that continues in a later step, where its initial value is unknown.
+    fn unknown_start(&self, b: &BoundaryCondition, model: &Model) -> Option<Diagnostic> {
         let routine = self.amplitude(b.amplitude, 0.0, model).is_none();
-        if !(self.begun && routine && b.kind == Motion::Displacement && !b.user) {
+        if !(self.begun && routine && b.kind == MotionKind::Displacement && !b.user) {
             return None;
         }
-        let message = "a displacement that follows a user amplitude beyond the first step is not supported";
-        let finding = Diagnostic::error("M104", message).at(b.span, "in force in a later step");
-        Some(finding.help("prescribe a velocity, or give *BOUNDARY, USER"))
+        let message = "a displacement with a user amplitude is not supported beyond the first step";
+        let diagnostic = Diagnostic::error("M104", message).at(b.span, "in force in a later step");
+        Some(diagnostic.help("prescribe a velocity, or use *BOUNDARY, USER"))
     }
 
-    /// What to say of a displacement that does not begin where its nodes are.
-    fn jump(&self, b: &Boundary, model: &Model) -> Option<Diagnostic> {
+    /// Reports a displacement that does not start at the current displacement of its nodes.
+    fn jump(&self, b: &BoundaryCondition, model: &Model) -> Option<Diagnostic> {
         let first = self.amplitude(b.amplitude, 0.0, model)? * b.value;
-        if b.kind != Motion::Displacement || b.user || b.amplitude.is_none() || b.value == 0.0 {
+        if b.kind != MotionKind::Displacement || b.user || b.amplitude.is_none() || b.value == 0.0 {
             return None;
         }
-        let places: Vec<Option<f64>> = b.nodes.iter().map(|&n| self.place((n, b.dof))).collect();
+        let places: Vec<Option<f64>> = b.nodes.iter().map(|&n| self.initial_displacement((n, b.dof))).collect();
         if places.contains(&None) {
             let message = format!(
-                "where the nodes of `{}` are when the step begins is not known beforehand: their displacement goes on from there",
+                "the displacement of `{}` at the start of the step is not known in advance; \
+                 the prescribed displacement is measured from there",
                 b.set
             );
-            return Some(Diagnostic::note("M147", message).at(b.span, "a displacement after a free or other motion"));
+            return Some(
+                Diagnostic::note("M147", message).at(b.span, "the nodes were free or had another motion before"),
+            );
         }
         let jumps = |place: &f64| (first - place).abs() > JUMP * (first.abs() + b.value.abs());
         let place = places.into_iter().flatten().find(jumps)?;
         let message = format!(
-            "the displacement of `{}` would jump from {place} to {first} as the step begins: the jump is ignored, and the motion \
-             goes on from where the nodes are",
+            "the displacement of `{}` would jump from {place} to {first} at the start of the step; the jump is ignored, \
+             and the motion continues from {place}",
             b.set
         );
-        let finding = Diagnostic::warning("M146", message).at(b.span, "as ABAQUS/Explicit does");
-        Some(finding.help("let the amplitude begin with the displacement that the nodes have"))
+        let diagnostic = Diagnostic::warning("M146", message).at(b.span, "as ABAQUS/Explicit does");
+        Some(diagnostic.help("let the amplitude start at the current displacement of the nodes"))
     }
 
-    /// A displacement counts from where its nodes are when it begins: what its amplitude begins with is taken off, in the steps
-    /// in which it goes on as well.
-    fn since_start(&mut self, mut b: Boundary, model: &mut Model) -> Boundary {
-        if b.kind != Motion::Displacement || b.user {
+    /// Converts a displacement to one relative to the position of the nodes when it starts: the initial value of its
+    /// amplitude is subtracted, also in later steps in which it continues.
+    fn relative_to_start(&mut self, mut b: BoundaryCondition, model: &mut Model) -> BoundaryCondition {
+        if b.kind != MotionKind::Displacement || b.user {
             return b;
         }
         let Some(index) = b.amplitude else { return b };
@@ -185,20 +206,25 @@ impl History {
             if let AmplitudeDefinition::Curve { points, .. } = &mut shifted.definition {
                 points.iter_mut().for_each(|p| p[1] -= first);
             }
-            b.amplitude = Some(place_of(shifted, model));
+            b.amplitude = Some(add_amplitude(shifted, model));
         }
         b
     }
 
-    /// Boundaries without amplitude that grow linearly over the step, from what they were at its beginning.
-    fn ramped_boundaries(&self, given: Vec<Boundary>, step: &StepTime, model: &mut Model) -> Vec<Boundary> {
-        let mut before: HashMap<(Dof, Motion), f64> = HashMap::new();
+    /// Returns boundary conditions without amplitude as linear ramps from their values at the start of the step.
+    fn ramped_boundaries(
+        &self,
+        given: Vec<BoundaryCondition>,
+        step: &StepTiming,
+        model: &mut Model,
+    ) -> Vec<BoundaryCondition> {
+        let mut before: HashMap<(NodeDof, MotionKind), f64> = HashMap::new();
         for b in &self.boundaries {
             let value = self.amplitude(b.amplitude, 0.0, model).unwrap_or(0.0) * b.value;
             before.extend(b.nodes.iter().map(|&n| (((n, b.dof), b.kind), value)));
         }
-        let from = |node: usize, b: &Boundary| match b.kind {
-            Motion::Displacement => self.place((node, b.dof)).unwrap_or(0.0),
+        let from = |node: usize, b: &BoundaryCondition| match b.kind {
+            MotionKind::Displacement => self.initial_displacement((node, b.dof)).unwrap_or(0.0),
             kind => before.get(&((node, b.dof), kind)).copied().unwrap_or(0.0),
         };
         let mut ramped = Vec::new();
@@ -213,24 +239,24 @@ impl History {
             }
             for (bits, nodes) in groups {
                 let (value, amplitude) = ramp(f64::from_bits(bits), b.value, b.span, step, model);
-                ramped.push(Boundary { nodes, value, amplitude, ..b.clone() });
+                ramped.push(BoundaryCondition { nodes, value, amplitude, ..b.clone() });
             }
         }
         ramped
     }
 }
 
-fn curve(amplitude: &Amplitude) -> Option<Curve> {
+fn curve(amplitude: &Amplitude) -> Option<AmplitudeCurve> {
     match &amplitude.definition {
         AmplitudeDefinition::Curve { points, smooth, total_time } => {
-            Some(Curve::new(points.clone(), *smooth, *total_time))
+            Some(AmplitudeCurve::new(points.clone(), *smooth, *total_time))
         }
         AmplitudeDefinition::User { .. } => None,
     }
 }
 
-/// The index of an amplitude; one that there is already serves again, so that what goes on unchanged is equal from step to step.
-fn place_of(amplitude: Amplitude, model: &mut Model) -> AmplitudeId {
+/// Returns the handle of an amplitude and adds it if there is no equal one, so that unchanged conditions remain equal.
+fn add_amplitude(amplitude: Amplitude, model: &mut Model) -> AmplitudeId {
     let known = model.amplitudes.iter().position(|a| *a == amplitude);
     AmplitudeId::new(known.unwrap_or_else(|| {
         model.amplitudes.push(amplitude);
@@ -238,55 +264,59 @@ fn place_of(amplitude: Amplitude, model: &mut Model) -> AmplitudeId {
     }))
 }
 
-/// An amplitude that stays at what another came to.
+/// Returns a constant amplitude with the given factor and the name of another.
 pub(super) fn constant(factor: f64, other: Option<AmplitudeId>, model: &mut Model) -> AmplitudeId {
     let (name, span) = other.map_or_else(Default::default, |i| {
         let other = &model.amplitudes[i];
         (other.name.clone(), other.span)
     });
     let definition = AmplitudeDefinition::Curve { points: vec![[0.0, factor]], smooth: false, total_time: false };
-    place_of(Amplitude { name, definition, absolute: false, span }, model)
+    add_amplitude(Amplitude { name, definition, absolute: false, span }, model)
 }
 
-/// Value and amplitude of what grows linearly over a step from one value to another.
-pub(super) fn ramp(from: f64, to: f64, span: Span, step: &StepTime, model: &mut Model) -> (f64, Option<AmplitudeId>) {
+/// Returns magnitude and amplitude of a linear ramp over a step.
+pub(super) fn ramp(from: f64, to: f64, span: Span, step: &StepTiming, model: &mut Model) -> (f64, Option<AmplitudeId>) {
     if from == to {
         return (to, None);
     }
     let value = if to == 0.0 { from } else { to };
     let points = vec![[0.0, from / value], [step.duration, to / value]];
     let definition = AmplitudeDefinition::Curve { points, smooth: false, total_time: false };
-    (value, Some(place_of(Amplitude { name: RAMP.into(), definition, absolute: false, span }, model)))
+    (value, Some(add_amplitude(Amplitude { name: RAMP.into(), definition, absolute: false, span }, model)))
 }
 
-/// Whether two boundaries say the same of a degree of freedom.
-fn same_condition(a: &Boundary, b: &Boundary) -> bool {
-    let holds = |b: &Boundary| {
-        let ignored = b.kind == Motion::Displacement && b.amplitude.is_none();
-        !b.user && !matches!(b.kind, Motion::Acceleration | Motion::Temperature) && (b.value == 0.0 || ignored)
+/// Returns whether two boundary conditions prescribe the same.
+fn same_condition(a: &BoundaryCondition, b: &BoundaryCondition) -> bool {
+    let holds = |b: &BoundaryCondition| {
+        let ignored = b.kind == MotionKind::Displacement && b.amplitude.is_none();
+        !b.user && !matches!(b.kind, MotionKind::Acceleration | MotionKind::Temperature) && (b.value == 0.0 || ignored)
     };
     holds(a) && holds(b)
         || (a.kind, a.user, a.value.to_bits(), a.amplitude) == (b.kind, b.user, b.value.to_bits(), b.amplitude)
 }
 
-/// Earlier boundaries and then those of a step: a later one acts on the nodes that it names, where it says something else.
-/// Two that differ in one step are told.
-fn merge_boundaries(inherited: Vec<Boundary>, given: Vec<Boundary>, words: &mut Vec<Diagnostic>) -> Vec<Boundary> {
+/// Merges inherited and new boundary conditions. A later condition overrides earlier ones at its nodes. Conflicting
+/// conditions in the same step are reported.
+fn merge_boundaries(
+    inherited: Vec<BoundaryCondition>,
+    given: Vec<BoundaryCondition>,
+    words: &mut Vec<Diagnostic>,
+) -> Vec<BoundaryCondition> {
     let own = inherited.len();
-    let all: Vec<Boundary> = inherited.into_iter().chain(given).collect();
-    // Which boundary says last what a degree of freedom does.
-    let mut last: HashMap<Dof, usize> = HashMap::new();
+    let all: Vec<BoundaryCondition> = inherited.into_iter().chain(given).collect();
+    // Index of the last condition of each degree of freedom.
+    let mut last: HashMap<NodeDof, usize> = HashMap::new();
     for (i, b) in all.iter().enumerate() {
-        let mut told = false;
+        let mut reported = false;
         for &node in &b.nodes {
             let holder = last.entry((node, b.dof)).or_insert(i);
             let earlier = &all[*holder];
             if *holder == i || same_condition(earlier, b) && (*holder >= own || i < own || earlier.nodes != b.nodes) {
                 continue;
             }
-            if *holder >= own && !told && !same_condition(earlier, b) {
+            if *holder >= own && !reported && !same_condition(earlier, b) {
                 words.push(given_twice(earlier, b));
-                told = true;
+                reported = true;
             }
             *holder = i;
         }
@@ -298,10 +328,11 @@ fn merge_boundaries(inherited: Vec<Boundary>, given: Vec<Boundary>, words: &mut 
     trimmed.filter(|b| !b.nodes.is_empty()).collect()
 }
 
-fn given_twice(earlier: &Boundary, later: &Boundary) -> Diagnostic {
+fn given_twice(earlier: &BoundaryCondition, later: &BoundaryCondition) -> Diagnostic {
     let message = format!(
-        "`{}` and `{}` share nodes whose degree of freedom {} is given twice in this step, and differently: the later acts",
+        "`{}` and `{}` prescribe different values for degree of freedom {} \
+         of shared nodes in this step; the later is used",
         earlier.set, later.set, later.dof
     );
-    Diagnostic::warning("M145", message).at(later.span, "the later").at(earlier.span, "the earlier")
+    Diagnostic::warning("M145", message).at(later.span, "later condition").at(earlier.span, "earlier condition")
 }

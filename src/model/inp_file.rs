@@ -1,12 +1,12 @@
-//! The mesh of another deck or of a mesher, `.inp`: `*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`; other cards are passed over and named.
-//! Never here: what sets mean, element types (the `*MESH` card says which to make).
+//! Reader of mesh files in ABAQUS format (`.inp`): `*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`. Other cards are listed in a
+//! note. The `*MESH` card determines the element type.
 
 use std::collections::HashMap;
 
-use super::mesh_data::{Grouped, MeshFile};
+use super::mesh_data::{MeshFile, MeshGroups};
 
 pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
-    let mut reader = Reader { most: MEMBERS[0] + MEMBERS[1] * text.len(), ..Reader::default() };
+    let mut reader = InpReader { most: MEMBERS[0] + MEMBERS[1] * text.len(), ..InpReader::default() };
     for (number, line) in text.lines().enumerate() {
         let line = line.trim();
         let done = if line.starts_with("**") || line.is_empty() {
@@ -21,36 +21,36 @@ pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
     reader.finish()
 }
 
-/// Members that sets may have together: so many, and so many a byte of the file. A few bytes name any number of them, by GENERATE or
-/// by sets of sets.
+/// Largest number of set members in a file: a constant, plus a number per byte of the file. GENERATE and sets of sets
+/// could otherwise define any number of members in a few bytes.
 const MEMBERS: [usize; 2] = [100_000, 64];
 
-/// What the lines below a card are.
+/// Kind of the current data lines.
 #[derive(Clone, Debug, Default, PartialEq)]
-enum Reading {
+enum InpSection {
     #[default]
     Nothing,
     Nodes(Option<String>),
-    /// Number of nodes and dimension of an element, its set.
+    /// Number of nodes and dimension of the elements, and their set.
     Elements(usize, usize, Option<String>),
-    /// Name, whether of nodes, whether generated.
+    /// Name, whether it is a node set, and whether the labels are generated.
     Set(String, bool, bool),
 }
 
 #[derive(Default)]
-struct Reader {
-    mesh: Grouped,
-    reading: Reading,
-    /// What an element that goes on on the next line has so far.
+struct InpReader {
+    mesh: MeshGroups,
+    reading: InpSection,
+    /// Values read so far of an element that continues on the next line.
     begun: Vec<i64>,
     nodes: HashMap<String, Vec<i64>>,
     elements: HashMap<String, Vec<i64>>,
-    /// Members that sets have so far, and may have.
+    /// Number of set members so far, and its limit.
     members: usize,
     most: usize,
 }
 
-/// Nodes and dimension of an element type of ABAQUS, by its name.
+/// Returns the number of nodes and the dimension of an ABAQUS element type; `None` for unsupported types.
 fn shape(name: &str) -> Option<(usize, usize)> {
     let digits: String =
         name.chars().rev().skip_while(|c| !c.is_ascii_digit()).take_while(char::is_ascii_digit).collect();
@@ -67,7 +67,7 @@ fn shape(name: &str) -> Option<(usize, usize)> {
     }
 }
 
-impl Reader {
+impl InpReader {
     fn begin(&mut self, card: &str) -> Result<(), String> {
         let mut parts = card.split(',').map(str::trim);
         let keyword: String =
@@ -79,23 +79,23 @@ impl Reader {
         let value = |name: &str| parameters.iter().find(|p| p.0 == name).map(|p| p.1);
         let owned = |name: &str| value(name).map(str::to_owned);
         self.reading = match keyword.as_str() {
-            "NODE" => Reading::Nodes(owned("NSET")),
+            "NODE" => InpSection::Nodes(owned("NSET")),
             "ELEMENT" => {
                 let name = value("TYPE").ok_or("*ELEMENT has no TYPE=")?.to_uppercase();
                 let (count, dimension) =
-                    shape(&name).ok_or(format!("elements of type {name} are not of the r-z plane"))?;
-                Reading::Elements(count, dimension, owned("ELSET"))
+                    shape(&name).ok_or(format!("element type {name} is not an element of the r-z plane"))?;
+                InpSection::Elements(count, dimension, owned("ELSET"))
             }
             "NSET" | "ELSET" => {
                 let name = owned(&keyword).ok_or(format!("*{keyword} has no {keyword}="))?;
-                Reading::Set(name, keyword == "NSET", value("GENERATE").is_some())
+                InpSection::Set(name, keyword == "NSET", value("GENERATE").is_some())
             }
-            "HEADING" | "UNITS" => Reading::Nothing,
+            "HEADING" | "UNITS" => InpSection::Nothing,
             _ => {
                 if !self.mesh.unread.contains(&keyword) {
                     self.mesh.unread.push(keyword);
                 }
-                Reading::Nothing
+                InpSection::Nothing
             }
         };
         Ok(())
@@ -108,12 +108,12 @@ impl Reader {
         done
     }
 
-    fn data_of(&mut self, reading: &Reading, line: &str) -> Result<(), String> {
+    fn data_of(&mut self, reading: &InpSection, line: &str) -> Result<(), String> {
         let fields = || line.split(',').map(str::trim).filter(|f| !f.is_empty());
         let whole = |f: &str| f.parse::<i64>().map_err(|_| format!("`{f}` is not a whole number"));
         match reading {
-            Reading::Nothing => {}
-            Reading::Nodes(set) => {
+            InpSection::Nothing => {}
+            InpSection::Nodes(set) => {
                 let mut words = fields();
                 let label = whole(words.next().unwrap_or(""))?;
                 let mut point = [0.0; 3];
@@ -127,7 +127,7 @@ impl Reader {
                     self.mesh.add_nodes(set, &[label]);
                 }
             }
-            Reading::Elements(count, dimension, set) => {
+            InpSection::Elements(count, dimension, set) => {
                 for field in fields() {
                     self.begun.push(whole(field)?);
                 }
@@ -140,14 +140,14 @@ impl Reader {
                     self.mesh.cell(words[0], *dimension, words[1..=*count].to_vec(), sets);
                 }
             }
-            Reading::Set(name, of_nodes, generated) => {
+            InpSection::Set(name, of_nodes, generated) => {
                 let known = if *of_nodes { &self.nodes } else { &self.elements };
                 let mut members = Vec::new();
                 if *generated {
                     let given = fields().map(whole).collect::<Result<Vec<_>, _>>()?;
                     let (first, last) = (given.first().copied().unwrap_or(0), given.get(1).copied().unwrap_or(0));
                     let step = given.get(2).copied().unwrap_or(1).max(1);
-                    // One more than there may be: the budget below tells.
+                    // One member above the limit is enough for the check below.
                     members.extend((first..=last).step_by(step as usize).take(self.most + 1));
                 } else {
                     for field in fields() {
@@ -163,7 +163,7 @@ impl Reader {
                 self.members += members.len();
                 if self.members > self.most {
                     return Err(format!(
-                        "the sets have more than {} members, far beyond what a file of this length holds",
+                        "the sets have more than {} members, the limit for a file of this size",
                         self.most
                     ));
                 }

@@ -1,16 +1,16 @@
-//! Nodes that follow others: `*MPC`, `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`, `*TIE`.
-//! Never here: how they are kept together.
+//! Linked nodes: `*MPC`, `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`, `*TIE`.
 
-use super::builder::Builder;
-use super::coupling::Coupling;
+use super::builder::ModelBuilder;
+use super::coupling::PendingCoupling;
 use super::names::upper;
-use super::types::{Link, LinkKind, SurfaceTie};
+use super::types::{LinkKind, NodeLink, SurfaceTie};
 use crate::deck::{Card, Diagnostic, Span, Word};
 use crate::platform::PortableMath as _;
 
-impl Builder<'_> {
-    /// The first nodes follow the last: of two sets the members one by one, in the order of their labels or of an UNSORTED set
-    /// (ABAQUS Analysis User's Guide, "General multi-point constraints", "Identifying the nodes involved in the MPC").
+impl ModelBuilder<'_> {
+    /// Links nodes to reference nodes. Two sets are paired in the order of their labels, or in the given order of an
+    /// UNSORTED set (ABAQUS Analysis User's Guide, "General multi-point constraints", "Identifying the nodes involved
+    /// in the MPC").
     pub(super) fn multi_point(&mut self, card: &Card) {
         if self.first_line(card).is_none() {
             return;
@@ -19,21 +19,25 @@ impl Builder<'_> {
             let Some(kind) = line.field(0) else { continue };
             let name = upper(&kind.text);
             if !matches!(name.as_str(), "BEAM" | "TIE" | "PIN") {
-                let help = "BEAM, TIE and PIN are; *EQUATION links degrees of freedom by coefficients";
-                self.unsupported(kind.span, format!("*MPC of the type {} is not supported", kind.text), help);
+                let help = "supported: BEAM, TIE, PIN; or use *EQUATION";
+                self.unsupported(kind.span, format!("*MPC type {} is not supported", kind.text), help);
                 continue;
             }
             let (Some(first), Some(second)) = (line.field(1), line.field(2)) else {
-                let message = format!("*MPC {name} joins nodes to a reference node");
-                let finding = Diagnostic::error("M102", message).at(line.span, "a node or set is missing");
-                self.diagnostics.push(finding.help(format!("{name}, node or set that follows, reference node")));
+                let message = format!("*MPC {name} requires nodes and a reference node");
+                let diagnostic = Diagnostic::error("M102", message).at(line.span, "node or set missing");
+                self.diagnostics
+                    .push(diagnostic.help(format!("expected: {name}, dependent node or set, reference node or set")));
                 continue;
             };
             let (followers, references) = (self.nodes_in_order(first), self.nodes_in_order(second));
             let (Some(followers), Some(references)) = (followers, references) else { continue };
             if references.len() != 1 && references.len() != followers.len() {
                 let (n, m) = (followers.len(), references.len());
-                let message = format!("{n} nodes follow {m}: give one reference node, or as many as follow");
+                let message = format!(
+                    "{n} dependent nodes have {m} reference nodes; give one, \
+                                       or as many as there are dependent nodes"
+                );
                 self.out_of_range(line.span, message);
                 continue;
             }
@@ -55,7 +59,7 @@ impl Builder<'_> {
         if let LinkKind::Rigid(_) = kind {
             nodes.retain(|&n| n != reference);
         }
-        self.model.constraints.links.push(Link { name, kind, reference, nodes, span });
+        self.model.constraints.links.push(NodeLink { name, kind, reference, nodes, span });
     }
 
     pub(super) fn coupling(&mut self, card: &Card) {
@@ -67,7 +71,7 @@ impl Builder<'_> {
         let (Some(nodes), Some(mut members)) = (nodes, members) else { return };
         let [node] = nodes[..] else {
             return self
-                .out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
+                .out_of_range(reference.span, format!("REF NODE must be one node, found a set of {}", nodes.len()));
         };
         let points = &self.model.mesh.points;
         let distance = |n: usize| (points[n][0] - points[node][0]).portable_hypot(points[n][1] - points[node][1]);
@@ -75,16 +79,16 @@ impl Builder<'_> {
             members.retain(|&n| distance(n) <= radius);
         }
         if members.is_empty() {
-            let finding = Diagnostic::error("M103", format!("the coupling {name} has no nodes"));
-            return self.diagnostics.push(finding.at(surface.span, "none of this surface is near the reference node"));
+            let diagnostic = Diagnostic::error("M103", format!("the coupling {name} has no nodes"));
+            return self.diagnostics.push(diagnostic.at(surface.span, "no node within the influence radius"));
         }
         let areas = self.areas(surface, &members);
-        let coupling = Coupling { name, reference: node, nodes: members, areas, span: card.span };
+        let coupling = PendingCoupling { name, reference: node, nodes: members, areas, span: card.span };
         self.coupling = Some(coupling);
     }
 
-    /// The area that each node has of the rings of a surface's faces, the integral of its shape function; one each for a
-    /// surface of nodes (ABAQUS Analysis User's Guide, "Coupling constraints": weights by the tributary area).
+    /// Returns the tributary area of each node: the integral of its shape function over the rings of the faces. Nodes
+    /// of a node-based surface have the area 1 (ABAQUS Analysis User's Guide, "Coupling constraints").
     fn areas(&self, word: &Word, members: &[usize]) -> Vec<f64> {
         let mesh = &self.model.mesh;
         let names = [super::names::qualified(&self.scope, &word.text), upper(&word.text)];
@@ -94,7 +98,7 @@ impl Builder<'_> {
         let mut areas = vec![0.0; members.len()];
         let surface = names.iter().find_map(|n| self.model.surfaces.faces.get(n));
         for &(element, side) in surface.map_or(&[][..], |s| &s.faces) {
-            let Some(ends) = mesh.ends(element, side) else { continue };
+            let Some(ends) = mesh.side_nodes(element, side) else { continue };
             let [a, b] = ends.map(|n| mesh.points[n]);
             let length = (b[0] - a[0]).portable_hypot(b[1] - a[1]);
             for (n, r) in [(ends[0], 2.0 * a[0] + b[0]), (ends[1], a[0] + 2.0 * b[0])] {
@@ -108,10 +112,10 @@ impl Builder<'_> {
 
     pub(super) fn coupling_kind(&mut self, card: &Card) {
         let Some(coupling) = self.coupling.take() else {
-            // Of a *COUPLING that was refused nothing more is said.
+            // After an invalid *COUPLING this message would be a consequential error.
             if !self.deck.cards.iter().any(|c| c.keyword.name == "COUPLING") {
-                let message = format!("*{} belongs below a *COUPLING", card.keyword.name);
-                self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "none is open here"));
+                let message = format!("*{} must follow a *COUPLING", card.keyword.name);
+                self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *COUPLING before"));
             }
             return;
         };
@@ -121,12 +125,12 @@ impl Builder<'_> {
         };
         let Some(kind) = kind else { return };
         if kind == LinkKind::Rigid([false; 2]) {
-            return self.inert(card, "it couples neither r nor z, and symmetry holds the rotation".into());
+            return self.inert(card, "it couples neither r nor z, and symmetry fixes the rotation".into());
         }
         self.link(format!("coupling {}", coupling.name), kind, coupling.reference, coupling.nodes, coupling.span);
     }
 
-    /// Degrees of freedom that are coupled: all where no line names them.
+    /// Returns the coupled degrees of freedom; all if the data lines are empty.
     fn coupled_degrees(&mut self, card: &Card) -> Option<LinkKind> {
         if card.lines.iter().all(|l| l.field(0).is_none()) {
             return Some(LinkKind::Rigid([true; 2]));
@@ -148,9 +152,9 @@ impl Builder<'_> {
         Some(LinkKind::Rigid(coupled))
     }
 
-    /// Weights fall with the distance from the reference node, over that of the farthest node (ABAQUS Analysis User's Guide,
-    /// "Coupling constraints", "Specifying the weighting method").
-    fn distributing(&mut self, card: &Card, coupling: &Coupling) -> Option<LinkKind> {
+    /// Returns the weights, which decrease with the distance from the reference node relative to the largest distance
+    /// (ABAQUS Analysis User's Guide, "Coupling constraints", "Specifying the weighting method").
+    fn distributing(&mut self, card: &Card, coupling: &PendingCoupling) -> Option<LinkKind> {
         let points = &self.model.mesh.points;
         let [r, z] = points[coupling.reference];
         let distances: Vec<f64> =
@@ -162,18 +166,20 @@ impl Builder<'_> {
         let fall = falls[card.read::<usize>("WEIGHTING METHOD")];
         let weights: Vec<f64> = parts.zip(&coupling.areas).map(|(x, area)| fall(x) * area).collect();
         if weights.iter().sum::<f64>() <= 0.0 {
-            return self
-                .refuse_value(card.span, "all weights of this coupling are zero: its nodes are equally far away");
+            return self.refuse_value(
+                card.span,
+                "all weights of this coupling are zero, because its nodes have equal distances",
+            );
         }
         Some(LinkKind::Distributing(weights))
     }
 
-    /// A coupling without a kind is an error.
+    /// Reports a coupling without `*KINEMATIC` or `*DISTRIBUTING`.
     pub(super) fn end_coupling(&mut self) {
         if let Some(coupling) = self.coupling.take() {
-            let message = format!("the coupling {} says neither *KINEMATIC nor *DISTRIBUTING", coupling.name);
-            let finding = Diagnostic::error("M101", message).at(coupling.span, "one of them must follow");
-            self.diagnostics.push(finding);
+            let message = format!("the coupling {} has neither *KINEMATIC nor *DISTRIBUTING", coupling.name);
+            let diagnostic = Diagnostic::error("M101", message).at(coupling.span, "one of them must follow");
+            self.diagnostics.push(diagnostic);
         }
     }
 
@@ -192,8 +198,8 @@ impl Builder<'_> {
         };
         for line in &card.lines {
             let (Some(slave), Some(master)) = (line.field(0), line.field(1)) else {
-                let finding = Diagnostic::error("M102", "a tie has two surfaces").at(line.span, "here");
-                self.diagnostics.push(finding.help("slave surface, master surface"));
+                let diagnostic = Diagnostic::error("M102", "a tie requires two surfaces").at(line.span, "here");
+                self.diagnostics.push(diagnostic.help("expected: slave surface, master surface"));
                 continue;
             };
             let slaves = self.contact_nodes(slave);
@@ -204,19 +210,23 @@ impl Builder<'_> {
         }
     }
 
-    fn master_faces(&mut self, word: &Word) -> Option<Vec<(usize, super::types::Side)>> {
+    fn master_faces(&mut self, word: &Word) -> Option<Vec<(usize, super::types::ElementSide)>> {
         let names = [super::names::qualified(&self.scope, &word.text), upper(&word.text)];
         if names.iter().any(|n| self.model.surfaces.nodes.contains_key(n)) {
-            let message = "a surface of nodes cannot be the master of a tie: between nodes there is no surface";
+            let message = "a node-based surface cannot be the master surface of a tie";
             return self.refuse_unsupported(
                 word.span,
                 message,
-                "name the surface of elements second, or use *MPC, TIE for pairs",
+                "give an element-based surface as the second one, or use *MPC, TIE for pairs of nodes",
             );
         }
         if names.iter().any(|n| self.model.surfaces.analytical.contains_key(n)) {
             let message = "an analytical surface cannot be tied";
-            return self.refuse_unsupported(word.span, message, "*RIGID BODY, TIE NSET= moves nodes with its body");
+            return self.refuse_unsupported(
+                word.span,
+                message,
+                "use *RIGID BODY, TIE NSET= to connect nodes to a rigid body",
+            );
         }
         let id = self.surface_id(word)?;
         Some(self.model.surfaces.faces[id].faces.clone())

@@ -1,19 +1,19 @@
-//! What the loads of several steps come to: which one acts at a place, how large it is, and what goes on into the next step
-//! (ABAQUS Analysis User's Guide 34.1.2 and 34.4.1). Never here: cards, boundaries.
+//! Propagation of loads over steps: which load acts in a region, its magnitude, and its continuation in the next step
+//! (ABAQUS Analysis User's Guide 34.1.2 and 34.4.1).
 
 use std::collections::{HashMap, HashSet};
 
-use super::history::{History, StepTime, constant, ramp};
+use super::history::{StepHistory, StepTiming, constant, ramp};
 use super::names::upper;
-use super::types::{Load, LoadKind, Model, Side, Sides, TargetId};
+use super::types::{ElementSide, Load, LoadKind, Model, SideSelection, TargetId};
 use crate::deck::{Diagnostic, Span};
 
-impl History {
-    /// Loads in force in a step that gives these; what follows from them is remembered for the next.
+impl StepHistory {
+    /// Returns the loads in force in a step that defines `given`, and stores those that continue in the next step.
     pub fn loads(
         &mut self,
         given: Vec<Load>,
-        step: &StepTime,
+        step: &StepTiming,
         model: &mut Model,
         words: &mut Vec<Diagnostic>,
     ) -> Vec<Load> {
@@ -26,14 +26,14 @@ impl History {
             false => given,
         };
         inherited.extend(given);
-        self.loads = inherited.iter().map(|l| self.settled_load(l, step, model)).collect();
+        self.loads = inherited.iter().map(|l| self.carried_load(l, step, model)).collect();
         inherited
     }
 
-    fn settled_load(&self, load: &Load, step: &StepTime, model: &mut Model) -> Load {
+    fn carried_load(&self, load: &Load, step: &StepTiming, model: &mut Model) -> Load {
         let mut settled = load.clone();
-        if let Some(factor) = self.stays(load.amplitude, step, model) {
-            // The user's routine is told the amplitude, and applies it itself.
+        if let Some(factor) = self.factor_after_step(load.amplitude, step, model) {
+            // The user subroutine receives the amplitude and applies it.
             if matches!(load.kind, LoadKind::User { .. } | LoadKind::UserBody { .. }) {
                 settled.amplitude = Some(constant(factor, load.amplitude, model));
             } else {
@@ -41,15 +41,15 @@ impl History {
             }
         }
         if let LoadKind::Film { coefficient, amplitude, .. } = &mut settled.kind
-            && let Some(factor) = self.stays(*amplitude, step, model)
+            && let Some(factor) = self.factor_after_step(*amplitude, step, model)
         {
             (*coefficient, *amplitude) = (*coefficient * factor, None);
         }
         settled
     }
 
-    /// Magnitudes of loads as the step begins, by place.
-    fn magnitudes(&self, loads: &[Load], model: &Model) -> HashMap<Place, f64> {
+    /// Returns the magnitudes of loads at the start of the step, by place.
+    fn magnitudes(&self, loads: &[Load], model: &Model) -> HashMap<LoadPlace, f64> {
         let mut before = HashMap::new();
         for load in loads {
             let value = self.amplitude(load.amplitude, 0.0, model).unwrap_or(0.0) * load.magnitude;
@@ -61,14 +61,14 @@ impl History {
     }
 }
 
-/// Where a load acts, and of which kind it is: what a later step replaces.
+/// Place and type of a load. A load of a later step replaces loads at the same place.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-enum Place {
+enum LoadPlace {
     Node(usize, u8),
-    /// A side of an element (`*DLOAD`) under a kind of load.
-    Face(usize, Side, Kind),
-    /// A surface (`*DSLOAD`), upper case, under a kind of load.
-    Surface(String, Kind),
+    /// A face of an element (`*DLOAD`) and the type of load.
+    Face(usize, ElementSide, LoadFamily),
+    /// An upper-case surface name (`*DSLOAD`) and the type of load.
+    Surface(String, LoadFamily),
     Body(usize, i32),
     Gravity(Option<Vec<usize>>),
     NodalHeat(usize),
@@ -76,7 +76,7 @@ enum Place {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Kind {
+enum LoadFamily {
     Pressure,
     User(i32),
     Cavity(TargetId),
@@ -84,30 +84,30 @@ enum Kind {
     Film,
 }
 
-fn places(kind: &LoadKind) -> Vec<Place> {
-    let on = |sides: &Sides, kind: Kind| match sides.surface {
-        true => vec![Place::Surface(upper(&sides.name), kind)],
-        false => sides.faces.iter().map(|&(e, side)| Place::Face(e, side, kind)).collect(),
+fn places(kind: &LoadKind) -> Vec<LoadPlace> {
+    let on = |sides: &SideSelection, kind: LoadFamily| match sides.surface {
+        true => vec![LoadPlace::Surface(upper(&sides.name), kind)],
+        false => sides.faces.iter().map(|&(e, side)| LoadPlace::Face(e, side, kind)).collect(),
     };
     match kind {
-        LoadKind::Concentrated { nodes, dof, .. } => nodes.iter().map(|&n| Place::Node(n, *dof)).collect(),
-        LoadKind::Gravity { elements, .. } => vec![Place::Gravity(elements.clone())],
-        LoadKind::Pressure(sides) => on(sides, Kind::Pressure),
-        LoadKind::User { sides, load_type } => on(sides, Kind::User(*load_type)),
-        LoadKind::Cavity { sides, target, .. } => on(sides, Kind::Cavity(*target)),
-        LoadKind::NodalHeat { nodes, .. } => nodes.iter().map(|&n| Place::NodalHeat(n)).collect(),
-        LoadKind::SurfaceHeat(sides) => on(sides, Kind::Heat),
-        LoadKind::BodyHeat { elements, .. } => elements.iter().map(|&e| Place::BodyHeat(e)).collect(),
-        LoadKind::Film { sides, .. } => on(sides, Kind::Film),
+        LoadKind::Concentrated { nodes, dof, .. } => nodes.iter().map(|&n| LoadPlace::Node(n, *dof)).collect(),
+        LoadKind::Gravity { elements, .. } => vec![LoadPlace::Gravity(elements.clone())],
+        LoadKind::Pressure(sides) => on(sides, LoadFamily::Pressure),
+        LoadKind::User { sides, load_type } => on(sides, LoadFamily::User(*load_type)),
+        LoadKind::Cavity { sides, target, .. } => on(sides, LoadFamily::Cavity(*target)),
+        LoadKind::NodalHeat { nodes, .. } => nodes.iter().map(|&n| LoadPlace::NodalHeat(n)).collect(),
+        LoadKind::SurfaceHeat(sides) => on(sides, LoadFamily::Heat),
+        LoadKind::BodyHeat { elements, .. } => elements.iter().map(|&e| LoadPlace::BodyHeat(e)).collect(),
+        LoadKind::Film { sides, .. } => on(sides, LoadFamily::Film),
         LoadKind::UserBody { elements, load_type, .. } => {
-            elements.iter().map(|&e| Place::Body(e, *load_type)).collect()
+            elements.iter().map(|&e| LoadPlace::Body(e, *load_type)).collect()
         }
     }
 }
 
-/// Takes loads of earlier steps from the places where a step gives others of their kind.
+/// Removes loads of earlier steps at the places for which the step defines loads of the same type.
 fn replace_loads(inherited: &mut Vec<Load>, given: &[Load]) {
-    let taken: HashSet<Place> = given.iter().flat_map(|l| places(&l.kind)).collect();
+    let taken: HashSet<LoadPlace> = given.iter().flat_map(|l| places(&l.kind)).collect();
     let kept = |load: &mut Load| {
         let mut keep =
             places(&load.kind).into_iter().map(|place| !taken.contains(&place)).collect::<Vec<_>>().into_iter();
@@ -136,27 +136,28 @@ fn replace_loads(inherited: &mut Vec<Load>, given: &[Load]) {
     inherited.retain_mut(kept);
 }
 
-/// What to say of loads of one kind at one place in one step: they add.
+/// Reports loads of the same type at the same place in one step, which add up.
 fn added_loads(given: &[Load]) -> Vec<Diagnostic> {
-    let mut first: HashMap<Place, Span> = HashMap::new();
+    let mut first: HashMap<LoadPlace, Span> = HashMap::new();
     let mut words = Vec::new();
     for load in given {
-        let mut told = false;
+        let mut reported = false;
         for place in places(&load.kind) {
             let earlier = *first.entry(place).or_insert(load.span);
-            if earlier != load.span && !told {
-                let message = "a load of this kind is given at the same place by another line of this step: they add";
-                let finding = Diagnostic::warning("M144", message).at(load.span, "the later");
-                words.push(finding.at(earlier, "the earlier"));
-                told = true;
+            if earlier != load.span && !reported {
+                let message = "another data line of this step defines a load of this \
+                               type at the same place; the loads add up";
+                let diagnostic = Diagnostic::warning("M144", message).at(load.span, "later load");
+                words.push(diagnostic.at(earlier, "earlier load"));
+                reported = true;
             }
         }
     }
     words
 }
 
-/// A load without amplitude that grows linearly over the step from what it was at its beginning; in parts, where that differs.
-fn ramped_load(load: Load, before: &HashMap<Place, f64>, step: &StepTime, model: &mut Model) -> Vec<Load> {
+/// Returns a load without amplitude as linear ramps over the step, one for each initial magnitude in its region.
+fn ramped_load(load: Load, before: &HashMap<LoadPlace, f64>, step: &StepTiming, model: &mut Model) -> Vec<Load> {
     let scaled = matches!(
         load.kind,
         LoadKind::Concentrated { .. }

@@ -1,16 +1,15 @@
-//! Loads: `*CLOAD`, `*DLOAD`, `*DSLOAD`.
-//! Never here: their effect.
+//! Mechanical loads: `*CLOAD`, `*DLOAD`, `*DSLOAD`.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use super::names::upper;
-use super::types::{ElementKind, Load, LoadKind, Side, Sides, TargetId};
+use super::types::{ElementKind, ElementSide, Load, LoadKind, SideSelection, TargetId};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 use crate::platform::PortableMath as _;
 
-/// Labels this code knows.
+/// Supported load type labels.
 const LABELS: &str = "GRAV, P, P1 to P4, PNU, P1NU to P4NU, BRNU, BZNU, CAVITY";
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn load_card(&mut self, card: &Card) {
         let Ok(amplitude) = self.amplitude_of(card) else { return };
         let family = card.keyword.name;
@@ -31,19 +30,19 @@ impl Builder<'_> {
         }
     }
 
-    /// `TARGET` and `FRICTION` are of CAVITY loads; a direction is of GRAV.
+    /// Reports `TARGET` and `FRICTION` without a CAVITY load, and direction components without GRAV.
     fn refuse_without_cavity(&mut self, card: &Card) {
         let is = |line: &DataLine, label: &str| line.field(1).is_some_and(|w| w.is(label));
         if !card.lines.iter().any(|line| is(line, "CAVITY")) {
             for parameter in card.parameters.iter().filter(|p| matches!(p.name, "TARGET" | "FRICTION")) {
-                let message = format!("{} is of CAVITY loads, and this card has none", parameter.name);
-                self.unsupported(parameter.span, message, "remove it, or name the load CAVITY");
+                let message = format!("{} requires a CAVITY load, and this card has none", parameter.name);
+                self.unsupported(parameter.span, message, "remove it, or use the load type CAVITY");
             }
         }
         for line in card.lines.iter().filter(|l| card.keyword.name == "DLOAD" && !is(l, "GRAV")) {
             if let Some(word) = line.field(3).or(line.field(4)).or(line.field(5)) {
-                let finding = Diagnostic::error("M161", format!("`{}` is one value too many", word.text));
-                self.diagnostics.push(finding.at(word.span, "only GRAV has a direction"));
+                let diagnostic = Diagnostic::error("M161", format!("too many values: `{}`", word.text));
+                self.diagnostics.push(diagnostic.at(word.span, "only GRAV has direction components"));
             }
         }
     }
@@ -60,7 +59,7 @@ impl Builder<'_> {
         let word = line.field(0);
         if word.is_none() {
             self.diagnostics
-                .push(Diagnostic::error("M102", "a set or surface is missing").at(line.span, "first field"));
+                .push(Diagnostic::error("M102", "the set or surface is missing").at(line.span, "first field"));
         }
         word
     }
@@ -68,16 +67,16 @@ impl Builder<'_> {
     fn label<'l>(&mut self, line: &'l DataLine) -> Option<&'l Word> {
         let word = line.field(1);
         if word.is_none() {
-            let finding = Diagnostic::error("M102", "a load label is missing").at(line.span, "second field");
-            self.diagnostics.push(finding.help(format!("known are {LABELS}")));
+            let diagnostic = Diagnostic::error("M102", "the load label is missing").at(line.span, "second field");
+            self.diagnostics.push(diagnostic.help(format!("supported: {LABELS}")));
         }
         word
     }
 
     fn unknown_label(&mut self, label: &Word) {
-        let message = format!("load label {} is not supported", label.text);
-        let finding = Diagnostic::error("M132", message).at(label.span, "this label");
-        self.diagnostics.push(finding.help(format!("known are {LABELS}")));
+        let message = format!("load type {} is not supported", label.text);
+        let diagnostic = Diagnostic::error("M132", message).at(label.span, "this label");
+        self.diagnostics.push(diagnostic.help(format!("supported: {LABELS}")));
     }
 
     fn element_load(&mut self, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {
@@ -96,11 +95,11 @@ impl Builder<'_> {
         let user = name.strip_suffix("NU");
         let number = user.unwrap_or(&name).strip_prefix('P');
         let faces = match (number, name.as_str()) {
-            // P on RAX2: pressure against the positive side (ABAQUS Elements Guide, rigid element library).
+            // P on RAX2: pressure on the positive side (ABAQUS Elements Guide, rigid element library).
             (Some(""), _) | (_, "CAVITY") => {
                 let spos = Word { text: "SPOS".into(), ..label.clone() };
                 let mut sides = self.sides(&elements, &spos);
-                self.push_along_normals(&mut sides);
+                self.orient_shell_sides(&mut sides);
                 sides
             }
             (Some(n), _) if n.parse::<u8>().is_ok_and(|n| (1..=4).contains(&n)) => {
@@ -112,18 +111,18 @@ impl Builder<'_> {
                 return None;
             }
         };
-        let sides = Sides { name: set.text.clone(), surface: false, faces, whole: Vec::new() };
-        // VDLOAD's codes: 20 PNU, 21 P1NU to 24 P4NU.
+        let sides = SideSelection { name: set.text.clone(), surface: false, faces, free_face_elements: Vec::new() };
+        // Load type codes of VDLOAD: 20 is PNU, 21 to 24 are P1NU to P4NU.
         let load_type = user.map(|_| 20 + number.and_then(|n| n.parse::<i32>().ok()).unwrap_or(0));
         self.distributed(card, line, sides, load_type, name == "CAVITY")
     }
 
-    /// A positive pressure on the elements of shells acts along their normals (ABAQUS Analysis User's Guide 29.6.1, "Shell
-    /// elements: overview"), and so against their other side.
-    fn push_along_normals(&self, sides: &mut [(usize, Side)]) {
+    /// Selects the negative sides of shell elements: positive pressure on shell elements acts along their normals
+    /// (ABAQUS Analysis User's Guide 29.6.1, "Shell elements: overview").
+    fn orient_shell_sides(&self, sides: &mut [(usize, ElementSide)]) {
         for (element, side) in sides {
             if self.model.mesh.elements[*element].kind == ElementKind::Sax1 {
-                *side = Side::Negative;
+                *side = ElementSide::Negative;
             }
         }
     }
@@ -145,7 +144,7 @@ impl Builder<'_> {
         &mut self,
         card: &Card,
         line: &DataLine,
-        sides: Sides,
+        sides: SideSelection,
         user: Option<i32>,
         cavity: bool,
     ) -> Option<(LoadKind, f64)> {
@@ -158,7 +157,7 @@ impl Builder<'_> {
         Some((LoadKind::Pressure(sides), self.number(line, 2, "the pressure")?))
     }
 
-    fn cavity(&mut self, card: &Card, sides: Sides) -> Option<LoadKind> {
+    fn cavity(&mut self, card: &Card, sides: SideSelection) -> Option<LoadKind> {
         let word = self.required(card, "TARGET")?;
         let target = self.model.targets.iter().position(|t| t.name == upper(&word.text));
         if target.is_none() {
@@ -182,12 +181,13 @@ impl Builder<'_> {
         let [r, z, third] = direction;
         let length = r.portable_hypot(z).portable_hypot(third);
         if length == 0.0 {
-            return self.refuse_value(line.span, "GRAV needs a direction: magnitude, r, z (in oblique impact 1, 2, 3)");
+            return self
+                .refuse_value(line.span, "GRAV requires a direction: magnitude, r, z (in oblique impact: 1, 2, 3)");
         }
         if (r != 0.0 || third != 0.0) && magnitude != 0.0 && !self.has_oblique_impact() {
-            let message = "a body of revolution has no weight along r: only the component of gravity along z acts";
-            let finding = Diagnostic::warning("M152", message).at(line.span, "a direction with a part along r");
-            self.diagnostics.push(finding.help("give the direction as 0., 1. or 0., -1."));
+            let message = "gravity along r has no resultant on a body of revolution; only its z component acts";
+            let diagnostic = Diagnostic::warning("M152", message).at(line.span, "direction with an r component");
+            self.diagnostics.push(diagnostic.help("give the direction as 0., 1. or 0., -1."));
         }
         Some((LoadKind::Gravity { elements, direction: direction.map(|d| d / length) }, magnitude))
     }

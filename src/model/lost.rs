@@ -1,28 +1,27 @@
-//! What errors have taken away: names, nodes and elements that are missing because a card could not be read. What misses them
-//! says nothing more, so that one cause has one message.
-//! Never here: the checks themselves.
+//! Definitions that are missing because of errors: names, nodes and elements of cards that could not be read.
+//! References to them are not reported again, so that one cause has one message.
 
 use std::collections::HashSet;
 
 use super::names::upper;
 use crate::deck::{Card, Deck, Diagnostics, Word};
 
-/// What is missing, as an error has told.
+/// Definitions that are missing because of reported errors.
 #[derive(Debug, Default)]
-pub(super) struct Lost {
-    /// A file: anything may have been in it.
+pub(super) struct MissingDefinitions {
+    /// An included file is missing, which may have contained anything.
     pub everything: bool,
-    /// Some nodes.
+    /// Some nodes are missing.
     pub nodes: bool,
-    /// Some elements.
+    /// Some elements are missing.
     pub elements: bool,
-    /// Names of sets, surfaces, materials and so on, upper case.
+    /// Missing names of sets, surfaces, materials and so on, in upper case.
     names: HashSet<String>,
-    /// Something that bodies are made of: what the plan would say of bodies cannot be trusted.
+    /// A definition of a body is missing: messages of the plan about bodies are not reliable.
     pub bodies: bool,
 }
 
-/// Cards on which nothing hangs that bodies are made of.
+/// Cards that do not define bodies.
 const LEAVES: &[&str] = &[
     "BOUNDARY",
     "CLOAD",
@@ -39,20 +38,20 @@ const LEAVES: &[&str] = &[
     "BULK VISCOSITY",
 ];
 
-impl Lost {
-    /// What the deck room could not read.
-    pub fn of(deck: &Deck) -> Lost {
+impl MissingDefinitions {
+    /// Returns the definitions that the parser could not read.
+    pub fn from_deck(deck: &Deck) -> MissingDefinitions {
         let unread = &deck.unread;
-        Lost {
+        MissingDefinitions {
             everything: unread.files,
             names: unread.names.iter().cloned().collect(),
             bodies: unread.files || unread.cards > 0,
-            ..Lost::default()
+            ..MissingDefinitions::default()
         }
     }
 
-    /// What a card with an error would have defined.
-    pub fn card(&mut self, card: &Card) {
+    /// Notes the definitions of a card with an error.
+    pub fn note_faulty_card(&mut self, card: &Card) {
         let name = card.keyword.name;
         match name {
             "NODE" | "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "SYSTEM" => self.nodes = true,
@@ -71,7 +70,7 @@ impl Lost {
         }
     }
 
-    /// Whether a name or label may be missing for an error that has been told.
+    /// Returns whether a name or label may be missing because of a reported error.
     pub fn explains(&self, what: &str, word: &Word) -> bool {
         let last = upper(word.text.rsplit('.').next().unwrap_or(""));
         let label = last.parse::<i64>().is_ok();
@@ -80,8 +79,8 @@ impl Lost {
     }
 }
 
-/// Whether a card with a fault that has been told is left alone: what else is wrong with it would follow from that. Blocks and
-/// what lists single items are read all the same, for much hangs on them.
+/// Returns whether a card with a reported error is skipped, because further errors would be consequential. Cards that
+/// open blocks or define many items are read anyway, since other cards depend on them.
 pub(super) fn is_skipped(card: &Card) -> bool {
     const READ: &[&str] = &[
         "HEADING",
@@ -115,8 +114,8 @@ pub(super) fn is_skipped(card: &Card) -> bool {
     !READ.contains(&card.keyword.name)
 }
 
-/// Drops what is said only because a deck is of another geometry than a body of revolution: that has been told.
-pub(super) fn drop_what_follows(diagnostics: &mut Diagnostics) {
+/// Removes diagnostics that only follow from unsupported (plane or three-dimensional) element types.
+pub(super) fn drop_consequential_diagnostics(diagnostics: &mut Diagnostics) {
     const OTHER: &str = "this code is axisymmetric";
     if diagnostics.iter().any(|d| d.code == "M121" && d.message.ends_with(OTHER)) {
         diagnostics.retain(|d| {

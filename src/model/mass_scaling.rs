@@ -1,13 +1,13 @@
 //! `*FIXED MASS SCALING` and `*VARIABLE MASS SCALING`.
-//! Never here: which elements can be scaled, what it does to them.
 
-use super::builder::Builder;
-use super::types::{MassScaling, ScalingRhythm, ScalingType};
+use super::builder::ModelBuilder;
+use super::types::{MassScaling, ScalingSchedule, ScalingType};
 use crate::deck::Card;
 use crate::deck::table::steps as cards;
 
-impl Builder<'_> {
-    /// A step that scales masses replaces what earlier steps asked for; one that does not goes on with it.
+impl ModelBuilder<'_> {
+    /// Reads mass scaling. The first card of a step replaces the mass scaling of earlier steps, which otherwise
+    /// continues.
     pub(super) fn mass_scaling(&mut self, card: &Card) {
         let Some(request) = self.scaling_request(card) else { return };
         let state = self.state();
@@ -29,24 +29,26 @@ impl Builder<'_> {
         } else {
             let cards::VariableMassScaling { dt, kind, frequency, intervals } = self.values(card);
             let rhythm = match (frequency, intervals) {
-                (Some(count), None) => ScalingRhythm::Increments(count as u64),
-                (None, Some(count)) => ScalingRhythm::Intervals(count as u64),
+                (Some(count), None) => ScalingSchedule::Increments(count as u64),
+                (None, Some(count)) => ScalingSchedule::Intervals(count as u64),
                 _ => {
-                    return self
-                        .refuse_value(card.span, "*VARIABLE MASS SCALING needs either FREQUENCY or NUMBER INTERVAL");
+                    return self.refuse_value(
+                        card.span,
+                        "*VARIABLE MASS SCALING requires either FREQUENCY or NUMBER INTERVAL",
+                    );
                 }
             };
             ((None, dt, kind), Some(rhythm))
         };
         if factor.is_none() && dt.is_none() {
             let needs = if rhythm.is_none() { "FACTOR or DT" } else { "DT" };
-            return self.refuse_value(card.span, format!("*{} needs {needs}", card.keyword.name));
+            return self.refuse_value(card.span, format!("*{} requires {needs}", card.keyword.name));
         }
         if dt.is_none() && card.has("TYPE") {
-            return self.refuse_value(card.span, "TYPE says how DT is reached, and there is no DT");
+            return self.refuse_value(card.span, "TYPE requires DT");
         }
         let kind = [ScalingType::BelowMin, ScalingType::Uniform, ScalingType::SetEqual][kind];
         let target = dt.map(|dt| (kind, dt));
-        Some(MassScaling { span: card.span, elements, factor: factor.unwrap_or(1.0), target, rhythm })
+        Some(MassScaling { span: card.span, elements, factor: factor.unwrap_or(1.0), target, schedule: rhythm })
     }
 }

@@ -1,30 +1,30 @@
-//! Materials: `*MATERIAL` and the cards below it, `*SOLID SECTION`.
-//! Never here: what a material does under load.
+//! `*MATERIAL` with the cards that follow it, and `*SOLID SECTION`.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use super::names::upper;
 use super::types::{
-    CavityExpansion, Element, ElementKind, Expansion, Material, MaterialId, Plastic, RateDependence, SectionControls,
-    SolidSection,
+    CavityExpansion, Element, ElementKind, MaterialDefinition, MaterialId, PlasticityModel, RateDependence,
+    SectionControls, SolidSection, ThermalExpansion,
 };
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, DataLine, Diagnostic};
 use crate::kernel::levels::NestedTable;
 
-/// Kinds of hardening, by their place among the words of `HARDENING`.
+/// Indices of the values of `HARDENING` in the keyword table.
 const ISOTROPIC: usize = 0;
 const KINEMATIC: usize = 1;
 const USER: usize = 3;
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn begin_material(&mut self, card: &Card) {
         if let Some(name) = self.required(card, "NAME") {
-            let material = Material { name: upper(&name.text), span: card.span, ..Material::default() };
+            let material =
+                MaterialDefinition { name: upper(&name.text), span: card.span, ..MaterialDefinition::default() };
             self.model.materials.push(material);
         }
     }
 
-    /// A card below a `*MATERIAL`; where that has no name there may be none.
+    /// Reads a card of the current material; does nothing if the material has no name.
     pub(super) fn material_card(&mut self, card: &Card) {
         if self.model.materials.is_empty() {
             return;
@@ -63,7 +63,7 @@ impl Builder<'_> {
             }
             "EXPANSION" => {
                 let cards::Expansion { zero, rows } = self.values(card);
-                self.last_material().thermal.expansion = Some(Expansion { rows, zero, span: card.span });
+                self.last_material().thermal.expansion = Some(ThermalExpansion { rows, zero, span: card.span });
             }
             "USER MATERIAL" => self.user_material(card),
             "USER DEFINED FIELD" => self.user_fields(card),
@@ -73,7 +73,7 @@ impl Builder<'_> {
         }
     }
 
-    pub(super) fn last_material(&mut self) -> &mut Material {
+    pub(super) fn last_material(&mut self) -> &mut MaterialDefinition {
         let last = self.model.materials.len() - 1;
         &mut self.model.materials[last]
     }
@@ -81,8 +81,8 @@ impl Builder<'_> {
     pub(super) fn first_line<'c>(&mut self, card: &'c Card) -> Option<&'c DataLine> {
         let line = card.lines.first();
         if line.is_none() {
-            let message = format!("*{} needs a data line", card.keyword.name);
-            self.diagnostics.push(Diagnostic::error("M107", message).at(card.span, "no data below"));
+            let message = format!("*{} requires a data line", card.keyword.name);
+            self.diagnostics.push(Diagnostic::error("M107", message).at(card.span, "data line missing"));
         }
         line
     }
@@ -101,13 +101,13 @@ impl Builder<'_> {
         }
     }
 
-    /// Rows over temperature and field variables, where the moduli are not constant.
+    /// Stores moduli that depend on temperature and field variables.
     fn elastic_table(&mut self, card: &Card, fields: usize) -> Option<()> {
         let rows = self.rows_over_fields(card, 2, fields)?;
         let over: Vec<&[f64]> = rows.iter().map(|r| &r[1..]).collect();
         if NestedTable::new(&over).is_none() {
-            let message =
-                "rows of moduli need temperatures that ascend, for each value of the first field variable, and so on";
+            let message = "the temperatures must ascend for each value of the first \
+                 field variable, and so on for further variables";
             return self.refuse_value(card.span, message);
         }
         if rows.len() > 1 {
@@ -120,7 +120,7 @@ impl Builder<'_> {
         let cards::Plastic { hardening, fields, extrapolates } = self.values(card);
         let extrapolates = match (extrapolates, card.value("EXTRAPOLATION")) {
             (Some(_), Some(word)) if hardening != ISOTROPIC => {
-                let message = "EXTRAPOLATION is of tables, HARDENING=ISOTROPIC";
+                let message = "EXTRAPOLATION requires a table with HARDENING=ISOTROPIC";
                 return self.unsupported(word.span, message, "remove EXTRAPOLATION");
             }
             (extrapolates, _) => extrapolates.unwrap_or(false),
@@ -136,54 +136,56 @@ impl Builder<'_> {
             ISOTROPIC => {
                 let rows: Vec<[f64; 3]> = card.read_lines();
                 if self.plastic_strains_ascend(card, &rows) {
-                    self.last_material().plastic = Some(Plastic::Tabular(rows));
+                    self.last_material().plastic = Some(PlasticityModel::Tabular(rows));
                 }
             }
             KINEMATIC => self.kinematic(card),
             USER => self.user_hardening(card),
-            _ => self.last_material().plastic = Some(Plastic::JohnsonCook(card.read_lines())),
+            _ => self.last_material().plastic = Some(PlasticityModel::JohnsonCook(card.read_lines())),
         }
     }
 
-    /// A table of the yield stress over the plastic strain, temperature and field variables.
+    /// Reads a yield stress table over plastic strain, temperature and field variables.
     fn plastic_over_fields(&mut self, card: &Card, other: bool, fields: usize) {
         if other || self.last_material().extrapolates {
-            let message = "DEPENDENCIES are of tables, HARDENING=ISOTROPIC without EXTRAPOLATION=LINEAR";
+            let message = "DEPENDENCIES requires HARDENING=ISOTROPIC without EXTRAPOLATION=LINEAR";
             return self.unsupported(card.span, message, "remove DEPENDENCIES");
         }
         let Some(rows) = self.rows_over_fields(card, 2, fields) else { return };
         let starts = |w: &[Vec<f64>]| w[0][2..] == w[1][2..] || w[1][1] == 0.0;
         if NestedTable::new(&rows).is_none() || rows[0][1] != 0.0 || !rows.windows(2).all(starts) {
-            let message = "rows of the yield stress need plastic strains that begin at 0 and ascend for each temperature, \
-                           temperatures that ascend for each value of the first field variable, and so on";
+            let message = "the plastic strains must start at 0 and ascend for each temperature, and the \
+                           temperatures must ascend for each value of the first field variable, and so on";
             return self.out_of_range(card.span, message);
         }
-        self.last_material().plastic = Some(Plastic::OverFields(rows));
+        self.last_material().plastic = Some(PlasticityModel::OverFields(rows));
     }
 
-    /// Whether plastic strains begin at zero and ascend, at each temperature; the first row that does not is told.
+    /// Returns whether plastic strains start at zero and ascend at each temperature; reports the first row that does
+    /// not.
     fn plastic_strains_ascend(&mut self, card: &Card, rows: &[[f64; 3]]) -> bool {
         for (i, row) in rows.iter().enumerate() {
             let before =
                 i.checked_sub(1).map(|k| rows[k]).filter(|b| b[2] == row[2] || b[2].is_nan() && row[2].is_nan());
             let message = match before {
-                None if row[1] != 0.0 => format!("plastic strains begin at 0, not at {}", row[1]),
+                None if row[1] != 0.0 => format!("plastic strains must start at 0, found {}", row[1]),
                 Some(before) if row[1] <= before[1] => {
-                    format!("plastic strains ascend: {} follows {}", row[1], before[1])
+                    format!("plastic strains must ascend, found {} after {}", row[1], before[1])
                 }
                 _ => continue,
             };
-            let finding =
+            let diagnostic =
                 Diagnostic::error("M103", message).at(card.lines[i.min(card.lines.len() - 1)].span, "this row");
             self.diagnostics.push(
-                finding.help("a row is yield stress, plastic strain: the first gives the yield stress at strain 0"),
+                diagnostic
+                    .help("a row is `yield stress, plastic strain`; the first row is the yield stress at strain 0"),
             );
             return false;
         }
         true
     }
 
-    /// Linear kinematic hardening: two rows give its line, at each temperature where there are some.
+    /// Reads linear kinematic hardening: two rows per temperature define a line.
     fn kinematic(&mut self, card: &Card) {
         let rows: Vec<[f64; 3]> = card.read_lines();
         let cold = rows.iter().all(|r| r[2].is_nan());
@@ -192,8 +194,8 @@ impl Builder<'_> {
         if pairs.is_empty() || !rest.is_empty() || !matched {
             return self.unsupported(
                 card.span,
-                format!("HARDENING=KINEMATIC with these {} rows is not supported", rows.len()),
-                "give two rows, at each temperature: the yield stress without plastic strain, and another point of the line",
+                format!("HARDENING=KINEMATIC with {} rows is not supported", rows.len()),
+                "give two rows per temperature: the yield stress at plastic strain 0, and another point of the line",
             );
         }
         let line = |[first, second]: &[[f64; 3]; 2]| {
@@ -203,10 +205,10 @@ impl Builder<'_> {
         };
         let lines: Option<Vec<[f64; 3]>> = pairs.iter().map(line).collect();
         match lines.filter(|l| cold || l.windows(2).all(|w| w[0][2] < w[1][2])) {
-            Some(lines) => self.last_material().plastic = Some(Plastic::Kinematic(lines)),
+            Some(lines) => self.last_material().plastic = Some(PlasticityModel::Kinematic(lines)),
             None => {
-                let message = "the first row gives the yield stress at no plastic strain, the second one that is not below it \
-                               at more; temperatures ascend";
+                let message = "the first row must have plastic strain 0, the second a larger strain and a yield \
+                               stress that is not smaller; temperatures must ascend";
                 self.out_of_range(card.span, message);
             }
         }
@@ -222,13 +224,13 @@ impl Builder<'_> {
         self.last_material().rate = rate;
     }
 
-    /// Rows of ratio, rate and temperature: rates ascend at each temperature, and temperatures from block to block.
+    /// Returns rows of ratio, strain rate and temperature: rates ascend at each temperature, then temperatures ascend.
     fn yield_ratios(&mut self, card: &Card, rows: Vec<[f64; 3]>) -> Option<RateDependence> {
         let cold = rows.iter().all(|r| r[2].is_nan());
         let follows = |w: &[[f64; 3]]| w[1][1] > w[0][1] && (cold || w[1][2] == w[0][2]) || w[1][2] > w[0][2];
         let complete = cold || rows.iter().all(|r| !r[2].is_nan());
         if !complete || !rows.windows(2).all(follows) {
-            let message = "rows of a yield stress ratio ascend in rate, at each temperature, and then in temperature";
+            let message = "the strain rates must ascend at each temperature, and the temperatures must ascend";
             return self.refuse_value(card.span, message);
         }
         Some(RateDependence::YieldRatio(rows))
@@ -254,7 +256,7 @@ impl Builder<'_> {
         self.model.sections.push(SolidSection { elements, material, controls, span });
     }
 
-    /// Elements of a section, which are of certain kinds, and the index of its material.
+    /// Returns the elements of a section, checked for their types, and the material.
     pub(super) fn section_of(
         &mut self,
         card: &Card,
@@ -263,7 +265,7 @@ impl Builder<'_> {
         let (Some(set), Some(material)) = (self.required(card, "ELSET"), self.required(card, "MATERIAL")) else {
             return None;
         };
-        // In a part the material follows later in the deck: it is looked up by name in the whole deck.
+        // A section in a part may precede its material: the name is looked up in the whole deck.
         let known = self.material_places.get(&upper(&material.text)).copied();
         let elements = self.element_members(set).unwrap_or_default();
         let Some(index) = known else {
@@ -275,8 +277,8 @@ impl Builder<'_> {
         if let Some(&other) = elements.iter().find(|e| !fits(mesh.elements[**e].kind)) {
             let Element { name, kind, .. } = &mesh.elements[other];
             let (kind, section) = (kind.name(), card.keyword.name);
-            let message = format!("element {name} is a {kind}, which no *{section} is for");
-            let help = "*SOLID SECTION is of CAX3, CAX4R and CAX6M, *SHELL SECTION of SAX1";
+            let message = format!("element {name} of type {kind} cannot have a *{section}");
+            let help = "*SOLID SECTION is for CAX3, CAX4R and CAX6M, *SHELL SECTION for SAX1";
             return self
                 .diagnostics
                 .refuse(Diagnostic::error("M180", message).at(card.span, "this section").help(help));
@@ -284,7 +286,7 @@ impl Builder<'_> {
         Some((elements, MaterialId::new(index)))
     }
 
-    /// Gives sections their controls, which may stand behind them in the deck.
+    /// Assigns section controls to sections; the controls may be defined after the section.
     pub(super) fn apply_controls(&mut self) {
         for (section, word) in std::mem::take(&mut self.controls_used) {
             match self.controls.get(&upper(&word.text)) {

@@ -1,37 +1,36 @@
-//! Meshes as they stand in files, whatever the format: points, cells, labels and sets.
-//! Never here: formats, decks.
+//! Contents of mesh files, independent of the format: points, cells, labels and sets.
 
 use std::collections::HashMap;
 
 use indexmap::IndexMap;
 
-/// A mesh as it stands in a file.
+/// A mesh read from a file.
 #[derive(Debug, Default)]
 pub(crate) struct MeshFile {
     pub(crate) points: Vec<[f64; 3]>,
     pub(crate) cells: Vec<Vec<usize>>,
     pub(crate) point_arrays: Vec<(String, Vec<f64>)>,
     pub(crate) cell_arrays: Vec<(String, Vec<f64>)>,
-    /// Cards that were passed over.
+    /// Keywords of cards that were not read.
     pub(crate) unread: Vec<String>,
 }
 
-/// A mesh with labels and named groups, as meshers write it.
+/// A mesh with labels and named groups, as written by mesh generators.
 #[derive(Debug, Default)]
-pub(super) struct Grouped {
+pub(super) struct MeshGroups {
     labels: Vec<i64>,
     points: Vec<[f64; 3]>,
-    /// Point by label; a point given again takes the place of the first.
+    /// Point index by label; a later definition of a label replaces the earlier one.
     by_label: HashMap<i64, usize>,
     cells: Vec<(i64, usize, Vec<i64>)>,
-    /// Cells by the name of their set, and nodes.
+    /// Labels of the cells in each set.
     cell_sets: IndexMap<String, Vec<i64>>,
     node_sets: IndexMap<String, Vec<i64>>,
-    /// Cards that were passed over.
+    /// Keywords of cards that were not read.
     pub(super) unread: Vec<String>,
 }
 
-impl Grouped {
+impl MeshGroups {
     pub(super) fn node(&mut self, label: i64, point: [f64; 3]) {
         if let Some(&known) = self.by_label.get(&label) {
             self.points[known] = point;
@@ -55,12 +54,12 @@ impl Grouped {
         self.node_sets.entry(set.to_uppercase()).or_default().extend(labels);
     }
 
-    /// The mesh: cells of the highest dimension are its elements; sets of others, and `all` sets of cells as well, are sets of
-    /// their nodes. Cells of a mesher that run clockwise are turned where `all` is said.
+    /// Returns the mesh. Cells of the highest dimension are its elements. Sets of other cells become node sets. With
+    /// `all`, sets of elements also become node sets, and clockwise cells are reversed.
     pub(super) fn finish(mut self, all: bool) -> Result<MeshFile, String> {
         let highest = self.cells.iter().map(|c| c.1).max().ok_or("it has no elements")?;
         if highest > 2 {
-            return Err("it has elements of space: mesh the half plane of r and z".into());
+            return Err("it has three-dimensional elements; mesh the r-z half plane instead".into());
         }
         let nodes_of: HashMap<i64, (usize, Vec<i64>)> =
             self.cells.iter().map(|(label, dimension, nodes)| (*label, (*dimension, nodes.clone()))).collect();
@@ -82,8 +81,8 @@ impl Grouped {
                 continue;
             }
             let found: Option<Vec<usize>> = nodes.iter().map(|n| self.by_label.get(n).copied()).collect();
-            let mut cell = found.ok_or_else(|| format!("element {label} refers to a node that is not there"))?;
-            // Corners come before the middles of sides.
+            let mut cell = found.ok_or_else(|| format!("element {label} refers to an undefined node"))?;
+            // Corner nodes precede midside nodes.
             let corners = if cell.len() == 6 { 3 } else { cell.len() };
             if all && *dimension == 2 && area(&self.points, &cell[..corners]) < 0.0 {
                 let (corners, middles) = cell.split_at_mut(corners);
@@ -111,7 +110,7 @@ fn area(points: &[[f64; 3]], cell: &[usize]) -> f64 {
     (0..cell.len()).map(pair).map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1])).sum()
 }
 
-/// Whether an array is a set or holds labels.
-pub(super) fn is_ours(name: &str) -> bool {
+/// Returns whether an array defines a set or labels.
+pub(super) fn is_recognized_array(name: &str) -> bool {
     name.starts_with("NSET_") || name.starts_with("ELSET_") || name.ends_with("_LABEL")
 }

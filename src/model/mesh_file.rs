@@ -1,24 +1,23 @@
-//! Mesh files: `*MESH, INPUT=file.vtu|.vtk|.vtp|.msh|.inp` taken into a model.
-//! In files of VTK sets are point and cell arrays named `NSET_name` and `ELSET_name` that are not zero on members; labels are
-//! `NODE_LABEL` and `ELEMENT_LABEL`. Never here: decks, formats of files.
+//! `*MESH`: mesh files (`.vtu`, `.vtk`, `.vtp`, `.msh`, `.inp`). In VTK files sets are point and cell arrays
+//! `NSET_name` and `ELSET_name`, nonzero on members; labels are `NODE_LABEL` and `ELEMENT_LABEL`.
 
 use std::path::Path;
 
-use super::builder::Builder;
-use super::mesh_data::{MeshFile, is_ours};
+use super::builder::ModelBuilder;
+use super::mesh_data::{MeshFile, is_recognized_array};
 use super::types::ElementKind;
 use super::vtk_file::read;
 use super::{gmsh_file, inp_file};
 use crate::deck::{Card, Diagnostic, Span, files};
 
-/// What is said of a file that vtkio cannot read.
+/// Help text for files that vtkio cannot read.
 const RESAVE: &str = "save it as .vtu with inline (binary) data and zlib or no compression; appended raw data, LZMA and \
-                      legacy files with a FIELD block are not read";
+                      legacy files with a FIELD block are not supported";
 
-/// Reads a file by its ending.
+/// Reads a mesh file by its extension.
 ///
 /// # Errors
-/// Why not, and what would help.
+/// The reason, and a help text if there is one.
 fn read_any(path: &Path) -> Result<MeshFile, (String, Option<&'static str>)> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let text =
@@ -30,7 +29,7 @@ fn read_any(path: &Path) -> Result<MeshFile, (String, Option<&'static str>)> {
     }
 }
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn mesh_file(&mut self, card: &Card) {
         let Some(input) = self.required(card, "INPUT") else { return };
         let kind = match card.value("TYPE") {
@@ -45,10 +44,10 @@ impl Builder<'_> {
             Ok(mesh) => self.take_mesh(&mesh, kind, card.span),
             Err((why, help)) => {
                 let message = format!("cannot read the mesh file `{}`: {why}", input.text);
-                let finding = Diagnostic::error("M150", message).at(input.span, "this file");
+                let diagnostic = Diagnostic::error("M150", message).at(input.span, "this file");
                 self.diagnostics.push(match help {
-                    Some(help) => finding.help(help),
-                    None => finding,
+                    Some(help) => diagnostic.help(help),
+                    None => diagnostic,
                 });
             }
         }
@@ -61,9 +60,9 @@ impl Builder<'_> {
         if let Some(i) = mesh.points.iter().position(|p| !in_plane(p)) {
             let [x, y, z] = mesh.points[i];
             let message =
-                format!("point {i} of the mesh file, ({x}, {y}, {z}), is not in the half plane z = 0, x >= 0");
-            let finding = Diagnostic::error("M126", message).at(span, "this mesh");
-            return self.diagnostics.push(finding.help("x of the file is r, y is z of the axisymmetric model"));
+                format!("point {i} of the mesh file, ({x}, {y}, {z}), is not in the half-plane z = 0, x >= 0");
+            let diagnostic = Diagnostic::error("M126", message).at(span, "this mesh");
+            return self.diagnostics.push(diagnostic.help("x of the file is r, and y is z of the axisymmetric model"));
         }
         let nodes: Vec<usize> =
             mesh.points.iter().zip(&node_labels).map(|(p, &l)| self.add_node(l, [p[0], p[1]])).collect();
@@ -86,21 +85,23 @@ impl Builder<'_> {
         }
     }
 
-    /// Arrays that are neither sets nor labels are told once: a set may only lack its prefix.
+    /// Reports cards and arrays that were not read; a set may only lack its prefix.
     fn name_unread(&mut self, mesh: &MeshFile, span: Span) {
         if !mesh.unread.is_empty() {
             let message = format!("cards of the mesh file are not read: *{}", mesh.unread.join(", *"));
-            let finding = Diagnostic::note("M143", message).at(span, "this mesh");
-            self.diagnostics
-                .push(finding.help("of an .inp nodes, elements and sets are read; take all of it in with *INCLUDE"));
+            let diagnostic = Diagnostic::note("M143", message).at(span, "this mesh");
+            self.diagnostics.push(diagnostic.help(
+                "only nodes, elements and sets of an .inp file are \
+                                    read; use *INCLUDE to read the whole file",
+            ));
         }
         let arrays = mesh.point_arrays.iter().chain(&mesh.cell_arrays).map(|a| a.0.as_str());
-        let unread: Vec<&str> = arrays.filter(|name| !is_ours(name)).collect();
+        let unread: Vec<&str> = arrays.filter(|name| !is_recognized_array(name)).collect();
         if !unread.is_empty() {
             let message = format!("arrays of the mesh file are not read: {}", unread.join(", "));
-            let finding = Diagnostic::note("M143", message).at(span, "this mesh");
+            let diagnostic = Diagnostic::note("M143", message).at(span, "this mesh");
             self.diagnostics
-                .push(finding.help("a set is an array named NSET_name or ELSET_name, not zero on its members"));
+                .push(diagnostic.help("a set is an array named NSET_name or ELSET_name, nonzero on its members"));
         }
     }
 
@@ -108,7 +109,7 @@ impl Builder<'_> {
         &mut self,
         cell: &[usize],
         label: i64,
-        wanted: Option<ElementKind>,
+        expected: Option<ElementKind>,
         nodes: &[usize],
         span: Span,
     ) -> Option<usize> {
@@ -120,14 +121,15 @@ impl Builder<'_> {
             6 => Some(ElementKind::Cax6m),
             _ => None,
         };
-        let kind = wanted.or(by_count);
+        let kind = expected.or(by_count);
         let fits = kind.filter(|k| k.node_count() == cell.len());
         let corners: Option<Vec<usize>> = cell.iter().map(|&p| nodes.get(p).copied()).collect();
         if let (Some(kind), Some(corners)) = (fits, corners) {
             return self.add_element(label, kind, kind.around(&corners), span);
         }
-        let wanted = kind.map_or("no element type", ElementKind::name);
-        let message = format!("cell {label} of the mesh file has {} points; {wanted} does not fit", cell.len());
+        let expected = kind.map_or("an element type", ElementKind::name);
+        let message =
+            format!("cell {label} of the mesh file has {} points, which does not match {expected}", cell.len());
         self.diagnostics.refuse(Diagnostic::error("M121", message).at(span, "this mesh"))
     }
 }

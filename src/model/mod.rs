@@ -1,5 +1,4 @@
-//! From syntax tree to model: names resolved, parts and instances flattened, values checked.
-//! Never here: arrays for solving.
+//! The model: a deck with resolved names, flattened parts and instances, and checked values.
 
 mod amplitudes;
 mod bodies;
@@ -80,24 +79,24 @@ mod vtk_file;
 #[cfg(feature = "mesh-files")]
 mod xml_limits;
 
-pub use element_nodes::ElementNodes;
-pub use name::Name;
-pub use shared::Shared;
+pub use element_nodes::NodeIndices;
+pub use name::EntityName;
+pub use shared::CopyOnWrite;
 pub use steps::DEFAULT_ACCURACY;
 pub use types::*;
-pub use units::{SYSTEMS, System, Units, is_without_units};
+pub use units::{DeckUnits, SYSTEMS, UnitSystem, is_without_units};
 pub use vtk_file::silence_caught_panics;
 
 use crate::deck::{Deck, Diagnostics};
 
-/// Resolves a deck. Always returns a model; it may be run only where the diagnostics hold no error.
+/// Builds the model of a deck. A model is always returned; it can be run only if the diagnostics have no error.
 pub fn build(deck: &Deck) -> (Model, Diagnostics) {
-    let mut builder = builder::Builder::new(deck);
+    let mut builder = builder::ModelBuilder::new(deck);
     (builder.model.origin.inert, builder.faulty) = check::check(deck, &mut builder.diagnostics);
     for card in order::ordered(&deck.cards.iter().collect::<Vec<_>>(), &deck.sources) {
         builder.card(card);
     }
     let (model, mut diagnostics) = builder.finish();
-    lost::drop_what_follows(&mut diagnostics);
+    lost::drop_consequential_diagnostics(&mut diagnostics);
     (model, diagnostics)
 }

@@ -1,80 +1,85 @@
-//! Names of nodes and elements, of which a mesh has millions: short ones lie where they are held.
-//! Never here: how a word of a deck is looked up (`names`).
+//! Names of nodes and elements. Short names, which are nearly all, are stored inline.
 
 use std::fmt;
 use std::io::Write as _;
 use std::ops::Deref;
 
-/// Bytes of a short name: all numbers that a mesh has.
+/// Largest number of bytes of an inline name.
 const SHORT: usize = 14;
 
-/// A name as the deck knows it, `12` or `INSTANCE.12`: a text that cannot be changed.
+/// The immutable name of a node or element: `12` or `INSTANCE.12`.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Name(Held);
+pub struct EntityName(NameStorage);
 
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[expect(clippy::box_collection, reason = "half as long as a text itself: few are of this kind")]
-enum Held {
+#[expect(clippy::box_collection, reason = "smaller than a String, and long names are rare")]
+enum NameStorage {
     Short(u8, [u8; SHORT]),
     Long(Box<String>),
 }
 
-impl Name {
-    /// The name of a label: the number, behind its scope where it has one (an upper-case instance).
-    pub(super) fn of_label(scope: &str, label: i64) -> Name {
+impl EntityName {
+    /// Returns the name of a label in a scope: `label`, or `INSTANCE.label`.
+    pub(super) fn of_label(scope: &str, label: i64) -> EntityName {
         let mut bytes = [0; SHORT];
         let mut rest = &mut bytes[..];
         if scope.is_empty() && write!(rest, "{label}").is_ok() {
             let length = SHORT - rest.len();
-            return Name(Held::Short(length as u8, bytes));
+            return EntityName(NameStorage::Short(length as u8, bytes));
         }
-        Name::from(super::names::qualified(scope, &label.to_string()))
+        EntityName::from(super::names::qualified(scope, &label.to_string()))
     }
 
-    /// As text.
+    /// Returns the name as text.
     pub fn as_str(&self) -> &str {
         match &self.0 {
-            // What was text is text.
-            Held::Short(length, bytes) => std::str::from_utf8(&bytes[..usize::from(*length)]).unwrap_or_default(),
-            Held::Long(text) => text,
+            // The bytes were copied from a valid text.
+            NameStorage::Short(length, bytes) => {
+                std::str::from_utf8(&bytes[..usize::from(*length)]).unwrap_or_default()
+            }
+            NameStorage::Long(text) => text,
         }
     }
 
-    /// Bytes beside its own.
+    /// Returns the heap memory in bytes.
     pub(super) fn bytes_elsewhere(&self) -> usize {
         match &self.0 {
-            Held::Short(..) => 0,
-            Held::Long(text) => size_of::<String>() + text.capacity(),
+            NameStorage::Short(..) => 0,
+            NameStorage::Long(text) => size_of::<String>() + text.capacity(),
         }
     }
 }
 
-impl Default for Name {
+impl Default for EntityName {
     fn default() -> Self {
-        Name(Held::Short(0, [0; SHORT]))
+        EntityName(NameStorage::Short(0, [0; SHORT]))
     }
 }
 
-impl From<&str> for Name {
+impl From<&str> for EntityName {
     fn from(text: &str) -> Self {
         let mut bytes = [0; SHORT];
         match bytes.get_mut(..text.len()) {
             Some(place) => {
                 place.copy_from_slice(text.as_bytes());
-                Name(Held::Short(text.len() as u8, bytes))
+                EntityName(NameStorage::Short(text.len() as u8, bytes))
             }
-            None => Name(Held::Long(Box::new(text.to_owned()))),
+            None => EntityName(NameStorage::Long(Box::new(text.to_owned()))),
         }
     }
 }
 
-impl From<String> for Name {
+impl From<String> for EntityName {
     fn from(text: String) -> Self {
-        if text.len() <= SHORT { Name::from(text.as_str()) } else { Name(Held::Long(Box::new(text))) }
+        if text.len() <= SHORT {
+            EntityName::from(text.as_str())
+        } else {
+            EntityName(NameStorage::Long(Box::new(text)))
+        }
     }
 }
 
-impl Deref for Name {
+impl Deref for EntityName {
     type Target = str;
 
     fn deref(&self) -> &str {
@@ -82,31 +87,31 @@ impl Deref for Name {
     }
 }
 
-impl fmt::Display for Name {
+impl fmt::Display for EntityName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.as_str())
     }
 }
 
-impl fmt::Debug for Name {
+impl fmt::Debug for EntityName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Debug::fmt(self.as_str(), f)
     }
 }
 
-impl PartialEq<str> for Name {
+impl PartialEq<str> for EntityName {
     fn eq(&self, other: &str) -> bool {
         self.as_str() == other
     }
 }
 
-impl PartialEq<&str> for Name {
+impl PartialEq<&str> for EntityName {
     fn eq(&self, other: &&str) -> bool {
         self.as_str() == *other
     }
 }
 
-impl PartialEq<String> for Name {
+impl PartialEq<String> for EntityName {
     fn eq(&self, other: &String) -> bool {
         self.as_str() == other
     }
@@ -114,20 +119,20 @@ impl PartialEq<String> for Name {
 
 #[cfg(test)]
 mod tests {
-    use super::Name;
+    use super::EntityName;
 
     #[test]
-    fn names_are_texts_short_or_long() {
+    fn short_and_long_names_compare_as_text() {
         for text in ["", "12", "PLATE.12345678", "PLATE.123456789", "Pl\u{e4}tte.1234567"] {
-            let name = Name::from(text);
-            let owned = Name::from(String::from(text));
+            let name = EntityName::from(text);
+            let owned = EntityName::from(String::from(text));
             assert!(name == text && name == owned && name.as_str() == text);
             assert_eq!(format!("{name:?} {name:>20}"), format!("{text:?} {text:>20}"));
         }
         for label in [0, 7, -12, i64::MAX, i64::MIN] {
-            assert_eq!(Name::of_label("", label), label.to_string());
-            assert_eq!(Name::of_label("A", label), format!("A.{label}"));
+            assert_eq!(EntityName::of_label("", label), label.to_string());
+            assert_eq!(EntityName::of_label("A", label), format!("A.{label}"));
         }
-        assert_eq!(size_of::<Name>(), 16);
+        assert_eq!(size_of::<EntityName>(), 16);
     }
 }

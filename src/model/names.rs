@@ -1,43 +1,42 @@
-//! Names: node and element labels by scope, sets, and how a word of a deck is looked up.
-//! Never here: geometry.
+//! Labels of nodes and elements by scope, and lookup of names.
 
 use std::collections::HashMap;
 
 use crate::deck::Word;
 
-/// Labels of nodes or elements: each part, instance and the assembly has its own.
+/// Labels of nodes or of elements. Each part, each instance and the assembly is a scope.
 #[derive(Debug, Default)]
-pub struct Labels {
-    scopes: Vec<(String, Scope)>,
+pub struct LabelTable {
+    scopes: Vec<(String, ScopeLabels)>,
     places: HashMap<String, usize>,
     count: usize,
 }
 
-/// Labels of one scope. Most follow each other and are places in a list.
+/// Labels of one scope. Mostly consecutive labels are indices of a list; others are hashed.
 #[derive(Debug, Default)]
-pub struct Scope {
-    /// Index by label; [`NONE`] where there is none.
+pub struct ScopeLabels {
+    /// Index by label, or [`NONE`].
     dense: Vec<u32>,
     sparse: HashMap<i64, u32>,
     count: usize,
 }
 
-/// No index.
+/// Marks unused labels.
 const NONE: u32 = u32::MAX;
-/// A list has no more places than so many for each label, and these.
+/// Limit of the list length: a number per label, plus a constant.
 const PLACES: [usize; 2] = [4, 1000];
 
-impl Scope {
-    /// Index of a label.
+impl ScopeLabels {
+    /// Returns the index of a label.
     pub fn find(&self, label: i64) -> Option<usize> {
         let dense = usize::try_from(label).ok().and_then(|at| self.dense.get(at)).filter(|index| **index != NONE);
         dense.or_else(|| self.sparse.get(&label)).map(|index| *index as usize)
     }
 
-    /// Returns the index before.
+    /// Sets the index of a label; returns the previous one.
     fn insert(&mut self, label: i64, index: usize) -> Option<usize> {
         let before = self.find(label);
-        // The budget of a deck is far below what the number takes.
+        // The size limit of a model is far below the range of u32.
         let index = u32::try_from(index).unwrap_or(NONE);
         let most = PLACES[0] * self.count + PLACES[1];
         match usize::try_from(label).ok().filter(|at| *at < most && !self.sparse.contains_key(&label)) {
@@ -54,21 +53,21 @@ impl Scope {
     }
 }
 
-impl Labels {
-    /// Index of a label in a scope (an upper-case instance name, or empty).
+impl LabelTable {
+    /// Returns the index of a label in a scope, an upper-case instance name or empty.
     pub fn find(&self, scope: &str, label: i64) -> Option<usize> {
         self.scopes[self.place(scope)?].1.find(label)
     }
 
-    /// The labels of a scope, for many questions.
-    pub fn scope(&self, scope: &str) -> Option<&Scope> {
+    /// Returns the labels of a scope, for repeated lookups.
+    pub fn scope(&self, scope: &str) -> Option<&ScopeLabels> {
         self.place(scope).map(|place| &self.scopes[place].1)
     }
 
-    /// Most questions are on the scope that came last: they need no hash.
+    /// Returns the position of a scope. The last scope is the most frequent and needs no hash.
     fn place(&self, scope: &str) -> Option<usize> {
         match self.scopes.last() {
-            // To compare texts that are both empty takes long: a masked load from nowhere.
+            // The test of emptiness is faster than the comparison of two empty texts.
             Some((last, _)) if last.len() == scope.len() && (scope.is_empty() || last == scope) => {
                 Some(self.scopes.len() - 1)
             }
@@ -76,10 +75,10 @@ impl Labels {
         }
     }
 
-    /// Sets a label; returns the index it had before.
+    /// Sets the index of a label; returns the previous one.
     pub fn insert(&mut self, scope: &str, label: i64, index: usize) -> Option<usize> {
         let place = self.place(scope).unwrap_or_else(|| {
-            self.scopes.push((scope.to_owned(), Scope::default()));
+            self.scopes.push((scope.to_owned(), ScopeLabels::default()));
             self.places.insert(scope.to_owned(), self.scopes.len() - 1);
             self.scopes.len() - 1
         });
@@ -88,7 +87,7 @@ impl Labels {
         before
     }
 
-    /// Index of a word: `12`, or `INSTANCE.12`.
+    /// Returns the index of a label given as `12` or `INSTANCE.12`.
     pub fn resolve(&self, scope: &str, word: &Word) -> Option<usize> {
         if let Ok(label) = word.text.parse::<i64>() {
             return self.find(scope, label);
@@ -97,23 +96,23 @@ impl Labels {
         self.find(&upper(instance), label.parse().ok()?)
     }
 
-    /// How many labels there are.
+    /// Returns the number of labels.
     pub fn len(&self) -> usize {
         self.count
     }
 }
 
-/// Names are compared in upper case.
+/// Converts a name to upper case, in which names are compared.
 pub fn upper(text: &str) -> String {
     text.trim().to_uppercase()
 }
 
-/// A name as seen from a scope: `INSTANCE.NAME` inside an instance.
+/// Returns a name in a scope: `INSTANCE.NAME` in an instance.
 pub fn qualified(scope: &str, name: &str) -> String {
     if scope.is_empty() { upper(name) } else { format!("{scope}.{}", upper(name)) }
 }
 
-/// Place of each card of a keyword among those of the deck, by its `NAME`; the first of a name.
+/// Returns the ordinal of each card of a keyword by its upper-case `NAME`; the first one for duplicate names.
 pub(super) fn places(deck: &crate::deck::Deck, keyword: &str) -> indexmap::IndexMap<String, usize> {
     let cards = deck.cards.iter().filter(|c| c.keyword.name == keyword);
     let mut places = indexmap::IndexMap::new();
@@ -125,16 +124,16 @@ pub(super) fn places(deck: &crate::deck::Deck, keyword: &str) -> indexmap::Index
 
 #[cfg(test)]
 mod tests {
-    use super::Labels;
+    use super::LabelTable;
 
     #[test]
-    fn labels_are_found_wherever_they_lie() {
-        let mut labels = Labels::default();
+    fn dense_and_sparse_labels_are_found() {
+        let mut labels = LabelTable::default();
         let all = [1, 2, 999, 1000, 5000, -7, i64::MAX, 3, 1001, 5001];
         for (i, label) in all.into_iter().enumerate() {
             assert_eq!((labels.find("A", label), labels.insert("A", label, i)), (None, None), "{label}");
         }
-        // By now 5000 would have a place in the list; it stays where it is.
+        // The list could hold 5000 now, but its entry remains in the hash map.
         for label in 10_000..20_000 {
             labels.insert("A", label, 7);
         }

@@ -1,13 +1,13 @@
-//! In the place of `vtk_file` where the library is built without the feature `mesh-files`.
+//! Replaces `vtk_file` in builds without the feature `mesh-files`.
 
 use std::path::Path;
 
 use super::mesh_data::MeshFile;
 
-/// Refuses every file.
+/// Returns an error for every file.
 pub(crate) fn read(_path: &Path) -> Result<MeshFile, String> {
-    Err("this build reads no mesh files: the library's feature `mesh-files` is off".into())
+    Err("this build cannot read mesh files: the feature `mesh-files` is off".into())
 }
 
-/// There are none.
+/// Does nothing.
 pub fn silence_caught_panics() {}

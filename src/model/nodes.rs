@@ -1,45 +1,44 @@
-//! Nodes: `*NODE`, `*NGEN`, `*NFILL`.
-//! Never here: elements.
+//! `*NODE`, `*NGEN` and `*NFILL`.
 
-use super::budget::Good;
-use super::builder::Builder;
+use super::budget::BudgetedItem;
+use super::builder::ModelBuilder;
 use super::copies::polar_point;
-use super::name::Name;
+use super::name::EntityName;
 use super::names::{qualified, upper};
-use crate::deck::rows::label_and_place;
+use crate::deck::rows::label_and_coordinates;
 use crate::deck::{Card, DataLine, Diagnostic, Diagnostics, Span, Word};
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn node(&mut self, card: &Card) {
         let sources = &self.deck.sources;
         let mut made = Vec::with_capacity(if card.has("NSET") { card.rows.len() } else { 0 });
-        let mut again = Again::default();
+        let mut again = RedefinedNodes::default();
         let polar = card.value("SYSTEM").is_some_and(|w| w.is("C"));
-        self.model.mesh.room_for_nodes(card.rows.len());
+        self.model.mesh.reserve_nodes(card.rows.len());
         for row in &card.rows {
-            let plain = row.text(sources).and_then(label_and_place);
+            let plain = row.text(sources).and_then(label_and_coordinates);
             let Some((label, [r, z])) = plain.or_else(|| self.node_line(&row.line(sources))) else { continue };
             if self.nodes.find(&self.scope, label).is_some() {
                 again.note(label, row.span());
             }
             let given = if polar { polar_point(r, z) } else { [r, z] };
-            let node = self.add_node(label, self.in_system(given));
+            let node = self.add_node(label, self.from_local_system(given));
             if made.capacity() > 0 {
                 made.push(node);
             }
         }
-        again.tell(&mut self.diagnostics);
+        again.report(&mut self.diagnostics);
         self.collect_nodes(card, made);
     }
 
     fn node_line(&mut self, line: &DataLine) -> Option<(i64, [f64; 2])> {
         let label = self.integer(line, 0, "the node label")?;
-        // Faults of both are told.
+        // Report errors of both fields.
         let place = [1, 2].map(|at| self.number_or(line, at, 0.0));
         Some((label, [place[0]?, place[1]?]))
     }
 
-    /// Adds a node of the present scope, or moves it if the label is there already (the last definition counts).
+    /// Adds a node in the current scope. If the label exists, the node is moved: the last definition is used.
     pub(super) fn add_node(&mut self, label: i64, [r, z]: [f64; 2]) -> usize {
         let place = match &self.instance {
             Some(placement) => placement.apply([r, z]),
@@ -54,7 +53,7 @@ impl Builder<'_> {
         }
         let index = self.model.mesh.points.len();
         self.model.mesh.points.push(place);
-        self.model.mesh.node_names.push(Name::of_label(&self.scope, label));
+        self.model.mesh.node_names.push(EntityName::of_label(&self.scope, label));
         self.nodes.insert(&self.scope, label, index);
         index
     }
@@ -67,14 +66,14 @@ impl Builder<'_> {
 
     fn label_of(&mut self, word: Option<&Word>, line: &DataLine, what: &str) -> Option<(i64, usize)> {
         let Some(word) = word else {
-            let finding = Diagnostic::error("M102", format!("{what} is missing")).at(line.span, "here");
-            return self.diagnostics.refuse(finding);
+            let diagnostic = Diagnostic::error("M102", format!("{what} is missing")).at(line.span, "here");
+            return self.diagnostics.refuse(diagnostic);
         };
         let label = word.integer(&mut self.diagnostics)?;
         match self.nodes.find(&self.scope, label) {
             Some(index) => Some((label, index)),
-            None if self.lost.nodes || self.lost.everything => {
-                self.lost.nodes = true;
+            None if self.missing.nodes || self.missing.everything => {
+                self.missing.nodes = true;
                 None
             }
             None => {
@@ -84,14 +83,14 @@ impl Builder<'_> {
         }
     }
 
-    /// Nodes between two nodes (ABAQUS Keywords Guide, *NGEN): straight, or LINE=C on the arc around a centre.
+    /// Generates nodes between two nodes (ABAQUS Keywords Guide, *NGEN), on a line or, with LINE=C, on an arc.
     pub(super) fn ngen(&mut self, card: &Card) {
         let arc = card.value("LINE").is_some_and(|w| w.is("C"));
         if let Some(line) = card.value("LINE").filter(|w| !w.is("C")) {
             self.unsupported(
                 line.span,
                 format!("LINE={} is not supported", line.text),
-                "straight lines and LINE=C are",
+                "use a straight line or LINE=C",
             );
         }
         let mut made = Vec::new();
@@ -112,7 +111,7 @@ impl Builder<'_> {
         if step <= 0 || span % i128::from(step) != 0 {
             return self.refuse_value(
                 line.span,
-                format!("labels {first} to {last} cannot be reached in increments of {step}"),
+                format!("label {last} cannot be reached from {first} in increments of {step}"),
             );
         }
         let count = self.count(span / i128::from(step), line.span)?;
@@ -138,7 +137,7 @@ impl Builder<'_> {
         Some(made)
     }
 
-    /// Generated nodes are already placed: their ends were.
+    /// Adds a generated node without placement by the instance, because its end nodes are placed already.
     pub(super) fn place_generated(&mut self, label: i64, [r, z]: [f64; 2], span: Span) -> usize {
         let known = self.nodes.find(&self.scope, label).map(|n| (n, self.model.mesh.points[n]));
         let placement = self.instance.take();
@@ -147,7 +146,7 @@ impl Builder<'_> {
         if let Some((node, before)) = known {
             let far = (before[0] - r).abs().max((before[1] - z).abs());
             if far > 1e-6 * r.abs().max(z.abs()) {
-                self.note_generated_again(node, label, span);
+                self.note_regenerated_node(node, label, span);
             }
         }
         index
@@ -163,13 +162,13 @@ impl Builder<'_> {
 
     fn count(&mut self, count: i128, span: Span) -> Option<usize> {
         let count = count.max(1);
-        self.affords(Good::Nodes, count.unsigned_abs(), span).then_some(count as usize)
+        self.fits_budget(BudgetedItem::Nodes, count.unsigned_abs(), span).then_some(count as usize)
     }
 
-    /// Rows of nodes between corresponding nodes of two sets (ABAQUS Keywords Guide, *NFILL).
+    /// Generates rows of nodes between corresponding nodes of two sets (ABAQUS Keywords Guide, *NFILL).
     pub(super) fn nfill(&mut self, card: &Card) {
         let singular = card.read::<Option<usize>>("SINGULAR").unwrap_or(0);
-        let spacing = Spacing { bias: card.read("BIAS"), two_step: card.has("TWO STEP"), singular };
+        let spacing = FillSpacing { bias: card.read("BIAS"), two_step: card.has("TWO STEP"), singular };
         let mut made = Vec::new();
         for line in &card.lines {
             if let Some(nodes) = self.nfill_line(line, &spacing) {
@@ -179,25 +178,25 @@ impl Builder<'_> {
         self.collect_nodes(card, made);
     }
 
-    fn nfill_line(&mut self, line: &DataLine, spacing: &Spacing) -> Option<Vec<usize>> {
+    fn nfill_line(&mut self, line: &DataLine, spacing: &FillSpacing) -> Option<Vec<usize>> {
         let (Some(first), Some(second)) = (line.field(0), line.field(1)) else {
             return self
                 .diagnostics
-                .refuse(Diagnostic::error("M102", "two node sets are needed").at(line.span, "here"));
+                .refuse(Diagnostic::error("M102", "two node sets are required").at(line.span, "here"));
         };
         let (from, to) = (self.nodes_in_order(first)?, self.nodes_in_order(second)?);
         let intervals = self.integer(line, 2, "the number of intervals")?;
         let step = line.field(3).map_or(Some(1), |w| w.integer(&mut self.diagnostics))?;
-        if self.lost.nodes && from.len() != to.len() {
+        if self.missing.nodes && from.len() != to.len() {
             return None;
         }
         if from.len() != to.len() || intervals < 1 || step < 1 {
-            let message = format!("the sets have {} and {} nodes; both need the same number", from.len(), to.len());
+            let message = format!("the sets must have equal numbers of nodes, found {} and {}", from.len(), to.len());
             return self.refuse_value(line.span, message);
         }
         self.count(i128::from(intervals) * from.len() as i128, line.span)?;
         if (spacing.two_step || spacing.singular > 0) && intervals % 2 != 0 {
-            return self.refuse_value(line.span, "TWO STEP and SINGULAR need an even number of intervals");
+            return self.refuse_value(line.span, "TWO STEP and SINGULAR require an even number of intervals");
         }
         let shares = shares(intervals as usize, spacing);
         let mut made = Vec::new();
@@ -213,7 +212,7 @@ impl Builder<'_> {
         Some(made)
     }
 
-    /// The nodes of a word: of an UNSORTED set in the order given, of any other by their numbers.
+    /// Returns the nodes of a set: in the given order for an UNSORTED set, otherwise in order of labels.
     pub(super) fn nodes_in_order(&mut self, word: &Word) -> Option<Vec<usize>> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(nodes) = self.unsorted.get(&name) {
@@ -230,18 +229,18 @@ impl Builder<'_> {
     }
 }
 
-/// Spacing of the nodes that `*NFILL` makes.
-struct Spacing {
+/// Spacing of nodes generated by `*NFILL`.
+struct FillSpacing {
     bias: f64,
     two_step: bool,
-    /// 1 or 2: quarter-point spacing at the first or second line; 0 without.
+    /// Quarter-point spacing at the first (1) or second (2) line; 0 for none.
     singular: usize,
 }
 
-/// Where the inner nodes lie, 0 to 1: each interval is `bias` times as long as the one after it, with `TWO STEP` each
-/// pair of equal intervals; with `SINGULAR` the node next to that line lies at a quarter of its pair
-/// (ABAQUS Keywords Guide, *NFILL).
-fn shares(intervals: usize, spacing: &Spacing) -> Vec<f64> {
+/// Returns the positions of the inner nodes in (0, 1). Each interval is `bias` times as long as the next one; with `TWO
+/// STEP` this holds for pairs of equal intervals. With `SINGULAR` the node next to that line is at a quarter of the
+/// first pair (ABAQUS Keywords Guide, *NFILL).
+fn shares(intervals: usize, spacing: &FillSpacing) -> Vec<f64> {
     let power = |i: usize| if spacing.two_step { i / 2 } else { i };
     let lengths: Vec<f64> = (0..intervals).map(|i| spacing.bias.powi(-(power(i) as i32))).collect();
     let total: f64 = lengths.iter().sum();
@@ -264,29 +263,29 @@ fn shares(intervals: usize, spacing: &Spacing) -> Vec<f64> {
     shares
 }
 
-/// Nodes that a card defines although they are there already.
+/// Nodes that a card defines again.
 #[derive(Default)]
-struct Again {
+struct RedefinedNodes {
     first: Option<(i64, Span)>,
     count: usize,
 }
 
-impl Again {
+impl RedefinedNodes {
     fn note(&mut self, label: i64, span: Span) {
         self.first.get_or_insert((label, span));
         self.count += 1;
     }
 
-    fn tell(self, diagnostics: &mut Diagnostics) {
+    fn report(self, diagnostics: &mut Diagnostics) {
         let Some((label, span)) = self.first else { return };
         let more = if self.count > 1 { format!(", and {} more nodes are", self.count - 1) } else { " is".into() };
-        let finding = Diagnostic::warning("M164", format!("node {label}{more} defined again"));
-        diagnostics.push(finding.at(span, "the last place counts").help("give each node once"));
+        let diagnostic = Diagnostic::warning("M164", format!("node {label}{more} defined again"));
+        diagnostics.push(diagnostic.at(span, "the last definition is used").help("define each node once"));
     }
 }
 
-/// The point at fraction `s` of the arc from `a` to `b` around `c`: counter-clockwise where `normal` is above zero,
-/// clockwise below, the shorter way at zero.
+/// Returns the point at fraction `s` of the arc from `a` to `b` around `c`: counter-clockwise for positive `normal`,
+/// clockwise for negative, the shorter way for zero.
 fn on_arc(a: [f64; 2], b: [f64; 2], c: [f64; 2], normal: f64, s: f64) -> [f64; 2] {
     let (u, v) = ([a[0] - c[0], a[1] - c[1]], [b[0] - c[0], b[1] - c[1]]);
     let short = (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1]);

@@ -1,13 +1,12 @@
-//! The order in which cards are read: what defines nodes, elements, sets and surfaces before what names them, wherever it
-//! stands. Decks list them in any order (ABAQUS reads all model data before it resolves a name).
-//! Never here: what cards mean.
+//! Order in which cards are read: definitions of nodes, elements, sets and surfaces before the cards that refer to
+//! them. Decks may list cards in any order, because ABAQUS reads all model data before it resolves names.
 
 use crate::deck::names::fold;
 use crate::deck::rows::words;
 use crate::deck::{Card, Sources};
 
-/// The cards of a deck or a part, each kind of definition before what may name it; cards of one kind keep their order, and
-/// blocks (parts, instances, the assembly, steps) theirs.
+/// Returns the cards of a deck or part in reading order. Cards of one rank keep their order, as do blocks (parts,
+/// instances, the assembly, steps).
 pub(super) fn ordered<'a>(cards: &[&'a Card], sources: &Sources) -> Vec<&'a Card> {
     let mut all = Vec::with_capacity(cards.len());
     let mut region: Vec<Vec<&Card>> = Vec::new();
@@ -37,7 +36,7 @@ pub(super) fn ordered<'a>(cards: &[&'a Card], sources: &Sources) -> Vec<&'a Card
             }
         }
     }
-    // Sets, surfaces and functions of time that stand in steps are of the whole model.
+    // Sets, surfaces and amplitudes defined in steps belong to the whole model.
     const DATA: &[&str] = &["NSET", "ELSET", "SURFACE", "AMPLITUDE", "TIME POINTS", "INTEGRATED OUTPUT SECTION"];
     let is_model = |c: &&&Card| DATA.contains(&c.keyword.name);
     let (data, steps): (Vec<&Card>, Vec<&Card>) = steps.iter().partition(is_model);
@@ -47,13 +46,13 @@ pub(super) fn ordered<'a>(cards: &[&'a Card], sources: &Sources) -> Vec<&'a Card
     all
 }
 
-/// Units of one region, by rank.
+/// Appends the cards of a region, sorted by rank.
 fn flush<'a>(region: &mut Vec<Vec<&'a Card>>, all: &mut Vec<&'a Card>, sources: &Sources) {
     let first = |kinds: &[&str]| region.iter().position(|u| kinds.contains(&u[0].keyword.name)).unwrap_or(0);
     let before = [first(&["NODE", "NGEN", "MESH", "INSTANCE"]), first(&["ELEMENT", "ELGEN", "MESH", "INSTANCE"])];
     let mut units: Vec<(u8, Vec<&Card>)> = Vec::new();
     for (at, unit) in region.drain(..).enumerate() {
-        // A set of labels that stands before any node or element means those that follow.
+        // A set of labels before any node or element refers to later ones.
         let early = match unit[0].keyword.name {
             "NSET" => at < before[0],
             "ELSET" => at < before[1],
@@ -70,7 +69,7 @@ fn flush<'a>(region: &mut Vec<Vec<&'a Card>>, all: &mut Vec<&'a Card>, sources: 
     all.extend(region.drain(..).flatten());
 }
 
-/// Nodes and what generates them, elements, sets of sets and of elements, surfaces, everything else.
+/// Returns the rank: nodes, elements, node sets of elements, surfaces, all other cards.
 fn rank(card: &Card) -> u8 {
     match card.keyword.name {
         "HEADING" | "UNITS" | "PART" | "INSTANCE" | "NODE" | "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "SYSTEM"
@@ -83,7 +82,7 @@ fn rank(card: &Card) -> u8 {
     }
 }
 
-/// A set that lists a set which is defined further down comes behind it.
+/// Moves sets behind the sets that they list.
 fn put_members_first(region: &mut Vec<Vec<&Card>>, sources: &Sources) {
     let mut at = 0;
     let mut moves = 0;
@@ -100,7 +99,7 @@ fn put_members_first(region: &mut Vec<Vec<&Card>>, sources: &Sources) {
     }
 }
 
-/// Where, behind a set, a set of its kind is defined last that it lists.
+/// Returns the position of the last later definition of a set that the set at `at` lists; `None` if there is none.
 fn last_member(region: &[Vec<&Card>], at: usize, sources: &Sources) -> Option<usize> {
     let card = region[at][0];
     let parameter = match card.keyword.name {
@@ -108,7 +107,7 @@ fn last_member(region: &[Vec<&Card>], at: usize, sources: &Sources) -> Option<us
         "ELSET" => "ELSET",
         _ => return None,
     };
-    // Most rows are of labels alone.
+    // Most rows have labels only.
     let labels = |text: &str| words(text).all(|word| word.parse::<i64>().is_ok());
     let named = card.rows.iter().filter(|row| !row.text(sources).is_some_and(labels));
     let names = named.flat_map(|row| row.line(sources).into_owned().fields);

@@ -1,21 +1,20 @@
-//! Output requests: `*OUTPUT` and the cards below it.
-//! Never here: files.
+//! `*OUTPUT` with the cards that follow it, `*RESTART`, `*TIME POINTS`.
 
-use super::builder::{Builder, MOST};
+use super::builder::{MOST, ModelBuilder};
 use super::names::{qualified, upper};
 use super::types::{
-    ElementSetId, Inert, Interval, NodeSetId, OutputCard, OutputKind, OutputRequest, Position, Region, Restart,
-    TimePoints, TimePointsId, WhichPairs,
+    ContactPairFilter, ElementSetId, IgnoredCard, NodeSetId, OutputCard, OutputInterval, OutputKind, OutputPosition,
+    OutputRegion, OutputRequest, RestartRequest, TimePoints, TimePointsId,
 };
 use crate::deck::{Card, Diagnostic, Word};
 use crate::variables::request::{self, SectionPoint, VariableRequest};
 use crate::variables::statistic::Statistic;
 
-/// Operations of `*OUTPUT` by their place among the words of `OP`.
+/// Indices of the values of `OP` in the keyword table.
 const NEW: usize = 0;
 const ADD: usize = 1;
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn output_card(&mut self, card: &Card) {
         if card.keyword.name == "OUTPUT" {
             self.request(card);
@@ -27,8 +26,9 @@ impl Builder<'_> {
     fn request(&mut self, card: &Card) {
         let kind = if card.has("HISTORY") { OutputKind::History } else { OutputKind::Field };
         if !card.has("HISTORY") && !card.has("FIELD") {
-            let finding = Diagnostic::error("M101", "*OUTPUT needs FIELD or HISTORY").at(card.span, "which of them?");
-            return self.diagnostics.push(finding);
+            let diagnostic =
+                Diagnostic::error("M101", "*OUTPUT requires FIELD or HISTORY").at(card.span, "neither is given");
+            return self.diagnostics.push(diagnostic);
         }
         let Some(interval) = self.interval(card) else { return };
         self.output_operation(card, kind, interval);
@@ -40,8 +40,8 @@ impl Builder<'_> {
             interval,
             card: OutputCard::Output,
             variables,
-            position: Position::Element,
-            region: Region::Whole,
+            position: OutputPosition::Element,
+            region: OutputRegion::Whole,
             statistics: Vec::new(),
             sensor,
             span: card.span,
@@ -52,9 +52,9 @@ impl Builder<'_> {
         self.output = Some(request);
     }
 
-    /// What a request does to those of earlier steps: NEW, the default, ends them all, fields and histories; REPLACE those of
-    /// its type and frequency; ADD none (ABAQUS Keywords Reference Guide, *OUTPUT).
-    fn output_operation(&mut self, card: &Card, kind: OutputKind, interval: Interval) {
+    /// Applies `OP` to the requests of earlier steps: NEW, the default, removes all field and history requests; REPLACE
+    /// removes those of the same type and interval; ADD removes none (ABAQUS Keywords Reference Guide, *OUTPUT).
+    fn output_operation(&mut self, card: &Card, kind: OutputKind, interval: OutputInterval) {
         match card.read::<usize>("OP") {
             NEW => {
                 self.state().earlier_outputs.clear();
@@ -67,15 +67,16 @@ impl Builder<'_> {
         }
     }
 
-    /// `*RESTART, WRITE`, in force until another takes its place; without an interval once a step, FREQUENCY=0 never.
-    /// READ has been refused already: going on is asked of the program and not of the deck.
+    /// Reads `*RESTART, WRITE`, which remains in force until replaced. The default is one restart file per step;
+    /// FREQUENCY=0 ends restart output. READ is reported by the keyword table, because restarts are started from the
+    /// command line.
     pub(super) fn restart_card(&mut self, card: &Card) {
         if card.has("READ") {
             return;
         }
         if !card.has("WRITE") {
-            let finding = Diagnostic::error("M101", "*RESTART needs WRITE").at(card.span, "WRITE is missing");
-            return self.diagnostics.push(finding);
+            let diagnostic = Diagnostic::error("M101", "*RESTART requires WRITE").at(card.span, "WRITE is missing");
+            return self.diagnostics.push(diagnostic);
         }
         if card.value("FREQUENCY").is_some_and(|w| w.is("0")) {
             self.state().restart = None;
@@ -83,31 +84,31 @@ impl Builder<'_> {
         }
         let Some(interval) = self.interval(card) else { return };
         self.note_time_marks(card);
-        let interval = if interval == Interval::Default { Interval::Number(1) } else { interval };
-        self.state().restart = Some(Restart { interval, span: card.span });
+        let interval = if interval == OutputInterval::Default { OutputInterval::Number(1) } else { interval };
+        self.state().restart = Some(RestartRequest { interval, span: card.span });
     }
 
     fn note_time_marks(&mut self, card: &Card) {
         if card.value("TIME MARKS").is_some_and(|w| w.is("YES")) {
-            let message = "with TIME MARKS=YES output is written at the first increment at or past the mark";
+            let message = "with TIME MARKS=YES output is written at the first increment at or after the requested time";
             self.diagnostics
-                .push(Diagnostic::note("M142", message).at(card.span, "looking does not change increments"));
+                .push(Diagnostic::note("M142", message).at(card.span, "output does not change the increments"));
         }
     }
 
-    /// Name of the sensor that a request is; `None` if it lacks one (reported).
+    /// Returns the sensor name of a request; `None` if it is missing, which is reported.
     fn sensor(&mut self, card: &Card) -> Option<Option<String>> {
         if !card.has("SENSOR") {
             return Some(None);
         }
         let name = self.required(card, "NAME")?;
         if !card.has("HISTORY") {
-            return self.refuse_value(card.span, "a sensor is a history: *OUTPUT, HISTORY, SENSOR, NAME=");
+            return self.refuse_value(card.span, "SENSOR requires *OUTPUT, HISTORY, SENSOR, NAME=");
         }
         Some(Some(upper(&name.text)))
     }
 
-    /// `*TIME POINTS`: times of the step, listed or counted (ABAQUS Keywords Reference Guide, *TIME POINTS).
+    /// Reads step times, listed or generated (ABAQUS Keywords Reference Guide, *TIME POINTS).
     pub(super) fn time_points(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
         let mut times: Vec<f64> = Vec::new();
@@ -115,7 +116,10 @@ impl Builder<'_> {
             for (line, [first, last, step]) in card.lines.iter().zip(card.read_lines::<Vec<[f64; 3]>>()) {
                 let count = ((last - first) / step * (1.0 + 1e-12)).floor();
                 if !(0.0..=MOST as f64).contains(&count) {
-                    return self.out_of_range(line.span, "time points are counted from a first to a last");
+                    return self.out_of_range(
+                        line.span,
+                        "GENERATE requires first and last times in ascending order and at most 20 million points",
+                    );
                 }
                 times.extend((0..=count as usize).map(|i| first + i as f64 * step));
             }
@@ -123,34 +127,34 @@ impl Builder<'_> {
             times = card.read_lines();
         }
         if !times.windows(2).all(|w| w[0] < w[1]) {
-            return self.out_of_range(card.span, "time points ascend");
+            return self.out_of_range(card.span, "time points must be in ascending order");
         }
         self.model.output.time_points.push(TimePoints { name: upper(&name.text), times });
     }
 
-    fn interval(&mut self, card: &Card) -> Option<Interval> {
+    fn interval(&mut self, card: &Card) -> Option<OutputInterval> {
         if let Some(word) = card.value("TIME POINTS") {
             let names: Vec<String> = self.model.output.time_points.iter().map(|p| p.name.clone()).collect();
             let found = names.iter().position(|n| *n == upper(&word.text));
             if found.is_none() {
                 self.unknown("M117", "time points", word, |_| names.clone());
             }
-            return found.map(|index| Interval::Points(TimePointsId::new(index)));
+            return found.map(|index| OutputInterval::Points(TimePointsId::new(index)));
         }
         let count = |name| card.read::<Option<usize>>(name).map(|count| u32::try_from(count).unwrap_or(u32::MAX));
         Some(match (card.read("TIME INTERVAL"), count("NUMBER INTERVAL"), count("FREQUENCY")) {
-            (.., Some(0)) => Interval::Never,
-            (Some(time), ..) => Interval::Time(time),
-            (_, Some(number), _) => Interval::Number(number),
-            (.., Some(increments)) => Interval::Increments(increments),
-            _ => Interval::Default,
+            (.., Some(0)) => OutputInterval::Never,
+            (Some(time), ..) => OutputInterval::Time(time),
+            (_, Some(number), _) => OutputInterval::Number(number),
+            (.., Some(increments)) => OutputInterval::Increments(increments),
+            _ => OutputInterval::Default,
         })
     }
 
     fn sub_request(&mut self, card: &Card) {
         let Some(request) = self.output.clone() else {
-            let message = format!("*{} belongs below an *OUTPUT", card.keyword.name);
-            return self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *OUTPUT above"));
+            let message = format!("*{} must follow an *OUTPUT", card.keyword.name);
+            return self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *OUTPUT before"));
         };
         let Some(region) = self.output_region(card) else { return };
         let of = match card.keyword.name {
@@ -161,8 +165,8 @@ impl Builder<'_> {
             "CONTACT OUTPUT" => OutputCard::Contact,
             _ => OutputCard::Incrementation,
         };
-        if request.kind == OutputKind::Field && region != Region::Whole {
-            self.inert(card, "the set of a field request: frames show the whole model".into());
+        if request.kind == OutputKind::Field && region != OutputRegion::Whole {
+            self.inert(card, "field output is always written for the whole model".into());
         }
         let position = self.position(card, request.kind);
         let statistics = self.statistics(card, request.kind, &region);
@@ -173,9 +177,9 @@ impl Builder<'_> {
         let mut unknown = Vec::new();
         for word in words {
             match VariableRequest::parse(&upper(&word.text)) {
-                Some(asked) => match &sides {
-                    Some(sides) => variables.extend(sides.iter().filter_map(|side| asked.at(*side))),
-                    None => variables.push(asked),
+                Some(parsed) => match &sides {
+                    Some(sides) => variables.extend(sides.iter().filter_map(|side| parsed.at(*side))),
+                    None => variables.push(parsed),
                 },
                 None if self.out_of_plane(word) => {}
                 None => unknown.push(word),
@@ -189,14 +193,14 @@ impl Builder<'_> {
         }
     }
 
-    /// Section points of shells, which a first line of numbers names, counted from 1 on the side SNEG (ABAQUS Keywords Reference
-    /// Guide, *ELEMENT OUTPUT); `None` without such a line.
-    fn section_points(&mut self, card: &Card, region: &Region) -> Option<Vec<SectionPoint>> {
+    /// Returns the section points of shells listed on the first data line, counted from 1 on the side SNEG (ABAQUS
+    /// Keywords Reference Guide, *ELEMENT OUTPUT); `None` without such a line.
+    fn section_points(&mut self, card: &Card, region: &OutputRegion) -> Option<Vec<SectionPoint>> {
         let line = card.lines.first().filter(|_| card.keyword.name == "ELEMENT OUTPUT")?;
         let words: Vec<&Word> = line.fields.iter().filter(|w| !w.text.is_empty()).collect();
         let numbers: Vec<usize> = words.iter().map(|w| w.text.trim().parse().ok()).collect::<Option<_>>()?;
         let members = match region {
-            Region::Elements(set) => Some(&self.model.element_sets[*set].members),
+            OutputRegion::Elements(set) => Some(&self.model.element_sets[*set].members),
             _ => None,
         };
         let meant = |e: &usize| members.is_none_or(|m| m.binary_search(e).is_ok());
@@ -205,8 +209,8 @@ impl Builder<'_> {
         counts.dedup();
         let [count] = counts[..] else {
             let message = match counts.len() {
-                0 => "section points are those of shells, and no element here is one",
-                _ => "these shells have different numbers of section points: give a request for each section",
+                0 => "section points require shell elements, and this request has none",
+                _ => "these shells have different numbers of section points; use one request per section",
             };
             self.out_of_range(line.span, message);
             return Some(Vec::new());
@@ -219,7 +223,7 @@ impl Builder<'_> {
                 n if n == count / 2 + 1 => points.push(SectionPoint::Middle),
                 n => {
                     let message = format!("output at section point {n} of {count} is not supported");
-                    let help = format!("1 (side SNEG), {} (middle) and {count} (side SPOS) are", count / 2 + 1);
+                    let help = format!("supported: 1 (side SNEG), {} (middle) and {count} (side SPOS)", count / 2 + 1);
                     self.unsupported(word.span, message, &help);
                 }
             }
@@ -227,37 +231,40 @@ impl Builder<'_> {
         Some(points)
     }
 
-    /// `POSITION` of `*ELEMENT OUTPUT` ("Writing element output to the output database"): of frames alone, for "element
-    /// history output is always provided at the integration points".
-    fn position(&mut self, card: &Card, kind: OutputKind) -> Position {
+    /// Returns the position of field output. History output of elements is always at integration points (ABAQUS
+    /// Keywords Reference Guide, *ELEMENT OUTPUT, "Writing element output to the output database").
+    fn position(&mut self, card: &Card, kind: OutputKind) -> OutputPosition {
         let Some(word) = card.value("POSITION").filter(|_| card.keyword.name == "ELEMENT OUTPUT") else {
-            return Position::Element;
+            return OutputPosition::Element;
         };
         if card.read::<usize>("POSITION") < 2 {
-            return Position::Element;
+            return OutputPosition::Element;
         }
         if kind == OutputKind::History {
-            let message = "histories of elements are always those of their integration points";
-            self.diagnostics.push(Diagnostic::warning("M153", message).at(word.span, "not at nodes"));
-            return Position::Element;
+            let message = "history output of elements is always written at integration points";
+            self.diagnostics.push(Diagnostic::warning("M153", message).at(word.span, "not available at nodes"));
+            return OutputPosition::Element;
         }
-        let message = "elements have one integration point; a node shows the mean over the elements around it";
-        self.diagnostics.push(Diagnostic::note("M153", message).at(word.span, "on nodes"));
-        Position::Nodes
+        let message = "elements have one integration point; nodal values are averages over the adjacent elements";
+        self.diagnostics.push(Diagnostic::note("M153", message).at(word.span, "nodal values"));
+        OutputPosition::Nodes
     }
 
-    /// `STATISTICS` (extension): what a history shows of the whole set.
-    fn statistics(&mut self, card: &Card, kind: OutputKind, region: &Region) -> Vec<Statistic> {
+    /// Returns the statistics of a history request over a set (`STATISTICS`, extension).
+    fn statistics(&mut self, card: &Card, kind: OutputKind, region: &OutputRegion) -> Vec<Statistic> {
         let Some(word) = card.value("STATISTICS") else { return Vec::new() };
-        if kind == OutputKind::Field || *region == Region::Whole {
-            let message = "STATISTICS are of histories over a set: *OUTPUT, HISTORY, and NSET or ELSET";
+        if kind == OutputKind::Field || *region == OutputRegion::Whole {
+            let message = "STATISTICS requires *OUTPUT, HISTORY and a set (NSET or ELSET)";
             self.out_of_range(word.span, message);
             return Vec::new();
         }
         let words: Vec<&str> = word.text.split([',', ' ']).filter(|w| !w.is_empty()).collect();
         let found: Option<Vec<Statistic>> = words.iter().map(|w| Statistic::parse(w)).collect();
         let Some(mut found) = found.filter(|found| !found.is_empty()) else {
-            self.out_of_range(word.span, "STATISTICS are MIN, MAX, MEAN and SUM, several as in \"MIN, MAX\"");
+            self.out_of_range(
+                word.span,
+                "STATISTICS must be MIN, MAX, MEAN or SUM, or several of them as in \"MIN, MAX\"",
+            );
             return Vec::new();
         };
         found.sort_by_key(|statistic| *statistic as usize);
@@ -265,7 +272,7 @@ impl Builder<'_> {
         found
     }
 
-    /// What `VARIABLE=` asks for.
+    /// Returns the request of `VARIABLE=PRESELECT` or `VARIABLE=ALL`.
     fn default_variables(&self, card: &Card) -> Vec<VariableRequest> {
         card.read::<Option<usize>>("VARIABLE")
             .map(|place| [VariableRequest::Preselect, VariableRequest::All][place])
@@ -273,7 +280,7 @@ impl Builder<'_> {
             .collect()
     }
 
-    /// A surface under a name, for integrals (ABAQUS Keywords Reference Guide, *INTEGRATED OUTPUT SECTION).
+    /// Names a surface for integrated output (ABAQUS Keywords Reference Guide, *INTEGRATED OUTPUT SECTION).
     pub(super) fn integrated_section(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
         let Some(surface) = self.required(card, "SURFACE") else { return };
@@ -282,7 +289,7 @@ impl Builder<'_> {
         }
     }
 
-    fn output_region(&mut self, card: &Card) -> Option<Region> {
+    fn output_region(&mut self, card: &Card) -> Option<OutputRegion> {
         if card.keyword.name == "INTEGRATED OUTPUT" {
             return self.integrated_region(card);
         }
@@ -290,27 +297,27 @@ impl Builder<'_> {
             let members = self.node_members(word)?;
             let (inner, outer) = (qualified(&self.scope, &word.text), upper(&word.text));
             let known = [&inner, &outer].into_iter().find_map(|name| self.model.node_sets.get_index_of(name));
-            // A node by its number is a set of one.
-            let set = super::types::Set { members, span: word.span };
+            // A single node becomes a set of one.
+            let set = super::types::MemberSet { members, span: word.span };
             let index = known.unwrap_or_else(|| self.model.node_sets.insert_full(outer, set).0);
-            return Some(Region::Nodes(NodeSetId::new(index)));
+            return Some(OutputRegion::Nodes(NodeSetId::new(index)));
         }
         if let Some(word) = card.value("ELSET") {
             let members = self.element_members(word)?;
             let (inner, outer) = (qualified(&self.scope, &word.text), upper(&word.text));
             let known = [&inner, &outer].into_iter().find_map(|name| self.model.element_sets.get_index_of(name));
-            let set = super::types::Set { members, span: word.span };
+            let set = super::types::MemberSet { members, span: word.span };
             let index = known.unwrap_or_else(|| self.model.element_sets.insert_full(outer, set).0);
-            return Some(Region::Elements(ElementSetId::new(index)));
+            return Some(OutputRegion::Elements(ElementSetId::new(index)));
         }
         if card.keyword.name == "CONTACT OUTPUT" {
             return self.pairs_of(card);
         }
-        Some(Region::Whole)
+        Some(OutputRegion::Whole)
     }
 
-    /// The pairs of surfaces that a *CONTACT OUTPUT names.
-    fn pairs_of(&mut self, card: &Card) -> Option<Region> {
+    /// Returns the contact pairs selected by a `*CONTACT OUTPUT` card.
+    fn pairs_of(&mut self, card: &Card) -> Option<OutputRegion> {
         let mut surfaces = Vec::new();
         for name in ["SURFACE", "SECOND SURFACE", "MASTER", "SLAVE"] {
             if let Some(word) = card.value(name) {
@@ -324,11 +331,11 @@ impl Builder<'_> {
             Some(word) => Some(self.interaction(word)?),
             None => None,
         };
-        let pairs = WhichPairs { cpset, interaction, general: card.has("GENERAL CONTACT"), surfaces };
-        Some(if pairs == WhichPairs::default() { Region::Whole } else { Region::Pairs(pairs) })
+        let pairs = ContactPairFilter { cpset, interaction, general: card.has("GENERAL CONTACT"), surfaces };
+        Some(if pairs == ContactPairFilter::default() { OutputRegion::Whole } else { OutputRegion::Pairs(pairs) })
     }
 
-    fn integrated_region(&mut self, card: &Card) -> Option<Region> {
+    fn integrated_region(&mut self, card: &Card) -> Option<OutputRegion> {
         if let Some(word) = card.value("SECTION") {
             let name = upper(&word.text);
             let Some(id) = self.sections.get(&name).copied() else {
@@ -337,41 +344,42 @@ impl Builder<'_> {
                 self.unknown("M114", "integrated output section", word, |_| names.clone());
                 return None;
             };
-            return Some(Region::Surface(id, name));
+            return Some(OutputRegion::Surface(id, name));
         }
         let word = self.required(card, "SURFACE")?;
         let id = self.surface_id(word)?;
-        Some(Region::Surface(id, self.model.surfaces.name(id).to_owned()))
+        Some(OutputRegion::Surface(id, self.model.surfaces.name(id).to_owned()))
     }
 
-    /// Whether a word is a component that a body of revolution does not have: the ledger tells.
+    /// Returns whether a word is an out-of-plane component, which is zero in a body of revolution; the ledger lists it.
     fn out_of_plane(&mut self, word: &Word) -> bool {
         let name = upper(&word.text);
         let stem =
             |ends: &[&str]| ends.iter().find_map(|e| name.strip_suffix(e)).and_then(VariableRequest::parse).is_some();
         let zero = stem(&["13", "23"]) || matches!(name.as_str(), "U3" | "V3" | "A3" | "RF3" | "CF3" | "COOR3");
         if zero {
-            let why = "a body of revolution has no such component: it is zero".into();
+            let why = "this component is zero in a body of revolution".into();
             let keyword = format!("{name} of an output request");
-            self.model.origin.inert.push(Inert { keyword, span: word.span, why });
+            self.model.origin.inert.push(IgnoredCard { keyword, span: word.span, why });
         }
         zero
     }
 
-    /// One finding for all words of a card that name no variable.
+    /// Reports all unknown variables of a card in one warning.
     fn unknown_variables(&mut self, words: &[&Word], card: OutputCard) {
         let Some(first) = words.first() else { return };
         let names: Vec<&str> = words.iter().map(|w| w.text.as_str()).collect();
         let message = match &names[..] {
-            [name] => format!("the output variable {name} is not known to Revolve"),
-            _ => format!("the output variables {} are not known to Revolve", names.join(", ")),
+            [name] => format!("unknown output variable {name}"),
+            _ => format!("unknown output variables {}", names.join(", ")),
         };
-        let mut finding = Diagnostic::warning("M141", message).help(request::help(&upper(&first.text), card.places()));
+        let mut diagnostic =
+            Diagnostic::warning("M141", message).help(request::help(&upper(&first.text), card.places()));
         for word in words {
-            let like =
-                request::like(&upper(&word.text)).map_or("left out".into(), |n| format!("left out; did you mean {n}?"));
-            finding = finding.at(word.span, like);
+            let like = request::nearest_name(&upper(&word.text))
+                .map_or("ignored".into(), |n| format!("ignored; did you mean {n}?"));
+            diagnostic = diagnostic.at(word.span, like);
         }
-        self.diagnostics.push(finding);
+        self.diagnostics.push(diagnostic);
     }
 }

@@ -1,22 +1,22 @@
-//! Parts, instances and the assembly: a part's cards are replayed in each instance, with its place and its names.
-//! Never here: what the cards mean.
+//! Parts, instances and the assembly. The cards of a part are read again for each instance, with its placement and
+//! scope.
 
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 
-use super::budget::Good;
-use super::builder::{Block, Builder};
+use super::budget::BudgetedItem;
+use super::builder::{ModelBuilder, OpenBlock};
 use super::names::upper;
 use crate::deck::{Card, Diagnostic};
 
-/// Where an instance stands: a translation, then a rotation about an axis.
+/// Placement of an instance: a translation, then a rotation about an axis.
 #[derive(Clone, Debug)]
-pub struct Placement {
+pub struct InstancePlacement {
     translation: Vector3<f64>,
     rotation: Option<(Point3<f64>, Rotation3<f64>)>,
 }
 
-impl Placement {
-    /// A point of the part in the assembly.
+impl InstancePlacement {
+    /// Transforms a point of the part to the assembly.
     pub fn apply(&self, [r, z]: [f64; 2]) -> [f64; 2] {
         let moved = Point3::new(r, z, 0.0) + self.translation;
         let placed = match &self.rotation {
@@ -26,7 +26,7 @@ impl Placement {
         [placed.x, placed.y]
     }
 
-    /// A point of the assembly in the part.
+    /// Transforms a point of the assembly to the part.
     pub fn undo(&self, [r, z]: [f64; 2]) -> [f64; 2] {
         let placed = Point3::new(r, z, 0.0);
         let moved = match &self.rotation {
@@ -38,8 +38,8 @@ impl Placement {
     }
 }
 
-impl<'a> Builder<'a> {
-    /// Keeps a part's cards for its instances. Returns whether the card was kept.
+impl<'a> ModelBuilder<'a> {
+    /// Records the cards of an open part for its instances. Returns whether the card was recorded.
     pub(super) fn record(&mut self, card: &'a Card) -> bool {
         let Some(part) = self.recording.clone() else { return false };
         if card.keyword.name == "END PART" {
@@ -90,7 +90,7 @@ impl<'a> Builder<'a> {
             return self.unknown("M115", "part", part, |_| names.clone());
         };
         let lines = cards.iter().map(|inner| inner.line_count() as u128).sum();
-        if !self.affords(Good::Elements, lines, card.span) {
+        if !self.fits_budget(BudgetedItem::Elements, lines, card.span) {
             return;
         }
         self.scope = upper(&name.text);
@@ -101,7 +101,7 @@ impl<'a> Builder<'a> {
         self.scope = upper(&name.text);
     }
 
-    pub(super) fn placement(&mut self, card: &Card) -> Option<Placement> {
+    pub(super) fn placement(&mut self, card: &Card) -> Option<InstancePlacement> {
         card.lines.first()?;
         let [r, z]: [f64; 2] = card.read_lines();
         let rotation = match (card.lines.get(1), card.read_lines::<Vec<[f64; 7]>>().get(1)) {
@@ -109,21 +109,22 @@ impl<'a> Builder<'a> {
                 let axis = Unit::try_new(Vector3::new(n[3] - n[0], n[4] - n[1], n[5] - n[2]), 0.0);
                 let lies = n[2] == 0.0 && n[5] == 0.0 && (n[6] % 180.0).abs() < 1e-9;
                 let Some(axis) = axis.filter(|a| a.x == 0.0 && a.y == 0.0 || lies) else {
-                    let message = "an instance may turn about an axis normal to the r-z plane, or by 180 degrees about one that lies in it";
+                    let message = "an instance may be rotated about an axis normal to the r-z \
+                                   plane, or by 180 degrees about an axis in it";
                     return self
                         .diagnostics
-                        .refuse(Diagnostic::error("M126", message).at(line.span, "leaves the r-z plane"));
+                        .refuse(Diagnostic::error("M126", message).at(line.span, "rotation out of the r-z plane"));
                 };
                 Some((Point3::new(n[0], n[1], n[2]), Rotation3::from_axis_angle(&axis, n[6].to_radians())))
             }
             (None, _) => None,
             _ => return None,
         };
-        Some(Placement { translation: Vector3::new(r, z, 0.0), rotation })
+        Some(InstancePlacement { translation: Vector3::new(r, z, 0.0), rotation })
     }
 
     pub(super) fn open(&mut self, kind: &'static str, card: &Card) {
-        self.blocks.push(Block { kind, span: card.span });
+        self.blocks.push(OpenBlock { kind, span: card.span });
     }
 
     pub(super) fn close(&mut self, kind: &'static str, card: &Card) {
@@ -132,12 +133,12 @@ impl<'a> Builder<'a> {
                 self.blocks.pop();
             }
             other => {
-                let mut finding = Diagnostic::error("M105", format!("*{} closes no *{kind}", card.keyword.name));
-                finding = finding.at(card.span, "nothing of this kind is open");
+                let mut diagnostic = Diagnostic::error("M105", format!("*{} without *{kind}", card.keyword.name));
+                diagnostic = diagnostic.at(card.span, "no such block is open");
                 if let Some(block) = other {
-                    finding = finding.at(block.span, format!("this *{} is open", block.kind));
+                    diagnostic = diagnostic.at(block.span, format!("this *{} is open", block.kind));
                 }
-                self.diagnostics.push(finding);
+                self.diagnostics.push(diagnostic);
             }
         }
     }

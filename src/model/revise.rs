@@ -1,89 +1,88 @@
-//! Numbers of a model that may take other values without reading the deck again: those that no name, no place in the mesh and
-//! no other number of the model follows from.
-//! Never here: what follows from them in a plan.
+//! Numbers of a model that can be changed without reading the deck again: names, mesh connectivity and all other
+//! numbers of the model do not depend on them.
 
 use super::types::{CavityExpansion, InitialKind, LoadKind, Model};
-use crate::deck::template::{At, OpenWord};
-use crate::deck::value::Value;
+use crate::deck::template::{ParametricWord, WordPosition};
+use crate::deck::value::ValueSpec;
 use crate::deck::{Card, Deck, Span};
 
-/// A number of the model.
+/// Location of a number in the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
-    /// Velocity at the start, by the index of the condition.
+enum NumberPlace {
+    /// Initial velocity, by index of the initial condition.
     Velocity(usize),
-    /// Mass of points, by their card.
+    /// Point masses, by source position of the card.
     Mass(Span),
-    /// Density of a material.
+    /// Density, by index of the material.
     Density(usize),
-    /// Y, A, B or C of the resistance of a material.
+    /// Constant of cavity expansion: index of the material, and 0 to 3 for Y, A, B, C.
     Resistance(usize, usize),
-    /// Place of the face of a target.
+    /// Position of the impact face, by index of the target.
     Front(usize),
-    /// Thickness of a layer of a target.
+    /// Layer thickness, by indices of target and layer.
     Thickness(usize, usize),
-    /// Friction of a resistance, by the lines of the card.
+    /// Friction of cavity loads, by first and last data line of the card.
     Friction(Span, Span),
-    /// Magnitude of a load, by its line.
+    /// Load magnitude, by data line.
     Magnitude(Span),
 }
 
-/// A number of the model that may be given other values, and what its card allows.
+/// A number of the model that can be changed, with its allowed values.
 #[derive(Clone, Copy, Debug)]
-pub struct Revisable {
-    place: Place,
-    allowed: Value,
+pub struct RevisableNumber {
+    place: NumberPlace,
+    allowed: ValueSpec,
 }
 
-/// The number that an open word gives; `None` where more than a number follows from it.
-pub fn revisable(model: &Model, deck: &Deck, word: &OpenWord) -> Option<Revisable> {
+/// Returns the number that a parametric word defines; `None` if other data of the model depend on it.
+pub fn revisable(model: &Model, deck: &Deck, word: &ParametricWord) -> Option<RevisableNumber> {
     let card = &deck.cards[word.card];
     let rule = match word.at {
-        At::Parameter(name) => card.keyword.rule(name),
-        At::Field(line, field) => card.given_field(line, field).rule,
+        WordPosition::Parameter(name) => card.keyword.rule(name),
+        WordPosition::Field(line, field) => card.given_field(line, field).rule,
     };
-    Some(Revisable { place: place_of(model, deck, word)?, allowed: rule?.value })
+    Some(RevisableNumber { place: place_of(model, deck, word)?, allowed: rule?.value })
 }
 
-fn place_of(model: &Model, deck: &Deck, word: &OpenWord) -> Option<Place> {
+fn place_of(model: &Model, deck: &Deck, word: &ParametricWord) -> Option<NumberPlace> {
     let card = &deck.cards[word.card];
     let given = |card: &Card| {
         let of_card = |c: &CavityExpansion| c.span == card.span && c.derived.is_none();
         model.materials.iter().position(|m| m.cavity.as_ref().is_some_and(of_card))
     };
     match (card.keyword.name, word.at) {
-        ("INITIAL CONDITIONS", At::Field(line, 2)) => {
+        ("INITIAL CONDITIONS", WordPosition::Field(line, 2)) => {
             let span = card.lines[line].span;
             let at = model.initial_conditions.iter().position(|c| c.span == span)?;
-            matches!(model.initial_conditions[at].kind, InitialKind::Velocity(..)).then_some(Place::Velocity(at))
+            matches!(model.initial_conditions[at].kind, InitialKind::Velocity(..)).then_some(NumberPlace::Velocity(at))
         }
-        ("MASS", At::Field(0, 0)) => Some(Place::Mass(card.span)),
-        ("DENSITY", At::Field(0, 0)) if card.lines.len() == 1 && card.lines[0].fields.len() == 1 => {
+        ("MASS", WordPosition::Field(0, 0)) => Some(NumberPlace::Mass(card.span)),
+        ("DENSITY", WordPosition::Field(0, 0)) if card.lines.len() == 1 && card.lines[0].fields.len() == 1 => {
             let material = material_above(deck, word.card)?;
             let at = model.materials.iter().position(|m| m.name == material)?;
-            // Derived constants follow from it.
+            // Derived constants depend on the density.
             let derives = model.materials[at].cavity.is_some_and(|c| c.derived.is_some());
-            (!derives).then_some(Place::Density(at))
+            (!derives).then_some(NumberPlace::Density(at))
         }
-        ("CAVITY EXPANSION", At::Parameter("YIELD")) => Some(Place::Resistance(given(card)?, 0)),
-        ("CAVITY EXPANSION", At::Field(0, i @ 0..3)) => Some(Place::Resistance(given(card)?, i + 1)),
-        ("TARGET", At::Parameter("FRONT")) => target(model, card).map(Place::Front),
-        ("TARGET", At::Field(line, 1)) => {
+        ("CAVITY EXPANSION", WordPosition::Parameter("YIELD")) => Some(NumberPlace::Resistance(given(card)?, 0)),
+        ("CAVITY EXPANSION", WordPosition::Field(0, i @ 0..3)) => Some(NumberPlace::Resistance(given(card)?, i + 1)),
+        ("TARGET", WordPosition::Parameter("FRONT")) => target(model, card).map(NumberPlace::Front),
+        ("TARGET", WordPosition::Field(line, 1)) => {
             let (target, span) = (target(model, card)?, card.lines[line].span);
             let layer = model.targets[target].layers.iter().position(|l| l.span == span)?;
-            Some(Place::Thickness(target, layer))
+            Some(NumberPlace::Thickness(target, layer))
         }
-        ("DSLOAD" | "DLOAD", At::Parameter("FRICTION")) => {
-            Some(Place::Friction(card.lines.first()?.span, card.lines.last()?.span))
+        ("DSLOAD" | "DLOAD", WordPosition::Parameter("FRICTION")) => {
+            Some(NumberPlace::Friction(card.lines.first()?.span, card.lines.last()?.span))
         }
-        ("CLOAD" | "DSLOAD" | "DLOAD", At::Field(line, 2)) if !card.has("AMPLITUDE") => {
-            Some(Place::Magnitude(card.lines[line].span))
+        ("CLOAD" | "DSLOAD" | "DLOAD", WordPosition::Field(line, 2)) if !card.has("AMPLITUDE") => {
+            Some(NumberPlace::Magnitude(card.lines[line].span))
         }
         _ => None,
     }
 }
 
-/// Name of the material that a card belongs to, upper case.
+/// Returns the upper-case name of the material that a card belongs to.
 fn material_above(deck: &Deck, card: usize) -> Option<String> {
     let above = deck.cards[..card].iter().rev().find(|c| c.keyword.name == "MATERIAL")?;
     Some(above.value("NAME")?.text.to_uppercase())
@@ -93,38 +92,39 @@ fn target(model: &Model, card: &Card) -> Option<usize> {
     model.targets.iter().position(|t| t.span == card.span)
 }
 
-/// Gives a number of the model another value; `false` where the deck could not have it, or where it changes what there is.
-pub fn set(model: &mut Model, Revisable { place, allowed }: Revisable, value: f64) -> bool {
+/// Changes a number of the model. Returns `false` if the value is not allowed or would change the structure of the
+/// model.
+pub fn set(model: &mut Model, RevisableNumber { place, allowed }: RevisableNumber, value: f64) -> bool {
     if !allowed.allows(value) {
         return false;
     }
     match place {
-        Place::Velocity(at) => match &mut model.initial_conditions[at].kind {
+        NumberPlace::Velocity(at) => match &mut model.initial_conditions[at].kind {
             InitialKind::Velocity(2, velocity) => *velocity = value,
             _ => return false,
         },
-        Place::Mass(span) => {
+        NumberPlace::Mass(span) => {
             let mut points = model.discrete.masses.iter_mut().filter(|p| p.span == span).peekable();
-            // One of zero is none.
+            // A mass of zero would remove the mass.
             if points.peek().is_none() || value <= 0.0 {
                 return false;
             }
             points.for_each(|point| point.mass = value);
         }
-        Place::Density(at) => {
+        NumberPlace::Density(at) => {
             if model.materials[at].density.replace(value).is_none() {
                 return false;
             }
         }
-        Place::Resistance(at, part) => {
+        NumberPlace::Resistance(at, part) => {
             let Some(law) = &mut model.materials[at].cavity else { return false };
             *[&mut law.yield_stress, &mut law.a, &mut law.b, &mut law.c][part] = value;
         }
-        Place::Front(target) => model.targets[target].front = value,
-        Place::Thickness(target, layer) => {
+        NumberPlace::Front(target) => model.targets[target].front = value,
+        NumberPlace::Thickness(target, layer) => {
             model.targets[target].layers[layer].thickness = value;
         }
-        Place::Friction(first, last) => {
+        NumberPlace::Friction(first, last) => {
             let lines = first.start..=last.start;
             let within = |span: Span| span.file == first.file && lines.contains(&span.start);
             let loads = model.steps.iter_mut().flat_map(|s| &mut s.loads).filter(|l| within(l.span));
@@ -136,7 +136,7 @@ pub fn set(model: &mut Model, Revisable { place, allowed }: Revisable, value: f6
             }
             return given;
         }
-        Place::Magnitude(span) => {
+        NumberPlace::Magnitude(span) => {
             let loads = model.steps.iter_mut().flat_map(|s| &mut s.loads).filter(|l| l.span == span);
             let mut given = false;
             for load in loads {

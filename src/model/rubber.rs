@@ -1,20 +1,19 @@
 //! Rubber, foam and damping: `*HYPERELASTIC`, `*CRUSHABLE FOAM`, `*CRUSHABLE FOAM HARDENING`, `*DAMPING`.
-//! Never here: stresses.
 
-use super::builder::Builder;
-use super::types::{FoamShape, Hyperelastic, RubberShape};
+use super::builder::ModelBuilder;
+use super::types::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw};
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
 
-/// The highest order of a polynomial.
+/// Highest order of polynomial forms.
 pub(super) const ORDER: usize = 6;
-/// That of a sum after Ogden.
+/// Highest order of the Ogden form.
 const OGDEN_ORDER: usize = 3;
 
-/// The forms of `*HYPERELASTIC` that are known.
+/// Supported forms of `*HYPERELASTIC`.
 const FORMS: [&str; 6] = ["NEO HOOKE", "MOONEY-RIVLIN", "YEOH", "OGDEN", "POLYNOMIAL", "REDUCED POLYNOMIAL"];
 
-/// The exponents of a polynomial of this order, in the order of the card: C10, C01, C20, C11, C02, ...
+/// Returns the exponents of a full polynomial in the order of the card: C10, C01, C20, C11, C02, ...
 fn full(order: usize) -> Vec<(usize, usize)> {
     (1..=order).flat_map(|sum| (0..=sum).map(move |j| (sum - j, j))).collect()
 }
@@ -23,46 +22,47 @@ fn reduced(order: usize) -> Vec<(usize, usize)> {
     (1..=order).map(|i| (i, 0)).collect()
 }
 
-/// From constants and an order to the form of an energy.
-type Shaping = fn(&[f64], usize) -> RubberShape;
+/// Constructor of a deviatoric energy from its constants and order.
+type EnergyConstructor = fn(&[f64], usize) -> DeviatoricEnergy;
 
-impl Builder<'_> {
-    /// `*HYPERELASTIC` by its form; without one it is a polynomial. Eight constants stand on a line.
+impl ModelBuilder<'_> {
+    /// Reads `*HYPERELASTIC`; the default form is the polynomial. A data line has eight constants.
     pub(super) fn hyperelastic(&mut self, card: &Card) {
         let given: Vec<&str> = FORMS.into_iter().filter(|form| card.has(form)).collect();
         if given.len() > 1 {
-            return self.out_of_range(card.span, format!("{} and {} exclude each other", given[0], given[1]));
+            return self.out_of_range(card.span, format!("{} and {} cannot be combined", given[0], given[1]));
         }
         let form = given.first().copied().unwrap_or("POLYNOMIAL");
         let Some(order) = self.order(card, form) else { return };
-        let (wanted, shape): (usize, Shaping) = match form {
-            "NEO HOOKE" => (1, |c, _| RubberShape::NeoHooke(c[0])),
-            "OGDEN" => (2 * order, |c, _| RubberShape::Ogden(c.as_chunks::<2>().0.to_vec())),
+        let (constant_count, shape): (usize, EnergyConstructor) = match form {
+            "NEO HOOKE" => (1, |c, _| DeviatoricEnergy::NeoHooke(c[0])),
+            "OGDEN" => (2 * order, |c, _| DeviatoricEnergy::Ogden(c.as_chunks::<2>().0.to_vec())),
             "YEOH" | "REDUCED POLYNOMIAL" => (order, |c, n| polynomial(c, reduced(n))),
             _ => (full(order).len(), |c, n| polynomial(c, full(n))),
         };
-        let Some(values) = self.rubber_constants(card, wanted + order) else { return };
-        let (constants, compressibility) = values.split_at(wanted);
+        let Some(values) = self.rubber_constants(card, constant_count + order) else { return };
+        let (constants, compressibility) = values.split_at(constant_count);
         let shape = shape(constants, order);
-        if let RubberShape::Ogden(terms) = &shape
+        if let DeviatoricEnergy::Ogden(terms) = &shape
             && terms.iter().any(|t| t[1] == 0.0)
         {
-            return self.out_of_range(card.span, "each alpha must be other than zero");
+            return self.out_of_range(card.span, "each alpha must be nonzero");
         }
         if shape.shear() <= 0.0 {
-            let message = format!("the initial shear modulus must be above zero, not {}", shape.shear());
+            let message = format!("the initial shear modulus must be positive, found {}", shape.shear());
             return self.out_of_range(card.span, message);
         }
-        // What does not give way in volume has no stable increment: all zero means the default.
+        // An incompressible material has no stable time increment: D = 0 selects the default compressibility.
         let first = compressibility[0];
         if compressibility.iter().any(|d| *d < 0.0) || first == 0.0 && compressibility.iter().any(|d| *d != 0.0) {
-            return self.out_of_range(card.span, "D1 must be above zero and the others not below, or all of them zero");
+            return self
+                .out_of_range(card.span, "D1 must be positive and the others not negative, or all must be zero");
         }
-        let rubber = Hyperelastic { shape, compressibility: compressibility.to_vec(), span: card.span };
+        let rubber = HyperelasticLaw { shape, compressibility: compressibility.to_vec(), span: card.span };
         self.last_material().hyperelastic = Some(rubber);
     }
 
-    /// N, where the form has an order.
+    /// Returns the order N of the form.
     fn order(&mut self, card: &Card, form: &str) -> Option<usize> {
         let fixed = match form {
             "YEOH" => Some(3),
@@ -71,7 +71,7 @@ impl Builder<'_> {
         };
         let Some(word) = card.value("N") else { return Some(fixed.unwrap_or(1)) };
         if fixed.is_some() {
-            return self.refuse_value(word.span, format!("{form} has no order N"));
+            return self.refuse_value(word.span, format!("N is not allowed for {form}"));
         }
         let cards::Hyperelastic { order } = self.values(card);
         let order = order.unwrap_or(1);
@@ -81,19 +81,20 @@ impl Builder<'_> {
         Some(order)
     }
 
-    /// So many constants, eight a line; those that are not given are zero, but for the first. A temperature may follow.
+    /// Reads the constants, eight per line; all but the first are zero by default. A temperature may follow and is
+    /// ignored.
     fn rubber_constants(&mut self, card: &Card, count: usize) -> Option<Vec<f64>> {
         let line = self.first_line(card)?;
         self.number(line, 0, "the first constant")?;
         if let Some(line) = card.lines.get(count / 8 + 1) {
-            let help = "give one row; where it takes more than eight values, they go on on the next line";
-            return self.refuse_unsupported(line.span, "constants over the temperature are not supported", help);
+            let help = "give one row; more than eight values continue on the next line";
+            return self.refuse_unsupported(line.span, "temperature-dependent constants are not supported", help);
         }
         let surplus = |(l, line): (usize, &crate::deck::DataLine)| {
             line.fields.iter().enumerate().find(|(k, w)| 8 * l + k > count && !w.text.is_empty()).map(|f| f.1.span)
         };
         if let Some(span) = card.lines.iter().enumerate().find_map(surplus) {
-            return self.refuse_value(span, format!("this form takes {count} constants and a temperature"));
+            return self.refuse_value(span, format!("this form has {count} constants and a temperature"));
         }
         (0..count)
             .map(|k| match card.lines.get(k / 8) {
@@ -103,29 +104,29 @@ impl Builder<'_> {
             .collect()
     }
 
-    /// `*CRUSHABLE FOAM`: the shape of the yield surface.
+    /// Reads the yield surface of `*CRUSHABLE FOAM`.
     pub(super) fn crushable_foam(&mut self, card: &Card) {
         let cards::CrushableFoam { isotropic, ratios } = self.values(card);
-        let shape = if isotropic { FoamShape::Isotropic(ratios) } else { FoamShape::Volumetric(ratios) };
+        let shape = if isotropic { FoamYieldSurface::Isotropic(ratios) } else { FoamYieldSurface::Volumetric(ratios) };
         self.last_material().foam.shape = Some((shape, card.span));
     }
 
-    /// `*CRUSHABLE FOAM HARDENING`: both columns are given positive in compression.
+    /// Reads `*CRUSHABLE FOAM HARDENING`; both columns are positive in compression.
     pub(super) fn foam_hardening(&mut self, card: &Card) {
         let cards::CrushableFoamHardening { rows } = self.values(card);
         if rows.first().is_some_and(|row| row[1] != 0.0) {
-            return self.out_of_range(card.span, "plastic strains must begin at 0");
+            return self.out_of_range(card.span, "plastic strains must start at 0");
         }
         self.last_material().foam.hardening = rows;
     }
 
-    /// `*DAMPING`: a factor of zero is none.
+    /// Reads mass-proportional damping; a coefficient of zero means none.
     pub(super) fn damping(&mut self, card: &Card) {
         let cards::Damping { alpha } = self.values(card);
         self.last_material().damping = alpha.filter(|alpha| *alpha != 0.0).map(|alpha| (alpha, card.span));
     }
 }
 
-fn polynomial(constants: &[f64], exponents: Vec<(usize, usize)>) -> RubberShape {
-    RubberShape::Polynomial(constants.iter().zip(exponents).map(|(c, (i, j))| (*c, i, j)).collect())
+fn polynomial(constants: &[f64], exponents: Vec<(usize, usize)>) -> DeviatoricEnergy {
+    DeviatoricEnergy::Polynomial(constants.iter().zip(exponents).map(|(c, (i, j))| (*c, i, j)).collect())
 }

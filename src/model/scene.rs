@@ -1,94 +1,93 @@
-//! What of a scene no mesh shows, for pictures: targets that are not meshed and analytical surfaces.
-//! Never here: what acts on them.
+//! Outlines of targets without mesh and of analytical surfaces, for pictures.
 
 use serde::Serialize;
 
-use super::types::{Model, RigidSurface, Target};
+use super::types::{Model, RigidSurface, TargetStack};
 
 /// Targets and analytical surfaces of a deck.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Scene {
-    /// `*TARGET` stacks.
+pub struct SceneOutline {
+    /// Targets (`*TARGET`).
     pub targets: Vec<TargetOutline>,
-    /// Planes z = constant that nodes cannot pass.
+    /// Analytical planes z = constant.
     pub planes: Vec<PlaneOutline>,
     /// Other analytical surfaces.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub surfaces: Vec<SurfaceOutline>,
 }
 
-/// A target that is not meshed: layers between planes z = constant.
+/// Outline of a target without mesh: layers between planes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TargetOutline {
-    /// Name.
+    /// Name of the target.
     pub name: String,
     /// z of the impact face, length.
     pub front: f64,
-    /// +1 or -1: the way the layers follow each other along z.
+    /// Stacking direction of the layers along z: +1 or -1.
     pub direction: f64,
-    /// Angle in degrees by which its planes are turned about direction 3; absent where they are level.
+    /// Rotation angle of the planes about direction 3, in degrees; absent if zero.
     #[serde(skip_serializing_if = "level")]
     pub obliquity: f64,
-    /// From the front on.
+    /// Layers, starting at the impact face.
     pub layers: Vec<LayerOutline>,
 }
 
-/// A layer of a target.
+/// Outline of a target layer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LayerOutline {
-    /// Name of its material; empty for a gap.
+    /// Name of the material; empty for a gap.
     pub material: String,
-    /// Thickness, length; absent where the layer has no end.
+    /// Thickness, length; absent for an infinite layer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thickness: Option<f64>,
 }
 
-/// An analytical plane.
+/// Outline of an analytical plane z = constant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlaneOutline {
     /// Name of the surface.
     pub name: String,
-    /// z at the start, length.
+    /// Initial z coordinate, length.
     pub height: f64,
-    /// Node whose displacement along z it follows, if it can move.
+    /// Name of the node whose z displacement the surface follows; absent for a fixed surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub carried_by: Option<String>,
 }
 
-/// An analytical surface of lines and arcs.
+/// Outline of an analytical surface of lines and arcs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SurfaceOutline {
     /// Name of the surface.
     pub name: String,
-    /// Points `[r, z]` along it at the start, length.
+    /// Initial points `[r, z]` along the surface, length.
     pub points: Vec<[f64; 2]>,
-    /// Node whose displacement along z it follows, if it can move.
+    /// Name of the node whose z displacement the surface follows; absent for a fixed surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub carried_by: Option<String>,
 }
 
-impl Scene {
-    /// The outlines of a model.
-    pub fn of(model: &Model) -> Scene {
-        Scene {
+impl SceneOutline {
+    /// Returns the outlines of a model.
+    pub fn of(model: &Model) -> SceneOutline {
+        SceneOutline {
             targets: model.targets.iter().map(|t| target(model, t)).collect(),
             planes: model.surfaces.analytical.iter().filter_map(|(name, s)| plane(model, name, s)).collect(),
             surfaces: model.surfaces.analytical.iter().filter_map(|(name, s)| surface(model, name, s)).collect(),
         }
     }
 
-    /// Whether there is nothing to outline.
+    /// Returns whether there is nothing to outline.
     pub fn is_empty(&self) -> bool {
         self.targets.is_empty() && self.planes.is_empty() && self.surfaces.is_empty()
     }
 }
 
-#[allow(clippy::trivially_copy_pass_by_ref)] // As serde asks.
+#[allow(clippy::trivially_copy_pass_by_ref)] // Required by serde.
 fn level(obliquity: &f64) -> bool {
     *obliquity == 0.0
 }
 
-fn target(model: &Model, target: &Target) -> TargetOutline {
+fn target(model: &Model, target: &TargetStack) -> TargetOutline {
     let layers = target.layers.iter().map(|layer| LayerOutline {
         material: layer.material.and_then(|m| model.materials.get(m.index())).map_or(String::new(), |m| m.name.clone()),
         thickness: Some(layer.thickness).filter(|t| t.is_finite()),
@@ -98,7 +97,7 @@ fn target(model: &Model, target: &Target) -> TargetOutline {
 }
 
 fn carrier(model: &Model, surface: &RigidSurface) -> Option<String> {
-    surface.reference.and_then(|node| model.mesh.node_names.get(node).map(super::Name::to_string))
+    surface.reference.and_then(|node| model.mesh.node_names.get(node).map(super::EntityName::to_string))
 }
 
 fn plane(model: &Model, name: &str, surface: &RigidSurface) -> Option<PlaneOutline> {

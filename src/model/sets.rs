@@ -1,14 +1,13 @@
-//! Sets: `*NSET`, `*ELSET`, GENERATE, sets of sets; the same name twice is a union.
-//! Never here: surfaces.
+//! `*NSET` and `*ELSET`. A set that is defined again is extended.
 
-use super::budget::Good;
-use super::builder::Builder;
+use super::budget::BudgetedItem;
+use super::builder::ModelBuilder;
 use super::names::{qualified, upper};
-use super::types::Set;
+use super::types::MemberSet;
 use crate::deck::rows::words;
 use crate::deck::{Card, DataLine, Diagnostic, Span};
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn nset(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NSET") else { return };
         let outer = self.enter_instance(card);
@@ -33,7 +32,7 @@ impl Builder<'_> {
         self.add_element_set(&name.text, members, card.span);
     }
 
-    /// With INSTANCE= the labels are those of that instance. Returns the scope to go back to.
+    /// Enters the scope of `INSTANCE=` and returns the previous scope.
     fn enter_instance(&mut self, card: &Card) -> String {
         let inner = card.value("INSTANCE").map_or_else(|| self.scope.clone(), |w| upper(&w.text));
         std::mem::replace(&mut self.scope, inner)
@@ -61,7 +60,7 @@ impl Builder<'_> {
         members
     }
 
-    /// Most lines hold labels alone, which no set has for its name; `false` of any other line. The name is room to work in.
+    /// Adds the labels of a line to a set; `false` if the line also has set names. `name` is a buffer.
     fn labels(&self, text: &str, nodes: bool, name: &mut String, members: &mut Vec<usize>) -> bool {
         let (labels, sets) = match nodes {
             true => (&self.nodes, &self.model.node_sets),
@@ -88,48 +87,51 @@ impl Builder<'_> {
         };
         let step = line.field(2).map_or(Some(1), |w| w.integer(&mut self.diagnostics));
         let Some(step) = step.filter(|s| *s > 0) else {
-            return self.out_of_range(line.span, "the increment must be a whole number above zero");
+            return self.out_of_range(line.span, "the increment must be a positive integer");
         };
         let count = (i128::from(last) - i128::from(first)) / i128::from(step) + 1;
-        if !self.affords(Good::Members, count.max(0).unsigned_abs(), line.span) {
+        if !self.fits_budget(BudgetedItem::Members, count.max(0).unsigned_abs(), line.span) {
             return;
         }
         let labels = if nodes { &self.nodes } else { &self.elements };
         let before = members.len();
-        let lost = self.lost.everything || if nodes { self.lost.nodes } else { self.lost.elements };
+        let lost = self.missing.everything || if nodes { self.missing.nodes } else { self.missing.elements };
         members.extend((0..count.max(0)).filter_map(|i| labels.find(&self.scope, first + step * i as i64)));
         if lost {
             return;
         }
         let missing = count.max(0) - (members.len() - before) as i128;
         if members.len() == before {
-            let message = format!("no label from {first} to {last} in steps of {step} is defined");
-            self.diagnostics.push(Diagnostic::error("M110", message).at(line.span, "nothing there"));
+            let message = format!("no label from {first} to {last} in increments of {step} is defined");
+            self.diagnostics.push(Diagnostic::error("M110", message).at(line.span, "empty range"));
         } else if missing > 0 || (last - first) % step != 0 {
             let what = if nodes { "nodes" } else { "elements" };
             let message = match missing {
-                0 => format!("{last} is not reached from {first} in steps of {step}"),
+                0 => format!("{last} is not reached from {first} in increments of {step}"),
                 _ => {
-                    format!("{missing} of the {count} {what} from {first} to {last} in steps of {step} are not defined")
+                    format!(
+                        "{missing} of the {count} {what} from {first} to {last} \
+                             in increments of {step} are not defined"
+                    )
                 }
             };
-            let finding = Diagnostic::warning("M166", message).at(line.span, "the set holds the others");
-            self.diagnostics.push(finding.help("give the first and last label that are there"));
+            let diagnostic = Diagnostic::warning("M166", message).at(line.span, "the set has the other members");
+            self.diagnostics.push(diagnostic.help("give existing first and last labels"));
         }
     }
 
     pub(super) fn add_node_set(&mut self, name: &str, members: Vec<usize>, span: Span) {
         let name = qualified(&self.scope, name);
-        unite(self.model.node_sets.entry(name).or_insert_with(|| Set { members: Vec::new(), span }), members);
+        unite(self.model.node_sets.entry(name).or_insert_with(|| MemberSet { members: Vec::new(), span }), members);
     }
 
     pub(super) fn add_element_set(&mut self, name: &str, members: Vec<usize>, span: Span) {
         let name = qualified(&self.scope, name);
-        unite(self.model.element_sets.entry(name).or_insert_with(|| Set { members: Vec::new(), span }), members);
+        unite(self.model.element_sets.entry(name).or_insert_with(|| MemberSet { members: Vec::new(), span }), members);
     }
 }
 
-fn unite(set: &mut Set, members: Vec<usize>) {
+fn unite(set: &mut MemberSet, members: Vec<usize>) {
     set.members.extend(members);
     set.members.sort_unstable();
     set.members.dedup();

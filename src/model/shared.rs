@@ -1,27 +1,26 @@
-//! What model and plan both have is held once, and copied where one of them changes it.
-//! Never here: what is held.
+//! Shared values with copy on write, for data that the model and the plan have in common.
 
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
-/// A value that its clones share until one of them is changed.
+/// A value shared by its clones until one of them is changed.
 #[derive(Default)]
-pub struct Shared<T>(Arc<T>);
+pub struct CopyOnWrite<T>(Arc<T>);
 
-impl<T> From<T> for Shared<T> {
+impl<T> From<T> for CopyOnWrite<T> {
     fn from(value: T) -> Self {
-        Shared(Arc::new(value))
+        CopyOnWrite(Arc::new(value))
     }
 }
 
-impl<T> Clone for Shared<T> {
+impl<T> Clone for CopyOnWrite<T> {
     fn clone(&self) -> Self {
-        Shared(Arc::clone(&self.0))
+        CopyOnWrite(Arc::clone(&self.0))
     }
 }
 
-impl<T> Deref for Shared<T> {
+impl<T> Deref for CopyOnWrite<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
@@ -29,13 +28,13 @@ impl<T> Deref for Shared<T> {
     }
 }
 
-impl<T: Clone> DerefMut for Shared<T> {
+impl<T: Clone> DerefMut for CopyOnWrite<T> {
     fn deref_mut(&mut self) -> &mut T {
         Arc::make_mut(&mut self.0)
     }
 }
 
-impl<T: fmt::Debug> fmt::Debug for Shared<T> {
+impl<T: fmt::Debug> fmt::Debug for CopyOnWrite<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Debug::fmt(&**self, f)
     }
@@ -43,11 +42,11 @@ impl<T: fmt::Debug> fmt::Debug for Shared<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::Shared;
+    use super::CopyOnWrite;
 
     #[test]
-    fn a_change_is_of_one_alone() {
-        let first = Shared::from(vec![1, 2]);
+    fn a_changed_clone_is_independent() {
+        let first = CopyOnWrite::from(vec![1, 2]);
         let mut second = first.clone();
         assert!(std::ptr::eq(&raw const *first, &raw const *second));
         second.push(3);

@@ -1,18 +1,17 @@
-//! Sections of shells: `*SHELL SECTION`.
-//! Never here: what a material does under load.
+//! `*SHELL SECTION`.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use super::types::{ElementKind, ShellSection, ShellThinning};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn shell_section(&mut self, card: &Card) {
         let Some((elements, material)) = self.section_of(card, |kind| kind == ElementKind::Sax1) else { return };
         let cards::ShellSection { per_area, thickness_points: [thickness, points] } = self.values(card);
         let points = points as usize;
         if points.is_multiple_of(2) {
-            let message = format!("Simpson's rule takes an odd number of points, not {points}");
+            let message = format!("the number of Simpson points must be odd, found {points}");
             return self.out_of_range(card.span, message);
         }
         let Some(thinning) = self.thinning(card) else { return };
@@ -28,7 +27,7 @@ impl Builder<'_> {
         });
     }
 
-    /// `POISSON`: in explicit analyses MATERIAL by default.
+    /// Returns the thickness change of `POISSON`; the default of explicit analyses is MATERIAL.
     fn thinning(&mut self, card: &Card) -> Option<ShellThinning> {
         let Some(word) = card.value("POISSON") else { return Some(ShellThinning::Material) };
         if word.is("MATERIAL") {
@@ -39,8 +38,9 @@ impl Builder<'_> {
         }
         let ratio = word.number(&mut self.diagnostics)?;
         if !(-1.0..=0.5).contains(&ratio) || ratio == -1.0 {
-            let finding = Diagnostic::error("M103", format!("POISSON lies above -1 and is 0.5 at most, not {ratio}"));
-            return self.diagnostics.refuse(finding.at(word.span, "MATERIAL, ELASTIC or a ratio"));
+            let diagnostic =
+                Diagnostic::error("M103", format!("POISSON must be above -1 and at most 0.5, found {ratio}"));
+            return self.diagnostics.refuse(diagnostic.at(word.span, "expected MATERIAL, ELASTIC or a ratio"));
         }
         Some(ShellThinning::Ratio(ratio))
     }

@@ -1,60 +1,59 @@
-//! Steps: `*STEP` to `*END STEP`, `*DYNAMIC`, `*BULK VISCOSITY`.
-//! Never here: conditions, and what becomes of them over the steps.
+//! `*STEP` to `*END STEP`, `*DYNAMIC`, `*BULK VISCOSITY`.
 
-use super::builder::Builder;
-use super::history::{History, StepTime};
+use super::builder::ModelBuilder;
+use super::history::{StepHistory, StepTiming};
 use super::types::{
-    Boundary, Clearance, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind,
-    OutputRequest, PrescribedField, Restart, Step, SurfaceContact,
+    BoundaryCondition, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind,
+    OutputRequest, PrescribedClearance, PrescribedField, RestartRequest, Step, SurfaceContact,
 };
 use crate::deck::table::steps as cards;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
-/// Increments of a given length that a step may take at most: at ten nanoseconds each, four months.
+/// Largest number of increments of a fixed size in a step: four months of computing at ten nanoseconds each.
 const MOST_INCREMENTS: f64 = 1e15;
-/// Relative error aimed at where the deck says nothing.
+/// Default relative error of automatic increments.
 pub const DEFAULT_ACCURACY: f64 = 1e-4;
 
-/// What is in force in a step, and what its procedure is.
+/// Procedure and conditions of a step while its cards are read.
 #[derive(Clone, Debug, Default)]
 pub(super) struct StepState {
     pub name: String,
     pub span: Span,
-    /// The step as its `*DYNAMIC` card begins it.
+    /// Procedure of the step, set by `*DYNAMIC`.
     pub procedure: Option<Step>,
-    /// Whether conditions without amplitude grow over the step (`AMPLITUDE=RAMP`).
+    /// Whether conditions without amplitude increase linearly over the step (`AMPLITUDE=RAMP`).
     pub ramp: bool,
-    /// Linear and quadratic bulk viscosity.
+    /// Linear and quadratic bulk viscosity coefficients.
     pub bulk_viscosity: Option<[f64; 2]>,
-    /// What earlier steps leave.
-    pub history: History,
-    /// Boundaries of this step's cards.
-    pub boundaries: Vec<Boundary>,
-    /// Loads of this step's cards.
+    /// Conditions of earlier steps.
+    pub history: StepHistory,
+    /// Boundary conditions defined in this step.
+    pub boundaries: Vec<BoundaryCondition>,
+    /// Loads defined in this step.
     pub loads: Vec<Load>,
-    /// Field variables of this step's cards.
+    /// Field variables defined in this step.
     pub fields: Vec<PrescribedField>,
     /// Output requests of earlier steps.
     pub earlier_outputs: Vec<OutputRequest>,
     pub surface_contacts: Vec<SurfaceContact>,
     pub general_contact: Option<GeneralContact>,
-    /// Clearances and factors on penalty springs that cards of this step give sets of pairs.
-    pub pair_clearances: Vec<(Word, Clearance)>,
+    /// Initial clearances, and penalty scale factors, that this step assigns to contact pair sets.
+    pub pair_clearances: Vec<(Word, PrescribedClearance)>,
     pub penalty_factors: Vec<(Word, f64)>,
     pub mass_scalings: Vec<MassScaling>,
     pub energy_limit: Option<EnergyLimit>,
     pub outputs: Vec<OutputRequest>,
-    pub restart: Option<Restart>,
-    /// Families of which a card has cleared what came from earlier steps.
+    pub restart: Option<RestartRequest>,
+    /// Families of cards for which `OP=NEW` has removed the conditions of earlier steps.
     pub cleared: Vec<&'static str>,
-    /// Whether the `*BOUNDARY` cards of this step say OP=NEW; none yet if `None`.
+    /// Whether the `*BOUNDARY` cards of this step have OP=NEW; `None` before the first one.
     pub new_boundaries: Option<bool>,
 }
 
-/// Bulk viscosity where no step gives another (ABAQUS Analysis User's Guide 6.3.3, "Bulk viscosity").
+/// Default bulk viscosity coefficients (ABAQUS Analysis User's Guide 6.3.3, "Bulk viscosity").
 pub const BULK_VISCOSITY: [f64; 2] = [0.06, 1.2];
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn end_step(&mut self, card: &Card) {
         self.close("STEP", card);
         self.close_step();
@@ -83,16 +82,16 @@ impl Builder<'_> {
         }
         let Some(mut state) = self.step.take() else { return };
         let Some(procedure) = state.procedure.take() else {
-            let other = self.diagnostics.has_errors() || self.lost.bodies || self.lost.everything;
+            let other = self.diagnostics.has_errors() || self.missing.bodies || self.missing.everything;
             if !other {
-                let finding = Diagnostic::error("M101", "the step has no procedure").at(state.span, "this step");
-                self.diagnostics.push(finding.help("give *DYNAMIC, EXPLICIT"));
+                let diagnostic = Diagnostic::error("M101", "the step has no procedure").at(state.span, "this step");
+                self.diagnostics.push(diagnostic.help("give *DYNAMIC, EXPLICIT"));
             }
             self.carried = state;
             return;
         };
         self.ended_outputs(&state);
-        let time = StepTime { duration: procedure.duration, ramp: state.ramp };
+        let time = StepTiming { duration: procedure.duration, ramp: state.ramp };
         let mut words = Vec::new();
         let given = std::mem::take(&mut state.boundaries);
         let boundaries = state.history.boundaries(given, &time, &mut self.model, &mut words);
@@ -119,20 +118,23 @@ impl Builder<'_> {
         });
     }
 
-    /// Says which output of earlier steps ends because this step asks for other output alone.
+    /// Reports output types that end because a request of this step has OP=NEW.
     fn ended_outputs(&mut self, state: &StepState) {
         if !state.cleared.contains(&"OUTPUT") {
             return;
         }
         for (kind, name) in [(OutputKind::Field, "field"), (OutputKind::History, "history")] {
-            let asked = |list: &[OutputRequest]| list.iter().any(|o| o.kind == kind);
-            if asked(&self.carried.outputs) && !asked(&state.outputs) && !asked(&state.earlier_outputs) {
+            let is_requested = |list: &[OutputRequest]| list.iter().any(|o| o.kind == kind);
+            if is_requested(&self.carried.outputs)
+                && !is_requested(&state.outputs)
+                && !is_requested(&state.earlier_outputs)
+            {
                 let message = format!(
-                    "from this step on no {name} output is written: an *OUTPUT with OP=NEW, the default, ends every request of \
-                     earlier steps"
+                    "no {name} output is written from this step on, because *OUTPUT with OP=NEW, the default, \
+                     ends all requests of earlier steps"
                 );
-                let finding = Diagnostic::warning("M148", message).at(state.span, "this step");
-                self.diagnostics.push(finding.help("give OP=ADD, or ask again for what is wanted"));
+                let diagnostic = Diagnostic::warning("M148", message).at(state.span, "this step");
+                self.diagnostics.push(diagnostic.help("use OP=ADD, or repeat the requests"));
             }
         }
     }
@@ -160,25 +162,31 @@ impl Builder<'_> {
         let [increment, duration, _, largest] = values.times;
         let given = if values.direct { increment } else { largest };
         if given > 0.0 && duration / given > MOST_INCREMENTS {
-            let message = format!("the step would take {:.1e} increments: it would never end", duration / given);
+            let message = format!(
+                "the step would take {:.1e} increments, more than the allowed {MOST_INCREMENTS:.0e}",
+                duration / given
+            );
             return self.refuse_value(line.span, message);
         }
         if values.direct {
             if increment <= duration {
                 return Some(IncrementControl::Fixed(increment));
             }
-            return self.refuse_value(line.span, format!("the increment {increment} must not be above {duration}"));
+            return self.refuse_value(
+                line.span,
+                format!("the increment must be at most the step duration {duration}, found {increment}"),
+            );
         }
         let element_by_element = values.element_by_element;
         if element_by_element && values.global {
-            return self.refuse_value(card.span, "GLOBAL and ELEMENT BY ELEMENT exclude each other");
+            return self.refuse_value(card.span, "GLOBAL and ELEMENT BY ELEMENT cannot be combined");
         }
-        // An empty field or zero is no limit (ABAQUS Keywords Reference Guide, *DYNAMIC).
+        // An empty field or zero means no limit (ABAQUS Keywords Reference Guide, *DYNAMIC).
         let largest = if largest == 0.0 { f64::INFINITY } else { largest };
         Some(IncrementControl::Automatic { accuracy: values.accuracy, element_by_element, largest })
     }
 
-    /// In force from this step on, until another step gives others.
+    /// Reads bulk viscosity, which remains in force until another step changes it.
     pub(super) fn bulk_viscosity(&mut self, card: &Card) {
         if self.first_line(card).is_none() {
             return;
@@ -186,16 +194,17 @@ impl Builder<'_> {
         let cards::BulkViscosity { factors } = self.values(card);
         self.state().bulk_viscosity = Some(factors);
         if !self.model.mesh.elements.iter().any(|e| e.kind.is_solid() || e.kind == super::ElementKind::Sax1) {
-            self.inert(card, "nothing here deforms".into());
+            self.inert(card, "the model has no deformable elements".into());
         }
     }
 
-    /// The state a card adds to: the open step, or what all steps start from.
+    /// Returns the state that a card extends: that of the open step, or that of the model data.
     pub(super) fn state(&mut self) -> &mut StepState {
         self.step.as_mut().unwrap_or(&mut self.carried)
     }
 
-    /// Whether a card clears what earlier steps left in force of its family: the first of a step that says OP=NEW.
+    /// Returns whether a card removes the conditions of its family from earlier steps: the first one of a step with
+    /// OP=NEW.
     pub(super) fn operation(&mut self, card: &Card, family: &'static str) -> bool {
         if !self.is_new(card) {
             return false;
@@ -208,7 +217,7 @@ impl Builder<'_> {
         first
     }
 
-    /// Whether OP is NEW; MOD is the default.
+    /// Returns whether OP is NEW; the default is MOD.
     pub(super) fn is_new(&self, card: &Card) -> bool {
         card.read("OP")
     }

@@ -1,12 +1,11 @@
-//! Surfaces: `*SURFACE` on elements and sides.
-//! Never here: loads on them.
+//! `*SURFACE` on element faces.
 
-use super::builder::Builder;
+use super::builder::ModelBuilder;
 use super::names::{qualified, upper};
-use super::types::{ElementKind, Side, Sides, Surface};
+use super::types::{ElementKind, ElementSide, ElementSurface, SideSelection};
 use crate::deck::{Card, Diagnostic, Span, Word};
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn surface(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
         if card.value("TYPE").is_some_and(|w| w.is("NODE")) {
@@ -21,7 +20,7 @@ impl Builder<'_> {
             return self.unsupported(
                 kind.span,
                 format!("TYPE={} is not supported", kind.text),
-                "ELEMENT, NODE and SEGMENTS are",
+                "supported: ELEMENT, NODE, SEGMENTS",
             );
         }
         let (mut faces, mut whole) = (Vec::new(), Vec::new());
@@ -37,13 +36,18 @@ impl Builder<'_> {
             }
         }
         let key = qualified(&self.scope, &name.text);
-        let fresh = || Surface { name: name.text.clone(), faces: Vec::new(), whole: Vec::new(), span: card.span };
+        let fresh = || ElementSurface {
+            name: name.text.clone(),
+            faces: Vec::new(),
+            free_face_elements: Vec::new(),
+            span: card.span,
+        };
         let surface = self.model.surfaces.faces.entry(key).or_insert_with(fresh);
         surface.faces.extend(faces);
-        surface.whole.extend(whole);
+        surface.free_face_elements.extend(whole);
     }
 
-    pub(super) fn sides(&mut self, elements: &[usize], word: &Word) -> Vec<(usize, Side)> {
+    pub(super) fn sides(&mut self, elements: &[usize], word: &Word) -> Vec<(usize, ElementSide)> {
         let name = upper(&word.text);
         let mut faces = Vec::new();
         for &element in elements {
@@ -51,9 +55,11 @@ impl Builder<'_> {
             let mut sides = sides_of(&name, kind).peekable();
             if sides.peek().is_none() {
                 let message = format!("{} has no side {}", kind.name(), word.text);
-                let finding = Diagnostic::error("M131", message).at(word.span, "no such side");
-                self.diagnostics
-                    .push(finding.help("RAX2 and SAX1 have SPOS and SNEG, CAX3 and CAX6M S1 to S3, CAX4R S1 to S4"));
+                let diagnostic = Diagnostic::error("M131", message).at(word.span, "no such side");
+                self.diagnostics.push(
+                    diagnostic
+                        .help("use SPOS or SNEG for RAX2 and SAX1, S1 to S3 for CAX3 and CAX6M, S1 to S4 for CAX4R"),
+                );
                 return faces;
             }
             faces.extend(sides.map(|side| (element, side)));
@@ -61,16 +67,18 @@ impl Builder<'_> {
         faces
     }
 
-    /// The free faces of solids; a RAX2 has two sides, so one must be named.
-    fn free_sides(&mut self, elements: &[usize], span: Span) -> Vec<(usize, Side)> {
+    /// Returns the exterior faces of solids. RAX2 and SAX1 elements have two sides, of which the card must name one.
+    fn free_sides(&mut self, elements: &[usize], span: Span) -> Vec<(usize, ElementSide)> {
         let mesh = &self.model.mesh;
         if elements.iter().any(|&e| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1)) {
-            let finding = Diagnostic::error("M130", "which side of these RAX2 elements?").at(span, "no side named");
-            let help = "SPOS is first to second node turned 90 degrees counter-clockwise in (r, z), SNEG the other";
-            self.diagnostics.push(finding.help(help));
+            let diagnostic = Diagnostic::error("M130", "RAX2 and SAX1 elements require a side, SPOS or SNEG")
+                .at(span, "no side named");
+            let help = "the normal of SPOS is the direction from the first to the second node, \
+                        rotated by 90 degrees counter-clockwise in (r, z)";
+            self.diagnostics.push(diagnostic.help(help));
             return Vec::new();
         }
-        let outside = mesh.outside();
+        let outside = mesh.exterior_faces();
         let of = |&e: &usize| {
             let first = outside.partition_point(|f| f.0 < e);
             outside[first..].iter().take_while(move |f| f.0 == e).copied()
@@ -79,21 +87,26 @@ impl Builder<'_> {
     }
 }
 
-impl Surface {
-    /// Its sides for what acts on them; the name as a card gives it.
-    pub(super) fn sides(&self, name: &str) -> Sides {
-        Sides { name: name.into(), surface: true, faces: self.faces.clone(), whole: self.whole.clone() }
+impl ElementSurface {
+    /// Returns the faces of the surface under the name used by a card.
+    pub(super) fn sides(&self, name: &str) -> SideSelection {
+        SideSelection {
+            name: name.into(),
+            surface: true,
+            faces: self.faces.clone(),
+            free_face_elements: self.free_face_elements.clone(),
+        }
     }
 }
 
-/// The parts of the boundary that a name means on a type of element; none where it has no such side.
-pub(super) fn sides_of(name: &str, kind: ElementKind) -> impl Iterator<Item = Side> {
+/// Returns the sides that a label denotes for an element type; none if the type has no such side.
+pub(super) fn sides_of(name: &str, kind: ElementKind) -> impl Iterator<Item = ElementSide> {
     let shell = matches!(kind, ElementKind::Rax2 | ElementKind::Sax1);
     let of_shell = match name {
-        "SPOS" if shell => Some(Side::Positive),
-        "SNEG" if shell => Some(Side::Negative),
+        "SPOS" if shell => Some(ElementSide::Positive),
+        "SNEG" if shell => Some(ElementSide::Negative),
         _ => None,
     };
     let number = name.strip_prefix('S').filter(|_| kind.is_solid()).and_then(|n| n.parse().ok());
-    of_shell.into_iter().chain(number.map_or(0..0, |n| kind.face(n)).map(Side::Face))
+    of_shell.into_iter().chain(number.map_or(0..0, |n| kind.face(n)).map(ElementSide::Face))
 }

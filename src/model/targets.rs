@@ -1,14 +1,13 @@
-//! Targets that are not meshed: `*TARGET`, its layers and its free surfaces.
-//! Never here: what a layer resists with (`materials`), loads.
+//! Targets without mesh (`*TARGET`): layers and free surfaces.
 
-use super::builder::Builder;
-use super::types::{FreeSurfaces, Layer, Target};
+use super::builder::ModelBuilder;
+use super::types::{FreeSurfaces, TargetLayer, TargetStack};
 use crate::deck::read::FromValue;
 use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Diagnostic};
 use crate::kernel::free_surface::FiniteSphere;
 
-impl Builder<'_> {
+impl ModelBuilder<'_> {
     pub(super) fn target(&mut self, card: &Card) {
         let values: cards::Target = self.values(card);
         if values.direction.abs() != 1.0 {
@@ -18,17 +17,20 @@ impl Builder<'_> {
             return;
         }
         let radius = values.radius.unwrap_or(f64::INFINITY);
-        let layers: Vec<Layer> = (0..card.lines.len()).filter_map(|at| self.layer(card, at, radius)).collect();
+        let layers: Vec<TargetLayer> = (0..card.lines.len()).filter_map(|at| self.layer(card, at, radius)).collect();
         if let Some(layer) = layers.iter().rev().skip(1).find(|l| l.thickness.is_infinite()) {
             let span = layer.span;
-            self.out_of_range(span, "only the last layer may be without end");
+            self.out_of_range(span, "only the last layer may have infinite thickness");
         }
         if let Some(gap) = [layers.first(), layers.last()].into_iter().flatten().find(|l| l.material.is_none()) {
             let span = gap.span;
-            self.out_of_range(span, "a gap lies between two layers: the first and the last need a material");
+            self.out_of_range(
+                span,
+                "the first and the last layer require a material; gaps are allowed between layers only",
+            );
         }
         let free_surfaces = [FreeSurfaces::Off, FreeSurfaces::Plates, FreeSurfaces::Layers][values.free_surface];
-        self.model.targets.push(Target {
+        self.model.targets.push(TargetStack {
             name: values.name,
             front: values.front,
             direction: values.direction,
@@ -42,7 +44,7 @@ impl Builder<'_> {
         });
     }
 
-    fn layer(&mut self, card: &Card, at: usize, radius: f64) -> Option<Layer> {
+    fn layer(&mut self, card: &Card, at: usize, radius: f64) -> Option<TargetLayer> {
         let line = &card.lines[at];
         let material = match line.field(0) {
             Some(word) => Some(self.material(word)?),
@@ -53,37 +55,41 @@ impl Builder<'_> {
         if let Some(properties) = material.map(|m| &self.model.materials[m])
             && (properties.cavity.is_none() || properties.density.is_none())
         {
-            let message =
-                format!("material {} has no resistance: a layer needs *DENSITY and *CAVITY EXPANSION", properties.name);
-            let finding =
+            let message = format!(
+                "material {} has no resistance: a target layer requires *DENSITY and *CAVITY EXPANSION",
+                properties.name
+            );
+            let diagnostic =
                 Diagnostic::error("M101", message).at(line.span, "this layer").at(properties.span, "the material");
-            self.diagnostics.push(finding);
+            self.diagnostics.push(diagnostic);
         }
-        Some(Layer { material, thickness, radius, span: line.span })
+        Some(TargetLayer { material, thickness, radius, span: line.span })
     }
 
-    /// Once all cards are read: the factor of a free surface follows from Young's modulus and the yield stress of the resistance.
+    /// Checks the layers of targets with free surfaces, whose effect depends on Young's modulus and the yield stress Y.
     pub(super) fn check_free_surfaces(&mut self) {
         let free = self.model.targets.iter().filter(|t| t.free_surfaces != FreeSurfaces::Off);
-        let layers: Vec<Layer> = free.flat_map(|t| t.layers.iter().copied()).collect();
+        let layers: Vec<TargetLayer> = free.flat_map(|t| t.layers.iter().copied()).collect();
         layers.iter().for_each(|layer| self.must_be_elastic(layer));
     }
 
-    fn must_be_elastic(&mut self, layer: &Layer) {
+    fn must_be_elastic(&mut self, layer: &TargetLayer) {
         let Some(properties) = layer.material.map(|m| &self.model.materials[m]) else { return };
-        // One that could not be derived has been told.
+        // Constants that could not be derived are reported already.
         let Some(cavity) = properties.cavity.filter(|law| law.yield_stress > 0.0) else { return };
         let fault = match properties.elastic {
             None => "has no *ELASTIC",
             Some([young, _]) if FiniteSphere::new(young, cavity.yield_stress).is_none() => {
-                "yields in *CAVITY EXPANSION at no less than 2E/3"
+                "has a yield stress Y of 2E/3 or more in *CAVITY EXPANSION"
             }
             Some(_) => return,
         };
-        let message =
-            format!("FREE SURFACE needs Young's modulus and a yield stress, but material {} {fault}", properties.name);
-        let finding =
+        let message = format!(
+            "FREE SURFACE requires Young's modulus and a yield stress, but material {} {fault}",
+            properties.name
+        );
+        let diagnostic =
             Diagnostic::error("M181", message).at(layer.span, "this layer").at(properties.span, "the material");
-        self.diagnostics.push(finding);
+        self.diagnostics.push(diagnostic);
     }
 }

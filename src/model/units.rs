@@ -1,39 +1,38 @@
-//! Units: their names, which only name axes and tables, and the systems of units that constants of a solid may belong to by their
-//! look.
-//! Never here: conversion; the program computes in the deck's units, whatever they are.
+//! Names of units, used for labels only, and detection of the unit system of material constants. The program computes
+//! in the units of the deck and converts nothing.
 
 use serde::{Deserialize, Serialize};
 
-/// Names of the units of a deck.
+/// Names of the units of a deck (`*UNITS`).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Units {
-    /// Length.
+pub struct DeckUnits {
+    /// Unit of length.
     pub length: String,
-    /// Mass.
+    /// Unit of mass.
     pub mass: String,
-    /// Time.
+    /// Unit of time.
     pub time: String,
-    /// Temperature.
+    /// Unit of temperature.
     pub temperature: String,
 }
 
-/// A consistent system of units, by what its units are in kg, m and s.
+/// A consistent unit system.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct System {
-    /// Length, mass and time by name.
+pub struct UnitSystem {
+    /// Names of the units of length, mass and time.
     pub names: [&'static str; 3],
-    /// The same in m, kg and s.
+    /// These units in m, kg and s.
     pub factors: [f64; 3],
-    /// Force, stress and energy by name.
+    /// Names of the units of force, stress and energy.
     pub derived: [&'static str; 3],
 }
 
-const fn system(names: [&'static str; 3], factors: [f64; 3], derived: [&'static str; 3]) -> System {
-    System { names, factors, derived }
+const fn system(names: [&'static str; 3], factors: [f64; 3], derived: [&'static str; 3]) -> UnitSystem {
+    UnitSystem { names, factors, derived }
 }
 
-/// Systems that are in use.
-pub const SYSTEMS: [System; 8] = [
+/// Unit systems in common use.
+pub const SYSTEMS: [UnitSystem; 8] = [
     system(["m", "kg", "s"], [1.0, 1.0, 1.0], ["N", "Pa", "J"]),
     system(["mm", "t", "s"], [1e-3, 1e3, 1.0], ["N", "MPa", "mJ"]),
     system(["mm", "kg", "ms"], [1e-3, 1.0, 1e-3], ["kN", "GPa", "J"]),
@@ -44,44 +43,44 @@ pub const SYSTEMS: [System; 8] = [
     system(["in", "lbf s2/in", "s"], [0.0254, 175.126_8, 1.0], ["lbf", "psi", "in lbf"]),
 ];
 
-/// Densities of solids, kg/m3, foams and platinum included; and speeds of sound in them, m/s.
+/// Range of densities of solids from foam to platinum, kg/m3, and of their speeds of sound, m/s.
 const DENSITIES: [f64; 2] = [0.5, 25e3];
 const SPEEDS: [f64; 2] = [20.0, 25e3];
-/// Denser than this is no foam, soil or rubber: metals and stone, in which sound is faster.
+/// Density above which a solid is metal or stone, kg/m3, and their smallest speed of sound, m/s.
 const DENSE: f64 = 3000.0;
 const DENSE_SPEED: f64 = 500.0;
 
-impl System {
-    /// The density in kg/m3.
+impl UnitSystem {
+    /// Converts a density to kg/m3.
     pub fn density(&self, value: f64) -> f64 {
         let [length, mass, _] = self.factors;
         value * mass / length.powi(3)
     }
 
-    /// The speed in m/s.
+    /// Converts a speed to m/s.
     pub fn speed(&self, value: f64) -> f64 {
         value * self.factors[0] / self.factors[2]
     }
 
-    /// Whether a density is one of solids.
+    /// Returns whether a density is in the range of solids.
     pub fn has_density(&self, density: f64) -> bool {
         within(self.density(density), DENSITIES)
     }
 
-    /// Whether a density and a modulus may be those of a solid: the speed of sound says.
+    /// Returns whether density and modulus are plausible for a solid, based on the speed of sound.
     pub fn fits(&self, density: f64, modulus: f64) -> bool {
         let speed = self.speed((modulus / density).sqrt());
         let dense = self.density(density) > DENSE;
         self.has_density(density) && within(speed, SPEEDS) && (!dense || speed > DENSE_SPEED)
     }
 
-    /// Its names as `*UNITS` has them.
+    /// Returns the names in the form of `*UNITS`.
     pub fn words(&self) -> String {
         self.names.join(", ")
     }
 }
 
-/// Whether a density is one of decks without units: a single digit near one.
+/// Returns whether a density is probably dimensionless: one significant digit, from 0.01 to 100.
 pub fn is_without_units(density: f64) -> bool {
     let digit = format!("{density:e}");
     let single = digit.split_once('e').is_some_and(|(mantissa, _)| mantissa.len() == 1);
@@ -92,9 +91,9 @@ fn within(value: f64, [from, to]: [f64; 2]) -> bool {
     (from..=to).contains(&value)
 }
 
-impl Units {
-    /// The system that the names belong to, if it is one of those in use.
-    pub fn system(&self) -> Option<&'static System> {
+impl DeckUnits {
+    /// Returns the common unit system with these names; `None` for other combinations.
+    pub fn system(&self) -> Option<&'static UnitSystem> {
         let same = |name: &str, word: &str| {
             let word = word.to_lowercase().replace('µ', "u").replace("tonne", "t");
             name == word || name == "s" && word == "sec" || name == "t" && word == "mg"
@@ -105,7 +104,7 @@ impl Units {
         })
     }
 
-    /// Name of a unit by powers of length, mass, time and temperature, as `kg/m3`.
+    /// Returns the name of a derived unit, given the powers of length, mass, time and temperature, for example `kg/m3`.
     pub fn name(&self, powers: [i32; 4]) -> String {
         let derived = self.system().and_then(|system| {
             let at = [[1, 1, -2, 0], [-1, 1, -2, 0], [2, 1, -2, 0]].iter().position(|p| *p == powers)?;
@@ -133,9 +132,9 @@ impl Units {
 
 #[cfg(test)]
 mod tests {
-    use super::{SYSTEMS, Units, is_without_units};
+    use super::{DeckUnits, SYSTEMS, is_without_units};
 
-    /// Steel, rubber, foam, lead, concrete and diamond in every system: each fits its own; and steel whose modulus is of another
+    /// Steel, rubber, foam, lead, concrete and diamond fit their own unit system. Steel with the modulus of another
     /// system fits none.
     #[test]
     fn solids_fit_their_system_and_mixtures_none() {
@@ -160,7 +159,7 @@ mod tests {
 
     #[test]
     fn names_of_units_follow_from_those_of_three() {
-        let units = |l: &str, m: &str, t: &str| Units {
+        let units = |l: &str, m: &str, t: &str| DeckUnits {
             length: l.into(),
             mass: m.into(),
             time: t.into(),

@@ -1,11 +1,8 @@
-//! Mesh files of VTK (`.vtu`, `.vtk`, `.vtp`), read through vtkio; frames of results are read back here, too.
-//! Never here: what their arrays mean.
+//! Reader of VTK files (`.vtu`, `.vtk`, `.vtp`): mesh files, and frames of results. It uses the crate vtkio, whose
+//! version is pinned in `Cargo.toml` and which no other file uses.
 //!
-//! The one file that knows vtkio, a release before its first: its version is pinned in `Cargo.toml`, its panics are caught here,
-//! and what it would take at its word (lengths of compressed arrays, numbers of tags and attributes, lists of other files) is
-//! looked at before. What would take
-//! its place is a reader of our own for what we write and ParaView saves by default: unstructured grids in XML with inline
-//! arrays, by base64 and flate2, which are here anyway; legacy files would no longer be read. It would keep to [`read`].
+//! vtkio panics on some damaged files and trusts declared sizes. Panics are caught, and array lengths, numbers of tags
+//! and attributes, and references to other files are checked before vtkio reads the file.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -16,27 +13,27 @@ use base64::engine::general_purpose::STANDARD;
 use vtkio::Vtk;
 use vtkio::model::{Attribute, Attributes, CellType, DataSet, IOBuffer, VertexNumbers};
 
-use super::mesh_data::{MeshFile, is_ours};
+use super::mesh_data::{MeshFile, is_recognized_array};
 use super::xml_limits::exceeded_limit;
 use crate::deck::files;
 
-/// Bytes of a file that is read: vtkio holds it several times over.
+/// Largest file size in bytes; vtkio needs several times as much memory.
 const MOST: u64 = 2 << 30;
 
-/// Whether an array says that it is larger than its compressed bytes can hold: vtkio makes room for what it says. Zlib
-/// presses to no less than a 1032nd (RFC 1951: 258 bytes in two bits).
-fn claims_too_much(text: &str) -> bool {
+/// Returns whether a compressed array declares more bytes than it can contain; vtkio allocates the declared size. The
+/// compression ratio of zlib is at most 1032 (RFC 1951: 258 bytes in two bits).
+fn declares_oversized_array(text: &str) -> bool {
     if !text.contains("compressor=") {
         return false;
     }
     let size = if text.contains("UInt64") && text.contains("header_type=\"UInt64\"") { 8 } else { 4 };
     let number = |bytes: &[u8]| bytes.iter().rev().fold(0_u64, |sum, &b| sum << 8 | u64::from(b));
     text.split("<DataArray").skip(1).filter_map(|part| part.split_once('>')).any(|(_, data)| {
-        // Number of blocks, size of each, size of the last.
+        // Header: number of blocks, block size, size of the last block.
         let head = data.trim_start().as_bytes().get(..4 * size).and_then(|head| STANDARD.decode(head).ok());
         let Some(head) = head else { return false };
         let blocks = number(&head[..size]);
-        // The size of each block stands in the file.
+        // The header lists the size of each block.
         blocks > text.len() as u64
             || blocks.saturating_mul(number(&head[size..2 * size])) > 1100 * text.len() as u64
             || number(&head[2 * size..3 * size]) > 1100 * text.len() as u64
@@ -48,7 +45,7 @@ thread_local! {
     static READING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Lets panics of vtkio, which become errors, say nothing of their own: for programs.
+/// Suppresses the messages of vtkio panics, which are reported as errors. For programs, not for libraries.
 pub fn silence_caught_panics() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {
@@ -58,8 +55,7 @@ pub fn silence_caught_panics() {
     }));
 }
 
-/// Reads a file. vtkio may panic on damaged files, as it reads or as cells are taken from it; that is an error like any
-/// other here.
+/// Reads a VTK file. A panic of vtkio on a damaged file is returned as an error.
 pub(crate) fn read(path: &Path) -> Result<MeshFile, String> {
     READING.set(true);
     let read = catch_unwind(AssertUnwindSafe(|| parse(path)));
@@ -69,52 +65,53 @@ pub(crate) fn read(path: &Path) -> Result<MeshFile, String> {
 
 fn parse(path: &Path) -> Result<MeshFile, String> {
     if path.metadata().is_ok_and(|file| file.len() > MOST) {
-        return Err(format!("it has more than {} GB", MOST >> 30));
+        return Err(format!("the file is larger than {} GB", MOST >> 30));
     }
     let bytes = files::read(path).map_err(|e| e.to_string())?;
     let text = String::from_utf8_lossy(&bytes);
     if text.contains("<VTKFile") && !text.contains("</VTKFile>") {
-        return Err("the file ends early".into());
+        return Err("the file is incomplete".into());
     }
     if let Some(limit) = text.contains("<VTKFile").then(|| exceeded_limit(&text)).flatten() {
         return Err(limit);
     }
     if ["<PUnstructuredGrid", "<PPolyData"].iter().any(|list| text.contains(list)) {
-        return Err("it lists pieces in other files; save it as one".into());
+        return Err("it refers to pieces in other files; save it as one file".into());
     }
     if let Some(kind) = unknown_type(&text) {
-        return Err(format!("an array has the type `{kind}`, which VTK does not know"));
+        return Err(format!("an array has the type `{kind}`, which does not exist in VTK"));
     }
-    if claims_too_much(&text) {
-        return Err("the file is damaged: an array says that it is larger than the file can hold".into());
+    if declares_oversized_array(&text) {
+        return Err("the file is damaged: an array declares more data than the file can contain".into());
     }
     let vtk = Vtk::import(path).map_err(|e| e.to_string())?;
     let mesh = match vtk.data {
         DataSet::UnstructuredGrid { pieces, .. } => {
-            let [piece] = <[_; 1]>::try_from(pieces).map_err(|_| "it has several pieces; save it as one")?;
+            let [piece] = <[_; 1]>::try_from(pieces).map_err(|_| "it has several pieces; save it as one piece")?;
             let piece = piece.into_loaded_piece_data(Some(path)).map_err(|e| e.to_string())?;
             let cells = cells(Some(piece.cells.cell_verts));
             check_types(&piece.cells.types, &cells)?;
             assemble(&piece.points, cells, piece.data)?
         }
         DataSet::PolyData { pieces, .. } => {
-            let [piece] = <[_; 1]>::try_from(pieces).map_err(|_| "it has several pieces; save it as one")?;
+            let [piece] = <[_; 1]>::try_from(pieces).map_err(|_| "it has several pieces; save it as one piece")?;
             let piece = piece.into_loaded_piece_data(Some(path)).map_err(|e| e.to_string())?;
-            // Cell arrays of poly data run over verts, lines and polygons in this order.
+            // The cell arrays of poly data cover vertices, lines and polygons in this order.
             let all = [piece.verts, piece.lines, piece.polys].into_iter().flat_map(cells).collect();
             assemble(&piece.points, all, piece.data)?
         }
-        _ => return Err("it is neither an unstructured grid nor poly data".into()),
+        _ => return Err("it must be an unstructured grid or poly data".into()),
     };
     let declared = declared_arrays(&text);
     let found = mesh.point_arrays.len() + mesh.cell_arrays.len();
     match declared.filter(|d| *d != found) {
-        Some(declared) => Err(format!("{found} of its {declared} arrays can be decoded")),
+        Some(declared) => Err(format!("only {found} of its {declared} arrays can be decoded")),
         None => Ok(mesh),
     }
 }
 
-/// How many arrays an XML file declares on points and cells: vtkio leaves out what it cannot decode without a word.
+/// Returns the number of point and cell arrays that an XML file declares; vtkio silently skips arrays that it cannot
+/// decode.
 fn declared_arrays(text: &str) -> Option<usize> {
     let section = |name: &str| {
         let start = text.find(&format!("<{name}"))?;
@@ -124,7 +121,7 @@ fn declared_arrays(text: &str) -> Option<usize> {
     text.contains("<VTKFile").then(|| section("PointData").unwrap_or(0) + section("CellData").unwrap_or(0))
 }
 
-/// The simplest cells only: a line of second order has the points of a triangle.
+/// Checks that all cells are of supported types with the matching number of points.
 fn check_types(types: &[CellType], cells: &[Vec<usize>]) -> Result<(), String> {
     let points = |t: CellType| match t {
         CellType::Vertex => 1,
@@ -136,7 +133,8 @@ fn check_types(types: &[CellType], cells: &[Vec<usize>]) -> Result<(), String> {
     };
     match types.iter().zip(cells).position(|(t, c)| points(*t) != c.len()) {
         Some(i) => Err(format!(
-            "cell {} is a {:?} with {} points; vertices, lines, triangles, quads and triangles of six points are read",
+            "cell {} is a {:?} with {} points; supported are vertices, lines, \
+             triangles, quadrilaterals and six-point triangles",
             i + 1,
             types[i],
             cells[i].len()
@@ -145,7 +143,7 @@ fn check_types(types: &[CellType], cells: &[Vec<usize>]) -> Result<(), String> {
     }
 }
 
-/// The first type of an array that VTK does not have.
+/// Returns the first array type that does not exist in VTK.
 fn unknown_type(text: &str) -> Option<&str> {
     const TYPES: [&str; 11] =
         ["Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64", "Float32", "Float64", "String"];
@@ -169,22 +167,22 @@ fn cells(numbers: Option<VertexNumbers>) -> Vec<Vec<usize>> {
 }
 
 fn assemble(points: &IOBuffer, cells: Vec<Vec<usize>>, data: Attributes) -> Result<MeshFile, String> {
-    let values: Vec<f64> = points.cast_into().ok_or("its points are no numbers")?;
+    let values: Vec<f64> = points.cast_into().ok_or("its point coordinates are not numbers")?;
     let points = values.as_chunks::<3>().0.to_vec();
     if let Some(cell) = cells.iter().position(|c| c.is_empty() || c.iter().any(|&p| p >= points.len())) {
-        return Err(format!("cell {} refers to points that it does not have", cell + 1));
+        return Err(format!("cell {} refers to points that do not exist", cell + 1));
     }
     let (point_arrays, cell_arrays) = (arrays(data.point), arrays(data.cell));
     let wrong = misfit(&point_arrays, points.len()).or(misfit(&cell_arrays, cells.len()));
     match wrong {
-        Some(name) => Err(format!("its array {name} does not have one value each")),
+        Some(name) => Err(format!("its array {name} does not have one value per point or cell")),
         None => Ok(MeshFile { points, cells, point_arrays, cell_arrays, unread: Vec::new() }),
     }
 }
 
-/// A set or label array whose length is not that of what it marks.
+/// Returns the name of the first set or label array with a wrong length.
 fn misfit(arrays: &[(String, Vec<f64>)], count: usize) -> Option<&str> {
-    arrays.iter().find(|(name, values)| is_ours(name) && values.len() != count).map(|a| a.0.as_str())
+    arrays.iter().find(|(name, values)| is_recognized_array(name) && values.len() != count).map(|a| a.0.as_str())
 }
 
 fn arrays(attributes: Vec<Attribute>) -> Vec<(String, Vec<f64>)> {

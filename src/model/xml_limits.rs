@@ -1,14 +1,14 @@
-//! Limits of the tags of an XML file. They are checked before a reader sees the file that compares each attribute of a tag with
-//! all others (RUSTSEC-2026-0194).
+//! Limits for the tags of XML files, checked before a reader that compares all pairs of attributes of a tag
+//! (RUSTSEC-2026-0194).
 
-/// Attributes of a tag; VTK writes a dozen.
+/// Largest number of attributes of a tag; VTK writes about a dozen.
 const MOST_ATTRIBUTES: usize = 64;
-/// Tags of a file; VTK writes two for each array.
+/// Largest number of tags of a file; VTK writes two per array.
 const MOST_TAGS: usize = 100_000;
-/// Beginnings and ends of what looks like a tag and has no attributes.
+/// Start and end of constructs without attributes.
 const SKIPPED: [(&str, &str); 3] = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
 
-/// The limit that a file exceeds, with the line of the tag; `None` if it keeps to all. Binary data at the end is not read.
+/// Returns the exceeded limit with the line of the tag; `None` if there is none. Appended binary data is not scanned.
 pub fn exceeded_limit(text: &str) -> Option<String> {
     let mut rest = text;
     for _ in 0..MOST_TAGS {
@@ -22,7 +22,7 @@ pub fn exceeded_limit(text: &str) -> Option<String> {
             let line = text[..text.len() - tag.len()].matches('\n').count() + 1;
             let name = tag[1..].split(|c: char| c.is_whitespace()).next().unwrap_or_default();
             return Some(format!(
-                "line {line}: the tag `{name}` has {attributes} attributes, at most {MOST_ATTRIBUTES} are read"
+                "line {line}: the tag `{name}` has {attributes} attributes, at most {MOST_ATTRIBUTES} are allowed"
             ));
         }
         if tag.starts_with("<AppendedData") {
@@ -33,7 +33,7 @@ pub fn exceeded_limit(text: &str) -> Option<String> {
     Some(format!("it has more than {MOST_TAGS} tags"))
 }
 
-/// Length of the tag that a text begins with, up to its `>`, and the number of its attributes.
+/// Returns the length of the tag at the start of a text, up to its `>`, and its number of attributes.
 fn measure(tag: &str) -> (usize, usize) {
     let (mut quote, mut attributes) = (None, 0);
     let end = tag.bytes().position(|byte| {

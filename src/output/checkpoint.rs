@@ -1,8 +1,8 @@
-//! `<job>.checkpoint`: the state of a run with all that tells whether it is the right one. Whole or not at all, with a
-//! checksum. Never here: what the state consists of.
+//! Checkpoint file `<job>.checkpoint`: the state of a run, and the data that identify its job. It is written
+//! atomically, with a checksum.
 //!
-//! Magic and format number, SHA-256 of all that follows, the program's version, whose state it is ([`Identity`]), where the
-//! clock stands, then the job's own part and the state of the run, each with its length.
+//! Contents: magic bytes and format number, SHA-256 of the rest, version of the program, [`JobIdentity`], current
+//! instant, then the data of the job and the state of the run, each with its length.
 
 use std::io;
 use std::path::Path;
@@ -12,45 +12,45 @@ use hmac_sha256::Hash;
 use super::write_durable;
 use crate::deck::{Diagnostic, files};
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
+use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
 
-/// Ending of the file.
+/// Suffix of the file.
 pub const CHECKPOINT: &str = ".checkpoint";
-/// The last byte counts the layouts that there have been.
+/// The last byte is the number of the format.
 const MAGIC: [u8; 8] = *b"REVOLVE\x06";
 const SUM: usize = 32;
 
-/// Whose state it is. Each part is a hash in hexadecimal, or the thing itself.
+/// Identity of the job that a state belongs to. Each part is a hexadecimal hash, or the data itself.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Identity {
-    /// Texts of the deck and what it includes.
+pub struct JobIdentity {
+    /// Text of the deck and of the files that it includes.
     pub deck: String,
-    /// `*PARAMETER` values in force, `--set` included.
+    /// Values of `*PARAMETER`, `--set` included.
     pub parameters: String,
     /// Nodes and elements, which may come from mesh files.
     pub mesh: String,
-    /// The user's routines; empty without any.
+    /// User subroutines; empty without any.
     pub user: String,
-    /// Precision that was asked for.
+    /// Requested precision.
     pub precision: String,
 }
 
-/// What a file holds.
+/// Contents of a checkpoint file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Checkpoint {
-    /// The program that wrote it.
+    /// Version of the program that wrote it.
     pub version: String,
-    /// Whose state it is.
-    pub identity: Identity,
-    /// Where the clock stands.
+    /// Identity of the job.
+    pub identity: JobIdentity,
+    /// Instant of the state.
     pub now: Instant,
-    /// Of the job: what has been shown.
+    /// Output of the job so far.
     pub shown: Vec<u8>,
-    /// Of the run.
+    /// State of the run.
     pub state: Vec<u8>,
 }
 
-/// SHA-256 of pieces, each with its length, in hexadecimal.
+/// Returns the hexadecimal SHA-256 of byte strings, each with its length.
 pub fn hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
     let mut hash = Hash::new();
     for piece in pieces {
@@ -60,10 +60,10 @@ pub fn hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-persist_struct!(Identity { deck, parameters, mesh, user, precision });
+persist_struct!(JobIdentity { deck, parameters, mesh, user, precision });
 
 impl Persist for Checkpoint {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         let Checkpoint { version, identity, now, shown, state } = self;
         persist_fields!(archive; version, identity, now);
         archive.blob(shown);
@@ -72,89 +72,94 @@ impl Persist for Checkpoint {
 }
 
 impl Checkpoint {
-    /// Writes the file and waits until the disk has it.
+    /// Writes the file and waits until it is on the disk.
     ///
     /// # Errors
-    /// With the path in the message.
+    /// If it cannot be written; the message contains the path.
     pub fn write(&mut self, path: &Path) -> io::Result<()> {
         let mut bytes = Vec::with_capacity(self.state.len() + self.shown.len() + 1024);
         bytes.extend(MAGIC);
         bytes.extend([0; SUM]);
-        self.persist(&mut Archive::writer(&mut bytes));
+        self.persist(&mut StateArchive::writer(&mut bytes));
         let sum = Hash::hash(&bytes[MAGIC.len() + SUM..]);
         bytes[MAGIC.len()..MAGIC.len() + SUM].copy_from_slice(&sum);
         write_durable(path, &bytes)
     }
 
-    /// Reads a file; `None` if there is none.
+    /// Reads a file; `None` if it does not exist.
     ///
     /// # Errors
-    /// K001 if it is damaged, K002 if another version has written it.
+    /// K001 if it is damaged, K002 if another version wrote it.
     pub fn read(path: &Path) -> Result<Option<Checkpoint>, Diagnostic> {
         let damaged = |why: &str| {
             let message = format!("the checkpoint {} is damaged: {why}", path.display());
-            Diagnostic::error("K001", message).help("run without --resume to start anew")
+            Diagnostic::error("K001", message).help("run without --resume to start from the beginning")
         };
         let bytes = match files::read(path) {
             Ok(bytes) => bytes,
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(damaged(&e.to_string())),
         };
-        let Some((magic, rest)) = bytes.split_first_chunk::<8>() else { return Err(damaged("it ends too early")) };
+        let Some((magic, rest)) = bytes.split_first_chunk::<8>() else { return Err(damaged("it is incomplete")) };
         if magic[..7] != MAGIC[..7] {
-            return Err(damaged("it does not begin as checkpoints do"));
+            return Err(damaged("it is not a checkpoint file"));
         }
         if magic != &MAGIC {
-            return Err(other_version(path, &format!("layout {}, this program has {}", magic[7], MAGIC[7])));
+            return Err(other_version(path, &format!("its format is {}, this program uses {}", magic[7], MAGIC[7])));
         }
-        let Some((sum, body)) = rest.split_at_checked(SUM) else { return Err(damaged("it ends too early")) };
+        let Some((sum, body)) = rest.split_at_checked(SUM) else { return Err(damaged("it is incomplete")) };
         if Hash::hash(body)[..] != *sum {
-            return Err(damaged("its checksum is not that of its content"));
+            return Err(damaged("its checksum does not match its content"));
         }
         let mut checkpoint = Checkpoint::default();
-        let mut archive = Archive::reader(body);
+        let mut archive = StateArchive::reader(body);
         checkpoint.persist(&mut archive);
         archive.finish().map_err(|why| damaged(&why.reason))?;
         if checkpoint.version != env!("CARGO_PKG_VERSION") {
-            let versions = format!("version {}, this is {}", checkpoint.version, env!("CARGO_PKG_VERSION"));
+            let versions =
+                format!("its version is {}, this program is {}", checkpoint.version, env!("CARGO_PKG_VERSION"));
             return Err(other_version(path, &versions));
         }
         Ok(Some(checkpoint))
     }
 
-    /// Whether it is a state of this job.
+    /// Checks that the state belongs to this job.
     ///
     /// # Errors
-    /// K003 to K005 and K010: what is another.
-    pub fn accept(&self, identity: &Identity) -> Result<(), Diagnostic> {
-        let Identity { deck, parameters, mesh, user, precision } = &self.identity;
+    /// K003 to K005 and K010, with the part that differs.
+    pub fn accept(&self, identity: &JobIdentity) -> Result<(), Diagnostic> {
+        let JobIdentity { deck, parameters, mesh, user, precision } = &self.identity;
         let refused = |code, what: String| {
-            Err(Diagnostic::error(code, what).help("run without --resume to start anew, or give what the run had"))
+            Err(Diagnostic::error(code, what)
+                .help("run without --resume to start from the beginning, or restore the input of the checkpoint"))
         };
         if *parameters != identity.parameters {
             let what = differences(parameters, &identity.parameters);
-            return refused("K004", format!("the checkpoint is of a run with other parameters: {what}"));
+            return refused("K004", format!("the checkpoint belongs to a run with different parameters: {what}"));
         }
         if *deck != identity.deck {
             return refused(
                 "K003",
-                "the checkpoint is of another deck: its text, or that of a file it includes, has changed".into(),
+                "the checkpoint belongs to a different deck: its text, or that of an included file, has changed".into(),
             );
         }
         if *mesh != identity.mesh {
-            return refused("K003", "the checkpoint is of another mesh: nodes or elements have changed".into());
+            return refused(
+                "K003",
+                "the checkpoint belongs to a different mesh: nodes or elements have changed".into(),
+            );
         }
         if *user != identity.user {
             let why = match (user.is_empty(), identity.user.is_empty()) {
-                (false, true) => "it had --user files",
-                (true, false) => "it had no --user files",
-                _ => "sources, flags or compiler have changed",
+                (false, true) => "that run had --user files",
+                (true, false) => "that run had no --user files",
+                _ => "the sources, compiler or its flags have changed",
             };
-            return refused("K005", format!("the checkpoint is of a run with other routines of the user: {why}"));
+            return refused("K005", format!("the checkpoint belongs to a run with different user subroutines: {why}"));
         }
         if *precision != identity.precision {
             let what = format!(
-                "the checkpoint is of a run in {precision} precision, and this one is in {}",
+                "the checkpoint belongs to a run in {precision} precision, and this run is in {}",
                 identity.precision
             );
             return refused("K010", what);
@@ -163,7 +168,7 @@ impl Checkpoint {
     }
 }
 
-/// The first few parameters that differ.
+/// Returns the first few parameters that differ.
 fn differences(there: &str, here: &str) -> String {
     let [there, here]: [Vec<&str>; 2] = [there, here].map(|list| list.split(", ").filter(|p| !p.is_empty()).collect());
     let only = |list: &[&str], other: &[&str]| {
@@ -171,24 +176,26 @@ fn differences(there: &str, here: &str) -> String {
         let more = if different.len() > 4 { ", …" } else { "" };
         if different.is_empty() { "nothing".into() } else { different[..different.len().min(4)].join(", ") + more }
     };
-    format!("{} there, {} here", only(&there, &here), only(&here, &there))
+    format!("{} in the checkpoint, {} in this run", only(&there, &here), only(&here, &there))
 }
 
 fn other_version(path: &Path, versions: &str) -> Diagnostic {
-    let message = format!("the checkpoint {} is of another version of the program: {versions}", path.display());
-    Diagnostic::error("K002", message).help("go on with that version, or run without --resume to start anew")
+    let message =
+        format!("the checkpoint {} was written by a different version of the program: {versions}", path.display());
+    Diagnostic::error("K002", message)
+        .help("continue with that version, or run without --resume to start from the beginning")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Checkpoint, Identity};
+    use super::{Checkpoint, JobIdentity};
 
     #[test]
-    fn every_cut_and_every_flipped_byte_is_found() {
+    fn truncated_and_modified_files_are_detected() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.checkpoint");
         assert_eq!(Checkpoint::read(&path).expect("nothing is there"), None);
-        let identity = Identity { deck: "d".into(), parameters: "V = 600".into(), ..Identity::default() };
+        let identity = JobIdentity { deck: "d".into(), parameters: "V = 600".into(), ..JobIdentity::default() };
         let version = env!("CARGO_PKG_VERSION").to_owned();
         let mut checkpoint = Checkpoint { version, identity, state: vec![1, 2, 3], ..Checkpoint::default() };
         checkpoint.write(&path).expect("written");
@@ -209,17 +216,20 @@ mod tests {
     }
 
     #[test]
-    fn what_is_another_is_named() {
-        let identity = Identity { deck: "d".into(), parameters: "V = 600".into(), ..Identity::default() };
+    fn differences_from_the_checkpoint_are_named() {
+        let identity = JobIdentity { deck: "d".into(), parameters: "V = 600".into(), ..JobIdentity::default() };
         let checkpoint = Checkpoint { identity: identity.clone(), ..Checkpoint::default() };
         assert!(checkpoint.accept(&identity).is_ok());
-        let code = |other: Identity| checkpoint.accept(&other).expect_err("another").code;
-        assert_eq!(code(Identity { deck: "e".into(), ..identity.clone() }), "K003");
-        assert_eq!(code(Identity { mesh: "m".into(), ..identity.clone() }), "K003");
-        assert_eq!(code(Identity { parameters: "V = 700".into(), ..identity.clone() }), "K004");
-        assert_eq!(super::differences("a = 1.0, b = 2.0", "a = 1.0, b = 3.0"), "b = 2.0 there, b = 3.0 here");
-        assert_eq!(super::differences("", "b = 3.0"), "nothing there, b = 3.0 here");
-        assert_eq!(code(Identity { user: "u".into(), ..identity.clone() }), "K005");
-        assert_eq!(code(Identity { precision: "single".into(), ..identity.clone() }), "K010");
+        let code = |other: JobIdentity| checkpoint.accept(&other).expect_err("another").code;
+        assert_eq!(code(JobIdentity { deck: "e".into(), ..identity.clone() }), "K003");
+        assert_eq!(code(JobIdentity { mesh: "m".into(), ..identity.clone() }), "K003");
+        assert_eq!(code(JobIdentity { parameters: "V = 700".into(), ..identity.clone() }), "K004");
+        assert_eq!(
+            super::differences("a = 1.0, b = 2.0", "a = 1.0, b = 3.0"),
+            "b = 2.0 in the checkpoint, b = 3.0 in this run"
+        );
+        assert_eq!(super::differences("", "b = 3.0"), "nothing in the checkpoint, b = 3.0 in this run");
+        assert_eq!(code(JobIdentity { user: "u".into(), ..identity.clone() }), "K005");
+        assert_eq!(code(JobIdentity { precision: "single".into(), ..identity.clone() }), "K010");
     }
 }

@@ -1,9 +1,8 @@
-//! Times on the clock in words.
-//! Never here: times of the deck.
+//! Wall-clock times as text.
 
 use std::time::Duration;
 
-/// A time as people say it: `0.4 ms`, `0.3 s`, `12 s`, `3 min 05 s`, `2 h 07 min`, `12 days`.
+/// Returns a time as text: `0.4 ms`, `0.3 s`, `12 s`, `3 min 05 s`, `2 h 07 min`, `12 days`.
 pub fn span(time: Duration) -> String {
     let seconds = time.as_secs();
     match seconds {
@@ -17,7 +16,7 @@ pub fn span(time: Duration) -> String {
     }
 }
 
-/// The same of a number of seconds; one that is no time, or longer than any, is the longest.
+/// Returns the same for a number of seconds; an invalid or too large number becomes the longest time.
 pub fn seconds(seconds: f64) -> String {
     span(Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX))
 }
@@ -28,7 +27,7 @@ mod tests {
     use std::time::Duration;
 
     #[test]
-    fn times_are_said_as_people_say_them() {
+    fn durations_are_formatted_by_size() {
         let said = [2, 12, 950, 42_000, 185_000, 7_620_000, 864_000_000].map(|ms| span(Duration::from_millis(ms)));
         assert_eq!(said, ["2.0 ms", "12 ms", "0.9 s", "42 s", "3 min 05 s", "2 h 07 min", "10 days"]);
     }

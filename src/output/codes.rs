@@ -1,21 +1,20 @@
-//! Diagnostic codes of checkpoints (`K…`), for `revolve explain`.
-//! Never here: the checks.
+//! Diagnostic codes of checkpoints and result folders (`K…`), for `revolve explain`.
 
-use crate::deck::Code;
+use crate::deck::DiagnosticCode;
 
-/// All codes of this folder.
-pub const CODES: &[Code] = codes! {
-    "K001" "damaged checkpoint" "`--resume` reads `<job>.checkpoint` in the folder of the results. It is no checkpoint, cut off, or changed: its checksum (SHA-256) is not that of its content. The program itself never leaves half a checkpoint behind."
-    "K002" "checkpoint of another version" "Versions may differ in what a state consists of and in the last bits of results: a run goes on with the version that it began with."
-    "K003" "checkpoint of another deck" "The text of the deck, of a file that it includes, or its mesh is not what it was when the run began. What the state then means is not known."
-    "K004" "checkpoint of other parameters" "The values of *PARAMETER, those of `--set` included, are not what they were. Give the same `--set` again."
-    "K005" "checkpoint of other user routines" "The files of `--user`, the compiler or its flags (`--check-user`) are not what they were. Give the same again."
-    "K006" "checkpoint that does not fit" "The content of the checkpoint has another shape than the plan of the deck. That should not happen with the same deck and version: please report it."
-    "K007" "a job is at work in the folder" "Another process writes results into the folder; frames of both would mix. The message names its job and its number. The lock is `.revolve-lock` in the folder; the system lets go of it when the process ends, also when it is killed, so one that is left over locks nothing."
-    "K008" "no name for a job" "A job has the name of its deck without the ending, and its files begin with it. A deck called `...inp` would name them `..`, which is the folder above."
-    "K009" "checkpoint that lacks memory of the routines" "SAVE, COMMON, modules and static variables of user routines are kept in a checkpoint and given back, as far as they mean the same in another process. What does not: an address (an ALLOCATABLE or POINTER with SAVE, memory of malloc, a FILE), a variable of which each thread has its own, a file that is open, a thread that still runs, the seed of random_number. The message names what was found. `--resume-anyway` goes on: where only a file, a thread or a seed is lost, the variables are as they were, else as in a new run; vexternaldb is called with lOp = 0 and kInc above 0, and can open and read what it needs."
-    "K010" "checkpoint of another precision" "The run went in double precision and is to go on in single, or the other way round. Give the `--precision` that it had."
-    "K101" "no checkpoint" "`--resume` found no `<job>.checkpoint` in the folder of the results, and the run starts at its beginning. A checkpoint is written if the deck has *RESTART, WRITE, with `--checkpoint-every`, and when SIGINT or SIGTERM ends a run; it is removed when the run is complete."
-    "K102" "not all of the routines' memory is kept" "A checkpoint does not hold all that the user's routines keep to themselves: K009 says what cannot be kept, and `--resume` refuses such a checkpoint. A routine can keep it by its own means: vexternaldb is told by lWriteRestart = 1 that the state of the increment that ends will be kept, and by lOp = 0 with kInc above 0 that a run goes on (`--resume-anyway`). Of routines that are types of Rust nothing is kept but what they are given to keep."
-    "K103" "frames are missing" "Frames that were written before the checkpoint are no longer in the folder, or a loss of power has left them empty. The run goes on; the series names them nevertheless."
+/// All codes of this module.
+pub const CODES: &[DiagnosticCode] = codes! {
+    "K001" "damaged checkpoint" "`--resume` reads `<job>.checkpoint` in the folder of the results. The file is not a checkpoint, is incomplete, or has changed, so that its SHA-256 checksum does not match. The program writes checkpoints atomically and never leaves an incomplete one."
+    "K002" "checkpoint of another version" "Versions may differ in the format of the state and in the last bits of results. Continue a run with the version that started it."
+    "K003" "checkpoint of another deck" "The text of the deck, of a file that it includes, or its mesh has changed since the run began. The saved state cannot be interpreted with the new deck."
+    "K004" "checkpoint of other parameters" "The values of *PARAMETER, including those of `--set`, differ from those of the run. Use the same `--set` again."
+    "K005" "checkpoint of other user subroutines" "The files of `--user`, the compiler or its flags (`--check-user`) have changed. Use the same ones again."
+    "K006" "checkpoint that does not fit" "The content of the checkpoint does not fit the deck. This is an error of the program if deck and version are the same: please report it."
+    "K007" "folder in use by another job" "Another process writes results into the folder, and the frames of both jobs would mix. The message names its job and its process number. The lock file is `.revolve-lock` in the folder. The operating system releases the lock when the process ends, even if it is killed, so that a remaining file has no effect."
+    "K008" "deck without a job name" "The job name is the file name of the deck without its suffix, and result files begin with it. A deck called `...inp` would give the name `..`, which is the parent folder."
+    "K009" "checkpoint without some user memory" "A checkpoint contains SAVE, COMMON, module and static variables of user subroutines. It cannot contain data that is valid only within one process: addresses (an ALLOCATABLE or POINTER with SAVE, memory of malloc, a FILE), thread-local variables, open files, running threads, the seed of random_number. The message names what was found. `--resume-anyway` continues the run. If only a file, a thread or a seed is missing, the variables are restored, else they are as in a new run. vexternaldb is called with lOp = 0 and kInc above 0, and can open and read the data that it needs."
+    "K010" "checkpoint of another precision" "The checkpoint was written in double precision and this run is in single precision, or the reverse. Use the `--precision` of the checkpoint."
+    "K101" "no checkpoint" "`--resume` found no `<job>.checkpoint` in the results folder, so the run starts from the beginning. A checkpoint is written if the deck contains *RESTART, WRITE, with `--checkpoint-every`, and when SIGINT or SIGTERM ends a run. It is removed when the run is complete."
+    "K102" "user memory is missing in the checkpoint" "A checkpoint does not contain all memory of the user subroutines. K009 lists the data that cannot be saved, and `--resume` rejects such a checkpoint. A subroutine can save such data itself: vexternaldb receives lWriteRestart = 1 if a checkpoint follows the increment, and lOp = 0 with kInc above 0 if a run continues (`--resume-anyway`). For subroutines in Rust only data that they explicitly save is included."
+    "K103" "frames are missing" "Frames that were written before the checkpoint are no longer in the folder, or are empty after a power failure. The run continues, and the series still lists these frames."
 };

@@ -1,8 +1,7 @@
-//! Tables as text, columns lined up.
-//! Never here: what is in them.
+//! Text tables with aligned columns.
 
-/// A header and rows, each line with an end and without blanks before it; columns begin on the left or end on the right.
-pub fn lined_up<S: AsRef<str>>(header: &[S], rows: &[Vec<String>], to_the_right: bool) -> String {
+/// Returns a header and rows as aligned lines without trailing blanks; columns are aligned to the left or to the right.
+pub fn aligned_table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>], to_the_right: bool) -> String {
     let header: Vec<&str> = header.iter().map(AsRef::as_ref).collect();
     let lines: Vec<Vec<&str>> =
         std::iter::once(header).chain(rows.iter().map(|row| row.iter().map(String::as_str).collect())).collect();
@@ -17,7 +16,8 @@ pub fn lined_up<S: AsRef<str>>(header: &[S], rows: &[Vec<String>], to_the_right:
     lines.iter().map(line).collect()
 }
 
-/// The same, columns on the left, with the last one broken between words so that lines have so many letters where they can.
+/// Returns a table aligned to the left whose last column is wrapped at word boundaries to the line length `width`, if
+/// possible.
 pub fn wrapped(header: &[&str], rows: &[Vec<String>], width: usize) -> String {
     const LEAST: usize = 24;
     let before = header.len().saturating_sub(1);
@@ -25,24 +25,24 @@ pub fn wrapped(header: &[&str], rows: &[Vec<String>], width: usize) -> String {
         let cells = rows.iter().filter_map(|row| row.get(column)).map(|c| c.chars().count());
         cells.chain([header[column].chars().count()]).max().unwrap_or(0) + 2
     };
-    let room = width.saturating_sub((0..before).map(letters).sum::<usize>() + 1).max(LEAST);
+    let text_width = width.saturating_sub((0..before).map(letters).sum::<usize>() + 1).max(LEAST);
     let lines = rows.iter().flat_map(|row| {
-        let parts = broken(row.last().map_or("", String::as_str), room);
+        let parts = broken(row.last().map_or("", String::as_str), text_width);
         parts.into_iter().enumerate().map(|(i, part)| {
             let blank = |cell: &String| if i == 0 { cell.clone() } else { String::new() };
             row.iter().take(before).map(blank).chain([part]).collect()
         })
     });
-    lined_up(header, &lines.collect::<Vec<_>>(), false)
+    aligned_table(header, &lines.collect::<Vec<_>>(), false)
 }
 
-/// A text in lines of so many letters at most, broken between words; a longer word stays whole.
-fn broken(text: &str, room: usize) -> Vec<String> {
+/// Wraps a text at word boundaries to lines of at most `text_width` characters; a longer word is not broken.
+fn broken(text: &str, text_width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
         let Some(line) = lines.last_mut() else { break };
         let length = line.chars().count();
-        if length > 0 && length + 1 + word.chars().count() > room {
+        if length > 0 && length + 1 + word.chars().count() > text_width {
             lines.push(word.to_owned());
         } else {
             if length > 0 {

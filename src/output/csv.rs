@@ -1,11 +1,10 @@
-//! Fields of CSV, written and taken apart again (RFC 4180).
-//! Never here: what is in them.
+//! CSV fields, written and parsed (RFC 4180).
 
 use std::borrow::Cow;
 
 use crate::deck::printable;
 
-/// A field as it is written: quoted where it holds what parts fields, control characters written out.
+/// Returns a field for writing: quoted if it contains a separator, with control characters escaped.
 pub fn field(text: &str) -> Cow<'_, str> {
     let text = printable(text);
     if text.contains([',', '"', '\n']) || text.starts_with(' ') || text.ends_with(' ') {
@@ -15,19 +14,19 @@ pub fn field(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// A line of fields with its end.
+/// Returns a line of fields with a line break.
 pub fn line<S: AsRef<str>>(fields: impl IntoIterator<Item = S>) -> String {
     let fields: Vec<String> = fields.into_iter().map(|text| field(text.as_ref()).into_owned()).collect();
     fields.join(",") + "\n"
 }
 
-/// Lines that are neither empty nor comments (`#`), with their numbers from 1.
+/// Returns lines that are neither empty nor comments (`#`), with their line numbers from 1.
 pub fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let numbered = text.lines().enumerate().map(|(i, line)| (i + 1, line));
     numbered.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'))
 }
 
-/// The fields of a line, without their quotes.
+/// Returns the fields of a line without quotes.
 pub fn fields(line: &str) -> Vec<String> {
     let mut fields = vec![String::new()];
     let (mut quoted, mut rest) = (false, line.trim_end_matches(['\r', '\n']).chars().peekable());
@@ -51,7 +50,7 @@ mod tests {
     use super::{field, fields};
 
     #[test]
-    fn what_is_written_reads_back() {
+    fn written_fields_are_parsed_back() {
         let names = ["time", "U2@R,E", "a \"b\"", " c", "d", ""];
         let line = names.map(|n| field(n).into_owned()).join(",");
         assert_eq!(line, "time,\"U2@R,E\",\"a \"\"b\"\"\",\" c\",d,");

@@ -1,37 +1,38 @@
-//! Drawings as lists of shapes, written as SVG here and as pixels in `raster`. Lengths are in points, y runs downwards.
+//! Drawings as lists of shapes, written as SVG here and as pixels in `raster`. Lengths are in points, y points
+//! downwards.
 
 use std::fmt::{self, Display, Write as _};
 
 use super::vtu::escape;
 
-/// Red, green and blue as `0xRRGGBB`.
+/// Colour as `0xRRGGBB`.
 pub type Colour = u32;
 
-/// Height of the letters of a label, unless it has another.
+/// Default height of letters.
 pub const LETTERS: f64 = 15.0;
 /// Radius of a dot.
 pub const DOT: f64 = 4.5;
 
-/// Shapes on a white ground, the first one lowest.
+/// Shapes on a white background, in drawing order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
     /// Width and height.
     pub size: [f64; 2],
     /// The shapes.
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<DrawingShape>,
 }
 
-/// A part of a drawing.
+/// Element of a drawing.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub enum DrawingShape {
     /// Straight lines through points.
     Path {
         /// The points.
         points: Vec<[f64; 2]>,
-        /// Whether the last point is joined to the first.
+        /// Whether the last point is connected to the first.
         closed: bool,
         /// Fill and stroke.
-        paint: Paint,
+        paint: ShapePaint,
     },
     /// A rectangle.
     Rectangle {
@@ -40,7 +41,7 @@ pub enum Shape {
         /// Width and height.
         size: [f64; 2],
         /// Fill and stroke.
-        paint: Paint,
+        paint: ShapePaint,
     },
     /// A filled circle.
     Dot {
@@ -50,30 +51,30 @@ pub enum Shape {
         colour: Colour,
     },
     /// A line of text.
-    Label(Label),
-    /// Limits the following shapes to a rectangle, by its upper left corner, width and height.
+    Label(TextLabel),
+    /// Clips the following shapes to a rectangle with this upper left corner, width and height.
     BeginClip([f64; 2], [f64; 2]),
-    /// Ends that limit.
+    /// Ends the clipping.
     EndClip,
 }
 
 /// Fill and stroke of a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Paint {
+pub struct ShapePaint {
     /// Colour and opacity (0 to 1) of the inside.
     pub fill: Option<(Colour, f64)>,
-    /// Line along the outline.
-    pub stroke: Option<Stroke>,
+    /// Outline.
+    pub stroke: Option<LineStroke>,
 }
 
-/// A line along an outline.
+/// Line along an outline.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stroke {
+pub struct LineStroke {
     /// Its colour.
     pub colour: Colour,
     /// Its width.
     pub width: f64,
-    /// Lengths of dashes and gaps in turn; empty for a solid line.
+    /// Lengths of dashes and gaps, alternating; empty for a solid line.
     pub dashes: &'static [f32],
     /// Whether ends and corners are round.
     pub round: bool,
@@ -81,62 +82,62 @@ pub struct Stroke {
 
 /// A line of text.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Label {
-    /// Place of the anchor on the base line.
+pub struct TextLabel {
+    /// Position of the anchor on the base line.
     pub at: [f64; 2],
     /// The text.
     pub text: String,
-    /// Which part of the text lies at that place.
-    pub anchor: Anchor,
+    /// Part of the text at this position.
+    pub anchor: TextAnchor,
     /// Height of the letters.
     pub size: f64,
     /// Colour of the letters.
     pub colour: Colour,
-    /// Whether the text runs upwards.
+    /// Whether the text is rotated by 90 degrees counter-clockwise.
     pub upright: bool,
 }
 
-/// The part of a text that lies at its place.
+/// Part of a text at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Anchor {
-    /// Where it begins.
+pub enum TextAnchor {
+    /// Its start.
     Start,
     /// Its middle.
     Middle,
-    /// Where it ends.
+    /// Its end.
     End,
 }
 
 impl Drawing {
-    /// An empty drawing of this width and height.
+    /// An empty drawing of this width and height, in points.
     pub fn new(size: [f64; 2]) -> Drawing {
         Drawing { size, shapes: Vec::new() }
     }
 
-    /// Adds lines through points, if there are any.
-    pub fn path(&mut self, points: impl IntoIterator<Item = [f64; 2]>, closed: bool, paint: Paint) {
+    /// Adds lines through points; nothing without points.
+    pub fn path(&mut self, points: impl IntoIterator<Item = [f64; 2]>, closed: bool, paint: ShapePaint) {
         let points: Vec<[f64; 2]> = points.into_iter().collect();
         if !points.is_empty() {
-            self.shapes.push(Shape::Path { points, closed, paint });
+            self.shapes.push(DrawingShape::Path { points, closed, paint });
         }
     }
 
     /// Adds a rectangle by its upper left corner, its width and its height.
-    pub fn rectangle(&mut self, corner: [f64; 2], size: [f64; 2], paint: Paint) {
-        self.shapes.push(Shape::Rectangle { corner, size, paint });
+    pub fn rectangle(&mut self, corner: [f64; 2], size: [f64; 2], paint: ShapePaint) {
+        self.shapes.push(DrawingShape::Rectangle { corner, size, paint });
     }
 
     /// Adds a dot.
     pub fn dot(&mut self, centre: [f64; 2], colour: Colour) {
-        self.shapes.push(Shape::Dot { centre, colour });
+        self.shapes.push(DrawingShape::Dot { centre, colour });
     }
 
     /// Adds a line of text.
-    pub fn label(&mut self, label: Label) {
-        self.shapes.push(Shape::Label(label));
+    pub fn label(&mut self, label: TextLabel) {
+        self.shapes.push(DrawingShape::Label(label));
     }
 
-    /// The drawing as SVG.
+    /// Returns the drawing as SVG.
     pub fn svg(&self) -> String {
         let [width, height] = self.size;
         let mut svg = format!(
@@ -151,45 +152,45 @@ impl Drawing {
     }
 }
 
-impl Shape {
+impl DrawingShape {
     fn write_svg(&self, index: usize, svg: &mut String) -> fmt::Result {
         let rectangle = |[x, y]: &[f64; 2], [wide, high]: &[f64; 2]| {
             format!("<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{wide:.2}\" height=\"{high:.2}\"")
         };
         match self {
-            Shape::Path { points, closed, paint } => {
+            DrawingShape::Path { points, closed, paint } => {
                 let words: Vec<String> = points.iter().map(|[x, y]| format!("{x:.2} {y:.2}")).collect();
                 let end = if *closed { "Z" } else { "" };
                 writeln!(svg, "<path d=\"M{}{end}\"{paint}/>", words.join("L"))
             }
-            Shape::Rectangle { corner, size, paint } => writeln!(svg, "{}{paint}/>", rectangle(corner, size)),
-            Shape::Dot { centre: [x, y], colour } => {
+            DrawingShape::Rectangle { corner, size, paint } => writeln!(svg, "{}{paint}/>", rectangle(corner, size)),
+            DrawingShape::Dot { centre: [x, y], colour } => {
                 writeln!(svg, "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{DOT}\" fill=\"#{colour:06x}\"/>")
             }
-            Shape::Label(label) => label.write_svg(svg),
-            Shape::BeginClip(corner, size) => {
+            DrawingShape::Label(label) => label.write_svg(svg),
+            DrawingShape::BeginClip(corner, size) => {
                 let id = format!("clip{index}");
                 writeln!(svg, "<clipPath id=\"{id}\">{}/></clipPath>", rectangle(corner, size))?;
                 writeln!(svg, "<g clip-path=\"url(#{id})\">")
             }
-            Shape::EndClip => writeln!(svg, "</g>"),
+            DrawingShape::EndClip => writeln!(svg, "</g>"),
         }
     }
 }
 
-impl Paint {
+impl ShapePaint {
     /// A fill of this opacity without a stroke.
-    pub fn fill(colour: Colour, opacity: f64) -> Paint {
-        Paint { fill: Some((colour, opacity)), stroke: None }
+    pub fn fill(colour: Colour, opacity: f64) -> ShapePaint {
+        ShapePaint { fill: Some((colour, opacity)), stroke: None }
     }
 
     /// A solid stroke without a fill.
-    pub fn stroke(colour: Colour, width: f64) -> Paint {
-        Paint { fill: None, stroke: Some(Stroke::new(colour, width)) }
+    pub fn stroke(colour: Colour, width: f64) -> ShapePaint {
+        ShapePaint { fill: None, stroke: Some(LineStroke::new(colour, width)) }
     }
 }
 
-impl Display for Paint {
+impl Display for ShapePaint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.fill {
             Some((colour, opacity)) if opacity < 1.0 => {
@@ -198,7 +199,7 @@ impl Display for Paint {
             Some((colour, _)) => write!(f, " fill=\"#{colour:06x}\"")?,
             None => f.write_str(" fill=\"none\"")?,
         }
-        let Some(Stroke { colour, width, dashes, round }) = self.stroke else { return Ok(()) };
+        let Some(LineStroke { colour, width, dashes, round }) = self.stroke else { return Ok(()) };
         write!(f, " stroke=\"#{colour:06x}\" stroke-width=\"{width}\"")?;
         if !dashes.is_empty() {
             let lengths: Vec<String> = dashes.iter().map(f32::to_string).collect();
@@ -208,17 +209,17 @@ impl Display for Paint {
     }
 }
 
-impl Stroke {
-    /// A solid line with plain ends.
-    pub fn new(colour: Colour, width: f64) -> Stroke {
-        Stroke { colour, width, dashes: &[], round: false }
+impl LineStroke {
+    /// A solid line with flat ends.
+    pub fn new(colour: Colour, width: f64) -> LineStroke {
+        LineStroke { colour, width, dashes: &[], round: false }
     }
 }
 
-impl Label {
-    /// Black text from left to right in letters of the usual height.
-    pub fn new(at: [f64; 2], anchor: Anchor, text: impl Into<String>) -> Label {
-        Label { at, text: text.into(), anchor, size: LETTERS, colour: 0, upright: false }
+impl TextLabel {
+    /// Black horizontal text with the default letter height.
+    pub fn new(at: [f64; 2], anchor: TextAnchor, text: impl Into<String>) -> TextLabel {
+        TextLabel { at, text: text.into(), anchor, size: LETTERS, colour: 0, upright: false }
     }
 
     fn write_svg(&self, svg: &mut String) -> fmt::Result {
@@ -228,9 +229,9 @@ impl Label {
             write!(svg, " font-size=\"{}\"", self.size)?;
         }
         svg.push_str(match self.anchor {
-            Anchor::Start => "",
-            Anchor::Middle => " text-anchor=\"middle\"",
-            Anchor::End => " text-anchor=\"end\"",
+            TextAnchor::Start => "",
+            TextAnchor::Middle => " text-anchor=\"middle\"",
+            TextAnchor::End => " text-anchor=\"end\"",
         });
         if self.colour != 0 {
             write!(svg, " fill=\"#{:06x}\"", self.colour)?;

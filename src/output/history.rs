@@ -1,5 +1,4 @@
-//! Histories: rows over time as CSV, and what each column came to.
-//! Never here: when a row is due.
+//! History output: rows over time as CSV, and a summary of each column.
 
 use std::fmt::Write as _;
 
@@ -8,39 +7,39 @@ use serde::Serialize;
 
 use super::csv;
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
+use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
 
-/// Name of the column behind the time: the number of the step, from 1.
+/// Name of the column after the time: number of the step, from 1.
 pub const STEP: &str = "step";
 
-/// The histories of a run: what each column came to, and the rows where they are kept.
+/// Histories of a run: summaries of the columns, and optionally the rows.
 #[derive(Clone, Debug, Default)]
-pub struct History {
-    /// Column names without time (`U2@REF`, `ALLKE`).
+pub struct RunHistory {
+    /// Column names without the time (`U2@REF`, `ALLKE`).
     pub columns: Vec<String>,
-    /// What they came to over all rows shown.
+    /// Summaries of the columns over all rows.
     pub summary: HistorySummary,
     keeps_rows: bool,
-    /// Total time of each row that was kept.
+    /// Total time of each stored row.
     times: Vec<f64>,
-    /// Number of the step, from 1, of each row that was kept.
+    /// Step number, from 1, of each stored row.
     steps: Vec<u32>,
-    /// Row-major values of rows that were kept.
+    /// Values of stored rows, row by row.
     values: Vec<f64>,
 }
 
-impl History {
-    /// Of these columns, with all rows.
+impl RunHistory {
+    /// A history that stores all rows.
     pub fn of_rows(columns: Vec<String>) -> Self {
-        History { columns, keeps_rows: true, ..History::default() }
+        RunHistory { columns, keeps_rows: true, ..RunHistory::default() }
     }
 
-    /// Of these columns, with what they come to and no rows: a few bytes however long the run.
+    /// A history that stores only summaries; its memory does not grow with the run.
     pub fn of_sums(columns: Vec<String>) -> Self {
-        History { columns, ..History::default() }
+        RunHistory { columns, ..RunHistory::default() }
     }
 
-    /// Forgets all rows, and what they came to.
+    /// Removes all rows and summaries.
     pub fn clear(&mut self) {
         self.summary.0.clear();
         self.times.clear();
@@ -48,7 +47,7 @@ impl History {
         self.values.clear();
     }
 
-    /// Takes a row in: a value a column.
+    /// Adds a row: one value for each column.
     pub fn push(&mut self, now: &Instant, values: &[f64]) {
         self.summary.observe(&self.columns, now.total_time, values);
         if self.keeps_rows {
@@ -58,22 +57,23 @@ impl History {
         }
     }
 
-    /// Total time of each row that was kept.
+    /// Returns the total time of each stored row.
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
-    /// Number of the step, from 1, of each row that was kept.
+    /// Returns the step number, from 1, of each stored row.
     pub fn steps(&self) -> &[u32] {
         &self.steps
     }
 
-    /// Value of a column in a row that was kept.
+    /// Returns the value of a column in a stored row.
     pub fn cell(&self, row: usize, column: usize) -> f64 {
         self.values[row * self.columns.len() + column]
     }
 
-    /// The text of `<job>_history.csv`: `time`, `step` and the columns, numbers in the shortest form that reads back the same.
+    /// Returns the text of `<job>_history.csv`: `time`, `step` and the columns; numbers have the fewest digits that
+    /// restore the same value.
     pub fn csv(&self) -> String {
         let mut text = format!("time,{STEP}");
         for column in &self.columns {
@@ -89,7 +89,7 @@ impl History {
     }
 }
 
-/// What has these values at ascending times, at a time between two of them by a straight line; `None` outside.
+/// Interpolates values at ascending times linearly; `None` outside their range.
 pub fn between(times: &[f64], value: impl Fn(usize) -> f64, time: f64) -> Option<f64> {
     let after = times.partition_point(|t| *t < time);
     if *times.get(after)? == time {
@@ -100,7 +100,7 @@ pub fn between(times: &[f64], value: impl Fn(usize) -> f64, time: f64) -> Option
     Some(u + (v - u) * (time - times[before]) / (times[after] - times[before]))
 }
 
-/// What a column came to over the rows shown.
+/// Summary of a column over all rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ColumnSummary {
     /// Value of the last row.
@@ -110,13 +110,13 @@ pub struct ColumnSummary {
     pub min: f64,
     /// Largest value.
     pub max: f64,
-    /// When the smallest was first met.
+    /// Time of the first minimum.
     pub time_min: f64,
-    /// When the largest was first met.
+    /// Time of the first maximum.
     pub time_max: f64,
 }
 
-/// All columns by name.
+/// Summaries of all columns by name.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct HistorySummary(pub IndexMap<String, ColumnSummary>);
@@ -132,7 +132,7 @@ impl HistorySummary {
         }
         for (summary, &value) in self.0.values_mut().zip(values) {
             summary.last = value;
-            // What had no value so far begins with its first.
+            // Replaces NaN by the first value.
             if value < summary.min || summary.min.is_nan() {
                 (summary.min, summary.time_min) = (value, time);
             }
@@ -143,13 +143,13 @@ impl HistorySummary {
     }
 }
 
-impl Persist for History {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let History { columns, summary, keeps_rows: _, times, steps, values } = self;
+impl Persist for RunHistory {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let RunHistory { columns, summary, keeps_rows: _, times, steps, values } = self;
         persist_fields!(archive; times, steps, values);
         let rows = values.len().checked_div(columns.len());
         if rows.is_some_and(|rows| rows != times.len()) || steps.len() != times.len() {
-            archive.refuse(|| "its histories have other columns".into());
+            archive.reject(|| "its history columns differ".into());
         }
         summary.persist(columns, archive);
     }
@@ -158,8 +158,8 @@ impl Persist for History {
 persist_struct!(ColumnSummary { last, min, max, time_min, time_max });
 
 impl HistorySummary {
-    /// Visits what the columns came to, which are those of the plan once a row has been seen.
-    fn persist(&mut self, columns: &[String], archive: &mut Archive<'_>) {
+    /// Saves or reads the summaries; after the first row the columns are those of the plan.
+    fn persist(&mut self, columns: &[String], archive: &mut StateArchive<'_>) {
         let mut seen = !self.0.is_empty();
         seen.persist(archive);
         if seen && self.0.is_empty() {

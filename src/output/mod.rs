@@ -1,5 +1,5 @@
-//! Files: VTU frames in a PVD series, history CSV, summary JSON, checksums of them. One file per format; each appears whole or not at all.
-//! Never here: decisions about physics.
+//! Result files: VTU frames in a PVD series, history CSV, summary JSON and checksums, one module per format. Each file
+//! is written atomically.
 
 pub mod checkpoint;
 pub mod clock;
@@ -21,116 +21,117 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-pub use history::{ColumnSummary, History, HistorySummary};
-pub use whole::{Whole, write_durable, write_whole};
+pub use history::{ColumnSummary, HistorySummary, RunHistory};
+pub use whole::{AtomicFile, write_durable, write_whole};
 
-/// Ending of the file with the histories.
+/// Suffix of the history file.
 pub const HISTORY: &str = "_history.csv";
-/// Ending of the status file.
+/// Suffix of the status file.
 pub const STATUS: &str = ".sta";
 
 /// An array over points or cells.
 #[derive(Clone, Debug)]
-pub struct Field {
-    /// ABAQUS's name (`U`, `V`, `S`, …) or ours in upper case.
+pub struct FieldArray {
+    /// Name in ABAQUS (`U`, `V`, `S`, …), or an extension in upper case.
     pub name: String,
     /// Values per point or cell.
     pub components: usize,
-    /// Names of the components (empty: none given).
+    /// Names of the components; may be empty.
     pub component_names: Vec<String>,
-    /// Point- or cell-major.
+    /// Values of all components of the first point or cell, then of the next.
     pub values: Vec<f64>,
 }
 
-/// The scene at one time.
+/// Model at one time: geometry and fields.
 #[derive(Clone, Debug, Default)]
-pub struct Frame {
+pub struct OutputFrame {
     /// Total time.
     pub time: f64,
     /// Increment number.
     pub increment: u64,
-    /// Current coordinates `[r, z]`.
+    /// Current coordinates `[r, z]` of points.
     pub points: Vec<[f64; 2]>,
-    /// Third coordinates of points, of bodies in space; empty where all lie in the plane of the mesh.
+    /// Third coordinates of points, for bodies with six degrees of freedom; empty if all points are in the plane of the
+    /// mesh.
     pub third: Vec<f64>,
-    /// The same at the start.
+    /// Initial third coordinates; empty likewise.
     pub third_at_start: Vec<f64>,
     /// Cells as point indices: 1 = vertex, 2 = line, 3 = triangle, 4 = quadrilateral.
     pub cells: Vec<Vec<usize>>,
-    /// Whether what a cell stood for is deleted, for each cell; empty where none is.
+    /// Whether the element of each cell is deleted; empty if none is.
     pub deleted: Vec<bool>,
     /// Arrays over points.
-    pub point_fields: Vec<Field>,
+    pub point_fields: Vec<FieldArray>,
     /// Arrays over cells.
-    pub cell_fields: Vec<Field>,
-    /// Coordinates `[r, z]` at the start.
+    pub cell_fields: Vec<FieldArray>,
+    /// Initial coordinates `[r, z]` of points.
     pub start: Vec<[f64; 2]>,
-    /// What stays as it is over points.
-    pub point_labels: Vec<Label>,
-    /// What stays as it is over cells.
-    pub cell_labels: Vec<Label>,
+    /// Labels of points, constant over time.
+    pub point_labels: Vec<EntityLabels>,
+    /// Labels of cells, constant over time.
+    pub cell_labels: Vec<EntityLabels>,
 }
 
-/// Whole numbers over points or cells by which they are found: the deck's numbers, materials, members of sets.
+/// Integer labels of points or cells: node and element numbers of the deck, materials, members of sets.
 #[derive(Clone, Debug)]
-pub struct Label {
+pub struct EntityLabels {
     /// `NODE`, `ELEMENT`, `MATERIAL`, `NSET …` or `ELSET …`.
     pub name: String,
-    /// One a point or cell.
+    /// One value for each point or cell.
     pub values: Vec<i32>,
 }
 
-impl Label {
-    /// Whether an array of this name is one of labels.
+impl EntityLabels {
+    /// Returns whether this is the name of a label array.
     pub fn is_name(name: &str) -> bool {
         ["NODE", "ELEMENT", "MATERIAL"].contains(&name) || name.starts_with("NSET ") || name.starts_with("ELSET ")
     }
 }
 
-/// Where the points of frames are.
+/// Point coordinates written to frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Points {
-    /// Where they are now.
+pub enum FramePoints {
+    /// Current coordinates.
     #[default]
     Current,
-    /// Where they were at the start, with U beside them: what warps by it shows the motion, at any scale.
+    /// Initial coordinates, with U as an array: Warp By Vector in ParaView shows the motion at any scale.
     Reference,
 }
 
-/// Where the files of a job go.
+/// Folder and name of a job's files.
 #[derive(Clone, Debug)]
-pub struct Job {
+pub struct JobFiles {
     /// Folder.
     pub folder: PathBuf,
-    /// Name: the deck's file name without ending.
+    /// Name: the file name of the deck without its suffix.
     pub name: String,
 }
 
-impl Job {
-    /// Path of one of the job's files: `<name><ending>`.
+impl JobFiles {
+    /// Returns the path of one of the job's files: `<name><ending>`.
     pub fn path(&self, ending: &str) -> PathBuf {
         self.folder.join(format!("{}{ending}", self.name))
     }
 }
 
-/// Writes the summary as `<job>.json`; its checksum.
+/// Writes the summary as `<job>.json`; returns its checksum.
 ///
 /// # Errors
-/// Where the file cannot be written.
-pub fn write_summary<T: Serialize>(job: &Job, summary: &T) -> io::Result<u32> {
+/// If the file cannot be written.
+pub fn write_summary<T: Serialize>(job: &JobFiles, summary: &T) -> io::Result<u32> {
     let mut text = serde_json::to_string_pretty(summary)?;
     text.push('\n');
     write_whole(&job.path(".json"), text.as_bytes())?;
     Ok(sums::sum(text.as_bytes()))
 }
 
-/// Writes files of a job, given by ending and bytes, and the list of their checksums with this ending.
+/// Writes files of a job, given by suffix and bytes, and a checksum file with the suffix `list`.
 ///
 /// # Errors
-/// With the path in the message.
-pub fn write_with_sums(job: &Job, files: &[(String, Vec<u8>)], list: &str) -> io::Result<()> {
-    // None of these sums is that of a file before.
+/// If a file cannot be written; the message contains the path.
+pub fn write_with_sums(job: &JobFiles, files: &[(String, Vec<u8>)], list: &str) -> io::Result<()> {
+    // An old list would not match the new files.
     whole::remove(&job.path(list))?;
     let mut sums = sums::Checksums::default();
     for (ending, bytes) in files {

@@ -1,5 +1,4 @@
-//! The series of a job's frames: `<job>_0000.vtu`, … and `<job>.pvd`, which lists them with their times.
-//! Never here: what a frame holds.
+//! Frame series of a job: `<job>_0000.vtu`, … and `<job>.pvd`, which lists them with their times.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -9,29 +8,29 @@ use super::checkpoint::CHECKPOINT;
 use super::sums::{Checksums, SUMS, sum};
 use super::vtu::{VtuWriter, escape};
 use super::whole::{remove, unfinished};
-use super::{Frame, HISTORY, Job, Points, STATUS, write_whole};
+use super::{FramePoints, HISTORY, JobFiles, OutputFrame, STATUS, write_whole};
 
-/// Files of a job beside its frames.
+/// Files of a job other than frames.
 const OTHERS: [&str; 6] = [SUMS, ".pvd", ".json", HISTORY, CHECKPOINT, STATUS];
 
-/// A frame that has been written: its time and the checksum of its file.
-pub type Written = (f64, u32);
+/// Time of a frame that has been written, and the checksum of its file.
+pub type WrittenFrame = (f64, u32);
 
-/// Writes frames one after the other; the list is whole after each.
+/// Writer of frames; the PVD file is complete after each frame.
 #[derive(Debug)]
 pub struct FrameWriter {
-    job: Job,
-    frames: Vec<Written>,
+    job: JobFiles,
+    frames: Vec<WrittenFrame>,
     vtu: VtuWriter,
 }
 
 impl FrameWriter {
-    /// Begins a series, in a folder that is there, and removes what an earlier run of the job left.
+    /// Begins a series in an existing folder and removes the files of an earlier run of the job.
     ///
     /// # Errors
-    /// Where the folder cannot be cleared.
-    pub fn new(job: Job, points: Points) -> io::Result<Self> {
-        // The lists first: none shall name a frame that is gone.
+    /// If files cannot be removed.
+    pub fn new(job: JobFiles, points: FramePoints) -> io::Result<Self> {
+        // Lists are removed first, so that none names a missing frame.
         for ending in OTHERS {
             remove(&job.path(ending))?;
         }
@@ -40,11 +39,11 @@ impl FrameWriter {
         Ok(writer)
     }
 
-    /// Goes on with a series behind these frames; frames behind them are removed.
+    /// Continues a series after these frames; later frames are removed.
     ///
     /// # Errors
-    /// Where the folder cannot be cleared.
-    pub fn go_on(job: Job, frames: Vec<Written>, points: Points) -> io::Result<Self> {
+    /// If files cannot be removed.
+    pub fn resume(job: JobFiles, frames: Vec<WrittenFrame>, points: FramePoints) -> io::Result<Self> {
         let writer = FrameWriter { job, frames, vtu: VtuWriter::new(points) };
         remove(&writer.job.path(SUMS))?;
         remove(&writer.job.path(".json"))?;
@@ -54,11 +53,11 @@ impl FrameWriter {
     }
 
     /// The frames so far.
-    pub fn frames(&self) -> &[Written] {
+    pub fn frames(&self) -> &[WrittenFrame] {
         &self.frames
     }
 
-    /// Checksums of the frames and their list.
+    /// Returns the checksums of the frames and of their list.
     pub fn sums(&self) -> Checksums {
         let mut sums = Checksums::default();
         for (i, (_, sum)) in self.frames.iter().enumerate() {
@@ -68,12 +67,12 @@ impl FrameWriter {
         sums
     }
 
-    /// Name of the file of the next frame.
+    /// Returns the file name of the next frame.
     pub fn next_name(&self) -> String {
         format!("{}{}", self.job.name, ending(self.frames.len()))
     }
 
-    /// Removes frames from this one on, and what a killed process has not finished.
+    /// Removes frames from index `first` on, and incomplete files of a killed process.
     fn clear_from(&self, first: usize) -> io::Result<()> {
         for entry in fs::read_dir(&self.job.folder)? {
             let name = entry?.file_name();
@@ -91,8 +90,8 @@ impl FrameWriter {
     /// Writes the next frame and the list.
     ///
     /// # Errors
-    /// Where a file cannot be written.
-    pub fn write(&mut self, frame: &Frame) -> io::Result<()> {
+    /// If a file cannot be written.
+    pub fn write(&mut self, frame: &OutputFrame) -> io::Result<()> {
         let text = self.vtu.text(frame);
         write_whole(&self.job.path(&ending(self.frames.len())), text.as_bytes())?;
         self.frames.push((frame.time, sum(text.as_bytes())));
@@ -110,13 +109,13 @@ impl FrameWriter {
     }
 }
 
-/// What follows the name of the job in that of a frame.
+/// Returns the part of a frame's file name after the name of the job.
 fn ending(frame: usize) -> String {
     format!("_{frame:04}.vtu")
 }
 
-/// Paths of the first so many frames of a job that are not there, or empty after a loss of power.
-pub fn missing_frames(job: &Job, count: usize) -> Vec<PathBuf> {
+/// Returns the paths of the first `count` frames that do not exist or are empty.
+pub fn missing_frames(job: &JobFiles, count: usize) -> Vec<PathBuf> {
     let is_there = |path: &PathBuf| path.metadata().is_ok_and(|m| m.is_file() && m.len() > 0);
     (0..count).map(|i| job.path(&ending(i))).filter(|path| !is_there(path)).collect()
 }

@@ -1,4 +1,4 @@
-//! Drawings as pixels, in PNG. The font comes with the program, so that every machine draws the same letters.
+//! Drawings as PNG pixels. The font is included in the program, so that text has the same pixels on every machine.
 
 use tiny_skia::{
     Color, FillRule, LineCap, LineJoin, Mask, Paint as Ink, Path, PathBuilder, Pixmap, Rect, Stroke as Pen, StrokeDash,
@@ -6,51 +6,51 @@ use tiny_skia::{
 };
 use ttf_parser::{Face, OutlineBuilder};
 
-use super::drawing::{Anchor, Colour, DOT, Drawing, Label, Paint, Shape, Stroke};
+use super::drawing::{Colour, DOT, Drawing, DrawingShape, LineStroke, ShapePaint, TextAnchor, TextLabel};
 
 impl Drawing {
-    /// The bytes of a PNG file with a pixel for each point; an error, in words, if there is no memory for them.
+    /// Returns the bytes of a PNG file with one pixel per point, or an error message if there is not enough memory.
     pub fn png(&self) -> Result<Vec<u8>, String> {
         let [width, height] = self.size.map(|length| length.round() as u32);
         let pixels = Pixmap::new(width, height);
         let mut pixels = pixels.ok_or_else(|| format!("a picture cannot have {width} x {height} pixels"))?;
         pixels.fill(Color::WHITE);
         let font = Face::parse(dejavu::sans::regular(), 0).map_err(|e| e.to_string())?;
-        let mut canvas = Canvas { pixels, font, clip: None };
+        let mut canvas = PixelCanvas { pixels, font, clip: None };
         self.shapes.iter().for_each(|shape| canvas.draw(shape));
         canvas.pixels.encode_png().map_err(|e| e.to_string())
     }
 }
 
-/// Pixels that are drawn on.
-struct Canvas<'a> {
+/// Pixel image of a drawing.
+struct PixelCanvas<'a> {
     pixels: Pixmap,
     font: Face<'a>,
-    /// Where shapes show, if not everywhere.
+    /// Clipping mask.
     clip: Option<Mask>,
 }
 
-impl Canvas<'_> {
-    fn draw(&mut self, shape: &Shape) {
+impl PixelCanvas<'_> {
+    fn draw(&mut self, shape: &DrawingShape) {
         match shape {
-            Shape::Path { points, closed, paint } => self.paint(polygon(points, *closed), *paint),
-            Shape::Rectangle { corner, size, paint } => self.paint(rectangle(*corner, *size), *paint),
-            Shape::Dot { centre: [x, y], colour } => {
+            DrawingShape::Path { points, closed, paint } => self.paint(polygon(points, *closed), *paint),
+            DrawingShape::Rectangle { corner, size, paint } => self.paint(rectangle(*corner, *size), *paint),
+            DrawingShape::Dot { centre: [x, y], colour } => {
                 let circle = PathBuilder::from_circle(*x as f32, *y as f32, DOT as f32);
-                self.paint(circle, Paint::fill(*colour, 1.0));
+                self.paint(circle, ShapePaint::fill(*colour, 1.0));
             }
-            Shape::Label(label) => self.paint(self.letters(label), Paint::fill(label.colour, 1.0)),
-            Shape::BeginClip(corner, size) => {
+            DrawingShape::Label(label) => self.paint(self.letters(label), ShapePaint::fill(label.colour, 1.0)),
+            DrawingShape::BeginClip(corner, size) => {
                 self.clip = Mask::new(self.pixels.width(), self.pixels.height());
                 if let Some((mask, path)) = self.clip.as_mut().zip(rectangle(*corner, *size)) {
                     mask.fill_path(&path, FillRule::Winding, true, Transform::identity());
                 }
             }
-            Shape::EndClip => self.clip = None,
+            DrawingShape::EndClip => self.clip = None,
         }
     }
 
-    fn paint(&mut self, path: Option<Path>, Paint { fill, stroke }: Paint) {
+    fn paint(&mut self, path: Option<Path>, ShapePaint { fill, stroke }: ShapePaint) {
         let Some(path) = path else { return };
         let (clip, place) = (self.clip.as_ref(), Transform::identity());
         if let Some((colour, opacity)) = fill {
@@ -61,17 +61,17 @@ impl Canvas<'_> {
         }
     }
 
-    /// The outlines of all letters of a label, one after the other.
-    fn letters(&self, label: &Label) -> Option<Path> {
+    /// Returns the outlines of all letters of a label.
+    fn letters(&self, label: &TextLabel) -> Option<Path> {
         let scale = label.size as f32 / f32::from(self.font.units_per_em());
         let glyphs: Vec<_> = label.text.chars().map(|c| self.font.glyph_index(c).unwrap_or_default()).collect();
         let advance = |glyph| scale * f32::from(self.font.glyph_hor_advance(glyph).unwrap_or(0));
         let width: f32 = glyphs.iter().map(|glyph| advance(*glyph)).sum();
         let [x, y] = label.at.map(|place| place as f32);
         let start = match label.anchor {
-            Anchor::Start => x,
-            Anchor::Middle => x - 0.5 * width,
-            Anchor::End => x - width,
+            TextAnchor::Start => x,
+            TextAnchor::Middle => x - 0.5 * width,
+            TextAnchor::End => x - width,
         };
         let mut outline = GlyphOutline { path: PathBuilder::new(), scale, pen: [start, y] };
         for glyph in glyphs {
@@ -83,10 +83,10 @@ impl Canvas<'_> {
     }
 }
 
-/// A path that takes outlines of glyphs, in units of the font with y upwards.
+/// Path of glyph outlines, in font units with y upwards.
 struct GlyphOutline {
     path: PathBuilder,
-    /// Points a unit of the font.
+    /// Points per font unit.
     scale: f32,
     /// Origin of the next glyph.
     pen: [f32; 2],
@@ -124,7 +124,7 @@ impl OutlineBuilder for GlyphOutline {
     }
 }
 
-/// Lines through points; `None` if a coordinate is not finite.
+/// Returns lines through points; `None` if a coordinate is not finite.
 fn polygon(points: &[[f64; 2]], closed: bool) -> Option<Path> {
     let mut path = PathBuilder::new();
     for (i, [x, y]) in points.iter().map(|point| point.map(|p| p as f32)).enumerate() {
@@ -147,7 +147,7 @@ fn ink(colour: Colour, opacity: f64) -> Ink<'static> {
     ink
 }
 
-fn pen(Stroke { width, dashes, round, .. }: Stroke) -> Pen {
+fn pen(LineStroke { width, dashes, round, .. }: LineStroke) -> Pen {
     let (line_cap, line_join) =
         if round { (LineCap::Round, LineJoin::Round) } else { (LineCap::Butt, LineJoin::Miter) };
     let dash = (!dashes.is_empty()).then(|| StrokeDash::new(dashes.to_vec(), 0.0)).flatten();
@@ -167,7 +167,7 @@ mod tests {
         Colour::from_be_bytes([0, pixel.red(), pixel.green(), pixel.blue()])
     }
 
-    /// First and last column and row with a pixel that is not white.
+    /// Returns first and last column and row with a pixel that is not white.
     fn extent(pixels: &Pixmap) -> [u32; 4] {
         let all = (0..pixels.width()).flat_map(|x| (0..pixels.height()).map(move |y| [x, y]));
         all.filter(|[x, y]| colour(pixels, *x, *y) != 0xff_ffff)
@@ -177,15 +177,15 @@ mod tests {
     #[test]
     fn shapes_cover_their_pixels_and_no_others() {
         let mut drawing = Drawing::new([100.0, 80.0]);
-        drawing.rectangle([10.0, 10.0], [20.0, 20.0], Paint::fill(0x12_34_56, 1.0));
-        drawing.rectangle([10.0, 40.0], [20.0, 20.0], Paint::fill(0, 0.25));
+        drawing.rectangle([10.0, 10.0], [20.0, 20.0], ShapePaint::fill(0x12_34_56, 1.0));
+        drawing.rectangle([10.0, 40.0], [20.0, 20.0], ShapePaint::fill(0, 0.25));
         drawing.dot([50.0, 20.0], 0xff_00_00);
-        drawing.shapes.push(Shape::BeginClip([40.0, 40.0], [10.0, 10.0]));
-        drawing.path([[40.0, 45.0], [90.0, 45.0]], false, Paint::stroke(0x00_ff_00, 4.0));
-        drawing.shapes.push(Shape::EndClip);
-        let dashed = Stroke { dashes: &[10.0, 10.0], ..Stroke::new(0, 2.0) };
-        drawing.path([[40.0, 70.0], [90.0, 70.0]], false, Paint { fill: None, stroke: Some(dashed) });
-        drawing.path([[f64::NAN, 0.0], [100.0, 80.0]], false, Paint::stroke(0, 1.0));
+        drawing.shapes.push(DrawingShape::BeginClip([40.0, 40.0], [10.0, 10.0]));
+        drawing.path([[40.0, 45.0], [90.0, 45.0]], false, ShapePaint::stroke(0x00_ff_00, 4.0));
+        drawing.shapes.push(DrawingShape::EndClip);
+        let dashed = LineStroke { dashes: &[10.0, 10.0], ..LineStroke::new(0, 2.0) };
+        drawing.path([[40.0, 70.0], [90.0, 70.0]], false, ShapePaint { fill: None, stroke: Some(dashed) });
+        drawing.path([[f64::NAN, 0.0], [100.0, 80.0]], false, ShapePaint::stroke(0, 1.0));
         let pixels = pixels(&drawing);
         for (x, y, expected) in [
             (0, 0, 0xff_ff_ff),
@@ -208,20 +208,21 @@ mod tests {
     }
 
     #[test]
-    fn labels_lie_at_their_anchors() {
+    fn labels_are_placed_by_their_anchors() {
         let extent = |anchor, upright| {
             let mut drawing = Drawing::new([200.0, 200.0]);
-            drawing.label(Label { upright, size: 20.0, ..Label::new([100.0, 100.0], anchor, "HHHHH") });
+            drawing.label(TextLabel { upright, size: 20.0, ..TextLabel::new([100.0, 100.0], anchor, "HHHHH") });
             extent(&pixels(&drawing))
         };
-        let ([left, right, top, bottom], middle) = (extent(Anchor::Start, false), extent(Anchor::Middle, false));
-        // Five times 0.752 em wide, 0.729 em high: DejaVu Sans.
+        let ([left, right, top, bottom], middle) =
+            (extent(TextAnchor::Start, false), extent(TextAnchor::Middle, false));
+        // Five letters of 0.752 em width and 0.729 em height (DejaVu Sans).
         assert!((100..104).contains(&left) && (171..176).contains(&right), "{left} {right}");
         assert!((84..87).contains(&top) && bottom == 99, "{top} {bottom}");
         assert!((middle[0] + middle[1]).abs_diff(199) <= 1 && middle[1] - middle[0] == right - left, "{middle:?}");
-        let end = extent(Anchor::End, false);
+        let end = extent(TextAnchor::End, false);
         assert!(end[0] + right == left + end[1] && (96..100).contains(&end[1]), "{end:?}");
-        // Turned about its place: it runs upwards from there, its letters to the left.
-        assert_eq!(extent(Anchor::Start, true), [top, bottom, 199 - right, 199 - left]);
+        // Turned about its position: the text runs upwards, its letters are to the left.
+        assert_eq!(extent(TextAnchor::Start, true), [top, bottom, 199 - right, 199 - left]);
     }
 }

@@ -1,5 +1,4 @@
-//! Checksums of the files of a job: `<job>.sfv`, a line with name and CRC-32 each, as cksfv and rhash read them.
-//! Never here: what is in the files, what is said where one is not as it was written (`report`).
+//! Checksum file of a job, `<job>.sfv`: one line with name and CRC-32 for each file, as cksfv and rhash read it.
 
 use std::fmt::Write as _;
 use std::io;
@@ -8,42 +7,42 @@ use std::path::Path;
 use flate2::Crc;
 use indexmap::IndexMap;
 
-use super::{Job, write_whole};
+use super::{JobFiles, write_whole};
 use crate::deck::files;
 
-/// Ending of the file of a run; sweeps and studies have their own word before it.
+/// Suffix of the checksum file of a run; sweeps and studies add a word before it.
 pub const SUMS: &str = ".sfv";
 
-/// What lists of ours begin with; the number of files follows.
+/// Start of the first line; the number of files follows.
 const HEAD: &str = "; CRC-32 of ";
 
-/// CRC-32 of bytes (IEEE 802.3).
+/// Returns the CRC-32 (IEEE 802.3).
 pub fn sum(bytes: &[u8]) -> u32 {
     let mut crc = Crc::new();
     crc.update(bytes);
     crc.sum()
 }
 
-/// Sums by the names of files in one folder.
+/// Checksums by file name in one folder.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Checksums(IndexMap<String, u32>);
 
 impl Checksums {
-    /// Notes a file of a job that has these bytes.
-    pub fn add(&mut self, job: &Job, ending: &str, bytes: &[u8]) {
+    /// Adds a file of a job with these bytes.
+    pub fn add(&mut self, job: &JobFiles, ending: &str, bytes: &[u8]) {
         self.add_sum(job, ending, sum(bytes));
     }
 
-    /// The same where the sum is known.
-    pub fn add_sum(&mut self, job: &Job, ending: &str, sum: u32) {
+    /// Adds a file with a known checksum.
+    pub fn add_sum(&mut self, job: &JobFiles, ending: &str, sum: u32) {
         self.0.insert(format!("{}{ending}", job.name), sum);
     }
 
     /// Writes the list as a file of the job.
     ///
     /// # Errors
-    /// With the path in the message.
-    pub fn write(&self, job: &Job, ending: &str) -> io::Result<()> {
+    /// If it cannot be written; the message contains the path.
+    pub fn write(&self, job: &JobFiles, ending: &str) -> io::Result<()> {
         let mut text = format!("{HEAD}{} files as they were written\n", self.0.len());
         for (name, sum) in &self.0 {
             let _ = writeln!(text, "{name} {sum:08X}");
@@ -51,10 +50,10 @@ impl Checksums {
         write_whole(&job.path(ending), text.as_bytes())
     }
 
-    /// All lists of a folder together.
+    /// Reads all checksum files of a folder.
     ///
     /// # Errors
-    /// In words, with the path: a folder or a list that cannot be read, a line that is none.
+    /// If the folder or a list cannot be read, or a line is invalid; the message contains the path.
     pub fn of(folder: &Path) -> Result<Checksums, String> {
         let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
         let mut paths: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
@@ -68,31 +67,32 @@ impl Checksums {
     }
 
     fn take(&mut self, text: &str) -> Result<(), String> {
-        // How many files there are: a list that was cut off tells fewer.
+        // An incomplete list has fewer files than its first line states.
         let written = text.strip_prefix(HEAD).and_then(|rest| rest.split(' ').next()?.parse::<usize>().ok());
         let found = text.lines().filter(|line| !line.is_empty() && !line.starts_with(';')).count();
         if written.is_some_and(|written| written != found) || !text.ends_with('\n') {
-            return Err(format!("the list of checksums is not whole: it has {found} files"));
+            return Err(format!("the list of checksums is incomplete: it has {found} files"));
         }
         for (i, line) in text.lines().enumerate().filter(|(_, line)| !line.is_empty() && !line.starts_with(';')) {
             let pair = line.rsplit_once(' ');
             let read = pair.and_then(|(name, sum)| Some((name, u32::from_str_radix(sum, 16).ok()?)));
-            let (name, sum) = read.ok_or_else(|| format!("line {} is no name with its checksum", i + 1))?;
+            let (name, sum) =
+                read.ok_or_else(|| format!("line {} is not a file name followed by a checksum", i + 1))?;
             self.0.insert(name.to_owned(), sum);
         }
         Ok(())
     }
 
-    /// Whether a file is listed.
+    /// Returns whether a file is listed.
     pub fn has(&self, path: &Path) -> bool {
         path.file_name().and_then(|name| name.to_str()).is_some_and(|name| self.0.contains_key(name))
     }
 
-    /// Whether a file, if it is listed, is as it was written.
+    /// Checks that a file, if it is listed, matches its checksum.
     ///
     /// # Errors
-    /// In words, with the path.
-    pub fn hold(&self, path: &Path) -> Result<(), String> {
+    /// If it differs or cannot be read; the message contains the path.
+    pub fn verify(&self, path: &Path) -> Result<(), String> {
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         let Some(written) = self.0.get(name) else { return Ok(()) };
         let bytes = files::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
@@ -100,8 +100,8 @@ impl Checksums {
             return Ok(());
         }
         Err(format!(
-            "{} is not as it was written: its checksum is {:08X}, and {written:08X} is listed in the .sfv file; run again, or \
-             remove that list to have the file read as it is",
+            "{} has changed since it was written: its checksum is {:08X}, but the .sfv file lists {written:08X}; run again, or \
+             remove the .sfv file to read it anyway",
             path.display(),
             sum(&bytes)
         ))
@@ -111,14 +111,14 @@ impl Checksums {
 #[cfg(test)]
 mod tests {
     use super::{Checksums, SUMS, sum};
-    use crate::output::Job;
+    use crate::output::JobFiles;
 
     #[test]
-    fn what_was_changed_is_found() {
+    fn changed_files_are_detected() {
         // The check value of the polynomial.
         assert_eq!(sum(b"123456789"), 0xCBF4_3926);
         let folder = tempfile::tempdir().expect("a folder");
-        let job = Job { folder: folder.path().to_owned(), name: "a b".into() };
+        let job = JobFiles { folder: folder.path().to_owned(), name: "a b".into() };
         let path = job.path("_history.csv");
         let mut sums = Checksums::default();
         sums.add(&job, "_history.csv", b"time\n0\n");
@@ -126,10 +126,10 @@ mod tests {
         let read = Checksums::of(folder.path()).expect("a list");
         assert_eq!(read, sums);
         std::fs::write(&path, b"time\n0\n").expect("a file");
-        assert_eq!(read.hold(&path), Ok(()));
+        assert_eq!(read.verify(&path), Ok(()));
         std::fs::write(&path, b"time\n1\n").expect("a file");
-        assert!(read.hold(&path).is_err_and(|why| why.contains("a b_history.csv")));
-        assert_eq!(read.hold(&job.path("_other.csv")), Ok(()));
+        assert!(read.verify(&path).is_err_and(|why| why.contains("a b_history.csv")));
+        assert_eq!(read.verify(&job.path("_other.csv")), Ok(()));
         for wrong in ["; CRC-32 of 2 files\na b.json 1234\n", "a b.json 1234", "a b.json\n", "a b.json xyz\n"] {
             std::fs::write(job.path(SUMS), wrong).expect("a list");
             assert!(Checksums::of(folder.path()).is_err(), "{wrong:?}");

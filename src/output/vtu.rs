@@ -1,5 +1,4 @@
-//! VTU: one frame as VTK XML with inline base64 and zlib (VTK File Formats, "XML File Formats").
-//! Never here: which fields a frame has.
+//! VTU files: one frame as VTK XML with inline base64 and zlib (VTK File Formats, "XML File Formats").
 
 use std::fmt::Write as _;
 
@@ -7,56 +6,56 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flate2::{Compress, Compression, FlushCompress};
 
-use super::{Field, Frame, Label, Points};
+use super::{EntityLabels, FieldArray, FramePoints, OutputFrame};
 
-/// Bytes of a block before compression: setting the compressor up again costs as much as compressing some tens of KiB.
+/// Bytes of an uncompressed block; resetting the compressor costs as much as compressing some tens of KiB.
 const BLOCK: usize = 1 << 20;
 
-/// Name of VTK's array of blanking, and its value of a hidden cell (vtkDataSetAttributes, HIDDENCELL).
+/// Name of VTK's blanking array, and its value for a hidden cell (vtkDataSetAttributes, HIDDENCELL).
 pub const BLANKING: &str = "vtkGhostType";
 const HIDDEN: u8 = 32;
 
-/// Makes the text of `.vtu` files. It keeps the compressor and its buffers, which cost more than the small arrays of a
-/// frame.
+/// Writer of `.vtu` text. It reuses the compressor and its buffers, because allocating them costs more than compressing
+/// small arrays.
 #[derive(Debug)]
 pub struct VtuWriter {
-    points: Points,
+    points: FramePoints,
     compressor: Compress,
     text: String,
     bytes: Vec<u8>,
     packed: Vec<u8>,
 }
 
-/// Name of the field data that tells of points at the start.
+/// Name of the field data that marks points with initial coordinates.
 pub const REFERENCE: &str = "ReferencePoints";
 
-/// Points of a six-node triangle in the order of VTK, corners first, by their place around the boundary.
+/// VTK's order of the points of a six-node triangle, corners first, as indices around the boundary.
 const QUADRATIC: [usize; 6] = [0, 2, 4, 1, 3, 5];
-/// Points of other cells.
+/// Order of the points of other cells.
 const IN_ORDER: [usize; 4] = [0, 1, 2, 3];
 
 impl Default for VtuWriter {
     fn default() -> Self {
-        VtuWriter::new(Points::default())
+        VtuWriter::new(FramePoints::default())
     }
 }
 
 impl VtuWriter {
-    /// Writes points where they are now or where they were.
-    pub fn new(points: Points) -> Self {
+    /// A writer of current or of initial coordinates.
+    pub fn new(points: FramePoints) -> Self {
         let compressor = Compress::new(Compression::fast(), true);
         VtuWriter { points, compressor, text: String::new(), bytes: Vec::new(), packed: Vec::new() }
     }
 
-    /// The text of a frame. r becomes x, z becomes y, and 3 of bodies in space z.
-    pub fn text(&mut self, frame: &Frame) -> &str {
+    /// Returns the text of a frame. r becomes x, z becomes y, and direction 3 becomes z.
+    pub fn text(&mut self, frame: &OutputFrame) -> &str {
         self.text.clear();
         self.line(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
              header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n<FieldData>",
         );
         self.array("Float64", "TimeValue", " NumberOfTuples=\"1\"", frame.time.to_le_bytes());
-        let reference = self.points == Points::Reference;
+        let reference = self.points == FramePoints::Reference;
         if reference {
             self.array("UInt8", REFERENCE, " NumberOfTuples=\"1\"", [1]);
         }
@@ -81,40 +80,45 @@ impl VtuWriter {
         self.text.push('\n');
     }
 
-    /// Arrays over points; on points at the start there is U in any case.
-    fn point_data(&mut self, frame: &Frame) {
+    /// Writes arrays over points; with initial coordinates U is always included.
+    fn point_data(&mut self, frame: &OutputFrame) {
         self.line("<PointData>");
         frame.point_fields.iter().for_each(|field| self.field(field));
-        if self.points == Points::Reference && frame.point_fields.iter().all(|field| field.name != "U") {
+        if self.points == FramePoints::Reference && frame.point_fields.iter().all(|field| field.name != "U") {
             let third = |i: usize| Some(frame.third.get(i)? - frame.third_at_start.get(i)?);
             let pairs = frame.points.iter().zip(&frame.start).enumerate();
             let moved = pairs.flat_map(|(i, (p, q))| [p[0] - q[0], p[1] - q[1]].into_iter().chain(third(i)));
             let components = if frame.third.is_empty() { 2 } else { 3 };
             let component_names = (1..=components).map(|i| format!("U{i}")).collect();
-            self.field(&Field { name: "U".into(), components, component_names, values: moved.collect() });
+            self.field(&FieldArray { name: "U".into(), components, component_names, values: moved.collect() });
         }
         frame.point_labels.iter().for_each(|label| self.label(label));
         self.line("</PointData>");
     }
 
-    /// Arrays over cells. Those of deleted elements are hidden (VTK's blanking: HIDDENCELL of `vtkGhostType`).
-    fn cell_data(&mut self, frame: &Frame) {
+    /// Writes arrays over cells. Cells of deleted elements are hidden (VTK's blanking: HIDDENCELL of `vtkGhostType`).
+    fn cell_data(&mut self, frame: &OutputFrame) {
         self.line("<CellData>");
         frame.cell_fields.iter().for_each(|field| self.field(field));
         frame.cell_labels.iter().for_each(|label| self.label(label));
         if !frame.deleted.is_empty() {
-            self.array("UInt8", BLANKING, "", frame.deleted.iter().map(|gone| if *gone { HIDDEN } else { 0 }));
+            self.array(
+                "UInt8",
+                BLANKING,
+                "",
+                frame.deleted.iter().map(|is_deleted| if *is_deleted { HIDDEN } else { 0 }),
+            );
         }
         self.line("</CellData>");
     }
 
-    fn label(&mut self, label: &Label) {
+    fn label(&mut self, label: &EntityLabels) {
         self.array("Int32", &escape(&label.name), "", label.values.iter().flat_map(|v| v.to_le_bytes()));
     }
 
-    /// One array. Vectors in the plane get a third component, symmetric tensors (rr, zz, hoop, rz) the two that they do not have
-    /// in a body of revolution, so that VTK's filters know both: XX, YY, ZZ, XY, YZ, XZ.
-    fn field(&mut self, field: &Field) {
+    /// Writes one array. Vectors in the plane get a third component, and symmetric tensors (rr, zz, hoop, rz) the two
+    /// components that are zero in a body of revolution. VTK's filters then recognise both: XX, YY, ZZ, XY, YZ, XZ.
+    fn field(&mut self, field: &FieldArray) {
         let tensor = field.components == 4 && field.component_names.last().is_some_and(|name| name.ends_with("12"));
         let padded = field.components == 2 || tensor;
         let components = if tensor {
@@ -149,8 +153,8 @@ impl VtuWriter {
         }
     }
 
-    /// Cells. Those of deleted elements have shrunk to a point: not all that draws in VTK heeds what is hidden
-    /// (vtkGeometryFilter of 9.7 draws hidden cells of unstructured grids), and their nodes may have flown far apart.
+    /// Writes cells. All points of a deleted element's cell are the same point, because not every VTK filter respects
+    /// hidden cells (vtkGeometryFilter of 9.7 draws those of unstructured grids), and its nodes may be far apart.
     fn topology(&mut self, cells: &[Vec<usize>], deleted: &[bool]) {
         let connectivity = cells.iter().enumerate().flat_map(|(c, cell)| {
             let point = cell.first().filter(|_| deleted.get(c) == Some(&true)).copied();
@@ -178,17 +182,18 @@ impl VtuWriter {
         self.line("</DataArray>");
     }
 
-    /// Header (number of blocks, block size, size of a last partial block, compressed sizes) and blocks, each in base64.
+    /// Writes the header (number of blocks, block size, size of a last partial block, compressed sizes) and the blocks,
+    /// each in base64.
     fn pack(&mut self) {
         let blocks = self.bytes.len().div_ceil(BLOCK);
         let mut header = vec![blocks as u64, BLOCK as u64, (self.bytes.len() % BLOCK) as u64];
         self.packed.clear();
         for block in self.bytes.chunks(BLOCK) {
             let start = self.packed.len();
-            // Room for a block that does not compress: zlib adds a few bytes to every 16 KiB (RFC 1950, RFC 1951).
+            // Capacity for a block that does not compress: zlib adds a few bytes to every 16 KiB (RFC 1950, RFC 1951).
             self.packed.reserve(block.len() + block.len() / 1024 + 64);
             self.compressor.reset();
-            // Compression into enough room cannot fail.
+            // Compression into sufficient capacity cannot fail.
             let _ = self.compressor.compress_vec(block, &mut self.packed, FlushCompress::Finish);
             header.push((self.packed.len() - start) as u64);
         }
@@ -198,7 +203,7 @@ impl VtuWriter {
     }
 }
 
-/// Text as it may stand in an XML attribute.
+/// Escapes text for an XML attribute.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,5 +1,4 @@
-//! Files that are there whole or not at all, and folders for files that go.
-//! Never here: what is in them.
+//! Files that are written atomically, and temporary folders.
 
 use std::ffi::OsStr;
 use std::fs::{File, OpenOptions};
@@ -10,36 +9,36 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::platform::{create_private_folder, readable_by_all, sync_folder};
 
-/// What names of temporary files begin with; the name of the file follows.
+/// Prefix of temporary files; the name of the final file follows.
 const MARK: &str = ".revolve-";
-/// Letters behind it.
+/// Number of random letters at the end.
 const RANDOM: usize = 6;
 
-/// Writes bytes into a temporary file beside `path` and renames it.
+/// Writes bytes to a temporary file in the same folder and renames it to `path`.
 ///
 /// # Errors
-/// With the path in the message.
+/// If it cannot be written; the message contains the path.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write(path, bytes, false)
 }
 
-/// The same, and waits until the disk has it: it outlives a loss of power.
+/// Writes the same way and waits until the file is on the disk, so that it survives a power failure.
 ///
 /// # Errors
-/// With the path in the message.
+/// If it cannot be written; the message contains the path.
 pub fn write_durable(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write(path, bytes, true)
 }
 
 fn write(path: &Path, bytes: &[u8], durable: bool) -> io::Result<()> {
     let write = || -> io::Result<()> {
-        let mut whole = Whole::open(path)?;
+        let mut whole = AtomicFile::open(path)?;
         whole.file.write_all(bytes)?;
         if durable {
             whole.file.sync_all()?;
         }
         whole.rename()?;
-        // The name, too, must be on the disk.
+        // The renaming must be on the disk, too.
         if durable { sync_folder(folder_of(path)) } else { Ok(()) }
     };
     write().map_err(|e| cannot_write(path, &e))
@@ -53,48 +52,48 @@ fn cannot_write(path: &Path, error: &io::Error) -> io::Error {
     io::Error::new(error.kind(), format!("cannot write {}: {error}", path.display()))
 }
 
-/// A file that grows beside its place and takes it when it is finished; if it is not, nothing is left of it.
-pub struct Whole {
+/// File that is written under a temporary name and renamed when it is finished; otherwise it is removed.
+pub struct AtomicFile {
     file: File,
     temporary: TemporaryFile,
     path: PathBuf,
 }
 
-impl Whole {
-    /// For a place.
+impl AtomicFile {
+    /// Begins a file that will get this path.
     ///
     /// # Errors
-    /// With the path in the message.
-    pub fn begin(path: &Path) -> io::Result<Whole> {
-        Whole::open(path).map_err(|e| cannot_write(path, &e))
+    /// If it cannot be created; the message contains the path.
+    pub fn begin(path: &Path) -> io::Result<AtomicFile> {
+        AtomicFile::open(path).map_err(|e| cannot_write(path, &e))
     }
 
-    fn open(path: &Path) -> io::Result<Whole> {
+    fn open(path: &Path) -> io::Result<AtomicFile> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let (file, temporary) = unique(|letters| {
             let temporary = folder_of(path).join(format!("{MARK}{name}-{letters}"));
-            // Result files may be read by others, as files usually may.
+            // Result files may be read by other users, as usual.
             let file = readable_by_all(OpenOptions::new().write(true).create_new(true)).open(&temporary)?;
             Ok((file, TemporaryFile(temporary)))
         })?;
-        Ok(Whole { file, temporary, path: path.to_owned() })
+        Ok(AtomicFile { file, temporary, path: path.to_owned() })
     }
 
     fn rename(self) -> io::Result<()> {
         std::fs::rename(&self.temporary.0, &self.path)
     }
 
-    /// Gives it its place.
+    /// Renames the file to its path.
     ///
     /// # Errors
-    /// With the path in the message.
+    /// If it cannot be renamed; the message contains the path.
     pub fn finish(self) -> io::Result<()> {
         let path = self.path.clone();
         self.rename().map_err(|e| cannot_write(&path, &e))
     }
 }
 
-impl Write for Whole {
+impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.file.write(bytes).map_err(|e| cannot_write(&self.path, &e))
     }
@@ -104,10 +103,10 @@ impl Write for Whole {
     }
 }
 
-/// Removes a file, if it is there.
+/// Removes a file, if it exists.
 ///
 /// # Errors
-/// With the path in the message.
+/// If it cannot be removed; the message contains the path.
 pub(super) fn remove(path: &Path) -> io::Result<()> {
     match std::fs::remove_file(path) {
         Err(e) if e.kind() != io::ErrorKind::NotFound => {
@@ -117,7 +116,7 @@ pub(super) fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-/// A file that goes unless it was renamed.
+/// File that is removed on drop, unless it was renamed.
 struct TemporaryFile(PathBuf);
 
 impl Drop for TemporaryFile {
@@ -126,16 +125,16 @@ impl Drop for TemporaryFile {
     }
 }
 
-/// A folder for files that nothing needs later; it goes with what is in it.
+/// Temporary folder; it is removed with its contents on drop.
 #[cfg_attr(not(compiled_routines), allow(dead_code))]
 pub(crate) struct ScratchFolder(PathBuf);
 
 #[cfg_attr(not(compiled_routines), allow(dead_code))]
 impl ScratchFolder {
-    /// A new folder in another, which only its owner may open.
+    /// Creates a folder in another one that only its owner may open.
     ///
     /// # Errors
-    /// That of the file system.
+    /// If the folder cannot be created.
     pub(crate) fn within(folder: &Path) -> io::Result<ScratchFolder> {
         unique(|letters| {
             let path = folder.join(format!("revolve-{letters}"));
@@ -154,12 +153,12 @@ impl Drop for ScratchFolder {
     }
 }
 
-/// Makes what has a name that nothing else has: tries letters until they are free.
+/// Creates an item with a unique name: tries random letters until the name is free.
 fn unique<T>(make: impl Fn(&str) -> io::Result<T>) -> io::Result<T> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     loop {
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        // Threads differ in the count, processes in their number, machines that share a folder mostly in the time.
+        // Threads differ by the count, processes by their number, machines with a shared folder usually by the time.
         let time = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| u64::from(t.subsec_nanos()));
         let mut mixed = (u64::from(std::process::id()) << 32 ^ count << 20 ^ time).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let letter = |_| {
@@ -175,7 +174,7 @@ fn unique<T>(make: impl Fn(&str) -> io::Result<T>) -> io::Result<T> {
     }
 }
 
-/// The file that a temporary one was to become, if it is one: what a killed process leaves behind.
+/// Returns the name of the final file if `name` is a temporary file, which a killed process may leave.
 pub fn unfinished(name: &OsStr) -> Option<&str> {
     let name = name.to_str()?.strip_prefix(MARK)?;
     name.get(..name.len().checked_sub(RANDOM)?)?.strip_suffix('-')

@@ -1,4 +1,4 @@
-//! Bodies at the start: elements, mass, place, velocity.
+//! Parts at the start: elements, mass, position, velocity.
 
 use indexmap::IndexMap;
 use serde::Serialize;
@@ -8,29 +8,29 @@ use crate::plan::{Plan, State};
 use crate::platform::PortableMath as _;
 use crate::state::BodyState;
 
-/// A section of what deforms, or a rigid body.
+/// A section of deformable elements, or a rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Part {
+pub struct PartOverview {
     /// Material of the section, or name of the rigid body.
     pub name: String,
     /// Whether it is a rigid body.
     pub rigid: bool,
-    /// Elements by type.
+    /// Number of elements by type.
     pub elements: IndexMap<String, usize>,
-    /// Mass; of a full ring.
+    /// Mass of the full ring.
     pub mass: f64,
-    /// Smallest and largest r and z.
+    /// Smallest and largest r, smallest and largest z.
     pub extent: [[f64; 2]; 2],
-    /// z of the centre of mass, which lies on the axis; absent without mass.
+    /// z of the centre of mass; absent for zero mass.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centre: Option<f64>,
-    /// Mean velocity along z by mass, and the largest velocity.
+    /// Mass-weighted mean velocity along z, and the largest nodal speed.
     pub velocity: [f64; 2],
 }
 
-/// All parts, in the order of the deck.
-pub(super) fn parts(model: &Model, plan: &Plan, state: &State) -> Vec<Part> {
-    let sections = model.made_of().filter_map(|(material, elements)| {
+/// Returns all parts in the order of the deck.
+pub(super) fn parts(model: &Model, plan: &Plan, state: &State) -> Vec<PartOverview> {
+    let sections = model.material_regions().filter_map(|(material, elements)| {
         let name = model.materials.get(material.index()).map_or(String::new(), |m| m.name.clone());
         deformable(name, elements, model, plan, state)
     });
@@ -62,10 +62,18 @@ impl PartSums {
         }
     }
 
-    fn part(self, name: String, rigid: bool, elements: IndexMap<String, usize>) -> Part {
+    fn part(self, name: String, rigid: bool, elements: IndexMap<String, usize>) -> PartOverview {
         let per = |sum: f64| (self.mass > 0.0).then(|| sum / self.mass);
         let (centre, mean) = (per(self.moment), per(self.momentum).unwrap_or(0.0));
-        Part { name, rigid, elements, mass: self.mass, extent: self.extent, centre, velocity: [mean, self.fastest] }
+        PartOverview {
+            name,
+            rigid,
+            elements,
+            mass: self.mass,
+            extent: self.extent,
+            centre,
+            velocity: [mean, self.fastest],
+        }
     }
 }
 
@@ -77,8 +85,8 @@ fn types<'a>(elements: impl Iterator<Item = &'a usize>, model: &Model) -> IndexM
     counts
 }
 
-/// Elements of a section that deform; `None` where a rigid body has them all.
-fn deformable(name: String, elements: &[usize], model: &Model, plan: &Plan, state: &State) -> Option<Part> {
+/// Returns the part of the deformable elements of a section; `None` if all elements belong to rigid bodies.
+fn deformable(name: String, elements: &[usize], model: &Model, plan: &Plan, state: &State) -> Option<PartOverview> {
     let free: Vec<usize> = elements.iter().copied().filter(|e| plan.places.elements.contains_key(e)).collect();
     let mut sums = PartSums::new();
     let nodes = state.dofs.nodes.as_slice();
@@ -93,7 +101,7 @@ fn deformable(name: String, elements: &[usize], model: &Model, plan: &Plan, stat
     (!free.is_empty()).then(|| sums.part(name, false, types(free.iter(), model)))
 }
 
-fn rigid(body: &crate::plan::Body, model: &Model) -> Part {
+fn rigid(body: &crate::plan::PlannedRigidBody, model: &Model) -> PartOverview {
     let mut sums = PartSums::new();
     for &node in &body.nodes {
         sums.add(0.0, model.mesh.points[node], [0.0, body.initial_velocity]);
@@ -104,14 +112,14 @@ fn rigid(body: &crate::plan::Body, model: &Model) -> Part {
     sums.part(body.name.clone(), true, types(body.elements.iter(), model))
 }
 
-/// Mass of all that moves.
+/// Returns the total mass of deformable elements, point masses and rigid bodies.
 pub(super) fn mass(plan: &Plan, state: &State) -> f64 {
     let turning = plan.places.rotations.values().map(|&n| state.dofs.nodes.mass[n]).sum::<f64>();
-    let bodies: f64 = plan.bodies.iter().map(crate::plan::Body::mass).sum();
+    let bodies: f64 = plan.bodies.iter().map(crate::plan::PlannedRigidBody::mass).sum();
     state.dofs.nodes.mass.iter().sum::<f64>() - turning + bodies
 }
 
-/// Kinetic energy at the start.
+/// Returns the initial kinetic energy.
 pub(super) fn kinetic_energy(state: &State) -> f64 {
     let nodes = state.dofs.nodes.as_slice().iter().zip(&state.dofs.nodes.mass);
     let of_nodes: f64 = nodes.map(|(node, mass)| 0.5 * mass * (node.v_r * node.v_r + node.v_z * node.v_z)).sum();

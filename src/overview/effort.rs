@@ -1,4 +1,4 @@
-//! What a run will take: its first moments are run in memory and carried on.
+//! Estimate of increments and run time from a short trial run in memory.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant as Stopwatch};
@@ -6,27 +6,27 @@ use std::time::{Duration, Instant as Stopwatch};
 use serde::Serialize;
 
 use crate::plan::{Plan, State};
-use crate::solve::{self, Control, Instant, Progress, Sink, SinkError};
+use crate::solve::{self, Instant, Progress, RunControl, Sink, SinkError};
 
-/// What a run will take.
+/// Estimated increments and run time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Effort {
-    /// Length of the increments where the look ended.
+pub struct RunEstimate {
+    /// Time increment at the end of the trial run.
     pub increment: f64,
-    /// Element that limits them; empty where none does.
+    /// Element that limits the increment; empty if none does.
     pub limiting_element: String,
-    /// Increments of the whole run at this length.
+    /// Number of increments of the whole run with this increment.
     pub increments: f64,
-    /// Seconds of the whole run on this machine, without its files.
+    /// Run time in seconds on this machine, without output.
     pub seconds: f64,
-    /// Fraction of the run that was looked at; 1 if all of it.
+    /// Fraction of the run that the trial run covered; 1 for the whole run.
     pub looked_at: f64,
-    /// Why the run would halt within the look, if it would.
+    /// Reason if the trial run halted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub halt: Option<String>,
 }
 
-/// Follows a run until a time on the clock has passed.
+/// Sink that interrupts a run after a given wall-clock time.
 struct TrialRun<'a> {
     begin: Stopwatch,
     length: Duration,
@@ -53,8 +53,9 @@ impl Sink for TrialRun<'_> {
     }
 }
 
-/// Runs a plan for a limited time and estimates the whole run; `None` with user subroutines or without an increment.
-pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<Effort> {
+/// Runs a plan for a limited wall-clock time and estimates the whole run; `None` with user subroutines or if no
+/// increment was completed.
+pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<RunEstimate> {
     if plan.routines.any() {
         return None;
     }
@@ -67,14 +68,14 @@ pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<Effort> {
         limiting: String::new(),
         fraction: 0.0,
     };
-    let control = Control { interrupt: Some(&stop), ..Control::default() };
+    let control = RunControl { interrupt: Some(&stop), ..RunControl::default() };
     let (outcome, _) = solve::run_with(plan, state.clone(), &mut look, control).ok()?;
     let TrialRun { increment, limiting, fraction, .. } = look;
     let ended = stop.load(Ordering::Relaxed) == 0;
     let halt = outcome.halt.as_ref().filter(|_| ended).map(|halt| format!("{}: {}", halt.code, halt.reason));
     if ended && halt.is_none() {
         let (increments, seconds) = (outcome.increments as f64, outcome.seconds);
-        return Some(Effort { increment, limiting_element: limiting, increments, seconds, looked_at: 1.0, halt });
+        return Some(RunEstimate { increment, limiting_element: limiting, increments, seconds, looked_at: 1.0, halt });
     }
     if outcome.increments == 0 || increment <= 0.0 {
         return None;
@@ -83,5 +84,5 @@ pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<Effort> {
     let total: f64 = plan.steps.iter().map(|step| step.duration).sum();
     let increments = outcome.increments as f64 + (total - behind).max(0.0) / increment;
     let seconds = increments * outcome.seconds / outcome.increments as f64;
-    Some(Effort { increment, limiting_element: limiting, increments, seconds, looked_at: fraction, halt })
+    Some(RunEstimate { increment, limiting_element: limiting, increments, seconds, looked_at: fraction, halt })
 }

@@ -1,4 +1,4 @@
-//! What a deck amounts to before it runs: bodies with mass and place, waves, energies at the start, and what the run will take.
+//! Summary of a model before it runs: parts with mass and position, wave speeds, initial energy, estimated run time.
 
 mod bodies;
 mod effort;
@@ -6,62 +6,62 @@ mod text;
 
 use serde::Serialize;
 
-use crate::model::{EosKind, InitialKind, Material, Model, Units};
+use crate::model::{DeckUnits, EosKind, InitialKind, MaterialDefinition, Model};
 use crate::plan::{Plan, State};
-pub use bodies::Part;
-pub use effort::{Effort, measure};
+pub use bodies::PartOverview;
+pub use effort::{RunEstimate, measure};
 
-/// What a deck amounts to.
+/// Summary of a model before it runs.
 #[derive(Clone, Debug, Serialize)]
-pub struct Overview {
-    /// Names of the units, where the deck gives them.
+pub struct DeckOverview {
+    /// Names of the units, if the deck has `*UNITS`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub units: Option<Units>,
-    /// Sections of what deforms, and rigid bodies.
-    pub parts: Vec<Part>,
-    /// Mass of all that moves.
+    pub units: Option<DeckUnits>,
+    /// Sections of deformable elements, and rigid bodies.
+    pub parts: Vec<PartOverview>,
+    /// Total mass of deformable elements, point masses and rigid bodies.
     pub mass: f64,
-    /// Kinetic energy at the start.
+    /// Initial kinetic energy.
     pub kinetic_energy: f64,
-    /// Speeds of waves, by material.
+    /// Wave speeds of the materials.
     pub waves: Vec<WaveSpeeds>,
-    /// Smallest and largest temperature that the deck gives at the start.
+    /// Smallest and largest initial temperature, if the deck gives any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperatures: Option<[f64; 2]>,
-    /// Steps and their lengths.
+    /// Names and durations of the steps.
     pub steps: Vec<StepTime>,
-    /// What the run will take; absent where it was not measured.
+    /// Estimated increments and run time; absent if they were not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub effort: Option<Effort>,
+    pub effort: Option<RunEstimate>,
 }
 
-/// Speeds of waves of small strain in a material.
+/// Speeds of small-strain waves in a material.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WaveSpeeds {
-    /// The material.
+    /// Name of the material.
     pub material: String,
-    /// Density.
+    /// Initial density.
     pub density: f64,
-    /// Of longitudinal waves: sqrt((K + 4/3 G)/rho).
+    /// Speed of longitudinal waves, sqrt((K + 4/3 G)/rho).
     pub longitudinal: f64,
-    /// Of shear waves: sqrt(G/rho).
+    /// Speed of shear waves, sqrt(G/rho).
     pub shear: f64,
 }
 
-/// A step and its length.
+/// Name and duration of a step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StepTime {
-    /// Name.
+    /// Name of the step.
     pub name: String,
-    /// Length, time.
+    /// Duration, in the time unit of the deck.
     pub duration: f64,
 }
 
-impl Overview {
-    /// Of a model and its plan, before anything runs.
-    pub fn of(model: &Model, plan: &Plan, state: &State) -> Overview {
+impl DeckOverview {
+    /// Summarises a model and its plan.
+    pub fn of(model: &Model, plan: &Plan, state: &State) -> DeckOverview {
         let parts = bodies::parts(model, plan, state);
-        Overview {
+        DeckOverview {
             units: model.settings.units.clone(),
             mass: bodies::mass(plan, state),
             kinetic_energy: bodies::kinetic_energy(state),
@@ -73,28 +73,29 @@ impl Overview {
         }
     }
 
-    /// As text.
+    /// Formats the summary as text.
     pub fn render(&self) -> String {
         text::render(self)
     }
 }
 
-fn waves(material: &Material) -> Option<WaveSpeeds> {
+fn waves(material: &MaterialDefinition) -> Option<WaveSpeeds> {
     let density = material.density.or_else(|| Some(material.densities.first()?[0]))?;
     let [bulk, shear] = moduli(material, density)?;
     let longitudinal = ((bulk + 4.0 / 3.0 * shear) / density).sqrt();
     Some(WaveSpeeds { material: material.name.clone(), density, longitudinal, shear: (shear / density).sqrt() })
 }
 
-/// Bulk and shear modulus of small strains; `None` where the user's routine has them.
-fn moduli(material: &Material, density: f64) -> Option<[f64; 2]> {
+/// Returns the small-strain bulk and shear moduli; `None` if they are defined by a user subroutine.
+fn moduli(material: &MaterialDefinition, density: f64) -> Option<[f64; 2]> {
     if let Some([modulus, ratio]) = material.elastic.filter(|_| material.eos.is_none()) {
         return Some([modulus / (3.0 * (1.0 - 2.0 * ratio)), modulus / (2.0 * (1.0 + ratio))]);
     }
     if let Some(rubber) = &material.hyperelastic {
         let shear = rubber.shape.shear();
         let given = rubber.compressibility.first().filter(|d| **d > 0.0);
-        // Without D1 Poisson's ratio is 0.475 (ABAQUS Analysis User's Guide, "Hyperelastic behavior", "Compressibility").
+        // Without D1 Poisson's ratio is 0.475 (ABAQUS Analysis User's Guide, "Hyperelastic behavior",
+        // "Compressibility").
         return Some([given.map_or(shear * 2.0 * 1.475 / (3.0 * 0.05), |d| 2.0 / d), shear]);
     }
     let EosKind::UsUp([speed, ..]) = material.eos.as_ref()?.kind else { return None };

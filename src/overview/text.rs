@@ -1,12 +1,12 @@
-//! The overview as text.
+//! Text of the model summary.
 
 use std::fmt::Write as _;
 
-use super::{Effort, Overview, Part};
+use super::{DeckOverview, PartOverview, RunEstimate};
 use crate::output::clock::seconds;
-use crate::output::columns::lined_up;
+use crate::output::columns::aligned_table;
 
-/// Powers of length, mass, time and temperature.
+/// Powers of length, mass, time and temperature of a dimension.
 const LENGTH: [i32; 4] = [1, 0, 0, 0];
 const MASS: [i32; 4] = [0, 1, 0, 0];
 const TIME: [i32; 4] = [0, 0, 1, 0];
@@ -15,7 +15,7 @@ const VELOCITY: [i32; 4] = [1, 0, -1, 0];
 const DENSITY: [i32; 4] = [-3, 1, 0, 0];
 const ENERGY: [i32; 4] = [2, 1, -2, 0];
 
-/// A number in four digits, without an exponent where it is near 1.
+/// Formats a number with four digits, without an exponent if its size is moderate.
 fn short(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || (1e-2..1e5).contains(&size) {
@@ -26,19 +26,18 @@ fn short(value: f64) -> String {
     format!("{value:.3e}")
 }
 
-pub(super) fn render(overview: &Overview) -> String {
+pub(super) fn render(overview: &DeckOverview) -> String {
     let unit = |powers: [i32; 4]| {
         let name = overview.units.as_ref().map_or(String::new(), |units| units.name(powers));
         if name.is_empty() { name } else { format!(" {name}") }
     };
     let mut text = parts(overview, &unit);
     let (mass, energy) = (short(overview.mass), short(overview.kinetic_energy));
-    let _ =
-        writeln!(text, "mass {mass}{}, kinetic energy {energy}{} at the start (full rings)", unit(MASS), unit(ENERGY));
+    let _ = writeln!(text, "mass {mass}{}, initial kinetic energy {energy}{} (full rings)", unit(MASS), unit(ENERGY));
     for waves in &overview.waves {
         let _ = writeln!(
             text,
-            "{}: density {}{}, waves {} and shear waves {}{}",
+            "{}: density {}{}, wave speeds {} (longitudinal) and {} (shear){}",
             waves.material,
             short(waves.density),
             unit(DENSITY),
@@ -49,7 +48,7 @@ pub(super) fn render(overview: &Overview) -> String {
     }
     if let Some([low, high]) = overview.temperatures {
         let range = if low == high { short(low) } else { format!("{} to {}", short(low), short(high)) };
-        let _ = writeln!(text, "temperatures at the start {range}{}", unit(TEMPERATURE));
+        let _ = writeln!(text, "initial temperature {range}{}", unit(TEMPERATURE));
     }
     let steps: Vec<String> =
         overview.steps.iter().map(|s| format!("{} {}{}", s.name, short(s.duration), unit(TIME))).collect();
@@ -57,7 +56,7 @@ pub(super) fn render(overview: &Overview) -> String {
     text + &overview.effort.as_ref().map_or(String::new(), |e| effort(e, &unit(TIME)))
 }
 
-fn parts(overview: &Overview, unit: &dyn Fn([i32; 4]) -> String) -> String {
+fn parts(overview: &DeckOverview, unit: &dyn Fn([i32; 4]) -> String) -> String {
     let header = |name: &str, powers| format!("{name}{}", unit(powers));
     let header = [
         "part".into(),
@@ -69,10 +68,10 @@ fn parts(overview: &Overview, unit: &dyn Fn([i32; 4]) -> String) -> String {
         header("velocity", VELOCITY),
     ];
     let rows: Vec<_> = overview.parts.iter().map(row).collect();
-    lined_up(&header, &rows, false)
+    aligned_table(&header, &rows, false)
 }
 
-fn row(part: &Part) -> Vec<String> {
+fn row(part: &PartOverview) -> Vec<String> {
     let elements: Vec<String> = part.elements.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
     let range = |[low, high]: [f64; 2]| format!("{} to {}", short(low), short(high));
     let [mean, fastest] = part.velocity;
@@ -92,25 +91,25 @@ fn row(part: &Part) -> Vec<String> {
     ]
 }
 
-fn effort(effort: &Effort, unit: &str) -> String {
+fn effort(effort: &RunEstimate, unit: &str) -> String {
     if let Some(halt) = &effort.halt {
-        return format!("the run would halt within its first moments: {halt}\n");
+        return format!("the trial run halted: {halt}\n");
     }
     let limited = match effort.limiting_element.as_str() {
         "" => String::new(),
         element => format!(" (element {element})"),
     };
-    // Elements that are squeezed shorten the increment.
+    // The increment decreases when elements are compressed, so the estimate is a lower bound.
     let least = if effort.looked_at < 1.0 { "at least " } else { "" };
     let time = seconds(effort.seconds);
     let looked = if effort.looked_at < 1.0 {
-        format!("by its first {}", percent(effort.looked_at))
+        format!("extrapolated from {} of the run", percent(effort.looked_at))
     } else {
-        "all of it was run".to_owned()
+        "measured over the whole run".to_owned()
     };
     let increment = short(effort.increment);
     format!(
-        "increment {increment}{unit}{limited}: {least}{:.0} increments, {least}{time} on this machine without output ({looked})\n",
+        "time increment {increment}{unit}{limited}: {least}{:.0} increments, {least}{time} on this machine without output ({looked})\n",
         round(effort.increments)
     )
 }
@@ -119,7 +118,7 @@ fn percent(fraction: f64) -> String {
     if fraction < 1e-3 { "0.1 %".into() } else { format!("{:.1} %", 100.0 * fraction) }
 }
 
-/// Two digits of what is foreseen.
+/// Rounds an estimate to two digits.
 fn round(count: f64) -> f64 {
     if count < 100.0 {
         return count;
@@ -133,7 +132,7 @@ mod tests {
     use super::{round, short};
 
     #[test]
-    fn numbers_are_as_short_as_people_write_them() {
+    fn numbers_are_formatted_briefly() {
         let texts = [0.0, 1.5, -227.0, 7850.0, 3.24e-2, 2.1e11, 1e-9, 99_999.0].map(short);
         assert_eq!(texts, ["0", "1.5", "-227", "7850", "0.0324", "2.100e11", "1.000e-9", "99999"]);
         assert_eq!([round(8469.0), round(12.0), round(1.23e7)], [8500.0, 12.0, 1.2e7]);

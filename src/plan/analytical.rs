@@ -1,31 +1,32 @@
-//! Pairs of `*CONTACT PAIR` with analytical surfaces: which points, on which side, and what is told of how they start.
-//! Never here: the contact itself, pairs of surfaces of elements.
+//! Contact pairs with analytical surfaces: their nodes, the side of the surface, and checks of the initial position.
 
-use super::contact_curves::{Around, Found};
+use super::contact_curves::{ContactGeometry, CurveContext};
 use super::{Compiler, State};
-use crate::constraint::contact::analytical::Analytical;
-use crate::constraint::contact::curve::Curve;
+use crate::constraint::contact::analytical::AnalyticalSurface;
+use crate::constraint::contact::curve::FacetCurve;
 use crate::deck::Diagnostic;
-use crate::kernel::interaction::Overclosure;
-use crate::kernel::profile::Profile;
-use crate::model::{AnalyticalSide, Element, RigidSurface, Sides, SurfaceContact};
+use crate::kernel::interaction::PressureOverclosure;
+use crate::kernel::profile::SurfaceProfile;
+use crate::model::{AnalyticalSide, Element, RigidSurface, SideSelection, SurfaceContact};
 
-/// Part of the smaller of both surfaces by which nodes may begin behind the surface: chords of a mesh, digits of a deck.
+/// Accepted initial penetration of nodes, as a fraction of the size of the smaller surface: rounded coordinates,
+/// straight edges of
+/// a curved mesh.
 const OVERLAP: f64 = 1e-3;
 
-/// How nodes lie to a surface at the start.
+/// Initial positions of nodes relative to an analytical surface.
 #[derive(Debug, Default)]
-struct Start {
-    /// How far the one furthest behind is behind, and the one furthest in front in front.
+struct InitialGaps {
+    /// Maximum penetration, and maximum gap, length.
     behind: f64,
     front: f64,
-    /// How many are behind.
+    /// Number of penetrating nodes.
     count: usize,
 }
 
-impl Start {
-    fn new(profile: &Profile, places: &[[f64; 2]], rounding: f64) -> Start {
-        let mut start = Start::default();
+impl InitialGaps {
+    fn new(profile: &SurfaceProfile, places: &[[f64; 2]], rounding: f64) -> InitialGaps {
+        let mut start = InitialGaps::default();
         for &place in places {
             let gap = profile.nearest(place, 0.0).gap;
             (start.behind, start.front) = (start.behind.max(-gap), start.front.max(gap));
@@ -35,7 +36,7 @@ impl Start {
     }
 }
 
-/// Length of the box around points.
+/// Returns the larger side of the bounding box of points.
 fn extent(points: &[[f64; 2]]) -> f64 {
     let along = |axis: usize| {
         let all = points.iter().map(|p| p[axis]);
@@ -44,31 +45,32 @@ fn extent(points: &[[f64; 2]]) -> f64 {
     along(0).max(along(1))
 }
 
-/// What the ledger says of friction.
+/// Describes the friction of a pair for the ledger.
 pub(super) fn friction_of(pair: &SurfaceContact) -> String {
     match pair.law.friction.at_rest {
-        _ if !pair.law.friction.is_there() => String::new(),
+        _ if !pair.law.friction.is_active() => String::new(),
         f64::INFINITY => ", rough".into(),
         coefficient => format!(", friction {coefficient}"),
     }
 }
 
-/// A surface that meets an analytical one.
+/// The surface of a pair that is opposite to the analytical one.
 #[derive(Clone, Copy)]
-struct Opposite<'a> {
-    sides: &'a Sides,
+struct OpposingSurface<'a> {
+    sides: &'a SideSelection,
     nodes: &'a [usize],
     pair: &'a SurfaceContact,
 }
 
 impl Compiler<'_> {
-    /// The curve of a pair with an analytical surface and that surface, with the row of the ledger; `None` where they cannot be in
-    /// contact, which is told.
+    /// Returns the indices of the curve and of the analytical surface of a pair, and the ledger row. Unsupported pairs
+    /// are reported
+    /// as errors.
     pub(super) fn analytical(
         &mut self,
         (pair, analytical): (&SurfaceContact, &AnalyticalSide),
-        around: &Around<'_>,
-        found: &mut Found,
+        around: &CurveContext<'_>,
+        found: &mut ContactGeometry,
         state: &State,
     ) -> Option<([usize; 2], usize)> {
         let sides = &pair.sides[1 - analytical.side];
@@ -77,22 +79,22 @@ impl Compiler<'_> {
         } else {
             self.curve(pair, 1 - analytical.side, around, found)?
         };
-        let opposite = Opposite { sides, nodes: &analytical.nodes, pair };
+        let opposite = OpposingSurface { sides, nodes: &analytical.nodes, pair };
         match self.analytical_surface(opposite, analytical, around, state) {
             Ok((mut surface, body, count)) => {
                 surface.point = found.add_carried(body);
-                let gives_way =
-                    (pair.penalty.is_some() || pair.law.overclosure != Overclosure::Hard) && !sides.faces.is_empty();
+                let gives_way = (pair.penalty.is_some() || pair.law.overclosure != PressureOverclosure::Hard)
+                    && !sides.faces.is_empty();
                 if gives_way {
                     surface.overlap = surface.overlap.max(found.deepest(curve));
                 }
                 let friction = friction_of(pair);
                 let (set, name) = (&sides.name, &pair.sides[analytical.side].name);
-                let kind = if gives_way { "gives way" } else { "kinematic" };
+                let kind = if gives_way { "soft contact" } else { "kinematic" };
                 let (effect, detail) = match surface.profile.height() {
                     Some(z) => {
                         let front = if surface.profile.nearest([0.0, z + 1.0], 0.0).gap > 0.0 { "+z" } else { "-z" };
-                        let detail = format!("{set} on {name}, z = {z}, which faces {front}, {kind}{friction}");
+                        let detail = format!("{set} on {name}, z = {z}, normal {front}, {kind}{friction}");
                         ("contact with a plane", detail)
                     }
                     None => {
@@ -100,7 +102,7 @@ impl Compiler<'_> {
                         ("contact with a surface", format!("{set} on {name}, {segments} segments, {kind}{friction}"))
                     }
                 };
-                let id = self.cause(pair.span, effect, count, "nodes", detail);
+                let id = self.ledger_row(pair.span, effect, count, "nodes", detail);
                 found.analyticals.push(surface);
                 Some(([curve, found.analyticals.len() - 1], id))
             }
@@ -111,13 +113,13 @@ impl Compiler<'_> {
         }
     }
 
-    /// A curve of points without facets.
+    /// Adds a curve of nodes without facets.
     fn curve_of_nodes(
         &mut self,
         pair: &SurfaceContact,
         nodes: &[usize],
-        around: &Around<'_>,
-        found: &mut Found,
+        around: &CurveContext<'_>,
+        found: &mut ContactGeometry,
     ) -> Option<usize> {
         let mut points = Vec::new();
         for &node in nodes {
@@ -129,65 +131,70 @@ impl Compiler<'_> {
             }
         }
         points.sort_unstable();
-        Some(found.add_points(Curve::of_points(points)))
+        Some(found.add_points(FacetCurve::of_points(points)))
     }
 
-    /// The surface with its front where nodes are, its body, and how many nodes may meet it.
+    /// Returns the analytical surface with its front towards the nodes, its rigid body, and the number of contact
+    /// nodes.
     fn analytical_surface(
         &mut self,
-        opposite: Opposite<'_>,
+        opposite: OpposingSurface<'_>,
         side: &AnalyticalSide,
-        around: &Around<'_>,
+        around: &CurveContext<'_>,
         state: &State,
-    ) -> Result<(Analytical, usize, usize), String> {
+    ) -> Result<(AnalyticalSurface, usize, usize), String> {
         let surface: &RigidSurface = &self.model.surfaces.analytical[side.surface];
-        let reference =
-            surface.reference.ok_or("the analytical surface belongs to no *RIGID BODY, ANALYTICAL SURFACE=")?;
-        let body = *self.body_of_node.get(&reference).ok_or("the surface's rigid body is missing")?;
+        let reference = surface
+            .reference
+            .ok_or("the analytical surface belongs to no rigid body (*RIGID BODY, ANALYTICAL SURFACE=)")?;
+        let body = *self.body_of_node.get(&reference).ok_or("the rigid body of the analytical surface is missing")?;
         let mut nodes = Vec::new();
         for &node in opposite.nodes {
             let name = &self.model.mesh.node_names[node];
             let place = self
                 .places
                 .free_node(node)
-                .ok_or(format!("node {name} does not deform, or a rigid body carries it"))?;
+                .ok_or(format!("node {name} does not belong to a deformable body, or is tied to a rigid body"))?;
             nodes.push(place);
         }
         if surface.profile.height().is_some() {
             nodes.retain(|n| !around.prescribed.contains(&(*n, 1)));
         }
         if nodes.is_empty() {
-            return Err("no node of this surface deforms".into());
+            return Err("this surface has no node of a deformable body that is free to move".into());
         }
         let places: Vec<[f64; 2]> = nodes.iter().map(|n| state.dofs.nodes.start[*n]).collect();
-        let mut analytical = Analytical::new(surface.profile.clone(), 0);
+        let mut analytical = AnalyticalSurface::new(surface.profile.clone(), 0);
         let ends = surface.profile.bounds();
         let overlap =
             OVERLAP * [extent(&ends), extent(&places)].into_iter().filter(|e| *e > 0.0).fold(f64::MAX, f64::min);
         let profile = self.facing(opposite, surface, &places, analytical.rounding, overlap)?;
-        analytical = Analytical::new(profile, 0);
+        analytical = AnalyticalSurface::new(profile, 0);
         analytical.overlap = overlap.max(analytical.rounding);
         Ok((analytical, body, nodes.len()))
     }
 
-    /// The surface with its front where the nodes are, and what is to be said of it.
+    /// Returns the profile with its front towards the nodes. Warns if it was reversed, if nodes penetrate it, or if
+    /// there will be
+    /// no contact; an error if nodes are on both sides.
     fn facing(
         &mut self,
-        opposite: Opposite<'_>,
+        opposite: OpposingSurface<'_>,
         surface: &RigidSurface,
         places: &[[f64; 2]],
         rounding: f64,
         overlap: f64,
-    ) -> Result<Profile, String> {
-        let Opposite { sides, pair, .. } = opposite;
+    ) -> Result<SurfaceProfile, String> {
+        let OpposingSurface { sides, pair, .. } = opposite;
         let side = usize::from(pair.sides[0].name == sides.name);
         let (profile, name, set) = (surface.profile.clone(), &pair.sides[side].name, &sides.name);
-        let start = Start::new(&profile, places, rounding);
-        let way = "its front is to the left of the way from START on";
+        let start = InitialGaps::new(&profile, places, rounding);
+        let way = "its front is to the left of the direction from START";
         let help = "give the points of the surface in the opposite order";
         if start.behind <= rounding {
             if start.front <= rounding && self.looks_away(opposite, &profile) {
-                let message = format!("`{name}` faces away from `{}`, which lies on it: nothing will meet it", set);
+                let message =
+                    format!("`{name}` faces away from `{}`, which is on the surface: there will be no contact", set);
                 let finding = Diagnostic::warning("P110", message).at(surface.span, format!("{way}, as in ABAQUS"));
                 self.diagnostics.push(finding.at(pair.span, "this pair").help(help));
             }
@@ -198,34 +205,40 @@ impl Compiler<'_> {
             false => self.looks_away(opposite, &profile),
         };
         if away && start.front <= rounding.max(overlap) {
-            let message = format!("`{name}` faces away from `{}`: contact is taken on the side where that is", set);
-            let finding = Diagnostic::warning("P110", message).at(surface.span, format!("{way}; ABAQUS keeps to it"));
+            let message = format!("`{name}` faces away from `{}`: the analytical surface is reversed", set);
+            let finding =
+                Diagnostic::warning("P110", message).at(surface.span, format!("{way}; ABAQUS does not reverse it"));
             self.diagnostics.push(finding.at(pair.span, "this pair").help(help));
             return Ok(profile.reversed());
         }
         if start.behind <= overlap {
             let (count, behind) = (start.count, start.behind);
-            let message = format!("{count} nodes of `{}` begin up to {behind:.3e} behind `{name}`", set);
-            let finding = Diagnostic::warning("P111", message).at(pair.span, "they stay there and go no deeper");
+            let message = format!("{count} nodes of `{}` penetrate `{name}` by up to {behind:.3e} at the start", set);
+            let finding = Diagnostic::warning("P111", message)
+                .at(pair.span, "this penetration is kept, further penetration is prevented");
             self.diagnostics.push(finding.help("move the nodes onto the surface"));
             return Ok(profile);
         }
         if start.front <= overlap {
-            return Err(format!("nodes of this surface begin up to {:.3e} behind the analytical one", start.behind));
+            return Err(format!(
+                "nodes of this surface penetrate the analytical surface by up to {:.3e} at the start",
+                start.behind
+            ));
         }
-        Err("nodes of this surface lie on both sides of the analytical one".into())
+        Err("nodes of this surface are on both sides of the analytical surface".into())
     }
 
-    /// Whether what has the nodes of a surface lies behind the analytical one, in the mean.
-    fn body_of_nodes_is_behind(&self, nodes: &[usize], profile: &Profile) -> bool {
+    /// Returns whether the elements at the nodes are, on average, on the back side of the analytical surface.
+    fn body_of_nodes_is_behind(&self, nodes: &[usize], profile: &SurfaceProfile) -> bool {
         let mesh = &self.model.mesh;
         let touches = |e: &&Element| e.nodes.len() > 2 && e.nodes.iter().any(|n| nodes.binary_search(n).is_ok());
         let body = mesh.elements.iter().filter(touches).flat_map(|e| &e.nodes);
         body.map(|&n| profile.nearest(mesh.points[n], 0.0).gap).sum::<f64>() < 0.0
     }
 
-    /// Whether the faces of a surface look the same way as the analytical one: those of them that are nearest to it.
-    fn looks_away(&self, Opposite { sides, nodes, .. }: Opposite<'_>, profile: &Profile) -> bool {
+    /// Returns whether the faces nearest to the analytical surface have normals in its direction, so that they cannot
+    /// touch it.
+    fn looks_away(&self, OpposingSurface { sides, nodes, .. }: OpposingSurface<'_>, profile: &SurfaceProfile) -> bool {
         let mesh = &self.model.mesh;
         let points = &mesh.points;
         if sides.faces.is_empty() {
@@ -238,7 +251,7 @@ impl Compiler<'_> {
             let n = profile.segments[near.segment].normal(middle, 0.0);
             (near.gap.abs(), n[0] * (b[1] - a[1]) - n[1] * (b[0] - a[0]), libm::hypot(b[0] - a[0], b[1] - a[1]))
         };
-        let faces: Vec<[usize; 2]> = sides.faces.iter().filter_map(|&(e, side)| mesh.ends(e, side)).collect();
+        let faces: Vec<[usize; 2]> = sides.faces.iter().filter_map(|&(e, side)| mesh.side_nodes(e, side)).collect();
         let least = faces.iter().map(|f| face(f).0).fold(f64::INFINITY, f64::min);
         let near = faces.iter().map(face).filter(|(gap, _, length)| *gap <= least + 0.5 * length);
         near.map(|f| f.1).sum::<f64>() > 0.0

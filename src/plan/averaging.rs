@@ -1,18 +1,17 @@
-//! Which triangles average their dilation over their nodes.
-//! Never here: how.
+//! Selection of triangles with nodally averaged dilation.
 
 use super::Compiler;
-use super::user_material::asks_at_points;
-use crate::element::averaging::Averaging;
-use crate::model::{Material, SolidSection};
+use super::user_material::calls_routines_at_points;
+use crate::element::averaging::DilationAveraging;
+use crate::model::{MaterialDefinition, SolidSection};
 
 /// Poisson's ratio above which triangles of an elastic material lock: there the bulk modulus is ten times the shear modulus.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
 impl Compiler<'_> {
-    /// The triangles of a section, where they are to be averaged: where the deck says so, and without a word where they would
-    /// lock.
-    pub(super) fn averaging(&mut self, section: &SolidSection, corners: &[[u32; 4]]) -> Option<Averaging> {
+    /// Returns the averaging of the triangles of a section, if AVERAGED PRESSURE=YES is given or, by default, if they
+    /// would lock.
+    pub(super) fn averaging(&mut self, section: &SolidSection, corners: &[[u32; 4]]) -> Option<DilationAveraging> {
         let material = &self.model.materials[section.material];
         let said = section.controls.averaged;
         if said == Some(false) {
@@ -22,18 +21,18 @@ impl Compiler<'_> {
         let why_not = if triangles == 0 {
             Some("the section has no CAX3 elements")
         } else if section.controls.by_area {
-            Some("not under WEIGHTING=AREA")
-        } else if material.eos.is_some() || material.foam.shape.is_some() || asks_at_points(material) {
-            Some("of linear elasticity and rubber alone")
+            Some("not supported with WEIGHTING=AREA")
+        } else if material.eos.is_some() || material.foam.shape.is_some() || calls_routines_at_points(material) {
+            Some("it applies only to linear elasticity and rubber")
         } else {
             None
         };
         match (why_not, said) {
-            (Some(why), Some(true)) => self.unused(section.span, "AVERAGED PRESSURE", why),
+            (Some(why), Some(true)) => self.add_unused_card(section.span, "AVERAGED PRESSURE", why),
             (None, _) if said.is_some() || locks(material) => {
-                let detail = "dilation averaged over nodes, lest they lock".into();
-                self.cause(section.span, "averaged pressure", triangles, "triangles", detail);
-                return Averaging::new(corners);
+                let detail = "dilation averaged over nodes, against volumetric locking".into();
+                self.ledger_row(section.span, "averaged pressure", triangles, "triangles", detail);
+                return DilationAveraging::new(corners);
             }
             _ => {}
         }
@@ -41,7 +40,7 @@ impl Compiler<'_> {
     }
 }
 
-fn locks(material: &Material) -> bool {
+fn locks(material: &MaterialDefinition) -> bool {
     let stiff = material.elastic.is_some_and(|[_, poisson]| poisson > NEARLY_INCOMPRESSIBLE);
     stiff || material.plastic.is_some() || material.hyperelastic.is_some()
 }

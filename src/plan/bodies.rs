@@ -1,5 +1,4 @@
-//! Rigid bodies of the plan: their nodes, lumped mass and initial velocity.
-//! Never here: loads.
+//! Rigid bodies of the plan: nodes, lumped mass and initial velocity.
 
 use std::collections::{HashMap, HashSet};
 
@@ -10,67 +9,67 @@ use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad::corner_masses;
 use crate::model::{ElementKind, InitialCondition, InitialKind, RigidBody};
 
-/// Velocities of an oblique body, by degree of freedom.
+/// Names of the velocities of an oblique body, by degree of freedom.
 const ALONG: [&str; 6] = ["v_1", "v_2", "v_3", "w_1", "w_2", "w_3"];
 
-/// A rigid body.
+/// A rigid body of the plan. Nodes and elements are mesh indices.
 #[derive(Clone, Debug)]
-pub struct Body {
-    /// Name for messages and results.
+pub struct PlannedRigidBody {
+    /// Name in messages and results.
     pub name: String,
     /// Reference node.
     pub reference: usize,
-    /// Lumped mass of each node that carries some: `(node, mass)`, ascending.
+    /// Nodes with lumped mass: `(node, mass)`, in ascending order.
     pub lumped_mass: Vec<(usize, f64)>,
-    /// The part of the mass that is of deformable elements tied to it.
+    /// Mass of deformable elements at shared nodes.
     pub tied_mass: f64,
-    /// All nodes that move with it, ascending.
+    /// All nodes that move with the body, in ascending order.
     pub nodes: Vec<usize>,
-    /// Its elements.
+    /// Elements of the body.
     pub elements: Vec<usize>,
-    /// Whether it has six degrees of freedom; otherwise it moves along z.
+    /// Whether the body has six degrees of freedom; otherwise it moves along z only.
     pub spatial: bool,
-    /// Velocity along z at the start.
+    /// Initial velocity along z.
     pub initial_velocity: f64,
-    /// The card.
+    /// Span of `*RIGID BODY`.
     pub span: Span,
 }
 
-impl Body {
-    /// Total mass: the sum of the diagonal of the lumped mass matrix.
+impl PlannedRigidBody {
+    /// Returns the total mass: own mass and mass of tied deformable elements.
     pub fn mass(&self) -> f64 {
         self.own_mass() + self.tied_mass
     }
 
-    /// Bytes of its lists.
+    /// Returns the size in bytes, including lists.
     pub fn bytes(&self) -> usize {
         let places = size_of::<usize>() * (self.nodes.capacity() + self.elements.capacity());
         size_of_val(self) + self.name.capacity() + places + heap_bytes(&self.lumped_mass)
     }
 
-    /// Mass without that of deformable elements tied to it.
+    /// Returns the mass without tied deformable elements: the sum of the lumped masses.
     pub fn own_mass(&self) -> f64 {
         self.lumped_mass.iter().map(|m| m.1).sum()
     }
 }
 
 impl Compiler<'_> {
-    /// Makes all bodies and refuses what moves in other ways.
+    /// Creates all rigid bodies.
     pub(super) fn bodies(&mut self) {
         for body in &self.model.rigid_bodies {
             self.body(body);
         }
     }
 
-    /// What concerns bodies once it is known what deforms.
-    pub(super) fn finish_bodies(&mut self) {
+    /// Sets initial velocities and checks the bodies, after the deformable bodies are known.
+    pub(super) fn start_and_check_bodies(&mut self) {
         self.initial_velocities();
         self.refuse_strays();
         self.check_masses();
     }
 
-    /// Masses and velocities at the start of bodies whose nodes and elements are known.
-    pub(super) fn weigh_bodies(&mut self) {
+    /// Updates masses and initial velocities of existing bodies from the current model.
+    pub(super) fn update_body_masses(&mut self) {
         for (index, rigid) in self.model.rigid_bodies.iter().enumerate() {
             let lumped_mass = self.lumped_mass(rigid, &self.bodies[index].nodes);
             let body = &mut self.bodies[index];
@@ -87,22 +86,22 @@ impl Compiler<'_> {
             rigid.elements.iter().flat_map(|&e| mesh.elements[e].nodes.iter().copied()).collect();
         nodes.extend(&rigid.nodes);
         nodes.push(rigid.reference);
-        self.carried_along(rigid, &mut nodes);
+        self.add_followers_of_body(rigid, &mut nodes);
         nodes.sort_unstable();
         nodes.dedup();
         for &node in &nodes {
             if self.body_of_node.insert(node, index).is_some_and(|other| other != index) {
-                self.shared(rigid, format!("node {}", mesh.node_names[node]));
+                self.refuse_shared_member(rigid, format!("node {}", mesh.node_names[node]));
             }
         }
         for &element in &rigid.elements {
             if self.body_of_element.insert(element, index).is_some_and(|other| other != index) {
-                self.shared(rigid, format!("element {}", mesh.elements[element].name));
+                self.refuse_shared_member(rigid, format!("element {}", mesh.elements[element].name));
             }
         }
         let lumped_mass = self.lumped_mass(rigid, &nodes);
         let spatial = self.is_oblique(rigid);
-        let body = Body {
+        let body = PlannedRigidBody {
             name: rigid.name.clone(),
             reference: rigid.reference,
             lumped_mass,
@@ -113,21 +112,22 @@ impl Compiler<'_> {
             initial_velocity: 0.0,
             span: rigid.span,
         };
-        let how = if spatial { "moves and turns in space" } else { "moves along z" };
+        let how = if spatial { "six degrees of freedom" } else { "moves along z" };
         let detail = format!("reference node {}, {how}", mesh.node_names[rigid.reference]);
-        self.cause(rigid.span, "rigid body", body.nodes.len(), "nodes", detail);
+        self.ledger_row(rigid.span, "rigid body", body.nodes.len(), "nodes", detail);
         let detail = format!("mass {}", body.mass());
-        self.cause(rigid.span, "lumped mass", body.lumped_mass.len(), "nodes", detail);
+        self.ledger_row(rigid.span, "lumped mass", body.lumped_mass.len(), "nodes", detail);
         self.bodies.push(body);
     }
 
-    fn shared(&mut self, rigid: &RigidBody, what: String) {
+    fn refuse_shared_member(&mut self, rigid: &RigidBody, what: String) {
         let message = format!("{what} belongs to two rigid bodies");
-        self.diagnostics.push(Diagnostic::error("P009", message).at(rigid.span, "the second of them"));
+        self.diagnostics.push(Diagnostic::error("P009", message).at(rigid.span, "the second body"));
     }
 
-    /// The diagonal of the lumped mass matrix: RAX2 shells by row sums, point masses as they are, and solids of a deformable
-    /// type by the density of their section (ABAQUS Analysis User's Guide, "Rigid body definition", "Rigid body mass").
+    /// Returns the lumped nodal masses: row sums of RAX2 elements, point masses, and solid elements with the density of
+    /// their
+    /// section (ABAQUS Analysis User's Guide, "Rigid body definition", "Rigid body mass").
     fn lumped_mass(&self, rigid: &RigidBody, nodes: &[usize]) -> Vec<(usize, f64)> {
         let mesh = &self.model.mesh;
         let mut masses = vec![0.0; nodes.len()];
@@ -174,12 +174,16 @@ impl Compiler<'_> {
                 continue;
             }
             let InitialKind::Velocity(dof, value) = condition.kind else {
-                self.unused(condition.span, "*INITIAL CONDITIONS", "rigid bodies have no temperature or stress");
+                self.add_unused_card(
+                    condition.span,
+                    "*INITIAL CONDITIONS",
+                    "rigid bodies have no temperature or stress",
+                );
                 continue;
             };
             if dof != 2 {
                 if self.starts_in_space(&condition.members) {
-                    self.cause(
+                    self.ledger_row(
                         condition.span,
                         "initial velocity",
                         1,
@@ -194,13 +198,13 @@ impl Compiler<'_> {
             let moved: Vec<usize> =
                 (0..self.bodies.len()).filter(|&b| condition.members.contains(&self.bodies[b].reference)).collect();
             if moved.is_empty() {
-                let message = "this initial velocity is given for no reference node, so nothing starts with it";
-                let finding = Diagnostic::warning("P104", message).at(condition.span, "no reference node among these");
-                self.diagnostics.push(finding.help("give the velocity of a rigid body on its REF NODE"));
+                let message = "the initial velocity is given for no reference node and has no effect";
+                let finding = Diagnostic::warning("P104", message).at(condition.span, "no reference node in this set");
+                self.diagnostics.push(finding.help("give the velocity of a rigid body at its REF NODE"));
                 continue;
             }
             if value != 0.0 {
-                self.cause(condition.span, "initial velocity", moved.len(), "bodies", format!("v_z = {value}"));
+                self.ledger_row(condition.span, "initial velocity", moved.len(), "bodies", format!("v_z = {value}"));
             }
             for body in moved {
                 self.bodies[body].initial_velocity = value;
@@ -208,7 +212,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// Whether a reference node is among those that start with a velocity along z.
+    /// Returns whether an initial velocity along z is given for a reference node.
     fn names_reference(&self, condition: &InitialCondition) -> bool {
         matches!(condition.kind, InitialKind::Velocity(2, _))
             && self.bodies.iter().any(|b| condition.members.contains(&b.reference))
@@ -224,34 +228,34 @@ impl Compiler<'_> {
 
     fn radial_velocity(&mut self, span: Span, value: f64) {
         if value == 0.0 {
-            self.unused(span, "*INITIAL CONDITIONS", "a rigid body of revolution moves along z only");
+            self.add_unused_card(span, "*INITIAL CONDITIONS", "a rigid body of revolution moves along z only");
         } else {
             let message = "a rigid body of revolution cannot start with a radial velocity or a rotation";
             let finding = Diagnostic::error("P103", message).at(span, "only degree of freedom 2 (z) can move");
-            self.diagnostics.push(finding.help("*ATTITUDE gives a body that starts so six degrees of freedom"));
+            self.diagnostics.push(finding.help("use *ATTITUDE for a body with six degrees of freedom"));
         }
     }
 
-    /// Refuses what neither moves with a rigid body nor deforms.
+    /// Reports elements and masses that belong neither to a rigid nor to a deformable body.
     pub(super) fn refuse_strays(&mut self) {
         self.refuse_stray_elements();
         self.refuse_free_masses();
     }
 
     fn refuse_stray_elements(&mut self) {
-        // Elements of a section that was refused have a section.
-        let in_section: HashSet<usize> = self.model.made_of().flat_map(|s| s.1).copied().collect();
+        // Elements whose section had an error are not reported again.
+        let in_section: HashSet<usize> = self.model.material_regions().flat_map(|s| s.1).copied().collect();
         let free = |e: &usize| !self.body_of_element.contains_key(e) && !in_section.contains(e);
         let mesh = &self.model.mesh;
         let first = (0..mesh.elements.len()).find(|e| !mesh.elements[*e].kind.is_discrete() && free(e));
         let Some(first) = first else { return };
         let element = &mesh.elements[first];
         let (message, help) = if element.kind == ElementKind::Rax2 {
-            ("RAX2 elements belong to no rigid body", "name their element set on *RIGID BODY, ELSET=")
+            ("RAX2 elements belong to no rigid body", "give their element set on *RIGID BODY, ELSET=")
         } else if element.kind == ElementKind::Sax1 {
-            ("shells have no section", "name their element set on *SHELL SECTION, or on *RIGID BODY")
+            ("shells have no section", "give their element set on *SHELL SECTION or *RIGID BODY")
         } else {
-            ("solid elements have no section", "name their element set on *SOLID SECTION, or on *RIGID BODY")
+            ("solid elements have no section", "give their element set on *SOLID SECTION or *RIGID BODY")
         };
         let label = format!("element {} and others", element.name);
         self.diagnostics.push(Diagnostic::error("P001", message).at(element.span, label).help(help));
@@ -261,23 +265,23 @@ impl Compiler<'_> {
         for point in &self.model.discrete.masses {
             if !self.body_of_node.contains_key(&point.node) && !self.places.has_node(point.node) {
                 let name = &self.model.mesh.node_names[point.node];
-                let message = format!("the mass on node {name} belongs to no rigid body");
+                let message = format!("the mass on node {name} belongs to no body");
                 let finding = Diagnostic::error("P005", message).at(point.span, "here");
                 self.diagnostics.push(finding.help("put it on the reference node of a *RIGID BODY"));
             }
         }
     }
 
-    /// A free body needs mass; one whose axial motion is prescribed in every step needs none.
+    /// Reports free bodies without mass. A body with prescribed axial motion in every step needs no mass.
     fn check_masses(&mut self) {
         for body in &self.bodies {
-            let held = |b: &crate::model::Boundary| b.dof == 2 && b.nodes.contains(&body.reference);
+            let held = |b: &crate::model::BoundaryCondition| b.dof == 2 && b.nodes.contains(&body.reference);
             let free = self.model.steps.iter().any(|s| !s.boundaries.iter().any(held));
             let mass = body.mass();
             if free && !(mass > 0.0 && mass.is_finite()) {
                 let message = format!("rigid body `{}` has no mass", body.name);
                 let finding = Diagnostic::error("P002", message).at(body.span, format!("its mass is {mass}"));
-                let help = "give DENSITY= and a thickness on the data line, *SOLID SECTION to solids, or *MASS on the reference node";
+                let help = "give DENSITY= and a thickness on the data line, a *SOLID SECTION for solids, or *MASS on the reference node";
                 self.diagnostics.push(finding.help(help));
             }
         }

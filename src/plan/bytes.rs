@@ -1,6 +1,5 @@
-//! The bytes of the ledger: what plan and state have allocated, each under the effect that it serves. What the first step has in
-//! force is in the state, what a later step adds is in the plan.
-//! Never here: how much of what is needed.
+//! Memory of each effect, for the ledger. Effects of the first step are in the state, effects of later steps in the
+//! plan.
 
 use super::changes::ListChange;
 use super::ledger::Ledger;
@@ -9,8 +8,8 @@ use crate::kernel::lists::heap_bytes;
 use crate::state::EffectId;
 use crate::state::rigid_body_3d::RigidBody3d;
 
-/// Puts bytes beside the effects.
-pub(super) fn book(plan: &mut Plan, state: &State) {
+/// Adds the sizes of all arrays of plan and state to the ledger rows of their effects.
+pub(super) fn record_bytes(plan: &mut Plan, state: &State) {
     let ledger = &mut plan.ledger;
     let changes = || plan.steps.iter().map(|step| &step.changes);
     let loads =
@@ -49,7 +48,7 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
         add(ledger, row, "steps", plan.steps.iter().map(|step| size_of_val(step) + step.changes.bytes()).sum());
     }
     if let Some(row) = plan.rows.output {
-        let bodies = plan.bodies.iter().map(super::Body::bytes).sum();
+        let bodies = plan.bodies.iter().map(super::PlannedRigidBody::bytes).sum();
         let columns = plan.columns.iter().map(|c| size_of_val(c) + c.name.capacity()).sum();
         let fields = plan.fields.iter().map(|f| size_of_val(f) + f.bytes()).sum();
         for (name, bytes) in [
@@ -74,7 +73,7 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
     if let Some(frequency) = &elements.frequency {
         frequency.arrays().into_iter().for_each(|(name, bytes)| add(ledger, frequency.id, name, bytes));
     }
-    // One array of both.
+    // Springs and dashpots share one array.
     let springs = ledger.effects.iter().any(|row| row.effect == "springs");
     let connectors = if springs { "springs" } else { "dashpots" };
     let named = [

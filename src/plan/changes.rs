@@ -1,61 +1,62 @@
-//! What a step changes of what is in force: effects that stay, begin and end, in the order in which they act from then on.
-//! Never here: which effects a deck asks for.
+//! Changes to the active effects at the start of a step: effects that are kept, added or removed.
 
 use crate::constraint::Constraint;
 use crate::constraint::user_motion::UserMotion;
-use crate::element::mass_scaling::Scaling;
+use crate::element::mass_scaling::StepMassScaling;
 use crate::kernel::lists::heap_bytes;
 use crate::load::Load;
 
-/// One effect of a list from a step on.
-pub enum Entry<T: ?Sized> {
-    /// That at this place of the list before stays in force as it is.
+/// An effect of a list from a step on.
+pub enum ListEntry<T: ?Sized> {
+    /// The effect at this index of the previous list remains active unchanged.
     Kept(usize),
-    /// A new one, which takes over the memory of those at these places of the list before.
+    /// A new effect, which may take over the history of effects of the previous list.
     Added {
-        /// As it begins.
+        /// The effect in its initial state.
         effect: Box<T>,
-        /// Places of those that it continues.
+        /// Indices of the previous effects whose history it takes over.
         continues: Vec<usize>,
     },
 }
 
-/// A list of effects from a step on. What of the list before has no entry ends.
-pub struct ListChange<T: ?Sized>(Vec<Entry<T>>);
+/// The list of effects from a step on. Effects of the previous list without an entry end.
+pub struct ListChange<T: ?Sized>(Vec<ListEntry<T>>);
 
 impl<T: ?Sized> ListChange<T>
 where
     Box<T>: Clone,
 {
-    /// The change of a list of so many effects to these; `None` where nothing changes.
-    pub fn between(before: usize, entries: Vec<Entry<T>>) -> Option<ListChange<T>> {
-        let is_kept = |(place, entry): (usize, &Entry<T>)| matches!(entry, Entry::Kept(from) if *from == place);
+    /// Creates the change from a list of `before` effects to these entries; `None` if nothing changes.
+    pub fn between(before: usize, entries: Vec<ListEntry<T>>) -> Option<ListChange<T>> {
+        let is_kept = |(place, entry): (usize, &ListEntry<T>)| matches!(entry, ListEntry::Kept(from) if *from == place);
         let unchanged = entries.len() == before && entries.iter().enumerate().all(is_kept);
         (!unchanged).then_some(ListChange(entries))
     }
 
-    /// The effects that begin.
+    /// Iterates over the added effects.
     pub fn added(&self) -> impl Iterator<Item = &T> {
         self.0.iter().filter_map(|entry| match entry {
-            Entry::Added { effect, .. } => Some(&**effect),
-            Entry::Kept(_) => None,
+            ListEntry::Added { effect, .. } => Some(&**effect),
+            ListEntry::Kept(_) => None,
         })
     }
 
-    /// The list of a first step, in which nothing is in force before.
+    /// Returns the list of effects of the first step.
     pub fn into_first(self) -> Vec<Box<T>> {
         let added = |entry| match entry {
-            Entry::Added { effect, .. } => Some(effect),
-            Entry::Kept(_) => None,
+            ListEntry::Added { effect, .. } => Some(effect),
+            ListEntry::Kept(_) => None,
         };
         self.0.into_iter().filter_map(added).collect()
     }
 
-    /// Changes a list; `take_over` gives a new effect the memory of one that it continues. Returns the effects that have ended.
+    /// Applies the change to a list and returns the effects that end. `take_over(new, old)` copies the history of a
+    /// previous
+    /// effect to a new one.
     pub fn apply(&self, list: &mut Vec<Box<T>>, take_over: impl Fn(&mut T, &T)) -> Vec<Box<T>> {
-        let begun = |entry: &Entry<T>| match entry {
-            Entry::Kept(_) => None,
-            Entry::Added { effect, continues } => {
+        let begun = |entry: &ListEntry<T>| match entry {
+            ListEntry::Kept(_) => None,
+            ListEntry::Added { effect, continues } => {
                 let mut begun = effect.clone();
                 continues.iter().for_each(|&place| take_over(&mut begun, &list[place]));
                 Some(begun)
@@ -65,39 +66,39 @@ where
         let mut before: Vec<Option<Box<T>>> = list.drain(..).map(Some).collect();
         for (entry, begun) in self.0.iter().zip(begun) {
             list.extend(match entry {
-                Entry::Kept(place) => before[*place].take(),
-                Entry::Added { .. } => begun,
+                ListEntry::Kept(place) => before[*place].take(),
+                ListEntry::Added { .. } => begun,
             });
         }
         before.into_iter().flatten().collect()
     }
 
-    /// Bytes of the entries, but for those of the effects themselves.
+    /// Returns the heap size of the entries in bytes, without the effects.
     pub fn bytes(&self) -> usize {
         heap_bytes(&self.0)
     }
 }
 
-/// What a step changes of what is in force. All of it is empty where a step goes on as the one before.
+/// Changes to all active effects at the start of a step. A `None` list is unchanged.
 #[derive(Default)]
-pub struct Changes {
-    /// Loads; those that resist come last.
+pub struct StepChanges {
+    /// Loads; those that resist motion are last.
     pub loads: Option<ListChange<dyn Load>>,
     /// Constraints: prescribed motions, equations, contact, ties.
     pub constraints: Option<ListChange<dyn Constraint>>,
-    /// User motions, which are asked once an increment.
+    /// User motions (VDISP), called once per increment.
     pub user_motions: Option<ListChange<UserMotion>>,
-    /// Mass scaling, or that it ends.
-    pub scaling: Option<Option<Scaling>>,
+    /// New mass scaling; `Some(None)` ends it.
+    pub scaling: Option<Option<StepMassScaling>>,
 }
 
-impl Changes {
-    /// Whether all goes on as before.
+impl StepChanges {
+    /// Returns whether nothing changes.
     pub fn is_empty(&self) -> bool {
         self.loads.is_none() && self.constraints.is_none() && self.user_motions.is_none() && self.scaling.is_none()
     }
 
-    /// Bytes of its lists, but for those of loads, constraints and mass scaling.
+    /// Returns the size of the lists in bytes, without loads, constraints and mass scaling.
     pub fn bytes(&self) -> usize {
         let motions =
             self.user_motions.iter().flat_map(ListChange::added).map(|m| size_of_val(m) + m.bytes()).sum::<usize>();

@@ -1,13 +1,12 @@
 //! Springs and dashpots of the plan.
-//! Never here: their forces.
 
 use super::{Compiler, State};
 use crate::deck::{Diagnostic, Span};
-use crate::element::connector::{Connector, Connectors, Law};
+use crate::element::connector::{Connector, Connectors, SpringDashpotLaw};
 use crate::model::{ConnectorLaw, ConnectorProperty, ElementKind};
 
 impl Compiler<'_> {
-    /// All springs and dashpots; those on nodes of nothing that deforms are refused.
+    /// Creates all springs and dashpots. Ends that are not on nodes of deformable bodies are errors.
     pub(super) fn connectors(&mut self) -> Vec<Connector> {
         let model = self.model;
         let mut connectors = Vec::new();
@@ -24,7 +23,7 @@ impl Compiler<'_> {
                 ConnectorLaw::Dashpot(c) => ("dashpots", format!("coefficient {c}")),
                 ConnectorLaw::DashpotTable(rows) => ("dashpots", format!("table of {} rows", rows.len())),
             };
-            self.cause(property.span, effect, connectors.len() - before, "elements", detail);
+            self.ledger_row(property.span, effect, connectors.len() - before, "elements", detail);
         }
         with_property.sort_unstable();
         let mesh = &model.mesh;
@@ -42,7 +41,7 @@ impl Compiler<'_> {
         let element = &mesh.elements[element];
         let ends: Vec<usize> = element.nodes.iter().filter_map(|n| self.places.nodes.get(n).copied()).collect();
         if ends.len() < element.nodes.len() {
-            let message = format!("element {} ends at a node of no deformable element", element.name);
+            let message = format!("element {} has a node that belongs to no deformable element", element.name);
             self.refuse_connector(element.span, message);
             return None;
         }
@@ -52,10 +51,10 @@ impl Compiler<'_> {
             return None;
         }
         let law = match &property.law {
-            ConnectorLaw::Spring(k) => Law::Spring(*k),
-            ConnectorLaw::Table(rows) => Law::Table(rows.clone()),
-            ConnectorLaw::Dashpot(c) => Law::Dashpot(*c),
-            ConnectorLaw::DashpotTable(rows) => Law::DashpotTable(rows.clone()),
+            ConnectorLaw::Spring(k) => SpringDashpotLaw::Spring(*k),
+            ConnectorLaw::Table(rows) => SpringDashpotLaw::Table(rows.clone()),
+            ConnectorLaw::Dashpot(c) => SpringDashpotLaw::Dashpot(*c),
+            ConnectorLaw::DashpotTable(rows) => SpringDashpotLaw::DashpotTable(rows.clone()),
         };
         let axis = (ends.len() == 1).then_some(usize::from(property.dof) - 1);
         Some(Connector::new([ends.first().copied(), ends.get(1).copied()], axis, law))
@@ -65,16 +64,16 @@ impl Compiler<'_> {
         self.diagnostics.push(Diagnostic::error("P020", message).at(span, "here"));
     }
 
-    /// Puts them between the nodes of what deforms.
+    /// Adds the springs and dashpots to the elements of the state.
     pub(super) fn connect(&mut self, state: &mut State) {
         let list = self.connectors();
         let light = |n: &usize| state.dofs.nodes.mass[*n] == 0.0 && !self.ties.iter().any(|t| t.nodes.contains(n));
         if let Some(node) = list.iter().flat_map(|c| c.ends.into_iter().flatten()).find(light) {
             let found = self.places.nodes.iter().find(|n| *n.1 == node).map(|n| *n.0);
             let name = found.map_or("", |n| self.model.mesh.node_names[n].as_str());
-            let message = format!("a spring or dashpot ends at node {name}, which has no mass of its own");
+            let message = format!("a spring or dashpot is attached to node {name}, which has no mass");
             let span = self.model.discrete.connectors.first().map(|c| c.span).unwrap_or_default();
-            self.refuse_connector(span, message + ": put a *MASS there, or let it end at a node that follows");
+            self.refuse_connector(span, message + ": add a *MASS, or attach it to a node with mass");
         }
         if !list.is_empty() && !state.elements.is_empty() {
             state.elements.connectors = Some(Box::new(Connectors::new(list, &state.dofs.nodes)));

@@ -1,86 +1,88 @@
-//! Curves of contact: what of a surface lies bare and what is hidden within bodies, its points and what carries them, how deep behind
-//! a facet something still meets it.
-//! Never here: which curves meet.
+//! Contact curves: the exposed facets of a surface, the interior facets that element deletion may expose, their points,
+//! and the
+//! penetration depth up to which a facet is in contact.
 
 use std::collections::{HashMap, HashSet};
 
 use super::Compiler;
 use super::pieces::pieces;
-use crate::constraint::contact::analytical::Analytical;
-use crate::constraint::contact::curve::{Carrier, Curve, Point};
+use crate::constraint::contact::analytical::AnalyticalSurface;
+use crate::constraint::contact::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use crate::deck::Diagnostic;
-use crate::model::{Side, Sides, SurfaceContact};
+use crate::model::{ElementSide, SideSelection, SurfaceContact};
 
-/// A facet is met from behind no deeper than this many of its lengths.
+/// Maximum penetration of a facet, in facet lengths.
 const DEEPEST: f64 = 2.0;
-/// The same of a shell at least.
+/// Minimum penetration depth of a shell facet, in facet lengths.
 const LEAST_DEPTH: f64 = 0.1;
 
-/// Points and curves as they are found.
+/// Points, curves and analytical surfaces of the contact of a step.
 #[derive(Default)]
-pub(super) struct Found {
-    pub(super) points: Vec<Point>,
+pub(super) struct ContactGeometry {
+    pub(super) points: Vec<SurfacePoint>,
     pub(super) places: Vec<[f64; 2]>,
     point_of_node: HashMap<usize, u32>,
-    pub(super) curves: Vec<Curve>,
-    /// The element and the nodes of each facet that lies bare.
+    pub(super) curves: Vec<FacetCurve>,
+    /// Element and nodes of each exposed facet, by curve.
     pub(super) behind: Vec<Vec<(usize, [usize; 2])>>,
-    /// The longest facet and the mean length of each, and whether what carries it deforms.
+    /// Maximum and mean facet length of each curve, and whether it has deformable nodes.
     pub(super) lengths: Vec<[f64; 2]>,
     pub(super) deforms: Vec<bool>,
     by_name: HashMap<(String, bool), usize>,
-    pub(super) analyticals: Vec<Analytical>,
+    pub(super) analyticals: Vec<AnalyticalSurface>,
 }
 
-/// What points and facets are judged by.
-pub(super) struct Around<'a> {
-    /// Degrees of freedom whose motion is prescribed, and that follow others.
+/// Data that points and facets depend on.
+pub(super) struct CurveContext<'a> {
+    /// Degrees of freedom (node, axis) that are prescribed, and that are in equations or links.
     pub(super) prescribed: &'a HashSet<(usize, usize)>,
     pub(super) kept: &'a HashSet<(usize, usize)>,
-    /// The outside of what is solid.
-    pub(super) skin: &'a Skin,
+    /// Outline of the solid elements.
+    pub(super) skin: &'a SolidOutline,
 }
 
-type Edge = [[f64; 2]; 2];
+type MeridianEdge = [[f64; 2]; 2];
 
-/// The outside of what is solid, but for the axis, and which piece of elements that hang together each edge and element is of.
+/// Outline of the solid elements without edges on the axis: each edge with its connected part, and the part of each
+/// element.
 #[derive(Default)]
-pub(super) struct Skin {
-    edges: Vec<(Edge, usize)>,
+pub(super) struct SolidOutline {
+    edges: Vec<(MeridianEdge, usize)>,
     piece_of: HashMap<usize, usize>,
 }
 
-impl Skin {
-    /// What may end the body behind a facet of an element: its own piece, or where it is none of a solid all.
-    fn behind(&self, element: usize) -> impl Iterator<Item = Edge> + '_ {
+impl SolidOutline {
+    /// Iterates over the edges that may bound the body of an element: those of its own part, or all edges for other
+    /// elements.
+    fn behind(&self, element: usize) -> impl Iterator<Item = MeridianEdge> + '_ {
         let own = self.piece_of.get(&element).copied();
         self.edges.iter().filter(move |e| own.is_none_or(|own| own == e.1)).map(|e| e.0)
     }
 }
 
-fn is_off_axis(edge: &Edge) -> bool {
+fn is_off_axis(edge: &MeridianEdge) -> bool {
     edge.iter().any(|p| p[0] != 0.0)
 }
 
 impl Compiler<'_> {
-    /// One surface of a pair; `None` where it cannot be in contact, which is told.
+    /// Returns the index of the curve of one surface of a pair. Unsupported surfaces are reported as errors.
     pub(super) fn curve(
         &mut self,
         contact: &SurfaceContact,
         which: usize,
-        around: &Around<'_>,
-        found: &mut Found,
+        around: &CurveContext<'_>,
+        found: &mut ContactGeometry,
     ) -> Option<usize> {
         let sides = &contact.sides[which];
-        let key = (sides.name.clone(), contact.thin);
+        let key = (sides.name.clone(), contact.no_thickness);
         if let Some(&known) = found.by_name.get(&key) {
             return Some(known);
         }
         let (mut facets, mut behind) = (Vec::new(), Vec::new());
         for &(element, side) in &sides.faces {
-            let Some(mut ends) = self.model.mesh.ends(element, side) else { continue };
-            // The body lies to the left of the way; seen from the side of its normal a shell lies to the right.
-            if side == Side::Positive {
+            let Some(mut ends) = self.model.mesh.side_nodes(element, side) else { continue };
+            // The body is to the left of a facet. On the positive side of a shell the direction is reversed.
+            if side == ElementSide::Positive {
                 ends.reverse();
             }
             let mut facet = [0; 2];
@@ -95,27 +97,34 @@ impl Compiler<'_> {
             facets.push((facet, element));
             behind.push((element, ends));
         }
-        // What lies on the axis is the inside of a body.
+        // Facets on the axis are inside a body.
         facets.retain(|(f, _)| f.iter().any(|&p| found.places[p as usize][0] != 0.0));
         behind.retain(|(_, ends)| ends.iter().any(|&n| self.model.mesh.points[n][0] != 0.0));
         if facets.is_empty() {
-            let message = format!("surface `{}` has no facets that could meet anything", sides.name);
+            let message = format!("surface `{}` has no facets off the axis", sides.name);
             return self.diagnostics.refuse(Diagnostic::error("P021", message).at(contact.span, "this pair"));
         }
         let bare = facets.len();
         if self.deletes() {
             self.hidden_facets(around, found, &mut facets);
         }
-        let lift = facets.iter().map(|f| if contact.thin { 0.0 } else { 0.5 * self.thickness_of(f.1) }).collect();
+        let lift =
+            facets.iter().map(|f| if contact.no_thickness { 0.0 } else { 0.5 * self.thickness_of(f.1) }).collect();
         let curve = found.add_curve(&facets, lift, bare, (around.skin, &self.shells_of(sides)));
         found.behind.push(behind);
         found.by_name.insert(key, curve);
         Some(curve)
     }
 
-    /// Adds the faces between elements of the bodies that bare facets belong to, one for each side: they lie bare when the element
-    /// in front is deleted.
-    fn hidden_facets(&self, around: &Around<'_>, found: &mut Found, facets: &mut Vec<([u32; 2], usize)>) {
+    /// Adds the interior faces of the bodies of the exposed facets, one per side. They are exposed when the element in
+    /// front is
+    /// deleted.
+    fn hidden_facets(
+        &self,
+        around: &CurveContext<'_>,
+        found: &mut ContactGeometry,
+        facets: &mut Vec<([u32; 2], usize)>,
+    ) {
         let mesh = &self.model.mesh;
         let own: HashSet<usize> = facets.iter().map(|f| f.1).collect();
         let solids: Vec<usize> =
@@ -135,7 +144,7 @@ impl Compiler<'_> {
                             Some(found.add(node, point, mesh.points[node]))
                         }
                     });
-                    // What follows other nodes is left out: it never lies bare to contact.
+                    // Faces with dependent nodes are left out, because these cannot be in contact.
                     if let [Some(a), Some(b)] = points {
                         facets.push(([a, b], e));
                     }
@@ -144,64 +153,77 @@ impl Compiler<'_> {
         }
     }
 
-    /// Thickness of a shell at the start; 0 of other elements.
+    /// Returns the initial thickness of a shell element; 0 for other elements.
     fn thickness_of(&self, element: usize) -> f64 {
         let section = self.model.shell_sections.iter().find(|s| s.elements.contains(&element));
         section.map_or(0.0, |s| s.thickness)
     }
 
-    pub(super) fn point_of(&self, node: usize, around: &Around<'_>, found: &mut Found) -> Result<u32, String> {
+    pub(super) fn point_of(
+        &self,
+        node: usize,
+        around: &CurveContext<'_>,
+        found: &mut ContactGeometry,
+    ) -> Result<u32, String> {
         match found.point_of_node.get(&node) {
             Some(&known) => Ok(known),
             None => Ok(found.add(node, self.contact_point(node, around)?, self.model.mesh.points[node])),
         }
     }
 
-    /// What carries a point of a surface in contact, and along which axes it moves freely.
-    fn contact_point(&self, node: usize, Around { prescribed, kept, .. }: &Around<'_>) -> Result<Point, String> {
+    /// Returns the node or rigid body of a contact point, and the axes along which it is free.
+    fn contact_point(
+        &self,
+        node: usize,
+        CurveContext { prescribed, kept, .. }: &CurveContext<'_>,
+    ) -> Result<SurfacePoint, String> {
         let mesh = &self.model.mesh;
         if let Some(place) = self.places.free_node(node) {
             if kept.contains(&(place, 0)) || kept.contains(&(place, 1)) {
                 let name = &mesh.node_names[node];
-                let why = "follows others (*EQUATION, *MPC, *COUPLING, *TIE): leave it out of the surface";
+                let why = "is a dependent node (*EQUATION, *MPC, *COUPLING, *TIE): remove it from the surface";
                 return Err(format!("node {name} is in contact and {why}"));
             }
             let free = [0, 1].map(|axis| !prescribed.contains(&(place, axis)));
-            return Ok(Point { carrier: Carrier::Node(place), free });
+            return Ok(SurfacePoint { carrier: PointCarrier::Node(place), free });
         }
         let body = self.places.tied.get(&node).or_else(|| self.body_of_node.get(&node));
         match body {
-            Some(&body) => Ok(Point { carrier: Carrier::Body(body, mesh.points[node]), free: [false, true] }),
+            Some(&body) => {
+                Ok(SurfacePoint { carrier: PointCarrier::Body(body, mesh.points[node]), free: [false, true] })
+            }
             None => Err(format!("node {} belongs to no body", mesh.node_names[node])),
         }
     }
 
-    /// The outside of all solids, but for the axis.
-    pub(super) fn solid_skin(&self) -> Skin {
+    /// Returns the outline of all solid elements, without edges on the axis.
+    pub(super) fn solid_skin(&self) -> SolidOutline {
         let mesh = &self.model.mesh;
         let solids: Vec<usize> = (0..mesh.elements.len()).filter(|e| mesh.elements[*e].kind.is_solid()).collect();
-        let mut skin = Skin::default();
+        let mut skin = SolidOutline::default();
         for (piece, elements) in pieces(mesh, &solids).into_iter().enumerate() {
             skin.piece_of.extend(elements.into_iter().map(|e| (e, piece)));
         }
-        for (element, side) in mesh.outside() {
-            let (Some(ends), Some(&piece)) = (mesh.ends(element, side), skin.piece_of.get(&element)) else { continue };
+        for (element, side) in mesh.exterior_faces() {
+            let (Some(ends), Some(&piece)) = (mesh.side_nodes(element, side), skin.piece_of.get(&element)) else {
+                continue;
+            };
             let edge = ends.map(|n| mesh.points[n]);
             skin.edges.extend(is_off_axis(&edge).then_some((edge, piece)));
         }
         skin
     }
 
-    fn shells_of(&self, sides: &Sides) -> Vec<Edge> {
+    fn shells_of(&self, sides: &SideSelection) -> Vec<MeridianEdge> {
         let mesh = &self.model.mesh;
-        let shells = sides.faces.iter().filter(|f| matches!(f.1, Side::Positive | Side::Negative));
-        let shells = shells.filter_map(|&(e, side)| mesh.ends(e, side)).map(|e| e.map(|n| mesh.points[n]));
+        let shells = sides.faces.iter().filter(|f| matches!(f.1, ElementSide::Positive | ElementSide::Negative));
+        let shells = shells.filter_map(|&(e, side)| mesh.side_nodes(e, side)).map(|e| e.map(|n| mesh.points[n]));
         shells.filter(is_off_axis).collect()
     }
 }
 
-impl Found {
-    fn add(&mut self, node: usize, point: Point, place: [f64; 2]) -> u32 {
+impl ContactGeometry {
+    fn add(&mut self, node: usize, point: SurfacePoint, place: [f64; 2]) -> u32 {
         let index = self.points.len() as u32;
         self.points.push(point);
         self.places.push(place);
@@ -209,22 +231,22 @@ impl Found {
         index
     }
 
-    /// A point that a body carries at the origin.
+    /// Adds a point of a rigid body at the origin.
     pub(super) fn add_carried(&mut self, body: usize) -> u32 {
-        self.points.push(Point { carrier: Carrier::Body(body, [0.0; 2]), free: [false, true] });
+        self.points.push(SurfacePoint { carrier: PointCarrier::Body(body, [0.0; 2]), free: [false, true] });
         self.places.push([0.0; 2]);
         self.points.len() as u32 - 1
     }
 
-    /// How deep in an analytical surface the points of a curve may be where it gives way.
+    /// Returns the maximum penetration of a curve into an analytical surface in soft contact.
     pub(super) fn deepest(&self, curve: usize) -> f64 {
         DEEPEST * self.lengths[curve][0]
     }
 
-    /// A curve of points without facets.
-    pub(super) fn add_points(&mut self, curve: Curve) -> usize {
+    /// Adds a curve of points without facets.
+    pub(super) fn add_points(&mut self, curve: FacetCurve) -> usize {
         self.deforms.push(true);
-        // They have no length that gaps could be held against.
+        // Without facets there is no length scale.
         self.lengths.push([f64::INFINITY; 2]);
         self.behind.push(Vec::new());
         self.curves.push(curve);
@@ -236,7 +258,7 @@ impl Found {
         facets: &[([u32; 2], usize)],
         lift: Vec<f64>,
         bare: usize,
-        (solids, shells): (&Skin, &[Edge]),
+        (solids, shells): (&SolidOutline, &[MeridianEdge]),
     ) -> usize {
         let ends = |f: &[u32; 2]| f.map(|p| self.places[p as usize]);
         let lengths: Vec<f64> = facets.iter().map(|(f, _)| length(ends(f))).collect();
@@ -245,22 +267,25 @@ impl Found {
             .zip(&lengths)
             .map(|((f, element), l)| depth(ends(f), *l, solids.behind(*element).chain(shells.iter().copied())))
             .collect();
-        // Behind a facet that comes to lie bare there may be no more than one element.
+        // A body may be only one element thick behind an interior facet.
         depths.extend(lengths[bare..].iter().map(|l| 0.5 * l));
-        // What lies behind the middle surface of a shell is on its other side.
+        // Points beyond the middle surface of a shell are on its other side.
         for (depth, (half, length)) in depths.iter_mut().zip(lift.iter().zip(&lengths)).filter(|d| *d.1.0 > 0.0) {
             *depth = half.max(LEAST_DEPTH * length);
         }
         let lengths = &lengths[..bare];
         let longest = lengths.iter().copied().fold(0.0, f64::max);
-        let node = |p: u32| matches!(self.points[p as usize].carrier, Carrier::Node(_));
+        let node = |p: u32| matches!(self.points[p as usize].carrier, PointCarrier::Node(_));
         self.deforms.push(facets[..bare].iter().any(|(f, _)| f.iter().any(|p| node(*p))));
         self.lengths.push([longest, lengths.iter().sum::<f64>() / lengths.len() as f64]);
-        self.curves.push(Curve::new(facets.iter().map(|f| f.0).collect(), depths, bare, &self.places).lifted(lift));
+        self.curves
+            .push(FacetCurve::new(facets.iter().map(|f| f.0).collect(), depths, bare, &self.places).lifted(lift));
         self.curves.len() - 1
     }
 
-    /// Which of two curves carries the pressures, and the other: the finer of two that deform, never a rigid one.
+    /// Orders two curves: the first one carries the contact pressures. It is the finer one of two deformable curves,
+    /// never a rigid
+    /// one.
     pub(super) fn order(&self, first: usize, second: usize) -> [usize; 2] {
         let swaps = match (self.deforms[first], self.deforms[second]) {
             (true, true) => self.lengths[second][1] < self.lengths[first][1],
@@ -274,9 +299,9 @@ fn length([a, b]: [[f64; 2]; 2]) -> f64 {
     libm::hypot(b[0] - a[0], b[1] - a[1])
 }
 
-/// How deep behind a facet something is still in contact with it: half the way to the next skin of its body behind it, and no more than
-/// [`DEEPEST`] lengths.
-fn depth([a, b]: Edge, length: f64, skin: impl Iterator<Item = Edge>) -> f64 {
+/// Returns the penetration depth up to which a facet is in contact: half of the distance to the opposite side of its body, at most
+/// [`DEEPEST`] facet lengths.
+fn depth([a, b]: MeridianEdge, length: f64, skin: impl Iterator<Item = MeridianEdge>) -> f64 {
     let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
     let inward = [-(b[1] - a[1]) / length, (b[0] - a[0]) / length];
     let mut nearest = 2.0 * DEEPEST * length;

@@ -7,8 +7,8 @@ use std::collections::HashSet;
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::model::{
-    Element, IncrementControl, InitialCondition, InitialKind, Model, SYSTEMS, SolidSection, Step, System, Units,
-    is_without_units,
+    DeckUnits, Element, IncrementControl, InitialCondition, InitialKind, Model, SYSTEMS, SolidSection, Step,
+    UnitSystem, is_without_units,
 };
 use crate::platform::PortableMath as _;
 
@@ -18,17 +18,17 @@ const TOO_FAST: f64 = 3.0;
 const TOO_MANY: f64 = 1e12;
 
 impl<'m> Compiler<'m> {
-    pub(super) fn doubts(&mut self, state: &State) {
+    pub(super) fn check_plausibility(&mut self, state: &State) {
         if state.elements.is_empty() {
             return;
         }
-        self.of_no_units();
-        self.too_fast();
-        if let Some((time, element)) = self.crossing() {
-            self.given_increments(time, element);
-            self.endless(time, element);
+        self.check_units();
+        self.check_initial_speed();
+        if let Some((time, element)) = self.shortest_wave_transit() {
+            self.check_given_increments(time, element);
+            self.check_step_length(time, element);
         }
-        self.nothing_acts();
+        self.check_free_motion();
     }
 
     fn warn(&mut self, finding: Diagnostic) {
@@ -43,8 +43,8 @@ impl<'m> Compiler<'m> {
     }
 
     /// Density and modulus that are those of no solid in any system of units, or not in the deck's own.
-    fn of_no_units(&mut self) {
-        let own = self.model.settings.units.as_ref().and_then(Units::system);
+    fn check_units(&mut self) {
+        let own = self.model.settings.units.as_ref().and_then(DeckUnits::system);
         let mut told = HashSet::new();
         let mut findings = Vec::new();
         for section in &self.model.sections {
@@ -53,7 +53,7 @@ impl<'m> Compiler<'m> {
             if own.is_none() && is_without_units(density) {
                 continue;
             }
-            let fits = |system: &System| system.fits(density, modulus);
+            let fits = |system: &UnitSystem| system.fits(density, modulus);
             if own.map_or_else(|| SYSTEMS.iter().any(fits), fits) || !told.insert(section.material) {
                 continue;
             }
@@ -65,7 +65,7 @@ impl<'m> Compiler<'m> {
                 material.name
             );
             let finding = Diagnostic::warning("P119", message).at(material.span, "this material");
-            findings.push(finding.help(remedy(density, modulus)));
+            findings.push(finding.help(suggested_units(density, modulus)));
         }
         findings.into_iter().for_each(|finding| self.warn(finding));
     }
@@ -77,7 +77,7 @@ impl<'m> Compiler<'m> {
         })
     }
 
-    fn too_fast(&mut self) {
+    fn check_initial_speed(&mut self) {
         let mut found = None;
         for section in &self.model.sections {
             let Some(sound) = self.sound(section) else { continue };
@@ -108,7 +108,7 @@ impl<'m> Compiler<'m> {
     }
 
     /// The shortest time that a wave needs to cross an element, with the element.
-    fn crossing(&self) -> Option<(f64, &'m Element)> {
+    fn shortest_wave_transit(&self) -> Option<(f64, &'m Element)> {
         let model: &'m Model = self.model;
         let points = &model.mesh.points;
         let mut smallest: Option<(f64, &Element)> = None;
@@ -125,7 +125,7 @@ impl<'m> Compiler<'m> {
     }
 
     /// A given increment that a wave needs less than to cross an element is not stable.
-    fn given_increments(&mut self, time: f64, element: &Element) {
+    fn check_given_increments(&mut self, time: f64, element: &Element) {
         let scaled = self.model.steps.iter().any(|s| !s.mass_scalings.is_empty());
         let given = self.model.steps.iter().filter_map(|s| match s.increment {
             IncrementControl::Fixed(dt) => Some((s.span, dt)),
@@ -139,7 +139,7 @@ impl<'m> Compiler<'m> {
     }
 
     /// A step of so many increments that hardly anyone would wait for it.
-    fn endless(&mut self, time: f64, element: &Element) {
+    fn check_step_length(&mut self, time: f64, element: &Element) {
         let count = self.model.sections.iter().map(|s| s.elements.len()).sum::<usize>();
         let increments = |s: &Step| match s.increment {
             IncrementControl::Fixed(dt) => s.duration / dt,
@@ -161,7 +161,7 @@ impl<'m> Compiler<'m> {
     }
 
     /// A body of one velocity that nothing holds, pushes or meets flies on as it is.
-    fn nothing_acts(&mut self) {
+    fn check_free_motion(&mut self) {
         let model = self.model;
         let free = model.rigid_bodies.is_empty()
             && model.targets.is_empty()
@@ -194,9 +194,9 @@ fn corners(element: &Element, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 /// What would fit: the modulus in the systems of the density, or the density in those of the modulus.
-fn remedy(density: f64, modulus: f64) -> String {
+fn suggested_units(density: f64, modulus: f64) -> String {
     const STEEL: [f64; 2] = [7850.0, 2.1e11];
-    let like = |system: &System| {
+    let like = |system: &UnitSystem| {
         let [length, mass, time] = system.factors;
         [STEEL[0] * length.powi(3) / mass, STEEL[1] * length * time * time / mass]
     };

@@ -3,21 +3,21 @@
 
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
-use crate::element::erosion::{Criteria, Erosion};
-use crate::model::Erosion as Card;
+use crate::element::erosion::{DeletionCriteria, ErosionControl};
+use crate::model::ErosionCriteria as Card;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
 impl Compiler<'_> {
     /// Puts elements under the criteria of `*EROSION`; nothing without the card.
     pub(super) fn erosion(&mut self, state: &mut State) {
-        let mut erosion = Erosion::default();
+        let mut erosion = ErosionControl::default();
         for card in &self.model.erosions {
             let Some(elements) = self.eroding_elements(card, state) else { continue };
             let Card { distortion, plastic, strain, increment, .. } = *card;
-            let criteria = Criteria { distortion, plastic, strain, increment };
+            let criteria = DeletionCriteria { distortion, plastic, strain, increment };
             self.check_start(card, &criteria, &elements, state);
-            self.cause(card.span, "erosion", elements.len(), "elements", detail(card));
+            self.ledger_row(card.span, "erosion", elements.len(), "elements", detail(card));
             erosion.watch(criteria, elements);
         }
         if !erosion.groups().is_empty() {
@@ -32,7 +32,7 @@ impl Compiler<'_> {
             Some(list) => list.iter().filter_map(|e| places.get(e).copied()).collect(),
         };
         if elements.is_empty() {
-            self.unused(card.span, "erosion", "none of its elements deforms");
+            self.add_unused_card(card.span, "erosion", "none of its elements deforms");
             return None;
         }
         let groups = &state.elements.groups;
@@ -51,7 +51,7 @@ impl Compiler<'_> {
     }
 
     /// An element that has come to a criterion before anything moves is a slip of the deck.
-    fn check_start(&mut self, card: &Card, criteria: &Criteria, elements: &[(usize, usize)], state: &State) {
+    fn check_start(&mut self, card: &Card, criteria: &DeletionCriteria, elements: &[(usize, usize)], state: &State) {
         let nodes: &Nodes = &state.dofs.nodes;
         let at_start = |&&(g, e): &&(usize, usize)| criteria.are_met(&*state.elements.groups[g], e, nodes);
         let Some(&place) = elements.iter().find(at_start) else { return };

@@ -1,7 +1,7 @@
 //! History columns that follow from others (`*OUTPUT EXPRESSION`): their names are looked up among the columns of the plan.
 //! Never here: the evaluator (`deck::expression`).
 
-use super::{Column, Compiler, Source};
+use super::{ColumnSource, Compiler, HistoryColumn};
 use crate::deck::expression::{Expression, ExpressionError};
 use crate::deck::names::nearest;
 use crate::deck::{Diagnostic, Span};
@@ -20,7 +20,7 @@ pub struct RowExpression {
 
 impl RowExpression {
     /// An expression over these columns.
-    fn read(text: &str, columns: &[Column]) -> Result<RowExpression, ExpressionError> {
+    fn read(text: &str, columns: &[HistoryColumn]) -> Result<RowExpression, ExpressionError> {
         let find = |name: &str| columns.iter().position(|c| c.name.eq_ignore_ascii_case(name));
         let expression = Expression::parse_over(text, &|rest| longest(rest, columns))?;
         expression.check(&|name| name.eq_ignore_ascii_case(TIME) || find(name).is_some())?;
@@ -37,7 +37,7 @@ impl RowExpression {
 }
 
 /// Bytes of the longest name of a column that a text begins with, in any case; 0 if it goes on behind it or there is none.
-fn longest(text: &str, columns: &[Column]) -> usize {
+fn longest(text: &str, columns: &[HistoryColumn]) -> usize {
     let begins = |name: &str| text.get(..name.len()).is_some_and(|start| start.eq_ignore_ascii_case(name));
     let ends = |name: &str| !text[name.len()..].starts_with(|c: char| c.is_alphanumeric() || "_@.".contains(c));
     let names = columns.iter().map(|c| c.name.as_str());
@@ -46,7 +46,7 @@ fn longest(text: &str, columns: &[Column]) -> usize {
 
 impl Compiler<'_> {
     /// The columns of `*OUTPUT EXPRESSION`, behind those they follow from.
-    pub(super) fn expression_columns(&mut self, columns: &mut Vec<Column>) {
+    pub(super) fn expression_columns(&mut self, columns: &mut Vec<HistoryColumn>) {
         let model = self.model;
         for definition in &model.output.expressions {
             let OutputExpression { name, text, span, .. } = definition;
@@ -58,9 +58,9 @@ impl Compiler<'_> {
             }
             match RowExpression::read(text, columns) {
                 Ok(expression) => {
-                    self.cause(*span, "history expression", 1, "column", format!("{name} = {text}"));
-                    let source = Source::Expression(self.expressions.len());
-                    columns.push(Column { name: name.clone(), part: None, source });
+                    self.ledger_row(*span, "history expression", 1, "column", format!("{name} = {text}"));
+                    let source = ColumnSource::Expression(self.expressions.len());
+                    columns.push(HistoryColumn { name: name.clone(), part: None, source });
                     self.expressions.push(expression);
                 }
                 Err(error) => self.wrong_expression(definition, &error, columns),
@@ -68,7 +68,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn wrong_expression(&mut self, definition: &OutputExpression, error: &ExpressionError, columns: &[Column]) {
+    fn wrong_expression(&mut self, definition: &OutputExpression, error: &ExpressionError, columns: &[HistoryColumn]) {
         let OutputExpression { name, text, place, .. } = definition;
         let whole = place.end.checked_sub(place.start) != Some(text.len() as u32);
         let inside = |at: usize| place.start + at as u32;
@@ -86,7 +86,7 @@ impl Compiler<'_> {
 }
 
 /// Why a column cannot have this name.
-fn taken(name: &str, columns: &[Column]) -> Option<&'static str> {
+fn taken(name: &str, columns: &[HistoryColumn]) -> Option<&'static str> {
     match () {
         () if columns.iter().any(|c| c.name.eq_ignore_ascii_case(name)) => Some("there is one of that name"),
         () if [TIME, "step", "pi"].iter().any(|n| n.eq_ignore_ascii_case(name)) => Some("the name has a meaning"),
@@ -95,7 +95,7 @@ fn taken(name: &str, columns: &[Column]) -> Option<&'static str> {
 }
 
 /// The columns that may have been meant.
-fn near(unknown: &str, columns: &[Column]) -> String {
+fn near(unknown: &str, columns: &[HistoryColumn]) -> String {
     let names = || columns.iter().map(|c| c.name.as_str());
     if let Some(near) = nearest(unknown, names()) {
         return format!("did you mean {near}?");

@@ -1,22 +1,20 @@
-//! Field variables of the plan: which there are, what nodes have of them at the start and in each step, and the tables of
-//! materials over them.
-//! Never here: interpolation.
+//! Field variables of the plan: initial nodal values, `*FIELD` of each step, and material tables over field variables.
 
 use std::sync::Arc;
 
 use super::solid_material::rate_factor;
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
-use crate::element::predefined::{PredefinedFields, Prescribed, mean};
+use crate::element::predefined::{NodalFieldValue, PredefinedFields, mean};
 use crate::kernel::levels::NestedTable;
-use crate::material::user::description::{Elasticity, MOST_DEPENDENCIES, Yield, YieldOverFields};
-use crate::model::{InitialKind, Material, Plastic, SolidSection};
+use crate::material::user::description::{FieldElasticity, MOST_DEPENDENCIES, YieldOverFields, YieldSource};
+use crate::model::{InitialKind, MaterialDefinition, PlasticityModel, SolidSection};
 
-/// Field variables that a material's tables depend on.
-fn dependencies(material: &Material) -> usize {
-    // Moduli, or yield stress and plastic strain; and the temperature.
+/// Returns the number of field variables on which the tables of a material depend.
+fn dependencies(material: &MaterialDefinition) -> usize {
+    // The first three columns are two moduli, or yield stress and plastic strain, and the temperature.
     let of = |rows: &[Vec<f64>]| rows.first().map_or(0, |row| row.len().saturating_sub(3));
-    let plastic = if let Some(Plastic::OverFields(rows)) = &material.plastic { of(rows) } else { 0 };
+    let plastic = if let Some(PlasticityModel::OverFields(rows)) = &material.plastic { of(rows) } else { 0 };
     plastic.max(of(&material.elastic_table))
 }
 
@@ -30,13 +28,13 @@ impl Compiler<'_> {
         start.chain(prescribed).max().unwrap_or(0)
     }
 
-    /// Field variables of a material: those that the deck gives or that its tables depend on, and one at least where a
-    /// routine defines them.
-    pub(super) fn field_variables(&self, material: &Material) -> usize {
+    /// Returns the number of field variables of a material: those of the deck or of its tables, and at least one with
+    /// `*USER DEFINED FIELD`.
+    pub(super) fn field_variables(&self, material: &MaterialDefinition) -> usize {
         self.given_fields().max(dependencies(material)).max(usize::from(material.user.fields.is_some()))
     }
 
-    /// Values of nodes at the start by variable, 0 where none is given.
+    /// Returns the initial nodal values of each field variable, 0 by default.
     fn fields_at_start(&self, nodes: usize) -> Vec<Vec<f64>> {
         let mut values = vec![vec![0.0; nodes]; self.given_fields()];
         for condition in &self.model.initial_conditions {
@@ -64,7 +62,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// What `*FIELD` prescribes; `None` where it acts on nothing.
+    /// Creates the values of `*FIELD`; `None` if no material depends on field variables.
     pub(super) fn predefined_fields(&mut self, state: &State) -> Option<Box<PredefinedFields>> {
         let model = self.model;
         let cards = || model.steps.iter().flat_map(|s| &s.fields);
@@ -72,12 +70,12 @@ impl Compiler<'_> {
         if groups.iter().all(|g| g.properties().fields == 0) {
             for field in cards() {
                 let what = format!("*FIELD, VARIABLE={}", field.variable + 1);
-                self.unused(field.span, what, "no material depends on field variables");
+                self.add_unused_card(field.span, what, "no material depends on field variables");
             }
             return None;
         }
         let mut id = None;
-        let mut steps: Vec<Arc<[Prescribed]>> = Vec::new();
+        let mut steps: Vec<Arc<[NodalFieldValue]>> = Vec::new();
         for (index, step) in model.steps.iter().enumerate() {
             if index > 0 && model.steps[index - 1].fields == step.fields {
                 steps.extend(steps.last().cloned());
@@ -87,10 +85,10 @@ impl Compiler<'_> {
             for field in &step.fields {
                 let nodes: Vec<usize> = field.nodes.iter().filter_map(|n| self.places.nodes.get(n).copied()).collect();
                 let detail = format!("variable {} on {}: {}", field.variable + 1, field.set, field.value);
-                let row = self.cause(field.span, "predefined fields", nodes.len(), "nodes", detail);
+                let row = self.ledger_row(field.span, "predefined fields", nodes.len(), "nodes", detail);
                 id = id.or(Some(row));
                 let magnitude = self.magnitude(field.value, field.amplitude);
-                list.push(Prescribed { variable: field.variable, nodes, magnitude });
+                list.push(NodalFieldValue { variable: field.variable, nodes, magnitude });
             }
             steps.push(list.into());
         }
@@ -98,13 +96,13 @@ impl Compiler<'_> {
         Some(Box::new(PredefinedFields::new(id?, start, steps, groups)))
     }
 
-    /// Moduli over temperature and field variables; `None` where they are constant.
+    /// Returns tables of moduli over temperature and field variables; `None` if the moduli are constant.
     pub(super) fn elasticity(
         &mut self,
         section: &SolidSection,
-        material: &Material,
+        material: &MaterialDefinition,
         count: usize,
-    ) -> Option<Arc<Elasticity>> {
+    ) -> Option<Arc<FieldElasticity>> {
         let rows = &material.elastic_table;
         let of = |value: usize| {
             let rows: Vec<Vec<f64>> = rows.iter().map(|r| [&r[value..=value], &r[2..]].concat()).collect();
@@ -113,26 +111,27 @@ impl Compiler<'_> {
         let (young, ratio) = (of(0)?, of(1)?);
         let fields = rows.first()?.len() - 3;
         let detail = format!("{} rows over temperature and {fields} field variables", rows.len());
-        self.cause(section.span, "moduli", count, "elements", detail);
-        Some(Arc::new(Elasticity { young, ratio, fields }))
+        self.ledger_row(section.span, "moduli", count, "elements", detail);
+        Some(Arc::new(FieldElasticity { young, ratio, fields }))
     }
 
-    /// A yield stress over field variables.
+    /// Returns the table of the yield stress over field variables; an invalid table is an error.
     pub(super) fn yield_over_fields(
         &mut self,
         section: &SolidSection,
-        material: &Material,
+        material: &MaterialDefinition,
         rows: &[Vec<f64>],
-    ) -> Option<Yield> {
+    ) -> Option<YieldSource> {
         let fields = rows.first().map_or(0, |r| r.len().saturating_sub(3));
         let table = NestedTable::new(rows).filter(|_| fields <= MOST_DEPENDENCIES);
         let Some(table) = table else {
-            let message = format!("material `{}`: its table over field variables has no order", material.name);
+            let message =
+                format!("material `{}`: the rows of its table over field variables are not in order", material.name);
             return self
                 .diagnostics
                 .refuse(Diagnostic::error("P014", message).at(section.span, "the material of this section"));
         };
-        Some(Yield::OverFields(Arc::new(YieldOverFields {
+        Some(YieldSource::OverFields(Arc::new(YieldOverFields {
             table,
             factor: rate_factor(material.rate.as_ref()),
             fields,

@@ -1,31 +1,30 @@
-//! Temperatures that `*TIE` and `*EQUATION` on degree of freedom 11 keep together.
-//! Never here: what gives and takes heat, arithmetic of heat.
+//! Equations between temperatures: `*TIE`, and `*EQUATION` on degree of freedom 11.
 
 use std::collections::HashSet;
 
 use super::Compiler;
-use crate::constraint::bonds::{Bonds, Equation, Given, Unkept};
+use crate::constraint::bonds::{LinkConflict, LinkSystem, NodalEquation, PrescribedDofs};
 use crate::deck::{Diagnostic, Span};
-use crate::heat::conductors::Conductors;
-use crate::heat::field::{Conditions, capacities_at};
+use crate::heat::conductors::ConductingElements;
+use crate::heat::field::{ThermalConditions, capacities_at};
 
-/// Equations between temperatures, and where each comes from.
+/// Equations between temperatures, and the card of each.
 #[derive(Default)]
-struct Tied {
-    equations: Vec<Equation>,
+struct TemperatureEquations {
+    equations: Vec<NodalEquation>,
     spans: Vec<Span>,
 }
 
 impl Compiler<'_> {
-    /// Puts them into each step, with the temperatures that are held in it.
+    /// Adds the temperature equations to the thermal conditions of each step, with its prescribed temperatures.
     pub(super) fn tie_temperatures(
         &mut self,
-        steps: &mut [Option<Conditions>],
-        conductors: &Conductors,
+        steps: &mut [Option<ThermalConditions>],
+        conductors: &ConductingElements,
         conducting: &HashSet<usize>,
         start: &[f64],
     ) {
-        let mut tied = Tied::default();
+        let mut tied = TemperatureEquations::default();
         self.tied_surfaces(conducting, &mut tied);
         self.tied_by_equations(conducting, &mut tied);
         if tied.equations.is_empty() {
@@ -35,22 +34,22 @@ impl Compiler<'_> {
         for (index, conditions) in steps.iter_mut().enumerate() {
             let Some(conditions) = conditions else { continue };
             let held = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| (n.node, 0)).collect();
-            let given = Given { all: held, ..Given::default() };
-            match Bonds::new(&tied.equations, &[], &capacities, &given) {
+            let given = PrescribedDofs { all: held, ..PrescribedDofs::default() };
+            match LinkSystem::new(&tied.equations, &[], &capacities, &given) {
                 Ok(bonds) => conditions.bonds = bonds,
-                Err(Unkept::Dependent(found)) => {
+                Err(LinkConflict::Dependent(found)) => {
                     let step = &self.model.steps[index];
-                    self.dependent(step, &found, &tied.spans);
+                    self.refuse_dependent_equation(step, &found, &tied.spans);
                     return;
                 }
-                // Only nodes that move alike can be torn.
-                Err(Unkept::Torn(..)) => {}
+                // Temperatures have no linked nodes, which this error is about.
+                Err(LinkConflict::ConflictingMotions(..)) => {}
             }
         }
     }
 
-    /// Each node of a slave surface has the temperature of the point of the master surface that it lies on.
-    fn tied_surfaces(&mut self, conducting: &HashSet<usize>, tied: &mut Tied) {
+    /// Adds the ties: each slave node has the temperature of its point on the master surface.
+    fn tied_surfaces(&mut self, conducting: &HashSet<usize>, tied: &mut TemperatureEquations) {
         let model = self.model;
         for (index, tie) in model.constraints.ties.iter().enumerate() {
             let before = tied.equations.len();
@@ -58,21 +57,21 @@ impl Compiler<'_> {
                 let place = |n: usize| self.places.nodes.get(&n).copied().filter(|p| conducting.contains(p));
                 let shares: Option<Vec<_>> =
                     own.shares.iter().map(|&(n, share)| Some((place(n)?, 0, -share))).collect();
-                // What does not conduct passes no heat on; its motion is tied all the same.
+                // Nodes without temperature are skipped; their motion is tied.
                 let (Some(node), Some(shares)) = (place(own.node), shares) else { continue };
                 let terms = std::iter::once((node, 0, 1.0)).chain(shares).collect();
-                tied.equations.push(Equation { terms, spare: true });
+                tied.equations.push(NodalEquation { terms, is_redundant: true });
                 tied.spans.push(tie.span);
             }
             let count = tied.equations.len() - before;
             if count > 0 {
-                let detail = format!("{}: those of the nearest points of the master surface", tie.name);
-                self.cause(tie.span, "tied temperatures", count, "nodes", detail);
+                let detail = format!("{}: temperatures of the nearest points of the master surface", tie.name);
+                self.ledger_row(tie.span, "tied temperatures", count, "nodes", detail);
             }
         }
     }
 
-    fn tied_by_equations(&mut self, conducting: &HashSet<usize>, tied: &mut Tied) {
+    fn tied_by_equations(&mut self, conducting: &HashSet<usize>, tied: &mut TemperatureEquations) {
         let model = self.model;
         let mut first = None;
         let before = tied.equations.len();
@@ -86,13 +85,13 @@ impl Compiler<'_> {
                 };
                 terms.push((place, 0, c));
             }
-            tied.equations.push(Equation { terms, spare: false });
+            tied.equations.push(NodalEquation { terms, is_redundant: false });
             tied.spans.push(equation.span);
             first = first.or(Some(equation.span));
         }
         if let Some(span) = first {
             let count = tied.equations.len() - before;
-            self.cause(span, "equations between temperatures", count, "equations", "exact".into());
+            self.ledger_row(span, "equations between temperatures", count, "equations", "exact".into());
         }
     }
 }

@@ -1,57 +1,58 @@
-//! The ledger: which effects a deck brought to life, what asked for each, what it holds and what share of the time it took.
-//! Never here: the decision which effects exist.
+//! The ledger: a list of the effects of an analysis with the cards that request them, their memory and their share of
+//! the run
+//! time.
 
 use serde::Serialize;
 
 use crate::output::columns::wrapped;
 
-/// One row.
+/// An effect in the ledger.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
-    /// The effect.
+pub struct LedgerRow {
+    /// Name of the effect.
     pub effect: String,
-    /// How many facets, nodes, bodies, … it acts on.
+    /// Number of facets, nodes, bodies, … on which it acts.
     pub count: usize,
-    /// What is counted.
+    /// Unit of the count, for example `nodes`.
     pub unit: &'static str,
-    /// `file:line` of the cards that asked for it.
+    /// `file:line` of the cards that request it.
     pub asked_by: Vec<String>,
-    /// Details a reader wants: law, scheme, values.
+    /// Details: law, scheme, values.
     pub detail: String,
-    /// Names and bytes of its arrays.
+    /// Names and sizes of its arrays, bytes.
     pub arrays: Vec<(String, usize)>,
-    /// Bytes of address space for entries that are added during the run; they take memory once they are written.
+    /// Address space reserved for entries that are added during the run, bytes. It uses memory only when it is written.
     #[serde(skip_serializing_if = "is_zero")]
     pub reserved: usize,
-    /// Share of the run's time, 0 to 1; absent before a run and where it was not measured.
+    /// Share of the run time, 0 to 1; `None` before a run or if it was not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share: Option<f64>,
 }
 
-/// A card that was read and brings nothing to life.
+/// A card of the deck that has no effect.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Unused {
+pub struct UnusedCard {
     /// Keyword or load label.
     pub what: String,
     /// `file:line`.
     pub asked_by: String,
-    /// Why.
+    /// Reason.
     pub why: String,
 }
 
-/// All rows, in the order in which an increment meets them.
+/// The list of effects of an analysis, and of cards without effect.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Ledger {
-    /// Effects that exist.
-    pub effects: Vec<Row>,
-    /// Cards that change nothing here.
-    pub unused: Vec<Unused>,
+    /// Effects of the analysis.
+    pub effects: Vec<LedgerRow>,
+    /// Cards without effect.
+    pub unused: Vec<UnusedCard>,
 }
 
 impl Ledger {
-    /// Adds a row and returns its index, which serves as the effect's cause.
+    /// Adds a row and returns its index, by which the effect refers to it.
     pub fn add(&mut self, effect: &str, count: usize, unit: &'static str, asked_by: String, detail: String) -> usize {
-        self.effects.push(Row {
+        self.effects.push(LedgerRow {
             effect: effect.into(),
             count,
             unit,
@@ -64,8 +65,8 @@ impl Ledger {
         self.effects.len() - 1
     }
 
-    /// Sets each effect's share of the time.
-    pub fn share(&mut self, seconds: &[f64], total: f64) {
+    /// Sets the share of the run time of each effect, from its measured time and the total time in seconds.
+    pub fn set_time_shares(&mut self, seconds: &[f64], total: f64) {
         for (row, spent) in self.effects.iter_mut().zip(seconds) {
             if *spent > 0.0 && total > 0.0 {
                 row.share = Some((spent / total).min(1.0));
@@ -73,7 +74,8 @@ impl Ledger {
         }
     }
 
-    /// The ledger as text of 80 columns; files by their last name, as paths are in the summary. `bytes` adds those of each effect.
+    /// Renders the ledger as text of 80 columns, with file names without folders. `bytes` adds a column of memory
+    /// sizes.
     pub fn render(&self, bytes: bool) -> String {
         let mut header = vec!["effect", "count", "asked by"];
         if bytes {
@@ -93,10 +95,10 @@ fn is_zero(bytes: &usize) -> bool {
     *bytes == 0
 }
 
-/// Columns of a terminal that nobody has widened.
+/// Width of the text, columns.
 const WIDTH: usize = 80;
 
-impl Row {
+impl LedgerRow {
     fn cells(&self, bytes: bool) -> Vec<String> {
         let places: Vec<&str> = self.asked_by.iter().map(|place| last_name(place)).collect();
         let mut cells = vec![self.effect.clone(), format!("{} {}", self.count, self.unit), places.join(", ")];
@@ -112,7 +114,7 @@ impl Row {
     }
 }
 
-/// `file:line` without folders.
+/// Returns `file:line` without folders.
 fn last_name(place: &str) -> &str {
     place.rsplit('/').next().unwrap_or(place)
 }

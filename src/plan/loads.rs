@@ -7,38 +7,38 @@ use indexmap::IndexMap;
 
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
-use crate::kernel::amplitude::Curve;
+use crate::kernel::amplitude::AmplitudeCurve;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad::corner_masses;
 use crate::kernel::solid;
-use crate::load::concentrated::Concentrated;
-use crate::load::gravity::Gravity;
-use crate::load::pressure::Pressure;
-use crate::load::user_load::{Description, UserLoad, Volume};
-use crate::load::{Account, GeneralizedForce, Load as Effect};
-use crate::model::{AmplitudeDefinition, AmplitudeId, ElementKind, Load, LoadKind, Sides, Step};
-use crate::state::magnitude::{Magnitude, Shape};
+use crate::load::concentrated::ConcentratedLoad;
+use crate::load::gravity::GravityLoad;
+use crate::load::pressure::PressureLoad;
+use crate::load::user_load::{LoadedVolume, SubroutineLoad, UserLoadData};
+use crate::load::{EnergyAccount, GeneralizedForce, Load as Effect};
+use crate::model::{AmplitudeDefinition, AmplitudeId, ElementKind, Load, LoadKind, SideSelection, Step};
+use crate::state::magnitude::{Magnitude, TimeFunction};
 
 /// Names of forces and moments in space.
 const COMPONENTS: [&str; 6] = ["F_1", "F_2", "F_3", "M_1", "M_2", "M_3"];
 
 impl Compiler<'_> {
     /// Whether a load can do anything; one that cannot is noted as unused.
-    pub(super) fn matters(&mut self, load: &Load) -> bool {
+    pub(super) fn has_effect(&mut self, load: &Load) -> bool {
         let constant = !matches!(
             load.kind,
             LoadKind::User { .. } | LoadKind::UserBody { .. } | LoadKind::Cavity { .. } | LoadKind::Film { .. }
         );
         let zero = constant && load.magnitude == 0.0;
         if zero {
-            self.unused(load.span, kind_name(&load.kind), "its magnitude is zero");
+            self.add_unused_card(load.span, kind_name(&load.kind), "its magnitude is zero");
         }
         !zero
     }
 
     /// The effect of one load; `None` where it has none, or where it cannot be (reported).
     pub(super) fn load(&mut self, load: &Load, step: &Step, state: &State) -> Option<Box<dyn Effect>> {
-        if !self.matters(load) {
+        if !self.has_effect(load) {
             return None;
         }
         match &load.kind {
@@ -60,9 +60,9 @@ impl Compiler<'_> {
         let Some(id) = amplitude else { return Magnitude::constant(value) };
         let shape = match &self.model.amplitudes[id].definition {
             AmplitudeDefinition::Curve { points, smooth, total_time } => {
-                Shape::Curve(Curve::new(points.clone(), *smooth, *total_time))
+                TimeFunction::Curve(AmplitudeCurve::new(points.clone(), *smooth, *total_time))
             }
-            AmplitudeDefinition::User { .. } => Shape::Told(self.user_amplitude(id)),
+            AmplitudeDefinition::User { .. } => TimeFunction::Sampled(self.user_amplitude(id)),
         };
         Magnitude { value, shape }
     }
@@ -71,10 +71,10 @@ impl Compiler<'_> {
         let turning: Vec<usize> = nodes.iter().filter_map(|n| self.places.rotations.get(n).copied()).collect();
         if dof == 6 && !turning.is_empty() {
             let detail = format!("M = {}{}", load.magnitude, self.amplitude_name(load));
-            let id = self.cause(load.span, "concentrated moment", turning.len(), "nodes", detail);
+            let id = self.ledger_row(load.span, "concentrated moment", turning.len(), "nodes", detail);
             let magnitude = self.magnitude(load.magnitude, load.amplitude);
             let (bodies, spatial) = (Vec::new(), Vec::new());
-            return Some(Box::new(Concentrated { id, bodies, spatial, nodes: turning, dof: 0, magnitude }));
+            return Some(Box::new(ConcentratedLoad { id, bodies, spatial, nodes: turning, dof: 0, magnitude }));
         }
         let (mut bodies, mut deforming, mut stray) = (Vec::new(), Vec::new(), false);
         let mut spatial = Vec::new();
@@ -91,11 +91,11 @@ impl Compiler<'_> {
             self.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
         }
         if dof != 2 && !bodies.is_empty() {
-            self.unused(load.span, "*CLOAD", "a rigid body of revolution moves along z only");
+            self.add_unused_card(load.span, "*CLOAD", "a rigid body of revolution moves along z only");
             bodies.clear();
         }
         if dof > 2 && !deforming.is_empty() {
-            self.unused(load.span, "*CLOAD", "nodes of a body of revolution move along r and z only");
+            self.add_unused_card(load.span, "*CLOAD", "nodes of a body of revolution move along r and z only");
             deforming.clear();
         }
         let count = bodies.len() + spatial.len() + deforming.len();
@@ -105,7 +105,7 @@ impl Compiler<'_> {
         let axis = usize::from(dof) - 1;
         let along =
             if spatial.is_empty() { ["F_r", "F_z"].get(axis).copied().unwrap_or_default() } else { COMPONENTS[axis] };
-        if deforming.iter().any(|&n| self.idle.contains(&(n, axis))) {
+        if deforming.iter().any(|&n| self.unresisted_dofs.contains(&(n, axis))) {
             let message = format!(
                 "a force acts on `{set}`, which has no mass and on which nothing hangs along {}",
                 ["r", "z"][axis]
@@ -114,9 +114,9 @@ impl Compiler<'_> {
             self.diagnostics.push(finding.help("couple that degree of freedom, or put a *MASS on the node"));
         }
         let detail = format!("{along} = {}{}", load.magnitude, self.amplitude_name(load));
-        let id = self.cause(load.span, "concentrated force", count, "nodes", detail);
+        let id = self.ledger_row(load.span, "concentrated force", count, "nodes", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
-        Some(Box::new(Concentrated { id, bodies, spatial, nodes: deforming, dof: axis, magnitude }))
+        Some(Box::new(ConcentratedLoad { id, bodies, spatial, nodes: deforming, dof: axis, magnitude }))
     }
 
     fn gravity(
@@ -129,7 +129,11 @@ impl Compiler<'_> {
         let axial = load.magnitude * direction[1];
         let in_space = self.bodies.iter().any(|b| b.spatial);
         if axial == 0.0 && !in_space {
-            self.unused(load.span, "GRAV", "it has no component along z, and a body of revolution moves along z only");
+            self.add_unused_card(
+                load.span,
+                "GRAV",
+                "it has no component along z, and a body of revolution moves along z only",
+            );
             return None;
         }
         let (bodies, count) = self.forces_of_gravity(load, elements, direction);
@@ -153,9 +157,16 @@ impl Compiler<'_> {
             (false, _) => format!("a_z = {axial}{}", self.amplitude_name(load)),
         };
         let (count, unit) = if nodes.is_empty() { (count, "bodies") } else { (count + nodes.len(), "nodes") };
-        let id = self.cause(load.span, "gravity", count, unit, detail);
+        let id = self.ledger_row(load.span, "gravity", count, unit, detail);
         let acceleration = self.magnitude(load.magnitude, load.amplitude);
-        Some(Box::new(Gravity { id, bodies, nodes, whole: elements.is_none(), acceleration, along_z: direction[1] }))
+        Some(Box::new(GravityLoad {
+            id,
+            bodies,
+            nodes,
+            whole: elements.is_none(),
+            acceleration,
+            along_z: direction[1],
+        }))
     }
 
     /// Generalised forces of gravity on rigid bodies, each with mass times the component of the direction, and on how many bodies.
@@ -168,12 +179,12 @@ impl Compiler<'_> {
         let (mut forces, mut count) = (Vec::new(), 0);
         for index in 0..self.bodies.len() {
             let body = &self.bodies[index];
-            let Some(mass) = self.weighed(body, elements) else { continue };
+            let Some(mass) = self.gravity_mass(body, elements) else { continue };
             count += 1;
             if !body.spatial {
-                forces.push((GeneralizedForce::along_z(index, Account::Work), mass * direction[1]));
+                forces.push((GeneralizedForce::along_z(index, EnergyAccount::Work), mass * direction[1]));
             } else if mass == body.mass() {
-                let along = GeneralizedForce::in_space(index, Account::Work).zip(direction);
+                let along = GeneralizedForce::in_space(index, EnergyAccount::Work).zip(direction);
                 forces.extend(along.map(|(force, component)| (force, mass * component)));
             } else {
                 let name = body.name.clone();
@@ -185,7 +196,7 @@ impl Compiler<'_> {
 
     /// The mass of a body on which gravity acts: all of it, or of the elements named its own, or that of the point masses among
     /// them.
-    fn weighed(&self, body: &super::Body, elements: Option<&[usize]>) -> Option<f64> {
+    fn gravity_mass(&self, body: &super::PlannedRigidBody, elements: Option<&[usize]>) -> Option<f64> {
         let Some(list) = elements else { return Some(body.mass()) };
         // What tied elements weigh, the list of elements gives to their nodes.
         if body.elements.iter().any(|e| list.contains(e)) {
@@ -217,22 +228,28 @@ impl Compiler<'_> {
         masses.into_iter().collect()
     }
 
-    fn pressure(&mut self, load: &Load, sides: &Sides, state: &State) -> Option<Box<dyn Effect>> {
+    fn pressure(&mut self, load: &Load, sides: &SideSelection, state: &State) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
         let detail = format!("on {}, p = {}{}", sides.name, load.magnitude, self.amplitude_name(load));
-        let id = self.cause(load.span, "pressure", surface.count(), "facets", detail);
+        let id = self.ledger_row(load.span, "pressure", surface.count(), "facets", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
-        Some(Box::new(Pressure::new(id, surface, magnitude, &state.dofs)))
+        Some(Box::new(PressureLoad::new(id, surface, magnitude, &state.dofs)))
     }
 
     /// `PNU` and `P1NU` to `P4NU`.
-    fn user_load(&mut self, load: &Load, sides: &Sides, load_type: i32, state: &State) -> Option<Box<dyn Effect>> {
+    fn user_load(
+        &mut self,
+        load: &Load,
+        sides: &SideSelection,
+        load_type: i32,
+        state: &State,
+    ) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
         // The manual: normals point out of a surface element's loaded side, and into a solid.
         let solid = |e: usize| !matches!(self.model.mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
         let inward = sides.faces.first().is_some_and(|f| solid(f.0));
-        let load = self.described(load, "user load", &sides.name, load_type, inward, surface.count())?;
-        Some(Box::new(UserLoad::on_surface(load, &surface, &state.dofs)))
+        let load = self.user_load_description(load, "user load", &sides.name, load_type, inward, surface.count())?;
+        Some(Box::new(SubroutineLoad::on_surface(load, &surface, &state.dofs)))
     }
 
     /// `BRNU` and `BZNU`: the load integration point of a solid is its centre, its weight the volume.
@@ -245,7 +262,7 @@ impl Compiler<'_> {
         state: &State,
     ) -> Option<Box<dyn Effect>> {
         let mesh = &self.model.mesh;
-        let (mut volume, mut stray) = (Volume::default(), None);
+        let (mut volume, mut stray) = (LoadedVolume::default(), None);
         for &element in elements {
             if self.places.elements.contains_key(&element) {
                 volume.cells.extend(mesh.cells(element).map(|cell| cell.map(|n| self.places.nodes[&n] as u32)));
@@ -270,7 +287,7 @@ impl Compiler<'_> {
             self.diagnostics.push(finding);
         }
         if load_type == 1 && !volume.rigid.is_empty() {
-            self.unused(load.span, "BRNU", "a rigid body of revolution moves along z only");
+            self.add_unused_card(load.span, "BRNU", "a rigid body of revolution moves along z only");
             volume.rigid.clear();
         }
         let count = volume.rigid.len() + volume.cells.len();
@@ -278,11 +295,11 @@ impl Compiler<'_> {
             return None;
         }
         volume.rigid.sort_by_key(|point| point.0);
-        let load = self.described(load, "user body force", set, load_type, false, count)?;
-        Some(Box::new(UserLoad::on_volume(load, &volume, &state.dofs.nodes)))
+        let load = self.user_load_description(load, "user body force", set, load_type, false, count)?;
+        Some(Box::new(SubroutineLoad::on_volume(load, &volume, &state.dofs.nodes)))
     }
 
-    fn described(
+    fn user_load_description(
         &mut self,
         load: &Load,
         effect: &'static str,
@@ -290,17 +307,17 @@ impl Compiler<'_> {
         load_type: i32,
         inward: bool,
         count: usize,
-    ) -> Option<Description> {
+    ) -> Option<UserLoadData> {
         let Some(routine) = self.routines.load.clone() else {
-            self.no_routine(load.span, "load", &format!("`{name}` asks for a user load (PNU)"), "vdload");
+            self.report_missing_routine(load.span, "load", &format!("`{name}` asks for a user load (PNU)"), "vdload");
             return None;
         };
-        self.called.push("vdload");
+        self.called_routines.push("vdload");
         let detail = format!("on {name}{}", self.amplitude_name(load));
-        let id = self.cause(load.span, effect, count, "points", detail);
+        let id = self.ledger_row(load.span, effect, count, "points", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
         let reads_motion = routine.lock().reads_motion();
-        Some(Description { id, name: name.to_uppercase(), load_type, inward, magnitude, reads_motion })
+        Some(UserLoadData { id, name: name.to_uppercase(), load_type, inward, magnitude, reads_motion })
     }
 
     pub(super) fn amplitude_name(&self, load: &Load) -> String {

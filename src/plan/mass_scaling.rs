@@ -3,41 +3,41 @@
 
 use super::{Compiler, State};
 use crate::deck::{Diagnostic, Span};
-use crate::element::mass_scaling::{Aim, Request, Rhythm, Scaling, Variable};
-use crate::model::{LoadKind, MassScaling, ScalingRhythm, ScalingType, Step};
+use crate::element::mass_scaling::{ScalingInterval, ScalingRequest, ScalingTarget, StepMassScaling, VariableScaling};
+use crate::model::{LoadKind, MassScaling, ScalingSchedule, ScalingType, Step};
 
 impl Compiler<'_> {
     /// Mass scaling of a step. What goes on from an earlier step is fixed no more than once.
-    pub(super) fn mass_scaling(&mut self, index: usize, state: &State) -> Option<Scaling> {
+    pub(super) fn mass_scaling(&mut self, index: usize, state: &State) -> Option<StepMassScaling> {
         let model = self.model;
         let step = &model.steps[index];
         let first = step.mass_scalings.first()?;
         if state.elements.is_empty() {
-            self.unused(first.span, "mass scaling", "nothing here deforms");
+            self.add_unused_card(first.span, "mass scaling", "nothing here deforms");
             return None;
         }
         self.check_scalable_step(step);
         let (mut fixed, mut variable) = (Vec::new(), Vec::new());
         for scaling in &step.mass_scalings {
             let Some(request) = self.scaling_request(scaling, state) else { continue };
-            match scaling.rhythm {
+            match scaling.schedule {
                 None => fixed.push(request),
-                Some(rhythm) => variable.push(Variable::new(request, in_step(rhythm, step))),
+                Some(rhythm) => variable.push(VariableScaling::new(request, in_step(rhythm, step))),
             }
         }
         let before = index.checked_sub(1).and_then(|i| model.steps[i].mass_scalings.first());
         let goes_on = before.is_some_and(|b| b.span == first.span);
-        Some(Scaling::new((!goes_on).then_some(fixed), variable))
+        Some(StepMassScaling::new((!goes_on).then_some(fixed), variable))
     }
 
-    fn scaling_request(&mut self, scaling: &MassScaling, state: &State) -> Option<Request> {
+    fn scaling_request(&mut self, scaling: &MassScaling, state: &State) -> Option<ScalingRequest> {
         let places = &self.places.elements;
         let elements: Vec<(usize, usize)> = match &scaling.elements {
             None => places.values().copied().collect(),
             Some(list) => list.iter().filter_map(|e| places.get(e).copied()).collect(),
         };
         if elements.is_empty() {
-            self.unused(scaling.span, "mass scaling", "none of its elements deforms");
+            self.add_unused_card(scaling.span, "mass scaling", "none of its elements deforms");
             return None;
         }
         let mut refusal = None;
@@ -59,9 +59,9 @@ impl Compiler<'_> {
         };
         let touched = elements.iter().filter(|at| stays(at)).count();
         let alone = if touched > 0 { format!(", but at tied nodes of {touched} elements") } else { String::new() };
-        self.cause(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling) + &alone);
+        self.ledger_row(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling) + &alone);
         let aim = scaling.target.map(|(kind, dt)| (aim(kind), dt));
-        Some(Request { elements, factor: scaling.factor, aim })
+        Some(ScalingRequest { elements, factor: scaling.factor, aim })
     }
 
     fn element_name(&self, group: usize, element: usize) -> &str {
@@ -71,7 +71,7 @@ impl Compiler<'_> {
 
     /// Nodes whose mass stays: rigid bodies carry that of their nodes, and equations take masses once. None where none does.
     pub(super) fn unscaled_nodes(&self, count: usize) -> Vec<bool> {
-        let kept = self.kept.concerned();
+        let kept = self.links.involved_dofs();
         let carried = self.ties.iter().flat_map(|t| t.nodes.iter().copied());
         let nodes: Vec<usize> = carried.chain(kept.into_iter().map(|dof| dof.0)).collect();
         let mut left = vec![false; if nodes.is_empty() { 0 } else { count }];
@@ -94,18 +94,18 @@ impl Compiler<'_> {
     }
 }
 
-fn aim(kind: ScalingType) -> Aim {
+fn aim(kind: ScalingType) -> ScalingTarget {
     match kind {
-        ScalingType::BelowMin => Aim::BelowMin,
-        ScalingType::Uniform => Aim::Uniform,
-        ScalingType::SetEqual => Aim::SetEqual,
+        ScalingType::BelowMin => ScalingTarget::BelowMin,
+        ScalingType::Uniform => ScalingTarget::Uniform,
+        ScalingType::SetEqual => ScalingTarget::SetEqual,
     }
 }
 
-fn in_step(rhythm: ScalingRhythm, step: &Step) -> Rhythm {
+fn in_step(rhythm: ScalingSchedule, step: &Step) -> ScalingInterval {
     match rhythm {
-        ScalingRhythm::Increments(every) => Rhythm::Increments(every),
-        ScalingRhythm::Intervals(count) => Rhythm::Time(step.duration / count as f64),
+        ScalingSchedule::Increments(every) => ScalingInterval::Increments(every),
+        ScalingSchedule::Intervals(count) => ScalingInterval::Time(step.duration / count as f64),
     }
 }
 
@@ -117,10 +117,10 @@ fn detail(scaling: &MassScaling) -> String {
     if let Some((kind, dt)) = scaling.target {
         parts.push(format!("{kind:?} {dt:e}"));
     }
-    parts.push(match scaling.rhythm {
+    parts.push(match scaling.schedule {
         None => "at the start of the step".into(),
-        Some(ScalingRhythm::Increments(n)) => format!("every {n} increments"),
-        Some(ScalingRhythm::Intervals(n)) => format!("{n} times in the step"),
+        Some(ScalingSchedule::Increments(n)) => format!("every {n} increments"),
+        Some(ScalingSchedule::Intervals(n)) => format!("{n} times in the step"),
     });
     parts.join(", ")
 }

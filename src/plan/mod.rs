@@ -1,5 +1,6 @@
-//! The meeting point: model in, effects out, with the ledger that says which and why. The one place that decides.
-//! Never here: time stepping.
+//! Compilation of a model to a plan: decides which effects the run contains, creates them, and lists them in the
+//! ledger.
+//! Time integration is in `solve`.
 
 mod analytical;
 mod averaging;
@@ -53,163 +54,168 @@ use std::rc::Rc;
 
 use indexmap::IndexMap;
 
-use crate::constraint::tie::Tie;
+use crate::constraint::tie::TiedNodes;
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::kernel::amplitude::SampledAmplitude;
-use crate::load::user_amplitude::UserAmplitude;
+use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::model::{
-    AmplitudeId, EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity, Material, Mesh, Model,
-    Precision, Shared, SurfaceContact,
+    AmplitudeId, CopyOnWrite, EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity,
+    MaterialDefinition, Mesh, Model, Precision, SurfaceContact,
 };
 use crate::state::EffectId;
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::user::Routines;
-pub use bodies::Body;
-pub use changes::Changes;
+pub use bodies::PlannedRigidBody;
+pub use changes::StepChanges;
 pub use expressions::RowExpression;
-pub use labels::Labels;
-use ledger::{Ledger, Unused};
-pub use outputs::{Column, FrameField, Outputs, Schedule, Section, Source};
-pub use places::Places;
+pub use labels::FrameLabels;
+use ledger::{Ledger, UnusedCard};
+pub use outputs::{ColumnSource, FrameField, HistoryColumn, IntegratedSection, StepOutputs, WriteSchedule};
+pub use places::MeshIndexMap;
 pub use solid::SolidPlaces;
 pub use state::State;
 
-/// What is to be run: every effect the deck asks for, and nothing else. It never changes: it runs as often as one likes, on
-/// several threads at once, each time from a [`State`].
+/// A compiled analysis: the effects that the deck requests. A plan is immutable; it can be run many times, on several
+/// threads at
+/// once, each time from its own [`State`].
 #[derive(Default)]
 pub struct Plan {
-    /// What exists and why.
+    /// Effects of the analysis and the cards that request them.
     pub ledger: Ledger,
-    /// Nodes and elements, for frames.
-    pub mesh: Shared<Mesh>,
-    /// Rigid bodies.
-    pub bodies: Vec<Body>,
-    /// Where nodes and elements of what deforms are in the mesh.
+    /// Mesh of the model, for frames.
+    pub mesh: CopyOnWrite<Mesh>,
+    /// Rigid bodies, in the order of the model.
+    pub bodies: Vec<PlannedRigidBody>,
+    /// Solver indices of the deformable nodes and elements of the mesh.
     pub places: SolidPlaces,
-    /// Steps in order.
+    /// Steps in the order of the analysis.
     pub steps: Vec<StepPlan>,
-    /// Names of the history columns, the same in every step.
-    pub columns: Vec<Column>,
-    /// Surfaces that columns are integrals over.
-    pub sections: Vec<Section>,
-    /// Members of sets that columns are statistics over.
-    pub sets: Vec<Vec<Source>>,
-    /// Columns that follow from those before them.
+    /// History columns, the same in every step.
+    pub columns: Vec<HistoryColumn>,
+    /// Surfaces over which history columns are integrated.
+    pub sections: Vec<IntegratedSection>,
+    /// Members of the sets over which history columns are statistics.
+    pub sets: Vec<Vec<ColumnSource>>,
+    /// Expressions of columns that are computed from previous columns.
     pub expressions: Vec<RowExpression>,
-    /// Arrays of frames.
+    /// Output arrays of frames.
     pub fields: Vec<FrameField>,
-    /// The user's routines, whose own memory no state of the run holds.
+    /// User subroutines. Their own static memory is not part of the state.
     pub routines: Routines,
-    /// Rows of the ledger that belong to the integrator.
-    pub rows: Rows,
-    /// By what nodes and elements are found in frames.
-    pub labels: Labels,
-    /// Whether elements may give energy that no load has given them: gases, explosives, stress at the start, temperatures,
-    /// moduli that change, routines of the user.
+    /// Ledger rows of time integration, nodal assembly and output.
+    pub rows: GeneralLedgerRows,
+    /// Numbers, materials and sets of nodes and elements, for frames.
+    pub labels: FrameLabels,
+    /// Whether elements may release energy that was not supplied by loads: gases, explosives, initial stress, thermal
+    /// expansion,
+    /// variable moduli, user materials.
     pub stores_energy: bool,
-    /// Precision that was asked for.
+    /// Requested floating-point precision of the elements.
     pub precision: Precision,
 }
 
-/// Rows of the ledger for what no card asks for by name.
+/// Ledger rows of effects that every analysis has.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Rows {
-    /// Central differences, the energy balance, the choice of the increment.
+pub struct GeneralLedgerRows {
+    /// Central differences, energy balance, choice of the time increment.
     pub integration: Option<EffectId>,
-    /// From corners of elements to accelerations of nodes.
+    /// Assembly of nodal forces and nodal motion.
     pub gather: Option<EffectId>,
     /// Frames and histories.
     pub output: Option<EffectId>,
 }
 
-/// One step: how it goes, and what it changes of what is in force in the step before; the first changes nothing of the state at
-/// the start.
+/// A step of the plan: its increment control and the changes to the active effects of the previous step. The effects of
+/// the first
+/// step are in the initial [`State`].
 pub struct StepPlan {
-    /// Name.
+    /// Name of the step.
     pub name: String,
-    /// Length, time.
+    /// Duration, time.
     pub duration: f64,
-    /// How the increment is chosen.
+    /// Control of the time increment.
     pub control: IncrementControl,
-    /// Factor on an automatic increment.
+    /// Factor on an automatic time increment.
     pub scale_factor: f64,
-    /// What velocity loads are shown.
+    /// Velocity that is passed to loads.
     pub load_velocity: LoadVelocity,
-    /// What it changes.
-    pub changes: Changes,
-    /// Limits on energies; `None` without any.
+    /// Changes to the active effects.
+    pub changes: StepChanges,
+    /// Limits of the energy balance; `None` without `*ENERGY LIMIT`.
     pub energy_limit: Option<EnergyLimit>,
-    /// When to write.
-    pub outputs: Outputs,
+    /// Schedules of frames, histories and restart files.
+    pub outputs: StepOutputs,
 }
 
 impl StepPlan {
-    /// Whether the deck bounds the drift of ETOTAL itself.
+    /// Returns whether the deck limits the drift of ETOTAL (`*ENERGY LIMIT, ERROR`).
     pub fn has_drift_limit(&self) -> bool {
         self.energy_limit.is_some_and(|limit| limit.error.is_some())
     }
 }
 
 impl Plan {
-    /// Names of the history columns.
+    /// Returns the names of the history columns.
     pub fn column_names(&self) -> Vec<String> {
         self.columns.iter().map(|c| c.name.clone()).collect()
     }
 
-    /// Name of an element by its group and its number there.
+    /// Returns the name of an element, given its group and its index in the group.
     pub fn element_name(&self, group: usize, element: usize) -> &str {
         let found = self.places.elements.iter().find(|e| *e.1 == (group, element));
         found.map_or("", |(&e, _)| &self.mesh.elements[e].name)
     }
 }
 
-/// What compilation carries along.
+/// State of the compilation of a model.
 struct Compiler<'a> {
     model: &'a Model,
     routines: &'a Routines,
     diagnostics: Diagnostics,
     ledger: Ledger,
-    causes: IndexMap<(Span, &'static str), EffectId>,
-    bodies: Vec<Body>,
+    ledger_rows: IndexMap<(Span, &'static str), EffectId>,
+    bodies: Vec<PlannedRigidBody>,
     body_of_node: IndexMap<usize, usize>,
     body_of_element: IndexMap<usize, usize>,
-    /// Where what deforms is in the mesh.
+    /// Solver indices of deformable nodes and elements.
     places: SolidPlaces,
-    /// User amplitudes, and by the amplitude's index in the model which function of time each tells.
-    amplitudes: Vec<UserAmplitude>,
-    tellers: IndexMap<AmplitudeId, usize>,
-    /// Number of functions of time that user amplitudes and motions give.
+    /// User amplitudes; and, by amplitude of the model, the index of the value in the state's list.
+    amplitudes: Vec<SubroutineAmplitude>,
+    user_amplitude_index: IndexMap<AmplitudeId, usize>,
+    /// Number of values that user amplitudes and user motions compute.
     user_amplitude_count: usize,
-    /// Nodes that each rigid body carries.
-    ties: Vec<Tie>,
-    /// Surfaces that columns are integrals over.
-    sections: Vec<Section>,
-    /// Members of sets that columns are statistics over.
-    sets: Vec<Vec<Source>>,
-    /// Columns that follow from others.
+    /// Deformable nodes that are tied to rigid bodies.
+    ties: Vec<TiedNodes>,
+    /// Surfaces over which history columns are integrated.
+    sections: Vec<IntegratedSection>,
+    /// Members of the sets over which history columns are statistics.
+    sets: Vec<Vec<ColumnSource>>,
+    /// Expressions of history columns.
     expressions: Vec<RowExpression>,
-    /// Nodes of slave surfaces with their places on the masters.
+    /// Nodes of slave surfaces with their points on the master surfaces.
     surface_ties: Vec<surface_ties::TiedNode>,
-    /// What keeps nodes together.
-    kept: links::Kept,
-    /// Degrees of freedom of nodes without mass that nothing keeps.
-    idle: HashSet<(usize, usize)>,
-    /// Pairs of surfaces of elements that may meet in each step, and the names of all of them, as histories have them.
+    /// Equations and nodes that move together.
+    links: links::LinkSet,
+    /// Degrees of freedom (node, axis) of massless nodes without any constraint.
+    unresisted_dofs: HashSet<(usize, usize)>,
+    /// Contact pairs of each step, and the names of all pairs for histories.
     pairs: Vec<Rc<Vec<SurfaceContact>>>,
     pair_names: Vec<String>,
-    /// What the step planned last has in force.
-    in_force: steps::InForce<'a>,
-    /// Routines of the user that something calls.
-    called: Vec<&'static str>,
+    /// Active effects of the last compiled step.
+    in_force: steps::ActiveEffects<'a>,
+    /// Names of the user subroutines that are called.
+    called_routines: Vec<&'static str>,
 }
 
-/// Decides which effects a model brings to life. `routines` serve what the deck leaves to the user. Gives the plan, the state at
-/// its start, and what was found; the plan may be run only where that holds no error.
+/// Compiles a model. `routines` are the user subroutines that the deck may call. Returns the plan, its initial state
+/// and the
+/// diagnostics. The plan may be run only if there is no error.
 pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics) {
     compile_with(model, routines, &mut |_, _| {})
 }
 
-/// The same; `look` sees the compiler when it has made all, where it found no error.
+/// Compiles a model as [`compile`] does. Without errors, `look` is called with the complete compiler and the initial
+/// state.
 fn compile_with(
     model: &Model,
     routines: &Routines,
@@ -219,7 +225,7 @@ fn compile_with(
     if diagnostics.has_errors() {
         return (Plan::default(), State::default(), diagnostics);
     }
-    let surface_ties = surface_ties::find(model, &mut diagnostics);
+    let surface_ties = surface_ties::find_tied_nodes(model, &mut diagnostics);
     let adjusted = surface_ties::adjusted(model, &surface_ties);
     let model = adjusted.as_ref().unwrap_or(model);
     let mut compiler = Compiler {
@@ -227,31 +233,31 @@ fn compile_with(
         routines,
         places: SolidPlaces::default(),
         amplitudes: Vec::new(),
-        tellers: IndexMap::new(),
+        user_amplitude_index: IndexMap::new(),
         user_amplitude_count: 0,
         ties: Vec::new(),
         sections: Vec::new(),
         sets: Vec::new(),
         expressions: Vec::new(),
         surface_ties,
-        kept: links::Kept::default(),
-        idle: HashSet::new(),
+        links: links::LinkSet::default(),
+        unresisted_dofs: HashSet::new(),
         pairs: Vec::new(),
         pair_names: Vec::new(),
-        in_force: steps::InForce::default(),
-        called: Vec::new(),
+        in_force: steps::ActiveEffects::default(),
+        called_routines: Vec::new(),
         diagnostics: Diagnostics::default(),
         ledger: Ledger::default(),
-        causes: IndexMap::new(),
+        ledger_rows: IndexMap::new(),
         bodies: Vec::new(),
         body_of_node: IndexMap::new(),
         body_of_element: IndexMap::new(),
     };
     compiler.bodies();
     let mut state = compiler.solids();
-    compiler.keep(&mut state);
+    compiler.collect_links(&mut state);
     compiler.connect(&mut state);
-    compiler.finish_bodies();
+    compiler.start_and_check_bodies();
     state.thermal = compiler.thermal(&state);
     state.elements.fields = compiler.predefined_fields(&state);
     state.dofs.bodies = compiler.bodies_at_start();
@@ -262,10 +268,10 @@ fn compile_with(
     compiler.scale_and_estimate(&mut state);
     compiler.refuse_on_spatial_bodies();
     compiler.check_complete(!state.elements.is_empty());
-    compiler.tell_overlaps();
+    compiler.report_overlaps();
     compiler.list_inert();
-    compiler.doubts(&state);
-    compiler.tell_precision(&state);
+    compiler.check_plausibility(&state);
+    compiler.warn_without_single_precision(&state);
     compiler.events_row();
     compiler.note_uncalled();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
@@ -275,9 +281,9 @@ fn compile_with(
     state.user_amplitudes = vec![SampledAmplitude::default(); compiler.user_amplitude_count];
     state.amplitude_routines = compiler.amplitudes;
     let Compiler { ledger, bodies, places, sections, sets, expressions, diagnostics: found, .. } = compiler;
-    let labels = Labels::of(model);
+    let labels = FrameLabels::of(model);
     diagnostics.append(found);
-    // Notes on a plan that cannot run would only bury what is wrong with it.
+    // If there are errors, warnings and notes would only hide them.
     if diagnostics.has_errors() {
         diagnostics.keep_errors();
     }
@@ -300,13 +306,13 @@ fn compile_with(
         stores_energy,
         precision: model.settings.precision,
     };
-    bytes::book(&mut plan, &state);
+    bytes::record_bytes(&mut plan, &state);
     (plan, state, diagnostics)
 }
 
-/// Whether a material or a condition at the start can release energy that was not brought in.
+/// Returns whether a material or an initial condition can release energy that was not supplied by loads.
 fn stores_energy(model: &Model) -> bool {
-    let of_material = |m: &Material| {
+    let of_material = |m: &MaterialDefinition| {
         m.eos.is_some()
             || m.user.material.is_some()
             || m.thermal.expansion.is_some()
@@ -318,9 +324,10 @@ fn stores_energy(model: &Model) -> bool {
 }
 
 impl Compiler<'_> {
-    /// The ledger row of an effect that a span asked for; made at the first asking, so that a load that stays in force
-    /// over several steps has one row.
-    fn cause(
+    /// Returns the ledger row of an effect of the card at `span`. The row is created at the first call, so that a load
+    /// that is
+    /// active in several steps has one row.
+    fn ledger_row(
         &mut self,
         span: Span,
         effect: &'static str,
@@ -328,18 +335,19 @@ impl Compiler<'_> {
         unit: &'static str,
         detail: String,
     ) -> EffectId {
-        if let Some(&cause) = self.causes.get(&(span, effect)) {
+        if let Some(&cause) = self.ledger_rows.get(&(span, effect)) {
             return cause;
         }
         let asked_by = self.model.origin.sources.describe(span);
         let cause = self.ledger.add(effect, count, unit, asked_by, detail);
-        self.causes.insert((span, effect), cause);
+        self.ledger_rows.insert((span, effect), cause);
         cause
     }
 
-    /// Notes a card that brings nothing to life.
-    fn unused(&mut self, span: Span, what: impl Into<String>, why: impl Into<String>) {
-        let unused = Unused { what: what.into(), asked_by: self.model.origin.sources.describe(span), why: why.into() };
+    /// Lists a card without effect in the ledger.
+    fn add_unused_card(&mut self, span: Span, what: impl Into<String>, why: impl Into<String>) {
+        let unused =
+            UnusedCard { what: what.into(), asked_by: self.model.origin.sources.describe(span), why: why.into() };
         if !self.ledger.unused.contains(&unused) {
             self.ledger.unused.push(unused);
         }
@@ -351,21 +359,21 @@ impl Compiler<'_> {
         }
         if self.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
             let left = self.unscaled_nodes(state.dofs.nodes.len());
-            state.elements.remember_masses(&state.dofs.nodes, left);
+            state.elements.store_unscaled_masses(&state.dofs.nodes, left);
         }
         self.highest_frequency(state);
     }
 
-    /// Rows of what no card asks for by name; the first step's asks for all of it.
-    fn integration_rows(&mut self, state: &State, shown: usize) -> Rows {
-        let Some(step) = self.model.steps.first() else { return Rows::default() };
-        let integration = self.causes.get(&(step.span, "central difference")).copied();
+    /// Creates the ledger rows that every analysis has, attributed to the first step.
+    fn integration_rows(&mut self, state: &State, shown: usize) -> GeneralLedgerRows {
+        let Some(step) = self.model.steps.first() else { return GeneralLedgerRows::default() };
+        let integration = self.ledger_rows.get(&(step.span, "central difference")).copied();
         let nodes = state.dofs.nodes.len() - self.places.rotations.len();
-        let detail = "corner forces, masses and motion of nodes";
-        let gather = (nodes > 0).then(|| self.cause(step.span, "nodes", nodes, "nodes", detail.into()));
+        let detail = "nodal forces, masses and motion";
+        let gather = (nodes > 0).then(|| self.ledger_row(step.span, "nodes", nodes, "nodes", detail.into()));
         let detail = "mesh, frames, histories";
-        let output = Some(self.cause(step.span, "output", shown, "variables", detail.into()));
-        Rows { integration, gather, output }
+        let output = Some(self.ledger_row(step.span, "output", shown, "variables", detail.into()));
+        GeneralLedgerRows { integration, gather, output }
     }
 
     fn energy_limit(&mut self, step: &crate::model::Step) -> Option<EnergyLimit> {
@@ -374,7 +382,7 @@ impl Compiler<'_> {
         let parts: Vec<String> =
             [part("error", limit.error), part("artificial", limit.artificial)].into_iter().flatten().collect();
         let detail = format!("{}, {}", parts.join(", "), if limit.halts { "halt" } else { "warn" });
-        self.cause(limit.span, "energy limit", 1, "step", detail);
+        self.ledger_row(limit.span, "energy limit", 1, "step", detail);
         Some(limit)
     }
 
@@ -383,7 +391,8 @@ impl Compiler<'_> {
             return;
         }
         if self.model.rigid_bodies.is_empty() && !deforms || self.model.steps.is_empty() {
-            let missing = if self.model.steps.is_empty() { "step with *DYNAMIC, EXPLICIT" } else { "body that moves" };
+            let missing =
+                if self.model.steps.is_empty() { "step with *DYNAMIC, EXPLICIT" } else { "rigid or deformable body" };
             let what = if self.model.origin.last_card.is_some() { "deck" } else { "model" };
             let mut finding = Diagnostic::error("P006", format!("nothing to simulate: the {what} has no {missing}"));
             if let Some(card) = self.model.origin.last_card {
@@ -397,7 +406,7 @@ impl Compiler<'_> {
 
     fn list_inert(&mut self) {
         for inert in &self.model.origin.inert {
-            self.unused(inert.span, format!("*{}", inert.keyword), inert.why.clone());
+            self.add_unused_card(inert.span, format!("*{}", inert.keyword), inert.why.clone());
         }
     }
 }

@@ -1,24 +1,25 @@
-//! The order in which the solver holds elements and nodes: what is read together lies together.
-//! Never here: the order in which anything is shown, which is the deck's.
+//! Order of elements and nodes in the solver, for locality of memory access. Output uses the order of the deck.
 
-use super::Places;
+use super::MeshIndexMap;
 use crate::kernel::lists::sorted_unique;
 use crate::model::Mesh;
 
-/// Elements between two visits to a node, over the root of their number, above which a mesh counts as scattered. Rows of a square
-/// mesh come to one half.
+/// Mean distance between two elements of a node, divided by the square root of the number of elements, above which
+/// elements are
+/// reordered. A square mesh numbered by rows has 0.5.
 const SCATTERED: f64 = 4.0;
-/// Elements among which any order serves: what they touch stays in the nearest cache.
+/// Distance between elements below which no reordering is needed, because their data remain in the first-level cache.
 const NEAR: f64 = 256.0;
 
-/// Elements so that neighbours follow each other: in the given order, unless that is scattered; then along a Z-shaped curve
-/// through the plane (G. M. Morton 1966).
+/// Orders elements so that neighbours are close: keeps the given order unless it is scattered, otherwise sorts along a
+/// Z-order curve
+/// (G. M. Morton 1966).
 pub(super) fn in_order(elements: Vec<usize>, mesh: &Mesh) -> Vec<usize> {
     let limit = NEAR + SCATTERED * (elements.len() as f64).sqrt();
     if mean_distance(&elements, mesh) <= limit { elements } else { along_curve(elements, mesh) }
 }
 
-/// Mean number of elements between two that follow each other at a node.
+/// Returns the mean distance, in the list, between consecutive elements of a node.
 fn mean_distance(elements: &[usize], mesh: &Mesh) -> f64 {
     let mut last = vec![u32::MAX; mesh.points.len()];
     let (mut sum, mut count) = (0, 0_usize);
@@ -33,7 +34,7 @@ fn mean_distance(elements: &[usize], mesh: &Mesh) -> f64 {
     sum as f64 / count.max(1) as f64
 }
 
-/// Sorts by the places of first corners on a grid of 2^16 lines each way, of the same width along r and z.
+/// Sorts elements along a Z-order curve by their first corners, on a square grid of 2^16 x 2^16 cells.
 fn along_curve(mut elements: Vec<usize>, mesh: &Mesh) -> Vec<usize> {
     let place = |element: usize| mesh.points[mesh.elements[element].nodes[0]];
     let bound = |axis: usize, pick: fn(f64, f64) -> f64| elements.iter().map(|&e| place(e)[axis]).reduce(pick);
@@ -47,7 +48,7 @@ fn along_curve(mut elements: Vec<usize>, mesh: &Mesh) -> Vec<usize> {
     elements
 }
 
-/// The bits of a number, each with a zero before it.
+/// Inserts a zero before each bit of a number.
 fn spread(number: u16) -> u32 {
     let mut bits = u32::from(number);
     for (shift, mask) in [(8, 0x00ff_00ff), (4, 0x0f0f_0f0f), (2, 0x3333_3333), (1, 0x5555_5555)] {
@@ -56,9 +57,10 @@ fn spread(number: u16) -> u32 {
     bits
 }
 
-/// Nodes of the solver by those of the mesh: in the order in which elements complete them, so that an element's last nodes follow
-/// each other and its forces are added while they are at hand; what no element has comes last. The map itself is in the order of the mesh.
-pub(super) fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mesh: &Mesh) -> Places<usize> {
+/// Returns the solver node of each mesh node. Nodes are in the order of their last element, so that nodal forces are
+/// summed while
+/// they are in the cache; nodes without elements are last. The map is in the order of the mesh.
+pub(super) fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mesh: &Mesh) -> MeshIndexMap<usize> {
     let mut last = vec![0_u32; mesh.points.len()];
     let mut touched = Vec::new();
     for (at, element) in elements.enumerate() {
@@ -69,7 +71,7 @@ pub(super) fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mes
             last[node] = at as u32 + 1;
         }
     }
-    // Of those that one element completes, the one that was met first comes first.
+    // Stable sort: nodes with the same last element keep the order of their first one.
     touched.sort_by_key(|&node| last[node]);
     let rest: Vec<usize> = sorted_unique(bare.into_iter().filter(|&node| last[node] == 0));
     touched.extend(rest);
@@ -81,10 +83,10 @@ pub(super) fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mes
 #[cfg(test)]
 mod tests {
     use super::{in_order, mean_distance, nodes, spread};
-    use crate::model::{ElementKind, Mesh, Model, Shared};
+    use crate::model::{CopyOnWrite, ElementKind, Mesh, Model};
 
-    /// A square of n by n elements, row by row, and its elements with a stride that scatters them.
-    fn square(n: usize) -> (Shared<Mesh>, Vec<usize>) {
+    /// Returns a square mesh of n by n elements, numbered by rows, and its elements in a scattered order.
+    fn square(n: usize) -> (CopyOnWrite<Mesh>, Vec<usize>) {
         let mut model = Model::default();
         for i in 0..(n + 1) * (n + 1) {
             model.node((i % (n + 1)) as f64, (i / (n + 1)) as f64);
@@ -97,12 +99,12 @@ mod tests {
     }
 
     #[test]
-    fn bits_are_spread() {
+    fn spread_inserts_zeros_between_bits() {
         assert_eq!((spread(0b1011), spread(u16::MAX)), (0b100_0101, 0x5555_5555));
     }
 
     #[test]
-    fn rows_stay_and_what_is_scattered_is_brought_together() {
+    fn ordered_rows_are_kept_and_scattered_elements_are_sorted() {
         let n = 100;
         let (mesh, scattered) = square(n);
         let rows: Vec<usize> = (0..n * n).collect();
@@ -118,10 +120,11 @@ mod tests {
     fn nodes_follow_the_elements_that_complete_them() {
         let (mut mesh, _) = square(2);
         mesh.points.push([9.0, 9.0]);
-        // Rows of three nodes, then one of no element that is named twice.
+        // Rows of three nodes, then a node without element that is given twice.
         let places = nodes([3, 2, 1, 0].into_iter(), vec![9, 9, 4], &mesh);
         let order: Vec<usize> = (0..9).map(|node| places[&node]).collect();
-        // The first completes its corner 8 alone, the next 7, met before, and 6; the last 4, 3, 1 and its own 0.
+        // The first element is the last one of node 8, the second of 7 and 5, the third of 6, the fourth of 4, 3, 1 and
+        // 0.
         assert_eq!(order, [8, 7, 4, 6, 5, 3, 2, 1, 0]);
         assert!(places.keys().is_sorted() && places[&9] == 9);
     }

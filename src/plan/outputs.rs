@@ -1,5 +1,4 @@
 //! Output requests as history columns, frame fields and schedules.
-//! Never here: files, the table of variables.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -11,99 +10,99 @@ use super::{Compiler, State};
 use crate::element::values;
 use crate::kernel::lists::heap_bytes;
 use crate::model::{
-    ElementSetId, Interval, Model, NodeSetId, OutputCard, OutputKind, OutputRequest, Position, Region, Set, Step,
-    SurfaceId, WhichPairs,
+    ContactPairFilter, ElementSetId, MemberSet, Model, NodeSetId, OutputCard, OutputInterval, OutputKind,
+    OutputPosition, OutputRegion, OutputRequest, Step, SurfaceId,
 };
 use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
-use crate::variables::{Part, Place, Preselected, Variable};
+use crate::variables::{PreselectRule, Variable, VariableComponent, VariablePlace};
 
-/// Where a history column is taken from.
+/// Source of the values of a history column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// A node (of the mesh) that moves with a rigid body.
+pub enum ColumnSource {
+    /// A mesh node of a rigid body.
     Body {
-        /// The body.
+        /// Index of the rigid body.
         body: usize,
-        /// The node.
+        /// Index of the mesh node.
         node: usize,
     },
-    /// A node of what deforms.
+    /// A node of a deformable body, by its solver index.
     Node(usize),
-    /// A group, and an element of it.
+    /// An element: group, index in the group.
     Element(usize, usize),
-    /// A surface that integrals are taken over, of [`Plan::sections`](super::Plan::sections).
+    /// A surface integral, by index in [`Plan::sections`](super::Plan::sections).
     Section(usize),
-    /// Two surfaces in contact, by their number among those of all steps.
+    /// A contact pair, by its index among the pairs of all steps.
     Pair(usize),
-    /// All of a set, of [`Plan::sets`](super::Plan::sets).
+    /// A statistic over a set, by index in [`Plan::sets`](super::Plan::sets).
     Set(Statistic, usize),
-    /// Other columns, by an expression of [`Plan::expressions`](super::Plan::expressions).
+    /// An expression of other columns, by index in [`Plan::expressions`](super::Plan::expressions).
     Expression(usize),
     /// The whole model.
     Model,
 }
 
-/// Faces of what deforms, as integrals over them are taken.
+/// Deformable faces of a surface over which forces are integrated.
 #[derive(Clone, Debug)]
-pub struct Section {
+pub struct IntegratedSection {
     surface: SurfaceId,
-    /// Group, element of it and corner, for each corner of an element behind the surface that lies on it.
+    /// Group, element and corner of each element corner on the surface.
     pub corners: Vec<(usize, usize, usize)>,
-    /// Ends of the faces.
+    /// Solver nodes at the ends of the faces.
     pub faces: Vec<[usize; 2]>,
 }
 
-/// One history column.
+/// A history column.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Column {
-    /// `<VARIABLE>@<SET or node>`, or the variable alone for the whole model.
+pub struct HistoryColumn {
+    /// `<VARIABLE>@<SET or node>`, or only the variable for the whole model.
     pub name: String,
-    /// What it holds; `None` of an expression.
-    pub part: Option<Part>,
-    /// Of what.
-    pub source: Source,
+    /// Variable and component; `None` for an expression.
+    pub part: Option<VariableComponent>,
+    /// Source of the values.
+    pub source: ColumnSource,
 }
 
-/// An array of frames.
+/// An output array of frames.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameField {
-    /// Its name.
+    /// Name of the array.
     pub name: String,
-    /// Its components.
-    pub parts: Vec<Part>,
-    /// Where a variable of integration points is shown.
-    pub position: Position,
+    /// Variable and components.
+    pub parts: Vec<VariableComponent>,
+    /// Position at which a variable of integration points is shown.
+    pub position: OutputPosition,
 }
 
 impl FrameField {
-    fn new(parts: Vec<Part>) -> FrameField {
+    fn new(parts: Vec<VariableComponent>) -> FrameField {
         let name = if parts.len() == 1 { parts[0].label() } else { parts[0].variable.name().into() };
-        FrameField { name, parts, position: Position::Element }
+        FrameField { name, parts, position: OutputPosition::Element }
     }
 
-    /// Bytes of its lists.
+    /// Returns the heap size in bytes.
     pub fn bytes(&self) -> usize {
         self.name.capacity() + heap_bytes(&self.parts)
     }
 
-    /// The variable.
+    /// Returns the variable.
     pub fn variable(&self) -> Variable {
         self.parts[0].variable
     }
 
-    /// Whether it is on points of frames, and not on their cells.
+    /// Returns whether the array is on points of frames, not on cells.
     pub fn is_on_points(&self) -> bool {
-        self.variable().place() == Place::Node || self.position == Position::Nodes
+        self.variable().place() == VariablePlace::Node || self.position == OutputPosition::Nodes
     }
 
-    /// The same at a position, which only variables of integration points have.
-    fn at(self, position: Position) -> FrameField {
-        let position = if self.variable().place() == Place::Point { position } else { Position::Element };
+    /// Sets the position. It applies only to variables of integration points.
+    fn at(self, position: OutputPosition) -> FrameField {
+        let position = if self.variable().place() == VariablePlace::Point { position } else { OutputPosition::Element };
         FrameField { position, ..self }
     }
 
-    fn is_meant(&self, asked: VariableRequest) -> bool {
+    fn matches_request(&self, asked: VariableRequest) -> bool {
         match asked {
             VariableRequest::One(part) => self.parts == [part],
             _ => asked.variables().contains(&self.variable()),
@@ -111,50 +110,52 @@ impl FrameField {
     }
 }
 
-/// When to write.
+/// Output schedules of a step.
 #[derive(Clone, Debug, Default)]
-pub struct Outputs {
+pub struct StepOutputs {
     /// Frames.
-    pub field: Vec<Schedule>,
+    pub field: Vec<WriteSchedule>,
     /// History rows.
-    pub history: Vec<Schedule>,
-    /// States to go on from (`*RESTART, WRITE`).
-    pub restart: Vec<Schedule>,
+    pub history: Vec<WriteSchedule>,
+    /// Restart files (`*RESTART, WRITE`).
+    pub restart: Vec<WriteSchedule>,
 }
 
-/// One rhythm, relative to the start of a step.
+/// Schedule of an output, relative to the start of a step.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Schedule {
-    /// Every so much time.
+pub enum WriteSchedule {
+    /// At this time interval.
     Time(f64),
-    /// Every so many increments.
+    /// At this interval of increments.
     Increments(u64),
     /// At these times, ascending.
     Points(Arc<[f64]>),
 }
 
-impl Schedule {
-    /// `None` for never.
-    fn new(interval: Interval, step: &Step, default: u32, model: &Model) -> Option<Schedule> {
+impl WriteSchedule {
+    /// Converts the interval of a request; `None` if nothing is written.
+    fn new(interval: OutputInterval, step: &Step, default: u32, model: &Model) -> Option<WriteSchedule> {
         Some(match interval {
-            Interval::Time(dt) => Schedule::Time(dt),
-            Interval::Number(n) => Schedule::Time(step.duration / f64::from(n.max(1))),
-            Interval::Increments(n) => Schedule::Increments(u64::from(n.max(1))),
-            Interval::Points(points) => Schedule::Points(model.output.time_points[points].times.as_slice().into()),
-            Interval::Never => return None,
-            Interval::Default => Schedule::Time(step.duration / f64::from(default)),
+            OutputInterval::Time(dt) => WriteSchedule::Time(dt),
+            OutputInterval::Number(n) => WriteSchedule::Time(step.duration / f64::from(n.max(1))),
+            OutputInterval::Increments(n) => WriteSchedule::Increments(u64::from(n.max(1))),
+            OutputInterval::Points(points) => {
+                WriteSchedule::Points(model.output.time_points[points].times.as_slice().into())
+            }
+            OutputInterval::Never => return None,
+            OutputInterval::Default => WriteSchedule::Time(step.duration / f64::from(default)),
         })
     }
 }
 
 impl Compiler<'_> {
-    /// Columns and frame fields of all steps together: a file keeps its columns from step to step.
-    pub(super) fn variables(&mut self, state: &mut State) -> (Vec<Column>, Vec<FrameField>) {
+    /// Returns history columns and frame fields of all steps: the columns of a file do not change between steps.
+    pub(super) fn variables(&mut self, state: &mut State) -> (Vec<HistoryColumn>, Vec<FrameField>) {
         let (mut columns, mut fields) = (Vec::new(), Vec::new());
         let model = self.model;
-        let there = self.fields_there_are(state);
+        let there = self.available_fields(state);
         for step in &model.steps {
-            for request in step.outputs.iter().filter(|r| r.interval != Interval::Never) {
+            for request in step.outputs.iter().filter(|r| r.interval != OutputInterval::Never) {
                 match request.kind {
                     OutputKind::History => self.history_columns(request, state, &mut columns),
                     OutputKind::Field => self.frame_fields(request, &there, &mut fields),
@@ -162,7 +163,7 @@ impl Compiler<'_> {
             }
             if step.outputs.is_empty() {
                 let erodes = !model.erosions.is_empty();
-                columns.extend(self.energies().filter(|v| erodes || !is_removed(*v)).map(model_column));
+                columns.extend(self.energies().filter(|v| erodes || !is_deletion_total(*v)).map(model_column));
                 fields.extend(there.iter().filter(|f| self.is_preselected(f)).cloned());
             }
         }
@@ -175,13 +176,13 @@ impl Compiler<'_> {
             state.elements.groups.iter_mut().for_each(|g| g.extensions().settings().follow());
             self.followed_row(state.elements.count());
         }
-        self.books_of_deletion(&columns, state);
+        self.track_deletion(&columns, state);
         (columns, fields)
     }
 
-    /// Books of what deletion takes away, where erosion or an output asks for them.
-    fn books_of_deletion(&mut self, columns: &[Column], state: &mut State) {
-        let asked = columns.iter().filter_map(|c| c.part).any(|p| is_removed(p.variable));
+    /// Enables the sums of deleted mass and energy if `*EROSION` or an output request needs them.
+    fn track_deletion(&mut self, columns: &[HistoryColumn], state: &mut State) {
+        let asked = columns.iter().filter_map(|c| c.part).any(|p| is_deletion_total(p.variable));
         if state.elements.removed.is_none() && !asked {
             return;
         }
@@ -189,16 +190,16 @@ impl Compiler<'_> {
             state.elements.count_deletions(state.dofs.nodes.len());
         }
         let erosion = self.model.erosions.first().map(|e| e.span);
-        let asks = |r: &&OutputRequest| r.variables.iter().any(|a| a.variables().iter().any(|v| is_removed(*v)));
+        let asks = |r: &&OutputRequest| r.variables.iter().any(|a| a.variables().iter().any(|v| is_deletion_total(*v)));
         let request = self.model.steps.iter().flat_map(|s| &s.outputs).find(asks).map(|r| r.span);
         if let Some(span) = request.or(erosion) {
             let count = state.elements.groups.iter().filter(|g| g.properties().deletable).map(|g| g.len()).sum();
-            let detail = "mass, energy and points that deletion leaves";
-            self.cause(span, "books of deletion", count, "elements", detail.into());
+            let detail = "eroded mass and energy, and nodes of deleted elements";
+            self.ledger_row(span, "books of deletion", count, "elements", detail.into());
         }
     }
 
-    /// The row of strains and energies that elements follow because an output asks for them.
+    /// Creates the ledger row of strains and energies that elements integrate only for output.
     fn followed_row(&mut self, count: usize) {
         let follows = |asked: &VariableRequest| match asked {
             VariableRequest::Preselect | VariableRequest::All => true,
@@ -207,48 +208,50 @@ impl Compiler<'_> {
         let asks = |r: &&OutputRequest| r.variables.iter().any(follows);
         let request = self.model.steps.iter().flat_map(|s| &s.outputs).find(asks);
         let Some(span) = request.map(|r| r.span).or_else(|| self.model.steps.first().map(|s| s.span)) else { return };
-        self.cause(span, "strain history", count, "elements", "LE, PE, ER, SENER, PENER".into());
+        self.ledger_row(span, "strain history", count, "elements", "LE, PE, ER, SENER, PENER".into());
     }
 
-    /// When this step writes; without any request what ABAQUS preselects.
-    pub(super) fn outputs(&mut self, step: &Step) -> Outputs {
-        let mut outputs = Outputs::default();
+    /// Returns the output schedules of a step; without requests the defaults of ABAQUS.
+    pub(super) fn outputs(&mut self, step: &Step) -> StepOutputs {
+        let mut outputs = StepOutputs::default();
         for request in &step.outputs {
             match request.kind {
-                OutputKind::Field => outputs.field.extend(Schedule::new(request.interval, step, 20, self.model)),
-                OutputKind::History => outputs.history.extend(Schedule::new(request.interval, step, 200, self.model)),
+                OutputKind::Field => outputs.field.extend(WriteSchedule::new(request.interval, step, 20, self.model)),
+                OutputKind::History => {
+                    outputs.history.extend(WriteSchedule::new(request.interval, step, 200, self.model))
+                }
             }
         }
         if step.outputs.is_empty() {
-            outputs.field.extend(Schedule::new(Interval::Default, step, 20, self.model));
-            outputs.history.extend(Schedule::new(Interval::Default, step, 200, self.model));
+            outputs.field.extend(WriteSchedule::new(OutputInterval::Default, step, 20, self.model));
+            outputs.history.extend(WriteSchedule::new(OutputInterval::Default, step, 200, self.model));
         }
-        outputs.restart.extend(step.restart.and_then(|r| Schedule::new(r.interval, step, 1, self.model)));
+        outputs.restart.extend(step.restart.and_then(|r| WriteSchedule::new(r.interval, step, 1, self.model)));
         if let Some(restart) = step.restart {
             let detail = format!("{:?}, written as <job>.checkpoint", outputs.restart[0]);
-            self.cause(restart.span, "checkpoint", 1, "step", detail);
+            self.ledger_row(restart.span, "checkpoint", 1, "step", detail);
         }
         outputs.field.dedup();
         outputs.history.dedup();
         outputs
     }
 
-    fn history_columns(&mut self, request: &OutputRequest, state: &State, columns: &mut Vec<Column>) {
+    fn history_columns(&mut self, request: &OutputRequest, state: &State, columns: &mut Vec<HistoryColumn>) {
         let first = columns.len();
         for &asked in &request.variables {
             let before = columns.len();
             match &request.region {
-                Region::Elements(set) => self.element_columns((asked, request), *set, state, columns),
-                Region::Nodes(set) => self.node_columns((asked, request), *set, columns),
-                Region::Surface(surface, name) => self.section_columns(asked, *surface, name, state, columns),
-                Region::Whole if request.card == OutputCard::Contact => {
-                    self.pair_columns(asked, &WhichPairs::default(), columns);
+                OutputRegion::Elements(set) => self.element_columns((asked, request), *set, state, columns),
+                OutputRegion::Nodes(set) => self.node_columns((asked, request), *set, columns),
+                OutputRegion::Surface(surface, name) => self.section_columns(asked, *surface, name, state, columns),
+                OutputRegion::Whole if request.card == OutputCard::Contact => {
+                    self.pair_columns(asked, &ContactPairFilter::default(), columns);
                 }
-                Region::Pairs(pairs) => self.pair_columns(asked, pairs, columns),
-                Region::Whole => columns.extend(self.model_variables(asked, request.card).map(model_column)),
+                OutputRegion::Pairs(pairs) => self.pair_columns(asked, pairs, columns),
+                OutputRegion::Whole => columns.extend(self.model_variables(asked, request.card).map(model_column)),
             }
             if columns.len() == before {
-                self.absent(asked, request);
+                self.note_absent_variable(asked, request);
             }
         }
         let names: Vec<_> = columns[first..].iter().map(|c| c.name.as_str()).collect();
@@ -258,23 +261,24 @@ impl Compiler<'_> {
         }
         let count = names.len();
         if count > 0 {
-            self.cause(request.span, "history output", count, "columns", detail);
+            self.ledger_row(request.span, "history output", count, "columns", detail);
         }
     }
 
-    /// Variables of the whole model that a word means on a card.
+    /// Returns the variables of the whole model that a name on an output card selects.
     fn model_variables(&self, asked: VariableRequest, card: OutputCard) -> impl Iterator<Item = Variable> + use<> {
         let by_default = match card {
-            OutputCard::Output | OutputCard::Energy => Some(Place::Energy),
-            OutputCard::Incrementation => Some(Place::Increment),
+            OutputCard::Output | OutputCard::Energy => Some(VariablePlace::Energy),
+            OutputCard::Incrementation => Some(VariablePlace::Increment),
             OutputCard::Node | OutputCard::Element | OutputCard::Integrated | OutputCard::Contact => None,
         };
         let named = asked.variables();
-        // Where materials alone delete, books are kept if they are asked for by name: elements must be followed for them.
+        // Without *EROSION, deletion sums are computed only if they are requested by name, because they need extra data
+        // per element.
         let erodes = !self.model.erosions.is_empty();
         let meant = move |v: &Variable| match asked {
             VariableRequest::Preselect | VariableRequest::All => {
-                Some(v.place()) == by_default && (erodes || !is_removed(*v))
+                Some(v.place()) == by_default && (erodes || !is_deletion_total(*v))
             }
             _ => named.contains(v),
         };
@@ -285,27 +289,27 @@ impl Compiler<'_> {
         &mut self,
         (asked, request): (VariableRequest, &OutputRequest),
         set: NodeSetId,
-        columns: &mut Vec<Column>,
+        columns: &mut Vec<HistoryColumn>,
     ) {
         let model = self.model;
         let (set, members) = named(&model.node_sets, set.index());
         let mut parts = self.parts(asked, Variable::is_of_nodes);
-        parts.retain(|p| self.has_nodal(p.variable));
+        parts.retain(|p| self.nodes_have(p.variable));
         let name = |node: usize| model.mesh.node_names[node].as_str();
         let mut found = Vec::new();
         for node in by_number(members, name) {
             if let Some(&rotation) = self.places.rotations.get(&node) {
                 let turning = parts.iter().filter(|p| p.variable.is_of_rotations());
-                found.extend(turning.map(|&part| (part, name(node), Source::Node(rotation))));
+                found.extend(turning.map(|&part| (part, name(node), ColumnSource::Node(rotation))));
             }
             if let Some(&body) = self.body_of_node.get(&node).filter(|&&b| self.bodies[b].spatial) {
-                let source = Source::Body { body, node };
+                let source = ColumnSource::Body { body, node };
                 found.extend(in_space(asked, &parts).map(|part| (part, name(node), source)));
                 continue;
             }
             let source = match (self.places.free_node(node), self.body_of_node.get(&node)) {
-                (Some(node), _) => Source::Node(node),
-                (_, Some(&body)) => Source::Body { body, node },
+                (Some(node), _) => ColumnSource::Node(node),
+                (_, Some(&body)) => ColumnSource::Body { body, node },
                 _ => continue,
             };
             let moving = parts.iter().filter(|p| !p.variable.is_of_rotations() && !is_spatial(p.variable));
@@ -314,24 +318,24 @@ impl Compiler<'_> {
         self.columns_of_set(set, members.len(), &found, &request.statistics, columns);
     }
 
-    /// Columns of the members of a set, which has so many, or of the set as a whole.
+    /// Adds a column for each member of a set, or for each statistic of the set. `members` is the size of the set.
     fn columns_of_set(
         &mut self,
         set: &str,
         members: usize,
-        found: &[(Part, &str, Source)],
+        found: &[(VariableComponent, &str, ColumnSource)],
         statistics: &[Statistic],
-        columns: &mut Vec<Column>,
+        columns: &mut Vec<HistoryColumn>,
     ) {
         if statistics.is_empty() {
             let place = |name| if members == 1 { set } else { name };
             columns.extend(found.iter().map(|&(part, name, source)| column(part, place(name), source)));
             return;
         }
-        let mut parts: Vec<Part> = found.iter().map(|f| f.0).collect();
+        let mut parts: Vec<VariableComponent> = found.iter().map(|f| f.0).collect();
         dedup(&mut parts);
         for part in parts {
-            let mut sources: Vec<Source> = found.iter().filter(|f| f.0 == part).map(|f| f.2).collect();
+            let mut sources: Vec<ColumnSource> = found.iter().filter(|f| f.0 == part).map(|f| f.2).collect();
             if part.variable == Variable::Reaction {
                 once_a_body(&mut sources);
             }
@@ -340,32 +344,32 @@ impl Compiler<'_> {
                 self.sets.push(sources);
                 self.sets.len() - 1
             });
-            columns.extend(statistics.iter().map(|statistic| Column {
+            columns.extend(statistics.iter().map(|statistic| HistoryColumn {
                 name: format!("{}_{}@{set}", part.label(), statistic.name()),
                 part: Some(part),
-                source: Source::Set(*statistic, at),
+                source: ColumnSource::Set(*statistic, at),
             }));
         }
     }
 
-    /// Columns of each pair of surfaces that may meet, of those that are meant.
-    fn pair_columns(&self, asked: VariableRequest, which: &WhichPairs, columns: &mut Vec<Column>) {
+    /// Adds columns of the selected contact pairs.
+    fn pair_columns(&self, asked: VariableRequest, which: &ContactPairFilter, columns: &mut Vec<HistoryColumn>) {
         let asked = if matches!(asked, VariableRequest::Preselect) { VariableRequest::All } else { asked };
-        let parts = self.parts(asked, |v| v.place() == Place::Pair);
+        let parts = self.parts(asked, |v| v.place() == VariablePlace::Pair);
         let meant = |name: &str| {
-            self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|c| pair_name(c) == name && which.means(c))
+            self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|c| pair_name(c) == name && which.matches(c))
         };
         for (index, name) in self.pair_names.iter().enumerate().filter(|n| meant(n.1)) {
-            columns.extend(parts.iter().map(|&part| column(part, name, Source::Pair(index))));
+            columns.extend(parts.iter().map(|&part| column(part, name, ColumnSource::Pair(index))));
         }
     }
 
-    /// Whether nodes of this scene can have a variable of nodes.
-    fn has_nodal(&self, variable: Variable) -> bool {
+    /// Returns whether nodes of this model have a nodal variable.
+    fn nodes_have(&self, variable: Variable) -> bool {
         match variable.row().preselected {
-            Preselected::Conducting => self.solves_for_temperatures(),
-            Preselected::Meeting => !self.pair_names.is_empty(),
-            Preselected::Oblique => self.bodies.iter().any(|b| b.spatial),
+            PreselectRule::HeatConduction => self.solves_for_temperatures(),
+            PreselectRule::SurfaceContact => !self.pair_names.is_empty(),
+            PreselectRule::SixDofBody => self.bodies.iter().any(|b| b.spatial),
             _ => true,
         }
     }
@@ -375,7 +379,7 @@ impl Compiler<'_> {
         (asked, request): (VariableRequest, &OutputRequest),
         set: ElementSetId,
         state: &State,
-        columns: &mut Vec<Column>,
+        columns: &mut Vec<HistoryColumn>,
     ) {
         let model = self.model;
         let (set, members) = named(&model.element_sets, set.index());
@@ -384,8 +388,8 @@ impl Compiler<'_> {
         let mut found = Vec::new();
         for element in by_number(members, name) {
             let Some(&(group, index)) = self.places.elements.get(&element) else { continue };
-            let has = |part: &&Part| has(state, group, index, **part);
-            let source = Source::Element(group, index);
+            let has = |part: &&VariableComponent| has(state, group, index, **part);
+            let source = ColumnSource::Element(group, index);
             found.extend(parts.iter().filter(has).map(|&part| (part, name(element), source)));
         }
         self.columns_of_set(set, members.len(), &found, &request.statistics, columns);
@@ -397,10 +401,10 @@ impl Compiler<'_> {
         surface: SurfaceId,
         name: &str,
         state: &State,
-        columns: &mut Vec<Column>,
+        columns: &mut Vec<HistoryColumn>,
     ) {
         let asked = if matches!(asked, VariableRequest::Preselect) { VariableRequest::All } else { asked };
-        let parts = self.parts(asked, |v| v.place() == Place::Section);
+        let parts = self.parts(asked, |v| v.place() == VariablePlace::Section);
         let known = self.sections.iter().position(|s| s.surface == surface);
         let at = known.unwrap_or_else(|| {
             let section = self.section(surface, state);
@@ -408,18 +412,20 @@ impl Compiler<'_> {
             self.sections.len() - 1
         });
         if !self.sections[at].faces.is_empty() {
-            columns.extend(parts.iter().map(|&part| column(part, name, Source::Section(at))));
+            columns.extend(parts.iter().map(|&part| column(part, name, ColumnSource::Section(at))));
         }
     }
 
-    /// The faces of a surface that deform, with the corners of the elements behind them.
-    fn section(&self, surface: SurfaceId, state: &State) -> Section {
+    /// Returns the deformable faces of a surface, with the corners of their elements.
+    fn section(&self, surface: SurfaceId, state: &State) -> IntegratedSection {
         let model = self.model;
         let sides = &model.surfaces.faces[surface].faces;
-        let mut section = Section { surface, faces: Vec::new(), corners: Vec::new() };
+        let mut section = IntegratedSection { surface, faces: Vec::new(), corners: Vec::new() };
         let deforming = sides.iter().filter_map(|&(e, side)| Some((self.places.elements.get(&e)?, e, side)));
         for (&(group, element), e, side) in deforming {
-            let Some(ends) = model.mesh.ends(e, side).map(|ends| ends.map(|n| self.places.nodes[&n])) else { continue };
+            let Some(ends) = model.mesh.side_nodes(e, side).map(|ends| ends.map(|n| self.places.nodes[&n])) else {
+                continue;
+            };
             section.faces.push(ends);
             let corners = state.elements.groups[group].boundary(element);
             let on = (0..corners.len()).filter(|&c| ends.contains(&(corners[c] as usize)));
@@ -430,8 +436,8 @@ impl Compiler<'_> {
         section
     }
 
-    /// The numbers that a word means among variables of nodes or of elements.
-    fn parts(&self, asked: VariableRequest, of: impl Fn(Variable) -> bool) -> Vec<Part> {
+    /// Returns the components that a name selects among nodal or element variables.
+    fn parts(&self, asked: VariableRequest, of: impl Fn(Variable) -> bool) -> Vec<VariableComponent> {
         let variables = match asked {
             VariableRequest::One(part) => return Some(part).filter(|p| of(p.variable)).into_iter().collect(),
             VariableRequest::All => Variable::ALL.to_vec(),
@@ -440,10 +446,10 @@ impl Compiler<'_> {
         variables.into_iter().filter(|v| of(*v)).flat_map(|v| self.parts_of(v)).collect()
     }
 
-    /// Components of a variable, or as many numbers as materials of the scene keep.
-    fn parts_of(&self, variable: Variable) -> Vec<Part> {
+    /// Returns the components of a variable; for state variables as many as the materials of the model have.
+    fn parts_of(&self, variable: Variable) -> Vec<VariableComponent> {
         if variable.row().numbered {
-            return (0..self.state_variables()).map(|component| Part { variable, component }).collect();
+            return (0..self.state_variables()).map(|component| VariableComponent { variable, component }).collect();
         }
         variable.parts().collect()
     }
@@ -454,16 +460,16 @@ impl Compiler<'_> {
             let meant = |f: &&FrameField| match asked {
                 VariableRequest::Preselect => self.is_preselected(f) && places.contains(&f.variable().place()),
                 VariableRequest::All => places.contains(&f.variable().place()),
-                _ => f.is_meant(asked),
+                _ => f.matches_request(asked),
             };
             let meant: Vec<FrameField> = there.iter().filter(meant).cloned().map(|f| f.at(request.position)).collect();
             if meant.is_empty() && !is_in_every_frame(asked) {
-                self.absent(asked, request);
+                self.note_absent_variable(asked, request);
             }
             fields.extend(meant);
         }
         let detail = request.variables.iter().map(|v| v.name()).collect::<Vec<_>>().join(" ");
-        self.cause(request.span, "field output", request.variables.len(), "variables", detail);
+        self.ledger_row(request.span, "field output", request.variables.len(), "variables", detail);
     }
 
     fn solves_for_temperatures(&self) -> bool {
@@ -474,7 +480,7 @@ impl Compiler<'_> {
         !self.places.elements.is_empty()
     }
 
-    /// Energies that this scene has.
+    /// Iterates over the energies of this model.
     fn energies(&self) -> impl Iterator<Item = Variable> + use<> {
         let deforms = self.deforms();
         let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
@@ -482,23 +488,24 @@ impl Compiler<'_> {
         let walls = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| self.spatial_side(pair).is_some());
         let is_there = move |v: &Variable| {
             let there = match v.row().preselected {
-                Preselected::Conducting => conducts,
-                Preselected::Springing => springs,
-                Preselected::Deleting => deletes,
+                PreselectRule::HeatConduction => conducts,
+                PreselectRule::PenaltyContact => springs,
+                PreselectRule::ElementDeletion => deletes,
                 _ => true,
             };
             let lost = walls && *v == Variable::ConstraintWork;
-            v.place() == Place::Energy && (deforms || lost || !v.row().deforming) && there
+            v.place() == VariablePlace::Energy && (deforms || lost || !v.row().deforming) && there
         };
         Variable::ALL.iter().copied().filter(is_there)
     }
 
-    /// What frames of this scene can show: of nodes, and what some element has. (Others would be NaN everywhere.)
-    fn fields_there_are(&self, state: &State) -> Vec<FrameField> {
+    /// Returns the fields that frames can show: nodal variables, and variables of at least one element group.
+    fn available_fields(&self, state: &State) -> Vec<FrameField> {
         let groups = &state.elements.groups;
-        // What one element of a group has they all have.
-        let somewhere =
-            |part: &Part| groups.iter().enumerate().any(|(g, group)| !group.is_empty() && has(state, g, 0, *part));
+        // All elements of a group have the same variables.
+        let somewhere = |part: &VariableComponent| {
+            groups.iter().enumerate().any(|(g, group)| !group.is_empty() && has(state, g, 0, *part))
+        };
         let mut fields = Vec::new();
         let turns = !self.places.rotations.is_empty();
         for &variable in Variable::ALL {
@@ -507,48 +514,54 @@ impl Compiler<'_> {
             }
             let parts = self.parts_of(variable);
             match variable.place() {
-                Place::Node if !self.has_nodal(variable) || is_spatial(variable) => {}
-                Place::Node if variable != Variable::Coordinate => fields.push(FrameField::new(parts)),
-                Place::Point | Place::Element if variable.row().numbered => {
-                    let field = |p: Part| {
+                VariablePlace::Node if !self.nodes_have(variable) || is_spatial(variable) => {}
+                VariablePlace::Node if variable != Variable::Coordinate => fields.push(FrameField::new(parts)),
+                VariablePlace::Point | VariablePlace::Element if variable.row().numbered => {
+                    let field = |p: VariableComponent| {
                         let field = FrameField::new(vec![p]);
                         let name = self.state_name(p.component).map(|name| format!("SDV_{name}"));
                         FrameField { name: name.unwrap_or(field.name.clone()), ..field }
                     };
                     fields.extend(parts.into_iter().filter(somewhere).map(field));
                 }
-                Place::Point | Place::Element if parts.iter().any(somewhere) => fields.push(FrameField::new(parts)),
+                VariablePlace::Point | VariablePlace::Element if parts.iter().any(somewhere) => {
+                    fields.push(FrameField::new(parts))
+                }
                 _ => {}
             }
         }
         fields
     }
 
-    /// Whether ABAQUS/Explicit preselects it in this scene; invariants of the stress, which its viewer computes, come along.
+    /// Returns whether a field is in the preselected output of ABAQUS/Explicit. Stress invariants, which ABAQUS/Viewer
+    /// computes, are
+    /// included.
     fn is_preselected(&self, field: &FrameField) -> bool {
         match field.variable().row().preselected {
-            Preselected::Never => false,
-            Preselected::Always => true,
-            Preselected::Deforming => self.deforms(),
-            Preselected::Deleting => self.deletes(),
-            Preselected::Conducting | Preselected::Meeting | Preselected::Springing => true,
-            Preselected::Oblique => false,
+            PreselectRule::Never => false,
+            PreselectRule::Always => true,
+            PreselectRule::Deformable => self.deforms(),
+            PreselectRule::ElementDeletion => self.deletes(),
+            PreselectRule::HeatConduction | PreselectRule::SurfaceContact | PreselectRule::PenaltyContact => true,
+            PreselectRule::SixDofBody => false,
         }
     }
 
-    fn absent(&mut self, asked: VariableRequest, request: &OutputRequest) {
+    fn note_absent_variable(&mut self, asked: VariableRequest, request: &OutputRequest) {
         let why = why_absent(asked, request);
-        self.unused(request.span, asked.name(), why);
+        self.add_unused_card(request.span, asked.name(), why);
     }
 }
 
-/// Whether rigid bodies with six degrees of freedom alone have a variable.
+/// Returns whether only rigid bodies with six degrees of freedom have a variable.
 fn is_spatial(variable: Variable) -> bool {
-    variable.row().preselected == Preselected::Oblique
+    variable.row().preselected == PreselectRule::SixDofBody
 }
 
-/// Parts of a word at a node of a body with six degrees of freedom: a variable named as a whole has components in space too.
-fn in_space(asked: VariableRequest, parts: &[Part]) -> impl Iterator<Item = Part> {
+/// Returns the components of a requested variable at a node of a body with six degrees of freedom, including
+/// out-of-plane ones if
+/// the whole variable is requested.
+fn in_space(asked: VariableRequest, parts: &[VariableComponent]) -> impl Iterator<Item = VariableComponent> {
     let more = |variable: Variable| match variable {
         Variable::Displacement => Some(Variable::ThirdDisplacement),
         Variable::Velocity => Some(Variable::ThirdVelocity),
@@ -559,7 +572,7 @@ fn in_space(asked: VariableRequest, parts: &[Part]) -> impl Iterator<Item = Part
         _ => None,
     };
     let named = if let VariableRequest::Whole(variable) = asked { more(variable) } else { None };
-    let mut all: Vec<Part> = parts.to_vec();
+    let mut all: Vec<VariableComponent> = parts.to_vec();
     if let Some(variable) = named {
         let at = if variable.row().labels.is_empty() { all.len() } else { 0 };
         all.splice(at..at, variable.parts());
@@ -567,80 +580,94 @@ fn in_space(asked: VariableRequest, parts: &[Part]) -> impl Iterator<Item = Part
     all.into_iter()
 }
 
-/// Whether it is of the books of what deletion took away.
-fn is_removed(variable: Variable) -> bool {
+/// Returns whether a variable is a sum of deleted mass or energy.
+fn is_deletion_total(variable: Variable) -> bool {
     let row = variable.row();
-    row.place == Place::Energy && row.preselected == Preselected::Deleting
+    row.place == VariablePlace::Energy && row.preselected == PreselectRule::ElementDeletion
 }
 
-/// Whether an element has a variable, or will have it once it is followed.
-fn has(state: &State, group: usize, element: usize, part: Part) -> bool {
+/// Returns whether an element has a variable, also if the variable is integrated only on request.
+fn has(state: &State, group: usize, element: usize, part: VariableComponent) -> bool {
     let heat = state.thermal.as_ref().and_then(|t| t.heat.as_ref());
     if matches!(part.variable, Variable::Temperature | Variable::HeatFlux)
-        && heat.is_some_and(|h| h.of_element(group, element).is_some())
+        && heat.is_some_and(|h| h.element_temperature(group, element).is_some())
     {
         return true;
     }
     values::has(&*state.elements.groups[group], state.dofs.nodes.as_slice(), element, part)
 }
 
-/// Why a word of a request comes to nothing.
+/// Returns the reason why a requested variable gives no output.
 fn why_absent(asked: VariableRequest, request: &OutputRequest) -> String {
     let history = request.kind == OutputKind::History;
     let name = asked.name();
     let place = match asked {
         VariableRequest::NotSimulated(known) => return format!("{name} ({}) is not simulated", known.words),
-        VariableRequest::Preselect if history => return "of histories ABAQUS preselects energies alone".into(),
+        VariableRequest::Preselect if history => {
+            return "the preselected history output consists of energies only".into();
+        }
         VariableRequest::One(part) if !history && part.variable.parts().count() > 1 => {
-            return format!("frames show {} with all its components", part.variable.name());
+            return format!("frames show {} with all components", part.variable.name());
         }
         _ => asked.variables().first().map(|v| v.place()),
     };
     match (place, &request.region) {
-        (Some(Place::Node), Region::Whole | Region::Elements(_)) if history => {
-            format!("{name} lives at nodes; a history of it needs *NODE OUTPUT, NSET=")
+        (Some(VariablePlace::Node), OutputRegion::Whole | OutputRegion::Elements(_)) if history => {
+            format!("{name} is a nodal variable; request its history with *NODE OUTPUT, NSET=")
         }
-        (Some(Place::Point | Place::Element), Region::Whole | Region::Nodes(_)) if history => {
-            format!("{name} lives in elements; a history of it needs *ELEMENT OUTPUT, ELSET=")
+        (Some(VariablePlace::Point | VariablePlace::Element), OutputRegion::Whole | OutputRegion::Nodes(_))
+            if history =>
+        {
+            format!("{name} is an element variable; request its history with *ELEMENT OUTPUT, ELSET=")
         }
-        (Some(Place::Pair), Region::Pairs(_)) if history => {
-            format!("{name}: no pair of surfaces is one of those meant")
+        (Some(VariablePlace::Pair), OutputRegion::Pairs(_)) if history => {
+            format!("{name}: no contact pair is selected")
         }
-        (Some(Place::Pair), _) if !history => format!("{name} is one of pairs of surfaces: a history, *CONTACT OUTPUT"),
-        (Some(Place::Pair), _) => {
-            format!("{name} is one of pairs of surfaces of elements: *CONTACT OUTPUT without NSET")
+        (Some(VariablePlace::Pair), _) if !history => {
+            format!("{name} is a history variable of contact pairs: use *OUTPUT, HISTORY with *CONTACT OUTPUT")
         }
-        (Some(Place::Section), _) => format!("{name} is one of surfaces that deform: *INTEGRATED OUTPUT, SURFACE="),
-        (Some(Place::Facet), _) if history => format!("{name} is shown on facets in frames, not in histories"),
-        (Some(Place::Energy), _) if !history => format!("{name} is an energy of the whole model: *OUTPUT, HISTORY"),
-        (Some(Place::Increment), _) if !history => format!("{name} is one of increments: *OUTPUT, HISTORY"),
-        (Some(Place::Energy), Region::Nodes(_) | Region::Elements(_)) => {
+        (Some(VariablePlace::Pair), _) => {
+            format!("{name} is a variable of contact pairs: use *CONTACT OUTPUT without NSET")
+        }
+        (Some(VariablePlace::Section), _) => {
+            format!("{name} is a variable of deformable surfaces: use *INTEGRATED OUTPUT, SURFACE=")
+        }
+        (Some(VariablePlace::Facet), _) if history => {
+            format!("{name} is a facet variable of frames and has no history")
+        }
+        (Some(VariablePlace::Energy), _) if !history => {
+            format!("{name} is an energy of the whole model: use *OUTPUT, HISTORY")
+        }
+        (Some(VariablePlace::Increment), _) if !history => {
+            format!("{name} is a variable of increments: use *OUTPUT, HISTORY")
+        }
+        (Some(VariablePlace::Energy), OutputRegion::Nodes(_) | OutputRegion::Elements(_)) => {
             format!("{name} is an energy of the whole model, not of a set")
         }
-        _ => format!("output variable {name} has no value in this scene"),
+        _ => format!("output variable {name} has no value in this model"),
     }
 }
 
-/// Whether frames have it without a field of its own: what loads show of facets, and coordinates, which are their points.
+/// Returns whether every frame contains a variable: facet variables of loads, and coordinates.
 fn is_in_every_frame(asked: VariableRequest) -> bool {
-    let implied = |v: &Variable| v.place() == Place::Facet || *v == Variable::Coordinate;
+    let implied = |v: &Variable| v.place() == VariablePlace::Facet || *v == Variable::Coordinate;
     let named = asked.variables();
     !named.is_empty() && named.iter().all(implied)
 }
 
-fn named(sets: &IndexMap<String, Set>, index: usize) -> (&str, &[usize]) {
+fn named(sets: &IndexMap<String, MemberSet>, index: usize) -> (&str, &[usize]) {
     sets.get_index(index).map_or(("", &[]), |(name, set)| (name, &set.members))
 }
 
-fn model_column(variable: Variable) -> Column {
-    Column { name: variable.name().into(), part: Some(variable.into()), source: Source::Model }
+fn model_column(variable: Variable) -> HistoryColumn {
+    HistoryColumn { name: variable.name().into(), part: Some(variable.into()), source: ColumnSource::Model }
 }
 
-fn column(part: Part, place: &str, source: Source) -> Column {
-    Column { name: format!("{}@{place}", part.label()), part: Some(part), source }
+fn column(part: VariableComponent, place: &str, source: ColumnSource) -> HistoryColumn {
+    HistoryColumn { name: format!("{}@{place}", part.label()), part: Some(part), source }
 }
 
-/// Members of a set in the order of their numbers, instance by instance.
+/// Sorts the members of a set by instance and number.
 fn by_number<'a>(members: &[usize], name: impl Fn(usize) -> &'a str) -> Vec<usize> {
     let mut instances: IndexSet<&str> = IndexSet::new();
     let mut key = |member: &usize| {
@@ -652,16 +679,16 @@ fn by_number<'a>(members: &[usize], name: impl Fn(usize) -> &'a str) -> Vec<usiz
     keyed.into_iter().map(|(_, member)| member).collect()
 }
 
-/// Leaves of the nodes of each rigid body the first alone: they all show the reaction of the body.
-fn once_a_body(sources: &mut Vec<Source>) {
+/// Keeps only the first node of each rigid body, because all show the reaction of the body.
+fn once_a_body(sources: &mut Vec<ColumnSource>) {
     let mut seen = HashSet::new();
     sources.retain(|source| match source {
-        Source::Body { body, .. } => seen.insert(*body),
+        ColumnSource::Body { body, .. } => seen.insert(*body),
         _ => true,
     });
 }
 
-/// Leaves of what is alike the first.
+/// Removes duplicates; the first item remains.
 fn dedup<T: PartialEq + Clone>(items: &mut Vec<T>) {
     let mut kept: Vec<T> = Vec::new();
     for item in items.drain(..) {

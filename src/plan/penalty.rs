@@ -1,16 +1,17 @@
-//! How stiff penalty springs of contact are: as the elements behind the surfaces (ABAQUS Analysis User's Guide, "Contact
-//! constraint enforcement methods in Abaqus/Explicit": representative of the stiffness of the underlying elements).
-//! Never here: what springs do.
+//! Stiffness of penalty contact from the underlying elements (ABAQUS Analysis User's Guide, "Contact constraint
+//! enforcement
+//! methods in Abaqus/Explicit").
 
 use super::{Compiler, State};
-use crate::element::group::Stiffness;
+use crate::element::group::ElementStiffness;
 use crate::kernel::topology::MOST_NODES;
 use crate::model::{Element, ElementKind, EosKind, MaterialId};
 
 impl Compiler<'_> {
-    /// Length over modulus of the layer of elements behind a facet, the way that it gives under a unit of pressure; 0 of a rigid
-    /// one. `None` where that cannot be told.
-    pub(super) fn softness(&self, element: usize, nodes: [usize; 2], state: &State) -> Option<f64> {
+    /// Returns the compliance of a facet, length per pressure: thickness over longitudinal modulus of its element; 0
+    /// for rigid
+    /// facets. `None` if it cannot be determined.
+    pub(super) fn facet_compliance(&self, element: usize, nodes: [usize; 2], state: &State) -> Option<f64> {
         let mesh = &self.model.mesh;
         let Some(&(group, index)) = self.places.elements.get(&element) else { return Some(0.0) };
         let of = &mesh.elements[element];
@@ -23,15 +24,15 @@ impl Compiler<'_> {
         }
         let places = nodes.map(|n| self.places.nodes.get(&n).copied());
         let matrix = state.elements.groups[group].stiffness(index, state.dofs.nodes.as_slice());
-        let Some(Stiffness(matrix)) = matrix else {
+        let Some(ElementStiffness(matrix)) = matrix else {
             let section = self.model.sections.iter().find(|s| s.elements.contains(&element))?;
             return Some(height(of, &mesh.points, length) / self.modulus(section.material)?);
         };
-        // The facet moves along its normal, all else stays: force over way, over the area.
+        // Stiffness of the element for a displacement of the facet along its normal, per area.
         let (corners, normal) = (state.elements.groups[group].nodes(index), [dz / length, -dr / length]);
         let mut way = [0.0; 2 * MOST_NODES];
         for (i, corner) in corners.iter().enumerate() {
-            // Of a triangle the last two corners are one.
+            // The last two corners of a triangle are the same node.
             let again = corners[..i].contains(corner);
             if places.contains(&Some(*corner as usize)) && !again {
                 (way[2 * i], way[2 * i + 1]) = (normal[0], normal[1]);
@@ -43,7 +44,7 @@ impl Compiler<'_> {
         (force > 0.0).then(|| area / force)
     }
 
-    /// Modulus of longitudinal waves.
+    /// Returns the longitudinal modulus: density times the square of the longitudinal wave speed.
     fn modulus(&self, material: MaterialId) -> Option<f64> {
         let material = &self.model.materials[material];
         let shear = material.shear_modulus.or(material.elastic.map(|[e, nu]| e / (2.0 * (1.0 + nu)))).unwrap_or(0.0);
@@ -55,12 +56,12 @@ impl Compiler<'_> {
     }
 }
 
-/// What an element is thick behind a side of a length.
+/// Returns the thickness of an element normal to a side: area over side length, for triangles twice this value.
 fn height(element: &Element, points: &[[f64; 2]], length: f64) -> f64 {
     let corner = |i: usize| points[element.nodes[i % element.nodes.len()]];
     let cross = |i: usize| corner(i)[0] * corner(i + 1)[1] - corner(i + 1)[0] * corner(i)[1];
     let area = 0.5 * (0..element.nodes.len()).map(cross).sum::<f64>();
-    // A facet of a six-node triangle is half a side.
+    // A facet of a six-node triangle is half of a side.
     let share = if element.nodes.len() == 3 { 2.0 } else { 1.0 };
     share * area.abs() / length
 }

@@ -1,11 +1,10 @@
-//! Elements that hang together by nodes.
-//! Never here: what becomes of them.
+//! Connected parts of a mesh.
 
 use std::collections::HashMap;
 
 use crate::model::Mesh;
 
-/// Elements that hang together by nodes, in the order of their first ones.
+/// Splits elements into parts that are connected by common nodes, in the order of their first elements.
 pub(super) fn pieces(mesh: &Mesh, elements: &[usize]) -> Vec<Vec<usize>> {
     let mut root: Vec<usize> = (0..mesh.points.len()).collect();
     fn find(root: &mut [usize], mut n: usize) -> usize {

@@ -1,44 +1,44 @@
-//! Where nodes and elements of the mesh went: by their numbers, and in the order in which they were placed.
-//! Never here: what they became.
+//! Map from indices of mesh nodes or elements to values, which keeps the order of insertion.
 
 use crate::kernel::lists::heap_bytes;
 
 use std::ops::Index;
 
-/// No place.
+/// Marks an index without entry.
 const NONE: u32 = u32::MAX;
 
-/// A map from numbers of a mesh, which lie close: 4 bytes a number, and an entry for each that is there. Entries keep the order in
-/// which they were inserted.
+/// A map from mesh indices to values, in the order of insertion. The indices are dense, so that a lookup table of 4
+/// bytes per index
+/// is used in place of hashing.
 #[derive(Clone, Debug)]
-pub struct Places<V> {
-    /// Entry of each number; [`NONE`] where there is none.
+pub struct MeshIndexMap<V> {
+    /// Position of each index in `entries`; [`NONE`] without entry.
     at: Vec<u32>,
     entries: Vec<(usize, V)>,
 }
 
-impl<V> Default for Places<V> {
+impl<V> Default for MeshIndexMap<V> {
     fn default() -> Self {
-        Places { at: Vec::new(), entries: Vec::new() }
+        MeshIndexMap { at: Vec::new(), entries: Vec::new() }
     }
 }
 
-impl<V> Places<V> {
+impl<V> MeshIndexMap<V> {
     fn find(&self, number: usize) -> Option<usize> {
         self.at.get(number).filter(|at| **at != NONE).map(|at| *at as usize)
     }
 
-    /// What a number became.
+    /// Returns the value of an index.
     pub fn get(&self, number: &usize) -> Option<&V> {
         self.find(*number).map(|at| &self.entries[at].1)
     }
 
-    /// Whether a number is there.
+    /// Returns whether an index has a value.
     pub fn contains_key(&self, number: &usize) -> bool {
         self.find(*number).is_some()
     }
 
-    /// Sets what a number became; one that is there keeps its place in the order.
+    /// Sets the value of an index. An index that is present keeps its position in the order.
     pub fn insert(&mut self, number: usize, value: V) {
         if let Some(at) = self.find(number) {
             self.entries[at].1 = value;
@@ -51,38 +51,38 @@ impl<V> Places<V> {
         self.entries.push((number, value));
     }
 
-    /// How many there are.
+    /// Returns the number of entries.
     pub fn len(&self) -> usize {
         self.entries.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no entries.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// Numbers in order.
+    /// Iterates over the indices in order of insertion.
     pub fn keys(&self) -> impl Iterator<Item = &usize> + Clone {
         self.entries.iter().map(|e| &e.0)
     }
 
-    /// What they became, in order.
+    /// Iterates over the values in order of insertion.
     pub fn values(&self) -> impl Iterator<Item = &V> + Clone {
         self.entries.iter().map(|e| &e.1)
     }
 
-    /// Both, in order.
+    /// Iterates over indices and values in order of insertion.
     pub fn iter(&self) -> impl Iterator<Item = (&usize, &V)> + Clone {
         self.entries.iter().map(|e| (&e.0, &e.1))
     }
 
-    /// Bytes of its lists.
+    /// Returns the heap size in bytes.
     pub fn bytes(&self) -> usize {
         heap_bytes(&self.at) + heap_bytes(&self.entries)
     }
 }
 
-impl<V> Index<&usize> for Places<V> {
+impl<V> Index<&usize> for MeshIndexMap<V> {
     type Output = V;
 
     fn index(&self, number: &usize) -> &V {
@@ -90,9 +90,9 @@ impl<V> Index<&usize> for Places<V> {
     }
 }
 
-impl<V> FromIterator<(usize, V)> for Places<V> {
+impl<V> FromIterator<(usize, V)> for MeshIndexMap<V> {
     fn from_iter<I: IntoIterator<Item = (usize, V)>>(list: I) -> Self {
-        let mut places = Places::default();
+        let mut places = MeshIndexMap::default();
         let list = list.into_iter();
         places.entries.reserve_exact(list.size_hint().0);
         list.for_each(|(number, value)| places.insert(number, value));
@@ -102,16 +102,16 @@ impl<V> FromIterator<(usize, V)> for Places<V> {
 
 #[cfg(test)]
 mod tests {
-    use super::Places;
+    use super::MeshIndexMap;
 
     #[test]
-    fn numbers_are_found_and_keep_their_order() {
-        let mut places: Places<char> = [(7, 'a'), (2, 'b')].into_iter().collect();
+    fn entries_are_found_and_keep_their_order() {
+        let mut places: MeshIndexMap<char> = [(7, 'a'), (2, 'b')].into_iter().collect();
         places.insert(3, 'c');
         places.insert(7, 'd');
         assert!(places.iter().eq([(&7, &'d'), (&2, &'b'), (&3, &'c')]) && places.keys().eq(&[7, 2, 3]));
         assert_eq!((places.get(&8), places.get(&0), places[&2], places.len()), (None, None, 'b', 3));
         assert!(places.contains_key(&3) && !places.contains_key(&1) && places.values().count() == 3);
-        assert!(Places::<u8>::default().is_empty());
+        assert!(MeshIndexMap::<u8>::default().is_empty());
     }
 }

@@ -3,12 +3,17 @@
 
 use super::{Compiler, State};
 use crate::deck::{Diagnostic, Span};
-use crate::element::constants::Constants;
-use crate::model::{Material, Precision, SolidSection};
+use crate::element::constants::ElementConstants;
+use crate::model::{MaterialDefinition, Precision, SolidSection};
 
 impl Compiler<'_> {
     /// Whether elements of a section are in single precision, which only those of a job can be that asks for it.
-    pub(super) fn is_single(&mut self, section: &SolidSection, material: &Material, constants: &Constants) -> bool {
+    pub(super) fn is_single(
+        &mut self,
+        section: &SolidSection,
+        material: &MaterialDefinition,
+        constants: &ElementConstants,
+    ) -> bool {
         if self.model.settings.precision == Precision::Double {
             return false;
         }
@@ -25,22 +30,22 @@ impl Compiler<'_> {
             "WEIGHTING=AREA"
         } else {
             let detail = "stresses, strain increments and forces; nodes, plastic strains and sums are in double";
-            self.cause(section.span, "single precision", count, "elements", detail.into());
+            self.ledger_row(section.span, "single precision", count, "elements", detail.into());
             return true;
         };
-        self.stays_double(section.span, count, why);
+        self.note_double_precision(section.span, count, why);
         false
     }
 
     /// Books elements that are in double precision although the job asks for single.
-    pub(super) fn stays_double(&mut self, span: Span, count: usize, why: &str) {
+    pub(super) fn note_double_precision(&mut self, span: Span, count: usize, why: &str) {
         if self.model.settings.precision == Precision::Single {
-            self.cause(span, "double precision", count, "elements", why.into());
+            self.ledger_row(span, "double precision", count, "elements", why.into());
         }
     }
 
     /// Warns where single precision was asked for and nothing is in it.
-    pub(super) fn tell_precision(&mut self, state: &State) {
+    pub(super) fn warn_without_single_precision(&mut self, state: &State) {
         let none = state.elements.groups.iter().all(|group| !group.properties().single);
         if self.model.settings.precision == Precision::Double || !none || self.diagnostics.has_errors() {
             return;

@@ -7,21 +7,21 @@ use std::rc::Rc;
 
 use indexmap::IndexMap;
 
-use super::steps::InForce;
-use super::{Compiler, Plan, State, bodies::Body, links, surface_ties};
-use crate::constraint::tie::Tie;
+use super::steps::ActiveEffects;
+use super::{Compiler, Plan, State, bodies::PlannedRigidBody, links, surface_ties};
+use crate::constraint::tie::TiedNodes;
 use crate::deck::{Diagnostics, Span};
 use crate::model::Model;
 use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
 
 /// What compilation found out by names and places.
-pub struct Reviser {
+pub struct PlanReviser {
     causes: IndexMap<(Span, &'static str), EffectId>,
-    bodies: Vec<Body>,
+    bodies: Vec<PlannedRigidBody>,
     body_of_node: IndexMap<usize, usize>,
     body_of_element: IndexMap<usize, usize>,
-    ties: Vec<Tie>,
+    ties: Vec<TiedNodes>,
     pair_names: Vec<String>,
     called: Vec<&'static str>,
     /// Cards of the ledger that came to nothing.
@@ -30,16 +30,16 @@ pub struct Reviser {
 
 /// The same as [`super::compile`], with what a plan for other numbers takes; `None` where such a plan is to be compiled as the first
 /// was: where anything deforms, warms up or meets, or a routine of the user tells a function of time.
-pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics, Option<Reviser>) {
+pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics, Option<PlanReviser>) {
     let mut reviser = None;
     let (plan, state, diagnostics) = super::compile_with(model, routines, &mut |compiler, state| {
-        reviser = Reviser::of(compiler, state);
+        reviser = PlanReviser::of(compiler, state);
     });
     (plan, state, diagnostics, reviser)
 }
 
-impl Reviser {
-    fn of(compiler: &Compiler<'_>, state: &State) -> Option<Reviser> {
+impl PlanReviser {
+    fn of(compiler: &Compiler<'_>, state: &State) -> Option<PlanReviser> {
         let model = compiler.model;
         let rigid = state.elements.is_empty()
             && state.thermal.is_none()
@@ -52,14 +52,14 @@ impl Reviser {
             && compiler.pairs.iter().all(|pairs| pairs.is_empty())
             && compiler.user_amplitude_count == 0
             && compiler.amplitudes.is_empty();
-        rigid.then(|| Reviser {
-            causes: compiler.causes.clone(),
+        rigid.then(|| PlanReviser {
+            causes: compiler.ledger_rows.clone(),
             bodies: compiler.bodies.clone(),
             body_of_node: compiler.body_of_node.clone(),
             body_of_element: compiler.body_of_element.clone(),
             ties: compiler.ties.clone(),
             pair_names: compiler.pair_names.clone(),
-            called: compiler.called.clone(),
+            called: compiler.called_routines.clone(),
             unused: compiler.ledger.unused.len(),
         })
     }
@@ -72,29 +72,29 @@ impl Reviser {
             routines,
             diagnostics: Diagnostics::default(),
             ledger: std::mem::take(&mut plan.ledger),
-            causes: std::mem::take(&mut self.causes),
+            ledger_rows: std::mem::take(&mut self.causes),
             bodies: std::mem::take(&mut self.bodies),
             body_of_node: std::mem::take(&mut self.body_of_node),
             body_of_element: std::mem::take(&mut self.body_of_element),
             places: std::mem::take(&mut plan.places),
             amplitudes: Vec::new(),
-            tellers: IndexMap::new(),
+            user_amplitude_index: IndexMap::new(),
             user_amplitude_count: 0,
             ties: std::mem::take(&mut self.ties),
             sections: Vec::new(),
             sets: Vec::new(),
             expressions: Vec::new(),
             surface_ties: Vec::<surface_ties::TiedNode>::new(),
-            kept: links::Kept::default(),
-            idle: HashSet::new(),
+            links: links::LinkSet::default(),
+            unresisted_dofs: HashSet::new(),
             pairs: vec![Rc::default(); model.steps.len()],
-            in_force: InForce::default(),
+            in_force: ActiveEffects::default(),
             pair_names: std::mem::take(&mut self.pair_names),
-            called: std::mem::take(&mut self.called),
+            called_routines: std::mem::take(&mut self.called),
         };
-        compiler.weigh_bodies();
+        compiler.update_body_masses();
         for (index, step) in plan.steps.iter_mut().enumerate() {
-            compiler.reload(index, step, state);
+            compiler.replan_loads(index, step, state);
         }
         let sound = !compiler.diagnostics.has_errors();
         state.dofs.bodies.clear();
@@ -103,13 +103,13 @@ impl Reviser {
         compiler.ledger.unused.truncate(self.unused);
         plan.ledger = compiler.ledger;
         plan.places = compiler.places;
-        self.causes = compiler.causes;
+        self.causes = compiler.ledger_rows;
         self.bodies = compiler.bodies;
         self.body_of_node = compiler.body_of_node;
         self.body_of_element = compiler.body_of_element;
         self.ties = compiler.ties;
         self.pair_names = compiler.pair_names;
-        self.called = compiler.called;
+        self.called = compiler.called_routines;
         self.called.clear();
         sound
     }

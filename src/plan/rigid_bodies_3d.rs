@@ -1,32 +1,31 @@
-//! Rigid bodies whose impact is oblique, which move in space: which they are, their inertia and motion at the start, and what is
-//! unsupported on them.
-//! Never here: bodies along z, what resists them.
+//! Oblique rigid bodies, which have six degrees of freedom: selection, inertia, initial motion, and checks for
+//! unsupported input.
 
-use super::{Body, Compiler};
+use super::{Compiler, PlannedRigidBody};
 use crate::deck::{Diagnostic, Span};
-use crate::kernel::attitude::{Attitude, Inertia, Vector, cross, norm, plus};
+use crate::kernel::attitude::{Attitude, PrincipalInertia, SpatialVector, cross, norm, plus};
 use crate::model::{self, ElementKind, InitialKind, LoadKind, RigidBody, STATIONS};
 use crate::platform::PortableMath as _;
 use crate::state::BodyState;
 use crate::state::rigid_body_3d::{Pose, RigidBody3d};
 
-/// Places and weights of three points of Gauss on -1 to 1: exact up to the fifth power.
+/// Points and weights of the three-point Gauss rule on [-1, 1], exact for polynomials up to degree 5.
 const GAUSS: [[f64; 2]; 3] =
     [[-0.774_596_669_241_483_4, 5.0 / 9.0], [0.0, 8.0 / 9.0], [0.774_596_669_241_483_4, 5.0 / 9.0]];
 
-/// What a mass distribution comes to, about the origin.
+/// Mass and moments of a mass distribution about the origin.
 #[derive(Clone, Copy, Debug, Default)]
-struct Moments {
+struct MassMoments {
     mass: f64,
-    /// Mass times height.
+    /// First moment along the axis: mass times z.
     first: f64,
-    /// About the axis of symmetry, and about an axis across it at height 0.
+    /// Moments of inertia about the axis of symmetry, and about a transverse axis at z = 0.
     axial: f64,
     transverse: f64,
 }
 
-impl Moments {
-    /// Adds a mass that is spread evenly over a circle.
+impl MassMoments {
+    /// Adds a mass that is evenly distributed over a circle of radius r at height z.
     fn add(&mut self, mass: f64, [r, z]: [f64; 2]) {
         self.mass += mass;
         self.first += mass * z;
@@ -38,19 +37,20 @@ impl Moments {
         self.first / self.mass
     }
 
-    /// About the centre of mass.
-    fn inertia(&self) -> Inertia {
-        Inertia { axial: self.axial, transverse: self.transverse - self.first * self.height() }
+    /// Returns the moments of inertia about the centre of mass.
+    fn inertia(&self) -> PrincipalInertia {
+        PrincipalInertia { axial: self.axial, transverse: self.transverse - self.first * self.height() }
     }
 }
 
 impl Compiler<'_> {
-    /// The attitude that the deck gives a body.
-    fn attitude(&self, rigid: &RigidBody) -> Option<&model::Attitude> {
+    /// Returns the attitude of a body in the deck.
+    fn attitude(&self, rigid: &RigidBody) -> Option<&model::InitialAttitude> {
         self.model.attitudes.iter().find(|attitude| attitude.reference == rigid.reference)
     }
 
-    /// Whether the impact of a body is oblique: it is turned, or starts across its axis or turning, or meets a tilted target.
+    /// Returns whether a body is oblique: it is rotated, hits an inclined target, or has a transverse or angular
+    /// initial velocity.
     pub(super) fn is_oblique(&self, rigid: &RigidBody) -> bool {
         let attitude = self.attitude(rigid);
         let turned = attitude.is_some_and(|a| a.angles != [0.0; 2]);
@@ -66,7 +66,7 @@ impl Compiler<'_> {
         turned || tilted || attitude.is_some() && across()
     }
 
-    /// Velocities that a reference node starts with along and about 1, 2, 3.
+    /// Returns the initial velocities of a reference node along and about directions 1, 2, 3.
     fn starts(&self, reference: usize) -> [f64; 6] {
         let mut starts = [0.0; 6];
         for condition in self.model.initial_conditions.iter().filter(|c| c.members.contains(&reference)) {
@@ -77,7 +77,7 @@ impl Compiler<'_> {
         starts
     }
 
-    /// Whether a velocity at the start is one of an oblique body, which takes it whatever its direction.
+    /// Returns whether an initial velocity is given for an oblique body, which may have any direction.
     pub(super) fn starts_in_space(&self, members: &[usize]) -> bool {
         self.bodies.iter().any(|b| b.spatial && members.contains(&b.reference))
     }
@@ -99,9 +99,9 @@ impl Compiler<'_> {
         let mut seen: Vec<usize> = Vec::new();
         for attitude in &self.model.attitudes {
             let message = if !self.model.rigid_bodies.iter().any(|b| b.reference == attitude.reference) {
-                "this attitude is given to a node that is no REF NODE of a rigid body"
+                "the attitude is given for a node that is not the REF NODE of a rigid body"
             } else if seen.contains(&attitude.reference) {
-                "a body has one attitude: this is the second"
+                "the body already has an attitude"
             } else {
                 seen.push(attitude.reference);
                 continue;
@@ -111,14 +111,14 @@ impl Compiler<'_> {
         for inertia in &self.model.discrete.inertias {
             match self.body_of_node.get(&inertia.node).map(|&b| &self.bodies[b]) {
                 None => {
-                    let message = "a rotary inertia lies on a node of no rigid body";
+                    let message = "the rotary inertia is on a node that belongs to no rigid body";
                     self.diagnostics.push(Diagnostic::error("P005", message).at(inertia.span, "here"));
                 }
                 Some(body) if !body.spatial => {
-                    self.unused(
+                    self.add_unused_card(
                         inertia.span,
                         "*ROTARY INERTIA",
-                        "a rigid body of revolution that moves along z does not turn",
+                        "a rigid body that moves along z only does not rotate",
                     );
                 }
                 Some(_) => {}
@@ -136,7 +136,7 @@ impl Compiler<'_> {
         let mut inertia = moments.inertia();
         let on_body = self.model.discrete.inertias.iter().filter(|i| body.nodes.contains(&i.node));
         for [axial, transverse] in on_body.map(|i| i.axial_transverse) {
-            inertia = Inertia { axial: inertia.axial + axial, transverse: inertia.transverse + transverse };
+            inertia = PrincipalInertia { axial: inertia.axial + axial, transverse: inertia.transverse + transverse };
         }
         let height = if moments.mass > 0.0 { moments.height() } else { mesh.points[rigid.reference][1] };
         let angles = given.map_or([0.0; 2], |a| a.angles).map(f64::to_radians);
@@ -144,7 +144,8 @@ impl Compiler<'_> {
         let [r, z] = mesh.points[rigid.reference];
         let arm = attitude.to_world([-r, height - z, 0.0]);
         let starts = self.starts(rigid.reference);
-        let (own, turning): (Vector, Vector) = ([starts[0], starts[1], starts[2]], [starts[3], starts[4], starts[5]]);
+        let (own, turning): (SpatialVector, SpatialVector) =
+            ([starts[0], starts[1], starts[2]], [starts[3], starts[4], starts[5]]);
         let far = |n: &usize| mesh.points[*n][0].portable_hypot(mesh.points[*n][1] - height);
         let mut spatial = RigidBody3d {
             mass,
@@ -163,7 +164,7 @@ impl Compiler<'_> {
         spatial.rests = norm(spatial.velocity) == 0.0 && norm(spatial.momentum) == 0.0;
         spatial.show_own_motion();
         let detail = format!(
-            "{}: centre of mass at z = {height:.6}, inertia {:.6e} about the axis, {:.6e} across",
+            "{}: centre of mass at z = {height:.6}, axial inertia {:.6e}, transverse inertia {:.6e}",
             mesh.node_names[rigid.reference], inertia.axial, inertia.transverse
         );
         let span = given.map_or(rigid.span, |a| a.span);
@@ -173,34 +174,32 @@ impl Compiler<'_> {
         {
             self.no_inertia(span, index, inertia);
         }
-        self.cause(span, "six degrees of freedom", 1, "body", detail);
+        self.ledger_row(span, "six degrees of freedom", 1, "body", detail);
         spatial
     }
 
-    fn no_inertia(&mut self, span: Span, body: usize, inertia: Inertia) {
+    fn no_inertia(&mut self, span: Span, body: usize, inertia: PrincipalInertia) {
         let name = &self.bodies[body].name;
         let message = if inertia.axial > 0.0 && inertia.transverse > 0.0 {
             format!(
-                "no mass distribution has the inertia of `{name}`: {:e} about the axis is more than twice the {:e} across it",
+                "invalid inertia of `{name}`: the axial moment {:e} exceeds twice the transverse moment {:e}",
                 inertia.axial, inertia.transverse
             )
         } else {
-            format!(
-                "rigid body `{name}` is oblique and has no rotary inertia: its mass lies on the axis or in one point"
-            )
+            format!("oblique rigid body `{name}` has no rotary inertia: its mass is on the axis or at one point")
         };
         let help = "give *ROTARY INERTIA to an element of TYPE=ROTARYI on its reference node, spread its mass with *ATTITUDE, \
                     INERTIA=UNIFORM, or give its elements a density";
-        self.diagnostics.push(Diagnostic::error("P131", message).at(span, "of this body").help(help));
+        self.diagnostics.push(Diagnostic::error("P131", message).at(span, "this body").help(help));
     }
 
-    /// Moments of the masses that the deck has: solids and shells of the body turned around the axis, and masses on nodes.
-    fn moments(&self, rigid: &RigidBody, body: &Body) -> Moments {
-        let (mesh, mut moments) = (&self.model.mesh, Moments::default());
+    /// Returns the moments of the solid and RAX2 elements of a body as bodies of revolution, and of its point masses.
+    fn moments(&self, rigid: &RigidBody, body: &PlannedRigidBody) -> MassMoments {
+        let (mesh, mut moments) = (&self.model.mesh, MassMoments::default());
         for section in &self.model.sections {
             let density = self.model.materials[section.material].density.unwrap_or(0.0);
             for &e in section.elements.iter().filter(|e| rigid.elements.contains(e)) {
-                for cell in mesh.cells_at_start(e) {
+                for cell in mesh.initial_cells(e) {
                     in_solid(cell, |place, volume| moments.add(density * volume, place));
                 }
             }
@@ -220,10 +219,12 @@ impl Compiler<'_> {
         moments
     }
 
-    /// Moments of a mass spread evenly over what the RAX2 elements of the body enclose; level faces at its ends may be missing.
-    /// By the theorem of Gauss each is an integral over the meridian, of which pi r^2 dz is the volume.
-    fn moments_of_volume(&self, rigid: &RigidBody, mass: f64) -> Moments {
-        let (mesh, mut all) = (&self.model.mesh, Moments::default());
+    /// Returns the moments of a mass that is evenly distributed over the volume enclosed by the RAX2 elements of a
+    /// body; plane end
+    /// faces may be missing. By the divergence theorem each moment is an integral over the meridian; the volume is ∫ π
+    /// r² dz.
+    fn moments_of_volume(&self, rigid: &RigidBody, mass: f64) -> MassMoments {
+        let (mesh, mut all) = (&self.model.mesh, MassMoments::default());
         for &e in rigid.elements.iter().filter(|&&e| mesh.elements[e].kind == ElementKind::Rax2) {
             let [a, b] = [0, 1].map(|i| mesh.points[mesh.elements[e].nodes[i]]);
             along(a, b, |[r, z], share| {
@@ -235,24 +236,24 @@ impl Compiler<'_> {
             });
         }
         for &e in rigid.elements.iter().filter(|&&e| mesh.elements[e].kind.is_solid()) {
-            mesh.cells_at_start(e).for_each(|cell| in_solid(cell, |place, volume| all.add(volume, place)));
+            mesh.initial_cells(e).for_each(|cell| in_solid(cell, |place, volume| all.add(volume, place)));
         }
         let factor = mass / all.mass;
-        Moments { mass, first: factor * all.first, axial: factor * all.axial, transverse: factor * all.transverse }
+        MassMoments { mass, first: factor * all.first, axial: factor * all.axial, transverse: factor * all.transverse }
     }
 
     pub(super) fn stations(&self, body: usize) -> usize {
         self.attitude(&self.model.rigid_bodies[body]).map_or(STATIONS, |a| a.stations)
     }
 
-    /// Refuses what acts on a body in space and is not carried over to it.
+    /// Reports input that is unsupported on oblique bodies.
     pub(super) fn refuse_on_spatial_bodies(&mut self) {
         let Some(name) = self.bodies.iter().find(|b| b.spatial).map(|b| b.name.clone()) else { return };
         let in_space = |node: &usize| self.body_of_node.get(node).is_some_and(|&b| self.bodies[b].spatial);
         let model = self.model;
         let on_nodes = |list: &[usize]| list.iter().any(&in_space);
         let tie = self.ties.iter().find(|tie| self.bodies[tie.body].spatial);
-        let tied = tie.map(|tie| (self.bodies[tie.body].span, "deformable elements that share its nodes"));
+        let tied = tie.map(|tie| (self.bodies[tie.body].span, "a deformable body with shared nodes"));
         let spring = model
             .discrete
             .connectors
@@ -268,16 +269,16 @@ impl Compiler<'_> {
         }
     }
 
-    /// Says that something cannot act on an oblique body.
+    /// Reports that `what` is unsupported on an oblique body.
     pub(super) fn refuse_on_spatial_body(&mut self, span: Span, body: &str, what: &str) {
-        let message = format!("the impact of rigid body `{body}` is oblique: {what} cannot act on it");
-        let help = "an oblique body takes the resistance of targets (CAVITY), pressures (P, PNU), gravity, *CLOAD, and hard \
-                    contact with an analytical surface that is held";
+        let message = format!("rigid body `{body}` is oblique: {what} is not supported on it");
+        let help = "an oblique body supports the resistance of targets (CAVITY), pressures (P, PNU), gravity, *CLOAD, and hard \
+                    contact with a fixed analytical surface";
         self.diagnostics.push(Diagnostic::error("P132", message).at(span, "here").help(help));
     }
 }
 
-/// Points of a line with the share of its length that each stands for.
+/// Calls `each` with the Gauss points of a line and their weights, which sum to 1.
 fn along(a: [f64; 2], b: [f64; 2], mut each: impl FnMut([f64; 2], f64)) {
     for [at, weight] in GAUSS {
         let s = 0.5 * (1.0 + at);
@@ -285,7 +286,8 @@ fn along(a: [f64; 2], b: [f64; 2], mut each: impl FnMut([f64; 2], f64)) {
     }
 }
 
-/// Points of a quadrilateral turned around the axis with the volume that each stands for: exact for moments up to the second.
+/// Calls `each` with the Gauss points of a quadrilateral of revolution and their volumes; exact for moments up to
+/// second order.
 fn in_solid(corners: [[f64; 2]; 4], mut each: impl FnMut([f64; 2], f64)) {
     for [x, wx] in GAUSS {
         for [y, wy] in GAUSS {
@@ -303,12 +305,12 @@ fn in_solid(corners: [[f64; 2]; 4], mut each: impl FnMut([f64; 2], f64)) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Moments, in_solid};
+    use super::{MassMoments, in_solid};
 
     /// A cylinder of radius 2 from height 1 to 4 in one element: m r^2/2 and m (3 r^2 + h^2)/12.
     #[test]
-    fn a_cylinder_of_one_element_has_its_exact_inertia() {
-        let mut moments = Moments::default();
+    fn cylinder_of_one_element_has_exact_inertia() {
+        let mut moments = MassMoments::default();
         in_solid([[0.0, 1.0], [2.0, 1.0], [2.0, 4.0], [0.0, 4.0]], |place, volume| moments.add(3.0 * volume, place));
         let mass = 3.0 * std::f64::consts::PI * 4.0 * 3.0;
         let inertia = moments.inertia();

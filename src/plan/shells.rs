@@ -7,12 +7,12 @@ use super::Compiler;
 use super::solid_material::heating;
 use crate::deck::Diagnostic;
 use crate::element::group::ElementGroup;
-use crate::element::shell::Shells;
-use crate::element::shell::section::{Flowing, Section, Thinning};
+use crate::element::shell::ShellGroup;
+use crate::element::shell::section::{SectionPlasticity, ShellProperties, ThicknessRule};
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::plane_stress::PlaneElastic;
-use crate::kernel::shell::{Frame, simpson};
-use crate::model::{Material, Plastic, ShellSection, ShellThinning};
+use crate::kernel::shell::{ShellFrame, simpson};
+use crate::model::{MaterialDefinition, PlasticityModel, ShellSection, ShellThinning};
 use crate::state::nodes::Node;
 
 impl<'a> Compiler<'a> {
@@ -34,7 +34,7 @@ impl<'a> Compiler<'a> {
         nodes.resize(nodes.len() + turning.len(), Node::default());
         if let Some((section, _)) = shells.first() {
             let detail = "rotations in the r-z plane; where solids meet shells nothing turns them: a hinge";
-            self.cause(section.span, "rotations", turning.len(), "nodes", detail.into());
+            self.ledger_row(section.span, "rotations", turning.len(), "nodes", detail.into());
         }
     }
 
@@ -48,7 +48,7 @@ impl<'a> Compiler<'a> {
     ) -> Option<Box<dyn ElementGroup>> {
         let model = self.model;
         let material = &model.materials[section.material];
-        self.stays_double(section.span, elements.len(), "shells");
+        self.note_double_precision(section.span, elements.len(), "shells");
         let section_of_group = self.shell(section, material, elements.len())?;
         let corners = |&e: &usize| {
             let ends = [0, 1].map(|i| model.mesh.elements[e].nodes[i]);
@@ -62,7 +62,7 @@ impl<'a> Compiler<'a> {
             let message = format!("element {} lies on the axis, or has no length", element.name);
             return self.diagnostics.refuse(Diagnostic::error("P012", message).at(element.span, "this element"));
         }
-        let group = Shells::new(section_of_group, list, nodes);
+        let group = ShellGroup::new(section_of_group, list, nodes);
         for element in 0..group.len() {
             for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
                 mass[n as usize] += m;
@@ -72,7 +72,12 @@ impl<'a> Compiler<'a> {
     }
 
     /// What all shells of a section share; a material that shells cannot have is refused.
-    fn shell(&mut self, section: &ShellSection, material: &Material, count: usize) -> Option<Section> {
+    fn shell(
+        &mut self,
+        section: &ShellSection,
+        material: &MaterialDefinition,
+        count: usize,
+    ) -> Option<ShellProperties> {
         if let Some(message) = refusal(material, self.adiabatic()) {
             let message = format!("material `{}`: {message}", material.name);
             let finding = Diagnostic::error("P023", message).at(section.span, "these elements are shells");
@@ -86,31 +91,33 @@ impl<'a> Compiler<'a> {
             Some(plastic) => {
                 let law = self.yield_stress(plastic, material, section.span)?;
                 let heats = self.adiabatic();
-                let heating = if heats { heating(material, density) } else { crate::kernel::heating::Heating::None };
+                let heating =
+                    if heats { heating(material, density) } else { crate::kernel::heating::PlasticHeating::None };
                 let heat = if heating.is_none() { "" } else { ", heated by plastic work" };
-                let kind = if matches!(plastic, Plastic::Tabular(_)) { "tabular isotropic" } else { "Johnson-Cook" };
+                let kind =
+                    if matches!(plastic, PlasticityModel::Tabular(_)) { "tabular isotropic" } else { "Johnson-Cook" };
                 let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
                 let detail = format!("{kind}{rate}{heat}, plane stress");
-                self.cause(section.span, "plasticity", count * section.points, "points", detail);
-                Some(Flowing { law, heating })
+                self.ledger_row(section.span, "plasticity", count * section.points, "points", detail);
+                Some(SectionPlasticity { law, heating })
             }
         };
         let (thinning, thins) = match section.thinning {
-            ShellThinning::Material => (Thinning::Material, "thins by its material".into()),
-            ShellThinning::Elastic => (Thinning::Ratio(ratio), format!("thins by {ratio}")),
-            ShellThinning::Ratio(ratio) => (Thinning::Ratio(ratio), format!("thins by {ratio}")),
+            ShellThinning::Material => (ThicknessRule::Material, "thins by its material".into()),
+            ShellThinning::Elastic => (ThicknessRule::Ratio(ratio), format!("thins by {ratio}")),
+            ShellThinning::Ratio(ratio) => (ThicknessRule::Ratio(ratio), format!("thins by {ratio}")),
         };
         let detail = format!(
             "material {}, thickness {}, {} points, {thins}; rotary inertia scaled",
             material.name, section.thickness, section.points
         );
-        self.cause(section.span, "shells", count, "SAX1", detail);
+        self.ledger_row(section.span, "shells", count, "SAX1", detail);
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
         let [linear, quadratic] = bulk_viscosity;
         if linear != 0.0 || quadratic != 0.0 {
-            self.cause(section.span, "bulk viscosity", count, "elements", format!("{linear}, {quadratic}"));
+            self.ledger_row(section.span, "bulk viscosity", count, "elements", format!("{linear}, {quadratic}"));
         }
-        Some(Section {
+        Some(ShellProperties {
             elastic: PlaneElastic { young, ratio },
             thickness: section.thickness,
             per_area: density * section.thickness + section.per_area,
@@ -133,7 +140,8 @@ impl<'a> Compiler<'a> {
                 let ends = [0, 1].map(|i| mesh.elements[e].nodes[i]);
                 let places = ends.map(|n| mesh.points[n]);
                 let elastic = PlaneElastic { young, ratio };
-                let [a, b, ..] = Frame::new(places).masses(places.map(|p| p[0]), per_area, section.thickness, &elastic);
+                let [a, b, ..] =
+                    ShellFrame::new(places).masses(places.map(|p| p[0]), per_area, section.thickness, &elastic);
                 *masses.entry(self.places.nodes[&ends[0]]).or_default() += a;
                 *masses.entry(self.places.nodes[&ends[1]]).or_default() += b;
             }
@@ -143,12 +151,12 @@ impl<'a> Compiler<'a> {
 
 /// Whether an element has a length and some of it lies off the axis.
 fn lies_off_the_axis(corners: &[u32; 4], nodes: &[Node]) -> bool {
-    let area = Frame::new([corners[0], corners[1]].map(|n| nodes[n as usize].place())).area();
+    let area = ShellFrame::new([corners[0], corners[1]].map(|n| nodes[n as usize].place())).area();
     area > 0.0 && area.is_finite()
 }
 
 /// Why shells cannot be of a material, whose temperature may change; `None` where they can.
-fn refusal(material: &Material, warms: bool) -> Option<&'static str> {
+fn refusal(material: &MaterialDefinition, warms: bool) -> Option<&'static str> {
     if material.user.material.is_some() {
         return Some("a *USER MATERIAL on shells is not supported");
     }
@@ -157,7 +165,7 @@ fn refusal(material: &Material, warms: bool) -> Option<&'static str> {
     }
     if material.foam.shape.is_some()
         || material.user.fields.is_some()
-        || matches!(material.plastic, Some(Plastic::User(_)))
+        || matches!(material.plastic, Some(PlasticityModel::User(_)))
     {
         return Some("*CRUSHABLE FOAM and routines of the user on shells are not supported");
     }
@@ -170,10 +178,10 @@ fn refusal(material: &Material, warms: bool) -> Option<&'static str> {
     if !material.failures.is_empty() || material.tensile_failure.is_some() {
         return Some("failure of shells is not supported");
     }
-    if !material.elastic_table.is_empty() || matches!(material.plastic, Some(Plastic::OverFields(_))) {
+    if !material.elastic_table.is_empty() || matches!(material.plastic, Some(PlasticityModel::OverFields(_))) {
         return Some("moduli over temperature, and tables over field variables, of shells are not supported");
     }
-    if matches!(material.plastic, Some(Plastic::Kinematic(_))) {
+    if matches!(material.plastic, Some(PlasticityModel::Kinematic(_))) {
         return Some("kinematic hardening of shells is not supported");
     }
     if material.density.is_none() {

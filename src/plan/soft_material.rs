@@ -1,17 +1,16 @@
-//! Materials that are no metals: rubber, foam, explosives.
-//! Never here: their arithmetic.
+//! Element groups of rubber, crushable foam and explosives.
 
 use super::Compiler;
 use super::solid_material::{GroupBuilder, rate_factor};
 use crate::deck::{Diagnostic, Span};
-use crate::element::constants::Constants;
+use crate::element::constants::ElementConstants;
 use crate::element::group::ElementGroup;
-use crate::kernel::hardening::Table;
-use crate::material::explosive::{DetonationPoint, Explosive, Jwl};
-use crate::material::foam::{Foam, Growth};
-use crate::material::hyperelastic::{NeoHooke, Rubber};
-use crate::material::strain_energy::{Compression, Ogden, Polynomial};
-use crate::model::{FoamShape, Hyperelastic, Material, RateDependence, RubberShape};
+use crate::kernel::hardening::LinearTable;
+use crate::material::explosive::{DetonationPoint, HighExplosive, JwlProducts};
+use crate::material::foam::{FoamHardening, FoamMaterial};
+use crate::material::hyperelastic::{HyperelasticMaterial, NeoHooke};
+use crate::material::strain_energy::{OgdenEnergy, PolynomialEnergy, VolumetricEnergy};
+use crate::model::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, MaterialDefinition, RateDependence};
 
 /// Initial bulk modulus over the shear modulus of rubber whose card gives no compressibility: Poisson's ratio 0.475 (ABAQUS
 /// Analysis User's Guide, "Hyperelastic behavior of rubberlike materials", compressibility in ABAQUS/Explicit).
@@ -20,103 +19,108 @@ const BULK_OVER_SHEAR: f64 = 20.0;
 impl Compiler<'_> {
     pub(super) fn rubber(
         &mut self,
-        material: &Material,
+        material: &MaterialDefinition,
         _span: Span,
         builder: GroupBuilder<'_, false>,
     ) -> Option<Box<dyn ElementGroup>> {
-        let Hyperelastic { shape, compressibility, span } = material.hyperelastic.as_ref()?;
+        let HyperelasticLaw { shape, compressibility, span } = material.hyperelastic.as_ref()?;
         let shear = shape.shear();
         let given = compressibility.first().is_some_and(|d1| *d1 > 0.0);
         let standard = vec![0.5 * BULK_OVER_SHEAR * shear];
         let inverse: Vec<f64> = compressibility.iter().map(|d| if *d > 0.0 { 1.0 / d } else { 0.0 }).collect();
-        let volume = Compression { inverse: if given { inverse } else { standard } };
+        let volume = VolumetricEnergy { inverse: if given { inverse } else { standard } };
         let name = match shape {
-            RubberShape::NeoHooke(_) => "neo-Hooke".into(),
-            RubberShape::Polynomial(terms) => format!("polynomial of {} constants", terms.len()),
-            RubberShape::Ogden(terms) => format!("Ogden of order {}", terms.len()),
+            DeviatoricEnergy::NeoHooke(_) => "neo-Hooke".into(),
+            DeviatoricEnergy::Polynomial(terms) => format!("polynomial of {} constants", terms.len()),
+            DeviatoricEnergy::Ogden(terms) => format!("Ogden of order {}", terms.len()),
         };
         let how = if given { "" } else { ", by default 20 times the shear modulus" };
         let detail = format!("{name}, shear modulus {shear}, bulk modulus {}{how}", volume.initial());
-        self.cause(*span, "rubber elasticity", 1, "material", detail);
+        self.ledger_row(*span, "rubber elasticity", 1, "material", detail);
         Some(match shape {
-            RubberShape::NeoHooke(c10) => {
+            DeviatoricEnergy::NeoHooke(c10) => {
                 let d1 = if given { compressibility[0] } else { 2.0 / (BULK_OVER_SHEAR * shear) };
                 builder.group(NeoHooke { c10: *c10, d1 })
             }
-            RubberShape::Polynomial(terms) => {
+            DeviatoricEnergy::Polynomial(terms) => {
                 let terms = terms.iter().copied().filter(|t| t.0 != 0.0).collect();
-                builder.group(Rubber { shape: Polynomial { terms }, volume, shear })
+                builder.group(HyperelasticMaterial { shape: PolynomialEnergy { terms }, volume, shear })
             }
-            RubberShape::Ogden(terms) => {
+            DeviatoricEnergy::Ogden(terms) => {
                 let terms = terms.iter().copied().filter(|t| t[0] != 0.0).collect();
-                builder.group(Rubber { shape: Ogden { terms }, volume, shear })
+                builder.group(HyperelasticMaterial { shape: OgdenEnergy { terms }, volume, shear })
             }
         })
     }
 
     pub(super) fn foam(
         &mut self,
-        material: &Material,
+        material: &MaterialDefinition,
         span: Span,
         builder: GroupBuilder<'_, false>,
     ) -> Option<Box<dyn ElementGroup>> {
         let name = &material.name;
         let Some((shape, card)) = material.foam.shape else {
-            return self.no_material(span, format!("material `{name}` has *CRUSHABLE FOAM HARDENING alone"));
+            return self
+                .no_material(span, format!("material `{name}` has *CRUSHABLE FOAM HARDENING without *CRUSHABLE FOAM"));
         };
         if material.foam.hardening.is_empty() {
             return self.no_material(span, format!("material `{name}` has no *CRUSHABLE FOAM HARDENING"));
         }
         if material.elastic.is_none() || material.eos.is_some() {
-            return self.no_material(span, format!("foam needs *ELASTIC: material `{name}`"));
+            return self.no_material(span, format!("material `{name}`: foam needs *ELASTIC"));
         }
         if material.plastic.is_some() || !material.failures.is_empty() || material.tensile_failure.is_some() {
             return self.no_material(
                 span,
-                format!("material `{name}` is foam with *PLASTIC or failure, which is not supported"),
+                format!("material `{name}` has foam with *PLASTIC or failure, which is not supported"),
             );
         }
         let rate = match &material.rate {
             Some(RateDependence::JohnsonCook(_)) => {
-                let message = format!("foam is rate dependent by POWER LAW or YIELD RATIO: material `{name}`");
+                let message =
+                    format!("material `{name}`: foam supports *RATE DEPENDENT with POWER LAW or YIELD RATIO only");
                 return self.no_material(span, message);
             }
             rate => rate_factor(rate.as_ref()),
         };
         let growth = match shape {
-            FoamShape::Volumetric([compression, tension]) => Growth::Volumetric { compression, tension },
-            FoamShape::Isotropic([compression, ratio]) => Growth::Isotropic { compression, ratio },
+            FoamYieldSurface::Volumetric([compression, tension]) => FoamHardening::Volumetric { compression, tension },
+            FoamYieldSurface::Isotropic([compression, ratio]) => FoamHardening::Isotropic { compression, ratio },
         };
         let how = match growth {
-            Growth::Volumetric { .. } => "volumetric hardening",
-            Growth::Isotropic { .. } => "isotropic hardening",
+            FoamHardening::Volumetric { .. } => "volumetric hardening",
+            FoamHardening::Isotropic { .. } => "isotropic hardening",
         };
         let rates = if rate.is_some() { ", rate dependent" } else { "" };
-        self.cause(card, "crushable foam", 1, "material", format!("{how}{rates}"));
-        let hardening = Table { rows: material.foam.hardening.clone() };
-        let Constants { bulk, shear, .. } = builder.constants;
-        Some(builder.group(Foam { growth, hardening, rate, moduli: [bulk, shear] }))
+        self.ledger_row(card, "crushable foam", 1, "material", format!("{how}{rates}"));
+        let hardening = LinearTable { rows: material.foam.hardening.clone() };
+        let ElementConstants { bulk, shear, .. } = builder.constants;
+        Some(builder.group(FoamMaterial { growth, hardening, rate, moduli: [bulk, shear] }))
     }
 
     pub(super) fn explosive(
         &mut self,
-        material: &Material,
+        material: &MaterialDefinition,
         card: Span,
         values: &[f64; 8],
         span: Span,
-    ) -> Option<Explosive> {
+    ) -> Option<HighExplosive> {
         let [speed, a, b, omega, r1, r2, energy, unburnt] = *values;
         if material.detonation.is_empty() {
             let message = format!("material `{}` is an explosive without *DETONATION POINT", material.name);
             return self.no_material(span, message);
         }
-        let detail = format!("JWL, {energy:e} a mass, burns from {} points at {speed}", material.detonation.len());
-        self.cause(card, "equation of state", 1, "material", detail);
+        let detail = format!(
+            "JWL, energy {energy:e} per mass, {} detonation points, detonation speed {speed}",
+            material.detonation.len()
+        );
+        self.ledger_row(card, "equation of state", 1, "material", detail);
         let density = material.density.unwrap_or(0.0);
-        let products = Jwl { density, pressures: [a, b], exponents: [r1, r2], omega };
+        let products = JwlProducts { density, pressures: [a, b], exponents: [r1, r2], omega };
         let points =
             material.detonation.iter().map(|[r, z, time]| DetonationPoint { place: [*r, *z], time: *time }).collect();
-        Some(Explosive { products, speed, energy, unburnt, points })
+        Some(HighExplosive { products, speed, energy, unburnt, points })
     }
 
     fn no_material<T>(&mut self, span: Span, message: String) -> Option<T> {

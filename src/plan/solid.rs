@@ -1,56 +1,55 @@
-//! Deformable bodies of the plan: sections to groups of elements, masses, what is given and what pushes.
-//! Never here: rigid bodies, arithmetic of elements.
+//! Deformable solids of the plan: element groups from sections, nodal masses, initial conditions.
 
-use super::user_material::asks_at_points;
-use super::{Compiler, Places, State, numbering};
+use super::user_material::calls_routines_at_points;
+use super::{Compiler, MeshIndexMap, State, numbering};
 use crate::deck::Diagnostic;
-use crate::element::damping::Damping;
+use crate::element::damping::MassDamping;
 use crate::element::distortion::DistortionControl;
 use crate::element::elements::Elements;
 use crate::element::frequency::HighestFrequency;
 use crate::element::group::ElementGroup;
-use crate::element::lengths::AskedLengths;
-use crate::element::rings::Rings;
+use crate::element::lengths::UserLengthElements;
+use crate::element::rings::RingFactors;
 use crate::kernel::quad::{self, corner_masses};
-use crate::kernel::topology::Topology;
-use crate::mesh::gather::Gather;
+use crate::kernel::topology::ElementTopology;
+use crate::mesh::gather::NodalAssembly;
 use crate::model::{FailureCriterion, IncrementControl, InitialKind, SolidSection, Step};
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
 use crate::variables::Variable;
 
-/// Where deformable nodes and elements of the mesh went.
+/// Solver indices of the deformable nodes and elements of the mesh.
 #[derive(Clone, Debug, Default)]
 pub struct SolidPlaces {
-    /// Node of the solver by node of the mesh.
-    pub nodes: Places<usize>,
-    /// Group and element of the group by element of the mesh.
-    pub elements: Places<(usize, usize)>,
-    /// Rigid body of the nodes of the mesh that move with one.
-    pub tied: Places<usize>,
-    /// Rotation in the list of the solver's nodes, by node of the mesh; of nodes of shells alone.
-    pub rotations: Places<usize>,
+    /// Solver node of each mesh node.
+    pub nodes: MeshIndexMap<usize>,
+    /// Group and index in the group of each mesh element.
+    pub elements: MeshIndexMap<(usize, usize)>,
+    /// Rigid body of the mesh nodes that are tied to one.
+    pub tied: MeshIndexMap<usize>,
+    /// Index of the rotation in the list of solver nodes, for mesh nodes of shells.
+    pub rotations: MeshIndexMap<usize>,
 }
 
 impl SolidPlaces {
-    /// Bytes of its maps.
+    /// Returns the heap size in bytes.
     pub fn bytes(&self) -> usize {
         self.nodes.bytes() + self.elements.bytes() + self.tied.bytes() + self.rotations.bytes()
     }
 
-    /// Whether a node of the mesh deforms with a body and moves on its own.
+    /// Returns whether a mesh node belongs to a deformable body and is not tied to a rigid body.
     pub fn has_node(&self, node: usize) -> bool {
         self.free_node(node).is_some()
     }
 
-    /// The node of the solver, where it moves on its own.
+    /// Returns the solver node of a mesh node; `None` if it is tied to a rigid body or not deformable.
     pub fn free_node(&self, node: usize) -> Option<usize> {
         self.nodes.get(&node).copied().filter(|_| !self.tied.contains_key(&node))
     }
 }
 
 impl Compiler<'_> {
-    /// Makes the deformable part of the scene, which is empty if nothing deforms.
+    /// Creates the nodes and element groups of all deformable bodies; empty if there are none.
     pub(super) fn solids(&mut self) -> State {
         let model = self.model;
         let of_section = |s| self.by_topology(self.ordered(s)).into_iter().map(move |elements| (s, elements));
@@ -70,7 +69,7 @@ impl Compiler<'_> {
             for (i, &e) in elements.iter().enumerate() {
                 self.places.elements.insert(e, (groups.len(), i));
             }
-            ids.push(self.causes.get(&(section.span, "deformable elements")).copied().unwrap_or_default());
+            ids.push(self.ledger_rows.get(&(section.span, "deformable elements")).copied().unwrap_or_default());
             controlled.extend(self.distortion_control(section, elements.len()).map(|ratio| (groups.len(), ratio)));
             damped.push(self.damping(section, elements.len()));
             averagings.push(self.averaging(section, list.quadrilaterals()));
@@ -82,14 +81,14 @@ impl Compiler<'_> {
             for (i, &e) in elements.iter().enumerate() {
                 self.places.elements.insert(e, (groups.len(), i));
             }
-            ids.push(self.causes.get(&(section.span, "shells")).copied().unwrap_or_default());
+            ids.push(self.ledger_rows.get(&(section.span, "shells")).copied().unwrap_or_default());
             groups.push(group);
         }
         self.check_steps_alike();
         self.point_masses(&mut mass);
         self.tie(&mut mass);
         let listed = |g: &dyn ElementGroup| (g.topology().force_blocks(), (0..g.len()).map(|e| g.nodes(e)).collect());
-        let gather = Gather::new(nodes.len(), &groups.iter().map(|g| listed(&**g)).collect::<Vec<_>>());
+        let gather = NodalAssembly::new(nodes.len(), &groups.iter().map(|g| listed(&**g)).collect::<Vec<_>>());
         let mut elements = Elements::new(groups, ids, gather, nodes.len());
         elements.lengths = lengths;
         let nodes = Nodes::new(nodes, mass);
@@ -104,10 +103,10 @@ impl Compiler<'_> {
         }
         if damped.iter().any(|factor| *factor > 0.0) {
             let linear = self.model.steps.iter().map(|s| s.bulk_viscosity[0]).fold(0.0, f64::max);
-            elements.damping = Some(Box::new(Damping::new(damped, linear, &elements.groups, nodes.len())));
+            elements.damping = Some(Box::new(MassDamping::new(damped, linear, &elements.groups, nodes.len())));
         }
         if sections.iter().any(|(s, _)| s.controls.by_area) {
-            elements.rings = Some(Box::new(Rings::new(&elements.groups, nodes.len())));
+            elements.rings = Some(Box::new(RingFactors::new(&elements.groups, nodes.len())));
         }
         let mut state = State { dofs: Dofs { nodes, ..Dofs::default() }, elements, ..State::default() };
         self.start_solid(&mut state);
@@ -115,10 +114,10 @@ impl Compiler<'_> {
         state
     }
 
-    /// Nodes of the solver for those of the mesh that deform or that rigid bodies share.
+    /// Creates the solver nodes of deformable elements, including those shared with rigid bodies.
     fn place_nodes<'e>(&mut self, sections: impl Iterator<Item = &'e Vec<usize>>) -> Vec<Node> {
         let mesh = &self.model.mesh;
-        self.places.nodes = numbering::nodes(sections.flatten().copied(), self.bare_nodes(), mesh);
+        self.places.nodes = numbering::nodes(sections.flatten().copied(), self.linked_nodes(), mesh);
         self.places.tied = self.places.nodes.keys().filter_map(|n| Some((*n, *self.body_of_node.get(n)?))).collect();
         let mut nodes = vec![Node::default(); self.places.nodes.len()];
         for (&n, &place) in self.places.nodes.iter() {
@@ -127,23 +126,23 @@ impl Compiler<'_> {
         nodes
     }
 
-    /// Mass proportional damping of a section, 0 without any.
+    /// Returns the mass proportional damping of a section, 1/time; 0 without damping.
     fn damping(&mut self, section: &SolidSection, count: usize) -> f64 {
         let Some((alpha, span)) = self.model.materials[section.material].damping else { return 0.0 };
         if section.controls.by_area {
             let message = "WEIGHTING=AREA with *DAMPING is not supported";
             self.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
         }
-        self.cause(span, "mass proportional damping", count, "elements", format!("alpha = {alpha}"));
+        self.ledger_row(span, "mass proportional damping", count, "elements", format!("alpha = {alpha}"));
         alpha
     }
 
-    /// Elements of built-in materials whose length a routine of the user gives.
-    fn lengths_at_start(&self, section: &SolidSection, elements: &[usize], group: usize) -> Option<AskedLengths> {
+    /// Returns the elements of built-in materials whose characteristic length is user-defined (VUCHARLENGTH).
+    fn lengths_at_start(&self, section: &SolidSection, elements: &[usize], group: usize) -> Option<UserLengthElements> {
         let material = &self.model.materials[section.material];
         let (properties, _) = material.user.lengths.as_ref()?;
         let evolves = material.failures.iter().any(FailureCriterion::takes_length);
-        (evolves && !asks_at_points(material)).then(|| AskedLengths {
+        (evolves && !calls_routines_at_points(material)).then(|| UserLengthElements {
             group,
             name: material.name.clone(),
             properties: properties.clone(),
@@ -151,65 +150,70 @@ impl Compiler<'_> {
         })
     }
 
-    /// LENGTH RATIO of a section under distortion control.
+    /// Returns LENGTH RATIO of a section with distortion control.
     fn distortion_control(&mut self, section: &SolidSection, count: usize) -> Option<f64> {
         let ratio = section.controls.distortion?;
-        self.cause(section.span, "distortion control", count, "elements", format!("length ratio {ratio}"));
+        self.ledger_row(section.span, "distortion control", count, "elements", format!("length ratio {ratio}"));
         Some(ratio)
     }
 
-    /// Whether plastic work heats: the first step says so, and all others alike.
+    /// Returns whether the analysis is adiabatic. All steps have the same setting as the first one.
     pub(super) fn adiabatic(&self) -> bool {
         self.model.steps.first().is_some_and(|s| s.adiabatic)
     }
 
-    /// Whether a section solves for temperatures at its nodes: the step says so, and its elements have them.
+    /// Returns whether a section solves for nodal temperatures.
     pub(super) fn conducts(&self, section: &SolidSection) -> bool {
         let thermal = |e: &usize| self.model.mesh.elements[*e].kind.is_thermal();
         self.model.steps.first().is_some_and(|s| s.coupled) && section.elements.iter().any(thermal)
     }
 
-    /// The global estimate of the stable increment, unless all steps go element by element.
+    /// Creates the global estimate of the stable time increment, unless all steps use ELEMENT BY ELEMENT.
     pub(super) fn highest_frequency(&mut self, state: &mut State) {
         let asks = |s: &&Step| matches!(s.increment, IncrementControl::Automatic { element_by_element: false, .. });
         let Some(step) = self.model.steps.iter().find(asks) else { return };
         if self.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
-            self.unused(step.span, "global estimate of the stable increment", "masses are scaled: element by element");
+            self.add_unused_card(
+                step.span,
+                "global estimate of the stable increment",
+                "with mass scaling the estimate is element by element",
+            );
             return;
         }
         let Some(mut frequency) = HighestFrequency::new(&state.elements.groups, &state.dofs.nodes) else {
             let why = if self.places.rotations.is_empty() {
-                "a material is not linear elastic for small strains: element by element"
+                "a material is not linear elastic at small strains; the estimate is element by element"
             } else {
-                "shells bound the increment element by element"
+                "with shells the estimate is element by element"
             };
-            self.unused(step.span, "global estimate of the stable increment", why);
+            self.add_unused_card(step.span, "global estimate of the stable increment", why);
             return;
         };
-        let detail = "highest frequency by Lanczos' method, where it lies below that of single elements";
+        let detail = "highest frequency by the Lanczos method, if below the element estimate";
         let count = state.dofs.nodes.len();
-        frequency.id = self.cause(step.span, "global estimate", count, "nodes", detail.into());
+        frequency.id = self.ledger_row(step.span, "global estimate", count, "nodes", detail.into());
         state.elements.frequency = Some(Box::new(frequency));
     }
 
-    /// What elements take from the first step must not change later.
+    /// Checks that step settings that elements take from the first step do not change.
     fn check_steps_alike(&mut self) {
         let Some(first) = self.model.steps.first() else { return };
         for step in &self.model.steps {
             let heat = (step.adiabatic, step.coupled) != (first.adiabatic, first.coupled);
             if step.bulk_viscosity != first.bulk_viscosity || heat {
                 let message =
-                    "bulk viscosity, ADIABATIC and the solving for temperatures must be the same in all steps";
+                    "bulk viscosity, ADIABATIC and the solution for temperatures must be the same in all steps";
                 let finding = Diagnostic::error("P015", message).at(step.span, "this step differs from the first");
-                self.diagnostics.push(finding.help("change in mid-analysis is not supported yet"));
+                self.diagnostics.push(finding.help("a change between steps is not supported"));
             }
         }
     }
 
-    /// Elements that deform in the order in which the solver takes them: routines of the user see the deck's.
+    /// Returns the deformable elements of a section in solver order. For user subroutines this is the order of the
+    /// deck.
     fn ordered(&self, section: &SolidSection) -> Vec<usize> {
         let elements = self.free_elements(section);
-        let shown = asks_at_points(&self.model.materials[section.material]);
+        let shown = calls_routines_at_points(&self.model.materials[section.material]);
         if shown { elements } else { numbering::in_order(elements, &self.model.mesh) }
     }
 
@@ -217,14 +221,15 @@ impl Compiler<'_> {
         section.elements.iter().copied().filter(|e| !self.body_of_element.contains_key(e)).collect()
     }
 
-    /// Elements of one topology each, in their order.
+    /// Splits elements into lists of one topology.
     fn by_topology(&self, elements: Vec<usize>) -> Vec<Vec<usize>> {
-        let is_triangle = |e: &usize| self.model.mesh.elements[*e].kind.topology() == Some(Topology::SixNodeTriangle);
+        let is_triangle =
+            |e: &usize| self.model.mesh.elements[*e].kind.topology() == Some(ElementTopology::SixNodeTriangle);
         let (triangles, others): (Vec<usize>, Vec<usize>) = elements.into_iter().partition(is_triangle);
         [others, triangles].into_iter().filter(|list| !list.is_empty()).collect()
     }
 
-    /// Nodes of elements of one topology; an element without positive volume is an error.
+    /// Returns the solver nodes of elements of one topology. An element without positive volume is an error.
     fn connectivity(&mut self, elements: &[usize], nodes: &[Node]) -> Option<Connectivity> {
         let mesh = &self.model.mesh;
         let node = |n: usize| self.places.nodes[&n] as u32;
@@ -233,15 +238,14 @@ impl Compiler<'_> {
             let volumes = mesh.cells(e).map(|cell| quad::volume(cell.map(|n| nodes[node(n) as usize].place())));
             let volume = volumes.fold(f64::INFINITY, |least, v| if v > least { least } else { v });
             if volume.is_nan() || volume <= 0.0 {
-                let message = format!("element {} has the volume {volume:e}", element.name);
+                let message = format!("element {} has volume {volume:e}", element.name);
                 let finding = Diagnostic::error("P012", message).at(element.span, "this element");
-                self.diagnostics
-                    .push(finding.help("its nodes must run counter-clockwise in (r, z), and r must not be below 0"));
+                self.diagnostics.push(finding.help("number its nodes counter-clockwise in the r-z plane, with r >= 0"));
                 return None;
             }
         }
         let kind = mesh.elements[*elements.first()?].kind;
-        Some(if kind.topology() == Some(Topology::SixNodeTriangle) {
+        Some(if kind.topology() == Some(ElementTopology::SixNodeTriangle) {
             let around = |&e: &usize| Some(mesh.elements[e].nodes.first_chunk::<6>()?.map(node));
             Connectivity::SixNodeTriangles(elements.iter().filter_map(around).collect())
         } else {
@@ -257,7 +261,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// Velocities, stresses and temperatures at the start.
+    /// Sets the initial velocities, stresses, temperatures, energies and state variables.
     fn start_solid(&mut self, state: &mut State) {
         let (nodes, groups) = (&mut state.dofs.nodes, &mut state.elements.groups);
         for condition in &self.model.initial_conditions {
@@ -284,7 +288,7 @@ impl Compiler<'_> {
                 InitialKind::Energy(value) => {
                     for (group, i) in condition.members.iter().filter_map(|e| self.places.elements.get(e)) {
                         if groups[*group].value(*i, Variable::SpecificEnergy.into()).is_none() {
-                            let message = "an energy a mass needs a material with *EOS";
+                            let message = "TYPE=SPECIFIC ENERGY needs a material with *EOS";
                             self.diagnostics.push(Diagnostic::error("P017", message).at(condition.span, "here"));
                             break;
                         }
@@ -297,7 +301,7 @@ impl Compiler<'_> {
                         groups[*group].extensions().initial_state().set_plastic_strain(*i, *value)
                     };
                     if !elements.all(set) {
-                        let message = "an equivalent plastic strain at the start needs solids with *PLASTIC and isotropic hardening";
+                        let message = "TYPE=HARDENING needs solid elements with *PLASTIC and isotropic hardening";
                         self.diagnostics.push(Diagnostic::error("P017", message).at(condition.span, "here"));
                     }
                 }
@@ -307,7 +311,7 @@ impl Compiler<'_> {
                         let mut kept = values.iter().enumerate().map(|(v, x)| state.set_state(*i, v, *x) || *x == 0.0);
                         if !kept.all(|kept| kept) {
                             let message = format!(
-                                "{} state variables are given, and the material of some of these elements keeps fewer \
+                                "{} state variables are given, but the material of some elements has fewer \
                                  (*DEPVAR)",
                                 values.len()
                             );
@@ -316,13 +320,13 @@ impl Compiler<'_> {
                         }
                     }
                 }
-                // Elements are given the means of their nodes.
+                // Set in `start_fields`: elements have the mean values of their nodes.
                 InitialKind::Field(..) => {}
                 InitialKind::Stress(values) => {
                     let eos = |&&(group, _): &&(usize, usize)| groups[group].properties().holds_pressure;
                     if condition.members.iter().filter_map(|e| self.places.elements.get(e)).find(eos).is_some() {
-                        let message = "here the stress follows from density and energy, or from the deformation";
-                        let finding = Diagnostic::error("P017", message).at(condition.span, "an initial stress here");
+                        let message = "an initial stress cannot be prescribed: the stress follows from density and energy, or from the deformation";
+                        let finding = Diagnostic::error("P017", message).at(condition.span, "this initial stress");
                         self.diagnostics
                             .push(finding.help("give TYPE=SPECIFIC ENERGY, or a temperature of an ideal gas"));
                         continue;
@@ -337,16 +341,16 @@ impl Compiler<'_> {
     }
 }
 
-/// Nodes of the elements of a group.
+/// Connectivity of an element group, in solver nodes.
 pub(super) enum Connectivity {
-    /// Corners; of triangles the last two coincide.
+    /// Corners; the last two of a triangle are the same node.
     Quadrilaterals(Vec<[u32; 4]>),
-    /// Around the boundary.
+    /// Six nodes around the boundary.
     SixNodeTriangles(Vec<[u32; 6]>),
 }
 
 impl Connectivity {
-    /// Number of elements.
+    /// Returns the number of elements.
     pub(super) fn count(&self) -> usize {
         match self {
             Connectivity::Quadrilaterals(list) => list.len(),
@@ -354,7 +358,7 @@ impl Connectivity {
         }
     }
 
-    /// The type of the elements, as reports show it.
+    /// Returns the element type for reports.
     pub(super) fn element_type(&self) -> &'static str {
         match self {
             Connectivity::Quadrilaterals(_) => "CAX4R",
@@ -362,17 +366,17 @@ impl Connectivity {
         }
     }
 
-    /// The corners of quadrilaterals; none of other elements.
+    /// Returns the corners of quadrilaterals and triangles; empty for six-node triangles.
     pub(super) fn quadrilaterals(&self) -> &[[u32; 4]] {
         if let Connectivity::Quadrilaterals(list) = self { list } else { &[] }
     }
 
-    /// The corners of the quadrilaterals that elements consist of.
+    /// Returns the corners of the quadrilateral cells that make up the elements.
     pub(super) fn cells(&self) -> Vec<[u32; 4]> {
         match self {
             Connectivity::Quadrilaterals(list) => list.clone(),
             Connectivity::SixNodeTriangles(list) => {
-                let cells = Topology::SixNodeTriangle.cells();
+                let cells = ElementTopology::SixNodeTriangle.cells();
                 list.iter().flat_map(|e| cells.iter().map(|cell| cell.map(|i| e[i]))).collect()
             }
         }

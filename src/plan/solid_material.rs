@@ -1,53 +1,57 @@
-//! Materials of deformable bodies: which laws a group of elements is made of.
-//! Never here: nodes, loads, arithmetic of elements.
+//! Materials of deformable solids: selects the material laws of an element group from the cards of its material.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
 
 use super::Compiler;
 use super::solid::{Connectivity, add_masses};
-use super::user_material::asks_at_points;
+use super::user_material::calls_routines_at_points;
 use crate::deck::{Diagnostic, Span};
-use crate::element::constants::{Constants, HourglassControl};
-use crate::element::group::{ElementGroup, Quads};
-use crate::element::numbers::Numbers;
+use crate::element::constants::{ElementConstants, HourglassControl};
+use crate::element::group::{ElementGroup, QuadGroup};
+use crate::element::numbers::ElementPrecision;
 use crate::element::six_node::SixNodeTriangles;
-use crate::kernel::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table, TableOverTemperature};
-use crate::kernel::heating::Heating;
+use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, RateFactor, StaticYield, TableOverTemperature};
+use crate::kernel::heating::PlasticHeating;
 use crate::kernel::levels::NestedTable;
-use crate::kernel::moduli::Moduli;
+use crate::kernel::moduli::ElasticModuli;
 use crate::material::Material as Law;
 use crate::material::eos::{IdealGas, Tabulated, UsUp};
 use crate::material::equation_of_state::EquationOfState;
-use crate::material::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, FailureStrain};
-use crate::material::kinematic::Kinematic;
-use crate::material::kinematic_rate::RateKinematic;
-use crate::material::plasticity::{Elastic, PiecewiseLinearHardening, RateDependentHardening};
-use crate::material::volumetric::{Linear, Volumetric};
+use crate::material::failure::{
+    CRITERIA, EvolutionLaw, FailureStrain, MaterialFailure, StrainCriterion, TensionCutoff,
+};
+use crate::material::kinematic::KinematicHardening;
+use crate::material::kinematic_rate::RateKinematicHardening;
+use crate::material::plasticity::{ElasticOnly, PiecewiseLinearHardening, RateDependentHardening};
+use crate::material::volumetric::{ConstantBulkModulus, VolumetricLaw};
 use crate::material::von_mises::VonMises;
 use crate::model::{
-    DamageEvolution, EosKind, FailureCriterion, Hourglass, Material, Plastic, RateDependence, SectionControls,
-    SolidSection, StrainAtFailure,
+    DamageEvolution, EosKind, FailureCriterion, HourglassMethod, MaterialDefinition, PlasticityModel, RateDependence,
+    SectionControls, SolidSection, StrainAtFailure,
 };
 use crate::state::nodes::Node;
 
 /// Default hourglass stiffness over the shear modulus (ABAQUS Analysis User's Guide, "Section controls": factor 0.005).
 const HOURGLASS_STIFFNESS: f64 = 0.005;
-/// Default hourglass viscosity, the fraction of what is critical at the element's highest frequency.
+/// Default hourglass viscosity, as a fraction of critical damping at the highest frequency of the element.
 const HOURGLASS_VISCOSITY: f64 = 0.05;
-/// The same of what has no shear modulus: with 0.05 Noh's sphere on squares overshoots behind its shock (docs/verification.md).
+/// Default hourglass viscosity of materials without shear modulus. With 0.05 the density of Noh's spherical implosion
+/// overshoots
+/// after the shock (docs/verification.md).
 const FLUID_VISCOSITY: f64 = 0.15;
 
-/// Makes the group of a material's elements; `None` where an error has been reported.
-type MakeGroup = fn(&mut Compiler<'_>, &Material, Span, GroupBuilder<'_, false>) -> Option<Box<dyn ElementGroup>>;
+/// Function that creates the element group of a material; `None` if an error was reported.
+type GroupFactory =
+    fn(&mut Compiler<'_>, &MaterialDefinition, Span, GroupBuilder<'_, false>) -> Option<Box<dyn ElementGroup>>;
 
-/// Family of materials: which cards ask for it, and the group of its elements.
+/// A family of materials: the condition under which it applies, and the constructor of its element group.
 struct MaterialRow {
-    applies: fn(&Material) -> bool,
-    group: MakeGroup,
+    applies: fn(&MaterialDefinition) -> bool,
+    group: GroupFactory,
 }
 
-/// Materials by their cards; the first row that applies. A new material is a file in `material` and a row here.
+/// Material families; the first row that applies is used. A new material is a file in `material` and a row here.
 const MATERIALS: &[MaterialRow] = &[
     MaterialRow { applies: |m| m.hyperelastic.is_some(), group: |c, m, span, builder| c.rubber(m, span, builder) },
     MaterialRow {
@@ -55,31 +59,34 @@ const MATERIALS: &[MaterialRow] = &[
         group: |c, m, span, builder| c.foam(m, span, builder),
     },
     MaterialRow { applies: |m| m.eos.is_some(), group: |c, m, span, builder| c.equation_of_state(m, span, builder) },
-    MaterialRow { applies: |_| true, group: |c, m, span, builder| c.with_volumetric(m, span, Linear, builder) },
+    MaterialRow {
+        applies: |_| true,
+        group: |c, m, span, builder| c.with_volumetric(m, span, ConstantBulkModulus, builder),
+    },
 ];
 
-/// Everything but the material that a group of elements is made of.
+/// Data of an element group except for its material.
 #[derive(Clone, Copy)]
 pub(super) struct GroupBuilder<'a, const AREA: bool, T = f64> {
-    pub(super) constants: Constants,
+    pub(super) constants: ElementConstants,
     density: f64,
     connectivity: &'a Connectivity,
     nodes: &'a [Node],
     heats: bool,
-    /// 1 less the damage at which an element is deleted.
+    /// 1 - MAX DEGRADATION: remaining stiffness fraction at which an element is deleted.
     spared: f64,
-    /// Whether elements that fail stay.
+    /// Whether failed elements are kept.
     kept: bool,
-    /// Whether quarters of elements push back.
+    /// Whether elements have subzonal pressures.
     subzonal: bool,
-    /// Of which numbers.
+    /// Number type of the elements.
     numbers: PhantomData<T>,
 }
 
 impl<'a> GroupBuilder<'a, false> {
-    /// A builder without options.
+    /// Creates a builder without options.
     pub(super) fn new(
-        constants: Constants,
+        constants: ElementConstants,
         density: f64,
         connectivity: &'a Connectivity,
         nodes: &'a [Node],
@@ -89,7 +96,7 @@ impl<'a> GroupBuilder<'a, false> {
     }
 }
 
-impl<'a, const AREA: bool, T: Numbers> GroupBuilder<'a, AREA, T> {
+impl<'a, const AREA: bool, T: ElementPrecision> GroupBuilder<'a, AREA, T> {
     pub(super) fn group(self, material: impl Law<T> + Law) -> Box<dyn ElementGroup> {
         let GroupBuilder { constants, density, connectivity, nodes, subzonal, .. } = self;
         let corners = match connectivity {
@@ -98,12 +105,12 @@ impl<'a, const AREA: bool, T: Numbers> GroupBuilder<'a, AREA, T> {
             }
             Connectivity::Quadrilaterals(list) => list,
         };
-        let quads = Quads::<_, AREA, T>::weighted(material, constants, density, corners, nodes);
+        let quads = QuadGroup::<_, AREA, T>::weighted(material, constants, density, corners, nodes);
         Box::new(if subzonal { quads.with_subzones(corners, nodes) } else { quads })
     }
 
-    /// The same with other weights and numbers.
-    fn turned<const BY_AREA: bool, U>(self) -> GroupBuilder<'a, BY_AREA, U> {
+    /// Converts to another weighting and number type.
+    fn with_types<const BY_AREA: bool, U>(self) -> GroupBuilder<'a, BY_AREA, U> {
         let GroupBuilder { constants, density, connectivity, nodes, heats, spared, kept, subzonal, numbers: _ } = self;
         GroupBuilder { constants, density, connectivity, nodes, heats, spared, kept, subzonal, numbers: PhantomData }
     }
@@ -126,42 +133,42 @@ impl Compiler<'_> {
             let law = Arc::clone(law);
             return self.law_group(section, (material, constants, law), (connectivity, nodes), mass);
         }
-        if triangles && (asks_at_points(material) || material.user.lengths.is_some()) {
+        if triangles && (calls_routines_at_points(material) || material.user.lengths.is_some()) {
             self.refuse_six_nodes(section, "user subroutines at points (VUMAT, VUHARD, VUSDFLD, VUCHARLENGTH)");
             return None;
         }
-        if asks_at_points(material) {
+        if calls_routines_at_points(material) {
             if section.controls.by_area {
-                let message = "WEIGHTING=AREA with routines of the user at points is not supported";
+                let message = "WEIGHTING=AREA with user subroutines is not supported";
                 return self.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
             }
             return self.user_group(section, material, elements, connectivity, nodes, mass);
         }
         let evolves = material.failures.iter().any(FailureCriterion::takes_length);
-        self.asks_lengths(section, material, evolves)?;
+        self.require_length_routine(section, material, evolves)?;
         let moduli = self.moduli(material, section.span)?;
         let density = material.density.unwrap_or(0.0);
         add_masses(connectivity, nodes, density, mass);
         let hourglass = self.control(section, material, moduli, connectivity)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
-        let constants = Constants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
+        let constants = ElementConstants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
         let heats = self.adiabatic() || self.conducts(section);
         self.solid_rows(section, (elements.len(), connectivity.element_type()), &constants, (material, heats));
-        let (spared, kept) = self.spared(section, material);
+        let (spared, kept) = self.damage_limits(section, material);
         let subzonal = self.subzonal(section, material, elements.len())?;
         let make = GroupBuilder::new(constants, density, connectivity, nodes);
         let make = GroupBuilder { heats, spared, kept, subzonal, ..make };
         if triangles {
-            self.stays_double(section.span, elements.len(), "CAX6M");
+            self.note_double_precision(section.span, elements.len(), "CAX6M");
         } else if self.is_single(section, material, &constants) {
-            return self.with_volumetric(material, section.span, Linear, make.turned::<false, f32>());
+            return self.with_volumetric(material, section.span, ConstantBulkModulus, make.with_types::<false, f32>());
         }
         if section.controls.by_area {
-            return self.by_area(section, material, make.turned());
+            return self.by_area(section, material, make.with_types());
         }
         let burns = matches!(&material.eos, Some(eos) if matches!(eos.kind, EosKind::Jwl(_)));
         if !burns && !material.detonation.is_empty() {
-            self.unused(material.span, "*DETONATION POINT", "only *EOS, TYPE=JWL detonates");
+            self.add_unused_card(material.span, "*DETONATION POINT", "it applies only to *EOS, TYPE=JWL");
         }
         let row = MATERIALS.iter().find(|row| (row.applies)(material))?;
         (row.group)(self, material, section.span, make)
@@ -172,12 +179,12 @@ impl Compiler<'_> {
         self.diagnostics.push(finding.at(section.span, "this section").help("give CAX3 or CAX4R"));
     }
 
-    /// Hourglass control of a group: none of six-node triangles, which need a shear modulus instead.
+    /// Returns the hourglass control of a group. Six-node triangles have none, but need a shear modulus.
     pub(super) fn control(
         &mut self,
         section: &SolidSection,
-        material: &Material,
-        moduli: Moduli,
+        material: &MaterialDefinition,
+        moduli: ElasticModuli,
         connectivity: &Connectivity,
     ) -> Option<HourglassControl> {
         if let Connectivity::Quadrilaterals(_) = connectivity {
@@ -186,18 +193,18 @@ impl Compiler<'_> {
         if moduli.shear == 0.0 {
             self.refuse_six_nodes(section, "a material without a shear modulus");
         } else if section.controls.hourglass.is_some() {
-            self.refuse_six_nodes(section, "HOURGLASS of *SECTION CONTROLS (the element has no hourglass pattern)");
+            self.refuse_six_nodes(section, "HOURGLASS of *SECTION CONTROLS (the element has no hourglass modes)");
         } else {
             return Some(HourglassControl::NONE);
         }
         None
     }
 
-    /// Elastic moduli of a material; a missing or contradictory card is an error.
-    pub(super) fn moduli(&mut self, material: &Material, span: Span) -> Option<Moduli> {
+    /// Returns the elastic moduli of a material. Missing or contradictory cards are errors.
+    pub(super) fn moduli(&mut self, material: &MaterialDefinition, span: Span) -> Option<ElasticModuli> {
         let refusal = match material {
-            Material { density: None, .. } => format!("material `{}` has no *DENSITY", material.name),
-            Material {
+            MaterialDefinition { density: None, .. } => format!("material `{}` has no *DENSITY", material.name),
+            MaterialDefinition {
                 hyperelastic: Some(rubber),
                 elastic: None,
                 shear_modulus: None,
@@ -211,47 +218,47 @@ impl Compiler<'_> {
                     && material.failures.is_empty()
                     && material.tensile_failure.is_none()
                 {
-                    return Some(Moduli { bulk: 0.0, shear: rubber.shape.shear() });
+                    return Some(ElasticModuli { bulk: 0.0, shear: rubber.shape.shear() });
                 }
-                format!("material `{}` is rubber that yields or fails, which is not supported", material.name)
+                format!("material `{}` is rubber with plasticity or failure, which is not supported", material.name)
             }
-            Material { hyperelastic: Some(_), .. } => {
-                format!("material `{}` has *HYPERELASTIC and another elasticity", material.name)
+            MaterialDefinition { hyperelastic: Some(_), .. } => {
+                format!("material `{}` has *HYPERELASTIC and another elastic model", material.name)
             }
-            Material { eos: Some(_), elastic: None, shear_modulus, plastic, .. } => {
+            MaterialDefinition { eos: Some(_), elastic: None, shear_modulus, plastic, .. } => {
                 let shear = shear_modulus.unwrap_or(0.0);
                 if plastic.is_none() || shear > 0.0 {
-                    return Some(Moduli { bulk: 0.0, shear });
+                    return Some(ElasticModuli { bulk: 0.0, shear });
                 }
-                format!("material `{}` yields but has no *ELASTIC, TYPE=SHEAR", material.name)
+                format!("material `{}` has *PLASTIC but no *ELASTIC, TYPE=SHEAR", material.name)
             }
-            Material { eos: Some(_), .. } => {
-                format!("material `{}` has an equation of state and a bulk modulus from *ELASTIC", material.name)
+            MaterialDefinition { eos: Some(_), .. } => {
+                format!("material `{}` has both *EOS and a bulk modulus from *ELASTIC", material.name)
             }
-            Material { elastic: Some(_), elastic_table, .. } if !elastic_table.is_empty() => {
+            MaterialDefinition { elastic: Some(_), elastic_table, .. } if !elastic_table.is_empty() => {
                 return Some(stiffest(elastic_table));
             }
-            Material { elastic: Some([e, nu]), .. } => {
+            MaterialDefinition { elastic: Some([e, nu]), .. } => {
                 let bulk = e / (3.0 * (1.0 - 2.0 * nu));
-                return Some(Moduli { bulk, shear: e / (2.0 * (1.0 + nu)) });
+                return Some(ElasticModuli { bulk, shear: e / (2.0 * (1.0 + nu)) });
             }
-            Material { shear_modulus: Some(_), .. } => {
-                format!("material `{}` has a shear modulus alone: *EOS is missing", material.name)
+            MaterialDefinition { shear_modulus: Some(_), .. } => {
+                format!("material `{}` has only a shear modulus: *EOS is missing", material.name)
             }
             _ => format!("material `{}` has no *ELASTIC", material.name),
         };
-        self.diagnostics.refuse(Diagnostic::error("P013", refusal).at(span, "these elements deform"))
+        self.diagnostics.refuse(Diagnostic::error("P013", refusal).at(span, "these elements are deformable"))
     }
 
-    /// The group of an equation of state, with what it takes from other cards.
+    /// Creates the element group of a material with an equation of state.
     fn equation_of_state(
         &mut self,
-        material: &Material,
+        material: &MaterialDefinition,
         span: Span,
         builder: GroupBuilder<'_, false>,
     ) -> Option<Box<dyn ElementGroup>> {
         let (eos, density) = (material.eos.as_ref()?, builder.density);
-        let mut row = |detail| self.cause(eos.span, "equation of state", 1, "material", detail);
+        let mut row = |detail| self.ledger_row(eos.span, "equation of state", 1, "material", detail);
         match (eos.kind.clone(), material.thermal.specific_heat.as_deref()) {
             (EosKind::IdealGas([gas_constant, ambient]), Some(&[[specific_heat, _]])) => {
                 row(format!("ideal gas, gamma = {}", 1.0 + gas_constant / specific_heat));
@@ -262,7 +269,7 @@ impl Compiler<'_> {
             (EosKind::IdealGas(_), rows) => {
                 let why = if rows.is_none() { "without *SPECIFIC HEAT" } else { "whose specific heat is not constant" };
                 let message = format!("material `{}` is an ideal gas {why}", material.name);
-                self.diagnostics.refuse(Diagnostic::error("P013", message).at(span, "these elements deform"))
+                self.diagnostics.refuse(Diagnostic::error("P013", message).at(span, "these elements are deformable"))
             }
             (EosKind::UsUp([c0, s, gamma0]), _) => {
                 row(format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}"));
@@ -279,36 +286,39 @@ impl Compiler<'_> {
         }
     }
 
-    /// The group of a volumetric law, with the yield stress of the material.
-    fn with_volumetric<V: Volumetric, const AREA: bool, T: Numbers>(
+    /// Creates the element group of a volumetric law with the plasticity and failure of the material.
+    fn with_volumetric<V: VolumetricLaw, const AREA: bool, T: ElementPrecision>(
         &mut self,
-        material: &Material,
+        material: &MaterialDefinition,
         span: Span,
         volumetric: V,
         make: GroupBuilder<'_, AREA, T>,
     ) -> Option<Box<dyn ElementGroup>> {
-        let heating = if make.heats { heating(material, make.density) } else { Heating::None };
-        let failing =
-            self.failing(material)?.map(|failing| Failing { spared: make.spared, kept: make.kept, ..failing });
+        let heating = if make.heats { heating(material, make.density) } else { PlasticHeating::None };
+        let failing = self.failing(material)?.map(|failing| MaterialFailure {
+            deletion_margin: make.spared,
+            keep_elements: make.kept,
+            ..failing
+        });
         let Some(plastic) = &material.plastic else {
             return Some(match failing {
-                Some(failure) => make.group(VonMises { hardening: Elastic, volumetric, failure }),
-                None => make.group(VonMises::new(Elastic, volumetric)),
+                Some(failure) => make.group(VonMises { hardening: ElasticOnly, volumetric, failure }),
+                None => make.group(VonMises::new(ElasticOnly, volumetric)),
             });
         };
-        if let Plastic::Kinematic(lines) = plastic {
+        if let PlasticityModel::Kinematic(lines) = plastic {
             if failing.is_some() {
-                // What damage leaves of the work against a back stress is not defined.
+                // The dissipation of a damaged back stress is not defined.
                 let message = "kinematic hardening with failure is not supported";
                 return self
                     .diagnostics
                     .refuse(Diagnostic::error("P014", message).at(span, "the material of this section"));
             }
-            if let ([[yield_stress, slope, _]], None, Heating::None) = (&lines[..], &material.rate, &heating) {
-                let law = Kinematic { yield_stress: *yield_stress, slope: *slope };
+            if let ([[yield_stress, slope, _]], None, PlasticHeating::None) = (&lines[..], &material.rate, &heating) {
+                let law = KinematicHardening { yield_stress: *yield_stress, slope: *slope };
                 return Some(make.group(VonMises::new(law, volumetric)));
             }
-            let law = moving(lines, material.rate.as_ref(), heating);
+            let law = kinematic_hardening(lines, material.rate.as_ref(), heating);
             return Some(make.group(VonMises::new(law, volumetric)));
         }
         let law = self.yield_stress(plastic, material, span)?;
@@ -317,7 +327,7 @@ impl Compiler<'_> {
             return Some(make.group(VonMises { hardening, volumetric, failure }));
         }
         let cold = |rows: &[[f64; 3]]| rows.iter().all(|r| r[2].is_nan());
-        if let (Plastic::Tabular(rows), None, Heating::None) = (plastic, &material.rate, &heating)
+        if let (PlasticityModel::Tabular(rows), None, PlasticHeating::None) = (plastic, &material.rate, &heating)
             && cold(rows)
         {
             let mut rows: Vec<[f64; 2]> = rows.iter().map(|r| [r[0], r[1]]).collect();
@@ -329,25 +339,26 @@ impl Compiler<'_> {
         Some(make.group(VonMises::new(RateDependentHardening { law, heating }, volumetric)))
     }
 
-    /// 1 less MAX DEGRADATION, and whether elements stay that come so far.
-    fn spared(&mut self, section: &SolidSection, material: &Material) -> (f64, bool) {
-        let most = section.controls.most_damage;
-        let (spared, kept) = (1.0 - most, section.controls.keeps_failed.is_some());
+    /// Returns 1 - MAX DEGRADATION, and whether elements that reach this damage are kept.
+    fn damage_limits(&mut self, section: &SolidSection, material: &MaterialDefinition) -> (f64, bool) {
+        let most = section.controls.max_degradation;
+        let (spared, kept) = (1.0 - most, section.controls.keep_failed_elements.is_some());
         let grows = material.failures.iter().any(|f| f.evolution != DamageEvolution::Absent);
         if grows && kept {
-            let detail = format!("MAX DEGRADATION {most}: the rest of their stiffness stays");
-            self.cause(section.span, "failed elements stay", section.elements.len(), "elements", detail);
+            let detail = format!("MAX DEGRADATION {most}: the remaining stiffness is kept");
+            self.ledger_row(section.span, "failed elements stay", section.elements.len(), "elements", detail);
         }
         if spared > 0.0 && !kept && !grows {
-            let why = format!("no damage grows in material {}", material.name);
-            self.unused(section.span, "MAX DEGRADATION", why);
+            let why = format!("material {} has no damage evolution", material.name);
+            self.add_unused_card(section.span, "MAX DEGRADATION", why);
         }
         (spared, kept)
     }
 
-    /// Whether quarters of a section's elements push back: where there is an equation of state and no shear modulus, unless its
-    /// controls say no.
-    fn subzonal(&mut self, section: &SolidSection, material: &Material, count: usize) -> Option<bool> {
+    /// Returns whether the elements of a section have subzonal pressures: by default with an equation of state and
+    /// without shear
+    /// modulus.
+    fn subzonal(&mut self, section: &SolidSection, material: &MaterialDefinition, count: usize) -> Option<bool> {
         let wanted = section.controls.subzonal;
         let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
         if wanted == Some(true) && !fluid {
@@ -358,17 +369,17 @@ impl Compiler<'_> {
         }
         let subzonal = fluid && wanted != Some(false);
         if subzonal {
-            let detail = "quarters that are denser than their element push back";
-            self.cause(section.span, "subzonal pressures", count, "elements", detail.into());
+            let detail = "pressures from the density of the element quarters";
+            self.ledger_row(section.span, "subzonal pressures", count, "elements", detail.into());
         }
         Some(subzonal)
     }
 
-    /// The group of a section that is weighted by area, where that can be.
+    /// Creates the element group of a section with WEIGHTING=AREA. Unsupported combinations are errors.
     fn by_area(
         &mut self,
         section: &SolidSection,
-        material: &Material,
+        material: &MaterialDefinition,
         make: GroupBuilder<'_, true>,
     ) -> Option<Box<dyn ElementGroup>> {
         let model = self.model;
@@ -378,11 +389,11 @@ impl Compiler<'_> {
         } else if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.shape.is_some() {
             Some("WEIGHTING=AREA needs *ELASTIC, and no foam")
         } else if model.steps.iter().any(|s| s.bulk_viscosity[0] <= 0.0) {
-            Some("WEIGHTING=AREA needs linear bulk viscosity: without it some of its modes grow")
+            Some("WEIGHTING=AREA needs linear bulk viscosity: without it some modes are unstable")
         } else if model.sections.iter().any(|s| !s.controls.by_area) {
             Some("WEIGHTING=AREA in one section needs it in all")
         } else if !model.shell_sections.is_empty() {
-            Some("WEIGHTING=AREA beside shells is not supported")
+            Some("WEIGHTING=AREA together with shells is not supported")
         } else if !self.places.tied.is_empty() || model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
             Some("WEIGHTING=AREA with tied rigid bodies or scaled masses is not supported")
         } else {
@@ -391,29 +402,29 @@ impl Compiler<'_> {
         if let Some(message) = refusal {
             return self.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
         }
-        let detail = "the equation of motion over the plane section; energy is not conserved to the last digit";
-        self.cause(section.span, "area weighting", make.connectivity.count(), "elements", detail.into());
-        self.with_volumetric(material, section.span, Linear, make)
+        let detail = "equations of motion over the plane section; energy is conserved approximately";
+        self.ledger_row(section.span, "area weighting", make.connectivity.count(), "elements", detail.into());
+        self.with_volumetric(material, section.span, ConstantBulkModulus, make)
     }
 
-    /// Hourglass control of a section. Where its controls say nothing, what has no shear modulus is controlled by viscosity,
-    /// rubber by assumed strains, and the rest by a spring that relaxes (ABAQUS Analysis User's Guide, "Section controls";
-    /// Keywords Guide, "SECTION CONTROLS").
+    /// Returns the hourglass control of a section. The default is VISCOUS without a shear modulus, ENHANCED for rubber,
+    /// and RELAX
+    /// STIFFNESS otherwise (ABAQUS Analysis User's Guide, "Section controls"; Keywords Guide, "SECTION CONTROLS").
     pub(super) fn hourglass(
         &mut self,
         section: &SolidSection,
-        material: &Material,
-        moduli: Moduli,
+        material: &MaterialDefinition,
+        moduli: ElasticModuli,
     ) -> Option<HourglassControl> {
         let fluid = moduli.shear == 0.0;
         let unsaid = match material.hyperelastic {
-            _ if fluid => Hourglass::Viscous,
-            Some(_) => Hourglass::Enhanced,
-            None => Hourglass::RelaxStiffness,
+            _ if fluid => HourglassMethod::Viscous,
+            Some(_) => HourglassMethod::Enhanced,
+            None => HourglassMethod::RelaxStiffness,
         };
         let SectionControls { hourglass, factor, .. } = section.controls;
         let kind = hourglass.unwrap_or(unsaid);
-        if fluid && kind != Hourglass::Viscous {
+        if fluid && kind != HourglassMethod::Viscous {
             let message = "hourglass control by stiffness needs a shear modulus";
             let finding = Diagnostic::error("P016", message).at(section.span, "the controls of this section");
             return self.diagnostics.refuse(finding.help("give HOURGLASS=VISCOUS, or no controls"));
@@ -421,12 +432,12 @@ impl Compiler<'_> {
         let viscosity = factor * if fluid { FLUID_VISCOSITY } else { HOURGLASS_VISCOSITY };
         let stiffness = HOURGLASS_STIFFNESS * factor;
         let [stiffness, viscosity, enhanced] = match kind {
-            Hourglass::RelaxStiffness | Hourglass::Stiffness => [stiffness, 0.0, 0.0],
-            Hourglass::Viscous => [0.0, viscosity, 0.0],
-            Hourglass::Combined(weight) => [weight * stiffness, (1.0 - weight) * viscosity, 0.0],
-            Hourglass::Enhanced => [0.0, 0.0, factor],
+            HourglassMethod::RelaxStiffness | HourglassMethod::Stiffness => [stiffness, 0.0, 0.0],
+            HourglassMethod::Viscous => [0.0, viscosity, 0.0],
+            HourglassMethod::Combined(weight) => [weight * stiffness, (1.0 - weight) * viscosity, 0.0],
+            HourglassMethod::Enhanced => [0.0, 0.0, factor],
         };
-        let relaxes = matches!(kind, Hourglass::RelaxStiffness | Hourglass::Enhanced);
+        let relaxes = matches!(kind, HourglassMethod::RelaxStiffness | HourglassMethod::Enhanced);
         Some(HourglassControl { stiffness, viscosity, relaxes, enhanced })
     }
 
@@ -434,38 +445,38 @@ impl Compiler<'_> {
         &mut self,
         section: &SolidSection,
         (count, kind): (usize, &'static str),
-        constants: &Constants,
-        (material, heats): (&Material, bool),
+        constants: &ElementConstants,
+        (material, heats): (&MaterialDefinition, bool),
     ) {
         let elasticity = match (&material.eos, constants.shear > 0.0) {
-            _ if material.hyperelastic.is_some() => "rubber by the whole deformation",
+            _ if material.hyperelastic.is_some() => "rubber, total deformation",
             (Some(_), false) => "fluid",
             (Some(_), true) => "equation of state and shear modulus, Jaumann rate",
             (None, _) => "elastic, Jaumann rate",
         };
         let detail = format!("material {}, {elasticity}", material.name);
-        self.cause(section.span, "deformable elements", count, kind, detail);
+        self.ledger_row(section.span, "deformable elements", count, kind, detail);
         if let Some(plastic) = &material.plastic {
             let law = match plastic {
-                Plastic::Tabular(_) => "tabular isotropic",
-                Plastic::JohnsonCook(_) => "Johnson-Cook",
-                Plastic::Kinematic(_) => "linear kinematic",
-                Plastic::User(_) => "by the user",
-                Plastic::OverFields(_) => "over field variables",
+                PlasticityModel::Tabular(_) => "tabular isotropic",
+                PlasticityModel::JohnsonCook(_) => "Johnson-Cook",
+                PlasticityModel::Kinematic(_) => "linear kinematic",
+                PlasticityModel::User(_) => "user-defined",
+                PlasticityModel::OverFields(_) => "over field variables",
             };
             let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
             let heat = if heats && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
-            self.cause(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
+            self.ledger_row(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
         }
         self.control_rows(section, (count, kind), constants);
     }
 
-    /// The rows of hourglass control and bulk viscosity.
+    /// Creates the ledger rows of hourglass control and bulk viscosity.
     pub(super) fn control_rows(
         &mut self,
         section: &SolidSection,
         (count, element_type): (usize, &str),
-        constants: &Constants,
+        constants: &ElementConstants,
     ) {
         if element_type != "CAX6M" {
             let HourglassControl { stiffness, viscosity, relaxes, enhanced } = constants.hourglass;
@@ -475,56 +486,63 @@ impl Compiler<'_> {
             } else {
                 format!("{kind} {stiffness} G, viscosity {viscosity}")
             };
-            self.cause(section.span, "hourglass control", count, "elements", detail);
+            self.ledger_row(section.span, "hourglass control", count, "elements", detail);
         }
         let [linear, quadratic] = constants.bulk_viscosity;
         if linear != 0.0 || quadratic != 0.0 {
-            self.cause(section.span, "bulk viscosity", count, "elements", format!("{linear}, {quadratic}"));
+            self.ledger_row(section.span, "bulk viscosity", count, "elements", format!("{linear}, {quadratic}"));
         }
     }
 
-    /// What fails of a material; `None` where nothing does.
-    fn failing(&mut self, material: &Material) -> Option<Option<Failing>> {
-        let mut failing = Failing::default();
+    /// Returns the failure model of a material: `Some(None)` without failure, `None` if an error was reported.
+    fn failing(&mut self, material: &MaterialDefinition) -> Option<Option<MaterialFailure>> {
+        let mut failing = MaterialFailure::default();
         for criterion in &material.failures {
             let evolution = match criterion.evolution {
-                DamageEvolution::Sudden => Evolution::Sudden,
-                DamageEvolution::Displacement(value) => Evolution::Displacement(value),
-                DamageEvolution::Energy(value) => Evolution::Energy(value),
-                // Where another law flows nothing follows it, and nothing would come of it.
+                DamageEvolution::Sudden => EvolutionLaw::Sudden,
+                DamageEvolution::Displacement(value) => EvolutionLaw::Displacement(value),
+                DamageEvolution::Energy(value) => EvolutionLaw::Energy(value),
+                // Other plasticity models do not evaluate the criterion, and it has no effect on the stress.
                 DamageEvolution::Absent
-                    if !matches!(material.plastic, Some(Plastic::Tabular(_) | Plastic::JohnsonCook(_))) =>
+                    if !matches!(
+                        material.plastic,
+                        Some(PlasticityModel::Tabular(_) | PlasticityModel::JohnsonCook(_))
+                    ) =>
                 {
-                    self.unused(criterion.span, "*DAMAGE INITIATION", "without *DAMAGE EVOLUTION it changes no stress");
+                    self.add_unused_card(
+                        criterion.span,
+                        "*DAMAGE INITIATION",
+                        "without *DAMAGE EVOLUTION it does not affect the stress",
+                    );
                     continue;
                 }
-                DamageEvolution::Absent => Evolution::Absent,
+                DamageEvolution::Absent => EvolutionLaw::Absent,
             };
             if material.plastic.is_none() {
-                return self.no_failure(criterion.span, "failure by plastic strain needs *PLASTIC");
+                return self.no_failure(criterion.span, "failure criteria based on plastic strain need *PLASTIC");
             }
             let strain = self.failure_strain(material, criterion)?;
             let detail = match criterion.evolution {
                 DamageEvolution::Displacement(value) => format!("damage over a displacement of {value}"),
-                DamageEvolution::Energy(value) => format!("damage over an energy of {value} an area"),
-                DamageEvolution::Absent => "followed without damage: DMICRT".into(),
-                DamageEvolution::Sudden => "deletion at once".into(),
+                DamageEvolution::Energy(value) => format!("damage over an energy of {value} per area"),
+                DamageEvolution::Absent => "evaluated without damage (DMICRT)".into(),
+                DamageEvolution::Sudden => "immediate deletion".into(),
             };
-            let effect = if evolution == Evolution::Absent { "damage initiation" } else { "failure" };
-            self.cause(criterion.span, effect, 1, "criterion", detail);
-            failing.criteria.push(Criterion { strain, evolution });
+            let effect = if evolution == EvolutionLaw::Absent { "damage initiation" } else { "failure" };
+            self.ledger_row(criterion.span, effect, 1, "criterion", detail);
+            failing.criteria.push(StrainCriterion { strain, evolution });
         }
         if failing.criteria.len() > CRITERIA {
-            return self.no_failure(material.span, "more than three criteria of failure are not supported");
+            return self.no_failure(material.span, "more than three failure criteria are not supported");
         }
         if let Some(tensile) = material.tensile_failure {
             if !tensile.deletes && material.eos.is_none() {
-                // Without an equation of state nothing would remember how far the material has opened.
-                return self.no_failure(tensile.span, "a cutoff of tension without deletion needs *EOS");
+                // Only an equation of state keeps the volume change of a material at the cutoff.
+                return self.no_failure(tensile.span, "a tensile cutoff without element deletion needs *EOS");
             }
             let end = if tensile.deletes { "deletion" } else { "cutoff" };
-            self.cause(tensile.span, "tensile failure", 1, "criterion", format!("{end} at {}", tensile.cutoff));
-            failing.cutoff = Some(Cutoff { stress: tensile.cutoff, deletes: tensile.deletes });
+            self.ledger_row(tensile.span, "tensile failure", 1, "criterion", format!("{end} at {}", tensile.cutoff));
+            failing.cutoff = Some(TensionCutoff { stress: tensile.cutoff, deletes: tensile.deletes });
         }
         Some((!failing.criteria.is_empty() || failing.cutoff.is_some()).then_some(failing))
     }
@@ -533,10 +551,10 @@ impl Compiler<'_> {
         self.diagnostics.refuse(Diagnostic::error("P019", message).at(span, "here"))
     }
 
-    fn failure_strain(&mut self, material: &Material, criterion: &FailureCriterion) -> Option<FailureStrain> {
+    fn failure_strain(&mut self, material: &MaterialDefinition, criterion: &FailureCriterion) -> Option<FailureStrain> {
         Some(match &criterion.strain {
             StrainAtFailure::Constant(strain) => FailureStrain::Constant(*strain),
-            // The model has made sure that they are tables.
+            // The model has checked the tables.
             StrainAtFailure::Ductile(rows) => FailureStrain::Ductile(NestedTable::new(rows)?),
             StrainAtFailure::Shear(rows) => FailureStrain::Shear(NestedTable::new(rows)?),
             StrainAtFailure::JohnsonCook(d, Some([melt, transition, reference])) => {
@@ -544,7 +562,7 @@ impl Compiler<'_> {
             }
             StrainAtFailure::JohnsonCook(d, None) => {
                 let (melt, transition) = match material.plastic {
-                    Some(Plastic::JohnsonCook([.., melt, transition])) => (melt, transition),
+                    Some(PlasticityModel::JohnsonCook([.., melt, transition])) => (melt, transition),
                     _ if d[4] != 0.0 => {
                         return self.no_failure(criterion.span, "d5 needs *PLASTIC, HARDENING=JOHNSON COOK");
                     }
@@ -562,15 +580,20 @@ impl Compiler<'_> {
         })
     }
 
-    pub(super) fn yield_stress(&mut self, plastic: &Plastic, material: &Material, span: Span) -> Option<FlowStress> {
+    pub(super) fn yield_stress(
+        &mut self,
+        plastic: &PlasticityModel,
+        material: &MaterialDefinition,
+        span: Span,
+    ) -> Option<FlowStress> {
         let base = match plastic {
-            // They have laws of their own.
-            Plastic::Kinematic(_) | Plastic::User(_) | Plastic::OverFields(_) => return None,
-            Plastic::JohnsonCook([a, b, n, m, melt, transition]) => {
+            // These types have other laws.
+            PlasticityModel::Kinematic(_) | PlasticityModel::User(_) | PlasticityModel::OverFields(_) => return None,
+            PlasticityModel::JohnsonCook([a, b, n, m, melt, transition]) => {
                 let law = JohnsonCook { a: *a, b: *b, n: *n, m: *m, melt: *melt, transition: *transition };
                 StaticYield::JohnsonCook(law)
             }
-            Plastic::Tabular(rows) => {
+            PlasticityModel::Tabular(rows) => {
                 let mut tables = match tables(rows) {
                     Ok(tables) => tables,
                     Err(message) => {
@@ -590,63 +613,68 @@ pub(super) fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
     match rate? {
         RateDependence::JohnsonCook([c, reference]) => Some(RateFactor::JohnsonCook { c: *c, reference: *reference }),
         RateDependence::PowerLaw(rows) => {
-            let over = |i: usize| Table { rows: rows.iter().map(|r| [r[i], r[2]]).collect() };
+            let over = |i: usize| LinearTable { rows: rows.iter().map(|r| [r[i], r[2]]).collect() };
             Some(RateFactor::PowerLaw { d: over(0), n: over(1) })
         }
         RateDependence::YieldRatio(rows) => Some(RateFactor::Ratio(TableOverTemperature { tables: blocks(rows) })),
     }
 }
 
-/// The largest moduli of a table: between its rows, where Young's modulus and Poisson's ratio are linear, none is larger.
-fn stiffest(rows: &[Vec<f64>]) -> Moduli {
+/// Returns the largest moduli of a table. The linear interpolation between its rows does not exceed them.
+fn stiffest(rows: &[Vec<f64>]) -> ElasticModuli {
     let largest = |of: fn(f64, f64) -> f64| rows.iter().map(|r| of(r[0], r[1])).fold(0.0, f64::max);
     let bulk = largest(|e, nu| e / (3.0 * (1.0 - 2.0 * nu)));
     let shear = largest(|e, nu| e / (2.0 * (1.0 + nu)));
-    Moduli { bulk, shear }
+    ElasticModuli { bulk, shear }
 }
 
-/// Kinematic hardening by lines of yield stress, slope and temperature.
-fn moving(lines: &[[f64; 3]], rate: Option<&RateDependence>, heating: Heating) -> RateKinematic {
-    let size = |line: &[f64; 3]| (line[2], Table { rows: vec![[line[0], 0.0]] });
-    let slope = Table { rows: lines.iter().map(|l| [l[1], l[2]]).collect() };
+/// Creates kinematic hardening from rows of yield stress, hardening modulus and temperature.
+fn kinematic_hardening(
+    lines: &[[f64; 3]],
+    rate: Option<&RateDependence>,
+    heating: PlasticHeating,
+) -> RateKinematicHardening {
+    let size = |line: &[f64; 3]| (line[2], LinearTable { rows: vec![[line[0], 0.0]] });
+    let slope = LinearTable { rows: lines.iter().map(|l| [l[1], l[2]]).collect() };
     let base = StaticYield::Tables(TableOverTemperature { tables: lines.iter().map(size).collect() });
-    RateKinematic { size: FlowStress { base, factor: rate_factor(rate) }, slope, heating }
+    RateKinematicHardening { size: FlowStress { base, factor: rate_factor(rate) }, slope, heating }
 }
 
-/// Rows of yield stress, plastic strain and temperature (not a number if absent) as one table a temperature.
-fn tables(rows: &[[f64; 3]]) -> Result<Vec<(f64, Table)>, &'static str> {
+/// Splits rows of yield stress, plastic strain and temperature (NaN if absent) into one table per temperature.
+fn tables(rows: &[[f64; 3]]) -> Result<Vec<(f64, LinearTable)>, &'static str> {
     if rows.iter().any(|r| r[2].is_nan()) && !rows.iter().all(|r| r[2].is_nan()) {
-        return Err("either all rows of a table have a temperature, or none");
+        return Err("either all rows of a table must have a temperature, or none");
     }
     let tables = blocks(rows);
     if tables.windows(2).any(|w| w[0].0 > w[1].0) {
         return Err("temperatures must ascend");
     }
-    let starts = |t: &Table| t.rows.first().is_some_and(|r| r[1] == 0.0);
-    let ascends = |t: &Table| t.rows.windows(2).all(|w| w[1][1] > w[0][1]);
+    let starts = |t: &LinearTable| t.rows.first().is_some_and(|r| r[1] == 0.0);
+    let ascends = |t: &LinearTable| t.rows.windows(2).all(|w| w[1][1] > w[0][1]);
     if tables.is_empty() || !tables.iter().all(|(_, t)| starts(t) && ascends(t)) {
         return Err("plastic strains must start at 0 and ascend");
     }
     Ok(tables)
 }
 
-/// Rows of a value, its abscissa and a temperature (not a number if absent) as a table at each temperature that follows.
-fn blocks(rows: &[[f64; 3]]) -> Vec<(f64, Table)> {
-    let mut tables: Vec<(f64, Table)> = Vec::new();
+/// Splits rows of a value, its abscissa and temperature (NaN if absent) into one table for each consecutive
+/// temperature.
+fn blocks(rows: &[[f64; 3]]) -> Vec<(f64, LinearTable)> {
+    let mut tables: Vec<(f64, LinearTable)> = Vec::new();
     for [value, at, temperature] in rows {
         match tables.last_mut() {
             Some((last, table)) if *last == *temperature || temperature.is_nan() => table.rows.push([*value, *at]),
-            _ => tables.push((*temperature, Table { rows: vec![[*value, *at]] })),
+            _ => tables.push((*temperature, LinearTable { rows: vec![[*value, *at]] })),
         }
     }
     tables
 }
 
-/// Plastic strain up to which a yield stress is extrapolated: more than any body survives.
+/// Plastic strain up to which a yield stress is extrapolated; beyond any strain of a simulation.
 const FAR: f64 = 1e3;
 
-/// `EXTRAPOLATION=LINEAR`: the slope of the last two rows goes on; where it falls, down to no stress.
-fn extrapolate(rows: &mut Vec<[f64; 2]>, material: &Material) {
+/// Applies `EXTRAPOLATION=LINEAR`: continues the slope of the last two rows; a negative slope ends at zero stress.
+fn extrapolate(rows: &mut Vec<[f64; 2]>, material: &MaterialDefinition) {
     let [.., before, last] = rows[..] else { return };
     if !material.extrapolates {
         return;
@@ -659,13 +687,15 @@ fn extrapolate(rows: &mut Vec<[f64; 2]>, material: &Material) {
     }
 }
 
-/// Rise of temperature by plastic work; none where a card for it is missing.
-pub(super) fn heating(material: &Material, density: f64) -> Heating {
+/// Returns the temperature increase per plastic work per volume; `None` variant if a card for it is missing.
+pub(super) fn heating(material: &MaterialDefinition, density: f64) -> PlasticHeating {
     match (material.thermal.inelastic_heat_fraction, material.thermal.specific_heat.as_deref()) {
-        (Some(fraction), Some(&[[heat, _]])) if fraction != 0.0 => Heating::Constant(fraction / (density * heat)),
-        (Some(fraction), Some(rows)) if fraction != 0.0 => {
-            Heating::Over { heat: fraction / density, capacity: Table { rows: rows.to_vec() } }
+        (Some(fraction), Some(&[[heat, _]])) if fraction != 0.0 => {
+            PlasticHeating::Constant(fraction / (density * heat))
         }
-        _ => Heating::None,
+        (Some(fraction), Some(rows)) if fraction != 0.0 => {
+            PlasticHeating::Over { heat: fraction / density, capacity: LinearTable { rows: rows.to_vec() } }
+        }
+        _ => PlasticHeating::None,
     }
 }

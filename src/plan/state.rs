@@ -1,48 +1,49 @@
-//! The state: all that changes over an analysis, and what a checkpoint holds of it.
-//! Never here: the clock, the energy balance and the increment control of a run (`solve`).
+//! The state of an analysis, and the list of its fields that a checkpoint contains. Total time, energy balance and
+//! increment
+//! control are in `solve`.
 
-use super::changes::{Changes, ListChange};
+use super::changes::{ListChange, StepChanges};
 use crate::constraint::Constraint;
 use crate::constraint::user_motion::UserMotion;
 use crate::element::elements::Elements;
-use crate::element::mass_scaling::Scaling;
-use crate::heat::Thermal;
+use crate::element::mass_scaling::StepMassScaling;
+use crate::heat::ThermalState;
 use crate::kernel::amplitude::SampledAmplitude;
-use crate::load::user_amplitude::UserAmplitude;
-use crate::load::{Load, Penetration};
+use crate::load::user_amplitude::SubroutineAmplitude;
+use crate::load::{Load, PenetrationRecord};
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
-/// Degrees of freedom, elements and the effects in force, at the start of a plan, during a run and at its end.
+/// Everything that changes during a run: degrees of freedom, elements and active effects.
 #[derive(Clone, Default)]
 pub struct State {
-    /// Degrees of freedom.
+    /// Nodes and rigid bodies.
     pub dofs: Dofs,
-    /// Elements.
+    /// Element groups and their state.
     pub elements: Elements,
-    /// Temperatures of nodes and thermal strains; `None` where temperatures change nothing.
-    pub thermal: Option<Box<Thermal>>,
-    /// Loads in force; those that resist motion come last.
+    /// Nodal temperatures and thermal strains; `None` if temperatures have no effect.
+    pub thermal: Option<Box<ThermalState>>,
+    /// Active loads; those that resist motion are last.
     pub loads: Vec<Box<dyn Load>>,
-    /// Constraints in force: prescribed motions, equations, contact, ties.
+    /// Active constraints: prescribed motions, equations, contact, ties.
     pub constraints: Vec<Box<dyn Constraint>>,
-    /// Mass scaling in force; `None` before a step requests it.
-    pub scaling: Option<Scaling>,
-    /// User motions in force, called once an increment.
-    #[allow(clippy::vec_box)] // The list is changed as those of loads and constraints are.
+    /// Active mass scaling; `None` before a step requests it.
+    pub scaling: Option<StepMassScaling>,
+    /// Active user motions (VDISP), called once per increment.
+    #[allow(clippy::vec_box)] // The list is changed in the same way as the boxed loads and constraints.
     pub user_motions: Vec<Box<UserMotion>>,
-    /// User amplitudes, called once an increment in every step.
-    pub amplitude_routines: Vec<UserAmplitude>,
-    /// Functions of time that the user amplitudes give.
+    /// User amplitudes (VUAMP), called once per increment in every step.
+    pub amplitude_routines: Vec<SubroutineAmplitude>,
+    /// Values of user amplitudes and user motions.
     pub user_amplitudes: Vec<SampledAmplitude>,
-    /// Outcomes of bodies in resistances that are no longer in force.
-    pub ended_penetrations: Vec<Penetration>,
+    /// Penetration results of resistance loads that are no longer active.
+    pub ended_penetrations: Vec<PenetrationRecord>,
 }
 
 impl State {
-    /// Puts in force what the first step adds.
-    pub(super) fn begin_with(&mut self, first: Changes) {
-        let Changes { loads, constraints, user_motions, scaling } = first;
+    /// Activates the effects of the first step.
+    pub(super) fn begin_with(&mut self, first: StepChanges) {
+        let StepChanges { loads, constraints, user_motions, scaling } = first;
         self.loads = loads.map_or_else(Vec::new, ListChange::into_first);
         self.constraints = constraints.map_or_else(Vec::new, ListChange::into_first);
         self.user_motions = user_motions.map_or_else(Vec::new, ListChange::into_first);

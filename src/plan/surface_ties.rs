@@ -1,5 +1,4 @@
-//! `*TIE`: which nodes of a slave surface lie on a master surface, and where.
-//! Never here: what keeps them there.
+//! `*TIE`: the nodes of slave surfaces and their points on the master surfaces.
 
 use std::collections::HashSet;
 
@@ -7,19 +6,20 @@ use crate::deck::{Diagnostic, Diagnostics};
 use crate::model::{Model, SurfaceTie};
 use crate::platform::PortableMath as _;
 
-/// A node that follows the point of a master surface that is nearest to it (ABAQUS Analysis User's Guide, "Mesh tie
-/// constraints", node-to-surface approach).
+/// A slave node, which follows the nearest point of the master surface (ABAQUS Analysis User's Guide, "Mesh tie
+/// constraints",
+/// node-to-surface approach).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TiedNode {
     /// Index of its tie in the model.
     pub tie: usize,
-    /// The node.
+    /// Mesh node.
     pub node: usize,
-    /// Element of the master surface behind it.
+    /// Element of the master facet.
     pub element: usize,
-    /// Nodes of the facet with their shares in the point; one where the point is a node.
+    /// Nodes of the master facet and their weights; one node if the point is a node.
     pub shares: Vec<(usize, f64)>,
-    /// That point.
+    /// Coordinates (r, z) of the point on the master surface.
     pub place: [f64; 2],
 }
 
@@ -29,14 +29,14 @@ struct MasterFacet {
     element: usize,
 }
 
-/// How close to a node of a facet, as a fraction of it, a point counts as that node.
+/// Distance from a node, as a fraction of the facet length, within which a point counts as the node.
 const ON_NODE: f64 = 1e-6;
 
-/// The tied nodes of all ties; what is not tied is told.
-pub(super) fn find(model: &Model, diagnostics: &mut Diagnostics) -> Vec<TiedNode> {
+/// Returns the tied nodes of all ties. Untied nodes are reported.
+pub(super) fn find_tied_nodes(model: &Model, diagnostics: &mut Diagnostics) -> Vec<TiedNode> {
     let (mut tied, mut taken): (Vec<TiedNode>, HashSet<usize>) = Default::default();
     for (index, tie) in model.constraints.ties.iter().enumerate() {
-        let facet = |&(element, side)| Some(MasterFacet { nodes: model.mesh.ends(element, side)?, element });
+        let facet = |&(element, side)| Some(MasterFacet { nodes: model.mesh.side_nodes(element, side)?, element });
         let facets: Vec<MasterFacet> = tie.masters.iter().filter_map(facet).collect();
         let own: HashSet<usize> = facets.iter().flat_map(|f| f.nodes).collect();
         let tolerance = tie.tolerance.unwrap_or_else(|| 0.05 * mean_length(model, &facets));
@@ -54,7 +54,7 @@ pub(super) fn find(model: &Model, diagnostics: &mut Diagnostics) -> Vec<TiedNode
                 tied.push(at);
             }
         }
-        tell(model, tie, &left, tied.len() - before, tolerance, diagnostics);
+        report_untied_nodes(model, tie, &left, tied.len() - before, tolerance, diagnostics);
     }
     tied
 }
@@ -67,7 +67,7 @@ fn mean_length(model: &Model, facets: &[MasterFacet]) -> f64 {
     facets.iter().map(length).sum::<f64>() / facets.len().max(1) as f64
 }
 
-/// The point of a surface nearest to a node, and its distance.
+/// Returns the nearest point of a surface to a node, and its distance.
 fn nearest(model: &Model, facets: &[MasterFacet], tie: usize, node: usize) -> Option<(TiedNode, f64)> {
     let points = &model.mesh.points;
     let p = points[node];
@@ -92,8 +92,8 @@ fn nearest(model: &Model, facets: &[MasterFacet], tie: usize, node: usize) -> Op
     Some((TiedNode { tie, node, element: facet.element, shares, place }, distance))
 }
 
-/// Says which nodes of a slave surface are not tied.
-fn tell(
+/// Reports the untied nodes of a slave surface: a warning, or an error if no node is tied.
+fn report_untied_nodes(
     model: &Model,
     tie: &SurfaceTie,
     left: &[(usize, f64)],
@@ -111,16 +111,18 @@ fn tell(
     let message =
         format!("{count} of {all} nodes of the slave surface of tie {} are not tied: {named}{more}", tie.name);
     let distances =
-        format!("they lie {near:.4e} to {far:.4e} away from the master surface, the tolerance is {tolerance:.4e}");
+        format!("their distance from the master surface is {near:.4e} to {far:.4e}, the tolerance is {tolerance:.4e}");
     let (severity, code): (fn(&'static str, String) -> Diagnostic, _) = match tied {
         0 => (|code, text| Diagnostic::error(code, text), "P060"),
         _ => (|code, text| Diagnostic::warning(code, text), "P061"),
     };
-    let help = format!("give POSITION TOLERANCE={far:.4e} to tie all of them, or ADJUST=NO and the nodes as TIED NSET");
+    let help =
+        format!("give POSITION TOLERANCE={far:.4e} to tie all nodes, or give the nodes as TIED NSET with ADJUST=NO");
     diagnostics.push(severity(code, message).at(tie.span, distances).help(help));
 }
 
-/// The model with tied nodes put on their master surfaces without strain, where some are to be (`ADJUST=YES`) and are not there.
+/// Returns a model in which tied nodes are moved onto their master surfaces without strain (`ADJUST=YES`); `None` if no
+/// node moves.
 pub(super) fn adjusted(model: &Model, tied: &[TiedNode]) -> Option<Model> {
     let moves = |t: &&TiedNode| model.constraints.ties[t.tie].adjust && model.mesh.points[t.node] != t.place;
     let moved: Vec<&TiedNode> = tied.iter().filter(moves).collect();

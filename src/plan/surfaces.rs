@@ -6,21 +6,21 @@ use std::collections::{BTreeMap, HashSet};
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::facet::Facet;
-use crate::mesh::hidden::Hidden;
-use crate::mesh::surface::{Patch, Skin, Surface};
-use crate::model::{ElementKind, Side, Sides};
+use crate::mesh::hidden::InteriorFaces;
+use crate::mesh::surface::{DeformableFaces, RigidFacets, SurfaceGeometry};
+use crate::model::{ElementKind, ElementSide, SideSelection};
 
 impl Compiler<'_> {
     /// The surface of some sides. Elements of no body are an error.
-    pub(super) fn surface(&mut self, sides: &Sides, span: Span) -> Surface {
+    pub(super) fn surface(&mut self, sides: &SideSelection, span: Span) -> SurfaceGeometry {
         let mut by_body: BTreeMap<usize, Vec<(usize, Facet)>> = BTreeMap::new();
         let (mut faces, mut behind, mut shells) = (Vec::new(), Vec::new(), Vec::new());
         let mut stray = None;
         for &(element, side) in &sides.faces {
             if self.places.elements.contains_key(&element) {
-                if let Some(mut ends) = self.model.mesh.ends(element, side) {
+                if let Some(mut ends) = self.model.mesh.side_nodes(element, side) {
                     // The body lies to the left of the way; seen from the side of its normal a shell lies to the right.
-                    if side == Side::Positive {
+                    if side == ElementSide::Positive {
                         ends.reverse();
                     }
                     faces.push(ends.map(|n| self.places.nodes[&n]));
@@ -40,45 +40,47 @@ impl Compiler<'_> {
             let message = format!("`{}` holds element {name}, which belongs to no body", sides.name);
             self.diagnostics.push(Diagnostic::error("P003", message).at(span, "this load needs facets of a body"));
         }
-        let patches = by_body.into_iter().map(|(body, facets)| Patch { body, facets }).collect();
-        let mut skin = Skin::new(faces, behind);
+        let patches = by_body.into_iter().map(|(body, facets)| RigidFacets { body, facets }).collect();
+        let mut skin = DeformableFaces::new(faces, behind);
         if shells.contains(&true) {
             skin.shells = shells;
         }
-        Surface { patches, skin: skin.with_hidden(self.hidden_faces(sides)) }
+        SurfaceGeometry { patches, skin: skin.with_hidden(self.hidden_faces(sides)) }
     }
 
     /// Faces within what deforms of the elements of which all that lies bare is meant; none where no element can be deleted.
-    fn hidden_faces(&self, sides: &Sides) -> Hidden {
-        if sides.whole.is_empty() || !self.deletes() {
-            return Hidden::default();
+    fn hidden_faces(&self, sides: &SideSelection) -> InteriorFaces {
+        if sides.free_face_elements.is_empty() || !self.deletes() {
+            return InteriorFaces::default();
         }
         let mesh = &self.model.mesh;
         let faces_of = |element: usize| {
             let count =
                 if mesh.elements[element].kind.is_solid() { mesh.elements[element].nodes.len() as u8 } else { 0 };
             let deforms = self.places.elements.contains_key(&element);
-            let sides = (1..=count).filter(move |_| deforms).map(Side::Face);
-            sides.filter_map(move |s| Some(mesh.ends(element, s)?.map(|n| self.places.nodes[&n])))
+            let sides = (1..=count).filter(move |_| deforms).map(ElementSide::Face);
+            sides.filter_map(move |s| Some(mesh.side_nodes(element, s)?.map(|n| self.places.nodes[&n])))
         };
         let all: HashSet<[usize; 2]> = self.places.elements.keys().flat_map(|&e| faces_of(e)).collect();
-        let own = sides.whole.iter().flat_map(|&e| faces_of(e).map(move |face| (face, e)));
+        let own = sides.free_face_elements.iter().flat_map(|&e| faces_of(e).map(move |face| (face, e)));
         // A face that is named besides is loaded from the start.
-        let named: HashSet<(usize, Side)> = sides.faces.iter().copied().collect();
+        let named: HashSet<(usize, ElementSide)> = sides.faces.iter().copied().collect();
         let is_named = |element: usize, [a, b]: [usize; 2]| {
-            let ends = |&s: &Side| mesh.ends(element, s).map(|e| e.map(|n| self.places.nodes[&n])) == Some([a, b]);
+            let ends = |&s: &ElementSide| {
+                mesh.side_nodes(element, s).map(|e| e.map(|n| self.places.nodes[&n])) == Some([a, b])
+            };
             (1..=mesh.elements[element].nodes.len() as u8)
-                .map(Side::Face)
+                .map(ElementSide::Face)
                 .filter(ends)
                 .any(|s| named.contains(&(element, s)))
         };
-        Hidden::new(own.filter(|&([a, b], e)| all.contains(&[b, a]) && !is_named(e, [a, b])).collect())
+        InteriorFaces::new(own.filter(|&([a, b], e)| all.contains(&[b, a]) && !is_named(e, [a, b])).collect())
     }
 
     /// The facet of one side. A solid's face runs counter-clockwise, so its outward normal is the negative side.
-    fn facet(&self, element: usize, side: Side) -> Option<Facet> {
+    fn facet(&self, element: usize, side: ElementSide) -> Option<Facet> {
         let mesh = &self.model.mesh;
-        let [from, to] = mesh.ends(element, side)?.map(|n| mesh.points[n]);
-        Facet::new(from, to, side == Side::Positive)
+        let [from, to] = mesh.side_nodes(element, side)?.map(|n| mesh.points[n]);
+        Facet::new(from, to, side == ElementSide::Positive)
     }
 }

@@ -3,20 +3,21 @@
 
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
-use crate::kernel::cavity::Resistance;
+use crate::kernel::cavity::CavityResistance;
 use crate::kernel::free_surface::FiniteSphere;
 use crate::load::Load as Effect;
-use crate::load::cavity::{Bounds, CavityExpansion, Crater, Finite, Stack, Tilt};
-use crate::mesh::surface::{Patch, Surface};
+use crate::load::cavity::{CavityExpansion, EntryCrater, LayerBounds, LayerStack, StackBounds, StackTilt};
+use crate::mesh::surface::{RigidFacets, SurfaceGeometry};
 use crate::model::{
-    DEFAULT_ACCURACY, FreeSurfaces, IncrementControl, Layer, Load, MaterialId, Sides, Step, Target, TargetId,
+    DEFAULT_ACCURACY, FreeSurfaces, IncrementControl, Load, MaterialId, SideSelection, Step, TargetId, TargetLayer,
+    TargetStack,
 };
 
 impl Compiler<'_> {
     pub(super) fn cavity(
         &mut self,
         load: &Load,
-        sides: &Sides,
+        sides: &SideSelection,
         target: TargetId,
         friction: f64,
         step: &Step,
@@ -49,10 +50,10 @@ impl Compiler<'_> {
         }
         let stack = self.stack(target)?;
         let detail = format!("{} into {}", sides.name, target.name);
-        let id = self.cause(load.span, "cavity expansion", count, "facets", detail);
+        let id = self.ledger_row(load.span, "cavity expansion", count, "facets", detail);
         if friction > 0.0 {
             let detail = format!("Coulomb, coefficient {friction}");
-            self.cause(load.span, "friction", count, "facets", detail);
+            self.ledger_row(load.span, "friction", count, "facets", detail);
         }
         self.target_rows(target);
         let travel = match step.increment {
@@ -66,7 +67,7 @@ impl Compiler<'_> {
         // Increments that the deck gives follow no accuracy.
         let travel = travel.min(DEFAULT_ACCURACY.sqrt());
         for patch in oblique {
-            let tilt = Tilt::new(target.front, target.obliquity.to_radians());
+            let tilt = StackTilt::new(target.front, target.obliquity.to_radians());
             let Some(body) = &state.dofs.bodies[patch.body].spatial else { continue };
             effect = effect.with_oblique(&patch, body, (tilt, target.direction), travel);
         }
@@ -78,24 +79,24 @@ impl Compiler<'_> {
     }
 
     /// Takes from a surface its patches on bodies in space.
-    fn take_oblique(&self, surface: &mut Surface) -> Vec<Patch> {
-        let (oblique, along_z): (Vec<Patch>, Vec<Patch>) =
+    fn take_oblique(&self, surface: &mut SurfaceGeometry) -> Vec<RigidFacets> {
+        let (oblique, along_z): (Vec<RigidFacets>, Vec<RigidFacets>) =
             std::mem::take(&mut surface.patches).into_iter().partition(|p| self.bodies[p.body].spatial);
         surface.patches = along_z;
         oblique
     }
 
-    fn target_rows(&mut self, target: &Target) {
-        let name = |l: &Layer| l.material.map_or("gap", |m| self.model.materials[m].name.as_str());
+    fn target_rows(&mut self, target: &TargetStack) {
+        let name = |l: &TargetLayer| l.material.map_or("gap", |m| self.model.materials[m].name.as_str());
         let names: Vec<_> = target.layers.iter().take(4).map(name).collect();
         let more = if target.layers.len() > 4 { ", …" } else { "" };
         let tilt =
             if target.obliquity == 0.0 { String::new() } else { format!(", tilted by {} deg", target.obliquity) };
         let detail = format!("{}: {}{more}; front at z = {}{tilt}", target.name, names.join(", "), target.front);
-        self.cause(target.span, "target", target.layers.len(), "layers", detail);
+        self.ledger_row(target.span, "target", target.layers.len(), "layers", detail);
         target.layers.iter().filter_map(|layer| layer.material).for_each(|material| self.derived_row(material));
         let mut row = |effect, detail: String| {
-            self.cause(target.span, effect, target.layers.len(), "layers", format!("{}: {detail}", target.name));
+            self.ledger_row(target.span, effect, target.layers.len(), "layers", format!("{}: {detail}", target.name));
         };
         match target.free_surfaces {
             FreeSurfaces::Off => {}
@@ -131,19 +132,19 @@ impl Compiler<'_> {
             from.worst[1],
             from.still
         );
-        self.cause(law.span, "derived resistance", 3, "constants", detail);
+        self.ledger_row(law.span, "derived resistance", 3, "constants", detail);
     }
 
-    fn stack(&self, target: &Target) -> Option<Stack> {
-        let law = |layer: &Layer| {
+    fn stack(&self, target: &TargetStack) -> Option<LayerStack> {
+        let law = |layer: &TargetLayer| {
             let Some(material) = layer.material.map(|m| &self.model.materials[m]) else {
-                return Some(Resistance::NONE);
+                return Some(CavityResistance::NONE);
             };
             let law = material.cavity?;
-            Some(Resistance::new(law.yield_stress, material.density?, [law.a, law.b, law.c]))
+            Some(CavityResistance::new(law.yield_stress, material.density?, [law.a, law.b, law.c]))
         };
         let layers = target.layers.iter().map(|l| Some((l.thickness, law(l)?))).collect::<Option<Vec<_>>>()?;
-        let stack = Stack::new(target.front, target.direction, &layers);
+        let stack = LayerStack::new(target.front, target.direction, &layers);
         let bounded = target.free_surfaces != FreeSurfaces::Off
             || target.crater.is_some()
             || target.shear_strength.is_some()
@@ -151,17 +152,17 @@ impl Compiler<'_> {
         if !bounded {
             return Some(stack);
         }
-        let finite = Finite {
+        let finite = StackBounds {
             layers: self.bounds(target, &stack.planes),
-            crater: target.crater.map(|depth| Crater { front: target.front, direction: target.direction, depth }),
+            crater: target.crater.map(|depth| EntryCrater { front: target.front, direction: target.direction, depth }),
             shear_strength: target.shear_strength,
         };
-        Some(stack.within(finite))
+        Some(stack.with_bounds(finite))
     }
 
     /// Bounds of the layers, ascending in z as the planes between them.
-    fn bounds(&self, target: &Target, planes: &[f64]) -> Vec<Bounds> {
-        let mut layers: Vec<&Layer> = target.layers.iter().collect();
+    fn bounds(&self, target: &TargetStack, planes: &[f64]) -> Vec<LayerBounds> {
+        let mut layers: Vec<&TargetLayer> = target.layers.iter().collect();
         if target.direction < 0.0 {
             layers.reverse();
         }
@@ -181,7 +182,7 @@ impl Compiler<'_> {
                 let material = &self.model.materials[material];
                 FiniteSphere::new(material.elastic?[0], material.cavity?.yield_stress)
             });
-            Bounds { radius: layer.radius, faces: [planes[low], planes[high + 1]], decay }
+            LayerBounds { radius: layer.radius, faces: [planes[low], planes[high + 1]], decay }
         });
         bounds.collect()
     }

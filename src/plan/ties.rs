@@ -1,13 +1,12 @@
 //! Nodes that rigid and deformable bodies share.
-//! Never here: rigid bodies without such nodes.
 
 use std::collections::BTreeMap;
 
 use super::Compiler;
-use crate::constraint::tie::Tie;
+use crate::constraint::tie::TiedNodes;
 
 impl Compiler<'_> {
-    /// Ties of shared nodes; the mass that elements put on them goes over to the bodies.
+    /// Creates the ties of shared nodes. The mass of deformable elements at these nodes is moved to the rigid bodies.
     pub(super) fn tie(&mut self, mass: &mut [f64]) {
         let mut by_body: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (node, &body) in self.places.tied.iter() {
@@ -18,9 +17,9 @@ impl Compiler<'_> {
             let tied: f64 = nodes.iter().map(|&n| mass[n]).sum();
             nodes.iter().for_each(|&n| mass[n] = 0.0);
             self.bodies[body].tied_mass += tied;
-            let detail = format!("shared with deformable elements, whose mass there, {tied}, the body carries");
-            let id = self.cause(self.bodies[body].span, "tied nodes", nodes.len(), "nodes", detail);
-            self.ties.push(Tie { id, body, nodes });
+            let detail = format!("shared with deformable elements, whose nodal mass {tied} is added to the rigid body");
+            let id = self.ledger_row(self.bodies[body].span, "tied nodes", nodes.len(), "nodes", detail);
+            self.ties.push(TiedNodes { id, body, nodes });
         }
     }
 }

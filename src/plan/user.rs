@@ -3,16 +3,16 @@
 
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
-use crate::load::user_amplitude::{Sensed, UserAmplitude};
-use crate::model::{AmplitudeDefinition, AmplitudeId, OutputRequest, Region};
+use crate::load::user_amplitude::{SensorQuantity, SubroutineAmplitude};
+use crate::model::{AmplitudeDefinition, AmplitudeId, OutputRegion, OutputRequest};
 use crate::state::dofs::Dof;
 use crate::variables::request::VariableRequest;
-use crate::variables::{Part, Variable};
+use crate::variables::{Variable, VariableComponent};
 
 impl Compiler<'_> {
     /// Says that a routine that the deck asks for is not there, or why it cannot be called.
-    pub(super) fn no_routine(&mut self, span: Span, label: &str, asks: &str, name: &'static str) {
-        self.called.push(name);
+    pub(super) fn report_missing_routine(&mut self, span: Span, label: &str, asks: &str, name: &'static str) {
+        self.called_routines.push(name);
         if let Some(uncallable) = self.routines.uncallable.iter().find(|m| m.routine == name) {
             let code = if uncallable.code == "U004" { "U004" } else { "U005" };
             let finding = Diagnostic::error(code, format!("{asks}: {}", uncallable.message));
@@ -38,10 +38,10 @@ impl Compiler<'_> {
             ("vucharlength", routines.lengths.is_some(), "no element takes a length of *CHARACTERISTIC LENGTH"),
         ];
         let uncalled: Vec<(&str, &str)> =
-            there.into_iter().filter(|r| r.1 && !self.called.contains(&r.0)).map(|r| (r.0, r.2)).collect();
+            there.into_iter().filter(|r| r.1 && !self.called_routines.contains(&r.0)).map(|r| (r.0, r.2)).collect();
         let unsupported = routines.unsupported.iter().map(|name| (*name, "Revolve does not have it"));
         for (name, why) in uncalled.into_iter().chain(unsupported) {
-            self.unused(Span::default(), format!("routine {name}"), format!("it is never called: {why}"));
+            self.add_unused_card(Span::default(), format!("routine {name}"), format!("it is never called: {why}"));
             let message = format!("the user's files define `{name}`, which is never called: {why}");
             self.diagnostics.push(Diagnostic::note("U009", message));
         }
@@ -49,24 +49,24 @@ impl Compiler<'_> {
 
     /// Index of a user amplitude; its subroutine is called once an increment, whatever the number of loads it scales.
     pub(super) fn user_amplitude(&mut self, id: AmplitudeId) -> usize {
-        if let Some(&index) = self.tellers.get(&id) {
+        if let Some(&index) = self.user_amplitude_index.get(&id) {
             return index;
         }
         let index = self.user_amplitude_count;
         self.user_amplitude_count += 1;
-        self.tellers.insert(id, index);
+        self.user_amplitude_index.insert(id, index);
         let amplitude = &self.model.amplitudes[id];
         let AmplitudeDefinition::User { properties, variables } = &amplitude.definition else { return index };
         if self.routines.amplitude.is_none() {
             let asks = format!("the amplitude `{}` is the user's", amplitude.name);
-            self.no_routine(amplitude.span, "amplitude", &asks, "vuamp");
+            self.report_missing_routine(amplitude.span, "amplitude", &asks, "vuamp");
             return index;
         }
-        self.called.push("vuamp");
+        self.called_routines.push("vuamp");
         let (sensor_names, sensors): (Vec<_>, Vec<_>) = self.sensors().into_iter().unzip();
         let detail = format!("{} ({} sensors)", amplitude.name, sensors.len());
-        let id = self.cause(amplitude.span, "user amplitude", 1, "amplitude", detail);
-        self.amplitudes.push(UserAmplitude {
+        let id = self.ledger_row(amplitude.span, "user amplitude", 1, "amplitude", detail);
+        self.amplitudes.push(SubroutineAmplitude {
             id,
             name: amplitude.name.clone(),
             properties: properties.clone(),
@@ -80,9 +80,9 @@ impl Compiler<'_> {
     }
 
     /// The sensors of all steps: `*OUTPUT, HISTORY, SENSOR, NAME=` with one variable on one node.
-    fn sensors(&mut self) -> Vec<(String, Sensed)> {
+    fn sensors(&mut self) -> Vec<(String, SensorQuantity)> {
         let model = self.model;
-        let mut sensors: Vec<(String, Sensed)> = Vec::new();
+        let mut sensors: Vec<(String, SensorQuantity)> = Vec::new();
         for request in model.steps.iter().flat_map(|s| &s.outputs) {
             let Some(name) = &request.sensor else { continue };
             match self.sensed(request) {
@@ -98,22 +98,24 @@ impl Compiler<'_> {
         sensors
     }
 
-    fn sensed(&self, request: &OutputRequest) -> Option<Sensed> {
-        let Region::Nodes(set) = &request.region else { return None };
+    fn sensed(&self, request: &OutputRequest) -> Option<SensorQuantity> {
+        let OutputRegion::Nodes(set) = &request.region else { return None };
         if !request.statistics.is_empty() {
             return None;
         }
         let [node] = self.model.node_sets[*set].members[..] else { return None };
-        let [VariableRequest::One(Part { variable, component })] = request.variables[..] else { return None };
+        let [VariableRequest::One(VariableComponent { variable, component })] = request.variables[..] else {
+            return None;
+        };
         let dof = match (self.places.free_node(node), self.body_of_node.get(&node)) {
             (Some(place), _) => Dof::Node(place, component),
             (_, Some(&body)) if component == 1 => Dof::Body(body),
             _ => return None,
         };
         match variable {
-            Variable::Displacement => Some(Sensed::Displacement(dof)),
-            Variable::Velocity => Some(Sensed::Velocity(dof)),
-            Variable::Acceleration => Some(Sensed::Acceleration(dof)),
+            Variable::Displacement => Some(SensorQuantity::Displacement(dof)),
+            Variable::Velocity => Some(SensorQuantity::Velocity(dof)),
+            Variable::Acceleration => Some(SensorQuantity::Acceleration(dof)),
             _ => None,
         }
     }

@@ -1,5 +1,4 @@
-//! Contact of rigid bodies in space with analytical surfaces that are held: which pairs it is for, and what is unsupported.
-//! Never here: the contact itself, deformable surfaces.
+//! Contact of oblique rigid bodies (six degrees of freedom) with fixed analytical surfaces.
 
 use super::Compiler;
 use super::State;
@@ -8,13 +7,13 @@ use super::general_contact::pair_name;
 use crate::constraint::Constraint;
 use crate::constraint::rigid_wall_contact::{RigidWallContact, WallPair};
 use crate::deck::Diagnostic;
-use crate::kernel::interaction::Overclosure;
+use crate::kernel::interaction::PressureOverclosure;
 use crate::kernel::lists::sorted_unique;
 use crate::model::{IncrementControl, Step, SurfaceContact};
 use crate::platform::PortableMath as _;
 
 impl Compiler<'_> {
-    /// The body in space on one side of a pair, and which side that is.
+    /// Returns the oblique rigid body of a pair and its side (0 or 1).
     pub(super) fn spatial_side(&self, pair: &SurfaceContact) -> Option<(usize, usize)> {
         let spatial = |body: &usize| self.bodies[*body].spatial;
         let of_side = |side: usize| {
@@ -26,7 +25,7 @@ impl Compiler<'_> {
         (0..2).find_map(|side| Some((of_side(side)?, side)))
     }
 
-    /// Contact of bodies in space with analytical surfaces in a step.
+    /// Creates the contact of oblique rigid bodies in a step. Unsupported pairs are reported.
     pub(super) fn wall_contacts(&mut self, step: usize, state: &State) -> Vec<Box<dyn Constraint>> {
         let pairs: Vec<_> = self.pairs[step].iter().filter_map(|p| Some((p.clone(), self.spatial_side(p)?))).collect();
         let mut found: Vec<Box<dyn Constraint>> = Vec::new();
@@ -50,20 +49,22 @@ impl Compiler<'_> {
         state: &State,
     ) -> Result<RigidWallContact, &'static str> {
         let Some(analytical) = &pair.analytical else {
-            return Err("contact with a surface of elements, which a body of revolution that is turned cannot meet,");
+            return Err("contact with a surface of elements");
         };
-        if pair.penalty.is_some() || pair.law.overclosure != Overclosure::Hard || pair.law.friction.largest.is_finite()
+        if pair.penalty.is_some()
+            || pair.law.overclosure != PressureOverclosure::Hard
+            || pair.law.friction.largest.is_finite()
         {
-            return Err("contact that gives way, or TAUMAX,");
+            return Err("soft contact or TAUMAX");
         }
         let surface = &self.model.surfaces.analytical[analytical.surface];
         let wall = surface.reference.and_then(|node| self.body_of_node.get(&node).copied());
         let held = |reference: usize| {
-            let fixed = |b: &&crate::model::Boundary| b.dof == 2 && b.nodes.contains(&reference);
+            let fixed = |b: &&crate::model::BoundaryCondition| b.dof == 2 && b.nodes.contains(&reference);
             step.boundaries.iter().find(fixed).is_some_and(|b| b.value == 0.0 && !b.user)
         };
         let Some(wall) = wall.filter(|&wall| held(self.bodies[wall].reference)) else {
-            return Err("contact with an analytical surface whose rigid body is not held (*BOUNDARY along 2)");
+            return Err("contact with an analytical surface whose rigid body is not fixed (*BOUNDARY along 2)");
         };
         let spatial = state.dofs.bodies[body].spatial.as_ref().ok_or("contact")?;
         let [centre_r, centre_z, third] = spatial.centre;
@@ -71,16 +72,16 @@ impl Compiler<'_> {
         let mesh = &self.model.mesh;
         if profile.nearest([centre_r.portable_hypot(third), centre_z], 0.0).gap < 0.0 {
             let message = format!(
-                "`{}` faces away from `{}`: contact is taken on the side where that is",
+                "`{}` faces away from `{}`: the analytical surface is reversed",
                 pair.sides[1 - side].name,
                 pair.sides[side].name
             );
-            let way = "its front is to the left of the way from START on; ABAQUS keeps to it";
+            let way = "its front is to the left of the direction from START; ABAQUS does not reverse it";
             let finding = Diagnostic::warning("P110", message).at(surface.span, way).at(pair.span, "this pair");
             self.diagnostics.push(finding.help("give the points of the surface in the opposite order"));
             profile = profile.reversed();
         }
-        let faces = pair.sides[side].faces.iter().filter_map(|&(e, s)| mesh.ends(e, s)).flatten();
+        let faces = pair.sides[side].faces.iter().filter_map(|&(e, s)| mesh.side_nodes(e, s)).flatten();
         let mut nodes: Vec<usize> = sorted_unique(faces.chain(analytical.nodes.iter().copied()));
         nodes.retain(|n| self.body_of_node.get(n) == Some(&body));
         let rings: Vec<[f64; 2]> =
@@ -92,7 +93,7 @@ impl Compiler<'_> {
         let detail =
             format!("{} on {}, kinematic{}", pair.sides[side].name, pair.sides[1 - side].name, friction_of(pair));
         let number = self.pair_names.iter().position(|n| *n == pair_name(pair)).unwrap_or_default();
-        let id = self.cause(pair.span, "contact with a wall", rings.len(), "rings", detail);
+        let id = self.ledger_row(pair.span, "contact with a wall", rings.len(), "rings", detail);
         let pair = WallPair { id, number, first: side == 0, bodies: [body, wall], friction: pair.law.friction };
         Ok(RigidWallContact::new(pair, profile, rings, spatial.stations, travel))
     }

@@ -1,9 +1,10 @@
-//! The hypotenuse in plain arithmetic. C libraries differ in its last bit, also one version of the GNU library from the next; this
-//! one has the bits of version 2.35 and later.
+//! The hypotenuse in portable arithmetic. The last bit of `hypot` differs between C libraries and their versions; this
+//! function
+//! reproduces the bits of the GNU C library 2.35 and later.
 //! Source: C. F. Borges, "Algorithm 1014: An improved algorithm for hypot(x, y)", ACM Trans. Math. Softw. 47 (2021) 9, without
 //! fused operations.
 
-/// Beyond these, squares overflow or lose digits: both numbers are scaled.
+/// Outside of these limits squares overflow or lose digits, and both numbers are scaled.
 const LARGE: f64 = 1e150;
 const SMALL: f64 = 1e-140;
 /// 2^600.
@@ -23,7 +24,7 @@ impl PortableMath for f64 {
         if !(long < f64::INFINITY && short < f64::INFINITY) {
             return libm::hypot(long, short);
         }
-        // The shorter one changes no bit but that of the rounding.
+        // The shorter side only affects the rounding.
         if short <= long * (0.25 * f64::EPSILON) {
             return long + short;
         }
@@ -36,7 +37,7 @@ impl PortableMath for f64 {
     }
 }
 
-/// Returns the root of the sum of squares, less the error of its square, which the rearranged sum gives exactly enough.
+/// Returns the root of the sum of squares, corrected by the error of its square.
 #[inline]
 fn corrected_root(long: f64, short: f64) -> f64 {
     let root = (long * long + short * short).sqrt();
@@ -69,7 +70,7 @@ mod tests {
         assert_eq!(1.0_f64.portable_hypot(1e-300), 1.0);
     }
 
-    /// Bits of version 2.36 of the GNU C library; libraries before 2.35 differ in the last one.
+    /// Bits of the GNU C library 2.36; versions before 2.35 differ in the last bit.
     #[test]
     fn bits_are_pinned() {
         let mut state = 88_172_645_463_325_252_u64;

@@ -1,5 +1,6 @@
-//! What differs between operating systems and their C libraries: file options, signals, the memory of the machine, last bits.
-//! Never here: what is unsafe (`user/native`).
+//! Functions that depend on the operating system or its C library: file options, signals, memory size, portable
+//! `hypot`.
+//! Unsafe code is in `user/native`.
 
 mod hypot;
 #[cfg(feature = "cli")]

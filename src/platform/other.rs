@@ -1,4 +1,4 @@
-//! Windows, and other platforms that are not Unix.
+//! File and memory functions for Windows and other platforms that are not Unix.
 
 use std::fs::{File, FileType, OpenOptions};
 use std::io;
@@ -14,38 +14,38 @@ pub fn without_links() -> OpenOptions {
     OpenOptions::new()
 }
 
-/// Changes nothing: the folder decides who may read a file.
+/// Returns the options unchanged: access rights are inherited from the folder.
 pub fn readable_by_all(options: &mut OpenOptions) -> &mut OpenOptions {
     options
 }
 
-/// Creates a folder with the rights of the folder above it.
+/// Creates a folder with the access rights of its parent folder.
 ///
 /// # Errors
-/// That of the file system.
+/// Returns the error of the file system.
 pub fn create_private_folder(path: &Path) -> io::Result<()> {
     std::fs::create_dir(path)
 }
 
-/// Returns what a path names that is neither a file nor a folder.
+/// Describes a path that is neither a file nor a folder.
 pub fn special_file(_kind: FileType) -> &'static str {
-    "no file"
+    "not a file"
 }
 
-/// Returns whether the path still names a file: the system does not remove one that is open.
+/// Returns whether the path exists. The system does not remove open files.
 pub fn is_still(_file: &File, path: &Path) -> bool {
     path.exists()
 }
 
-/// Does nothing: a folder cannot be opened as a file.
+/// Does nothing: folders cannot be opened as files.
 ///
 /// # Errors
-/// None.
+/// Never.
 pub fn sync_folder(_folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Returns the bytes of memory of the machine, if the system shows them.
+/// Returns `None`: the memory size is not determined on these platforms.
 pub fn memory_of_machine() -> Option<u128> {
     None
 }

@@ -1,4 +1,5 @@
-//! Signals: a limit on files is no reason to die; the first asks the run to end behind its increment, a later one ends the program.
+//! Signal handling on Unix: the first SIGINT or SIGTERM ends the run after the current increment, a later one ends the
+//! program.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -8,17 +9,21 @@ use signal_hook::consts::{SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::iterator::Signals;
 use signal_hook::{flag, low_level};
 
-/// Signals closer to the first than this are the same one: `timeout` sends its own to the program and then to its group, a
-/// terminal to all that run in it.
+/// Signals within this time of the first one are ignored: `timeout` sends a signal to the program and again to its
+/// process group,
+/// and a terminal sends it to all its processes.
 const SAME: Duration = Duration::from_millis(500);
 
-/// A file that grows beyond a limit is an error like a full disk, and no reason to die.
+/// Makes the operating system report a file-size limit as a write error instead of ending the program.
 pub fn outlive_limits() {
-    // Where that cannot be asked for the program ends at the limit, as others do.
+    // If the registration fails, the program ends at the limit, which is the default of the operating system.
     let _ = flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
 }
 
-/// The number of the first SIGINT or SIGTERM, 0 before.
+/// Registers the signal handlers. The returned counter has the number of the first SIGINT or SIGTERM, 0 before.
+///
+/// # Errors
+/// Returns the message of the operating system.
 pub fn watch_signals() -> Result<Arc<AtomicUsize>, String> {
     let signal = Arc::new(AtomicUsize::new(0));
     let signals = Signals::new([SIGINT, SIGTERM]).map_err(|e| format!("cannot watch for signals: {e}"))?;

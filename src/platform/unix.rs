@@ -1,16 +1,16 @@
-//! Linux and macOS.
+//! File and memory functions for Linux and macOS.
 
 use std::fs::{DirBuilder, File, FileType, OpenOptions};
 use std::io;
 use std::os::unix::fs::{DirBuilderExt as _, FileTypeExt as _, MetadataExt as _, OpenOptionsExt as _};
 use std::path::Path;
 
-/// Returns options that open a pipe at once, written to or not.
+/// Returns options that open a pipe without waiting for its other end.
 pub fn without_waiting() -> OpenOptions {
     with_flags(libc::O_NONBLOCK)
 }
 
-/// Returns the same options, which open no symbolic link.
+/// Returns options that open a pipe without waiting and refuse symbolic links.
 pub fn without_links() -> OpenOptions {
     with_flags(libc::O_NONBLOCK | libc::O_NOFOLLOW)
 }
@@ -21,45 +21,45 @@ fn with_flags(flags: i32) -> OpenOptions {
     options
 }
 
-/// Lets a new file be read by others.
+/// Makes a new file readable by all users.
 pub fn readable_by_all(options: &mut OpenOptions) -> &mut OpenOptions {
     options.mode(0o644)
 }
 
-/// Creates a folder that only its owner may open.
+/// Creates a folder that only its owner can access.
 ///
 /// # Errors
-/// That of the file system.
+/// Returns the error of the file system.
 pub fn create_private_folder(path: &Path) -> io::Result<()> {
     DirBuilder::new().mode(0o700).create(path)
 }
 
-/// Returns what a path names that is neither a file nor a folder.
+/// Describes a path that is neither a file nor a folder.
 pub fn special_file(kind: FileType) -> &'static str {
     if kind.is_fifo() {
         "a pipe"
     } else if kind.is_char_device() || kind.is_block_device() {
         "a device"
     } else {
-        "no file"
+        "not a file"
     }
 }
 
-/// Returns whether the path still names this open file.
+/// Returns whether the path still refers to this open file.
 pub fn is_still(file: &File, path: &Path) -> bool {
     let same = || Some((file.metadata().ok()?, std::fs::symlink_metadata(path).ok()?));
     same().is_some_and(|(a, b)| (a.dev(), a.ino()) == (b.dev(), b.ino()))
 }
 
-/// Waits until the disk has the names in a folder.
+/// Waits until the directory entries of a folder are written to disk.
 ///
 /// # Errors
-/// That of the file system.
+/// Returns the error of the file system.
 pub fn sync_folder(folder: &Path) -> io::Result<()> {
     File::open(folder)?.sync_all()
 }
 
-/// Returns the bytes of memory of the machine, if the system shows them.
+/// Returns the memory size of the machine in bytes; `None` if it cannot be determined.
 pub fn memory_of_machine() -> Option<u128> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let kilobytes = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?.trim().trim_end_matches("kB");

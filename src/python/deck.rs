@@ -1,5 +1,4 @@
-//! A deck, as Python holds it, and the user's compiled files.
-//! Never here: what a run gives (`run.rs`), studies.
+//! Python classes of decks and of compiled user subroutine files.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -7,9 +6,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use revolve::deck::{Sources, files, source};
-use revolve::job::{self, Frames, Options, Prepared};
+use revolve::job::{self, FrameOutput, JobOptions, PreparedJob};
 use revolve::model::{Model, Precision};
-use revolve::output::{Job, Points};
+use revolve::output::{FramePoints, JobFiles};
 use revolve::solve::Progress;
 use revolve::study::evaluate::DeckSource;
 use revolve::user::Routines;
@@ -17,26 +16,26 @@ use revolve::user::compile::Compiled;
 
 use crate::errors;
 use crate::evaluate::Evaluator;
-use crate::load::{Load, Raised, raised};
+use crate::load::{PythonLoad, RaisedException, raised};
 use crate::run::Run;
-use crate::waiting::Waiting;
+use crate::waiting::PythonWait;
 
-/// Stack of a thread, bytes: routines of the user may keep large arrays there, as in a main thread.
+/// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
 const STACK: usize = 64 << 20;
 
-/// Settings of parameters by name.
-pub type Settings = Vec<(String, String)>;
+/// Values of deck parameters by name.
+pub type ParameterSettings = Vec<(String, String)>;
 
-/// The user's files, compiled.
+/// Compiled user subroutine files.
 #[pyclass(frozen, module = "revolve._revolve")]
 pub struct User {
     pub compiled: Arc<Compiled>,
-    /// What the user should know, as JSON.
+    /// Notes and warnings of the compilation, as JSON.
     #[pyo3(get)]
     notes: String,
 }
 
-/// Compiles user subroutines; `checked` with bounds checks.
+/// Compiles user subroutines; `checked` enables array bounds checks.
 #[pyfunction]
 pub fn compile(py: Python<'_>, files: Vec<PathBuf>, checked: bool) -> PyResult<User> {
     let compiled = py.detach(|| revolve::user::compile::compile(&files, checked));
@@ -45,19 +44,19 @@ pub fn compile(py: Python<'_>, files: Vec<PathBuf>, checked: bool) -> PyResult<U
     Ok(User { compiled: Arc::new(compiled), notes })
 }
 
-/// A deck that has been planned without a user's routines, and the settings that it was planned for.
-type Known = Option<(Settings, Arc<Prepared>)>;
+/// A deck prepared without user subroutines, and the parameter values it was prepared with.
+type CachedPlan = Option<(ParameterSettings, Arc<PreparedJob>)>;
 
-/// A deck as text, read when it was made.
+/// A deck whose text was read when the object was created.
 #[pyclass(frozen, module = "revolve._revolve")]
 pub struct Deck {
     pub source: DeckSource,
     precision: Precision,
-    known: Mutex<Known>,
+    known: Mutex<CachedPlan>,
 }
 
-/// How a run is to be made.
-struct Asked {
+/// Options of a run.
+struct RunRequest {
     threads: usize,
     frames: bool,
     out: Option<PathBuf>,
@@ -65,7 +64,7 @@ struct Asked {
 
 #[pymethods]
 impl Deck {
-    /// From a file, or from text with the name of the file for which it stands.
+    /// Creates a deck from a file, or from text with a file name for messages and relative paths.
     #[new]
     fn new(name: &str, text: Option<String>, precision: &str) -> PyResult<Deck> {
         let text = match text {
@@ -79,15 +78,21 @@ impl Deck {
         Ok(Deck { source: DeckSource::Text(name.to_owned(), text), precision, known: Mutex::default() })
     }
 
-    /// The text.
+    /// Text of the deck.
     #[getter]
     fn text(&self) -> &str {
         let DeckSource::Text(_, text) = &self.source else { return "" };
         text
     }
 
-    /// What is found in it, as JSON: findings, ledger, parameters, title.
-    fn check(&self, py: Python<'_>, settings: Settings, user: Option<&User>, load: Option<Load>) -> PyResult<String> {
+    /// Checks the deck; returns diagnostics, ledger, parameters, title and history columns as JSON.
+    fn check(
+        &self,
+        py: Python<'_>,
+        settings: ParameterSettings,
+        user: Option<&User>,
+        load: Option<PythonLoad>,
+    ) -> PyResult<String> {
         let (routines, _) = routines(py, user, load.as_ref())?;
         let prepared = py.detach(|| self.prepare(&settings, &routines));
         let sources = &prepared.deck.sources;
@@ -103,14 +108,14 @@ impl Deck {
         Ok(found.to_string())
     }
 
-    /// Runs it.
+    /// Runs the deck.
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn run(
         &self,
         py: Python<'_>,
-        settings: Settings,
+        settings: ParameterSettings,
         user: Option<&User>,
-        load: Option<Load>,
+        load: Option<PythonLoad>,
         threads: usize,
         frames: bool,
         out: Option<PathBuf>,
@@ -121,49 +126,49 @@ impl Deck {
         if prepared.diagnostics.has_errors() {
             return Err(errors::refused(py, &prepared.diagnostics, &prepared.deck.sources));
         }
-        let waiting = Waiting::new(progress);
+        let waiting = PythonWait::new(progress);
         let identity = user.map_or_else(String::new, |user| user.compiled.identity());
-        let asked = Asked { threads, frames, out };
+        let asked = RunRequest { threads, frames, out };
         let ran = py.detach(|| self.carry_out(&prepared, asked, identity, &waiting));
         raised(&exception)?;
         waiting.end()?;
         ran.map_err(|why| why.raise(py))
     }
 
-    /// Quantities over parameters.
+    /// Creates an evaluator of quantities over parameters.
     fn evaluator(
         &self,
         py: Python<'_>,
         names: Vec<String>,
-        fixed: Settings,
+        fixed: ParameterSettings,
         quantities: Vec<String>,
         user: Option<Py<User>>,
-        load: Option<Load>,
+        load: Option<PythonLoad>,
     ) -> PyResult<Evaluator> {
         Evaluator::make(py, self.source.clone(), names, fixed, quantities, user, load)
     }
 }
 
-/// Why there is no run.
-enum NoRun {
-    Refused(job::Refusal),
+/// Error that prevents a run.
+enum RunError {
+    Refused(job::JobError),
     Named(Box<revolve::deck::Diagnostic>),
     Threads(String),
 }
 
-impl NoRun {
+impl RunError {
     fn raise(self, py: Python<'_>) -> PyErr {
         match self {
-            NoRun::Refused(why) => errors::refusal(py, why),
-            NoRun::Named(finding) => errors::finding(py, *finding),
-            NoRun::Threads(why) => PyOSError::new_err(why),
+            RunError::Refused(why) => errors::refusal(py, why),
+            RunError::Named(finding) => errors::finding(py, *finding),
+            RunError::Threads(why) => PyOSError::new_err(why),
         }
     }
 }
 
-/// The routines that Python gives, and what its function raised.
-fn routines(py: Python<'_>, user: Option<&User>, load: Option<&Load>) -> PyResult<(Routines, Raised)> {
-    let raised = Raised::default();
+/// Returns the user subroutines given in Python, and the storage for an exception of the load function.
+fn routines(py: Python<'_>, user: Option<&User>, load: Option<&PythonLoad>) -> PyResult<(Routines, RaisedException)> {
+    let raised = RaisedException::default();
     let mut routines = load.map_or_else(Routines::none, |load| load.routines(&raised));
     if let Some(user) = user {
         let opened = py.detach(|| user.compiled.open()).map_err(|found| errors::finding(py, found))?;
@@ -175,7 +180,7 @@ fn routines(py: Python<'_>, user: Option<&User>, load: Option<&Load>) -> PyResul
 }
 
 impl Deck {
-    fn prepare(&self, settings: &Settings, routines: &Routines) -> Prepared {
+    fn prepare(&self, settings: &ParameterSettings, routines: &Routines) -> PreparedJob {
         let precision = self.precision;
         job::prepare_edited(
             self.source.read(settings),
@@ -184,8 +189,9 @@ impl Deck {
         )
     }
 
-    /// The same; a deck without routines is planned once for the same settings.
-    fn prepared(&self, settings: Settings, routines: &Routines) -> Arc<Prepared> {
+    /// Like [`prepare`](Self::prepare); without user subroutines the last result is reused for the same parameter
+    /// values.
+    fn prepared(&self, settings: ParameterSettings, routines: &Routines) -> Arc<PreparedJob> {
         if routines.any() {
             return Arc::new(self.prepare(&settings, routines));
         }
@@ -198,46 +204,55 @@ impl Deck {
         prepared
     }
 
-    /// Runs on threads of its own where there is work for several; Python's waits and looks for signals.
-    fn carry_out(&self, prepared: &Prepared, asked: Asked, user: String, waiting: &Waiting) -> Result<Run, NoRun> {
-        let DeckSource::Text(name, _) = &self.source else { return Err(NoRun::Threads("a deck has text".into())) };
-        let job = job::default_job(Path::new(name), asked.out.clone()).map_err(NoRun::Named)?;
+    /// Runs the deck, on a separate thread pool if it can use several threads; the Python thread meanwhile waits and
+    /// checks for signals.
+    fn carry_out(
+        &self,
+        prepared: &PreparedJob,
+        asked: RunRequest,
+        user: String,
+        waiting: &PythonWait,
+    ) -> Result<Run, RunError> {
+        let DeckSource::Text(name, _) = &self.source else {
+            return Err(RunError::Threads("the deck has no text".into()));
+        };
+        let job = job::default_job(Path::new(name), asked.out.clone()).map_err(RunError::Named)?;
         let threads = asked.threads.min(prepared.most_threads()).max(1);
         if threads == 1 && prepared.most_threads() == 1 {
             return work(prepared, &job, &asked, user, waiting, &mut |progress| waiting.look(progress.0, &progress.1));
         }
         let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(threads);
-        let pool = pool.build().map_err(|e| NoRun::Threads(format!("cannot start threads: {e}")))?;
-        let (tell, told) = std::sync::mpsc::channel();
+        let pool = pool.build().map_err(|e| RunError::Threads(format!("cannot start threads: {e}")))?;
+        let (sender, receiver) = std::sync::mpsc::channel();
         let mut ran = None;
         pool.in_place_scope(|scope| {
             let (ran, asked, job) = (&mut ran, &asked, &job);
             scope.spawn(move |_| {
-                // Nobody waits any longer where that is not heard.
-                *ran = Some(work(prepared, job, asked, user, waiting, &mut |progress| drop(tell.send(progress))));
+                // The receiver may have been dropped.
+                *ran = Some(work(prepared, job, asked, user, waiting, &mut |progress| drop(sender.send(progress))));
             });
             let mut now = (0.0, String::new());
             loop {
-                match told.recv_timeout(std::time::Duration::from_millis(50)) {
+                match receiver.recv_timeout(std::time::Duration::from_millis(50)) {
                     Ok(progress) => now = progress,
                     Err(std::sync::mpsc::RecvTimeoutError::Timeout) => waiting.look(now.0, &now.1),
                     Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => break,
                 }
             }
         });
-        ran.unwrap_or_else(|| Err(NoRun::Threads("the run has ended without a word".into())))
+        ran.unwrap_or_else(|| Err(RunError::Threads("the run ended without a result".into())))
     }
 }
 
-/// The run itself, into memory or into files; `tell` hears a fraction and words.
+/// Runs the deck in memory or into files; `tell` receives the completed fraction and a text.
 fn work(
-    prepared: &Prepared,
-    job: &Job,
-    asked: &Asked,
+    prepared: &PreparedJob,
+    job: &JobFiles,
+    asked: &RunRequest,
     user: String,
-    waiting: &Waiting,
+    waiting: &PythonWait,
     tell: &mut dyn FnMut((f64, String)),
-) -> Result<Run, NoRun> {
+) -> Result<Run, RunError> {
     let mut follow = |progress: &Progress<'_>| {
         if !progress.ends && progress.now.increment > 0 {
             tell((progress.fraction, format!("{} t = {:.4e}", progress.step, progress.now.total_time)));
@@ -247,8 +262,8 @@ fn work(
         let (summary, frames) = job::run_kept(prepared, job, asked.frames, &waiting.interrupt, &mut follow);
         return Ok(Run::new(summary, frames, None));
     }
-    let frames = if asked.frames { Frames::Written(Points::Current) } else { Frames::Absent };
-    let options = Options { interrupt: Some(&waiting.interrupt), user, frames, ..Options::default() };
-    let summary = job::run_with(prepared, job, options, &mut follow).map_err(NoRun::Refused)?;
+    let frames = if asked.frames { FrameOutput::Written(FramePoints::Current) } else { FrameOutput::Absent };
+    let options = JobOptions { interrupt: Some(&waiting.interrupt), user, frames, ..JobOptions::default() };
+    let summary = job::run_with(prepared, job, options, &mut follow).map_err(RunError::Refused)?;
     Ok(Run::new(summary, Vec::new(), Some(job.path(".pvd"))))
 }

@@ -1,33 +1,32 @@
-//! Evaluations: quantities over tables of parameters.
-//! Never here: names and shapes of tables, which Python sorts out.
+//! Python class for the evaluation of quantities over tables of parameters.
 
 use std::sync::Arc;
 
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
-use revolve::study::evaluate::{self, DeckSource, Samples, UserRoutines};
+use revolve::study::evaluate::{self, DeckSource, SampleTable, UserRoutines};
 use revolve::study::quantity::Quantity;
 
-use crate::deck::{Settings, User};
+use crate::deck::{ParameterSettings, User};
 use crate::errors;
-use crate::load::{Load, Raised, raised};
-use crate::waiting::Waiting;
+use crate::load::{PythonLoad, RaisedException, raised};
+use crate::waiting::PythonWait;
 
-/// Quantities of a deck over some of its parameters.
+/// Evaluator of quantities over parameters of a deck.
 #[pyclass(frozen, module = "revolve._revolve")]
 pub struct Evaluator {
-    evaluator: evaluate::Evaluator,
+    evaluator: evaluate::SampleEvaluator,
     width: usize,
-    raised: Raised,
+    raised: RaisedException,
 }
 
-/// The table, and rows without values with the reasons.
+/// Table of quantities, and the failed rows with their errors.
 type Evaluated<'py> = (Bound<'py, PyArray2<f64>>, Vec<(usize, String)>);
 
 #[pymethods]
 impl Evaluator {
-    /// Runs a table of samples, one row each.
+    /// Evaluates a table of samples, one per row.
     fn run<'py>(
         &self,
         py: Python<'py>,
@@ -37,9 +36,9 @@ impl Evaluator {
     ) -> PyResult<Evaluated<'py>> {
         let count = samples.as_array().nrows();
         let values = samples.as_slice().map_err(|e| errors::setting(format!("samples: {e}")))?;
-        let samples = Samples { values, count };
+        let samples = SampleTable { values, count };
         let mut table = Array2::from_elem((count, self.width), f64::NAN);
-        let waiting = Waiting::new(progress);
+        let waiting = PythonWait::new(progress);
         let out = table.as_slice_mut().unwrap_or_default();
         let mut look =
             |done: usize| waiting.look(done as f64 / count.max(1) as f64, &format!("{done} of {count} samples"));
@@ -53,29 +52,29 @@ impl Evaluator {
 }
 
 impl Evaluator {
-    /// For a deck.
+    /// Creates an evaluator for a deck.
     pub fn make(
         py: Python<'_>,
         source: DeckSource,
         names: Vec<String>,
-        fixed: Settings,
+        fixed: ParameterSettings,
         quantities: Vec<String>,
         user: Option<Py<User>>,
-        load: Option<Load>,
+        load: Option<PythonLoad>,
     ) -> PyResult<Evaluator> {
         let parsed = quantities.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>();
         let parsed = parsed.map_err(|why| errors::study(py, &why))?;
         let width = parsed.len();
-        let raised = Raised::default();
+        let raised = RaisedException::default();
         let routines = match (user, load) {
             (None, None) => UserRoutines::Absent,
             (Some(user), None) => UserRoutines::Files(Arc::clone(&user.get().compiled)),
             (_, Some(load)) => {
-                let told = raised.clone();
-                UserRoutines::Stateless(Box::new(move || load.routines(&told)))
+                let exception = raised.clone();
+                UserRoutines::Stateless(Box::new(move || load.routines(&exception)))
             }
         };
-        let evaluator = py.detach(|| evaluate::Evaluator::new(source, fixed, names, parsed, routines));
+        let evaluator = py.detach(|| evaluate::SampleEvaluator::new(source, fixed, names, parsed, routines));
         Ok(Evaluator { evaluator: evaluator.map_err(|why| errors::study(py, &why))?, width, raised })
     }
 }

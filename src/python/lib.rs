@@ -1,5 +1,4 @@
-//! The extension `revolve._revolve`: what the Python package asks of the library. One file a thing that Python holds.
-//! Never here: what Python can do as well, physics.
+//! The extension module `revolve._revolve` of the Python package; one file per class or group of functions.
 
 mod deck;
 mod errors;
@@ -14,22 +13,22 @@ use std::ffi::OsString;
 use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
 
-/// The command line: carries out arguments, the first of which is the name of the program; gives the exit status.
+/// Runs a command line, whose first argument is the program name, and returns its exit status.
 #[pyfunction]
 fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| revolve::command_line(arguments).0)
 }
 
-/// How many threads there are to be where nobody says it.
+/// Returns the default number of threads.
 #[pyfunction]
 fn default_threads() -> usize {
     revolve::default_threads()
 }
 
-/// The extension.
+/// The extension module.
 #[pymodule]
 fn _revolve(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    // User subroutines look for their host routines among all symbols of the process.
+    // User subroutines resolve their host routines among the symbols of the process.
     revolve::user::show_symbols().map_err(PyImportError::new_err)?;
     revolve::model::silence_caught_panics();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;

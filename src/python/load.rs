@@ -1,5 +1,4 @@
-//! Loads of Python: a function of arrays, or the address of a compiled function.
-//! Never here: loads of the user's files.
+//! Loads given in Python: a function of arrays, or the address of a compiled function.
 
 use std::sync::{Arc, Mutex};
 
@@ -8,67 +7,72 @@ use pyo3::prelude::*;
 use pyo3::types::PySlice;
 use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
-/// A load as Python gives it.
+/// Load given in Python.
 #[derive(FromPyObject)]
-pub enum Load {
-    /// The address of a C function.
+pub enum PythonLoad {
+    /// Address of a C function.
     Address(usize),
-    /// A function, and whether it is told the name of the surface.
+    /// Python function, and whether it takes the surface name as an argument.
     Function(Py<PyAny>, bool),
 }
 
-/// What a function of Python raised.
-pub type Raised = Arc<Mutex<Option<PyErr>>>;
+/// Exception raised by a Python load function.
+pub type RaisedException = Arc<Mutex<Option<PyErr>>>;
 
-impl Load {
-    /// The routines of a run; what its function raises goes to `raised`.
-    pub fn routines(&self, raised: &Raised) -> Routines {
+impl PythonLoad {
+    /// Returns user subroutines with this load; an exception of the function is stored in `raised`.
+    pub fn routines(&self, raised: &RaisedException) -> Routines {
         match self {
-            Load::Address(address) => Routines::none().with_load_at(*address).unwrap_or_default(),
-            Load::Function(function, named) => {
+            PythonLoad::Address(address) => Routines::none().with_load_at(*address).unwrap_or_default(),
+            PythonLoad::Function(function, named) => {
                 let function = Python::attach(|py| function.clone_ref(py));
-                Routines::none().with_load(Called { function, named: *named, sets: Vec::new(), raised: raised.clone() })
+                Routines::none().with_load(PythonFunction {
+                    function,
+                    named: *named,
+                    sets: Vec::new(),
+                    raised: raised.clone(),
+                })
             }
         }
     }
 }
 
-/// Arrays that a function is called with, used again in each call of so many points.
-struct Arrays {
+/// Argument arrays of the function for a given number of points; reused by all calls with this number.
+struct LoadArrays {
     count: usize,
-    /// r and z of coordinates, velocities and normals, one row each.
+    /// Coordinates, velocities and normals: six rows, r and z of each.
     given: Py<PyArray2<f64>>,
     pressures: Py<PyArray1<f64>>,
-    /// Coordinates, velocities and normals as `(count, 2)`.
+    /// Views of coordinates, velocities and normals with the shape `(count, 2)`.
     views: [Py<PyAny>; 3],
 }
 
-impl Arrays {
-    fn new(py: Python<'_>, count: usize) -> PyResult<Arrays> {
+impl LoadArrays {
+    fn new(py: Python<'_>, count: usize) -> PyResult<LoadArrays> {
         let given = PyArray2::<f64>::zeros(py, [6, count], false);
         let view = |first: isize| -> PyResult<Py<PyAny>> {
             let rows = given.get_item(PySlice::new(py, first, first + 2, 1))?;
             Ok(rows.getattr("T")?.unbind())
         };
         let views = [view(0)?, view(2)?, view(4)?];
-        Ok(Arrays { count, views, pressures: PyArray1::zeros(py, count, false).unbind(), given: given.unbind() })
+        Ok(LoadArrays { count, views, pressures: PyArray1::zeros(py, count, false).unbind(), given: given.unbind() })
     }
 }
 
-struct Called {
+struct PythonFunction {
     function: Py<PyAny>,
     named: bool,
-    sets: Vec<Arrays>,
-    raised: Raised,
+    sets: Vec<LoadArrays>,
+    raised: RaisedException,
 }
 
-impl Called {
+impl PythonFunction {
     fn call(&mut self, py: Python<'_>, points: &LoadPoints<'_>, pressure: &mut [f64]) -> PyResult<()> {
         let count = points.r.len();
         let at = match self.sets.iter().position(|set| set.count == count) {
             Some(at) => at,
             None => {
-                self.sets.push(Arrays::new(py, count)?);
+                self.sets.push(LoadArrays::new(py, count)?);
                 self.sets.len() - 1
             }
         };
@@ -95,7 +99,7 @@ impl Called {
     }
 }
 
-impl UserLoad for Called {
+impl UserLoad for PythonFunction {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         Python::attach(|py| {
             self.call(py, points, pressure).map_err(|raised| {
@@ -109,7 +113,7 @@ impl UserLoad for Called {
     }
 }
 
-/// The exception of a function, if it raised one.
-pub fn raised(raised: &Raised) -> PyResult<()> {
+/// Returns the stored exception as an error.
+pub fn raised(raised: &RaisedException) -> PyResult<()> {
     raised.lock().ok().and_then(|mut raised| raised.take()).map_or(Ok(()), Err)
 }

@@ -1,5 +1,4 @@
-//! A run that is over: its summary, histories and frames.
-//! Never here: pictures.
+//! Python class of a finished run: summary, histories and frames.
 
 use std::path::PathBuf;
 
@@ -7,24 +6,24 @@ use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use revolve::job::Summary;
-use revolve::output::{Field, Frame};
+use revolve::job::RunSummary;
+use revolve::output::{FieldArray, OutputFrame};
 use revolve::study::quantity::{FinishedRun, Quantity};
 
 use crate::errors;
 
-/// A run.
+/// A finished run.
 #[pyclass(frozen, module = "revolve._revolve")]
 pub struct Run {
-    summary: Summary,
-    frames: Vec<Frame>,
-    /// The series of frames, of a run that wrote files.
+    summary: RunSummary,
+    frames: Vec<OutputFrame>,
+    /// Path of the frame series (`.pvd`) if the run wrote files.
     #[pyo3(get)]
     series: Option<PathBuf>,
 }
 
 impl Run {
-    pub fn new(summary: Summary, frames: Vec<Frame>, series: Option<PathBuf>) -> Run {
+    pub fn new(summary: RunSummary, frames: Vec<OutputFrame>, series: Option<PathBuf>) -> Run {
         Run { summary, frames, series }
     }
 }
@@ -37,41 +36,41 @@ impl Run {
         self.summary.status
     }
 
-    /// Why it halted.
+    /// Reason of a halt.
     #[getter]
     fn reason(&self) -> Option<&str> {
         self.summary.reason.as_deref()
     }
 
-    /// Warnings, messages of routines at their end, and what is to be known of its values.
+    /// Warnings of the run, and notes on bodies that are still moving in a target.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.summary.warnings.iter().chain(&self.summary.unfinished).cloned().collect()
     }
 
-    /// Seconds in the time loop.
+    /// Time in the time loop, in seconds.
     #[getter]
     fn seconds(&self) -> f64 {
         self.summary.timing.seconds
     }
 
-    /// What `<job>.json` holds.
+    /// Summary as JSON, as in `<job>.json`.
     fn summary(&self) -> String {
         serde_json::to_string(&self.summary).unwrap_or_default()
     }
 
-    /// The ledger with shares of the time, as text.
+    /// Ledger with shares of the run time, as text.
     fn ledger(&self) -> String {
         self.summary.ledger.render(false)
     }
 
-    /// A number that a history column came to: `final`, `min`, `max`, `time_min`, `time_max`.
+    /// Value of a history column: `final`, `min`, `max`, `time_min` or `time_max`.
     fn column(&self, name: &str, which: &str) -> PyResult<f64> {
         let columns = &self.summary.history.summary.0;
         let found = columns.iter().find(|c| c.0.eq_ignore_ascii_case(name)).map(|c| c.1);
         let Some(found) = found else {
             let known: Vec<&str> = columns.keys().map(String::as_str).collect();
-            return Err(PyKeyError::new_err(format!("no history column {name}; there are {}", known.join(", "))));
+            return Err(PyKeyError::new_err(format!("no history column {name}; the columns are {}", known.join(", "))));
         };
         Ok(match which {
             "final" => found.last,
@@ -82,13 +81,13 @@ impl Run {
         })
     }
 
-    /// The value of an expression over histories.
+    /// Value of an expression over history columns.
     fn quantity(&self, py: Python<'_>, text: &str) -> PyResult<f64> {
         let run = FinishedRun { history: &self.summary.history, end: None };
         Quantity::parse(text).and_then(|q| q.number(run)).map_err(|why| errors::study(py, &why))
     }
 
-    /// All histories by name, `time` and `step` first.
+    /// All history columns by name; `time` and `step` are the first.
     fn history<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let history = &self.summary.history;
         let columns = PyDict::new(py);
@@ -101,15 +100,16 @@ impl Run {
         Ok(columns)
     }
 
-    /// How many frames it kept.
+    /// Number of frames in memory.
     #[getter]
     fn frame_count(&self) -> usize {
         self.frames.len()
     }
 
-    /// A frame: time, increment, points `(n, 2)`, cells as indices and where each begins, arrays of points and of cells.
+    /// A frame: time, increment, points `(n, 2)`, point indices and start offsets of cells, point fields and cell
+    /// fields.
     fn frame<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyDict>> {
-        let frame = self.frames.get(index).ok_or_else(|| PyIndexError::new_err("no such frame"))?;
+        let frame = self.frames.get(index).ok_or_else(|| PyIndexError::new_err("the frame does not exist"))?;
         let third = |i: usize| frame.third.get(i).copied();
         let points = frame.points.iter().enumerate();
         let points: Vec<f64> = points.flat_map(|(i, p)| p.iter().copied().chain(third(i))).collect();
@@ -136,8 +136,8 @@ impl Run {
     }
 }
 
-/// Arrays by name: one row a point or cell, where there are several components.
-fn fields<'py>(py: Python<'py>, fields: &[Field]) -> PyResult<Bound<'py, PyDict>> {
+/// Returns the fields as arrays by name; fields with several components have one row per point or cell.
+fn fields<'py>(py: Python<'py>, fields: &[FieldArray]) -> PyResult<Bound<'py, PyDict>> {
     let arrays = PyDict::new(py);
     for field in fields {
         let values = PyArray1::from_slice(py, &field.values);

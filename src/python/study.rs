@@ -1,38 +1,37 @@
-//! Studies and charts.
-//! Never here: how they look on a page.
+//! Python functions for studies and charts.
 
 use pyo3::prelude::*;
 use revolve::study::StudyError;
-use revolve::study::chart::{Chart, Form, Series};
+use revolve::study::chart::{Chart, ChartSeries, SeriesForm};
 use revolve::study::convergence;
 use revolve::study::quantity::Quantity;
 use revolve::study::record;
 use revolve::study::runner::StudyRunner;
-use revolve::study::settings::{self, Axis};
-use revolve::study::target::Target;
+use revolve::study::settings::{self, StudyAxis};
+use revolve::study::target::ErrorTarget;
 use revolve::{job, model};
 
-use crate::deck::{Deck, Settings, User};
+use crate::deck::{Deck, ParameterSettings, User};
 use crate::errors;
-use crate::waiting::Waiting;
+use crate::waiting::PythonWait;
 
-/// Named points `(x, y)`, and whether each stands by itself.
-type Points = (String, Vec<f64>, Vec<f64>, bool);
+/// Name, x, y, and whether the points are drawn as separate markers.
+type NamedPoints = (String, Vec<f64>, Vec<f64>, bool);
 
-/// A chart as SVG.
+/// Draws a chart as SVG text.
 #[pyfunction]
-pub fn chart(py: Python<'_>, title: String, x: String, y: String, series: Vec<Points>) -> PyResult<String> {
-    let of = |(name, x, y, marks): Points| {
+pub fn chart(py: Python<'_>, title: String, x: String, y: String, series: Vec<NamedPoints>) -> PyResult<String> {
+    let of = |(name, x, y, marks): NamedPoints| {
         let points = x.into_iter().zip(y).filter(|p| p.1.is_finite()).collect();
-        Series::new(name, if marks { Form::Marks } else { Form::Line }, points)
+        ChartSeries::new(name, if marks { SeriesForm::Marks } else { SeriesForm::Line }, points)
     };
     let series = series.into_iter().map(of).collect();
     Chart::new(&title, [&x, &y], series).svg().map_err(|why| errors::study(py, &why))
 }
 
-/// What a study is asked for.
+/// Options of a study.
 struct StudyRequest {
-    settings: Settings,
+    settings: ParameterSettings,
     refine: Vec<String>,
     quantity: String,
     exact: Option<String>,
@@ -40,13 +39,13 @@ struct StudyRequest {
     repeat: usize,
 }
 
-/// Refines a deck; gives the record as JSON.
+/// Runs a convergence study and returns its record as JSON.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
 pub fn study(
     py: Python<'_>,
     deck: &Deck,
-    settings: Settings,
+    settings: ParameterSettings,
     refine: Vec<String>,
     quantity: String,
     exact: Option<String>,
@@ -56,22 +55,25 @@ pub fn study(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let request = StudyRequest { settings, refine, quantity, exact, target, repeat };
-    let waiting = Waiting::new(progress);
+    let waiting = PythonWait::new(progress);
     let studied = py.detach(|| deck.studied(&request, user, &waiting));
     waiting.end()?;
     studied.map_err(|why| errors::study(py, &why))
 }
 
 impl Deck {
-    fn studied(&self, request: &StudyRequest, user: Option<&User>, waiting: &Waiting) -> Result<String, StudyError> {
+    fn studied(&self, request: &StudyRequest, user: Option<&User>, waiting: &PythonWait) -> Result<String, StudyError> {
         let quantity = Quantity::parse(&request.quantity)?;
         let exact = convergence::exact(request.exact.as_deref(), &quantity)?;
-        let target = request.target.as_deref().map(Target::parse).transpose()?;
+        let target = request.target.as_deref().map(ErrorTarget::parse).transpose()?;
         let (axes, runs) = self.axes(request, user, &quantity)?;
-        if exact.is_none() && !axes.iter().any(Axis::is_refinement) {
-            return Err(StudyError::Setting("choices alone show no error: give exact=, or refine= with levels".into()));
+        if exact.is_none() && !axes.iter().any(StudyAxis::is_refinement) {
+            return Err(StudyError::Setting(
+                "no error can be estimated from options without levels: give exact=, or refine= with numeric levels"
+                    .into(),
+            ));
         }
-        let source = |overrides: &job::Overrides| self.source.read(overrides);
+        let source = |overrides: &job::ParameterOverrides| self.source.read(overrides);
         let done = std::cell::Cell::new(0_usize);
         let count = || {
             done.set(done.get() + 1);
@@ -96,13 +98,13 @@ impl Deck {
         Ok(text.to_string())
     }
 
-    /// What is refined, and how many runs that takes.
+    /// Returns the axes of the study and its number of runs.
     fn axes(
         &self,
         request: &StudyRequest,
         user: Option<&User>,
         quantity: &Quantity,
-    ) -> Result<(Vec<Axis>, usize), StudyError> {
+    ) -> Result<(Vec<StudyAxis>, usize), StudyError> {
         let routines = revolve::user::compile::Compiled::open_any(user.map(|user| &*user.compiled))?;
         let first = job::prepare_edited(self.source.read(&request.settings), &mut |_| {}, &routines);
         if first.diagnostics.has_errors() {
@@ -111,7 +113,7 @@ impl Deck {
         let parameters: Vec<String> = first.deck.parameters.iter().map(|p| p.0.clone()).collect();
         let axes = settings::axes(&request.refine, &parameters)?;
         if axes.is_empty() {
-            return Err(StudyError::Setting("what is to be refined? give refine={\"NAME\": [v1, v2, …]}".into()));
+            return Err(StudyError::Setting("no parameter to refine: give refine={\"NAME\": [v1, v2, …]}".into()));
         }
         settings::check(&axes, &model::build(&self.source.read(&request.settings).0).0)?;
         quantity.check(&first.plan)?;

@@ -1,12 +1,14 @@
-//! The energy balance as areas on top of each other: what is stored below, what is dissipated above, and as a line what came in.
+//! The energy balance as stacked areas: stored energies at the bottom, dissipated energies on top, and the supplied
+//! energy as a line.
 
 use super::history::HistoryColumns;
 use super::shorten;
 use super::units::UnitNames;
-use crate::study::chart::{Chart, Form, Series};
+use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 
 pub const TITLE: &str = "Energy balance";
-/// Energies from the bottom of the stack up: column and name. ALLIE is the sum of what is recoverable, plastic and artificial.
+/// Energies from the bottom to the top of the stack: column and name. ALLIE is the sum of recoverable, plastic and
+/// artificial strain energy.
 const STORED: [(&str, &str); 2] = [("ALLKE", "kinetic"), ("ALLSE", "elastic")];
 const DISSIPATED: [(&str, &str); 8] = [
     ("ALLPD", "plastic"),
@@ -18,19 +20,19 @@ const DISSIPATED: [(&str, &str); 8] = [
     ("ALLDC", "distortion control"),
     ("ALLCAV", "opening the cavity"),
 ];
-/// Parts of ALLIE.
+/// Energies that are part of ALLIE.
 const INTERNAL: [&str; 3] = ["ALLSE", "ALLPD", "ALLAE"];
-/// Rows that are drawn: all areas have the same.
+/// Largest number of rows that are drawn; all areas use the same rows.
 const ROWS: usize = 300;
-/// An energy below this part of the largest is no area that one sees.
+/// Energies below this fraction of the largest one are not drawn.
 const VISIBLE: f64 = 1e-4;
 
-/// Columns that the balance reads.
+/// Returns the history columns of the balance.
 pub fn columns() -> impl Iterator<Item = &'static str> {
     STORED.into_iter().chain(DISSIPATED).map(|c| c.0).chain(["ALLIE", "ALLWK", "ETOTAL"])
 }
 
-/// The balance of a history; `None` where it holds fewer than two energies.
+/// Returns the balance of a history; `None` if it has fewer than two energies.
 pub fn chart(history: &HistoryColumns, units: &UnitNames) -> Option<Chart> {
     let rows = rows(history.times.len());
     let of = |column: &str| -> Option<Vec<f64>> {
@@ -39,25 +41,26 @@ pub fn chart(history: &HistoryColumns, units: &UnitNames) -> Option<Chart> {
     let stored = STORED.into_iter().filter_map(|(column, name)| Some((name, of(column)?)));
     let dissipated = DISSIPATED.into_iter().filter_map(|(column, name)| Some((name, of(column)?)));
     let mut parts: Vec<(&str, Vec<f64>)> =
-        stored.chain(rest(&of).map(|rest| ("other internal", rest))).chain(dissipated).collect();
+        stored.chain(unlisted_internal_energy(&of).map(|rest| ("other internal", rest))).chain(dissipated).collect();
     let largest = parts.iter().flat_map(|p| &p.1).fold(0.0_f64, |m, v| m.max(v.abs()));
     parts.retain(|(_, values)| values.iter().any(|v| v.abs() > VISIBLE * largest));
     if parts.len() < 2 || rows.len() < 2 {
         return None;
     }
     let times: Vec<f64> = rows.iter().map(|&i| shorten(history.times[i])).collect();
-    let series = |name: &str, values: Vec<f64>, form: Form| {
-        Series::new(name, form, times.iter().copied().zip(values.into_iter().map(shorten)).collect())
+    let series = |name: &str, values: Vec<f64>, form: SeriesForm| {
+        ChartSeries::new(name, form, times.iter().copied().zip(values.into_iter().map(shorten)).collect())
     };
-    let mut all: Vec<Series> = parts.into_iter().map(|(name, values)| series(name, values, Form::Area)).collect();
+    let mut all: Vec<ChartSeries> =
+        parts.into_iter().map(|(name, values)| series(name, values, SeriesForm::Area)).collect();
     if let Some(supplied) = supplied(&of) {
-        all.push(series("start + work of loads", supplied, Form::Guide));
+        all.push(series("initial energy + work of loads", supplied, SeriesForm::Guide));
     }
-    let words = "stored below, dissipated above".into();
+    let words = "stored energies below, dissipated energies above".into();
     Some(Chart { units: units.over_time("Energy"), words, ..Chart::new(TITLE, ["time", "energy"], all) })
 }
 
-/// Rows at even distances, the first and the last among them.
+/// Returns indices of equally spaced rows, including the first and the last.
 fn rows(count: usize) -> Vec<usize> {
     if count <= ROWS {
         return (0..count).collect();
@@ -65,8 +68,8 @@ fn rows(count: usize) -> Vec<usize> {
     (0..ROWS).map(|i| i * (count - 1) / (ROWS - 1)).collect()
 }
 
-/// What of ALLIE no column tells.
-fn rest(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
+/// Returns the part of ALLIE for which the history has no column.
+fn unlisted_internal_energy(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
     let mut rest = of("ALLIE")?;
     for part in INTERNAL.into_iter().filter_map(of) {
         rest.iter_mut().zip(part).for_each(|(rest, part)| *rest -= part);
@@ -74,7 +77,7 @@ fn rest(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
     Some(rest)
 }
 
-/// The sum at the start with the work of loads and motions since: what the areas must come to.
+/// Returns the total energy at the start plus the work of loads and prescribed motions; the areas must add up to it.
 fn supplied(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
     let initial = *of("ETOTAL")?.first()?;
     let work = of("ALLWK")?;
@@ -86,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn areas_come_to_what_was_supplied() {
+    fn areas_add_up_to_the_supplied_energy() {
         let columns = [
             ("ALLKE", vec![10.0, 4.0, 1.0]),
             ("ALLIE", vec![0.0, 5.0, 4.0]),
@@ -98,13 +101,13 @@ mod tests {
         let history = HistoryColumns { times: vec![0.0, 1.0, 2.0], columns };
         let chart = chart(&history, &UnitNames::default()).expect("a chart");
         let names: Vec<&str> = chart.series.iter().map(|s| s.name.as_str()).collect();
-        assert_eq!(names, ["kinetic", "other internal", "plastic", "start + work of loads"]);
+        assert_eq!(names, ["kinetic", "other internal", "plastic", "initial energy + work of loads"]);
         let (areas, line) = chart.series.split_at(3);
         for i in 0..3 {
             let sum: f64 = areas.iter().map(|a| a.points[i].1).sum();
             assert!((sum - line[0].points[i].1).abs() < 1e-12, "{i}");
         }
-        assert_eq!(areas[1].points[2].1, -0.5, "what is below zero stays below");
+        assert_eq!(areas[1].points[2].1, -0.5, "negative energies stay negative");
         assert!(super::chart(&HistoryColumns::default(), &UnitNames::default()).is_none());
     }
 }

@@ -1,4 +1,4 @@
-//! What a page shows, as the script in it reads it. The keys are those of `page.js`.
+//! Data of a report page; the JSON keys are those that `page.js` reads.
 
 use serde::Serialize;
 use serde_json::Value;
@@ -6,38 +6,38 @@ use serde_json::Value;
 use crate::study::chart::Chart;
 
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Page {
-    /// Title: the names of the jobs.
+pub struct ReportPage {
+    /// Title of the page: the names of the jobs.
     pub title: String,
     pub folder: String,
     pub version: &'static str,
-    pub runs: Vec<Run>,
-    pub sweeps: Vec<Table>,
-    pub studies: Vec<Study>,
-    /// What was left out and why.
+    pub runs: Vec<ReportRun>,
+    pub sweeps: Vec<ReportTable>,
+    pub studies: Vec<ReportStudy>,
+    /// Notes on omitted data.
     pub notes: Vec<String>,
 }
 
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Run {
+pub struct ReportRun {
     pub name: String,
-    /// `<job>.json` without its histories, or null where a run left none.
+    /// `<job>.json` without its histories; null if the file does not exist.
     pub summary: Value,
     pub charts: Vec<Chart>,
-    pub columns: Vec<Column>,
-    /// How far the run is from curves that it was compared with, in words.
+    pub columns: Vec<ColumnSummaryRow>,
+    /// Sentences on the deviation from reference curves.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub deviations: Vec<String>,
-    pub meridian: Option<Meridian>,
-    /// What was left out and why.
+    pub meridian: Option<MeridianFrames>,
+    /// Notes on omitted data.
     pub notes: Vec<String>,
 }
 
-/// What a history column came to.
+/// Final, smallest and largest value of a history column.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Column {
+pub struct ColumnSummaryRow {
     pub name: String,
-    /// Value of the last row.
+    /// Final value.
     #[serde(rename = "final")]
     pub last: f64,
     pub min: f64,
@@ -45,74 +45,75 @@ pub struct Column {
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Table {
+pub struct ReportTable {
     pub name: String,
     pub header: Vec<String>,
     pub rows: Vec<Vec<String>>,
     pub charts: Vec<Chart>,
-    /// Single findings: name and value as text.
+    /// Single values: name and value as text.
     pub facts: Vec<(String, String)>,
-    /// What was left out and why.
+    /// Notes on omitted data.
     pub notes: Vec<String>,
 }
 
-/// A study: its price list and what it says of itself.
+/// A convergence or ablation study.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Study {
-    /// The price list and the charts.
-    pub table: Table,
-    /// Rows that nothing else beats in both error and time.
+pub struct ReportStudy {
+    /// Table of the settings or effects, and charts.
+    pub table: ReportTable,
+    /// Whether each row is on the Pareto front of error and run time.
     pub pareto: Vec<bool>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub effects: Vec<Effect>,
+    pub effects: Vec<EffectSavings>,
 }
 
-/// An effect left out: what it would have saved, and what error that buys.
+/// Result of removing an effect: saved run time and change of the quantity.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Effect {
+pub struct EffectSavings {
     pub name: String,
-    /// Size of the change of the quantity, as a fraction of it; `None` where nothing came out.
+    /// Relative size of the change of the quantity; `None` if the run failed.
     pub error: Option<f64>,
-    /// Time saved, as a fraction of that of the whole; below zero where leaving it out costs time.
+    /// Saved run time as a fraction of the full run time; negative if the run takes longer without the effect.
     pub saved: Option<f64>,
-    /// Whether the change is above the error of the study.
+    /// Whether the change exceeds the error estimate.
     pub matters: bool,
 }
 
-/// The meridian over time, ready to draw. Numbers are unsigned 16-bit integers in base64, little endian; 65535 stands for
+/// Meridian section over time, packed for drawing. Numbers are unsigned 16-bit integers in base64, little endian; 65535
+/// means "none".
 /// "none".
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Meridian {
+pub struct MeridianFrames {
     pub times: Vec<f64>,
     pub points: usize,
-    /// `[r low, r high, z low, z high]` over all frames, length.
+    /// `[r min, r max, z min, z max]` over all frames (length).
     pub bounds: [f64; 4],
-    /// r and z of every point of every frame, scaled to the bounds.
+    /// r and z of all points of all frames, scaled to the bounds.
     pub places: String,
     pub cells: usize,
-    /// Four corners a cell; lines have two, triangles three, the rest "none".
+    /// Four corners per cell; lines have two, triangles three, and the others are "none".
     pub corners: String,
-    pub fields: Vec<Field>,
-    /// Targets and planes, from the summary.
+    pub fields: Vec<PackedField>,
+    /// Targets and analytical planes, from the summary.
     pub scene: Value,
-    /// The deck's number of the element of each cell; 0 where it has none.
+    /// Element number of each cell in the deck; 0 without one.
     pub elements: Vec<i32>,
-    /// Units of length and time; empty where they are not known.
+    /// Units of length and time; empty if unknown.
     pub units: [String; 2],
 }
 
-/// A scalar over points or cells in every frame.
+/// Scalar field on points or cells, over all frames.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Field {
-    /// Name, such as `MISES` or `V2`.
+pub struct PackedField {
+    /// Name of the field, for example `MISES` or `V2`.
     pub name: String,
-    /// Whether it lives on cells.
+    /// Whether the values are on cells; otherwise they are on points.
     pub on_cells: bool,
     pub low: f64,
     pub high: f64,
-    /// Unit; empty where it is not known.
+    /// Unit; empty if unknown.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub unit: String,
-    /// Values scaled from low to high, frame after frame.
+    /// Values scaled from `low` to `high`, frame by frame.
     pub values: String,
 }

@@ -1,25 +1,25 @@
-//! Which files a folder has, and what of them a page shows.
+//! Collects the result files of a folder into the data of a report page.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde_json::Value;
 
-use super::data::{Column, Page, Run};
+use super::data::{ColumnSummaryRow, ReportPage, ReportRun};
 use super::units::UnitNames;
 use super::{PageOptions, ReportError, balance, compare, frames, history, limits, study, sweep};
 use crate::deck::files;
 use crate::output::HISTORY;
 use crate::output::sums::Checksums;
-use crate::study::chart::{Chart, Form, Series};
+use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 
-/// Runs beyond these are left out.
+/// Largest number of runs on a page.
 const RUNS: usize = 6;
-/// Columns whose final value, minimum and maximum are told.
+/// Largest number of history columns in the table of a run.
 const COLUMNS: usize = 200;
 
-/// Reads the results in a folder, with names for quantities and curves to compare with.
-pub fn page(folder: &Path, options: &PageOptions) -> Result<Page, ReportError> {
+/// Reads the results in a folder, with labels of quantities and reference curves.
+pub fn page(folder: &Path, options: &PageOptions) -> Result<ReportPage, ReportError> {
     let (names, sums) = (file_names(folder)?, Checksums::of(folder)?);
     let with = |ending: &str| -> BTreeSet<String> {
         names.iter().filter_map(|n| n.strip_suffix(ending)).filter(|n| !n.is_empty()).map(str::to_owned).collect()
@@ -27,7 +27,11 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<Page, ReportError> {
     let (sweeps, studies) = (with("_sweep.csv"), with("_study.json"));
     let mut jobs = with(".pvd");
     jobs.extend(with(".json").into_iter().filter(|n| is_run(&folder.join(format!("{n}.json")))));
-    let mut page = Page { folder: folder.display().to_string(), version: env!("CARGO_PKG_VERSION"), ..Page::default() };
+    let mut page = ReportPage {
+        folder: folder.display().to_string(),
+        version: env!("CARGO_PKG_VERSION"),
+        ..ReportPage::default()
+    };
     if jobs.len() > RUNS {
         page.notes.push(format!("{RUNS} of {} runs are shown", jobs.len()));
     }
@@ -36,18 +40,18 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<Page, ReportError> {
     }
     for name in &sweeps {
         let path = folder.join(format!("{name}_sweep.csv"));
-        sums.hold(&path)?;
+        sums.verify(&path)?;
         page.sweeps.push(sweep::table(name, &text(&path)?).map_err(|e| format!("{}: {e}", path.display()))?);
     }
     for name in &studies {
         let path = folder.join(format!("{name}_study.json"));
-        sums.hold(&path)?;
+        sums.verify(&path)?;
         page.studies.push(study::read(name, &json(&path)?));
     }
     let all: BTreeSet<&String> = jobs.iter().chain(&sweeps).chain(&studies).collect();
     if all.is_empty() {
         return Err(format!(
-            "{} holds no run (<job>.json, <job>.pvd), no sweep (<job>_sweep.csv) and no study (<job>_study.json)",
+            "{} contains no run (<job>.json, <job>.pvd), no sweep (<job>_sweep.csv) and no study (<job>_study.json)",
             folder.display()
         )
         .into());
@@ -56,11 +60,11 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<Page, ReportError> {
     if let Some(file) = &options.compare {
         compare_runs(folder, file, &mut page)?;
     }
-    options.labels.put(&mut page)?;
+    options.labels.apply_to_page(&mut page)?;
     Ok(page)
 }
 
-/// The name of the one run in a folder.
+/// Returns the name of the only run in a folder.
 pub fn only_run(folder: &Path) -> Result<String, String> {
     let names = file_names(folder)?;
     let runs: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix(HISTORY)).collect();
@@ -69,18 +73,18 @@ pub fn only_run(folder: &Path) -> Result<String, String> {
     let mut all = all.into_iter();
     match (all.next(), all.next()) {
         (Some(name), None) => Ok(name.to_owned()),
-        (None, _) => Err(format!("{} holds no run", folder.display())),
-        _ => Err(format!("{} holds several runs; give each a folder of its own", folder.display())),
+        (None, _) => Err(format!("{} contains no run", folder.display())),
+        _ => Err(format!("{} contains several runs; use a separate result folder for each run", folder.display())),
     }
 }
 
-/// Targets and planes as a run's summary tells them; nothing where there is none.
+/// Returns the targets and analytical planes from the summary of a run; null without a summary.
 pub fn scene(folder: &Path, name: &str, sums: &Checksums) -> Result<Value, String> {
     let path = folder.join(format!("{name}.json"));
     if !path.is_file() {
         return Ok(Value::Null);
     }
-    sums.hold(&path)?;
+    sums.verify(&path)?;
     Ok(json(&path)?.get("scene").cloned().unwrap_or_default())
 }
 
@@ -97,78 +101,76 @@ fn json(path: &Path) -> Result<Value, String> {
     serde_json::from_str(&text(path)?).map_err(|e| format!("{}: {e}", path.display()))
 }
 
-/// Whether a JSON file is a run's summary.
+/// Returns whether a JSON file is the summary of a run.
 fn is_run(path: &Path) -> bool {
     json(path).is_ok_and(|v| v.get("status").is_some() && v.get("ledger").is_some())
 }
 
-/// A run: whatever of its files is there.
-fn run(folder: &Path, name: &str, sums: &Checksums) -> Result<Run, String> {
+/// Reads the existing files of a run.
+fn run(folder: &Path, name: &str, sums: &Checksums) -> Result<ReportRun, String> {
     let file = |ending: &str| folder.join(format!("{name}{ending}"));
-    let mut run = Run { name: name.to_owned(), ..Run::default() };
+    let mut run = ReportRun { name: name.to_owned(), ..ReportRun::default() };
     if !sums.has(&file(".pvd")) && !sums.has(&file(HISTORY)) {
-        run.notes.push(
-            "there is no list of checksums (.sfv): nobody can tell whether its files are as they were written".into(),
-        );
+        run.notes.push("there is no list of checksums (.sfv): the files cannot be verified".into());
     }
     if file(".json").is_file() {
-        sums.hold(&file(".json"))?;
+        sums.verify(&file(".json"))?;
         run.summary = json(&file(".json"))?;
     } else {
-        run.notes.push("there is no summary: the run did not come to its end".into());
+        run.notes.push("there is no summary: the run has not finished".into());
     }
     if let Some(Value::Object(history)) = run.summary.as_object_mut().and_then(|s| s.shift_remove("history")) {
         run.columns = history.iter().map(|(name, values)| column(name, values)).collect();
     }
     if file(HISTORY).is_file() {
-        sums.hold(&file(HISTORY))?;
+        sums.verify(&file(HISTORY))?;
         histories(&file(HISTORY), &mut run)?;
     }
     run.columns.truncate(COLUMNS);
     let limits = run.summary.as_object_mut().and_then(|s| s.shift_remove("limits")).unwrap_or_default();
     run.charts.extend(limits::chart(&limits, &UnitNames::of(&run.summary)));
     if file(".pvd").is_file() {
-        sums.hold(&file(".pvd"))?;
+        sums.verify(&file(".pvd"))?;
         let series = frames::series(&file(".pvd"))?;
         let scene = run.summary.get("scene").cloned().unwrap_or_default();
         run.meridian = frames::pack(&series, &scene, (&UnitNames::of(&run.summary), sums), &mut run.notes)?;
     }
     if run.meridian.is_none() {
-        run.notes.push("there are no frames: the deck asks for no field output".into());
+        run.notes.push("there are no frames: the deck requests no field output".into());
     }
     Ok(run)
 }
 
-/// Puts the curves of a file beside the histories of the one run on a page.
-fn compare_runs(folder: &Path, file: &Path, page: &mut Page) -> Result<(), String> {
+/// Adds the reference curves of a file to the charts of the only run on a page.
+fn compare_runs(folder: &Path, file: &Path, page: &mut ReportPage) -> Result<(), String> {
     let [run] = &mut page.runs[..] else {
-        return Err(format!("--compare {}: curves are compared with one run", file.display()));
+        return Err(format!("--compare {}: the folder must contain exactly one run", file.display()));
     };
     for curve in compare::curves(file, &folder.join(format!("{}_history.csv", run.name)))? {
         run.deviations.push(curve.sentence());
         let has = |chart: &&mut Chart| chart.series.iter().any(|s| s.name == curve.column);
         let Some(chart) = run.charts.iter_mut().find(has) else {
-            run.notes.push(format!("{} is not drawn, nor what it is compared with", curve.column));
+            run.notes.push(format!("the column {} and its reference are not drawn", curve.column));
             continue;
         };
-        chart.series.push(Series::new(curve.name(), Form::Marks, curve.points));
+        chart.series.push(ChartSeries::new(curve.name(), SeriesForm::Marks, curve.points));
     }
     Ok(())
 }
 
-/// Names of units of the run that a history file belongs to.
+/// Returns the unit names of the run of a history file.
 pub(super) fn units(history: &Path) -> UnitNames {
     let name = history.file_name().and_then(|n| n.to_str()?.strip_suffix(HISTORY));
     let summary = name.and_then(|name| json(&history.with_file_name(format!("{name}.json"))).ok());
     UnitNames::of(&summary.unwrap_or_default())
 }
 
-fn column(name: &str, values: &Value) -> Column {
+fn column(name: &str, values: &Value) -> ColumnSummaryRow {
     let number = |key: &str| values.get(key).and_then(Value::as_f64).unwrap_or(f64::NAN);
-    Column { name: name.to_owned(), last: number("final"), min: number("min"), max: number("max") }
+    ColumnSummaryRow { name: name.to_owned(), last: number("final"), min: number("min"), max: number("max") }
 }
 
-fn histories(path: &Path, run: &mut Run) -> Result<(), String> {
+fn histories(path: &Path, run: &mut ReportRun) -> Result<(), String> {
     let choice = history::choose(&history::names(path)?, &run.columns);
     let mut wanted: Vec<String> = choice.charts.iter().flat_map(|c| c.1.clone()).collect();
     wanted.extend(balance::columns().map(str::to_owned).filter(|c| !wanted.contains(c)).collect::<Vec<_>>());
@@ -180,7 +182,7 @@ fn histories(path: &Path, run: &mut Run) -> Result<(), String> {
     }
     if choice.left_out > 0 {
         run.notes.push(format!(
-            "{} history columns are not drawn (energies that stay zero, and of many alike those that vary least)",
+            "{} history columns are not drawn (energies that are zero, and the columns of a variable with the smallest variation)",
             choice.left_out
         ));
     }

@@ -1,4 +1,4 @@
-//! Frames read back from a `.pvd` series, thinned and packed for the page.
+//! Reads frames of a `.pvd` series and packs them for a report page, with fewer frames and coarser meshes if necessary.
 
 use std::path::{Path, PathBuf};
 
@@ -6,71 +6,71 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
-use super::data::{Field, Meridian};
+use super::data::{MeridianFrames, PackedField};
 use super::mesh::{DrawnMesh, bounds, drawn};
 use super::units::UnitNames;
 use crate::deck::{files, printable};
 use crate::kernel::stress::mises;
 use crate::model::vtk_file;
-use crate::output::Label;
+use crate::output::EntityLabels;
 use crate::output::sums::Checksums;
 use crate::output::vtu::{BLANKING, REFERENCE};
 use crate::variables::Variable;
 
-/// The most frames of a page.
+/// Largest number of frames on a page.
 pub const FRAMES: usize = 60;
-/// The most cells that are drawn.
+/// Largest number of cells that are drawn.
 pub const CELLS: usize = 6000;
-/// The most bytes of packed frames of a run.
+/// Largest size of the packed frames of a run, in bytes.
 pub const BYTES: usize = 6_000_000;
-/// Fields beyond these are left out.
+/// Largest number of fields of a run.
 const FIELDS: usize = 20;
 const NONE: u16 = u16::MAX;
 
-/// A frame as it stands in its file: scalars only, by name.
+/// Contents of a frame file, with vectors and tensors split into scalars.
 #[derive(Clone, Debug, Default)]
 pub struct FrameData {
     pub time: f64,
     /// `[r, z]` of each point.
     pub points: Vec<[f64; 2]>,
     pub cells: Vec<Vec<usize>>,
-    /// Whether each cell is one of a deleted element; empty where none is.
+    /// Whether the element of each cell is deleted; empty if none is.
     pub deleted: Vec<bool>,
-    /// The deck's number of each cell's element; empty where the file has none.
+    /// Element number of each cell in the deck; empty if the file has none.
     pub elements: Vec<i32>,
-    /// Scalars: name, whether on cells, values.
+    /// Scalar fields: name, whether on cells, values.
     pub scalars: Vec<(String, bool, Vec<f64>)>,
 }
 
-/// Times and files of a series.
+/// Reads the times and files of a series.
 pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
     let text = files::read_text(pvd).map_err(|e| format!("{}: {e}", pvd.display()))?;
     let folder = pvd.parent().unwrap_or(Path::new(""));
-    // A file of the folder itself: nobody's list leads elsewhere.
+    // Only files of the same folder are read, so that a foreign list cannot refer to other files.
     let entry = |tag: &str| {
         let time = attribute(tag, "timestep")?.parse().ok()?;
         let name = unescape(attribute(tag, "file")?);
         (!name.contains('/')).then(|| (time, folder.join(name)))
     };
-    let wrong = |tag: &str| format!("{}: `{}` is no frame of this folder", pvd.display(), printable(tag.trim()));
+    let wrong = |tag: &str| format!("{}: `{}` is not a frame in this folder", pvd.display(), printable(tag.trim()));
     let first_line = |tag: &str| tag.lines().next().unwrap_or_default().chars().take(80).collect::<String>();
     if !text.contains("</VTKFile>") {
-        return Err(format!("{}: it ends early", pvd.display()));
+        return Err(format!("{}: the file is truncated", pvd.display()));
     }
     text.split("<DataSet").skip(1).map(|tag| entry(tag).ok_or_else(|| wrong(&first_line(tag)))).collect()
 }
 
 pub fn read(time: f64, path: &Path, sums: &Checksums) -> Result<FrameData, String> {
-    sums.hold(path)?;
+    sums.verify(path)?;
     let wrong = |e: String| format!("{}: {e}", path.display());
     let text = files::read_text(path).map_err(|e| wrong(e.to_string()))?;
     let mesh = vtk_file::read(path).map_err(wrong)?;
     let mut scalars = Vec::new();
-    for (name, values) in mesh.point_arrays.iter().filter(|array| !Label::is_name(&array.0)) {
+    for (name, values) in mesh.point_arrays.iter().filter(|array| !EntityLabels::is_name(&array.0)) {
         scalars.extend(split(name, values, mesh.points.len(), &text).into_iter().map(|(n, v)| (n, false, v)));
     }
     let mut deleted = Vec::new();
-    for (name, values) in mesh.cell_arrays.iter().filter(|array| !Label::is_name(&array.0)) {
+    for (name, values) in mesh.cell_arrays.iter().filter(|array| !EntityLabels::is_name(&array.0)) {
         if name == BLANKING {
             deleted = values.iter().map(|v| *v != 0.0).collect();
             continue;
@@ -99,7 +99,8 @@ fn unescape(text: &str) -> String {
     text.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&")
 }
 
-/// Scalars of an array: a vector gives magnitude and two components, a stress its components and the Mises stress.
+/// Splits an array into scalars: a vector into magnitude and two components, a stress into its components and the Mises
+/// stress.
 fn split(name: &str, values: &[f64], count: usize, text: &str) -> Vec<(String, Vec<f64>)> {
     let parts = values.len().checked_div(count).unwrap_or(0);
     if parts == 0 || values.len() != parts * count {
@@ -116,7 +117,7 @@ fn split(name: &str, values: &[f64], count: usize, text: &str) -> Vec<(String, V
         return vec![(format!("|{name}|"), magnitude), (first, component(0)), (second, component(1))];
     }
     let mut scalars: Vec<_> = names.into_iter().enumerate().map(|(i, n)| (n, component(i))).collect();
-    // The last two of a symmetric tensor vanish in a body of revolution.
+    // The last two components of a symmetric tensor are zero in axisymmetric models.
     scalars.truncate(if parts == 6 { 4 } else { parts });
     if name == Variable::Stress.name() && scalars.len() == 4 {
         let stresses = values.chunks_exact(parts);
@@ -125,35 +126,35 @@ fn split(name: &str, values: &[f64], count: usize, text: &str) -> Vec<(String, V
     scalars
 }
 
-/// Names of the components as the file has them, else numbers.
+/// Returns the component names of the file, or numbered names.
 fn component_names(name: &str, parts: usize, text: &str) -> Vec<String> {
     let tag = text.split("<DataArray").find(|t| attribute(t, "Name").is_some_and(|n| unescape(n) == name));
     let named = |i: usize| tag.and_then(|t| attribute(t, &format!("ComponentName{i}"))).map(unescape);
     (0..parts).map(|i| named(i).unwrap_or_else(|| format!("{name}{}", i + 1))).collect()
 }
 
-/// What a field is known by to those who look: the ones asked for most often come first.
+/// Returns the sort rank of a field: the most common fields come first.
 fn rank(name: &str) -> usize {
     const FIRST: [&str; 9] = ["S_MISES", "MISES", "PEEQ", "PRESSURE", "|V|", "V2", "|U|", "TEMP", "STATUS"];
     FIRST.iter().position(|f| *f == name).unwrap_or(FIRST.len())
 }
 
-/// Packs a series. Notes say what was left out.
+/// Packs a series of frames; `notes` receives remarks on omitted data.
 pub fn pack(
     files: &[(f64, PathBuf)],
     scene: &Value,
     (units, sums): (&UnitNames, &Checksums),
     notes: &mut Vec<String>,
-) -> Result<Option<Meridian>, String> {
+) -> Result<Option<MeridianFrames>, String> {
     let Some(((time, path), _)) = files.split_first() else { return Ok(None) };
     let first = read(*time, path, sums)?;
     let mesh = drawn(&first.points, &first.cells, CELLS);
     if mesh.corners.is_empty() {
-        notes.push("the frames have nothing to draw".into());
+        notes.push("the frames contain nothing to draw".into());
         return Ok(None);
     }
     if mesh.cells.len() < first.cells.iter().filter(|c| c.len() > 1).count() {
-        notes.push(format!("drawn coarser, with {} of {} cells", mesh.cells.len(), first.cells.len()));
+        notes.push(format!("the mesh is drawn coarser, with {} of {} cells", mesh.cells.len(), first.cells.len()));
     }
     let fields = chosen_fields(&first, notes);
     let most = FRAMES.min(BYTES / bytes_of_frame(&mesh, &fields)).max(2);
@@ -165,7 +166,7 @@ pub fn pack(
     for &i in &chosen[1..] {
         let frame = read(files[i].0, &files[i].1, sums)?;
         if !is_same_mesh(&first, &frame) {
-            notes.push(format!("the frame at time {:e} has another mesh and is left out", frame.time));
+            notes.push(format!("the frame at time {:e} has a different mesh and is not shown", frame.time));
             continue;
         }
         frames.push(DrawnFrame::of(&frame, &mesh, &fields));
@@ -178,7 +179,8 @@ pub fn pack(
     Ok(Some(meridian))
 }
 
-/// Whether a frame has the mesh of the first one, but for what is deleted: it has shrunk to a point.
+/// Returns whether a frame has the mesh of the first frame; the cells of deleted elements, collapsed to a point, are
+/// ignored.
 fn is_same_mesh(first: &FrameData, frame: &FrameData) -> bool {
     let gone = |cell: usize| frame.deleted.get(cell).copied().unwrap_or(false);
     let mut cells = first.cells.iter().zip(&frame.cells).enumerate();
@@ -186,7 +188,7 @@ fn is_same_mesh(first: &FrameData, frame: &FrameData) -> bool {
     alike && first.cells.len() == frame.cells.len() && first.points.len() == frame.points.len()
 }
 
-/// Indices into the scalars of a frame.
+/// Chooses the fields that are packed: name, and whether on cells.
 fn chosen_fields(first: &FrameData, notes: &mut Vec<String>) -> Vec<(String, bool)> {
     let has_mises = first.scalars.iter().any(|s| s.0 == "MISES");
     let all = first.scalars.iter().filter(|s| !(has_mises && s.0 == "S_MISES"));
@@ -194,20 +196,20 @@ fn chosen_fields(first: &FrameData, notes: &mut Vec<String>) -> Vec<(String, boo
     fields.sort_by_key(|f| rank(&f.0));
     if fields.len() > FIELDS {
         let left_out: Vec<&str> = fields[FIELDS..].iter().map(|f| f.0.as_str()).collect();
-        notes.push(format!("fields left out of the pictures: {}", left_out.join(", ")));
+        notes.push(format!("fields that are not shown: {}", left_out.join(", ")));
         fields.truncate(FIELDS);
     }
     fields
 }
 
-/// Bytes of a frame in base64: four for three.
+/// Returns the size of a frame in bytes; base64 needs four bytes for three.
 fn bytes_of_frame(mesh: &DrawnMesh, fields: &[(String, bool)]) -> usize {
     let numbers = |f: &(String, bool)| if f.1 { mesh.cells.len() } else { mesh.points.len() };
     let all = 2 * mesh.points.len() + fields.iter().map(numbers).sum::<usize>();
     (all * 2 * 4 / 3).max(1)
 }
 
-/// At most `most` of `count` indices, evenly, the first and the last among them.
+/// Returns at most `most` of `count` indices, equally spaced, including the first and the last.
 fn spread(count: usize, most: usize) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();
@@ -215,7 +217,7 @@ fn spread(count: usize, most: usize) -> Vec<usize> {
     (0..most).map(|i| i * (count - 1) / (most - 1)).collect()
 }
 
-/// A frame on the mesh that is drawn.
+/// Values of a frame on the drawn mesh.
 struct DrawnFrame {
     time: f64,
     points: Vec<[f64; 2]>,
@@ -235,11 +237,11 @@ impl DrawnFrame {
     }
 }
 
-fn meridian(frames: &[DrawnFrame], mesh: &DrawnMesh, fields: &[(String, bool)], scene: &Value) -> Meridian {
+fn meridian(frames: &[DrawnFrame], mesh: &DrawnMesh, fields: &[(String, bool)], scene: &Value) -> MeridianFrames {
     let all: Vec<[f64; 2]> = frames.iter().flat_map(|f| &f.points).copied().collect();
     let [low, high] = bounds(&all);
     let places = all.iter().flat_map(|p| [0, 1].map(|i| scale(p[i], low[i], high[i])));
-    // Of a six-node triangle the corners.
+    // Six-node triangles are drawn by their corners.
     let step = |c: &[usize]| if c.len() == 6 { 2 } else { 1 };
     let corners = mesh.corners.iter().flat_map(|c| (0..4).map(move |i| c.get(step(c) * i).map_or(NONE, |&p| p as u16)));
     let mut packed = Vec::new();
@@ -250,7 +252,7 @@ fn meridian(frames: &[DrawnFrame], mesh: &DrawnMesh, fields: &[(String, bool)], 
         }
         packed.extend(field(name, *on_cells, &values));
     }
-    Meridian {
+    MeridianFrames {
         times: frames.iter().map(|f| f.time).collect(),
         points: mesh.points.len(),
         bounds: [low[0], high[0], low[1], high[1]],
@@ -259,11 +261,11 @@ fn meridian(frames: &[DrawnFrame], mesh: &DrawnMesh, fields: &[(String, bool)], 
         corners: base64(corners),
         fields: packed,
         scene: scene.clone(),
-        ..Meridian::default()
+        ..MeridianFrames::default()
     }
 }
 
-/// Hides the zeros of element variables on rigid lines and of facet pressures on deformable elements.
+/// Replaces the zeros of element variables on rigid facets, and of facet variables on deformable elements, by "none".
 fn hide_foreign_zeros(values: &mut [Vec<f64>], mesh: &DrawnMesh) {
     let lines: Vec<bool> = mesh.corners.iter().map(|c| c.len() == 2).collect();
     let silent = |kind: bool| {
@@ -281,19 +283,19 @@ fn hide_foreign_zeros(values: &mut [Vec<f64>], mesh: &DrawnMesh) {
     }
 }
 
-/// A field that has a value at all.
-fn field(name: &str, on_cells: bool, frames: &[Vec<f64>]) -> Option<Field> {
+/// Packs a field; `None` if it has no finite value.
+fn field(name: &str, on_cells: bool, frames: &[Vec<f64>]) -> Option<PackedField> {
     let finite = || frames.iter().flatten().copied().filter(|v| v.is_finite());
     let (mut low, mut high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
     if name == Variable::Status.name() && low <= high {
-        // The page leaves out what is below the middle, also where all elements are alike.
+        // The page hides cells below the middle of the range, also if all elements have the same status.
         (low, high) = (0.0, 1.0);
     }
     let values = base64(frames.iter().flatten().map(|v| scale(*v, low, high)));
-    (low <= high).then(|| Field { name: name.to_owned(), on_cells, low, high, unit: String::new(), values })
+    (low <= high).then(|| PackedField { name: name.to_owned(), on_cells, low, high, unit: String::new(), values })
 }
 
-/// A number between two others as one of 65535 steps.
+/// Scales a value to 65535 steps between `low` and `high`.
 fn scale(value: f64, low: f64, high: f64) -> u16 {
     if !value.is_finite() {
         return NONE;
@@ -317,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stress_brings_its_mises_stress() {
+    fn stress_gives_mises_stress() {
         let split = split("S", &[300.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 100.0], 2, "");
         assert_eq!(split[0].0, "S_MISES");
         assert!((split[0].1[0] - 300.0).abs() < 1e-12, "uniaxial");
@@ -326,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_keep_to_their_steps() {
+    fn values_are_scaled_to_integer_steps() {
         assert_eq!([scale(1.0, 1.0, 3.0), scale(2.0, 1.0, 3.0), scale(3.0, 1.0, 3.0)], [0, 32767, 65534]);
         assert_eq!([scale(f64::NAN, 0.0, 1.0), scale(5.0, 5.0, 5.0)], [NONE, 0]);
     }

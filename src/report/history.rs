@@ -1,4 +1,4 @@
-//! Histories as charts: few lines each, thinned so that no peak is lost.
+//! Charts of histories, with few lines each, thinned without losing peaks.
 
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
@@ -9,37 +9,37 @@ use crate::deck::files;
 use crate::deck::names::nearest;
 use crate::output::csv;
 use crate::output::history::STEP;
-use crate::study::chart::{Chart, Form, Series};
+use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 use crate::variables::statistic::Statistic;
-use crate::variables::{Part, Place};
+use crate::variables::{VariableComponent, VariablePlace};
 
-use super::data::Column;
+use super::data::ColumnSummaryRow;
 use super::shorten;
 use super::units::UnitNames;
 
 const LINES: usize = 8;
 const CHARTS: usize = 12;
-/// Intervals a thinned line is cut into; each keeps its smallest and its largest value.
+/// Number of intervals of a thinned line; each keeps its smallest and largest value.
 const INTERVALS: usize = 300;
 
-/// A history file: the columns that were asked for.
+/// Requested columns of a history file.
 #[derive(Clone, Debug, Default)]
 pub struct HistoryColumns {
     pub times: Vec<f64>,
     pub columns: IndexMap<String, Vec<f64>>,
 }
 
-/// Names of the columns of a `<job>_history.csv`, without time and step.
+/// Reads the column names of `<job>_history.csv`, without time and step.
 pub fn names(path: &Path) -> Result<Vec<String>, String> {
     let mut names = header(path)?;
     names.drain(..leading(&names));
     Ok(names)
 }
 
-/// What may have been meant by a name that is not there.
+/// Returns a hint for an unknown column name.
 pub fn hint(wanted: &str, names: &[String]) -> String {
     let like = nearest(wanted, names.iter().map(String::as_str));
-    like.map_or_else(|| format!("there are {}", names.join(", ")), |name| format!("did you mean `{name}`?"))
+    like.map_or_else(|| format!("the columns are {}", names.join(", ")), |name| format!("did you mean `{name}`?"))
 }
 
 fn header(path: &Path) -> Result<Vec<String>, String> {
@@ -49,12 +49,12 @@ fn header(path: &Path) -> Result<Vec<String>, String> {
     Ok(csv::fields(&header))
 }
 
-/// How many columns are before those of the deck: the time, and the step that files of today have.
+/// Returns the number of leading columns: time, and step, which old files do not have.
 fn leading(names: &[String]) -> usize {
     names.len().min(if names.get(1).is_some_and(|name| name == STEP) { 2 } else { 1 })
 }
 
-/// Reads the chosen columns.
+/// Reads the requested columns.
 pub fn read(path: &Path, wanted: &[String]) -> Result<HistoryColumns, String> {
     let all = header(path)?;
     let first = leading(&all);
@@ -68,7 +68,11 @@ pub fn read(path: &Path, wanted: &[String]) -> Result<HistoryColumns, String> {
         let numbers: Vec<f64> = line.split(',').map_while(|f| f.trim().parse().ok()).collect();
         if numbers.len() != all.len() || line.split(',').count() != numbers.len() {
             let expected = all.len();
-            return Err(format!("{}: line {} is not {expected} numbers: the file is damaged", path.display(), i + 1));
+            return Err(format!(
+                "{}: line {}: expected {expected} numbers: the file is damaged",
+                path.display(),
+                i + 1
+            ));
         }
         history.times.push(numbers[0]);
         for (column, place) in columns.iter_mut().zip(&places) {
@@ -79,17 +83,17 @@ pub fn read(path: &Path, wanted: &[String]) -> Result<HistoryColumns, String> {
     Ok(history)
 }
 
-/// Charts to draw: the energies together, then one for each variable.
+/// Selection of charts: one for the energies and one for each variable.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChartChoice {
     /// Title and columns of each chart.
     pub charts: Vec<(String, Vec<String>)>,
-    /// How many columns are not drawn.
+    /// Number of columns that are not drawn.
     pub left_out: usize,
 }
 
-/// Which columns to draw. Of more than eight of one variable those that vary most are drawn.
-pub fn choose(names: &[String], summary: &[Column]) -> ChartChoice {
+/// Selects the columns to draw. Of more than eight columns of a variable those with the largest range are drawn.
+pub fn choose(names: &[String], summary: &[ColumnSummaryRow]) -> ChartChoice {
     let mut groups: IndexMap<String, Vec<String>> = IndexMap::new();
     groups.insert("Energy".into(), Vec::new());
     for name in names {
@@ -100,9 +104,9 @@ pub fn choose(names: &[String], summary: &[Column]) -> ChartChoice {
     for (title, mut members) in groups {
         let count = members.len();
         if title == "Energy" {
-            drop_silent(&mut members, summary);
+            drop_zero_energies(&mut members, summary);
         } else {
-            keep_liveliest(&mut members, summary);
+            keep_largest_ranges(&mut members, summary);
         }
         if choice.charts.len() == CHARTS {
             members.clear();
@@ -115,25 +119,26 @@ pub fn choose(names: &[String], summary: &[Column]) -> ChartChoice {
     choice
 }
 
-/// The variable of a column, whatever of a set it is; all energies are one group.
+/// Returns the variable of a column, without node, set and statistic; all energies are one group.
 fn group(name: &str) -> String {
     let variable = Statistic::split(name.split('@').next().unwrap_or(name)).0;
-    let energy = !name.contains('@') && Part::parse(variable).is_some_and(|p| p.variable.place() == Place::Energy);
+    let energy = !name.contains('@')
+        && VariableComponent::parse(variable).is_some_and(|p| p.variable.place() == VariablePlace::Energy);
     if energy { "Energy".into() } else { variable.to_owned() }
 }
 
-fn extent(name: &str, summary: &[Column]) -> f64 {
+fn extent(name: &str, summary: &[ColumnSummaryRow]) -> f64 {
     summary.iter().find(|c| c.name == name).map_or(0.0, |c| c.max - c.min)
 }
 
-/// Energies that stay zero, up to rounding, need no line.
-fn drop_silent(members: &mut Vec<String>, summary: &[Column]) {
+/// Removes energies that are zero up to rounding.
+fn drop_zero_energies(members: &mut Vec<String>, summary: &[ColumnSummaryRow]) {
     let size = |name: &String| summary.iter().find(|c| c.name == *name).map(|c| c.max.abs().max(c.min.abs()));
     let largest = members.iter().filter_map(size).fold(0.0, f64::max);
     members.retain(|name| size(name).is_none_or(|s| s > 1e-12 * largest));
 }
 
-fn keep_liveliest(members: &mut Vec<String>, summary: &[Column]) {
+fn keep_largest_ranges(members: &mut Vec<String>, summary: &[ColumnSummaryRow]) {
     if members.len() > LINES {
         let mut extents: Vec<f64> = members.iter().map(|m| extent(m, summary)).collect();
         extents.sort_by(|a, b| b.total_cmp(a));
@@ -145,15 +150,15 @@ fn keep_liveliest(members: &mut Vec<String>, summary: &[Column]) {
 pub fn chart(title: &str, columns: &[String], history: &HistoryColumns, units: &UnitNames) -> Chart {
     let line = |name: &String| {
         let values = history.columns.get(name)?;
-        Some(Series::new(name, Form::Line, thin(&history.times, values)))
+        Some(ChartSeries::new(name, SeriesForm::Line, thin(&history.times, values)))
     };
     let series = columns.iter().filter_map(line).collect();
     let y_label = if title == "Energy" { "energy" } else { title };
-    let words = Part::parse(title).map_or(String::new(), |part| part.variable.row().words.to_owned());
+    let words = VariableComponent::parse(title).map_or(String::new(), |part| part.variable.row().words.to_owned());
     Chart { units: units.over_time(title), words, ..Chart::new(title, ["time", y_label], series) }
 }
 
-/// Smallest and largest value of each of a few hundred intervals, the ends always.
+/// Reduces a curve to the smallest and largest value of each of `INTERVALS` intervals, and the end points.
 fn thin(times: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     let mut kept: Vec<usize> = Vec::new();
     if values.len() <= 2 * INTERVALS {
@@ -177,13 +182,14 @@ fn thin(times: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
 mod tests {
     use super::*;
 
-    fn columns(names: &[&str]) -> (Vec<String>, Vec<Column>) {
-        let column = |(i, n): (usize, &&str)| Column { name: (*n).into(), last: 0.0, min: 0.0, max: i as f64 };
+    fn columns(names: &[&str]) -> (Vec<String>, Vec<ColumnSummaryRow>) {
+        let column =
+            |(i, n): (usize, &&str)| ColumnSummaryRow { name: (*n).into(), last: 0.0, min: 0.0, max: i as f64 };
         (names.iter().map(|n| (*n).into()).collect(), names.iter().enumerate().map(column).collect())
     }
 
     #[test]
-    fn energies_go_together_and_a_crowd_is_thinned_to_its_liveliest() {
+    fn energies_share_a_chart_and_columns_with_the_largest_range_are_kept() {
         let mut names = vec!["ALLWK".to_owned(), "U2@A".into(), "ALLKE".into()];
         names.extend((0..20).map(|i| format!("S11@{i}")));
         let (names, summary) = columns(&names.iter().map(String::as_str).collect::<Vec<_>>());

@@ -1,31 +1,31 @@
-//! Names that the user gives to quantities, for charts and tables: `COLUMN=TEXT`.
+//! Labels that the user gives to quantities for charts and tables: `COLUMN=TEXT`.
 
-use super::data::{Page, Table};
+use super::data::{ReportPage, ReportTable};
 use crate::deck::names::nearest;
 use crate::study::chart::Chart;
 
-/// Names of quantities: a history column (`U2@REF`), a variable or field (`MISES`), or a column of a sweep or study.
+/// Labels of quantities: history columns (`U2@REF`), variables or fields (`MISES`), columns of a sweep or study.
 #[derive(Clone, Debug, Default)]
-pub struct Labels(Vec<(String, String)>);
+pub struct QuantityLabels(Vec<(String, String)>);
 
-impl Labels {
-    /// Reads `COLUMN=TEXT`.
-    pub fn parse(words: &[String]) -> Result<Labels, String> {
+impl QuantityLabels {
+    /// Parses `COLUMN=TEXT`.
+    pub fn parse(words: &[String]) -> Result<QuantityLabels, String> {
         let pair = |word: &String| match word.split_once('=') {
             Some((column, text)) if !column.trim().is_empty() && !text.trim().is_empty() => {
                 Ok((column.trim().to_owned(), text.trim().to_owned()))
             }
-            _ => Err(format!("--label {word}: COLUMN=TEXT is expected, such as U2@REF=depth")),
+            _ => Err(format!("--label {word}: expected COLUMN=TEXT, for example U2@REF=depth")),
         };
-        words.iter().map(pair).collect::<Result<_, _>>().map(Labels)
+        words.iter().map(pair).collect::<Result<_, _>>().map(QuantityLabels)
     }
 
-    /// What a quantity is called; itself where nothing is said.
+    /// Returns the label of a quantity, or its name without a label.
     pub fn of<'a>(&'a self, name: &'a str) -> &'a str {
         self.0.iter().find(|(column, _)| column.eq_ignore_ascii_case(name)).map_or(name, |(_, text)| text)
     }
 
-    /// Refuses what names nothing.
+    /// Checks that each label belongs to a known quantity.
     pub fn check(&self, known: &[String]) -> Result<(), String> {
         let there = |column: &str| known.iter().any(|k| k.eq_ignore_ascii_case(column));
         match self.0.iter().find(|(column, _)| !there(column)) {
@@ -38,8 +38,8 @@ impl Labels {
         }
     }
 
-    /// Puts the names into a page.
-    pub(super) fn put(&self, page: &mut Page) -> Result<(), String> {
+    /// Applies the labels to a page.
+    pub(super) fn apply_to_page(&self, page: &mut ReportPage) -> Result<(), String> {
         if self.0.is_empty() {
             return Ok(());
         }
@@ -65,12 +65,12 @@ impl Labels {
     }
 }
 
-fn names(page: &Page) -> Vec<String> {
+fn names(page: &ReportPage) -> Vec<String> {
     let of_chart = |chart: &Chart| {
         let series = chart.series.iter().map(|s| s.name.clone());
         series.chain([chart.title.clone(), chart.x_label.clone(), chart.y_label.clone()]).collect::<Vec<_>>()
     };
-    let of_table = |table: &Table| {
+    let of_table = |table: &ReportTable| {
         let charts = table.charts.iter().flat_map(of_chart);
         charts.chain(table.header.iter().cloned()).collect::<Vec<_>>()
     };
@@ -89,14 +89,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn labels_name_what_is_there() {
-        let labels = Labels::parse(&["u2@ref = depth, m".into()]).expect("labels");
+    fn labels_apply_to_known_quantities_only() {
+        let labels = QuantityLabels::parse(&["u2@ref = depth, m".into()]).expect("labels");
         assert_eq!([labels.of("U2@REF"), labels.of("V2@REF")], ["depth, m", "V2@REF"]);
         assert!(labels.check(&["U2@REF".into()]).is_ok());
         let message = labels.check(&["U2@REFF".into()]).expect_err("nothing of this name");
         assert!(message.contains("did you mean `U2@REFF`?"), "{message}");
         for wrong in ["depth", "=depth", "U2@REF="] {
-            assert!(Labels::parse(&[wrong.into()]).is_err(), "{wrong}");
+            assert!(QuantityLabels::parse(&[wrong.into()]).is_err(), "{wrong}");
         }
     }
 }

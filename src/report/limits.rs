@@ -1,19 +1,19 @@
-//! What limited the increments over time, from a summary.
+//! Chart of the time increment and its limiting elements over time, from a summary.
 
 use serde_json::Value;
 
 use super::shorten;
 use super::units::UnitNames;
-use crate::study::chart::{Chart, Form, Series};
+use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 
 pub const TITLE: &str = "Increment";
-/// Names that have a series of their own; the others share one.
+/// Number of limiting elements with a separate series; the others share one.
 const NAMES: usize = 7;
 
-/// A span: time, shortest increment, what limited it.
+/// Time span: time, shortest increment, name of what limited it.
 type LimitSpan = (f64, f64, String);
 
-/// The chart of what a summary tells of each step; `None` where a summary tells nothing.
+/// Returns the chart of the increments of all steps; `None` without data.
 pub fn chart(limits: &Value, units: &UnitNames) -> Option<Chart> {
     let spans: Vec<LimitSpan> = limits.as_array()?.iter().flat_map(spans).collect();
     if spans.len() < 2 {
@@ -29,21 +29,21 @@ pub fn chart(limits: &Value, units: &UnitNames) -> Option<Chart> {
     names.sort_by_key(|n| std::cmp::Reverse(n.1));
     let own: Vec<&str> =
         names.iter().take(if names.len() > NAMES + 1 { NAMES } else { NAMES + 1 }).map(|n| n.0).collect();
-    let mut series = vec![points("shortest of each span", Form::Guide, spans.iter())];
-    series.extend(own.iter().map(|name| points(name, Form::Marks, spans.iter().filter(|s| s.2 == *name))));
+    let mut series = vec![points("shortest increment of each time span", SeriesForm::Guide, spans.iter())];
+    series.extend(own.iter().map(|name| points(name, SeriesForm::Marks, spans.iter().filter(|s| s.2 == *name))));
     if own.len() < names.len() {
         let others = format!("{} others", names.len() - own.len());
-        series.push(points(&others, Form::Marks, spans.iter().filter(|s| !own.contains(&s.2.as_str()))));
+        series.push(points(&others, SeriesForm::Marks, spans.iter().filter(|s| !own.contains(&s.2.as_str()))));
     }
-    let words = "and what limited it".into();
+    let words = "with the element or contact that limits it".into();
     Some(Chart { units: units.over_time(TITLE), words, ..Chart::new(TITLE, ["time", "increment"], series) })
 }
 
-fn points<'a>(name: &str, form: Form, spans: impl Iterator<Item = &'a LimitSpan>) -> Series {
-    let mut series = Series::new(name, form, Vec::new());
+fn points<'a>(name: &str, form: SeriesForm, spans: impl Iterator<Item = &'a LimitSpan>) -> ChartSeries {
+    let mut series = ChartSeries::new(name, form, Vec::new());
     for (time, increment, by) in spans {
         series.points.push((shorten(*time), shorten(*increment)));
-        if form == Form::Marks && by != name {
+        if form == SeriesForm::Marks && by != name {
             series.words.push(by.clone());
         }
     }
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_crowd_of_names_shares_a_series() {
+    fn rare_limits_share_a_series() {
         let count = 12;
         let names: Vec<String> = (0..count).map(|i| format!("element {i}")).collect();
         let time: Vec<usize> = (0..2 * count).collect();

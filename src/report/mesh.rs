@@ -1,26 +1,27 @@
-//! A frame's mesh with few enough cells to draw: points that share a square of a grid become one (vertex clustering,
-//! Rossignac and Borrel 1993), cells that collapse are dropped. No gaps open, and it is done once for all frames.
+//! Coarsening of a mesh for drawing by vertex clustering (Rossignac and Borrel 1993): points in the same square of a
+//! grid are merged, and collapsed cells are dropped. No gaps appear. It is done once for all frames.
 
 use std::collections::HashMap;
 
-/// What is drawn of a mesh.
+/// Part of a mesh that is drawn.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DrawnMesh {
-    /// Points of the mesh that are drawn.
+    /// Indices of the drawn points in the mesh.
     pub points: Vec<usize>,
     /// Corners of each cell as indices into `points`.
     pub corners: Vec<Vec<usize>>,
-    /// The cell of the mesh that each stands for.
+    /// Index of each drawn cell in the mesh.
     pub cells: Vec<usize>,
 }
 
-/// The whole mesh if it has no more than `most` cells, else a coarser one.
+/// Returns the whole mesh if it has at most `most` cells, otherwise a coarser one.
 pub fn drawn(points: &[[f64; 2]], cells: &[Vec<usize>], most: usize) -> DrawnMesh {
     let whole: Vec<usize> = (0..points.len()).collect();
     let mut drawn = clustered(&whole, cells);
     let [low, high] = bounds(points);
     let extent = f64::max(high[0] - low[0], high[1] - low[1]);
-    // Squares that a mesh of `most` cells would have if it filled the box; smaller boxes follow until it fits.
+    // Start with a quarter of the area of `most` cells that fill the bounding box; enlarge the squares until the mesh
+    // fits.
     let mut size = (0.25 * (high[0] - low[0]) * (high[1] - low[1]) / most as f64).sqrt().max(1e-4 * extent);
     while drawn.corners.len() > most && size < extent {
         let square = |p: &[f64; 2]| [0, 1].map(|i| ((p[i] - low[i]) / size).floor() as i64);
@@ -32,7 +33,7 @@ pub fn drawn(points: &[[f64; 2]], cells: &[Vec<usize>], most: usize) -> DrawnMes
     drawn
 }
 
-/// The smallest and the largest of each coordinate.
+/// Returns the smallest and largest value of each coordinate.
 pub fn bounds(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
     let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
     for point in points.iter().filter(|p| p[0].is_finite() && p[1].is_finite()) {
@@ -44,7 +45,8 @@ pub fn bounds(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
     bounds
 }
 
-/// Cells over the leaders of their corners; what collapses to fewer than a triangle, or a line to a point, is dropped.
+/// Replaces the corners of cells by their cluster points; drops areas with fewer than three corners and lines with
+/// fewer than two.
 fn clustered(leader: &[usize], cells: &[Vec<usize>]) -> DrawnMesh {
     let mut drawn = DrawnMesh::default();
     let mut number: HashMap<usize, usize> = HashMap::new();
@@ -83,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_mesh_is_drawn_as_it_is() {
+    fn small_mesh_is_unchanged() {
         let (points, cells) = square(5);
         let drawn = drawn(&points, &cells, 100);
         assert_eq!(drawn.cells.len(), 25);
@@ -91,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn a_large_mesh_gets_coarser_and_covers_nearly_the_same_area() {
+    fn large_mesh_is_coarsened_with_nearly_the_same_area() {
         let (points, cells) = square(200);
         let drawn = drawn(&points, &cells, 3000);
         assert!((300..=3000).contains(&drawn.cells.len()), "{}", drawn.cells.len());
@@ -102,7 +104,7 @@ mod tests {
             0.5 * corners.iter().zip(shifted).map(cross).sum::<f64>()
         };
         let sum: f64 = drawn.corners.iter().map(area).sum();
-        // Up to one square of the grid may be lost along two of the four sides.
+        // Up to one grid square may be lost along two of the four sides.
         assert!((0.85..=1.0).contains(&(sum / 40_000.0)), "{sum}");
     }
 }

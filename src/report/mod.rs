@@ -1,7 +1,7 @@
-//! `revolve report`: one self-contained HTML page for the runs, sweeps and studies found in a folder.
+//! `revolve report`: one self-contained HTML page for the runs, sweeps and studies in a folder.
 //!
-//! The folder is read into [`data::Page`], which the page carries as JSON; `page.js` draws it. Nothing is fetched:
-//! style, script and numbers are in the file, and a content security policy forbids the rest.
+//! The folder is read into [`data::ReportPage`], which is embedded as JSON and drawn by `page.js`. Style, script and
+//! data are in the file; a content security policy forbids loading anything else.
 
 mod balance;
 mod compare;
@@ -25,11 +25,11 @@ use thiserror::Error;
 pub use find::page as gather_with;
 pub use frames::{BYTES, CELLS, FRAMES};
 pub use html::html;
-pub use labels::Labels;
+pub use labels::QuantityLabels;
 
 use crate::study::table::rounded;
 
-/// Why a folder of results gives no page or picture: what is missing or cannot be read, with the file.
+/// Error of a report or picture: a file that is missing or cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{0}")]
 pub struct ReportError(String);
@@ -40,21 +40,21 @@ impl From<String> for ReportError {
     }
 }
 
-/// Options of a page or a chart.
+/// Options of a report page or a chart.
 #[derive(Clone, Debug, Default)]
 pub struct PageOptions {
-    /// Names of quantities.
-    pub labels: Labels,
-    /// A CSV file with curves that histories are compared with.
+    /// Labels of quantities.
+    pub labels: QuantityLabels,
+    /// CSV file with reference curves for histories.
     pub compare: Option<PathBuf>,
 }
 
 /// Reads the results in a folder.
-pub fn gather(folder: &Path) -> Result<data::Page, ReportError> {
+pub fn gather(folder: &Path) -> Result<data::ReportPage, ReportError> {
     gather_with(folder, &PageOptions::default())
 }
 
-/// Six significant digits: what a chart can show, in the fewest characters.
+/// Rounds to six significant digits, enough for a chart.
 fn shorten(value: f64) -> f64 {
     rounded(value, 6)
 }

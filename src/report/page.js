@@ -1,18 +1,18 @@
-// Draws the page from the JSON that it carries. No request is made; what is shown is decided in Rust (report/data.rs).
+// Draws the page from its embedded JSON data (report/data.rs). No network requests are made.
 'use strict';
 const faults = [];
 addEventListener('error', e => faults.push(String(e.message)));
 addEventListener('securitypolicyviolation', e => faults.push(`policy: ${e.violatedDirective}`));
 const data = JSON.parse(document.getElementById('data').textContent);
 const page = document.getElementById('page');
-// Okabe and Ito's palette, safe for colour-blind readers; black and yellow are left out for the two backgrounds.
+// The colour-blind-safe palette of Okabe and Ito, without black and yellow, which are invisible on one of the backgrounds.
 const PALETTE = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#e69f00', '#56b4e9', '#8c6bb1', '#7f7f7f'];
-// Viridis (Smith and van der Walt) at eighths.
+// The colour map Viridis (Smith and van der Walt) at nine equally spaced values.
 const VIRIDIS = ['440154', '472d7b', '3b528b', '2c728e', '21918c', '28ae80', '5ec962', 'addc30', 'fde725']
   .map(h => [0, 2, 4].map(i => parseInt(h.slice(i, i + 2), 16)));
 const NONE = 65535;
 
-// ---- small tools ----
+// ---- helper functions ----
 function make(tag, attributes = {}, ...children) {
   const svg = ['svg', 'g', 'path', 'line', 'text', 'circle', 'rect'].includes(tag);
   const node = svg ? document.createElementNS('http://www.w3.org/2000/svg', tag) : document.createElement(tag);
@@ -23,7 +23,7 @@ function make(tag, attributes = {}, ...children) {
   node.append(...children.filter(c => c !== undefined && c !== null));
   return node;
 }
-/** A number with as many digits as asked for, in plain or scientific form. */
+/** Formats a number with a given number of digits, in plain or scientific form. */
 function show(value, digits = 5) {
   if (value === null || value === undefined || Number.isNaN(value)) return 'none';
   if (typeof value !== 'number') return String(value);
@@ -33,17 +33,17 @@ function show(value, digits = 5) {
   return String(Number(value.toPrecision(digits)));
 }
 const raised = number => String(number).replace(/./g, c => '⁰¹²³⁴⁵⁶⁷⁸⁹'[c] ?? '⁻');
-/** The power of ten, a multiple of three, that is taken out of an axis; 0 where plain numbers are short. */
+/** Returns the common power of ten of an axis, a multiple of three; 0 if plain numbers are short. */
 function exponentOf(values) {
   const largest = Math.max(0, ...values.map(Math.abs));
   return largest === 0 || (largest >= 0.1 && largest < 1e4) ? 0 : 3 * Math.floor(Math.log10(largest) / 3 + 1e-9);
 }
-/** Labels of an axis, and the power of ten that they leave out. */
+/** Returns the labels of an axis and their common power of ten. */
 function labels(values) {
   const exponent = exponentOf(values);
   return { texts: values.map(v => String(Number((v / 10 ** exponent).toPrecision(4)))), exponent };
 }
-/** Labels of a logarithmic axis, all plain or all powers of ten. */
+/** Returns the labels of a logarithmic axis: all plain numbers or all powers of ten. */
 function powers(values) {
   if (values.every(v => v >= 1e-3 && v < 1e5)) return { texts: values.map(v => show(v, 3)), exponent: 0 };
   return { exponent: 0, texts: values.map(v => {
@@ -52,7 +52,7 @@ function powers(values) {
   }) };
 }
 const withUnit = (label, unit, exponent = 0) => [label, [exponent ? `10${raised(exponent)}` : '', unit].filter(Boolean).join(' ')].filter(Boolean).join(', ');
-/** Round steps that divide an interval. */
+/** Returns round ticks that divide an interval. */
 function ticks(low, high, count) {
   if (!(high > low)) return [low];
   const raw = (high - low) / count, power = 10 ** Math.floor(Math.log10(raw));
@@ -61,7 +61,7 @@ function ticks(low, high, count) {
   for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) list.push(i * step);
   return list;
 }
-/** Powers of ten between two logarithms, with what lies between them where there are few. */
+/** Returns the powers of ten between two logarithms, with intermediate values if there are few. */
 function decades(low, high) {
   if (high - low < 1) return ticks(10 ** low, 10 ** high, 4).filter(v => v > 0).map(Math.log10);
   const list = [];
@@ -106,7 +106,7 @@ function notes(list) {
 
 // ---- charts ----
 const LEFT = 62, RIGHT = 16, TOP = 8, BOTTOM = 42;
-/** Lower and upper edges of areas on top of each other, above zero and below. */
+/** Returns lower and upper edges of stacked areas, for their positive and negative parts. */
 function stack(series) {
   const reached = [[], []];
   for (const s of series.filter(s => s.form === 'area' && !s.hidden)) {
@@ -117,13 +117,13 @@ function stack(series) {
     }));
   }
 }
-/** Smallest and largest of values, a little widened. */
+/** Returns the range of values with a margin. */
 function extent(all, tight) {
   const low = all.reduce((a, b) => Math.min(a, b), Infinity), high = all.reduce((a, b) => Math.max(a, b), -Infinity);
   const margin = high > low ? 0.05 * (high - low) : 0.5 * Math.abs(high) || 0.5;
   return tight ? [low, high > low ? high : low + margin] : [low - margin, high + margin];
 }
-/** A chart with a tooltip; a part of it that is dragged over fills it, a double click shows all again. `setTime` moves a mark along
+/** A chart with a tooltip. Dragging over a part zooms in, a double click shows the whole chart. `setTime` moves a mark along
  * a time axis. Letters have one size on any screen: the chart is drawn anew where its width changes. */
 function drawChart(chart) {
   const log = chart.logarithmic, value = v => log ? Math.log10(v) : v, back = v => log ? 10 ** v : v;
@@ -153,7 +153,7 @@ function drawChart(chart) {
     svg.replaceChildren(...drawAxes(chart, at, back));
     const [wide, high] = inner();
     const curves = make('svg', { x: LEFT, y: TOP, width: wide, height: high, viewBox: `${LEFT} ${TOP} ${wide} ${high}`, overflow: at.zoom ? 'hidden' : 'visible' });
-    // Lines lie on areas.
+    // Lines are drawn over areas.
     for (const s of [...series].sort((a, b) => (b.form === 'area') - (a.form === 'area'))) curves.append(s.group = drawSeries(s, at));
     for (const line of [now, cursor]) { line.setAttribute('y1', TOP); line.setAttribute('y2', at.height - BOTTOM); }
     cursor.setAttribute('visibility', 'hidden');
@@ -190,7 +190,7 @@ function drawChart(chart) {
   new ResizeObserver(() => { if (plot.clientWidth && Math.abs(plot.clientWidth - at.width) > 1) draw(); }).observe(plot);
   return { node: make('figure', { class: 'card', style: { margin: '0' } }, make('div', { class: 'title' }, title, takeAway), legend, plot), setTime, draw, at };
 }
-/** Grid, ticks and names of both axes. */
+/** Draws grid, ticks and labels of both axes. */
 function drawAxes(chart, at, back) {
   const log = chart.logarithmic, right = at.width - RIGHT, bottom = at.height - BOTTOM, parts = [];
   const xs = log ? decades(...at.x) : ticks(...at.x, at.width < 440 ? 4 : 6), ys = log ? decades(...at.y) : ticks(...at.y, 5);
@@ -231,7 +231,7 @@ function drawSeries(s, at) {
   }
   return group;
 }
-/** A drag over a part of a chart shows that part: a box, or all heights where the drag is level. */
+/** Dragging zooms to a box, or to an interval of the abscissa if the drag is horizontal. */
 function dragging(svg, rubber, at, zoom) {
   const ENOUGH = 8;
   let from = null;
@@ -266,7 +266,7 @@ function dragging(svg, rubber, at, zoom) {
   svg.addEventListener('keydown', e => { if (e.key === 'Escape') zoom(null); });
 }
 const fileName = title => title.replace(/[^\w.-]+/g, '_') || 'chart';
-/** A button that saves what `make` gives, a blob or the promise of one. */
+/** A button that saves the result of `make`, a blob or a promise of one. */
 function download(word, contents, name) {
   const button = make('button', { type: 'button', title: `save as ${word}` }, word);
   button.addEventListener('click', async () => {
@@ -276,7 +276,7 @@ function download(word, contents, name) {
   });
   return button;
 }
-/** The points of a chart as a table: one abscissa, a column for each line. */
+/** Returns the points of a chart as CSV: the abscissa and one column per series. */
 function csvOf(chart) {
   const quoted = text => /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
   const all = [...new Set(chart.series.flatMap(s => s.x))].sort((a, b) => a - b);
@@ -284,7 +284,7 @@ function csvOf(chart) {
   const rows = all.map(x => [x, ...columns.map(c => c.get(x) ?? '')].join(','));
   return [[chart.x_label, ...chart.series.map(s => s.name)].map(quoted).join(','), ...rows].join('\n') + '\n';
 }
-/** A chart as it is drawn, twice as large, with the colours of the page. */
+/** Returns a chart as PNG, scaled by two, with the colours of the page. */
 function pngOf(svg, at) {
   const copy = svg.cloneNode(true), scale = 2;
   const from = [svg, ...svg.querySelectorAll('*')], to = [copy, ...copy.querySelectorAll('*')];
@@ -306,7 +306,7 @@ function pngOf(svg, at) {
     image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
   });
 }
-/** The tooltip follows the pointer, or the arrow keys where the chart has the focus. */
+/** The tooltip follows the pointer, or the arrow keys if the chart has the focus. */
 function follow(svg, tip, cursor, series, chart, at) {
   const stops = [...new Set(series.flatMap(s => s.x))].sort((a, b) => a - b);
   const nearest = (list, x) => list.reduce((best, v, i) => Math.abs(at.px(v) - x) < Math.abs(at.px(list[best]) - x) ? i : best, 0);
@@ -344,14 +344,14 @@ function chartGrid(charts) {
 }
 
 // ---- the meridian ----
-/** Frames of the meridian, mirrored about the axis; z runs to the right where the scene is long. */
+/** Frames of the meridian section, mirrored about the axis; z is horizontal if the model is longer than wide. */
 function drawMeridian(m, onTime) {
   const places = numbers(m.places), corners = numbers(m.corners), frames = m.times.length;
   const [r0, r1, z0, z1] = m.bounds, chains = outlines(m, corners);
   const fields = m.fields.filter(f => f.name !== 'STATUS').map(f => ({ ...f, at: numbers(f.values) }));
   const status = m.fields.filter(f => f.name === 'STATUS' && f.on_cells).map(f => numbers(f.values))[0];
   const layers = layersOf(m.scene), faces = layers.flatMap(l => [l.from, l.to]).filter(Number.isFinite);
-  const canvas = make('canvas', { role: 'img', tabindex: 0, 'aria-label': 'Meridian of the scene, mirrored about the axis' });
+  const canvas = make('canvas', { role: 'img', tabindex: 0, 'aria-label': 'Meridian section, mirrored about the axis' });
   const slider = make('input', { type: 'range', min: 0, max: frames - 1, value: frames - 1, step: 1, 'aria-label': 'frame' });
   const clock = make('output', {}), play = make('button', { type: 'button' }, 'play');
   const chooser = make('select', { 'aria-label': 'field' }, make('option', { value: -1 }, 'no field'), ...fields.map((f, i) => make('option', { value: i }, f.name)));
@@ -366,7 +366,7 @@ function drawMeridian(m, onTime) {
     const k = 2 * (frame * m.points + p);
     return [r0 + (r1 - r0) * places[k] / (NONE - 1), z0 + (z1 - z0) * places[k + 1] / (NONE - 1)];
   };
-  /** What is looked at: z from, z to, largest r. */
+  /** The view: smallest z, largest z, largest r. */
   const window_ = frame => {
     let a = z0, b = z1, r = Math.max(Math.abs(r0), r1);
     if (view.value === 'near') {
@@ -381,7 +381,7 @@ function drawMeridian(m, onTime) {
     }
     return [a, b, Math.max(1.35 * r, 0.1 * (b - a))];
   };
-  // The last frame in which there is something to tell apart.
+  // The last frame in which the field is not constant.
   const first = fields[0], size = first && (first.on_cells ? m.cells : m.points);
   const flat = frame => { const part = first.at.subarray(frame * size, (frame + 1) * size).filter(v => v !== NONE); return part.every(v => v === part[0]); };
   while (first && state.frame > 0 && flat(state.frame)) state.frame--;
@@ -464,7 +464,7 @@ function drawMeridian(m, onTime) {
   addEventListener('beforeprint', draw);
   const label = (control, text) => make('label', {}, control, ` ${text}`);
   const controls = make('div', { class: 'controls' }, play, slider, clock, chooser, view, label(own, 'scale of this frame'), label(edges, 'edges'));
-  const node = card('Meridian, mirrored about the axis', controls, make('div', { class: 'plot' }, canvas, tip), scale);
+  const node = card('Meridian section, mirrored about the axis', controls, make('div', { class: 'plot' }, canvas, tip), scale);
   return { node, draw, setFrame, setField: i => { state.field = i; chooser.value = i; draw(); }, frames, fields, canvas };
 }
 /** Layers of targets as intervals of z. */
@@ -518,7 +518,7 @@ function drawAxis(g, [a, b], project) {
   g.beginPath(); g.moveTo(...project(0, a)); g.lineTo(...project(0, b)); g.stroke();
   g.setLineDash([]);
 }
-/** Lines of rigid bodies joined into outlines: lists of points. */
+/** Joins the facets of rigid bodies into outlines: lists of points. */
 function outlines(m, corners) {
   const next = new Map();
   const add = (p, q) => next.set(p, [...(next.get(p) || []), q]);
@@ -541,7 +541,7 @@ function outlines(m, corners) {
   }
   return chains;
 }
-/** Rigid bodies: filled where the outline meets the axis or closes. */
+/** Draws rigid bodies, filled if the outline meets the axis or is closed. */
 function drawBodies(g, chains, point, project) {
   g.fillStyle = ink('--body');
   for (const chain of chains) {
@@ -556,7 +556,7 @@ function drawBodies(g, chains, point, project) {
     }
   }
 }
-/** Cells by colour, both halves; returns what lies where for the tooltip. */
+/** Draws cells by colour on both sides of the axis; returns the drawn polygons for the tooltip. */
 function drawCells(g, m, corners, field, status, frame, point, project, [low, high], edges) {
   const seen = [], plain = ink('--body'), line = ink('--soft'), none = ink('--soft');
   for (let c = 0; c < m.cells; c++) {
@@ -573,7 +573,7 @@ function drawCells(g, m, corners, field, status, frame, point, project, [low, hi
         g.strokeStyle = field ? paint : line; g.lineWidth = field && value !== null ? 5 : 2; g.lineCap = 'round'; g.stroke();
       } else {
         g.closePath(); g.fillStyle = paint; g.fill();
-        // Neighbours meet without a hairline between them.
+        // A stroke of the same colour closes the gaps between neighbouring cells.
         g.strokeStyle = edges ? line : paint; g.lineWidth = edges ? 0.5 : 0.7; g.stroke();
       }
       seen.push({ shape, value, cell: c });
@@ -588,7 +588,7 @@ function valueOf(field, m, cell, list, frame) {
   const values = list.map(p => back(field.at[frame * m.points + p])).filter(v => v !== null);
   return values.length ? values.reduce((a, b) => a + b) / values.length : null;
 }
-/** Whether a point is in a polygon, or near a line. */
+/** Returns whether a point is inside a polygon, or near a line. */
 function inside(shape, x, y) {
   if (shape.length === 2) {
     const [[ax, ay], [bx, by]] = shape, l = (bx - ax) ** 2 + (by - ay) ** 2 || 1;
@@ -608,7 +608,7 @@ function drawTicks(g, [x, y, w, h], long, [a, b, r], project, unit) {
   const zs = ticks(a, b, Math.max(3, Math.round((long ? w : h) / 110))), rs = ticks(-r, r, Math.max(4, Math.round((long ? h : w) / 45)));
   const below = (v, text) => { g.textAlign = 'center'; g.fillText(text, v, y + h + 16); };
   const beside = (v, text) => { g.textAlign = 'right'; g.fillText(text, x - 6, v + 4); };
-  // Both axes have one scale, so one power of ten.
+  // Both axes have the same scale and the same power of ten.
   const both = labels([...zs, ...rs.map(Math.abs)]), zLabels = both.texts.slice(0, zs.length), rLabels = both.texts.slice(zs.length);
   zs.forEach((z, i) => { const p = project(0, z); long ? below(p[0], zLabels[i]) : beside(p[1], zLabels[i]); });
   rs.forEach((v, i) => { const p = project(v, a); long ? beside(p[1], rLabels[i]) : below(p[0], rLabels[i]); });
@@ -624,7 +624,7 @@ function drawRun(run) {
   section.append(make('div', { class: 'head' }, make('h2', {}, `Run ${run.name}`), make('span', { class: `badge ${done ? 'good' : 'bad'}` }, s.status || 'no summary'),
     s.timing ? make('span', { class: 'soft' }, `${s.timing.increments} increments in ${show(s.timing.seconds, 3)} s`) : null));
   if (s.reason) section.append(make('div', { class: 'card reason' }, make('h3', {}, 'Halted'), s.reason));
-  if (s.ended_by_user) section.append(make('div', { class: 'card' }, 'The user\'s routine ended the analysis.'));
+  if (s.ended_by_user) section.append(make('div', { class: 'card' }, 'A user subroutine ended the analysis.'));
   if (s.warnings && s.warnings.length) section.append(card('Warnings', make('ul', { class: 'warning' }, ...s.warnings.map(w => make('li', {}, w)))));
   section.append(outcome(run, s));
   if (run.deviations) section.append(card('Compared with a reference', ...run.deviations.map(d => make('p', { class: 'deviation' }, d))));
@@ -637,7 +637,7 @@ function drawRun(run) {
   }
   section.append(chartGrid(charts));
   section.append(...[energies(s), steps(s), ledger(s), findings(s), messages(s), columns(run)].filter(Boolean));
-  if (run.notes.length) section.append(card('Left out', notes(run.notes)));
+  if (run.notes.length) section.append(card('Omitted data', notes(run.notes)));
   return { section, meridian, charts };
 }
 function outcome(run, s) {
@@ -678,23 +678,23 @@ function ledger(s) {
   const places = row => make('span', {}, ...row.asked_by.flatMap((p, i) => [i ? ', ' : '', make('code', {}, p)]));
   const rows = s.ledger.effects.map(row => [row.effect, `${row.count} ${row.unit}`, places(row), make('span', { title: arrays(row) }, String(bytes(row))), share(row), row.detail]);
   const unused = (s.ledger.unused || []).map(u => `not used: ${u.what} (${u.asked_by}): ${u.why}`);
-  return card('Ledger: what was simulated, and what asked for it', table(['effect', 'count', 'asked by', 'bytes', 'time', 'detail'], rows, i => i === 3), notes(unused));
+  return card('Ledger: simulated effects and the cards that request them', table(['effect', 'count', 'requested by', 'bytes', 'time', 'detail'], rows, i => i === 3), notes(unused));
 }
 function findings(s) {
   if (!s.diagnostics || !s.diagnostics.length) return null;
   const rows = s.diagnostics.map(d => [make('span', { class: d.severity }, `${d.severity} ${d.code}`), make('code', {}, d.place || ''), d.message + (d.help ? ` (${d.help})` : '')]);
-  return card('Diagnostics', table(['', 'place', 'what was found'], rows));
+  return card('Diagnostics', table(['', 'location', 'message'], rows));
 }
 function messages(s) {
   if (!s.messages || !s.messages.length) return null;
-  return card('Messages of the user\'s routines', table(['level', 'message', 'times'], s.messages.map(m => [m.level, m.text, m.times ?? 1])));
+  return card('Messages of user subroutines', table(['level', 'message', 'times'], s.messages.map(m => [m.level, m.text, m.times ?? 1])));
 }
 function columns(run) {
   if (!run.columns.length) return null;
   const rows = run.columns.map(c => [c.name, show(c.final, 7), show(c.min, 7), show(c.max, 7)]);
   return make('div', { class: 'card' }, make('details', rows.length <= 12 ? { open: '' } : {}, make('summary', {}, `History columns (${rows.length})`), table(['column', 'final', 'min', 'max'], rows, i => i > 0)));
 }
-/** Effects left out: what error each buys, and what time it would save. */
+/** Table of removed effects: change of the quantity and saved run time. */
 function effects(list) {
   if (!list || !list.length) return null;
   const largest = key => Math.max(1e-12, ...list.map(e => Math.abs(e[key] ?? 0)));
@@ -702,8 +702,8 @@ function effects(list) {
   const bar = (value, most, name) => value === null || value === undefined ? 'no result' : make('span', { class: 'whole' },
     make('i', { class: `bar ${name}`, style: { width: `${Math.max(1, Math.round(60 * Math.abs(value) / most))}px` } }), ` ${show(100 * value, 3)} %`);
   const rows = list.map(e => [e.name, bar(e.error, error, e.matters ? 'bad' : 'soft-bar'), bar(e.saved, saved, e.saved < 0 ? 'bad' : 'good')]);
-  return make('div', { class: 'effects' }, card('Effects left out', table(['effect', 'error that this buys', 'time that it saves'], rows),
-    make('p', { class: 'soft' }, 'Grey: below the error of the study itself. Below zero: leaving it out costs time.')));
+  return make('div', { class: 'effects' }, card('Removed effects', table(['effect', 'change of the quantity', 'saved run time'], rows),
+    make('p', { class: 'soft' }, 'Grey: the change is below the error estimate. Negative: the run takes longer without the effect.')));
 }
 function drawTable(word, t, pareto = [], list = []) {
   const section = make('section', { class: word.toLowerCase() }, make('div', { class: 'head' }, make('h2', {}, `${word} ${t.name}`)));
@@ -714,10 +714,10 @@ function drawTable(word, t, pareto = [], list = []) {
   section.append(chartGrid(charts));
   const isNumber = i => t.rows.every(row => row[i] === '' || !Number.isNaN(Number(row[i])));
   if (t.rows.length) {
-    section.append(card(pareto.some(Boolean) ? 'Price list' : 'Table', table(t.header, t.rows, isNumber, r => pareto[r] ? 'best' : ''),
-      pareto.some(Boolean) ? make('p', { class: 'soft' }, 'Marked: nothing else is better at this price.') : null));
+    section.append(card(pareto.some(Boolean) ? 'Settings' : 'Table', table(t.header, t.rows, isNumber, r => pareto[r] ? 'best' : ''),
+      pareto.some(Boolean) ? make('p', { class: 'soft' }, 'Marked rows are on the Pareto front of error and run time.') : null));
   }
-  if (t.notes.length) section.append(card('Left out', notes(t.notes)));
+  if (t.notes.length) section.append(card('Omitted data', notes(t.notes)));
   return { section, charts };
 }
 
@@ -726,7 +726,7 @@ page.replaceChildren(make('header', {}, make('h1', {}, data.title), make('span',
 const runs = data.runs.map(drawRun);
 const tables = [...data.studies.map(s => drawTable('Study', s.table, s.pareto, s.effects)), ...data.sweeps.map(s => drawTable('Sweep', s))];
 page.append(...tables.map(t => t.section), ...runs.map(r => r.section));
-if (data.notes.length) page.append(card('Left out', notes(data.notes)));
+if (data.notes.length) page.append(card('Omitted data', notes(data.notes)));
 runs.forEach(r => r.meridian && r.meridian.draw());
 const allCharts = [...tables, ...runs].flatMap(t => t.charts);
 allCharts.forEach(c => c.draw());

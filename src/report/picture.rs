@@ -1,4 +1,4 @@
-//! Pictures for the command line: histories as a chart, a frame's meridian coloured by a field.
+//! Pictures for `revolve chart`: charts of histories, and the meridian section of a frame coloured by a field.
 
 use std::path::Path;
 
@@ -8,17 +8,17 @@ use super::frames::{self, CELLS, FrameData};
 use super::mesh::{bounds, drawn};
 use super::{PageOptions, ReportError, balance, compare};
 use super::{find, history};
-use crate::output::drawing::{Anchor, Colour, Drawing, Label, Paint, Shape, Stroke};
+use crate::output::drawing::{Colour, Drawing, DrawingShape, LineStroke, ShapePaint, TextAnchor, TextLabel};
 use crate::output::sums::Checksums;
 use crate::study::axis::{self, ticks};
-use crate::study::chart::{Chart, Form, Series};
+use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 
-/// Width of a picture, and the most height of what is drawn, in points.
+/// Width of a picture and largest height of the plot, in points.
 const WIDTH: f64 = 1200.0;
 const HEIGHT: f64 = 620.0;
-/// Room around what is drawn: left, right, top, bottom.
+/// Margins around the plot in points: left, right, top, bottom.
 const MARGIN: [f64; 4] = [100.0, 40.0, 56.0, 120.0];
-/// Viridis (Smith and van der Walt) at eighths.
+/// The colour map Viridis (Smith and van der Walt) at nine equally spaced values.
 const VIRIDIS: [[f64; 3]; 9] = [
     [68.0, 1.0, 84.0],
     [71.0, 45.0, 123.0],
@@ -31,7 +31,7 @@ const VIRIDIS: [[f64; 3]; 9] = [
     [253.0, 231.0, 37.0],
 ];
 
-/// A chart of history columns of the run in a folder.
+/// Returns a chart of history columns of the run in a folder.
 pub fn columns(folder: &Path, wanted: &[String], options: &PageOptions) -> Result<ComparedChart, ReportError> {
     let (name, path) = history_file(folder)?;
     let names = history::names(&path)?;
@@ -44,20 +44,21 @@ pub fn columns(folder: &Path, wanted: &[String], options: &PageOptions) -> Resul
     let mut chart = chart(&name, &path, &wanted, options)?;
     let curves = options.compare.as_ref().map_or(Ok(Vec::new()), |file| compare::curves(file, &path))?;
     for curve in &curves {
-        chart.series.push(Series::new(curve.name(), Form::Marks, curve.points.clone()));
+        chart.series.push(ChartSeries::new(curve.name(), SeriesForm::Marks, curve.points.clone()));
     }
     Ok(ComparedChart { chart, deviations: curves.iter().map(compare::ReferenceCurve::sentence).collect() })
 }
 
-/// A chart, and how far the run is from curves that it was compared with, in words.
+/// A chart, with sentences on the deviation from reference curves.
 #[derive(Clone, Debug, Default)]
 pub struct ComparedChart {
     pub chart: Chart,
-    /// A sentence for each curve.
+    /// One sentence per reference curve.
     pub deviations: Vec<String>,
 }
 
-/// The energies that are in the history, what is stored and what is dissipated on top of each other.
+/// Returns the chart of the energy balance with stacked stored and dissipated energies, or of all energies as lines if
+/// the balance has fewer than two.
 pub fn energies(folder: &Path) -> Result<Chart, ReportError> {
     let (name, path) = history_file(folder)?;
     let choice = history::choose(&history::names(&path)?, &[]);
@@ -69,7 +70,10 @@ pub fn energies(folder: &Path) -> Result<Chart, ReportError> {
             }
             Ok(chart(&name, &path, &columns, &PageOptions::default())?)
         }
-        None => Err(format!("{} holds no energies: the deck asks for none (*ENERGY OUTPUT)", path.display()).into()),
+        None => {
+            Err(format!("{} contains no energies: the deck does not request them (*ENERGY OUTPUT)", path.display())
+                .into())
+        }
     }
 }
 
@@ -79,7 +83,7 @@ fn history_file(folder: &Path) -> Result<(String, std::path::PathBuf), String> {
     if !path.is_file() {
         return Err(format!("{} is missing", path.display()));
     }
-    Checksums::of(folder)?.hold(&path)?;
+    Checksums::of(folder)?.verify(&path)?;
     Ok((name, path))
 }
 
@@ -87,7 +91,7 @@ fn missing(what: &str, wanted: &str, names: &[String]) -> String {
     format!("there is no {what} `{wanted}`; {}", history::hint(wanted, names))
 }
 
-/// A chart with another title, without empty series.
+/// Sets the title of a chart and removes empty series.
 fn titled(title: &str, mut chart: Chart) -> Chart {
     chart.series.retain(|s| !s.points.is_empty());
     Chart { title: title.into(), ..chart }
@@ -109,17 +113,17 @@ fn chart(title: &str, path: &Path, columns: &[String], options: &PageOptions) ->
         String::new()
     };
     chart.units = units.over_time(if y_label == "energy" { "Energy" } else { &y_label });
-    // One line needs no other name than the axis.
+    // A single line is named by the axis label.
     chart.y_label = if columns.len() == 1 { options.labels.of(&columns[0]).to_owned() } else { y_label };
     chart.series.iter_mut().for_each(|s| s.name = options.labels.of(&s.name).to_owned());
     Ok(chart)
 }
 
-/// The meridian of a frame (counted from 1; the last by default), mirrored about the axis.
+/// Draws the meridian section of a frame (numbered from 1; default: the last frame), mirrored about the axis.
 pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<Drawing, ReportError> {
     let name = find::only_run(folder)?;
     let (list, sums) = (folder.join(format!("{name}.pvd")), Checksums::of(folder)?);
-    sums.hold(&list)?;
+    sums.verify(&list)?;
     let series = frames::series(&list)?;
     let number = number.unwrap_or(series.len());
     let Some((time, path)) = number.checked_sub(1).and_then(|i| series.get(i)) else {
@@ -132,23 +136,23 @@ pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<Dra
     Ok(MeridianPicture::of(&frame, at, &find::scene(folder, &name, &sums)?).drawing(&title))
 }
 
-/// A cell to draw: corners `[r, z]` and the value, if it has one.
+/// A drawn cell: corners `[r, z]`, and the value if there is one.
 struct DrawnCell {
     corners: Vec<[f64; 2]>,
     value: Option<f64>,
 }
 
-/// What is drawn and where it lies.
+/// Cells, range of values, view and scale of a picture.
 struct MeridianPicture {
     cells: Vec<DrawnCell>,
     range: [f64; 2],
-    /// z from, z to, largest r.
+    /// Smallest z, largest z, largest r of the view.
     view: [f64; 3],
-    /// Whether z runs to the right.
-    lying: bool,
-    /// Points a unit of length.
+    /// Whether the z axis is horizontal.
+    z_is_horizontal: bool,
+    /// Scale in points per unit of length.
     unit: f64,
-    /// Layers of targets: z from, z to, name.
+    /// Layers of targets: start z, end z, name.
     layers: Vec<(f64, f64, String)>,
 }
 
@@ -161,7 +165,7 @@ impl MeridianPicture {
             let corners = &frame.cells[cell];
             corners.iter().map(|&p| values[p]).sum::<f64>() / corners.len() as f64
         };
-        // Fields of elements are zero on the lines of rigid bodies, and of facets on elements that deform.
+        // Element fields are zero on the facets of rigid bodies, and facet fields on deformable elements.
         let of_facets = ["PRESSURE", "NORMAL_VELOCITY", "LAYER"].contains(&frame.scalars[field].0.as_str());
         let cell = |(corners, &index): (&Vec<usize>, &usize)| {
             let value = if *on_cells { values[index] } else { corner_mean(index) };
@@ -180,32 +184,32 @@ impl MeridianPicture {
         let lying = along > across;
         let (wide, high) = if lying { (along, across) } else { (across, along) };
         let unit = f64::min((WIDTH - MARGIN[0] - MARGIN[1]) / wide, HEIGHT / high);
-        MeridianPicture { cells, range, view, lying, unit, layers: layers(scene) }
+        MeridianPicture { cells, range, view, z_is_horizontal: lying, unit, layers: layers(scene) }
     }
 
     fn place(&self, [r, z]: [f64; 2]) -> [f64; 2] {
         let [low, high, reach] = self.view;
-        let (x, y) = if self.lying { (z - low, reach - r) } else { (r + reach, high - z) };
+        let (x, y) = if self.z_is_horizontal { (z - low, reach - r) } else { (r + reach, high - z) };
         [MARGIN[0] + x * self.unit, MARGIN[2] + y * self.unit]
     }
 
     fn size(&self) -> [f64; 2] {
         let (along, across) = ((self.view[1] - self.view[0]) * self.unit, 2.0 * self.view[2] * self.unit);
-        if self.lying { [along, across] } else { [across, along] }
+        if self.z_is_horizontal { [along, across] } else { [across, along] }
     }
 
     fn drawing(&self, title: &str) -> Drawing {
         let [wide, high] = self.size();
         let height = high + MARGIN[2] + MARGIN[3];
         let mut drawing = Drawing::new([WIDTH, height.round()]);
-        drawing.label(Label { size: 18.0, ..Label::new([MARGIN[0], 32.0], Anchor::Start, title) });
-        drawing.shapes.push(Shape::BeginClip([MARGIN[0], MARGIN[2]], [wide, high]));
+        drawing.label(TextLabel { size: 18.0, ..TextLabel::new([MARGIN[0], 32.0], TextAnchor::Start, title) });
+        drawing.shapes.push(DrawingShape::BeginClip([MARGIN[0], MARGIN[2]], [wide, high]));
         self.draw_layers(&mut drawing);
         self.cells.iter().for_each(|cell| self.draw_cell(&mut drawing, cell));
         let axis = [self.view[0], self.view[1]].map(|z| self.place([0.0, z]));
-        let dashed = Stroke { dashes: &[10.0, 3.0, 2.0, 3.0], ..Stroke::new(0x55_55_55, 1.0) };
-        drawing.path(axis, false, Paint { fill: None, stroke: Some(dashed) });
-        drawing.shapes.push(Shape::EndClip);
+        let dashed = LineStroke { dashes: &[10.0, 3.0, 2.0, 3.0], ..LineStroke::new(0x55_55_55, 1.0) };
+        drawing.path(axis, false, ShapePaint { fill: None, stroke: Some(dashed) });
+        drawing.shapes.push(DrawingShape::EndClip);
         self.draw_axes(&mut drawing);
         self.draw_scale(&mut drawing, height - 34.0);
         drawing
@@ -222,10 +226,10 @@ impl MeridianPicture {
             let (x, y) = (f64::min(a[0], b[0]), f64::min(a[1], b[1]));
             let (wide, tall) = ((a[0] - b[0]).abs(), (a[1] - b[1]).abs());
             let fill = if i % 2 == 0 { 0xe9_e4_d8 } else { 0xf3_ef_e6 };
-            let paint = Paint { stroke: Some(Stroke::new(0x8d_83_68, 1.0)), ..Paint::fill(fill, 1.0) };
+            let paint = ShapePaint { stroke: Some(LineStroke::new(0x8d_83_68, 1.0)), ..ShapePaint::fill(fill, 1.0) };
             drawing.rectangle([x, y], [wide, tall], paint);
-            let label = Label::new([x + 8.0, y + tall - 9.0], Anchor::Start, name);
-            drawing.label(Label { colour: 0x5f_57_42, ..label });
+            let label = TextLabel::new([x + 8.0, y + tall - 9.0], TextAnchor::Start, name);
+            drawing.label(TextLabel { colour: 0x5f_57_42, ..label });
         }
     }
 
@@ -233,9 +237,9 @@ impl MeridianPicture {
         let colour = cell.value.map_or(0x9a_a0_a6, |v| colour(share(v, self.range)));
         let is_line = cell.corners.len() == 2;
         let paint = if is_line {
-            Paint { fill: None, stroke: Some(Stroke { round: true, ..Stroke::new(colour, 6.0) }) }
+            ShapePaint { fill: None, stroke: Some(LineStroke { round: true, ..LineStroke::new(colour, 6.0) }) }
         } else {
-            Paint { stroke: Some(Stroke::new(colour, 0.6)), ..Paint::fill(colour, 1.0) }
+            ShapePaint { stroke: Some(LineStroke::new(colour, 0.6)), ..ShapePaint::fill(colour, 1.0) }
         };
         for side in [1.0, -1.0] {
             let corners = cell.corners.iter().map(|[r, z]| self.place([side * r, *z]));
@@ -246,39 +250,42 @@ impl MeridianPicture {
     fn draw_axes(&self, drawing: &mut Drawing) {
         let ([wide, high], [low, top, reach]) = (self.size(), self.view);
         let (right, bottom) = (MARGIN[0] + wide, MARGIN[2] + high);
-        drawing.rectangle([MARGIN[0], MARGIN[2]], [wide, high], Paint::stroke(0x99_99_99, 1.0));
+        drawing.rectangle([MARGIN[0], MARGIN[2]], [wide, high], ShapePaint::stroke(0x99_99_99, 1.0));
         let (zs, rs) = (ticks(low, top, 7.0), ticks(-reach, reach, 7.0));
-        // Both axes have one scale, so one power of ten.
+        // Both axes have the same scale and the same power of ten.
         let exponent = axis::exponent(&[&zs[..], &rs].concat());
         let names = ["z", "r"].map(|name| axis::title(name, "", exponent));
-        let (level, upright) = if self.lying { (&*names[0], "r") } else { (&*names[1], "z") };
-        drawing.label(Label::new([0.5 * (MARGIN[0] + right), bottom + 46.0], Anchor::Middle, level));
-        drawing.label(Label::new([18.0, MARGIN[2] + 0.5 * high], Anchor::Middle, upright));
-        let on_z = zs.into_iter().map(|z| (self.place([0.0, z]), z, self.lying));
-        let on_r = rs.into_iter().map(|r| (self.place([r, low]), r.abs(), !self.lying));
+        let (level, upright) = if self.z_is_horizontal { (&*names[0], "r") } else { (&*names[1], "z") };
+        drawing.label(TextLabel::new([0.5 * (MARGIN[0] + right), bottom + 46.0], TextAnchor::Middle, level));
+        drawing.label(TextLabel::new([18.0, MARGIN[2] + 0.5 * high], TextAnchor::Middle, upright));
+        let on_z = zs.into_iter().map(|z| (self.place([0.0, z]), z, self.z_is_horizontal));
+        let on_r = rs.into_iter().map(|r| (self.place([r, low]), r.abs(), !self.z_is_horizontal));
         for ([x, y], value, is_level) in on_z.chain(on_r) {
             let label = axis::label(value, exponent);
-            let (at, anchor) =
-                if is_level { ([x, bottom + 22.0], Anchor::Middle) } else { ([MARGIN[0] - 8.0, y + 5.0], Anchor::End) };
-            drawing.label(Label::new(at, anchor, label));
+            let (at, anchor) = if is_level {
+                ([x, bottom + 22.0], TextAnchor::Middle)
+            } else {
+                ([MARGIN[0] - 8.0, y + 5.0], TextAnchor::End)
+            };
+            drawing.label(TextLabel::new(at, anchor, label));
         }
     }
 
     fn draw_scale(&self, drawing: &mut Drawing, y: f64) {
         let [low, high] = self.range;
         if low > high {
-            return drawing.label(Label::new([MARGIN[0], y], Anchor::Start, "no values in this frame"));
+            return drawing.label(TextLabel::new([MARGIN[0], y], TextAnchor::Start, "no values in this frame"));
         }
         for i in 0..64 {
-            let paint = Paint::fill(colour(f64::from(i) / 63.0), 1.0);
+            let paint = ShapePaint::fill(colour(f64::from(i) / 63.0), 1.0);
             drawing.rectangle([MARGIN[0] + 6.0 * f64::from(i), y - 14.0], [6.5, 14.0], paint);
         }
         let range = format!("{} to {}", number(low), number(high));
-        drawing.label(Label::new([MARGIN[0] + 400.0, y], Anchor::Start, range));
+        drawing.label(TextLabel::new([MARGIN[0] + 400.0, y], TextAnchor::Start, range));
     }
 }
 
-/// Layers of a summary's targets as intervals of z.
+/// Returns the layers of the targets in a summary as intervals of z.
 fn layers(scene: &Value) -> Vec<(f64, f64, String)> {
     let mut layers = Vec::new();
     for target in scene.get("targets").and_then(Value::as_array).into_iter().flatten() {
@@ -288,7 +295,7 @@ fn layers(scene: &Value) -> Vec<(f64, f64, String)> {
         for layer in target.get("layers").and_then(Value::as_array).into_iter().flatten() {
             let thickness = layer.get("thickness").and_then(Value::as_f64).unwrap_or(f64::INFINITY);
             let material = layer.get("material").and_then(Value::as_str).unwrap_or_default();
-            // Nothing is in a gap.
+            // Gaps have no material.
             if !material.is_empty() {
                 layers.push((z, z + direction * thickness, format!("{name}: {material}")));
             }
@@ -298,7 +305,7 @@ fn layers(scene: &Value) -> Vec<(f64, f64, String)> {
     layers
 }
 
-/// Where a value lies between two others, 0 to 1.
+/// Returns the position of a value in a range, from 0 to 1.
 fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
     if high > low { (value - low) / (high - low) } else { 0.0 }
 }
@@ -310,7 +317,7 @@ fn colour(part: f64) -> Colour {
     Colour::from_be_bytes([0, mix(0), mix(1), mix(2)])
 }
 
-/// Four digits, plain where that is short.
+/// Formats a number with four digits, without an exponent if this is short.
 fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
@@ -321,7 +328,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colours_and_numbers_are_as_they_are_read() {
+    fn colours_and_number_formats() {
         assert_eq!([colour(0.0), colour(1.0), colour(9.0)], [0x44_01_54, 0xfd_e7_25, 0xfd_e7_25]);
         assert_eq!([number(0.025), number(-1.23456e9), number(0.0)], ["0.025", "-1.235e9", "0"]);
     }

@@ -1,48 +1,48 @@
-//! A study's file (`<job>_study.json`): its runs or effects as a table, single values as facts, and charts of the error.
+//! Reads `<job>_study.json`: the runs or effects as a table, single values as facts, and charts of the error.
 
 use serde_json::{Map, Value};
 
-use super::data::{Effect, Study, Table};
+use super::data::{EffectSavings, ReportStudy, ReportTable};
 use super::shorten;
-use crate::study::chart::{Chart, Form, Scale, Series};
+use crate::study::chart::{AxisScale, Chart, ChartSeries, SeriesForm};
 
 const ROWS: usize = 500;
-/// Lines of the plot of orders.
+/// Largest number of lines of the chart of orders.
 const LINES: usize = 8;
 
-/// A JSON object of the file.
-type Record = Map<String, Value>;
+/// JSON object of the file.
+type JsonObject = Map<String, Value>;
 
-pub fn read(name: &str, file: &Value) -> Study {
-    let mut table = Table { name: name.to_owned(), ..Table::default() };
-    let Some(file) = file.as_object() else { return Study { table, ..Study::default() } };
+pub fn read(name: &str, file: &Value) -> ReportStudy {
+    let mut table = ReportTable { name: name.to_owned(), ..ReportTable::default() };
+    let Some(file) = file.as_object() else { return ReportStudy { table, ..ReportStudy::default() } };
     for (key, value) in file {
         facts(key, value, &mut table.facts);
     }
     table.facts.extend(list(file, "prices").iter().filter_map(price));
     let effects = file.get("ablation").and_then(Value::as_object).map_or(&[][..], |record| list(record, "effects"));
     let runs = if file.contains_key("runs") { list(file, "runs") } else { effects };
-    let runs: Vec<&Record> = runs.iter().filter_map(Value::as_object).collect();
+    let runs: Vec<&JsonObject> = runs.iter().filter_map(Value::as_object).collect();
     let front = list(file, "front");
     let best: Vec<bool> = (0..runs.len()).map(|i| front.iter().any(|row| row.as_u64() == Some(i as u64))).collect();
     fill_table(&runs, &mut table);
     table.charts.extend(price_chart(&runs, &best));
     table.charts.extend(order_chart(file));
-    Study { table, pareto: best.into_iter().take(ROWS).collect(), effects: effects_by_savings(effects) }
+    ReportStudy { table, pareto: best.into_iter().take(ROWS).collect(), effects: effects_by_savings(effects) }
 }
 
-/// The list of that name; empty if there is none.
-fn list<'a>(record: &'a Record, key: &str) -> &'a [Value] {
+/// Returns the list of that name; empty if there is none.
+fn list<'a>(record: &'a JsonObject, key: &str) -> &'a [Value] {
     record.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }
 
-/// The run time that an accuracy takes.
+/// Returns the run time for an accuracy as text.
 fn price(price: &Value) -> Option<(String, String)> {
     let (tolerance, seconds) = (price.get("tolerance")?.as_f64()?, price.get("seconds")?.as_f64()?);
     Some((format!("error below {tolerance:e}"), format!("{} s", shorten(seconds))))
 }
 
-/// Single values, and those of a record one level down.
+/// Collects single values, and those of records one level down.
 fn facts(key: &str, value: &Value, into: &mut Vec<(String, String)>) {
     match value {
         Value::Object(record) => {
@@ -55,8 +55,9 @@ fn facts(key: &str, value: &Value, into: &mut Vec<(String, String)>) {
     }
 }
 
-/// Values of a record by column: the median of times, the order of the first estimate, and those of inner records.
-fn flat(record: &Record) -> Vec<(String, Value)> {
+/// Flattens a record into columns: medians of run times, the order of the first estimate, and the values of inner
+/// records.
+fn flat(record: &JsonObject) -> Vec<(String, Value)> {
     let mut columns = Vec::new();
     for (key, value) in record {
         match value {
@@ -75,7 +76,7 @@ fn flat(record: &Record) -> Vec<(String, Value)> {
     columns
 }
 
-fn fill_table(runs: &[&Record], table: &mut Table) {
+fn fill_table(runs: &[&JsonObject], table: &mut ReportTable) {
     for (key, value) in runs.iter().flat_map(|run| flat(run)) {
         if !value.is_null() && !table.header.contains(&key) {
             table.header.push(key);
@@ -100,9 +101,9 @@ fn cell(value: &Value) -> String {
     }
 }
 
-/// Error against seconds; the settings of the front are joined. The bound of the error counts where there is one.
-fn price_chart(runs: &[&Record], best: &[bool]) -> Option<Chart> {
-    let mut all = Series::new("all settings", Form::Marks, Vec::new());
+/// Returns the chart of error, or its bound if there is one, against run time; the Pareto front is a line.
+fn price_chart(runs: &[&JsonObject], best: &[bool]) -> Option<Chart> {
+    let mut all = ChartSeries::new("all settings", SeriesForm::Marks, Vec::new());
     let mut front: Vec<(f64, f64)> = Vec::new();
     for (run, best) in runs.iter().zip(best) {
         let columns = flat(run);
@@ -119,12 +120,13 @@ fn price_chart(runs: &[&Record], best: &[bool]) -> Option<Chart> {
         }
     }
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let series = vec![all, Series::new("best for its price", Form::Line, front)];
+    let series = vec![all, ChartSeries::new("Pareto front", SeriesForm::Line, front)];
     logarithmic(Chart::new("Error against time", ["seconds", "error"], series))
 }
 
-/// Error over size, one line for each refinement, with the slopes of the orders through the finest point of the first.
-fn order_chart(file: &Record) -> Option<Chart> {
+/// Returns the chart of error over size: one line per series of refinement, and lines of the observed and formal order
+/// through the finest point of the first.
+fn order_chart(file: &JsonObject) -> Option<Chart> {
     let runs = list(file, "runs");
     let error = |run: &Value| {
         let run = runs.get(usize::try_from(run.as_u64()?).ok()?)?;
@@ -137,45 +139,45 @@ fn order_chart(file: &Record) -> Option<Chart> {
         let words = ["along", "at"].iter().filter_map(|key| refined.get(*key)?.as_str()).filter(|w| !w.is_empty());
         let order = refined.get("order").and_then(Value::as_f64).map(|order| format!("order {order:.2}"));
         let name = words.map(str::to_owned).chain(order).collect::<Vec<_>>().join(", ");
-        (points.len() > 1).then(|| Series::new(name, Form::Line, points))
+        (points.len() > 1).then(|| ChartSeries::new(name, SeriesForm::Line, points))
     };
     let refinements = list(file, "refinements").iter();
-    let lines: Vec<(Series, &Value)> = refinements.filter_map(|r| Some((line(r)?, r))).take(LINES).collect();
+    let lines: Vec<(ChartSeries, &Value)> = refinements.filter_map(|r| Some((line(r)?, r))).take(LINES).collect();
     let guides = lines.first().map_or(Vec::new(), |(line, refined)| slopes(line, refined));
     let series = lines.into_iter().map(|l| l.0).chain(guides).collect();
     logarithmic(Chart::new("Error over size", ["size over the finest", "error"], series))
 }
 
-/// The chart on logarithmic axes without empty series; `None` without any.
+/// Sets logarithmic axes and removes empty series; `None` if no series is left.
 fn logarithmic(mut chart: Chart) -> Option<Chart> {
     chart.series.retain(|series| !series.points.is_empty());
-    (!chart.series.is_empty()).then_some(Chart { scale: Scale::LogLog, ..chart })
+    (!chart.series.is_empty()).then_some(Chart { scale: AxisScale::LogLog, ..chart })
 }
 
-/// Straight lines of the observed and of the formal order.
-fn slopes(line: &Series, refined: &Value) -> Vec<Series> {
+/// Returns lines with the slopes of the observed and the formal order.
+fn slopes(line: &ChartSeries, refined: &Value) -> Vec<ChartSeries> {
     let ((coarsest, _), (finest, error)) = (line.points[0], line.points[line.points.len() - 1]);
     let slope = |(key, word): (&str, &str)| {
         let order = refined.get(key)?.as_f64()?;
         let end = shorten(error * libm::pow(coarsest / finest, order));
         let name = format!("slope of the {word} order {}", (100.0 * order).round() / 100.0);
-        Some(Series::new(name, Form::Guide, vec![(coarsest, end), (finest, error)]))
+        Some(ChartSeries::new(name, SeriesForm::Guide, vec![(coarsest, end), (finest, error)]))
     };
     [("order", "observed"), ("formal_order", "formal")].into_iter().filter_map(slope).collect()
 }
 
-/// Effects left out, those that save most run time first.
-fn effects_by_savings(list: &[Value]) -> Vec<Effect> {
+/// Returns the removed effects, those that save most run time first.
+fn effects_by_savings(list: &[Value]) -> Vec<EffectSavings> {
     let effect = |record: &Value| {
         let number = |key: &str| record.get(key).and_then(Value::as_f64);
-        Some(Effect {
+        Some(EffectSavings {
             name: record.get("effect")?.as_str()?.to_owned(),
             error: number("relative_change").map(f64::abs),
             saved: number("time_ratio").map(|ratio| 1.0 - ratio),
             matters: record.get("matters").and_then(Value::as_bool).unwrap_or(false),
         })
     };
-    let mut effects: Vec<Effect> = list.iter().filter_map(effect).collect();
+    let mut effects: Vec<EffectSavings> = list.iter().filter_map(effect).collect();
     effects.sort_by(|a, b| b.saved.unwrap_or(f64::NEG_INFINITY).total_cmp(&a.saved.unwrap_or(f64::NEG_INFINITY)));
     effects
 }
@@ -204,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn the_price_list_and_its_front_are_found_by_their_keys() {
+    fn prices_and_pareto_front_are_read_from_their_keys() {
         let run = |n: &str, error: f64, seconds: f64| {
             let seconds = serde_json::json!({"median": seconds, "min": 0.4, "max": 9.0});
             serde_json::json!({"setting": {"n": n}, "value": 1.0 + error, "bound": error, "seconds": seconds,

@@ -1,22 +1,22 @@
-//! A sweep's table (`<job>_sweep.csv`) with charts over its first parameter.
+//! Reads the table of a sweep (`<job>_sweep.csv`) and draws charts over its first parameter.
 
-use super::data::Table;
+use super::data::ReportTable;
 use super::shorten;
 use crate::output::csv;
-use crate::study::chart::{Chart, Form, Series};
+use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 use crate::study::compare::rms;
 
-/// Charts of one sweep, and lines of a chart.
+/// Largest number of charts of a sweep, and of lines of a chart.
 const MOST: usize = 8;
 const ROWS: usize = 500;
 
-/// A sweep from the text of its CSV file.
-pub fn table(name: &str, text: &str) -> Result<Table, String> {
+/// Reads a sweep from the text of its CSV file.
+pub fn table(name: &str, text: &str) -> Result<ReportTable, String> {
     let mut records = text.lines().filter(|l| !l.trim().is_empty()).map(csv::fields);
     let header = records.next().ok_or("the table is empty")?;
     let mut rows: Vec<Vec<String>> = records.collect();
     if let Some(i) = rows.iter().position(|r| r.len() != header.len()) {
-        return Err(format!("row {} has {} fields, and the header {}", i + 1, rows[i].len(), header.len()));
+        return Err(format!("row {} has {} fields, but the header has {}", i + 1, rows[i].len(), header.len()));
     }
     let charts = charts(&header, &rows);
     let facts = deviations(&header, &rows);
@@ -25,17 +25,18 @@ pub fn table(name: &str, text: &str) -> Result<Table, String> {
         notes.push(format!("{ROWS} of {} rows are shown", rows.len()));
         rows.truncate(ROWS);
     }
-    Ok(Table { name: name.to_owned(), header, rows, charts, facts, notes })
+    Ok(ReportTable { name: name.to_owned(), header, rows, charts, facts, notes })
 }
 
 struct ColumnRoles {
-    /// How many parameters come first.
+    /// Number of parameter columns, which come first.
     parameters: usize,
     quantities: Vec<usize>,
     references: Vec<usize>,
 }
 
-/// Quantities have parentheses in their names; a reference is followed by the difference from it.
+/// Determines the roles of the columns: names of quantities contain parentheses, and a reference is followed by the
+/// difference from it.
 fn columns(header: &[String]) -> ColumnRoles {
     let is_difference = |i: usize| header.get(i).is_some_and(|h| h.starts_with("difference from "));
     let is_reference =
@@ -46,7 +47,7 @@ fn columns(header: &[String]) -> ColumnRoles {
     ColumnRoles { parameters, quantities: others, references }
 }
 
-/// One chart for each quantity over the first parameter, a line for each combination of the others.
+/// Returns one chart per quantity over the first parameter, with one line for each combination of the other parameters.
 fn charts(header: &[String], rows: &[Vec<String>]) -> Vec<Chart> {
     let columns = columns(header);
     let chart = |(i, &quantity): (usize, &usize)| {
@@ -60,7 +61,7 @@ fn charts(header: &[String], rows: &[Vec<String>]) -> Vec<Chart> {
     charts.filter(|c| !c.series.is_empty()).collect()
 }
 
-/// Root mean square of each column of differences.
+/// Returns the rms value of each column of differences.
 fn deviations(header: &[String], rows: &[Vec<String>]) -> Vec<(String, String)> {
     let of = |(i, name): (usize, &String)| {
         let reference = name.strip_prefix("difference from ")?;
@@ -70,27 +71,27 @@ fn deviations(header: &[String], rows: &[Vec<String>]) -> Vec<(String, String)> 
     header.iter().enumerate().filter_map(of).collect()
 }
 
-fn lines(header: &[String], rows: &[Vec<String>], parameters: usize, quantity: usize) -> Vec<Series> {
-    let mut series: Vec<Series> = Vec::new();
+fn lines(header: &[String], rows: &[Vec<String>], parameters: usize, quantity: usize) -> Vec<ChartSeries> {
+    let mut series: Vec<ChartSeries> = Vec::new();
     for row in rows {
         let (Ok(x), Ok(y)) = (row[0].parse(), row[quantity].parse()) else { continue };
         let others: Vec<String> = (1..parameters).map(|i| format!("{} = {}", header[i], row[i])).collect();
         let name = if others.is_empty() { header[quantity].clone() } else { others.join(", ") };
         match series.iter_mut().find(|s| s.name == name) {
             Some(known) => known.points.push((x, y)),
-            None => series.push(Series::new(name, Form::Line, vec![(x, y)])),
+            None => series.push(ChartSeries::new(name, SeriesForm::Line, vec![(x, y)])),
         }
     }
     series.truncate(MOST);
     series
 }
 
-/// A reference, once for each value of the parameter.
-fn points(rows: &[Vec<String>], column: usize, name: &str) -> Series {
+/// Returns a reference series with one point per value of the parameter.
+fn points(rows: &[Vec<String>], column: usize, name: &str) -> ChartSeries {
     let mut points: Vec<(f64, f64)> =
         rows.iter().filter_map(|r| Some((r[0].parse().ok()?, r[column].parse().ok()?))).collect();
     points.dedup();
-    Series::new(name, Form::Marks, points)
+    ChartSeries::new(name, SeriesForm::Marks, points)
 }
 
 #[cfg(test)]
@@ -98,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parameters_quantities_and_references_are_told_apart() {
+    fn parameters_quantities_and_references_are_distinguished() {
         let text = "V,n,final(U2@REF),\"max(A,B)\",depth,difference from depth\n\
                     1,10,3,4,5,-2\n1,20,3.5,4,5,-1.5\n2,10,6,7,,\n";
         let table = table("job", text).expect("a table");

@@ -1,17 +1,20 @@
-//! A target that cracks along rays where the tension around the cavity passes what it bears: between the elastic and the plastic
-//! zone columns carry radial stress alone (Forrestal and Tzou 1997, Int. J. Solids Struct. 34, 4127).
+//! Targets with radial cracks, which form where the hoop stress exceeds the tensile strength. Between the elastic and
+//! the plastic zone there is a zone of columns with radial stress only (Forrestal and Tzou 1997, Int. J. Solids Struct.
+//! 34, 4127).
 
 use super::front::{ElasticZone, PlasticFront};
 use super::root;
-use super::target::Target;
+use super::target::ScaledTarget;
 
-/// The plastic front behind a cracked zone; `None` where the plastic front runs at least as fast as cracks would.
+/// Returns the state at the plastic front inside a cracked zone; `None` if the plastic front is at least as fast as the
+/// crack front.
 ///
-/// With lengths by c t, c the speed of the plastic front: elastic displacement A (x^-2 - 3 M^2 + 2 M^3 x) in front of the cracks at
-/// x = eta; in the columns E (u'' + 2 u'/r) = rho u'', solved by N (1/x + m x / e) + L, e = E/Y. Displacement passes the cracks'
-/// front without a jump, stress and velocity with that of the balance of momentum. The columns are crushed at their strength
-/// without pressure around; there the cracks close, and mass and momentum are kept.
-pub fn front(target: &Target, m: f64, tension: f64) -> Option<PlasticFront> {
+/// Lengths are divided by c t, with the speed c of the plastic front. The crack front is at x = eta. Outside it the
+/// elastic displacement is A (x^-2 - 3 M^2 + 2 M^3 x). In the columns E (u'' + 2 u'/r) = rho u'' has the solution N
+/// (1/x + m x / e) + L, with e = E/Y. At the crack front the displacement is continuous; stress and velocity satisfy
+/// the balance of momentum. At the plastic front the columns are crushed at their unconfined strength, the cracks
+/// close, and mass and momentum are conserved.
+pub fn front(target: &ScaledTarget, m: f64, tension: f64) -> Option<PlasticFront> {
     let elastic = ElasticZone::new(target, m)?;
     let strength = 1.0 / (1.0 - target.pressure_slope / 3.0);
     let e = target.young;
@@ -26,21 +29,21 @@ pub fn front(target: &Target, m: f64, tension: f64) -> Option<PlasticFront> {
     if !(0.0..1.0).contains(&displacement) {
         return None;
     }
-    let crushed = crush(target, m, strength, displacement, columns.shift + 2.0 * columns.amplitude)?;
+    let crushed = crushed_front(target, m, strength, displacement, columns.shift + 2.0 * columns.amplitude)?;
     Some(PlasticFront { crack: Some(eta), ..crushed })
 }
 
-/// Displacement of the columns, N (1/x + m x / e) + L.
+/// Constants of the displacement of the columns, N (1/x + m x / e) + L.
 struct CrackedColumns {
     amplitude: f64,
     shift: f64,
 }
 
-/// The columns behind cracks that run at eta c; `None` where no tension can open cracks there.
-fn columns(target: &Target, elastic: &ElasticZone, m: f64, tension: f64, eta: f64) -> Option<CrackedColumns> {
+/// Returns the columns inside a crack front of speed eta c; `None` if the hoop stress there is not tensile.
+fn columns(target: &ScaledTarget, elastic: &ElasticZone, m: f64, tension: f64, eta: f64) -> Option<CrackedColumns> {
     let (mach, e, g) = (elastic.mach, target.young, target.shear);
     let cube = mach * mach * mach;
-    // By the amplitude A: Mises stress, pressure, strains.
+    // Divided by the amplitude A: Mises stress, pressure, hoop stress.
     let mises = 6.0 * g * (1.0 / (eta * eta * eta) - mach * mach / eta);
     let pressure = 6.0 * m * elastic.bulk_share * (1.0 / eta - mach);
     let hoop = mises / 3.0 - pressure;
@@ -57,14 +60,20 @@ fn columns(target: &Target, elastic: &ElasticZone, m: f64, tension: f64, eta: f6
     (slower > 0.0).then_some(CrackedColumns { amplitude, shift })
 }
 
-/// The crushed target behind its front: all mass that was inside a shell stays inside, so 1 - u/r to the third power is both what
-/// flows through the front and exp(-D) times the density.
-fn crush(target: &Target, m: f64, strength: f64, displacement: f64, velocity: f64) -> Option<PlasticFront> {
+/// Returns the state of the crushed target at the plastic front. By conservation of mass (1 - u/r)^3 is the mass flux
+/// through the front, and also exp(-D) times the density.
+fn crushed_front(
+    target: &ScaledTarget,
+    m: f64,
+    strength: f64,
+    displacement: f64,
+    velocity: f64,
+) -> Option<PlasticFront> {
     let flux = libm::pow(1.0 - displacement, 3.0);
     let grows = 1.0 + 2.0 / 3.0 * target.pressure_slope;
     let mut stress = strength;
     let mut density = 1.0;
-    // The density hardly follows from the jump of stress: each round gains some digits.
+    // Fixed-point iteration: the density depends only weakly on the stress jump, so that it converges fast.
     for _ in 0..60 {
         let pressure = (stress - 2.0 / 3.0) / grows;
         density = 1.0 / (1.0 - target.compressibility * pressure);

@@ -1,37 +1,37 @@
-//! Why there is no resistance.
+//! Errors of the resistance of a target.
 
 use thiserror::Error;
 
-/// The reason, in words; velocities and stresses in the target's own units.
+/// Error of the computation of a resistance; velocities and stresses are in the units of the material.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ResistanceError {
-    /// A target that cannot be.
+    /// Invalid target material.
     #[error("{0}")]
     Target(String),
-    /// A cavity that opens faster than there is a solution for.
+    /// Cavity velocity above the range of the similarity solution.
     #[error(
-        "no similar solution at {velocity}: its plastic front would be a shock; the fastest cavity opens at {fastest}"
+        "no similarity solution at velocity {velocity}: the plastic front would be a shock; the largest velocity is {fastest}"
     )]
     Fast {
-        /// What was asked for.
+        /// Requested velocity.
         velocity: f64,
-        /// Up to where there is a solution.
+        /// Largest velocity with a solution.
         fastest: f64,
     },
-    /// A range or a number of points that gives no fit.
+    /// Invalid velocity range or number of points.
     #[error("{0}")]
     Range(String),
-    /// An integration that comes to no end.
-    #[error("the plastic zone cannot be followed to the cavity: {0}")]
+    /// Integration of the plastic zone failed.
+    #[error("the plastic zone cannot be integrated to the cavity wall: {0}")]
     Lost(String),
-    /// Constants below zero.
-    #[error("no constants that are not below zero fit: {0}")]
+    /// No fit without negative constants.
+    #[error("no fit with constants of at least zero: {0}")]
     Negative(String),
 }
 
 impl ResistanceError {
-    /// Its stable code.
+    /// Returns the stable diagnostic code.
     pub fn code(&self) -> &'static str {
         match self {
             ResistanceError::Target(_) => "C001",

@@ -1,63 +1,64 @@
-//! Weighted least squares: A, B, C of sigma/Y = A + B x + C x^2.
+//! Weighted least-squares fit of A, B, C in sigma/Y = A + B x + C x^2.
 
 use faer::Mat;
 
 use super::ResistanceError;
 use crate::kernel::students_t;
 
-/// What a fit leaves free and what it looks at most.
+/// Free constants and weights of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitForm {
-    /// Whether there is a B; else it is zero, as in much of the literature.
+    /// Whether B is fitted; otherwise it is zero, as in much of the literature.
     pub linear: bool,
-    /// A, where it is not fitted.
+    /// Value of A if it is not fitted.
     pub pinned: Option<f64>,
     /// Weights of the points.
-    pub weight: Weight,
+    pub weight: FitWeight,
 }
 
 /// Weights of squared differences.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Weight {
-    /// Differences of pressures.
+pub enum FitWeight {
+    /// Equal weights.
     #[default]
     Even,
-    /// Relative differences.
+    /// Relative differences (weight 1/pressure²).
     Relative,
-    /// Differences by the velocity: depth is the integral of m V dV over the force.
+    /// Weight proportional to velocity: the depth is the integral of m V / F over V.
     Velocity,
 }
 
-/// Constants and how well they fit.
+/// Fitted constants with their confidence intervals.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fit {
+pub struct ResistanceFit {
     /// A, B, C.
     pub constants: [f64; 3],
-    /// Half of the interval of 95 % of each by Student's t; `None` of what was not fitted. What is left over is the law's misfit and
-    /// no noise, so they say how sharply the range determines a constant.
+    /// Half-width of the 95 % confidence interval of each constant by Student's t; `None` if not fitted. The residuals
+    /// are misfit of the law and not noise, so the intervals show how well the range determines a constant.
     pub half_widths: [Option<f64>; 3],
-    /// Root of the weighted mean of squared differences, over Y.
+    /// Weighted rms difference, divided by Y.
     pub residual: f64,
 }
 
-impl Fit {
-    /// sigma/Y at x = V sqrt(rho/Y).
+impl ResistanceFit {
+    /// Returns sigma/Y at x = V sqrt(rho/Y).
     pub fn at(&self, x: f64) -> f64 {
         law(self.constants, x)
     }
 }
 
-/// A + B x + C x^2.
+/// Returns A + B x + C x^2.
 pub fn law([a, b, c]: [f64; 3], x: f64) -> f64 {
     a + x * (b + x * c)
 }
 
-/// Fits points `[x, sigma/Y]`; no constant is below zero, those that would be are zero.
+/// Fits points `[x, sigma/Y]` with constants of at least zero: negative constants are set to zero and the others fitted
+/// again.
 ///
 /// # Errors
-/// `C003` with fewer points than two more than constants, `C005` where nothing fits without going below zero.
-pub fn fit(points: &[[f64; 2]], form: FitForm) -> Result<Fit, ResistanceError> {
+/// `C003` if there are fewer points than constants plus two, `C005` if A is negative or all constants are.
+pub fn fit(points: &[[f64; 2]], form: FitForm) -> Result<ResistanceFit, ResistanceError> {
     let mut free = [form.pinned.is_none(), form.linear, true];
     loop {
         let fit = free_fit(points, form, free)?;
@@ -70,12 +71,12 @@ pub fn fit(points: &[[f64; 2]], form: FitForm) -> Result<Fit, ResistanceError> {
     }
 }
 
-fn free_fit(points: &[[f64; 2]], form: FitForm, free: [bool; 3]) -> Result<Fit, ResistanceError> {
+fn free_fit(points: &[[f64; 2]], form: FitForm, free: [bool; 3]) -> Result<ResistanceFit, ResistanceError> {
     let columns: Vec<usize> = (0..3).filter(|i| free[*i]).collect();
     let (rows, count) = (points.len(), columns.len());
     if rows < count + 2 {
         return Err(ResistanceError::Range(format!(
-            "{rows} points do not determine {count} constants: give {} or more",
+            "{rows} points do not determine {count} constants: give at least {} points",
             count + 2
         )));
     }
@@ -84,10 +85,11 @@ fn free_fit(points: &[[f64; 2]], form: FitForm, free: [bool; 3]) -> Result<Fit, 
     let power = |x: f64, term: usize| [1.0, x, x * x][term];
     let matrix = Mat::from_fn(rows, count, |i, k| weights[i].sqrt() * power(points[i][0], columns[k]));
     let right = Mat::from_fn(rows, 1, |i, _| weights[i].sqrt() * (points[i][1] - law(fixed, points[i][0])));
-    let svd = matrix.thin_svd().map_err(|_| ResistanceError::Range("the least squares have no solution".into()))?;
+    let svd =
+        matrix.thin_svd().map_err(|_| ResistanceError::Range("the least-squares problem has no solution".into()))?;
     let singular: Vec<f64> = (0..count).map(|k| svd.S()[k]).collect();
     if singular[count - 1] <= 1e-12 * singular[0] || singular[0].is_nan() {
-        return Err(ResistanceError::Range("the points lie at too few velocities to determine the constants".into()));
+        return Err(ResistanceError::Range("too few different velocities to determine the constants".into()));
     }
     let turned = svd.U().transpose() * &right;
     let mut constants = fixed;
@@ -102,15 +104,15 @@ fn free_fit(points: &[[f64; 2]], form: FitForm, free: [bool; 3]) -> Result<Fit, 
     let freedom = (rows - count) as f64;
     let scale = students_t::quantile(0.975, freedom) * (sum / freedom).sqrt();
     let half_widths = spread.map(|s| s.map(|s| scale * s));
-    Ok(Fit { constants, half_widths, residual: (sum / rows as f64).sqrt() })
+    Ok(ResistanceFit { constants, half_widths, residual: (sum / rows as f64).sqrt() })
 }
 
-/// Weights with a mean of one.
-fn weights(points: &[[f64; 2]], weight: Weight) -> Vec<f64> {
+/// Returns weights with a mean of one.
+fn weights(points: &[[f64; 2]], weight: FitWeight) -> Vec<f64> {
     let of = |p: &[f64; 2]| match weight {
-        Weight::Even => 1.0,
-        Weight::Relative => 1.0 / (p[1] * p[1]),
-        Weight::Velocity => p[0],
+        FitWeight::Even => 1.0,
+        FitWeight::Relative => 1.0 / (p[1] * p[1]),
+        FitWeight::Velocity => p[0],
     };
     let all: Vec<f64> = points.iter().map(of).collect();
     let mean = all.iter().sum::<f64>() / all.len() as f64;
@@ -121,15 +123,15 @@ fn weights(points: &[[f64; 2]], weight: Weight) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    const FREE: FitForm = FitForm { linear: true, pinned: None, weight: Weight::Even };
+    const FREE: FitForm = FitForm { linear: true, pinned: None, weight: FitWeight::Even };
 
     fn parabola(constants: [f64; 3]) -> Vec<[f64; 2]> {
         (0..21).map(|i| 0.1 * f64::from(i)).map(|x| [x, law(constants, x)]).collect()
     }
 
     #[test]
-    fn a_parabola_is_found_whatever_the_weights() {
-        for weight in [Weight::Even, Weight::Relative, Weight::Velocity] {
+    fn parabola_is_recovered_with_all_weights() {
+        for weight in [FitWeight::Even, FitWeight::Relative, FitWeight::Velocity] {
             for pinned in [None, Some(4.0)] {
                 let fit = fit(&parabola([4.0, 0.5, 1.1]), FitForm { pinned, weight, ..FREE }).expect("a fit");
                 assert!(fit.constants.iter().zip([4.0, 0.5, 1.1]).all(|(a, b)| (a - b).abs() < 1e-12), "{fit:?}");
@@ -139,8 +141,8 @@ mod tests {
         }
     }
 
-    /// By hand: of the points (0, 1), (1, 0), (2, 3), (3, 2), (4, 7) in A + C x^2 the normal equations are 5 A + 30 C = 13 and
-    /// 30 A + 354 C = 142.
+    /// By hand: for the points (0, 1), (1, 0), (2, 3), (3, 2), (4, 7) and A + C x^2 the normal equations are 5 A + 30 C
+    /// = 13 and 30 A + 354 C = 142.
     #[test]
     fn two_constants_by_hand() {
         let points = [[0.0, 1.0], [1.0, 0.0], [2.0, 3.0], [3.0, 2.0], [4.0, 7.0]];
@@ -152,13 +154,14 @@ mod tests {
         );
         let squares: f64 = points.iter().map(|p| (p[1] - a - c * p[0] * p[0]).powi(2)).sum();
         assert!((fit.residual - (squares / 5.0).sqrt()).abs() < 1e-14);
-        // Three degrees of freedom: t = 3.182; the variance of C is s^2 over the sum of squares of x^2 about their mean.
+        // Three degrees of freedom: t = 3.182. The variance of C is s^2 divided by the sum of squared deviations of
+        // x^2.
         let half = 3.182 * (squares / 3.0 / 174.0).sqrt();
         assert!((fit.half_widths[2].expect("fitted") / half - 1.0).abs() < 5e-3, "{fit:?} {half}");
     }
 
     #[test]
-    fn what_would_be_below_zero_is_zero() {
+    fn negative_constants_are_set_to_zero() {
         let fitted = fit(&parabola([4.0, -0.3, 1.1]), FREE).expect("a fit");
         assert!(
             fitted.constants[1] == 0.0 && fitted.half_widths[1].is_none() && fitted.constants[2] > 0.0,

@@ -1,44 +1,48 @@
-//! Integration through the plastic zone, from its front to the cavity, by the strain.
+//! Integration through the plastic zone, from the front to the cavity wall, over the strain.
 
 use super::ResistanceError;
-use super::target::Target;
+use super::target::ScaledTarget;
 
-/// Difference of the logarithmic strains where the integration ends: the cavity's wall is exp(-36) nearer, below rounding.
+/// Difference of the logarithmic strains at which the integration ends; the relative distance to the cavity wall is
+/// then exp(-36), below rounding.
 pub const WALL: f64 = 36.0;
-/// Relative and absolute error of a step.
+/// Relative and absolute error tolerance of a step.
 const TOLERANCE: f64 = 1e-11;
-/// Steps of ln q below this are lost in the rounding of a strain.
+/// Smallest step of ln q; smaller steps are below the rounding of a strain.
 const LEAST: f64 = 1e-13;
-/// Steps between two kinks that are tried; a smooth zone takes some twenty.
+/// Largest number of steps between two kinks; a smooth zone needs about twenty.
 const STEPS: usize = 2000;
-/// The first step that is tried, of ln q: between two kinks mostly the only one.
+/// Initial step of ln q; between two kinks it is often the only one.
 const FIRST: f64 = 0.3;
-/// Parts that a step is divided into for the midpoint rule.
+/// Numbers of substeps of the midpoint rule.
 const DIVISIONS: [usize; 5] = [2, 4, 6, 8, 10];
-/// Power of the step that the error estimate follows.
+/// Order of the error estimate in the step size.
 const ERROR_ORDER: f64 = 9.0;
 
-/// Integrates `dy / d ln q = slope(q, y)` between two values of q, from kink to kink.
+/// Integrates `dy / d ln q = slope(q, y)` between two values of q, piecewise between the kinks of the stress-strain
+/// curve.
 pub fn integrate<const N: usize>(
     slope: &impl Fn(f64, &[f64; N]) -> [f64; N],
     [from, to]: [f64; 2],
-    target: &Target,
+    target: &ScaledTarget,
     mut y: [f64; N],
 ) -> Result<[f64; N], ResistanceError> {
     let mut at = from;
     for next in target.kinks([from, to]).chain([to]) {
-        // Rounding must not reach across a kink.
+        // Rounding must not move q across a kink.
         let smooth = |log_q: f64, y: &[f64; N]| slope(libm::exp(log_q).clamp(at, next.next_down()), y);
         y = integrate_smooth(&smooth, [libm::log(at), libm::log(next)], y).ok_or_else(|| {
             let [from, to] = [at, next].map(|q| q / target.young);
-            ResistanceError::Lost(format!("no step is small enough between the strains {from:.3e} and {to:.3e}"))
+            ResistanceError::Lost(format!(
+                "the step size becomes too small between the strains {from:.3e} and {to:.3e}"
+            ))
         })?;
         at = next;
     }
     Ok(y)
 }
 
-/// Integrates a smooth slope with steps of controlled error; `None` if no step is small enough.
+/// Integrates a smooth slope with error control; `None` if the step size becomes too small.
 fn integrate_smooth<const N: usize>(
     slope: &impl Fn(f64, &[f64; N]) -> [f64; N],
     [mut x, end]: [f64; 2],
@@ -64,8 +68,8 @@ fn integrate_smooth<const N: usize>(
     None
 }
 
-/// Value after a step and its estimated error over the tolerance: the midpoint rule with ever more parts, extrapolated to
-/// infinitely many by Aitken and Neville's scheme (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.9).
+/// Returns the value after a step and its estimated error divided by the tolerance, by the midpoint rule with
+/// Aitken-Neville extrapolation (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.9).
 fn extrapolated_step<const N: usize>(
     slope: &impl Fn(f64, &[f64; N]) -> [f64; N],
     [x, step]: [f64; 2],
@@ -87,12 +91,12 @@ fn extrapolated_step<const N: usize>(
     }
     let [.., previous, last] = row;
     let scaled = |c: usize| (last[c] - previous[c]).abs() / (TOLERANCE * (1.0 + last[c].abs().max(y[c].abs())));
-    // A value that is no number must not be lost in a maximum.
+    // The comparison keeps NaN, unlike `max`.
     let error = (0..N).map(scaled).fold(0.0, |most: f64, e| if e <= most { most } else { e });
     (last, error)
 }
 
-/// Gragg's midpoint rule, whose error has even powers of the parts' length only; `first` is the slope at the beginning.
+/// Gragg's midpoint rule, whose error expansion has only even powers of the substep; `first` is the slope at the start.
 fn midpoint_rule<const N: usize>(
     slope: &impl Fn(f64, &[f64; N]) -> [f64; N],
     [x, step]: [f64; 2],
@@ -120,7 +124,7 @@ mod tests {
 
     /// Source: y'' = -y has the solution (cos x, -sin x).
     #[test]
-    fn an_oscillation_keeps_its_phase_and_amplitude() {
+    fn oscillation_has_exact_phase_and_amplitude() {
         let end = integrate_smooth(&|_, y: &[f64; 2]| [y[1], -y[0]], [0.0, 10.0], [1.0, 0.0]).expect("a solution");
         let errors = [end[0] - libm::cos(10.0), end[1] + libm::sin(10.0)];
         assert!(errors.iter().all(|e| e.abs() < 1e-9), "{errors:?}");
@@ -128,7 +132,7 @@ mod tests {
 
     /// Source: y' = y^2 has the solution 1/(1 - x), which ends at x = 1.
     #[test]
-    fn a_pole_is_not_stepped_over() {
+    fn integration_stops_at_a_pole() {
         let slope = |_: f64, y: &[f64; 1]| [y[0] * y[0]];
         let [near] = integrate_smooth(&slope, [0.0, 0.99], [1.0]).expect("a solution");
         assert!((near / 100.0 - 1.0).abs() < 1e-7, "{near}");

@@ -1,4 +1,5 @@
-//! Resistance of a target from its stress-strain curve: expansion of a spherical cavity, and A, B, C fitted to its pressure
+//! Resistance of a target from its stress-strain curve: spherical cavity expansion, and the fit of A, B, C to its
+//! pressure (`docs/resistance.md`).
 //! (`docs/resistance.md`).
 
 pub mod codes;
@@ -14,6 +15,6 @@ mod root;
 pub mod similarity;
 pub mod target;
 
-pub use derive::{Derived, Request, derive};
+pub use derive::{DerivedResistance, FitRequest, derive};
 pub use fault::ResistanceError;
-pub use target::{Curve, Material, Target};
+pub use target::{ScaledTarget, TargetMaterial, YieldCurve};

@@ -1,14 +1,16 @@
-//! What strain rates add to the pressure on a cavity: similarity is lost, so it depends on the cavity's radius.
+//! Contribution of strain-rate dependence to the pressure on a cavity. It depends on the cavity radius, because rate
+//! dependence breaks similarity.
 
 use super::ResistanceError;
 use super::integrate::{WALL, integrate};
-use super::rate::Rate;
-use super::target::Target;
+use super::rate::StrainRateEffect;
+use super::target::ScaledTarget;
 
-/// What the rates of a cavity that opens at a velocity add to the pressure over Y. The motion is that of an incompressible
-/// target, v = V (a/r)^2 (Warren and Forrestal 1998, Int. J. Solids Struct. 35, 3737): with x = (a/r)^3 the rate is 2 V x / a,
-/// and the pressure grows by 2/3 of the integral of what the yield stress gains over ln x, up to the front x = 3 Y / 2 E.
-pub fn gain(target: &Target, rate: &Rate, velocity: f64) -> Result<f64, ResistanceError> {
+/// Returns the increase of the pressure, divided by Y, due to the strain rates around a cavity that opens at
+/// `velocity`. The motion is that of an incompressible target, v = V (a/r)^2 (Warren and Forrestal 1998, Int. J. Solids
+/// Struct. 35, 3737). With x = (a/r)^3 the strain rate is 2 V x / a, and the pressure increases by 2/3 of the integral
+/// of the yield stress increase over ln x, from the wall to the front at x = 3 Y / 2 E.
+pub fn gain(target: &ScaledTarget, rate: &StrainRateEffect, velocity: f64) -> Result<f64, ResistanceError> {
     if velocity == 0.0 {
         return Ok(0.0);
     }

@@ -1,12 +1,13 @@
-//! A root within a bracket.
+//! Root of a function within a bracket.
 
-/// Rounds after which a bracket is as narrow as numbers allow, whatever the function: it is halved at least every eighth.
+/// Number of iterations after which the bracket has reached floating-point resolution for any function: at least every
+/// eighth iteration is a bisection.
 const ROUNDS: usize = 600;
 
-/// Narrows a bracket around the place where a function passes zero, until a value is within `enough` of zero or the bracket is as
-/// narrow as numbers allow. It begins with the function's values at the ends, below zero and above; secants, each end's value
-/// halved when it stays (Illinois), and halves where the function has no value, which counts as above zero. Returns the bracket,
-/// whose ends are one where a value was near enough.
+/// Narrows a bracket around a root until a function value is within `enough` of zero or the bracket has reached
+/// floating-point resolution. The ends are given with their function values, negative at the lower and positive at the
+/// upper end. Iterations are secant steps with the Illinois modification, and bisections where the function has no
+/// value, which counts as positive. Returns the bracket; both ends are equal if a value is close enough to zero.
 pub fn bracketed(
     mut f: impl FnMut(f64) -> Option<f64>,
     [(mut low, at_low), (mut high, mut at_high)]: [(f64, Option<f64>); 2],
@@ -42,7 +43,7 @@ pub fn bracketed(
     [low, high]
 }
 
-/// The same, of a function whose values at the ends are not known yet.
+/// Like [`bracketed`], evaluates the function at the ends first.
 pub fn between(mut f: impl FnMut(f64) -> Option<f64>, ends: [f64; 2], enough: f64) -> [f64; 2] {
     let ends = ends.map(|x| (x, f(x)));
     bracketed(f, ends, enough)
@@ -53,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn roots_are_found_to_their_width_even_where_there_is_no_value() {
+    fn roots_are_found_also_if_the_function_is_partly_undefined() {
         let mut asked = 0;
         let counted = |x: f64| {
             asked += 1;

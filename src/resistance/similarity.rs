@@ -1,84 +1,86 @@
-//! A spherical cavity that opens at a constant velocity in an unbounded compressible target: elastic, cracked and plastic zones
-//! that grow alike.
+//! Similarity solution of a spherical cavity that opens at a constant velocity in an unbounded compressible target with
+//! elastic, cracked and plastic zones.
 //!
-//! Compression is positive, lengths are r/(c t) with c the speed of the plastic front, stresses by Y, densities by rho0, and
-//! m = rho0 c^2 / Y. With u = v/c and w = x - u mass, momentum and p = K (1 - rho0/rho) are
-//! u' = w rho'/rho - 2 u/x and s' = -2 tau/x + rho m w u', s = p + 2 tau/3. Along the label l = ln(r0/(c t)), which removes the
-//! singularity at the cavity, dx/dl = w; and mass gives w = x exp(-D), where D = ln rho + 3 ln(r/r0) is the difference of the
-//! logarithmic strains around and along a radius. So D, which grows without bound towards the cavity, leaves two unknowns, ln x
-//! and s; the strain q of the stress-strain curve, which is a function of D, is what is integrated over: kinks of a table are
-//! met exactly, and neither the cavity, a cavity at rest nor incompressibility is singular.
+//! Compression is positive. Lengths are x = r/(c t) with the speed c of the plastic front, stresses are divided by Y,
+//! densities by rho0, and m = rho0 c^2 / Y. With u = v/c and w = x - u, mass, momentum and p = K (1 - rho0/rho) give u'
+//! = w rho'/rho - 2 u/x and s' = -2 tau/x + rho m w u', s = p + 2 tau/3. The material label l = ln(r0/(c t)) with dx/dl
+//! = w removes the singularity at the cavity wall. Mass gives w = x exp(-D), where D = ln rho + 3 ln(r/r0) is the
+//! difference of the logarithmic hoop and radial strains. The unknowns are ln x and s; D tends to infinity at the
+//! cavity wall. The integration variable is the strain q of the stress-strain curve, a function of D: the kinks of a
+//! table are then resolved exactly, and neither the wall nor a static cavity nor incompressibility is singular.
 
 use super::ResistanceError;
 use super::front::{PlasticFront, front};
 use super::integrate::{WALL, integrate};
 use super::overstress;
 use super::root;
-use super::target::Target;
+use super::target::ScaledTarget;
 
-/// Relative error of the velocity that is met, and the one that is believed where rounding lets none nearer.
-const FOUND: f64 = 1e-11;
-const ROUGHLY: f64 = 1e-9;
+/// Relative tolerance of the cavity velocity, and the largest error that is accepted if rounding prevents a smaller
+/// one.
+const VELOCITY_TOLERANCE: f64 = 1e-11;
+const ACCEPTED_ERROR: f64 = 1e-9;
 
-/// The pressure on a cavity at one velocity.
+/// Pressure on a cavity at one velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
-    /// Velocity at which the cavity opens, in the units of the material.
+pub struct CavityPressure {
+    /// Velocity of the cavity wall, in the units of the material.
     pub velocity: f64,
-    /// Radial stress on its wall over Y.
+    /// Radial stress on the cavity wall divided by Y.
     pub stress: f64,
-    /// Radius of the plastic front over that of the cavity.
+    /// Radius of the plastic front divided by the cavity radius.
     pub plastic: f64,
-    /// Radius of the front of cracks over that of the cavity, where there is one.
+    /// Radius of the crack front divided by the cavity radius; `None` without cracks.
     pub cracked: Option<f64>,
 }
 
-/// A solution at a speed of the plastic front.
+/// Solution for one speed of the plastic front.
 #[derive(Clone, Copy, Debug)]
 struct SimilarityZones {
     front: PlasticFront,
-    /// Radius of the cavity over that of the plastic front.
+    /// Cavity radius divided by the radius of the plastic front.
     cavity: f64,
-    /// Radial stress on its wall over Y.
+    /// Radial stress on the cavity wall divided by Y.
     stress: f64,
 }
 
-/// A target around a cavity.
-pub struct Expansion<'a> {
-    target: &'a Target,
-    still: SimilarityZones,
+/// Expansion of a cavity in a target.
+pub struct ExpandingCavity<'a> {
+    target: &'a ScaledTarget,
+    at_rest: SimilarityZones,
 }
 
-impl<'a> Expansion<'a> {
-    /// Around a cavity at rest.
-    pub fn new(target: &'a Target) -> Result<Self, ResistanceError> {
-        Ok(Expansion { target, still: zones(target, 0.0)? })
+impl<'a> ExpandingCavity<'a> {
+    /// Creates the expansion and solves the static case.
+    pub fn new(target: &'a ScaledTarget) -> Result<Self, ResistanceError> {
+        Ok(ExpandingCavity { target, at_rest: zones(target, 0.0)? })
     }
 
-    /// The pressure on a cavity that opens at a velocity, rates included.
+    /// Returns the pressure on a cavity that opens at a velocity, including strain-rate dependence.
     ///
     /// # Errors
-    /// `C002` where the plastic front would be a shock, `C004` where the plastic zone cannot be followed.
-    pub fn pressure(&self, velocity: f64) -> Result<Point, ResistanceError> {
-        let zones = if velocity == 0.0 { self.still } else { self.opened(velocity)? };
+    /// `C002` if the plastic front would be a shock, `C004` if the plastic zone cannot be integrated.
+    pub fn pressure(&self, velocity: f64) -> Result<CavityPressure, ResistanceError> {
+        let zones = if velocity == 0.0 { self.at_rest } else { self.opened(velocity)? };
         let rate = self.target.rate.as_ref();
         let rates = rate.map_or(Ok(0.0), |rate| overstress::gain(self.target, rate, velocity))?;
         let plastic = 1.0 / zones.cavity;
         let cracked = zones.front.crack.map(|eta| eta * plastic);
-        Ok(Point { velocity, stress: zones.stress + rates, plastic, cracked })
+        Ok(CavityPressure { velocity, stress: zones.stress + rates, plastic, cracked })
     }
 
-    /// The zones of a cavity that opens at a velocity. The front is faster than the cavity and, but for the jump where cracks end,
-    /// slower than in proportion to a cavity at rest; and the cavity that belongs to that front is larger than its own.
+    /// Returns the solution for a cavity velocity. Bracket of the front speed: it is larger than the cavity velocity
+    /// and, except at the transition where cracks end, smaller than the cavity velocity times the ratio of the radii in
+    /// the static case.
     fn opened(&self, velocity: f64) -> Result<SimilarityZones, ResistanceError> {
         let target = self.target;
         let v = velocity / target.velocity;
-        let mut last = Err(ResistanceError::Lost("there are no zones".into()));
+        let mut last = Err(ResistanceError::Lost("no solution was found".into()));
         let mut excess = |c: f64| {
             last = zones(target, c * c);
             last.as_ref().ok().map(|zones| c * zones.cavity - v)
         };
-        let mut high = (1.0001 * v / self.still.cavity, None);
+        let mut high = (1.0001 * v / self.at_rest.cavity, None);
         high.1 = excess(high.0);
         while high.1.is_some_and(|value| value < 0.0) {
             high.0 *= 1.5;
@@ -87,13 +89,13 @@ impl<'a> Expansion<'a> {
         let near = high.1.map(|value| v * high.0 / (value + v));
         let near = near.map(|c| (c, excess(c))).filter(|low| low.1.is_some_and(|value| value < 0.0));
         let low = near.unwrap_or_else(|| (v, excess(v)));
-        let [low, high] = root::bracketed(&mut excess, [low, high], FOUND * v);
+        let [low, high] = root::bracketed(&mut excess, [low, high], VELOCITY_TOLERANCE * v);
         if low == high && last.is_ok() {
             return last;
         }
         match (zones(target, low * low), zones(target, high * high)) {
-            (Ok(zones), _) if (low * zones.cavity / v - 1.0).abs() < ROUGHLY => Ok(zones),
-            // The bracket closed on the end of cracks, where the cavity's velocity jumps.
+            (Ok(zones), _) if (low * zones.cavity / v - 1.0).abs() < ACCEPTED_ERROR => Ok(zones),
+            // The bracket has converged to the transition where cracks end; the cavity velocity is discontinuous there.
             (Ok(_), Ok(beyond)) => Ok(beyond),
             (Err(lost @ ResistanceError::Lost(_)), _) | (_, Err(lost @ ResistanceError::Lost(_))) => Err(lost),
             _ => Err(ResistanceError::Fast { velocity, fastest: fastest(target, high)? }),
@@ -101,23 +103,24 @@ impl<'a> Expansion<'a> {
     }
 }
 
-/// The velocity at which cavities end whose plastic front is no shock, below a front of the speed c over sqrt(Y/rho).
-fn fastest(target: &Target, c: f64) -> Result<f64, ResistanceError> {
+/// Returns the largest cavity velocity whose plastic front is not a shock; `c` is a front speed above it, divided by
+/// sqrt(Y/rho).
+fn fastest(target: &ScaledTarget, c: f64) -> Result<f64, ResistanceError> {
     let still_runs = |c: f64| zones(target, c * c).ok().map(|_| -1.0);
     let [low, _] = root::between(still_runs, [1e-6 * c, c], 0.0);
-    // Three digits downwards: what is told must be what can be had.
+    // Rounded down to three digits, so that the stated velocity has a solution.
     let velocity = low * zones(target, low * low)?.cavity * target.velocity;
     let unit = libm::pow(10.0, libm::floor(libm::log10(velocity)) - 2.0);
     Ok(unit * libm::floor(velocity / unit))
 }
 
-/// The zones at m = rho c^2 / Y.
-fn zones(target: &Target, m: f64) -> Result<SimilarityZones, ResistanceError> {
+/// Returns the solution at m = rho c^2 / Y.
+fn zones(target: &ScaledTarget, m: f64) -> Result<SimilarityZones, ResistanceError> {
     let too_fast = || ResistanceError::Fast { velocity: m.sqrt() * target.velocity, fastest: 0.0 };
     let front = front(target, m).ok_or_else(too_fast)?;
     let offset = front.shear_strain - target.shear_strain(front.strain)[0];
     let plastic = PlasticZone { target, m, offset };
-    // A front that is faster than the plastic wave is a shock.
+    // A front that is faster than the plastic wave is a shock wave.
     if plastic.stiffness(&plastic.state(front.strain, [0.0, front.stress])) <= 0.0 {
         return Err(too_fast());
     }
@@ -128,16 +131,16 @@ fn zones(target: &Target, m: f64) -> Result<SimilarityZones, ResistanceError> {
 }
 
 struct PlasticZone<'a> {
-    target: &'a Target,
+    target: &'a ScaledTarget,
     m: f64,
-    /// D at the front beyond what the curve makes of the strain there: cracks that have closed.
+    /// Difference between D at the front and D by the stress-strain curve; nonzero if cracks have closed at the front.
     offset: f64,
 }
 
-/// What is known at a strain.
+/// State at a strain.
 struct PlasticState {
     /// exp(-D), which is w/x.
-    closes: f64,
+    velocity_ratio: f64,
     /// u/x.
     opens: f64,
     /// w^2.
@@ -158,10 +161,10 @@ impl PlasticZone<'_> {
         let [flow, slope] = target.flow(q);
         let [strain, strain_slope] = target.shear_strain_of(q, [flow, slope]);
         let strain = strain + self.offset;
-        let pressure = (stress - 2.0 / 3.0 * flow) / self.grows();
+        let pressure = (stress - 2.0 / 3.0 * flow) / self.pressure_factor();
         let (closes, x) = (libm::exp(-strain), libm::exp(log_x));
         PlasticState {
-            closes,
+            velocity_ratio: closes,
             opens: -libm::expm1(-strain),
             square: (x * closes) * (x * closes),
             shear: flow + target.pressure_slope * pressure,
@@ -171,31 +174,31 @@ impl PlasticZone<'_> {
         }
     }
 
-    /// d s / d p at constant hardening.
-    fn grows(&self) -> f64 {
+    /// Returns d s / d p at constant hardening.
+    fn pressure_factor(&self) -> f64 {
         1.0 + 2.0 / 3.0 * self.target.pressure_slope
     }
 
-    /// What the pressure's slope along the label is divided by.
+    /// Returns the denominator of the slope of pressure over the label.
     fn stiffness(&self, at: &PlasticState) -> f64 {
         let k = at.density * self.target.compressibility;
-        self.grows() + 2.0 / 3.0 * at.hardening * k - at.density * self.m * at.square * k
+        self.pressure_factor() + 2.0 / 3.0 * at.hardening * k - at.density * self.m * at.square * k
     }
 
-    /// Slopes of ln x and s over ln q; not a number where the zone ends.
+    /// Returns the slopes of ln x and s over ln q; NaN where there is no solution.
     fn slope(&self, q: f64, y: [f64; 2]) -> [f64; 2] {
         let at = self.state(q, y);
         let stiffness = self.stiffness(&at);
         let inertia = at.density * self.m * at.square;
-        let load = -2.0 * at.shear * at.closes - 2.0 * inertia * at.opens + 2.0 * at.hardening * at.opens;
+        let load = -2.0 * at.shear * at.velocity_ratio - 2.0 * inertia * at.opens + 2.0 * at.hardening * at.opens;
         let pressure = load / stiffness;
         let denser = at.density * self.target.compressibility * pressure;
         let strained = denser - 3.0 * at.opens;
-        let stress = -2.0 * at.shear * at.closes + inertia * (denser - 2.0 * at.opens);
+        let stress = -2.0 * at.shear * at.velocity_ratio + inertia * (denser - 2.0 * at.opens);
         if !(stiffness > 0.0 && at.density > 0.0 && strained < 0.0) {
             return [f64::NAN; 2];
         }
         let per_strain = at.straining / strained;
-        [at.closes * per_strain, stress * per_strain]
+        [at.velocity_ratio * per_strain, stress * per_strain]
     }
 }

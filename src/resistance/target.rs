@@ -1,94 +1,96 @@
-//! The material of a target, and the same in its own units: stresses by the yield stress Y, velocities by sqrt(Y/rho).
+//! Material of a target, in consistent units and in dimensionless form (stresses divided by Y, velocities by
+//! sqrt(Y/rho)).
 
 use super::ResistanceError;
-use super::rate::Rate;
+use super::rate::StrainRateEffect;
 use super::root;
 
-/// The material of a target, in any consistent units.
+/// Material of a target, in any consistent units.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Material {
+pub struct TargetMaterial {
     /// Young's modulus E, stress.
     pub young: f64,
     /// Poisson's ratio, 0 to 0.5; 0.5 is incompressible.
     pub poisson: f64,
     /// Density, mass per volume.
     pub density: f64,
-    /// Yield stress Y, stress; of a brittle target without confinement.
+    /// Yield stress Y (stress); for a brittle target the unconfined strength.
     pub yield_stress: f64,
-    /// Yield stress over strain.
-    pub curve: Curve,
-    /// Growth of the yield stress with pressure, stress by stress (Mohr and Coulomb); 0 for metals.
+    /// Yield stress as a function of strain.
+    pub curve: YieldCurve,
+    /// Slope of the yield stress over pressure (Mohr-Coulomb), dimensionless; 0 for metals.
     pub pressure_slope: f64,
-    /// Largest tension, stress: where it is passed the target cracks along rays. `None`: never.
+    /// Tensile strength (stress), above which radial cracks form; `None` for targets without cracks.
     pub tension: Option<f64>,
-    /// Growth of the yield stress with strain rate.
-    pub rate: Option<Rate>,
+    /// Strain-rate dependence of the yield stress.
+    pub rate: Option<StrainRateEffect>,
 }
 
-/// Yield stress over strain.
+/// Yield stress as a function of strain.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Curve {
-    /// Y throughout.
+pub enum YieldCurve {
+    /// Perfect plasticity with the yield stress Y.
     Perfect,
     /// `Y (E e / Y)^n` with the total strain e (Luk, Forrestal and Amos 1991, J. Appl. Mech. 58, 1).
     Power(f64),
-    /// Rows of yield stress and plastic strain, as of `*PLASTIC`: linear between them.
+    /// Rows of yield stress and plastic strain as in `*PLASTIC`, with linear interpolation.
     Table {
-        /// `[stress, plastic strain]`, ascending in the strain; the first has Y and 0.
+        /// `[stress, plastic strain]` with increasing strain; the first row is Y and 0.
         rows: Vec<[f64; 2]>,
-        /// Whether the curve goes on beyond the last row as between the last two, else it is constant.
+        /// Whether the curve is extrapolated linearly beyond the last row; otherwise it is constant.
         extrapolates: bool,
     },
 }
 
-/// A target in its own units. The strain is q = E e / Y, of the total uniaxial strain e: yield begins at 1.
+/// Target material in dimensionless form. The strain is q = E e / Y with the total uniaxial strain e, so that yield
+/// begins at q = 1.
 #[derive(Clone, Debug)]
-pub struct Target {
+pub struct ScaledTarget {
     /// E / Y.
     pub young: f64,
     /// G / Y.
     pub shear: f64,
-    /// Y / K; zero where nothing is compressible.
+    /// Y / K with the bulk modulus K; zero for an incompressible target.
     pub compressibility: f64,
-    /// Growth of the yield stress with pressure.
+    /// Slope of the yield stress over pressure.
     pub pressure_slope: f64,
-    /// Largest tension over Y.
+    /// Tensile strength divided by Y.
     pub tension: Option<f64>,
     /// sqrt(Y / rho).
     pub velocity: f64,
     /// Y, in the units of the material.
     pub yield_stress: f64,
-    /// Density, likewise.
+    /// Density, in the units of the material.
     pub density: f64,
-    /// Growth with the strain rate.
-    pub rate: Option<Rate>,
+    /// Strain-rate dependence, in the units of the material.
+    pub rate: Option<StrainRateEffect>,
     /// (1 - 2 nu) / 3.
     lateral: f64,
     flow: FlowCurve,
 }
 
-/// Yield stress over Y as a function of q.
+/// Yield stress divided by Y as a function of q.
 #[derive(Clone, Debug)]
 enum FlowCurve {
     Power(f64),
-    /// `[stress, q]`, and the slope beyond the last.
+    /// Rows `[stress, q]`, and the slope beyond the last row.
     Table(Vec<[f64; 2]>, f64),
 }
 
-impl Target {
-    /// A material in its own units.
+impl ScaledTarget {
+    /// Converts a material to dimensionless form.
     ///
     /// # Errors
-    /// `C001`, where there can be no such target.
-    pub fn new(material: &Material) -> Result<Target, ResistanceError> {
+    /// `C001` if the material is invalid.
+    pub fn new(material: &TargetMaterial) -> Result<ScaledTarget, ResistanceError> {
         check(material)?;
         let (young, y, nu) = (material.young, material.yield_stress, material.poisson);
         let flow = match &material.curve {
-            Curve::Perfect => FlowCurve::Power(0.0),
-            Curve::Power(n) => FlowCurve::Power(*n),
-            Curve::Table { rows, extrapolates } => table(rows, *extrapolates, young, y)?,
+            YieldCurve::Perfect => FlowCurve::Power(0.0),
+            YieldCurve::Power(n) => FlowCurve::Power(*n),
+            YieldCurve::Table { rows, extrapolates } => table(rows, *extrapolates, young, y)?,
         };
-        Ok(Target {
+        Ok(ScaledTarget {
             young: young / y,
             shear: 0.5 * young / (1.0 + nu) / y,
             compressibility: 3.0 * (1.0 - 2.0 * nu) * y / young,
@@ -103,7 +105,7 @@ impl Target {
         })
     }
 
-    /// Yield stress without pressure over Y, and its slope in q.
+    /// Returns the yield stress at zero pressure divided by Y, and its slope over q.
     pub fn flow(&self, q: f64) -> [f64; 2] {
         match &self.flow {
             FlowCurve::Power(0.0) => [1.0, 0.0],
@@ -120,27 +122,27 @@ impl Target {
         }
     }
 
-    /// Difference of the logarithmic strains around and along a radius at q, and its slope.
+    /// Returns the difference of the logarithmic hoop and radial strains at q, and its slope.
     pub fn shear_strain(&self, q: f64) -> [f64; 2] {
         self.shear_strain_of(q, self.flow(q))
     }
 
-    /// The same, where what [`Target::flow`] gives is known.
+    /// Like [`shear_strain`](Self::shear_strain), for a known result of [`ScaledTarget::flow`].
     pub fn shear_strain_of(&self, q: f64, [stress, slope]: [f64; 2]) -> [f64; 2] {
         let scale = 1.5 / self.young;
         [scale * (q - self.lateral * stress), scale * (1.0 - self.lateral * slope)]
     }
 
-    /// q at a difference of strains.
+    /// Returns q for a difference of logarithmic strains.
     pub fn strain_at(&self, shear_strain: f64) -> f64 {
         let guess = shear_strain / 1.5 * self.young;
-        // The yield stress is at most E e, and not below zero: q lies between the guess and the guess over 1 - lateral.
+        // The yield stress is between 0 and E e, so q is between the guess and the guess divided by 1 - lateral.
         let high = (guess + 1.0) / (1.0 - self.lateral);
         let excess = |q: f64| Some(self.shear_strain(q)[0] - shear_strain);
         root::between(excess, [0.5 * guess, high], 1e-16 * shear_strain)[0]
     }
 
-    /// Values of q between two at which the slope of the curve jumps.
+    /// Returns the values of q inside an interval at which the slope of the curve is discontinuous.
     pub fn kinks(&self, [from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
         let rows: &[[f64; 2]] = if let FlowCurve::Table(rows, _) = &self.flow { rows } else { &[] };
         rows.iter().map(|r| r[1]).filter(move |q| *q > from && *q < to)
@@ -162,24 +164,24 @@ fn table(rows: &[[f64; 2]], extrapolates: bool, young: f64, y: f64) -> Result<Fl
     let scaled: Vec<[f64; 2]> = rows.iter().map(|r| [r[0] / y, (r[0] + young * r[1]) / y]).collect();
     for (pair, q) in rows.windows(2).zip(scaled.windows(2)) {
         if pair[1][1] <= pair[0][1] || !pair[1][1].is_finite() {
-            return wrong(format!("has plastic strains that do not ascend: {} follows {}", pair[1][1], pair[0][1]));
+            return wrong(format!("needs increasing plastic strains: {} follows {}", pair[1][1], pair[0][1]));
         }
         if pair[1][0] <= 0.0 || !pair[1][0].is_finite() {
             return wrong(format!("has the stress {}, which is not above zero", pair[1][0]));
         }
         if q[1][1] <= q[0][1] {
-            return wrong(format!("falls from {} to {} more steeply than Young's modulus", pair[0][0], pair[1][0]));
+            return wrong(format!("decreases from {} to {} more steeply than Young's modulus", pair[0][0], pair[1][0]));
         }
     }
     let last = scaled.windows(2).last().filter(|_| extrapolates);
     let beyond = last.map_or(0.0, |w| (w[1][0] - w[0][0]) / (w[1][1] - w[0][1]));
     if beyond < 0.0 {
-        return wrong("falls, and would fall below zero beyond its last row".into());
+        return wrong("decreases at its end and cannot be extrapolated".into());
     }
     Ok(FlowCurve::Table(scaled, beyond))
 }
 
-fn check(material: &Material) -> Result<(), ResistanceError> {
+fn check(material: &TargetMaterial) -> Result<(), ResistanceError> {
     let wrong = |what: String| Err(ResistanceError::Target(what));
     let positive = [
         ("Young's modulus", material.young),
@@ -188,36 +190,36 @@ fn check(material: &Material) -> Result<(), ResistanceError> {
     ];
     for (name, value) in positive {
         if value <= 0.0 || !value.is_finite() {
-            return wrong(format!("{name} is {value}, and must be above zero"));
+            return wrong(format!("{name} must be above zero, found {value}"));
         }
     }
-    let Material { young, poisson, yield_stress, pressure_slope, .. } = material;
+    let TargetMaterial { young, poisson, yield_stress, pressure_slope, .. } = material;
     if !(0.0..=0.5).contains(poisson) {
-        return wrong(format!("Poisson's ratio is {poisson}, and must be from 0 to 0.5"));
+        return wrong(format!("Poisson's ratio must be between 0 and 0.5, found {poisson}"));
     }
-    // At yield the difference of strains is below one: else no cavity is left to open.
+    // At yield the difference of strains must be below one.
     if *yield_stress >= young / (1.0 + poisson) {
         return wrong(format!(
-            "the yield stress {yield_stress} is not below twice the shear modulus of Young's modulus {young}"
+            "the yield stress must be below twice the shear modulus: found yield stress {yield_stress}, Young's modulus {young}"
         ));
     }
-    if let Curve::Power(n) = material.curve
+    if let YieldCurve::Power(n) = material.curve
         && !(0.0..=1.0).contains(&n)
     {
-        return wrong(format!("the exponent of hardening is {n}, and must be from 0 to 1"));
+        return wrong(format!("the hardening exponent must be between 0 and 1, found {n}"));
     }
     if !(0.0..3.0).contains(pressure_slope) {
         return wrong(format!(
-            "the strength grows {pressure_slope} times as fast as the pressure, and must do so from 0 to below 3 times"
+            "the slope of the yield stress over pressure must be at least 0 and below 3, found {pressure_slope}"
         ));
     }
-    if *pressure_slope > 0.0 && material.curve != Curve::Perfect {
-        return wrong("a strength that grows with pressure does not harden as well: leave one out".into());
+    if *pressure_slope > 0.0 && material.curve != YieldCurve::Perfect {
+        return wrong("pressure-dependent strength and hardening cannot be combined: remove one".into());
     }
     if let Some(tension) = material.tension
         && (tension <= 0.0 || tension.is_nan())
     {
-        return wrong(format!("the largest tension is {tension}, and must be above zero"));
+        return wrong(format!("the tensile strength must be above zero, found {tension}"));
     }
-    material.rate.as_ref().map_or(Ok(()), Rate::check)
+    material.rate.as_ref().map_or(Ok(()), StrainRateEffect::check)
 }

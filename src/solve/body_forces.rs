@@ -1,11 +1,10 @@
-//! Generalised forces on rigid bodies: which effect gives which, and their values in the current increment.
-//! Never here: the effects that compute them.
+//! Generalised forces on rigid bodies: which effect gives each force, and the values in the current increment.
 
-use crate::load::{Account, GeneralizedForce, VelocityUse};
+use crate::load::{EnergyAccount, GeneralizedForce, VelocityUse};
 use crate::plan::State;
 use crate::state::BodyState;
 
-/// Generalised forces on rigid bodies: those of tied nodes, then those of each load in turn.
+/// Generalised forces on rigid bodies: first those of tied nodes, then those of each load.
 #[derive(Default)]
 pub(super) struct BodyForces {
     pub values: Vec<f64>,
@@ -13,7 +12,7 @@ pub(super) struct BodyForces {
     pub slots: Vec<GeneralizedForce>,
     /// Indices of the forces in order of their bodies.
     pub order_by_body: Vec<usize>,
-    /// Index behind the last force of each load.
+    /// Index after the last force of each load.
     pub load_ends: Vec<usize>,
     /// Number of forces of tied nodes, which come first.
     pub tied: usize,
@@ -27,7 +26,7 @@ impl BodyForces {
         self.slots.clear();
         self.load_ends.clear();
         let carried = state.constraints.iter().filter_map(|c| c.view().carried);
-        self.slots.extend(carried.map(|carried| GeneralizedForce::along_z(carried.body, Account::Tie)));
+        self.slots.extend(carried.map(|carried| GeneralizedForce::along_z(carried.body, EnergyAccount::Tie)));
         self.tied = self.slots.len();
         for load in &state.loads {
             self.slots.extend(load.targets().bodies);
@@ -42,7 +41,7 @@ impl BodyForces {
 
     fn mark_bodies(&self, state: &mut State) {
         for (b, body) in state.dofs.bodies.iter_mut().enumerate() {
-            // Constraints state anew which bodies are prescribed, and what contact does to them.
+            // Constraints set these again when they begin.
             (body.reads_velocity, body.prescribed, body.contact) = (false, false, 0.0);
             body.tied = self.slots[..self.tied].iter().any(|s| s.body == b);
             body.slots = self.slots.iter().filter(|s| s.body == b).count() as u32;
@@ -65,16 +64,16 @@ impl BodyForces {
         load.checked_sub(1).map_or(self.tied, |previous| self.load_ends[previous])
     }
 
-    /// Resistances on a body at rest balance the other forces, and do no work.
+    /// Sets resistances on a body at rest to zero: they balance the other forces and do no work.
     pub fn arrest(&mut self, body: usize) {
         for (slot, force) in self.slots.iter().zip(&mut self.values) {
-            if slot.body == body && matches!(slot.account, Account::Friction | Account::Cavity) {
+            if slot.body == body && matches!(slot.account, EnergyAccount::Friction | EnergyAccount::Cavity) {
                 *force = 0.0;
             }
         }
     }
 
-    /// A body at rest would start in the direction in which the other forces push it: a resistance opposes that direction.
+    /// Sets the direction in which the other forces would start a body at rest; a resistance acts against it.
     pub fn turn_resting_bodies(&self, bodies: &mut [BodyState]) {
         let applied = &self.slots[..self.start_of(self.first_resistance)];
         for (b, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.direction == 0.0) {

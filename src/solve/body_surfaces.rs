@@ -1,26 +1,25 @@
-//! Output of rigid bodies that move in space: values at their nodes, and their surface as the facets of the meridian turned around
-//! the axis, one cell a station.
-//! Never here: which numbers are asked for, files.
+//! Output of rigid bodies with six degrees of freedom: values at their nodes, and their surfaces as meridian facets
+//! turned around the axis, with one cell for each facet and station.
 
 use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use std::collections::HashMap;
 
-use super::run::Run;
-use crate::kernel::attitude::Vector;
-use crate::model::Side;
+use super::run::SolverRun;
+use crate::kernel::attitude::SpatialVector;
+use crate::model::ElementSide;
 use crate::state::BodyState;
-use crate::variables::{Part, Variable};
+use crate::variables::{Variable, VariableComponent};
 
-/// A point of such a body: the body, its node and how far around the axis it lies.
+/// A point of such a body: the body, its node and the angle around the axis in radians.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
+pub(super) struct SpatialPoint {
     pub(super) body: usize,
     pub(super) node: usize,
     around: f64,
 }
 
-/// A value at a point of a body that moves in space; `None` of others.
-fn value(body: &BodyState, place: [f64; 2], around: f64, part: Part) -> Option<f64> {
+/// Returns the value of a variable at a point of a body with six degrees of freedom; `None` for other bodies.
+fn value(body: &BodyState, place: [f64; 2], around: f64, part: VariableComponent) -> Option<f64> {
     let motion = body.point_motion(place, around)?;
     let component = part.component;
     Some(match part.variable {
@@ -44,40 +43,41 @@ fn value(body: &BodyState, place: [f64; 2], around: f64, part: Part) -> Option<f
     })
 }
 
-/// What frames add for bodies in space.
+/// Points and cells of a frame for bodies with six degrees of freedom.
 #[derive(Default)]
-pub(super) struct Surfaces {
-    /// Points, with where each is and was at the start.
-    pub(super) points: Vec<(Point, Vector, Vector)>,
-    /// Corners of cells, counted from the first point here.
+pub(super) struct SpatialSurfaces {
+    /// Points with their current and initial coordinates.
+    pub(super) points: Vec<(SpatialPoint, SpatialVector, SpatialVector)>,
+    /// Corners of the cells, as indices of `points`.
     pub(super) cells: Vec<Vec<usize>>,
+    /// Element of each cell.
     pub(super) elements: Vec<usize>,
 }
 
-impl Run<'_> {
-    /// A value at a node (of the mesh) of a body that moves in space; `None` of others.
-    pub(super) fn value_in_space(&self, body: usize, node: usize, part: Part) -> Option<f64> {
+impl SolverRun<'_> {
+    /// Returns the value of a variable at a node of the mesh; `None` if the body does not have six degrees of freedom.
+    pub(super) fn value_in_space(&self, body: usize, node: usize, part: VariableComponent) -> Option<f64> {
         value(&self.state.dofs.bodies[body], self.plan.mesh.points[node], 0.0, part)
     }
 
-    pub(super) fn point_value(&self, point: &Point, part: Part) -> f64 {
+    pub(super) fn point_value(&self, point: &SpatialPoint, part: VariableComponent) -> f64 {
         value(&self.state.dofs.bodies[point.body], self.plan.mesh.points[point.node], point.around, part)
             .unwrap_or(f64::NAN)
     }
 
-    /// The surfaces of all bodies that move in space.
-    pub(super) fn surfaces(&self) -> Surfaces {
-        let mut all = Surfaces::default();
+    /// Returns the surfaces of all bodies with six degrees of freedom.
+    pub(super) fn surfaces(&self) -> SpatialSurfaces {
+        let mut all = SpatialSurfaces::default();
         (0..self.state.dofs.bodies.len()).for_each(|body| self.surface(body, &mut all));
         all
     }
 
-    fn surface(&self, index: usize, all: &mut Surfaces) {
+    fn surface(&self, index: usize, all: &mut SpatialSurfaces) {
         let of = &self.state.dofs.bodies[index];
         let (body, mesh) = (&self.plan.bodies[index], &self.plan.mesh);
         let Some(stations) = of.stations() else { return };
         let mut rings: HashMap<usize, (usize, usize)> = HashMap::new();
-        let mut ring = |node: usize, count: usize, points: &mut Vec<(Point, Vector, Vector)>| {
+        let mut ring = |node: usize, count: usize, points: &mut Vec<(SpatialPoint, SpatialVector, SpatialVector)>| {
             *rings.entry(node).or_insert_with(|| {
                 let (first, place) = (points.len(), mesh.points[node]);
                 let count = if place[0] == 0.0 { 1 } else { count };
@@ -85,7 +85,7 @@ impl Run<'_> {
                     let around = 2.0 * std::f64::consts::PI * k as f64 / stations as f64;
                     let Some(motion) = of.point_motion(place, around) else { continue };
                     let start = inline_from_fn(|i| motion.place[i] - motion.displacement[i]);
-                    points.push((Point { body: index, node, around }, motion.place, start));
+                    points.push((SpatialPoint { body: index, node, around }, motion.place, start));
                 }
                 (first, count)
             })
@@ -108,7 +108,7 @@ impl Run<'_> {
         }
     }
 
-    /// The meridian of a body: its facets, and sides of its solids that no other has.
+    /// Returns the meridian of a body: its facets, and the element sides of its solids that no other element shares.
     fn faces(&self, body: usize) -> Vec<(usize, [usize; 2])> {
         let (body, mesh) = (&self.plan.bodies[body], &self.plan.mesh);
         let mut faces = Vec::new();
@@ -117,20 +117,20 @@ impl Run<'_> {
             let kind = mesh.elements[e].kind;
             solid |= kind.is_solid();
             if !kind.is_solid() && !kind.is_discrete() {
-                faces.extend(mesh.ends(e, Side::Positive).map(|ends| (e, ends)));
+                faces.extend(mesh.side_nodes(e, ElementSide::Positive).map(|ends| (e, ends)));
             }
         }
         if solid {
-            let own = mesh.outside().into_iter().filter(|(e, _)| body.elements.contains(e));
-            let ends = own.filter_map(|(e, side)| Some((e, mesh.ends(e, side)?)));
+            let own = mesh.exterior_faces().into_iter().filter(|(e, _)| body.elements.contains(e));
+            let ends = own.filter_map(|(e, side)| Some((e, mesh.side_nodes(e, side)?)));
             faces.extend(ends.filter(|(_, ends)| ends.iter().any(|&n| mesh.points[n][0] != 0.0)));
         }
         faces
     }
 }
 
-/// What of the values of an element's stations, in the order in which a load tells them, each of its cells shows: one by one, and of
-/// an element with more faces than are loaded the mean.
+/// Distributes the values of an element's stations, in the order of the load, over its cells. If an element has more
+/// cells than loaded faces, or fewer, all its cells get the mean.
 pub(super) fn on_cells(values: &[f64], cells: usize) -> Vec<f64> {
     if values.len() == cells {
         return values.to_vec();

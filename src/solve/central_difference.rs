@@ -1,6 +1,5 @@
-//! Central differences: accelerations from forces, velocities half an increment on, displacements (ABAQUS Theory Guide 2.4.5)
-//! of nodes; those of rigid bodies are in `state`.
-//! Never here: which forces act, what constrains the motion, the length of an increment.
+//! Central differences for nodes: accelerations from forces, velocities at mid-increment, displacements (ABAQUS Theory
+//! Guide 2.4.5). Rigid bodies are integrated in `state`.
 
 use crate::kernel::lanes::InlineMap;
 use rayon::prelude::*;
@@ -10,13 +9,13 @@ use crate::element::quiescent::FEW;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
 
-/// Nodes from which on it pays to wake other threads every increment.
+/// Number of nodes from which the pass uses several threads.
 const PARALLEL: usize = 1000;
-/// Nodes that a thread takes at once: fixed, so that sums do not depend on the number of threads.
+/// Nodes in a chunk of a thread; fixed, so that sums do not depend on the number of threads.
 const CHUNK: usize = 512;
 
-/// Accelerations of nodes from their forces, their kinetic energy, and the work of forces over the increment behind. `parts` is
-/// room for the energies of chunks.
+/// Computes nodal accelerations and the kinetic energy, and adds the work of nodal forces over the previous increment.
+/// `parts` is a work array for the energies of chunks.
 pub(super) fn accelerate_nodes(elements: &Elements, dofs: &mut Dofs, parts: &mut [f64], threads: bool) {
     let Dofs { nodes, energies, .. } = dofs;
     let mut acceleration = std::mem::take(&mut nodes.acceleration);
@@ -33,8 +32,8 @@ pub(super) fn accelerate_nodes(elements: &Elements, dofs: &mut Dofs, parts: &mut
     }
     nodes.acceleration = acceleration;
     energies.kinetic = parts.iter().sum();
-    if nodes.moved {
-        let half = 0.5 * nodes.behind;
+    if nodes.work_pending {
+        let half = 0.5 * nodes.previous_dt;
         let [now, before] = &nodes.forces;
         for ((f, g), node) in now.iter().zip(before).zip(nodes.as_slice()) {
             energies.external += half * ((f[0] + g[0]) * node.v_r + (f[1] + g[1]) * node.v_z);
@@ -42,23 +41,23 @@ pub(super) fn accelerate_nodes(elements: &Elements, dofs: &mut Dofs, parts: &mut
     }
 }
 
-pub(super) fn room_for_parts(nodes: &Nodes) -> Vec<f64> {
+pub(super) fn chunk_energies(nodes: &Nodes) -> Vec<f64> {
     vec![0.0; nodes.len().div_ceil(CHUNK)]
 }
 
-/// What accelerations come from.
+/// Input of the pass over nodes.
 struct NodePass<'a> {
     elements: &'a Elements,
     nodes: &'a Nodes,
 }
 
 impl NodePass<'_> {
-    /// Accelerations of nodes from `first` on, and their kinetic energy. A few nodes at a time: first all their forces,
-    /// then arithmetic that vectors can do.
+    /// Computes accelerations of nodes from index `first` on and returns their kinetic energy. Forces of a few nodes
+    /// are gathered first, so that the arithmetic can be vectorised.
     fn accelerate(&self, first: usize, accelerations: &mut [[f64; 2]]) -> f64 {
         let mut parts = [0.0; 4];
         let (mut forces, mut energies) = ([[0.0; 2]; FEW], [0.0; FEW]);
-        let (behind, more) = (self.nodes.behind, &self.nodes.forces[0]);
+        let (behind, more) = (self.nodes.previous_dt, &self.nodes.forces[0]);
         for (i, accelerations) in accelerations.chunks_mut(FEW).enumerate() {
             let (first, count) = (first + i * FEW, accelerations.len());
             if !self.elements.has_work(first) {
@@ -82,7 +81,7 @@ impl NodePass<'_> {
                 *energy = mass * twice;
             }
             energies[count..].fill(0.0);
-            // Four sums side by side: one would wait for each addition.
+            // Four independent sums avoid the latency of additions.
             for four in energies.as_chunks::<4>().0 {
                 for (part, energy) in parts.iter_mut().zip(four) {
                     *part += energy;
@@ -93,20 +92,20 @@ impl NodePass<'_> {
     }
 }
 
-/// Where central differences start, the trapezoid gives the work of forces too much by f a dt^2/8
-/// ([`LastIncrement::new`](crate::load::LastIncrement::new) has the reason).
-fn book_start(dofs: &mut Dofs, dt: f64) {
+/// Corrects the work of forces in the first increment: the trapezoidal rule overestimates it by f a dt^2/8 (reason:
+/// [`LastIncrement::new`](crate::load::LastIncrement::new)).
+fn correct_first_work(dofs: &mut Dofs, dt: f64) {
     let forces = dofs.nodes.forces[0].iter().zip(&dofs.nodes.acceleration);
     let power: f64 = forces.map(|(f, a)| f[0] * a[0] + f[1] * a[1]).sum();
     dofs.energies.external -= 0.125 * dt * dt * power;
 }
 
-/// Carries nodes over an increment. The first one starts central differences with half of it.
+/// Advances nodes over an increment. The first increment starts central differences with a half step.
 pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64, threads: bool) {
-    if dofs.nodes.behind == 0.0 {
-        book_start(dofs, dt);
+    if dofs.nodes.previous_dt == 0.0 {
+        correct_first_work(dofs, dt);
     }
-    let half = 0.5 * (dt + dofs.nodes.behind);
+    let half = 0.5 * (dt + dofs.nodes.previous_dt);
     let chunk = |(index, (nodes, accelerations)): (usize, (&mut [Node], &[[f64; 2]]))| {
         for (i, (nodes, accelerations)) in nodes.chunks_mut(FEW).zip(accelerations.chunks(FEW)).enumerate() {
             if !elements.has_work(index * CHUNK + i * FEW) {
@@ -127,27 +126,27 @@ pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64, threa
     } else {
         nodes.chunks_mut(CHUNK).zip(accelerations.chunks(CHUNK)).enumerate().for_each(chunk);
     }
-    (dofs.nodes.behind, dofs.nodes.half, dofs.nodes.moved) = (dt, half, true);
+    (dofs.nodes.previous_dt, dofs.nodes.half, dofs.nodes.work_pending) = (dt, half, true);
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{accelerate_nodes, advance_nodes, room_for_parts};
-    use crate::element::constants::{Constants, HourglassControl};
+    use super::{accelerate_nodes, advance_nodes, chunk_energies};
+    use crate::element::constants::{ElementConstants, HourglassControl};
     use crate::element::elements::Elements;
-    use crate::element::frequency::{Held, HighestFrequency};
-    use crate::element::group::Quads;
+    use crate::element::frequency::{ConstrainedNodes, HighestFrequency};
+    use crate::element::group::QuadGroup;
     use crate::kernel::quad;
-    use crate::material::plasticity::Elastic;
-    use crate::material::volumetric::Linear;
+    use crate::material::plasticity::ElasticOnly;
+    use crate::material::volumetric::ConstantBulkModulus;
     use crate::material::von_mises::VonMises;
-    use crate::mesh::gather::Gather;
+    use crate::mesh::gather::NodalAssembly;
     use crate::state::Instant;
     use crate::state::dofs::Dofs;
     use crate::state::nodes::{Node, Nodes};
-    use crate::user::AtPoints;
+    use crate::user::PointRoutines;
 
-    /// A rectangle of elements, nodes row by row, with one node more of no element.
+    /// A rectangular grid of elements, nodes row by row, with one more node that belongs to no element.
     struct Mesh {
         nodes: Vec<Node>,
         elements: Vec<[u32; 4]>,
@@ -166,7 +165,7 @@ mod tests {
         }
 
         fn free(&self, bulk_viscosity: [f64; 2], awake: bool) -> Free {
-            let constants = Constants {
+            let constants = ElementConstants {
                 bulk: 3.0,
                 shear: 1.0,
                 hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
@@ -180,18 +179,24 @@ mod tests {
                     mass[*n as usize] += m;
                 }
             }
-            let mut quads = Quads::new(VonMises::new(Elastic, Linear), constants, 1.0, &self.elements, &self.nodes);
+            let mut quads = QuadGroup::new(
+                VonMises::new(ElasticOnly, ConstantBulkModulus),
+                constants,
+                1.0,
+                &self.elements,
+                &self.nodes,
+            );
             if awake {
                 quads.keep_awake(count as u32 - 1);
             }
-            let gather = Gather::new(count, &[(1, self.elements.iter().map(|e| (*e).into()).collect())]);
+            let gather = NodalAssembly::new(count, &[(1, self.elements.iter().map(|e| (*e).into()).collect())]);
             let elements = Elements::new(vec![Box::new(quads)], vec![0], gather, count);
             let dofs = Dofs { nodes: Nodes::new(self.nodes.clone(), mass), ..Dofs::default() };
-            Free { parts: room_for_parts(&dofs.nodes), dofs, elements }
+            Free { parts: chunk_energies(&dofs.nodes), dofs, elements }
         }
     }
 
-    /// A body that nothing pushes or holds.
+    /// A body without loads and constraints.
     struct Free {
         dofs: Dofs,
         elements: Elements,
@@ -200,25 +205,25 @@ mod tests {
 
     impl Free {
         fn evaluate(&mut self) {
-            self.elements.update(&mut self.dofs, &Instant::default(), false, AtPoints::default(), None);
-            self.elements.link(&mut self.dofs);
+            self.elements.update(&mut self.dofs, &Instant::default(), false, PointRoutines::default(), None);
+            self.elements.add_link_forces(&mut self.dofs);
             accelerate_nodes(&self.elements, &mut self.dofs, &mut self.parts, false);
-            self.dofs.nodes.moved = false;
+            self.dofs.nodes.work_pending = false;
         }
 
         fn advance(&mut self, dt: f64) {
             advance_nodes(&self.elements, &mut self.dofs, dt, false);
-            self.elements.moved();
+            self.elements.mark_moved();
         }
     }
 
-    /// A wave that enters a long bar at rest: with quiescent elements and without, bit by bit.
+    /// A wave that enters a long bar at rest gives the same bits with and without quiescent elements.
     #[test]
-    fn what_is_quiescent_changes_no_bit() {
+    fn quiescent_elements_change_no_bit() {
         let (columns, rows) = (2, 1500);
         let mut mesh = Mesh::new(columns, rows, |n| [(n % (columns + 1)) as f64, (n / (columns + 1)) as f64]);
         mesh.nodes[..3].iter_mut().for_each(|n| n.v_z = 1e-3);
-        // The node of no element never rests: a task that counts it stays awake.
+        // The free node moves, so the task that contains it is never quiescent.
         let count = mesh.nodes.len() - 1;
         mesh.nodes[count].v_r = 1.0;
         let run = |awake: bool| {
@@ -243,8 +248,8 @@ mod tests {
         assert_eq!(bits(&quiescent.0), bits(&awake.0));
     }
 
-    /// Free vibration from a start with all frequencies in it: stable at the estimate, which stands 10 % above where nothing
-    /// damps, and unstable a little above the exact bound, so that the estimate is worth what it says.
+    /// Free vibration with all frequencies is stable at the estimated increment, which is conservative by 10 % without
+    /// damping, and unstable a little above the exact bound.
     #[test]
     fn vibration_is_stable_just_up_to_the_estimate() {
         let noise = |i: usize| 0.3 * (((i * 7919) % 101) as f64 / 101.0 - 0.5);
@@ -256,7 +261,7 @@ mod tests {
         let run = |factor: f64| {
             let mut free = mesh.free([0.0, 0.0], false);
             free.elements.frequency = HighestFrequency::new(&free.elements.groups, &free.dofs.nodes).map(Box::new);
-            free.elements.begin_frequency(true, &free.dofs.nodes, &Held { prescribed: &[], carried: &[] });
+            free.elements.begin_frequency(true, &free.dofs.nodes, &ConstrainedNodes { prescribed: &[], carried: &[] });
             let (mut largest, mut stable): (f64, f64) = (0.0, 0.0);
             for increment in 0..4000 {
                 free.evaluate();

@@ -1,21 +1,20 @@
-//! One number for all that a run came to: a hash over the bits of its state, in a fixed order.
-//! Never here: bookkeeping that another build of the program may do otherwise.
+//! Digest of a run: a hash over the bits of its final state in a fixed order, independent of the build.
 
 use hmac_sha256::Hash;
 
-use super::run::Run;
+use super::run::SolverRun;
 use crate::element::group::ElementGroup;
-use crate::variables::{Part, Variable};
+use crate::variables::{Variable, VariableComponent};
 
-/// Takes numbers in by their bits.
-struct Bits(Hash);
+/// Hash of numbers by their bits.
+struct BitHasher(Hash);
 
-impl Bits {
+impl BitHasher {
     fn add(&mut self, values: &[f64]) {
         values.iter().for_each(|v| self.0.update(v.to_bits().to_le_bytes()));
     }
 
-    /// What may not be there at all differs from zero.
+    /// Adds an optional value; a missing value differs from zero.
     fn add_if(&mut self, value: Option<f64>) {
         self.0.update([u8::from(value.is_some())]);
         self.add(value.as_slice());
@@ -28,16 +27,17 @@ impl Bits {
         for variable in [Variable::PlasticStrain, Variable::Temperature, Variable::SpecificEnergy, Variable::Status] {
             self.add_if(group.value(e, variable.into()));
         }
-        let state = |component| Part { variable: Variable::State, component };
-        let mut kept = (0..).map_while(|i| group.value(e, state(i)));
-        kept.by_ref().for_each(|value| self.add(&[value]));
+        let state = |component| VariableComponent { variable: Variable::State, component };
+        let mut state_variables = (0..).map_while(|i| group.value(e, state(i)));
+        state_variables.by_ref().for_each(|value| self.add(&[value]));
     }
 }
 
-impl Run<'_> {
-    /// SHA-256 in hexadecimal: time, increment, motion of bodies and nodes, what elements hold, energies.
+impl SolverRun<'_> {
+    /// Returns the SHA-256 digest, in hexadecimal, of time, increment, motion of bodies and nodes, element states and
+    /// energies.
     pub(super) fn digest(&self) -> String {
-        let mut bits = Bits(Hash::new());
+        let mut bits = BitHasher(Hash::new());
         bits.0.update(self.now.increment.to_le_bytes());
         bits.add(&[self.now.step_time, self.now.total_time]);
         for body in &self.state.dofs.bodies {

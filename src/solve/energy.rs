@@ -1,16 +1,17 @@
-//! The energy balance: work of every force over each increment by the trapezoid of F du, and the sum that must not change.
-//! Never here: forces.
+//! Energy balance: the work of every force over each increment by the trapezoidal rule, and the total energy, which
+//! must be constant.
 
 use serde::Serialize;
 
-use crate::element::removed::Books;
-use crate::load::{Account, GeneralizedForce};
+use crate::element::removed::DeletionTotals;
+use crate::load::{EnergyAccount, GeneralizedForce};
 use crate::state::BodyState;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
-use crate::state::energies::Energies;
+use crate::state::energies::EnergyTotals;
 
-/// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLCAV - ALLWK` is constant.
+/// Energies at an instant, with ABAQUS names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLCAV
+/// - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     /// Kinetic energy.
@@ -19,13 +20,13 @@ pub struct Energy {
     /// Work of prescribed loads and motions.
     #[serde(rename = "ALLWK")]
     pub work: f64,
-    /// Dissipated by friction.
+    /// Energy dissipated by friction.
     #[serde(rename = "ALLFD")]
     pub friction: f64,
-    /// Dissipated by opening the cavity.
+    /// Energy dissipated by cavity expansion in targets.
     #[serde(rename = "ALLCAV")]
     pub cavity: f64,
-    /// Internal: strain, plastic and artificial.
+    /// Internal energy: elastic, plastic and artificial.
     #[serde(rename = "ALLIE")]
     pub internal: f64,
     /// Recoverable strain energy.
@@ -34,104 +35,106 @@ pub struct Energy {
     /// Plastic dissipation.
     #[serde(rename = "ALLPD")]
     pub plastic: f64,
-    /// Dissipated by bulk viscosity.
+    /// Energy dissipated by bulk viscosity.
     #[serde(rename = "ALLVD")]
     pub viscous: f64,
-    /// Lost where surfaces meet.
+    /// Energy lost in contact.
     #[serde(rename = "ALLCW")]
     pub contact: f64,
-    /// Held and lost by penalty springs of contact; `None` where none has pressed.
+    /// Energy stored and lost by penalty springs of contact; `None` if none has been under pressure.
     #[serde(rename = "ALLPW", skip_serializing_if = "Option::is_none")]
     pub penalty: Option<f64>,
-    /// Artificial: taken by hourglass control.
+    /// Artificial strain energy of hourglass control.
     #[serde(rename = "ALLAE")]
     pub artificial: f64,
-    /// Taken by distortion control.
+    /// Energy dissipated by distortion control.
     #[serde(rename = "ALLDC")]
     pub distortion: f64,
-    /// Heat from outside; `None` where no temperatures are solved for.
+    /// Heat from outside; `None` if no temperatures are solved for.
     #[serde(rename = "ALLHF", skip_serializing_if = "Option::is_none")]
     pub heat: Option<f64>,
-    /// Heat taken up, likewise.
+    /// Internal heat energy; `None` if no temperatures are solved for.
     #[serde(rename = "ALLIHE", skip_serializing_if = "Option::is_none")]
     pub internal_heat: Option<f64>,
-    /// Books of what deletion took away; `None` where they are not kept.
+    /// Mass and energy of deleted elements; `None` if they are not recorded.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    pub removed: Option<Books>,
-    /// The sum.
+    pub removed: Option<DeletionTotals>,
+    /// Total energy.
     #[serde(rename = "ETOTAL")]
     pub total: f64,
-    /// The sum at the start.
+    /// Total energy at the start.
     pub initial: f64,
-    /// Largest departure of the sum from its start, over the largest energy met: kinetic, or work of loads and motions.
+    /// Largest drift of the total energy, relative to the largest energy so far: kinetic, or work of loads and motions.
     pub drift: f64,
 }
 
-/// What is booked increment by increment; [`Balance::energy`] sums it up for those who look.
+/// Sums that are updated in each increment; [`EnergyBalance::energy`] computes the energies for output.
 #[derive(Clone, Debug)]
-pub struct Balance {
-    entries: Vec<Entry>,
-    prescribed: Vec<Prescribed>,
-    /// Sums of the steps before, without the drift.
-    settled: Energy,
+pub struct EnergyBalance {
+    entries: Vec<ForceWork>,
+    prescribed: Vec<PrescribedBody>,
+    /// Sums of the previous steps, without the drift.
+    previous_steps: Energy,
     kinetic: f64,
-    /// Work of all forces on bodies: what their kinetic energy should have gained.
+    /// Work of all forces on bodies, which should equal the change of their kinetic energy.
     done: f64,
-    /// The part of loads and motions.
+    /// Work of loads and prescribed motions on bodies.
     external: f64,
-    /// What tied nodes have passed on to bodies.
+    /// Work that tied nodes have transferred to bodies.
     tied: f64,
+    /// Largest energy so far.
     largest: f64,
+    /// Largest drift of the total energy.
     departure: f64,
-    /// Departure at the last instant that was booked, absolute.
+    /// Drift of the total energy at the last instant, as a positive energy.
     departure_now: f64,
-    /// Of what deforms, and their sum at the start.
-    solid: Energies,
+    /// Energies of the deformable bodies.
+    solid: EnergyTotals,
+    /// Sum of these energies at the start.
     solid_initial: Option<f64>,
 }
 
-/// The work of one generalised force in this step.
+/// Work of one generalised force in this step.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
+struct ForceWork {
     body: usize,
     coordinate: u32,
-    account: Account,
-    /// 1 for the work of loads and motions, else 0.
+    account: EnergyAccount,
+    /// 1 for loads and prescribed motions, else 0.
     external: f64,
-    /// 1 for what comes from tied nodes, else 0.
+    /// 1 for forces of tied nodes, else 0.
     tied: f64,
     force: f64,
     last: f64,
     work: f64,
 }
 
-impl Entry {
+impl ForceWork {
     fn add_to(&self, energy: &mut Energy) {
         match self.account {
-            Account::Work => energy.work += self.work,
-            Account::Friction => energy.friction -= self.work,
-            Account::Cavity => energy.cavity -= self.work,
-            Account::Tie => {}
+            EnergyAccount::Work => energy.work += self.work,
+            EnergyAccount::Friction => energy.friction -= self.work,
+            EnergyAccount::Cavity => energy.cavity -= self.work,
+            EnergyAccount::Tie => {}
         }
     }
 }
 
-/// A body whose motion is prescribed: the reaction does the work that the other forces leave of the change in kinetic
-/// energy.
+/// A body with prescribed motion: the reaction force does the work that is missing in the change of its kinetic energy.
 #[derive(Clone, Copy, Debug)]
-struct Prescribed {
+struct PrescribedBody {
     body: usize,
     kinetic: f64,
 }
 
-impl Balance {
+impl EnergyBalance {
     /// The balance at the start of an analysis.
     pub fn start(dofs: &Dofs) -> Self {
         let kinetic = kinetic(dofs);
-        Balance {
+        EnergyBalance {
             entries: Vec::new(),
             prescribed: Vec::new(),
-            settled: Energy { initial: kinetic, ..Energy::default() },
+            previous_steps: Energy { initial: kinetic, ..Energy::default() },
             kinetic,
             done: 0.0,
             external: 0.0,
@@ -139,57 +142,58 @@ impl Balance {
             largest: kinetic,
             departure: 0.0,
             departure_now: 0.0,
-            solid: Energies::default(),
+            solid: EnergyTotals::default(),
             solid_initial: None,
         }
     }
 
-    /// Whether the sums are finite numbers.
+    /// Returns whether the sums are finite numbers.
     pub fn is_finite(&self) -> bool {
         self.departure.is_finite()
     }
 
-    /// Largest departure of the sum from its start, over the largest energy met.
+    /// Returns the largest drift of the total energy, relative to the largest energy so far.
     pub fn drift(&self) -> f64 {
         if self.largest > 0.0 { self.departure / self.largest } else { 0.0 }
     }
 
-    /// Artificial over internal energy, 0 where the internal energy is below a fraction of the largest.
+    /// Returns artificial energy over internal energy; 0 if the internal energy is below the fraction `small` of the
+    /// largest energy.
     pub fn artificial_share(&self, small: f64) -> f64 {
         let (artificial, internal) = (self.solid.artificial.abs(), self.solid.internal + self.solid.artificial);
         if internal > small * self.largest { artificial / internal } else { 0.0 }
     }
 
-    /// Whether the drift, and artificial over internal energy as [`Balance::artificial_share`] has it, are above these bounds.
+    /// Returns whether the drift, and the ratio of [`EnergyBalance::artificial_share`], exceed these bounds.
     #[inline]
     pub fn exceeds(&self, [drift, artificial]: [f64; 2], small: f64) -> [bool; 2] {
         let (of_control, internal) = (self.solid.artificial.abs(), self.solid.internal + self.solid.artificial);
         [self.departure > drift * self.largest, internal > small * self.largest && of_control > artificial * internal]
     }
 
-    /// Departure of the sum from its start now, over the largest energy met.
+    /// Returns the current drift of the total energy, relative to the largest energy so far.
     pub fn drift_now(&self) -> f64 {
         if self.largest > 0.0 { self.departure_now / self.largest } else { 0.0 }
     }
 
-    /// The largest energy met: kinetic, internal, or work of loads and motions.
+    /// Returns the largest energy so far: kinetic, internal, or work of loads and motions.
     pub fn largest(&self) -> f64 {
         self.largest
     }
 
-    /// Kinetic energy of what deforms.
+    /// Returns the kinetic energy of deformable bodies.
     #[inline(always)]
     pub fn kinetic_of_solid(&self) -> f64 {
         self.solid.kinetic
     }
 
-    /// Internal energy of what deforms, hourglass control included.
+    /// Returns the internal energy of deformable bodies, hourglass control included.
     #[inline(always)]
     pub fn internal_of_solid(&self) -> f64 {
         self.solid.internal + self.solid.artificial
     }
 
-    /// Other forces from now on, beside prescribed motions of some bodies; those that are the same go on.
+    /// Begins a step with these forces and prescribed motions of bodies; sums continue if they are the same as before.
     pub fn begin(&mut self, forces: &[GeneralizedForce], bodies: &[BodyState]) {
         let prescribed = || (0..bodies.len()).filter(|&b| bodies[b].prescribed);
         let own = self.entries.iter().map(|e| (e.body, e.coordinate, e.account));
@@ -197,29 +201,30 @@ impl Balance {
         if same && self.prescribed.iter().map(|p| p.body).eq(prescribed()) {
             return;
         }
-        self.settle();
+        self.close_step();
         let entry = |&GeneralizedForce { body, coordinate, account }: &GeneralizedForce| {
             let is = |of| if account == of { 1.0 } else { 0.0 };
-            let (external, tied) = (is(Account::Work), is(Account::Tie));
-            Entry { body, coordinate, account, external, tied, force: 0.0, last: 0.0, work: 0.0 }
+            let (external, tied) = (is(EnergyAccount::Work), is(EnergyAccount::Tie));
+            ForceWork { body, coordinate, account, external, tied, force: 0.0, last: 0.0, work: 0.0 }
         };
         self.entries = forces.iter().map(entry).collect();
-        self.prescribed = prescribed().map(|body| Prescribed { body, kinetic: bodies[body].kinetic() }).collect();
+        self.prescribed = prescribed().map(|body| PrescribedBody { body, kinetic: bodies[body].kinetic() }).collect();
     }
 
-    /// The forces at this instant are these from now on.
+    /// Replaces the forces at this instant.
     pub fn take_forces(&mut self, forces: &[f64]) {
         self.entries.iter_mut().zip(forces).for_each(|(entry, &force)| entry.force = force);
     }
 
-    /// Books the increment that led to this instant. After one that ended in a jump (`afresh`) the forces behind it count.
+    /// Adds the increment that ended at this instant. `after_jump`: the increment ended at a jump of forces, so only the
+    /// forces at its start count. `deforms`: the model has deformable bodies.
     #[inline]
-    pub fn book(&mut self, dofs: &Dofs, forces: &[f64], afresh: bool, deforms: bool) {
+    pub fn add_increment(&mut self, dofs: &Dofs, forces: &[f64], after_jump: bool, deforms: bool) {
         let bodies = &dofs.bodies;
         let (mut done, mut external, mut tied) = (self.done, self.external, self.tied);
         for (entry, &force) in self.entries.iter_mut().zip(forces) {
             let body = &bodies[entry.body];
-            let work = body.work(entry.coordinate, [entry.force, force], afresh);
+            let work = body.work(entry.coordinate, [entry.force, force], after_jump);
             entry.force = force;
             entry.last = work;
             entry.work += work;
@@ -233,25 +238,25 @@ impl Balance {
             let gained = now - prescribed.kinetic;
             let reaction = gained - on_body.map(|e| e.last).sum::<f64>();
             prescribed.kinetic = now;
-            self.settled.work += reaction;
+            self.previous_steps.work += reaction;
             done += reaction;
             external += reaction;
         }
         let kinetic = kinetic(dofs);
         self.largest = self.largest.max(kinetic).max(external.abs());
         (self.kinetic, self.done, self.external, self.tied) = (kinetic, done, external, tied);
-        let mut departure = kinetic - self.settled.initial - done;
-        // Of rigid bodies alone contact loses energy.
+        let mut departure = kinetic - self.previous_steps.initial - done;
+        // Without deformable bodies, contact still dissipates energy of rigid bodies.
         if deforms || dofs.energies.contact != 0.0 || dofs.energies.friction != 0.0 {
-            departure += self.book_nodes(&dofs.energies, deforms);
+            departure += self.add_nodes(&dofs.energies, deforms);
         }
         self.departure_now = departure.abs();
         self.departure = larger(self.departure, self.departure_now);
     }
 
-    /// Books what deforms, after the bodies: what it passes on to them stays in the scene. Returns by how much its sum has
-    /// departed from that at the start.
-    fn book_nodes(&mut self, energies: &Energies, deforms: bool) -> f64 {
+    /// Adds the energies of deformable bodies, after the rigid bodies; the work of tied nodes on bodies stays in the
+    /// model. Returns the change of the sum since the start.
+    fn add_nodes(&mut self, energies: &EnergyTotals, deforms: bool) -> f64 {
         self.solid = *energies;
         let sum = energies.sum() + self.tied - energies.external;
         let initial = *self.solid_initial.get_or_insert(if deforms { sum } else { 0.0 });
@@ -259,16 +264,16 @@ impl Balance {
         sum - initial
     }
 
-    /// Closes the accounts of the step before.
-    fn settle(&mut self) {
+    /// Adds the work of the ending step to the sums of previous steps.
+    fn close_step(&mut self) {
         for entry in std::mem::take(&mut self.entries) {
-            entry.add_to(&mut self.settled);
+            entry.add_to(&mut self.previous_steps);
         }
     }
 
-    /// The energies now.
+    /// Returns the energies at this instant.
     pub fn energy(&self) -> Energy {
-        let mut energy = Energy { kinetic: self.kinetic, ..self.settled };
+        let mut energy = Energy { kinetic: self.kinetic, ..self.previous_steps };
         self.entries.iter().for_each(|entry| entry.add_to(&mut energy));
         let solid = &self.solid;
         energy.kinetic += solid.kinetic;
@@ -291,20 +296,20 @@ impl Balance {
     }
 }
 
-// Of heat, springs and deletion it is told by those who have them.
+// Heat, penalty and deletion are filled in by their owners.
 persist_struct!(Energy {
     kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact, artificial, distortion, total, initial, drift
 } derived { penalty, heat, internal_heat, removed });
 
-persist_struct!(Entry { force, last, work } derived { body, coordinate, account, external, tied });
+persist_struct!(ForceWork { force, last, work } derived { body, coordinate, account, external, tied });
 
-persist_struct!(Prescribed { kinetic } derived { body });
+persist_struct!(PrescribedBody { kinetic } derived { body });
 
-// In a step that has begun: it has the entries of the step.
-persist_struct!(Balance {
+// The step has begun when the state is read, so the entries exist.
+persist_struct!(EnergyBalance {
     entries: fixed,
     prescribed: fixed,
-    settled,
+    previous_steps,
     kinetic,
     done,
     external,
@@ -316,12 +321,12 @@ persist_struct!(Balance {
     solid_initial
 });
 
-/// Kinetic energy of rigid bodies.
+/// Returns the kinetic energy of rigid bodies.
 fn kinetic(dofs: &Dofs) -> f64 {
     dofs.bodies.iter().map(BodyState::kinetic).sum()
 }
 
-/// The larger of two; not a number stays, so that it is found.
+/// Returns the larger value, or NaN if one is NaN.
 fn larger(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }

@@ -1,23 +1,22 @@
-//! What a run shows of the scene at an instant: numbers of bodies, nodes, elements, facets and the whole model.
-//! Never here: when it is shown, files.
+//! Output values at an instant: bodies, nodes, elements, facets and the whole model.
 
 use indexmap::IndexMap;
 
-use super::body_surfaces::{Point, on_cells};
+use super::body_surfaces::{SpatialPoint, on_cells};
 use super::energy::Energy;
-use super::run::Run;
-use crate::constraint::contact::curve::Carrier;
+use super::run::SolverRun;
+use crate::constraint::contact::curve::PointCarrier;
 use crate::constraint::{Constraint, ContactResults, reaction};
 use crate::element::values;
-use crate::model::Position;
-use crate::output::{Field, Frame};
-use crate::plan::{Column, FrameField, Section, Source};
+use crate::model::OutputPosition;
+use crate::output::{FieldArray, OutputFrame};
+use crate::plan::{ColumnSource, FrameField, HistoryColumn, IntegratedSection};
 use crate::state::dofs::{Dof, Dofs};
 use crate::variables::statistic::Statistic;
-use crate::variables::{Part, Place, Preselected, Variable};
+use crate::variables::{PreselectRule, Variable, VariableComponent, VariablePlace};
 
-/// A number of a node of what deforms; not a number where nodes do not have it.
-pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize, part: Part) -> f64 {
+/// Returns a value at a node of a deformable body; NaN if nodes do not have the variable.
+pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize, part: VariableComponent) -> f64 {
     let axis = part.component;
     let dof = Dof::Node(node, axis);
     match part.variable {
@@ -25,7 +24,7 @@ pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize,
         Variable::Velocity => dofs.velocity(dof),
         Variable::Acceleration => dofs.acceleration(dof),
         Variable::Reaction => reaction(constraints, dofs, dof),
-        // Rotations are degrees of freedom of their own among the nodes.
+        // Rotations are degrees of freedom of separate nodes.
         Variable::Rotation => dofs.displacement(dof),
         Variable::RotationalVelocity => dofs.velocity(dof),
         Variable::RotationalAcceleration => dofs.acceleration(dof),
@@ -35,7 +34,7 @@ pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize,
     }
 }
 
-/// A number of the whole model; not a number where it does not have it.
+/// Returns a value of the whole model; NaN if the model does not have the variable.
 fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
     let removed = energy.removed.unwrap_or_default();
     match variable {
@@ -64,41 +63,48 @@ fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
     }
 }
 
-impl Run<'_> {
-    /// A number of a row, of which those before it are known.
-    pub(super) fn column_value(&self, column: &Column, energy: &Energy, before: &[f64]) -> f64 {
+impl SolverRun<'_> {
+    /// Returns the value of a history column; `before` are the values of the previous columns of the row.
+    pub(super) fn column_value(&self, column: &HistoryColumn, energy: &Energy, before: &[f64]) -> f64 {
         match (column.source, column.part) {
-            (Source::Expression(index), _) => self.plan.expressions[index].value(self.now.total_time, before),
+            (ColumnSource::Expression(index), _) => self.plan.expressions[index].value(self.now.total_time, before),
             (source, Some(part)) => self.value(source, part, energy),
             (_, None) => f64::NAN,
         }
     }
 
-    fn value(&self, source: Source, part: Part, energy: &Energy) -> f64 {
+    fn value(&self, source: ColumnSource, part: VariableComponent, energy: &Energy) -> f64 {
         match source {
-            Source::Model => model_value(energy, self.last_increment, part.variable),
-            Source::Body { body, node } => self.body_value(body, node, part),
-            Source::Node(node) => self.node_value(node, part),
-            Source::Element(group, e) => self.element_value((group, e), part),
-            Source::Section(index) => self.section_value(&self.plan.sections[index], part),
-            // A pair that is not in force in this step transmits nothing.
-            Source::Pair(index) => self.contacts().find_map(|c| c.value_of_pair(index, part)).unwrap_or(0.0),
-            Source::Set(statistic, index) => self.statistic(statistic, &self.plan.sets[index], part, energy),
-            Source::Expression(_) => f64::NAN,
+            ColumnSource::Model => model_value(energy, self.last_increment, part.variable),
+            ColumnSource::Body { body, node } => self.body_value(body, node, part),
+            ColumnSource::Node(node) => self.node_value(node, part),
+            ColumnSource::Element(group, e) => self.element_value((group, e), part),
+            ColumnSource::Section(index) => self.section_value(&self.plan.sections[index], part),
+            // A pair that is not in force in this step transmits no force.
+            ColumnSource::Pair(index) => self.contacts().find_map(|c| c.value_of_pair(index, part)).unwrap_or(0.0),
+            ColumnSource::Set(statistic, index) => self.statistic(statistic, &self.plan.sets[index], part, energy),
+            ColumnSource::Expression(_) => f64::NAN,
         }
     }
 
-    /// What a set comes to. Deleted elements have no part in it, unless it asks which are deleted; so has what has no value.
-    fn statistic(&self, statistic: Statistic, members: &[Source], part: Part, energy: &Energy) -> f64 {
-        let of_points = statistic == Statistic::Mean && part.variable.place() == Place::Point;
-        let number = |source: &Source| {
+    /// Returns a statistic over a set. Deleted elements are excluded except for STATUS, and so are members without a
+    /// value.
+    fn statistic(
+        &self,
+        statistic: Statistic,
+        members: &[ColumnSource],
+        part: VariableComponent,
+        energy: &Energy,
+    ) -> f64 {
+        let of_points = statistic == Statistic::Mean && part.variable.place() == VariablePlace::Point;
+        let number = |source: &ColumnSource| {
             let weight = match *source {
-                Source::Element(g, e)
+                ColumnSource::Element(g, e)
                     if part.variable != Variable::Status && self.state.elements.groups[g].is_deleted(e) =>
                 {
                     return None;
                 }
-                Source::Element(..) if of_points => self.value(*source, Variable::Volume.into(), energy),
+                ColumnSource::Element(..) if of_points => self.value(*source, Variable::Volume.into(), energy),
                 _ => 1.0,
             };
             Some((self.value(*source, part, energy), weight)).filter(|(value, _)| !value.is_nan())
@@ -106,8 +112,8 @@ impl Run<'_> {
         statistic.of(members.iter().filter_map(number))
     }
 
-    /// A number of a surface: what holds the elements behind it against their own forces, or its area.
-    fn section_value(&self, section: &Section, part: Part) -> f64 {
+    /// Returns a value of a surface: the force that holds its elements against their internal forces, or its area.
+    fn section_value(&self, section: &IntegratedSection, part: VariableComponent) -> f64 {
         let nodes = &self.state.dofs.nodes;
         match part.variable {
             Variable::SurfaceForce => {
@@ -127,11 +133,13 @@ impl Run<'_> {
         }
     }
 
-    fn node_value(&self, node: usize, part: Part) -> f64 {
+    fn node_value(&self, node: usize, part: VariableComponent) -> f64 {
         match (part.variable, self.heat()) {
             (Variable::NodalTemperature, Some(heat)) => heat.temperature(node),
             (Variable::ReactionFlux, Some(heat)) => heat.reaction(node),
-            (v, _) if v.row().preselected == Preselected::Meeting => self.contact_value(Carrier::Node(node), part),
+            (v, _) if v.row().preselected == PreselectRule::SurfaceContact => {
+                self.contact_value(PointCarrier::Node(node), part)
+            }
             _ => node_value(&self.state.dofs, &self.state.constraints, node, part),
         }
     }
@@ -140,17 +148,18 @@ impl Run<'_> {
         self.state.constraints.iter().filter_map(|c| c.view().contact)
     }
 
-    /// A number of a point of a surface in contact. Elsewhere nothing presses, and there is no gap.
-    fn contact_value(&self, carrier: Carrier, part: Part) -> f64 {
+    /// Returns a value at a point of a contact surface; without contact there is no gap, and pressure and slip are
+    /// zero.
+    fn contact_value(&self, carrier: PointCarrier, part: VariableComponent) -> f64 {
         let nowhere = if part.variable == Variable::ContactOpening { f64::NAN } else { 0.0 };
         self.contacts().find_map(|c| c.value_at_point(carrier, part)).unwrap_or(nowhere)
     }
 
-    /// A number of an element; not a number where its group does not have it. The temperature of one that conducts is that of
-    /// its nodes.
-    fn element_value(&self, (group, e): (usize, usize), part: Part) -> f64 {
+    /// Returns a value of an element; NaN if its group does not have the variable. The temperature of an element with
+    /// heat conduction is that of its nodes.
+    fn element_value(&self, (group, e): (usize, usize), part: VariableComponent) -> f64 {
         let thermal = self.heat().and_then(|heat| match part.variable {
-            Variable::Temperature => heat.of_element(group, e),
+            Variable::Temperature => heat.element_temperature(group, e),
             Variable::HeatFlux => Some(heat.flux(group, e, &self.state.dofs)?[part.component]),
             _ => None,
         });
@@ -161,8 +170,8 @@ impl Run<'_> {
             .unwrap_or(f64::NAN)
     }
 
-    /// A number of a node (of the mesh) of a rigid body. Axial symmetry keeps it at its radius.
-    fn body_value(&self, body: usize, node: usize, part: Part) -> f64 {
+    /// Returns a value at a node of the mesh that belongs to a rigid body. Axial symmetry keeps the node at its radius.
+    fn body_value(&self, body: usize, node: usize, part: VariableComponent) -> f64 {
         if let Some(value) = self.value_in_space(body, node, part) {
             return value;
         }
@@ -171,8 +180,8 @@ impl Run<'_> {
             (Variable::Coordinate, 0) => self.plan.mesh.points[node][0],
             (Variable::Coordinate, _) => self.plan.mesh.points[node][1] + state.displacement,
             (Variable::NodalTemperature | Variable::ReactionFlux, _) => f64::NAN,
-            (v, _) if v.row().preselected == Preselected::Meeting => {
-                self.contact_value(Carrier::Body(body, self.plan.mesh.points[node]), part)
+            (v, _) if v.row().preselected == PreselectRule::SurfaceContact => {
+                self.contact_value(PointCarrier::Body(body, self.plan.mesh.points[node]), part)
             }
             (_, 0) => 0.0,
             (Variable::Displacement, _) => state.displacement,
@@ -184,16 +193,16 @@ impl Run<'_> {
     }
 }
 
-/// The scene now: what deforms, and facets of all rigid bodies at their current place.
-pub(super) fn frame(run: &Run<'_>) -> Frame {
+/// Returns the current frame: deformable bodies, and the facets of all rigid bodies at their current positions.
+pub(super) fn frame(run: &SolverRun<'_>) -> OutputFrame {
     let mesh = &run.plan.mesh;
-    let mut frame = Frame { time: run.now.total_time, increment: run.now.increment, ..Frame::default() };
+    let mut frame = OutputFrame { time: run.now.total_time, increment: run.now.increment, ..OutputFrame::default() };
     let mut point_of_node = vec![usize::MAX; mesh.points.len()];
     let mut of_point = Vec::new();
     for (&node, &place) in run.plan.places.nodes.iter() {
         point_of_node[node] = frame.points.len();
         frame.points.push(run.state.dofs.nodes[place].place());
-        of_point.push((Owner::Node(place, run.plan.places.rotations.get(&node).copied()), node));
+        of_point.push((PointOwner::Node(place, run.plan.places.rotations.get(&node).copied()), node));
     }
     let mut elements: Vec<usize> = run.plan.places.elements.keys().copied().collect();
     for (b, body) in run.plan.bodies.iter().enumerate().filter(|(b, _)| run.state.dofs.bodies[*b].stations().is_none())
@@ -202,7 +211,7 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
             let [r, z] = mesh.points[node];
             point_of_node[node] = frame.points.len();
             frame.points.push([r, z + run.state.dofs.bodies[b].displacement]);
-            of_point.push((Owner::Body(b, node), node));
+            of_point.push((PointOwner::Body(b, node), node));
         }
         elements.extend(body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete()));
     }
@@ -210,16 +219,16 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
     frame.cells = elements.iter().map(|&e| corners(e)).collect();
     add_surfaces(run, &mut frame, &mut elements, &mut of_point);
     let solid: Vec<(usize, usize)> = run.plan.places.elements.values().copied().collect();
-    let gone = |&(group, e): &(usize, usize)| run.state.elements.groups[group].is_deleted(e);
-    if solid.iter().any(gone) {
-        frame.deleted = solid.iter().map(gone).collect();
+    let is_deleted_element = |&(group, e): &(usize, usize)| run.state.elements.groups[group].is_deleted(e);
+    if solid.iter().any(is_deleted_element) {
+        frame.deleted = solid.iter().map(is_deleted_element).collect();
         frame.deleted.resize(elements.len(), false);
     }
     for field in &run.plan.fields {
         let values = match (field.variable().place(), field.position) {
-            (Place::Node, _) => of_nodes(run, field, &of_point),
-            (_, Position::Element) => of_elements(run, field, &solid, elements.len()),
-            (_, Position::Nodes) => averaged_at_nodes(run, field, &solid, &frame),
+            (VariablePlace::Node, _) => of_nodes(run, field, &of_point),
+            (_, OutputPosition::Element) => of_elements(run, field, &solid, elements.len()),
+            (_, OutputPosition::Nodes) => averaged_at_nodes(run, field, &solid, &frame),
         };
         let list = if field.is_on_points() { &mut frame.point_fields } else { &mut frame.cell_fields };
         list.push(if in_space(run, field) {
@@ -237,19 +246,24 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
     frame
 }
 
-/// What a point of a frame moves with.
+/// Owner of the motion of a frame point.
 #[derive(Clone, Copy)]
-enum Owner {
-    /// A rigid body, with the node of the mesh.
+enum PointOwner {
+    /// A rigid body, and the node of the mesh.
     Body(usize, usize),
-    /// Itself, with its rotation where it turns.
+    /// A node of a deformable body, and the node of its rotation, if it has one.
     Node(usize, Option<usize>),
-    /// A body in space.
-    Space(Point),
+    /// A body with six degrees of freedom.
+    Space(SpatialPoint),
 }
 
-/// Adds the surfaces of bodies in space, behind what lies in the plane of the mesh.
-fn add_surfaces(run: &Run<'_>, frame: &mut Frame, elements: &mut Vec<usize>, of_point: &mut Vec<(Owner, usize)>) {
+/// Adds the surfaces of bodies with six degrees of freedom, after all points and cells in the plane of the mesh.
+fn add_surfaces(
+    run: &SolverRun<'_>,
+    frame: &mut OutputFrame,
+    elements: &mut Vec<usize>,
+    of_point: &mut Vec<(PointOwner, usize)>,
+) {
     let (planar, surfaces) = (frame.points.len(), run.surfaces());
     if surfaces.points.is_empty() {
         return;
@@ -260,13 +274,13 @@ fn add_surfaces(run: &Run<'_>, frame: &mut Frame, elements: &mut Vec<usize>, of_
         frame.third.push(z);
         frame.start.push([start[0], start[1]]);
         frame.third_at_start.push(start[2]);
-        of_point.push((Owner::Space(point), point.node));
+        of_point.push((PointOwner::Space(point), point.node));
     }
     frame.cells.extend(surfaces.cells.into_iter().map(|cell| cell.into_iter().map(|p| planar + p).collect()));
     elements.extend(surfaces.elements);
 }
 
-/// What a field has beside its components where something moves in space.
+/// Returns the third component of a vector, used if a body has six degrees of freedom.
 fn third(variable: Variable) -> Option<Variable> {
     match variable {
         Variable::Displacement => Some(Variable::ThirdDisplacement),
@@ -276,58 +290,69 @@ fn third(variable: Variable) -> Option<Variable> {
     }
 }
 
-fn in_space(run: &Run<'_>, field: &FrameField) -> bool {
+fn in_space(run: &SolverRun<'_>, field: &FrameField) -> bool {
     run.state.dofs.bodies.iter().any(|body| body.stations().is_some())
         && field.parts.len() == 2
         && third(field.variable()).is_some()
 }
 
-/// A vector over points with its third component.
-fn array_in_space(field: &FrameField, values: Vec<f64>, run: &Run<'_>, of_point: &[(Owner, usize)]) -> Field {
+/// Returns a vector over points with its third component.
+fn array_in_space(
+    field: &FrameField,
+    values: Vec<f64>,
+    run: &SolverRun<'_>,
+    of_point: &[(PointOwner, usize)],
+) -> FieldArray {
     let flat = array(field, values);
-    let more = |owner: &Owner| match (owner, third(field.variable())) {
-        (Owner::Space(point), Some(variable)) => run.point_value(point, variable.into()),
+    let more = |owner: &PointOwner| match (owner, third(field.variable())) {
+        (PointOwner::Space(point), Some(variable)) => run.point_value(point, variable.into()),
         _ => 0.0,
     };
     let pairs = flat.values.chunks_exact(2).zip(of_point);
     let values = pairs.flat_map(|(pair, (owner, _))| [pair[0], pair[1], more(owner)]).collect();
     let component_names = flat.component_names.into_iter().chain([format!("{}3", field.name)]).collect();
-    Field { components: 3, component_names, values, ..flat }
+    FieldArray { components: 3, component_names, values, ..flat }
 }
 
-fn array(field: &FrameField, values: Vec<f64>) -> Field {
+fn array(field: &FrameField, values: Vec<f64>) -> FieldArray {
     let components = field.parts.len();
     let labels = if components > 1 { field.parts.iter().map(|p| p.label()).collect() } else { Vec::new() };
-    Field { name: field.name.clone(), components, component_names: labels, values }
+    FieldArray { name: field.name.clone(), components, component_names: labels, values }
 }
 
-/// A variable of nodes over points. A rigid body's reaction is that of its reference node.
-fn of_nodes(run: &Run<'_>, field: &FrameField, of_point: &[(Owner, usize)]) -> Vec<f64> {
-    let value = |owner: &Owner, part: Part| match *owner {
-        Owner::Body(b, node) if part.variable == Variable::Reaction && node != run.plan.bodies[b].reference => 0.0,
-        Owner::Body(b, node) => run.body_value(b, node, part),
-        Owner::Node(_, rotation) if part.variable.is_of_rotations() => {
+/// Returns a nodal variable over points. The reaction force of a rigid body belongs to its reference node.
+fn of_nodes(run: &SolverRun<'_>, field: &FrameField, of_point: &[(PointOwner, usize)]) -> Vec<f64> {
+    let value = |owner: &PointOwner, part: VariableComponent| match *owner {
+        PointOwner::Body(b, node) if part.variable == Variable::Reaction && node != run.plan.bodies[b].reference => 0.0,
+        PointOwner::Body(b, node) => run.body_value(b, node, part),
+        PointOwner::Node(_, rotation) if part.variable.is_of_rotations() => {
             rotation.map_or(f64::NAN, |n| run.node_value(n, part))
         }
-        Owner::Node(n, _) => run.node_value(n, part),
-        Owner::Space(point) => run.point_value(&point, part),
+        PointOwner::Node(n, _) => run.node_value(n, part),
+        PointOwner::Space(point) => run.point_value(&point, part),
     };
     let value = &value;
     of_point.iter().flat_map(|(owner, _)| field.parts.iter().map(move |part| value(owner, *part))).collect()
 }
 
-/// A variable of elements over cells: those of deformable elements (group and element) come first. Cells that do not have
-/// it, as those of rigid bodies, hold NaN, which ParaView leaves out of ranges and draws in a colour of its own.
-fn of_elements(run: &Run<'_>, field: &FrameField, solid: &[(usize, usize)], cells: usize) -> Vec<f64> {
-    let value = &|place, part: &Part| run.element_value(place, *part);
+/// Returns an element variable over cells; those of deformable elements (group and element) come first. Cells without
+/// the variable, such as those of rigid bodies, are NaN. ParaView excludes NaN from ranges and draws it in a separate
+/// colour.
+fn of_elements(run: &SolverRun<'_>, field: &FrameField, solid: &[(usize, usize)], cells: usize) -> Vec<f64> {
+    let value = &|place, part: &VariableComponent| run.element_value(place, *part);
     let mut values: Vec<f64> = solid.iter().flat_map(|&e| field.parts.iter().map(move |p| value(e, p))).collect();
     values.resize(cells * field.parts.len(), f64::NAN);
     values
 }
 
-/// A variable of integration points over points: the mean over the elements around that have it and are not deleted, not
-/// weighted. An element has one such point, so that the value extrapolated to its corners is that of the point.
-fn averaged_at_nodes(run: &Run<'_>, field: &FrameField, solid: &[(usize, usize)], frame: &Frame) -> Vec<f64> {
+/// Returns a variable of integration points over points: the unweighted mean over the adjacent elements that have it
+/// and are not deleted. An element has one integration point, whose value is used at all its corners.
+fn averaged_at_nodes(
+    run: &SolverRun<'_>,
+    field: &FrameField,
+    solid: &[(usize, usize)],
+    frame: &OutputFrame,
+) -> Vec<f64> {
     let of_elements = of_elements(run, field, solid, solid.len());
     let width = field.parts.len();
     let (mut sums, mut counts) = (vec![0.0; width * frame.points.len()], vec![0_u32; frame.points.len()]);
@@ -346,35 +371,35 @@ fn averaged_at_nodes(run: &Run<'_>, field: &FrameField, solid: &[(usize, usize)]
     sums.into_iter().enumerate().map(mean).collect()
 }
 
-/// What loads show of facets; several loads on one facet come together as the variable says. Of the faces of one deformable
-/// element the mean counts.
-fn facet_fields(run: &Run<'_>, elements: &[usize]) -> Vec<Field> {
+/// Returns the output of loads on facets. Values of several loads on a facet are combined as the variable requires; for
+/// the faces of one deformable element the mean is used.
+fn facet_fields(run: &SolverRun<'_>, elements: &[usize]) -> Vec<FieldArray> {
     let shown: Vec<_> = run.state.loads.iter().filter_map(|load| load.fields(&run.state.dofs)).collect();
     if shown.is_empty() {
         return Vec::new();
     }
-    // The first cell of each element and how many it has: of a body in space one a station.
+    // First cell of each element, and its number of cells: a body with six degrees of freedom has one for each station.
     let mut cells_of_element = vec![(usize::MAX, 0); run.plan.mesh.elements.len()];
     for (cell, &element) in elements.iter().enumerate() {
         let (first, count) = &mut cells_of_element[element];
         (*first, *count) = ((*first).min(cell), *count + 1);
     }
-    let facet_variables = Variable::ALL.iter().filter(|v| v.place() == Place::Facet);
+    let facet_variables = Variable::ALL.iter().filter(|v| v.place() == VariablePlace::Facet);
     let field = |&variable: &Variable| {
         let mut values = vec![0.0; elements.len()];
         for fields in &shown {
-            let mut told: IndexMap<usize, Vec<f64>> = IndexMap::new();
+            let mut element_values: IndexMap<usize, Vec<f64>> = IndexMap::new();
             for (facet, element) in fields.elements.iter().enumerate() {
-                told.entry(*element).or_default().push(fields.value(facet, variable).unwrap_or_default());
+                element_values.entry(*element).or_default().push(fields.value(facet, variable).unwrap_or_default());
             }
-            for (element, told) in told {
+            for (element, element_values) in element_values {
                 let (first, count) = cells_of_element[element];
-                for (cell, value) in (first..).zip(on_cells(&told, count)) {
+                for (cell, value) in (first..).zip(on_cells(&element_values, count)) {
                     values[cell] = (variable.row().combined)(values[cell], value);
                 }
             }
         }
-        Field { name: variable.name().into(), components: 1, component_names: Vec::new(), values }
+        FieldArray { name: variable.name().into(), components: 1, component_names: Vec::new(), values }
     };
     facet_variables.map(field).collect()
 }

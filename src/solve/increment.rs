@@ -1,28 +1,27 @@
-//! The length of the next increment, and what it ends in.
-//! Never here: forces, the motion itself.
+//! Choice of the time increment, and of the event at its end.
 
-use super::limits::Limiter;
+use super::limits::IncrementLimiter;
 use crate::constraint::Constraint;
 use crate::element::elements::Elements;
-use crate::heat::field::Heat;
+use crate::heat::field::TemperatureField;
 use crate::load::{Load, SceneView};
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
 use crate::state::archive::persist_struct;
-use crate::state::halt::Halt;
-use crate::state::limit::Limit;
+use crate::state::halt::HaltReason;
+use crate::state::limit::IncrementLimit;
 use crate::state::{BodyState, Instant};
 
-/// What an increment ends in.
+/// Event at the end of an increment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
-    /// Nothing special.
+pub enum IncrementEnd {
+    /// No event.
     Plain,
     /// The end of the step.
     Step,
-    /// A force jumps there.
+    /// A force jumps.
     Jump,
-    /// This body comes to rest there.
+    /// The body with this index comes to rest.
     Rest(usize),
 }
 
@@ -31,90 +30,97 @@ pub enum End {
 pub struct Increment {
     /// Length, time.
     pub length: f64,
-    /// What it ends in.
-    pub end: End,
-    /// What it is no longer for.
-    pub by: Limiter,
+    /// Event at its end.
+    pub end: IncrementEnd,
+    /// Reason for its length.
+    pub by: IncrementLimiter,
 }
 
 impl Increment {
-    /// The instant it arrives at; the end of the step is met to the last bit.
+    /// Returns the instant at the end of the increment; the end of the step is reached to the last bit.
     pub fn arrival(&self, now: &Instant, duration: f64) -> Instant {
         let added = self.length - now.lost;
         let sum = now.step_time + added;
         let lost = (sum - now.step_time) - added;
-        let step_time = if self.end == End::Step { duration } else { sum };
+        let step_time = if self.end == IncrementEnd::Step { duration } else { sum };
         let total_time = now.total_time + (step_time - now.step_time);
         Instant { step_time, total_time, increment: now.increment + 1, lost, ..*now }
     }
 
-    /// Whether it still advances the clock.
+    /// Checks that the increment changes the time.
     ///
     /// # Errors
-    /// If it is lost in rounding.
-    pub fn check(&self, now: &Instant, increment: u64) -> Result<(), Halt> {
+    /// If the time does not change because of rounding.
+    pub fn check(&self, now: &Instant, increment: u64) -> Result<(), HaltReason> {
         if now.total_time + self.length > now.total_time {
             return Ok(());
         }
         let reason = format!(
-            "the next increment, {:e}, no longer advances the clock at time {:e} (increment {increment})",
+            "the next increment, {:e}, is too small to change the time {:e} (increment {increment})",
             self.length, now.total_time
         );
-        Err(Halt { code: "R204", reason })
+        Err(HaltReason { code: "R204", reason })
     }
 
-    fn shorten(&mut self, limit: Limit, by: Limiter) {
+    fn shorten(&mut self, limit: IncrementLimit, by: IncrementLimiter) {
         if limit.time < self.length {
-            *self = Increment { length: limit.time, end: if limit.jump { End::Jump } else { End::Plain }, by };
+            *self = Increment {
+                length: limit.time,
+                end: if limit.jump { IncrementEnd::Jump } else { IncrementEnd::Plain },
+                by,
+            };
         }
     }
 
-    fn bound(&mut self, length: f64, by: Limiter) {
+    fn bound(&mut self, length: f64, by: IncrementLimiter) {
         if length < self.length {
             (self.length, self.by) = (length, by);
         }
     }
 }
 
-/// First automatic increment as a fraction of the largest allowed: nothing is known of the forces yet.
+/// First automatic increment as a fraction of the largest allowed one, because no forces are known yet.
 const FIRST: f64 = 0.01;
-/// The most by which an increment may exceed the one before.
+/// Largest ratio of successive increments.
 const GROWTH: f64 = 2.0;
-/// Change of velocity over an increment, in units of sqrt(accuracy) of the scene's velocity. Central differences are of
-/// second order, so the error follows the accuracy itself; the factor keeps it and the energy drift below it.
+/// Allowed change of velocity over an increment, in units of sqrt(accuracy) times the velocity. Central differences are
+/// second order, so the error is proportional to `accuracy`; the factor keeps it, and the energy drift, below
+/// `accuracy`.
 const RESOLUTION: f64 = 0.25;
-/// The most by which the stiffness of loads shortens the increment of elements: what is beyond it is taken for a jump.
+/// Largest ratio by which the stiffness of loads reduces the increment of elements; a larger stiffness is regarded as a
+/// jump.
 const STIFFEST: f64 = 100.0;
-/// Part of the largest speed below which a body in space that is resisted is at rest, in units of the resolution.
+/// Fraction of the largest speed, in units of the resolution, below which a body with six degrees of freedom under
+/// resistance is at rest.
 const SLOW: f64 = 0.1;
-/// The last increment of a step may be longer by this fraction.
+/// Fraction by which the last increment of a step may exceed the chosen length.
 const SLIVER: f64 = 1e-3;
 
-/// What the length of an increment follows from.
-pub struct Scene<'a> {
-    /// What loads see.
+/// Input for the choice of an increment.
+pub struct IncrementContext<'a> {
+    /// Model as loads read it.
     pub view: SceneView<'a>,
     /// Elements.
     pub elements: &'a Elements,
-    /// Temperatures of nodes, where they are solved for.
-    pub heat: Option<&'a Heat>,
+    /// Nodal temperatures, if they are solved for.
+    pub heat: Option<&'a TemperatureField>,
     /// Loads of the step.
     pub loads: &'a [Box<dyn Load>],
     /// Constraints of the step.
     pub constraints: &'a [Box<dyn Constraint>],
-    /// Length of the previous increment; 0 where central differences of bodies start afresh.
+    /// Length of the previous increment; 0 if central differences of bodies start again.
     pub previous_dt: f64,
     /// Time until the end of the step.
     pub remaining: f64,
 }
 
-impl Scene<'_> {
+impl IncrementContext<'_> {
     fn bodies(&self) -> &[BodyState] {
         &self.view.dofs.bodies
     }
 
-    /// What elements bear, and with them loads that were found to be stiff: the square of the highest frequency of both is at
-    /// most the sum of the squares of each.
+    /// Returns the stable time increment of elements together with loads that were found to be stiff. The square of the
+    /// highest frequency is at most the sum of the squares of both.
     fn stable_increment(&self) -> f64 {
         let alone = self.elements.stable_increment();
         let added: f64 = self.loads.iter().filter_map(|load| load.stiffness()).map(|s| s.squared).sum();
@@ -122,18 +128,18 @@ impl Scene<'_> {
     }
 }
 
-/// By how much the stiffness of loads, as the square of a frequency, shortens an increment: 2/omega becomes
-/// 2/(omega^2 + added)^(1/2).
+/// Returns the ratio by which the stiffness of loads reduces an increment; `added` is the square of a frequency. The
+/// increment 2/omega becomes 2/(omega^2 + added)^(1/2).
 pub fn shortened(added: f64, increment: f64) -> f64 {
     (1.0 + 0.25 * added * increment * increment).sqrt().min(STIFFEST)
 }
 
-/// Chooses increments over a step.
+/// Choice of increments over a step.
 #[derive(Debug)]
 pub struct IncrementController {
     fixed: Option<f64>,
     factor: f64,
-    /// The longest increment that the deck allows.
+    /// Largest increment that the deck allows.
     most: f64,
     resolution: f64,
     largest: f64,
@@ -143,7 +149,7 @@ pub struct IncrementController {
 }
 
 impl IncrementController {
-    /// The pace of a step.
+    /// The controller at the start of a step.
     pub fn new(step: &StepPlan, bodies: &[BodyState]) -> Self {
         let (fixed, accuracy, most) = match step.control {
             IncrementControl::Fixed(length) => (Some(length), 1.0, f64::INFINITY),
@@ -161,43 +167,47 @@ impl IncrementController {
         }
     }
 
-    /// The pace of a step that changes nothing after this one.
+    /// Continues in a step that changes no effects.
     pub fn continue_in(&mut self, step: &StepPlan, bodies: &[BodyState]) {
         let (free, speed) = (self.free, std::mem::take(&mut self.speed));
         *self = IncrementController { free, speed, ..IncrementController::new(step, bodies) };
     }
 
-    /// The next increment.
+    /// Returns the next increment.
     #[inline]
-    pub fn choose(&mut self, scene: &Scene<'_>) -> Increment {
-        let mut next = Increment { length: f64::INFINITY, end: End::Plain, by: Limiter::Given };
+    pub fn choose(&mut self, scene: &IncrementContext<'_>) -> Increment {
+        let mut next = Increment { length: f64::INFINITY, end: IncrementEnd::Plain, by: IncrementLimiter::Given };
         match self.fixed {
             Some(length) => next.length = length,
             None => {
                 if scene.bodies().iter().any(|b| !b.tied) {
-                    next.bound(self.automatic(scene) * self.factor, Limiter::Accuracy);
+                    next.bound(self.automatic(scene) * self.factor, IncrementLimiter::Accuracy);
                 }
                 if !scene.elements.is_empty() {
-                    next.bound(scene.stable_increment() * self.factor, Limiter::Elements);
+                    next.bound(scene.stable_increment() * self.factor, IncrementLimiter::Elements);
                 }
                 if let Some(heat) = scene.heat {
-                    next.bound(heat.stable_increment() * self.factor, Limiter::Conduction);
-                    next.shorten(heat.limit(&scene.view.clock), Limiter::Heat);
+                    next.bound(heat.stable_increment() * self.factor, IncrementLimiter::Conduction);
+                    next.shorten(heat.limit(&scene.view.clock), IncrementLimiter::Heat);
                 }
-                next.bound(self.most, Limiter::Longest);
+                next.bound(self.most, IncrementLimiter::Longest);
                 let loads = scene.loads.iter();
-                loads.for_each(|load| next.shorten(load.max_increment(&scene.view), Limiter::Effect(load.effect())));
+                loads.for_each(|load| {
+                    next.shorten(load.max_increment(&scene.view), IncrementLimiter::Effect(load.effect()))
+                });
                 let constraints = scene.constraints.iter();
-                constraints.for_each(|c| next.shorten(c.max_increment(&scene.view.clock), Limiter::Effect(c.effect())));
+                constraints.for_each(|c| {
+                    next.shorten(c.max_increment(&scene.view.clock), IncrementLimiter::Effect(c.effect()))
+                });
             }
         }
         self.fit_step(&mut next, scene.remaining);
-        meet_rest(&mut next, scene.bodies(), SLOW * self.resolution);
+        end_at_rest(&mut next, scene.bodies(), SLOW * self.resolution);
         next
     }
 
-    /// From the error estimate: neither velocity nor acceleration may change much over an increment.
-    fn automatic(&mut self, scene: &Scene<'_>) -> f64 {
+    /// Returns the increment from error control: velocity and acceleration may change only by a small fraction.
+    fn automatic(&mut self, scene: &IncrementContext<'_>) -> f64 {
         self.free = (GROWTH * self.free).min(self.largest);
         for (body, speed) in scene.bodies().iter().zip(&mut self.speed).filter(|(b, _)| !b.tied) {
             *speed = speed.max(body.speed());
@@ -214,31 +224,32 @@ impl IncrementController {
         self.free
     }
 
-    /// Ends the step on time, without a sliver before it: the sum of many fixed increments misses the end by rounding.
+    /// Ends the step at its exact time and avoids a very small last increment, which rounding of many fixed increments
+    /// would cause.
     #[inline]
     fn fit_step(&self, next: &mut Increment, remaining: f64) {
         if next.length >= remaining * (1.0 - SLIVER) {
-            *next = Increment { length: remaining, end: End::Step, by: Limiter::Step };
-        } else if self.fixed.is_none() && next.end == End::Plain && next.length > 0.5 * remaining {
-            (next.length, next.by) = (0.5 * remaining, Limiter::Step);
+            *next = Increment { length: remaining, end: IncrementEnd::Step, by: IncrementLimiter::Step };
+        } else if self.fixed.is_none() && next.end == IncrementEnd::Plain && next.length > 0.5 * remaining {
+            (next.length, next.by) = (0.5 * remaining, IncrementLimiter::Step);
         }
     }
 }
 
-/// A body under loads that read its velocity meets rest exactly: x + v^2 / 2|a| after the time v / |a|. An increment
-/// that would end just short of rest stops half way, so that a growing force cannot turn the velocity unnoticed. `slow` is for
-/// bodies in space.
+/// Ends the increment at the instant at which a body under velocity-dependent loads comes to rest: displacement v^2 /
+/// 2|a| after the time v / |a|. An increment that would end just before this instant is halved, so that an increasing
+/// force cannot reverse the velocity unnoticed. `slow` applies to bodies with six degrees of freedom.
 #[inline]
-fn meet_rest(next: &mut Increment, bodies: &[BodyState], slow: f64) {
+fn end_at_rest(next: &mut Increment, bodies: &[BodyState], slow: f64) {
     for (b, body) in bodies.iter().enumerate() {
         if !body.reads_velocity || body.prescribed {
             continue;
         }
         let Some(rest) = body.time_to_rest(next.length, slow) else { continue };
         *next = if rest <= next.length {
-            Increment { length: rest, end: End::Rest(b), by: Limiter::Rest }
+            Increment { length: rest, end: IncrementEnd::Rest(b), by: IncrementLimiter::Rest }
         } else {
-            Increment { length: 0.5 * rest, end: End::Plain, by: Limiter::Rest }
+            Increment { length: 0.5 * rest, end: IncrementEnd::Plain, by: IncrementLimiter::Rest }
         };
     }
 }

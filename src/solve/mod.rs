@@ -1,5 +1,4 @@
-//! The time loop: steps and their increments.
-//! Never here: what happens in an increment, deck words, files.
+//! Time loop: steps and their increments.
 
 mod body_forces;
 mod body_surfaces;
@@ -24,20 +23,20 @@ use std::time::Instant as Stopwatch;
 use crate::plan::{Plan, State};
 pub use crate::state::Instant;
 pub use crate::state::archive::UnfitState;
-pub use crate::state::halt::Halt;
+pub use crate::state::halt::HaltReason;
 use crate::user::RunAction;
 pub use energy::Energy;
 pub use frames::node_value;
 use increment::IncrementController;
-pub use limits::{Limits, LimitsOverTime};
-use observe::Observing;
+pub use limits::{IncrementLimits, LimitsOverTime};
+use observe::RunOutput;
 pub use observe::{Progress, Sink, SinkError};
-pub use outcome::{Exit, Outcome, PenetrationSummary, Rest, StepSummary};
-use restart::{At, Checkpointer, begin_step, take_up};
-pub use restart::{Control, Every, LOST, lost};
-use run::Run;
+pub use outcome::{BodyExit, BodyRest, Outcome, PenetrationSummary, StepSummary};
+pub use restart::{CheckpointInterval, LOST, RunControl, lost};
+use restart::{Checkpointer, RunCursor, begin_step, restore};
+use run::SolverRun;
 
-/// Runs a plan from a state at its start to its end, showing every due instant to `sink`.
+/// Runs a plan from its initial state to the end; rows and frames are passed to `sink`.
 ///
 /// ```
 /// use revolve::solve::{self, Instant, Sink, SinkError};
@@ -62,37 +61,37 @@ use run::Run;
 /// assert_eq!(end.dofs.bodies.len(), 1);
 /// ```
 pub fn run(plan: &Plan, state: State, sink: &mut dyn Sink) -> (Outcome, State) {
-    // Without a state to go on from there is none that could be refused.
-    run_with(plan, state, sink, Control::default()).unwrap_or_default()
+    // Without a saved state no error is possible.
+    run_with(plan, state, sink, RunControl::default()).unwrap_or_default()
 }
 
-/// The same, keeping the state now and then, from the start or from a state that was kept. Threads are those of the pool in
-/// which it is called.
+/// Runs a plan with control over checkpoints and interruption, from the initial or a saved state. It uses the thread
+/// pool in which it is called.
 ///
 /// # Errors
-/// Why a state is not one of this plan.
+/// If the saved state does not belong to this plan.
 pub fn run_with(
     plan: &Plan,
     state: State,
     sink: &mut dyn Sink,
-    asked: Control<'_>,
+    asked: RunControl<'_>,
 ) -> Result<(Outcome, State), UnfitState> {
     let begin = Stopwatch::now();
     if plan.steps.is_empty() {
         return Ok((Outcome::default(), state));
     }
-    let mut run = Run::new(plan, state);
+    let mut run = SolverRun::new(plan, state);
     plan.routines.memory.iter().for_each(|memory| memory.begin());
-    let mut observing = Observing::new(plan);
+    let mut observing = RunOutput::new(plan);
     let (mut first, mut control, mut restored) = (0, None, false);
     if let Some(kept) = asked.state {
-        let (index, taken_up) = take_up(&mut run, &mut observing, kept)?;
+        let (index, taken_up) = restore(&mut run, &mut observing, kept)?;
         (first, control, restored) = (index, Some(taken_up), true);
     }
     let mut keeping =
         Checkpointer::new(asked, !run.state.elements.is_empty() && sink.wants_frames() && !plan.routines.any());
     for index in first..plan.steps.len() {
-        let begins = if std::mem::take(&mut restored) { Begins::Restored } else { Begins::Step(index) };
+        let begins = if std::mem::take(&mut restored) { StepStart::Restored } else { StepStart::Step(index) };
         if let Err(halt) = step(&mut run, begins, &mut control, &mut observing, &mut keeping, sink) {
             run.step_back();
             let written = observing.last(&run, sink);
@@ -105,7 +104,7 @@ pub fn run_with(
         }
     }
     if run.outcome.halt.is_none() {
-        run.outcome.halt = run.judge_end().err();
+        run.outcome.halt = run.check_final_drift().err();
     }
     plan.routines.memory.iter().for_each(|memory| memory.end());
     run.warn_of_effects();
@@ -115,66 +114,66 @@ pub fn run_with(
     run.outcome.digest = run.digest();
     run.outcome.deleted = run.state.elements.deleted();
     let energy = run.energy();
-    let Run { mut outcome, state: end, timing, .. } = run;
+    let SolverRun { mut outcome, state: end, timing, .. } = run;
     outcome.energy = energy;
     outcome.seconds = begin.elapsed().as_secs_f64();
     outcome.effect_seconds = timing.seconds(plan, outcome.seconds - outcome.checkpoint_seconds);
     Ok((outcome, end))
 }
 
-/// Shows the sink what is new among the warnings.
+/// Passes new warnings to the sink.
 #[inline(always)]
-fn show_warnings(run: &mut Run<'_>, sink: &mut dyn Sink) {
+fn show_warnings(run: &mut SolverRun<'_>, sink: &mut dyn Sink) {
     if run.watch.shown < run.outcome.warnings.len() {
         run.outcome.warnings[run.watch.shown..].iter().for_each(|warning| sink.warning(warning));
         run.watch.shown = run.outcome.warnings.len();
     }
 }
 
-/// Where a step begins.
+/// Start of a step.
 #[derive(Clone, Copy)]
-enum Begins {
-    /// At its start; counted from 0.
+enum StepStart {
+    /// At its beginning; index from 0.
     Step(usize),
-    /// In the middle, from a state that was kept.
+    /// Within the step, from a saved state.
     Restored,
 }
 
-/// One step, with what chooses its increments, which goes on from step to step. The recipe of an increment, as in ABAQUS Theory Guide
-/// 2.4.5 with the half-step start, is what [`Run::evaluate`] and [`Run::advance`] do in turn.
+/// Runs one step; `control` continues from step to step. Each increment is [`SolverRun::evaluate`] followed by
+/// [`SolverRun::advance`], as in ABAQUS Theory Guide 2.4.5 with a half step at the start.
 fn step(
-    run: &mut Run<'_>,
-    begins: Begins,
+    run: &mut SolverRun<'_>,
+    begins: StepStart,
     control: &mut Option<IncrementController>,
-    observing: &mut Observing,
+    observing: &mut RunOutput,
     keeping: &mut Checkpointer<'_>,
     sink: &mut dyn Sink,
-) -> Result<(), Halt> {
+) -> Result<(), HaltReason> {
     let mut changes = false;
-    if let Begins::Step(index) = begins {
+    if let StepStart::Step(index) = begins {
         changes = begin_step(run, index, observing, control);
     }
     let Some(control) = control else { return Ok(()) };
     keeping.begin(run.step, &run.now);
     let begun = match begins {
-        Begins::Restored => run.resume_routines().and_then(|()| run.advance(control)),
-        Begins::Step(_) => run.begin_routines().and_then(|()| run.begin_nodes(changes)),
+        StepStart::Restored => run.resume_routines().and_then(|()| run.advance(control)),
+        StepStart::Step(_) => run.begin_routines().and_then(|()| run.begin_nodes(changes)),
     };
     let end = begun.and_then(|()| increments(run, control, observing, keeping, sink));
     if end.is_err() {
-        keeping.way_back(&mut At { run, observing, control });
+        keeping.rewind(&mut RunCursor { run, observing, control });
     }
     run.name_limiting_element();
     end
 }
 
 fn increments(
-    run: &mut Run<'_>,
+    run: &mut SolverRun<'_>,
     control: &mut IncrementController,
-    observing: &mut Observing,
+    observing: &mut RunOutput,
     keeping: &mut Checkpointer<'_>,
     sink: &mut dyn Sink,
-) -> Result<(), Halt> {
+) -> Result<(), HaltReason> {
     run.evaluate_step_start()?;
     loop {
         if !run.complete {
@@ -185,7 +184,7 @@ fn increments(
         if run.is_over() {
             return run.end_routines();
         }
-        keeping.look(&mut At { run, observing, control }, sink)?;
+        keeping.write_if_due(&mut RunCursor { run, observing, control }, sink)?;
         run.advance(control)?;
     }
 }

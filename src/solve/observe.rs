@@ -1,5 +1,4 @@
-//! What is shown when: history rows and frames at the instants that are due. Looking never changes the motion.
-//! Never here: files.
+//! Output schedule of history rows, frames and progress. Output never changes the motion.
 
 use std::time::{Duration, Instant as Stopwatch};
 
@@ -7,15 +6,15 @@ use thiserror::Error;
 
 use super::energy::Energy;
 use super::frames::frame;
-use super::run::Run;
-use crate::output::Frame;
-use crate::plan::{Plan, Schedule, StepPlan};
+use super::run::SolverRun;
+use crate::output::OutputFrame;
+use crate::plan::{Plan, StepPlan, WriteSchedule};
 use crate::state::Instant;
 use crate::state::archive::persist_struct;
-use crate::state::halt::Halt;
+use crate::state::halt::HaltReason;
 use crate::user::RunAction;
 
-/// Why a sink cannot keep what it is shown.
+/// Reason why a sink cannot store output.
 #[derive(Debug, Error)]
 pub enum SinkError {
     /// A file could not be written.
@@ -26,77 +25,77 @@ pub enum SinkError {
     Other(#[from] Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// How far a run is.
+/// Progress of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
     /// Name of the step.
     pub step: &'a str,
-    /// Fraction of the time of all steps that is behind.
+    /// Fraction of the total time of all steps that is complete.
     pub fraction: f64,
-    /// Now.
+    /// Current instant.
     pub now: Instant,
-    /// Length of the increment behind; 0 at the start.
+    /// Length of the previous increment; 0 at the start.
     pub increment: f64,
-    /// Name of the element that limits the increment; empty where none does.
+    /// Name of the element that limits the increment; empty if none does.
     pub limiting: &'a str,
-    /// Energies now.
+    /// Current energies.
     pub energy: &'a Energy,
     /// Whether a frame of this instant follows.
     pub frame: bool,
-    /// Whether the step ends here.
+    /// Whether this instant is the end of the step.
     pub ends: bool,
 }
 
-/// Takes what a run shows.
+/// Receiver of the output of a run.
 pub trait Sink {
-    /// Whether frames are wanted at all.
+    /// Returns whether frames are needed.
     fn wants_frames(&self) -> bool {
         false
     }
-    /// The scene at an instant.
+    /// Receives a frame.
     ///
     /// # Errors
-    /// If it cannot be kept; the run halts.
-    fn frame(&mut self, _frame: &Frame) -> Result<(), SinkError> {
+    /// If it cannot be stored; the run halts.
+    fn frame(&mut self, _frame: &OutputFrame) -> Result<(), SinkError> {
         Ok(())
     }
-    /// A history row at an instant, one value a column.
+    /// Receives a history row: one value for each column.
     ///
     /// # Errors
-    /// If it cannot be kept; the run halts.
+    /// If it cannot be stored; the run halts.
     fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError>;
-    /// What the run warns of, as soon as it does; all of it is in [`super::Outcome::warnings`] at the end.
+    /// Receives a warning when it is issued; [`super::Outcome::warnings`] contains all of them at the end.
     fn warning(&mut self, _text: &str) {}
-    /// How far the run is: some times a second, and before each frame.
+    /// Receives the progress several times a second, and before each frame.
     fn progress(&mut self, _progress: &Progress<'_>) {}
-    /// Whether states can be kept.
+    /// Returns whether it stores checkpoints.
     fn keeps(&self) -> bool {
         false
     }
-    /// Keeps the state of a run, from which another can go on ([`super::Control::state`]).
+    /// Stores the state of a run, from which [`super::RunControl::state`] can continue.
     ///
     /// # Errors
-    /// If it cannot be kept; the run halts.
+    /// If it cannot be stored; the run halts.
     fn keep(&mut self, _state: &[u8], _now: &Instant) -> Result<(), SinkError> {
         Ok(())
     }
 }
 
-/// The next instants of one kind of output.
+/// Next instants of one kind of output.
 #[derive(Debug, Default)]
-pub(super) struct Rhythm {
-    schedules: Vec<Schedule>,
+pub(super) struct OutputSchedule {
+    schedules: Vec<WriteSchedule>,
     pub(super) next_time: f64,
     pub(super) next_increment: u64,
 }
 
-impl Rhythm {
-    /// Whether nothing is ever due.
+impl OutputSchedule {
+    /// Returns whether no output is requested.
     pub(super) fn is_empty(&self) -> bool {
         self.schedules.is_empty()
     }
 
-    pub(super) fn begin(&mut self, schedules: &[Schedule], increment: u64) {
+    pub(super) fn begin(&mut self, schedules: &[WriteSchedule], increment: u64) {
         self.schedules = schedules.to_vec();
         self.advance(0.0, increment);
     }
@@ -105,21 +104,22 @@ impl Rhythm {
         time >= self.next_time || increment >= self.next_increment
     }
 
-    /// Sets the next marks after this instant. Marks are multiples of the interval; an instant within rounding counts.
+    /// Computes the next times after this instant. They are multiples of the interval; an instant within rounding error
+    /// counts.
     pub(super) fn advance(&mut self, time: f64, increment: u64) {
         self.next_time = f64::INFINITY;
         self.next_increment = u64::MAX;
         for schedule in &self.schedules {
             match schedule {
-                Schedule::Points(times) => {
+                WriteSchedule::Points(times) => {
                     let next = times.iter().find(|t| **t > time * (1.0 + 4e-12));
                     self.next_time = self.next_time.min(next.map_or(f64::INFINITY, |t| t * (1.0 - 1e-12)));
                 }
-                &Schedule::Time(interval) => {
+                &WriteSchedule::Time(interval) => {
                     let mark = ((time / interval) * (1.0 + 1e-12)).floor() + 1.0;
                     self.next_time = self.next_time.min(mark * interval * (1.0 - 1e-12));
                 }
-                &Schedule::Increments(interval) => {
+                &WriteSchedule::Increments(interval) => {
                     self.next_increment = self.next_increment.min((increment / interval + 1) * interval);
                 }
             }
@@ -127,22 +127,22 @@ impl Rhythm {
     }
 }
 
-/// Looks at the clock are about this far apart, so that a look costs nothing beside the increments between.
+/// Approximate time between two readings of the clock, which makes their cost negligible.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// When progress is told: by the clock, at increments that are chosen to meet it.
-struct Pace {
+/// Schedule of progress reports: every `stride` increments, adapted to the clock.
+struct ProgressTimer {
     looked: Stopwatch,
     stride: u64,
     next: u64,
 }
 
-impl Pace {
-    fn new() -> Pace {
-        Pace { looked: Stopwatch::now(), stride: 1, next: 0 }
+impl ProgressTimer {
+    fn new() -> ProgressTimer {
+        ProgressTimer { looked: Stopwatch::now(), stride: 1, next: 0 }
     }
 
-    /// Whether it is time; sets the next.
+    /// Returns whether a report is due, and schedules the next one.
     fn due(&mut self, increment: u64) -> bool {
         if increment < self.next {
             return false;
@@ -159,26 +159,27 @@ impl Pace {
     }
 }
 
-pub(super) struct Observing {
-    field: Rhythm,
-    history: Rhythm,
+/// Output of a run: schedules and what has been shown.
+pub(super) struct RunOutput {
+    field: OutputSchedule,
+    history: OutputSchedule,
     row: Vec<f64>,
-    pace: Pace,
-    /// Nothing is due before these.
+    pace: ProgressTimer,
+    /// No output is due before both of these.
     next_time: f64,
     next_increment: u64,
     first: bool,
-    /// Increments at which the last row and frame were shown.
+    /// Increments of the last row and of the last frame.
     shown: [Option<u64>; 2],
 }
 
-impl Observing {
+impl RunOutput {
     pub(super) fn new(plan: &Plan) -> Self {
-        Observing {
-            field: Rhythm::default(),
-            history: Rhythm::default(),
+        RunOutput {
+            field: OutputSchedule::default(),
+            history: OutputSchedule::default(),
             row: vec![0.0; plan.columns.len()],
-            pace: Pace::new(),
+            pace: ProgressTimer::new(),
             next_time: 0.0,
             next_increment: 0,
             first: true,
@@ -193,9 +194,10 @@ impl Observing {
         self.next_time = 0.0;
     }
 
-    /// Shows what is due: rows and frames at their marks, at the very start, and at the end of each step.
+    /// Writes output that is due: rows and frames by their schedules, at the start of the analysis, and at the end of
+    /// each step.
     #[inline]
-    pub(super) fn show(&mut self, run: &mut Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
+    pub(super) fn show(&mut self, run: &mut SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         if run.now.step_time < self.next_time
             && run.now.increment < self.next_increment
             && run.user.requested_action == RunAction::Continue
@@ -208,12 +210,12 @@ impl Observing {
         shown
     }
 
-    fn show_due(&mut self, run: &Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
+    fn show_due(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let (step, time, increment) = (run.step, run.now.step_time, run.now.increment);
         let edge = std::mem::take(&mut self.first) || run.is_over();
         let frame = self.field.due(time, increment) || edge && !step.outputs.field.is_empty();
         if self.pace.due(increment) || frame || edge {
-            tell_progress(run, frame, sink);
+            report_progress(run, frame, sink);
         }
         if self.history.due(time, increment) || edge && !step.outputs.history.is_empty() {
             self.history.advance(time, increment);
@@ -228,9 +230,9 @@ impl Observing {
         Ok(())
     }
 
-    /// The last complete instant before a halt, unless it has been shown. Of what deforms an instant that is not complete
-    /// is no good state.
-    pub(super) fn last(&mut self, run: &Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
+    /// Writes the last complete instant before a halt, unless it has been written. With deformable bodies an incomplete
+    /// instant is not written.
+    pub(super) fn last(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         if !run.state.elements.is_empty() && !run.complete {
             return Ok(());
         }
@@ -244,26 +246,26 @@ impl Observing {
         Ok(())
     }
 
-    fn show_frame(&mut self, run: &Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
+    fn show_frame(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         if !sink.wants_frames() {
             return Ok(());
         }
         self.shown[1] = Some(run.now.increment);
-        sink.frame(&frame(run)).map_err(unwritten)
+        sink.frame(&frame(run)).map_err(output_failure)
     }
 
-    fn show_row(&mut self, run: &Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
+    fn show_row(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let energy = run.energy();
         for (i, column) in run.plan.columns.iter().enumerate() {
             self.row[i] = run.column_value(column, &energy, &self.row[..i]);
         }
         self.shown[0] = Some(run.now.increment);
-        sink.row(&run.now, &self.row).map_err(unwritten)
+        sink.row(&run.now, &self.row).map_err(output_failure)
     }
 }
 
-/// Tells the sink how far the run is.
-fn tell_progress(run: &Run<'_>, frame: bool, sink: &mut dyn Sink) {
+/// Reports progress to the sink.
+fn report_progress(run: &SolverRun<'_>, frame: bool, sink: &mut dyn Sink) {
     let total: f64 = run.plan.steps.iter().map(|s| s.duration).sum();
     let limiting = if run.state.elements.is_empty() { (0, 0) } else { run.limits() };
     sink.progress(&Progress {
@@ -278,10 +280,10 @@ fn tell_progress(run: &Run<'_>, frame: bool, sink: &mut dyn Sink) {
     });
 }
 
-pub(super) fn unwritten(why: SinkError) -> Halt {
-    Halt { code: "R205", reason: why.to_string() }
+pub(super) fn output_failure(why: SinkError) -> HaltReason {
+    HaltReason { code: "R205", reason: why.to_string() }
 }
 
-persist_struct!(Rhythm { next_time, next_increment } derived { schedules });
+persist_struct!(OutputSchedule { next_time, next_increment } derived { schedules });
 
-persist_struct!(Observing { field, history, next_time, next_increment, first, shown } derived { row, pace });
+persist_struct!(RunOutput { field, history, next_time, next_increment, first, shown } derived { row, pace });

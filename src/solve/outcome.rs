@@ -1,78 +1,77 @@
-//! How a run ended and what it cost.
-//! Never here: what happens in an increment.
+//! Result of a run: how it ended, energies, warnings and run time.
 
 use serde::Serialize;
 
 use super::energy::Energy;
-use super::limits::Limits;
-use crate::state::halt::Halt;
+use super::limits::IncrementLimits;
+use crate::state::halt::HaltReason;
 
-/// How a run ended and what it cost.
+/// Result of a run.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Outcome {
-    /// Why it stopped early, if it did.
+    /// Reason for an early end, if any.
     #[serde(skip)]
-    pub halt: Option<Halt>,
-    /// Whether a user's routine ended it before its last step was over.
+    pub halt: Option<HaltReason>,
+    /// Whether a user subroutine ended the run before the end of its last step.
     pub ended_by_user: bool,
-    /// Steps begun.
+    /// Summaries of the steps that have begun.
     pub steps: Vec<StepSummary>,
-    /// Energies at the end, and the largest drift of their sum.
+    /// Energies at the end, and the largest drift of the total energy.
     pub energy: Energy,
-    /// When bodies came to rest.
-    pub rests: Vec<Rest>,
-    /// What has become of bodies with six degrees of freedom in the targets that they meet.
+    /// Bodies that came to rest.
+    pub rests: Vec<BodyRest>,
+    /// Results of bodies with six degrees of freedom in targets.
     pub penetrations: Vec<PenetrationSummary>,
-    /// Bodies that are still on their way in a target, or behind it: a depth read now is not their last.
+    /// Messages on bodies that still move in a target or have perforated it, so that no final depth exists.
     pub unfinished: Vec<String>,
-    /// How many of these still move in it.
+    /// Number of bodies that still move in a target.
     #[serde(skip)]
     pub still_moving: usize,
-    /// Bodies that have left their target through its back.
-    pub exits: Vec<Exit>,
-    /// Elements that were deleted.
+    /// Bodies that have perforated their target.
+    pub exits: Vec<BodyExit>,
+    /// Number of deleted elements.
     pub deleted: usize,
-    /// What the run warns of.
+    /// Warnings of the run.
     pub warnings: Vec<String>,
     /// Increments over all steps.
     pub increments: u64,
-    /// Seconds in the time loop.
+    /// Wall-clock time of the time loop, s.
     pub seconds: f64,
-    /// Of these, seconds that keeping the state took.
+    /// Part of this time spent on checkpoints, s.
     pub checkpoint_seconds: f64,
     /// SHA-256 over the bits of the state at the end, hexadecimal: the same on any machine, number of threads and
     /// instruction set.
     pub digest: String,
-    /// What the state that was kept last does not hold of the user's routines.
+    /// Memory of the user subroutines that the last checkpoint does not contain.
     #[serde(skip)]
     pub lost: Vec<String>,
-    /// Seconds of each effect, by its row of the ledger: they add up to those of the time loop.
+    /// Wall-clock time of each effect, s, by row of the ledger; the sum is that of the time loop.
     #[serde(skip)]
     pub effect_seconds: Vec<f64>,
 }
 
 impl Outcome {
-    /// Total time reached.
+    /// Returns the total time reached.
     pub fn total_time(&self) -> f64 {
         self.steps.iter().map(|step| step.time).sum()
     }
 }
 
-/// A body that has gone through its target.
+/// A body that has perforated its target.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Exit {
-    /// The body.
+pub struct BodyExit {
+    /// Name of the body.
     pub body: String,
-    /// Its residual velocity along z, at the end of the run.
+    /// Residual velocity along z at the end of the run.
     pub velocity: f64,
 }
 
-/// What a step took.
+/// Summary of a step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct StepSummary {
     /// Name.
     pub name: String,
-    /// Increments.
+    /// Number of increments.
     pub increments: u64,
     /// Time reached in the step.
     pub time: f64,
@@ -83,44 +82,44 @@ pub struct StepSummary {
     /// Element that limited the smallest increment, if one did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limiting_element: Option<String>,
-    /// How often the highest frequency of the whole was estimated; absent where increments go element by element.
+    /// Number of estimates of the highest frequency of the whole model; absent with element-by-element estimates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub global_estimates: Option<u64>,
-    /// Mass that mass scaling has added to the original one, as it was found last; absent without mass scaling.
+    /// Mass added by mass scaling relative to the original mass, at its last update; absent without mass scaling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub added_mass: Option<f64>,
-    /// What limited the increments over time.
+    /// Limits on the increments over time.
     #[serde(skip)]
-    pub limits: Limits,
+    pub limits: IncrementLimits,
 }
 
-/// How a body with six degrees of freedom ended; vectors along 1, 2, 3, angles in degrees.
+/// Final state of a body with six degrees of freedom; vectors along 1, 2, 3, angles in degrees.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PenetrationSummary {
     /// Name of the body.
     pub body: String,
     /// `at rest`, `in the target`, `through`, `ricochet` or `not met`.
     pub end: &'static str,
-    /// Total time at which it had left the target.
+    /// Total time at which it left the target.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exit_time: Option<f64>,
     /// Velocity of the centre of mass.
     pub velocity: [f64; 3],
-    /// Angular velocity, radians a time.
+    /// Angular velocity, radians per time.
     pub rotational_velocity: [f64; 3],
     /// Speed of the centre of mass.
     pub speed: f64,
-    /// Between the velocity and the target's normal, 0 to 90.
+    /// Angle between the velocity and the normal of the target, 0 to 90.
     pub obliquity: f64,
-    /// Between the axis and the velocity, 0 to 90.
+    /// Angle between the axis and the velocity, 0 to 90.
     pub yaw: f64,
-    /// Between the axis and direction 2.
+    /// Angle between the axis and direction 2.
     pub tilt: f64,
 }
 
-/// A body came to rest.
+/// A body that came to rest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Rest {
+pub struct BodyRest {
     /// Name of the body.
     pub body: String,
     /// Total time.

@@ -1,19 +1,18 @@
-//! What a run reports at its end of bodies in targets that are not meshed.
-//! Never here: resistances.
+//! Report on bodies in targets without mesh at the end of a run.
 
-use super::outcome::{Exit, PenetrationSummary};
-use super::run::Run;
-use crate::load::{Load, Penetration, PenetrationOutcome};
+use super::outcome::{BodyExit, PenetrationSummary};
+use super::run::SolverRun;
+use crate::load::{Load, PenetrationOutcome, PenetrationRecord};
 
-impl Run<'_> {
-    /// Keeps what has become of bodies in resistances that are no longer in force.
+impl SolverRun<'_> {
+    /// Stores the outcomes of bodies in resistances that end with a step.
     pub(super) fn record_ended_penetrations(&mut self, ended: &[Box<dyn Load>]) {
         let all = ended.iter().flat_map(|load| load.penetrations(&self.state.dofs));
-        let is_final = |p: &Penetration| p.in_space.is_some() || p.outcome == PenetrationOutcome::Through;
+        let is_final = |p: &PenetrationRecord| p.in_space.is_some() || p.outcome == PenetrationOutcome::Through;
         self.state.ended_penetrations.extend(all.filter(is_final));
     }
 
-    /// At the end: what has become of bodies in targets.
+    /// Reports the outcomes of bodies in targets at the end of the run.
     pub(super) fn report_penetrations(&mut self) {
         let in_force = self.state.loads.iter().flat_map(|load| load.penetrations(&self.state.dofs)).collect();
         for penetration in latest_penetrations(&self.state.ended_penetrations, in_force) {
@@ -25,26 +24,26 @@ impl Run<'_> {
         }
     }
 
-    fn report_along_z(&mut self, body: String, penetration: &Penetration) {
+    fn report_along_z(&mut self, body: String, penetration: &PenetrationRecord) {
         let velocity = self.state.dofs.bodies[penetration.body].velocity;
         match penetration.outcome {
             PenetrationOutcome::Moving => {
                 self.outcome.still_moving += 1;
                 self.outcome.unfinished.push(format!(
-                    "{body} still moves in the target, v_z = {velocity:.4e}: a depth read now is not its last"
+                    "{body} still moves in the target, v_z = {velocity:.4e}: its penetration depth is not final"
                 ));
             }
             PenetrationOutcome::Through => {
                 self.outcome.unfinished.push(format!(
-                    "{body} has left the target through its back, v_z = {velocity:.4e}: it has no depth"
+                    "{body} has left the target through its back, v_z = {velocity:.4e}: it has no penetration depth"
                 ));
-                self.outcome.exits.push(Exit { body, velocity });
+                self.outcome.exits.push(BodyExit { body, velocity });
             }
             PenetrationOutcome::AtRest | PenetrationOutcome::Ricochet | PenetrationOutcome::NotMet => {}
         }
     }
 
-    fn report_in_space(&mut self, body: String, penetration: &Penetration) {
+    fn report_in_space(&mut self, body: String, penetration: &PenetrationRecord) {
         let Some(motion) = &penetration.in_space else { return };
         let speed = motion.speed;
         let exit = format!(
@@ -57,7 +56,7 @@ impl Run<'_> {
             PenetrationOutcome::Moving => {
                 self.outcome.still_moving += 1;
                 self.outcome.unfinished.push(format!(
-                    "{body} still moves in the target, speed {speed:.4e}: a depth read now is not its last"
+                    "{body} still moves in the target, speed {speed:.4e}: its penetration depth is not final"
                 ));
             }
             PenetrationOutcome::Through => {
@@ -83,11 +82,14 @@ impl Run<'_> {
     }
 }
 
-/// The outcome of each body: of resistances that have ended, unless one in force has met the body since.
-pub(super) fn latest_penetrations(ended: &[Penetration], in_force: Vec<Penetration>) -> Vec<Penetration> {
-    let is_met = |p: &&Penetration| p.outcome != PenetrationOutcome::NotMet;
-    let is_newer = |p: &Penetration| in_force.iter().filter(is_met).any(|other| other.body == p.body);
-    let kept: Vec<Penetration> = ended.iter().filter(is_met).filter(|p| !is_newer(p)).copied().collect();
+/// Returns the outcome of each body: from resistances that have ended, unless the body has met one in force since.
+pub(super) fn latest_penetrations(
+    ended: &[PenetrationRecord],
+    in_force: Vec<PenetrationRecord>,
+) -> Vec<PenetrationRecord> {
+    let is_met = |p: &&PenetrationRecord| p.outcome != PenetrationOutcome::NotMet;
+    let is_newer = |p: &PenetrationRecord| in_force.iter().filter(is_met).any(|other| other.body == p.body);
+    let kept: Vec<PenetrationRecord> = ended.iter().filter(is_met).filter(|p| !is_newer(p)).copied().collect();
     let rest = in_force.iter().filter(|p| kept.iter().all(|other| other.body != p.body));
     kept.iter().chain(rest).copied().collect()
 }

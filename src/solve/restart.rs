@@ -1,78 +1,80 @@
-//! When a run's state is kept, going on from it, and the way back to the last good instant before a halt.
-//! Never here: files (a [`Sink`] keeps the bytes), what single types consist of (`state::archive`).
+//! Checkpoints: their schedule, continuing a run from one, and the return to the last complete instant before a halt. A
+//! [`Sink`] stores the bytes; `state::archive` defines the format.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant as Stopwatch};
 
 use super::body_forces::BodyForces;
 use super::increment::IncrementController;
-use super::observe::{Observing, Rhythm, unwritten};
+use super::observe::{OutputSchedule, RunOutput, output_failure};
 use super::routines::UserSession;
-use super::{Outcome, Rest, Run, Sink, SinkError, StepSummary};
+use super::{BodyRest, Outcome, Sink, SinkError, SolverRun, StepSummary};
 use crate::plan::StepPlan;
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, UnfitState, persist_fields, persist_struct};
-use crate::state::halt::Halt;
+use crate::state::archive::{Persist, StateArchive, UnfitState, persist_fields, persist_struct};
+use crate::state::halt::HaltReason;
 use crate::user::{AnalysisMoment, RunAction, SavedMemory};
 
-/// How often the state is kept, beside what the deck's `*RESTART, WRITE` asks.
+/// Interval of checkpoints, in addition to the deck's `*RESTART, WRITE`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Every {
-    /// So much time on the clock of the wall.
+pub enum CheckpointInterval {
+    /// Wall-clock time.
     Elapsed(Duration),
-    /// So many increments.
+    /// Number of increments.
     Increments(u64),
 }
 
-/// What a run is asked beside its plan.
+/// Control of a run in addition to its plan.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Control<'a> {
-    /// When to keep the state.
-    pub every: Option<Every>,
-    /// Number of a signal as soon as one has come, else 0: the run then ends behind its increment.
+pub struct RunControl<'a> {
+    /// Interval of checkpoints.
+    pub every: Option<CheckpointInterval>,
+    /// Number of the signal that has arrived, else 0; the run then ends after the current increment.
     pub interrupt: Option<&'a AtomicUsize>,
-    /// State to go on from.
+    /// Saved state to continue from.
     pub state: Option<&'a [u8]>,
 }
 
-/// Increments between states that are held in memory for the way back: a state costs some ten increments.
+/// Increments between states that are stored in memory for [`Checkpointer::rewind`]; storing one costs about ten
+/// increments.
 const HELD_EVERY: u64 = 4096;
-/// Looks at the clock are about this far apart: a look costs as much as an increment of a small scene.
+/// Approximate time between two readings of the clock; one reading costs as much as an increment of a small model.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// Keeps states over a run.
+/// Checkpoints of a run.
 pub(super) struct Checkpointer<'a> {
-    control: Control<'a>,
-    /// Of `*RESTART, WRITE`.
-    asked: Rhythm,
-    /// Whether the step before has asked for its end, which is where this one begins.
-    owed: bool,
-    /// When the state was kept last and when the clock was looked at last.
+    control: RunControl<'a>,
+    /// Schedule of `*RESTART, WRITE`.
+    asked: OutputSchedule,
+    /// Whether the previous step requested a checkpoint at its end, where this step begins.
+    due_at_start: bool,
+    /// Times of the last checkpoint and of the last reading of the clock.
     kept: Stopwatch,
     looked: Stopwatch,
-    /// Increments until the next look at the clock, and when it comes.
+    /// Increments between readings of the clock, and the increment of the next one.
     stride: u64,
     next_look: u64,
-    /// Whether states are held for the way back, and when the next is due.
+    /// Whether states are stored in memory for the return to the last complete instant, and the increment of the next
+    /// one.
     holds: bool,
     next_held: u64,
-    /// Nothing is due before these.
+    /// Nothing is due before both of these.
     next_time: f64,
     next_increment: u64,
     state: Vec<u8>,
-    /// Whether the state held is one of this step.
+    /// Whether the state in memory is one of this step.
     has_state: bool,
 }
 
 impl<'a> Checkpointer<'a> {
-    /// `holds`: whether the way back is open, which needs frames and what deforms, and no routine of the user, which would
-    /// be called twice.
-    pub(super) fn new(control: Control<'a>, holds: bool) -> Self {
+    /// `holds`: whether states are stored in memory. This requires frames and deformable bodies, and excludes user
+    /// subroutines, which would be called twice.
+    pub(super) fn new(control: RunControl<'a>, holds: bool) -> Self {
         let now = Stopwatch::now();
         Checkpointer {
             control,
-            asked: Rhythm::default(),
-            owed: false,
+            asked: OutputSchedule::default(),
+            due_at_start: false,
             kept: now,
             looked: now,
             stride: 1,
@@ -86,9 +88,9 @@ impl<'a> Checkpointer<'a> {
         }
     }
 
-    /// A step begins, or goes on, at this instant.
+    /// Begins, or continues, a step at this instant.
     pub(super) fn begin(&mut self, step: &StepPlan, now: &Instant) {
-        self.owed = !self.asked.is_empty();
+        self.due_at_start = !self.asked.is_empty();
         self.asked.begin(&step.outputs.restart, now.increment);
         self.asked.advance(now.step_time, now.increment);
         self.has_state = false;
@@ -100,31 +102,31 @@ impl<'a> Checkpointer<'a> {
         self.next_time = self.asked.next_time;
         let every = match self.control.every {
             None => u64::MAX,
-            Some(Every::Increments(n)) => (now.increment / n + 1) * n,
-            Some(Every::Elapsed(_)) => self.next_look,
+            Some(CheckpointInterval::Increments(n)) => (now.increment / n + 1) * n,
+            Some(CheckpointInterval::Elapsed(_)) => self.next_look,
         };
         let held = if self.holds { self.next_held } else { u64::MAX };
-        self.next_increment = if self.owed { 0 } else { self.asked.next_increment.min(every).min(held) };
+        self.next_increment = if self.due_at_start { 0 } else { self.asked.next_increment.min(every).min(held) };
     }
 
-    /// Between two increments: keeps the state if that is due, and ends the run if a signal wants it.
+    /// Writes a checkpoint between two increments if one is due, and ends the run after a signal.
     #[inline]
-    pub(super) fn look(&mut self, at: &mut At<'_, '_>, sink: &mut dyn Sink) -> Result<(), Halt> {
+    pub(super) fn write_if_due(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let now = &at.run.now;
         let signal = self.control.interrupt.map_or(0, |signal| signal.load(Ordering::Relaxed));
         if signal == 0 && now.increment < self.next_increment && now.step_time < self.next_time {
             return Ok(());
         }
-        self.look_closely(at, sink, signal)
+        self.write_now(at, sink, signal)
     }
 
     #[cold]
-    fn look_closely(&mut self, at: &mut At<'_, '_>, sink: &mut dyn Sink, signal: usize) -> Result<(), Halt> {
+    fn write_now(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink, signal: usize) -> Result<(), HaltReason> {
         let now = at.run.now;
         let due = (self.is_due(&now) || signal != 0) && sink.keeps();
         let begin = Stopwatch::now();
         if due {
-            at.run.tell_restart()?;
+            at.run.announce_checkpoint()?;
         }
         if due || self.holds && now.increment >= self.next_held {
             self.state.clear();
@@ -133,8 +135,8 @@ impl<'a> Checkpointer<'a> {
             self.next_held = now.increment + HELD_EVERY;
         }
         if due {
-            sink.keep(&self.state, &now).map_err(unwritten)?;
-            at.run.tell_of_loss(sink);
+            sink.keep(&self.state, &now).map_err(output_failure)?;
+            at.run.warn_of_lost_memory(sink);
             self.kept = Stopwatch::now();
             at.run.outcome.checkpoint_seconds += begin.elapsed().as_secs_f64();
         }
@@ -143,19 +145,19 @@ impl<'a> Checkpointer<'a> {
     }
 
     fn is_due(&mut self, now: &Instant) -> bool {
-        let asked = self.asked.due(now.step_time, now.increment) | std::mem::take(&mut self.owed);
+        let asked = self.asked.due(now.step_time, now.increment) | std::mem::take(&mut self.due_at_start);
         if asked {
             self.asked.advance(now.step_time, now.increment);
         }
         asked
             || match self.control.every {
                 None => false,
-                Some(Every::Increments(n)) => now.increment > 0 && now.increment.is_multiple_of(n),
-                Some(Every::Elapsed(time)) => self.clock_is_due(now, time),
+                Some(CheckpointInterval::Increments(n)) => now.increment > 0 && now.increment.is_multiple_of(n),
+                Some(CheckpointInterval::Elapsed(time)) => self.clock_is_due(now, time),
             }
     }
 
-    /// Looks at the clock every so many increments, so that a look costs nothing beside them.
+    /// Reads the clock only every `stride` increments, so that its cost is negligible.
     fn clock_is_due(&mut self, now: &Instant, time: Duration) -> bool {
         if now.increment < self.next_look {
             return false;
@@ -167,17 +169,17 @@ impl<'a> Checkpointer<'a> {
         self.kept.elapsed() >= time
     }
 
-    /// After a halt within an increment: goes back to the last instant that was complete, from the state held and over the
-    /// same increments again.
-    pub(super) fn way_back(&mut self, at: &mut At<'_, '_>) {
+    /// Returns to the last complete instant after a halt within an increment: restores the state in memory and repeats
+    /// the increments since then.
+    pub(super) fn rewind(&mut self, at: &mut RunCursor<'_, '_>) {
         if at.run.complete || !self.has_state || !self.holds {
             return;
         }
         let last = at.run.now.increment - 1;
-        let mut archive = Archive::reader(&self.state);
-        Head::default().persist(&mut archive);
+        let mut archive = StateArchive::reader(&self.state);
+        CheckpointHead::default().persist(&mut archive);
         at.visit(&mut archive);
-        // What this very run has written fits.
+        // The state was written by this run, so it fits.
         let mut fits = archive.finish().is_ok();
         while fits && at.run.now.increment < last {
             fits = at.repeat().is_ok();
@@ -186,23 +188,23 @@ impl<'a> Checkpointer<'a> {
     }
 }
 
-fn interrupted(signal: usize, now: &Instant) -> Halt {
+fn interrupted(signal: usize, now: &Instant) -> HaltReason {
     let name = match signal {
         2 => "SIGINT".into(),
         15 => "SIGTERM".into(),
         other => format!("signal {other}"),
     };
     let reason = format!("interrupted by {name} at increment {}, time {:e}", now.increment, now.total_time);
-    Halt { code: "R207", reason }
+    HaltReason { code: "R207", reason }
 }
 
-/// What is said of a state that does not hold all of the user's routines.
-pub const LOST: &str = "the checkpoint does not hold all that the user's routines keep to themselves";
+/// Message for a checkpoint without all memory of the user subroutines.
+pub const LOST: &str = "the checkpoint does not contain all memory of the user subroutines";
 
-/// Shows nothing: what is gone over again has been shown.
-struct Nowhere;
+/// Sink that discards output, because repeated increments have been written before.
+struct DiscardingSink;
 
-impl Sink for Nowhere {
+impl Sink for DiscardingSink {
     fn wants_frames(&self) -> bool {
         true
     }
@@ -211,62 +213,62 @@ impl Sink for Nowhere {
     }
 }
 
-/// A place between the output of an instant and the choice of the next increment, in a step that has begun.
-pub(super) struct At<'r, 'p> {
-    pub run: &'r mut Run<'p>,
-    pub observing: &'r mut Observing,
+/// State of a run between the output of an instant and the choice of the next increment.
+pub(super) struct RunCursor<'r, 'p> {
+    pub run: &'r mut SolverRun<'p>,
+    pub observing: &'r mut RunOutput,
     pub control: &'r mut IncrementController,
 }
 
-/// What stands before the state: the index of its step, and what the user's routines keep to themselves.
+/// Header of a saved state: index of the step, and memory of the user subroutines.
 #[derive(Default)]
-struct Head {
+struct CheckpointHead {
     step: usize,
     routines: SavedMemory,
 }
 
-persist_struct!(Head { step, routines });
+persist_struct!(CheckpointHead { step, routines });
 
-/// What a state does not hold of the user's routines, in words; nothing where it holds all.
+/// Returns descriptions of the user memory that a saved state does not contain; empty if it is complete.
 pub fn lost(state: &[u8]) -> Vec<String> {
-    let mut head = Head::default();
-    head.persist(&mut Archive::reader(state));
+    let mut head = CheckpointHead::default();
+    head.persist(&mut StateArchive::reader(state));
     head.routines.lost
 }
 
-impl At<'_, '_> {
-    /// The state behind its head.
+impl RunCursor<'_, '_> {
+    /// Writes header and state.
     fn write(&mut self, bytes: &mut Vec<u8>) {
-        let mut archive = Archive::writer(bytes);
-        let routines = self.run.plan.routines.memory.as_ref().map(|memory| memory.keep()).unwrap_or_default();
-        let mut head = Head { step: self.run.now.step as usize - 1, routines };
+        let mut archive = StateArchive::writer(bytes);
+        let routines = self.run.plan.routines.memory.as_ref().map(|memory| memory.save()).unwrap_or_default();
+        let mut head = CheckpointHead { step: self.run.now.step as usize - 1, routines };
         head.persist(&mut archive);
         self.run.outcome.lost = head.routines.lost;
         self.visit(&mut archive);
     }
 
-    /// All that moves. What is not visited follows from the plan and the beginning of the step.
-    fn visit(&mut self, archive: &mut Archive<'_>) {
-        let At { run, observing, control } = self;
+    /// Visits everything that changes in a run. The rest follows from the plan and the start of the step.
+    fn visit(&mut self, archive: &mut StateArchive<'_>) {
+        let RunCursor { run, observing, control } = self;
         archive.mark("run");
         run.persist(archive);
         persist_fields!(archive; &mut **observing, &mut **control);
         archive.mark("end");
     }
 
-    /// The next increment, which is known to succeed, without showing anything.
-    fn repeat(&mut self) -> Result<(), Halt> {
-        let At { run, observing, control } = self;
+    /// Repeats the next increment, which has succeeded before, without output.
+    fn repeat(&mut self) -> Result<(), HaltReason> {
+        let RunCursor { run, observing, control } = self;
         run.advance(control)?;
         run.evaluate()?;
-        observing.show(run, &mut Nowhere)
+        observing.show(run, &mut DiscardingSink)
     }
 }
 
-impl Persist for Run<'_> {
-    /// In a step that has begun: the effects in force are those of the step.
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Run {
+impl Persist for SolverRun<'_> {
+    /// Visits the state of a step that has begun; the effects in force are those of the step.
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let SolverRun {
             plan: _,
             step: _,
             state,
@@ -294,24 +296,24 @@ impl Persist for Run<'_> {
 }
 
 impl Persist for UserSession<'_> {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         let UserSession { routines: _, requested_action, increment_reported, loss_reported: _, restored_memory: _ } =
             self;
         persist_fields!(archive; requested_action, increment_reported);
     }
 }
 
-// What forces there are follows from the effects in force.
+// The list of forces follows from the effects in force.
 persist_struct!(BodyForces { values: fixed } derived { slots, order_by_body, load_ends, tied, first_resistance });
 
-// Halts and what is computed at the end are not there yet; times are those of this process.
+// Halts and results at the end do not exist yet; run times belong to this process.
 persist_struct!(Outcome { steps, rests, increments, warnings } derived {
     halt, ended_by_user, energy, penetrations, unfinished, still_moving, exits, deleted, seconds, checkpoint_seconds, digest, lost,
     effect_seconds
 });
 
 impl Persist for RunAction {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         let mut number = *self as u8;
         number.persist(archive);
         *self = [RunAction::Continue, RunAction::EndStep, RunAction::EndAnalysis]
@@ -333,33 +335,33 @@ persist_struct!(StepSummary {
     limits
 });
 
-persist_struct!(Rest { body, time, displacement });
+persist_struct!(BodyRest { body, time, displacement });
 
-impl Run<'_> {
-    /// Says once what the state that has been kept does not hold.
-    fn tell_of_loss(&mut self, sink: &mut dyn Sink) {
+impl SolverRun<'_> {
+    /// Warns once of memory that the checkpoint does not contain.
+    fn warn_of_lost_memory(&mut self, sink: &mut dyn Sink) {
         if !self.outcome.lost.is_empty() && !std::mem::replace(&mut self.user.loss_reported, true) {
             sink.warning(&format!("{LOST}: {}", self.outcome.lost.join("; ")));
         }
     }
 
-    /// Tells the user's routine that the increment is complete and that its state will be kept.
-    fn tell_restart(&mut self) -> Result<(), Halt> {
+    /// Informs the user subroutine that the increment is complete and that a checkpoint follows.
+    fn announce_checkpoint(&mut self) -> Result<(), HaltReason> {
         let due = self.now.step_time > 0.0 && !self.user.increment_reported;
         if let Some(events) = self.user.routines.events.as_deref_mut().filter(|_| due) {
             events.restart_follows();
-            self.tell(AnalysisMoment::EndIncrement, self.last_increment)?;
+            self.report_moment(AnalysisMoment::EndIncrement, self.last_increment)?;
             self.user.increment_reported = true;
         }
         Ok(())
     }
 }
 
-/// Begins a step with what chooses its increments, which goes on where the step changes nothing. Returns whether it does.
+/// Begins a step. The increment controller continues if the step changes no effects. Returns whether it changes any.
 pub(super) fn begin_step(
-    run: &mut Run<'_>,
+    run: &mut SolverRun<'_>,
     index: usize,
-    observing: &mut Observing,
+    observing: &mut RunOutput,
     control: &mut Option<IncrementController>,
 ) -> bool {
     let control_before = run.step.control;
@@ -372,32 +374,32 @@ pub(super) fn begin_step(
     changes
 }
 
-/// Takes up a state that was kept: the index of its step and the pace there.
+/// Restores a saved state; returns the index of its step and the increment controller.
 ///
 /// # Errors
-/// Why it is not one of this plan.
-pub(super) fn take_up(
-    run: &mut Run<'_>,
-    observing: &mut Observing,
+/// If the state does not belong to this plan.
+pub(super) fn restore(
+    run: &mut SolverRun<'_>,
+    observing: &mut RunOutput,
     state: &[u8],
 ) -> Result<(usize, IncrementController), UnfitState> {
-    let mut archive = Archive::reader(state);
-    let mut head = Head::default();
+    let mut archive = StateArchive::reader(state);
+    let mut head = CheckpointHead::default();
     head.persist(&mut archive);
-    let Head { step: index, routines } = head;
+    let CheckpointHead { step: index, routines } = head;
     if index >= run.plan.steps.len() {
-        return Err(UnfitState { reason: "it ends too early".into() });
+        return Err(UnfitState { reason: "it is incomplete".into() });
     }
-    // What is in force follows from the changes of all steps up to this one.
+    // The effects in force follow from the changes of all steps up to this one.
     let mut begun = None;
     (0..=index).for_each(|i| {
         begin_step(run, i, observing, &mut begun);
     });
     let mut control = begun.unwrap_or_else(|| IncrementController::new(run.step, &run.state.dofs.bodies));
-    At { run, observing, control: &mut control }.visit(&mut archive);
+    RunCursor { run, observing, control: &mut control }.visit(&mut archive);
     archive.finish()?;
     if let Some(memory) = &run.plan.routines.memory {
-        memory.take_up(&routines)?;
+        memory.restore(&routines)?;
     }
     run.user.restored_memory = routines;
     Ok((index, control))

@@ -1,69 +1,69 @@
-//! A run: everything an increment touches, and the increment as a numbered recipe.
-//! Never here: the loop over increments, output, states that are kept.
+//! A run: the data of an increment, and its seven operations.
 
 use super::body_forces::BodyForces;
 use super::central_difference;
-use super::energy::{Balance, Energy};
-use super::increment::{End, Increment, IncrementController, Scene};
-use super::limits::Limits;
-use super::outcome::{Outcome, Rest, StepSummary};
+use super::energy::{Energy, EnergyBalance};
+use super::increment::{Increment, IncrementContext, IncrementController, IncrementEnd};
+use super::limits::IncrementLimits;
+use super::outcome::{BodyRest, Outcome, StepSummary};
 use super::routines::UserSession;
-use super::timing::Timing;
-use super::watch::Watch;
+use super::timing::EffectTiming;
+use super::watch::RunMonitor;
 use crate::constraint::Constraint;
-use crate::element::elements::Collapsed;
-use crate::element::mass_scaling::Scaling;
+use crate::element::elements::CollapsedElement;
+use crate::element::mass_scaling::StepMassScaling;
 use crate::element::volume_guard::STARTING;
-use crate::heat::field::Heat;
-use crate::load::{Dissipation, Forces, SceneChange, SceneView};
+use crate::heat::field::TemperatureField;
+use crate::load::{LoadForces, SceneChange, SceneView, TargetDissipation};
 use crate::model::{IncrementControl, LoadVelocity};
-use crate::plan::{Changes, Plan, State, StepPlan};
-use crate::state::halt::Halt;
-use crate::state::magnitude::Clock;
+use crate::plan::{Plan, State, StepChanges, StepPlan};
+use crate::state::halt::HaltReason;
+use crate::state::magnitude::AmplitudeClock;
 use crate::state::{BodyState, Instant};
 use crate::user::RunAction;
 
-/// Everything an increment uses or changes. Aligned, so that its run time does not depend on where the stack begins.
+/// Data that an increment uses or changes. It is aligned so that the run time does not depend on the stack address.
 #[repr(align(64))]
-pub(super) struct Run<'a> {
+pub(super) struct SolverRun<'a> {
     pub(super) plan: &'a Plan,
     /// The current step.
     pub(super) step: &'a StepPlan,
     /// Degrees of freedom, elements, and the effects in force.
     pub(super) state: State,
     pub(super) now: Instant,
-    /// The instant before, which a halt inside an increment returns to.
+    /// Previous instant, to which a halt within an increment returns.
     pub(super) previous_instant: Instant,
-    /// Length of the previous increment; 0 where central differences of bodies start afresh with the half step.
+    /// Length of the previous increment; 0 if central differences of bodies start with a half step.
     pub(super) previous_dt: f64,
     /// Length of the increment that led here, for the energy balance and for output.
     pub(super) last_increment: f64,
-    /// Part of the previous increment over which the velocity that loads see is extrapolated from its middle: half of it, or none.
+    /// Fraction of the previous increment over which the velocity that loads receive is extrapolated from
+    /// mid-increment: a half, or zero.
     pub(super) velocity_extrapolation: f64,
-    /// Stable time increment of the elements at the previous instant, where the deck gives increments.
+    /// Stable time increment of the elements at the previous instant, if the deck fixes increments.
     pub(super) previous_stable_increment: f64,
-    /// Whether the instant is complete: forces, motion and energies belong to it.
+    /// Whether forces, motion and energies belong to the current instant.
     pub(super) complete: bool,
-    /// Whether a step has begun in which the forces of this instant may differ.
+    /// Whether a step has begun that may change the forces at this instant.
     pub(super) forces_may_differ: bool,
     pub(super) user: UserSession<'a>,
     pub(super) body_forces: BodyForces,
     /// Group and element that limited the smallest increment of the step.
     pub(super) limiting: Option<(usize, usize)>,
-    pub(super) balance: Balance,
-    /// What is monitored over the run.
-    pub(super) watch: Watch,
-    /// Whether other threads may take part.
+    pub(super) balance: EnergyBalance,
+    /// Monitors that issue warnings.
+    pub(super) watch: RunMonitor,
+    /// Whether other threads may be used.
     pub(super) threads: bool,
     /// Work array for the kinetic energies of chunks of nodes.
     pub(super) kinetic: Vec<f64>,
-    pub(super) timing: Timing,
+    pub(super) timing: EffectTiming,
     pub(super) outcome: Outcome,
 }
 
-impl<'a> Run<'a> {
+impl<'a> SolverRun<'a> {
     pub(super) fn new(plan: &'a Plan, state: State) -> Self {
-        Run {
+        SolverRun {
             plan,
             step: &plan.steps[0],
             now: Instant::default(),
@@ -77,51 +77,51 @@ impl<'a> Run<'a> {
             user: UserSession::new(&plan.routines),
             body_forces: BodyForces::default(),
             limiting: None,
-            balance: Balance::start(&state.dofs),
-            watch: Watch::default(),
+            balance: EnergyBalance::start(&state.dofs),
+            watch: RunMonitor::default(),
             threads: rayon::current_num_threads() > 1,
-            kinetic: central_difference::room_for_parts(&state.dofs.nodes),
-            timing: Timing::new(plan.ledger.effects.len()),
+            kinetic: central_difference::chunk_energies(&state.dofs.nodes),
+            timing: EffectTiming::new(plan.ledger.effects.len()),
             outcome: Outcome::default(),
             state,
         }
     }
 
-    /// What an instant is made of.
+    /// Evaluates the current instant.
     ///
     /// # Errors
-    /// Where a force fails or a number is not finite.
+    /// If a force fails or a value is not finite.
     #[inline]
-    pub(super) fn evaluate(&mut self) -> Result<(), Halt> {
+    pub(super) fn evaluate(&mut self) -> Result<(), HaltReason> {
         self.timing.resume(self.now.increment);
-        self.evaluate_forces()?; //             1. forces, resistances last
-        self.accelerate()?; //                  2. a = F / m; a resistance holds what is at rest
-        self.correct_velocity(); //             3. velocity at the increment's own time
-        self.book(); //                         4. energy balance
+        self.evaluate_forces()?; //             1. forces; resistances last
+        self.accelerate()?; //                  2. a = F / m; a resistance keeps a body at rest
+        self.correct_velocity(); //             3. velocity at the current instant
+        self.update_balance(); //                         4. energy balance
         self.guard_energy()?;
         self.timing.pause();
-        Ok(()) //                               5. output that is due: the loop shows it
+        Ok(()) //                               5. output, in the time loop
     }
 
-    /// From one instant to the next.
+    /// Advances to the next instant.
     ///
     /// # Errors
-    /// Where no increment goes on, or a routine of the user fails.
-    pub(super) fn advance(&mut self, control: &mut IncrementController) -> Result<(), Halt> {
+    /// If no further increment is possible, or a user subroutine fails.
+    pub(super) fn advance(&mut self, control: &mut IncrementController) -> Result<(), HaltReason> {
         self.timing.resume(self.now.increment);
         self.guard_increment()?;
         let next = self.choose(control); //     6. length of the next increment
-        self.remember_bearable();
+        self.remember_stable_increment();
         next.check(&self.now, self.now.increment)?;
         self.call_routines(next)?;
-        self.make_increment(next); //           7. v(i+1/2), u(i+1), and the velocity that loads will see
+        self.make_increment(next); //           7. v(i+1/2), u(i+1), and the velocity that loads receive
         self.record(next);
         self.timing.pause();
         Ok(())
     }
 
     #[inline]
-    fn remember_bearable(&mut self) {
+    fn remember_stable_increment(&mut self) {
         if let IncrementControl::Fixed(_) = self.step.control {
             self.previous_stable_increment = self.state.elements.stable_increment();
         }
@@ -129,8 +129,8 @@ impl<'a> Run<'a> {
 
     #[inline]
     fn choose(&self, control: &mut IncrementController) -> Increment {
-        let clock = Clock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
-        control.choose(&Scene {
+        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
+        control.choose(&IncrementContext {
             view: SceneView {
                 clock,
                 dofs: &self.state.dofs,
@@ -158,12 +158,13 @@ impl<'a> Run<'a> {
         self.now.step as usize == self.plan.steps.len()
     }
 
-    /// Whether the step is at its end, or a user's routine wants it to be.
+    /// Returns whether the step is at its end, or a user subroutine has requested the end.
     pub(super) fn is_over(&self) -> bool {
         self.now.step_time >= self.step.duration || self.user.requested_action != RunAction::Continue
     }
 
-    /// Begins a step, counted from 0: puts in force what it changes. All else goes on. Returns whether anything changes.
+    /// Begins the step with this index and applies its changes of effects; all other effects continue. Returns whether
+    /// anything changes.
     pub(super) fn begin(&mut self, index: usize) -> bool {
         let (step, previous) = (&self.plan.steps[index], self.step);
         let heat = self.state.thermal.as_mut().and_then(|t| t.heat.as_mut());
@@ -192,15 +193,15 @@ impl<'a> Run<'a> {
             self.show_own_velocity();
         }
         let (name, smallest_increment) = (step.name.clone(), f64::INFINITY);
-        let limits = Limits::begin();
-        // Masses that the previous step scaled stay scaled.
+        let limits = IncrementLimits::begin();
+        // Masses scaled in the previous step stay scaled.
         let added_mass = self.outcome.steps.last().and_then(|previous| previous.added_mass);
         let added_mass = added_mass.filter(|_| self.state.scaling.is_some());
         self.outcome.steps.push(StepSummary { name, smallest_increment, limits, added_mass, ..Default::default() });
         changes
     }
 
-    fn put_in_force(&mut self, changes: &Changes) {
+    fn put_in_force(&mut self, changes: &StepChanges) {
         if let Some(loads) = &changes.loads {
             let ended = loads.apply(&mut self.state.loads, |load, previous| load.continue_from(previous));
             self.warn_of_stiff_loads(&ended);
@@ -217,20 +218,20 @@ impl<'a> Run<'a> {
         }
         match &changes.scaling {
             Some(scaling) => self.state.scaling.clone_from(scaling),
-            None => self.state.scaling.iter_mut().for_each(Scaling::begin_step),
+            None => self.state.scaling.iter_mut().for_each(StepMassScaling::begin_step),
         }
     }
 
-    /// At the start of a later step: the forces of what is in force now. Where those on bodies are the same to the last bit, bodies
-    /// go on as they were; else their central differences start afresh, as where a force jumps.
+    /// Evaluates the forces at the start of a later step. If the forces on bodies have the same bits as before, bodies
+    /// continue; otherwise their central differences start again, as after a jump of a force.
     ///
     /// # Errors
-    /// Where a force fails or a number is not finite.
-    pub(super) fn evaluate_step_start(&mut self) -> Result<(), Halt> {
+    /// If a force fails or a value is not finite.
+    pub(super) fn evaluate_step_start(&mut self) -> Result<(), HaltReason> {
         if !std::mem::take(&mut self.forces_may_differ) || !self.complete {
             return Ok(());
         }
-        // Without a previous increment no work is counted twice.
+        // Without a previous increment its work is not added twice.
         let previous_dt = std::mem::take(&mut self.previous_dt);
         let bodies = self.state.dofs.bodies.clone();
         self.evaluate_forces()?;
@@ -251,13 +252,13 @@ impl<'a> Run<'a> {
     fn begin_constraints(&mut self) {
         self.state.elements.begin(self.state.constraints.iter().any(|c| c.view().moves_nodes));
         let pushed = self.state.elements.has_links() || self.state.loads.iter().any(|l| l.targets().nodes);
-        self.state.dofs.nodes.make_room(pushed);
+        self.state.dofs.nodes.resize_forces(pushed);
         self.state.constraints.iter_mut().for_each(|c| c.begin(&mut self.state.dofs));
     }
 
-    /// What the user's routine tells of its material, and what follows from the moduli and from what is prescribed: the first
-    /// estimate of the highest frequency.
-    pub(super) fn begin_nodes(&mut self, changes: bool) -> Result<(), Halt> {
+    /// Initialises user materials, and estimates the highest frequency from the elastic moduli and the prescribed
+    /// motions.
+    pub(super) fn begin_nodes(&mut self, changes: bool) -> Result<(), HaltReason> {
         if self.state.elements.is_empty() || !changes {
             return Ok(());
         }
@@ -268,47 +269,47 @@ impl<'a> Run<'a> {
         let views = || self.state.constraints.iter().map(|c| c.view());
         let prescribed: Vec<_> = views().filter_map(|v| v.forces).flat_map(|forces| forces.prescribed()).collect();
         let carried: Vec<_> = views().filter_map(|v| v.carried).flat_map(|c| c.nodes.to_vec()).collect();
-        let held = crate::element::frequency::Held { prescribed: &prescribed, carried: &carried };
+        let held = crate::element::frequency::ConstrainedNodes { prescribed: &prescribed, carried: &carried };
         self.state.elements.begin_frequency(global, &self.state.dofs.nodes, &held);
         Ok(())
     }
 
-    fn evaluate_forces(&mut self) -> Result<(), Halt> {
+    fn evaluate_forces(&mut self) -> Result<(), HaltReason> {
         if !self.state.elements.is_empty() {
             self.evaluate_nodes()?;
         }
         let (first_resistance, loads) = (self.body_forces.first_resistance, self.state.loads.len());
-        self.push_bodies(0, first_resistance)?;
+        self.apply_body_loads(0, first_resistance)?;
         if first_resistance < loads {
             self.body_forces.turn_resting_bodies(&mut self.state.dofs.bodies);
-            self.push_bodies(first_resistance, loads)?;
+            self.apply_body_loads(first_resistance, loads)?;
         }
         Ok(())
     }
 
-    /// Forces of some of the loads on bodies.
+    /// Evaluates the forces on bodies of the loads from `first` to `end`.
     #[inline]
-    fn push_bodies(&mut self, first: usize, end: usize) -> Result<(), Halt> {
+    fn apply_body_loads(&mut self, first: usize, end: usize) -> Result<(), HaltReason> {
         let State { dofs, loads, user_amplitudes, .. } = &mut self.state;
-        let clock = Clock { now: self.now, user_amplitudes };
+        let clock = AmplitudeClock { now: self.now, user_amplitudes };
         let view = SceneView { clock, dofs, velocity_extrapolation: self.velocity_extrapolation, rings: None };
         let mut start = self.body_forces.start_of(first);
         for (load, &end) in loads[first..end].iter_mut().zip(&self.body_forces.load_ends[first..end]) {
             let started = self.timing.start();
             let forces = &mut self.body_forces.values[start..end];
-            load.apply(&view, &mut self.user.routines, &mut Forces::OnBodies(forces))?;
+            load.apply(&view, &mut self.user.routines, &mut LoadForces::OnBodies(forces))?;
             self.timing.stop(started, load.effect());
             start = end;
         }
         Ok(())
     }
 
-    /// Stresses of elements, forces of loads and links on nodes, and what of them goes to bodies.
-    fn evaluate_nodes(&mut self) -> Result<(), Halt> {
+    /// Evaluates element stresses, forces of loads and links on nodes, and the forces of tied nodes on bodies.
+    fn evaluate_nodes(&mut self) -> Result<(), HaltReason> {
         self.scale_masses();
         let fresh = self.state.elements.is_pending();
         if fresh {
-            self.warm();
+            self.apply_temperatures();
             self.give_fields();
         }
         let user = self.user.routines.at_points();
@@ -318,69 +319,71 @@ impl<'a> Run<'a> {
         }
         self.state.dofs.nodes.begin_forces();
         self.release_faces();
-        self.push_nodes()?;
-        self.state.elements.link(&mut self.state.dofs);
+        self.apply_nodal_loads()?;
+        self.state.elements.add_link_forces(&mut self.state.dofs);
         self.state.elements.check(&self.state.dofs.nodes).map_err(|collapsed| self.collapsed(collapsed))?;
         self.transfer_to_bodies();
         Ok(())
     }
 
-    /// Temperatures of nodes, where they are solved for.
-    pub(super) fn heat(&self) -> Option<&Heat> {
+    /// Returns the nodal temperatures, if they are solved for.
+    pub(super) fn heat(&self) -> Option<&TemperatureField> {
         self.state.thermal.as_ref()?.heat.as_ref()
     }
 
-    /// Gives elements their temperatures and takes their thermal strains off.
+    /// Sets element temperatures and removes thermal strains.
     #[inline(never)]
-    fn warm(&mut self) {
+    fn apply_temperatures(&mut self) {
         let Some(thermal) = &mut self.state.thermal else { return };
         let clock = self.timing.start();
-        thermal.before(
+        thermal.prepare_elements(
             &mut self.state.elements,
             &mut self.state.dofs,
-            &Clock { now: self.now, user_amplitudes: &self.state.user_amplitudes },
+            &AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes },
         );
         if let Some(heat) = &thermal.heat {
             self.timing.stop(clock, heat.id);
         }
     }
 
-    /// Gives elements the field variables that are prescribed.
+    /// Sets prescribed field variables of elements.
     #[inline(never)]
     fn give_fields(&mut self) {
         let Some(id) = self.state.elements.fields.as_ref().map(|f| f.id) else { return };
         let clock = self.timing.start();
-        self.state.elements.give_fields(&Clock { now: self.now, user_amplitudes: &self.state.user_amplitudes });
+        self.state
+            .elements
+            .give_fields(&AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes });
         self.timing.stop(clock, id);
     }
 
-    /// What plastic work made, and the flow of heat at this instant.
+    /// Adds the heat of plastic work and evaluates heat conduction.
     #[inline(never)]
     fn conduct(&mut self, fresh: bool) {
         let Some(heat) = self.state.thermal.as_mut().and_then(|t| t.heat.as_mut()) else { return };
         let started = self.timing.start();
         if fresh {
-            heat.take(&mut self.state.elements);
+            heat.collect_plastic_heat(&mut self.state.elements);
         }
-        let clock = Clock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
+        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
         heat.evaluate(&self.state.elements, &self.state.dofs, &self.state.constraints, &clock, self.threads);
         self.timing.stop(started, heat.id);
     }
 
     pub(super) fn energy(&self) -> Energy {
-        let heat = self.heat().map(Heat::energies);
-        let removed = self.state.elements.removed.as_ref().map(|r| r.books(&self.state.dofs.nodes));
+        let heat = self.heat().map(TemperatureField::energies);
+        let removed = self.state.elements.removed.as_ref().map(|r| r.totals(&self.state.dofs.nodes));
         let (external, internal) = (heat.map(|h| h.external), heat.map(|h| h.internal));
         Energy { heat: external, internal_heat: internal, removed, ..self.balance.energy() }
     }
 
-    /// Group and element that limit the increment.
+    /// Returns group and element that limit the increment.
     pub(super) fn limits(&self) -> (usize, usize) {
-        let slower = |h: &&Heat| h.stable_increment() < self.state.elements.stable_increment();
-        self.heat().filter(slower).map_or_else(|| self.state.elements.limiting(), Heat::limiting)
+        let slower = |h: &&TemperatureField| h.stable_increment() < self.state.elements.stable_increment();
+        self.heat().filter(slower).map_or_else(|| self.state.elements.limiting(), TemperatureField::limiting)
     }
 
-    /// Forces of nodes on the rigid bodies that carry them.
+    /// Sums the forces of tied nodes on their rigid bodies.
     fn transfer_to_bodies(&mut self) {
         let (elements, nodes) = (&self.state.elements, &self.state.dofs.nodes);
         let force = |n: usize| {
@@ -420,12 +423,12 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn push_nodes(&mut self) -> Result<(), Halt> {
-        // Out of the way of what loads look at.
+    fn apply_nodal_loads(&mut self) -> Result<(), HaltReason> {
+        // Taken out of the state, because loads read the state.
         let mut forces = std::mem::take(&mut self.state.dofs.nodes.forces[0]);
-        let mut dissipated = Dissipation::default();
+        let mut dissipated = TargetDissipation::default();
         let view = SceneView {
-            clock: Clock { now: self.now, user_amplitudes: &self.state.user_amplitudes },
+            clock: AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes },
             dofs: &self.state.dofs,
             velocity_extrapolation: self.velocity_extrapolation,
             rings: self.state.elements.ring_factors(),
@@ -433,7 +436,7 @@ impl<'a> Run<'a> {
         let mut result = Ok(());
         for load in &mut self.state.loads {
             let clock = self.timing.start();
-            match load.apply(&view, &mut self.user.routines, &mut Forces::OnNodes(&mut forces)) {
+            match load.apply(&view, &mut self.user.routines, &mut LoadForces::OnNodes(&mut forces)) {
                 Ok(work) => dissipated.add(work),
                 Err(halt) => {
                     result = Err(halt);
@@ -443,7 +446,7 @@ impl<'a> Run<'a> {
             self.timing.stop(clock, load.effect());
         }
         self.state.dofs.nodes.forces[0] = forces;
-        let Dissipation { cavity, friction } = dissipated;
+        let TargetDissipation { cavity, friction } = dissipated;
         self.state.dofs.energies.cavity += cavity;
         self.state.dofs.energies.friction += friction;
         self.state.dofs.energies.external += cavity + friction;
@@ -451,21 +454,21 @@ impl<'a> Run<'a> {
     }
 
     #[cold]
-    fn collapsed(&self, Collapsed { group, element, volume }: Collapsed) -> Halt {
+    fn collapsed(&self, CollapsedElement { group, element, volume }: CollapsedElement) -> HaltReason {
         if let Some(halt) = &self.state.elements.failure {
             return halt.clone();
         }
-        let why = if volume > 0.0 { "its state is not finite" } else { "it has turned inside out" };
+        let why = if volume > 0.0 { "its state is not finite" } else { "it is inverted" };
         let reason = format!(
             "element {} failed at increment {}, time {:e}: {why} (volume {volume:e})",
             self.plan.element_name(group, element),
             self.now.increment,
             self.now.total_time
         );
-        Halt { code: "R206", reason: reason + &self.too_long() }
+        HaltReason { code: "R206", reason: reason + &self.too_long() }
     }
 
-    /// Where the deck gives increments: by how much they exceed what the elements that are left bear.
+    /// Compares a fixed increment with the stable time increment of the elements that remain.
     #[cold]
     fn too_long(&self) -> String {
         let IncrementControl::Fixed(given) = self.step.control else { return String::new() };
@@ -474,13 +477,13 @@ impl<'a> Run<'a> {
             return String::new();
         }
         format!(
-            "; the increment that DIRECT USER CONTROL gives, {given:e}, is {ratio:.2} times the stable one at the instant before, \
-             {:.3e}: give a smaller one, or leave it to the program",
+            "; the increment of DIRECT USER CONTROL, {given:e}, is {ratio:.2} times the stable time increment at the previous \
+             instant, {:.3e}: use a smaller one or automatic increments",
             self.previous_stable_increment
         )
     }
 
-    fn accelerate(&mut self) -> Result<(), Halt> {
+    fn accelerate(&mut self) -> Result<(), HaltReason> {
         let mut start = 0;
         for b in 0..self.state.dofs.bodies.len() {
             let body = &mut self.state.dofs.bodies[b];
@@ -501,12 +504,12 @@ impl<'a> Run<'a> {
             );
             self.timing.stop_gather(clock, self.plan);
         }
-        let clock = Clock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
+        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
         for constraint in &mut self.state.constraints {
             constraint.accelerations(&mut self.state.dofs, &clock);
         }
-        self.state.dofs.nodes.moved = false;
-        // An increment that the deck fixes follows nothing.
+        self.state.dofs.nodes.work_pending = false;
+        // A fixed increment ignores the stable time increment.
         let automatic = matches!(self.step.control, IncrementControl::Automatic { .. });
         if !self.state.elements.is_empty() && self.now.increment < STARTING && automatic {
             self.state.elements.guard_start(&self.state.dofs.nodes);
@@ -518,8 +521,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn book(&mut self) {
-        self.balance.book(
+    fn update_balance(&mut self) {
+        self.balance.add_increment(
             &self.state.dofs,
             &self.body_forces.values,
             self.previous_dt == 0.0,
@@ -528,7 +531,7 @@ impl<'a> Run<'a> {
         self.complete = true;
     }
 
-    fn not_finite(&self) -> Halt {
+    fn not_finite(&self) -> HaltReason {
         let b = self.state.dofs.bodies.iter().position(|b| !b.acceleration.is_finite()).unwrap_or_default();
         let (name, time, body) = (&self.plan.bodies[b].name, self.now.total_time, &self.state.dofs.bodies[b]);
         let reason = format!(
@@ -538,7 +541,7 @@ impl<'a> Run<'a> {
             body.describe_force(),
             body.mass
         );
-        Halt { code: "R203", reason }
+        HaltReason { code: "R203", reason }
     }
 
     fn correct_velocity(&mut self) {
@@ -551,7 +554,7 @@ impl<'a> Run<'a> {
 
     #[inline]
     fn prescribe_velocities(&mut self) {
-        let clock = Clock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
+        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
         self.state.constraints.iter_mut().for_each(|c| c.velocities(&mut self.state.dofs, &clock));
     }
 
@@ -560,16 +563,16 @@ impl<'a> Run<'a> {
         self.state.dofs.bodies.iter_mut().for_each(|body| body.advance(dt));
         if !self.state.elements.is_empty() {
             central_difference::advance_nodes(&self.state.elements, &mut self.state.dofs, dt, self.threads);
-            self.state.elements.moved();
+            self.state.elements.mark_moved();
         }
-        let clock = Clock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
+        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
         for constraint in &mut self.state.constraints {
             let started = self.timing.start();
             constraint.motion(&mut self.state.dofs, &clock, dt);
             self.timing.stop(started, constraint.effect());
         }
         if let Some(heat) = self.state.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
-            heat.cross(&self.state.constraints, dt);
+            heat.add_exchanged_heat(&self.state.constraints, dt);
             heat.advance(&clock, dt);
         }
         for body in &mut self.state.dofs.bodies {
@@ -580,33 +583,33 @@ impl<'a> Run<'a> {
         self.now = next.arrival(&self.now, self.step.duration);
         self.last_increment = dt;
         self.previous_dt = dt;
-        // From step to step central differences go on, unless forces on bodies turn out to be others.
-        let goes_on = next.end == End::Step && (self.body_forces.tied > 0 || !self.is_last_step());
-        if next.end != End::Plain && !goes_on {
-            self.start_afresh(next.end);
+        // Central differences continue into the next step unless its forces on bodies differ.
+        let goes_on = next.end == IncrementEnd::Step && (self.body_forces.tied > 0 || !self.is_last_step());
+        if next.end != IncrementEnd::Plain && !goes_on {
+            self.restart_integration(next.end);
         }
     }
 
-    /// After an instant of rest or a jump of a force the next increment of bodies starts as the first did, from the velocity
-    /// at its own time.
-    fn start_afresh(&mut self, end: End) {
+    /// Starts central differences of bodies again with a half step after rest or a jump of a force, from the velocity
+    /// at the current instant.
+    fn restart_integration(&mut self, end: IncrementEnd) {
         self.state.dofs.bodies.iter_mut().for_each(|body| body.complete_velocity(self.previous_dt));
         self.prescribe_velocities();
-        if let End::Rest(b) = end {
+        if let IncrementEnd::Rest(b) = end {
             self.state.dofs.bodies[b].arrest();
             let (body, displacement) = (self.plan.bodies[b].name.clone(), self.state.dofs.bodies[b].displacement);
-            self.outcome.rests.push(Rest { body, time: self.now.total_time, displacement });
+            self.outcome.rests.push(BodyRest { body, time: self.now.total_time, displacement });
         }
         self.previous_dt = 0.0;
         self.show_own_velocity();
     }
 
-    /// Where central differences start, loads see the velocity itself.
+    /// Passes the current velocity to loads when central differences start.
     fn show_own_velocity(&mut self) {
         self.state.dofs.bodies.iter_mut().for_each(BodyState::show_own_velocity);
     }
 
-    /// After a failure: the state of the last instant that was complete.
+    /// Returns to the last complete instant after a failure.
     pub(super) fn step_back(&mut self) {
         if self.now.increment == 0 || self.complete {
             return;

@@ -1,33 +1,32 @@
-//! All degrees of freedom of a scene: rigid bodies, with one along z or with six, and nodes, which move along r and z.
-//! Never here: what makes them move.
+//! Degrees of freedom of a model: rigid bodies (one or six), and nodes (r and z).
 
 use super::BodyState;
 use super::archive::persist_struct;
-use super::energies::Energies;
+use super::energies::EnergyTotals;
 use super::nodes::Nodes;
 
-/// One degree of freedom.
+/// A degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Dof {
-    /// A rigid body, along z.
+    /// Displacement of a rigid body along z.
     Body(usize),
-    /// A node, along r (0) or z (1).
+    /// Displacement of a node along r (0) or z (1).
     Node(usize, usize),
 }
 
-/// What moves, and the energies that go with it.
+/// Degrees of freedom of a model, and the energies of deformable bodies.
 #[derive(Clone, Debug, Default)]
 pub struct Dofs {
     /// Rigid bodies.
     pub bodies: Vec<BodyState>,
-    /// Nodes of what deforms.
+    /// Nodes of deformable bodies.
     pub nodes: Nodes,
-    /// Energies of what deforms.
-    pub energies: Energies,
+    /// Energies of deformable bodies.
+    pub energies: EnergyTotals,
 }
 
 impl Dofs {
-    /// Displacement.
+    /// Returns the displacement.
     pub fn displacement(&self, dof: Dof) -> f64 {
         match dof {
             Dof::Body(b) => self.bodies[b].displacement,
@@ -35,16 +34,17 @@ impl Dofs {
         }
     }
 
-    /// Velocity at the instant's own time; of a rigid body in contact with that of the increment behind over half of it.
+    /// Returns the velocity at the current instant; for a rigid body in contact, including half the velocity change by
+    /// contact over the previous increment.
     pub fn velocity(&self, dof: Dof) -> f64 {
         match dof {
             Dof::Body(b) if self.bodies[b].contact == 0.0 => self.bodies[b].velocity,
-            Dof::Body(b) => self.bodies[b].velocity + 0.5 * self.nodes.behind * self.bodies[b].contact,
+            Dof::Body(b) => self.bodies[b].velocity + 0.5 * self.nodes.previous_dt * self.bodies[b].contact,
             Dof::Node(n, axis) => self.nodes.velocity_now(n)[axis],
         }
     }
 
-    /// Acceleration; of a rigid body in contact with that of the increment behind.
+    /// Returns the acceleration; for a rigid body in contact, including that by contact over the previous increment.
     pub fn acceleration(&self, dof: Dof) -> f64 {
         match dof {
             Dof::Body(b) if self.bodies[b].contact == 0.0 => self.bodies[b].acceleration,
@@ -53,7 +53,7 @@ impl Dofs {
         }
     }
 
-    /// Mass.
+    /// Returns the mass.
     pub fn mass(&self, dof: Dof) -> f64 {
         match dof {
             Dof::Body(b) => self.bodies[b].mass,

@@ -1,13 +1,12 @@
-//! Energies of what deforms, summed over a run.
-//! Never here: the balance of the whole scene.
+//! Energies of deformable bodies, summed over a run.
 
 use super::archive::persist_struct;
 
-/// Energies so far.
+/// Energies since the start of the analysis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Energies {
-    /// Kinetic, at the instant's own time: half v(i-1/2) m v(i+1/2), which central differences conserve exactly together
-    /// with the strain energy of a linear body.
+pub struct EnergyTotals {
+    /// Kinetic energy at the current instant: v(i-1/2) m v(i+1/2)/2. For a linear body, central differences conserve
+    /// the sum of this value and the strain energy exactly.
     pub kinetic: f64,
     /// Work of the stress.
     pub internal: f64,
@@ -19,27 +18,27 @@ pub struct Energies {
     pub artificial: f64,
     /// Work of distortion control.
     pub distortion: f64,
-    /// Work of forces and prescribed motions.
+    /// Work of external forces and prescribed motions.
     pub external: f64,
-    /// Lost where surfaces meet.
+    /// Energy lost in contact impulses.
     pub contact: f64,
-    /// Held and lost by penalty springs of contact.
+    /// Energy stored and dissipated by contact penalty springs.
     pub penalty: f64,
-    /// Dissipated by friction, where surfaces meet and in a target that is not meshed.
+    /// Energy dissipated by friction, in contact and in an unmeshed target.
     pub friction: f64,
-    /// Dissipated by opening the cavity in a target that is not meshed.
+    /// Energy dissipated by cavity expansion in an unmeshed target.
     pub cavity: f64,
 }
 
-impl Energies {
-    /// What is kept or lost, less the work from outside: constant but for what rigid bodies take.
+impl EnergyTotals {
+    /// Returns the sum of stored and dissipated energies, without external work.
     pub fn sum(&self) -> f64 {
         let dissipated = self.viscous + self.contact + self.friction + self.cavity + self.distortion;
         self.kinetic + self.internal + self.artificial + dissipated + self.penalty
     }
 }
 
-persist_struct!(Energies {
+persist_struct!(EnergyTotals {
     kinetic,
     internal,
     plastic,

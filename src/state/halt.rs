@@ -1,12 +1,11 @@
-//! Why a run stops before its end.
-//! Never here: when it does.
+//! Error that ends a run before its end time.
 
-/// The reason, with a stable code.
+/// Reason why a run ended, with a stable code.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{code}: {reason}")]
-pub struct Halt {
+pub struct HaltReason {
     /// Stable code (`R…`).
     pub code: &'static str,
-    /// What happened, with the place in the scene.
+    /// Description of the error, with its location in the model.
     pub reason: String,
 }

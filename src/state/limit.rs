@@ -1,20 +1,21 @@
-//! How far in time something lets an increment go.
-//! Never here: the choice of an increment.
+//! Limit of the time increment by loads and motions.
 
-/// A bound on the next increment.
+/// Limit of the next increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limit {
-    /// From now on.
+pub struct IncrementLimit {
+    /// Time from the current instant.
     pub time: f64,
-    /// Whether the force jumps there: central differences then start afresh.
+    /// Whether the force is discontinuous there; central differences are then restarted.
     pub jump: bool,
 }
 
-impl Limit {
-    pub const NONE: Limit = Limit { time: f64::INFINITY, jump: false };
+impl IncrementLimit {
+    /// No limit.
+    pub const NONE: IncrementLimit = IncrementLimit { time: f64::INFINITY, jump: false };
 
+    /// Returns the limit with the smaller time.
     #[must_use]
-    pub fn nearer(self, other: Limit) -> Limit {
+    pub fn earlier(self, other: IncrementLimit) -> IncrementLimit {
         if other.time < self.time { other } else { self }
     }
 }

@@ -1,85 +1,87 @@
-//! Magnitudes of loads and motions that follow functions of time.
-//! Never here: what is scaled.
+//! Magnitudes of loads and motions as functions of time.
 
 use super::Instant;
-use super::limit::Limit;
-use crate::kernel::amplitude::{Curve, SampledAmplitude};
+use super::limit::IncrementLimit;
+use crate::kernel::amplitude::{AmplitudeCurve, SampledAmplitude};
 
-/// An instant, with the functions of time that user amplitudes give.
+/// Current time, with the amplitudes that user subroutines define.
 #[derive(Clone, Copy, Debug)]
-pub struct Clock<'a> {
+pub struct AmplitudeClock<'a> {
     pub now: Instant,
-    /// Functions of time of user amplitudes, by the number of a [`Shape::Told`].
+    /// User amplitudes, by the index of [`TimeFunction::Sampled`].
     pub user_amplitudes: &'a [SampledAmplitude],
 }
 
-impl Clock<'_> {
-    /// A time later.
+impl AmplitudeClock<'_> {
+    /// Returns the clock advanced by a time.
     #[must_use]
     pub fn later(self, time: f64) -> Self {
         let now = Instant { step_time: self.now.step_time + time, total_time: self.now.total_time + time, ..self.now };
-        Clock { now, ..self }
+        AmplitudeClock { now, ..self }
     }
 }
 
 /// A function of time that scales a magnitude.
 #[derive(Clone, Debug)]
-pub enum Shape {
+pub enum TimeFunction {
     /// 1 at all times.
     Constant,
-    /// Known beforehand.
-    Curve(Curve),
-    /// Told by a user's routine as the run goes: which of the clock's.
-    Told(usize),
+    /// Amplitude defined in the deck.
+    Curve(AmplitudeCurve),
+    /// User amplitude sampled during the run: index into those of the clock.
+    Sampled(usize),
 }
 
-/// A magnitude that may follow an amplitude.
+/// A magnitude scaled by an amplitude.
 #[derive(Clone, Debug)]
 pub struct Magnitude {
     /// Value at amplitude 1.
     pub value: f64,
-    /// Its amplitude.
-    pub shape: Shape,
+    /// Amplitude.
+    pub shape: TimeFunction,
 }
 
 impl Magnitude {
     pub fn constant(value: f64) -> Self {
-        Magnitude { value, shape: Shape::Constant }
+        Magnitude { value, shape: TimeFunction::Constant }
     }
 
-    pub fn amplitude(&self, clock: &Clock<'_>) -> f64 {
+    /// Returns the amplitude at a time.
+    pub fn amplitude(&self, clock: &AmplitudeClock<'_>) -> f64 {
         match &self.shape {
-            Shape::Constant => 1.0,
-            Shape::Curve(curve) => curve.value(curves_time(curve, &clock.now)),
-            Shape::Told(index) => clock.user_amplitudes[*index].value(clock.now.total_time),
+            TimeFunction::Constant => 1.0,
+            TimeFunction::Curve(curve) => curve.value(curves_time(curve, &clock.now)),
+            TimeFunction::Sampled(index) => clock.user_amplitudes[*index].value(clock.now.total_time),
         }
     }
 
-    pub fn at(&self, clock: &Clock<'_>) -> f64 {
+    /// Returns the magnitude at a time.
+    pub fn at(&self, clock: &AmplitudeClock<'_>) -> f64 {
         self.value * self.amplitude(clock)
     }
 
-    pub fn rate(&self, clock: &Clock<'_>) -> f64 {
+    /// Returns the time derivative of the magnitude.
+    pub fn rate(&self, clock: &AmplitudeClock<'_>) -> f64 {
         self.value
             * match &self.shape {
-                Shape::Constant => 0.0,
-                Shape::Curve(curve) => curve.slope(curves_time(curve, &clock.now)),
-                Shape::Told(index) => clock.user_amplitudes[*index].slope(),
+                TimeFunction::Constant => 0.0,
+                TimeFunction::Curve(curve) => curve.slope(curves_time(curve, &clock.now)),
+                TimeFunction::Sampled(index) => clock.user_amplitudes[*index].slope(),
             }
     }
 
-    /// Time until the next kink of the amplitude.
-    pub fn limit(&self, clock: &Clock<'_>) -> Limit {
-        let Shape::Curve(curve) = &self.shape else { return Limit::NONE };
+    /// Returns the time until the next kink of the amplitude.
+    pub fn limit(&self, clock: &AmplitudeClock<'_>) -> IncrementLimit {
+        let TimeFunction::Curve(curve) = &self.shape else { return IncrementLimit::NONE };
         let time = curves_time(curve, &clock.now);
-        Limit { time: curve.next_point(time) - time, jump: false }
+        IncrementLimit { time: curve.next_point(time) - time, jump: false }
     }
 
     pub fn bytes(&self) -> usize {
-        if let Shape::Curve(curve) = &self.shape { curve.bytes() } else { 0 }
+        if let TimeFunction::Curve(curve) = &self.shape { curve.bytes() } else { 0 }
     }
 }
 
-fn curves_time(curve: &Curve, now: &Instant) -> f64 {
+fn curves_time(curve: &AmplitudeCurve, now: &Instant) -> f64 {
     if curve.total_time { now.total_time } else { now.step_time }
 }

@@ -1,12 +1,11 @@
-//! Nodes that move on their own: those of deformable bodies.
-//! Never here: elements, what prescribes a motion.
+//! Nodes of deformable bodies: positions, velocities, masses and forces.
 
 use std::ops::{Index, IndexMut};
 
-use super::archive::{Archive, Persist, persist_fields, persist_struct};
+use super::archive::{Persist, StateArchive, persist_fields, persist_struct};
 use crate::kernel::lists::heap_bytes;
 
-/// What elements read of a node: one half of a cache line.
+/// Nodal data that elements read: half a cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
 pub struct Node {
@@ -14,69 +13,69 @@ pub struct Node {
     pub r: f64,
     /// Current z.
     pub z: f64,
-    /// Velocity along r at the middle of the increment behind.
+    /// Velocity along r at the middle of the previous increment.
     pub v_r: f64,
-    /// Velocity along z.
+    /// Velocity along z at the middle of the previous increment.
     pub v_z: f64,
 }
 
 impl Node {
-    /// `[r, z]`.
+    /// Returns the position `[r, z]`.
     pub fn place(&self) -> [f64; 2] {
         [self.r, self.z]
     }
 
-    /// `[r, z, v_r, v_z]`.
+    /// Returns `[r, z, v_r, v_z]`.
     #[inline(always)]
     pub fn as_array(&self) -> [f64; 4] {
         [self.r, self.z, self.v_r, self.v_z]
     }
 
-    /// Velocity along r (0) or z (1).
+    /// Returns the velocity along r (0) or z (1).
     pub fn velocity(&mut self, axis: usize) -> &mut f64 {
         if axis == 0 { &mut self.v_r } else { &mut self.v_z }
     }
 
-    /// Coordinate along r (0) or z (1).
+    /// Returns the coordinate r (0) or z (1).
     pub fn coordinate(&mut self, axis: usize) -> &mut f64 {
         if axis == 0 { &mut self.r } else { &mut self.z }
     }
 }
 
-/// Accelerations of nodes when the increment behind began, and the time over which they acted on velocities: (dt + dt')/2 of
-/// both increments around. No accelerations where nothing is known of them.
+/// Accelerations of nodes at the start of the previous increment, and the time over which they changed the velocities:
+/// (dt + dt')/2 of the increments before and after that instant. The default is no accelerations.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Accelerated<'a> {
-    /// Of each node.
+pub struct NodeAccelerations<'a> {
+    /// Accelerations of all nodes, `[r, z]`; empty if unknown.
     pub accelerations: &'a [[f64; 2]],
-    /// How long.
+    /// Time over which they acted.
     pub half: f64,
 }
 
-/// All of them, in the order of the solver.
+/// All nodes of deformable bodies, in the order of the solver.
 #[derive(Clone, Debug, Default)]
 pub struct Nodes {
     list: Vec<Node>,
-    /// Places at the start.
+    /// Initial positions `[r, z]`.
     pub start: Vec<[f64; 2]>,
-    /// Lumped masses; 0 where a rigid body carries the node.
+    /// Lumped masses; 0 for nodes of rigid bodies.
     pub mass: Vec<f64>,
-    /// One over the mass; 0 where a rigid body carries the node.
+    /// Inverse masses; 0 for nodes of rigid bodies.
     pub inverse_mass: Vec<f64>,
-    /// Accelerations at the instant's own time.
+    /// Accelerations `[r, z]` at the current instant.
     pub acceleration: Vec<[f64; 2]>,
-    /// Forces on nodes that are not of elements, now and an instant before; empty without any.
+    /// Nodal forces not from elements, at the current and the previous instant; empty without such forces.
     pub forces: [Vec<[f64; 2]>; 2],
-    /// Length of the increment behind; 0 at the start.
-    pub behind: f64,
-    /// Time over which accelerations acted on the velocities last.
+    /// Length of the previous increment; 0 at the start.
+    pub previous_dt: f64,
+    /// Time over which accelerations acted in the last velocity update.
     pub half: f64,
-    /// Whether there is an increment behind whose work is still to be booked.
-    pub moved: bool,
+    /// Whether the work of the previous increment has not been added to the energies yet.
+    pub work_pending: bool,
 }
 
 impl Nodes {
-    /// Nodes at their places at the start, with their masses.
+    /// Creates nodes at initial positions with their masses.
     pub fn new(list: Vec<Node>, mass: Vec<f64>) -> Self {
         Nodes {
             start: list.iter().map(Node::place).collect(),
@@ -88,62 +87,63 @@ impl Nodes {
         }
     }
 
-    /// Number of nodes.
+    /// Returns the number of nodes.
     pub fn len(&self) -> usize {
         self.list.len()
     }
 
-    /// Whether nothing deforms.
+    /// Returns whether there are no deformable bodies.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
-    /// Places and velocities.
+    /// Returns positions and velocities.
     pub fn as_slice(&self) -> &[Node] {
         &self.list
     }
 
-    /// Places and velocities, with the accelerations that change them.
+    /// Returns positions and velocities for modification, and the accelerations.
     pub fn motion_mut(&mut self) -> (&mut [Node], &[[f64; 2]]) {
         (&mut self.list, &self.acceleration)
     }
 
-    /// Makes room for forces, or takes it away.
-    pub fn make_room(&mut self, pushed: bool) {
+    /// Allocates or frees the forces that are not from elements.
+    pub fn resize_forces(&mut self, pushed: bool) {
         let count = if pushed { self.list.len() } else { 0 };
         self.forces.iter_mut().for_each(|list| list.resize(count, [0.0; 2]));
     }
 
-    /// The forces of this instant begin at zero; those that were become those before.
+    /// Moves the current forces to the previous instant, and sets the current ones to zero.
     pub fn begin_forces(&mut self) {
         let [now, before] = &mut self.forces;
         std::mem::swap(now, before);
         now.fill([0.0; 2]);
     }
 
-    /// Length of the increment behind whose work is still to be booked; 0 where there is none.
-    pub fn unbooked(&self) -> f64 {
-        if self.moved { self.behind } else { 0.0 }
+    /// Returns the length of the previous increment if its work has not been added to the energies yet, otherwise 0.
+    pub fn unaccounted_dt(&self) -> f64 {
+        if self.work_pending { self.previous_dt } else { 0.0 }
     }
 
-    /// Velocity of a node a part of the increment behind after its middle: half of it is the instant's own time.
+    /// Returns the velocity of a node at `part` times the previous increment after its middle; 0.5 is the current
+    /// instant.
     pub fn velocity_after(&self, node: usize, part: f64) -> [f64; 2] {
-        let (n, a, time) = (&self.list[node], self.acceleration[node], part * self.behind);
+        let (n, a, time) = (&self.list[node], self.acceleration[node], part * self.previous_dt);
         [n.v_r + time * a[0], n.v_z + time * a[1]]
     }
 
-    /// Velocity of a node at the instant's own time.
+    /// Returns the velocity of a node at the current instant.
     pub fn velocity_now(&self, node: usize) -> [f64; 2] {
         self.velocity_after(node, 0.5)
     }
 
-    /// Displacement of a node.
+    /// Returns the displacement of a node.
     pub fn displacement(&self, node: usize) -> [f64; 2] {
         [self.list[node].r - self.start[node][0], self.list[node].z - self.start[node][1]]
     }
 
-    /// Gives a node another mass at its velocity. Returns by how much the kinetic energy grows with it along r and z, which is
-    /// work from outside: with half v(i-1/2) m v(i+1/2) it is exactly half the added mass times v(i-1/2)^2.
+    /// Changes the mass of a node at constant velocity. Returns the increase of kinetic energy along r and z, which is
+    /// external work: with the energy v(i-1/2) m v(i+1/2)/2 it is exactly half the added mass times v(i-1/2)².
     pub fn change_mass(&mut self, node: usize, mass: f64) -> [f64; 2] {
         let (added, n) = (mass - self.mass[node], &self.list[node]);
         self.mass[node] = mass;
@@ -151,12 +151,12 @@ impl Nodes {
         [0.5 * added * n.v_r * n.v_r, 0.5 * added * n.v_z * n.v_z]
     }
 
-    /// Bytes of forces, where there are any.
+    /// Returns the bytes of the forces.
     pub fn bytes_of_forces(&self) -> usize {
         self.forces.len() * size_of::<[f64; 2]>() * self.list.len()
     }
 
-    /// Names and bytes of the arrays, but for forces.
+    /// Returns names and bytes of the arrays except forces.
     pub fn arrays(&self) -> Vec<(&'static str, usize)> {
         vec![
             ("motion", heap_bytes(&self.list)),
@@ -186,10 +186,11 @@ impl IndexMut<usize> for Nodes {
 persist_struct!(Node { r, z, v_r, v_z });
 
 impl Persist for Nodes {
-    /// In a step that has begun: forces have their room. Those of the instant before are written over.
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Nodes { list, start: _, mass, inverse_mass, acceleration, forces, behind, half, moved } = self;
+    /// Visits the state within a step, where the forces are allocated. Those of the previous instant are overwritten
+    /// before use and not saved.
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let Nodes { list, start: _, mass, inverse_mass, acceleration, forces, previous_dt, half, work_pending } = self;
         persist_fields!(archive; list.as_mut_slice(), mass.as_mut_slice(), inverse_mass.as_mut_slice());
-        persist_fields!(archive; acceleration.as_mut_slice(), forces[0].as_mut_slice(), behind, half, moved);
+        persist_fields!(archive; acceleration.as_mut_slice(), forces[0].as_mut_slice(), previous_dt, half, work_pending);
     }
 }

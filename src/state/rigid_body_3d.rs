@@ -1,26 +1,25 @@
-//! The six degrees of freedom of a rigid body that translates and rotates in space: central differences of its centre of mass and
-//! of its angular momentum, with the exact free motion of a symmetric top between their kicks (Strang splitting, second order).
-//! Only bodies whose impact is oblique have them; directions are 1, 2, 3 of `kernel::attitude`.
-//! Never here: which forces act, the length of an increment.
+//! Rigid body with six degrees of freedom, for oblique impact: central differences of the velocity of its centre of
+//! mass and of its angular momentum, with the exact torque-free motion of a symmetric top between the updates (Strang
+//! splitting, second order). Directions are 1, 2, 3 of `kernel::attitude`.
 
-use super::archive::{Archive, Persist, persist_struct};
-use crate::kernel::attitude::{Attitude, Inertia, Vector, angle, cross, dot, norm, plus, times};
+use super::archive::{Persist, StateArchive, persist_struct};
+use crate::kernel::attitude::{Attitude, PrincipalInertia, SpatialVector, angle, cross, dot, norm, plus, times};
 use crate::kernel::lanes::InlineMap;
 
-/// Speed at which the resistance on a body at rest is evaluated, as a part of its largest speed so far: the direction in which the
-/// body would start to move is what matters.
+/// Speed at which the resistance on a body at rest is evaluated, relative to its largest speed so far; only its
+/// direction matters.
 const PROBE: f64 = 1e-9;
 
-/// A force at the centre of mass and a moment about it, in the world.
+/// Force at the centre of mass and moment about it, in the global frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wrench {
-    pub force: Vector,
-    pub moment: Vector,
+    pub force: SpatialVector,
+    pub moment: SpatialVector,
 }
 
 impl Wrench {
-    /// A force at a point `arm` away from the centre of mass.
-    pub fn at(arm: Vector, force: Vector) -> Wrench {
+    /// Returns the wrench of a force at a point `arm` from the centre of mass.
+    pub fn at(arm: SpatialVector, force: SpatialVector) -> Wrench {
         Wrench { force, moment: cross(arm, force) }
     }
 
@@ -29,63 +28,63 @@ impl Wrench {
         self.moment = plus(self.moment, 1.0, other.moment);
     }
 
-    /// The wrench whose components along and about 1, 2, 3 are generalised forces.
+    /// Returns the wrench with these components along and about 1, 2, 3.
     pub fn of(components: [f64; 6]) -> Wrench {
         let [f1, f2, f3, m1, m2, m3] = components;
         Wrench { force: [f1, f2, f3], moment: [m1, m2, m3] }
     }
 
-    /// Its components along and about 1, 2, 3.
+    /// Returns the components along and about 1, 2, 3.
     pub fn components(&self) -> [f64; 6] {
         let ([f1, f2, f3], [m1, m2, m3]) = (self.force, self.moment);
         [f1, f2, f3, m1, m2, m3]
     }
 
-    /// Power at a velocity of the centre of mass and an angular velocity.
-    pub fn power(&self, motion: &Motion) -> f64 {
+    /// Returns the power at a velocity of the centre of mass and an angular velocity.
+    pub fn power(&self, motion: &RigidMotion) -> f64 {
         dot(self.force, motion.velocity) + dot(self.moment, motion.turning)
     }
 
-    /// Whether all components are finite numbers.
+    /// Returns whether all components are finite.
     pub fn is_finite(&self) -> bool {
         (norm(self.force) + norm(self.moment)).is_finite()
     }
 }
 
-/// Velocity of the centre of mass and angular velocity, in the world.
+/// Velocity of the centre of mass and angular velocity, in the global frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion {
-    /// Velocity.
-    pub velocity: Vector,
+pub struct RigidMotion {
+    /// Velocity of the centre of mass.
+    pub velocity: SpatialVector,
     /// Angular velocity.
-    pub turning: Vector,
+    pub turning: SpatialVector,
 }
 
 /// Position, attitude, velocity and angular momentum at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
     /// Centre of mass.
-    pub centre: Vector,
+    pub centre: SpatialVector,
     pub attitude: Attitude,
     /// Velocity and angular momentum.
-    pub moving: [Vector; 2],
+    pub moving: [SpatialVector; 2],
 }
 
-/// Motion of one point of a body, for output; vectors along and about 1, 2, 3.
+/// Motion of a point of a body, for output; vectors along and about 1, 2, 3.
 #[derive(Clone, Copy, Debug)]
 pub struct PointMotion {
     /// Current position.
-    pub place: Vector,
+    pub place: SpatialVector,
     /// Displacement since the start of the analysis.
-    pub displacement: Vector,
-    pub velocity: Vector,
-    pub acceleration: Vector,
+    pub displacement: SpatialVector,
+    pub velocity: SpatialVector,
+    pub acceleration: SpatialVector,
     /// Rotation vector of the body since the start of the analysis.
-    pub rotation: Vector,
+    pub rotation: SpatialVector,
     /// Angular velocity of the body.
-    pub rotational_velocity: Vector,
+    pub rotational_velocity: SpatialVector,
     /// Angular acceleration of the body.
-    pub rotational_acceleration: Vector,
+    pub rotational_acceleration: SpatialVector,
     /// Angle between the axis of the body and its velocity, radians.
     pub yaw: f64,
     /// Angle between the axis of the body and direction 2, radians.
@@ -97,68 +96,69 @@ pub struct PointMotion {
 pub struct RigidBody3d {
     pub mass: f64,
     /// Moments of inertia about the centre of mass.
-    pub inertia: Inertia,
-    /// Height of the centre of mass on the axis where the mesh has the body, and of its reference node.
+    pub inertia: PrincipalInertia,
+    /// Axial coordinate in the mesh of the centre of mass and of the reference node.
     pub heights: [f64; 2],
     /// Largest distance of a node from the centre of mass.
     pub size: f64,
     /// Pose at the start of the analysis.
     pub start: Pose,
-    /// Stations around its axis, in loads, contact and frames.
+    /// Number of stations around its axis, for loads, contact and frames.
     pub stations: usize,
     /// Centre of mass.
-    pub centre: Vector,
+    pub centre: SpatialVector,
     pub attitude: Attitude,
-    /// Velocity of the centre of mass at the instant's own time.
-    pub velocity: Vector,
-    /// Angular momentum about the centre of mass, likewise.
-    pub momentum: Vector,
+    /// Velocity of the centre of mass at the current instant.
+    pub velocity: SpatialVector,
+    /// Angular momentum about the centre of mass at the current instant.
+    pub momentum: SpatialVector,
     /// Velocity and angular momentum at the middle of the previous increment.
-    pub half: [Vector; 2],
-    /// The motion that loads see.
-    pub shown: Motion,
+    pub half: [SpatialVector; 2],
+    /// Motion that loads use.
+    pub shown: RigidMotion,
     /// Sum of the forces of all effects.
     pub total: Wrench,
-    /// Force of contact over the previous increment, which `total` does not hold, and half the time over which it acted on velocities.
+    /// Contact force over the previous increment, not included in `total`, and half the time over which it acted.
     pub contact: (Wrench, f64),
-    /// Accelerations an increment ago, as [`RigidBody3d::kicks`].
-    pub previous_kicks: [Vector; 2],
-    /// Pose an increment ago.
+    /// Accelerations at the previous instant, as [`RigidBody3d::kicks`].
+    pub previous_kicks: [SpatialVector; 2],
+    /// Pose at the previous instant.
     pub previous: Pose,
-    /// Largest speed of any of its points so far.
+    /// Largest speed of any point so far.
     pub fastest: f64,
-    /// Displacements along and rotations about 1, 2, 3 over the previous increment, with the attitude at its start and at its end: twice
-    /// the weights of the forces at both in the work.
+    /// Displacements along and rotations about 1, 2, 3 over the previous increment, with the attitude at its start and
+    /// at its end; half of each weights the forces at that instant in the work.
     pub moved: [[f64; 6]; 2],
-    /// Kinetic energy at the start of the increment less half the work of the forces there: what contact leaves of it, it has not lost.
+    /// Kinetic energy minus half the work of the forces at the start of the increment: reference for the energy lost in
+    /// contact.
     pub energy_before: f64,
-    /// Whether it is at rest and held by resistances.
+    /// Whether it is at rest and kept at rest by resistances.
     pub rests: bool,
     /// Whether a resistance acts on it in this step.
     pub resisted: bool,
 }
 
 impl RigidBody3d {
-    /// Velocity of the centre of mass and angular velocity now.
-    pub fn motion(&self) -> Motion {
+    /// Returns velocity and angular velocity at the current instant.
+    pub fn motion(&self) -> RigidMotion {
         self.motion_of(self.velocity, self.momentum)
     }
 
-    /// Lets loads see the motion at the instant's own time, where central differences start.
+    /// Sets the motion that loads use to that of the current instant, at the start of central differences.
     pub fn show_own_motion(&mut self) {
         self.shown = self.motion();
         self.fastest = self.fastest.max(self.speed_bound(&self.shown));
     }
 
-    /// Lets loads see the motion a time after the middle of the previous increment.
+    /// Sets the motion that loads use: a time after the middle of the previous increment.
     pub fn show_motion_after(&mut self, time: f64) {
         let [velocity, momentum] = self.half;
         let velocity = plus(velocity, time / self.mass, self.total.force);
         self.shown = self.motion_of(velocity, plus(momentum, time, self.total.moment));
     }
 
-    /// Takes the sum of all forces; a body at rest stays there unless these do more work than resistances take. Returns whether
-    /// it does.
+    /// Sets the sum of all forces. A body at rest stays at rest unless their power exceeds that of resistances. Returns
+    /// whether it stays at rest.
     pub fn take_forces(&mut self, total: Wrench) -> bool {
         self.previous_kicks = self.kicks();
         self.rests = self.rests && self.resisted && total.power(&self.shown) <= 0.0;
@@ -166,27 +166,29 @@ impl RigidBody3d {
         self.rests
     }
 
-    /// Lets resistances see in which direction a body at rest would move under the other forces.
+    /// Determines the direction in which a body at rest would move under the other forces, for the evaluation of
+    /// resistances.
     pub fn probe(&mut self, applied: &Wrench) {
         let turning = self.inertia.angular_velocity(self.attitude.axis(), applied.moment);
-        let motion = Motion { velocity: times(1.0 / self.mass, applied.force), turning };
+        let motion = RigidMotion { velocity: times(1.0 / self.mass, applied.force), turning };
         let speed = self.speed_bound(&motion);
         let factor = if speed > 0.0 { PROBE * self.fastest.max(1e-3) / speed } else { 0.0 };
-        self.shown = Motion { velocity: times(factor, motion.velocity), turning: times(factor, motion.turning) };
+        self.shown = RigidMotion { velocity: times(factor, motion.velocity), turning: times(factor, motion.turning) };
     }
 
-    /// Completes velocity and angular momentum at the instant's own time, `dt` after the previous one.
+    /// Computes velocity and angular momentum at the current instant, `dt` after the previous one.
     pub fn complete_velocity(&mut self, dt: f64) {
         let [velocity, momentum] = self.half;
         self.velocity = plus(velocity, 0.5 * dt / self.mass, self.total.force);
         self.momentum = plus(momentum, 0.5 * dt, self.total.moment);
     }
 
-    /// Its pose, with velocity and angular momentum at the instant's own time.
+    /// Returns the pose at the current instant.
     pub fn pose(&self) -> Pose {
         Pose { centre: self.centre, attitude: self.attitude, moving: [self.velocity, self.momentum] }
     }
 
+    /// Advances over an increment `dt`: half-step velocities from the current forces, then torque-free motion.
     pub fn advance(&mut self, dt: f64) {
         (self.energy_before, self.contact) = (self.kinetic(), Default::default());
         self.previous = self.pose();
@@ -201,11 +203,11 @@ impl RigidBody3d {
         self.fastest = self.fastest.max(self.speed_bound(&self.motion_of(self.half[0], self.half[1])));
     }
 
-    /// Moves from the pose at the start of the increment with velocity and angular momentum of its middle.
+    /// Moves from the pose at the start of the increment with the velocity and angular momentum of its middle.
     pub fn move_freely(&mut self, dt: f64) {
         let [velocity, momentum] = self.half;
         let moved = |body: &RigidBody3d| {
-            let Motion { velocity, turning } = body.motion_of(velocity, momentum);
+            let RigidMotion { velocity, turning } = body.motion_of(velocity, momentum);
             Wrench { force: velocity, moment: turning }.components().inline_map(|rate| dt * rate)
         };
         self.attitude = self.previous.attitude;
@@ -215,9 +217,10 @@ impl RigidBody3d {
         self.moved = [first, moved(self)];
     }
 
-    /// Energy that contact has taken in the increment, since it was asked last. With velocities v of the middle of increments and
-    /// kinetic energies 1/2 v m v' of both around an instant (as in [`RigidBody3d::kinetic`]) it is what 1/2 v m v less half the work
-    /// of the forces at the start of the increment loses.
+    /// Returns the energy lost in contact in the increment since the last call. It is the decrease of v m v/2
+    /// (velocities v at mid-increment) minus half the work of the forces at the start of the increment, consistent with
+    /// the kinetic energy v m v'/2 of the velocities v and v' before and after an instant (see
+    /// [`RigidBody3d::kinetic`]).
     pub fn take_lost_energy(&mut self) -> f64 {
         let [velocity, momentum] = self.half;
         let kinetic = 0.5 * self.mass * dot(velocity, velocity) + self.inertia.energy(self.attitude.axis(), momentum);
@@ -226,7 +229,8 @@ impl RigidBody3d {
         std::mem::replace(&mut self.energy_before, now) - now
     }
 
-    /// Work over the previous increment of a generalised force at its start and at its end, by the trapezoid.
+    /// Returns the work of a generalised force over the previous increment from its values at the start and the end, by
+    /// the trapezoidal rule.
     pub fn work(&self, coordinate: usize, [before, now]: [f64; 2]) -> f64 {
         0.5 * (before * self.moved[0][coordinate] + now * self.moved[1][coordinate])
     }
@@ -237,10 +241,10 @@ impl RigidBody3d {
         (self.centre, self.attitude, self.velocity, self.momentum) = (centre, attitude, velocity, momentum);
     }
 
-    /// Time until it comes to rest, where that is less than 1.25 `increment`: its kinetic energy T is spent at the power P of all forces
-    /// as under even deceleration after 2T/|P|, which of a body without rotation is v/|a|; at the end of its motion the forces oppose
-    /// what is left of it. Below the part `slow` of its largest speed, where resistances are in proportion to the velocity, the
-    /// increment ends at rest.
+    /// Returns the time until the body comes to rest if it is less than 1.25 `increment`. With the kinetic energy T and
+    /// the power P of all forces, uniform deceleration ends after 2T/|P|, which is v/|a| for a body without rotation.
+    /// Below `slow` times its largest speed, where resistances are proportional to the velocity, the increment itself
+    /// is returned.
     pub fn time_to_rest(&self, increment: f64, slow: f64) -> Option<f64> {
         if !self.resisted || self.rests {
             return None;
@@ -253,18 +257,19 @@ impl RigidBody3d {
         (power < 0.0 && 2.0 * energy < -1.25 * increment * power).then(|| -2.0 * energy / power)
     }
 
-    /// Kinetic energy that the impulse of contact in the previous increment takes from a body at rest.
+    /// Returns the kinetic energy that the contact impulse of the previous increment takes from a body at rest.
     pub fn energy_stopped(&self) -> f64 {
         let (Wrench { force, .. }, time) = self.contact;
         let impulse = 2.0 * time * norm(force);
         0.5 * impulse * impulse / self.mass
     }
 
+    /// Sets velocity and angular momentum to zero.
     pub fn arrest(&mut self) {
         (self.velocity, self.momentum, self.rests) = ([0.0; 3], [0.0; 3], true);
     }
 
-    /// Motion of a point whose place in the mesh is `[r, z]`, turned around the axis by an angle.
+    /// Returns the motion of a point with mesh coordinates `[r, z]`, rotated about the axis by an angle.
     pub fn point_motion(&self, place: [f64; 2], around: f64) -> PointMotion {
         let arm = self.arm(place, around);
         PointMotion {
@@ -280,7 +285,7 @@ impl RigidBody3d {
         }
     }
 
-    /// Displacement, velocity and acceleration of the reference node along 2.
+    /// Returns displacement, velocity and acceleration of the reference node along 2.
     pub fn along_axis_2(&self) -> [f64; 3] {
         let [centre, reference] = self.heights;
         let (arm, start) = (times(reference - centre, self.attitude.axis()), self.start.attitude.axis());
@@ -288,18 +293,18 @@ impl RigidBody3d {
         [displacement[1], self.velocity_at(arm)[1], self.acceleration_at(arm)[1]]
     }
 
-    /// The motion with a velocity and an angular momentum at the attitude now.
-    pub fn motion_of(&self, velocity: Vector, momentum: Vector) -> Motion {
-        Motion { velocity, turning: self.inertia.angular_velocity(self.attitude.axis(), momentum) }
+    /// Returns the motion for a velocity and an angular momentum, at the current attitude.
+    pub fn motion_of(&self, velocity: SpatialVector, momentum: SpatialVector) -> RigidMotion {
+        RigidMotion { velocity, turning: self.inertia.angular_velocity(self.attitude.axis(), momentum) }
     }
 
-    /// The largest speed that any of its points can have in a motion.
-    pub fn speed_bound(&self, motion: &Motion) -> f64 {
+    /// Returns an upper bound of the speed of all points in a motion.
+    pub fn speed_bound(&self, motion: &RigidMotion) -> f64 {
         norm(motion.velocity) + self.size * norm(motion.turning)
     }
 
-    /// Kinetic energy, of rotation too. In contact it follows from the velocities before and behind the instant without the next
-    /// impulse of contact, as that of a body along z does.
+    /// Returns the kinetic energy, including rotation. In contact, it is computed from the velocities before and after
+    /// the instant without the next contact impulse, as for a body along z.
     pub fn kinetic(&self) -> f64 {
         if self.contact.0 != Wrench::default() {
             let [velocity, momentum] = self.half;
@@ -311,44 +316,45 @@ impl RigidBody3d {
         0.5 * self.mass * dot(self.velocity, self.velocity) + self.inertia.energy(self.attitude.axis(), self.momentum)
     }
 
-    /// Where a point of the body is whose place in the mesh is `[r, z]`, turned around the axis by an angle.
-    pub fn place(&self, [r, z]: [f64; 2], around: f64) -> Vector {
+    /// Returns the current position of a point with mesh coordinates `[r, z]`, rotated about the axis by an angle.
+    pub fn place(&self, [r, z]: [f64; 2], around: f64) -> SpatialVector {
         plus(self.centre, 1.0, self.arm([r, z], around))
     }
 
-    /// Where that point was at the start.
-    pub fn place_at_start(&self, [r, z]: [f64; 2], around: f64) -> Vector {
+    /// Returns the initial position of this point.
+    pub fn place_at_start(&self, [r, z]: [f64; 2], around: f64) -> SpatialVector {
         let of_body = [r * libm::cos(around), z - self.heights[0], r * libm::sin(around)];
         plus(self.start.centre, 1.0, self.start.attitude.to_world(of_body))
     }
 
-    /// From the centre of mass to that point, in the world.
-    pub fn arm(&self, [r, z]: [f64; 2], around: f64) -> Vector {
+    /// Returns the global vector from the centre of mass to this point.
+    pub fn arm(&self, [r, z]: [f64; 2], around: f64) -> SpatialVector {
         self.attitude.to_world([r * libm::cos(around), z - self.heights[0], r * libm::sin(around)])
     }
 
-    /// The motion at the instant's own time with contact as over the previous increment.
-    pub fn motion_in_contact(&self) -> Motion {
+    /// Returns the motion at the current instant, including the contact force of the previous increment.
+    pub fn motion_in_contact(&self) -> RigidMotion {
         let (Wrench { force, moment }, time) = self.contact;
         self.motion_of(plus(self.velocity, time / self.mass, force), plus(self.momentum, time, moment))
     }
 
-    /// Velocity of a point that far from the centre of mass.
-    pub fn velocity_at(&self, arm: Vector) -> Vector {
+    /// Returns the velocity of a point at `arm` from the centre of mass.
+    pub fn velocity_at(&self, arm: SpatialVector) -> SpatialVector {
         let motion = self.motion_in_contact();
         plus(motion.velocity, 1.0, cross(motion.turning, arm))
     }
 
-    /// Acceleration of a point that far from the centre of mass: a + alpha x d + omega x (omega x d). Euler's equations give alpha.
-    pub fn acceleration_at(&self, arm: Vector) -> Vector {
+    /// Returns the acceleration of a point at `arm` d from the centre of mass: a + α × d + ω × (ω × d), with α from
+    /// Euler's equations.
+    pub fn acceleration_at(&self, arm: SpatialVector) -> SpatialVector {
         let (motion, [linear, angular]) = (self.motion_in_contact(), self.accelerations());
         let turning = cross(motion.turning, cross(motion.turning, arm));
         plus(plus(linear, 1.0, cross(angular, arm)), 1.0, turning)
     }
 
-    /// Acceleration of the centre of mass, and angular acceleration: L' = M, with omega = L/I_t + (1/I_a - 1/I_t) (L . e) e and
-    /// e' = omega x e.
-    pub fn accelerations(&self) -> [Vector; 2] {
+    /// Returns the acceleration of the centre of mass and the angular acceleration: L' = M, with ω = L/I_t + (1/I_a -
+    /// 1/I_t) (L . e) e and e' = ω × e.
+    pub fn accelerations(&self) -> [SpatialVector; 2] {
         let axis = self.attitude.axis();
         let turning = self.motion_in_contact().turning;
         let mut total = self.total;
@@ -361,44 +367,43 @@ impl RigidBody3d {
         [total.force.inline_map(|f| f / self.mass), angular]
     }
 
-    /// What forces and moments give to velocity and angular velocity a time, the latter as of a body without spin.
-    pub fn kicks(&self) -> [Vector; 2] {
+    /// Returns the accelerations by forces and moments: linear, and angular as for a body without spin.
+    pub fn kicks(&self) -> [SpatialVector; 2] {
         [self.total.force.inline_map(|f| f / self.mass), self.total.moment.inline_map(|m| m / self.inertia.transverse)]
     }
 
-    /// Bounds over all points of the acceleration and of its change since the previous instant.
+    /// Returns bounds over all points of the acceleration and of its change since the previous instant.
     pub fn acceleration_and_change(&self) -> [f64; 2] {
-        let size = |[linear, angular]: [Vector; 2]| norm(linear) + self.size * norm(angular);
+        let size = |[linear, angular]: [SpatialVector; 2]| norm(linear) + self.size * norm(angular);
         let ([linear, angular], [old_linear, old_angular]) = (self.kicks(), self.previous_kicks);
         [size([linear, angular]), size([plus(linear, -1.0, old_linear), plus(angular, -1.0, old_angular)])]
     }
 
-    /// Angle between its axis, on the side to which it flies, and its velocity: total yaw, radians.
+    /// Returns the total yaw angle between the velocity and the body axis (in the direction of flight), radians.
     pub fn yaw(&self) -> f64 {
         let total = angle(self.attitude.axis(), self.velocity);
         if norm(self.velocity) == 0.0 { 0.0 } else { total.min(std::f64::consts::PI - total) }
     }
 
-    /// Angle between its axis and direction 2, where the mesh has it, radians.
+    /// Returns the tilt angle between the body axis and direction 2, its direction in the mesh, radians.
     pub fn tilt(&self) -> f64 {
         angle(self.attitude.axis(), [0.0, 1.0, 0.0])
     }
 }
 
 impl Persist for Attitude {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         self.0.persist(archive);
     }
 }
 
-persist_struct!(Motion { velocity, turning });
+persist_struct!(RigidMotion { velocity, turning });
 
 persist_struct!(Pose { centre, attitude, moving });
 
 persist_struct!(Wrench { force, moment });
 
-// From the plan and the beginning of a step.
-// Of an increment alone.
+// Derived fields follow from the plan and the start of a step; `energy_before` is used within an increment only.
 persist_struct!(RigidBody3d {
     centre, attitude, velocity, momentum, half, shown, total, contact, previous_kicks, previous, fastest, moved, rests
 } derived {
@@ -410,8 +415,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_turned_body_shows_the_velocity_of_its_points() {
-        let inertia = Inertia { axial: 1.0, transverse: 3.0 };
+    fn point_velocity_and_acceleration_match_finite_differences() {
+        let inertia = PrincipalInertia { axial: 1.0, transverse: 3.0 };
         let attitude = Attitude::turned([0.2, 0.0, -0.4]);
         let turning = [0.3, -2.0, 0.9];
         let momentum = inertia.momentum(attitude.axis(), turning);

@@ -1,6 +1,6 @@
-//! Axes of pictures: round ticks, and labels with one power of ten for all of them.
+//! Axes of charts: round ticks, and labels with a common power of ten.
 
-/// Round numbers that divide an interval into about so many parts.
+/// Returns round numbers that divide an interval into about `parts` parts.
 pub fn ticks(low: f64, high: f64, parts: f64) -> Vec<f64> {
     let raw = (high - low) / parts;
     if !(raw > 0.0 && raw.is_finite()) {
@@ -12,7 +12,8 @@ pub fn ticks(low: f64, high: f64, parts: f64) -> Vec<f64> {
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
-/// Ticks of a logarithmic axis: powers of ten, with 2 and 5 between them where there are few.
+/// Returns the ticks of a logarithmic axis: powers of ten, with multiples of 2 and 5 if the axis has less than three
+/// decades.
 pub fn decades(low: f64, high: f64) -> Vec<f64> {
     let (first, last) = (libm::log10(low).floor() as i32, libm::log10(high).ceil() as i32);
     let between: &[f64] = if high < 1e3 * low { &[1.0, 2.0, 5.0] } else { &[1.0] };
@@ -20,7 +21,7 @@ pub fn decades(low: f64, high: f64) -> Vec<f64> {
     all.filter(|v| *v >= low * (1.0 - 1e-9) && *v <= high * (1.0 + 1e-9)).collect()
 }
 
-/// The power of ten, a multiple of three, that the labels of an axis leave out; 0 if plain numbers are short.
+/// Returns the common power of ten of the labels of an axis, a multiple of three; 0 if plain numbers are short.
 pub fn exponent(ticks: &[f64]) -> i32 {
     let largest = ticks.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
     if largest == 0.0 || !largest.is_finite() || (0.1..1e4).contains(&largest) {
@@ -29,12 +30,12 @@ pub fn exponent(ticks: &[f64]) -> i32 {
     3 * (libm::log10(largest) / 3.0 + 1e-9).floor() as i32
 }
 
-/// The label of a tick, its power of ten taken out.
+/// Formats a tick divided by the common power of ten.
 pub fn label(tick: f64, exponent: i32) -> String {
     super::table::digits(tick / libm::pow(10.0, f64::from(exponent)), 4)
 }
 
-/// Labels of ticks on a logarithmic axis: all plain where that is short, else all by powers of ten.
+/// Formats the ticks of a logarithmic axis: all as plain numbers if these are short, otherwise all as powers of ten.
 pub fn logarithmic(ticks: &[f64]) -> Vec<String> {
     if ticks.iter().all(|t| (1e-3..1e5).contains(t)) {
         return ticks.iter().map(|t| super::table::short(*t)).collect();
@@ -48,7 +49,7 @@ pub fn logarithmic(ticks: &[f64]) -> Vec<String> {
     ticks.iter().map(label).collect()
 }
 
-/// Name of an axis, with the power of ten that its labels leave out, and its unit: `time, 10⁻⁶ s`.
+/// Formats the name of an axis with its common power of ten and unit, for example `time, 10⁻⁶ s`.
 pub fn title(name: &str, unit: &str, exponent: i32) -> String {
     let power = if exponent == 0 { String::new() } else { format!("10{}", superscript(exponent)) };
     let unit = [power.as_str(), unit].into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(" ");

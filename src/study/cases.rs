@@ -1,47 +1,50 @@
-//! Parts of a sweep: which of its cases a process runs, what it leaves for the others, and how parts become the whole again.
+//! Parts of a sweep that separate processes run: selection of cases, part files, and gathering of the parts.
 
 use std::fs;
 use std::ops::Range;
 use std::path::PathBuf;
 
 use super::StudyError;
-use super::grid::Grid;
+use super::grid::CaseGrid;
 use super::quantity::Quantity;
-use super::sweep::Results;
+use super::sweep::SweepResults;
 use crate::deck::files;
-use crate::output::{Job, csv, whole};
+use crate::output::{JobFiles, csv, whole};
 
-/// What tells a task of an array its number: Slurm, HyperQueue, PBS, Grid Engine, LSF.
+/// Environment variables with the index of a task in an array: Slurm, HyperQueue, PBS, Grid Engine, LSF.
 const TASKS: [&str; 5] = ["SLURM_ARRAY_TASK_ID", "HQ_TASK_ID", "PBS_ARRAY_INDEX", "SGE_TASK_ID", "LSB_JOBINDEX"];
 const PART: &str = "_cases_";
 const HEAD: &str = "# revolve sweep ";
 
-/// Some cases of a sweep, as they are asked for; they are counted from 1.
+/// Selection of cases of a sweep; cases are numbered from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaseRange {
-    /// From one case to another, both of them in it.
+    /// First and last case, both included.
     Span(usize, usize),
-    /// One of so many parts of about the same size.
+    /// Part number and number of parts of about equal size.
     Part(usize, usize),
 }
 
 impl CaseRange {
-    /// From `A-B`, `A`, `K/N` (part K of N), and `task` or `task/N`, where the number is that of the task of an array.
+    /// Parses `A-B`, `A`, `K/N` (part K of N), `task` or `task/N`, where `task` is the index of the task in a scheduler
+    /// array.
     pub fn parse(text: &str) -> Result<CaseRange, String> {
-        CaseRange::told(text, &|name| std::env::var(name).ok())
+        CaseRange::parse_with(text, &|name| std::env::var(name).ok())
     }
 
-    /// The same where `variable` tells what stands in the environment.
-    fn told(text: &str, variable: &dyn Fn(&str) -> Option<String>) -> Result<CaseRange, String> {
-        let wrong = || format!("--cases {text}: A-B, A, K/N, task or task/N is the form, counted from 1");
-        let number = |t: &str| match t.trim() {
+    /// Like [`CaseRange::parse`], with the environment given by `variable`.
+    fn parse_with(text: &str, variable: &dyn Fn(&str) -> Option<String>) -> Result<CaseRange, String> {
+        let wrong = || format!("--cases {text}: expected A-B, A, K/N, task or task/N, counted from 1");
+        let number = |t: &str| {
+            match t.trim() {
             "task" => task(variable).ok_or_else(|| {
                 format!(
-                    "--cases {text}: no task of an array here, for none of {} is a number from 1 on",
+                    "--cases {text}: this process is not a task of a scheduler array: none of {} is a number above zero",
                     TASKS.join(", ")
                 )
             }),
             t => t.parse::<usize>().ok().filter(|n| *n > 0).ok_or_else(wrong),
+        }
         };
         if let Some((part, parts)) = text.split_once('/') {
             let (part, parts) = (number(part)?, number(parts)?);
@@ -52,7 +55,7 @@ impl CaseRange {
         if first <= last { Ok(CaseRange::Span(first, last)) } else { Err(wrong()) }
     }
 
-    /// Indices of these cases among so many.
+    /// Returns the indices, from 0, of these cases in a sweep of `count` cases.
     pub fn of(self, count: usize) -> Result<Range<usize>, StudyError> {
         let range = match self {
             CaseRange::Span(first, last) => first - 1..last,
@@ -63,7 +66,7 @@ impl CaseRange {
         };
         if range.end > count {
             return Err(StudyError::Setting(format!(
-                "--cases: the sweep has {count} cases, none is number {}",
+                "--cases: case {} does not exist; the sweep has {count} cases",
                 range.end
             )));
         }
@@ -71,13 +74,13 @@ impl CaseRange {
     }
 }
 
-/// Number of the task of an array in which this process runs.
+/// Returns the index of the scheduler array task that runs this process.
 fn task(variable: &dyn Fn(&str) -> Option<String>) -> Option<usize> {
     TASKS.iter().find_map(|name| variable(name)?.trim().parse().ok()).filter(|task| *task > 0)
 }
 
-/// The list of cases: their numbers and the values of their parameters.
-pub fn list(grid: &Grid, range: Range<usize>) -> String {
+/// Formats case numbers and parameter values as CSV.
+pub fn list(grid: &CaseGrid, range: Range<usize>) -> String {
     let mut text = header(grid, &[]);
     for index in range {
         let values = grid.combination(index).into_iter().map(|pair| pair.1);
@@ -86,31 +89,34 @@ pub fn list(grid: &Grid, range: Range<usize>) -> String {
     text
 }
 
-fn header(grid: &Grid, more: &[&str]) -> String {
+fn header(grid: &CaseGrid, more: &[&str]) -> String {
     csv::line(std::iter::once("case").chain(grid.names()).chain(more.iter().copied()))
 }
 
-/// A part of a sweep as it is written.
+/// Reader and writer of the part files of a sweep.
 pub struct SweepPart<'a> {
-    /// What makes the sweep the one it is.
+    /// Hash that identifies the sweep.
     pub sweep: &'a str,
-    pub grid: &'a Grid,
-    /// What is asked of each case.
+    pub grid: &'a CaseGrid,
+    /// Quantities evaluated for each case.
     pub quantities: &'a [Quantity],
 }
 
 impl SweepPart<'_> {
-    /// The job under which some cases are written, beside those of other parts.
-    pub fn job(job: &Job, cases: &Range<usize>) -> Job {
-        Job { folder: job.folder.clone(), name: format!("{}{PART}{:08}-{:08}", job.name, cases.start + 1, cases.end) }
+    /// Returns the job whose name the file of a part has.
+    pub fn job(job: &JobFiles, cases: &Range<usize>) -> JobFiles {
+        JobFiles {
+            folder: job.folder.clone(),
+            name: format!("{}{PART}{:08}-{:08}", job.name, cases.start + 1, cases.end),
+        }
     }
 
-    /// Text of the part: all digits, so that nothing is lost on the way.
-    pub fn text(&self, cases: &Range<usize>, results: &Results) -> String {
+    /// Formats the text of a part; numbers have all digits, so that reading them back is exact.
+    pub fn text(&self, cases: &Range<usize>, results: &SweepResults) -> String {
         let mut text = format!("{HEAD}{}\n", self.sweep);
         let quantities: Vec<&str> = self.quantities.iter().map(|q| q.text.as_str()).collect();
         text += &header(self.grid, &[&quantities[..], &["doubts", "reason"]].concat());
-        let rows = results.parameters.iter().zip(&results.values).zip(&results.doubts).zip(cases.clone());
+        let rows = results.parameters.iter().zip(&results.values).zip(&results.warnings).zip(cases.clone());
         for (((parameters, values), doubts), index) in rows {
             let mut row: Vec<String> = vec![(index + 1).to_string()];
             row.extend(parameters.iter().cloned());
@@ -124,16 +130,16 @@ impl SweepPart<'_> {
         text
     }
 
-    /// Writes the part, whole or not at all.
-    pub fn write(&self, job: &Job, cases: &Range<usize>, results: &Results) -> Result<PathBuf, StudyError> {
+    /// Writes the part file atomically.
+    pub fn write(&self, job: &JobFiles, cases: &Range<usize>, results: &SweepResults) -> Result<PathBuf, StudyError> {
         let path = SweepPart::job(job, cases).path(".csv");
         let written = whole::write_durable(&path, self.text(cases, results).as_bytes());
         written.map_err(|e| StudyError::Setting(e.to_string()))?;
         Ok(path)
     }
 
-    /// All parts of the sweep that are in the job's folder. Cases that several parts have are taken once.
-    pub fn gather(&self, job: &Job) -> Result<Results, StudyError> {
+    /// Reads all parts of the sweep in the job's folder. If several parts contain a case, the last one read is used.
+    pub fn gather(&self, job: &JobFiles) -> Result<SweepResults, StudyError> {
         let count = self.grid.count();
         let mut rows: Vec<Option<GatheredCase>> = (0..count).map(|_| None).collect();
         for path in parts_of(job)? {
@@ -145,30 +151,30 @@ impl SweepPart<'_> {
         }
         let missing = missing(&rows);
         if !missing.is_empty() {
-            return Err(StudyError::Setting(format!("{} are missing: run each by --cases", missing.join(", "))));
+            return Err(StudyError::Setting(format!("{} are missing: run them with --cases", missing.join(", "))));
         }
-        let mut results = Results::default();
+        let mut results = SweepResults::default();
         for (index, row) in rows.into_iter().flatten().enumerate() {
             results.parameters.push(self.grid.combination(index).into_iter().map(|pair| pair.1).collect());
             results.values.push(row.values);
-            results.doubts.push(row.doubts);
+            results.warnings.push(row.warnings);
         }
         Ok(results)
     }
 
-    /// Indices and rows of a part.
+    /// Reads the case indices and rows of a part.
     fn rows(&self, text: &str) -> Result<Vec<(usize, GatheredCase)>, String> {
         let mut lines = text.lines().enumerate();
         let head = lines.next().map_or("", |l| l.1);
         if head.strip_prefix(HEAD) != Some(self.sweep) {
             return Err(
-                "it is of another sweep: another deck, other values, quantities, routines or another version; \
-                        take it away or gather in the folder of its own"
+                "the part belongs to a different sweep (deck, values, quantities, user subroutines or program version differ); \
+                        remove the file or gather in the folder of that sweep"
                     .into(),
             );
         }
         if !text.ends_with('\n') {
-            return Err("it is cut off".into());
+            return Err("the file is truncated".into());
         }
         lines
             .skip(1)
@@ -189,22 +195,22 @@ impl SweepPart<'_> {
             Some(reason) => Err(StudyError::Reported(reason)),
             None => Ok(rest[named..named + asked].iter().map(|v| v.parse().ok()).collect::<Option<Vec<f64>>>()?),
         };
-        Some((index, GatheredCase { values, doubts: serde_json::from_str(&rest[named + asked]).ok()? }))
+        Some((index, GatheredCase { values, warnings: serde_json::from_str(&rest[named + asked]).ok()? }))
     }
 }
 
-/// What a part says of a case.
+/// Result of a case in a part file.
 struct GatheredCase {
     values: Result<Vec<f64>, StudyError>,
-    doubts: Vec<String>,
+    warnings: Vec<String>,
 }
 
 fn json<T: serde::Serialize>(words: &T) -> String {
     serde_json::to_string(words).unwrap_or_default()
 }
 
-/// Files with parts of a job's sweep, in the order of their names.
-fn parts_of(job: &Job) -> Result<Vec<PathBuf>, StudyError> {
+/// Returns the part files of a job's sweep, sorted by name.
+fn parts_of(job: &JobFiles) -> Result<Vec<PathBuf>, StudyError> {
     let cannot = |e: std::io::Error| StudyError::Setting(format!("{}: {e}", job.folder.display()));
     let begin = format!("{}{PART}", job.name);
     let mut paths = Vec::new();
@@ -219,7 +225,7 @@ fn parts_of(job: &Job) -> Result<Vec<PathBuf>, StudyError> {
     Ok(paths)
 }
 
-/// Cases that no part has, as `--cases` takes them; the first few spans of them.
+/// Returns the ranges of missing cases in the form of `--cases`, at most `MOST` ranges.
 fn missing(rows: &[Option<GatheredCase>]) -> Vec<String> {
     const MOST: usize = 10;
     let mut spans: Vec<String> = Vec::new();
@@ -237,7 +243,7 @@ fn missing(rows: &[Option<GatheredCase>]) -> Vec<String> {
     if spans.len() > MOST {
         let more = spans.len() - MOST;
         spans.truncate(MOST);
-        spans.push(format!("and {more} spans more"));
+        spans.push(format!("and {more} more ranges"));
     }
     if let Some(first) = spans.first_mut() {
         *first = format!("cases {first}");
@@ -248,16 +254,16 @@ fn missing(rows: &[Option<GatheredCase>]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::{CaseRange, SweepPart};
-    use crate::output::Job;
+    use crate::output::JobFiles;
     use crate::study::StudyError;
-    use crate::study::grid::Grid;
+    use crate::study::grid::CaseGrid;
     use crate::study::quantity::Quantity;
-    use crate::study::sweep::Results;
+    use crate::study::sweep::SweepResults;
 
     #[test]
     fn cases_are_read() {
         let in_task_7 = |name: &str| (name == "HQ_TASK_ID").then(|| "7".to_owned());
-        let read = |text: &str| CaseRange::told(text, &in_task_7);
+        let read = |text: &str| CaseRange::parse_with(text, &in_task_7);
         assert_eq!(read("3-5").map(|c| c.of(9)), Ok(Ok(2..5)));
         assert_eq!(read("task").map(|c| c.of(9)), Ok(Ok(6..7)));
         assert_eq!(read("task/8").map(|c| c.of(9)), Ok(Ok(6..7)));
@@ -265,7 +271,7 @@ mod tests {
         for wrong in ["", "0", "5-3", "3/2", "0/2", "a-b", "1-", "-1", "task/6", "1-2-3"] {
             assert!(read(wrong).is_err(), "{wrong}");
         }
-        assert!(CaseRange::told("task", &|_| None).is_err_and(|e| e.contains("SLURM_ARRAY_TASK_ID")));
+        assert!(CaseRange::parse_with("task", &|_| None).is_err_and(|e| e.contains("SLURM_ARRAY_TASK_ID")));
     }
 
     #[test]
@@ -279,37 +285,37 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_gathered_to_the_last_bit() {
+    fn gathered_parts_are_bit_identical() {
         let folder = tempfile::tempdir().expect("a folder");
-        let job = Job { folder: folder.path().to_owned(), name: "a".into() };
-        let grid = Grid::parse(&["V=1,2,3".into()]).expect("a grid");
+        let job = JobFiles { folder: folder.path().to_owned(), name: "a".into() };
+        let grid = CaseGrid::parse(&["V=1,2,3".into()]).expect("a grid");
         let quantities = [Quantity::parse("final(U2@REF)").expect("a quantity")];
         let part = SweepPart { sweep: "this", grid: &grid, quantities: &quantities };
-        let whole = Results {
+        let whole = SweepResults {
             parameters: ["1", "2", "3"].map(|v| vec![v.to_owned()]).to_vec(),
             values: vec![
                 Ok(vec![0.1 + 0.2]),
                 Err(StudyError::Reported("it, \"it\"\nhalted".into())),
                 Ok(vec![-1e-300]),
             ],
-            doubts: vec![vec!["a, b".into()], Vec::new(), Vec::new()],
+            warnings: vec![vec!["a, b".into()], Vec::new(), Vec::new()],
         };
-        let some = |from: usize, to: usize| Results {
+        let some = |from: usize, to: usize| SweepResults {
             parameters: whole.parameters[from..to].to_vec(),
             values: whole.values[from..to].to_vec(),
-            doubts: whole.doubts[from..to].to_vec(),
+            warnings: whole.warnings[from..to].to_vec(),
         };
         part.write(&job, &(0..1), &some(0, 1)).expect("written");
         part.write(&job, &(1..2), &some(1, 2)).expect("written");
         let missing = part.gather(&job).expect_err("one is missing").to_string();
         assert!(missing.starts_with("cases 3 are missing"), "{missing}");
-        // One case once more.
+        // Case 2 again.
         let last = part.write(&job, &(1..3), &some(1, 3)).expect("written");
         assert_eq!(part.gather(&job), Ok(whole));
         let other = SweepPart { sweep: "that", ..part };
-        assert!(other.gather(&job).is_err_and(|e| e.to_string().contains("another sweep")));
+        assert!(other.gather(&job).is_err_and(|e| e.to_string().contains("different sweep")));
         let text = std::fs::read_to_string(&last).expect("a part");
         std::fs::write(&last, &text[..text.len() - 5]).expect("cut off");
-        assert!(SweepPart { sweep: "this", ..other }.gather(&job).is_err_and(|e| e.to_string().contains("cut off")));
+        assert!(SweepPart { sweep: "this", ..other }.gather(&job).is_err_and(|e| e.to_string().contains("truncated")));
     }
 }

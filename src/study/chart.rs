@@ -1,90 +1,90 @@
-//! Charts as data: lines, markers and areas over one axis.
+//! Data of charts: lines, markers and areas.
 
 use serde::ser::SerializeStruct as _;
 use serde::{Serialize, Serializer};
 
-/// A chart; on a page it has the keys that `report/page.js` reads.
+/// A chart. Its JSON keys are those that `report/page.js` reads.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Chart {
-    /// Title.
+    /// Title of the chart.
     pub title: String,
-    /// Name of the horizontal axis.
+    /// Label of the horizontal axis.
     pub x_label: String,
-    /// Name of the vertical axis.
+    /// Label of the vertical axis.
     pub y_label: String,
-    /// Units of both; empty where they are not known.
+    /// Units of the horizontal and the vertical axis; empty if unknown.
     #[serde(skip_serializing_if = "are_unknown")]
     pub units: [String; 2],
-    /// A description of what is drawn.
+    /// Description of the chart.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub words: String,
-    /// How values lie along both axes.
+    /// Scale of both axes.
     #[serde(rename = "logarithmic", serialize_with = "is_logarithmic")]
-    pub scale: Scale,
-    /// What is drawn, in order.
-    pub series: Vec<Series>,
+    pub scale: AxisScale,
+    /// Series in drawing order.
+    pub series: Vec<ChartSeries>,
 }
 
 impl Chart {
-    /// A chart with linear axes, named by quantity.
-    pub fn new(title: &str, [x, y]: [&str; 2], series: Vec<Series>) -> Chart {
+    /// Creates a chart with linear axes and the given axis labels.
+    pub fn new(title: &str, [x, y]: [&str; 2], series: Vec<ChartSeries>) -> Chart {
         Chart { title: title.into(), x_label: x.into(), y_label: y.into(), series, ..Chart::default() }
     }
 
-    /// Whether there is nothing to draw.
+    /// Returns whether the chart has no points.
     pub fn is_empty(&self) -> bool {
         self.series.iter().all(|series| series.points.is_empty())
     }
 }
 
-/// How values lie along the axes.
+/// Scale of both axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Scale {
-    /// Evenly.
+pub enum AxisScale {
+    /// Linear axes.
     #[default]
     Linear,
-    /// By their logarithm, on both axes; values are above zero.
+    /// Logarithmic axes; values must be above zero.
     LogLog,
 }
 
-/// How points are shown.
+/// Form of a series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Form {
-    /// Joined by a line.
+pub enum SeriesForm {
+    /// Points joined by a line.
     #[default]
     Line,
-    /// Each by itself.
+    /// Separate markers.
     Marks,
-    /// An area stacked on the previous ones, negative values downwards. All areas of a chart have the same abscissae.
+    /// Area stacked on the previous ones, negative values downwards. All areas of a chart have the same abscissae.
     Area,
-    /// A thin broken line to compare others with.
+    /// Thin dashed line, as a reference for others.
     Guide,
-    /// What lies within an outline: points along its lower edge, then back along the upper one.
+    /// Filled band: points along its lower edge, then back along its upper edge.
     Band,
 }
 
-/// Points with a name.
+/// Named series of points.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Series {
-    /// Shown in the legend.
+pub struct ChartSeries {
+    /// Name in the legend.
     pub name: String,
     /// `(x, y)`, ascending in x.
     pub points: Vec<(f64, f64)>,
-    /// How they are shown.
-    pub form: Form,
-    /// A word for each point, which a page shows with it; empty where there are none.
+    /// Form of the series.
+    pub form: SeriesForm,
+    /// Text of each point, shown on a report page; empty without texts.
     pub words: Vec<String>,
 }
 
-impl Series {
-    /// Points without words.
-    pub fn new(name: impl Into<String>, form: Form, points: Vec<(f64, f64)>) -> Series {
-        Series { name: name.into(), points, form, words: Vec::new() }
+impl ChartSeries {
+    /// Creates a series without texts.
+    pub fn new(name: impl Into<String>, form: SeriesForm, points: Vec<(f64, f64)>) -> ChartSeries {
+        ChartSeries { name: name.into(), points, form, words: Vec::new() }
     }
 }
 
-impl Serialize for Series {
+impl Serialize for ChartSeries {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (x, y): (Vec<f64>, Vec<f64>) = self.points.iter().copied().unzip();
         let mut series = serializer.serialize_struct("Series", 5)?;
@@ -103,18 +103,18 @@ fn are_unknown(units: &[String; 2]) -> bool {
     units.iter().all(String::is_empty)
 }
 
-fn is_logarithmic<S: Serializer>(scale: &Scale, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_bool(*scale == Scale::LogLog)
+fn is_logarithmic<S: Serializer>(scale: &AxisScale, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_bool(*scale == AxisScale::LogLog)
 }
 
-/// Lower and upper edge of an area at each of its points: of what is above zero, and of what is below.
-pub type Edges = [Vec<(f64, f64)>; 2];
+/// Lower and upper edge of an area at each of its points, for its positive and its negative part.
+pub type AreaEdges = [Vec<(f64, f64)>; 2];
 
-/// Where the areas among some series lie, in their order.
-pub fn stacked<'a>(series: impl IntoIterator<Item = &'a Series>) -> Vec<Edges> {
+/// Returns the edges of the stacked areas of some series, in the order of the series.
+pub fn stacked<'a>(series: impl IntoIterator<Item = &'a ChartSeries>) -> Vec<AreaEdges> {
     let mut reached: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
-    let areas = series.into_iter().filter(|s| s.form == Form::Area);
-    let lay = |area: &Series| {
+    let areas = series.into_iter().filter(|s| s.form == SeriesForm::Area);
+    let lay = |area: &ChartSeries| {
         [f64::max as fn(f64, f64) -> f64, f64::min].map(|side| {
             let below = usize::from(side(-1.0, 1.0) < 0.0);
             reached[below].resize(area.points.len(), 0.0);
@@ -134,11 +134,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_below_zero_is_stacked_downwards() {
-        let area = |values: [f64; 2]| Series {
+    fn negative_values_are_stacked_downwards() {
+        let area = |values: [f64; 2]| ChartSeries {
             points: vec![(0.0, values[0]), (1.0, values[1])],
-            form: Form::Area,
-            ..Series::default()
+            form: SeriesForm::Area,
+            ..ChartSeries::default()
         };
         let edges = stacked(&[area([1.0, 2.0]), area([-3.0, 4.0]), area([5.0, -6.0])]);
         assert_eq!(edges[0], [vec![(0.0, 1.0), (0.0, 2.0)], vec![(0.0, 0.0), (0.0, 0.0)]]);

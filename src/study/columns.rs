@@ -1,28 +1,28 @@
-//! Tables of numbers in files that grow row by row: CSV, and Parquet where the program was built with it.
+//! Number tables written row by row: CSV, and Parquet if the program has the feature `parquet`.
 
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
 use super::StudyError;
-use crate::output::{Whole, csv};
+use crate::output::{AtomicFile, csv};
 
-/// A table that is being written: it is there when it is finished, and not at all before.
+/// Writer of a table file. The file appears under its name only when it is complete.
 pub struct TableWriter {
     names: Vec<String>,
     form: TableFormat,
 }
 
 enum TableFormat {
-    Csv(BufWriter<Whole>),
+    Csv(BufWriter<AtomicFile>),
     #[cfg(feature = "parquet")]
     Parquet(Box<parquet_file::Writer>),
 }
 
 impl TableWriter {
-    /// Begins a table; the end of its name says in which form.
+    /// Creates a table; the file name extension selects the format.
     pub fn begin(path: &Path, names: Vec<String>) -> Result<TableWriter, StudyError> {
         let wrong = |why: &str| StudyError::Setting(format!("--table {}: {why}", path.display()));
-        let file = || Whole::begin(path).map_err(failed);
+        let file = || AtomicFile::begin(path).map_err(failed);
         let form = match path.extension().and_then(|e| e.to_str()) {
             Some("csv") => {
                 let mut file = BufWriter::new(file()?);
@@ -34,16 +34,20 @@ impl TableWriter {
             #[cfg(not(feature = "parquet"))]
             Some("parquet") => {
                 return Err(wrong(
-                    "this program was built without the feature `parquet`; \
-                     give a name that ends in .csv, or build it with `cargo build --release --features parquet`",
+                    "this program has no feature `parquet`; \
+                     use a file name that ends in .csv, or build the program with `cargo build --release --features parquet`",
                 ));
             }
-            _ => return Err(wrong("the name ends in .csv, or in .parquet if the feature `parquet` is on")),
+            _ => {
+                return Err(wrong(
+                    "the file name must end in .csv, or in .parquet if the program has the feature `parquet`",
+                ));
+            }
         };
         Ok(TableWriter { names, form })
     }
 
-    /// Appends rows, given one after the other; what is no number is left empty.
+    /// Appends rows, given one after the other; values that are not finite become empty cells.
     pub fn append(&mut self, rows: &[f64]) -> Result<(), StudyError> {
         let width = self.names.len();
         match &mut self.form {
@@ -53,14 +57,14 @@ impl TableWriter {
         }
     }
 
-    /// Gives the file its name.
+    /// Completes the file and gives it its name.
     pub fn finish(self) -> Result<(), StudyError> {
         let file = match self.form {
             TableFormat::Csv(file) => file.into_inner().map_err(io::IntoInnerError::into_error),
             #[cfg(feature = "parquet")]
             TableFormat::Parquet(writer) => parquet_file::end(*writer),
         };
-        file.and_then(Whole::finish).map_err(failed)
+        file.and_then(AtomicFile::finish).map_err(failed)
     }
 }
 
@@ -68,7 +72,7 @@ fn failed(error: io::Error) -> StudyError {
     StudyError::Setting(error.to_string())
 }
 
-/// Numbers with all their digits.
+/// Writes a CSV line of numbers with all digits.
 fn line(file: &mut impl io::Write, row: &[f64]) -> io::Result<()> {
     for (i, value) in row.iter().enumerate() {
         let comma = if i == 0 { "" } else { "," };
@@ -77,7 +81,7 @@ fn line(file: &mut impl io::Write, row: &[f64]) -> io::Result<()> {
     writeln!(file)
 }
 
-/// Optional doubles without compression, which finds next to nothing in numbers that were drawn.
+/// Parquet files with optional columns of doubles. They are not compressed, because random numbers hardly compress.
 #[cfg(feature = "parquet")]
 mod parquet_file {
     use std::io;
@@ -89,11 +93,11 @@ mod parquet_file {
     use parquet::file::writer::SerializedFileWriter;
     use parquet::schema::types::Type;
 
-    use crate::output::Whole;
+    use crate::output::AtomicFile;
 
-    pub type Writer = SerializedFileWriter<Whole>;
+    pub type Writer = SerializedFileWriter<AtomicFile>;
 
-    pub fn begin(file: Whole, names: &[String]) -> io::Result<Writer> {
+    pub fn begin(file: AtomicFile, names: &[String]) -> io::Result<Writer> {
         let column = |name: &String| {
             let double = Type::primitive_type_builder(name, Physical::DOUBLE);
             double.with_repetition(Repetition::OPTIONAL).build().map(Arc::new)
@@ -122,7 +126,7 @@ mod parquet_file {
         write().map_err(io::Error::other)
     }
 
-    pub fn end(writer: Writer) -> io::Result<Whole> {
+    pub fn end(writer: Writer) -> io::Result<AtomicFile> {
         writer.into_inner().map_err(io::Error::other)
     }
 }

@@ -1,5 +1,5 @@
-//! Files by which Dakota asks for evaluations and takes their results (Dakota User's Manual, "Parameters file format", "Results
-//! file format", "Batch evaluation"): standard, APREPRO and JSON, one evaluation a file or many.
+//! Dakota parameters files and results files (Dakota User's Manual, "Parameters file format", "Results file format",
+//! "Batch evaluation"): standard, APREPRO and JSON format, one evaluation or a batch.
 
 use std::path::Path;
 
@@ -7,47 +7,47 @@ use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
 
 use super::StudyError;
-use super::grid::Grid;
+use super::grid::CaseGrid;
 use super::quantity::Quantity;
-use super::sweep::Results;
+use super::sweep::SweepResults;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct DakotaRequest {
     form: FileFormat,
-    evaluations: Vec<Evaluation>,
+    evaluations: Vec<DakotaEvaluation>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FileFormat {
-    /// Values and tags, one pair a line.
+    /// One pair of value and tag per line (standard or APREPRO).
     Text,
     Json,
     JsonBatch,
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-struct Evaluation {
-    variables: Vec<Variable>,
-    responses: Vec<Response>,
-    /// Numbers of the batch and of the evaluation.
+struct DakotaEvaluation {
+    variables: Vec<DakotaVariable>,
+    responses: Vec<DakotaResponse>,
+    /// Number of the evaluation, in a batch preceded by that of the batch.
     #[serde(rename = "eval_id")]
     id: String,
-    /// Labels of what else is requested.
+    /// Labels of requested metadata.
     #[serde(default)]
     metadata: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-struct Variable {
+struct DakotaVariable {
     label: String,
     #[serde(deserialize_with = "number_or_text")]
     value: String,
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-struct Response {
+struct DakotaResponse {
     label: String,
-    /// What is requested: 1 the value, 2 the gradient, 4 second derivatives.
+    /// Requested data as a bit mask: 1 value, 2 gradient, 4 second derivatives.
     active_set: u64,
 }
 
@@ -56,7 +56,7 @@ impl DakotaRequest {
         let wrong = |message: String| StudyError::file("--dakota", path, message);
         let asked = match text.trim_start().chars().next() {
             Some('[') => from_json(text, true),
-            // A line of APREPRO begins with a brace as well; its first word is no string.
+            // A line in APREPRO format begins with a brace as well, but is not valid JSON.
             Some('{') if serde_json::from_str::<Value>(text).is_ok() => from_json(text, false),
             Some(_) => from_lines(text),
             None => Err("the file is empty".into()),
@@ -66,47 +66,47 @@ impl DakotaRequest {
         Ok(asked)
     }
 
-    /// Whether a sweep can answer.
+    /// Checks that a sweep can evaluate all requested responses.
     fn answerable(&self, quantities: &[Quantity]) -> Result<(), String> {
-        let [first, rest @ ..] = &self.evaluations[..] else { return Err("it asks for no evaluation".into()) };
-        let names = |e: &Evaluation| e.variables.iter().map(|v| v.label.clone()).collect::<Vec<_>>();
+        let [first, rest @ ..] = &self.evaluations[..] else { return Err("the file has no evaluation".into()) };
+        let names = |e: &DakotaEvaluation| e.variables.iter().map(|v| v.label.clone()).collect::<Vec<_>>();
         if let Some(other) = rest.iter().find(|e| names(e) != names(first)) {
-            return Err(format!("evaluation {} has other variables than the first", other.id));
+            return Err(format!("the variables of evaluation {} differ from those of the first evaluation", other.id));
         }
-        for Evaluation { responses, id, metadata, .. } in &self.evaluations {
+        for DakotaEvaluation { responses, id, metadata, .. } in &self.evaluations {
             if responses.len() != quantities.len() {
                 let (asked, given) = (responses.len(), quantities.len());
                 return Err(format!(
-                    "evaluation {id} asks for {asked} responses, but --quantity is given {given} times"
+                    "evaluation {id} requests {asked} responses, but --quantity is given {given} times"
                 ));
             }
-            if let Some(Response { label, .. }) = responses.iter().find(|r| r.active_set & 6 != 0) {
+            if let Some(DakotaResponse { label, .. }) = responses.iter().find(|r| r.active_set & 6 != 0) {
                 return Err(format!(
-                    "evaluation {id} asks for derivatives of {label}: say numerical_gradients, or no_gradients and no_hessians"
+                    "evaluation {id} requests derivatives of {label}: use numerical_gradients, or no_gradients and no_hessians"
                 ));
             }
             if let Some(label) = metadata.first() {
-                return Err(format!("evaluation {id} asks for metadata ({label}), which a sweep does not have"));
+                return Err(format!("evaluation {id} requests metadata ({label}), which are unsupported"));
             }
         }
         Ok(())
     }
 
-    /// The evaluations as cases of a sweep; `settings` give other parameters one value each.
-    pub fn grid(&self, settings: &[String]) -> Result<Grid, StudyError> {
+    /// Returns the evaluations as cases of a sweep; `settings` give one value to each other parameter.
+    pub fn grid(&self, settings: &[String]) -> Result<CaseGrid, StudyError> {
         let names = self.evaluations[0].variables.iter().map(|v| v.label.clone()).collect();
-        let row = |e: &Evaluation| e.variables.iter().map(|v| v.value.clone()).collect();
-        Grid::of_rows(names, self.evaluations.iter().map(row).collect()).beside(settings, "--dakota")
+        let row = |e: &DakotaEvaluation| e.variables.iter().map(|v| v.value.clone()).collect();
+        CaseGrid::of_rows(names, self.evaluations.iter().map(row).collect()).with_fixed_parameters(settings, "--dakota")
     }
 
-    /// The results file where none of it could be evaluated.
+    /// Formats a results file in which all evaluations have failed.
     pub fn failed(&self) -> String {
         let values = self.evaluations.iter().map(|_| Err(StudyError::Reported(String::new()))).collect();
-        self.answer(&Results { values, ..Results::default() })
+        self.answer(&SweepResults { values, ..SweepResults::default() })
     }
 
-    /// The results file: values in the order in which they were asked for, with all their digits; FAIL where there are none.
-    pub fn answer(&self, results: &Results) -> String {
+    /// Formats the results file: values in the requested order with all digits, FAIL for evaluations without values.
+    pub fn answer(&self, results: &SweepResults) -> String {
         let all = self.evaluations.iter().zip(&results.values);
         if self.form != FileFormat::Text {
             let objects: Vec<Value> = all.map(|(asked, values)| asked.object(values.as_deref().ok())).collect();
@@ -117,7 +117,7 @@ impl DakotaRequest {
             };
             return format!("{value:#}\n");
         }
-        // Of a batch each evaluation begins with a line of its own.
+        // In a batch each evaluation begins with a line `#`.
         let batch = self.evaluations[0].id.contains(':');
         let blocks = all.map(|(asked, values)| {
             let begin = if batch { "#\n" } else { "" };
@@ -127,8 +127,8 @@ impl DakotaRequest {
     }
 }
 
-impl Evaluation {
-    /// What is asked of the values: labels and numbers; `None` if there is a number that is none.
+impl DakotaEvaluation {
+    /// Returns the labels and values of the requested responses; `None` if a value is not finite.
     fn wanted<'a>(&'a self, values: Option<&'a [f64]>) -> Option<Vec<(&'a str, f64)>> {
         let pairs = self.responses.iter().zip(values?).filter(|(response, _)| response.active_set & 1 != 0);
         let wanted: Vec<_> = pairs.map(|(response, value)| (response.label.as_str(), *value)).collect();
@@ -154,23 +154,23 @@ fn from_json(text: &str, batch: bool) -> Result<DakotaRequest, String> {
     Ok(DakotaRequest { form, evaluations: read.map_err(|e| e.to_string())? })
 }
 
-/// A value as a parameter of the deck.
+/// Deserialises a number or a string as the text of a deck parameter.
 fn number_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     let value = Value::deserialize(deserializer)?;
     Ok(value.as_str().map_or_else(|| value.to_string(), str::to_owned))
 }
 
-/// A pair of a value and its tag, with its line.
+/// Value and tag of a line, with the line number.
 struct TaggedValue {
     at: usize,
     value: String,
     tag: String,
 }
 
-/// The pair of a line: `value tag`, or `{ tag = value }`.
+/// Parses a line: `value tag` or `{ tag = value }`.
 fn pair(at: usize, line: &str) -> Result<TaggedValue, String> {
     let line = line.trim();
-    let wrong = || format!("line {at}: `{line}` is no value with its tag");
+    let wrong = || format!("line {at}: `{line}` is not a value with a tag");
     let (tag, value) = match line.strip_prefix('{').and_then(|inner| inner.strip_suffix('}')) {
         Some(inner) => inner.split_once('=').ok_or_else(wrong)?,
         None => line.rsplit_once(char::is_whitespace).map(|(value, tag)| (tag, value)).ok_or_else(wrong)?,
@@ -179,29 +179,29 @@ fn pair(at: usize, line: &str) -> Result<TaggedValue, String> {
     Ok(TaggedValue { at, value, tag: tag.trim().to_owned() })
 }
 
-/// Pairs that are taken one after the other.
+/// Sequential reader of pairs.
 struct PairReader<'a> {
     rest: &'a [TaggedValue],
 }
 
 impl<'a> PairReader<'a> {
-    /// The next pair, which has one of two tags.
+    /// Returns the next pair, which must have one of two tags.
     fn expect(&mut self, tags: [&str; 2]) -> Result<&'a TaggedValue, String> {
-        let [next, rest @ ..] = self.rest else { return Err(format!("it ends before `{}`", tags[0])) };
+        let [next, rest @ ..] = self.rest else { return Err(format!("the file ends before `{}`", tags[0])) };
         if !tags.contains(&next.tag.as_str()) {
-            return Err(format!("line {}: `{}` where `{}` belongs", next.at, next.tag, tags[0]));
+            return Err(format!("line {}: found `{}`, expected `{}`", next.at, next.tag, tags[0]));
         }
         self.rest = rest;
         Ok(next)
     }
 
-    /// A number of pairs, told by a pair ahead with one of two tags.
+    /// Returns a block of pairs; a preceding pair with one of two tags gives their number.
     fn block(&mut self, tags: [&str; 2]) -> Result<&'a [TaggedValue], String> {
         let head = self.expect(tags)?;
         let count: usize =
-            head.value.parse().map_err(|_| format!("line {}: `{}` is no number", head.at, head.value))?;
+            head.value.parse().map_err(|_| format!("line {}: `{}` is not a number", head.at, head.value))?;
         if count > self.rest.len() {
-            return Err(format!("line {}: {count} {}, but the file ends before", head.at, head.tag));
+            return Err(format!("line {}: the file ends before {count} {}", head.at, head.tag));
         }
         let (block, rest) = self.rest.split_at(count);
         self.rest = rest;
@@ -220,25 +220,26 @@ fn from_lines(text: &str) -> Result<DakotaRequest, String> {
     Ok(DakotaRequest { form: FileFormat::Text, evaluations })
 }
 
-fn evaluation(pairs: &mut PairReader<'_>) -> Result<Evaluation, String> {
+fn evaluation(pairs: &mut PairReader<'_>) -> Result<DakotaEvaluation, String> {
     let variables = pairs.block(["variables", "DAKOTA_VARS"])?;
     let mut responses = Vec::new();
     for pair in pairs.block(["functions", "DAKOTA_FNS"])? {
-        let active_set = pair.value.parse().map_err(|_| format!("line {}: `{}` is no number", pair.at, pair.value))?;
-        // ASV_1:label; older versions leave the label out.
+        let active_set =
+            pair.value.parse().map_err(|_| format!("line {}: `{}` is not a number", pair.at, pair.value))?;
+        // ASV_1:label; older versions write no label.
         let label = pair.tag.split_once(':').map_or(&*pair.tag, |tag| tag.1);
-        responses.push(Response { label: label.to_owned(), active_set });
+        responses.push(DakotaResponse { label: label.to_owned(), active_set });
     }
     pairs.block(["derivative_variables", "DAKOTA_DER_VARS"])?;
     pairs.block(["analysis_components", "DAKOTA_AN_COMPS"])?;
-    // Versions before 6.16 have no metadata, the oldest no number either.
+    // Versions before 6.16 write no metadata, the oldest no evaluation number either.
     let begins =
         |tags: [&str; 2], pairs: &PairReader<'_>| pairs.rest.first().is_some_and(|p| tags.contains(&p.tag.as_str()));
     let (own, more) = (["eval_id", "DAKOTA_EVAL_ID"], ["metadata", "DAKOTA_METADATA"]);
     let id = if begins(own, pairs) { pairs.expect(own)?.value.clone() } else { String::new() };
     let metadata = if begins(more, pairs) { pairs.block(more)? } else { &[] };
-    Ok(Evaluation {
-        variables: variables.iter().map(|p| Variable { label: p.tag.clone(), value: p.value.clone() }).collect(),
+    Ok(DakotaEvaluation {
+        variables: variables.iter().map(|p| DakotaVariable { label: p.tag.clone(), value: p.value.clone() }).collect(),
         responses,
         id,
         metadata: metadata.iter().map(|p| p.value.clone()).collect(),
@@ -250,7 +251,7 @@ mod tests {
     use super::{DakotaRequest, FileFormat};
     use crate::study::StudyError;
     use crate::study::quantity::Quantity;
-    use crate::study::sweep::Results;
+    use crate::study::sweep::SweepResults;
 
     fn standard(id: &str, asked: u8, value: f64) -> String {
         format!(
@@ -274,11 +275,11 @@ mod tests {
 
     fn answer(asked: &DakotaRequest) -> String {
         let values = vec![Ok(vec![0.1]), Err(StudyError::Reported("halted".into()))];
-        asked.answer(&Results { values, ..Results::default() })
+        asked.answer(&SweepResults { values, ..SweepResults::default() })
     }
 
     #[test]
-    fn one_evaluation_in_three_forms() {
+    fn one_evaluation_in_three_formats() {
         let text = standard("7", 1, 821.0);
         let asked = read(&text, 1).expect("standard");
         assert_eq!(values(&asked), ["8.210000000000000e2 0.1 20"]);
@@ -305,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_answered_is_refused() {
+    fn unsupported_requests_are_errors() {
         let refused = |text: &str, quantities: usize, word: &str| {
             let message = read(text, quantities).expect_err(text).to_string();
             assert!(message.contains(word), "{message}");
@@ -319,7 +320,7 @@ mod tests {
         refused("{\"variables\": 1}", 1, "expected");
         refused(&text.replace("functions", "fonctions"), 1, "line 4");
         refused(&text.replace("2 variables", "20 variables"), 1, "ends before");
-        // Cut off anywhere: an error, or what is left is whole.
+        // A truncated file must not cause a panic.
         for end in 0..text.len() {
             let _ = read(&text[..end], 1);
         }

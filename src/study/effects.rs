@@ -1,74 +1,74 @@
-//! Each effect left out in turn: what it changes, what it costs.
+//! Ablation study: each effect is removed in turn, and the change of the quantity and of the run time is reported.
 
 use serde::Serialize;
 
 use super::StudyError;
-use super::ablation::{self, Omission};
+use super::ablation::{self, ReducedModel};
 use super::quantity::QuantityValue;
-use super::refinement::{self, Study};
+use super::refinement::{self, RefinementStudy};
 use super::runner::{StudyRun, StudyRunner, TimeSpread};
-use super::settings::{Axis, ModelEdit, StudyParameter};
-use super::table::{Table, cell, digits, duration, short};
+use super::settings::{ModelEdit, StudyAxis, StudyParameter};
+use super::table::{TextTable, cell, digits, duration, short};
 use crate::model::Model;
 
-/// One effect.
+/// Result of removing one effect.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Effect {
-    /// The effect, as the ledger calls it.
+pub struct AblatedEffect {
+    /// Name of the effect in the ledger.
     pub effect: String,
-    /// What took its place.
+    /// Description of the replacement.
     pub instead: &'static str,
-    /// The quantity without it; `None` where nothing came out.
+    /// The quantity without the effect; `None` if the run failed.
     pub value: Option<f64>,
-    /// Why nothing came out.
+    /// Error of the run without the effect.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
-    /// Change by leaving it out.
+    /// Quantity without the effect minus quantity with it.
     pub change: Option<f64>,
-    /// The same over the quantity; `None` where that is zero.
+    /// Change divided by the size of the quantity; `None` if the quantity is zero.
     pub relative_change: Option<f64>,
-    /// Time without it over time with it.
+    /// Run time without the effect divided by run time with it.
     pub time_ratio: Option<f64>,
-    /// Element-cycles likewise.
+    /// Element-cycles without the effect divided by element-cycles with it.
     pub cycle_ratio: Option<f64>,
-    /// Whether the change is above the error estimate; true where nothing came out without it.
+    /// Whether the change exceeds the error estimate; true if the run without the effect failed.
     pub matters: bool,
 }
 
-/// All effects of a deck.
+/// Results for all effects of a deck.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Effects {
-    /// The quantity with all of them.
+pub struct EffectAblation {
+    /// The quantity with all effects.
     pub value: f64,
-    /// Its error by refinement.
+    /// Error estimate of the quantity.
     pub error: f64,
-    /// What was refined for it.
+    /// Refined parameters and levels of the error estimate.
     pub refined: String,
-    /// Seconds with all of them.
+    /// Run time with all effects, in seconds.
     pub seconds: TimeSpread,
-    /// One an effect that can be left out.
-    pub effects: Vec<Effect>,
+    /// One entry per effect that can be removed.
+    pub effects: Vec<AblatedEffect>,
 }
 
-/// What is refined for the error where nothing is said: the increment, which every scene has.
-pub fn default_axes() -> Result<Vec<Axis>, StudyError> {
+/// Returns the default refinement of the error estimate: the time increment.
+pub fn default_axes() -> Result<Vec<StudyAxis>, StudyError> {
     super::settings::axes(&["increment=1,0.5".to_owned()], &[])
 }
 
-/// Leaves out each effect of `model` in turn, at the finest level of all refinements except that of the increment.
-pub fn leave_out(bench: &mut StudyRunner<'_>, axes: &[Axis], model: &Model) -> Result<Effects, StudyError> {
+/// Removes each effect of `model` in turn, at the finest level of all refinements except that of the increment.
+pub fn leave_out(bench: &mut StudyRunner<'_>, axes: &[StudyAxis], model: &Model) -> Result<EffectAblation, StudyError> {
     let none = |why: &str| StudyError::Comparison(why.into());
     let study = refinement::grid(bench, axes, None)?;
     let row = base(&study, axes).ok_or_else(|| none("the study has no row"))?;
     let with = study.rows[row].run.clone()?;
     let QuantityValue::Number(value) = with.found else {
-        return Err(none("effects are left out of a number, not of a field"));
+        return Err(none("an ablation study needs a number as quantity, not a field"));
     };
     let error = study.rows[row].bound;
-    let error = error.ok_or_else(|| none("no error can be estimated: two levels or more are needed"))?;
+    let error = error.ok_or_else(|| none("no error can be estimated: give two or more levels"))?;
     let values = study.rows[row].values.clone();
     let mut effects = Vec::new();
-    for Omission { name, instead, edit } in ablation::omissions(model) {
+    for ReducedModel { name, instead, edit } in ablation::omissions(model) {
         let change: ModelEdit = Box::new(move |model| {
             edit(model);
             Ok(())
@@ -77,12 +77,12 @@ pub fn leave_out(bench: &mut StudyRunner<'_>, axes: &[Axis], model: &Model) -> R
         effects.push(effect(name, instead, run, &with, [value, error]));
     }
     let refined = axes.iter().map(|a| format!("{} = {}", a.name, a.values.join(", "))).collect::<Vec<_>>().join("; ");
-    Ok(Effects { value, error, refined, seconds: with.seconds, effects })
+    Ok(EffectAblation { value, error, refined, seconds: with.seconds, effects })
 }
 
-/// The row that effects are left out of: the finest, but the deck's own increment.
-fn base(study: &Study, axes: &[Axis]) -> Option<usize> {
-    let wanted = |a: &Axis| match a.parameter {
+/// Returns the row that effects are removed from: the finest levels, with the increment of the deck.
+fn base(study: &RefinementStudy, axes: &[StudyAxis]) -> Option<usize> {
+    let wanted = |a: &StudyAxis| match a.parameter {
         StudyParameter::Increment => a.values.iter().find(|v| v.parse() == Ok(1.0)).or(a.values.last()).cloned(),
         _ if a.is_refinement() => a.values.last().cloned(),
         _ => a.values.first().cloned(),
@@ -97,8 +97,8 @@ fn effect(
     run: Result<StudyRun, StudyError>,
     with: &StudyRun,
     [value, error]: [f64; 2],
-) -> Effect {
-    let mut found = Effect { effect, instead, matters: true, ..Effect::default() };
+) -> AblatedEffect {
+    let mut found = AblatedEffect { effect, instead, matters: true, ..AblatedEffect::default() };
     match run {
         Err(reason) => found.failure = Some(reason.to_string()),
         Ok(run) => {
@@ -115,37 +115,37 @@ fn effect(
     found
 }
 
-impl Effects {
-    /// The table, in few digits or in all.
-    pub fn table(&self, all_digits: bool) -> Table {
+impl EffectAblation {
+    /// Returns the table with few digits or with all digits.
+    pub fn table(&self, all_digits: bool) -> TextTable {
         let header = ["left out", "instead", "value", "change", "change %", "time x", "cycles x", "verdict"];
         let rows = self.effects.iter().map(|e| e.cells(all_digits)).collect();
-        Table { header: header.map(String::from).to_vec(), rows }
+        TextTable { header: header.map(String::from).to_vec(), rows }
     }
 
-    /// What is said under the table, a line each.
+    /// Returns the lines below the table.
     pub fn conclusions(&self) -> Vec<String> {
         let mut lines = vec![format!(
-            "with all of them {} in {}, error estimate {} (refining {})",
+            "with all effects: {} in {}, error estimate {} (from {})",
             digits(self.value, 7),
             duration(self.seconds.median),
             short(self.error),
             self.refined
         )];
-        let (matter, idle): (Vec<&Effect>, Vec<&Effect>) = self.effects.iter().partition(|e| e.matters);
-        let names = |list: &[&Effect]| list.iter().map(|e| e.effect.as_str()).collect::<Vec<_>>().join(", ");
+        let (matter, idle): (Vec<&AblatedEffect>, Vec<&AblatedEffect>) = self.effects.iter().partition(|e| e.matters);
+        let names = |list: &[&AblatedEffect]| list.iter().map(|e| e.effect.as_str()).collect::<Vec<_>>().join(", ");
         if !matter.is_empty() {
-            lines.push(format!("the scene calls for: {}", names(&matter)));
+            lines.push(format!("effects that matter: {}", names(&matter)));
         }
         lines.extend(idle.iter().map(|e| e.warning()));
         if self.effects.is_empty() {
-            lines.push("nothing of this deck can be left out".into());
+            lines.push("the deck has no effect that can be removed".into());
         }
         lines
     }
 }
 
-impl Effect {
+impl AblatedEffect {
     fn cells(&self, all_digits: bool) -> Vec<String> {
         let number = |value: Option<f64>, few: usize| cell(value, few, all_digits);
         let verdict = match (&self.failure, self.matters) {
@@ -165,14 +165,14 @@ impl Effect {
         ]
     }
 
-    /// That a deck pays for what changes nothing.
+    /// Returns the warning on an effect that does not change the quantity.
     fn warning(&self) -> String {
         let saved = self.time_ratio.map_or(0.0, |r| 100.0 * (1.0 - r));
         let pays = if saved >= 2.0 {
-            format!("; without it the time loop takes {saved:.0} % less")
+            format!("; without it the time loop is {saved:.0} % shorter")
         } else {
-            ", at no cost that shows".into()
+            "; its run time is negligible".into()
         };
-        format!("warning: {} changes nothing above the error estimate{pays}", self.effect)
+        format!("warning: {} changes the quantity by less than the error estimate{pays}", self.effect)
     }
 }

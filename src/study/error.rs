@@ -1,58 +1,58 @@
-//! Why a sweep or a study cannot be made, or why one of its runs has no value.
+//! Errors of sweeps, studies and their runs.
 
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 use crate::deck::{Diagnostic, Severity};
-use crate::job::Prepared;
-use crate::solve::Halt;
+use crate::job::PreparedJob;
+use crate::solve::HaltReason;
 
-/// The reason, in the words that the program shows.
+/// Error of a sweep, a study or one of its runs; its text is shown to the user.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// A setting that has no meaning, with the option that it belongs to.
+    /// An invalid setting; the text names the option.
     #[error("{0}")]
     Setting(String),
-    /// An expression of a quantity that cannot be read, or that a run cannot answer.
+    /// An invalid expression of a quantity, or one that cannot be evaluated for a run.
     #[error("--quantity `{text}`{}: {message}", at.map_or(String::new(), |at| format!(", character {at}")))]
     Quantity {
         /// The expression as written.
         text: String,
-        /// Character from 1 on at which it goes wrong, where that is known.
+        /// Position of the error in characters, from 1, if known.
         at: Option<usize>,
-        /// What is wrong.
+        /// Description of the error.
         message: String,
     },
-    /// A file of an option that cannot be read or used.
+    /// A file named by an option that cannot be read or used.
     #[error("{option} {}: {message}", path.display())]
     File {
         /// The option that names the file.
         option: &'static str,
         /// The file.
         path: PathBuf,
-        /// What is wrong, with the line where there is one.
+        /// Description of the error, with the line where there is one.
         message: String,
     },
-    /// The deck or a user's file is refused.
+    /// Errors of the deck or of a user subroutine file.
     #[error("{text}")]
     Refused {
         /// Stable code of the first error.
         code: &'static str,
-        /// All that was found.
+        /// All diagnostics.
         text: String,
     },
     /// A run halted.
     #[error("halted: {0}")]
-    Halted(Halt),
-    /// A run was over before what it is asked for had come to its end.
+    Halted(HaltReason),
+    /// A run ended while a body was still moving in a target.
     #[error("{0}")]
     Unfinished(String),
-    /// The settings give nothing that could be compared, or the values do not.
+    /// The settings or the values allow no comparison.
     #[error("{0}")]
     Comparison(String),
-    /// Why a run of another process gave no result.
+    /// Error of a run in another process.
     #[error("{0}")]
     Reported(String),
     /// A chart that cannot be drawn.
@@ -69,16 +69,16 @@ impl StudyError {
         StudyError::Quantity { text: text.into(), at: None, message }
     }
 
-    /// The errors of a deck.
-    pub fn refused(prepared: &Prepared) -> StudyError {
+    /// Creates the error from the diagnostics of a deck.
+    pub fn refused(prepared: &PreparedJob) -> StudyError {
         let errors = |d: &&Diagnostic| d.severity == Severity::Error;
         let code = prepared.diagnostics.iter().find(errors).map_or("", |d| d.code);
         StudyError::Refused { code, text: prepared.diagnostics.render(&prepared.deck.sources) }
     }
 }
 
-/// The deck, or an error if it has some.
-pub(super) fn accepted(prepared: Prepared) -> Result<Prepared, StudyError> {
+/// Returns the prepared deck, or its errors.
+pub(super) fn accepted(prepared: PreparedJob) -> Result<PreparedJob, StudyError> {
     if prepared.diagnostics.has_errors() { Err(StudyError::refused(&prepared)) } else { Ok(prepared) }
 }
 

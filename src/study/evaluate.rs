@@ -1,5 +1,5 @@
-//! Quantities of a deck over samples of its parameters, as programs for uncertainty, optimisation and design ask for them:
-//! a table of inputs to a table of outputs, from any number of threads to the same bits.
+//! Evaluation of quantities for samples of deck parameters, for uncertainty quantification, optimisation and design: a
+//! table of inputs gives a table of outputs, bit-identical for any number of threads.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -10,30 +10,30 @@ use super::StudyError;
 use super::error::accepted;
 use super::quantity::{self, FinishedRun, Quantity};
 use crate::deck::names::nearest;
-use crate::deck::template::Template;
+use crate::deck::template::DeckTemplate;
 use crate::deck::{self, Deck, Diagnostics};
-use crate::job::{self, Overrides};
-use crate::model::revise::{self, Revisable};
+use crate::job::{self, ParameterOverrides};
+use crate::model::revise::{self, RevisableNumber};
 use crate::model::{self, Model};
-use crate::output::History;
-use crate::plan::revise::Reviser;
-use crate::plan::{self, Plan, Schedule, State};
-use crate::solve::{self, Control, Instant, Outcome, Progress, Sink, SinkError};
+use crate::output::RunHistory;
+use crate::plan::revise::PlanReviser;
+use crate::plan::{self, Plan, State, WriteSchedule};
+use crate::solve::{self, Instant, Outcome, Progress, RunControl, Sink, SinkError};
 use crate::user::Routines;
 use crate::user::compile::Compiled;
 
-/// Where a deck comes from.
+/// Source of a deck.
 #[derive(Clone, Debug)]
 pub enum DeckSource {
     /// A file.
     File(PathBuf),
-    /// Text in memory, with the name of the file for which it stands.
+    /// File name and text in memory; the name is used in messages and for relative paths.
     Text(String, String),
 }
 
 impl DeckSource {
-    /// Reads the deck with these values of its parameters.
-    pub fn read(&self, overrides: &Overrides) -> (Deck, Diagnostics) {
+    /// Reads the deck with the given parameter values.
+    pub fn read(&self, overrides: &ParameterOverrides) -> (Deck, Diagnostics) {
         match self {
             DeckSource::File(path) => deck::read(path, overrides),
             DeckSource::Text(name, text) => deck::read_text(name, text, overrides),
@@ -41,15 +41,15 @@ impl DeckSource {
     }
 }
 
-/// The user's routines of samples.
+/// User subroutines of the samples.
 #[derive(Default)]
 pub enum UserRoutines {
-    /// None.
+    /// No user subroutines.
     #[default]
     Absent,
-    /// Compiled files, opened anew for each sample: what routines keep to themselves begins anew.
+    /// Compiled files, loaded again for each sample, so that internal data have their initial values.
     Files(Arc<Compiled>),
-    /// Routines that keep nothing from one sample to the next, made once for each thread.
+    /// Subroutines without data that persist between samples; created once per thread.
     Stateless(Box<dyn Fn() -> Routines + Send + Sync>),
 }
 
@@ -63,57 +63,57 @@ impl UserRoutines {
     }
 }
 
-/// What is evaluated.
-pub struct Evaluator {
+/// Evaluator of quantities for samples of deck parameters.
+pub struct SampleEvaluator {
     source: DeckSource,
     fixed: Vec<(String, String)>,
     names: Vec<String>,
     quantities: Vec<Quantity>,
     user: UserRoutines,
-    /// Threads that one run has work for.
+    /// Largest number of threads that one run can use.
     most_threads: usize,
-    /// Whether histories are looked at in their last row alone.
-    ends_alone: bool,
-    /// Workers that wait for samples.
-    idle: Mutex<Vec<Worker>>,
-    /// Whether a body that still moves in a target at the end of its run leaves the sample without numbers.
+    /// Whether the quantities need only the last history row.
+    only_last_row: bool,
+    /// Idle workers, reused by later calls.
+    idle: Mutex<Vec<SampleWorker>>,
+    /// Whether a sample fails if a body is still moving in a target at the end of the run.
     to_the_end: bool,
-    /// Samples so far at whose end one did.
+    /// Number of samples so far with a body still moving in a target at the end.
     still_moving: AtomicUsize,
 }
 
-/// Samples in their order.
+/// Table of samples.
 #[derive(Clone, Copy, Debug)]
-pub struct Samples<'a> {
-    /// One row a sample, one number a parameter.
+pub struct SampleTable<'a> {
+    /// Values row by row: one row per sample, one number per parameter.
     pub values: &'a [f64],
-    /// How many there are.
+    /// Number of samples.
     pub count: usize,
 }
 
-/// Why a sample gave nothing: its row of the table is not a number.
+/// Error of a sample; its row of the table is NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampleFailure {
-    /// The sample, from 0.
+    /// Index of the sample, from 0.
     pub row: usize,
-    /// Why.
+    /// Error of the run.
     pub reason: StudyError,
 }
 
-/// The most samples that a thread takes at once.
+/// Largest number of samples that a thread takes at once.
 const CHUNK: usize = 256;
-/// The waiting thread looks up this often.
-const LOOK: Duration = Duration::from_millis(50);
+/// Interval at which the waiting thread reports progress and checks for interrupts.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-impl Evaluator {
-    /// Quantities over the parameters `names`; `fixed` are values of others.
+impl SampleEvaluator {
+    /// Creates an evaluator of `quantities` over the parameters `names`; `fixed` are values of other parameters.
     pub fn new(
         source: DeckSource,
         fixed: Vec<(String, String)>,
         names: Vec<String>,
         quantities: Vec<Quantity>,
         user: UserRoutines,
-    ) -> Result<Evaluator, StudyError> {
+    ) -> Result<SampleEvaluator, StudyError> {
         let prepared = accepted(job::prepare_edited(source.read(&fixed), &mut |_| {}, &user.routines()?))?;
         let known: Vec<&str> = prepared.deck.definitions.iter().map(|d| d.name.as_str()).collect();
         if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
@@ -122,55 +122,56 @@ impl Evaluator {
             return Err(StudyError::Setting(format!("the deck defines no parameter {name}{there}")));
         }
         for quantity in &quantities {
-            quantity.stands_alone()?;
+            quantity.check_without_study()?;
             quantity.check(&prepared.plan)?;
         }
-        let ends_alone = quantities.iter().all(Quantity::looks_at_end_alone);
+        let ends_alone = quantities.iter().all(Quantity::needs_last_row_only);
         let (most_threads, idle) = (prepared.most_threads(), Mutex::default());
         let (to_the_end, still_moving) = (false, AtomicUsize::new(0));
-        Ok(Evaluator {
+        Ok(SampleEvaluator {
             source,
             fixed,
             names,
             quantities,
             user,
             most_threads,
-            ends_alone,
+            only_last_row: ends_alone,
             idle,
             to_the_end,
             still_moving,
         })
     }
 
-    /// The same, where a sample has no numbers if a body still moves in a target at the end of its run.
+    /// Makes a sample fail if a body is still moving in a target at the end of its run.
     #[must_use]
-    pub fn to_the_end(self) -> Evaluator {
-        Evaluator { to_the_end: true, ..self }
+    pub fn to_the_end(self) -> SampleEvaluator {
+        SampleEvaluator { to_the_end: true, ..self }
     }
 
-    /// At the end of how many samples so far a body still moved in a target: a depth read there is not its last.
+    /// Returns the number of samples so far in which a body was still moving in a target at the end; their depths are
+    /// not final.
     pub fn still_moving(&self) -> usize {
         self.still_moving.load(Ordering::Relaxed)
     }
 
-    /// Numbers of a sample.
+    /// Returns the number of parameters of a sample.
     pub fn width(&self) -> usize {
         self.names.len()
     }
 
-    /// Evaluates all samples into `table`, one row a sample and one number a quantity, NaN where a sample fails; returns the failures.
-    /// `look` receives the number of finished samples several times a second; a nonzero `interrupt` ends the evaluation. The table does
-    /// not depend on the number of threads.
+    /// Evaluates all samples into `table`, one row per sample and one number per quantity, NaN if a sample fails.
+    /// Returns the failures. `look` receives the number of finished samples several times a second; a nonzero
+    /// `interrupt` ends the evaluation. The table does not depend on the number of threads.
     pub fn run(
         &self,
-        samples: Samples<'_>,
+        samples: SampleTable<'_>,
         table: &mut [f64],
         threads: usize,
         interrupt: &AtomicUsize,
         look: &mut dyn FnMut(usize),
     ) -> Result<Vec<SampleFailure>, StudyError> {
         let threads = threads.clamp(1, samples.count.max(1));
-        let batch = Batch { evaluator: self, samples, interrupt };
+        let batch = SampleBatch { evaluator: self, samples, interrupt };
         let mut failures = if threads == 1 && self.most_threads <= 1 {
             batch.run_here(table, look)
         } else {
@@ -180,47 +181,48 @@ impl Evaluator {
         Ok(failures)
     }
 
-    /// Runs all samples and gives one row of quantities each, without progress.
+    /// Evaluates all samples without progress reports. Returns the table, one row of quantities per sample, and the
+    /// failures.
     pub fn table(&self, samples: &[f64], threads: usize) -> Result<(Vec<f64>, Vec<SampleFailure>), StudyError> {
         let count = samples.len() / self.width().max(1);
         let mut table = vec![f64::NAN; count * self.quantities.len()];
-        let samples = Samples { values: samples, count };
+        let samples = SampleTable { values: samples, count };
         let failures = self.run(samples, &mut table, threads, &AtomicUsize::new(0), &mut |_| {})?;
         Ok((table, failures))
     }
 
-    fn worker(&self) -> Worker {
-        held(&self.idle).pop().unwrap_or_else(|| Worker { plan: ReusablePlan::new(self).map(Box::new) })
+    fn worker(&self) -> SampleWorker {
+        lock(&self.idle).pop().unwrap_or_else(|| SampleWorker { plan: ReusablePlan::new(self).map(Box::new) })
     }
 
-    fn rest(&self, worker: Worker) {
-        held(&self.idle).push(worker);
+    fn return_worker(&self, worker: SampleWorker) {
+        lock(&self.idle).push(worker);
     }
 
-    /// The settings of a sample as the command line would have them.
+    /// Returns the parameter values of a sample as text, as on the command line.
     fn overrides(&self, sample: &[f64]) -> Vec<(String, String)> {
         let given = self.names.iter().zip(sample).map(|(name, value)| (name.clone(), format!("{value:?}")));
         self.fixed.iter().cloned().chain(given).collect()
     }
 
-    /// Rows and frames that nobody looks at are not due.
-    fn look_less(&self, plan: &mut Plan) {
+    /// Removes frames and unused history rows from the output requests of a plan.
+    fn reduce_output(&self, plan: &mut Plan) {
         for step in &mut plan.steps {
             step.outputs.field.clear();
-            if self.ends_alone && !step.outputs.history.is_empty() {
-                step.outputs.history = vec![Schedule::Time(f64::INFINITY)];
+            if self.only_last_row && !step.outputs.history.is_empty() {
+                step.outputs.history = vec![WriteSchedule::Time(f64::INFINITY)];
             }
         }
     }
 
     /// Evaluates the quantities of a run.
-    fn finish(&self, history: &History, outcome: Outcome, state: &State, out: &mut [f64]) -> Result<(), StudyError> {
+    fn finish(&self, history: &RunHistory, outcome: Outcome, state: &State, out: &mut [f64]) -> Result<(), StudyError> {
         let end = Some((outcome.total_time(), state));
         outcome.halt.map_or(Ok(()), |halt| Err(StudyError::Halted(halt)))?;
         if outcome.still_moving > 0 {
             self.still_moving.fetch_add(1, Ordering::Relaxed);
             if self.to_the_end {
-                let why = format!("{}; its steps need more time", outcome.unfinished.join("; "));
+                let why = format!("{}; increase the duration of the steps", outcome.unfinished.join("; "));
                 return Err(StudyError::Unfinished(why));
             }
         }
@@ -231,14 +233,14 @@ impl Evaluator {
     }
 }
 
-/// Samples that are evaluated together.
-struct Batch<'a> {
-    evaluator: &'a Evaluator,
-    samples: Samples<'a>,
+/// Samples of one call.
+struct SampleBatch<'a> {
+    evaluator: &'a SampleEvaluator,
+    samples: SampleTable<'a>,
     interrupt: &'a AtomicUsize,
 }
 
-impl Batch<'_> {
+impl SampleBatch<'_> {
     fn is_interrupted(&self) -> bool {
         self.interrupt.load(Ordering::Relaxed) != 0
     }
@@ -256,7 +258,7 @@ impl Batch<'_> {
                 break;
             }
         }
-        self.evaluator.rest(worker);
+        self.evaluator.return_worker(worker);
         failures
     }
 
@@ -271,8 +273,8 @@ impl Batch<'_> {
         let size = (self.samples.count / (16 * threads)).clamp(1, CHUNK);
         let width = self.evaluator.quantities.len().max(1);
         let chunks = Mutex::new(table.chunks_mut(size * width).enumerate());
-        // A call of its own: the lock is released before the chunk is run.
-        let take = || held(&chunks).next();
+        // A separate call, so that the lock is released before the chunk is run.
+        let take = || lock(&chunks).next();
         let (done, failures) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
         let (ended, ends) = std::sync::mpsc::channel();
         pool.in_place_scope(|scope| {
@@ -283,7 +285,7 @@ impl Batch<'_> {
                     while let Some((chunk, out)) = take().filter(|_| !self.is_interrupted()) {
                         for (i, out) in out.chunks_mut(width).enumerate() {
                             if let Some(failure) = self.row(&mut worker, chunk * size + i, out, &mut || {}) {
-                                held(failures).push(failure);
+                                lock(failures).push(failure);
                             }
                             done.fetch_add(1, Ordering::Relaxed);
                             if self.is_interrupted() {
@@ -291,14 +293,14 @@ impl Batch<'_> {
                             }
                         }
                     }
-                    self.evaluator.rest(worker);
-                    // Nobody waits any longer if this is not heard.
+                    self.evaluator.return_worker(worker);
+                    // The receiver may have been dropped.
                     let _ = ended.send(());
                 });
             }
             let mut working = threads;
             while working > 0 {
-                match ends.recv_timeout(LOOK) {
+                match ends.recv_timeout(POLL_INTERVAL) {
                     Ok(()) => working -= 1,
                     Err(_) => look(done.load(Ordering::Relaxed)),
                 }
@@ -307,8 +309,14 @@ impl Batch<'_> {
         Ok(failures.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Runs one sample; why it gave nothing.
-    fn row(&self, worker: &mut Worker, row: usize, out: &mut [f64], look: &mut dyn FnMut()) -> Option<SampleFailure> {
+    /// Runs one sample and returns its failure, if any.
+    fn row(
+        &self,
+        worker: &mut SampleWorker,
+        row: usize,
+        out: &mut [f64],
+        look: &mut dyn FnMut(),
+    ) -> Option<SampleFailure> {
         let width = self.evaluator.width();
         let sample = &self.samples.values[row * width..(row + 1) * width];
         let revised = worker.plan.as_mut().and_then(|plan| plan.revise(sample).then_some(plan));
@@ -322,13 +330,13 @@ impl Batch<'_> {
         })
     }
 
-    /// Runs a sample from the deck's text on.
+    /// Runs a sample from the text of the deck, without a reusable plan.
     fn run_anew(&self, sample: &[f64], out: &mut [f64], look: &mut dyn FnMut()) -> Result<(), StudyError> {
         let evaluator = self.evaluator;
         let routines = evaluator.user.routines()?;
         let read = evaluator.source.read(&evaluator.overrides(sample));
         let mut prepared = accepted(job::prepare_edited(read, &mut |_| {}, &routines))?;
-        evaluator.look_less(&mut prepared.plan);
+        evaluator.reduce_output(&mut prepared.plan);
         let mut history = quantity::history(&evaluator.quantities, &prepared.plan);
         let mut sink = HistorySink { history: &mut history, look };
         let (outcome, state) = job::run_until(&prepared, &mut sink, self.interrupt);
@@ -336,68 +344,69 @@ impl Batch<'_> {
     }
 }
 
-fn held<T>(shared: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+fn lock<T>(shared: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What one thread reuses from sample to sample.
-struct Worker {
+/// Data that one thread reuses for all its samples.
+struct SampleWorker {
     plan: Option<Box<ReusablePlan>>,
 }
 
-/// A plan whose numbers change from sample to sample.
+/// A plan in which only numbers change between samples.
 struct ReusablePlan {
-    template: Template,
-    places: Vec<Revisable>,
+    template: DeckTemplate,
+    places: Vec<RevisableNumber>,
     model: Model,
     routines: Routines,
     plan: Plan,
     state: State,
-    reviser: Reviser,
-    history: History,
-    /// Values of parameters, and numbers of the deck's open words.
+    reviser: PlanReviser,
+    history: RunHistory,
+    /// Work arrays: parameter values, and the numbers of deck words that contain parameters.
     values: Vec<f64>,
     numbers: Vec<f64>,
 }
 
 impl ReusablePlan {
-    /// `None` where a sample takes more than other numbers in the same plan.
-    fn new(evaluator: &Evaluator) -> Option<ReusablePlan> {
+    /// Returns `None` if samples differ in more than numbers of one plan, or if user subroutine files must be loaded
+    /// for each sample.
+    fn new(evaluator: &SampleEvaluator) -> Option<ReusablePlan> {
         if matches!(evaluator.user, UserRoutines::Files(_)) {
             return None;
         }
         let routines = evaluator.user.routines().ok()?;
         let (deck, _) = evaluator.source.read(&evaluator.fixed);
-        let template = Template::of(&deck, &evaluator.names)?;
+        let template = DeckTemplate::of(&deck, &evaluator.names)?;
         let model = model::build(&deck).0;
         let places = template.words.iter().map(|word| revise::revisable(&model, &deck, word));
         let places = places.collect::<Option<Vec<_>>>()?;
         let (mut plan, state, _, reviser) = plan::revise::compile(&model, &routines);
-        evaluator.look_less(&mut plan);
+        evaluator.reduce_output(&mut plan);
         let history = quantity::history(&evaluator.quantities, &plan);
         let (reviser, values, numbers) = (reviser?, Vec::new(), Vec::new());
         Some(ReusablePlan { template, places, model, routines, plan, state, reviser, history, values, numbers })
     }
 
-    /// Whether the plan is that of the sample now.
+    /// Changes the plan to the values of a sample; returns whether this is possible.
     fn revise(&mut self, sample: &[f64]) -> bool {
         self.template.numbers(sample, &mut self.values, &mut self.numbers)
             && self.places.iter().zip(&self.numbers).all(|(place, value)| revise::set(&mut self.model, *place, *value))
             && self.reviser.revise(&self.model, &self.routines, &mut self.plan, &mut self.state)
     }
 
-    fn run(&mut self, batch: &Batch<'_>, out: &mut [f64], look: &mut dyn FnMut()) -> Result<(), StudyError> {
+    fn run(&mut self, batch: &SampleBatch<'_>, out: &mut [f64], look: &mut dyn FnMut()) -> Result<(), StudyError> {
         self.history.clear();
         let mut sink = HistorySink { history: &mut self.history, look };
-        let control = Control { interrupt: Some(batch.interrupt), ..Control::default() };
+        let control = RunControl { interrupt: Some(batch.interrupt), ..RunControl::default() };
         let (outcome, state) = solve::run_with(&self.plan, self.state.clone(), &mut sink, control).unwrap_or_default();
         batch.evaluator.finish(&self.history, outcome, &state, out)
     }
 }
 
-/// Keeps the history, and lets the caller look up now and then.
+/// Sink that collects the history and calls `look` at progress reports.
 struct HistorySink<'a> {
-    history: &'a mut History,
+    history: &'a mut RunHistory,
     look: &'a mut dyn FnMut(),
 }
 

@@ -1,4 +1,4 @@
-//! Fields at the end of a run, and their norm against an expression or against a finer mesh.
+//! Fields at the end of a run and their L2 norm against an expression or a finer mesh.
 
 use crate::element::group::ElementGroup;
 use crate::element::values;
@@ -6,20 +6,21 @@ use crate::kernel::quad;
 use crate::plan::State;
 use crate::platform::PortableMath as _;
 use crate::solve::node_value;
-use crate::variables::{Part, Place, Variable};
+use crate::variables::{Variable, VariableComponent, VariablePlace};
 
-/// A variable that has a norm: one of nodes or of elements. What elements follow only if an output asks has none.
+/// A nodal or element variable that has a norm. Variables that elements update only for output requests have none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FieldName(Part);
+pub struct FieldName(VariableComponent);
 
 impl FieldName {
-    /// The variable of that name, in any case.
+    /// Parses the name of a variable, regardless of case.
     pub(super) fn parse(name: &str) -> Result<FieldName, String> {
         let wanted = name.trim().to_ascii_uppercase();
-        let known = Part::parse(&wanted).filter(|p| has_norm(p.variable)).map(FieldName);
+        let known = VariableComponent::parse(&wanted).filter(|p| has_norm(p.variable)).map(FieldName);
         known.ok_or_else(|| {
-            let names = Variable::ALL.iter().filter(|v| has_norm(**v)).flat_map(|v| v.parts()).map(Part::label);
-            format!("`{}` has no norm; there are {}", name.trim(), names.collect::<Vec<_>>().join(", "))
+            let names =
+                Variable::ALL.iter().filter(|v| has_norm(**v)).flat_map(|v| v.parts()).map(VariableComponent::label);
+            format!("`{}` has no norm; variables with a norm: {}", name.trim(), names.collect::<Vec<_>>().join(", "))
         })
     }
 }
@@ -27,38 +28,38 @@ impl FieldName {
 fn has_norm(variable: Variable) -> bool {
     match variable {
         Variable::Displacement | Variable::Velocity => true,
-        _ => variable.place() == Place::Point && !variable.row().followed,
+        _ => variable.place() == VariablePlace::Point && !variable.row().followed,
     }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldPoint {
-    /// Place at the start (of an element its middle), `[r, z]`.
+    /// Initial coordinates `[r, z]` of the node or of the element centre.
     pub start: [f64; 2],
     pub now: [f64; 2],
-    /// Volume it stands for, at the start.
+    /// Initial volume of the element, or of the node's share of its elements.
     pub weight: f64,
     pub value: f64,
 }
 
-/// A variable over all nodes or elements.
+/// Values of a variable at all nodes or elements.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Field {
-    /// Nodes, or the quadrilaterals that elements consist of.
+pub struct NormField {
+    /// Nodes, or the quadrilaterals of the elements.
     pub points: Vec<FieldPoint>,
     pub on_elements: bool,
-    /// Corners of the quadrilaterals of all elements at the start.
+    /// Initial corner coordinates of the quadrilaterals of all elements.
     pub cells: Vec<[[f64; 2]; 4]>,
-    /// Indices of their nodes, where the field is one of nodes.
+    /// Node indices of the corners.
     pub corners: Vec<[u32; 4]>,
     pub time: f64,
 }
 
-impl Field {
-    /// The variable at the end of a run.
-    pub(super) fn of(state: &State, name: FieldName, time: f64) -> Result<Field, String> {
+impl NormField {
+    /// Returns the variable at the end of a run.
+    pub(super) fn of(state: &State, name: FieldName, time: f64) -> Result<NormField, String> {
         if state.elements.is_empty() {
-            return Err("a norm is taken over what deforms, and nothing here does".into());
+            return Err("a norm needs deformable elements, and the model has none".into());
         }
         let (mut elements, mut corners, mut cells) = <(Vec<_>, Vec<_>, Vec<_>)>::default();
         for (g, group) in state.elements.groups.iter().enumerate() {
@@ -77,17 +78,17 @@ impl Field {
         } else {
             of_nodes(state, part, &corners, &cells)
         };
-        Ok(Field { points, on_elements, cells, corners, time })
+        Ok(NormField { points, on_elements, cells, corners, time })
     }
 
-    /// Relative L2 norm of the difference from what `exact` gives at each point: root of the sum of volume times square,
-    /// over that of `exact` itself. Dimensionless.
+    /// Returns the relative L2 norm of the difference from `exact`: sqrt(sum V (f - exact)^2 / sum V exact^2), with the
+    /// initial volumes V. Dimensionless.
     pub(super) fn relative_norm(
         &self,
         mut exact: impl FnMut(&FieldPoint) -> Result<f64, String>,
     ) -> Result<f64, String> {
         let (mut difference, mut size) = (0.0, 0.0);
-        // Nodes of no element, as rotations of shells are, stand for nothing.
+        // Nodes without elements, such as companion nodes of shell rotations, have no volume.
         for point in self.points.iter().filter(|p| p.weight != 0.0) {
             let expected = exact(point)?;
             difference += point.weight * (point.value - expected) * (point.value - expected);
@@ -96,13 +97,14 @@ impl Field {
         if size > 0.0 {
             Ok((difference / size).sqrt())
         } else {
-            Err("what the norm compares with is zero everywhere".into())
+            Err("the reference of the norm is zero everywhere".into())
         }
     }
 
-    /// The same against a finer field: nodes by shape functions, elements by the mean of the finer elements inside.
-    pub(super) fn relative_norm_against(&self, fine: &Field) -> Result<f64, String> {
-        let buckets = ElementBuckets::new(fine);
+    /// Returns the relative L2 norm against a finer field, interpolated by shape functions to nodes, or averaged over
+    /// the finer elements inside each element.
+    pub(super) fn relative_norm_against(&self, fine: &NormField) -> Result<f64, String> {
+        let buckets = ElementGrid::new(fine);
         let mut cells = self.cells.iter();
         self.relative_norm(|point| {
             let found = match (self.on_elements, cells.next()) {
@@ -115,8 +117,8 @@ impl Field {
     }
 }
 
-/// Nodes and places at the start of the corners of an element's quadrilaterals. A shell is what its thickness makes of it, its nodes
-/// on both sides.
+/// Returns nodes and initial coordinates of the corners of an element's quadrilaterals. A shell element is a
+/// quadrilateral of its thickness; its nodes occur on both sides.
 fn cells_of(state: &State, group: &dyn ElementGroup, element: usize) -> Vec<([u32; 4], [[f64; 2]; 4])> {
     let nodes = &state.dofs.nodes;
     let place = |n: u32| nodes.start[n as usize];
@@ -134,7 +136,7 @@ fn cells_of(state: &State, group: &dyn ElementGroup, element: usize) -> Vec<([u3
 
 fn of_elements(
     state: &State,
-    part: Part,
+    part: VariableComponent,
     elements: &[(usize, usize)],
     corners: &[[u32; 4]],
     cells: &[[[f64; 2]; 4]],
@@ -150,7 +152,7 @@ fn of_elements(
     .collect()
 }
 
-fn of_nodes(state: &State, part: Part, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<FieldPoint> {
+fn of_nodes(state: &State, part: VariableComponent, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<FieldPoint> {
     let nodes = &state.dofs.nodes;
     let mut volume = vec![0.0; nodes.len()];
     for (corner, cell) in corners.iter().zip(cells) {
@@ -168,9 +170,9 @@ fn middle(corners: &[[f64; 2]; 4]) -> [f64; 2] {
     [0, 1].map(|axis| corners.iter().map(|c| c[axis]).sum::<f64>() / 4.0)
 }
 
-/// The elements of a field by place, so that few are looked at.
-struct ElementBuckets<'a> {
-    field: &'a Field,
+/// Spatial grid of the elements of a field, for fast search.
+struct ElementGrid<'a> {
+    field: &'a NormField,
     low: [f64; 2],
     width: [f64; 2],
     count: usize,
@@ -178,14 +180,14 @@ struct ElementBuckets<'a> {
     middles: Vec<Vec<u32>>,
 }
 
-impl<'a> ElementBuckets<'a> {
-    fn new(field: &'a Field) -> Self {
+impl<'a> ElementGrid<'a> {
+    fn new(field: &'a NormField) -> Self {
         let all = || field.cells.iter().flatten();
         let low = [0, 1].map(|axis| all().map(|c| c[axis]).fold(f64::INFINITY, f64::min));
         let high = [0, 1].map(|axis| all().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max));
         let count = (field.cells.len() as f64).sqrt().ceil().clamp(1.0, 1000.0) as usize;
         let width = [0, 1].map(|axis| ((high[axis] - low[axis]) / count as f64).max(f64::MIN_POSITIVE));
-        let mut buckets = ElementBuckets {
+        let mut buckets = ElementGrid {
             field,
             low,
             width,
@@ -214,7 +216,7 @@ impl<'a> ElementBuckets<'a> {
         rows.flat_map(|j| (index(from, 0)..=index(to, 0)).map(move |i| i + j * self.count)).collect()
     }
 
-    /// Value at a place by the shape functions of the element around it; outside by less than rounding counts, too.
+    /// Interpolates the value at a point by shape functions of the element that contains it or is closest to it.
     fn interpolate(&self, place: [f64; 2]) -> Option<f64> {
         let mut best: Option<(f64, f64)> = None;
         for bucket in self.between(place, place) {
@@ -229,11 +231,12 @@ impl<'a> ElementBuckets<'a> {
                 }
             }
         }
-        // A curved boundary is met by chords: a coarse node may lie a little outside of the finer mesh.
+        // On a curved boundary a coarse node can be slightly outside the finer mesh.
         best.filter(|b| b.0 < 0.5).map(|b| b.1)
     }
 
-    /// Mean over the elements whose middle lies inside a cell, by volume; of none, the value around the cell's own middle.
+    /// Returns the volume-weighted mean over the elements with their centre inside a cell; without such elements, the
+    /// value of the element at the centre of the cell.
     fn mean_inside(&self, cell: &[[f64; 2]; 4], place: [f64; 2]) -> Option<f64> {
         let [from, to] = bounds(cell);
         let (mut sum, mut volume) = (0.0, 0.0);
@@ -259,7 +262,7 @@ fn bounds(cell: &[[f64; 2]; 4]) -> [[f64; 2]; 2] {
     [[0, 1].map(|axis| pick(f64::min, axis)), [0, 1].map(|axis| pick(f64::max, axis))]
 }
 
-/// Whether a place lies in a convex cell with corners counter-clockwise; on its edge counts.
+/// Returns whether a point is inside or on the edge of a convex cell with counter-clockwise corners.
 fn contains(cell: &[[f64; 2]; 4], place: [f64; 2]) -> bool {
     (0..4).all(|i| {
         let (a, b) = (cell[i], cell[(i + 1) % 4]);
@@ -273,7 +276,8 @@ fn shapes([x, y]: [f64; 2]) -> [f64; 4] {
     [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[a, b]| 0.25 * (1.0 + a * x) * (1.0 + b * y))
 }
 
-/// Coordinates of a place in an element, -1 to 1 inside, by Newton's method; `None` where it does not settle.
+/// Returns the parametric coordinates of a point in an element (-1 to 1 inside) by Newton's method; `None` if it does
+/// not converge.
 fn local_coordinates(cell: &[[f64; 2]; 4], place: [f64; 2]) -> Option<[f64; 2]> {
     let mut local = [0.0_f64; 2];
     for _ in 0..20 {
@@ -302,11 +306,11 @@ fn local_coordinates(cell: &[[f64; 2]; 4], place: [f64; 2]) -> Option<[f64; 2]> 
 mod tests {
     use super::*;
 
-    /// A unit square of n by n elements with a value at each node or middle.
-    fn square(n: usize, on_elements: bool, law: impl Fn([f64; 2]) -> f64) -> Field {
+    /// Unit square of n by n elements with values at nodes or element centres.
+    fn square(n: usize, on_elements: bool, law: impl Fn([f64; 2]) -> f64) -> NormField {
         let at = |i: usize, j: usize| [1.0 + i as f64 / n as f64, j as f64 / n as f64];
         let node = |i: usize, j: usize| (i + j * (n + 1)) as u32;
-        let mut field = Field { on_elements, ..Field::default() };
+        let mut field = NormField { on_elements, ..NormField::default() };
         for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
             field.cells.push([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
             field.corners.push([node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]);
@@ -321,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn a_linear_field_is_carried_over_exactly_and_a_curved_one_with_order_two() {
+    fn linear_fields_are_interpolated_exactly_and_curved_ones_accurately() {
         let linear = |[r, z]: [f64; 2]| 2.0 * r - 3.0 * z;
         for on_elements in [false, true] {
             let (coarse, fine) = (square(3, on_elements, linear), square(12, on_elements, linear));
@@ -329,10 +333,10 @@ mod tests {
             assert!(norm < 1e-12, "{norm:e}");
         }
         let curved = |[r, z]: [f64; 2]| (3.0 * r).sin() * (1.0 + z * z);
-        // Fine enough that its own interpolation does not show; three to four does not nest.
+        // The fine mesh has a negligible interpolation error; its nodes do not coincide with those of the coarse mesh.
         let norm = square(5, false, curved).relative_norm_against(&square(64, false, curved)).expect("covered");
         assert!(norm < 1e-3, "{norm:e}");
-        let wide = Field { cells: vec![[[9.0, 9.0]; 4]], ..square(2, false, linear) };
+        let wide = NormField { cells: vec![[[9.0, 9.0]; 4]], ..square(2, false, linear) };
         assert!(square(2, false, |_| 0.0).relative_norm(|_| Ok(0.0)).is_err());
         assert!(square(2, false, linear).relative_norm_against(&wide).is_err());
     }

@@ -1,4 +1,4 @@
-//! The values a sweep runs through: lists and ranges per parameter, several make a grid.
+//! Parameter values of a sweep: lists, ranges and distributions per parameter, combined to a grid of cases.
 
 use std::path::Path;
 
@@ -6,71 +6,75 @@ use rand_chacha::rand_core::RngCore as _;
 
 use super::StudyError;
 use super::statistics::design::{draws, unit};
-use super::statistics::distribution::Distribution;
+use super::statistics::distribution::ParameterDistribution;
 use crate::output::csv;
 
-/// The most combinations of one sweep.
+/// Largest number of cases of one sweep.
 const MOST: usize = 10_000_000;
 
-/// Parameters with the values each takes.
+/// Parameters with their values, and the order of the cases.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Grid {
+pub struct CaseGrid {
     axes: Vec<(String, Vec<String>)>,
     order: CaseOrder,
 }
 
-/// How values of several parameters meet.
+/// Combination of the values of several parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum CaseOrder {
-    /// Each with each; the last parameter varies fastest.
+    /// All combinations; the last parameter varies fastest.
     #[default]
     Product,
-    /// Side by side: the rows of a table of samples.
+    /// Rows of a table of samples.
     Rows,
-    /// Drawn from distributions, which stand in place of values, so many times: a draw depends on the seed and its own number alone.
+    /// Random draws; the values are distributions. A draw depends only on the seed and its own index.
     Random { count: usize, seed: u64 },
 }
 
-impl Grid {
-    /// From `NAME=v1,v2,…`, `NAME=start:stop:step` (stop included where it is met) or `NAME=start:stop:#count`.
-    pub fn parse(settings: &[String]) -> Result<Grid, StudyError> {
-        Grid::read(settings).map_err(StudyError::Setting)
+impl CaseGrid {
+    /// Parses `NAME=v1,v2,…`, `NAME=start:stop:step` (includes `stop` if a step reaches it) or
+    /// `NAME=start:stop:#count`.
+    pub fn parse(settings: &[String]) -> Result<CaseGrid, StudyError> {
+        CaseGrid::read(settings).map_err(StudyError::Setting)
     }
 
-    /// Reads a CSV file of samples, a parameter a column and a run a row; `settings` give other parameters one value each.
-    pub fn samples(path: &Path, text: &str, settings: &[String]) -> Result<Grid, StudyError> {
-        Grid::table("--samples", path, text)?.beside(settings, "--samples")
+    /// Reads a CSV text of samples with one column per parameter and one row per run; `settings` give one value to each
+    /// other parameter.
+    pub fn samples(path: &Path, text: &str, settings: &[String]) -> Result<CaseGrid, StudyError> {
+        CaseGrid::table("--samples", path, text)?.with_fixed_parameters(settings, "--samples")
     }
 
-    /// The rows of a CSV file that an option names.
-    pub(super) fn table(option: &'static str, path: &Path, text: &str) -> Result<Grid, StudyError> {
-        Grid::rows(text).map_err(|message| StudyError::file(option, path, message))
+    /// Reads the rows of a CSV file that an option names.
+    pub(super) fn table(option: &'static str, path: &Path, text: &str) -> Result<CaseGrid, StudyError> {
+        CaseGrid::rows(text).map_err(|message| StudyError::file(option, path, message))
     }
 
-    /// The same rows with other parameters, which `settings` give one value each; `option` is what the rows come from.
-    pub(super) fn beside(mut self, settings: &[String], option: &str) -> Result<Grid, StudyError> {
+    /// Adds other parameters with one value each from `settings`; `option` names the source of the rows in messages.
+    pub(super) fn with_fixed_parameters(mut self, settings: &[String], option: &str) -> Result<CaseGrid, StudyError> {
         let count = self.count();
-        for (name, values) in Grid::parse(settings)?.axes {
+        for (name, values) in CaseGrid::parse(settings)?.axes {
             if values.len() > 1 {
-                let message = format!("--set {name} has {} values; beside {option} it has one", values.len());
+                let message = format!("--set {name} has {} values; with {option} only one is allowed", values.len());
                 return Err(StudyError::Setting(message));
             }
             if self.axes.iter().any(|axis| axis.0 == name) {
-                return Err(StudyError::Setting(format!("{name} is given by --set and by {option}")));
+                return Err(StudyError::Setting(format!(
+                    "parameter {name} is given by --set and by {option}; remove one"
+                )));
             }
             self.axes.push((name, vec![values[0].clone(); count]));
         }
         Ok(self)
     }
 
-    fn rows(text: &str) -> Result<Grid, String> {
+    fn rows(text: &str) -> Result<CaseGrid, String> {
         let mut lines = csv::lines(text);
         let (_, header) = lines.next().ok_or("the file is empty")?;
         let cells = |line| csv::fields(line).into_iter().map(|cell| cell.trim().to_owned()).collect::<Vec<String>>();
         let names = cells(header);
         for (i, name) in names.iter().enumerate() {
             if name.is_empty() || names[..i].contains(name) {
-                return Err(format!("line 1: column {} has no name of its own: `{name}`", i + 1));
+                return Err(format!("line 1: the name `{name}` of column {} is empty or occurs twice", i + 1));
             }
         }
         let mut rows = Vec::new();
@@ -82,51 +86,54 @@ impl Grid {
             rows.push(values);
         }
         match rows.len() {
-            0 => Err("there are no rows under the header".into()),
+            0 => Err("the file has no rows below the header".into()),
             count if count > MOST => Err(format!("more than {MOST} rows")),
-            _ => Ok(Grid::of_rows(names, rows)),
+            _ => Ok(CaseGrid::of_rows(names, rows)),
         }
     }
 
-    /// Rows of values under the names of their parameters.
-    pub(super) fn of_rows(names: Vec<String>, rows: Vec<Vec<String>>) -> Grid {
+    /// Creates cases from rows of values.
+    pub(super) fn of_rows(names: Vec<String>, rows: Vec<Vec<String>>) -> CaseGrid {
         let mut axes: Vec<(String, Vec<String>)> = names.into_iter().map(|name| (name, Vec::new())).collect();
         for row in rows {
             axes.iter_mut().zip(row).for_each(|(axis, value)| axis.1.push(value));
         }
-        Grid { axes, order: CaseOrder::Rows }
+        CaseGrid { axes, order: CaseOrder::Rows }
     }
 
-    /// So many draws from `NAME=DISTRIBUTION`; other parameters have one value each.
-    pub fn random(settings: &[String], count: usize, seed: u64) -> Result<Grid, StudyError> {
-        let mut grid = Grid { axes: Vec::new(), order: CaseOrder::Random { count, seed } };
+    /// Creates `count` random draws from `NAME=DISTRIBUTION`; other parameters have one value each.
+    pub fn random(settings: &[String], count: usize, seed: u64) -> Result<CaseGrid, StudyError> {
+        let mut grid = CaseGrid { axes: Vec::new(), order: CaseOrder::Random { count, seed } };
         for setting in settings {
             let wrong = |why: String| StudyError::Setting(format!("--set {setting}: {why}"));
-            let (name, text) = setting.split_once('=').ok_or_else(|| wrong("NAME=value is the form".into()))?;
+            let (name, text) =
+                setting.split_once('=').ok_or_else(|| wrong("expected NAME=VALUE or NAME=DISTRIBUTION".into()))?;
             let values = if is_distribution(text) {
-                Distribution::parse(text).map_err(wrong)?;
+                ParameterDistribution::parse(text).map_err(wrong)?;
                 vec![text.trim().to_owned()]
             } else {
                 let (_, values) = axis(setting).map_err(StudyError::Setting)?;
                 if values.len() > 1 {
-                    return Err(wrong("beside --random a distribution or one value".into()));
+                    return Err(wrong("with --random a parameter has a distribution or one value".into()));
                 }
                 values
             };
             grid.add(name.trim().to_owned(), values).map_err(StudyError::Setting)?;
         }
         if !grid.axes.iter().any(|axis| is_distribution(&axis.1[0])) || count == 0 {
-            return Err(StudyError::Setting("--random: no parameter is drawn; --set NAME=low..high".into()));
+            return Err(StudyError::Setting(
+                "--random: no parameter has a distribution; use --set NAME=low..high".into(),
+            ));
         }
         if count > MOST {
-            return Err(StudyError::Setting(format!("--random: more than {MOST} cases")));
+            return Err(StudyError::Setting(format!("--random: more than {MOST} cases are not allowed")));
         }
         Ok(grid)
     }
 
-    /// The same in words, of the option that a sweep has.
-    pub(super) fn read(settings: &[String]) -> Result<Grid, String> {
-        let mut grid = Grid::default();
+    /// Like [`parse`](Self::parse); errors are texts that name the option `--set`.
+    pub(super) fn read(settings: &[String]) -> Result<CaseGrid, String> {
+        let mut grid = CaseGrid::default();
         for setting in settings {
             let (name, values) = axis(setting)?;
             grid.add(name, values)?;
@@ -134,7 +141,7 @@ impl Grid {
         let count = grid.axes.iter().try_fold(1_usize, |n, a| n.checked_mul(a.1.len()));
         match count {
             Some(count) if count <= MOST => Ok(grid),
-            _ => Err(format!("the sweep has more than {MOST} combinations; that is taken for a slip")),
+            _ => Err(format!("the sweep has more than {MOST} combinations; reduce the number of values")),
         }
     }
 
@@ -146,22 +153,22 @@ impl Grid {
         Ok(())
     }
 
-    /// Names of the parameters.
+    /// Returns the parameter names.
     pub fn names(&self) -> Vec<&str> {
         self.axes.iter().map(|a| a.0.as_str()).collect()
     }
 
-    /// Whether cases stand beside each other in no order of their parameters.
+    /// Returns whether the cases are samples and not all combinations of values.
     pub fn is_scattered(&self) -> bool {
         self.order != CaseOrder::Product
     }
 
-    /// Parameters with their values, as given.
+    /// Returns the parameters with their values, as given.
     pub fn axes(&self) -> &[(String, Vec<String>)] {
         &self.axes
     }
 
-    /// How many combinations there are.
+    /// Returns the number of cases.
     pub fn count(&self) -> usize {
         match self.order {
             CaseOrder::Product => self.axes.iter().map(|a| a.1.len()).product(),
@@ -170,14 +177,14 @@ impl Grid {
         }
     }
 
-    /// The combination with that index as `--set` pairs.
+    /// Returns the parameter values of the case with that index, from 0.
     pub fn combination(&self, index: usize) -> Vec<(String, String)> {
         if self.order == CaseOrder::Rows {
             return self.axes.iter().map(|(name, values)| (name.clone(), values[index].clone())).collect();
         }
         if let CaseOrder::Random { seed, .. } = self.order {
             let mut draws = draws(seed, index as u64);
-            let value = |of: &Vec<String>| match Distribution::parse(&of[0]) {
+            let value = |of: &Vec<String>| match ParameterDistribution::parse(&of[0]) {
                 Ok(distribution) => distribution.quantile(unit(draws.next_u64())).to_string(),
                 Err(_) => of.concat(),
             };
@@ -200,13 +207,13 @@ impl Grid {
     }
 }
 
-/// Whether a text stands for a distribution, and not for a value.
+/// Returns whether a text is a distribution and not a value.
 fn is_distribution(text: &str) -> bool {
     text.contains("..") || text.contains('(')
 }
 
 fn axis(setting: &str) -> Result<(String, Vec<String>), String> {
-    let (name, text) = setting.split_once('=').ok_or_else(|| format!("--set {setting}: NAME=value is the form"))?;
+    let (name, text) = setting.split_once('=').ok_or_else(|| format!("--set {setting}: expected NAME=VALUE"))?;
     let values =
         if text.contains(':') { range(setting, text)? } else { text.split(',').map(|v| v.trim().to_owned()).collect() };
     if name.trim().is_empty() || values.iter().any(String::is_empty) {
@@ -216,7 +223,7 @@ fn axis(setting: &str) -> Result<(String, Vec<String>), String> {
 }
 
 fn range(setting: &str, text: &str) -> Result<Vec<String>, String> {
-    let wrong = || format!("--set {setting}: a range is start:stop:step or start:stop:#count");
+    let wrong = || format!("--set {setting}: expected start:stop:step or start:stop:#count, for example 500:1100:50");
     let parts: Vec<&str> = text.split(':').map(str::trim).collect();
     let [start, stop, step] = parts[..] else { return Err(wrong()) };
     let number = |t: &str| t.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong);
@@ -226,7 +233,7 @@ fn range(setting: &str, text: &str) -> Result<Vec<String>, String> {
         None => (((stop - start) / number(step)?) * (1.0 + 1e-12)).floor(),
     };
     if !(0.0..MOST as f64).contains(&intervals) {
-        return Err(format!("--set {setting}: this range has no values, or more than {MOST}"));
+        return Err(format!("--set {setting}: the range has no values or more than {MOST}"));
     }
     let width = if step.starts_with('#') { (stop - start) / intervals.max(1.0) } else { number(step)? };
     Ok((0..=intervals as usize).map(|i| format!("{}", start + i as f64 * width)).collect())
@@ -234,10 +241,10 @@ fn range(setting: &str, text: &str) -> Result<Vec<String>, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::Grid;
+    use super::CaseGrid;
 
     fn values(setting: &str) -> Result<Vec<String>, String> {
-        let grid = Grid::read(&[setting.to_owned()])?;
+        let grid = CaseGrid::read(&[setting.to_owned()])?;
         Ok((0..grid.count()).map(|i| grid.combination(i)[0].1.clone()).collect())
     }
 
@@ -252,8 +259,8 @@ mod tests {
     }
 
     #[test]
-    fn samples_stand_side_by_side() {
-        let read = |text: &str, settings: &[String]| Grid::samples("doe.csv".as_ref(), text, settings);
+    fn samples_are_combined_with_fixed_parameters() {
+        let read = |text: &str, settings: &[String]| CaseGrid::samples("doe.csv".as_ref(), text, settings);
         let grid = read("V, mu\n569, 0.1\n\n# the last\n821,0.2\n", &["n=10".into()]).expect("a grid");
         assert_eq!((grid.count(), grid.names()), (2, vec!["V", "mu", "n"]));
         let pair = |i: usize| grid.combination(i).into_iter().map(|p| p.1).collect::<Vec<_>>().join(" ");
@@ -269,7 +276,7 @@ mod tests {
     #[test]
     fn a_draw_depends_on_seed_and_number_alone() {
         let settings = ["V=500..600".to_owned(), "n=20".into(), "mu=0..0.2".into()];
-        let grid = |count: usize, seed: u64| Grid::random(&settings, count, seed).expect("a grid");
+        let grid = |count: usize, seed: u64| CaseGrid::random(&settings, count, seed).expect("a grid");
         let (few, many) = (grid(10, 7), grid(1000, 7));
         assert_eq!((few.count(), few.names()), (10, vec!["V", "n", "mu"]));
         assert!((0..10).all(|i| few.combination(i) == many.combination(i)));
@@ -280,20 +287,20 @@ mod tests {
         for (axis, low, high) in [(0, 500.0, 600.0), (2, 0.0, 0.2)] {
             let values = drawn(axis);
             assert!(values.iter().all(|v| (low..high).contains(v)));
-            // The mean of so many even draws is as far off as this once in 16 000.
+            // Four standard errors of the mean: exceeded once in 16 000 samples.
             let mean = values.iter().sum::<f64>() / 1000.0;
             assert!((mean - 0.5 * (low + high)).abs() < 4.0 * (high - low) / 12_000_f64.sqrt(), "{mean}");
         }
         assert!(drawn(1).iter().all(|n| *n == 20.0));
         for wrong in [&["V=1,2"][..], &["V=1"], &["V=2..1"], &["V=a..b"], &["V=0..1", "V=0..2"], &[]] {
             let settings: Vec<String> = wrong.iter().map(|s| (*s).to_owned()).collect();
-            assert!(Grid::random(&settings, 5, 1).is_err(), "{wrong:?}");
+            assert!(CaseGrid::random(&settings, 5, 1).is_err(), "{wrong:?}");
         }
     }
 
     #[test]
     fn the_last_parameter_varies_fastest() {
-        let grid = Grid::parse(&["a=1,2".into(), "b=3,4,5".into()]).expect("a grid");
+        let grid = CaseGrid::parse(&["a=1,2".into(), "b=3,4,5".into()]).expect("a grid");
         assert_eq!(grid.count(), 6);
         let pair = |i: usize| grid.combination(i).into_iter().map(|p| p.1).collect::<Vec<_>>().join("");
         assert_eq!((0..6).map(pair).collect::<Vec<_>>().join(" "), "13 14 15 23 24 25");

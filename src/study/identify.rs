@@ -1,36 +1,37 @@
-//! `identify`: parameters of a deck that best fit a table of shots, how well the shots tell them, and which they cannot tell apart.
+//! `identify`: least-squares fit of deck parameters to a table of shots, with confidence intervals and correlations.
 
 use std::path::Path;
 
 use super::StudyError;
-use super::chart::{Chart, Form, Series};
-use super::evaluate::Evaluator;
-use super::grid::Grid;
-use super::statistics::least_squares::{Fit, fit};
+use super::chart::{Chart, ChartSeries, SeriesForm};
+use super::evaluate::SampleEvaluator;
+use super::grid::CaseGrid;
+use super::statistics::least_squares::{ParameterFit, fit};
 
-/// Two parameters that go together more closely than this are told.
+/// Correlations above this size are reported.
 const CLOSE: f64 = 0.95;
-/// Relative step of the derivatives; smaller ones would resolve single increments.
+/// Relative step of the difference quotients; smaller steps would resolve single time increments.
 const STEP: f64 = 1e-2;
 
-/// A table of shots.
+/// Table of measured shots.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shots {
-    /// Parameters that were set.
+pub struct ShotTable {
+    /// Names of the known parameters.
     pub names: Vec<String>,
-    /// One value a parameter, a row a shot.
+    /// Values of the known parameters, one row per shot.
     pub rows: Vec<Vec<f64>>,
-    /// What was measured.
+    /// Measured values, one per shot.
     pub measured: Vec<f64>,
-    /// Standard deviation of each measurement, or 1.
+    /// Standard deviation of each measurement; 1 if not given.
     pub deviations: Vec<f64>,
 }
 
-impl Shots {
-    /// Reads a CSV file: a column of measurements, perhaps one of their standard deviations, and parameters.
-    pub fn parse(path: &Path, text: &str, measured: &str, deviation: Option<&str>) -> Result<Shots, StudyError> {
+impl ShotTable {
+    /// Parses a CSV file with a column of measurements, optionally a column of their standard deviations, and columns
+    /// of parameters.
+    pub fn parse(path: &Path, text: &str, measured: &str, deviation: Option<&str>) -> Result<ShotTable, StudyError> {
         let wrong = |message: String| StudyError::file("--shots", path, message);
-        let table = Grid::table("--shots", path, text)?;
+        let table = CaseGrid::table("--shots", path, text)?;
         let mut columns = Vec::new();
         for (name, values) in table.axes() {
             let number = |(i, v): (usize, &String)| {
@@ -42,7 +43,7 @@ impl Shots {
         let mut take = |name: &str| {
             let place = columns.iter().position(|column| column.0 == name);
             let known: Vec<&str> = columns.iter().map(|column| column.0.as_str()).collect();
-            let absent = || wrong(format!("no column is named {name}; there are {}", known.join(", ")));
+            let absent = || wrong(format!("there is no column {name}; the columns are {}", known.join(", ")));
             place.ok_or_else(absent).map(|place| columns.remove(place).1)
         };
         let measured = take(measured)?;
@@ -51,10 +52,10 @@ impl Shots {
             return Err(wrong(format!("shot {}: a standard deviation must be above zero", at + 1)));
         }
         let rows = (0..measured.len()).map(|i| columns.iter().map(|column| column.1[i]).collect()).collect();
-        Ok(Shots { names: columns.into_iter().map(|column| column.0).collect(), rows, measured, deviations })
+        Ok(ShotTable { names: columns.into_iter().map(|column| column.0).collect(), rows, measured, deviations })
     }
 
-    /// The same shots, parameters, and measurements and computed values.
+    /// Returns the given value of each shot over the first parameter, or over the shot number without parameters.
     fn points(&self, values: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
         let mut points: Vec<(f64, f64)> = self
             .rows
@@ -67,21 +68,28 @@ impl Shots {
         points
     }
 
-    /// Measurements, and what is computed with the fitted parameters, over the first parameter.
-    pub fn chart(&self, title: &str, measured: &str, quantity: &str, found: &Fit) -> Chart {
+    /// Returns a chart of the measured values and of those computed with the fitted parameters, over the first
+    /// parameter.
+    pub fn chart(&self, title: &str, measured: &str, quantity: &str, found: &ParameterFit) -> Chart {
         let computed: Vec<f64> =
             (0..self.rows.len()).map(|i| self.measured[i] + found.residuals[i] * self.deviations[i]).collect();
-        let form = if self.names.len() == 1 { Form::Line } else { Form::Marks };
+        let form = if self.names.len() == 1 { SeriesForm::Line } else { SeriesForm::Marks };
         let series = vec![
-            Series::new(measured, Form::Marks, self.points(self.measured.iter().copied())),
-            Series::new(format!("{quantity}, fitted"), form, self.points(computed.into_iter())),
+            ChartSeries::new(measured, SeriesForm::Marks, self.points(self.measured.iter().copied())),
+            ChartSeries::new(format!("{quantity}, fitted"), form, self.points(computed.into_iter())),
         ];
         Chart::new(title, [self.names.first().map_or("shot", String::as_str), measured], series)
     }
 }
 
-/// Fits from `start` on; the evaluator has the parameters of the shots, then the unknown ones, and one quantity.
-pub fn identify(evaluator: &Evaluator, shots: &Shots, start: &[f64], threads: usize) -> Result<Fit, StudyError> {
+/// Fits the unknown parameters, starting at `start`. The evaluator must have the parameters of the shots, followed by
+/// the unknown parameters, and one quantity.
+pub fn identify(
+    evaluator: &SampleEvaluator,
+    shots: &ShotTable,
+    start: &[f64],
+    threads: usize,
+) -> Result<ParameterFit, StudyError> {
     let mut first = None;
     let model = &mut |points: &[Vec<f64>]| -> Result<Vec<Vec<f64>>, StudyError> {
         let samples: Vec<f64> = points
@@ -99,39 +107,41 @@ pub fn identify(evaluator: &Evaluator, shots: &Shots, start: &[f64], threads: us
     };
     if shots.rows.len() <= start.len() {
         let (shots, unknown) = (shots.rows.len(), start.len());
-        let why =
-            format!("{shots} shots cannot tell {unknown} parameters and their errors; one more is needed at least");
+        let why = format!(
+            "{shots} shots do not determine {unknown} parameters and their errors; at least {} shots are needed",
+            unknown + 1
+        );
         return Err(StudyError::Comparison(why));
     }
     let found = fit(start, STEP, model)?;
     found.ok_or_else(|| match first {
         Some(failure) => failure.reason,
-        None => StudyError::Comparison("the deck has no value with the parameters of the start".into()),
+        None => StudyError::Comparison("the quantity cannot be computed with the initial parameters".into()),
     })
 }
 
-/// What is to be known of a fit, in sentences.
-pub fn sentences(found: &Fit, names: &[String]) -> Vec<String> {
+/// Returns remarks on a fit: convergence, insensitive parameters, bounds and correlations.
+pub fn sentences(found: &ParameterFit, names: &[String]) -> Vec<String> {
     let mut said: Vec<String> = Vec::new();
-    if !found.settled {
-        said.push("the search was given up before the sum of squares was least: start nearer".into());
+    if !found.converged {
+        said.push("the fit did not converge: choose initial values closer to the solution".into());
     }
-    said.extend(found.idle.iter().map(|i| format!("no shot depends on {}: it cannot be told", names[*i])));
+    said.extend(found.insensitive.iter().map(|i| format!("no shot depends on {}: it cannot be identified", names[*i])));
     let edge =
-        |i: &usize| format!("{} came to the edge of what the deck takes: its interval reaches beyond", names[*i]);
+        |i: &usize| format!("{} is at the edge of its valid range: its interval extends beyond that edge", names[*i]);
     said.extend(found.edges.iter().map(edge));
     for one in 0..names.len() {
         for other in one + 1..names.len() {
             match found.correlation(one, other) {
                 Some(r) if r.abs() > CLOSE => {
                     let (how, what) = if r > 0.0 {
-                        ("both higher or both lower", "difference")
+                        ("increasing or decreasing both", "difference")
                     } else {
-                        ("one higher and the other lower", "sum")
+                        ("increasing one and decreasing the other", "sum")
                     };
                     said.push(format!(
-                        "these shots hardly tell {} and {} apart (correlation {r:.3}): {how} fit nearly as well; they tell a weighted \
-                         {what} of both",
+                        "{} and {} are hardly distinguishable (correlation {r:.3}): {how} fits nearly as well; the shots determine a weighted \
+                         {what} of the two",
                         names[one], names[other]
                     ));
                 }
@@ -139,9 +149,9 @@ pub fn sentences(found: &Fit, names: &[String]) -> Vec<String> {
             }
         }
     }
-    if found.covariance.is_none() && found.idle.is_empty() {
+    if found.covariance.is_none() && found.insensitive.is_empty() {
         said.push(format!(
-            "these shots cannot tell {} apart at all: some change of them together leaves every shot as it is",
+            "the shots do not determine {}: a combined change of these parameters leaves all computed values unchanged",
             names.join(" and ")
         ));
     }
@@ -150,12 +160,12 @@ pub fn sentences(found: &Fit, names: &[String]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Shots, sentences};
-    use crate::study::statistics::least_squares::Fit;
+    use super::{ShotTable, sentences};
+    use crate::study::statistics::least_squares::ParameterFit;
 
     #[test]
-    fn tables_are_taken_apart() {
-        let parse = |text: &str, deviation| Shots::parse("a.csv".as_ref(), text, "P", deviation);
+    fn shot_tables_are_parsed() {
+        let parse = |text: &str, deviation| ShotTable::parse("a.csv".as_ref(), text, "P", deviation);
         let shots = parse("V,P,s,m\n1,2,0.5,3\n4,5,1,6\n", Some("s")).expect("shots");
         assert_eq!(shots.names, ["V", "m"]);
         assert_eq!((&shots.rows[1][..], shots.measured[1], shots.deviations[0]), (&[4.0, 6.0][..], 5.0, 0.5));
@@ -171,26 +181,29 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_told_apart_is_said() {
+    fn indistinguishable_parameters_are_reported() {
         let names = ["A".to_owned(), "mu".to_owned()];
         let with = |covariance: Option<[f64; 4]>, idle: &[usize]| {
             let covariance = covariance.map(|c| c.to_vec());
             sentences(
-                &Fit {
+                &ParameterFit {
                     values: vec![1.0; 2],
                     residuals: vec![0.0; 4],
                     freedom: 2,
                     covariance,
-                    idle: idle.to_vec(),
+                    insensitive: idle.to_vec(),
                     edges: Vec::new(),
-                    settled: true,
+                    converged: true,
                 },
                 &names,
             )
         };
         assert!(with(Some([1.0, 0.5, 0.5, 1.0]), &[]).is_empty());
-        assert!(with(Some([1.0, -0.99, -0.99, 1.0]), &[])[0].contains("A and mu apart (correlation -0.990)"));
-        assert!(with(None, &[])[0].contains("at all"));
-        assert_eq!(with(None, &[1]), ["no shot depends on mu: it cannot be told"]);
+        assert!(
+            with(Some([1.0, -0.99, -0.99, 1.0]), &[])[0]
+                .contains("A and mu are hardly distinguishable (correlation -0.990)")
+        );
+        assert!(with(None, &[])[0].contains("do not determine"));
+        assert_eq!(with(None, &[1]), ["no shot depends on mu: it cannot be identified"]);
     }
 }

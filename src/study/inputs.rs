@@ -1,66 +1,70 @@
-//! Parameters of a deck that are drawn: each from its distribution, together by their correlations.
+//! Random deck parameters with their distributions and correlations.
 
 use super::StudyError;
-use super::statistics::cholesky::Factor;
-use super::statistics::distribution::Distribution;
+use super::statistics::cholesky::CholeskyFactor;
+use super::statistics::distribution::ParameterDistribution;
 use super::statistics::normal;
 
-/// Parameters with their distributions.
+/// Random parameters with their distributions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomInputs {
     pub names: Vec<String>,
-    distributions: Vec<Distribution>,
-    /// The factor of the matrix of correlations; `None` where all are zero.
-    together: Option<Factor>,
+    distributions: Vec<ParameterDistribution>,
+    /// Cholesky factor of the correlation matrix; `None` if all correlations are zero.
+    correlation_factor: Option<CholeskyFactor>,
 }
 
 impl RandomInputs {
-    /// From `NAME=DISTRIBUTION` and, of pairs that do not go by themselves, `NAME:OTHER=NUMBER`.
+    /// Parses `NAME=DISTRIBUTION` and correlations `NAME:OTHER=NUMBER`.
     pub fn parse(distributions: &[String], correlations: &[String]) -> Result<RandomInputs, StudyError> {
-        let mut inputs = RandomInputs { names: Vec::new(), distributions: Vec::new(), together: None };
+        let mut inputs = RandomInputs { names: Vec::new(), distributions: Vec::new(), correlation_factor: None };
         for text in distributions {
             let wrong = |why: String| StudyError::Setting(format!("--distribution {text}: {why}"));
-            let (name, of) = text.split_once('=').ok_or_else(|| wrong("NAME=DISTRIBUTION is the form".into()))?;
+            let (name, of) = text
+                .split_once('=')
+                .ok_or_else(|| wrong("expected NAME=DISTRIBUTION, for example V=800..850".into()))?;
             if inputs.names.iter().any(|known| known == name.trim()) {
-                return Err(wrong("the parameter is given twice".into()));
+                return Err(wrong("the parameter has two distributions".into()));
             }
-            inputs.distributions.push(Distribution::parse(of).map_err(wrong)?);
+            inputs.distributions.push(ParameterDistribution::parse(of).map_err(wrong)?);
             inputs.names.push(name.trim().to_owned());
         }
         if !correlations.is_empty() {
-            inputs.together = Some(inputs.correlated(correlations)?);
+            inputs.correlation_factor = Some(inputs.correlated(correlations)?);
         }
         Ok(inputs)
     }
 
-    fn correlated(&self, correlations: &[String]) -> Result<Factor, StudyError> {
+    fn correlated(&self, correlations: &[String]) -> Result<CholeskyFactor, StudyError> {
         let size = self.names.len();
         let mut matrix: Vec<f64> = (0..size * size).map(|k| f64::from(u8::from(k % (size + 1) == 0))).collect();
         for text in correlations {
             let wrong = |why: &str| StudyError::Setting(format!("--correlation {text}: {why}"));
             let parts = text.split_once('=').and_then(|(pair, number)| Some((pair.split_once(':')?, number)));
-            let ((one, other), number) = parts.ok_or_else(|| wrong("NAME:OTHER=NUMBER is the form"))?;
+            let ((one, other), number) =
+                parts.ok_or_else(|| wrong("expected NAME:OTHER=NUMBER, for example V:m=0.5"))?;
             let place = |name: &str| self.names.iter().position(|known| known == name.trim());
             let (Some(i), Some(j)) = (place(one), place(other)) else {
                 return Err(wrong("both parameters need a --distribution"));
             };
             let number = number.trim().parse::<f64>().ok().filter(|r| r.abs() < 1.0);
-            let number = number.ok_or_else(|| wrong("a number between -1 and 1 is needed"))?;
+            let number = number.ok_or_else(|| wrong("expected a number between -1 and 1"))?;
             if i == j || matrix[i * size + j] != 0.0 {
-                return Err(wrong("the pair is given twice, or is none"));
+                return Err(wrong("expected two different parameters that have no other --correlation"));
             }
             matrix[i * size + j] = number;
             matrix[j * size + i] = number;
         }
-        let impossible = "--correlation: the numbers cannot be together: their matrix is not positive definite";
-        Factor::of(&matrix, size, 1e-12).ok_or_else(|| StudyError::Setting(impossible.into()))
+        let impossible = "--correlation: the correlations are inconsistent: their matrix is not positive definite";
+        CholeskyFactor::of(&matrix, size, 1e-12).ok_or_else(|| StudyError::Setting(impossible.into()))
     }
 
-    /// Values at a point of the unit cube. Correlations are those of the normal distributions behind them (a Gaussian copula, Nelsen,
-    /// An Introduction to Copulas, section 2.3): of parameters that are normal their own.
+    /// Maps a point of the unit cube to parameter values. The correlations are those of a Gaussian copula (Nelsen, An
+    /// Introduction to Copulas, section 2.3); for normal distributions they are the correlations of the parameters
+    /// themselves.
     pub fn values(&self, point: &[f64], values: &mut [f64]) {
         values.copy_from_slice(point);
-        if let Some(together) = &self.together {
+        if let Some(together) = &self.correlation_factor {
             values.iter_mut().for_each(|u| *u = normal::quantile(*u));
             together.multiply(values);
             values.iter_mut().for_each(|z| *z = normal::cumulative(*z));
@@ -72,7 +76,7 @@ impl RandomInputs {
 #[cfg(test)]
 mod tests {
     use super::RandomInputs;
-    use crate::study::statistics::design::{Design, Sampling};
+    use crate::study::statistics::design::{SampleDesign, SamplingScheme};
 
     fn words(words: &[&str]) -> Vec<String> {
         words.iter().map(|w| (*w).to_owned()).collect()
@@ -94,14 +98,15 @@ mod tests {
         ranks
     }
 
-    /// Source: of normal numbers the correlation is their own; that of ranks is 6/pi asin(r/2) whatever the distributions.
+    /// Source: normal parameters have the given correlation r; the rank correlation is 6/pi asin(r/2) for any
+    /// distributions.
     #[test]
-    fn samples_have_the_correlations_that_are_asked_for() {
+    fn samples_have_the_requested_correlations() {
         let distributions = words(&["V=normal(800, 20)", "m=normal(0.02, 0.001)", "A=lognormal(4, 1)", "mu=0..0.2"]);
         let inputs = RandomInputs::parse(&distributions, &words(&["V:m=0.6", "m : A=-0.5"])).expect("inputs");
         let count = 1 << 14;
         let (mut points, mut all) = (vec![0.0; 4 * count], vec![0.0; 4 * count]);
-        Design::new(Sampling::Sobol, 4, count, 5).expect("a design").fill(&mut points);
+        SampleDesign::new(SamplingScheme::Sobol, 4, count, 5).expect("a design").fill(&mut points);
         points.chunks(4).zip(all.chunks_mut(4)).for_each(|(point, values)| inputs.values(point, values));
         let pair = |i: usize, j: usize| -> Vec<[f64; 2]> { all.chunks(4).map(|v| [v[i], v[j]]).collect() };
         assert!((correlation(&pair(0, 1)) - 0.6).abs() < 0.01);
@@ -118,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_drawn_is_told() {
+    fn invalid_distributions_and_correlations_are_errors() {
         let two = words(&["V=0..1", "m=0..1", "A=0..1"]);
         for (distributions, correlations) in [
             (words(&["V"]), vec![]),

@@ -1,62 +1,63 @@
-//! A derived resistance as table, JSON with stable keys, picture, and a card to include.
+//! Output of a computed resistance: table, JSON with stable keys, picture, and a card for `*INCLUDE`.
 
 use serde::Serialize;
 
-use super::chart::{Chart, Form, Series};
+use super::chart::{Chart, ChartSeries, SeriesForm};
 use super::expansion::MeasuredPressure;
-use super::table::Table;
+use super::table::TextTable;
 use crate::resistance::fit::law;
-use crate::resistance::{Derived, Request, Target};
+use crate::resistance::{DerivedResistance, FitRequest, ScaledTarget};
 
-/// What `revolve resistance --json` prints. The keys are stable; velocities are those of the material's units, pressures over Y.
+/// JSON object printed by `revolve resistance --json`. The keys are stable. Velocities are in the units of the
+/// material, pressures are divided by Y.
 #[derive(Clone, Debug, Serialize)]
 pub struct ResistanceRecord {
     pub yield_stress: f64,
     pub density: f64,
-    /// A, B, C as the card has them.
+    /// A, B, C as on the card.
     pub constants: [f64; 3],
-    /// Halves of the 95 % intervals; `null` of what was not fitted.
+    /// Half-widths of the 95 % confidence intervals; `null` for constants that were not fitted.
     pub half_widths: [Option<f64>; 3],
     pub range: [f64; 2],
-    /// Root of the weighted mean square of the differences, over Y.
+    /// Weighted rms difference between law and pressures, divided by Y.
     pub residual: f64,
-    /// The largest relative difference, and the velocity there.
+    /// Largest relative difference, and its velocity.
     pub worst: [f64; 2],
-    /// Pressure at rest over Y.
+    /// Quasi-static pressure divided by Y.
     pub still: f64,
-    pub points: Vec<Row>,
-    /// Measured pressures; absent where none were asked for.
+    pub points: Vec<PressureRow>,
+    /// Pressures computed with finite elements; absent without `--measure`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub measured: Vec<MeasuredPressure>,
-    /// Seconds that the pressures and the fit took.
+    /// Seconds spent on the pressures and the fit.
     pub seconds: f64,
     pub card: String,
     pub version: &'static str,
 }
 
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Row {
-    /// Velocity at which the cavity opens.
+pub struct PressureRow {
+    /// Velocity of the cavity wall.
     pub velocity: f64,
     pub pressure: f64,
     pub law: f64,
-    /// Radius of the plastic front over the cavity's.
+    /// Radius of the plastic front divided by the cavity radius.
     pub plastic: f64,
-    /// Radius of the front of cracks over the cavity's.
+    /// Radius of the crack front divided by the cavity radius.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cracked: Option<f64>,
 }
 
 impl ResistanceRecord {
-    /// Of what was derived, and measured.
+    /// Collects the derived law and the pressures computed with finite elements.
     pub fn new(
-        target: &Target,
-        request: &Request,
-        derived: &Derived,
+        target: &ScaledTarget,
+        request: &FitRequest,
+        derived: &DerivedResistance,
         measured: Vec<MeasuredPressure>,
         seconds: f64,
     ) -> ResistanceRecord {
-        let row = |p: &crate::resistance::similarity::Point| Row {
+        let row = |p: &crate::resistance::similarity::CavityPressure| PressureRow {
             velocity: p.velocity,
             pressure: p.stress,
             law: law(derived.constants, p.velocity / target.velocity),
@@ -71,7 +72,7 @@ impl ResistanceRecord {
             range: request.range,
             residual: derived.fit.residual,
             worst: derived.worst,
-            still: derived.still,
+            still: derived.static_pressure,
             points: derived.points.iter().map(row).collect(),
             measured,
             seconds,
@@ -80,12 +81,12 @@ impl ResistanceRecord {
         }
     }
 
-    pub fn table(&self) -> Table {
+    pub fn table(&self) -> TextTable {
         let cracks = self.points.iter().any(|p| p.cracked.is_some());
         let mut header: Vec<String> =
             ["velocity", "pressure/Y", "law", "difference", "plastic front/a"].map(String::from).into();
         header.extend(cracks.then(|| "cracks/a".to_owned()));
-        let row = |p: &Row| {
+        let row = |p: &PressureRow| {
             let mut row = vec![
                 format!("{:.6}", p.velocity).trim_end_matches('0').trim_end_matches('.').to_owned(),
                 format!("{:.4}", p.pressure),
@@ -96,10 +97,10 @@ impl ResistanceRecord {
             row.extend(cracks.then(|| p.cracked.map_or(String::new(), |c| format!("{c:.3}"))));
             row
         };
-        Table { header, rows: self.points.iter().map(row).collect() }
+        TextTable { header, rows: self.points.iter().map(row).collect() }
     }
 
-    pub fn measured_table(&self, similar: &dyn Fn(f64) -> Option<f64>) -> Table {
+    pub fn measured_table(&self, similar: &dyn Fn(f64) -> Option<f64>) -> TextTable {
         let header = ["velocity", "measured/Y", "uncertainty", "order", "similar", "difference"].map(String::from);
         let row = |m: &MeasuredPressure| {
             let exact = similar(m.velocity);
@@ -112,10 +113,10 @@ impl ResistanceRecord {
                 exact.map_or(String::new(), |e| format!("{:+.3} %", 100.0 * (m.estimate.limit / e - 1.0))),
             ]
         };
-        Table { header: header.into(), rows: self.measured.iter().map(row).collect() }
+        TextTable { header: header.into(), rows: self.measured.iter().map(row).collect() }
     }
 
-    /// What the fit came to, line by line.
+    /// Returns the results of the fit as lines of text.
     pub fn conclusions(&self) -> Vec<String> {
         let each = |(name, (value, half)): (&str, (&f64, &Option<f64>))| match half {
             Some(half) => format!("{name} = {value} ± {half:.2e}"),
@@ -124,9 +125,9 @@ impl ResistanceRecord {
         let constants: Vec<String> =
             ["A", "B", "C"].into_iter().zip(self.constants.iter().zip(&self.half_widths)).map(each).collect();
         vec![
-            format!("{} (95 % by Student's t)", constants.join(", ")),
+            format!("{} (95 % confidence intervals by Student's t)", constants.join(", ")),
             format!(
-                "over velocities {} to {}: residual {:.2e} Y, at most {:+.2} % off (at {}); at rest the pressure is {:.4} Y",
+                "velocities {} to {}: rms residual {:.2e} Y, largest deviation {:+.2} % (at {}); quasi-static pressure {:.4} Y",
                 self.range[0],
                 self.range[1],
                 self.residual,
@@ -137,26 +138,30 @@ impl ResistanceRecord {
         ]
     }
 
-    /// The picture: pressures at velocities that lie close, the law, and what was measured.
-    pub fn chart(&self, title: &str, target: &Target, pressures: &[(f64, f64)]) -> Chart {
+    /// Returns the chart of the similarity solution (`pressures`), the fitted law and the finite-element results.
+    pub fn chart(&self, title: &str, target: &ScaledTarget, pressures: &[(f64, f64)]) -> Chart {
         let [a, b, c] = self.constants;
         let fitted = |p: &(f64, f64)| (p.0, law(self.constants, p.0 / target.velocity));
         let mut series = vec![
-            Series::new("similarity solution", Form::Line, pressures.to_vec()),
-            Series::new(format!("A = {a}, B = {b}, C = {c}"), Form::Guide, pressures.iter().map(fitted).collect()),
+            ChartSeries::new("similarity solution", SeriesForm::Line, pressures.to_vec()),
+            ChartSeries::new(
+                format!("A = {a}, B = {b}, C = {c}"),
+                SeriesForm::Guide,
+                pressures.iter().map(fitted).collect(),
+            ),
         ];
         if !self.measured.is_empty() {
             let points = self.measured.iter().map(|m| (m.velocity, m.estimate.limit)).collect();
             let widest = self.measured.iter().map(|m| m.uncertainty() / m.estimate.limit).fold(0.0, f64::max);
             let name = format!("finite elements, ± {:.2} %", 100.0 * widest);
-            series.push(Series::new(name, Form::Marks, points));
+            series.push(ChartSeries::new(name, SeriesForm::Marks, points));
         }
-        Chart::new(title, ["velocity of the cavity", "pressure / yield stress"], series)
+        Chart::new(title, ["velocity of the cavity wall", "pressure / yield stress"], series)
     }
 }
 
-/// The card, for below a `*MATERIAL` with its `*DENSITY`.
-fn card(target: &Target, request: &Request, derived: &Derived) -> String {
+/// Writes the card; it belongs below a `*MATERIAL` with `*DENSITY`.
+fn card(target: &ScaledTarget, request: &FitRequest, derived: &DerivedResistance) -> String {
     let [a, b, c] = derived.constants;
     format!(
         "** Expansion of a spherical cavity at velocities {} to {}, density {}\n\
@@ -168,7 +173,7 @@ fn card(target: &Target, request: &Request, derived: &Derived) -> String {
         derived.fit.residual,
         100.0 * derived.worst[0],
         derived.worst[1],
-        derived.still,
+        derived.static_pressure,
         target.yield_stress
     )
 }

@@ -1,85 +1,84 @@
-//! `limit`: the striking velocity from which on a body perforates, the residual velocity above it, and how the limit scatters.
+//! `limit`: ballistic limit velocity by bisection, residual velocity curve, and scatter of the limit for random
+//! parameters.
 
 use super::StudyError;
-use super::chart::{Chart, Form, Series};
-use super::statistics::lambert_jonas::{self, Curve};
+use super::chart::{Chart, ChartSeries, SeriesForm};
+use super::statistics::lambert_jonas::{self, LambertJonasFit};
 use super::statistics::probit::{self, NormalFit};
 use super::statistics::summary;
 
-/// What is asked.
+/// Options of the search for the limit velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitRequest {
-    /// Ends between which the limit is looked for.
+    /// Lower and upper end of the search interval.
     pub between: [f64; 2],
-    /// Width of the bracket that is enough.
+    /// Largest width of the final bracket.
     pub tolerance: f64,
-    /// The residual velocity above which a shot has perforated.
+    /// Residual velocity above which a shot counts as perforation.
     pub least: f64,
-    /// Shots of the curve above the limit.
+    /// Number of shots above the limit for the residual velocity curve.
     pub shots: usize,
 }
 
 impl LimitRequest {
-    /// Reads `LOW,HIGH`.
+    /// Creates the request; `between` has the form `LOW,HIGH`.
     pub fn new(between: &str, tolerance: f64, least: f64, shots: usize) -> Result<LimitRequest, StudyError> {
         let wrong = |why: &str| StudyError::Setting(why.into());
         let ends: Option<Vec<f64>> = between.split(',').map(|end| end.trim().parse().ok()).collect();
         let Some(&[low, high]) = ends.as_deref() else {
-            return Err(wrong("--between LOW,HIGH: two velocities are needed"));
+            return Err(wrong("--between: expected two velocities LOW,HIGH, for example 300,900"));
         };
         if !(0.0 <= low && low < high && high.is_finite()) {
-            return Err(wrong("--between LOW,HIGH: velocities that rise, none below zero"));
+            return Err(wrong("--between LOW,HIGH: expected 0 <= LOW < HIGH"));
         }
         if tolerance.is_nan() || tolerance <= 1e-12 * high {
-            return Err(wrong("--tolerance: a width above zero is needed, such as 0.1"));
+            return Err(wrong("--tolerance: expected a velocity above zero, for example 0.1"));
         }
         Ok(LimitRequest { between: [low, high], tolerance, least, shots })
     }
 
-    /// Rounds of halving that bring the ends together.
+    /// Returns the number of bisections that reach the tolerance.
     fn rounds(&self) -> usize {
         libm::log2((self.between[1] - self.between[0]) / self.tolerance).ceil().max(0.0) as usize
     }
 }
 
-/// Residual velocities of shots at some velocities.
+/// Function from striking velocities to residual velocities.
 pub type FireShots<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>, StudyError> + 'a;
 
-/// Residual velocities of draws, each at a velocity; not a number where a shot gives nothing.
+/// Function from pairs of draw and striking velocity to residual velocities; NaN if a shot fails.
 pub type FireDraws<'a> = dyn FnMut(&[(usize, f64)]) -> Result<Vec<f64>, StudyError> + 'a;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitVelocity {
-    /// A velocity that does not perforate, and one that does.
+    /// Largest velocity without and smallest velocity with perforation in the bisection.
     pub bracket: [f64; 2],
-    /// All shots, striking and residual velocity, by striking velocity.
+    /// Striking and residual velocity of all shots, sorted by striking velocity.
     pub shots: Vec<(f64, f64)>,
-    /// The curve above the limit, where one comes near.
-    pub curve: Option<Curve>,
-    /// Velocities above the limit that do not perforate: there is more than one limit.
+    /// Fitted Lambert-Jonas curve; `None` if the fit failed.
+    pub curve: Option<LambertJonasFit>,
+    /// Velocities above the limit without perforation; if there are any, there is more than one limit.
     pub gaps: Vec<f64>,
 }
 
 impl LimitVelocity {
-    /// The limit velocity: the middle of its bracket.
+    /// Returns the limit velocity: the midpoint of the bracket.
     pub fn velocity(&self) -> f64 {
         0.5 * (self.bracket[0] + self.bracket[1])
     }
 }
 
-/// Halves until the bracket is as narrow as asked, then shoots the curve above it.
+/// Finds the limit by bisection, then fires the shots above it and fits the curve.
 pub fn find(asked: &LimitRequest, fire: &mut FireShots<'_>) -> Result<LimitVelocity, StudyError> {
     let [mut low, mut high] = asked.between;
     let ends = fire(&[low, high])?;
     let mut shots = vec![(low, ends[0]), (high, ends[1])];
     if ends[0] > asked.least {
-        return Err(StudyError::Comparison(format!(
-            "a shot at {low} perforates: --between has no limit, its lower end is too high"
-        )));
+        return Err(StudyError::Comparison(format!("a shot at {low} perforates: decrease the lower end of --between")));
     }
     if ends[1] <= asked.least {
         return Err(StudyError::Comparison(format!(
-            "a shot at {high} does not perforate: --between has no limit, its upper end is too low"
+            "a shot at {high} does not perforate: increase the upper end of --between"
         )));
     }
     for _ in 0..asked.rounds() {
@@ -88,7 +87,7 @@ pub fn find(asked: &LimitRequest, fire: &mut FireShots<'_>) -> Result<LimitVeloc
         shots.push((middle, residual));
         if residual > asked.least { high = middle } else { low = middle }
     }
-    // Evenly from the limit to the upper end.
+    // Equally spaced from the limit to the upper end.
     let step = (asked.between[1] - high) / asked.shots.max(1) as f64;
     let velocities: Vec<f64> = (1..=asked.shots).map(|i| high + step * i as f64).collect();
     let above: Vec<(f64, f64)> = velocities.iter().copied().zip(fire(&velocities)?).collect();
@@ -101,24 +100,24 @@ pub fn find(asked: &LimitRequest, fire: &mut FireShots<'_>) -> Result<LimitVeloc
     Ok(LimitVelocity { bracket: [low, high], shots, curve, gaps })
 }
 
-/// How the limit scatters where parameters are drawn.
+/// Scatter of the limit velocity for random parameters.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LimitScatter {
-    /// Ends between which the limit of each draw lies; infinite where it lies outside of what was asked.
+    /// Bracket of the limit of each draw; one end is infinite if the limit is outside the search interval.
     pub members: Vec<(f64, f64)>,
-    /// The normal distribution of them, where they tell one.
+    /// Fitted normal distribution; `None` if the brackets do not determine one.
     pub scatter: Option<NormalFit>,
-    /// Draws whose limit was not found, because a shot gave nothing.
+    /// Number of draws without a limit because a shot failed.
     pub lost: usize,
-    /// Striking velocities with the residual velocities between which 90 % of the draws lie.
+    /// Striking velocity with the 5 % and 95 % quantiles of the residual velocity.
     pub band: Vec<(f64, [f64; 2])>,
 }
 
-/// Velocities at which the band of residual velocities is taken, and the parts of draws below its edges.
+/// Number of intervals of striking velocity of the band, and the quantiles of its edges.
 const ACROSS: u32 = 32;
 const PARTS: [f64; 2] = [0.05, 0.95];
 
-/// Halves for each of so many draws by itself; `fire` is given draws and velocities, and says not-a-number where a shot gives nothing.
+/// Finds the limit of each draw by bisection. `fire` returns NaN for a failed shot.
 pub fn scatter(asked: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -> Result<LimitScatter, StudyError> {
     let [low, high] = asked.between;
     let mut ends = vec![(low, high); draws];
@@ -151,7 +150,8 @@ pub fn scatter(asked: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -> 
     Ok(LimitScatter { scatter: probit::fit(&members), members, lost, band })
 }
 
-/// Residual velocities of all draws between two striking velocities, closer together at the lower one, where they rise steeply.
+/// Returns the band of residual velocities between two striking velocities; points are denser at the lower end, where
+/// the curve is steep.
 fn band(
     [low, high]: [f64; 2],
     least: f64,
@@ -163,8 +163,8 @@ fn band(
         .map(place)
         .map(|velocity| {
             let shots: Vec<(usize, f64)> = (0..draws).map(|draw| (draw, velocity)).collect();
-            let told = fire(&shots)?.into_iter().filter(|v| v.is_finite());
-            let mut residuals: Vec<f64> = told.map(|v| if v > least { v } else { 0.0 }).collect();
+            let finite = fire(&shots)?.into_iter().filter(|v| v.is_finite());
+            let mut residuals: Vec<f64> = finite.map(|v| if v > least { v } else { 0.0 }).collect();
             residuals.sort_by(f64::total_cmp);
             Ok((velocity, PARTS.map(|part| summary::between(&residuals, part))))
         })
@@ -172,26 +172,28 @@ fn band(
         .collect()
 }
 
-/// Residual over striking velocity, with the fitted curve, and the band of draws where there are any.
+/// Returns the chart of residual over striking velocity with the fitted curve and, for random parameters, the band of
+/// the draws.
 pub fn chart(title: &str, found: &LimitVelocity, scattered: Option<&LimitScatter>) -> Chart {
-    let mut series = vec![Series::new("shots", Form::Marks, found.shots.clone())];
+    let mut series = vec![ChartSeries::new("shots", SeriesForm::Marks, found.shots.clone())];
     if let Some(band) = scattered.map(|s| &s.band).filter(|band| !band.is_empty()) {
         let edge = |side: usize| band.iter().map(move |(velocity, edges)| (*velocity, edges[side]));
         let points = edge(0).chain(edge(1).rev()).collect();
-        series.push(Series::new("90 % of draws", Form::Band, points));
+        series.push(ChartSeries::new("90 % of draws", SeriesForm::Band, points));
     }
     if let (Some(curve), Some(last)) = (&found.curve, found.shots.last()) {
         let constants = curve.estimates.map(|e| e.value);
         let limit = constants[2];
-        // Closer near the limit, where the curve is steep.
+        // Points are denser near the limit, where the curve is steep.
         let place = |i: u32| limit + (last.0 - limit) * (f64::from(i) / 200.0).powi(2);
         let points = (0..=200).map(place).map(|v| (v, lambert_jonas::residual(constants, v))).collect();
-        series.push(Series::new("Lambert and Jonas", Form::Line, points));
+        series.push(ChartSeries::new("Lambert and Jonas", SeriesForm::Line, points));
     }
     Chart::new(title, ["striking velocity", "residual velocity"], series)
 }
 
-/// The fraction of draws that perforate over the striking velocity, with the normal distribution fitted to it.
+/// Returns the chart of the fraction of draws that perforate over the striking velocity, with the fitted normal
+/// distribution.
 pub fn scatter_chart(title: &str, found: &LimitScatter) -> Chart {
     let mut limits: Vec<f64> = found.members.iter().map(|m| 0.5 * (m.0 + m.1)).filter(|v| v.is_finite()).collect();
     limits.sort_by(f64::total_cmp);
@@ -199,11 +201,11 @@ pub fn scatter_chart(title: &str, found: &LimitScatter) -> Chart {
     let all = found.members.len().max(1) as f64;
     let step = |(i, v): (usize, &f64)| [(*v, (below + i) as f64 / all), (*v, (below + i + 1) as f64 / all)];
     let points = limits.iter().enumerate().flat_map(step).collect();
-    let mut series = vec![Series::new("draws that perforate", Form::Line, points)];
+    let mut series = vec![ChartSeries::new("draws that perforate", SeriesForm::Line, points)];
     if let (Some(scatter), Some(low), Some(high)) = (&found.scatter, limits.first(), limits.last()) {
         let place = |i: u32| low + (high - low) * f64::from(i) / 200.0;
         let points = (0..=200).map(place).map(|v| (v, probit::part_below(scatter, v))).collect();
-        series.push(Series::new("normal distribution", Form::Guide, points));
+        series.push(ChartSeries::new("normal distribution", SeriesForm::Guide, points));
     }
     Chart::new(title, ["striking velocity", "fraction that perforates"], series)
 }
@@ -219,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_is_bracketed_and_its_curve_found() {
+    fn limit_is_bracketed_and_curve_is_fitted() {
         let mut fired = 0;
         let found = find(&asked(), &mut |velocities| {
             fired += velocities.len();
@@ -236,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_without_a_limit_between_them_are_told() {
+    fn intervals_without_a_limit_are_errors() {
         for (always, told) in [(5.0, "at 200 perforates"), (0.0, "at 900 does not")] {
             let found = find(&asked(), &mut |velocities| Ok(vec![always; velocities.len()]));
             assert!(found.is_err_and(|e| e.to_string().contains(told)));
@@ -246,14 +248,14 @@ mod tests {
         {
             assert!(LimitRequest::new(between, tolerance, 0.0, 5).is_err(), "{between}");
         }
-        // A hole in what perforates.
+        // No perforation in an interval above the limit.
         let odd = |v: f64| if v > 400.0 && !(600.0..700.0).contains(&v) { v } else { 0.0 };
         let found = find(&asked(), &mut |velocities| Ok(velocities.iter().map(|v| odd(*v)).collect()));
         assert!(!found.expect("a limit").gaps.is_empty());
     }
 
     #[test]
-    fn each_draw_has_a_limit_of_its_own() {
+    fn each_draw_has_its_own_limit() {
         let limits = [150.0, 400.0, 410.0, 420.0, 425.0, f64::NAN, 1000.0];
         let found = scatter(&asked(), limits.len(), &mut |shots| {
             Ok(shots
@@ -267,7 +269,8 @@ mod tests {
         assert!(found.members.iter().zip(known).all(|(m, limit)| m.0 <= *limit && *limit <= m.1));
         assert_eq!([found.members[0].0, found.members[5].1], [f64::NEG_INFINITY, f64::INFINITY]);
         assert!(found.members[1..5].iter().all(|m| m.1 - m.0 <= 0.1) && found.scatter.is_some());
-        // At 900 the six draws are 900 less their limits fast, the last one not at all; by type 7 a twentieth lies a quarter on.
+        // At 900 the residual velocity of a draw is 900 minus its limit, or zero; quantiles are of type 7 (Hyndman and
+        // Fan).
         let (velocity, [low, high]) = found.band[ACROSS as usize];
         assert!((velocity - 900.0).abs() < 1e-9);
         assert!(

@@ -1,4 +1,5 @@
-//! Many runs of a deck: sweeps, refinement and its cost, effects left out, comparison with references, searches, charts.
+//! Many runs of a deck: sweeps, convergence and ablation studies, ballistic limits, identification, Monte Carlo,
+//! charts.
 
 mod ablation;
 #[cfg(feature = "cli")]

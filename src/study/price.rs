@@ -1,11 +1,11 @@
-//! Error against time: which settings are worth their time, and what an accuracy costs.
+//! Error against run time: the Pareto front of the settings and the run time for a given accuracy.
 
 use serde::Serialize;
 
-use super::refinement::{Study, StudyRow};
+use super::refinement::{RefinementStudy, StudyRow};
 use super::table::{duration, short};
 
-/// What a setting costs and is worth.
+/// Error bound and run time of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SettingCost {
     row: usize,
@@ -16,7 +16,7 @@ struct SettingCost {
     cycles: f64,
 }
 
-fn offers(study: &Study) -> Vec<SettingCost> {
+fn setting_costs(study: &RefinementStudy) -> Vec<SettingCost> {
     let offer = |(row, r): (usize, &StudyRow)| {
         let run = r.run.as_ref().ok()?;
         let (time, cycles) = (run.seconds, run.element_cycles());
@@ -25,9 +25,9 @@ fn offers(study: &Study) -> Vec<SettingCost> {
     study.rows.iter().enumerate().filter_map(offer).collect()
 }
 
-/// Rows that no other beats in both time and error, from the fastest on.
-pub fn front(study: &Study) -> Vec<usize> {
-    let mut offers = offers(study);
+/// Returns the rows on the Pareto front of run time and error, fastest first.
+pub fn pareto_front(study: &RefinementStudy) -> Vec<usize> {
+    let mut offers = setting_costs(study);
     offers.sort_by(|a, b| a.seconds.total_cmp(&b.seconds).then(a.bound.total_cmp(&b.bound)));
     let mut best = f64::INFINITY;
     let mut front = Vec::new();
@@ -40,11 +40,11 @@ pub fn front(study: &Study) -> Vec<usize> {
     front
 }
 
-/// The cheapest setting whose error is below `bound`: within a family the one with the fewest element-cycles, between families
-/// the fastest, or the fewest cycles where times overlap.
-pub fn cheapest(study: &Study, bound: f64) -> Option<usize> {
+/// Returns the cheapest setting with an error below `bound`: within a family the one with the fewest element-cycles,
+/// between families the fastest one, or the one with the fewest element-cycles if the ranges of run time overlap.
+pub fn cheapest(study: &RefinementStudy, bound: f64) -> Option<usize> {
     let mut best: Vec<SettingCost> = Vec::new();
-    for offer in offers(study).into_iter().filter(|o| o.bound <= bound) {
+    for offer in setting_costs(study).into_iter().filter(|o| o.bound <= bound) {
         let family = study.rows[offer.row].family;
         match best.iter_mut().find(|o| study.rows[o.row].family == family) {
             Some(known) if known.cycles <= offer.cycles => {}
@@ -58,52 +58,53 @@ pub fn cheapest(study: &Study, bound: f64) -> Option<usize> {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Price {
-    /// Error that is held: relative, or in the units of the quantity where the reference is zero.
+pub struct AccuracyCost {
+    /// Error bound: relative, or in the units of the quantity if the reference is zero.
     pub tolerance: f64,
-    /// Row of the cheapest setting that holds it.
+    /// Row of the cheapest setting within this error.
     pub run: usize,
-    /// Seconds it takes, median.
+    /// Median run time in seconds.
     pub seconds: f64,
 }
 
-/// The run time for each power of ten of the error, from the widest on; of several of one setting the narrowest.
-pub fn list(study: &Study) -> Vec<Price> {
+/// Returns the run time for each power of ten of the error, largest error first. A setting is listed once, with its
+/// smallest power of ten.
+pub fn list(study: &RefinementStudy) -> Vec<AccuracyCost> {
     let unit = study.scale.unwrap_or(1.0);
-    let bounds: Vec<f64> = offers(study).iter().map(|o| o.bound / unit).filter(|b| *b > 0.0).collect();
+    let bounds: Vec<f64> = setting_costs(study).iter().map(|o| o.bound / unit).filter(|b| *b > 0.0).collect();
     let (low, high) = bounds.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), b| (l.min(*b), h.max(*b)));
     if bounds.is_empty() {
         return Vec::new();
     }
     let power = |b: f64| libm::log10(b).ceil().clamp(-300.0, 300.0) as i32;
-    let mut prices: Vec<Price> = Vec::new();
+    let mut prices: Vec<AccuracyCost> = Vec::new();
     for exponent in (power(low)..=power(high)).rev() {
         let tolerance = libm::pow(10.0, f64::from(exponent));
         let Some(run) = cheapest(study, tolerance * unit) else { continue };
         let Ok(of) = &study.rows[run].run else { continue };
-        // Who pays more for less has not seen this one.
+        // A setting for a larger error must not take longer than this one.
         prices.retain(|p| p.run != run && p.seconds < of.seconds.median);
-        prices.push(Price { tolerance, run, seconds: of.seconds.median });
+        prices.push(AccuracyCost { tolerance, run, seconds: of.seconds.median });
     }
     prices
 }
 
-/// The list in a line that a person can act on; empty without prices.
-pub fn sentence(study: &Study) -> String {
-    let one = |p: &Price| {
+/// Formats the list in one line; empty without entries.
+pub fn sentence(study: &RefinementStudy) -> String {
+    let one = |p: &AccuracyCost| {
         let tolerance = tolerance_in_words(p.tolerance, study.scale.is_some());
-        format!("{tolerance} costs {} ({})", duration(p.seconds), setting(study, p.run))
+        format!("{tolerance} takes {} ({})", duration(p.seconds), setting(study, p.run))
     };
     list(study).iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// A tolerance with its unit: per cent, or as it is.
+/// Formats an error in per cent if it is relative, otherwise as a number.
 pub fn tolerance_in_words(tolerance: f64, relative: bool) -> String {
     if relative { format!("{} %", short(100.0 * tolerance)) } else { format!("an error of {}", short(tolerance)) }
 }
 
-/// The values of a row's axes: `n = 40, load-velocity = lagged`.
-pub fn setting(study: &Study, row: usize) -> String {
+/// Formats the setting of a row, for example `n = 40, load-velocity = lagged`.
+pub fn setting(study: &RefinementStudy, row: usize) -> String {
     let of = study.axes.iter().zip(&study.rows[row].values);
     of.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
 }

@@ -1,52 +1,53 @@
-//! Quantities: expressions over histories and over norms of fields, such as `-1000*final(U2@REF)`.
+//! Quantities: expressions over history columns and norms of fields, for example `-1000*final(U2@REF)`.
 
 use super::StudyError;
-use super::field::{Field, FieldName};
-use crate::deck::expression::{Argument, Expression, ExpressionError};
+use super::field::{FieldName, NormField};
+use crate::deck::expression::{Expression, ExpressionError, FunctionArgument};
 use crate::deck::names::nearest;
 use crate::output::history::between;
-use crate::output::{History, HistorySummary};
+use crate::output::{HistorySummary, RunHistory};
 use crate::plan::{Plan, State};
 use crate::state::Instant;
 
-/// Functions of a history column.
+/// Functions of a history column that need only its final and extreme values.
 const FUNCTIONS: &[&str] = &["final", "min", "max", "time_min", "time_max"];
-/// Functions beside those of what columns came to.
+/// Functions with several arguments: values between rows, time averages and norms.
 const MORE: [&str; 3] = ["at", "mean", "norm"];
-/// Why there is no norm of a run without its end.
-const NO_NORM: &str = "a norm is taken by sweep and study";
+/// Error text for a norm of a run without its final state.
+const NO_NORM: &str = "norm(...) is available in the commands sweep and study only";
 
-/// A quantity that has been parsed.
+/// A parsed quantity.
 #[derive(Clone, Debug)]
 pub struct Quantity {
-    /// As written.
+    /// Expression as written.
     pub text: String,
     kind: QuantityKind,
-    /// Whether rows are looked at, and not only what they came to.
+    /// Whether history rows are needed, and not only final and extreme values.
     rows: bool,
 }
 
 #[derive(Clone, Debug)]
 enum QuantityKind {
-    /// A number of each run.
+    /// Number computed for each run.
     Number(Expression),
-    /// `norm(VARIABLE)` alone: a field of each run, compared with the finest.
+    /// `norm(VARIABLE)` alone: a field of each run, compared with that of the finest level.
     Field(FieldName),
 }
 
-/// What one run gives.
+/// Value of a quantity for one run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum QuantityValue {
     /// A number.
     Number(f64),
-    /// A field, to be compared with the finest.
-    Field(Box<Field>),
+    /// A field, to be compared with that of the finest level.
+    Field(Box<NormField>),
 }
 
 impl Quantity {
     /// Parses an expression of `final(C)`, `min(C)`, `max(C)`, `time_min(C)`, `time_max(C)`, `at(C, t)`,
-    /// `mean(C, t1, t2)` over history columns and `norm(VARIABLE, EXPR)` over nodes or elements, where EXPR knows `r`, `z`
-    /// (now), `r0`, `z0` (at the start) and `t`. `norm(VARIABLE)` alone compares with the finest level.
+    /// `mean(C, t1, t2)` over history columns and `norm(VARIABLE, EXPR)` over nodes or elements, where EXPR knows `r`,
+    /// `z`
+    /// (current), `r0`, `z0` (initial) and `t`. `norm(VARIABLE)` alone compares with the finest level.
     pub fn parse(text: &str) -> Result<Quantity, StudyError> {
         let functions: Vec<&str> = FUNCTIONS.iter().copied().chain(MORE).collect();
         let expression = parse_expression(text, &functions)?;
@@ -62,12 +63,12 @@ impl Quantity {
         Ok(Quantity { text: text.to_owned(), kind: QuantityKind::Number(expression), rows })
     }
 
-    /// Whether it compares fields with the finest level.
+    /// Returns whether the quantity compares fields with the finest level.
     pub fn compares_fields(&self) -> bool {
         matches!(self.kind, QuantityKind::Field(_))
     }
 
-    /// Whether it is a relative error already: a norm, and nothing else.
+    /// Returns whether the quantity is a norm alone, and thus already a relative error.
     pub fn is_norm(&self) -> bool {
         let QuantityKind::Number(expression) = &self.kind else { return true };
         let mut arguments = expression.raw_arguments();
@@ -75,27 +76,28 @@ impl Quantity {
         arguments.next().is_none() && self.text.split_whitespace().eq(alone.split_whitespace())
     }
 
-    /// Whether of histories the last row alone counts.
-    pub fn looks_at_end_alone(&self) -> bool {
+    /// Returns whether only the last history row is needed.
+    pub fn needs_last_row_only(&self) -> bool {
         let QuantityKind::Number(expression) = &self.kind else { return true };
         expression.raw_arguments().all(|(function, _)| function == "final" || function == "norm")
     }
 
-    /// Histories that keep what this quantity looks at.
-    pub fn history(&self, plan: &Plan) -> History {
+    /// Creates a history that stores the data needed for this quantity.
+    pub fn history(&self, plan: &Plan) -> RunHistory {
         history(std::slice::from_ref(self), plan)
     }
 
-    /// Refuses what compares with the finest mesh: only a study has one.
-    pub fn stands_alone(&self) -> Result<(), StudyError> {
-        let message = "it compares with the finest level of a study; give the norm an expression: norm(VAR, EXPR)";
+    /// Checks that the quantity does not need a finest level, which only a study has.
+    pub fn check_without_study(&self) -> Result<(), StudyError> {
+        let message = "norm(VAR) needs the finest level of a study; use norm(VAR, EXPR)";
         if self.compares_fields() { Err(StudyError::quantity(&self.text, message.into())) } else { Ok(()) }
     }
 
-    /// Refuses what no run of such a plan can give: columns that do not exist, norms where nothing deforms.
+    /// Checks that a run of the plan can provide the quantity: its history columns exist, and a norm has deformable
+    /// elements.
     pub fn check(&self, plan: &Plan) -> Result<(), StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
-        let nothing = "a norm is taken over what deforms, and nothing here does";
+        let nothing = "a norm needs deformable elements, and the model has none";
         let QuantityKind::Number(expression) = &self.kind else {
             return if !plan.places.elements.is_empty() { Ok(()) } else { Err(wrong(nothing.into())) };
         };
@@ -110,30 +112,35 @@ impl Quantity {
             }
         }
         if expression.raw_arguments().next().is_none() {
-            return Err(wrong("it depends on no run: final(COLUMN), at(COLUMN, t), norm(VARIABLE, EXPR), …".into()));
+            return Err(wrong(
+                "the expression does not depend on the run; use final(COLUMN), at(COLUMN, t), norm(VARIABLE, EXPR), …"
+                    .into(),
+            ));
         }
         Ok(())
     }
 
-    /// The value of a run.
+    /// Evaluates the quantity for a run.
     pub fn evaluate(&self, run: FinishedRun<'_>) -> Result<QuantityValue, StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
         match &self.kind {
             QuantityKind::Field(name) => {
                 let (time, state) = run.end.ok_or_else(|| wrong(NO_NORM.into()))?;
-                Field::of(state, *name, time).map(|f| QuantityValue::Field(Box::new(f))).map_err(wrong)
+                NormField::of(state, *name, time).map(|f| QuantityValue::Field(Box::new(f))).map_err(wrong)
             }
             QuantityKind::Number(_) => self.number(run).map(QuantityValue::Number),
         }
     }
 
-    /// The number of a run.
+    /// Evaluates the quantity for a run as a number.
     pub fn number(&self, run: FinishedRun<'_>) -> Result<f64, StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
-        self.stands_alone()?;
-        let QuantityKind::Number(expression) = &self.kind else { return Err(wrong("it is no number".into())) };
-        let call = |function: &str, arguments: &[Argument]| {
-            let [Argument::Raw(argument)] = arguments else { return None };
+        self.check_without_study()?;
+        let QuantityKind::Number(expression) = &self.kind else {
+            return Err(wrong("the quantity is a field, not a number".into()));
+        };
+        let call = |function: &str, arguments: &[FunctionArgument]| {
+            let [FunctionArgument::Raw(argument)] = arguments else { return None };
             Some(match function {
                 "at" => at(run.history, argument),
                 "mean" => mean(run.history, argument),
@@ -146,37 +153,37 @@ impl Quantity {
     }
 }
 
-/// A run that is over: its histories, and what it left behind where that is at hand.
+/// A finished run: its histories and, if available, its final state.
 #[derive(Clone, Copy)]
 pub struct FinishedRun<'a> {
-    /// Its histories, with their rows where a quantity [looks at rows](history).
-    pub history: &'a History,
-    /// Total time and state at its end; without them no norm can be taken.
+    /// Histories, with rows if a quantity [needs them](history).
+    pub history: &'a RunHistory,
+    /// Final time and state; required for norms.
     pub end: Option<(f64, &'a State)>,
 }
 
-/// Histories that keep what all of these quantities look at.
-pub fn history(quantities: &[Quantity], plan: &Plan) -> History {
+/// Creates a history that stores the data needed for all quantities.
+pub fn history(quantities: &[Quantity], plan: &Plan) -> RunHistory {
     let rows = quantities.iter().any(|q| q.rows);
-    if rows { History::of_rows(plan.column_names()) } else { History::of_sums(plan.column_names()) }
+    if rows { RunHistory::of_rows(plan.column_names()) } else { RunHistory::of_sums(plan.column_names()) }
 }
 
-/// Its number among the columns.
-fn column(history: &History, name: &str) -> Result<usize, String> {
-    // The summary knows how to tell what is missing.
+/// Returns the index of a history column.
+fn column(history: &RunHistory, name: &str) -> Result<usize, String> {
+    // Creates the error message for a missing column.
     summary_value(&history.summary, "final", name)?;
     history.columns.iter().position(|c| c.eq_ignore_ascii_case(name)).ok_or_else(|| format!("no column {name}"))
 }
 
-fn row_between(history: &History, column: usize, time: f64) -> Result<f64, String> {
+fn row_between(history: &RunHistory, column: usize, time: f64) -> Result<f64, String> {
     let last = history.times().last().copied().unwrap_or(0.0);
-    // The end of a run as people write it.
+    // The end time as written in the expression may differ from the last row by rounding.
     let meant = if time > last && time <= last * (1.0 + 1e-9) { last } else { time };
     between(history.times(), |row| history.cell(row, column), meant)
-        .ok_or_else(|| format!("no history row reaches the time {time:e}; the last is at {last:e}"))
+        .ok_or_else(|| format!("the time {time:e} is outside the history; the last row is at {last:e}"))
 }
 
-/// What can be said of an argument before any run.
+/// Checks the form of an argument before any run.
 fn check(function: &str, argument: &str) -> Result<(), String> {
     match function {
         "at" => parts::<1>(function, argument).map(|_| ()),
@@ -186,11 +193,11 @@ fn check(function: &str, argument: &str) -> Result<(), String> {
     }
 }
 
-/// A column and `N` numbers.
+/// Parses a column and `N` numbers.
 fn parts<'a, const N: usize>(function: &str, argument: &'a str) -> Result<(&'a str, [f64; N]), String> {
     let form = if N == 1 { "at(COLUMN, time)" } else { "mean(COLUMN, from, to)" };
     let words: Vec<&str> = argument.split(',').map(str::trim).collect();
-    let wrong = || format!("{function}({argument}): the form is {form}");
+    let wrong = || format!("{function}({argument}): expected {form}");
     let (column, rest) = words.split_first().filter(|w| w.1.len() == N).ok_or_else(wrong)?;
     let mut numbers = [0.0; N];
     for (number, text) in numbers.iter_mut().zip(rest) {
@@ -200,13 +207,13 @@ fn parts<'a, const N: usize>(function: &str, argument: &'a str) -> Result<(&'a s
     Ok((column, numbers))
 }
 
-fn at(history: &History, argument: &str) -> Result<f64, String> {
+fn at(history: &RunHistory, argument: &str) -> Result<f64, String> {
     let (name, [time]) = parts::<1>("at", argument)?;
     row_between(history, column(history, name)?, time)
 }
 
-/// Mean over time, by the trapezoid of the rows.
-fn mean(history: &History, argument: &str) -> Result<f64, String> {
+/// Returns the time average by the trapezoidal rule over the rows.
+fn mean(history: &RunHistory, argument: &str) -> Result<f64, String> {
     let (name, [from, to]) = parts::<2>("mean", argument)?;
     let (column, times) = (column(history, name)?, history.times());
     let mut before = (from, row_between(history, column, from)?);
@@ -217,7 +224,11 @@ fn mean(history: &History, argument: &str) -> Result<f64, String> {
         sum += 0.5 * (value + before.1) * (time - before.0);
         before = (time, value);
     }
-    if to > from { Ok(sum / (to - from)) } else { Err(format!("mean({argument}): the times must rise")) }
+    if to > from {
+        Ok(sum / (to - from))
+    } else {
+        Err(format!("mean({argument}): the second time must be greater than the first"))
+    }
 }
 
 fn norm_parts(argument: &str) -> Result<(FieldName, Expression), String> {
@@ -230,14 +241,14 @@ fn norm_parts(argument: &str) -> Result<(FieldName, Expression), String> {
     let exact = Expression::parse(exact.trim()).map_err(|e| format!("norm({argument}): {}", e.message))?;
     let known = ["r", "z", "r0", "z0", "t", "pi"];
     if let Some(name) = exact.names().find(|n| !known.contains(n)) {
-        return Err(format!("norm({argument}): `{name}` is not known; r, z, r0, z0 and t are"));
+        return Err(format!("norm({argument}): unknown name `{name}`; allowed names: r, z, r0, z0, t, pi"));
     }
     Ok((FieldName::parse(variable)?, exact))
 }
 
 fn norm((time, state): (f64, &State), argument: &str) -> Result<f64, String> {
     let (name, exact) = norm_parts(argument)?;
-    let field = Field::of(state, name, time)?;
+    let field = NormField::of(state, name, time)?;
     field.relative_norm(|point| {
         let known = |name: &str| match name {
             "r" => Some(point.now[0]),
@@ -274,7 +285,7 @@ fn missing(history: &HistorySummary, column: &str) -> String {
     match nearest(column, names.iter().copied()) {
         Some(near) => format!("there is no history column {column}; did you mean {near}?"),
         None => {
-            format!("there is no history column {column}; the deck's *OUTPUT, HISTORY asks for {}", names.join(", "))
+            format!("there is no history column {column}; the deck requests {}", names.join(", "))
         }
     }
 }
@@ -288,8 +299,8 @@ mod tests {
     }
 
     #[test]
-    fn histories_are_read_between_rows() {
-        let mut history = History::of_rows(vec!["U2@REF".into()]);
+    fn histories_are_interpolated_between_rows() {
+        let mut history = RunHistory::of_rows(vec!["U2@REF".into()]);
         for (t, u) in [(0.0, 0.0), (1.0, 2.0), (2.0, 0.0)] {
             history.push(&now(t), &[u]);
         }
@@ -304,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told_before_any_run() {
+    fn invalid_expressions_are_errors_before_any_run() {
         for wrong in
             ["final(", "at(C)", "mean(C, 1)", "norm(NOISE)", "norm(S22, x)", "2*norm(S22)", "norm(S22, 1+)", ""]
         {
@@ -316,7 +327,7 @@ mod tests {
 
     #[test]
     fn quantities_read_columns() {
-        let mut history = History::of_sums(vec!["U2@REF".into()]);
+        let mut history = RunHistory::of_sums(vec!["U2@REF".into()]);
         for (t, u) in [(0.0, 0.0), (1.0, -0.06), (2.0, -0.05)] {
             history.push(&now(t), &[u]);
         }
@@ -326,11 +337,11 @@ mod tests {
         assert_eq!(value("time_min(u2@ref) + max(U2@REF)"), Ok(1.0));
         assert!(value("final(U2@RFE)").is_err_and(|e| e.to_string().contains("did you mean U2@REF")));
         assert!(value("final(").is_err());
-        for (wrong, told) in [
+        for (wrong, message) in [
             ("finl(U2@REF)", "there is no function finl; did you mean final?"),
             ("sqrt(2 U2)", "`U` is not expected here"),
         ] {
-            assert!(value(wrong).is_err_and(|e| e.to_string().contains(told)), "{wrong}");
+            assert!(value(wrong).is_err_and(|e| e.to_string().contains(message)), "{wrong}");
         }
     }
 }

@@ -1,78 +1,80 @@
-//! A deck over levels of refinement: what each level gave, what the levels together say of the limit.
+//! Convergence study of a deck: the values of all levels, and the estimate of their limit.
 
 use super::StudyError;
 use super::quantity::QuantityValue;
-use super::richardson::{Level, LimitEstimate, estimate, order_of_errors};
+use super::richardson::{LimitEstimate, RefinementLevel, estimate, order_of_errors};
 use super::runner::{StudyRun, StudyRunner};
-use super::settings::Axis;
+use super::settings::StudyAxis;
 
-/// The most settings of one study.
+/// Largest number of settings of one study.
 const MOST: usize = 10_000;
 
-/// One setting.
+/// One setting of a study and its results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyRow {
-    /// One value for each axis.
+    /// Value of each axis.
     pub values: Vec<String>,
-    /// What it gave, or why nothing.
+    /// Result of the run or its error.
     pub run: Result<StudyRun, StudyError>,
-    /// Settings that differ in levels alone are of one family.
+    /// Index of the family; settings of a family differ only in levels of refinement.
     pub family: usize,
-    /// The quantity; for a field the relative norm of its difference from the finest of the family.
+    /// Value of the quantity; for a field, the relative norm of its difference from the finest setting of the family.
     pub value: Option<f64>,
-    /// By each series the row is in: observed order and Richardson's value up to it; `None` where it has too few levels.
+    /// Estimate of the limit from the levels up to this row, for each series that contains it; `None` with too few
+    /// levels.
     pub estimates: Vec<Option<LimitEstimate>>,
-    /// Order of its error and the one before, against an exact value, by series.
+    /// Order of convergence from the errors of this and the previous level against an exact value, by series.
     pub exact_orders: Vec<Option<f64>>,
-    /// Grid convergence index of all series together; `None` where one has too few levels.
+    /// Sum of the grid convergence indices of all series; `None` if one has too few levels.
     pub uncertainty: Option<f64>,
-    /// Difference from the exact value or from the estimate of the limit.
+    /// Difference from the exact value or from the estimated limit.
     pub error: Option<f64>,
-    /// What the error is below: its size against an exact value, else the distance from the finest and its uncertainty.
+    /// Bound of the absolute error: the error against an exact value; otherwise the distance from the finest value plus
+    /// its uncertainty.
     pub bound: Option<f64>,
 }
 
-/// Rows whose values converge, coarse to fine.
+/// Series of rows from coarse to fine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefinementSeries {
-    /// What is refined.
+    /// Refined parameter.
     pub along: String,
-    /// Indices of rows.
+    /// Indices of the rows.
     pub rows: Vec<usize>,
-    /// Size of each.
+    /// Size of each level.
     pub sizes: Vec<f64>,
-    /// What its finest levels say.
+    /// Estimate of the limit from the finest levels.
     pub estimate: Option<LimitEstimate>,
 }
 
-/// What errors are measured from.
+/// Reference value of the errors of a study.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Reference {
-    /// The exact value, or the estimate of the limit.
+pub struct ErrorReference {
+    /// Exact value or estimated limit.
     pub value: f64,
-    /// Its uncertainty; 0 of an exact value.
+    /// Uncertainty; 0 for an exact value.
     pub uncertainty: f64,
-    /// The row whose series gave it; `None` for an exact value.
+    /// Row that the limit is estimated from; `None` for an exact value.
     pub row: Option<usize>,
 }
 
-/// Settings, what they gave and what it says.
+/// Settings of a study with their results.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Study {
+pub struct RefinementStudy {
     /// Names of the axes.
     pub axes: Vec<String>,
-    /// All settings.
+    /// Settings with their results.
     pub rows: Vec<StudyRow>,
-    /// What converges.
+    /// Series of refinement.
     pub series: Vec<RefinementSeries>,
-    /// What errors are measured from; `None` where too little came out.
-    pub reference: Option<Reference>,
-    /// What makes errors relative; `None` where the reference is zero.
+    /// Reference value of the errors; `None` in a study with too few results.
+    pub reference: Option<ErrorReference>,
+    /// Value by which errors are divided to make them relative; `None` if the reference is zero.
     pub scale: Option<f64>,
 }
 
 impl StudyRow {
-    /// A setting that has been tried.
+    /// Creates the row of a setting that has been run.
     pub fn new(values: Vec<String>, run: Result<StudyRun, StudyError>, family: usize) -> StudyRow {
         StudyRow {
             values,
@@ -88,8 +90,8 @@ impl StudyRow {
     }
 }
 
-/// Values of the choices among the axes, one entry a family, and the number of levels of each refinement.
-pub(super) fn families(axes: &[Axis]) -> Vec<Vec<(usize, String)>> {
+/// Returns the families of a study: for each, the axis index and value of every axis without levels.
+pub(super) fn families(axes: &[StudyAxis]) -> Vec<Vec<(usize, String)>> {
     let mut families = vec![Vec::new()];
     for (index, axis) in axes.iter().enumerate().filter(|(_, a)| !a.is_refinement()) {
         let widen = |family: &Vec<(usize, String)>| {
@@ -105,10 +107,14 @@ pub(super) fn families(axes: &[Axis]) -> Vec<Vec<(usize, String)>> {
     families
 }
 
-/// Runs every combination of all axes' values; the last axis varies fastest.
-pub fn grid(bench: &mut StudyRunner<'_>, axes: &[Axis], exact: Option<f64>) -> Result<Study, StudyError> {
+/// Runs all combinations of the values of all axes; the last axis varies fastest.
+pub fn grid(
+    bench: &mut StudyRunner<'_>,
+    axes: &[StudyAxis],
+    exact: Option<f64>,
+) -> Result<RefinementStudy, StudyError> {
     let count = axes.iter().try_fold(1_usize, |n, a| n.checked_mul(a.values.len())).filter(|n| *n <= MOST);
-    let slip = || StudyError::Setting(format!("the study has more than {MOST} settings; that is taken for a slip"));
+    let slip = || StudyError::Setting(format!("the study has more than {MOST} settings; reduce the number of values"));
     let count = count.ok_or_else(slip)?;
     let levels = |mut index: usize| {
         let mut of: Vec<usize> =
@@ -121,7 +127,8 @@ pub fn grid(bench: &mut StudyRunner<'_>, axes: &[Axis], exact: Option<f64>) -> R
         axes.iter().zip(place).filter(|(a, _)| !a.is_refinement()).map(|(_, l)| *l).collect()
     };
     let mut known: Vec<Vec<usize>> = Vec::new();
-    let mut study = Study { axes: axes.iter().map(|a| a.name.clone()).collect(), ..Study::default() };
+    let mut study =
+        RefinementStudy { axes: axes.iter().map(|a| a.name.clone()).collect(), ..RefinementStudy::default() };
     for place in &places {
         let values: Vec<String> = axes.iter().zip(place).map(|(a, l)| a.values[*l].clone()).collect();
         let own = choices(place);
@@ -133,12 +140,12 @@ pub fn grid(bench: &mut StudyRunner<'_>, axes: &[Axis], exact: Option<f64>) -> R
         study.rows.push(StudyRow::new(values, run, family));
     }
     study.series = series_of(axes, &places);
-    judge(&mut study, exact, bench.measure().is_norm());
+    evaluate_errors(&mut study, exact, bench.measure().is_norm());
     Ok(study)
 }
 
-/// Along each refinement, with all else alike.
-fn series_of(axes: &[Axis], places: &[Vec<usize>]) -> Vec<RefinementSeries> {
+/// Returns the series of refinement: rows that differ in the level of one axis only.
+fn series_of(axes: &[StudyAxis], places: &[Vec<usize>]) -> Vec<RefinementSeries> {
     let mut all = Vec::new();
     for (k, axis) in axes.iter().enumerate().filter(|(_, a)| a.is_refinement()) {
         for start in places.iter().filter(|p| p[k] == 0) {
@@ -150,8 +157,8 @@ fn series_of(axes: &[Axis], places: &[Vec<usize>]) -> Vec<RefinementSeries> {
     all
 }
 
-/// Works out values, orders, uncertainties, the reference and the errors from it. `norm`: the value is a relative error.
-pub fn judge(study: &mut Study, exact: Option<f64>, norm: bool) {
+/// Computes values, orders, uncertainties, the reference and the errors. `norm` states that values are relative errors.
+pub fn evaluate_errors(study: &mut RefinementStudy, exact: Option<f64>, norm: bool) {
     find_values(study);
     for row in &mut study.rows {
         (row.estimates, row.exact_orders, row.uncertainty) = (Vec::new(), Vec::new(), None);
@@ -164,14 +171,14 @@ pub fn judge(study: &mut Study, exact: Option<f64>, norm: bool) {
         row.uncertainty = each.filter(|e| !e.is_empty()).map(|e| e.iter().sum());
     }
     study.reference = match exact {
-        Some(value) => Some(Reference { value, uncertainty: 0.0, row: None }),
+        Some(value) => Some(ErrorReference { value, uncertainty: 0.0, row: None }),
         None => limit(study),
     };
     study.scale = if norm { Some(1.0) } else { study.reference.map(|r| r.value.abs()).filter(|v| *v > 0.0) };
     measure_errors(study);
 }
 
-fn find_values(study: &mut Study) {
+fn find_values(study: &mut RefinementStudy) {
     let finest: Vec<Option<usize>> = (0..study.rows.len()).map(|i| finest_of(study, study.rows[i].family)).collect();
     for (i, finest) in finest.into_iter().enumerate() {
         let value = value_against(study, i, finest);
@@ -183,8 +190,8 @@ fn find_values(study: &mut Study) {
     }
 }
 
-/// The value of a row, where fields are compared with the finest row's.
-fn value_against(study: &Study, row: usize, finest: Option<usize>) -> Result<f64, StudyError> {
+/// Returns the value of a row; a field is compared with that of the finest row.
+fn value_against(study: &RefinementStudy, row: usize, finest: Option<usize>) -> Result<f64, StudyError> {
     let run = study.rows[row].run.as_ref().map_err(StudyError::clone)?;
     let fine = finest.and_then(|f| study.rows[f].run.as_ref().ok()).map(|r| &r.found);
     match (&run.found, fine) {
@@ -193,12 +200,14 @@ fn value_against(study: &Study, row: usize, finest: Option<usize>) -> Result<f64
         (QuantityValue::Field(field), Some(QuantityValue::Field(fine))) => {
             field.relative_norm_against(fine).map_err(StudyError::Comparison)
         }
-        (QuantityValue::Field(_), _) => Err(StudyError::Comparison("there is no finest level to compare with".into())),
+        (QuantityValue::Field(_), _) => {
+            Err(StudyError::Comparison("the finest level has no result to compare with".into()))
+        }
     }
 }
 
-/// The row that is last in all its series among those of a family that gave something.
-fn finest_of(study: &Study, family: usize) -> Option<usize> {
+/// Returns the finest row of a family that has a result.
+fn finest_of(study: &RefinementStudy, family: usize) -> Option<usize> {
     let place = |i: usize| -> usize { study.series.iter().filter_map(|s| s.rows.iter().position(|r| *r == i)).sum() };
     let candidates = (0..study.rows.len()).filter(|&i| study.rows[i].family == family && study.rows[i].run.is_ok());
     let in_series = candidates.filter(|i| study.series.iter().any(|s| s.rows.contains(i)));
@@ -206,14 +215,14 @@ fn finest_of(study: &Study, family: usize) -> Option<usize> {
 }
 
 fn estimate_along(rows: &mut [StudyRow], series: &mut RefinementSeries, exact: Option<f64>) {
-    let mut levels: Vec<Level> = Vec::new();
+    let mut levels: Vec<RefinementLevel> = Vec::new();
     for (&row, &size) in series.rows.iter().zip(&series.sizes) {
         let Some(value) = rows[row].value else { continue };
-        levels.push(Level { size, value });
+        levels.push(RefinementLevel { size, value });
         series.estimate = estimate(&levels);
         rows[row].estimates.push(series.estimate);
         if let Some(exact) = exact {
-            let error = |l: &Level| Level { size: l.size, value: l.value - exact };
+            let error = |l: &RefinementLevel| RefinementLevel { size: l.size, value: l.value - exact };
             let order = match &levels[..] {
                 [.., a, b] => order_of_errors(error(a), error(b)),
                 _ => None,
@@ -223,22 +232,24 @@ fn estimate_along(rows: &mut [StudyRow], series: &mut RefinementSeries, exact: O
     }
 }
 
-/// A family given earlier is believed unless another is surer by more than this.
-const SURER: f64 = 2.0;
+/// The first family gives the reference unless its uncertainty is larger than the smallest one by more than this
+/// factor.
+const UNCERTAINTY_RATIO: f64 = 2.0;
 
-/// The limit by the finest row of the first family whose uncertainty is among the least: the corrections of all its series.
-fn limit(study: &Study) -> Option<Reference> {
+/// Estimates the limit from the finest row of the first family with a sufficiently small uncertainty, with the
+/// corrections of all its series.
+fn limit(study: &RefinementStudy) -> Option<ErrorReference> {
     let families = study.rows.iter().map(|r| r.family).max()? + 1;
     let finest = (0..families).filter_map(|f| finest_of(study, f));
     let known = finest.filter_map(|i| Some((i, study.rows[i].uncertainty?, study.rows[i].value?)));
     let known: Vec<(usize, f64, f64)> = known.collect();
     let least = known.iter().fold(f64::INFINITY, |least, k| least.min(k.1));
-    let (row, uncertainty, value) = known.into_iter().find(|k| k.1 <= SURER * least)?;
+    let (row, uncertainty, value) = known.into_iter().find(|k| k.1 <= UNCERTAINTY_RATIO * least)?;
     let corrections: f64 = study.rows[row].estimates.iter().flatten().map(|e| e.limit - value).sum();
-    Some(Reference { value: value + corrections, uncertainty, row: Some(row) })
+    Some(ErrorReference { value: value + corrections, uncertainty, row: Some(row) })
 }
 
-fn measure_errors(study: &mut Study) {
+fn measure_errors(study: &mut RefinementStudy) {
     let Some(reference) = study.reference else { return };
     let fine = reference.row.and_then(|r| study.rows[r].value);
     for (i, row) in study.rows.iter_mut().enumerate() {

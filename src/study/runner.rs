@@ -1,4 +1,4 @@
-//! One setting of a study, run in memory as often as its time is to be taken, nothing else at once.
+//! Runs of the settings of a study, in memory and one after the other, so that run times can be compared.
 
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant as Stopwatch;
@@ -8,15 +8,15 @@ use serde::Serialize;
 use super::StudyError;
 use super::error::accepted;
 use super::quantity::{FinishedRun, Quantity, QuantityValue};
-use super::settings::{Axis, ModelEdit, StudyParameter, edit};
+use super::settings::{ModelEdit, StudyAxis, StudyParameter, edit};
 use crate::deck::{Deck, Diagnostics};
-use crate::job::{self, Overrides};
+use crate::job::{self, ParameterOverrides};
 use crate::user::compile::Compiled;
 
-/// Gives the deck for values of its parameters.
-pub type DeckReader<'a> = dyn Fn(&Overrides) -> (Deck, Diagnostics) + 'a;
+/// Function that reads the deck with given parameter values.
+pub type DeckReader<'a> = dyn Fn(&ParameterOverrides) -> (Deck, Diagnostics) + 'a;
 
-/// What settings have in common.
+/// Runner of the settings of a study.
 pub struct StudyRunner<'a> {
     source: &'a DeckReader<'a>,
     overrides: Vec<(String, String)>,
@@ -28,38 +28,38 @@ pub struct StudyRunner<'a> {
     interrupt: Option<&'a AtomicUsize>,
 }
 
-/// What a setting gave and took.
+/// Result and run time of a setting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyRun {
-    /// What was found.
+    /// Value of the quantity.
     pub found: QuantityValue,
-    /// What is to be known of it: warnings, and bodies that are still on their way.
-    pub doubts: Vec<String>,
-    /// Elements and facets.
+    /// Warnings, and notes on bodies that are still moving in a target.
+    pub warnings: Vec<String>,
+    /// Number of elements and facets.
     pub elements: usize,
-    /// Increments.
+    /// Number of increments.
     pub increments: u64,
-    /// Seconds of the whole run, deck to last increment, by repetition.
+    /// Run time in seconds, from reading the deck to the last increment.
     pub seconds: TimeSpread,
-    /// Seconds in the time loop.
+    /// Time in the time loop, in seconds.
     pub loop_seconds: TimeSpread,
 }
 
 impl StudyRun {
-    /// Elements (facets, of rigid bodies) times increments: what a run costs, without a clock.
+    /// Returns elements and facets times increments: the cost of a run, independent of the machine.
     pub fn element_cycles(&self) -> f64 {
         self.elements as f64 * self.increments as f64
     }
 }
 
-/// Times of repeated runs.
+/// Run times of repeated runs, in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct TimeSpread {
-    /// Median.
+    /// Median run time.
     pub median: f64,
-    /// Shortest.
+    /// Shortest run time.
     pub min: f64,
-    /// Longest.
+    /// Longest run time.
     pub max: f64,
 }
 
@@ -73,10 +73,10 @@ impl TimeSpread {
 }
 
 impl<'a> StudyRunner<'a> {
-    /// Runs of a deck with these overrides; each setting `repeat` times, `done` after each run.
+    /// Creates a runner that runs each setting `repeat` times and calls `done` after each run.
     pub fn new(
         source: &'a DeckReader<'a>,
-        overrides: &Overrides,
+        overrides: &ParameterOverrides,
         user: Option<&'a Compiled>,
         measure: &'a Quantity,
         repeat: usize,
@@ -94,28 +94,33 @@ impl<'a> StudyRunner<'a> {
         }
     }
 
-    /// Halts all runs as soon as this is a number other than 0.
+    /// Sets the interrupt: a nonzero value halts the runs.
     pub fn interrupted_by(&mut self, interrupt: &'a AtomicUsize) {
         self.interrupt = Some(interrupt);
     }
 
-    /// The quantity.
+    /// Returns the quantity.
     pub fn measure(&self) -> &Quantity {
         self.measure
     }
 
-    /// How often each setting runs.
+    /// Returns the number of runs of each setting.
     pub fn repeat(&self) -> usize {
         self.repeat
     }
 
-    /// Seconds that all runs took so far.
+    /// Returns the total time of all runs so far, in seconds.
     pub fn spent(&self) -> f64 {
         self.spent
     }
 
-    /// Runs with one value for each axis, and a change of the model after those that the values ask for.
-    pub fn at(&mut self, axes: &[Axis], values: &[String], change: Option<ModelEdit>) -> Result<StudyRun, StudyError> {
+    /// Runs the deck with one value for each axis; `change` edits the model after the edits of the axes.
+    pub fn at(
+        &mut self,
+        axes: &[StudyAxis],
+        values: &[String],
+        change: Option<ModelEdit>,
+    ) -> Result<StudyRun, StudyError> {
         let mut overrides = self.overrides.clone();
         let mut edits: Vec<ModelEdit> = Vec::new();
         for (axis, value) in axes.iter().zip(values) {
@@ -128,7 +133,7 @@ impl<'a> StudyRunner<'a> {
         self.edited(&overrides, &edits)
     }
 
-    fn edited(&mut self, overrides: &Overrides, edits: &[ModelEdit]) -> Result<StudyRun, StudyError> {
+    fn edited(&mut self, overrides: &ParameterOverrides, edits: &[ModelEdit]) -> Result<StudyRun, StudyError> {
         let (mut whole, mut inside) = (Vec::new(), Vec::new());
         let mut first = None;
         for _ in 0..self.repeat {
@@ -146,7 +151,7 @@ impl<'a> StudyRunner<'a> {
         Ok(StudyRun { seconds: TimeSpread::of(&mut whole), loop_seconds: TimeSpread::of(&mut inside), ..run })
     }
 
-    fn once(&self, overrides: &Overrides, edits: &[ModelEdit]) -> Result<StudyRun, StudyError> {
+    fn once(&self, overrides: &ParameterOverrides, edits: &[ModelEdit]) -> Result<StudyRun, StudyError> {
         let routines = Compiled::open_any(self.user)?;
         let mut fault = Ok(());
         let mut change = |model: &mut _| fault = edits.iter().try_for_each(|edit| edit(model));
@@ -163,7 +168,14 @@ impl<'a> StudyRunner<'a> {
         let elements = prepared.plan.mesh.elements.iter().filter(|e| !e.kind.is_discrete()).count();
         let seconds = TimeSpread { median: outcome.seconds, ..TimeSpread::default() };
         let doubts = outcome.unfinished.into_iter().chain(outcome.warnings).collect();
-        Ok(StudyRun { found, doubts, elements, increments: outcome.increments, seconds, loop_seconds: seconds })
+        Ok(StudyRun {
+            found,
+            warnings: doubts,
+            elements,
+            increments: outcome.increments,
+            seconds,
+            loop_seconds: seconds,
+        })
     }
 }
 
@@ -172,7 +184,7 @@ mod tests {
     use super::TimeSpread;
 
     #[test]
-    fn the_median_of_times() {
+    fn median_of_an_even_number_is_the_mean_of_the_middle_two() {
         assert_eq!(TimeSpread::of(&mut [3.0, 1.0, 2.0]), TimeSpread { median: 2.0, min: 1.0, max: 3.0 });
         assert_eq!(TimeSpread::of(&mut [3.0, 1.0]).median, 2.0);
     }

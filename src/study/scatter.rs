@@ -1,22 +1,22 @@
-//! `scatter`: quantities of a deck whose parameters are drawn from distributions, and which of them their scatter comes from.
+//! `scatter`: Monte Carlo study of quantities for random parameters, with Sobol indices.
 
 use std::sync::atomic::AtomicUsize;
 
 use super::StudyError;
-use super::chart::{Chart, Form, Series};
-use super::evaluate::{Evaluator, SampleFailure, Samples};
+use super::chart::{Chart, ChartSeries, SeriesForm};
+use super::evaluate::{SampleEvaluator, SampleFailure, SampleTable};
 use super::inputs::RandomInputs;
-use super::statistics::design::{Design, Sampling};
-use super::statistics::indices::{Indices, indices};
+use super::statistics::design::{SampleDesign, SamplingScheme};
+use super::statistics::indices::{SobolIndices, indices};
 use super::statistics::summary::histogram;
 
-/// What is asked.
+/// Options of a Monte Carlo study.
 #[derive(Clone, Copy, Debug)]
 pub struct ScatterRequest {
-    pub sampling: Sampling,
+    pub sampling: SamplingScheme,
     pub count: usize,
     pub seed: u64,
-    /// Whether Sobol's indices are asked for: each point then stands for two runs more than there are parameters.
+    /// Whether Sobol indices are computed; each point then needs two runs more than there are parameters.
     pub indices: bool,
     pub threads: usize,
 }
@@ -29,24 +29,24 @@ impl ScatterRequest {
 
 #[derive(Clone, Debug, Default)]
 pub struct ScatterResults {
-    /// Values of each quantity, one a point; not a number where there is none.
+    /// Values of each quantity, one per point; NaN if the run failed.
     pub values: Vec<Vec<f64>>,
-    /// Where sets of points begin that are spread by themselves, and the end of the last.
+    /// Start index of each independent set of points, followed by the end of the last set.
     pub sets: Vec<usize>,
-    /// Indices of each quantity, where they are asked for and it varies.
-    pub indices: Vec<Option<Indices>>,
-    /// How many runs gave nothing, and the first of them.
+    /// Sobol indices of each quantity; `None` for a constant quantity.
+    pub indices: Vec<Option<SobolIndices>>,
+    /// Number of failed runs.
     pub failed: usize,
-    /// Why the first gave nothing.
+    /// Error of the first failed run.
     pub reason: Option<StudyError>,
 }
 
-/// Points that are drawn, run and written at once.
+/// Number of points that are drawn, run and written at a time.
 const BLOCK: usize = 4096;
 
-/// Runs all points; `keep` is given rows of parameters and quantities, `look` how many runs are done.
+/// Runs all points. `keep` receives rows of parameters and quantities, `look` the number of finished runs.
 pub fn run(
-    evaluator: &Evaluator,
+    evaluator: &SampleEvaluator,
     inputs: &RandomInputs,
     quantities: usize,
     asked: ScatterRequest,
@@ -55,14 +55,14 @@ pub fn run(
 ) -> Result<ScatterResults, StudyError> {
     let (width, runs) = (inputs.names.len(), asked.runs(inputs));
     let dimensions = if asked.indices { 2 * width } else { width };
-    let design = Design::new(asked.sampling, dimensions, asked.count, asked.seed);
+    let design = SampleDesign::new(asked.sampling, dimensions, asked.count, asked.seed);
     let mut design = design.map_err(|why| StudyError::Setting(format!("--sampling: {why}")))?;
     let mut results = ScatterResults {
         values: vec![Vec::with_capacity(asked.count); quantities],
-        sets: Design::sets(asked.sampling, asked.count),
+        sets: SampleDesign::sets(asked.sampling, asked.count),
         ..ScatterResults::default()
     };
-    // What indices are made of: f at two points, and at the first with one parameter of the second.
+    // Data of the Sobol indices: f at two points A and B, and at A with one parameter replaced by that of B.
     let mut mixed = vec![Vec::new(); if asked.indices { quantities } else { 0 }];
     let (mut done, mut row) = (0, Vec::new());
     while done < asked.count {
@@ -71,7 +71,7 @@ pub fn run(
         design.fill(&mut points);
         let samples = samples(inputs, &points, dimensions, runs);
         let mut table = vec![f64::NAN; quantities * runs * count];
-        let asked_now = Samples { values: &samples, count: runs * count };
+        let asked_now = SampleTable { values: &samples, count: runs * count };
         let before = done * runs;
         let never = AtomicUsize::new(0);
         let failures = evaluator.run(asked_now, &mut table, asked.threads, &never, &mut |n| look(before + n))?;
@@ -95,13 +95,13 @@ pub fn run(
     Ok(results)
 }
 
-/// Parameters of all runs of some points.
+/// Returns the parameters of all runs of some points.
 fn samples(inputs: &RandomInputs, points: &[f64], dimensions: usize, runs: usize) -> Vec<f64> {
     let width = inputs.names.len();
     let mut samples = vec![0.0; points.len() / dimensions * runs * width];
     for (point, rows) in points.chunks_exact(dimensions).zip(samples.chunks_exact_mut(runs * width)) {
         let mut rows = rows.chunks_exact_mut(width);
-        // The point itself, the other, and the point with each number of the other.
+        // A, B, and A with one coordinate of B.
         for (run, row) in rows.by_ref().enumerate() {
             let from = |i: usize| if run == 1 || run == i + 2 { point[width + i] } else { point[i] };
             let at: Vec<f64> = (0..width).map(from).collect();
@@ -118,9 +118,9 @@ fn note(results: &mut ScatterResults, failures: Vec<SampleFailure>) {
     }
 }
 
-/// How often each value came.
+/// Returns the histogram of a quantity.
 pub fn chart(title: &str, quantity: &str, values: &[f64]) -> Chart {
     let (edges, counts) = histogram(values);
     let steps = counts.iter().enumerate().flat_map(|(i, n)| [(edges[i], *n as f64), (edges[i + 1], *n as f64)]);
-    Chart::new(title, [quantity, "samples"], vec![Series::new(quantity, Form::Area, steps.collect())])
+    Chart::new(title, [quantity, "samples"], vec![ChartSeries::new(quantity, SeriesForm::Area, steps.collect())])
 }

@@ -1,13 +1,13 @@
-//! What a study refines: parameters of the deck, and settings of the model after the deck has been read.
+//! Parameters that a study varies: deck parameters and settings of the model.
 
 use super::StudyError;
-use super::grid::Grid;
+use super::grid::CaseGrid;
 use crate::deck::names::nearest;
 use crate::model::{
-    Hourglass, IncrementControl, Load, LoadKind, LoadVelocity, Model, Precision, SectionControls, Step,
+    HourglassMethod, IncrementControl, Load, LoadKind, LoadVelocity, Model, Precision, SectionControls, Step,
 };
 
-/// Parameters that every study has, by name.
+/// Names of the parameters that are available for every deck.
 const BUILT_IN: [(&str, StudyParameter); 5] = [
     ("increment", StudyParameter::Increment),
     ("load-velocity", StudyParameter::LoadVelocity),
@@ -16,48 +16,49 @@ const BUILT_IN: [(&str, StudyParameter); 5] = [
     ("precision", StudyParameter::Precision),
 ];
 
-/// What an axis of a study changes.
+/// Parameter varied by an axis of a study.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum StudyParameter {
     /// A `*PARAMETER` of the deck.
     Parameter(String),
-    /// Factor on the increment.
+    /// Factor on the time increment.
     Increment,
-    /// What velocity loads are shown.
+    /// Velocity passed to loads: predicted or lagged.
     LoadVelocity,
-    /// What resists hourglassing.
+    /// Type of hourglass control.
     Hourglass,
-    /// Stable increment element by element or by the global estimate.
+    /// Stable time increment element by element or by the global estimate.
     Estimate,
-    /// Precision of elements.
+    /// Floating-point precision of elements.
     Precision,
 }
 
-/// One `--refine`.
+/// Axis of a study: a parameter with its values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
-    /// As written.
+pub struct StudyAxis {
+    /// Name as written.
     pub name: String,
-    /// What it changes.
+    /// Varied parameter.
     pub parameter: StudyParameter,
     /// Values from coarse to fine, as written.
     pub values: Vec<String>,
-    /// Size of each value, falling; empty where the values are choices and not levels.
+    /// Size of each value, decreasing; empty if the values are options without levels.
     pub sizes: Vec<f64>,
 }
 
-impl Axis {
-    /// Whether its values are levels of refinement.
+impl StudyAxis {
+    /// Returns whether the values are levels of refinement.
     pub fn is_refinement(&self) -> bool {
         !self.sizes.is_empty()
     }
 
-    /// Size of any value: values that rise from coarse to fine count (elements, facets), values that fall measure.
+    /// Returns the size of a value. Values that increase from coarse to fine are numbers of elements or facets, with
+    /// size 1/value; values that decrease are sizes.
     pub fn size(&self, value: f64) -> f64 {
         if self.rises() { 1.0 / value } else { value }
     }
 
-    /// The value of a size.
+    /// Returns the value for a size.
     pub fn value(&self, size: f64) -> f64 {
         if self.rises() { 1.0 / size } else { size }
     }
@@ -67,25 +68,26 @@ impl Axis {
         numbers.len() > 1 && numbers[1] > numbers[0]
     }
 
-    /// Whether all values are whole numbers above one: then so must others be.
+    /// Returns whether the values are increasing integers; further values must then be integers.
     pub fn counts(&self) -> bool {
         self.rises() && self.values.iter().all(|v| v.parse::<u64>().is_ok())
     }
 }
 
-/// Reads all `--refine NAME=v1,v2,…` of a study on a deck with these parameters.
-pub fn axes(settings: &[String], parameters: &[String]) -> Result<Vec<Axis>, StudyError> {
+/// Parses all `--refine NAME=v1,v2,…` for a deck with the given parameters.
+pub fn axes(settings: &[String], parameters: &[String]) -> Result<Vec<StudyAxis>, StudyError> {
     read(settings, parameters).map_err(StudyError::Setting)
 }
 
-fn read(settings: &[String], parameters: &[String]) -> Result<Vec<Axis>, String> {
-    let grid = Grid::read(settings).map_err(|e| e.replace("--set", "--refine").replace("the sweep", "the study"))?;
+fn read(settings: &[String], parameters: &[String]) -> Result<Vec<StudyAxis>, String> {
+    let grid =
+        CaseGrid::read(settings).map_err(|e| e.replace("--set", "--refine").replace("the sweep", "the study"))?;
     grid.axes().iter().map(|(name, values)| axis(name, values, parameters)).collect()
 }
 
-fn axis(name: &str, values: &[String], parameters: &[String]) -> Result<Axis, String> {
+fn axis(name: &str, values: &[String], parameters: &[String]) -> Result<StudyAxis, String> {
     let parameter = parameter(name, parameters)?;
-    let mut axis = Axis { name: name.to_owned(), parameter, values: values.to_vec(), sizes: Vec::new() };
+    let mut axis = StudyAxis { name: name.to_owned(), parameter, values: values.to_vec(), sizes: Vec::new() };
     for value in values {
         edit(&axis.parameter, value)?;
     }
@@ -93,7 +95,7 @@ fn axis(name: &str, values: &[String], parameters: &[String]) -> Result<Axis, St
     match numbers {
         Some(numbers) => axis.sizes = sizes(name, &numbers, &axis)?,
         None if axis.parameter == StudyParameter::Increment => {
-            return Err(format!("--refine {name}: factors are numbers"));
+            return Err(format!("--refine {name}: expected numeric factors, for example 1,0.5,0.25"));
         }
         None => {}
     }
@@ -113,23 +115,26 @@ fn unknown(name: &str, parameters: &[String]) -> String {
     let known = parameters.iter().map(String::as_str).chain(built_in);
     let near = nearest(name, known).map(|n| format!("did you mean {n}? ")).unwrap_or_default();
     let own = if parameters.is_empty() { "none".into() } else { parameters.join(", ") };
-    format!("--refine {name}: {near}the deck's parameters are {own}; those of every study are {}", built_in.join(", "))
+    format!(
+        "--refine {name}: unknown parameter; {near}parameters of the deck: {own}; parameters of every study: {}",
+        built_in.join(", ")
+    )
 }
 
-fn sizes(name: &str, numbers: &[f64], axis: &Axis) -> Result<Vec<f64>, String> {
+fn sizes(name: &str, numbers: &[f64], axis: &StudyAxis) -> Result<Vec<f64>, String> {
     if numbers.len() < 2 {
-        return Err(format!("--refine {name}: one level shows no convergence; give two or more, from coarse to fine"));
+        return Err(format!("--refine {name}: give two or more levels, from coarse to fine"));
     }
     let rising = numbers.windows(2).all(|w| w[1] > w[0]);
     let falling = numbers.windows(2).all(|w| w[1] < w[0]);
     if !(rising || falling) || numbers.iter().any(|v| !(*v > 0.0 && v.is_finite())) {
         return Err(format!(
-            "--refine {name}: levels go from coarse to fine and are above zero: rising where they count (elements, \
-             facets), falling where they measure (lengths, increments)"
+            "--refine {name}: levels must be above zero and go from coarse to fine: increasing for numbers (elements, \
+             facets), decreasing for sizes (lengths, increments)"
         ));
     }
     if rising && axis.parameter == StudyParameter::Increment {
-        return Err(format!("--refine {name}: factors on the increment fall from coarse to fine"));
+        return Err(format!("--refine {name}: factors on the increment must decrease from coarse to fine"));
     }
     Ok(numbers.iter().map(|v| if rising { 1.0 / v } else { *v }).collect())
 }
@@ -138,10 +143,10 @@ fn refuse(why: &str) -> Result<(), StudyError> {
     Err(StudyError::Setting(why.into()))
 }
 
-/// A change of the model, or why it cannot be made.
+/// Function that changes a model, or returns why this is not possible.
 pub type ModelEdit = Box<dyn Fn(&mut Model) -> Result<(), StudyError>>;
 
-/// The change of the model that a value of a parameter asks for; none for a parameter of the deck.
+/// Returns the change of the model for a value of a parameter; `None` for a deck parameter.
 pub(super) fn edit(parameter: &StudyParameter, value: &str) -> Result<Option<ModelEdit>, String> {
     match parameter {
         StudyParameter::Parameter(_) => Ok(None),
@@ -153,8 +158,8 @@ pub(super) fn edit(parameter: &StudyParameter, value: &str) -> Result<Option<Mod
     }
 }
 
-/// Refuses parameters that change nothing in this model.
-pub fn check(axes: &[Axis], model: &Model) -> Result<(), StudyError> {
+/// Checks that each parameter has an effect in this model.
+pub fn check(axes: &[StudyAxis], model: &Model) -> Result<(), StudyError> {
     for axis in axes {
         for value in &axis.values {
             if let Some(edit) = edit(&axis.parameter, value).map_err(StudyError::Setting)? {
@@ -167,14 +172,14 @@ pub fn check(axes: &[Axis], model: &Model) -> Result<(), StudyError> {
 
 fn increment(value: &str) -> Result<ModelEdit, String> {
     let factor = value.parse::<f64>().ok().filter(|f| *f > 0.0 && f.is_finite());
-    let factor = factor.ok_or_else(|| format!("--refine increment={value}: a factor above zero is needed"))?;
+    let factor = factor.ok_or_else(|| format!("--refine increment={value}: expected a factor above zero"))?;
     Ok(Box::new(move |model| {
         let deforms = deforms(model);
         model.steps.iter_mut().try_for_each(|step| scale_increment(step, factor, deforms))
     }))
 }
 
-/// Scales a fixed or stable increment; under error control the accuracy goes with the square of the factor.
+/// Scales a fixed or stable time increment; with error control the accuracy is scaled by the square of the factor.
 fn scale_increment(step: &mut Step, factor: f64, deforms: bool) -> Result<(), StudyError> {
     if let IncrementControl::Automatic { largest, .. } = &mut step.increment {
         *largest *= factor;
@@ -186,8 +191,8 @@ fn scale_increment(step: &mut Step, factor: f64, deforms: bool) -> Result<(), St
             *accuracy *= factor * factor;
             if !(1e-14..=0.1).contains(accuracy) {
                 return Err(StudyError::Setting(format!(
-                    "--refine increment={factor}: increments go with the root of ACCURACY, which would be {accuracy:e}; \
-                     it must lie between 1e-14 and 0.1"
+                    "--refine increment={factor}: ACCURACY is scaled by the square of the factor and would be {accuracy:e}; \
+                     it must be between 1e-14 and 0.1"
                 )));
             }
         }
@@ -195,28 +200,30 @@ fn scale_increment(step: &mut Step, factor: f64, deforms: bool) -> Result<(), St
     Ok(())
 }
 
-/// What reads a velocity: the target's resistance and the user's loads.
+/// Returns whether a load depends on velocity: resistance of a target or a user load.
 fn reads_velocity(model: &Model) -> bool {
     let reads =
         |l: &Load| matches!(l.kind, LoadKind::Cavity { .. } | LoadKind::User { .. } | LoadKind::UserBody { .. });
     model.steps.iter().any(|s| s.loads.iter().any(reads))
 }
 
-/// Whether something of the model deforms: a section holds elements of no rigid body.
+/// Returns whether the model has deformable elements: elements of a section that belong to no rigid body.
 pub fn deforms(model: &Model) -> bool {
     let rigid = |e: &usize| model.rigid_bodies.iter().any(|b| b.elements.contains(e));
-    model.made_of().any(|(_, elements)| elements.iter().any(|e| !rigid(e)))
+    model.material_regions().any(|(_, elements)| elements.iter().any(|e| !rigid(e)))
 }
 
 fn load_velocity(value: &str) -> Result<ModelEdit, String> {
     let scheme = match value {
         "predicted" => LoadVelocity::Predicted,
         "lagged" => LoadVelocity::Lagged,
-        _ => return Err(format!("--refine load-velocity={value}: predicted and lagged there are")),
+        _ => return Err(format!("--refine load-velocity={value}: expected predicted or lagged")),
     };
     Ok(Box::new(move |model| {
         if !reads_velocity(model) || !model.rigid_bodies.iter().any(|b| !b.elements.is_empty()) {
-            return refuse("--refine load-velocity: no load here reads the velocity of a rigid body");
+            return refuse(
+                "--refine load-velocity: the model has no load that depends on the velocity of a rigid body",
+            );
         }
         model.steps.iter_mut().for_each(|s| s.load_velocity = scheme);
         Ok(())
@@ -225,32 +232,32 @@ fn load_velocity(value: &str) -> Result<ModelEdit, String> {
 
 fn hourglass(value: &str) -> Result<ModelEdit, String> {
     let kind = match value {
-        "relax-stiffness" => Hourglass::RelaxStiffness,
-        "stiffness" => Hourglass::Stiffness,
-        "viscous" => Hourglass::Viscous,
-        "combined" => Hourglass::Combined(0.5),
-        "enhanced" => Hourglass::Enhanced,
+        "relax-stiffness" => HourglassMethod::RelaxStiffness,
+        "stiffness" => HourglassMethod::Stiffness,
+        "viscous" => HourglassMethod::Viscous,
+        "combined" => HourglassMethod::Combined(0.5),
+        "enhanced" => HourglassMethod::Enhanced,
         _ => {
             return Err(format!(
-                "--refine hourglass={value}: relax-stiffness, stiffness, viscous, combined and enhanced there are"
+                "--refine hourglass={value}: expected relax-stiffness, stiffness, viscous, combined or enhanced"
             ));
         }
     };
     Ok(Box::new(move |model| {
         if !deforms(model) {
-            return refuse("--refine hourglass: nothing here deforms");
+            return refuse("--refine hourglass: the model has no deformable elements");
         }
         control_hourglass(model, kind, 1.0);
         Ok(())
     }))
 }
 
-/// Gives every section hourglass control of this kind and factor; what else its controls say stays.
-pub fn control_hourglass(model: &mut Model, hourglass: Hourglass, factor: f64) {
+/// Sets type and factor of the hourglass control of all sections; other section controls are unchanged.
+pub fn control_hourglass(model: &mut Model, hourglass: HourglassMethod, factor: f64) {
     control(model, |controls| (controls.hourglass, controls.factor) = (Some(hourglass), factor));
 }
 
-/// Changes the controls of every section.
+/// Changes the section controls of all sections.
 pub fn control(model: &mut Model, change: impl Fn(&mut SectionControls)) {
     model.sections.iter_mut().for_each(|section| change(&mut section.controls));
 }
@@ -259,14 +266,14 @@ fn stable_estimate(value: &str) -> Result<ModelEdit, String> {
     let each = match value {
         "element" => true,
         "global" => false,
-        _ => return Err(format!("--refine estimate={value}: element and global there are")),
+        _ => return Err(format!("--refine estimate={value}: expected element or global")),
     };
     Ok(Box::new(move |model| {
         if !deforms(model) {
-            return refuse("--refine estimate: nothing here deforms");
+            return refuse("--refine estimate: the model has no deformable elements");
         }
         if model.steps.iter().all(|s| matches!(s.increment, IncrementControl::Fixed(_))) {
-            return refuse("--refine estimate: DIRECT USER CONTROL fixes the increment");
+            return refuse("--refine estimate: the increment is fixed by DIRECT USER CONTROL");
         }
         for step in &mut model.steps {
             if let IncrementControl::Automatic { element_by_element, .. } = &mut step.increment {
@@ -281,7 +288,7 @@ fn precision(value: &str) -> Result<ModelEdit, String> {
     let precision: Precision = value.parse().map_err(|known| format!("--refine precision={value}: {known}"))?;
     Ok(Box::new(move |model| {
         if !deforms(model) {
-            return refuse("--refine precision: nothing here deforms");
+            return refuse("--refine precision: the model has no deformable elements");
         }
         model.settings.precision = precision;
         Ok(())
@@ -293,7 +300,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_rise_or_fall_and_names_are_known() {
+    fn levels_must_be_monotonic_and_names_known() {
         let of = |text: &str| axes(&[text.to_owned()], &["n".to_owned(), "dt".to_owned()]);
         let n = &of("n=10,20,40").expect("levels")[0];
         assert_eq!((n.sizes.clone(), n.counts()), (vec![0.1, 0.05, 0.025], true));

@@ -1,4 +1,4 @@
-//! `sweep`: a deck over a grid of parameters, spread over the threads, with references beside the results.
+//! `sweep`: runs of a deck over a grid of parameters on all threads, with comparison to a reference table.
 
 use std::ops::Range;
 use std::path::Path;
@@ -6,30 +6,30 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::StudyError;
-use super::chart::{Chart, Form, Series};
-use super::compare::{Reference, rms};
+use super::chart::{Chart, ChartSeries, SeriesForm};
+use super::compare::{ReferenceTable, rms};
 use super::error::accepted;
-use super::grid::Grid;
+use super::grid::CaseGrid;
 use super::quantity::{self, FinishedRun, Quantity};
-use super::table::{Table, number};
+use super::table::{TextTable, number};
 use crate::job;
 use crate::model::Precision;
-use crate::output::{History, Job};
+use crate::output::{JobFiles, RunHistory};
 use crate::user::compile::Compiled;
 
-/// The results of a sweep, in the grid's order.
+/// Results of a sweep, in the order of the grid.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Results {
-    /// Values of the parameters of each run, as given.
+pub struct SweepResults {
+    /// Parameter values of each run, as given.
     pub parameters: Vec<Vec<String>>,
-    /// Value of each quantity of each run, or why there is none.
+    /// Values of all quantities of each run, or its error.
     pub values: Vec<Result<Vec<f64>, StudyError>>,
-    /// What is to be known of each run's values: its warnings, and bodies that are still on their way.
-    pub doubts: Vec<Vec<String>>,
+    /// Warnings of each run, and notes on bodies that are still moving in a target.
+    pub warnings: Vec<Vec<String>>,
 }
 
-/// Runs combinations of a grid, by their indices; with a job, writes summary and histories of each run into its own folder. The
-/// results do not depend on the number of threads: user subroutines start afresh in each run.
+/// Runs a range of cases of a grid. With `kept`, the summary and histories of each run are written to a separate
+/// folder. The results do not depend on the number of threads: user subroutines are loaded again for each run.
 ///
 /// ```
 /// use revolve::model::Precision;
@@ -40,50 +40,51 @@ pub struct Results {
 /// let deck = ("input/ogive.inp".as_ref(), Precision::Double);
 /// let results = sweep::run(deck, (&grid, 0..2), &[depth], None, None, &|| {});
 /// let depths = results.values.into_iter().collect::<Result<Vec<_>, StudyError>>()?;
-/// assert!(depths[1][0] > depths[0][0]); // The faster one goes deeper.
+/// assert!(depths[1][0] > depths[0][0]); // The faster projectile penetrates deeper.
 /// # Ok::<(), StudyError>(())
 /// ```
 pub fn run(
     deck: (&Path, Precision),
-    (grid, cases): (&Grid, Range<usize>),
+    (grid, cases): (&CaseGrid, Range<usize>),
     quantities: &[Quantity],
     user: Option<&Compiled>,
-    kept: Option<&Job>,
+    kept: Option<&JobFiles>,
     done: &(dyn Fn() + Sync),
-) -> Results {
+) -> SweepResults {
     let runs: Vec<_> = cases
         .into_par_iter()
         .map(|index| {
             let combination = grid.combination(index);
-            let job = kept.map(|job| Job { folder: job.path(&format!("_{:05}", index + 1)), name: job.name.clone() });
+            let job =
+                kept.map(|job| JobFiles { folder: job.path(&format!("_{:05}", index + 1)), name: job.name.clone() });
             let result = one(deck, &combination, quantities, user, job.as_ref());
             done();
             let (value, doubts) = result.map_or_else(|e| (Err(e), Vec::new()), |(value, doubts)| (Ok(value), doubts));
             (combination.into_iter().map(|p| p.1).collect(), value, doubts)
         })
         .collect();
-    let mut results = Results::default();
+    let mut results = SweepResults::default();
     for (parameters, value, doubts) in runs {
         results.parameters.push(parameters);
         results.values.push(value);
-        results.doubts.push(doubts);
+        results.warnings.push(doubts);
     }
     results
 }
 
-/// One run: the quantities and what is to be known of them, or the first thing that was wrong.
+/// Runs one case. Returns the quantities and warnings, or the first error.
 fn one(
     (deck, precision): (&Path, Precision),
-    overrides: &job::Overrides,
+    overrides: &job::ParameterOverrides,
     quantities: &[Quantity],
     user: Option<&Compiled>,
-    kept: Option<&Job>,
+    kept: Option<&JobFiles>,
 ) -> Result<(Vec<f64>, Vec<String>), StudyError> {
     let routines = Compiled::open_any(user)?;
     let prepared = accepted(job::prepare_in(precision, deck, overrides, &routines))?;
     let mut history = match kept {
         None => quantity::history(quantities, &prepared.plan),
-        Some(_) => History::of_rows(prepared.plan.column_names()),
+        Some(_) => RunHistory::of_rows(prepared.plan.column_names()),
     };
     let (outcome, state) = job::run_into(&prepared, &mut history);
     let run = FinishedRun { history: &history, end: Some((outcome.total_time(), &state)) };
@@ -98,8 +99,8 @@ fn one(
     Ok((values?, doubts))
 }
 
-/// What keeps a reference table from standing beside a sweep: none of its rows has a value of the first parameter.
-pub fn comparable(grid: &Grid, path: &Path, reference: &Reference) -> Result<(), StudyError> {
+/// Checks that a reference table has a row for at least one value of the first parameter.
+pub fn comparable(grid: &CaseGrid, path: &Path, reference: &ReferenceTable) -> Result<(), StudyError> {
     let Some((first, swept)) = grid.axes().first() else { return Ok(()) };
     if swept.iter().any(|v| v.parse().is_ok_and(|v| reference.at(v).is_some())) {
         return Ok(());
@@ -107,21 +108,26 @@ pub fn comparable(grid: &Grid, path: &Path, reference: &Reference) -> Result<(),
     let known: Vec<String> = reference.rows.iter().take(5).map(|r| number(r.0)).collect();
     let more = if reference.rows.len() > 5 { ", …" } else { "" };
     let (swept, known) = (swept.join(" or "), known.join(", "));
-    let message = format!("no row of it has {first} = {swept}; its first column has {known}{more}");
+    let message = format!("no row has {first} = {swept}; the values of the first column are {known}{more}");
     Err(StudyError::file("--compare", path, message))
 }
 
-/// A sweep's results with reference columns.
+/// Table of a sweep with reference columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ComparedTable {
-    /// Parameters, quantities, references and differences from them.
-    pub table: Table,
-    /// Root mean square of the differences from each reference column.
+    /// Parameters, quantities, references and differences.
+    pub table: TextTable,
+    /// Rms difference from each reference column.
     pub rms: Vec<(String, f64)>,
 }
 
-/// Puts results (of the first quantity) beside the references: for each a column and the difference from it.
-pub fn table(grid: &Grid, quantities: &[Quantity], results: &Results, reference: Option<&Reference>) -> ComparedTable {
+/// Creates the table of a sweep, with a column for each reference and for the difference of the first quantity from it.
+pub fn table(
+    grid: &CaseGrid,
+    quantities: &[Quantity],
+    results: &SweepResults,
+    reference: Option<&ReferenceTable>,
+) -> ComparedTable {
     let mut header: Vec<String> = grid.names().into_iter().map(str::to_owned).collect();
     header.extend(quantities.iter().map(|q| q.text.clone()));
     let columns = reference.map_or(&[][..], |r| &r.columns);
@@ -148,21 +154,22 @@ pub fn table(grid: &Grid, quantities: &[Quantity], results: &Results, reference:
         rows.push(row);
     }
     let rms = columns.iter().zip(&differences).filter_map(|(c, d)| Some((c.clone(), rms(d)?))).collect();
-    ComparedTable { table: Table { header, rows }, rms }
+    ComparedTable { table: TextTable { header, rows }, rms }
 }
 
-/// Results and references over the first swept parameter: a line for each combination of the others, marks for scattered cases.
+/// Returns the chart of results and references over the first parameter: one line for each combination of the other
+/// parameters, or markers for samples.
 pub fn chart(
     title: &str,
-    grid: &Grid,
+    grid: &CaseGrid,
     quantities: &[Quantity],
-    results: &Results,
-    reference: Option<&Reference>,
+    results: &SweepResults,
+    reference: Option<&ReferenceTable>,
 ) -> Chart {
     let names = grid.names();
-    let mut series: Vec<Series> = Vec::new();
+    let mut series: Vec<ChartSeries> = Vec::new();
     let scattered = grid.is_scattered();
-    let form = if scattered { Form::Marks } else { Form::Line };
+    let form = if scattered { SeriesForm::Marks } else { SeriesForm::Line };
     for (parameters, values) in results.parameters.iter().zip(&results.values) {
         let (Ok(values), Some(x)) = (values, parameters.first().and_then(|p| p.parse::<f64>().ok())) else { continue };
         let others: Vec<_> = names.iter().zip(parameters).skip(1).map(|(n, p)| format!("{n} = {p}")).collect();
@@ -174,13 +181,13 @@ pub fn chart(
             };
             match series.iter_mut().find(|s| s.name == name) {
                 Some(known) => known.points.push((x, *value)),
-                None => series.push(Series::new(name, form, vec![(x, *value)])),
+                None => series.push(ChartSeries::new(name, form, vec![(x, *value)])),
             }
         }
     }
     for (i, column) in reference.map_or(&[][..], |r| &r.columns).iter().enumerate() {
         let points = reference.into_iter().flat_map(|r| &r.rows).map(|r| (r.0, r.1[i])).collect();
-        series.push(Series::new(column, Form::Marks, points));
+        series.push(ChartSeries::new(column, SeriesForm::Marks, points));
     }
     let y_label = quantities.first().map_or("", |q| &q.text);
     Chart::new(title, [names.first().copied().unwrap_or_default(), y_label], series)
@@ -188,27 +195,27 @@ pub fn chart(
 
 #[cfg(test)]
 mod tests {
-    use super::{Results, chart};
-    use crate::study::chart::Form;
-    use crate::study::grid::Grid;
+    use super::{SweepResults, chart};
+    use crate::study::chart::SeriesForm;
+    use crate::study::grid::CaseGrid;
     use crate::study::quantity::Quantity;
 
     #[test]
-    fn scattered_cases_are_marks_of_one_series() {
+    fn samples_are_drawn_as_markers_of_one_series() {
         let quantities = [Quantity::parse("final(U2@REF)").expect("a quantity")];
-        let drawn = |grid: &Grid| {
+        let drawn = |grid: &CaseGrid| {
             let parameters = (0..grid.count()).map(|i| grid.combination(i).into_iter().map(|p| p.1).collect());
-            let results = Results {
+            let results = SweepResults {
                 parameters: parameters.collect(),
                 values: (0..grid.count()).map(|i| Ok(vec![i as f64])).collect(),
-                doubts: vec![Vec::new(); grid.count()],
+                warnings: vec![Vec::new(); grid.count()],
             };
             let series = chart("t", grid, &quantities, &results, None).series;
             series.iter().map(|s| (s.points.len(), s.form)).collect::<Vec<_>>()
         };
-        let random = Grid::random(&["V=1..2".into(), "mu=0..1".into()], 9, 1).expect("a grid");
-        assert_eq!(drawn(&random), [(9, Form::Marks)]);
-        let product = Grid::parse(&["V=1,2,3".into(), "mu=0,1".into()]).expect("a grid");
-        assert_eq!(drawn(&product), [(3, Form::Line), (3, Form::Line)]);
+        let random = CaseGrid::random(&["V=1..2".into(), "mu=0..1".into()], 9, 1).expect("a grid");
+        assert_eq!(drawn(&random), [(9, SeriesForm::Marks)]);
+        let product = CaseGrid::parse(&["V=1,2,3".into(), "mu=0,1".into()]).expect("a grid");
+        assert_eq!(drawn(&product), [(3, SeriesForm::Line), (3, SeriesForm::Line)]);
     }
 }

@@ -1,30 +1,30 @@
-//! Tables for the terminal and as CSV.
+//! Tables of text for the terminal and CSV files, and formatting of numbers.
 
-use crate::output::columns::lined_up;
+use crate::output::columns::aligned_table;
 use crate::output::csv;
 
-/// A table of text.
+/// Table of text.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
+pub struct TextTable {
     /// Column names.
     pub header: Vec<String>,
     /// Cells, row by row.
     pub rows: Vec<Vec<String>>,
 }
 
-impl Table {
-    /// Text with columns lined up, numbers to the right.
+impl TextTable {
+    /// Formats the table for the terminal, with aligned columns and numbers to the right.
     pub fn terminal(&self) -> String {
-        lined_up(&self.header, &self.rows, true)
+        aligned_table(&self.header, &self.rows, true)
     }
 
-    /// CSV; fields with commas or quotes are quoted.
+    /// Formats the table as CSV; fields with commas or quotes are quoted.
     pub fn csv(&self) -> String {
         std::iter::once(&self.header).chain(&self.rows).map(csv::line).collect()
     }
 }
 
-/// A cell with a number in few digits or in all that a CSV file needs; empty without a number.
+/// Formats a cell with `few` digits or with all digits; empty without a value.
 pub(super) fn cell(value: Option<f64>, few: usize, all_digits: bool) -> String {
     match value {
         Some(value) if all_digits => format!("{value:?}"),
@@ -33,17 +33,17 @@ pub(super) fn cell(value: Option<f64>, few: usize, all_digits: bool) -> String {
     }
 }
 
-/// Seven digits, without an exponent: what a run's accuracy can carry.
+/// Formats a number with seven significant digits and without an exponent.
 pub fn number(value: f64) -> String {
     rounded(value, 7).to_string()
 }
 
-/// Rounds to so many significant digits.
+/// Rounds to `count` significant digits.
 pub fn rounded(value: f64, count: usize) -> f64 {
     format!("{value:.*e}", count.saturating_sub(1)).parse().unwrap_or(value)
 }
 
-/// Seconds with a unit, three digits.
+/// Formats a time in seconds with three digits and its unit.
 pub fn duration(seconds: f64) -> String {
     let (value, unit) = match seconds {
         s if s < 1e-3 => (1e6 * s, "us"),
@@ -53,12 +53,12 @@ pub fn duration(seconds: f64) -> String {
     format!("{} {unit}", short(value))
 }
 
-/// Three digits.
+/// Formats a number with three significant digits.
 pub fn short(value: f64) -> String {
     digits(value, 3)
 }
 
-/// So many digits, in the shortest form that holds them.
+/// Formats a number with `count` significant digits in the shortest form.
 pub fn digits(value: f64, count: usize) -> String {
     let number = rounded(value, count);
     let size = number.abs();

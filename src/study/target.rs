@@ -1,80 +1,82 @@
-//! `--target`: one level after the other until the error is inside, then the cheapest setting that holds it.
+//! `--target`: refines level by level until the error is below the target, then selects the cheapest setting that meets
+//! it.
 
 use serde::Serialize;
 
 use super::StudyError;
 use super::price;
-use super::refinement::{RefinementSeries, Study, StudyRow, families, judge};
-use super::richardson::{Behaviour, FORMAL_ORDER};
+use super::refinement::{RefinementSeries, RefinementStudy, StudyRow, evaluate_errors, families};
+use super::richardson::{ConvergenceBehaviour, FORMAL_ORDER};
 use super::runner::StudyRunner;
-use super::settings::Axis;
+use super::settings::StudyAxis;
 
-/// Levels beyond those given.
-pub const BEYOND: usize = 4;
-/// A level beyond those given is not begun if it is expected to take more element-cycles: some minutes.
+/// Largest number of levels added to the given ones.
+pub const EXTRA_LEVELS: usize = 4;
+/// Limit of element-cycles (a few minutes) above which no level is added.
 pub const MOST_CYCLES: f64 = 1e10;
-/// Fraction of the target that a setting between two levels is aimed at.
+/// Fraction of the target for which a setting between two levels is chosen.
 const MARGIN: f64 = 0.9;
 
-/// An error aimed at.
+/// Error target of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Target {
-    /// The number.
+pub struct ErrorTarget {
+    /// Largest allowed error.
     pub value: f64,
-    /// Whether it is relative to the exact value or the limit.
+    /// Whether the error is relative to the exact value or the limit.
     pub relative: bool,
 }
 
-impl Target {
-    /// Reads `0.5%` (relative) or `1e-6` (in the units of the quantity).
-    pub fn parse(text: &str) -> Result<Target, StudyError> {
+impl ErrorTarget {
+    /// Parses `0.5%` (relative) or `1e-6` (in the units of the quantity).
+    pub fn parse(text: &str) -> Result<ErrorTarget, StudyError> {
         let (number, relative) = match text.trim().strip_suffix('%') {
             Some(number) => (number.trim(), true),
             None => (text.trim(), false),
         };
         let value = number.parse::<f64>().ok().filter(|v| *v > 0.0 && v.is_finite());
-        let wrong = || StudyError::Setting(format!("--target {text}: 0.5% or an error above zero is the form"));
+        let wrong =
+            || StudyError::Setting(format!("--target {text}: expected an error above zero, for example 0.5% or 1e-6"));
         let value = value.ok_or_else(wrong)?;
-        Ok(Target { value: if relative { value / 100.0 } else { value }, relative })
+        Ok(ErrorTarget { value: if relative { value / 100.0 } else { value }, relative })
     }
 
-    /// The error in the units of the quantity; `None` where it is relative to nothing.
-    pub fn bound(&self, study: &Study) -> Option<f64> {
+    /// Returns the error in the units of the quantity; `None` if it is relative and the reference is zero or unknown.
+    pub fn bound(&self, study: &RefinementStudy) -> Option<f64> {
         if self.relative { study.scale.map(|s| s * self.value) } else { Some(self.value) }
     }
 }
 
-/// Whether a target was met.
+/// Result of an error target.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TargetResult {
-    /// What was aimed at.
-    pub target: Target,
-    /// Row of the cheapest setting that holds it; `None` where none does.
+    /// Error target.
+    pub target: ErrorTarget,
+    /// Row of the cheapest setting that meets the target; `None` if none does.
     pub run: Option<usize>,
 }
 
-/// Levels that go together over all refinements.
-struct LevelLadder<'a> {
-    axes: &'a [Axis],
+/// Levels of one family, in which all refined parameters advance together.
+struct LevelSequence<'a> {
+    axes: &'a [StudyAxis],
     family: Vec<(usize, String)>,
 }
 
-impl LevelLadder<'_> {
-    /// Levels that were given.
+impl LevelSequence<'_> {
+    /// Returns the number of given levels.
     fn given(&self) -> usize {
         self.axes.iter().filter(|a| a.is_refinement()).map(|a| a.sizes.len()).min().unwrap_or(0)
     }
 
-    /// Size of one axis at a level; beyond those given by the ratio of the last two.
-    fn size(axis: &Axis, level: usize) -> f64 {
+    /// Returns the size of an axis at a level; added levels have the size ratio of the last two given levels.
+    fn size(axis: &StudyAxis, level: usize) -> f64 {
         let last = axis.sizes.len() - 1;
         let ratio = axis.sizes[last] / axis.sizes[last - 1];
         axis.sizes.get(level).copied().unwrap_or_else(|| axis.sizes[last] * ratio.powi((level - last) as i32))
     }
 
-    /// One value for each axis, where refinements have the size of a level times a factor.
+    /// Returns the value of each axis at a level, with sizes multiplied by a factor.
     fn values(&self, level: usize, factor: f64) -> Vec<String> {
-        let value = |(index, axis): (usize, &Axis)| {
+        let value = |(index, axis): (usize, &StudyAxis)| {
             let choice = self.family.iter().find(|(i, _)| *i == index);
             match choice {
                 Some((_, value)) => value.clone(),
@@ -85,14 +87,14 @@ impl LevelLadder<'_> {
         self.axes.iter().enumerate().map(value).collect()
     }
 
-    /// Size of the first refinement at a level: the one that orders are observed on.
+    /// Returns the size of the first refined parameter at a level; the order of convergence refers to it.
     fn leading(&self, level: usize) -> f64 {
         self.axes.iter().find(|a| a.is_refinement()).map_or(1.0, |a| Self::size(a, level))
     }
 }
 
-/// A value of that size or finer; a count stays whole, and even where all given are.
-fn between(axis: &Axis, size: f64) -> String {
+/// Returns a value with the given size or a finer one. Counts remain integers, and even if all given values are even.
+fn between(axis: &StudyAxis, size: f64) -> String {
     let value = axis.value(size);
     if !axis.counts() {
         return format!("{value:e}");
@@ -102,22 +104,23 @@ fn between(axis: &Axis, size: f64) -> String {
     format!("{}", (value / step * (1.0 - 1e-9)).ceil() * step)
 }
 
-/// Refines all levels together, family by family, until the error is inside the target.
-pub fn reach(
+/// Refines all parameters together, family by family, until the error is below the target.
+pub fn refine_to_target(
     bench: &mut StudyRunner<'_>,
-    axes: &[Axis],
+    axes: &[StudyAxis],
     exact: Option<f64>,
-    target: Target,
-) -> Result<(Study, TargetResult), StudyError> {
+    target: ErrorTarget,
+) -> Result<(RefinementStudy, TargetResult), StudyError> {
     let wrong = |why: &str| StudyError::Setting(why.into());
     let mut counts = axes.iter().filter(|a| a.is_refinement()).map(|a| a.sizes.len());
-    let first = counts.next().ok_or_else(|| wrong("--target needs a --refine with levels"))?;
+    let first = counts.next().ok_or_else(|| wrong("--target needs a --refine with numeric levels"))?;
     if counts.any(|c| c != first) {
-        return Err(wrong("with --target all --refine go level by level together: give each as many levels"));
+        return Err(wrong("with --target all --refine options must have the same number of levels"));
     }
-    let mut whole = Study { axes: axes.iter().map(|a| a.name.clone()).collect(), ..Study::default() };
+    let mut whole =
+        RefinementStudy { axes: axes.iter().map(|a| a.name.clone()).collect(), ..RefinementStudy::default() };
     for (index, family) in families(axes).into_iter().enumerate() {
-        let climbed = climb(bench, &LevelLadder { axes, family }, exact, target, index);
+        let climbed = refine_family(bench, &LevelSequence { axes, family }, exact, target, index);
         let before = whole.rows.len();
         whole.rows.extend(climbed.rows);
         whole.series.extend(climbed.series.into_iter().map(|mut s| {
@@ -125,28 +128,28 @@ pub fn reach(
             s
         }));
     }
-    judge(&mut whole, exact, bench.measure().is_norm());
+    evaluate_errors(&mut whole, exact, bench.measure().is_norm());
     let run = target.bound(&whole).and_then(|bound| price::cheapest(&whole, bound));
     Ok((whole, TargetResult { target, run }))
 }
 
-/// One family: up the ladder, then a look between its levels.
-fn climb(
+/// Refines one family level by level, then tries a setting between levels.
+fn refine_family(
     bench: &mut StudyRunner<'_>,
-    ladder: &LevelLadder<'_>,
+    ladder: &LevelSequence<'_>,
     exact: Option<f64>,
-    target: Target,
+    target: ErrorTarget,
     family: usize,
-) -> Study {
+) -> RefinementStudy {
     let along: Vec<&str> = ladder.axes.iter().filter(|a| a.is_refinement()).map(|a| a.name.as_str()).collect();
     let series = RefinementSeries { along: along.join(" and "), rows: Vec::new(), sizes: Vec::new(), estimate: None };
-    let mut study = Study { series: vec![series], ..Study::default() };
+    let mut study = RefinementStudy { series: vec![series], ..RefinementStudy::default() };
     let norm = bench.measure().is_norm();
-    let inside = |study: &Study, row: usize| {
+    let inside = |study: &RefinementStudy, row: usize| {
         let bound = if exact.is_some() { study.rows[row].bound } else { study.rows[row].uncertainty };
         bound.zip(target.bound(study)).is_some_and(|(found, allowed)| found <= allowed)
     };
-    for level in 0..ladder.given() + BEYOND {
+    for level in 0..ladder.given() + EXTRA_LEVELS {
         if level >= ladder.given() && next_cycles(&study).is_some_and(|c| c > MOST_CYCLES) {
             break;
         }
@@ -156,18 +159,18 @@ fn climb(
         study.rows.push(StudyRow::new(values, run, 0));
         study.series[0].rows.push(level);
         study.series[0].sizes.push(ladder.leading(level));
-        judge(&mut study, exact, norm);
+        evaluate_errors(&mut study, exact, norm);
         if inside(&study, level) || failed {
             break;
         }
     }
-    look_between(bench, ladder, exact, target, &mut study);
+    try_intermediate(bench, ladder, exact, target, &mut study);
     study.rows.iter_mut().for_each(|r| r.family = family);
     study
 }
 
-/// Element-cycles of the next level by the ratio of the last two.
-fn next_cycles(study: &Study) -> Option<f64> {
+/// Estimates the element-cycles of the next level from the ratio of the last two.
+fn next_cycles(study: &RefinementStudy) -> Option<f64> {
     let cycles = |row: &StudyRow| row.run.as_ref().ok().map(|r| r.element_cycles());
     match &study.rows[..] {
         [.., a, b] => Some(cycles(b)? * cycles(b)? / cycles(a)?),
@@ -175,13 +178,14 @@ fn next_cycles(study: &Study) -> Option<f64> {
     }
 }
 
-/// The coarsest setting that the observed power lets hold the target, tried where it is coarser than the level that does.
-fn look_between(
+/// Runs the coarsest setting that should meet the target by the observed order, if it is coarser than the level that
+/// meets it.
+fn try_intermediate(
     bench: &mut StudyRunner<'_>,
-    ladder: &LevelLadder<'_>,
+    ladder: &LevelSequence<'_>,
     exact: Option<f64>,
-    target: Target,
-    study: &mut Study,
+    target: ErrorTarget,
+    study: &mut RefinementStudy,
 ) {
     let Some(factor) = coarser(study, exact, target) else { return };
     let finest = study.series[0].rows.len() - 1;
@@ -191,24 +195,25 @@ fn look_between(
     }
     let run = bench.at(ladder.axes, &values, None);
     study.rows.push(StudyRow::new(values, run, 0));
-    judge(study, exact, bench.measure().is_norm());
+    evaluate_errors(study, exact, bench.measure().is_norm());
 }
 
-/// How much coarser than the finest level a setting may be; `None` where nothing is known or nothing to be gained.
-fn coarser(study: &Study, exact: Option<f64>, target: Target) -> Option<f64> {
+/// Returns the size, relative to the finest level, of the coarsest setting that should meet the target; `None` if it
+/// cannot be estimated or is not coarser than a given level.
+fn coarser(study: &RefinementStudy, exact: Option<f64>, target: ErrorTarget) -> Option<f64> {
     let series = &study.series[0];
     let finest = *series.rows.last()?;
     let allowed = target.bound(study)?;
     let row = &study.rows[finest];
-    let (error, doubt, order) = match exact {
+    let (error, uncertainty, order) = match exact {
         Some(_) => (row.error?.abs(), 0.0, row.exact_orders.last().copied().flatten().unwrap_or(FORMAL_ORDER)),
         None => {
-            let estimate = series.estimate.filter(|e| e.behaviour != Behaviour::Oscillating)?;
+            let estimate = series.estimate.filter(|e| e.behaviour != ConvergenceBehaviour::Oscillating)?;
             let error = (row.value? - estimate.limit).abs();
             (error, estimate.uncertainty - error, estimate.order.unwrap_or(FORMAL_ORDER))
         }
     };
-    let share = MARGIN * (allowed - doubt) / error;
+    let share = MARGIN * (allowed - uncertainty) / error;
     let factor = libm::pow(share, 1.0 / order.clamp(0.5, FORMAL_ORDER));
     let holds = |i: &usize| study.rows[series.rows[*i]].bound.is_some_and(|b| b <= allowed);
     let coarsest = (0..series.rows.len()).find(holds)?;
@@ -222,10 +227,10 @@ mod tests {
 
     #[test]
     fn targets_are_relative_or_in_the_units_of_the_quantity() {
-        assert_eq!(Target::parse("0.5%"), Ok(Target { value: 0.005, relative: true }));
-        assert_eq!(Target::parse(" 1e-6"), Ok(Target { value: 1e-6, relative: false }));
+        assert_eq!(ErrorTarget::parse("0.5%"), Ok(ErrorTarget { value: 0.005, relative: true }));
+        assert_eq!(ErrorTarget::parse(" 1e-6"), Ok(ErrorTarget { value: 1e-6, relative: false }));
         for wrong in ["", "%", "0%", "-1", "x", "inf"] {
-            assert!(Target::parse(wrong).is_err(), "{wrong}");
+            assert!(ErrorTarget::parse(wrong).is_err(), "{wrong}");
         }
     }
 }

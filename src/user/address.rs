@@ -1,25 +1,24 @@
-//! A load by the address of a function in this process, such as a just-in-time compiler gives.
-//! Never here: opening the user's files.
+//! User loads given by the address of a C function in this process, for example from a just-in-time compiler.
 #![allow(unsafe_code)]
 
 use super::{LoadFailure, LoadPoints, Routines, UserLoad};
 
 /// `void load(int64_t n, double time, const double *coordinates, const double *velocities, const double *normals,
-/// double *pressures)`. Of coordinates, velocities and normals come the r of all points, then the z of all points.
-type Function = unsafe extern "C-unwind" fn(i64, f64, *const f64, *const f64, *const f64, *mut f64);
+/// double *pressures)`. Coordinates, velocities and normals hold r of all points, then z of all points.
+type CLoadFunction = unsafe extern "C-unwind" fn(i64, f64, *const f64, *const f64, *const f64, *mut f64);
 
-struct LoadAt {
-    call: Function,
+struct AddressLoad {
+    call: CLoadFunction,
     normals: Vec<f64>,
 }
 
-impl UserLoad for LoadAt {
+impl UserLoad for AddressLoad {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         let count = points.r.len();
         self.normals.clear();
         self.normals.extend_from_slice(points.normal_r);
         self.normals.extend_from_slice(points.normal_z);
-        // SAFETY: each array has two numbers a point, and the pressures one, as the function expects.
+        // SAFETY: the arrays hold two values per point, the pressures one, as the function expects.
         unsafe {
             (self.call)(
                 count as i64,
@@ -35,13 +34,14 @@ impl UserLoad for LoadAt {
 }
 
 impl Routines {
-    /// With a load that is a C function in this process: `void load(int64_t n, double time, const double *coordinates, const double
-    /// *velocities, const double *normals, double *pressures)`, where `time` is the total time, and of coordinates, velocities and
-    /// outward normals come the r of all points, then the z of all points. Like a library that is opened it is trusted: the
-    /// address must be that of such a function, which stays where it is. `None` for the address 0.
+    /// Adds a user load that is a C function in this process: `void load(int64_t n, double time, const double
+    /// *coordinates, const double *velocities, const double *normals, double *pressures)`. `time` is the total time;
+    /// coordinates, velocities and outward normals hold r of all points, then z of all points. The function is trusted
+    /// like an opened library: the address must be that of such a function, and must stay valid. Returns `None` for the
+    /// address 0.
     pub fn with_load_at(self, address: usize) -> Option<Routines> {
-        // SAFETY: an address as large as a pointer; that it is one of a function is the caller's word.
-        let call = unsafe { std::mem::transmute::<usize, Option<Function>>(address) }?;
-        Some(self.with_load(LoadAt { call, normals: Vec::new() }))
+        // SAFETY: an address has the size of a pointer; the caller guarantees that it is a function of this type.
+        let call = unsafe { std::mem::transmute::<usize, Option<CLoadFunction>>(address) }?;
+        Some(self.with_load(AddressLoad { call, normals: Vec::new() }))
     }
 }

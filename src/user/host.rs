@@ -1,6 +1,5 @@
-//! Data behind the host routines: name and folder of the job, numbers of nodes and elements in their parts, arrays that outlive
-//! a call, messages. All of it belongs to one thread, as a run does.
-//! Never here: pointers.
+//! Data of the host routines (`vgetjobname` etc.): name and folder of the job, numbers of nodes and elements in their
+//! parts, arrays that outlive a call, messages. All data belong to one thread, like a run.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -8,12 +7,12 @@ use std::sync::Mutex;
 
 use serde::Serialize;
 
-use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
+use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
 
 /// Severity of a message.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Level {
+pub enum MessageLevel {
     /// `LOP = 1`.
     #[default]
     Note,
@@ -23,25 +22,25 @@ pub enum Level {
     Error,
 }
 
-/// A message of a routine (`xplb_abqerr`).
+/// A message of a user subroutine (`xplb_abqerr`).
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RoutineMessage {
     /// Severity.
-    pub level: Level,
-    /// Text of the routine.
+    pub level: MessageLevel,
+    /// Text of the message.
     pub text: String,
-    /// Number of times it was given.
+    /// Number of repetitions.
     pub times: u64,
 }
 
-/// Data of the job for its routines.
+/// Data of the job for its user subroutines.
 #[derive(Clone, Debug, Default)]
 pub struct JobInfo {
     /// Name of the job (`vgetjobname`).
     pub name: String,
     /// Folder of the results, absolute (`vgetoutdir`).
     pub folder: String,
-    /// Names of the nodes, `12` or `INSTANCE.12`; a node's number inside the program is its place here, from 1.
+    /// Names of the nodes, `12` or `INSTANCE.12`. The internal number of a node is its index here, from 1.
     pub nodes: Vec<String>,
     /// Names of the elements.
     pub elements: Vec<String>,
@@ -51,56 +50,56 @@ pub struct JobInfo {
 const MOST: usize = 200;
 
 /// An array that outlives a call: its bytes in aligned words, and the number of its entries.
-type Array = (Box<[u64]>, i32);
+type HostArray = (Box<[u64]>, i32);
 
 static OPENING: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 thread_local! {
-    static ARRAYS: RefCell<BTreeMap<(u8, i32), Array>> = const { RefCell::new(BTreeMap::new()) };
+    static ARRAYS: RefCell<BTreeMap<(u8, i32), HostArray>> = const { RefCell::new(BTreeMap::new()) };
     static JOB: RefCell<JobInfo> = RefCell::default();
     static MESSAGES: RefCell<Vec<RoutineMessage>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Sets the job of the routines that this thread calls, and clears arrays and messages of the previous job.
-pub fn announce(job: JobInfo) {
+/// Sets the job of the user subroutines that this thread calls, and clears arrays and messages of the previous job.
+pub fn begin_job(job: JobInfo) {
     JOB.with_borrow_mut(|j| *j = job);
     ARRAYS.with_borrow_mut(BTreeMap::clear);
     MESSAGES.with_borrow_mut(Vec::clear);
-    let opening = OPENING.lock().map(|told| told.clone()).unwrap_or_default();
-    opening.into_iter().for_each(|text| tell(Level::Warning, text));
+    let opening = OPENING.lock().map(|warnings| warnings.clone()).unwrap_or_default();
+    opening.into_iter().for_each(|text| report_message(MessageLevel::Warning, text));
 }
 
-/// Records what libraries did when they were opened, on any thread; every job announced later warns of it.
-pub(super) fn tell_of_opening(text: String) {
-    if let Ok(mut told) = OPENING.lock()
-        && !told.contains(&text)
-        && told.len() < MOST
+/// Records a warning about a library that was being opened, on any thread; every later job repeats it.
+pub(super) fn report_opening(text: String) {
+    if let Ok(mut warnings) = OPENING.lock()
+        && !warnings.contains(&text)
+        && warnings.len() < MOST
     {
-        told.push(text);
+        warnings.push(text);
     }
 }
 
-/// The messages that routines gave since the job was announced.
+/// Returns and clears the messages since the job began.
 pub fn take_messages() -> Vec<RoutineMessage> {
     MESSAGES.take()
 }
 
-/// Archives the messages since the job was announced.
-pub fn persist_messages(archive: &mut Archive<'_>) {
+/// Archives the messages since the job began.
+pub fn persist_messages(archive: &mut StateArchive<'_>) {
     MESSAGES.with_borrow_mut(|list| list.persist(archive));
 }
 
-/// Adds messages that routines gave in another process.
+/// Adds messages of user subroutines in another process.
 pub(super) fn add_messages(messages: Vec<RoutineMessage>) {
     for message in messages {
         for _ in 0..message.times {
-            tell(message.level, message.text.clone());
+            report_message(message.level, message.text.clone());
         }
     }
 }
 
 impl JobInfo {
-    /// Names of the nodes (0) or elements.
+    /// Returns the names of the nodes (0) or elements.
     pub(super) fn names(&self, kind: i32) -> &[String] {
         if kind == 0 { &self.nodes } else { &self.elements }
     }
@@ -109,8 +108,8 @@ impl JobInfo {
 persist_struct!(JobInfo { name, folder, nodes, elements });
 
 /// Archives the arrays of this thread.
-pub fn persist_arrays(archive: &mut Archive<'_>) {
-    let place = |(key, array): (&(u8, i32), &Array)| (*key, (array.0.to_vec(), array.1));
+pub fn persist_arrays(archive: &mut StateArchive<'_>) {
+    let place = |(key, array): (&(u8, i32), &HostArray)| (*key, (array.0.to_vec(), array.1));
     let mut list: Vec<_> = ARRAYS.with_borrow(|arrays| arrays.iter().map(place).collect());
     list.persist(archive);
     if archive.reads() {
@@ -120,20 +119,23 @@ pub fn persist_arrays(archive: &mut Archive<'_>) {
 }
 
 impl Persist for RoutineMessage {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         let RoutineMessage { level, text, times } = self;
         let mut number = *level as u8;
         persist_fields!(archive; &mut number, text, times);
-        *level = [Level::Note, Level::Warning].into_iter().find(|l| *l as u8 == number).unwrap_or(Level::Error);
+        *level = [MessageLevel::Note, MessageLevel::Warning]
+            .into_iter()
+            .find(|l| *l as u8 == number)
+            .unwrap_or(MessageLevel::Error);
     }
 }
 
-pub(super) fn with_job<R>(ask: impl FnOnce(&JobInfo) -> R) -> R {
-    JOB.with_borrow(ask)
+pub(super) fn with_job<R>(read: impl FnOnce(&JobInfo) -> R) -> R {
+    JOB.with_borrow(read)
 }
 
 /// Adds a message for the end of the run; repetitions are counted.
-pub fn tell(level: Level, text: String) {
+pub fn report_message(level: MessageLevel, text: String) {
     MESSAGES.with_borrow_mut(|list| {
         if let Some(known) = list.iter_mut().find(|m| m.level == level && m.text == text) {
             known.times += 1;
@@ -143,8 +145,8 @@ pub fn tell(level: Level, text: String) {
     });
 }
 
-/// Makes an array of a kind and number with `count` equal entries of `width` bytes, and returns its address. An array that
-/// exists keeps its content, and its address if its size does not change.
+/// Creates an array with a kind and a number, filled with `count` equal entries of `width` bytes, and returns its
+/// address. An existing array keeps its content, and its address if its size does not change.
 pub(super) fn new_array(key: (u8, i32), count: i32, width: usize, value: &[u8]) -> *mut u64 {
     let words = (usize::try_from(count).unwrap_or(0) * width).div_ceil(8).max(1);
     let pattern: Vec<u8> = value.iter().copied().cycle().take(8).collect();
@@ -160,7 +162,7 @@ pub(super) fn new_array(key: (u8, i32), count: i32, width: usize, value: &[u8]) 
     })
 }
 
-/// Address of an array, and the number of its entries.
+/// Returns the address of an array and the number of its entries.
 pub(super) fn array(key: (u8, i32)) -> Option<(*mut u64, i32)> {
     ARRAYS.with_borrow_mut(|arrays| arrays.get_mut(&key).map(|array| (array.0.as_mut_ptr(), array.1)))
 }
@@ -170,27 +172,27 @@ pub(super) fn delete_array(key: (u8, i32)) {
     ARRAYS.with_borrow_mut(|arrays| arrays.remove(&key));
 }
 
-/// Internal number of a node or element by instance and local number; 0 if there is none.
+/// Returns the internal number of a node or element from its instance and local number; 0 if there is none.
 pub(super) fn internal_number(names: &[String], part: &str, local: i32) -> i32 {
     let wanted = if part.is_empty() { local.to_string() } else { format!("{part}.{local}") };
     names.iter().position(|n| n.eq_ignore_ascii_case(&wanted)).map_or(0, |i| i as i32 + 1)
 }
 
-/// Instance and local number of a node or element by its internal number.
+/// Returns instance and local number of a node or element from its internal number.
 pub(super) fn part_of(names: &[String], internal: i32) -> Option<(&str, i32)> {
     let name = names.get(usize::try_from(internal).ok()?.checked_sub(1)?)?;
     let (part, local) = name.rsplit_once('.').unwrap_or(("", name));
     Some((part, local.parse().ok()?))
 }
 
-/// Principal values of a symmetric tensor with the direct components 11, 22, 33 and the shear components 12, 23, 31, and their
-/// directions, by Jacobi's rotations: the two in the plane of the first axes, the larger first, then the third, if nothing
-/// shears out of the plane; else the largest first.
+/// Returns the principal values and directions of a symmetric tensor with direct components 11, 22, 33 and shear
+/// components 12, 23, 31, by Jacobi rotations. Without shear out of the 1-2 plane, the two values in the plane come
+/// first, in descending order, then the third; otherwise all are in descending order.
 pub(super) fn principal(direct: [f64; 3], shear: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
     let [s12, s23, s31] = shear;
     let mut a = [[direct[0], s12, s31], [s12, direct[1], s23], [s31, s23, direct[2]]];
     let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    // Each sweep squares what is left; eight are far more than numbers have digits.
+    // The error is squared in each sweep; eight sweeps are far more than double precision needs.
     for (p, q) in [(0, 1), (1, 2), (0, 2)].into_iter().cycle().take(24) {
         if a[p][q] == 0.0 {
             continue;
@@ -215,7 +217,7 @@ pub(super) fn principal(direct: [f64; 3], shear: [f64; 3]) -> ([f64; 3], [[f64; 
     (order.map(|i| values[i]), order.map(|i| axes[i]))
 }
 
-/// Text of `xplb_abqerr` with its values in place of `%I`, `%R` and `%S`.
+/// Returns the text of `xplb_abqerr` with its values in place of `%I`, `%R` and `%S`.
 pub(super) fn fill_in(
     text: &str,
     mut integer: impl FnMut(usize) -> Option<i32>,
@@ -258,22 +260,22 @@ mod tests {
     use super::{fill_in, internal_number, part_of, principal};
 
     #[test]
-    fn principal_values_by_hand() {
+    fn principal_values_match_hand_calculation() {
         let (values, axes) = principal([5.0, 1.0, 9.0], [2.0, 0.0, 0.0]);
         let root = 8.0_f64.sqrt();
         for (value, expected) in values.into_iter().zip([3.0 + root, 3.0 - root, 9.0]) {
             assert!((value - expected).abs() < 1e-14, "{values:?}");
         }
-        // The tensor on an axis is the axis times its value.
+        // Eigenvalue equation of the first axis.
         assert!((5.0 * axes[0][0] + 2.0 * axes[0][1] - values[0] * axes[0][0]).abs() < 1e-14);
-        // Under all shears: 1 + 2 on the diagonal of ones, twice 1 - 1.
+        // All components 1: eigenvalues 3, 0, 0.
         let (values, axes) = principal([1.0; 3], [1.0; 3]);
         assert!((values[0] - 3.0).abs() < 1e-14 && values[1].abs() < 1e-14 && values[2].abs() < 1e-14, "{values:?}");
         assert!(axes[0].iter().all(|x| (x.abs() - 1.0 / 3.0_f64.sqrt()).abs() < 1e-14));
     }
 
     #[test]
-    fn values_take_their_places() {
+    fn placeholders_are_replaced_by_values() {
         let text = fill_in(
             "node %I of %S: %R, then %I, 50 %",
             |i| [7, 8].get(i).copied(),
@@ -285,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_in_parts_and_back() {
+    fn internal_numbers_convert_both_ways() {
         let names = ["3".to_owned(), "Ball.12".to_owned()];
         assert_eq!([internal_number(&names, "", 3), internal_number(&names, "BALL", 12)], [1, 2]);
         assert_eq!(internal_number(&names, "BALL", 3), 0);

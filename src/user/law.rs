@@ -1,11 +1,10 @@
-//! Material laws of Rust programs, one material point at a time.
-//! Never here: elements, built-in laws.
+//! Material laws in Rust, evaluated one material point at a time.
 
 use super::LoadFailure;
-pub use crate::kernel::moduli::Moduli;
+pub use crate::kernel::moduli::ElasticModuli;
 
-/// A material point in one increment. Tensors have the components rr, zz, hoop, rz (tensor shear), in axes that rotate with the
-/// material (Jaumann rate).
+/// A material point in one increment. Tensors have the components rr, zz, hoop, rz (tensor shear), in axes that rotate
+/// with the material (Jaumann rate).
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct MaterialPoint<'a> {
@@ -17,7 +16,7 @@ pub struct MaterialPoint<'a> {
     pub stress: [f64; 4],
     /// State variables of `*DEPVAR`, at least [`MaterialLaw::state_variables`]; the law updates them.
     pub state: &'a mut [f64],
-    /// Energy per volume that the increment dissipates: 0 on entry.
+    /// Energy per volume dissipated in the increment; 0 on entry.
     pub dissipated: f64,
     /// Length of the increment.
     pub dt: f64,
@@ -25,8 +24,8 @@ pub struct MaterialPoint<'a> {
     pub total_time: f64,
 }
 
-/// A material law of a Rust program. [`super::Routines::with_law`] registers it by the name of the material, whose
-/// `*USER MATERIAL` card has the constants. Threads share it.
+/// A material law in Rust. [`super::Routines::with_law`] registers it under the name of its material; the constants are
+/// those of `*USER MATERIAL`. Several threads may use it at once.
 ///
 /// ```
 /// use revolve::user::{LoadFailure, MaterialLaw, MaterialPoint, Moduli, Routines};
@@ -53,13 +52,14 @@ pub struct MaterialPoint<'a> {
 /// let routines = Routines::none().with_law("HOOKE", Hooke);
 /// ```
 pub trait MaterialLaw: Send + Sync {
-    /// Returns upper bounds of the moduli: the stable time increment, hourglass control and bulk viscosity follow from them.
+    /// Returns upper bounds of the moduli, from which the stable time increment, hourglass control and bulk viscosity
+    /// are computed.
     ///
     /// # Errors
-    /// If the constants are not those of the law; the deck is refused.
-    fn moduli(&self, constants: &[f64]) -> Result<Moduli, LoadFailure>;
+    /// If the constants are invalid; the deck is then rejected.
+    fn moduli(&self, constants: &[f64]) -> Result<ElasticModuli, LoadFailure>;
 
-    /// Returns how many state variables the law needs; `*DEPVAR` gives as many or more.
+    /// Returns the number of state variables that the law needs; `*DEPVAR` must define at least as many.
     fn state_variables(&self) -> usize {
         0
     }

@@ -1,5 +1,5 @@
-//! User subroutines: the traits that Rust plug-ins implement, with the arguments of ABAQUS's subroutines, and compiled
-//! Fortran and C behind the same traits. Never here: solver internals.
+//! User subroutines: the traits that Rust plug-ins implement, with the arguments of the ABAQUS subroutines, and
+//! compiled Fortran and C subroutines, which implement the same traits.
 
 mod address;
 pub mod codes;
@@ -13,16 +13,16 @@ mod saved_memory;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::state::Instant;
-use crate::state::halt::Halt;
-pub use law::{MaterialLaw, MaterialPoint, Moduli};
+use crate::state::halt::HaltReason;
+pub use law::{ElasticModuli, MaterialLaw, MaterialPoint};
 pub use native::{compile, crash, show_symbols};
 pub(crate) use saved_memory::{PersistentMemory, SavedMemory};
 
 /// Largest number of points of one call: `maxblk` of `vaba_param.inc`. Larger surfaces are divided into blocks.
 pub const MAX_BLOCK: usize = 512;
 
-/// Arguments of a user load for a block of points of one surface (ABAQUS 6.6 User Subroutines Reference, 1.2.1 "VDLOAD").
-/// Slices have one entry per point unless stated otherwise.
+/// Arguments of a user load for a block of points of one surface (ABAQUS 6.6 User Subroutines Reference, 1.2.1
+/// "VDLOAD"). Slices have one entry per point unless stated otherwise.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct LoadPoints<'a> {
@@ -32,9 +32,9 @@ pub struct LoadPoints<'a> {
     pub load_type: i32,
     /// Clock, step and increment.
     pub now: Instant,
-    /// Current value of the amplitude the load refers to (1 without one); the routine applies it.
+    /// Current value of the load's amplitude (1 without one); the subroutine applies it.
     pub amplitude: f64,
-    /// Magnitude on the data line (VDLOAD is not told it).
+    /// Magnitude on the data line (not an argument of VDLOAD).
     pub magnitude: f64,
     /// Current r of each point, length.
     pub r: &'a [f64],
@@ -48,45 +48,45 @@ pub struct LoadPoints<'a> {
     pub normal_r: &'a [f64],
     /// Outward unit normal of each point, z component (zero for a body force).
     pub normal_z: &'a [f64],
-    /// `curCoords`: r of all points, z of all points, then as many NaN for a routine that reads a third coordinate.
+    /// `curCoords`: r of all points, z of all points, then NaN in place of a third coordinate.
     pub coordinates: &'a [f64],
-    /// `velocity`: velocity, displacement and acceleration, each r of all points, then z of all points. The last two hold
-    /// values only if [`UserLoad::reads_motion`].
+    /// `velocity`: velocity, displacement and acceleration, each r of all points, then z of all points. Displacement
+    /// and acceleration are set only if [`UserLoad::reads_motion`].
     pub motion: &'a [f64],
-    /// `dirCos`: normal r, tangent r, normal z, tangent z of all points, then NaN for a third direction. The tangent is the
-    /// normal turned 90 degrees counter-clockwise; the normal points out of the loaded side of a surface element, and into
-    /// a solid element.
+    /// `dirCos`: normal r, tangent r, normal z, tangent z of all points, then NaN for a third direction. The tangent is
+    /// the normal turned 90 degrees counter-clockwise; the normal points out of the loaded side of a surface element,
+    /// and into a solid element.
     pub directions: &'a [f64],
 }
 
-/// Failure of a user routine.
+/// Failure of a user subroutine.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{reason}")]
 pub struct LoadFailure {
-    /// Index in the block of the point that caused it, if known.
+    /// Index of the point that caused it, if known.
     pub point: Option<usize>,
-    /// Description.
+    /// Description of the failure.
     pub reason: String,
 }
 
 impl LoadFailure {
-    /// Without a point.
+    /// Creates a failure that is not related to a point.
     pub fn new(reason: impl Into<String>) -> Self {
         LoadFailure { point: None, reason: reason.into() }
     }
 
-    /// The halt that follows; `what` names routine and place.
-    pub fn halt(&self, what: &str, now: &Instant) -> Halt {
+    /// Returns the halt caused by the failure; `what` names subroutine and place.
+    pub fn halt(&self, what: &str, now: &Instant) -> HaltReason {
         let reason = format!(
             "{what} failed in step {}, increment {}, total time {:e}: {}",
             now.step, now.increment, now.total_time, self.reason
         );
-        Halt { code: "R201", reason }
+        HaltReason { code: "R201", reason }
     }
 }
 
-/// A user load: the pressure at each point. It may keep state; it is called once per increment, surface and block of at most
-/// [`MAX_BLOCK`] points.
+/// A user load: the pressure at each point. It may keep its own state between calls. It is called once per increment,
+/// surface and block of at most [`MAX_BLOCK`] points.
 ///
 /// ```
 /// use revolve::job;
@@ -113,23 +113,23 @@ impl LoadFailure {
 /// assert!(outcome.halt.is_none() && history.0["V2@REF"].last < 0.0);
 /// ```
 pub trait UserLoad: Send {
-    /// Fills `pressure` (one entry a point, positive pushes against the outward normal; NaN on entry). For a body force
-    /// it is the force a volume along r (BRNU) or z (BZNU).
+    /// Sets `pressure`: one entry per point, positive against the outward normal, NaN on entry. For a body force it is
+    /// the force per volume along r (BRNU) or z (BZNU).
     ///
     /// # Errors
-    /// Any reason; the run halts with the last good state written.
+    /// Any failure; the run halts and writes the last good state.
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure>;
 
-    /// Whether it reads displacements and accelerations; if not, they are not updated.
+    /// Returns whether the load reads displacements and accelerations; if not, they are not updated.
     fn reads_motion(&self) -> bool {
         false
     }
 }
 
-/// A user load given as a function of the points and the index of one.
-struct ByPoint<F>(F);
+/// A user load defined by a function of the points and the index of one point.
+struct PointwiseLoad<F>(F);
 
-impl<F: FnMut(&LoadPoints<'_>, usize) -> f64 + Send> UserLoad for ByPoint<F> {
+impl<F: FnMut(&LoadPoints<'_>, usize) -> f64 + Send> UserLoad for PointwiseLoad<F> {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         pressure.iter_mut().enumerate().for_each(|(i, p)| *p = (self.0)(points, i));
         Ok(())
@@ -142,7 +142,7 @@ impl<F: FnMut(&LoadPoints<'_>, usize) -> f64 + Send> UserLoad for ByPoint<F> {
 pub struct AmplitudeCall<'a> {
     /// Name of the amplitude, upper case.
     pub name: &'a str,
-    /// The instant of the value.
+    /// Time, step and increment of the value.
     pub now: Instant,
     /// Whether this is the first call of a step.
     pub begins: bool,
@@ -160,25 +160,25 @@ pub struct AmplitudeCall<'a> {
     pub sensor_values: &'a [f64],
 }
 
-/// Answer of a user amplitude.
+/// Result of a user amplitude.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AmplitudeAnswer {
-    /// The value.
+    /// Value of the amplitude.
     pub value: f64,
     /// Its time derivative, if the routine sets it.
     pub derivative: Option<f64>,
-    /// Stop the analysis (`iStopAnalysis`).
+    /// Whether to stop the analysis (`iStopAnalysis`).
     pub stop: bool,
-    /// End the step (`iConcludeStep`).
+    /// Whether to end the step (`iConcludeStep`).
     pub conclude_step: bool,
 }
 
 /// A user amplitude (`*AMPLITUDE, DEFINITION=USER`).
 pub trait UserAmplitude: Send {
-    /// The value now.
+    /// Returns the current value of the amplitude.
     ///
     /// # Errors
-    /// Any reason; the run halts.
+    /// Any failure; the run halts.
     fn amplitude(&mut self, call: &mut AmplitudeCall<'_>) -> Result<AmplitudeAnswer, LoadFailure>;
 }
 
@@ -190,21 +190,21 @@ pub struct MotionCall<'a> {
     pub set: &'a str,
     /// 0 displacement, 1 velocity, 2 acceleration (`jBCType`).
     pub kind: i32,
-    /// User's number of the node.
+    /// Node number of the user.
     pub node: i32,
     /// Degree of freedom, 1 for r (deformable nodes), 2 for z.
     pub dof: usize,
-    /// The instant of the value.
+    /// Time, step and increment of the value.
     pub now: Instant,
-    /// Lengths of the previous increment and of the next (the same if unknown).
+    /// Lengths of the previous and the next increment (equal if the next is unknown).
     pub increments: [f64; 2],
-    /// Amplitude, 1 without one.
+    /// Current value of the amplitude; 1 without one.
     pub amplitude: f64,
     /// Current coordinates `[r, z]`.
     pub coordinates: [f64; 2],
     /// Displacement, velocity, acceleration and reaction along that degree of freedom.
     pub state: [f64; 4],
-    /// The same along the other axis; zero for a rigid body.
+    /// The same quantities along the other axis; zero for a rigid body.
     pub across: [f64; 4],
     /// Mass of the body or node.
     pub mass: f64,
@@ -212,14 +212,15 @@ pub struct MotionCall<'a> {
 
 /// A user motion (`*BOUNDARY, USER`).
 pub trait UserMotion: Send {
-    /// The displacement, velocity or acceleration along the degree of freedom.
+    /// Returns the displacement, velocity or acceleration along the degree of freedom.
     ///
     /// # Errors
-    /// Any reason; the run halts.
+    /// Any failure; the run halts.
     fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure>;
 }
 
-/// Moments at which VEXTERNALDB is called, with its `lOp` (ABAQUS 6.14 User Subroutines Reference, 1.2.5).
+/// Points of the analysis at which VEXTERNALDB is called, with its `lOp` (ABAQUS 6.14 User Subroutines Reference,
+/// 1.2.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 #[non_exhaustive]
@@ -228,11 +229,11 @@ pub enum AnalysisMoment {
     StartAnalysis = 0,
     /// Before a step.
     StartStep = 1,
-    /// The length of the next increment is to be chosen.
+    /// Before the length of the next increment is chosen.
     SetupIncrement = 2,
-    /// An increment begins.
+    /// At the start of an increment.
     StartIncrement = 3,
-    /// An increment is complete.
+    /// At the end of an increment.
     EndIncrement = 4,
     /// After a step.
     EndStep = 5,
@@ -241,7 +242,7 @@ pub enum AnalysisMoment {
 }
 
 impl AnalysisMoment {
-    /// All of them, in the order of `lOp`.
+    /// All moments, in the order of `lOp`.
     pub const ALL: [AnalysisMoment; 7] = [
         AnalysisMoment::StartAnalysis,
         AnalysisMoment::StartStep,
@@ -253,7 +254,7 @@ impl AnalysisMoment {
     ];
 }
 
-/// What the run does after a call of VEXTERNALDB (`i_Array(i_int_iStatus)`).
+/// Action of the run after a call of VEXTERNALDB (`i_Array(i_int_iStatus)`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum RunAction {
@@ -266,31 +267,32 @@ pub enum RunAction {
     EndAnalysis,
 }
 
-/// A routine called at the moments of the analysis, for example to open and close files of its own.
+/// A subroutine called at fixed points of the analysis (VEXTERNALDB), for example to open and close its own files.
 pub trait UserEvents: Send {
-    /// Called at each moment, with the length of the increment.
+    /// Is called at each moment; `increment` is the length of the increment.
     ///
     /// # Errors
-    /// Any reason; the run halts.
+    /// Any failure; the run halts.
     fn moment(&mut self, moment: AnalysisMoment, now: &Instant, increment: f64) -> Result<RunAction, LoadFailure>;
 
-    /// Called before an [`AnalysisMoment::EndIncrement`] whose state will be saved (`lWriteRestart`).
+    /// Is called before an [`AnalysisMoment::EndIncrement`] whose state will be saved (`lWriteRestart`).
     fn restart_follows(&mut self) {}
 }
 
 /// Largest number of material points of one call.
 pub const MAX_MATERIAL_BLOCK: usize = 136;
 
-/// Arguments of a user material for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.17 "VUMAT"). Arrays hold
-/// one component of all points after the other: of symmetric tensors rr, zz, hoop, rz (tensor shear). Stresses and strains
-/// are in a frame that rotates with the material spin, so tensors among the state variables need no rotation.
+/// Arguments of a user material for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.17 "VUMAT"). Arrays
+/// hold all points of one component, then of the next; symmetric tensors have the components rr, zz, hoop, rz (tensor
+/// shear). Stresses and strains are in axes that rotate with the material spin, so tensors among the state variables
+/// need no rotation.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct MaterialCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
-    /// End of the increment; step and total time are both 0 in the first call, with small fictitious strains, from which the
-    /// elastic moduli are found.
+    /// Time, step and increment at the end of the increment. In the first call, with small fictitious strains from
+    /// which the elastic moduli are determined, step and total time are 0.
     pub now: Instant,
     /// Length of the increment.
     pub dt: f64,
@@ -300,7 +302,7 @@ pub struct MaterialCall<'a> {
     pub variables: usize,
     /// Constants of the material (`props`).
     pub properties: &'a [f64],
-    /// `coordMp`: r, z, then NaN for a routine that reads a third coordinate.
+    /// `coordMp`: r, z, then NaN in place of a third coordinate.
     pub coordinates: &'a [f64],
     /// `charLength`: square root of the element's area in the (r, z) plane, or the value of VUCHARLENGTH; length.
     pub length: &'a [f64],
@@ -310,7 +312,7 @@ pub struct MaterialCall<'a> {
     pub strain: &'a [f64],
     /// `relSpinInc`: spin relative to the frame, zero.
     pub spin: &'a [f64],
-    /// User's numbers of the elements.
+    /// Element numbers of the user.
     pub elements: &'a [i32],
     /// `tempOld` and `tempNew`.
     pub temperature: [&'a [f64]; 2],
@@ -332,7 +334,7 @@ pub struct MaterialCall<'a> {
     pub inelastic: &'a [f64],
 }
 
-/// Answer of a user material; stresses are NaN on entry, state variables and energies the previous ones.
+/// Result of a user material. On entry, stresses are NaN, state variables and energies the previous ones.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct MaterialAnswer<'a> {
@@ -346,13 +348,13 @@ pub struct MaterialAnswer<'a> {
     pub inelastic: &'a mut [f64],
 }
 
-/// A user material (`*USER MATERIAL`). It may keep state of its own; it is called from one thread, once per increment and
-/// block of at most [`MAX_MATERIAL_BLOCK`] points.
+/// A user material (`*USER MATERIAL`). It may keep its own state between calls. It is called from one thread, once per
+/// increment and block of at most [`MAX_MATERIAL_BLOCK`] points.
 pub trait UserMaterial: Send {
-    /// Stresses and state variables at the end of the increment.
+    /// Computes stresses and state variables at the end of the increment.
     ///
     /// # Errors
-    /// Any reason; the run halts.
+    /// Any failure; the run halts.
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure>;
 }
 
@@ -374,7 +376,7 @@ pub struct HardeningCall<'a> {
     pub fields: usize,
     /// Constants of the hardening (`props`).
     pub properties: &'a [f64],
-    /// User's numbers of the elements (`jElem`).
+    /// Element numbers of the user (`jElem`).
     pub elements: &'a [i32],
     /// `tempOld` and `tempNew`: both at the beginning of the increment, as for built-in laws.
     pub temperature: [&'a [f64]; 2],
@@ -382,13 +384,13 @@ pub struct HardeningCall<'a> {
     pub field: [&'a [f64]; 2],
     /// `stateOld`.
     pub state: &'a [f64],
-    /// Equivalent plastic strain tried (`eqps`).
+    /// Trial equivalent plastic strain (`eqps`).
     pub strain: &'a [f64],
-    /// Its rate, 1/time (`eqpsRate`).
+    /// Trial equivalent plastic strain rate, 1/time (`eqpsRate`).
     pub rate: &'a [f64],
 }
 
-/// Answer of a user hardening; yield stresses are NaN on entry, slopes zero, state variables the previous ones.
+/// Result of a user hardening. On entry, yield stresses are NaN, slopes zero, state variables the previous ones.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct HardeningAnswer<'a> {
@@ -402,21 +404,21 @@ pub struct HardeningAnswer<'a> {
     pub state: &'a mut [f64],
 }
 
-/// An isotropic user hardening (`*PLASTIC, HARDENING=USER`): yield stress over plastic strain, rate and temperature. It is
-/// called several times per increment and block: first for all points, then for those that yield until their stress equals
+/// Isotropic user hardening (`*PLASTIC, HARDENING=USER`): yield stress over plastic strain, rate and temperature. It is
+/// called several times per increment and block: first for all points, then for yielding points until the stress equals
 /// the yield stress. The state variables of the last call for a point are kept.
 pub trait UserHardening: Send {
-    /// Yield stresses and their slopes.
+    /// Computes yield stresses and their slopes.
     ///
     /// # Errors
-    /// Any reason; the run halts.
+    /// Any failure; the run halts.
     fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure>;
 }
 
 /// Values of material points at the beginning of an increment, by output variable (`vgetvrm`).
 pub trait PointValues {
-    /// Passes component, point and value of each component of each point on; returns the number of components, `None` if the
-    /// points do not have the variable.
+    /// Calls `to(component, point, value)` for all components and points. Returns the number of components; `None` if
+    /// the variable is not available.
     fn give(&self, variable: &str, to: &mut dyn FnMut(usize, usize, f64)) -> Option<usize>;
 }
 
@@ -437,9 +439,9 @@ pub struct FieldCall<'a> {
     pub fields: usize,
     /// Constants (`props`).
     pub properties: &'a [f64],
-    /// User's numbers of the elements (`jElem`).
+    /// Element numbers of the user (`jElem`).
     pub elements: &'a [i32],
-    /// `coordMp`: r, z, then NaN for a routine that reads a third coordinate.
+    /// `coordMp`: r, z, then NaN in place of a third coordinate.
     pub coordinates: &'a [f64],
     /// `charLength`: square root of the element's area in the (r, z) plane, or the value of VUCHARLENGTH; length.
     pub length: &'a [f64],
@@ -449,11 +451,11 @@ pub struct FieldCall<'a> {
     pub values: &'a dyn PointValues,
 }
 
-/// Answer of user-defined fields; both are the previous ones on entry.
+/// Result of user-defined fields; on entry the previous values.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct FieldAnswer<'a> {
-    /// `stateNew`: the old state of the other routines.
+    /// `stateNew`: the previous state of the other subroutines.
     pub state: &'a mut [f64],
     /// `field`.
     pub field: &'a mut [f64],
@@ -461,10 +463,10 @@ pub struct FieldAnswer<'a> {
 
 /// User-defined fields (`*USER DEFINED FIELD`), called at the beginning of each increment.
 pub trait UserFields: Send {
-    /// Field and state variables.
+    /// Computes field and state variables.
     ///
     /// # Errors
-    /// Any reason; the run halts.
+    /// Any failure; the run halts.
     fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure>;
 }
 
@@ -488,7 +490,7 @@ pub struct LengthCall<'a> {
     pub corners: usize,
     /// Constants (`props`).
     pub properties: &'a [f64],
-    /// User's numbers of the elements (`jElem`).
+    /// Element numbers of the user (`jElem`).
     pub elements: &'a [i32],
     /// `coordMp`: r, and then z, of each point.
     pub coordinates: &'a [f64],
@@ -505,12 +507,12 @@ pub trait UserLengths: Send {
     /// Sets the length of each point; on entry the square root of the element's area in the (r, z) plane.
     ///
     /// # Errors
-    /// Any reason; the run halts.
+    /// Any failure; the run halts.
     fn lengths(&mut self, call: &LengthCall<'_>, lengths: &mut [f64]) -> Result<(), LoadFailure>;
 }
 
-/// A routine with one state for all its callers, as one VDLOAD serves a whole ABAQUS job. A run locks its routines from its
-/// beginning to its end; another run of the same routines waits.
+/// A user subroutine with one state for all callers, as one VDLOAD serves a whole ABAQUS job. A run locks its
+/// subroutines for its whole duration; another run of the same subroutines waits.
 pub struct SharedRoutine<T: ?Sized>(Arc<Mutex<T>>);
 
 impl<T: ?Sized> Clone for SharedRoutine<T> {
@@ -520,63 +522,63 @@ impl<T: ?Sized> Clone for SharedRoutine<T> {
 }
 
 impl<T: ?Sized> SharedRoutine<T> {
-    /// Locks the routine, also one that panicked in an earlier run.
+    /// Locks the subroutine, even if it panicked in an earlier run.
     pub fn lock(&self) -> MutexGuard<'_, T> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// A routine of the user's files that cannot be called.
+/// A subroutine of the user's files that cannot be called.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct UncallableRoutine {
-    /// Its name.
+    /// Name of the subroutine.
     pub routine: String,
-    /// Code of the finding (`U…`).
+    /// Diagnostic code (`U…`).
     pub code: String,
-    /// Why.
+    /// Reason.
     pub message: String,
 }
 
-/// Declares the routines of a job: field, trait, name in ABAQUS and the method that adds one.
+/// Declares the user subroutines of a job: field, trait, name in ABAQUS, and method that adds one.
 macro_rules! routines {
     ($($(#[$doc:meta])* $field:ident: $routine:ident, $name:literal, $with:ident;)*) => {
-        /// Names of the routines that can be called.
+        /// Names of the supported user subroutines.
         pub const ROUTINES: &[&str] = &[$($name),*];
 
-        /// The routines of a job; each at most once, as in ABAQUS.
+        /// The user subroutines of a job; each at most once, as in ABAQUS.
         #[derive(Clone, Default)]
         #[non_exhaustive]
         pub struct Routines {
             $($(#[$doc])* pub $field: Option<SharedRoutine<dyn $routine>>,)*
-            /// Material laws of Rust programs, by the name of their material in upper case.
+            /// Material laws in Rust, by the upper-case name of their material.
             pub laws: Vec<(String, Arc<dyn MaterialLaw>)>,
-            /// Routines of the user's files that cannot be called as they are.
+            /// Subroutines of the user's files that cannot be called.
             pub uncallable: Vec<UncallableRoutine>,
-            /// Routines of ABAQUS in these files that nothing here calls.
+            /// ABAQUS subroutines in these files that Revolve does not support.
             pub unsupported: Vec<&'static str>,
-            /// What compiled routines keep to themselves.
+            /// Variables of compiled subroutines.
             pub(crate) memory: Option<Arc<dyn PersistentMemory>>,
         }
 
-        /// The routines of a job while a run holds them; fields as in [`Routines`].
+        /// The user subroutines of a job, locked by a run; fields as in [`Routines`].
         #[allow(missing_docs)]
         pub struct Locked<'a> {
             $(pub $field: Option<MutexGuard<'a, dyn $routine + 'static>>,)*
         }
 
         impl Routines {
-            /// Holds all of them for a run.
+            /// Locks all subroutines for a run.
             pub fn lock(&self) -> Locked<'_> {
                 Locked { $($field: self.$field.as_ref().map(SharedRoutine::lock),)* }
             }
 
-            /// Names of those that there are.
+            /// Returns the names of the defined subroutines.
             pub fn names(&self) -> Vec<&'static str> {
                 [$(self.$field.is_some().then_some($name)),*].into_iter().flatten().collect()
             }
 
             $(
-                /// With a routine of this kind in place of another.
+                /// Adds a subroutine of this kind, or replaces it.
                 #[must_use]
                 pub fn $with(mut self, routine: impl $routine + 'static) -> Self {
                     self.$field = Some(SharedRoutine(Arc::new(Mutex::new(routine))));
@@ -588,7 +590,7 @@ macro_rules! routines {
 }
 
 routines! {
-    /// `PNU` and its kin (VDLOAD).
+    /// `PNU`, `P1NU` to `P4NU`, `BRNU`, `BZNU` (VDLOAD).
     load: UserLoad, "vdload", with_load;
     /// `*AMPLITUDE, DEFINITION=USER` (VUAMP).
     amplitude: UserAmplitude, "vuamp", with_amplitude;
@@ -607,9 +609,9 @@ routines! {
 }
 
 impl Locked<'_> {
-    /// Those that elements call at their points.
-    pub fn at_points(&mut self) -> AtPoints<'_> {
-        AtPoints {
+    /// Returns the subroutines that elements call at their points.
+    pub fn at_points(&mut self) -> PointRoutines<'_> {
+        PointRoutines {
             material: self.material.as_deref_mut(),
             hardening: self.hardening.as_deref_mut(),
             fields: self.fields.as_deref_mut(),
@@ -618,9 +620,9 @@ impl Locked<'_> {
     }
 }
 
-/// The routines that elements call at their points, while a run holds them.
+/// The user subroutines that elements call at their points, locked by a run.
 #[derive(Default)]
-pub struct AtPoints<'a> {
+pub struct PointRoutines<'a> {
     /// As [`Routines::material`].
     pub material: Option<&'a mut (dyn UserMaterial + 'static)>,
     /// As [`Routines::hardening`].
@@ -631,10 +633,10 @@ pub struct AtPoints<'a> {
     pub lengths: Option<&'a mut (dyn UserLengths + 'static)>,
 }
 
-impl AtPoints<'_> {
-    /// The same with a shorter lifetime.
-    pub fn lend(&mut self) -> AtPoints<'_> {
-        AtPoints {
+impl PointRoutines<'_> {
+    /// Returns the same references with a shorter lifetime.
+    pub fn lend(&mut self) -> PointRoutines<'_> {
+        PointRoutines {
             material: self.material.as_deref_mut(),
             hardening: self.hardening.as_deref_mut(),
             fields: self.fields.as_deref_mut(),
@@ -644,17 +646,17 @@ impl AtPoints<'_> {
 }
 
 impl Routines {
-    /// No routines.
+    /// Returns an empty set of user subroutines.
     pub fn none() -> Self {
         Routines::default()
     }
 
-    /// Whether there is any.
+    /// Returns whether any subroutine is defined.
     pub fn any(&self) -> bool {
         !self.names().is_empty()
     }
 
-    /// With a material law in Rust for the `*USER MATERIAL` of this name.
+    /// Adds a material law in Rust for the `*USER MATERIAL` of this name.
     #[must_use]
     pub fn with_law(mut self, material: &str, law: impl MaterialLaw + 'static) -> Self {
         self.laws.push((material.to_uppercase(), Arc::new(law)));
@@ -666,9 +668,9 @@ impl Routines {
         self.laws.iter().find(|(name, _)| name == material).map(|(_, law)| law)
     }
 
-    /// With a load that gives the pressure at one point after the other, by the index of the point.
+    /// Adds a user load by a function that returns the pressure at one point, by its index.
     #[must_use]
     pub fn with_pressure(self, pressure: impl FnMut(&LoadPoints<'_>, usize) -> f64 + Send + 'static) -> Self {
-        self.with_load(ByPoint(pressure))
+        self.with_load(PointwiseLoad(pressure))
     }
 }

@@ -1,42 +1,41 @@
-//! Variables of routines in a checkpoint, and how a run saves and restores them.
-//! Never here: the memory of libraries (`native/memory.rs`).
+//! Variables of user subroutines in a checkpoint, and the trait by which a run saves and restores them.
 
-use crate::state::archive::{Archive, Persist, UnfitState, persist_fields};
+use crate::state::archive::{Persist, StateArchive, UnfitState, persist_fields};
 
-/// Memory of routines in a checkpoint.
+/// Variables of user subroutines in a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SavedMemory {
-    /// Changed cells, if all of them are valid in another process.
+    /// Changed memory, if its content is valid in another process.
     pub(super) memory: Option<Vec<u8>>,
     /// Descriptions of the state that is not saved.
     pub lost: Vec<String>,
 }
 
-/// Variables of routines, in this process or another.
+/// Variables of user subroutines, in this process or another.
 pub trait PersistentMemory: Send + Sync {
-    /// Notes that a run begins on this thread: files open now do not belong to the routines.
+    /// Records that a run begins on this thread: files that are already open do not belong to user subroutines.
     fn begin(&self);
-    /// Notes that the run on this thread is over, and warns of threads that still run.
+    /// Records that the run on this thread has ended, and warns about threads that still run.
     fn end(&self);
-    /// Saves the memory, on the thread that calls the routines.
-    fn keep(&self) -> SavedMemory;
-    /// Restores a saved memory; without one nothing changes.
+    /// Saves the memory, on the thread that calls the user subroutines.
+    fn save(&self) -> SavedMemory;
+    /// Restores a saved memory, if there is one.
     ///
     /// # Errors
-    /// If it is not the memory of these libraries; then nothing is written.
-    fn take_up(&self, kept: &SavedMemory) -> Result<(), UnfitState>;
+    /// If it belongs to other libraries; nothing is written then.
+    fn restore(&self, kept: &SavedMemory) -> Result<(), UnfitState>;
 }
 
 #[cfg_attr(not(compiled_routines), allow(dead_code))]
 impl SavedMemory {
-    /// No memory, with the reason.
-    pub fn nothing(why: &str) -> SavedMemory {
+    /// Returns an empty memory with the reason why nothing is saved.
+    pub fn not_saved(why: &str) -> SavedMemory {
         SavedMemory { memory: None, lost: vec![why.to_owned()] }
     }
 }
 
 impl Persist for SavedMemory {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         let SavedMemory { memory, lost } = self;
         let mut there = memory.is_some();
         persist_fields!(archive; lost, &mut there);

@@ -1,41 +1,42 @@
-//! Dimensions of output variables, by which their units are named.
-//! Never here: names of units.
+//! Physical dimensions of output variables.
 
 use super::statistic::Statistic;
-use super::{Part, Variable};
+use super::{Variable, VariableComponent};
 
-/// Powers of length, mass, time and temperature.
-pub type Powers = [i32; 4];
+/// Exponents of length, mass, time and temperature.
+pub type DimensionPowers = [i32; 4];
 
-pub(super) const NONE: Powers = [0; 4];
-pub(super) const LENGTH: Powers = [1, 0, 0, 0];
-pub(super) const AREA: Powers = [2, 0, 0, 0];
-pub(super) const VOLUME: Powers = [3, 0, 0, 0];
-pub(super) const TIME: Powers = [0, 0, 1, 0];
-pub(super) const PER_TIME: Powers = [0, 0, -1, 0];
-pub(super) const MASS: Powers = [0, 1, 0, 0];
-pub(super) const VELOCITY: Powers = [1, 0, -1, 0];
-pub(super) const ACCELERATION: Powers = [1, 0, -2, 0];
-pub(super) const FORCE: Powers = [1, 1, -2, 0];
-pub(super) const STRESS: Powers = [-1, 1, -2, 0];
-pub(super) const ENERGY: Powers = [2, 1, -2, 0];
-pub(super) const POWER: Powers = [2, 1, -3, 0];
-pub(super) const TEMPERATURE: Powers = [0, 0, 0, 1];
+pub(super) const NONE: DimensionPowers = [0; 4];
+pub(super) const LENGTH: DimensionPowers = [1, 0, 0, 0];
+pub(super) const AREA: DimensionPowers = [2, 0, 0, 0];
+pub(super) const VOLUME: DimensionPowers = [3, 0, 0, 0];
+pub(super) const TIME: DimensionPowers = [0, 0, 1, 0];
+pub(super) const PER_TIME: DimensionPowers = [0, 0, -1, 0];
+pub(super) const MASS: DimensionPowers = [0, 1, 0, 0];
+pub(super) const VELOCITY: DimensionPowers = [1, 0, -1, 0];
+pub(super) const ACCELERATION: DimensionPowers = [1, 0, -2, 0];
+pub(super) const FORCE: DimensionPowers = [1, 1, -2, 0];
+pub(super) const STRESS: DimensionPowers = [-1, 1, -2, 0];
+pub(super) const ENERGY: DimensionPowers = [2, 1, -2, 0];
+pub(super) const POWER: DimensionPowers = [2, 1, -3, 0];
+pub(super) const TEMPERATURE: DimensionPowers = [0, 0, 0, 1];
 
 impl Variable {
-    /// Its dimension, all zero of a plain number; `None` of a state variable, which only the user's routine knows.
-    pub fn dimension(self) -> Option<Powers> {
+    /// Returns the dimension, all zero for a number without unit; `None` for a state variable, whose dimension only the
+    /// user subroutine knows.
+    pub fn dimension(self) -> Option<DimensionPowers> {
         (self != Variable::State).then_some(self.row().dimension)
     }
 }
 
-/// The dimension of what a history column or a field of a frame shows, by its name: `U2@TIP`, `|V|`, `S_MISES`.
-pub fn dimension_of(name: &str) -> Option<Powers> {
+/// Returns the dimension of a history column or frame field by its name, such as `U2@TIP`, `|V|`, `S_MISES`; `None` for
+/// an unknown name.
+pub fn dimension_of(name: &str) -> Option<DimensionPowers> {
     let name = name.split('@').next().unwrap_or(name).trim_matches('|');
     let name = if name == "S_MISES" { "MISES" } else { name };
     let name = Statistic::split(name).0;
     let whole = Variable::ALL.iter().copied().find(|v| v.name() == name);
-    whole.or_else(|| Part::parse(name).map(|part| part.variable))?.dimension()
+    whole.or_else(|| VariableComponent::parse(name).map(|part| part.variable))?.dimension()
 }
 
 #[cfg(test)]

@@ -1,49 +1,50 @@
-//! The page of output variables and what `revolve explain` says of one, written from the table.
-//! Never here: anything the table does not say.
+//! Text of `docs/variables.md` and of `revolve explain` for output variables, generated from the table.
 
 use super::request::{FAMILIES, NOT_SIMULATED, UnsimulatedVariable, VariableFamily, VariableRequest};
-use super::{Place, Preselected, Variable};
+use super::{PreselectRule, Variable, VariablePlace};
 
-const HEAD: &str = "# Output variables\n\nWritten from the table of variables; do not edit by hand \
-(`REVOLVE_BLESS=1 cargo test --test deck` writes it anew). What a scene does not have is left out of its files and \
-listed as unused. Directions: 1 is r, 2 is z, 3 the hoop.\n";
+const HEAD: &str = "# Output variables\n\nGenerated from the table of variables; do not edit by hand \
+    (`REVOLVE_BLESS=1 cargo test --test deck` updates it). Variables that a model does not have are omitted from its files and \
+    listed as unused. Directions: 1 is r, 2 is z, 3 is the hoop direction.\n";
 
-const SETS: &str = "\n## Of whole sets, and of other columns\n\n`STATISTICS=` on `*NODE OUTPUT` and `*ELEMENT OUTPUT` of a history \
-gives a column `<VARIABLE>_<STATISTIC>@<SET>` in place of one for each member, such as `RF2_SUM@FOOT`, the force on a wall of nodes \
-that are held. MEAN is weighted by the volumes of elements now where a variable lives at integration points, and not weighted at \
-nodes and of whole elements. Deleted elements are left out (of all but STATUS); where none is left MIN, MAX and MEAN are not a number. \
-RF of a rigid body counts once, however many of its nodes are in the set.\n\n`*OUTPUT EXPRESSION` makes columns of others, row by row: \
-`SHORTENING = -1000*(U2@TOP - U2@FOOT)`.\n";
+const SETS: &str = "\n## Statistics of sets, and expressions\n\n`STATISTICS=` on `*NODE OUTPUT` and `*ELEMENT OUTPUT` of a history \
+    writes one column `<VARIABLE>_<STATISTIC>@<SET>` instead of one for each member. For example, `RF2_SUM@FOOT` is the total \
+    reaction force of fixed nodes.\n\n\
+    - MEAN is weighted by the current volumes of elements for variables at integration points. It is not weighted for nodes and \
+    whole elements.\n\
+    - Deleted elements are excluded, except for STATUS. If no element remains, MIN, MAX and MEAN are NaN.\n\
+    - RF of a rigid body counts once, for any number of its nodes in the set.\n\n\
+    `*OUTPUT EXPRESSION` computes a column from other columns, row by row: `SHORTENING = -1000*(U2@TOP - U2@FOOT)`.\n";
 
-/// Chapters in their order: where variables live, and how decks ask for them.
-const CHAPTERS: &[(Place, &str, &str)] = &[
-    (Place::Node, "At nodes", "`*NODE OUTPUT`: in frames on points; histories with NSET"),
+/// Chapters in their order: location of the variables, title, and how they are requested.
+const CHAPTERS: &[(VariablePlace, &str, &str)] = &[
+    (VariablePlace::Node, "At nodes", "`*NODE OUTPUT`: on points of frames; histories with NSET"),
     (
-        Place::Point,
-        "In elements, at their integration point",
-        "`*ELEMENT OUTPUT`: in frames on cells, with POSITION=NODES on points as the mean over the elements around; histories \
+        VariablePlace::Point,
+        "At the integration point of elements",
+        "`*ELEMENT OUTPUT`: on cells of frames, or with POSITION=NODES on points as the mean over the adjacent elements; histories \
          with ELSET",
     ),
-    (Place::Element, "Of whole elements", "`*ELEMENT OUTPUT`: in frames on cells; histories with ELSET"),
-    (Place::Facet, "On facets of loaded surfaces", "In every frame of a loaded surface, on cells"),
-    (Place::Section, "Of surfaces, integrated", "`*INTEGRATED OUTPUT`: histories"),
-    (Place::Pair, "Of two surfaces in contact", "`*CONTACT OUTPUT`: histories, a column for each pair"),
-    (Place::Energy, "Energies of the whole model", "`*ENERGY OUTPUT`: histories"),
-    (Place::Increment, "Of increments", "`*INCREMENTATION OUTPUT`: histories"),
+    (VariablePlace::Element, "For whole elements", "`*ELEMENT OUTPUT`: on cells of frames; histories with ELSET"),
+    (VariablePlace::Facet, "On facets of loaded surfaces", "On cells of every frame that contains a loaded surface"),
+    (VariablePlace::Section, "Integrated over surfaces", "`*INTEGRATED OUTPUT`: histories"),
+    (VariablePlace::Pair, "For contact pairs", "`*CONTACT OUTPUT`: histories, one column for each pair"),
+    (VariablePlace::Energy, "Energies of the whole model", "`*ENERGY OUTPUT`: histories"),
+    (VariablePlace::Increment, "For increments", "`*INCREMENTATION OUTPUT`: histories"),
 ];
 
-/// The text of `docs/variables.md`.
+/// Returns the text of `docs/variables.md`.
 pub fn variable_manual() -> String {
     let mut text = String::from(HEAD);
     for (place, title, about) in CHAPTERS {
         text += &format!("\n## {title}\n\n{about}.\n\n");
-        text += "| name | components | what | by default |\n|---|---|---|---|\n";
+        text += "| name | components | meaning | by default |\n|---|---|---|---|\n";
         text.extend(Variable::ALL.iter().filter(|v| v.place() == *place).map(|v| line(*v)));
     }
     text += SETS;
-    text += "\n## Names for several\n\n";
+    text += "\n## Names of several variables\n\n";
     text.extend(FAMILIES.iter().map(|f| format!("- `{}`: {} ({})\n", f.name, f.words, members(f))));
-    text += "\n## Known and not simulated\n\nA request for them is listed as unused.\n\n";
+    text += "\n## ABAQUS variables that are not simulated\n\nA request for such a variable is listed as unused.\n\n";
     text.extend(NOT_SIMULATED.iter().map(|k| format!("- `{}`: {}\n", k.name, k.words)));
     text
 }
@@ -62,18 +63,18 @@ fn components(variable: Variable) -> String {
     }
 }
 
-/// When it is shown without a request by name.
+/// Returns the condition under which the variable is written without a request by name.
 fn by_default(variable: Variable) -> &'static str {
     match (variable.place(), variable.row().preselected, variable.row().deforming) {
-        (Place::Energy, Preselected::Deleting, _) => "where there is *EROSION",
-        (Place::Facet, ..) | (Place::Energy, _, false) | (_, Preselected::Always, _) => "yes",
-        (_, Preselected::Springing, _) => "where contact has penalty springs",
-        (Place::Energy, _, true) | (_, Preselected::Deforming, _) => "where something deforms",
-        (_, Preselected::Deleting, _) => "where elements can be deleted",
-        (_, Preselected::Never, _) => "",
-        (_, Preselected::Meeting, _) => "where surfaces meet",
-        (_, Preselected::Oblique, _) => "histories of oblique bodies",
-        (_, Preselected::Conducting, _) => "preselected where temperatures are solved for",
+        (VariablePlace::Energy, PreselectRule::ElementDeletion, _) => "with *EROSION",
+        (VariablePlace::Facet, ..) | (VariablePlace::Energy, _, false) | (_, PreselectRule::Always, _) => "yes",
+        (_, PreselectRule::PenaltyContact, _) => "with penalty contact",
+        (VariablePlace::Energy, _, true) | (_, PreselectRule::Deformable, _) => "with deformable bodies",
+        (_, PreselectRule::ElementDeletion, _) => "if elements can be deleted",
+        (_, PreselectRule::Never, _) => "",
+        (_, PreselectRule::SurfaceContact, _) => "with contact",
+        (_, PreselectRule::SixDofBody, _) => "histories of bodies with six degrees of freedom",
+        (_, PreselectRule::HeatConduction, _) => "preselected if temperatures are solved for",
     }
 }
 
@@ -81,21 +82,21 @@ fn members(family: &VariableFamily) -> String {
     family.members.iter().map(|v| v.name()).collect::<Vec<_>>().join(", ")
 }
 
-/// Names of all output variables.
+/// Returns the names of all output variables.
 pub fn variable_names() -> impl Iterator<Item = &'static str> {
     Variable::ALL.iter().map(|variable| variable.name())
 }
 
-/// What is said of a variable, in any case; `None` where there is none of that name.
+/// Returns the description of a variable (case-insensitive); `None` if there is no such name.
 pub fn explain_variable(word: &str) -> Option<String> {
     match VariableRequest::parse(&word.trim().to_ascii_uppercase())? {
         VariableRequest::Whole(variable) => Some(explain(variable, variable.name())),
         VariableRequest::One(part) => Some(explain(part.variable, &part.label())),
         VariableRequest::VariableFamily(family) => {
-            Some(format!("{}: {}.\nStands for {}.\n", family.name, family.words, members(family)))
+            Some(format!("{}: {}.\nName of several variables: {}.\n", family.name, family.words, members(family)))
         }
         VariableRequest::NotSimulated(UnsimulatedVariable { name, words, .. }) => Some(format!(
-            "{name}: {words}.\nAn output variable of ABAQUS that is not simulated: a request is left unused.\n"
+            "{name}: {words}.\nAn output variable of ABAQUS that is not simulated: a request is listed as unused.\n"
         )),
         VariableRequest::Preselect | VariableRequest::All => None,
     }

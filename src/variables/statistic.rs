@@ -1,21 +1,20 @@
-//! What a history shows of a whole set in place of a column for each member.
-//! Never here: sets, values of members.
+//! Statistics over a set, which a history can contain instead of one column for each member.
 
-/// One number of many.
+/// Statistic of a list of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Statistic {
     /// The smallest.
     Min,
     /// The largest.
     Max,
-    /// The mean: of what lives at integration points weighted by the volumes of the elements now, of all else not weighted.
+    /// The mean, weighted by the current volumes of elements for variables at integration points, else not weighted.
     Mean,
     /// The sum.
     Sum,
 }
 
 impl Statistic {
-    /// All of them, in the order of columns.
+    /// All statistics, in the order of columns.
     pub const ALL: [Statistic; 4] = [Statistic::Min, Statistic::Max, Statistic::Mean, Statistic::Sum];
 
     /// Its name.
@@ -28,18 +27,18 @@ impl Statistic {
         }
     }
 
-    /// The one of that name, in any case.
+    /// Returns the statistic with this name (case-insensitive).
     pub fn parse(word: &str) -> Option<Statistic> {
         Statistic::ALL.into_iter().find(|statistic| word.eq_ignore_ascii_case(statistic.name()))
     }
 
-    /// The name of a variable without that of a statistic behind it, and the statistic: `PEEQ_MAX` is `PEEQ` and `MAX`.
+    /// Splits a label into the name of the variable and the statistic at its end: `PEEQ_MAX` into `PEEQ` and `MAX`.
     pub fn split(label: &str) -> (&str, Option<Statistic>) {
         let parts = label.rsplit_once('_').and_then(|(stem, name)| Some((stem, Statistic::parse(name)?)));
         parts.map_or((label, None), |(stem, statistic)| (stem, Some(statistic)))
     }
 
-    /// What values with weights come to; not a number of none, of which the sum is 0.
+    /// Returns the statistic of values with weights. Without values it is NaN; the sum is 0.
     pub fn of(self, values: impl Iterator<Item = (f64, f64)>) -> f64 {
         match self {
             Statistic::Min => values.map(|(value, _)| value).fold(f64::NAN, f64::min),
@@ -59,7 +58,7 @@ mod tests {
     use super::Statistic;
 
     #[test]
-    fn of_some_values_and_of_none() {
+    fn statistics_match_hand_calculation() {
         let values = || [(3.0, 1.0), (-1.0, 2.0), (4.0, 1.0)].into_iter();
         assert_eq!(Statistic::ALL.map(|s| s.of(values())), [-1.0, 4.0, 1.25, 6.0]);
         let none = Statistic::ALL.map(|s| s.of([].into_iter()));
@@ -67,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn names_behind_variables() {
+    fn labels_split_into_variable_and_statistic() {
         assert_eq!(Statistic::split("S11_MAX"), ("S11", Some(Statistic::Max)));
         assert_eq!(Statistic::split("S11_SNEG_MIN"), ("S11_SNEG", Some(Statistic::Min)));
         assert_eq!(Statistic::split("S11_SNEG"), ("S11_SNEG", None));

@@ -3,15 +3,15 @@
 
 use std::time::Instant as Stopwatch;
 
-use revolve::internals::constants::{Constants, HourglassControl};
+use revolve::internals::constants::{ElementConstants, HourglassControl};
 use revolve::internals::corner_forces::CornerForces;
-use revolve::internals::group::{ElementGroup, Pass, Quads};
+use revolve::internals::group::{ElementGroup, ElementPass, QuadGroup};
 use revolve::internals::lanes::LANES;
 use revolve::internals::nodes::Node;
-use revolve::internals::volumetric::Linear;
+use revolve::internals::volumetric::ConstantBulkModulus;
 use revolve::internals::von_mises::VonMises;
 use revolve::solve::Instant;
-use revolve::user::{AtPoints, Routines};
+use revolve::user::{PointRoutines, Routines};
 
 use crate::common;
 use crate::common::routines::Bare;
@@ -21,15 +21,15 @@ use crate::common::solid::{grid, material};
 fn pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut CornerForces, best: &mut f64) {
     let begin = Stopwatch::now();
     for _ in 0..4 {
-        group.update(Pass {
+        group.update(ElementPass {
             nodes,
             dt: 1e-9,
             before: Default::default(),
             now: &Instant::default(),
             threads: false,
-            user: AtPoints::default(),
+            user: PointRoutines::default(),
             corners: corners.slots(0..group.len().div_ceil(LANES)),
-            lacking: None,
+            dilation_correction: None,
         });
     }
     *best = best.min(begin.elapsed().as_secs_f64() * 1e9 / (4 * group.len()) as f64);
@@ -52,13 +52,13 @@ pub fn run() {
     let nodes = &nodes[..];
     let elements: Vec<[u32; 4]> = (0..n * n).flat_map(|e| elastic.elements.groups[0].cells(e)).collect();
     let (bulk, shear) = (200e3 / 1.2, 200e3 / 2.6);
-    let constants = Constants {
+    let constants = ElementConstants {
         bulk,
         shear,
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: [0.06, 1.2],
     };
-    let mut bare = Quads::new(VonMises::new(Bare, Linear), constants, 7.85e-9, &elements, nodes);
+    let mut bare = QuadGroup::new(VonMises::new(Bare, ConstantBulkModulus), constants, 7.85e-9, &elements, nodes);
     let mut corners = CornerForces::new(elements.len().div_ceil(LANES), false);
     let [mut deck, mut without, mut with] = [f64::INFINITY; 3];
     for _ in 0..150 {

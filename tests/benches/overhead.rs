@@ -5,7 +5,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use revolve::deck;
-use revolve::job::{self, Overrides};
+use revolve::job::{self, ParameterOverrides};
 use revolve::study::quantity::Quantity;
 use revolve::study::runner::StudyRunner;
 use revolve::study::{record, refinement, settings};
@@ -15,7 +15,7 @@ const DECK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/input/ogive.inp");
 
 /// Seconds of a study over seconds of its runs.
 fn study() -> f64 {
-    let source = |overrides: &Overrides| deck::read(DECK.as_ref(), overrides);
+    let source = |overrides: &ParameterOverrides| deck::read(DECK.as_ref(), overrides);
     let measure = Quantity::parse("final(U2@REF)").expect("a quantity");
     let axes = settings::axes(&["n=20,40,80,160".to_owned()], &["n".to_owned()]).expect("levels");
     let begin = Instant::now();

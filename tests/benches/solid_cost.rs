@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use revolve::deck;
-use revolve::job::{self, Instructions, Prepared};
+use revolve::job::{self, Instructions, PreparedJob};
 use revolve::model::Precision;
 use revolve::user::Routines;
 
@@ -28,7 +28,7 @@ pub const SETS: [(&str, Instructions); 2] = [("AVX2", Instructions::Avx2), ("AVX
 /// A bar that is run twice, the second time for longer: what runs take at their start and end, and while memory is touched for
 /// the first time, cancels.
 pub struct Pair {
-    runs: [Prepared; 2],
+    runs: [PreparedJob; 2],
     best: [f64; 2],
     elements: usize,
     increments: usize,
@@ -57,7 +57,7 @@ impl Pair {
 }
 
 /// The Taylor bar with so many elements along r and z and increments of a fixed length.
-fn bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -> Prepared {
+fn bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -> PreparedJob {
     let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
     let time = DT * increments as f64;
     let text = text.replace(
@@ -74,7 +74,7 @@ fn bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -> Prepare
 }
 
 /// Seconds in the time loop on so many threads, and the energy of the motion.
-fn timed(prepared: &Prepared, threads: usize) -> (f64, f64) {
+fn timed(prepared: &PreparedJob, threads: usize) -> (f64, f64) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     let (outcome, _) = pool.install(|| job::run_in_memory(prepared));
     assert_eq!(outcome.halt, None);

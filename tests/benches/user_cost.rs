@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use revolve::job;
-use revolve::output::Job;
+use revolve::output::JobFiles;
 use revolve::user::Routines;
 use revolve::user::compile::{Compiled, compile};
 
@@ -19,7 +19,7 @@ const INCREMENTS: u32 = 200_000;
 fn whole_job(deck: &str, settings: &[(&str, &str)], routines: &Routines) -> f64 {
     let folder = tempfile::tempdir().expect("a folder");
     let prepared = job::prepare(&common::project(deck), &common::pairs(settings), routines);
-    let job = Job { folder: folder.path().to_path_buf(), name: "job".into() };
+    let job = JobFiles { folder: folder.path().to_path_buf(), name: "job".into() };
     let summary = job::run_to_files(&prepared, &job, &mut |_| {}).expect("files");
     assert!(!summary.rests.is_empty(), "{deck}");
     summary.timing.seconds * 1e3

@@ -1,7 +1,7 @@
 //! Decks of several bodies that meet, and what they answer.
 
-use revolve::job::Prepared;
-use revolve::output::Frame;
+use revolve::job::PreparedJob;
+use revolve::output::OutputFrame;
 use revolve::plan::State;
 use revolve::solve::{self, Outcome};
 use revolve::user::Routines;
@@ -41,7 +41,7 @@ pub fn elastic(name: &str, [modulus, ratio, density]: [f64; 3], more: &str) -> S
 
 /// A run and where it began.
 pub struct Ran {
-    pub prepared: Prepared,
+    pub prepared: PreparedJob,
     pub outcome: Outcome,
     pub memory: Memory,
     pub state: State,
@@ -78,7 +78,7 @@ impl Ran {
     }
 
     /// Axial momentum of an instance in a frame that shows V.
-    pub fn momentum_of(&self, nodes: &[[usize; 2]], frame: &Frame) -> f64 {
+    pub fn momentum_of(&self, nodes: &[[usize; 2]], frame: &OutputFrame) -> f64 {
         let velocity = point_field(frame, "V");
         nodes.iter().map(|&[node, place]| self.state.dofs.nodes.mass[place] * velocity[2 * node + 1]).sum()
     }
@@ -90,18 +90,18 @@ impl Ran {
     }
 
     /// The frame at the end.
-    pub fn end(&self) -> &Frame {
+    pub fn end(&self) -> &OutputFrame {
         self.memory.frames.last().expect("a frame")
     }
 }
 
 /// A field of nodes.
-pub fn point_field<'a>(frame: &'a Frame, name: &str) -> &'a [f64] {
+pub fn point_field<'a>(frame: &'a OutputFrame, name: &str) -> &'a [f64] {
     &frame.point_fields.iter().find(|f| f.name == name).expect("a field").values
 }
 
 /// A field of elements.
-pub fn cell_field<'a>(frame: &'a Frame, name: &str) -> &'a [f64] {
+pub fn cell_field<'a>(frame: &'a OutputFrame, name: &str) -> &'a [f64] {
     &frame.cell_fields.iter().find(|f| f.name == name).expect("a field").values
 }
 

@@ -1,16 +1,16 @@
 //! The mesh of a model as a file.
 
 use revolve::model::Model;
-use revolve::output::{Field, Frame};
+use revolve::output::{FieldArray, OutputFrame};
 
 /// The mesh of a model with labels and sets, to be written as `.vtu`; `*MESH` reads it back to the same model. Labels of
 /// instances cannot be told apart by number, so a model with instances gets new ones.
-pub fn mesh_frame(model: &Model) -> Frame {
+pub fn mesh_frame(model: &Model) -> OutputFrame {
     let mesh = &model.mesh;
-    let mut frame = Frame {
+    let mut frame = OutputFrame {
         points: mesh.points.clone(),
         cells: mesh.elements.iter().map(|e| e.nodes.to_vec()).collect(),
-        ..Frame::default()
+        ..OutputFrame::default()
     };
     let element_names: Vec<&str> = mesh.elements.iter().map(|e| e.name.as_str()).collect();
     let node_names: Vec<&str> = mesh.node_names.iter().map(|name| name.as_str()).collect();
@@ -25,16 +25,16 @@ pub fn mesh_frame(model: &Model) -> Frame {
     frame
 }
 
-fn scalar(name: String, values: Vec<f64>) -> Field {
-    Field { name, components: 1, component_names: Vec::new(), values }
+fn scalar(name: String, values: Vec<f64>) -> FieldArray {
+    FieldArray { name, components: 1, component_names: Vec::new(), values }
 }
 
-fn label_field(name: &str, names: &[&str]) -> Option<Field> {
+fn label_field(name: &str, names: &[&str]) -> Option<FieldArray> {
     let labels: Result<Vec<f64>, _> = names.iter().map(|n| n.parse::<i64>().map(|l| l as f64)).collect();
     labels.ok().map(|values| scalar(name.into(), values))
 }
 
-fn set_field(prefix: &str, name: &str, members: &[usize], count: usize) -> Field {
+fn set_field(prefix: &str, name: &str, members: &[usize], count: usize) -> FieldArray {
     let mut values = vec![0.0; count];
     for &member in members {
         values[member] = 1.0;

@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use revolve::deck;
-use revolve::job::{self, Overrides, Prepared};
+use revolve::job::{self, ParameterOverrides, PreparedJob};
 use revolve::model::Precision;
-use revolve::output::{Frame, Job};
+use revolve::output::{JobFiles, OutputFrame};
 use revolve::solve::{self, Instant, Outcome, Sink, SinkError};
 use revolve::user::Routines;
 
@@ -44,7 +44,7 @@ pub fn fortran(what: &str) -> bool {
 }
 
 /// The first two components of a field over points, by the solver's nodes: points stand in the order of the mesh.
-pub fn at_nodes(prepared: &Prepared, values: &[f64]) -> Vec<[f64; 2]> {
+pub fn at_nodes(prepared: &PreparedJob, values: &[f64]) -> Vec<[f64; 2]> {
     let places = &prepared.plan.places.nodes;
     let components = values.len() / places.len();
     let mut list = vec![[f64::NAN; 2]; places.len()];
@@ -63,14 +63,14 @@ pub fn pairs(settings: &[(&str, &str)]) -> Vec<(String, String)> {
 #[derive(Default)]
 pub struct Memory {
     pub rows: Vec<(f64, Vec<f64>)>,
-    pub frames: Vec<Frame>,
+    pub frames: Vec<OutputFrame>,
 }
 
 impl Sink for Memory {
     fn wants_frames(&self) -> bool {
         true
     }
-    fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
+    fn frame(&mut self, frame: &OutputFrame) -> Result<(), SinkError> {
         self.frames.push(frame.clone());
         Ok(())
     }
@@ -81,15 +81,15 @@ impl Sink for Memory {
 }
 
 /// A deck that must be without errors.
-pub fn prepared(text: &str, settings: &[(&str, &str)], routines: &Routines) -> Prepared {
-    let overrides: &Overrides = &pairs(settings);
+pub fn prepared(text: &str, settings: &[(&str, &str)], routines: &Routines) -> PreparedJob {
+    let overrides: &ParameterOverrides = &pairs(settings);
     let prepared = job::prepare_text("test.inp", text, overrides, routines);
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
     prepared
 }
 
 /// The same with elements in single precision.
-pub fn prepared_in_single(text: &str, settings: &[(&str, &str)], routines: &Routines) -> Prepared {
+pub fn prepared_in_single(text: &str, settings: &[(&str, &str)], routines: &Routines) -> PreparedJob {
     let read = deck::read_text("test.inp", text, &pairs(settings));
     let prepared = job::prepare_edited(read, &mut |model| model.settings.precision = Precision::Single, routines);
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
@@ -122,7 +122,7 @@ pub fn ogive() -> String {
 pub fn run_ogive(folder: &Path, settings: &[(&str, &str)]) {
     let prepared = job::prepare(&project("input/ogive.inp"), &pairs(settings), &Routines::none());
     assert!(!prepared.diagnostics.has_errors());
-    let job = Job { folder: folder.to_path_buf(), name: "ogive".into() };
+    let job = JobFiles { folder: folder.to_path_buf(), name: "ogive".into() };
     let summary = job::run_to_files(&prepared, &job, &mut |_| {}).expect("files");
     assert_eq!(summary.status, "completed");
 }

@@ -1,18 +1,18 @@
 //! A law and a load that several tests run.
 
-use revolve::internals::plasticity::{Flow, Hardening};
+use revolve::internals::plasticity::{FlowUpdate, HardeningLaw};
 use revolve::user::{LoadFailure, LoadPoints, UserLoad};
 
 /// A law without anything: what is called here would be noticed.
 pub struct Bare;
 
-impl Hardening for Bare {
+impl HardeningLaw for Bare {
     type State = ();
     const PLASTIC: bool = false;
 
     fn fresh(&self) {}
 
-    fn flow(&self, (): &mut (), _flow: &mut Flow<'_>) {
+    fn flow(&self, (): &mut (), _flow: &mut FlowUpdate<'_>) {
         unreachable!("nothing flows");
     }
 

@@ -176,7 +176,7 @@ fn a_deck_of_abaqus_cae_is_understood_whole() {
     assert_eq!(steel.density, Some(7.83e-9));
     assert_eq!(steel.elastic, Some([206_000.0, 0.3]));
     assert!(
-        matches!(steel.plastic, Some(model::Plastic::JohnsonCook(p)) if p == [806.0, 614.0, 0.168, 1.1, 1540.0, 20.0])
+        matches!(steel.plastic, Some(model::PlasticityModel::JohnsonCook(p)) if p == [806.0, 614.0, 0.168, 1.1, 1540.0, 20.0])
     );
     assert!(matches!(steel.rate, Some(model::RateDependence::JohnsonCook([0.0089, 1.0]))));
     assert_eq!(model.steps[0].duration, 8e-5);

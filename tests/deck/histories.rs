@@ -6,7 +6,7 @@
 use crate::common::solid::{grid, material};
 use crate::common::{Memory, prepared};
 use revolve::job;
-use revolve::model::{NodeSetId, OutputExpression, OutputRequest, Region};
+use revolve::model::{NodeSetId, OutputExpression, OutputRegion, OutputRequest};
 use revolve::solve;
 use revolve::study::quantity::{FinishedRun, Quantity};
 use revolve::user::Routines;
@@ -195,7 +195,7 @@ fn what_is_wrong_is_told_with_its_place() {
         ("S = sqroot(U2@TIP)", &["P075", "did you mean `sqrt`"]),
         ("S = ", &["P075", "the expression ends"]),
         ("2*U2@TIP", &["M171", "no equals sign"]),
-        ("U2@X = U2@TIP", &["M171", "its name"]),
+        ("U2@X = U2@TIP", &["M171", "a name consists"]),
         ("ALLKE = U2@TIP", &["P076", "there is one of that name"]),
         ("time = U2@TIP", &["P076", "has a meaning"]),
         ("A = B\n B = ALLKE", &["P075", "no history column `B`"]),
@@ -206,10 +206,10 @@ fn what_is_wrong_is_told_with_its_place() {
     }
     let asked = "error[M103]";
     for (requests, told) in [
-        ("*Output, history\n*Node Output, nset=J1, statistics=MEDIAN\n U2\n", "MIN, MAX, MEAN and SUM"),
-        ("*Output, history\n*Node Output, nset=J1, statistics=\"MIN, MEDIAN\"\n U2\n", "MIN, MAX, MEAN and SUM"),
-        ("*Output, field\n*Node Output, nset=J1, statistics=MIN\n U\n", "of histories over a set"),
-        ("*Output, history\n*Element Output, statistics=MIN\n S\n", "of histories over a set"),
+        ("*Output, history\n*Node Output, nset=J1, statistics=MEDIAN\n U2\n", "MIN, MAX, MEAN or SUM"),
+        ("*Output, history\n*Node Output, nset=J1, statistics=\"MIN, MEDIAN\"\n U2\n", "MIN, MAX, MEAN or SUM"),
+        ("*Output, field\n*Node Output, nset=J1, statistics=MIN\n U\n", "requires *OUTPUT, HISTORY and a set"),
+        ("*Output, history\n*Element Output, statistics=MIN\n S\n", "requires *OUTPUT, HISTORY and a set"),
     ] {
         let found = findings(requests);
         assert!(found.contains(asked) && found.contains(told), "{requests}: {found}");
@@ -224,7 +224,7 @@ fn scenes_in_rust_have_them() {
     let (mut model, _) = revolve::model::build(&deck);
     let joint = NodeSetId::new(model.node_sets.get_index_of("J1").expect("the set"));
     let statistics =
-        OutputRequest::history(Region::Nodes(joint), [Variable::Displacement]).with_statistics(&[Statistic::Max]);
+        OutputRequest::history(OutputRegion::Nodes(joint), [Variable::Displacement]).with_statistics(&[Statistic::Max]);
     model.steps[0].outputs.push(statistics);
     model.output.expressions.push(OutputExpression::new("twice", "2*U2_MAX@J1"));
     let prepared = job::prepare_model(&model, &Routines::none());

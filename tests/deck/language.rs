@@ -217,7 +217,7 @@ fn the_page_of_abaqus_is_the_table() {
         fs::write(path, &page).expect("write the page");
     }
     assert!(fs::read_to_string(path).unwrap_or_default() == page, "docs/abaqus.md is stale: REVOLVE_BLESS=1");
-    for name in ["`*CONTACT PAIR` | partly", "`*STATIC` | not", "`*PREPRINT` | inert", "`*DENSITY` | "] {
+    for name in ["`*CONTACT PAIR` | partial", "`*STATIC` | unsupported", "`*PREPRINT` | ignored", "`*DENSITY` | "] {
         assert!(page.contains(name), "{name}");
     }
 }

@@ -97,7 +97,7 @@ fn files_beyond_the_limits_of_tags_and_blocks_are_refused() {
         .replace("header_type=\"UInt64\"", array)
         .replace("format=\"ascii\">1 0<", "format=\"binary\">AAAAAAABAAAAAAAAAAAAAAAAAAAAAAAA<");
     let told = message(&blocks);
-    assert!(told.contains("error[M150]") && told.contains("larger than the file can hold"), "{told}");
+    assert!(told.contains("error[M150]") && told.contains("more data than the file can contain"), "{told}");
 }
 
 const SMALL: &str = r#"<?xml version="1.0"?>
@@ -123,7 +123,7 @@ fn other_programs_files_are_read_or_refused_with_the_reason() {
         ("2 4 0", "2 nan 0", "half plane"),
         ("Int8\" Name=\"E", "Int9\" Name=\"E", "`Int9`"),
         ("ELSET_NOSE", "NOSE", "not read: NOSE"),
-        ("0 1 1 2", "0 1 1 7", "points that it does not have"),
+        ("0 1 1 2", "0 1 1 7", "points that do not exist"),
     ] {
         assert!(SMALL.contains(from));
         std::fs::write(&path, SMALL.replace(from, to)).expect("a file");
@@ -165,7 +165,7 @@ fn six_node_triangles_are_read_around_their_boundary() {
         let names: Vec<&str> = element.nodes.iter().map(|&n| model.mesh.node_names[n].as_str()).collect();
         assert_eq!(names, ["1", "4", "2", "5", "3", "6"]);
         let faces = &model.surfaces.faces["RIM"].faces;
-        assert_eq!(faces, &[(0, model::Side::Face(3)), (0, model::Side::Face(4))]);
+        assert_eq!(faces, &[(0, model::ElementSide::Face(3)), (0, model::ElementSide::Face(4))]);
     }
     for (nodes, what) in [("1, 3, 2, 6, 5, 4", "clockwise"), ("1, 2, 3, 6, 5, 4", "folded")] {
         let told = errors(&listed.replace("1, 2, 3, 4, 5, 6", nodes));
@@ -205,10 +205,10 @@ fn files_of_meshers_are_read() {
     };
     refused("a.msh", &GMSH2.replace("2.2 0", "2.2 1"), "binary");
     refused("b.msh", &GMSH2.replace("2.2 0", "3.0 0"), "version is 3.0");
-    refused("c.msh", &GMSH2.replace("$EndElements", ""), "no end");
+    refused("c.msh", &GMSH2.replace("$EndElements", ""), "not closed");
     refused("n.msh", "$\r\u{fffd}M\n3 1\n$End\u{fffd}M\n", "no name");
-    refused("d.msh", &GMSH2.replace("8 1 1 2 3 4", "8 1 1 2 3 9"), "refers to a node that is not there");
-    refused("e.inp", &INP.replace("CPS4", "C3D4"), "not of the r-z plane");
+    refused("d.msh", &GMSH2.replace("8 1 1 2 3 4", "8 1 1 2 3 9"), "refers to an undefined node");
+    refused("e.inp", &INP.replace("CPS4", "C3D4"), "not an element of the r-z plane");
     refused("f.inp", &INP.replace("1, 1, 4", "1, x, 4"), "not a whole number");
 }
 

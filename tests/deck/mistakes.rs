@@ -3,7 +3,7 @@
 //!
 //! Goal: one cause, one message. Source: a small deck and a list of slips; the words are in the snapshots.
 
-use revolve::job::{self, Prepared};
+use revolve::job::{self, PreparedJob};
 use revolve::user::Routines;
 
 /// A bar that flies against a wall.
@@ -54,7 +54,7 @@ length = 2.
 *End Step
 ";
 
-fn prepared(text: &str) -> Prepared {
+fn prepared(text: &str) -> PreparedJob {
     job::prepare_text("bar.inp", text, &[], &Routines::none())
 }
 
@@ -190,13 +190,13 @@ fn trifles_run() {
 /// A request that never writes, and one that writes at given times.
 #[test]
 fn outputs_come_when_they_are_asked_for() {
-    use revolve::plan::Schedule;
+    use revolve::plan::WriteSchedule;
     let never = prepared(&changed("*Output, field, number interval=2 => *Output, field, frequency=0"));
     assert!(never.diagnostics.is_empty() && never.plan.steps[0].outputs.field.is_empty());
     let points = "*Output, field, number interval=2 => *Output, field, time points=P ;; *Step, name => *Time Points, name=P\\n 0.01, 0.07\\n*Step, name";
     let points = prepared(&changed(points));
     assert!(points.diagnostics.is_empty());
-    assert_eq!(points.plan.steps[0].outputs.field, [Schedule::Points([0.01, 0.07].into())]);
+    assert_eq!(points.plan.steps[0].outputs.field, [WriteSchedule::Points([0.01, 0.07].into())]);
 }
 
 /// A path of another machine means the file of that name beside the deck.

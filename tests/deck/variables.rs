@@ -10,11 +10,11 @@ use crate::common::solid::{grid, material};
 use crate::common::{Memory, ogive, prepared};
 use revolve::explain::explain;
 use revolve::job;
-use revolve::output::{Field, Frame};
+use revolve::output::{FieldArray, OutputFrame};
 use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
 use revolve::variables::manual::variable_manual;
 use revolve::variables::request::NOT_SIMULATED;
-use revolve::variables::{Part, Place, Preselected, Variable};
+use revolve::variables::{PreselectRule, Variable, VariableComponent, VariablePlace};
 
 /// A block of 2 by 2 elements that flies against its held foot, with sets ONE (an element) and TIP (a node).
 fn block(material: &str, requests: &str) -> String {
@@ -39,7 +39,7 @@ fn steel() -> String {
 
 /// Whether a variable is there only where surfaces meet.
 fn is_of_contact(variable: Variable) -> bool {
-    variable.row().preselected == Preselected::Meeting || variable.place() == Place::Pair
+    variable.row().preselected == PreselectRule::SurfaceContact || variable.place() == VariablePlace::Pair
 }
 
 /// The block under a lid that falls on it.
@@ -54,7 +54,7 @@ fn pressed(deck: &str) -> String {
 /// What has a variable: the block, or a ring of shells that flies the same way.
 fn scene(variable: Variable, requests: &str) -> String {
     let solid = block_with(variable, requests);
-    if variable.row().preselected == Preselected::Springing {
+    if variable.row().preselected == PreselectRule::PenaltyContact {
         return pressed(&solid).replace("*Contact Pair", "*Contact Pair, mechanical constraint=PENALTY");
     }
     if is_of_contact(variable) {
@@ -101,7 +101,7 @@ fn kept() -> String {
 
 /// Whether a variable is there only where temperatures of nodes are solved for.
 fn is_of_conduction(variable: Variable) -> bool {
-    variable.row().preselected == Preselected::Conducting
+    variable.row().preselected == PreselectRule::HeatConduction
 }
 
 /// A block that has a variable.
@@ -134,7 +134,7 @@ fn material_with(variable: Variable) -> String {
     match variable {
         Variable::State => kept(),
         Variable::SpecificEnergy => gas(),
-        v if v.place() == Place::Energy && v.row().preselected == Preselected::Deleting => damaged(),
+        v if v.place() == VariablePlace::Energy && v.row().preselected == PreselectRule::ElementDeletion => damaged(),
         Variable::Degradation
         | Variable::DamageInitiation
         | Variable::DuctileInitiation
@@ -155,26 +155,26 @@ fn run(deck: &str) -> (Vec<String>, Memory) {
 /// Labels of a variable in these scenes; the user's material keeps two variables.
 fn labels(variable: Variable) -> Vec<String> {
     let numbers = if variable.row().numbered { 2 } else { variable.parts().count() };
-    (0..numbers).map(|component| Part { variable, component }.label()).collect()
+    (0..numbers).map(|component| VariableComponent { variable, component }.label()).collect()
 }
 
 /// A request for a name of a variable as a history, and what stands behind the names of its columns.
 fn history(variable: Variable, name: &str) -> (String, &'static str) {
     let (card, place) = match variable.place() {
-        Place::Node => ("*Node Output, nset=TIP", "@TIP"),
-        Place::Point | Place::Element => ("*Element Output, elset=ONE", "@ONE"),
-        Place::Energy => ("*Energy Output", ""),
-        Place::Increment => ("*Incrementation Output", ""),
-        Place::Pair => ("*Contact Output", "@J1_LID"),
-        Place::Section => ("*Integrated Output, surface=J0", "@J0"),
-        Place::Facet => unreachable!("facets have no histories"),
+        VariablePlace::Node => ("*Node Output, nset=TIP", "@TIP"),
+        VariablePlace::Point | VariablePlace::Element => ("*Element Output, elset=ONE", "@ONE"),
+        VariablePlace::Energy => ("*Energy Output", ""),
+        VariablePlace::Increment => ("*Incrementation Output", ""),
+        VariablePlace::Pair => ("*Contact Output", "@J1_LID"),
+        VariablePlace::Section => ("*Integrated Output, surface=J0", "@J0"),
+        VariablePlace::Facet => unreachable!("facets have no histories"),
     };
     (format!("*Output, history, number interval=2\n{card}\n {name}\n"), place)
 }
 
 #[test]
 fn every_variable_but_those_of_facets_is_a_history_under_its_labels() {
-    for &variable in Variable::ALL.iter().filter(|v| v.place() != Place::Facet && !is_of_oblique_bodies(**v)) {
+    for &variable in Variable::ALL.iter().filter(|v| v.place() != VariablePlace::Facet && !is_of_oblique_bodies(**v)) {
         let all = labels(variable);
         let whole = [(variable.name().to_owned(), all.clone())];
         for (name, expected) in whole.into_iter().chain(all.into_iter().map(|l| (l.clone(), vec![l]))) {
@@ -192,7 +192,7 @@ fn every_variable_but_those_of_facets_is_a_history_under_its_labels() {
 fn a_rigid_body_has_the_histories_of_a_node() {
     let plain = |v: &&Variable| {
         let others = is_of_conduction(**v) || v.is_of_shells() || is_of_contact(**v) || is_of_oblique_bodies(**v);
-        v.place() == Place::Node && !others
+        v.place() == VariablePlace::Node && !others
     };
     for &variable in Variable::ALL.iter().filter(plain) {
         let request = format!("*Output, history\n*Node Output, nset=REF\n {}\n*End Step", variable.name());
@@ -204,7 +204,7 @@ fn a_rigid_body_has_the_histories_of_a_node() {
 }
 
 fn is_of_oblique_bodies(variable: Variable) -> bool {
-    variable.row().preselected == Preselected::Oblique
+    variable.row().preselected == PreselectRule::SixDofBody
 }
 
 /// A rigid body in space has components along and about three directions, by the name of a whole and by each label.
@@ -229,7 +229,7 @@ fn an_oblique_body_has_its_histories_in_space() {
     }
 }
 
-fn field<'a>(fields: &'a [Field], name: &str) -> Option<&'a Field> {
+fn field<'a>(fields: &'a [FieldArray], name: &str) -> Option<&'a FieldArray> {
     fields.iter().find(|f| f.name == name)
 }
 
@@ -276,14 +276,14 @@ fn every_variable_of_nodes_and_elements_is_a_field_with_its_labels() {
 fn every_variable_of_facets_is_in_the_frames_of_a_loaded_surface() {
     let (_, memory) = run(&ogive());
     let names: Vec<&str> = memory.frames[0].cell_fields.iter().map(|f| f.name.as_str()).collect();
-    let facets = Variable::ALL.iter().filter(|v| v.place() == Place::Facet);
+    let facets = Variable::ALL.iter().filter(|v| v.place() == VariablePlace::Facet);
     assert_eq!(names, facets.map(|v| v.name()).collect::<Vec<_>>());
 }
 
 /// Without a request, and in what order.
 #[test]
 fn what_is_shown_by_default_is_what_the_table_says() {
-    let fields = |frame: &Frame| {
+    let fields = |frame: &OutputFrame| {
         let all = frame.point_fields.iter().chain(&frame.cell_fields);
         all.map(|f| f.name.clone()).collect::<Vec<_>>()
     };
@@ -386,12 +386,15 @@ fn messages_say_what_there_is() {
     assert!(element("S13").is_empty(), "{}", element("S13"));
     assert!(element("MISES2").contains("MISES has no components"));
     let of = |card: &str, words: &str| findings(&format!("*Output, history\n{card}\n {words}\n"));
-    assert!(of("*Node Output, nset=TIP", "QQQQQQQ").contains("there are U, V, A, RF, COORD"));
+    assert!(of("*Node Output, nset=TIP", "QQQQQQQ").contains("available variables: U, V, A, RF, COORD"));
     assert!(of("*Energy Output", "U7").contains("U has the components U1, U2"));
     assert!(findings("*Output, field, variable=SOME\n").contains("M103"));
     assert!(findings("*Output, field\n*Element Output, position=MIDDLE\n S\n").contains("M103"));
-    assert!(of("*Element Output, elset=ONE, position=NODES", "S").contains("always those of their integration points"));
-    assert!(findings("*Output, field\n*Element Output, position=NODES\n S\n").contains("mean over the elements"));
+    assert!(of("*Element Output, elset=ONE, position=NODES", "S").contains("always written at integration points"));
+    assert!(
+        findings("*Output, field\n*Element Output, position=NODES\n S\n")
+            .contains("averages over the adjacent elements")
+    );
 }
 
 #[test]

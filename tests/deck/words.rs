@@ -10,8 +10,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::common::{self, Memory};
-use revolve::deck::keywords::{Keyword, Rule, Shape, Tier, Usage, keywords};
-use revolve::deck::value::Kind;
+use revolve::deck::keywords::{DataShape, InputRule, InputUsage, Keyword, KeywordTier, keywords};
+use revolve::deck::value::ValueKind;
 use revolve::deck::{self, Card, DataLine, Deck};
 use revolve::job;
 use revolve::solve;
@@ -22,9 +22,9 @@ use revolve::user::{
 };
 
 /// Every entry of the table with its name, `KEYWORD, PARAMETER` or `KEYWORD, field`.
-fn entries() -> Vec<(String, &'static Keyword, &'static Rule)> {
+fn entries() -> Vec<(String, &'static Keyword, &'static InputRule)> {
     let mut all = Vec::new();
-    for keyword in keywords().filter(|k| k.tier == Tier::Used) {
+    for keyword in keywords().filter(|k| k.tier == KeywordTier::Used) {
         let fields = keyword.data.iter().flat_map(|d| d.shape.rules());
         for rule in keyword.parameters.iter().chain(fields) {
             all.push((format!("{}, {}", keyword.name, rule.name), keyword, rule));
@@ -247,7 +247,7 @@ fn differences(a: &Deck, b: &Deck) -> BTreeSet<String> {
                 let rule = a.shape().field(i, k, before).or(b.shape().field(i, k, before)).map_or("?", |r| r.name);
                 found.insert(format!("{}, {rule}", a.keyword.name));
             }
-            if matches!(a.shape(), Shape::Stream(_)) {
+            if matches!(a.shape(), DataShape::Stream(_)) {
                 before += count;
             }
         }
@@ -284,7 +284,7 @@ fn what_is_read_changes_something() {
         tried.insert(pair.name);
     }
     let read: BTreeSet<String> =
-        entries().into_iter().filter(|(.., rule)| rule.usage == Usage::Read).map(|(name, ..)| name).collect();
+        entries().into_iter().filter(|(.., rule)| rule.usage == InputUsage::Read).map(|(name, ..)| name).collect();
     faults.extend(read.difference(&tried).map(|name| format!("{name}: is read, and no pair shows it")));
     faults.extend(tried.difference(&read).map(|name| format!("{name}: a pair of what is not read")));
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
@@ -302,9 +302,9 @@ fn said(text: &str) -> Vec<(String, String)> {
 }
 
 /// The card with a value in a field and in no other, `None` where the rule is that of a parameter.
-fn with_field(keyword: &Keyword, rule: &Rule, value: &str) -> Option<String> {
+fn with_field(keyword: &Keyword, rule: &InputRule, value: &str) -> Option<String> {
     for data in keyword.data {
-        let Shape::Lines(lines, _) = &data.shape else { continue };
+        let DataShape::Lines(lines, _) = &data.shape else { continue };
         for (i, line) in lines.iter().enumerate() {
             let Some(k) = line.iter().position(|r| std::ptr::eq(r, rule)) else { continue };
             let when = data.when.map_or(String::new(), |(name, value)| match value {
@@ -322,8 +322,8 @@ fn with_field(keyword: &Keyword, rule: &Rule, value: &str) -> Option<String> {
 fn what_is_refused_says_why() {
     for (name, keyword, rule) in entries() {
         let (accepted, why) = match rule.usage {
-            Usage::Refused(why) => (&[][..], why),
-            Usage::Only(values, why) => (values, why),
+            InputUsage::Refused(why) => (&[][..], why),
+            InputUsage::Only(values, why) => (values, why),
             _ => continue,
         };
         let of_text = keyword.parameters.iter().any(|r| std::ptr::eq(r, rule));
@@ -340,8 +340,8 @@ fn what_is_refused_says_why() {
 }
 
 /// A number that a value may not be, if there is one.
-fn out_of_range(rule: &Rule) -> Option<f64> {
-    let checked = matches!(rule.value.kind, Kind::Number | Kind::Integer);
+fn out_of_range(rule: &InputRule) -> Option<f64> {
+    let checked = matches!(rule.value.kind, ValueKind::Number | ValueKind::Integer);
     [-1000.0, 1e6, 0.0].into_iter().find(|number| checked && !rule.value.allows(*number))
 }
 
@@ -371,7 +371,7 @@ fn values_out_of_range_are_refused_with_the_range() {
 #[test]
 fn what_is_inert_is_told() {
     for (name, keyword, rule) in entries() {
-        let Usage::Inert(note) = rule.usage else { continue };
+        let InputUsage::Inert(note) = rule.usage else { continue };
         let text = match keyword.parameters.iter().any(|r| std::ptr::eq(r, rule)) {
             true => format!("*{}, {}=1\n", keyword.name, rule.name),
             false => with_field(keyword, rule, "1").unwrap_or_else(|| format!("*{}\nwords\n", keyword.name)),
@@ -383,7 +383,7 @@ fn what_is_inert_is_told() {
         assert_eq!(told.map(|u| u.why.as_str()), Some(note), "{text}: {:?}", plan.ledger.unused);
     }
     for keyword in keywords() {
-        let Tier::Inert(why) = keyword.tier else { continue };
+        let KeywordTier::Inert(why) = keyword.tier else { continue };
         let (deck, _) = deck::read_text("card.inp", &format!("*{}\n", keyword.name), &[]);
         let (model, _) = revolve::model::build(&deck);
         assert!(model.origin.inert.iter().any(|i| i.keyword == keyword.name && i.why == why), "{}", keyword.name);

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use revolve::deck;
 use revolve::internals::quad;
-use revolve::job::{self, Prepared};
+use revolve::job::{self, PreparedJob};
 use revolve::model::Precision;
 use revolve::solve::{self, Outcome};
 use revolve::user::Routines;
@@ -12,7 +12,7 @@ use revolve::user::Routines;
 use crate::common::{self, Memory};
 
 pub struct Scene {
-    pub prepared: Prepared,
+    pub prepared: PreparedJob,
     pub outcome: Outcome,
     pub memory: Memory,
 }
@@ -46,7 +46,7 @@ pub fn text(text: &str, routines: &Routines) -> Scene {
     run(job::prepare_edited(read, &mut |model| model.settings.precision = precision(), routines))
 }
 
-fn run(prepared: Prepared) -> Scene {
+fn run(prepared: PreparedJob) -> Scene {
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
     let mut memory = Memory::default();
     let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);

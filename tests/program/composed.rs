@@ -1,13 +1,14 @@
 //! Scenes composed in Rust: they are the scenes of decks, to the bits, and what is wrong with one is refused with the code that
 //! a deck would be given.
 
-use revolve::job::{self, Prepared};
+use revolve::job::{self, PreparedJob};
 use revolve::model::{
-    Amplitude, AmplitudeDefinition, AmplitudeId, Boundary, ElementKind, Interval, Load, LoadKind, Material, MaterialId,
-    Model, NodeSetId, OutputRequest, Region, Side, Sides, Step, TargetId,
+    Amplitude, AmplitudeDefinition, AmplitudeId, BoundaryCondition, ElementKind, ElementSide, Load, LoadKind,
+    MaterialDefinition, MaterialId, Model, NodeSetId, OutputInterval, OutputRegion, OutputRequest, SideSelection, Step,
+    TargetId,
 };
 use revolve::user::Routines;
-use revolve::variables::{Part, Variable};
+use revolve::variables::{Variable, VariableComponent};
 
 use crate::common::{prepared, run};
 
@@ -49,19 +50,19 @@ fn composed() -> Model {
     let mut model = Model::default();
     let nodes = [[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]].map(|[r, z]| model.node(r, z));
     let element = model.element(ElementKind::Cax4r, &nodes);
-    let steel = model.material(Material::elastic("STEEL", 7850.0, 210e9, 0.3));
+    let steel = model.material(MaterialDefinition::elastic("STEEL", 7850.0, 210e9, 0.3));
     model.section(&[element], steel);
     let tip = model.node_set("TIP", &nodes[3..]);
-    let axial = Part { variable: Variable::Displacement, component: 1 };
+    let axial = VariableComponent { variable: Variable::Displacement, component: 1 };
     let step = Step::new("push", 1e-5)
-        .with_boundary(Boundary::held("FOOT", &nodes[..2], 2))
-        .with_load(Load::pressure(Sides::new("TOP", &[(element, Side::Face(3))]), 1e8))
-        .with_output(OutputRequest::history(Region::Nodes(tip), [axial]));
+        .with_boundary(BoundaryCondition::fixed("FOOT", &nodes[..2], 2))
+        .with_load(Load::pressure(SideSelection::new("TOP", &[(element, ElementSide::Face(3))]), 1e8))
+        .with_output(OutputRequest::history(OutputRegion::Nodes(tip), [axial]));
     model.steps.push(step);
     model
 }
 
-fn planned(model: &Model) -> Prepared {
+fn planned(model: &Model) -> PreparedJob {
     job::prepare_model(model, &Routines::none())
 }
 
@@ -73,9 +74,10 @@ fn composed_and_written_are_one_scene() {
     let (of_deck, memory) = run(DECK, &[], &Routines::none());
     assert_eq!(outcome.digest, of_deck.digest);
     assert_eq!(history.0["U2@TIP"].last, memory.rows.last().expect("a row").1[0]);
-    let rows = |p: &Prepared| p.plan.ledger.effects.iter().map(|r| (r.effect.clone(), r.count)).collect::<Vec<_>>();
+    let rows = |p: &PreparedJob| p.plan.ledger.effects.iter().map(|r| (r.effect.clone(), r.count)).collect::<Vec<_>>();
     assert_eq!(rows(&scene), rows(&prepared(DECK, &[], &Routines::none())));
-    let asked = |r: &revolve::plan::ledger::Row| r.asked_by.iter().all(|place| place.starts_with("composed in Rust"));
+    let asked =
+        |r: &revolve::plan::ledger::LedgerRow| r.asked_by.iter().all(|place| place.starts_with("composed in Rust"));
     assert!(scene.plan.ledger.effects.iter().all(asked), "{}", scene.plan.ledger.render(true));
 }
 
@@ -112,11 +114,15 @@ fn what_is_wrong_is_refused_and_never_panics() {
         ("M103", |m| m.steps[0].boundaries[0].dof = 0),
         ("M112", |m| m.steps[0].boundaries[0].amplitude = Some(AmplitudeId::new(0))),
         ("M103", |m| m.steps[0].loads[0].magnitude = f64::INFINITY),
-        ("M131", |m| m.steps[0].loads[0].kind = LoadKind::Pressure(Sides::new("TOP", &[(0, Side::Face(5))]))),
-        ("M110", |m| m.steps[0].loads[0].kind = LoadKind::Pressure(Sides::new("TOP", &[(4, Side::Face(1))]))),
-        ("P004", |m| m.steps[0].loads.push(Load::user(Sides::new("TOP", &[(0, Side::Face(3))])))),
+        ("M131", |m| {
+            m.steps[0].loads[0].kind = LoadKind::Pressure(SideSelection::new("TOP", &[(0, ElementSide::Face(5))]))
+        }),
+        ("M110", |m| {
+            m.steps[0].loads[0].kind = LoadKind::Pressure(SideSelection::new("TOP", &[(4, ElementSide::Face(1))]))
+        }),
+        ("P004", |m| m.steps[0].loads.push(Load::user(SideSelection::new("TOP", &[(0, ElementSide::Face(3))])))),
         ("M113", |m| {
-            let sides = Sides::new("TOP", &[(0, Side::Face(3))]);
+            let sides = SideSelection::new("TOP", &[(0, ElementSide::Face(3))]);
             m.steps[0].loads.push(Load::new(LoadKind::Cavity { sides, target: TargetId::new(0), friction: 0.0 }, 1.0));
         }),
         ("M103", |m| {
@@ -125,10 +131,10 @@ fn what_is_wrong_is_refused_and_never_panics() {
         }),
         ("M110", |m| drop(m.node_sets.shift_remove("TIP"))),
         ("M141", |m| {
-            let part = Part { variable: Variable::Displacement, component: 2 };
-            m.steps[0].outputs.push(OutputRequest::history(Region::Nodes(NodeSetId::new(0)), [part]));
+            let part = VariableComponent { variable: Variable::Displacement, component: 2 };
+            m.steps[0].outputs.push(OutputRequest::history(OutputRegion::Nodes(NodeSetId::new(0)), [part]));
         }),
-        ("M103", |m| m.steps[0].outputs[0].interval = Interval::Time(0.0)),
+        ("M103", |m| m.steps[0].outputs[0].interval = OutputInterval::Time(0.0)),
         ("P006", |m| m.steps.clear()),
         ("M110", |m| m.mass(17, 1.0)),
         ("P005", |m| {

@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicUsize;
 
 use revolve::job;
 use revolve::study::StudyError;
-use revolve::study::evaluate::{DeckSource, Evaluator, Samples, UserRoutines};
+use revolve::study::evaluate::{DeckSource, SampleEvaluator, SampleTable, UserRoutines};
 use revolve::study::quantity::{FinishedRun, Quantity, history};
 use revolve::user::Routines;
 
@@ -110,9 +110,9 @@ fn alone(source: &DeckSource, parameter: &str, value: f64, quantities: &[Quantit
 }
 
 /// What a table says of each sample.
-fn table(evaluator: &Evaluator, samples: &[f64], width: usize, threads: usize) -> Vec<Result<Vec<u64>, String>> {
+fn table(evaluator: &SampleEvaluator, samples: &[f64], width: usize, threads: usize) -> Vec<Result<Vec<u64>, String>> {
     let mut values = vec![0.0; samples.len() * width];
-    let asked = Samples { values: samples, count: samples.len() };
+    let asked = SampleTable { values: samples, count: samples.len() };
     let failures = evaluator.run(asked, &mut values, threads, &AtomicUsize::new(0), &mut |_| {}).expect("threads");
     let reasons: BTreeMap<usize, String> = failures.into_iter().map(|f| (f.row, f.reason.to_string())).collect();
     let row = |(i, row): (usize, &[f64])| match reasons.get(&i) {
@@ -132,8 +132,13 @@ fn agree(source: &DeckSource, texts: &[&str]) {
         let samples = [*value, 1.01 * value, 0.0, -value, 1e300, 0.7 * value, f64::NAN];
         let expected: Vec<_> = samples.iter().map(|x| alone(source, name, *x, &quantities)).collect();
         assert!(expected[0].is_ok(), "{name}: {:?}", expected[0]);
-        let evaluator =
-            Evaluator::new(source.clone(), Vec::new(), vec![name.clone()], quantities.clone(), UserRoutines::Absent);
+        let evaluator = SampleEvaluator::new(
+            source.clone(),
+            Vec::new(),
+            vec![name.clone()],
+            quantities.clone(),
+            UserRoutines::Absent,
+        );
         let evaluator = evaluator.expect("an evaluator");
         for threads in [1, 3] {
             assert_eq!(table(&evaluator, &samples, texts.len(), threads), expected, "{name}, {threads} threads");
@@ -163,13 +168,14 @@ fn what_nothing_can_come_of_is_refused_before_any_run() {
     let source = DeckSource::File(project("input/ogive.inp"));
     let make = |name: &str, quantity: &str| {
         let quantities = vec![Quantity::parse(quantity).expect("a quantity")];
-        Evaluator::new(source.clone(), Vec::new(), vec![name.into()], quantities, UserRoutines::Absent).map(|_| ())
+        SampleEvaluator::new(source.clone(), Vec::new(), vec![name.into()], quantities, UserRoutines::Absent)
+            .map(|_| ())
     };
     let told = |made: Result<(), StudyError>| made.expect_err("refused").to_string();
     assert!(told(make("v", "final(U2@REF)")).contains("did you mean V?"));
     assert!(told(make("V", "final(U2@RFE)")).contains("did you mean U2@REF?"));
     let broken = DeckSource::File(Path::new("no such deck.inp").into());
-    let made = Evaluator::new(broken, Vec::new(), Vec::new(), Vec::new(), UserRoutines::Absent).map(|_| ());
+    let made = SampleEvaluator::new(broken, Vec::new(), Vec::new(), Vec::new(), UserRoutines::Absent).map(|_| ());
     assert!(matches!(made, Err(StudyError::Refused { code: "D001", .. })), "{made:?}");
 }
 
@@ -178,12 +184,12 @@ fn an_interrupt_ends_a_table_early() {
     let quantities = vec![Quantity::parse("final(U2@REF)").expect("a quantity")];
     let source = DeckSource::File(project("input/ogive.inp"));
     let evaluator =
-        Evaluator::new(source, Vec::new(), vec!["V".into()], quantities, UserRoutines::Absent).expect("made");
+        SampleEvaluator::new(source, Vec::new(), vec!["V".into()], quantities, UserRoutines::Absent).expect("made");
     let samples = vec![500.0; 1000];
     for threads in [1, 2] {
         let mut values = vec![f64::NAN; samples.len()];
         let interrupt = AtomicUsize::new(2);
-        let asked = Samples { values: &samples, count: samples.len() };
+        let asked = SampleTable { values: &samples, count: samples.len() };
         let failures = evaluator.run(asked, &mut values, threads, &interrupt, &mut |_| {}).expect("threads");
         assert!(values.iter().all(|x| x.is_nan()), "no run comes to its end");
         assert!(failures.len() <= threads, "{} were begun", failures.len());

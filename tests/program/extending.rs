@@ -85,7 +85,8 @@ fn apply(edit: &Edit, root: &Path) {
     fs::write(path, edited).expect("an edited file");
 }
 
-fn copy_folder(from: &Path, to: &Path) {
+/// Copies a folder with all that it holds.
+pub fn copy_folder(from: &Path, to: &Path) {
     fs::create_dir_all(to).expect("a folder");
     for entry in fs::read_dir(from).expect("a folder").map(|e| e.expect("an entry")) {
         let target = to.join(entry.file_name());

@@ -6,7 +6,7 @@
 
 use std::fmt::Write as _;
 
-use revolve::job::{self, Prepared};
+use revolve::job::{self, PreparedJob};
 use revolve::user::Routines;
 
 use crate::common::solid::grid;
@@ -131,7 +131,7 @@ impl Deck {
     }
 }
 
-fn read(text: &str) -> Prepared {
+fn read(text: &str) -> PreparedJob {
     job::prepare_text("deck.inp", text, &[], &Routines::none())
 }
 

@@ -4,15 +4,15 @@
 //! Source: an allocator that counts; the size of a loop built for a law that holds no code of plasticity.
 
 use revolve::deck;
-use revolve::internals::constants::{Constants, HourglassControl};
-use revolve::internals::group::{ElementGroup, Quads};
-use revolve::internals::volumetric::Linear;
+use revolve::internals::constants::{ElementConstants, HourglassControl};
+use revolve::internals::group::{ElementGroup, QuadGroup};
+use revolve::internals::volumetric::ConstantBulkModulus;
 use revolve::internals::von_mises::VonMises;
 use revolve::job;
 use revolve::model::{self, Mesh, Model};
-use revolve::output::History;
+use revolve::output::RunHistory;
 use revolve::plan;
-use revolve::plan::ledger::{Ledger, Row};
+use revolve::plan::ledger::{Ledger, LedgerRow};
 use revolve::user::{LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Routines, UserLoad, UserMaterial};
 
 use crate::common;
@@ -199,19 +199,25 @@ fn an_elastic_deck_holds_no_byte_for_plasticity() {
     let elastic = &state.elements;
     let elements: Vec<[u32; 4]> = (0..64).flat_map(|e| elastic.groups[0].cells(e)).collect();
     let (bulk, shear) = (200e3 / 1.2, 200e3 / 2.6);
-    let constants = Constants {
+    let constants = ElementConstants {
         bulk,
         shear,
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: [0.06, 1.2],
     };
-    let bare = Quads::new(VonMises::new(Bare, Linear), constants, 7.85e-9, &elements, state.dofs.nodes.as_slice());
+    let bare = QuadGroup::new(
+        VonMises::new(Bare, ConstantBulkModulus),
+        constants,
+        7.85e-9,
+        &elements,
+        state.dofs.nodes.as_slice(),
+    );
     assert_eq!(elastic.groups[0].bytes(), bare.bytes());
 }
 
 /// Bytes of all rows, with those that are reserved.
 fn bytes_of_ledger(ledger: &Ledger) -> usize {
-    let of_row = |row: &Row| row.reserved + row.arrays.iter().map(|array| array.1).sum::<usize>();
+    let of_row = |row: &LedgerRow| row.reserved + row.arrays.iter().map(|array| array.1).sum::<usize>();
     ledger.effects.iter().map(of_row).sum()
 }
 
@@ -228,7 +234,7 @@ fn told_and_held(text: &str, routines: &Routines) -> (usize, usize) {
     let (plan, state, found) = compiled.expect("a plan");
     assert!(!found.has_errors(), "{}", found.render(&deck.sources));
     let told = bytes_of_ledger(&plan.ledger);
-    let mut memory = History::default();
+    let mut memory = RunHistory::default();
     let running = allocation_counter::measure(|| drop(revolve::solve::run(&plan, state, &mut memory)));
     let of_run = running.bytes_max;
     println!("{} bytes at the start, at most {of_run} more in the run", compiling.bytes_current);

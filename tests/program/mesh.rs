@@ -3,33 +3,33 @@
 
 use std::f64::consts::PI;
 
-use revolve::generate::{Cavity, DeckLabels, Fill, Mesh, MeshMeasure, MeshRequest, Nose};
+use revolve::generate::{CaseCavity, CavityFill, DeckLabels, MeshMeasure, MeshRequest, NoseShape, ProjectileMesh};
 use revolve::job;
 use revolve::user::Routines;
 
 use crate::common::{self, revolve};
 
-fn wanted(nose: Nose, length: f64, size: f64) -> MeshRequest {
+fn wanted(nose: NoseShape, length: f64, size: f64) -> MeshRequest {
     MeshRequest { nose, radius: 1.0, length, size, along: 1.0, across: 1.0, cavity: None }
 }
 
-fn hollow(fill: Fill, through: Option<usize>, wall: f64, base: f64) -> MeshRequest {
-    let cavity = Some(Cavity { wall, through, front: 4.0, base, fill });
-    MeshRequest { cavity, ..wanted(Nose::Ogive { crh: 3.0 }, 10.0, 0.25) }
+fn hollow(fill: CavityFill, through: Option<usize>, wall: f64, base: f64) -> MeshRequest {
+    let cavity = Some(CaseCavity { wall, through, front: 4.0, base, fill });
+    MeshRequest { cavity, ..wanted(NoseShape::Ogive { crh: 3.0 }, 10.0, 0.25) }
 }
 
 fn measure(wanted: &MeshRequest) -> MeshMeasure {
-    Mesh::new(wanted).unwrap_or_else(|e| panic!("{wanted:?}: {e:?}")).measure()
+    ProjectileMesh::new(wanted).unwrap_or_else(|e| panic!("{wanted:?}: {e:?}")).measure()
 }
 
 fn refusal(wanted: &MeshRequest) -> &'static str {
-    Mesh::new(wanted).expect_err("a refusal").code
+    ProjectileMesh::new(wanted).expect_err("a refusal").code
 }
 
 /// The deck of a mesh with all that a run needs besides, loaded on its whole outer surface.
 fn findings(wanted: &MeshRequest) -> String {
     let labels = DeckLabels { first: 1001, prefix: "P_".into(), material: "STEEL".into(), fill: "SOFT".into() };
-    let mesh = Mesh::new(wanted).expect("a mesh").deck(&labels, &["a comment".into()]);
+    let mesh = ProjectileMesh::new(wanted).expect("a mesh").deck(&labels, &["a comment".into()]);
     let text = format!(
         "{mesh}*Material, name=STEEL\n*Density\n 7800.\n*Elastic\n 2.e11, 0.3\n*Material, name=SOFT\n*Density\n 1600.\n*Elastic\n \
          1.e9, 0.3\n*Material, name=AL\n*Density\n 2700.\n*Cavity Expansion, yield=2.76e8\n 5., 1., 1.\n*Target, name=BLOCK, \
@@ -60,7 +60,7 @@ fn volumes_come_to_those_of_bodies_of_revolution_with_order_two() {
             * (centre * centre * height + 2.0 * centre * segment + arc * arc * height - height * height * height / 3.0);
         let exact = nose + PI * (length - height);
         let errors = [0.4, 0.05].map(|size| {
-            let mesh = Mesh::new(&wanted(Nose::Ogive { crh }, length, size)).expect("a mesh");
+            let mesh = ProjectileMesh::new(&wanted(NoseShape::Ogive { crh }, length, size)).expect("a mesh");
             let measure = mesh.measure();
             assert!((measure.case.exact / exact - 1.0).abs() < 1e-12, "{crh}");
             assert!((mesh.order().expect("an arc") - 2.0).abs() < 0.05, "{crh} {:?}", mesh.order());
@@ -70,12 +70,12 @@ fn volumes_come_to_those_of_bodies_of_revolution_with_order_two() {
         println!("CRH {crh}: errors {errors:?}, order {order:.2}");
         assert!((order - 2.0).abs() < 0.3, "{order}");
     }
-    let half = measure(&wanted(Nose::Sphere, 3.0, 0.1)).case;
+    let half = measure(&wanted(NoseShape::Sphere, 3.0, 0.1)).case;
     assert!((half.exact / (2.0 / 3.0 * PI + 2.0 * PI) - 1.0).abs() < 1e-12 && half.error().abs() < 2e-3, "{half:?}");
     for exact in [
-        Nose::Cone { half_angle: 20.0 },
-        Nose::Blunt,
-        Nose::Polyline(vec![[0.0, 0.0], [0.6, 1.0], [1.0, 3.0], [0.9, 5.0]]),
+        NoseShape::Cone { half_angle: 20.0 },
+        NoseShape::Blunt,
+        NoseShape::Polyline(vec![[0.0, 0.0], [0.6, 1.0], [1.0, 3.0], [0.9, 5.0]]),
     ] {
         let made = measure(&wanted(exact, 5.0, 0.2)).case;
         assert_eq!(made.error(), 0.0, "{made:?}");
@@ -87,9 +87,9 @@ fn volumes_come_to_those_of_bodies_of_revolution_with_order_two() {
 /// fiftieth of the radius keep it.
 #[test]
 fn elements_are_as_good_as_the_sharpest_corner_lets_them_be() {
-    let ogive = |crh: f64| (Nose::Ogive { crh }, ((2.0 * crh - 1.0) / (2.0 * crh)).acos().to_degrees());
-    let cone = |half_angle: f64| (Nose::Cone { half_angle }, f64::min(half_angle, 90.0 - half_angle));
-    let shapes = [ogive(1.0), ogive(3.0), ogive(6.0), cone(10.0), cone(30.0), cone(60.0), (Nose::Sphere, 90.0)];
+    let ogive = |crh: f64| (NoseShape::Ogive { crh }, ((2.0 * crh - 1.0) / (2.0 * crh)).acos().to_degrees());
+    let cone = |half_angle: f64| (NoseShape::Cone { half_angle }, f64::min(half_angle, 90.0 - half_angle));
+    let shapes = [ogive(1.0), ogive(3.0), ogive(6.0), cone(10.0), cone(30.0), cone(60.0), (NoseShape::Sphere, 90.0)];
     for (nose, sharpest) in shapes {
         for size in [0.5, 0.25, 0.11] {
             let made = measure(&wanted(nose.clone(), 8.0, size));
@@ -100,7 +100,7 @@ fn elements_are_as_good_as_the_sharpest_corner_lets_them_be() {
         }
     }
     for wall in [0.3, 0.1, 0.02] {
-        let made = measure(&hollow(Fill::None, None, wall, 0.5));
+        let made = measure(&hollow(CavityFill::None, None, wall, 0.5));
         assert!(made.jacobian.0 > 0.8 * 33.56_f64.to_radians().sin(), "{wall}: {:?}", made.jacobian);
     }
 }
@@ -108,10 +108,10 @@ fn elements_are_as_good_as_the_sharpest_corner_lets_them_be() {
 /// Case and fill have the volumes of cylinder and rest; a fill apart has nodes of its own, a bonded one has not.
 #[test]
 fn cases_and_fills_have_their_volumes_and_nodes() {
-    let whole = measure(&wanted(Nose::Ogive { crh: 3.0 }, 10.0, 0.25)).case.exact;
+    let whole = measure(&wanted(NoseShape::Ogive { crh: 3.0 }, 10.0, 0.25)).case.exact;
     let inner = PI * 0.8 * 0.8 * 5.5;
     let [none, bonded, apart] =
-        [Fill::None, Fill::Bonded, Fill::Apart].map(|fill| measure(&hollow(fill, None, 0.2, 0.5)));
+        [CavityFill::None, CavityFill::Bonded, CavityFill::Apart].map(|fill| measure(&hollow(fill, None, 0.2, 0.5)));
     for made in [&none, &bonded, &apart] {
         assert!((made.case.exact / (whole - inner) - 1.0).abs() < 1e-12 && made.case.error().abs() < 2e-3, "{made:?}");
     }
@@ -119,17 +119,17 @@ fn cases_and_fills_have_their_volumes_and_nodes() {
     assert!((bonded.fill.meshed / inner - 1.0).abs() < 1e-12 && (apart.fill.meshed / inner - 1.0).abs() < 1e-12);
     assert_eq!(bonded.counts[1], apart.counts[1]);
     assert!(none.counts[0] < bonded.counts[0] && bonded.counts[0] < apart.counts[0]);
-    let three = measure(&hollow(Fill::None, Some(3), 0.2, 0.0));
-    let five = measure(&hollow(Fill::None, Some(5), 0.2, 0.0));
+    let three = measure(&hollow(CavityFill::None, Some(3), 0.2, 0.0));
+    let five = measure(&hollow(CavityFill::None, Some(5), 0.2, 0.0));
     assert!(five.counts[1] > three.counts[1]);
 }
 
 /// Sizes grow as asked: the largest aspect ratio of a cylinder is that of its last row, and with `across` that of its surface.
 #[test]
 fn sizes_grow_along_and_across() {
-    let even = measure(&wanted(Nose::Blunt, 8.0, 0.25));
-    let along = measure(&MeshRequest { along: 4.0, ..wanted(Nose::Blunt, 8.0, 0.25) });
-    let across = measure(&MeshRequest { across: 3.0, ..wanted(Nose::Blunt, 8.0, 0.25) });
+    let even = measure(&wanted(NoseShape::Blunt, 8.0, 0.25));
+    let along = measure(&MeshRequest { along: 4.0, ..wanted(NoseShape::Blunt, 8.0, 0.25) });
+    let across = measure(&MeshRequest { across: 3.0, ..wanted(NoseShape::Blunt, 8.0, 0.25) });
     assert!((even.aspect.0 - 1.0).abs() < 1e-9, "{:?}", even.aspect);
     assert!((3.0..4.0).contains(&along.aspect.0) && along.aspect.1[1] > 7.0, "{:?}", along.aspect);
     assert!(across.aspect.0 > 1.5 && across.height.1[0] > 0.8, "{across:?}");
@@ -139,28 +139,39 @@ fn sizes_grow_along_and_across() {
 /// Every shape makes a deck without a finding but for materials that nothing is made of, and runs with its outer surface loaded.
 #[test]
 fn decks_take_every_shape() {
-    let level = Nose::Polyline(vec![[0.0, 0.0], [0.3, 0.0], [1.0, 2.0], [1.0, 5.0]]);
-    let pointed = Nose::Polyline(vec![[0.0, 1.0], [0.5, 1.6], [1.0, 3.0], [1.0, 7.0], [0.8, 9.0]]);
-    let shapes = [Nose::Ogive { crh: 3.0 }, Nose::Sphere, Nose::Cone { half_angle: 12.0 }, Nose::Blunt, level, pointed];
+    let level = NoseShape::Polyline(vec![[0.0, 0.0], [0.3, 0.0], [1.0, 2.0], [1.0, 5.0]]);
+    let pointed = NoseShape::Polyline(vec![[0.0, 1.0], [0.5, 1.6], [1.0, 3.0], [1.0, 7.0], [0.8, 9.0]]);
+    let shapes = [
+        NoseShape::Ogive { crh: 3.0 },
+        NoseShape::Sphere,
+        NoseShape::Cone { half_angle: 12.0 },
+        NoseShape::Blunt,
+        level,
+        pointed,
+    ];
     for nose in shapes {
         let told = findings(&wanted(nose.clone(), 6.0, 0.4));
         assert!(!told.contains("warning"), "{nose:?}: {told}");
     }
-    for (fill, base) in
-        [(Fill::None, 0.5), (Fill::None, 0.0), (Fill::Bonded, 0.0), (Fill::Apart, 0.5), (Fill::Apart, 0.0)]
-    {
+    for (fill, base) in [
+        (CavityFill::None, 0.5),
+        (CavityFill::None, 0.0),
+        (CavityFill::Bonded, 0.0),
+        (CavityFill::Apart, 0.5),
+        (CavityFill::Apart, 0.0),
+    ] {
         let told = findings(&hollow(fill, None, 0.2, base));
         // Two parts that do not hang together are told: that is what APART is for.
-        assert!(fill == Fill::Apart || !told.contains("warning"), "{fill:?} {base}: {told}");
+        assert!(fill == CavityFill::Apart || !told.contains("warning"), "{fill:?} {base}: {told}");
     }
 }
 
 #[test]
 fn what_cannot_be_meshed_is_refused_in_words() {
-    let ogive = wanted(Nose::Ogive { crh: 3.0 }, 10.0, 0.25);
-    let profile = |points: &[[f64; 2]]| wanted(Nose::Polyline(points.to_vec()), 1.0, 0.2);
+    let ogive = wanted(NoseShape::Ogive { crh: 3.0 }, 10.0, 0.25);
+    let profile = |points: &[[f64; 2]]| wanted(NoseShape::Polyline(points.to_vec()), 1.0, 0.2);
     let cavity = |wall: f64, front: f64, base: f64| {
-        let cavity = Some(Cavity { wall, through: None, front, base, fill: Fill::None });
+        let cavity = Some(CaseCavity { wall, through: None, front, base, fill: CavityFill::None });
         MeshRequest { cavity, ..ogive.clone() }
     };
     let cases = [
@@ -169,9 +180,9 @@ fn what_cannot_be_meshed_is_refused_in_words() {
         ("G001", MeshRequest { size: 2.0, ..ogive.clone() }),
         ("G001", MeshRequest { size: 1e-4, ..ogive.clone() }),
         ("G001", MeshRequest { along: 0.0, ..ogive.clone() }),
-        ("G002", wanted(Nose::Ogive { crh: 0.4 }, 10.0, 0.25)),
-        ("G002", wanted(Nose::Cone { half_angle: 90.0 }, 10.0, 0.25)),
-        ("G003", wanted(Nose::Ogive { crh: 3.0 }, 3.0, 0.25)),
+        ("G002", wanted(NoseShape::Ogive { crh: 0.4 }, 10.0, 0.25)),
+        ("G002", wanted(NoseShape::Cone { half_angle: 90.0 }, 10.0, 0.25)),
+        ("G003", wanted(NoseShape::Ogive { crh: 3.0 }, 3.0, 0.25)),
         ("G004", profile(&[[0.0, 0.0]])),
         ("G004", profile(&[[0.0, 0.0], [1.0, 2.0], [0.5, 1.0]])),
         ("G004", profile(&[[0.0, 0.0], [1.0, 2.0], [0.0, 3.0]])),

@@ -6,10 +6,10 @@
 use std::sync::atomic::AtomicUsize;
 
 use revolve::deck;
-use revolve::job::{self, Demand, Options, Prepared};
+use revolve::job::{self, JobOptions, PreparedJob, RestartRequirement};
 use revolve::model::Precision;
-use revolve::output::Job;
-use revolve::solve::{self, Control, Every, Instant, Sink, SinkError};
+use revolve::output::JobFiles;
+use revolve::solve::{self, CheckpointInterval, Instant, RunControl, Sink, SinkError};
 use revolve::study::settings;
 use revolve::user::Routines;
 
@@ -31,12 +31,12 @@ fn steel(cards: &str) -> String {
     material(206e3, 0.3, 7.83e-9, cards)
 }
 
-fn rows(prepared: &Prepared) -> Vec<(&str, usize, &str)> {
+fn rows(prepared: &PreparedJob) -> Vec<(&str, usize, &str)> {
     let rows = prepared.plan.ledger.effects.iter().filter(|row| row.effect.ends_with("precision"));
     rows.map(|row| (row.effect.as_str(), row.count, row.detail.as_str())).collect()
 }
 
-fn single(text: &str) -> Prepared {
+fn single(text: &str) -> PreparedJob {
     prepared_in_single(text, &[], &Routines::none())
 }
 
@@ -100,7 +100,7 @@ fn what_has_no_single_form_is_told() {
 }
 
 /// Bits of a run on so many threads.
-fn digest(prepared: &Prepared, threads: usize) -> String {
+fn digest(prepared: &PreparedJob, threads: usize) -> String {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     let (outcome, _) = pool.install(|| job::run_in_memory(prepared));
     assert!(outcome.halt.is_none() && outcome.increments > 10, "{:?}", outcome.halt);
@@ -144,20 +144,21 @@ impl Sink for Keeper {
 fn a_run_goes_on_to_the_same_bits() {
     for law in LAWS {
         let prepared = single(&bar("", &steel(law)));
-        let run = |control: Control<'_>| {
+        let run = |control: RunControl<'_>| {
             let mut keeper = Keeper::default();
             let state = prepared.state.clone();
             let (outcome, _) = solve::run_with(&prepared.plan, state, &mut keeper, control).expect("it fits");
             (outcome, keeper.0)
         };
-        let (whole, states) = run(Control { every: Some(Every::Increments(7)), ..Control::default() });
+        let (whole, states) =
+            run(RunControl { every: Some(CheckpointInterval::Increments(7)), ..RunControl::default() });
         assert!(states.len() > 1, "{law}: {}", states.len());
         for state in &states {
-            assert_eq!(run(Control { state: Some(state), ..Control::default() }).0.digest, whole.digest, "{law}");
+            assert_eq!(run(RunControl { state: Some(state), ..RunControl::default() }).0.digest, whole.digest, "{law}");
         }
         // A state in double precision does not fit.
         let double = job::prepare_text("test.inp", &bar("", &steel(law)), &[], &Routines::none());
-        let control = Control { state: Some(&states[0]), ..Control::default() };
+        let control = RunControl { state: Some(&states[0]), ..RunControl::default() };
         assert!(solve::run_with(&double.plan, double.state, &mut Keeper::default(), control).is_err(), "{law}");
     }
 }
@@ -172,15 +173,17 @@ fn a_checkpoint_has_its_precision() {
         job::prepare_edited(read, &mut |model| model.settings.precision = precision, &Routines::none())
     };
     let (single, double) = (prepare(Precision::Single), prepare(Precision::Double));
-    let job = Job { folder: folder.path().join("bar"), name: "bar".into() };
+    let job = JobFiles { folder: folder.path().join("bar"), name: "bar".into() };
     let signal = AtomicUsize::new(15);
-    let options = Options { interrupt: Some(&signal), ..Options::default() };
+    let options = JobOptions { interrupt: Some(&signal), ..JobOptions::default() };
     let summary = job::run_with(&single, &job, options, &mut |_| {}).expect("a folder");
     assert!(summary.interrupted, "{:?}", summary.reason);
-    let Err(refused) = job::find_checkpoint(&double, &job, "", Demand::Whole) else { panic!("another precision") };
+    let Err(refused) = job::find_checkpoint(&double, &job, "", RestartRequirement::Whole) else {
+        panic!("another precision")
+    };
     assert!(refused.code == "K010" && refused.message.contains("single"), "{refused:?}");
-    let (from, _) = job::find_checkpoint(&single, &job, "", Demand::Whole).expect("it fits");
-    let options = Options { from, ..Options::default() };
+    let (from, _) = job::find_checkpoint(&single, &job, "", RestartRequirement::Whole).expect("it fits");
+    let options = JobOptions { from, ..JobOptions::default() };
     let summary = job::run_with(&single, &job, options, &mut |_| {}).expect("a folder");
     assert!(summary.timing.resumed_at.is_some());
     assert_eq!(summary.digest, digest(&single, 1));

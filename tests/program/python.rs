@@ -32,7 +32,7 @@ fn python() -> Option<String> {
 }
 
 /// Python of an environment that holds the wheel, and sees what the other holds.
-fn environment() -> Option<&'static Path> {
+pub fn environment() -> Option<&'static Path> {
     static MADE: OnceLock<Option<PathBuf>> = OnceLock::new();
     MADE.get_or_init(|| python().map(|python| install(&python).unwrap_or_else(|why| panic!("{why}")))).as_deref()
 }

@@ -6,7 +6,7 @@ use std::process::Output;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use revolve::report;
-use revolve::report::data::Meridian;
+use revolve::report::data::MeridianFrames;
 use serde_json::{Value, json};
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
@@ -35,7 +35,7 @@ fn numbers(text: &str) -> Vec<u16> {
 }
 
 /// Smallest and largest z of a frame, as the page has it.
-fn extent(meridian: &Meridian, frame: usize) -> [f64; 2] {
+fn extent(meridian: &MeridianFrames, frame: usize) -> [f64; 2] {
     let [_, _, low, high] = meridian.bounds;
     let places = numbers(&meridian.places);
     let of_frame = &places[2 * frame * meridian.points..2 * (frame + 1) * meridian.points];
@@ -263,7 +263,7 @@ fn energies_out_of_bounds_are_told_in_output_summary_and_report() {
     assert!(output.status.success() && message.contains("warning: ALLAE is "), "{message}");
     let page = report::gather(folder.path()).expect("a page");
     let told = page.runs[0].summary["warnings"][0].as_str().expect("a warning").to_owned();
-    assert!(told.contains("since time") && told.contains("The mesh is folded most in element"), "{told}");
+    assert!(told.contains("since time") && told.contains("The largest hourglass distortion is in element"), "{told}");
     assert!(message.contains(&told) && report::html(&page).expect("a page").contains("ALLAE is "));
 
     let Some(mut browser) = Browser::start() else { return };

@@ -7,10 +7,10 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use revolve::job::{self, Demand, Options};
-use revolve::output::{Frame, Job};
+use revolve::job::{self, JobOptions, RestartRequirement};
+use revolve::output::{JobFiles, OutputFrame};
 use revolve::solve::Instant;
-use revolve::solve::{self, Control, Every, Outcome, Progress, Sink, SinkError};
+use revolve::solve::{self, CheckpointInterval, Outcome, Progress, RunControl, Sink, SinkError};
 use revolve::study::quantity::{FinishedRun, Quantity};
 use revolve::user::compile::compile;
 use revolve::user::{
@@ -35,7 +35,7 @@ impl Sink for Keeper {
     fn wants_frames(&self) -> bool {
         true
     }
-    fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
+    fn frame(&mut self, frame: &OutputFrame) -> Result<(), SinkError> {
         self.shown.frame(frame)
     }
     fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
@@ -56,7 +56,7 @@ fn rows(memory: &Memory, from: usize) -> Vec<Vec<u64>> {
 }
 
 fn frames(memory: &Memory, from: usize) -> Vec<(u64, Vec<u64>)> {
-    let bits = |frame: &Frame| {
+    let bits = |frame: &OutputFrame| {
         let fields = frame.point_fields.iter().chain(&frame.cell_fields).flat_map(|f| &f.values);
         let all = [frame.time].into_iter().chain(frame.points.iter().flatten().copied()).chain(fields.copied());
         (frame.increment, all.map(f64::to_bits).collect())
@@ -70,7 +70,7 @@ fn ending(outcome: &Outcome) -> String {
     format!("{halt:?} {ended_by_user} {steps:?} {energy:?} {rests:?} {increments} {digest}")
 }
 
-fn run(text: &str, routines: &Routines, control: Control<'_>) -> (Outcome, Keeper) {
+fn run(text: &str, routines: &Routines, control: RunControl<'_>) -> (Outcome, Keeper) {
     let prepared = prepared(text, &[], routines);
     let mut keeper = Keeper::default();
     let (outcome, _) = solve::run_with(&prepared.plan, prepared.state, &mut keeper, control).expect("the state fits");
@@ -79,14 +79,14 @@ fn run(text: &str, routines: &Routines, control: Control<'_>) -> (Outcome, Keepe
 
 /// Interrupts a deck at about six increments and goes on from each; other threads than before from every second.
 fn goes_on(name: &str, text: &str, routines: impl Fn() -> Routines) -> Outcome {
-    let (whole, reference) = run(text, &routines(), Control::default());
+    let (whole, reference) = run(text, &routines(), RunControl::default());
     assert!(whole.increments > 12, "{name}: {whole:?}");
-    let every = Some(Every::Increments(whole.increments / 6));
-    let (kept, keeper) = run(text, &routines(), Control { every, ..Control::default() });
+    let every = Some(CheckpointInterval::Increments(whole.increments / 6));
+    let (kept, keeper) = run(text, &routines(), RunControl { every, ..RunControl::default() });
     assert_eq!(ending(&kept), ending(&whole), "{name}: keeping states changes the run");
     assert!(keeper.states.len() >= 4, "{name}: {} states", keeper.states.len());
     for (i, (state, row, frame)) in keeper.states.iter().enumerate() {
-        let control = Control { state: Some(state), ..Control::default() };
+        let control = RunControl { state: Some(state), ..RunControl::default() };
         let (outcome, more) = run(text, &routines(), control);
         assert_eq!(ending(&outcome), ending(&whole), "{name}: state {i}");
         assert!(rows(&more.shown, 0) == rows(&reference.shown, *row), "{name}: rows behind state {i}");
@@ -328,19 +328,19 @@ fn enhanced_hourglass_control() {
 fn a_large_body_on_any_number_of_threads() {
     let steel = steel("*Plastic\n 400., 0.\n 500., 0.1\n*Shear Failure\n 0.05,\n");
     let deck = bar(40, &steel, 2e5, 1e-6, "").replace(" ALL, 2,", " J1, 2,");
-    let with = |threads: usize, control: Control<'_>| {
+    let with = |threads: usize, control: RunControl<'_>| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {
             let (outcome, keeper) = run(&deck, &Routines::none(), control);
             (ending(&outcome), keeper.states)
         })
     };
-    let every = Some(Every::Increments(15));
-    let (whole, states) = with(1, Control { every, ..Control::default() });
+    let every = Some(CheckpointInterval::Increments(15));
+    let (whole, states) = with(1, RunControl { every, ..RunControl::default() });
     assert!(states.len() > 3);
     for (i, threads) in [(0, 2), (1, 5), (3, 1)] {
         assert_eq!(
-            with(threads, Control { state: Some(&states[i].0), ..Control::default() }).0,
+            with(threads, RunControl { state: Some(&states[i].0), ..RunControl::default() }).0,
             whole,
             "{threads} threads"
         );
@@ -551,12 +551,12 @@ fn routines_of_the_user_without_memory_of_their_own() {
 fn events_tell_of_states_that_are_kept() {
     let diary = Diary::default();
     let routines = |diary: &Diary| Routines::none().with_events(diary.clone());
-    let every = Some(Every::Increments(10));
-    let (_, keeper) = run(&linked(), &routines(&diary), Control { every, ..Control::default() });
+    let every = Some(CheckpointInterval::Increments(10));
+    let (_, keeper) = run(&linked(), &routines(&diary), RunControl { every, ..RunControl::default() });
     let told = std::mem::take(&mut *diary.0.lock().expect("a diary"));
     let at = told.iter().position(|t| t == "R").expect("a state");
     assert_eq!(told[at..at + 4], ["R", "4 10", "2 10", "3 10"]);
-    run(&linked(), &routines(&diary), Control { state: Some(&keeper.states[0].0), ..Control::default() });
+    run(&linked(), &routines(&diary), RunControl { state: Some(&keeper.states[0].0), ..RunControl::default() });
     let again = std::mem::take(&mut *diary.0.lock().expect("a diary"));
     assert_eq!(again[..3], ["0 10", "2 10", "3 10"]);
     assert_eq!(again[1..], told.iter().filter(|t| *t != "R").skip(at + 1).cloned().collect::<Vec<_>>());
@@ -683,10 +683,10 @@ fn the_way_back_leads_over_what_has_slept() {
 }
 
 /// A run into files that is interrupted before its first increment.
-fn interrupted(deck: &str, folder: &Path, settings: &[(&str, &str)], user: &str) -> Job {
+fn interrupted(deck: &str, folder: &Path, settings: &[(&str, &str)], user: &str) -> JobFiles {
     let prepared = prepared(deck, settings, &Routines::none());
-    let (signal, job) = (AtomicUsize::new(15), Job { folder: folder.into(), name: "test".into() });
-    let options = Options { interrupt: Some(&signal), user: user.into(), ..Options::default() };
+    let (signal, job) = (AtomicUsize::new(15), JobFiles { folder: folder.into(), name: "test".into() });
+    let options = JobOptions { interrupt: Some(&signal), user: user.into(), ..JobOptions::default() };
     let summary = job::run_with(&prepared, &job, options, &mut |_| {}).expect("a run");
     assert!(summary.interrupted && summary.reason.is_some_and(|r| r.starts_with("R207: interrupted by SIGTERM")));
     job
@@ -697,7 +697,7 @@ fn interrupted(deck: &str, folder: &Path, settings: &[(&str, &str)], user: &str)
 fn quantities_of_a_run_that_went_on_are_those_of_the_whole() {
     let folder = tempfile::tempdir().expect("a folder");
     let prepared = prepared(&common::ogive(), &[], &Routines::none());
-    let job = |name: &str| Job { folder: folder.path().join(name), name: "test".into() };
+    let job = |name: &str| JobFiles { folder: folder.path().join(name), name: "test".into() };
     let whole = job::run_to_files(&prepared, &job("whole"), &mut |_| {}).expect("a run");
     let (signal, cut) = (AtomicUsize::new(0), job("cut"));
     let mut stop = |progress: &Progress<'_>| {
@@ -705,12 +705,12 @@ fn quantities_of_a_run_that_went_on_are_those_of_the_whole() {
             signal.store(15, Ordering::Relaxed);
         }
     };
-    let every = Some(Every::Increments(50));
-    let options = Options { interrupt: Some(&signal), every, ..Options::default() };
+    let every = Some(CheckpointInterval::Increments(50));
+    let options = JobOptions { interrupt: Some(&signal), every, ..JobOptions::default() };
     assert!(job::run_with(&prepared, &cut, options, &mut stop).expect("a run").interrupted);
-    let from = job::find_checkpoint(&prepared, &cut, "", Demand::Whole).expect("accepted").0;
+    let from = job::find_checkpoint(&prepared, &cut, "", RestartRequirement::Whole).expect("accepted").0;
     assert!(from.is_some());
-    let options = Options { from, ..Options::default() };
+    let options = JobOptions { from, ..JobOptions::default() };
     let gone_on = job::run_with(&prepared, &cut, options, &mut |_| {}).expect("a run");
     assert!(gone_on.timing.resumed_at.is_some_and(|increment| increment > 0));
     for text in ["min(V2@REF)", "time_min(V2@REF)", "at(U2@REF, 5e-5)", "mean(V2@REF, 1e-5, 9e-4)"] {
@@ -726,7 +726,8 @@ fn a_checkpoint_of_something_else_is_refused() {
     let deck = common::ogive();
     let job = interrupted(&deck, folder.path(), &[("V", "600")], "a");
     let code = |text: &str, settings: &[(&str, &str)], user: &str| {
-        let found = job::find_checkpoint(&prepared(text, settings, &Routines::none()), &job, user, Demand::Whole);
+        let found =
+            job::find_checkpoint(&prepared(text, settings, &Routines::none()), &job, user, RestartRequirement::Whole);
         found.map_or_else(|finding| finding.code, |(checkpoint, _)| if checkpoint.is_some() { "taken" } else { "none" })
     };
     assert_eq!(code(&deck, &[("V", "600")], "a"), "taken");
@@ -737,7 +738,8 @@ fn a_checkpoint_of_something_else_is_refused() {
     fs::remove_file(job.path("_0000.vtu")).expect("removed");
     let routines = Routines::none().with_load(Push);
     let (_, notes) =
-        job::find_checkpoint(&prepared(&deck, &[("V", "600")], &routines), &job, "a", Demand::Whole).expect("taken");
+        job::find_checkpoint(&prepared(&deck, &[("V", "600")], &routines), &job, "a", RestartRequirement::Whole)
+            .expect("taken");
     assert_eq!(notes.iter().map(|n| n.code).collect::<Vec<_>>(), ["K103", "K102"]);
     let path = job.path(".checkpoint");
     let bytes = fs::read(&path).expect("bytes");
@@ -750,13 +752,13 @@ fn a_checkpoint_of_something_else_is_refused() {
 /// A state of another scene is refused by its shape even where nothing else tells them apart.
 #[test]
 fn a_state_that_does_not_fit_is_refused() {
-    let every = Some(Every::Increments(20));
-    let (_, keeper) = run(&linked(), &Routines::none(), Control { every, ..Control::default() });
+    let every = Some(CheckpointInterval::Increments(20));
+    let (_, keeper) = run(&linked(), &Routines::none(), RunControl { every, ..RunControl::default() });
     for text in
         [common::ogive(), bar(4, &steel(""), 1e4, 5e-6, ""), linked().replace("*Plastic\n 0.02, 0.\n 0.2, 0.2\n", "")]
     {
         let prepared = prepared(&text, &[], &Routines::none());
-        let control = Control { state: Some(&keeper.states[0].0), ..Control::default() };
+        let control = RunControl { state: Some(&keeper.states[0].0), ..RunControl::default() };
         let refused = solve::run_with(&prepared.plan, prepared.state.clone(), &mut Keeper::default(), control);
         assert!(refused.is_err(), "{:?}", refused.map(|(o, _)| o.digest));
     }
@@ -766,7 +768,7 @@ fn a_state_that_does_not_fit_is_refused() {
 #[test]
 fn the_deck_asks_for_states() {
     let deck = |card: &str| linked().replacen("*Boundary", &format!("{card}\n*Boundary"), 1);
-    let count = |card: &str| run(&deck(card), &Routines::none(), Control::default()).1.states.len();
+    let count = |card: &str| run(&deck(card), &Routines::none(), RunControl::default()).1.states.len();
     // Of the marks the last one of the second step is the end of the run.
     assert_eq!(count("*Restart, write, number interval=4"), 7);
     assert_eq!(count("*Restart, write"), 1);

@@ -9,10 +9,10 @@ use std::sync::atomic::AtomicUsize;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore as _, SeedableRng as _};
-use revolve::study::evaluate::{DeckSource, Evaluator, Samples, UserRoutines};
-use revolve::study::identify::{self, Shots};
+use revolve::study::evaluate::{DeckSource, SampleEvaluator, SampleTable, UserRoutines};
+use revolve::study::identify::{self, ShotTable};
 use revolve::study::quantity::Quantity;
-use revolve::study::statistics::least_squares::Fit;
+use revolve::study::statistics::least_squares::ParameterFit;
 use revolve::study::statistics::{design, normal};
 use serde_json::Value;
 
@@ -35,23 +35,23 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-fn evaluator(names: &[&str]) -> Evaluator {
+fn evaluator(names: &[&str]) -> SampleEvaluator {
     let names = names.iter().map(|n| (*n).to_owned()).collect();
     let source = DeckSource::File(project("input/ogive.inp"));
     let quantity = Quantity::parse(DEPTH).expect("a quantity");
-    Evaluator::new(source, Vec::new(), names, vec![quantity], UserRoutines::Absent).expect("an evaluator")
+    SampleEvaluator::new(source, Vec::new(), names, vec![quantity], UserRoutines::Absent).expect("an evaluator")
 }
 
 /// Shots of the deck as it stands, with normal errors of 1.5 mm.
-fn shots(seed: u64) -> Shots {
+fn shots(seed: u64) -> ShotTable {
     let velocities: Vec<f64> = (0..8).map(|i| 500.0 + 80.0 * f64::from(i)).collect();
     let mut measured = vec![0.0; velocities.len()];
-    let asked = Samples { values: &velocities, count: velocities.len() };
+    let asked = SampleTable { values: &velocities, count: velocities.len() };
     let failures = evaluator(&["V"]).run(asked, &mut measured, 2, &AtomicUsize::new(0), &mut |_| {}).expect("threads");
     assert!(failures.is_empty());
     let mut draws = ChaCha8Rng::seed_from_u64(seed);
     measured.iter_mut().for_each(|depth| *depth += 1.5 * normal::quantile(design::unit(draws.next_u64())));
-    Shots {
+    ShotTable {
         names: vec!["V".into()],
         rows: velocities.into_iter().map(|v| vec![v]).collect(),
         deviations: vec![1.0; measured.len()],
@@ -59,7 +59,7 @@ fn shots(seed: u64) -> Shots {
     }
 }
 
-fn fitted(seed: u64, unknown: &[&str], start: &[f64]) -> Fit {
+fn fitted(seed: u64, unknown: &[&str], start: &[f64]) -> ParameterFit {
     let names: Vec<&str> = ["V"].iter().chain(unknown).copied().collect();
     identify::identify(&evaluator(&names), &shots(seed), start, 2).expect("a fit")
 }
@@ -70,7 +70,7 @@ fn the_resistance_that_made_a_table_is_recovered() {
     let inside = (1..=20).filter(|seed| {
         let fit = fitted(*seed, &["A"], &[4.0]);
         let found = fit.estimates()[0];
-        assert!(fit.settled && fit.freedom == 7 && found.high - found.low < 1.0, "{fit:?}");
+        assert!(fit.converged && fit.freedom == 7 && found.high - found.low < 1.0, "{fit:?}");
         found.holds(5.0394)
     });
     let inside = inside.count();

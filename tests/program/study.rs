@@ -5,16 +5,16 @@
 //! Source: the answers of `study_cases.rs`, closed forms all.
 
 use revolve::study::quantity::Quantity;
-use revolve::study::refinement::{self, Study};
-use revolve::study::richardson::Behaviour;
+use revolve::study::refinement::{self, RefinementStudy};
+use revolve::study::richardson::ConvergenceBehaviour;
 use revolve::study::runner::StudyRunner;
 use revolve::study::settings;
-use revolve::study::target::{self, Target};
+use revolve::study::target::{self, ErrorTarget};
 
 use crate::study_cases::{self as cases, Case};
 
 /// A case refined; with its exact value told, or not.
-fn study(case: &Case, told: bool) -> Study {
+fn study(case: &Case, told: bool) -> RefinementStudy {
     let measure = Quantity::parse(&case.quantity).expect("a quantity");
     let axes = settings::axes(&[case.refine.to_owned()], &["n".to_owned()]).expect("levels");
     let mut bench = StudyRunner::new(&*case.deck, &[], None, &measure, 1, &|| {});
@@ -94,8 +94,8 @@ fn a_target_is_met_and_not_overpaid() {
         let measure = Quantity::parse(&case.quantity).expect("a quantity");
         let axes = settings::axes(&[case.refine.to_owned()], &["n".to_owned()]).expect("levels");
         let mut bench = StudyRunner::new(&*case.deck, &[], None, &measure, 1, &|| {});
-        let wanted = Target { value: aim, relative: true };
-        let (reached, met) = target::reach(&mut bench, &axes, None, wanted).expect("a study");
+        let wanted = ErrorTarget { value: aim, relative: true };
+        let (reached, met) = target::refine_to_target(&mut bench, &axes, None, wanted).expect("a study");
         let named = met.run.unwrap_or_else(|| panic!("{}: {aim:e} not reached", case.name));
         let row = &reached.rows[named];
         let error = true_error(&case, row.value.expect("a value"));
@@ -121,9 +121,11 @@ fn a_target_is_met_and_not_overpaid() {
             cycles / least
         );
         assert!(error <= aim, "{}: {error:e} above {aim:e}", case.name);
-        let behaviours: Vec<Behaviour> =
+        let behaviours: Vec<ConvergenceBehaviour> =
             reached.rows.iter().flat_map(|r| &r.estimates).flatten().map(|e| e.behaviour).collect();
-        let doubtful = |b: &Behaviour| matches!(b, Behaviour::Slow | Behaviour::Oscillating | Behaviour::Fast);
+        let doubtful = |b: &ConvergenceBehaviour| {
+            matches!(b, ConvergenceBehaviour::Slow | ConvergenceBehaviour::Oscillating | ConvergenceBehaviour::Fast)
+        };
         let allowed = cycles <= 2.0 * least || behaviours.iter().any(doubtful);
         assert!(allowed, "{}: {cycles} against {least}, {behaviours:?}", case.name);
         overpaid += usize::from(cycles > 2.0 * least);

@@ -4,13 +4,13 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use revolve::deck::{self, Deck, Diagnostics};
-use revolve::job::Overrides;
+use revolve::job::ParameterOverrides;
 
 use crate::common::ogive;
 use crate::common::solid::{grid, material};
 
 /// Gives the deck for one level.
-pub type Source = Box<dyn Fn(&Overrides) -> (Deck, Diagnostics)>;
+pub type Source = Box<dyn Fn(&ParameterOverrides) -> (Deck, Diagnostics)>;
 
 /// A scene, what is refined, and the answer from outside the code.
 pub struct Case {

@@ -7,9 +7,9 @@
 use std::f64::consts::PI;
 
 use revolve::deck;
-use revolve::job::Overrides;
+use revolve::job::ParameterOverrides;
 use revolve::model;
-use revolve::study::effects::{self, Effect, Effects};
+use revolve::study::effects::{self, AblatedEffect, EffectAblation};
 use revolve::study::quantity::Quantity;
 use revolve::study::refinement;
 use revolve::study::runner::StudyRunner;
@@ -18,8 +18,8 @@ use revolve::study::settings;
 use crate::common;
 use crate::common::solid::{grid, material};
 
-fn left_out(text: &str, refine: &str, quantity: &str) -> Effects {
-    let source = |overrides: &Overrides| deck::read_text("case.inp", text, overrides);
+fn left_out(text: &str, refine: &str, quantity: &str) -> EffectAblation {
+    let source = |overrides: &ParameterOverrides| deck::read_text("case.inp", text, overrides);
     let measure = Quantity::parse(quantity).expect("a quantity");
     let (read, _) = source(&[]);
     let parameters: Vec<String> = read.parameters.iter().map(|p| p.0.clone()).collect();
@@ -28,7 +28,7 @@ fn left_out(text: &str, refine: &str, quantity: &str) -> Effects {
     effects::leave_out(&mut bench, &axes, &model::build(&read).0).expect("effects")
 }
 
-fn find<'a>(effects: &'a Effects, name: &str) -> &'a Effect {
+fn find<'a>(effects: &'a EffectAblation, name: &str) -> &'a AblatedEffect {
     let names: Vec<&str> = effects.effects.iter().map(|e| e.effect.as_str()).collect();
     effects.effects.iter().find(|e| e.effect == name).unwrap_or_else(|| panic!("no {name} among {names:?}"))
 }
@@ -237,7 +237,7 @@ fn norms_of_shells() {
                 *Shell Section, elset=SHELL, material=M\n 0.002, 5\n*Material, name=M\n*Density\n 7800.,\n*Elastic\n 2.e11, 0.3\n\
                 *Step\n*Dynamic, Explicit\n , 1.e-4\n*Boundary\n A, XSYMM\n B, ENCASTRE\n*Dload\n SHELL, P, 1.e5\n\
                 *Output, history, number interval=20\n*Node Output, nset=A\n U2\n*End Step\n";
-    let source = |overrides: &Overrides| deck::read_text("case.inp", text, overrides);
+    let source = |overrides: &ParameterOverrides| deck::read_text("case.inp", text, overrides);
     let measure = Quantity::parse("norm(U2)").expect("a quantity");
     let axes = settings::axes(&["n=8,16,32".to_owned()], &["n".to_owned(), "last".to_owned()]).expect("levels");
     let mut bench = StudyRunner::new(&source, &[], None, &measure, 1, &|| {});

@@ -1,9 +1,12 @@
-//! The tutorial as a stranger reads it: every file and every command as printed works, in the order of the page.
+//! The tutorials: every file and every command of a page works as printed, in the order of the page.
 
 use std::fs;
+use std::path::Path;
 use std::process::Command;
 
 use crate::common::project;
+use crate::extending::copy_folder;
+use crate::python::environment;
 use crate::vtk::python;
 
 /// The words of a command line as a shell takes them apart.
@@ -75,7 +78,76 @@ fn every_command_of_the_tutorial_works() {
     assert!(largest("PEEQ") > 0.5 && largest("TEMP") > 298.0 + 50.0, "{told}");
 }
 
-/// The indented block that begins with some words, as the reader copies it.
+/// Returns the files that a page gives: a line that begins with "File `NAME`" and ends with a colon, then an indented block.
+fn files(page: &str) -> Vec<(String, String)> {
+    let given = page.split("\nFile `").skip(1).map(|rest| {
+        let (name, rest) = rest.split_once('`').expect("a name");
+        let (_, text) = rest.split_once(":\n\n").expect("a file");
+        (name.to_owned(), block(text, "    "))
+    });
+    given.collect()
+}
+
+/// Returns the quantities of a text, its lines `NAME = NUMBER`.
+fn quantities(text: &str) -> Vec<(String, f64)> {
+    let lines = text.lines().filter_map(|line| line.rsplit_once(" = "));
+    lines.filter_map(|(name, number)| Some((name.to_owned(), number.parse::<f64>().ok()?))).collect()
+}
+
+/// Returns the program that a command line of a page starts; `None` for lines that are no command.
+fn program(line: &str, python: Option<&Path>) -> Option<Command> {
+    let words = words(line);
+    let mut command = match words.first()?.as_str() {
+        "revolve" => Command::new(env!("CARGO_BIN_EXE_revolve")),
+        "python" => Command::new(python?),
+        _ => return None,
+    };
+    command.args(&words[1..]);
+    Some(command)
+}
+
+/// Runs every page of `docs/tutorials` at the top of a copy of the decks; quantities in blocks marked `text` are those printed.
+#[test]
+fn tutorials_run_as_written() {
+    let fortran = Command::new("gfortran").arg("--version").output().is_ok();
+    let entries = fs::read_dir(project("docs/tutorials")).expect("tutorials").map(|e| e.expect("a page").path());
+    let mut pages: Vec<_> = entries.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
+    pages.sort();
+    assert!(pages.len() >= 9, "{pages:?}");
+    for path in pages {
+        let page = fs::read_to_string(&path).expect("a page");
+        let needs_python = page.contains("\n    python ");
+        let python = if needs_python { environment() } else { None };
+        if page.contains(" --user ") && !fortran || needs_python && python.is_none() {
+            println!("left out: {} (no gfortran, or no Python package)", path.display());
+            continue;
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["input", "docs/tutorials"] {
+            copy_folder(&project(name), &folder.path().join(name));
+        }
+        for (name, text) in files(&page) {
+            fs::write(folder.path().join(name), text).expect("a file");
+        }
+        let mut printed = String::new();
+        for line in page.lines().filter_map(|line| line.strip_prefix("    ")) {
+            let Some(mut command) = program(line, python) else { continue };
+            let output = command.current_dir(folder.path()).output().expect("the program runs");
+            let message = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{}: {line}: {message}", path.display());
+            printed += &String::from_utf8_lossy(&output.stdout);
+        }
+        let computed = quantities(&printed);
+        let quoted: String =
+            page.split("```text\n").skip(1).filter_map(|rest| Some(rest.split_once("```")?.0)).collect();
+        for (name, value) in quantities(&quoted) {
+            let agrees = |found: &(String, f64)| found.0 == name && (found.1 - value).abs() <= 1e-4 * value.abs();
+            assert!(computed.iter().any(agrees), "{}: {name} = {value}: {computed:?}", path.display());
+        }
+    }
+}
+
+/// Returns the indented block of a page that begins with some words.
 fn block(page: &str, begin: &str) -> String {
     let lines = page.lines().skip_while(|line| !line.starts_with(begin));
     let lines = lines.take_while(|line| line.starts_with("    "));

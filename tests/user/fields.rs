@@ -190,7 +190,8 @@ fn fields_that_nothing_depends_on_are_told_and_change_nothing() {
         (common::prepared(&other, &[], &Routines::none()), common::prepared(&plain, &[], &Routines::none()));
     assert!(prepared.plan.ledger.unused.iter().any(|u| u.what.contains("*FIELD")));
     assert!(prepared.plan.ledger.effects.iter().all(|e| e.effect != "predefined fields"));
-    let bytes = |p: &revolve::job::Prepared| p.plan.ledger.effects.iter().map(|e| e.arrays.clone()).collect::<Vec<_>>();
+    let bytes =
+        |p: &revolve::job::PreparedJob| p.plan.ledger.effects.iter().map(|e| e.arrays.clone()).collect::<Vec<_>>();
     assert_eq!(bytes(&prepared), bytes(&without));
     let digest = |text: &str| common::run(text, &[], &Routines::none()).0.digest;
     assert_eq!(digest(&other), digest(&plain));

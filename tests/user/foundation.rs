@@ -33,7 +33,7 @@ fn column(step: &str, more: &str, routines: &Routines) -> (Outcome, Memory) {
 }
 
 fn told(outcome: &Outcome) -> Vec<&String> {
-    outcome.warnings.iter().filter(|w| w.contains("a stiffness that elements know nothing of")).collect()
+    outcome.warnings.iter().filter(|w| w.contains("This stiffness is not part of the stable time increment")).collect()
 }
 
 /// A foundation of `ratio` times the stiffness E/h of an element below the column.

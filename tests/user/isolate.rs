@@ -64,8 +64,8 @@ fn the_bits_are_those_of_the_same_process() {
 #[test]
 fn a_routine_that_goes_leaves_the_run() {
     for (name, before, words) in [
-        ("wild", "if (calls == 9) { volatile int *p = 0; *p = 1; }", "touched memory that is not its own"),
-        ("tramples", "if (calls == 9) for (long k = 0; ; k++) value[k] = 1e30;", "touched memory"),
+        ("wild", "if (calls == 9) { volatile int *p = 0; *p = 1; }", "accessed invalid memory"),
+        ("tramples", "if (calls == 9) for (long k = 0; ; k++) value[k] = 1e30;", "accessed invalid memory"),
         ("divides", "if (calls == 9) raise(SIGFPE);", "divided an integer by zero"),
         ("aborts", "if (calls == 9) abort();", "aborted"),
         ("leaves", "if (calls == 9) _exit(0);", "left the process without a word"),

@@ -3,7 +3,7 @@
 //! Goal: such a law has what a built-in law has: its results, threads, deletion, restart, messages with a place.
 
 use revolve::job;
-use revolve::user::{LoadFailure, MaterialLaw, MaterialPoint, Moduli, Routines};
+use revolve::user::{ElasticModuli, LoadFailure, MaterialLaw, MaterialPoint, Routines};
 
 use crate::common;
 use crate::common::solid::{copper_bar, in_six_node_triangles};
@@ -17,11 +17,11 @@ struct Linear {
 }
 
 impl MaterialLaw for Linear {
-    fn moduli(&self, constants: &[f64]) -> Result<Moduli, LoadFailure> {
+    fn moduli(&self, constants: &[f64]) -> Result<ElasticModuli, LoadFailure> {
         let &[young, ratio, _, _] = constants else {
             return Err(LoadFailure::new("constants: E, nu, yield stress, slope"));
         };
-        Ok(Moduli::from_young(young, ratio))
+        Ok(ElasticModuli::from_young(young, ratio))
     }
 
     fn state_variables(&self) -> usize {
@@ -30,7 +30,7 @@ impl MaterialLaw for Linear {
 
     fn update(&self, point: &mut MaterialPoint<'_>) {
         let &[young, ratio, yields, slope] = point.constants else { unreachable!("four constants") };
-        let Moduli { bulk, shear } = Moduli::from_young(young, ratio);
+        let ElasticModuli { bulk, shear } = ElasticModuli::from_young(young, ratio);
         let third = |t: [f64; 4]| (t[0] + t[1] + t[2]) / 3.0;
         let volumetric = |i: usize, value: f64| if i < 3 { value } else { 0.0 };
         let (old, strain) = (point.stress, point.strain);

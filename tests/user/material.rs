@@ -288,7 +288,7 @@ fn faults_of_a_deck_are_refused_with_a_place() {
         prepared.diagnostics.render(&prepared.deck.sources)
     };
     let cases = [
-        ("*User Material, constants=3\n 1., 2.\n", "M103", "2 constants follow"),
+        ("*User Material, constants=3\n 1., 2.\n", "M103", "found 2 constants"),
         ("*User Material\n 1.\n", "M101", "CONSTANTS"),
         ("*User Material, constants=1, type=THERMAL\n 1.\n", "M10", "THERMAL"),
         ("*User Material, constants=1, effmod\n 1.\n", "M10", "EFFMOD"),

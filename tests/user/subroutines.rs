@@ -218,12 +218,12 @@ fn faults_in_the_run_are_located() {
         (
             "a third coordinate",
             "      do k = 1, nblock\n        value(k) = 1.d8*curCoords(k,3)\n      end do".into(),
-            &["third coordinate", "two, r and z"],
+            &["third coordinate", "two components, r and z"],
         ),
         (
             "a third coordinate in a comparison",
             format!("{FILL}      if (curCoords(1,3) .lt. 0.d0) value = 0.d0"),
-            &["third coordinate", "two, r and z"],
+            &["third coordinate", "two components, r and z"],
         ),
         (
             "a third direction",

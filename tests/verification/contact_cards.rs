@@ -144,7 +144,7 @@ fn bodies_that_go_through_each_other_are_told() {
     let warnings = told(&fast);
     println!("{warnings:?}");
     let [warning] = &warnings[..] else { panic!("{warnings:?}") };
-    assert!(warning.contains("LOWER and UPPER lie in each other") && warning.contains("*CONTACT PAIR"), "{warning}");
+    assert!(warning.contains("LOWER and UPPER overlap") && warning.contains("*CONTACT PAIR"), "{warning}");
     assert_eq!(told(&deck.replace("2, -1e-5", "2, 5e-2")), [""; 0]);
     assert_eq!(
         told(&fast.replace("*Bulk Viscosity", "*Contact\n*Contact Inclusions, all exterior\n*Bulk Viscosity")),

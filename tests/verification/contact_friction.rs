@@ -4,7 +4,7 @@
 //! Source: Newton's second law of a ring on a shaft with Lame's pressure; statics of a loaded block. Each test says its tolerance
 //! and why.
 
-use revolve::output::Frame;
+use revolve::output::OutputFrame;
 
 use crate::common::bodies::{Ran, assembly, elastic, part, point_field, rigid_line, run};
 
@@ -72,7 +72,7 @@ fn a_ring_slides_on_a_shaft_and_comes_to_rest() {
         let ran = ring(cells, &format!("*Friction\n {mu},\n"), speed, 300.0);
         let speeds = speeds(&ran);
         let deceleration = -slope(&speeds, RAMP + 15.0, stop - 10.0) / fall;
-        let foot = |frame: &Frame| point_field(frame, "U")[1];
+        let foot = |frame: &OutputFrame| point_field(frame, "U")[1];
         let later: Vec<_> = ran.memory.frames.iter().filter(|f| f.time > stop + 10.0).map(foot).collect();
         let way = later[later.len() - 1];
         let crept = later.iter().fold(0.0_f64, |most, u| most.max((u - way).abs())) / way;

@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use revolve::output::Frame;
+use revolve::output::OutputFrame;
 use revolve::solve::Energy;
 
 use crate::common::bodies::{Ran, assembly, cell_field, elastic, part, point_field, rigid_line, run};
@@ -193,7 +193,7 @@ fn nose(mass: f64, corners: &[[f64; 2]], cells: usize) -> Ran {
 }
 
 /// How deep the corners of a nose that has moved lie behind the upper face of the block, by the nearest of its facets.
-fn overlap(ran: &Ran, corners: &[[f64; 2]], cells: usize, frame: &Frame, moved: f64) -> f64 {
+fn overlap(ran: &Ran, corners: &[[f64; 2]], cells: usize, frame: &OutputFrame, moved: f64) -> f64 {
     let (mesh, u) = (&ran.prepared.plan.mesh, point_field(frame, "U"));
     let first = (0..mesh.points.len()).find(|&n| mesh.node_names[n] == format!("BLOCK.{}", 1 + cells * (cells + 1)));
     let first = first.expect("the face");

@@ -308,7 +308,7 @@ fn links_that_cannot_be_are_refused_with_a_way_out() {
     };
     for (link, from, to, words) in [
         ("*Mpc\n BEAM, J1, REF\n", "", "", ""),
-        ("*Mpc\n SLIDER, J1, REF\n", "", "", "BEAM, TIE and PIN are"),
+        ("*Mpc\n SLIDER, J1, REF\n", "", "", "supported: BEAM, TIE, PIN"),
         ("*Mpc\n BEAM, J1\n", "", "", "M102"),
         ("*Mpc\n TIE, J1, J0\n*Mpc\n TIE, J0, 900\n", "", "", "prescribe the motion of the reference node alone"),
         ("*Mpc\n BEAM, J1, REF\n", " 900, 2, 2, 1.", " J1, 2, 2, 1.\n 900, 2, 2, 1.", "P018"),

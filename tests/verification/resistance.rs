@@ -6,31 +6,33 @@
 
 use std::f64::consts::PI;
 
-use revolve::resistance::fit::Weight;
-use revolve::resistance::rate::{Factor, Rate};
-use revolve::resistance::similarity::{Expansion, Point};
-use revolve::resistance::{Curve, Derived, Material, Request, ResistanceError, Target, derive};
+use revolve::resistance::fit::FitWeight;
+use revolve::resistance::rate::{StrainRateEffect, StrainRateFactor};
+use revolve::resistance::similarity::{CavityPressure, ExpandingCavity};
+use revolve::resistance::{
+    DerivedResistance, FitRequest, ResistanceError, ScaledTarget, TargetMaterial, YieldCurve, derive,
+};
 
 const YOUNG: f64 = 68.9e9;
 const Y: f64 = 276e6;
 const DENSITY: f64 = 2710.0;
 
-fn aluminium(curve: Curve, poisson: f64) -> Material {
+fn aluminium(curve: YieldCurve, poisson: f64) -> TargetMaterial {
     let (young, density, yield_stress) = (YOUNG, DENSITY, Y);
-    Material { young, poisson, density, yield_stress, curve, pressure_slope: 0.0, tension: None, rate: None }
+    TargetMaterial { young, poisson, density, yield_stress, curve, pressure_slope: 0.0, tension: None, rate: None }
 }
 
-fn pressure(target: &Target, velocity: f64) -> Result<Point, ResistanceError> {
-    Expansion::new(target)?.pressure(velocity)
+fn pressure(target: &ScaledTarget, velocity: f64) -> Result<CavityPressure, ResistanceError> {
+    ExpandingCavity::new(target)?.pressure(velocity)
 }
 
-fn point(material: &Material, velocity: f64) -> Point {
-    pressure(&Target::new(material).expect("a target"), velocity).expect("a pressure")
+fn point(material: &TargetMaterial, velocity: f64) -> CavityPressure {
+    pressure(&ScaledTarget::new(material).expect("a target"), velocity).expect("a pressure")
 }
 
-fn fitted(material: &Material, to: f64, linear: bool) -> Derived {
-    let request = Request { linear, ..Request::over([0.0, to]) };
-    derive(&Target::new(material).expect("a target"), &request).expect("a fit")
+fn fitted(material: &TargetMaterial, to: f64, linear: bool) -> DerivedResistance {
+    let request = FitRequest { linear, ..FitRequest::over([0.0, to]) };
+    derive(&ScaledTarget::new(material).expect("a target"), &request).expect("a fit")
 }
 
 /// The integral of a function over 0..1 whose slope may be infinite at the ends: the tanh-sinh rule, which knows nothing of the
@@ -59,7 +61,7 @@ fn incompressible_at_rest(young: f64, y: f64, n: f64) -> f64 {
 fn incompressible_perfectly_plastic_closed_form() {
     for velocity in [0.0, 1e-3, 1.0, 300.0, 2000.0] {
         let exact = 2.0 / 3.0 * (1.0 + (2.0 * YOUNG / (3.0 * Y)).ln()) + 1.5 * velocity * velocity * DENSITY / Y;
-        let off = point(&aluminium(Curve::Perfect, 0.5), velocity).stress / exact - 1.0;
+        let off = point(&aluminium(YieldCurve::Perfect, 0.5), velocity).stress / exact - 1.0;
         assert!(off.abs() < 1e-10, "{velocity}: {off:e}");
     }
 }
@@ -67,7 +69,7 @@ fn incompressible_perfectly_plastic_closed_form() {
 /// The elastic zone ends at c_d t, so the limit is reached with 1/c_d: with the root of 1/2 - nu.
 #[test]
 fn compressibility_goes_to_its_limit() {
-    let at = |poisson: f64| point(&aluminium(Curve::Power(0.051), poisson), 600.0).stress;
+    let at = |poisson: f64| point(&aluminium(YieldCurve::Power(0.051), poisson), 600.0).stress;
     let limit = at(0.5);
     let slopes = [1e-5, 1e-7, 1e-9].map(|below: f64| (limit - at(0.5 - below)) / below.sqrt());
     println!("slopes over the root of 1/2 - nu: {slopes:?}");
@@ -78,7 +80,7 @@ fn compressibility_goes_to_its_limit() {
 fn incompressible_hardening_closed_form() {
     for (young, y, n) in [(73.1e9, 448e6, 0.089), (YOUNG, Y, 0.051), (200e9, 400e6, 0.4)] {
         let exact = incompressible_at_rest(young, y, n);
-        let material = Material { young, yield_stress: y, ..aluminium(Curve::Power(n), 0.5) };
+        let material = TargetMaterial { young, yield_stress: y, ..aluminium(YieldCurve::Power(n), 0.5) };
         let got = point(&material, 0.0).stress;
         println!("n = {n}: {got} {exact}");
         assert!((got / exact - 1.0).abs() < 1e-8, "{n}: {got} {exact}");
@@ -92,7 +94,7 @@ fn linear_hardening_of_a_table() {
     let modulus = 1e9;
     let tangent = YOUNG * modulus / (YOUNG + modulus);
     let rows = vec![[Y, 0.0], [Y + 0.3 * modulus, 0.3], [Y + 30.0 * modulus, 30.0]];
-    let got = point(&aluminium(Curve::Table { rows, extrapolates: true }, 0.5), 0.0).stress;
+    let got = point(&aluminium(YieldCurve::Table { rows, extrapolates: true }, 0.5), 0.0).stress;
     let top = 1.0 - 1.5 * Y / YOUNG;
     let flow = |x: f64| 1.0 + tangent / Y * (-2.0 / 3.0 * x.ln() - Y / YOUNG);
     let exact = 2.0 / 3.0 * (1.0 + quadrature(|s| top * flow(top * s) / (1.0 - top * s)));
@@ -112,10 +114,10 @@ fn a_table_is_the_law_that_it_follows() {
         (0..=count).map(|i| row(strain(i))).collect::<Vec<_>>()
     };
     for velocity in [0.0, 700.0] {
-        let exact = point(&aluminium(Curve::Power(0.051), 1.0 / 3.0), velocity).stress;
+        let exact = point(&aluminium(YieldCurve::Power(0.051), 1.0 / 3.0), velocity).stress;
         let off = [20, 40].map(|n| {
             let rows = rows(n);
-            point(&aluminium(Curve::Table { rows, extrapolates: false }, 1.0 / 3.0), velocity).stress / exact - 1.0
+            point(&aluminium(YieldCurve::Table { rows, extrapolates: false }, 1.0 / 3.0), velocity).stress / exact - 1.0
         });
         println!("tables of 20 and 40 rows at {velocity}: {off:?}");
         // Chords of a concave curve: below it, by the square of their length.
@@ -141,7 +143,7 @@ fn compressible_pressures() {
     ];
     let mut worst: f64 = 0.0;
     for (velocity, perfect, hardening) in table {
-        for (exact, curve) in [(perfect, Curve::Perfect), (hardening, Curve::Power(0.051))] {
+        for (exact, curve) in [(perfect, YieldCurve::Perfect), (hardening, YieldCurve::Power(0.051))] {
             let off = point(&aluminium(curve, 1.0 / 3.0), velocity).stress / exact - 1.0;
             worst = worst.max(off.abs());
             // The table's elastic zone leaves out the convective acceleration, rho v^2 / 2 at the plastic front.
@@ -155,7 +157,8 @@ fn compressible_pressures() {
 /// 1729), between the pressure at rest and fits in two terms over more and more.
 #[test]
 fn the_constant_of_7075() {
-    let material = Material { young: 73.1e9, yield_stress: 448e6, ..aluminium(Curve::Power(0.089), 1.0 / 3.0) };
+    let material =
+        TargetMaterial { young: 73.1e9, yield_stress: 448e6, ..aluminium(YieldCurve::Power(0.089), 1.0 / 3.0) };
     let still = point(&material, 0.0).stress;
     let fits = [200.0, 300.0, 320.0, 340.0, 400.0].map(|to| fitted(&material, to, false).constants[0]);
     println!("7075 at rest {still}, fits {fits:?}");
@@ -168,11 +171,11 @@ fn the_constant_of_7075() {
 #[test]
 fn constants_of_6061() {
     for (n, to, a, c) in [(0.0, 400.0, 3.90, 1.21), (0.051, 400.0, 4.41, 1.21), (0.051, 1000.0, 4.48, 1.13)] {
-        let derived = fitted(&aluminium(Curve::Power(n), 1.0 / 3.0), to, false);
+        let derived = fitted(&aluminium(YieldCurve::Power(n), 1.0 / 3.0), to, false);
         let got = derived.constants;
         assert!((got[0] - a).abs() < 5.5e-3 && got[1] == 0.0 && (got[2] - c).abs() < 5.5e-3, "{n} {to}: {got:?}");
     }
-    let material = aluminium(Curve::Power(0.051), 1.0 / 3.0);
+    let material = aluminium(YieldCurve::Power(0.051), 1.0 / 3.0);
     let [two, three] = [false, true].map(|linear| fitted(&material, 1000.0, linear));
     assert!(three.fit.residual < 0.4 * two.fit.residual && three.constants[1] > 0.0, "{three:?}");
     let half = three.fit.half_widths.map(|h| h.expect("fitted"));
@@ -183,15 +186,15 @@ fn constants_of_6061() {
 
 #[test]
 fn weights_and_the_pressure_at_rest() {
-    let target = Target::new(&aluminium(Curve::Power(0.051), 1.0 / 3.0)).expect("a target");
-    let with = |request: Request| derive(&target, &request).expect("a fit");
-    let plain = Request::over([0.0, 1000.0]);
-    let pinned = with(Request { pinned: true, ..plain });
-    assert!((pinned.constants[0] / pinned.still - 1.0).abs() < 1e-5 && pinned.fit.half_widths[0].is_none());
+    let target = ScaledTarget::new(&aluminium(YieldCurve::Power(0.051), 1.0 / 3.0)).expect("a target");
+    let with = |request: FitRequest| derive(&target, &request).expect("a fit");
+    let plain = FitRequest::over([0.0, 1000.0]);
+    let pinned = with(FitRequest { pinned: true, ..plain });
+    assert!((pinned.constants[0] / pinned.static_pressure - 1.0).abs() < 1e-5 && pinned.fit.half_widths[0].is_none());
     let [even, relative, fast] =
-        [Weight::Even, Weight::Relative, Weight::Velocity].map(|weight| with(Request { weight, ..plain }));
+        [FitWeight::Even, FitWeight::Relative, FitWeight::Velocity].map(|weight| with(FitRequest { weight, ..plain }));
     // Relative weights look at low pressures, those by velocity at high ones.
-    let at = |d: &Derived, v: f64| {
+    let at = |d: &DerivedResistance, v: f64| {
         (d.fit.at(v / target.velocity) / pressure(&target, v).expect("a pressure").stress - 1.0).abs()
     };
     assert!(at(&relative, 0.0) < at(&even, 0.0) && at(&even, 0.0) < at(&fast, 0.0));
@@ -202,9 +205,11 @@ fn weights_and_the_pressure_at_rest() {
 /// B = 0.961, C = 0.946), which fitted another choice of velocities.
 #[test]
 fn strain_rates_raise_the_pressure() {
-    let rate = |radius: f64| Rate { factor: Factor::Power { reference: 8e5, exponent: 0.3 }, radius };
-    let with = |radius: f64| Material { rate: Some(rate(radius)), ..aluminium(Curve::Power(0.051), 1.0 / 3.0) };
-    let still = aluminium(Curve::Power(0.051), 1.0 / 3.0);
+    let rate =
+        |radius: f64| StrainRateEffect { factor: StrainRateFactor::Power { reference: 8e5, exponent: 0.3 }, radius };
+    let with =
+        |radius: f64| TargetMaterial { rate: Some(rate(radius)), ..aluminium(YieldCurve::Power(0.051), 1.0 / 3.0) };
+    let still = aluminium(YieldCurve::Power(0.051), 1.0 / 3.0);
     for (velocity, radius) in [(100.0, 3.555e-3), (1000.0, 3.555e-3), (500.0, 35.55e-3)] {
         let gain = point(&with(radius), velocity).stress - point(&still, velocity).stress;
         let top = 1.0 - 1.5 * Y / YOUNG;
@@ -214,15 +219,24 @@ fn strain_rates_raise_the_pressure() {
         assert!((gain / exact - 1.0).abs() < 1e-7, "{gain} {exact}");
     }
     assert_eq!(point(&with(3.555e-3), 0.0), point(&still, 0.0));
-    let target = Target::new(&with(3.555e-3)).expect("a target");
-    let derived = derive(&target, &Request::over([50.0, 1500.0])).expect("a fit");
+    let target = ScaledTarget::new(&with(3.555e-3)).expect("a target");
+    let derived = derive(&target, &FitRequest::over([50.0, 1500.0])).expect("a fit");
     println!("with rates A, B, C = {:?}", derived.constants);
     assert!((derived.constants[0] - 5.035).abs() < 0.01 && (derived.constants[2] - 0.946).abs() < 0.02, "{derived:?}");
 }
 
-fn concrete(tension: Option<f64>, poisson: f64, pressure_slope: f64) -> Material {
+fn concrete(tension: Option<f64>, poisson: f64, pressure_slope: f64) -> TargetMaterial {
     let (young, density, yield_stress) = (11.3e9, 2340.0, 130e6);
-    Material { young, poisson, density, yield_stress, curve: Curve::Perfect, pressure_slope, tension, rate: None }
+    TargetMaterial {
+        young,
+        poisson,
+        density,
+        yield_stress,
+        curve: YieldCurve::Perfect,
+        pressure_slope,
+        tension,
+        rate: None,
+    }
 }
 
 /// An incompressible target at rest that cracks: columns carry Y c^2/r^2 from the plastic front c to the cracks at
@@ -281,24 +295,24 @@ fn strength_that_grows_with_pressure() {
 #[test]
 fn the_worst_places_have_an_answer_or_a_reason() {
     let curves = [
-        Curve::Perfect,
-        Curve::Power(0.4),
-        Curve::Power(1.0),
-        Curve::Table { rows: vec![[Y, 0.0], [0.5 * Y, 1.0]], extrapolates: false },
+        YieldCurve::Perfect,
+        YieldCurve::Power(0.4),
+        YieldCurve::Power(1.0),
+        YieldCurve::Table { rows: vec![[Y, 0.0], [0.5 * Y, 1.0]], extrapolates: false },
     ];
     let mut codes = std::collections::BTreeMap::new();
     for curve in curves {
         for poisson in [0.0, 0.2, 0.499_999, 0.5] {
             for strength in [1e-4, 1.0, 50.0] {
-                let scale = |curve: &Curve| match curve {
-                    Curve::Table { rows, extrapolates } => {
+                let scale = |curve: &YieldCurve| match curve {
+                    YieldCurve::Table { rows, extrapolates } => {
                         let rows = rows.iter().map(|r| [strength * r[0], r[1]]).collect();
-                        Curve::Table { rows, extrapolates: *extrapolates }
+                        YieldCurve::Table { rows, extrapolates: *extrapolates }
                     }
                     other => other.clone(),
                 };
-                let material = Material { yield_stress: strength * Y, ..aluminium(scale(&curve), poisson) };
-                let target = Target::new(&material).expect("a target");
+                let material = TargetMaterial { yield_stress: strength * Y, ..aluminium(scale(&curve), poisson) };
+                let target = ScaledTarget::new(&material).expect("a target");
                 let mut before = 0.0;
                 for velocity in [0.0, 1e-6, 1.0, 100.0, 1000.0, 4000.0, 1e4, 1e6] {
                     match pressure(&target, velocity) {
@@ -328,39 +342,42 @@ fn the_worst_places_have_an_answer_or_a_reason() {
 
 #[test]
 fn targets_that_cannot_be_are_refused() {
-    let good = aluminium(Curve::Perfect, 1.0 / 3.0);
-    let rows = |rows: &[[f64; 2]]| Curve::Table { rows: rows.to_vec(), extrapolates: true };
+    let good = aluminium(YieldCurve::Perfect, 1.0 / 3.0);
+    let rows = |rows: &[[f64; 2]]| YieldCurve::Table { rows: rows.to_vec(), extrapolates: true };
     let bad = [
-        Material { young: 0.0, ..good.clone() },
-        Material { density: f64::NAN, ..good.clone() },
-        Material { yield_stress: -1.0, ..good.clone() },
-        Material { yield_stress: 60e9, ..good.clone() },
-        Material { poisson: 0.51, ..good.clone() },
-        Material { curve: Curve::Power(-0.1), ..good.clone() },
-        Material { curve: Curve::Power(1.5), ..good.clone() },
-        Material { curve: rows(&[]), ..good.clone() },
-        Material { curve: rows(&[[1.1 * Y, 0.0]]), ..good.clone() },
-        Material { curve: rows(&[[Y, 0.0], [Y, 0.0]]), ..good.clone() },
-        Material { curve: rows(&[[Y, 0.0], [f64::NAN, 0.1]]), ..good.clone() },
-        Material { curve: rows(&[[Y, 0.0], [0.5 * Y, 0.001]]), ..good.clone() },
-        Material { curve: rows(&[[Y, 0.0], [0.5 * Y, 1.0]]), ..good.clone() },
-        Material { pressure_slope: 3.0, ..good.clone() },
-        Material { pressure_slope: 0.5, curve: Curve::Power(0.1), ..good.clone() },
-        Material { tension: Some(0.0), ..good.clone() },
-        Material {
-            rate: Some(Rate { factor: Factor::Power { reference: 1.0, exponent: 0.0 }, radius: 1.0 }),
+        TargetMaterial { young: 0.0, ..good.clone() },
+        TargetMaterial { density: f64::NAN, ..good.clone() },
+        TargetMaterial { yield_stress: -1.0, ..good.clone() },
+        TargetMaterial { yield_stress: 60e9, ..good.clone() },
+        TargetMaterial { poisson: 0.51, ..good.clone() },
+        TargetMaterial { curve: YieldCurve::Power(-0.1), ..good.clone() },
+        TargetMaterial { curve: YieldCurve::Power(1.5), ..good.clone() },
+        TargetMaterial { curve: rows(&[]), ..good.clone() },
+        TargetMaterial { curve: rows(&[[1.1 * Y, 0.0]]), ..good.clone() },
+        TargetMaterial { curve: rows(&[[Y, 0.0], [Y, 0.0]]), ..good.clone() },
+        TargetMaterial { curve: rows(&[[Y, 0.0], [f64::NAN, 0.1]]), ..good.clone() },
+        TargetMaterial { curve: rows(&[[Y, 0.0], [0.5 * Y, 0.001]]), ..good.clone() },
+        TargetMaterial { curve: rows(&[[Y, 0.0], [0.5 * Y, 1.0]]), ..good.clone() },
+        TargetMaterial { pressure_slope: 3.0, ..good.clone() },
+        TargetMaterial { pressure_slope: 0.5, curve: YieldCurve::Power(0.1), ..good.clone() },
+        TargetMaterial { tension: Some(0.0), ..good.clone() },
+        TargetMaterial {
+            rate: Some(StrainRateEffect {
+                factor: StrainRateFactor::Power { reference: 1.0, exponent: 0.0 },
+                radius: 1.0,
+            }),
             ..good.clone()
         },
     ];
     for material in bad {
-        assert_eq!(Target::new(&material).expect_err("no target").code(), "C001", "{material:?}");
+        assert_eq!(ScaledTarget::new(&material).expect_err("no target").code(), "C001", "{material:?}");
     }
-    let target = Target::new(&good).expect("a target");
+    let target = ScaledTarget::new(&good).expect("a target");
     for (range, points) in [([10.0, 5.0], 41), ([-1.0, 5.0], 41), ([0.0, f64::NAN], 41), ([0.0, 500.0], 2)] {
-        let request = Request { points, ..Request::over(range) };
+        let request = FitRequest { points, ..FitRequest::over(range) };
         assert_eq!(derive(&target, &request).expect_err("no range").code(), "C003");
     }
-    assert_eq!(derive(&target, &Request::over([0.0, 2e4])).expect_err("too fast").code(), "C002");
+    assert_eq!(derive(&target, &FitRequest::over([0.0, 2e4])).expect_err("too fast").code(), "C002");
 }
 
 /// A rigid cone into soil whose resistance a card gives, or derives.
@@ -399,7 +416,7 @@ fn a_deck_derives_the_card_that_it_could_have() {
     });
     assert_eq!(derived, given);
     let rows = vec![[276e6, 0.0], [310e6, 0.1], [330e6, 1.0]];
-    let same = fitted(&aluminium(Curve::Table { rows, extrapolates: false }, 0.3333), 800.0, true);
+    let same = fitted(&aluminium(YieldCurve::Table { rows, extrapolates: false }, 0.3333), 800.0, true);
     assert_eq!(same.constants, [a, b, c]);
     let ledger = crate::common::prepared(&deck, &[], &revolve::user::Routines::none()).plan.ledger;
     let row = ledger.effects.iter().find(|r| r.effect == "derived resistance").expect("a row");
@@ -439,7 +456,7 @@ fn decks_that_cannot_derive_say_why() {
 /// and Richardson's value lies within 0.1 % (0.02 %).
 #[test]
 fn a_meshed_cavity_presses_as_the_similar_one() {
-    let material = aluminium(Curve::Power(0.051), 1.0 / 3.0);
+    let material = aluminium(YieldCurve::Power(0.051), 1.0 / 3.0);
     let measured = revolve::study::expansion::measure(&material, &[500.0, 1000.0]).expect("runs");
     for m in &measured {
         let exact = point(&material, m.velocity).stress;
@@ -453,8 +470,8 @@ fn a_meshed_cavity_presses_as_the_similar_one() {
         assert!(m.levels.windows(2).all(|w| w[1] < w[0]) && m.drift < 2e-3 * exact, "{m:?}");
         assert!((m.estimate.limit - exact).abs() < 2.0 * m.uncertainty(), "{m:?} {exact}");
     }
-    let brittle = Material { tension: Some(1e6), ..material.clone() };
-    let incompressible = Material { poisson: 0.5, ..material };
+    let brittle = TargetMaterial { tension: Some(1e6), ..material.clone() };
+    let incompressible = TargetMaterial { poisson: 0.5, ..material };
     for refused in [brittle, incompressible] {
         assert!(revolve::study::expansion::measure(&refused, &[500.0]).is_err());
     }

@@ -115,7 +115,7 @@ fn an_element_that_turns_inside_out_halts_the_run_with_its_name() {
             assert!(halt.reason.contains(part), "{}", halt.reason);
         }
         // The node is too fast, not the increment too long.
-        assert!(!halt.reason.contains("times the stable one"), "{}", halt.reason);
+        assert!(!halt.reason.contains("times the stable time increment"), "{}", halt.reason);
         let frame = memory.frames.last().expect("a frame");
         assert!(frame.point_fields.iter().all(|f| f.values.iter().all(|v| v.is_finite())));
     }

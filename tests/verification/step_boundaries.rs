@@ -10,9 +10,9 @@ use std::fs;
 
 use proptest::prelude::any;
 use proptest::test_runner::{Config, TestRunner};
-use revolve::job::{self, Prepared};
-use revolve::output::Frame;
-use revolve::solve::{self, Control, Every, Instant, Outcome, Sink, SinkError};
+use revolve::job::{self, PreparedJob};
+use revolve::output::OutputFrame;
+use revolve::solve::{self, CheckpointInterval, Instant, Outcome, RunControl, Sink, SinkError};
 use revolve::user::{LoadFailure, MotionCall, Routines, UserMotion};
 
 use crate::common::bodies::{assembly, elastic, part, rigid_line};
@@ -88,7 +88,7 @@ impl Deck {
         text
     }
 
-    fn prepare(&self, text: &str, settings: &[(&str, &str)], routines: &Routines) -> Prepared {
+    fn prepare(&self, text: &str, settings: &[(&str, &str)], routines: &Routines) -> PreparedJob {
         let settings = crate::common::pairs(settings);
         let prepared = job::prepare_text(&project(&self.name).to_string_lossy(), text, &settings, routines);
         let found = prepared.diagnostics.render(&prepared.deck.sources);
@@ -100,7 +100,7 @@ impl Deck {
     fn increment(&self, settings: &[(&str, &str)], time: f64, routines: &Routines) -> f64 {
         let prepared = self.prepare(&self.automatic(0.005 * time), settings, routines);
         let rigid = prepared.state.dofs.nodes.is_empty();
-        let bearable = || 0.25 * run(&prepared, Control::default()).0.steps[0].largest_increment;
+        let bearable = || 0.25 * run(&prepared, RunControl::default()).0.steps[0].largest_increment;
         let bound = if rigid { time / ALL as f64 } else { bearable() };
         bound.log2().floor().exp2()
     }
@@ -117,7 +117,7 @@ impl Sink for Keeper {
     fn wants_frames(&self) -> bool {
         true
     }
-    fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
+    fn frame(&mut self, frame: &OutputFrame) -> Result<(), SinkError> {
         self.shown.frame(frame)
     }
     fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
@@ -132,7 +132,7 @@ impl Sink for Keeper {
     }
 }
 
-fn run(prepared: &Prepared, control: Control<'_>) -> (Outcome, Keeper) {
+fn run(prepared: &PreparedJob, control: RunControl<'_>) -> (Outcome, Keeper) {
     let mut keeper = Keeper::default();
     let (outcome, _) = solve::run_with(&prepared.plan, prepared.state.clone(), &mut keeper, control).expect("it fits");
     (outcome, keeper)
@@ -145,7 +145,7 @@ fn rows(memory: &Memory) -> Vec<Vec<u64>> {
 }
 
 fn frames(memory: &Memory) -> Vec<(u64, Vec<u64>)> {
-    let bits = |frame: &Frame| {
+    let bits = |frame: &OutputFrame| {
         let fields = frame.point_fields.iter().chain(&frame.cell_fields).flat_map(|f| &f.values);
         let all = [frame.time].into_iter().chain(frame.points.iter().flatten().copied()).chain(fields.copied());
         (frame.increment, all.map(f64::to_bits).collect())
@@ -162,7 +162,7 @@ fn ending(outcome: &Outcome) -> String {
 }
 
 #[track_caller]
-fn same(what: &str, prepared: &Prepared, found: &(Outcome, Memory), expected: &(Outcome, Memory)) {
+fn same(what: &str, prepared: &PreparedJob, found: &(Outcome, Memory), expected: &(Outcome, Memory)) {
     let (own, others) = (rows(&found.1), rows(&expected.1));
     assert_eq!(own.len(), others.len(), "{what}: rows");
     for ((row, other), at) in own.iter().zip(&others).zip(0..) {
@@ -179,12 +179,12 @@ fn same(what: &str, prepared: &Prepared, found: &(Outcome, Memory), expected: &(
 
 /// Runs a deck in one step, and in 2 and 5 that change nothing; then from checkpoints in the second of two.
 fn goes_on(deck: &Deck, settings: &[(&str, &str)], increment: f64, routines: &dyn Fn() -> Routines) -> Outcome {
-    let ran = |steps: u64, repeats: bool, control: Control<'_>| {
+    let ran = |steps: u64, repeats: bool, control: RunControl<'_>| {
         let prepared = deck.prepare(&deck.split(steps, increment, repeats), settings, &routines());
         let (outcome, keeper) = run(&prepared, control);
         (prepared, outcome, keeper)
     };
-    let (_, outcome, whole) = ran(1, false, Control::default());
+    let (_, outcome, whole) = ran(1, false, RunControl::default());
     assert_eq!(outcome.increments, ALL, "{}: {:?}", deck.name, outcome.halt);
     let whole = (outcome, whole.shown);
     // Where a later step puts anything in force, a load on nodes that reads velocities reads those of the step's start with the
@@ -194,15 +194,15 @@ fn goes_on(deck: &Deck, settings: &[(&str, &str)], increment: f64, routines: &dy
     let counts_anew = deck.conditions.contains("*Boundary, amplitude");
     let repeated = if reads_velocity || counts_anew { None } else { Some((2, true)) };
     for (steps, repeats) in [(2, false), (5, false)].into_iter().chain(repeated) {
-        let (prepared, outcome, keeper) = ran(steps, repeats, Control::default());
+        let (prepared, outcome, keeper) = ran(steps, repeats, RunControl::default());
         let changed = prepared.plan.steps[1..].iter().filter(|step| !step.changes.is_empty()).count();
         let what = format!("{} in {steps} steps ({changed} with changes)", deck.name);
         same(&what, &prepared, &(outcome, keeper.shown), &whole);
     }
-    let every = Some(Every::Increments(3 * ALL / 4));
-    let (prepared, _, kept) = ran(2, false, Control { every, ..Control::default() });
+    let every = Some(CheckpointInterval::Increments(3 * ALL / 4));
+    let (prepared, _, kept) = ran(2, false, RunControl { every, ..RunControl::default() });
     let (state, row, frame) = &kept.states[0];
-    let (outcome, rest) = run(&prepared, Control { state: Some(state), ..Control::default() });
+    let (outcome, rest) = run(&prepared, RunControl { state: Some(state), ..RunControl::default() });
     let mut shown = kept.shown;
     shown.rows.truncate(*row);
     shown.frames.truncate(*frame);
@@ -219,8 +219,9 @@ fn example(name: &str, settings: &[(&str, &str)]) -> Outcome {
         deck.prepare(&fs::read_to_string(project(name)).expect("a deck"), settings, &routines()).plan.steps[0].duration;
     // Where a body comes to rest or a force jumps, an increment ends earlier: the analysis ends before.
     let mut increment = deck.increment(settings, time, &routines());
-    let increments =
-        |dt: f64| run(&deck.prepare(&deck.split(1, dt, false), settings, &routines()), Control::default()).0.increments;
+    let increments = |dt: f64| {
+        run(&deck.prepare(&deck.split(1, dt, false), settings, &routines()), RunControl::default()).0.increments
+    };
     while increments(increment) != ALL {
         increment *= 0.5;
     }

@@ -1,78 +1,78 @@
-//! What points of a surface meet of an analytical one: a row each, two in a re-entrant corner of two segments.
-//! Never here: profiles themselves, impulses.
+//! Contact of points with analytical surfaces: one row for each point, two in a re-entrant corner of two segments.
 //!
-//! The gap of a row is that where the increment ends, for the normal where it begins (the constrained central differences of
-//! Ryckaert, Ciccotti and Berendsen 1977, J. Comput. Phys. 23, 327): what slides along an arc keeps its speed and does not sink in.
-//! It is linear about the end without contact, gap(x*) - dt n.v*, and on arcs taken anew where impulses have moved it.
+//! The gap of a row is evaluated at the end of the increment, along the normal at its start (constrained central
+//! differences, Ryckaert, Ciccotti and Berendsen 1977, J. Comput. Phys. 23, 327). A point that slides along an arc
+//! therefore keeps its speed and its distance. The gap is linearised about the position x* without contact, gap(x*) -
+//! dt n.v*, and updated on arcs after the impulses have been applied.
 
-use super::curve::Curve;
-use super::sweeps::{Given, Motion, NONE, Row, Rows, Span};
-use super::{Contact, Pair};
-use crate::kernel::interaction::Overclosure;
+use super::curve::FacetCurve;
+use super::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, NONE};
+use super::{ContactConstraint, ContactPair};
+use crate::kernel::interaction::PressureOverclosure;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::profile::{Profile, Segment};
+use crate::kernel::profile::{ProfileSegment, SurfaceProfile};
 
-/// An analytical surface on a body, in front of the own curve of a pair.
+/// An analytical surface on a rigid body, in contact with the own curve of a pair.
 #[derive(Clone, Debug)]
-pub struct Analytical {
-    /// The surface at the start, its front to the left.
-    pub profile: Profile,
-    /// The point of the contact that its body carries, at z = 0 at the start.
+pub struct AnalyticalSurface {
+    /// The profile at the start; its contact side is on the left.
+    pub profile: SurfaceProfile,
+    /// The contact point that represents its body, at z = 0 at the start.
     pub point: u32,
-    /// Rounding of places: behind the surface by no more counts as on it.
+    /// Rounding error of coordinates: a point behind the surface by less is on the surface.
     pub rounding: f64,
-    /// Behind the surface by no more a point is stopped; further behind it is not in contact.
+    /// Largest overlap at which a point is in contact.
     pub overlap: f64,
-    /// How far in front of each own point its surface lies.
+    /// Distance from each own point to its surface (half the thickness of shells).
     pub(super) lift: Vec<f64>,
-    /// For each segment those that it meets in re-entrant corners.
-    pub(super) beside: Vec<[Option<usize>; 2]>,
+    /// The segments that each segment meets in re-entrant corners.
+    pub(super) corner_segments: Vec<[Option<usize>; 2]>,
 }
 
-/// Where a row meets an analytical surface.
+/// The point of an analytical surface that a row is in contact with.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Foot {
+pub(super) struct ClosestPoint {
     analytical: u32,
     segment: u32,
     point: u32,
-    /// The distance from the profile that counts as no gap, with what was there of an overlap.
+    /// Distance from the profile that is gap zero, initial overlap included.
     target: f64,
 }
 
-/// What a row is made of.
+/// Motion of a point relative to the profile over an increment.
 #[derive(Clone, Copy, Debug)]
-struct Way {
+struct PointPath {
     start: [f64; 2],
     end: [f64; 2],
-    /// Displacement of the body at the start and at the end.
+    /// Displacement of the body at the start and at the end of the increment.
     lift: [f64; 2],
-    /// The distance from the profile that counts as no gap.
+    /// Distance from the profile that is gap zero.
     zero: f64,
 }
 
-/// The smallest part of a normal that must lie along what is free: nodes that are held otherwise would have to be pushed along
-/// the surface.
+/// Smallest squared part of a normal in unconstrained directions. Below it a node would have to be pushed along the
+/// surface, and its row is left out.
 const LEAST_SHARE: f64 = 1e-3;
-/// Rounds in which impulses along the normal of the start find the surface where the increment ends.
+/// Largest number of gap updates on arcs.
 const ROUNDS: usize = 12;
 
-impl Analytical {
-    /// A surface carried by a point.
-    pub fn new(profile: Profile, point: u32) -> Analytical {
+impl AnalyticalSurface {
+    /// A surface on the body that `point` represents.
+    pub fn new(profile: SurfaceProfile, point: u32) -> AnalyticalSurface {
         let [low, high] = profile.bounds();
         let rounding = 1e-9 * low[1].abs().max(high[1].abs()).max(high[0] - low[0]);
-        let beside = (0..profile.segments.len()).map(|k| profile.beside(k)).collect();
-        Analytical { profile, point, rounding, overlap: rounding, lift: Vec::new(), beside }
+        let beside = (0..profile.segments.len()).map(|k| profile.reentrant_neighbors(k)).collect();
+        AnalyticalSurface { profile, point, rounding, overlap: rounding, lift: Vec::new(), corner_segments: beside }
     }
 
-    /// Whether points may meet two segments at once.
+    /// Returns whether points may be in contact with two segments at once.
     pub(super) fn has_corners(&self) -> bool {
-        self.beside.iter().flatten().any(Option::is_some)
+        self.corner_segments.iter().flatten().any(Option::is_some)
     }
 
-    /// The segment that a point meets, and the gap that it keeps. One that it was behind of although it was in front of the
-    /// surface lies around a corner: until it is past, the segment before counts.
-    fn met(&self, segment: usize, way: &Way) -> Option<(usize, f64)> {
+    /// Returns the segment that a point is in contact with, and its gap. If the point was in front of the surface but
+    /// behind this segment, the segment is around a corner, and the previous segment counts.
+    fn met(&self, segment: usize, way: &PointPath) -> Option<(usize, f64)> {
         let gap = |k: usize| self.profile.segments[k].gap(way.start, way.lift[0]) - way.zero;
         let came = gap(segment);
         if came >= -self.rounding {
@@ -85,8 +85,8 @@ impl Analytical {
         (came > -self.overlap).then_some((segment, came))
     }
 
-    /// Another segment that a point may meet in the corner with one that it meets.
-    fn corner(&self, segment: usize, way: &Way, reach: f64) -> Option<usize> {
+    /// Returns a second segment that the point may be in contact with in a re-entrant corner.
+    fn corner(&self, segment: usize, way: &PointPath, reach: f64) -> Option<usize> {
         let near = |k: &usize| {
             let other = &self.profile.segments[*k];
             let gap = other.gap(way.end, way.lift[1]) - way.zero;
@@ -95,16 +95,28 @@ impl Analytical {
                 || other.ends().iter().map(away).fold(f64::INFINITY, f64::min) <= reach + way.zero.abs();
             gap < reach && beside && other.gap(way.start, way.lift[0]) - way.zero >= -self.rounding
         };
-        self.beside[segment].into_iter().flatten().find(near)
+        self.corner_segments[segment].into_iter().flatten().find(near)
     }
 }
 
-impl Contact {
-    /// The rows of a pair with an analytical surface, in an increment of the length `dt`; of length zero at the start, when overlaps
-    /// are told as they are.
+impl ContactConstraint {
+    /// Adds the rows of a pair with an analytical surface for an increment of length `dt`. A length of zero is used at
+    /// the start, to report initial overlaps.
     pub(super) fn measure_analytical(&mut self, at: usize, dt: f64) {
-        let Contact {
-            curves, pairs, analyticals, rows, feet, dofs_of, motion, places, fits, laws, shown, dofs, ..
+        let ContactConstraint {
+            curves,
+            pairs,
+            analyticals,
+            rows,
+            feet,
+            dofs_of,
+            motion,
+            places,
+            gap_offsets: fits,
+            laws,
+            shown,
+            dofs,
+            ..
         } = self;
         let pair = &pairs[at];
         let Some((which, analytical)) = pair.analytical.and_then(|i| Some((i as u32, analyticals.get(i)?))) else {
@@ -117,19 +129,19 @@ impl Contact {
         let [_, body] = dofs_of[analytical.point as usize];
         let (carried, before) = (motion.velocity[body as usize], places[analytical.point as usize][1]);
         let lift = [before, before + dt * carried];
-        // Rows may move what others left where it was.
+        // Impulses of other rows may move points that are at rest now.
         let coupled = pairs.len() > 1 || motion.inverse_mass[body as usize] > 0.0;
         let fastest = if coupled { motion.velocity.iter().fold(0.0_f64, |v, w| v.max(w.abs())) } else { 0.0 };
         let opens = pair.search.reach();
         let alone = own.orphans.iter().map(|&i| (i, true));
-        for (index, alone) in own.bare_own.iter().map(|&i| (i, false)).chain(alone) {
+        for (index, alone) in own.exposed_points.iter().map(|&i| (i, false)).chain(alone) {
             let point = own.own[index as usize];
             let (key, law) =
                 (pair.first_key + index, if alone { pair.of_points as u32 } else { pair.law_of(index as usize) });
             let fit = |key: u32| fits.get(key as usize).copied().unwrap_or(0.0);
             let (start, velocity) = (places[point as usize], velocity_of(point));
             let end = [0, 1].inline_map(|i| start[i] + dt * velocity[i]);
-            let mut way = Way { start, end, lift, zero: analytical.lift[index as usize] + fit(key) };
+            let mut way = PointPath { start, end, lift, zero: analytical.lift[index as usize] + fit(key) };
             let nearest = analytical.profile.nearest(end, lift[1]);
             let apart = analytical.profile.segments[nearest.segment].gap(start, lift[0]) - way.zero;
             if apart < opens && !nearest.beyond {
@@ -137,10 +149,10 @@ impl Contact {
             }
             let speed = velocity[0].abs() + velocity[1].abs() + carried.abs();
             let overclosure = &laws[law as usize].overclosure;
-            let hard = *overclosure == Overclosure::Hard;
-            // What gives way may press before the end.
+            let hard = *overclosure == PressureOverclosure::Hard;
+            // Soft overclosure laws may press before the end of the increment.
             let reach = if coupled || !hard { dt * (2.0 * fastest).max(speed) } else { 0.0 };
-            let begins = overclosure.begins();
+            let begins = overclosure.onset_gap();
             let starts = dt == 0.0;
             if nearest.beyond || nearest.gap - way.zero >= reach + begins && !starts {
                 continue;
@@ -156,7 +168,7 @@ impl Contact {
                 way.zero = analytical.lift[index as usize] + fit(key);
                 let met = &analytical.profile.segments[segment];
                 let (n, gap) = (met.normal(start, lift[0]), met.gap(end, lift[1]) - way.zero);
-                // A penalty and other laws that give way press at any depth.
+                // Penalty and other soft laws press at any depth.
                 let target = if hard { target } else { 0.0 };
                 let [r, z] = dofs_of[point as usize];
                 let part = |dof: u32, n: f64| if dof == NONE || dofs[dof as usize].1 { 0.0 } else { n * n };
@@ -164,11 +176,11 @@ impl Contact {
                     continue;
                 }
                 let closes = dt * (n[0] * velocity[0] + n[1] * (velocity[1] - carried));
-                let mut row = Row::of(key, law);
-                row.foot = Some(feet.len() as u32);
+                let mut row = ContactRow::of(key, law);
+                row.closest_point = Some(feet.len() as u32);
                 (row.alone, row.area, row.gap) = (alone, area, area * (gap - target - closes));
                 let target = way.zero + target;
-                feet.push(Foot { analytical: which, segment: segment as u32, point, target });
+                feet.push(ClosestPoint { analytical: which, segment: segment as u32, point, target });
                 rows.open();
                 rows.add_share([r, z], [area * n[0], area * n[1]]);
                 rows.add_share(dofs_of[analytical.point as usize], [-area * n[0], -area * n[1]]);
@@ -177,30 +189,31 @@ impl Contact {
         }
     }
 
-    /// Takes gaps on arcs anew until all rows that press end where they should; errors are held against `reference`.
-    pub(super) fn end_on_arcs(&mut self, reference: f64, span: Span) {
-        if !self.analyticals.iter().any(|a| a.profile.segments.iter().any(|s| matches!(s, Segment::Arc(..)))) {
+    /// Updates the gaps on arcs until all rows under pressure end on their arcs; velocity errors are relative to
+    /// `reference`.
+    pub(super) fn correct_arc_gaps(&mut self, reference: f64, span: ContactInterval) {
+        if !self.analyticals.iter().any(|a| a.profile.segments.iter().any(|s| matches!(s, ProfileSegment::Arc(..)))) {
             return;
         }
         for _ in 0..ROUNDS {
-            if self.correct_gaps(span.ahead) <= 1e-3 {
+            if self.correct_gaps(span.dt) <= 1e-3 {
                 return;
             }
-            let Contact { rows, motion, laws, pressures, .. } = self;
-            rows.solve_again(motion, reference, Given { laws, before: pressures, span });
+            let ContactConstraint { rows, motion, laws, pressures, .. } = self;
+            rows.solve_again(motion, reference, ContactStep { laws, before: pressures, span });
         }
     }
 
-    /// Corrects the gaps of rows that press; returns by how much at most, in parts of the rounding of places.
+    /// Corrects the gaps of rows under pressure; returns the largest correction over the rounding of coordinates.
     fn correct_gaps(&mut self, dt: f64) -> f64 {
-        let Contact { rows, feet, analyticals, motion, places, dofs_of, .. } = self;
-        let Rows { rows, terms, .. } = rows;
+        let ContactConstraint { rows, feet, analyticals, motion, places, dofs_of, .. } = self;
+        let ContactRows { rows, terms, .. } = rows;
         let mut off: f64 = 0.0;
-        for row in rows.iter_mut().filter(|row| row.pressed > 0.0) {
-            let Some(foot) = row.foot.map(|f| feet[f as usize]) else { continue };
+        for row in rows.iter_mut().filter(|row| row.normal_impulse > 0.0) {
+            let Some(foot) = row.closest_point.map(|f| feet[f as usize]) else { continue };
             let analytical = &analyticals[foot.analytical as usize];
             let segment = &analytical.profile.segments[foot.segment as usize];
-            if let Segment::Line(_) = segment {
+            if let ProfileSegment::Line(_) = segment {
                 continue;
             }
             let moved = |point: u32| end_of(point, places, dofs_of, motion, dt);
@@ -213,13 +226,14 @@ impl Contact {
         off
     }
 
-    /// Force of pressure and of friction on the own surface of a pair with an analytical one, and the area where it is pressed.
-    pub(super) fn forces_of_rows(&self, pair: &Pair) -> [f64; 5] {
+    /// Returns the forces of pressure and of friction on the own surface of a pair with an analytical one, and the
+    /// contact area.
+    pub(super) fn forces_of_rows(&self, pair: &ContactPair) -> [f64; 5] {
         let keys = pair.first_key..pair.first_key + self.keys_of(pair);
         let mut sum = [0.0; 5];
-        for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.pressed > 0.0) {
+        for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.normal_impulse > 0.0) {
             let [pressure, shear] = self.pressures[row.key as usize];
-            let Some(foot) = row.foot.map(|f| feet_dofs(self, f)) else { continue };
+            let Some(foot) = row.closest_point.map(|f| feet_dofs(self, f)) else { continue };
             sum[4] += if row.alone { 0.0 } else { row.area };
             for term in self.rows.terms_of(row) {
                 if let Some(axis) = foot.iter().position(|d| *d == term.dof) {
@@ -231,55 +245,56 @@ impl Contact {
         sum
     }
 
-    pub(super) fn keys_of(&self, pair: &Pair) -> u32 {
+    pub(super) fn keys_of(&self, pair: &ContactPair) -> u32 {
         keys(&self.curves, &self.analyticals, pair)
     }
 }
 
-/// How many keys a pair has: points of the other curve carry one where they meet by themselves, those in front of corners two.
-pub(super) fn keys(curves: &[Curve], analyticals: &[Analytical], pair: &Pair) -> u32 {
+/// Returns the number of keys of a pair: one for each own point, one for each point of a second curve that may be in
+/// contact alone, and a second one for points in corners.
+pub(super) fn keys(curves: &[FacetCurve], analyticals: &[AnalyticalSurface], pair: &ContactPair) -> u32 {
     let own = curves[pair.own].own.len() as u32;
     let loose = pair.other.map(|o| &curves[o]).filter(|c| c.has_loose_points()).map_or(0, |c| c.own.len() as u32);
     let twice = pair.analytical.is_some_and(|a| analyticals[a].has_corners());
     own + loose + if twice { own } else { 0 }
 }
 
-/// Degrees of freedom of the point of a foot.
-fn feet_dofs(contact: &Contact, foot: u32) -> [u32; 2] {
+/// Returns the degrees of freedom of the point of a [`ClosestPoint`].
+fn feet_dofs(contact: &ContactConstraint, foot: u32) -> [u32; 2] {
     contact.dofs_of[contact.feet[foot as usize].point as usize]
 }
 
-/// Where a point ends the increment.
-fn end_of(point: u32, places: &[[f64; 2]], dofs_of: &[[u32; 2]], motion: &Motion, dt: f64) -> [f64; 2] {
+/// Returns the position of a point at the end of the increment.
+fn end_of(point: u32, places: &[[f64; 2]], dofs_of: &[[u32; 2]], motion: &ContactVelocities, dt: f64) -> [f64; 2] {
     let (place, dofs) = (places[point as usize], dofs_of[point as usize]);
     [0, 1].inline_map(|i| if dofs[i] == NONE { place[i] } else { place[i] + dt * motion.velocity[dofs[i] as usize] })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Analytical;
+    use super::AnalyticalSurface;
     use crate::constraint::Constraint;
-    use crate::constraint::contact::curve::{Carrier, Curve, Point};
-    use crate::constraint::contact::{Contact, Pair};
-    use crate::kernel::interaction::{Friction, Law};
-    use crate::kernel::profile::{Profile, Segment};
+    use crate::constraint::contact::curve::{FacetCurve, PointCarrier, SurfacePoint};
+    use crate::constraint::contact::{ContactConstraint, ContactPair};
+    use crate::kernel::interaction::{CoulombFriction, InteractionLaw};
+    use crate::kernel::profile::{ProfileSegment, SurfaceProfile};
     use crate::state::dofs::Dofs;
-    use crate::state::magnitude::Clock;
+    use crate::state::magnitude::AmplitudeClock;
     use crate::state::nodes::{Node, Nodes};
     use crate::state::{BodyState, Instant};
 
-    /// Nodes without elements, and one body with a surface.
+    /// Nodes without elements, and one body with an analytical surface.
     struct Scene {
-        contact: Contact,
-        profile: Profile,
+        contact: ContactConstraint,
+        profile: SurfaceProfile,
         dofs: Dofs,
         gravity: [f64; 2],
     }
 
     impl Scene {
-        /// A body of a mass, or held where it is `None`; nodes with place, velocity and mass.
+        /// `body`: mass and velocity, `None` if it is fixed; `nodes`: coordinates, velocity and mass.
         fn new(
-            profile: Profile,
+            profile: SurfaceProfile,
             friction: f64,
             body: Option<(f64, f64)>,
             nodes: &[([f64; 2], [f64; 2], f64)],
@@ -291,13 +306,14 @@ mod tests {
             state.prescribed = body.is_none();
             let mut dofs = Dofs { bodies: vec![state], nodes: Nodes::new(list, masses), ..Dofs::default() };
             let count = nodes.len() as u32;
-            let carriers = (0..nodes.len()).map(Carrier::Node).chain([Carrier::Body(0, [0.0; 2])]);
-            let points = carriers.map(|carrier| Point { carrier, free: [true; 2] }).collect();
-            let mut surface = Analytical::new(profile.clone(), count);
+            let carriers = (0..nodes.len()).map(PointCarrier::Node).chain([PointCarrier::Body(0, [0.0; 2])]);
+            let points = carriers.map(|carrier| SurfacePoint { carrier, free: [true; 2] }).collect();
+            let mut surface = AnalyticalSurface::new(profile.clone(), count);
             surface.overlap = 1e-3;
-            let (curve, pair) = (Curve::of_points((0..count).collect()), Pair::in_front_of(0, 0, 0, 0, 1.0));
-            let law = Law { friction: Friction::of(friction), ..Law::default() };
-            let mut contact = Contact::new(points, vec![curve], vec![surface], vec![pair], vec![law]);
+            let (curve, pair) =
+                (FacetCurve::of_points((0..count).collect()), ContactPair::in_front_of(0, 0, 0, 0, 1.0));
+            let law = InteractionLaw { friction: CoulombFriction::of(friction), ..InteractionLaw::default() };
+            let mut contact = ContactConstraint::new(points, vec![curve], vec![surface], vec![pair], vec![law]);
             contact.begin(&mut dofs);
             Scene { contact, profile, dofs, gravity: [0.0; 2] }
         }
@@ -316,8 +332,8 @@ mod tests {
                     *nodes[n].coordinate(axis) += dt * v;
                 }
             }
-            (nodes.behind, nodes.half) = (dt, dt);
-            self.contact.motion(&mut self.dofs, &Clock { now: Instant::default(), user_amplitudes: &[] }, dt);
+            (nodes.previous_dt, nodes.half) = (dt, dt);
+            self.contact.motion(&mut self.dofs, &AmplitudeClock { now: Instant::default(), user_amplitudes: &[] }, dt);
         }
 
         fn momentum(&self) -> f64 {
@@ -335,17 +351,17 @@ mod tests {
         }
     }
 
-    fn lines(points: &[[f64; 2]]) -> Profile {
-        Profile { segments: points.windows(2).map(|w| Segment::Line([w[0], w[1]])).collect() }
+    fn lines(points: &[[f64; 2]]) -> SurfaceProfile {
+        SurfaceProfile { segments: points.windows(2).map(|w| ProfileSegment::Line([w[0], w[1]])).collect() }
     }
 
-    /// A bowl of radius 1 around (2, 1), run through counter-clockwise, so that its inside is the front.
-    fn bowl() -> Profile {
+    /// A bowl of radius 1 around (2, 1), counter-clockwise, so that its inside is the contact side.
+    fn bowl() -> SurfaceProfile {
         let (c, points) = ([2.0, 1.0], [[1.0, 1.0], [2.0, 0.0], [3.0, 1.0]]);
-        Profile { segments: points.windows(2).map(|w| Segment::arc(w[0], w[1], c)).collect() }
+        SurfaceProfile { segments: points.windows(2).map(|w| ProfileSegment::arc(w[0], w[1], c)).collect() }
     }
 
-    /// Without friction a node that slides along a bowl keeps its speed, to rounding, whatever the increment.
+    /// Without friction a node that slides along a bowl keeps its speed to rounding for any increment.
     #[test]
     fn sliding_along_a_bowl_keeps_the_speed() {
         for dt in [0.1_f64, 0.01] {
@@ -366,9 +382,9 @@ mod tests {
         }
     }
 
-    /// In a bowl under gravity a node swings for ever: it comes back as high as it began, ten times over.
+    /// In a bowl under gravity a node returns ten times to the height at which it started.
     #[test]
-    fn a_node_swings_in_a_bowl_as_a_pendulum() {
+    fn node_in_a_bowl_has_the_period_of_a_pendulum() {
         let start = [2.0 + 0.5_f64.sin(), 1.0 - 0.5_f64.cos()];
         let mut scene = Scene::new(bowl(), 0.0, None, &[(start, [0.0; 2], 1.0)]);
         scene.gravity = [0.0, -1.0];
@@ -395,9 +411,10 @@ mod tests {
         assert!((highest - start[1]).abs() < 1e-4, "{highest} {}", start[1]);
     }
 
-    /// Over a convex corner nothing acts; in a concave one what points into the second side is lost and nothing else.
+    /// At a convex corner no force acts; in a concave corner only the velocity component into the second segment is
+    /// lost.
     #[test]
-    fn corners_do_not_kick() {
+    fn corners_add_no_impulse() {
         let down = lines(&[[0.0, 0.0], [1.0, 0.0], [2.0, -1.0]]);
         let mut scene = Scene::new(down, 0.0, None, &[([0.95, 0.0], [1.0, 0.0], 1.0)]);
         (0..20).for_each(|_| scene.advance(0.01));
@@ -412,7 +429,8 @@ mod tests {
         assert!((lost - 0.25).abs() < 1e-9 && (lost + scene.kinetic() - 0.5).abs() < 1e-12, "{lost}");
     }
 
-    /// A slope of 45 degrees under gravity, friction 0.3: (1 - 0.3)/sqrt 2 along it, and what is lost is friction.
+    /// On a slope of 45 degrees with friction 0.3 the acceleration is (1 - 0.3)/sqrt 2 g, and friction dissipates the
+    /// lost energy.
     #[test]
     fn sliding_down_a_slope_is_slowed_by_friction() {
         let slope = lines(&[[0.0, 10.0], [10.0, 0.0]]);
@@ -427,7 +445,7 @@ mod tests {
         let lost = scene.dofs.energies.friction;
         assert!((scene.kinetic() + lost - work).abs() < 0.01 * work, "{lost} {work}");
         assert!(scene.dofs.energies.contact.abs() < 1e-9);
-        // It sticks where friction is enough.
+        // It sticks if the friction coefficient is large enough.
         let slope = lines(&[[0.0, 10.0], [10.0, 0.0]]);
         let mut scene = Scene::new(slope, 1.1, None, &[([1.0, 9.0], [0.0; 2], 2.0)]);
         scene.gravity = [0.0, -1.0];
@@ -435,13 +453,13 @@ mod tests {
         assert!((scene.dofs.nodes[0].r - 1.0).abs() < 1e-12);
     }
 
-    /// Bodies from a million times lighter to a thousand times heavier than the nodes they meet: all that touches moves on
-    /// together, momentum is kept to rounding and energy only lost.
+    /// Bodies from a million times lighter to a thousand times heavier than the nodes they touch: momentum is conserved
+    /// to rounding, and energy is only dissipated.
     #[test]
-    fn free_bodies_keep_momentum_however_light() {
+    fn contact_with_free_bodies_conserves_momentum() {
         let punch = || {
             let c = [0.0, 2.0];
-            Profile { segments: vec![Segment::arc([0.0, 1.0], [1.0, 2.0], c).reversed()] }
+            SurfaceProfile { segments: vec![ProfileSegment::arc([0.0, 1.0], [1.0, 2.0], c).reversed()] }
         };
         for mass in [1e-6, 1e-3, 1.0, 1e3] {
             for friction in [0.0, 0.3] {
@@ -465,15 +483,15 @@ mod tests {
         }
     }
 
-    /// A body that falls on one node and carries it along: a perfectly plastic impact.
+    /// A body that hits one node and moves on with it: a perfectly plastic impact.
     #[test]
-    fn a_body_takes_a_node_along() {
+    fn impact_on_a_node_is_perfectly_plastic() {
         let flat = lines(&[[1.0, 0.0], [0.0, 0.0]]);
         let mut scene = Scene::new(flat, 0.0, Some((3.0, -1.0)), &[([0.5, -0.5], [0.0; 2], 1.0)]);
         (0..200).for_each(|_| scene.advance(0.01));
         assert!((scene.dofs.bodies[0].velocity_half + 0.75).abs() < 1e-12);
         assert!((scene.dofs.nodes[0].v_z + 0.75).abs() < 1e-12);
-        // Half the reduced mass times the square of the speed.
+        // The lost energy is half the reduced mass times the squared speed.
         assert!((scene.dofs.energies.contact - 0.375).abs() < 1e-12);
     }
 }

@@ -1,26 +1,25 @@
-//! What contact takes over from that of the step before where other pairs, laws or prescribed motions take the place of those in
-//! force: pairs are found again by their number, points by what carries them.
-//! Never here: what happens in contact.
+//! Continuation of contact in a step with other pairs, laws or prescribed motions: results are matched by the number of
+//! the pair and by the carriers of the points.
 
 use crate::kernel::lanes::InlineMap;
 use std::collections::HashMap;
 
-use super::curve::{Carrier, Point};
-use super::{Contact, Pair};
+use super::curve::{PointCarrier, SurfacePoint};
+use super::{ContactConstraint, ContactPair};
 
-/// What carries a point, so that it can be looked for.
-type Identity = (usize, Option<[u64; 2]>);
+/// Identifies the carrier of a point.
+type PointIdentity = (usize, Option<[u64; 2]>);
 
-fn identity(point: &Point) -> Identity {
+fn identity(point: &SurfacePoint) -> PointIdentity {
     match point.carrier {
-        Carrier::Node(node) => (node, None),
-        Carrier::Body(body, place) => (body, Some(place.inline_map(f64::to_bits))),
+        PointCarrier::Node(node) => (node, None),
+        PointCarrier::Body(body, place) => (body, Some(place.inline_map(f64::to_bits))),
     }
 }
 
-impl Contact {
-    /// Goes on with pressures, slip, impulses, clearances and the heat that surfaces may exchange.
-    pub(super) fn take_over(&mut self, previous: &Contact) {
+impl ContactConstraint {
+    /// Takes pressures, slip, impulses, clearances and heat exchange bounds from the previous contact.
+    pub(super) fn take_over(&mut self, previous: &ContactConstraint) {
         self.half = previous.half;
         self.bodies.clone_from(&previous.bodies);
         let known: HashMap<_, _> = previous.dofs.iter().map(|d| d.0).zip(&previous.impulses).collect();
@@ -42,7 +41,7 @@ impl Contact {
                 }
             }
         }
-        if let (Some(crossing), Some(before)) = (&mut self.crossing, &previous.crossing) {
+        if let (Some(crossing), Some(before)) = (&mut self.contact_heat, &previous.contact_heat) {
             let known: HashMap<_, _> = previous.points.iter().map(identity).zip(before.kept()).collect();
             for (point, most) in self.points.iter().zip(crossing.kept_mut()) {
                 *most = known.get(&identity(point)).map_or(0.0, |found| **found);
@@ -50,25 +49,26 @@ impl Contact {
         }
     }
 
-    fn take_over_key(&mut self, key: usize, previous: &Contact, other: usize) {
+    fn take_over_key(&mut self, key: usize, previous: &ContactConstraint, other: usize) {
         self.pressures[key] = previous.pressures[other];
         self.shown.take_over(key, &previous.shown, other);
-        let fit = previous.fits.get(other).copied().unwrap_or(0.0);
-        if fit != 0.0 && self.fits.is_empty() {
-            self.fits = vec![0.0; self.pressures.len()];
+        let fit = previous.gap_offsets.get(other).copied().unwrap_or(0.0);
+        if fit != 0.0 && self.gap_offsets.is_empty() {
+            self.gap_offsets = vec![0.0; self.pressures.len()];
         }
-        if let Some(own) = self.fits.get_mut(key) {
+        if let Some(own) = self.gap_offsets.get_mut(key) {
             *own = fit;
         }
     }
 
-    /// What carries the points of each facet of a curve.
-    fn facet_owners(&self, curve: usize) -> impl Iterator<Item = [Identity; 2]> {
+    /// Returns the carriers of the points of each facet of a curve.
+    fn facet_owners(&self, curve: usize) -> impl Iterator<Item = [PointIdentity; 2]> {
         self.curves[curve].facets.iter().map(|facet| facet.inline_map(|point| identity(&self.points[point as usize])))
     }
 
-    /// The keys of a pair by the points that own them: those of the own curve, then of the other, or of the own once more.
-    fn key_owners(&self, pair: &Pair) -> Vec<((bool, Identity), usize)> {
+    /// Returns the keys of a pair with the points that own them: the own curve first, then the other curve, or the own
+    /// curve again.
+    fn key_owners(&self, pair: &ContactPair) -> Vec<((bool, PointIdentity), usize)> {
         let own = &self.curves[pair.own].own;
         let others = pair.other.map_or(own, |other| &self.curves[other].own);
         let keys = pair.first_key as usize..(pair.first_key + self.keys_of(pair)) as usize;

@@ -1,101 +1,100 @@
-//! Curves of facets that may meet others: their points, what carries them, how facets follow each other, their shape now, and
-//! what of them comes and goes as elements are deleted.
-//! Never here: which facets meet, what acts where they do.
+//! Contact curves: facets, their points and carriers, their order and current shape, and facets that element deletion
+//! removes or exposes.
 
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementNodes;
-use crate::state::archive::{Archive, Persist, persist_struct};
+use crate::state::archive::{Persist, StateArchive, persist_struct};
 
-/// What carries a point of a surface.
+/// Carrier of a point of a contact surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Carrier {
-    /// A node of what deforms.
+pub enum PointCarrier {
+    /// A node of a deformable body.
     Node(usize),
-    /// A rigid body, from this place at the start.
+    /// A rigid body, with the initial coordinates of the point.
     Body(usize, [f64; 2]),
 }
 
 /// A point of contact surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
-    pub carrier: Carrier,
-    /// Whether it moves freely along r and z: no condition prescribes it.
+pub struct SurfacePoint {
+    pub carrier: PointCarrier,
+    /// Whether its motion along r and z is not prescribed.
     pub free: [bool; 2],
 }
 
-/// What follows a facet at one of its ends.
+/// Neighbour of a facet at one of its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Beyond {
+pub enum FacetNeighbor {
     /// Another facet of the curve.
     Facet(u32),
-    /// The axis of symmetry: the surface goes on there as its own image.
+    /// The axis of symmetry: the surface continues as its mirror image.
     Axis,
-    /// Nothing: the surface ends.
+    /// The surface ends.
     Nothing,
 }
 
-/// Facets one after the other, each with the body to the left of the way along it.
+/// Connected facets; the body is to the left of each.
 #[derive(Clone, Debug, Default)]
-pub struct Curve {
-    /// The two points of each, as indices into those of the contact.
+pub struct FacetCurve {
+    /// The two points of each facet, as indices of contact points.
     pub facets: Vec<[u32; 2]>,
-    /// What lies beyond the first and the second.
-    pub beyond: Vec<[Beyond; 2]>,
-    /// How far in front of its facets the surface lies: half the thickness of shells.
+    /// Neighbours at the first and at the second point of each facet.
+    pub neighbors: Vec<[FacetNeighbor; 2]>,
+    /// Distance of the contact surface from each facet: half the thickness of shells.
     pub lift: Vec<f64>,
-    /// How far behind a facet something is still in contact with it: half of what the body is thick there.
+    /// Largest overlap at which a point is in contact with the facet: half the thickness of the body there.
     pub depth: Vec<f64>,
-    /// Whether each lies bare. Where elements can be deleted, faces between two of them are facets from the start, one for each
-    /// side, which become bare when the element in front goes.
-    pub there: Vec<bool>,
-    /// Whether the element behind each is still there.
-    behind: Vec<bool>,
-    /// The points, each once, with the facets around each and which of their ends it is.
+    /// Whether each facet is exposed. If elements can be deleted, faces between two elements are facets from the start,
+    /// one for each side. They become exposed when the element in front of them is deleted.
+    pub is_exposed: Vec<bool>,
+    /// Whether the element of each facet exists.
+    has_element: Vec<bool>,
+    /// The points, each once.
     pub own: Vec<u32>,
+    /// Facets around each point, and which end of the facet the point is.
     around: Vec<Vec<(u32, u8)>>,
-    /// Those facets that lie bare, as they follow each other.
-    pub bare: Vec<u32>,
-    /// Indices among the own points of those that bare facets have, in the same order, and of those that no element has, or none any
-    /// more.
-    pub bare_own: Vec<u32>,
-    /// See there; none where they meet nothing any more.
+    /// Exposed facets, in the order in which they are connected.
+    pub exposed: Vec<u32>,
+    /// Indices in `own` of the points of exposed facets, in the same order.
+    pub exposed_points: Vec<u32>,
+    /// Indices in `own` of points that have no element, or no element any more; empty if they have no contact.
     pub orphans: Vec<u32>,
     drops_orphans: bool,
-    /// Indices among the own points of tips: where the curve ends in a point on the axis.
+    /// Indices in `own` of tips: points on the axis at which the curve ends in a sharp angle.
     tips: Vec<u32>,
-    /// Shapes at the start of the increment, of facets that lie bare.
-    pub shapes: Vec<Shape>,
-    /// What has been put in order so far.
+    /// Shape of each exposed facet at the start of the increment.
+    pub shapes: Vec<FacetShape>,
+    /// Work array: items that have been sorted.
     ordered: Vec<bool>,
 }
 
-/// A facet at an instant.
+/// Geometry of a facet at an instant.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Shape {
+pub struct FacetShape {
     pub from: [f64; 2],
-    /// From the first point to the second.
+    /// Vector from the first point to the second.
     pub along: [f64; 2],
     pub normal: [f64; 2],
     pub length: f64,
 }
 
-impl Shape {
+impl FacetShape {
     #[inline]
-    pub fn new(from: [f64; 2], to: [f64; 2]) -> Shape {
+    pub fn new(from: [f64; 2], to: [f64; 2]) -> FacetShape {
         let along = [to[0] - from[0], to[1] - from[1]];
         let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
-        Shape { from, along, normal: [along[1] / length, -along[0] / length], length }
+        FacetShape { from, along, normal: [along[1] / length, -along[0] / length], length }
     }
 
-    /// Whether a place lies on its outer side.
+    /// Returns whether a point is on the outer side.
     #[inline]
     pub fn in_front(&self, place: [f64; 2]) -> bool {
         (place[0] - self.from[0]) * self.normal[0] + (place[1] - self.from[1]) * self.normal[1] > 0.0
     }
 
-    /// The lower and the upper corner of its box.
+    /// Returns the lower and the upper corner of the bounding box.
     #[inline]
     pub fn bounds(&self) -> [[f64; 2]; 2] {
         let to = [self.from[0] + self.along[0], self.from[1] + self.along[1]];
@@ -103,13 +102,13 @@ impl Shape {
     }
 }
 
-/// The sine of the angle to the plane across the axis above which a point there is a tip.
+/// Sine of the angle to the plane normal to the axis above which a point on the axis is a tip.
 const SHARP: f64 = 0.29;
 
-impl Curve {
-    /// A curve of facets between points at `places`, which lie on the axis where r is zero. Those of the facets from `bare` on are
-    /// hidden at the start.
-    pub fn new(facets: Vec<[u32; 2]>, depth: Vec<f64>, bare: usize, places: &[[f64; 2]]) -> Curve {
+impl FacetCurve {
+    /// A curve of facets between points with the coordinates `places`; a point with r = 0 is on the axis. The facets
+    /// from index `bare` on are not exposed at the start.
+    pub fn new(facets: Vec<[u32; 2]>, depth: Vec<f64>, bare: usize, places: &[[f64; 2]]) -> FacetCurve {
         let own: Vec<u32> = sorted_unique(facets.iter().flatten().copied());
         let mut around = vec![Vec::new(); own.len()];
         for (k, facet) in facets.iter().enumerate() {
@@ -120,48 +119,48 @@ impl Curve {
             }
         }
         let count = facets.len();
-        let mut curve = Curve {
-            beyond: vec![[Beyond::Nothing; 2]; count],
+        let mut curve = FacetCurve {
+            neighbors: vec![[FacetNeighbor::Nothing; 2]; count],
             lift: vec![0.0; count],
             depth,
-            there: (0..count).map(|k| k < bare).collect(),
-            behind: vec![true; count],
-            bare: Vec::with_capacity(count),
-            bare_own: Vec::with_capacity(own.len()),
+            is_exposed: (0..count).map(|k| k < bare).collect(),
+            has_element: vec![true; count],
+            exposed: Vec::with_capacity(count),
+            exposed_points: Vec::with_capacity(own.len()),
             orphans: Vec::with_capacity(if bare < count { own.len() } else { 0 }),
             tips: Vec::new(),
             drops_orphans: false,
             own,
             around,
-            shapes: vec![Shape::default(); count],
+            shapes: vec![FacetShape::default(); count],
             ordered: Vec::with_capacity(2 * count),
             facets,
         };
         curve.list();
-        curve.join(places);
+        curve.find_neighbors(places);
         curve.find_tips(places);
         curve
     }
 
-    /// Points without facets, ascending.
-    pub fn of_points(points: Vec<u32>) -> Curve {
-        let mut curve = Curve::new(Vec::new(), Vec::new(), 0, &[]);
+    /// A curve of points without facets, in ascending order.
+    pub fn of_points(points: Vec<u32>) -> FacetCurve {
+        let mut curve = FacetCurve::new(Vec::new(), Vec::new(), 0, &[]);
         (curve.around, curve.own) = (vec![Vec::new(); points.len()], points);
         curve.list();
         curve
     }
 
-    /// Tips are points on the axis from which the surface rises behind them. The hats of what they meet see them late: they meet
-    /// by themselves, too.
+    /// Finds tips: points on the axis from which the surface slopes backwards. The weighted gap detects them late, so
+    /// they also have point contact.
     fn find_tips(&mut self, places: &[[f64; 2]]) {
-        for &k in &self.bare {
+        for &k in &self.exposed {
             for end in [0, 1] {
                 let point = self.facets[k as usize][end];
-                if self.beyond[k as usize][end] != Beyond::Axis {
+                if self.neighbors[k as usize][end] != FacetNeighbor::Axis {
                     continue;
                 }
                 let [a, b] = self.facets[k as usize].inline_map(|p| places[p as usize]);
-                let shape = Shape::new(a, b);
+                let shape = FacetShape::new(a, b);
                 let rises = if end == 0 { shape.along[1] } else { -shape.along[1] } / shape.length;
                 if rises.abs() > SHARP
                     && rises * shape.normal[1] < 0.0
@@ -173,44 +172,55 @@ impl Curve {
         }
     }
 
-    /// Whether some of its points may meet what they meet by themselves.
+    /// Returns whether some of its points may be in contact by themselves.
     pub fn has_loose_points(&self) -> bool {
-        self.bare.len() < self.facets.len() || !self.tips.is_empty()
+        self.exposed.len() < self.facets.len() || !self.tips.is_empty()
     }
 
-    /// Points that meet the other surface by themselves, as indices among the own ones: orphans, then tips whose facet is there.
-    pub fn loose(&self) -> impl Iterator<Item = u32> + '_ {
-        let there = |i: &&u32| self.around[**i as usize].iter().any(|f| self.there[f.0 as usize]);
+    /// Returns the points that are in contact by themselves, as indices in `own`: points without elements, then tips
+    /// with an exposed facet.
+    pub fn single_points(&self) -> impl Iterator<Item = u32> + '_ {
+        let there = |i: &&u32| self.around[**i as usize].iter().any(|f| self.is_exposed[f.0 as usize]);
         self.orphans.iter().chain(self.tips.iter().filter(there)).copied()
     }
 
-    /// Lets points that no element has any more meet nothing.
+    /// Excludes points without elements from contact.
     pub fn drop_orphans(&mut self) {
         self.drops_orphans = true;
     }
 
-    /// The same of shells, whose surface lies in front of the facets.
-    pub fn lifted(mut self, lift: Vec<f64>) -> Curve {
+    /// Returns the curve with its surface at the distance `lift` from the facets (shells).
+    pub fn lifted(mut self, lift: Vec<f64>) -> FacetCurve {
         self.lift = lift;
         self
     }
 
-    /// The largest lift of its facets.
+    /// Returns the largest distance of the surface from its facets.
     pub fn highest(&self) -> f64 {
         self.lift.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Goes on with what a curve of the same facets has of them by now.
-    pub fn take_over(&mut self, previous: &Curve) {
-        self.there.clone_from(&previous.there);
-        self.behind.clone_from(&previous.behind);
-        self.beyond.clone_from(&previous.beyond);
+    /// Takes the exposed facets of a previous curve with the same facets.
+    pub fn take_over(&mut self, previous: &FacetCurve) {
+        self.is_exposed.clone_from(&previous.is_exposed);
+        self.has_element.clone_from(&previous.has_element);
+        self.neighbors.clone_from(&previous.neighbors);
         self.list();
         self.order();
     }
 
     pub fn list(&mut self) {
-        let Curve { there, behind, own, around, bare, bare_own, orphans, drops_orphans, .. } = self;
+        let FacetCurve {
+            is_exposed: there,
+            has_element: behind,
+            own,
+            around,
+            exposed: bare,
+            exposed_points: bare_own,
+            orphans,
+            drops_orphans,
+            ..
+        } = self;
         bare.clear();
         bare.extend((0..there.len() as u32).filter(|k| there[*k as usize]));
         bare_own.clear();
@@ -228,39 +238,49 @@ impl Curve {
         found.map(|f| f.0 as usize)
     }
 
-    /// Elements with these boundaries, counter-clockwise, are deleted: their facets go, those of elements beside them are exposed.
-    /// Returns whether anything of the curve has changed.
+    /// Removes the facets of deleted elements and exposes those of their neighbours. `deleted` are the corner nodes of
+    /// the elements, counter-clockwise. Returns whether the curve has changed.
     pub fn release(&mut self, deleted: impl Iterator<Item = ElementNodes> + Clone) -> bool {
         let edges = || deleted.clone().flat_map(ElementNodes::sides);
         let mut changed = false;
         for [a, b] in edges() {
             if let Some(k) = self.facet(a, b) {
-                changed |= self.behind[k];
-                (self.there[k], self.behind[k]) = (false, false);
+                changed |= self.has_element[k];
+                (self.is_exposed[k], self.has_element[k]) = (false, false);
             }
         }
         for [a, b] in edges() {
-            if let Some(k) = self.facet(b, a).filter(|k| self.behind[*k] && changed) {
-                self.there[k] = true;
+            if let Some(k) = self.facet(b, a).filter(|k| self.has_element[*k] && changed) {
+                self.is_exposed[k] = true;
             }
         }
         changed
     }
 
-    /// Puts bare facets and their points in the order in which they follow each other, so that what meets is near in number.
+    /// Sorts exposed facets and their points in the order in which they are connected, so that contact rows form a
+    /// narrow band.
     fn order(&mut self) {
-        let Curve { facets, beyond, own, bare, bare_own, ordered, there, .. } = self;
+        let FacetCurve {
+            facets,
+            neighbors: beyond,
+            own,
+            exposed: bare,
+            exposed_points: bare_own,
+            ordered,
+            is_exposed: there,
+            ..
+        } = self;
         ordered.clear();
         ordered.resize(facets.len(), false);
         bare.clear();
-        let begins = |k: &usize| !matches!(beyond[*k][0], Beyond::Facet(_));
+        let begins = |k: &usize| !matches!(beyond[*k][0], FacetNeighbor::Facet(_));
         let all = || (0..facets.len()).filter(|k| there[*k]);
         for first in all().filter(begins).chain(all()) {
             let mut next = Some(first);
             while let Some(k) = next.filter(|k| !std::mem::replace(&mut ordered[*k], true)) {
                 bare.push(k as u32);
                 next = match beyond[k][1] {
-                    Beyond::Facet(j) => Some(j as usize),
+                    FacetNeighbor::Facet(j) => Some(j as usize),
                     _ => None,
                 };
             }
@@ -277,57 +297,59 @@ impl Curve {
         }
     }
 
-    /// Finds what lies beyond each end: of several facets that go on from a point the one that turns least from the way.
-    pub fn join(&mut self, places: &[[f64; 2]]) {
+    /// Finds the neighbours of each exposed facet. Of several facets at a point it takes the one with the smallest
+    /// change of direction.
+    pub fn find_neighbors(&mut self, places: &[[f64; 2]]) {
         let way = |facet: [u32; 2]| {
             let [a, b] = facet.inline_map(|p| places[p as usize]);
-            Shape::new(a, b)
+            FacetShape::new(a, b)
         };
-        for at in 0..self.bare.len() {
-            let k = self.bare[at] as usize;
+        for at in 0..self.exposed.len() {
+            let k = self.exposed[at] as usize;
             for end in [0, 1] {
                 let point = self.facets[k][end];
                 let here = way(self.facets[k]);
-                let others =
-                    self.around(point).filter(|&(j, e)| e as usize != end && self.there[j as usize] && j as usize != k);
+                let others = self
+                    .around(point)
+                    .filter(|&(j, e)| e as usize != end && self.is_exposed[j as usize] && j as usize != k);
                 let turn = |j: u32| {
                     let next = way(self.facets[j as usize]);
                     -(here.normal[0] * next.normal[0] + here.normal[1] * next.normal[1])
                 };
                 let next = others.map(|(j, _)| (turn(j), j)).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-                self.beyond[k][end] = match next {
-                    Some((_, j)) => Beyond::Facet(j),
-                    None if places[point as usize][0] == 0.0 => Beyond::Axis,
-                    None => Beyond::Nothing,
+                self.neighbors[k][end] = match next {
+                    Some((_, j)) => FacetNeighbor::Facet(j),
+                    None if places[point as usize][0] == 0.0 => FacetNeighbor::Axis,
+                    None => FacetNeighbor::Nothing,
                 };
             }
         }
         self.order();
     }
 
-    /// The facets around a point, and which of their ends it is.
+    /// Returns the facets around a point, and which end of the facet the point is.
     pub fn around(&self, point: u32) -> impl Iterator<Item = (u32, u8)> + '_ {
         let at = self.own.binary_search(&point);
         at.into_iter().flat_map(|at| self.around[at].iter().copied())
     }
 
-    /// The facets around the point of an index among the curve's own.
+    /// Returns the same for an index in `own`.
     #[inline]
     pub fn around_own(&self, index: usize) -> &[(u32, u8)] {
         &self.around[index]
     }
 
-    /// Takes the shapes of facets between points at these places.
+    /// Updates the shapes of exposed facets from the coordinates of the points.
     pub fn shape(&mut self, places: &[[f64; 2]]) {
-        for &k in &self.bare {
+        for &k in &self.exposed {
             let [a, b] = self.facets[k as usize].inline_map(|p| places[p as usize]);
-            self.shapes[k as usize] = Shape::new(a, b);
+            self.shapes[k as usize] = FacetShape::new(a, b);
         }
     }
 
-    /// Area of the hat function of the point of an index among the curve's own, over the surface of revolution.
+    /// Returns the integral of the hat function of an own point over the surface of revolution.
     pub fn area(&self, index: usize, places: &[[f64; 2]]) -> f64 {
-        let own = self.around[index].iter().filter(|f| self.there[f.0 as usize]);
+        let own = self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize]);
         let of = |&(k, end): &(u32, u8)| {
             let radii = self.facets[k as usize].inline_map(|p| places[p as usize][0]);
             let (here, there) = (radii[end as usize], radii[1 - end as usize]);
@@ -336,53 +358,53 @@ impl Curve {
         own.map(of).sum()
     }
 
-    /// How far in front of the point of an index among the curve's own the surface lies, in the mean of all facets there ever are.
+    /// Returns the mean distance of the surface from an own point, over all of its facets.
     pub fn lift_of(&self, index: usize) -> f64 {
         let around = &self.around[index];
         let sum: f64 = around.iter().map(|f| self.lift[f.0 as usize]).sum();
         sum / around.len().max(1) as f64
     }
 
-    /// Memory of the arrays.
+    /// Returns the memory of the arrays.
     pub fn memory(&self) -> MemoryUse {
         let of_facets = MemoryUse::of(&self.facets)
-            + MemoryUse::of(&self.beyond)
+            + MemoryUse::of(&self.neighbors)
             + MemoryUse::of(&self.lift)
             + MemoryUse::of(&self.depth)
-            + MemoryUse::of(&self.there)
-            + MemoryUse::of(&self.behind)
-            + MemoryUse::of(&self.bare)
+            + MemoryUse::of(&self.is_exposed)
+            + MemoryUse::of(&self.has_element)
+            + MemoryUse::of(&self.exposed)
             + MemoryUse::of(&self.shapes)
             + MemoryUse::of(&self.ordered);
-        let of_points = MemoryUse::of(&self.own) + MemoryUse::of(&self.bare_own) + MemoryUse::of(&self.orphans);
+        let of_points = MemoryUse::of(&self.own) + MemoryUse::of(&self.exposed_points) + MemoryUse::of(&self.orphans);
         let around = MemoryUse::of(&self.around) + self.around.iter().map(MemoryUse::of).sum();
         of_facets + of_points + around + MemoryUse::of(&self.tips)
     }
 }
 
-impl Persist for Beyond {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+impl Persist for FacetNeighbor {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         let mut code = match *self {
-            Beyond::Facet(k) => k,
-            Beyond::Axis => u32::MAX,
-            Beyond::Nothing => u32::MAX - 1,
+            FacetNeighbor::Facet(k) => k,
+            FacetNeighbor::Axis => u32::MAX,
+            FacetNeighbor::Nothing => u32::MAX - 1,
         };
         code.persist(archive);
         *self = match code {
-            u32::MAX => Beyond::Axis,
-            code if code == u32::MAX - 1 => Beyond::Nothing,
-            k => Beyond::Facet(k),
+            u32::MAX => FacetNeighbor::Axis,
+            code if code == u32::MAX - 1 => FacetNeighbor::Nothing,
+            k => FacetNeighbor::Facet(k),
         };
     }
 }
 
-persist_struct!(Curve { there: fixed, behind: fixed, beyond: fixed } derived {
-    facets, lift, depth, own, around, bare, bare_own, orphans, drops_orphans, tips, shapes, ordered
-} then Curve::list_again);
+persist_struct!(FacetCurve { is_exposed: fixed, has_element: fixed, neighbors: fixed } derived {
+    facets, lift, depth, own, around, exposed, exposed_points, orphans, drops_orphans, tips, shapes, ordered
+} then FacetCurve::list_again);
 
-impl Curve {
-    /// What lies bare follows from what has been read.
-    fn list_again(&mut self, archive: &mut Archive<'_>) {
+impl FacetCurve {
+    /// Rebuilds the lists of exposed facets after reading.
+    fn list_again(&mut self, archive: &mut StateArchive<'_>) {
         if archive.reads() {
             self.list();
             self.order();

@@ -1,95 +1,104 @@
-//! The impulses of contact at once. Surfaces of revolution are curves: a row shares degrees of freedom with rows near it along the
-//! curve alone, so that how rows move each other is a band matrix, and its factors cost little more than one sweep. Which rows
-//! press, stick or slide is guessed from the increment before and set right in rounds: the semi-smooth Newton method for contact
-//! with friction (Alart and Curnier 1991, Comput. Methods Appl. Mech. Engrg. 92, 353; as active sets Hüeber and Wohlmuth 2005,
-//! Comput. Methods Appl. Mech. Engrg. 194, 3147). Rigid bodies that move freely stand beside the band, whatever their mass.
-//! Never here: sweeps, which take over where rounds do not end or rows depend on each other.
+//! Direct solution for the contact impulses. Surfaces of revolution are curves, so a row shares degrees of freedom only
+//! with rows near it. The matrix is therefore banded, and its factorisation costs little more than one sweep. The
+//! status of rows (open, sliding, sticking) starts from the previous increment and is corrected in iterations: the
+//! semi-smooth Newton method for frictional contact (Alart and Curnier 1991, Comput. Methods Appl. Mech. Engrg. 92,
+//! 353; as active sets Hüeber and Wohlmuth 2005, Comput. Methods Appl. Mech. Engrg. 194, 3147). Free rigid bodies are
+//! columns outside the band, for any mass. If the iterations do not end, or rows depend on each other,
+//! [`super::sweeps`] solves instead.
 
-use super::sweeps::{Given, Motion, Row, Rows, Span, TOLERANCE, Term, closed_overlap, most_shear};
-use crate::kernel::interaction::{Law, Overclosure};
+use super::sweeps::{
+    ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, GapTerm, TOLERANCE, closed_overlap,
+    shear_limit,
+};
+use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use crate::kernel::lists::MemoryUse;
 use nalgebra::{SMatrix, SVector};
 
+/// Status of a contact row.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Status {
+enum ContactStatus {
     Open,
-    /// Presses; what friction can do is done along this direction, against the slip.
+    /// In contact and sliding; the friction impulse has its largest size in this direction (1, -1, or 0 without
+    /// friction).
     Slides(f64),
     Sticks,
 }
 
-/// One entry of the matrix's rows and columns: a pressure, or the shear of what sticks.
+/// Unknown of the linear system: a normal impulse, or the shear impulse of a sticking row.
 #[derive(Clone, Copy, Debug)]
-struct Unknown {
+struct ContactUnknown {
     row: u32,
     shears: bool,
-    /// How the shear grows with the pressure where the row slides.
-    rubs: f64,
+    /// Derivative of the shear impulse by the normal impulse in a sliding row.
+    friction_slope: f64,
 }
 
-impl Unknown {
-    /// The share of a degree of freedom in the rate that the unknown is there for.
-    fn test(&self, term: &Term) -> f64 {
+impl ContactUnknown {
+    /// Returns the coefficient of a degree of freedom in the rate that the unknown controls.
+    fn test(&self, term: &GapTerm) -> f64 {
         if self.shears { term.slip } else { term.normal }
     }
 
-    /// The impulse on a degree of freedom by one of the unknown.
-    fn impulse(&self, term: &Term) -> f64 {
-        if self.shears { term.slip } else { term.normal + self.rubs * term.slip }
+    /// Returns the impulse on a degree of freedom from a unit of the unknown.
+    fn impulse(&self, term: &GapTerm) -> f64 {
+        if self.shears { term.slip } else { term.normal + self.friction_slope * term.slip }
     }
 }
 
-/// An unknown that moves a degree of freedom, in the list of those that do.
+/// Entry in the linked list of the unknowns that move a degree of freedom.
 #[derive(Clone, Copy, Debug)]
-struct Link {
+struct UnknownLink {
     next: u32,
     unknown: u32,
     test: f64,
     impulse: f64,
 }
 
-/// Rooms of the direct solution.
+/// Work arrays of the direct contact solver.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Direct {
-    status: Vec<Status>,
-    unknowns: Vec<Unknown>,
-    /// Of each degree of freedom the first unknown that moves it, then the last link.
+pub(super) struct DirectSolver {
+    status: Vec<ContactStatus>,
+    unknowns: Vec<ContactUnknown>,
+    /// For each degree of freedom, the first unknown that moves it.
     first: Vec<u32>,
+    /// For each degree of freedom, its last link.
     last: Vec<u32>,
-    links: Vec<Link>,
-    /// Rows of the band, of twice the half width and the diagonal.
+    links: Vec<UnknownLink>,
+    /// Banded matrix, row by row; a row has twice the half width plus one entries.
     band: Vec<f64>,
-    /// How many numbers it may have.
-    room: usize,
+    /// Largest number of matrix entries.
+    band_capacity: usize,
     half_width: usize,
-    /// Its diagonal before elimination.
+    /// Diagonal of the matrix before elimination.
     diagonal: Vec<f64>,
-    /// The right-hand side, and a column for each rigid body.
+    /// Right-hand side, and one column for each rigid body.
     columns: Vec<[f64; COLUMNS]>,
-    /// Impulses of unknowns on the rigid bodies.
+    /// Impulses of the unknowns on the rigid bodies.
     on_bodies: Vec<[f64; BODIES]>,
 }
 
-/// Rigid bodies that can stand beside the band.
+/// Largest number of rigid bodies with columns outside the band.
 const BODIES: usize = 4;
 const COLUMNS: usize = BODIES + 1;
 const ROUNDS: u32 = 16;
-/// Numbers of the band that there is room for, a row of contact: half widths up to 11 where all rows stick, 23 where none does.
-const ROOM: usize = 48;
-/// The least part of a diagonal that elimination may leave: rows that depend on each other are for sweeps.
+/// Matrix entries allocated for each row of contact: half widths up to 11 if all rows stick, up to 23 without sticking
+/// rows.
+const ENTRIES_PER_ROW: usize = 48;
+/// Smallest fraction of a diagonal that elimination may leave. If less is left, rows depend on each other and the
+/// sweeps take over.
 const LEAST_PIVOT: f64 = 1e-9;
 const NONE: u32 = u32::MAX;
 
-impl Direct {
-    /// Room for this many rows and degrees of freedom, of which the copy of a contact has none.
+impl DirectSolver {
+    /// Allocates for this number of rows and degrees of freedom; a copied contact has no capacity.
     pub(super) fn reserve(&mut self, rows: usize, dofs: usize) {
-        // What there is room for must not follow from what was there before: it decides how impulses are found.
-        *self = Direct { room: ROOM * rows, ..Direct::default() };
+        // The capacity decides which solver is used, so it must not depend on previous allocations.
+        *self = DirectSolver { band_capacity: ENTRIES_PER_ROW * rows, ..DirectSolver::default() };
         self.status.reserve(rows);
         self.unknowns.reserve(2 * rows);
         self.links.reserve(64 * rows);
-        self.band.reserve(self.room);
+        self.band.reserve(self.band_capacity);
         self.diagonal.reserve(2 * rows);
         self.columns.reserve(2 * rows);
         self.on_bodies.reserve(2 * rows);
@@ -110,45 +119,54 @@ impl Direct {
     }
 }
 
-/// How shear grows with pressure where friction is at its largest.
-fn rubs(row: &Row, law: &Law, direction: f64, half: f64) -> f64 {
-    let capped = row.coefficient * row.pressed >= law.friction.largest * half;
+/// Returns the derivative of the shear impulse by the normal impulse at the friction limit.
+fn friction_slope(row: &ContactRow, law: &InteractionLaw, direction: f64, half: f64) -> f64 {
+    let capped = row.coefficient * row.normal_impulse >= law.friction.largest * half;
     if capped || direction == 0.0 { 0.0 } else { direction * row.coefficient }
 }
 
-/// How a row begins to press: by what it would take alone.
-fn begins(row: &Row, law: &Law, rate: f64, slip: f64) -> Status {
-    if row.coefficient <= 0.0 || row.gives[1] <= 0.0 {
-        return Status::Slides(0.0);
+/// Returns the status of a row that closes, from the impulses that it needs without other rows.
+fn initial_status(row: &ContactRow, law: &InteractionLaw, rate: f64, slip: f64) -> ContactStatus {
+    if row.coefficient <= 0.0 || row.compliance[1] <= 0.0 {
+        return ContactStatus::Slides(0.0);
     }
-    let held = -slip / row.gives[1];
-    let pressed = -(rate + row.bias) / row.gives[0];
-    let slides = law.overclosure == Overclosure::Hard && held.abs() > row.coefficient * pressed;
-    if slides { Status::Slides(held.signum()) } else { Status::Sticks }
+    let held = -slip / row.compliance[1];
+    let pressed = -(rate + row.bias) / row.compliance[0];
+    let slides = law.overclosure == PressureOverclosure::Hard && held.abs() > row.coefficient * pressed;
+    if slides { ContactStatus::Slides(held.signum()) } else { ContactStatus::Sticks }
 }
 
-/// Whether a row that pressed presses no longer: where its impulse would have to pull, or, if it gives way, where it is open.
-fn lets_go(row: &Row, law: &Overclosure, rate: impl Fn() -> f64, span: Span) -> bool {
+/// Returns whether a closed row opens: a hard row with a tensile impulse, or a soft one with a gap.
+fn opens(row: &ContactRow, law: &PressureOverclosure, rate: impl Fn() -> f64, span: ContactInterval) -> bool {
     match law {
-        Overclosure::Hard => row.pressed <= 0.0,
-        soft => closed_overlap(row, soft, rate(), span) <= -soft.begins(),
+        PressureOverclosure::Hard => row.normal_impulse <= 0.0,
+        soft => closed_overlap(row, soft, rate(), span) <= -soft.onset_gap(),
     }
 }
 
-impl Rows {
-    /// Finds the impulses from those that rows have. Returns whether they were found, to the part [`TOLERANCE`] of the `reference`
-    /// velocity.
-    pub(super) fn solve_directly(&mut self, motion: &mut Motion, reference: f64, given: Given<'_>) -> bool {
+impl ContactRows {
+    /// Solves for the impulses, starting from those stored in the rows. Returns whether the solution converged to
+    /// [`TOLERANCE`] times the `reference` velocity.
+    pub(super) fn solve_directly(
+        &mut self,
+        motion: &mut ContactVelocities,
+        reference: f64,
+        given: ContactStep<'_>,
+    ) -> bool {
         if self.bodies.len() > BODIES {
             return false;
         }
         self.guess(given);
         let allowed = TOLERANCE * reference;
         for round in 0..ROUNDS {
-            let changed = self.set_right(motion, allowed, given);
-            self.obey(motion, given);
-            if !changed && round > 0 && self.wrong(motion, given) <= allowed {
-                self.direct.status.iter().zip(&mut self.rows).for_each(|(s, row)| row.sticks = *s == Status::Sticks);
+            let changed = self.update_statuses(motion, allowed, given);
+            self.enforce_statuses(motion, given);
+            if !changed && round > 0 && self.largest_error(motion, given) <= allowed {
+                self.direct
+                    .status
+                    .iter()
+                    .zip(&mut self.rows)
+                    .for_each(|(s, row)| row.sticks = *s == ContactStatus::Sticks);
                 return true;
             }
             if !self.step(motion, given) {
@@ -158,54 +176,60 @@ impl Rows {
         false
     }
 
-    /// Statuses from the impulses of the increment before.
-    fn guess(&mut self, given: Given<'_>) {
-        let Rows { rows, direct, .. } = self;
+    /// Sets statuses from the impulses of the previous increment.
+    fn guess(&mut self, given: ContactStep<'_>) {
+        let ContactRows { rows, direct, .. } = self;
         direct.status.clear();
         for row in rows.iter() {
-            let most = most_shear(row, &given.laws[row.law as usize], given.span.half);
-            direct.status.push(match row.pressed > 0.0 {
-                false => Status::Open,
-                // What is held along the surface otherwise gives friction no way.
-                true if row.gives[1] <= 0.0 => Status::Slides(0.0),
-                true if row.sheared.abs() < most * (1.0 - 1e-9) => Status::Sticks,
-                true => Status::Slides(row.sheared.signum()),
+            let most = shear_limit(row, &given.laws[row.law as usize], given.span.half);
+            direct.status.push(match row.normal_impulse > 0.0 {
+                false => ContactStatus::Open,
+                // No friction impulse is possible if the motion along the surface is prescribed.
+                true if row.compliance[1] <= 0.0 => ContactStatus::Slides(0.0),
+                true if row.shear_impulse.abs() < most * (1.0 - 1e-9) => ContactStatus::Sticks,
+                true => ContactStatus::Slides(row.shear_impulse.signum()),
             });
         }
     }
 
-    /// Changes the statuses that the impulses contradict. Returns whether any changed.
-    fn set_right(&mut self, motion: &Motion, allowed: f64, given: Given<'_>) -> bool {
-        let Rows { rows, terms, direct, .. } = self;
+    /// Changes the statuses that contradict the impulses. Returns whether any changed.
+    fn update_statuses(&mut self, motion: &ContactVelocities, allowed: f64, given: ContactStep<'_>) -> bool {
+        let ContactRows { rows, terms, direct, .. } = self;
         let mut changed = false;
         for (row, status) in rows.iter().zip(&mut direct.status) {
             let own = row.own(terms);
             let law = &given.laws[row.law as usize];
             let next = match *status {
-                Status::Open => {
+                ContactStatus::Open => {
                     let rate = motion.rate(own);
                     let closes = match law.overclosure {
-                        Overclosure::Hard => rate + row.bias < -allowed * row.area,
+                        PressureOverclosure::Hard => rate + row.bias < -allowed * row.area,
                         _ => {
                             closed_overlap(row, &law.overclosure, rate, given.span)
-                                > allowed * given.span.ahead - law.overclosure.begins()
+                                > allowed * given.span.dt - law.overclosure.onset_gap()
                         }
                     };
-                    if closes { begins(row, law, rate, motion.slip(own)) } else { Status::Open }
+                    if closes { initial_status(row, law, rate, motion.slip(own)) } else { ContactStatus::Open }
                 }
-                _ if lets_go(row, &law.overclosure, || motion.rate(own), given.span) => Status::Open,
-                Status::Sticks => {
-                    let most = most_shear(row, law, given.span.half);
-                    if row.sheared.abs() > most { Status::Slides(row.sheared.signum()) } else { Status::Sticks }
+                _ if opens(row, &law.overclosure, || motion.rate(own), given.span) => ContactStatus::Open,
+                ContactStatus::Sticks => {
+                    let most = shear_limit(row, law, given.span.half);
+                    if row.shear_impulse.abs() > most {
+                        ContactStatus::Slides(row.shear_impulse.signum())
+                    } else {
+                        ContactStatus::Sticks
+                    }
                 }
-                Status::Slides(direction) => {
+                ContactStatus::Slides(direction) => {
                     let slip = motion.slip(own);
                     let stops = direction * slip > allowed * row.area;
-                    let held = row.sheared - slip / row.gives[1];
+                    let held = row.shear_impulse - slip / row.compliance[1];
                     match stops {
-                        true if held.abs() > most_shear(row, law, given.span.half) => Status::Slides(held.signum()),
-                        true => Status::Sticks,
-                        false => Status::Slides(direction),
+                        true if held.abs() > shear_limit(row, law, given.span.half) => {
+                            ContactStatus::Slides(held.signum())
+                        }
+                        true => ContactStatus::Sticks,
+                        false => ContactStatus::Slides(direction),
                     }
                 }
             };
@@ -215,55 +239,57 @@ impl Rows {
         changed
     }
 
-    /// Changes impulses to what statuses allow.
-    fn obey(&mut self, motion: &mut Motion, given: Given<'_>) {
-        let Rows { rows, terms, direct, .. } = self;
+    /// Limits the impulses to those that the statuses allow.
+    fn enforce_statuses(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) {
+        let ContactRows { rows, terms, direct, .. } = self;
         for (row, status) in rows.iter_mut().zip(&direct.status) {
             let own = row.own(terms);
             let (pressed, sheared) = match *status {
-                Status::Open => (0.0, 0.0),
-                Status::Sticks => (row.pressed.max(0.0), row.sheared),
-                Status::Slides(0.0) => (row.pressed.max(0.0), 0.0),
-                Status::Slides(direction) => {
-                    (row.pressed.max(0.0), direction * most_shear(row, &given.laws[row.law as usize], given.span.half))
-                }
+                ContactStatus::Open => (0.0, 0.0),
+                ContactStatus::Sticks => (row.normal_impulse.max(0.0), row.shear_impulse),
+                ContactStatus::Slides(0.0) => (row.normal_impulse.max(0.0), 0.0),
+                ContactStatus::Slides(direction) => (
+                    row.normal_impulse.max(0.0),
+                    direction * shear_limit(row, &given.laws[row.law as usize], given.span.half),
+                ),
             };
-            if pressed != row.pressed {
-                motion.push(own, pressed - row.pressed);
-                row.pressed = pressed;
+            if pressed != row.normal_impulse {
+                motion.push(own, pressed - row.normal_impulse);
+                row.normal_impulse = pressed;
             }
-            if sheared != row.sheared {
-                motion.shear(own, sheared - row.sheared);
-                row.sheared = sheared;
+            if sheared != row.shear_impulse {
+                motion.shear(own, sheared - row.shear_impulse);
+                row.shear_impulse = sheared;
             }
         }
     }
 
-    /// The furthest that a row is from what its status asks, as a velocity.
-    fn wrong(&self, motion: &Motion, given: Given<'_>) -> f64 {
+    /// Returns the largest violation of the status conditions, as a velocity.
+    fn largest_error(&self, motion: &ContactVelocities, given: ContactStep<'_>) -> f64 {
         let mut furthest: f64 = 0.0;
         for (row, status) in self.rows.iter().zip(&self.direct.status) {
-            if *status == Status::Open {
+            if *status == ContactStatus::Open {
                 continue;
             }
             let own = self.terms_of(row);
             let off = match &given.laws[row.law as usize].overclosure {
-                Overclosure::Hard => motion.rate(own) + row.bias,
+                PressureOverclosure::Hard => motion.rate(own) + row.bias,
                 soft => {
                     let [pressure, _] = soft.pressure(closed_overlap(row, soft, motion.rate(own), given.span));
-                    (row.pressed - given.span.half * pressure) * row.gives[0]
+                    (row.normal_impulse - given.span.half * pressure) * row.compliance[0]
                 }
             };
             furthest = furthest.max(off.abs() / row.area);
-            if *status == Status::Sticks {
+            if *status == ContactStatus::Sticks {
                 furthest = furthest.max(motion.slip(own).abs() / row.area);
             }
         }
         furthest
     }
 
-    /// Goes to the impulses that the statuses ask for. Returns whether there are such.
-    fn step(&mut self, motion: &mut Motion, given: Given<'_>) -> bool {
+    /// Makes one Newton step to the impulses that satisfy the status conditions. Returns `false` if the matrix is
+    /// singular.
+    fn step(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) -> bool {
         self.list_unknowns(given);
         if self.direct.unknowns.is_empty() {
             return true;
@@ -278,7 +304,7 @@ impl Rows {
                 return false;
             }
         }
-        let Rows { rows, terms, direct, .. } = self;
+        let ContactRows { rows, terms, direct, .. } = self;
         for (unknown, [change, ..]) in direct.unknowns.iter().zip(&direct.columns) {
             if !change.is_finite() {
                 return false;
@@ -286,50 +312,51 @@ impl Rows {
             let row = &mut rows[unknown.row as usize];
             let own = row.own(terms);
             if unknown.shears {
-                row.sheared += change;
+                row.shear_impulse += change;
                 motion.shear(own, *change);
             } else {
-                row.pressed += change;
+                row.normal_impulse += change;
                 motion.push(own, *change);
-                if unknown.rubs != 0.0 {
-                    row.sheared += unknown.rubs * change;
-                    motion.shear(own, unknown.rubs * change);
+                if unknown.friction_slope != 0.0 {
+                    row.shear_impulse += unknown.friction_slope * change;
+                    motion.shear(own, unknown.friction_slope * change);
                 }
             }
         }
         true
     }
 
-    fn list_unknowns(&mut self, given: Given<'_>) {
-        let Rows { rows, direct, .. } = self;
+    fn list_unknowns(&mut self, given: ContactStep<'_>) {
+        let ContactRows { rows, direct, .. } = self;
         direct.unknowns.clear();
         for (at, (row, status)) in rows.iter().zip(&direct.status).enumerate() {
             let row_at = at as u32;
             match *status {
-                Status::Open => {}
-                Status::Slides(direction) => {
-                    let rubs = rubs(row, &given.laws[row.law as usize], direction, given.span.half);
-                    direct.unknowns.push(Unknown { row: row_at, shears: false, rubs });
+                ContactStatus::Open => {}
+                ContactStatus::Slides(direction) => {
+                    let rubs = friction_slope(row, &given.laws[row.law as usize], direction, given.span.half);
+                    direct.unknowns.push(ContactUnknown { row: row_at, shears: false, friction_slope: rubs });
                 }
-                Status::Sticks => {
-                    direct.unknowns.extend([false, true].inline_map(|shears| Unknown {
+                ContactStatus::Sticks => {
+                    direct.unknowns.extend([false, true].inline_map(|shears| ContactUnknown {
                         row: row_at,
                         shears,
-                        rubs: 0.0,
+                        friction_slope: 0.0,
                     }));
                 }
             }
         }
     }
 
-    /// The band, the right-hand side and what stands beside them. Returns whether there is room for the band.
-    fn assemble(&mut self, motion: &Motion, given: Given<'_>) -> bool {
+    /// Assembles the band, the right-hand side and the columns of rigid bodies. Returns whether the band fits into its
+    /// allocation.
+    fn assemble(&mut self, motion: &ContactVelocities, given: ContactStep<'_>) -> bool {
         self.find_width();
-        let Rows { rows, terms, direct, bodies, .. } = self;
+        let ContactRows { rows, terms, direct, bodies, .. } = self;
         let (count, half) = (direct.unknowns.len(), direct.half_width);
         let width = 2 * half + 1;
-        if count * width > direct.room {
-            self.forget();
+        if count * width > direct.band_capacity {
+            self.clear_lists();
             return false;
         }
         direct.band.clear();
@@ -345,10 +372,10 @@ impl Rows {
             column[0] = if unknown.shears {
                 -motion.slip(own)
             } else {
-                let (asked, gives) =
-                    asked(row, &given.laws[row.law as usize].overclosure, motion.rate(own), given.span);
+                let (required, gives) =
+                    required_change(row, &given.laws[row.law as usize].overclosure, motion.rate(own), given.span);
                 compliance = gives;
-                asked
+                required
             };
             for term in own {
                 let (test, impulse) = (unknown.test(term), unknown.impulse(term));
@@ -364,7 +391,7 @@ impl Rows {
                 let last = &mut direct.last[term.dof as usize];
                 let mut next = *last;
                 *last = direct.links.len() as u32;
-                direct.links.push(Link { next, unknown: at as u32, test, impulse });
+                direct.links.push(UnknownLink { next, unknown: at as u32, test, impulse });
                 direct.band[at * width + half] += w * test * impulse;
                 while next != NONE {
                     let link = direct.links[next as usize];
@@ -380,13 +407,13 @@ impl Rows {
         }
         direct.diagonal.clear();
         direct.diagonal.extend(direct.band.iter().skip(half).step_by(width).take(count));
-        self.forget();
+        self.clear_lists();
         true
     }
 
-    /// The half width of the band: how far unknowns that move the same degree of freedom are from each other.
+    /// Computes the half width of the band: the largest distance between unknowns that move the same degree of freedom.
     fn find_width(&mut self) {
-        let Rows { rows, terms, direct, bodies, .. } = self;
+        let ContactRows { rows, terms, direct, bodies, .. } = self;
         direct.half_width = 0;
         for (at, unknown) in direct.unknowns.iter().enumerate() {
             let row = &rows[unknown.row as usize];
@@ -403,9 +430,9 @@ impl Rows {
         }
     }
 
-    /// Empties the lists of degrees of freedom.
-    fn forget(&mut self) {
-        let Rows { rows, terms, direct, .. } = self;
+    /// Clears the linked lists of degrees of freedom.
+    fn clear_lists(&mut self) {
+        let ContactRows { rows, terms, direct, .. } = self;
         for unknown in &direct.unknowns {
             let row = &rows[unknown.row as usize];
             for term in row.own(terms) {
@@ -416,19 +443,19 @@ impl Rows {
     }
 }
 
-/// What the rate of a row's gap has still to change by, and by how much it gives way itself, a unit of impulse: none where
-/// surfaces are hard; else the law's straight line at the overlap that there is.
-fn asked(row: &Row, law: &Overclosure, rate: f64, span: Span) -> (f64, f64) {
-    if *law == Overclosure::Hard {
+/// Returns the change of rate that a row still needs, and its own compliance per unit of impulse: none for hard
+/// surfaces, else from the linearised law at the current overlap.
+fn required_change(row: &ContactRow, law: &PressureOverclosure, rate: f64, span: ContactInterval) -> (f64, f64) {
+    if *law == PressureOverclosure::Hard {
         return (-(rate + row.bias), 0.0);
     }
-    let [pressure, slope] = law.line(closed_overlap(row, law, rate, span));
-    let gives = row.area / (span.half * law.look_ahead() * span.ahead * slope);
-    ((span.half * pressure - row.pressed) * gives, gives)
+    let [pressure, slope] = law.linearized(closed_overlap(row, law, rate, span));
+    let gives = row.area / (span.half * law.evaluation_point() * span.dt * slope);
+    ((span.half * pressure - row.normal_impulse) * gives, gives)
 }
 
-impl Direct {
-    /// Elimination within the band, from the columns in use. Returns whether all rows were independent.
+impl DirectSolver {
+    /// Eliminates within the band for the first `used` columns. Returns whether all rows are independent.
     fn eliminate(&mut self, used: usize) -> bool {
         let (count, half) = (self.unknowns.len(), self.half_width);
         let width = 2 * half + 1;
@@ -471,8 +498,8 @@ impl Direct {
         true
     }
 
-    /// Takes the motion of rigid bodies into the unknowns: what they take changes their velocities, which all rows in front of them
-    /// see. Returns whether the velocities were found.
+    /// Solves for the velocities of rigid bodies and substitutes them into the unknowns. Returns whether a solution was
+    /// found.
     fn join_bodies(&mut self, inverse_masses: [f64; BODIES]) -> bool {
         let mut matrix = SMatrix::<f64, BODIES, BODIES>::zeros();
         let mut right = SVector::<f64, BODIES>::zeros();
@@ -497,25 +524,25 @@ impl Direct {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sweeps::{Given, Motion, Row, Rows, Span, Term};
-    use crate::kernel::interaction::{Friction, Law, Overclosure};
+    use super::super::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, GapTerm};
+    use crate::kernel::interaction::{CoulombFriction, InteractionLaw, PressureOverclosure};
 
-    /// Numbers between -1 and 1 without order, the same in every run.
-    struct Numbers(u64);
+    /// Reproducible pseudo-random numbers between -1 and 1.
+    struct RandomNumbers(u64);
 
-    impl Numbers {
+    impl RandomNumbers {
         fn next(&mut self) -> f64 {
             self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         }
     }
 
-    /// Hats of a row of points on what lies below, which is coarser, moves at random and may be a rigid body of this mass as well;
-    /// normals turn from point to point.
-    fn scene(numbers: &mut Numbers, count: u32, body: Option<f64>) -> (Rows, Motion) {
+    /// Rows of points against a coarser surface with random velocities, or against a rigid body of this mass; normals
+    /// differ from point to point.
+    fn scene(numbers: &mut RandomNumbers, count: u32, body: Option<f64>) -> (ContactRows, ContactVelocities) {
         let below = count / 3 + 2;
         let dofs = 2 * (count + below) + 1;
-        let mut rows = Rows::default();
+        let mut rows = ContactRows::default();
         rows.direct.reserve(count as usize, dofs as usize);
         rows.bodies.extend(body.map(|_| dofs - 1));
         for k in 0..count {
@@ -524,7 +551,7 @@ mod tests {
             let n = [angle.sin(), angle.cos()];
             let mut add = |dof: u32, part: f64, axis: usize| {
                 let slip = [-n[1], n[0]][axis];
-                rows.terms.push(Term { dof, normal: part * n[axis], slip: part * slip });
+                rows.terms.push(GapTerm { dof, normal: part * n[axis], slip: part * slip });
             };
             for (node, part) in [(k.wrapping_sub(1), 1.0 / 6.0), (k, 4.0 / 6.0), (k + 1, 1.0 / 6.0)] {
                 if node < count {
@@ -541,7 +568,7 @@ mod tests {
                     }
                 }
             }
-            let mut row = Row::of(k, 0);
+            let mut row = ContactRow::of(k, 0);
             (row.terms, row.area) = ([begin, rows.terms.len() as u32], 1.0);
             row.gap = 0.3 * numbers.next().max(0.0);
             rows.rows.push(row);
@@ -551,53 +578,65 @@ mod tests {
         if let Some(mass) = body {
             inverse_mass[dofs as usize - 1] = 1.0 / mass;
         }
-        (rows, Motion { velocity, inverse_mass })
+        (rows, ContactVelocities { velocity, inverse_mass })
     }
 
-    /// What rows must keep: no gap closes by more than it has, what presses is closed, friction is within its cone, holds what it
-    /// does not let slide, and lets slide against itself.
-    fn holds(rows: &Rows, motion: &Motion, law: &Law) {
+    /// Checks the contact conditions: no gap closes too far, pressure only where closed, friction within its cone and
+    /// against the slip, no slip of sticking rows.
+    fn holds(rows: &ContactRows, motion: &ContactVelocities, law: &InteractionLaw) {
         for row in &rows.rows {
             let (rate, slip) = (motion.rate(rows.terms_of(row)), motion.slip(rows.terms_of(row)));
-            assert!(row.pressed >= 0.0, "{row:?}");
-            if law.overclosure == Overclosure::Hard {
-                assert!(rate + row.bias > -1e-8 && (row.pressed == 0.0 || rate + row.bias < 1e-8), "{rate:e} {row:?}");
+            assert!(row.normal_impulse >= 0.0, "{row:?}");
+            if law.overclosure == PressureOverclosure::Hard {
+                assert!(
+                    rate + row.bias > -1e-8 && (row.normal_impulse == 0.0 || rate + row.bias < 1e-8),
+                    "{rate:e} {row:?}"
+                );
             } else {
-                let [pressure, slope] = law.overclosure.pressure(-(row.gap + law.overclosure.look_ahead() * rate));
-                let off = (row.pressed - pressure).abs();
+                let [pressure, slope] =
+                    law.overclosure.pressure(-(row.gap + law.overclosure.evaluation_point() * rate));
+                let off = (row.normal_impulse - pressure).abs();
                 assert!(off < 1e-8 * (1.0 + slope), "{off:e} of {pressure}, {slope}, {} sweeps", rows.sweeps);
             }
-            let most = law.friction.at_rest * row.pressed;
-            assert!(row.sheared.abs() <= most * (1.0 + 1e-12), "{row:?}");
-            assert!(row.sheared.abs() < most * (1.0 - 1e-12) || row.sheared * slip <= 1e-8, "{slip:e} {row:?}");
-            assert!(row.sheared.abs() >= most * (1.0 - 1e-12) || slip.abs() < 1e-8, "{slip:e} {row:?}");
+            let most = law.friction.at_rest * row.normal_impulse;
+            assert!(row.shear_impulse.abs() <= most * (1.0 + 1e-12), "{row:?}");
+            assert!(
+                row.shear_impulse.abs() < most * (1.0 - 1e-12) || row.shear_impulse * slip <= 1e-8,
+                "{slip:e} {row:?}"
+            );
+            assert!(row.shear_impulse.abs() >= most * (1.0 - 1e-12) || slip.abs() < 1e-8, "{slip:e} {row:?}");
         }
     }
 
-    /// In random scenes, with and without friction, before deforming and rigid bodies however light, laws hold. Those of hard surfaces
-    /// are solved without a sweep; of soft ones that are pressed together at great speed some are not.
+    /// Contact conditions are satisfied in random scenes with and without friction, against deformable bodies and rigid
+    /// bodies of any mass. Hard contact needs no sweep.
     #[test]
-    fn laws_hold_in_random_scenes() {
-        let span = Span { ahead: 1.0, half: 1.0 };
-        let soft = [Overclosure::Linear(3.0), Overclosure::Exponential([0.2, 1.0]), Overclosure::Spring(2.0)];
+    fn random_scenes_satisfy_contact_conditions() {
+        let span = ContactInterval { dt: 1.0, half: 1.0 };
+        let soft = [
+            PressureOverclosure::Linear(3.0),
+            PressureOverclosure::Exponential([0.2, 1.0]),
+            PressureOverclosure::Spring(2.0),
+        ];
         let bodies = [None, Some(1e3), Some(1.0), Some(1e-3), Some(1e-6)];
         for (overclosure, friction) in [
-            (Overclosure::Hard, 0.0),
-            (Overclosure::Hard, 0.2),
+            (PressureOverclosure::Hard, 0.0),
+            (PressureOverclosure::Hard, 0.2),
             (soft[0].clone(), 0.0),
             (soft[1].clone(), 0.0),
             (soft[0].clone(), 0.1),
         ] {
-            let law = Law { overclosure, friction: Friction::of(friction), ..Law::default() };
-            let (mut numbers, mut swept, mut scenes) = (Numbers(7), 0, 0);
-            // Bodies far lighter than what an exponential law stops are for sweeps, too, a crawl.
-            let light = if matches!(law.overclosure, Overclosure::Exponential(_)) { 3 } else { bodies.len() };
+            let law =
+                InteractionLaw { overclosure, friction: CoulombFriction::of(friction), ..InteractionLaw::default() };
+            let (mut numbers, mut swept, mut scenes) = (RandomNumbers(7), 0, 0);
+            // Bodies far lighter than an exponential law can stop also need sweeps, which are slow.
+            let light = if matches!(law.overclosure, PressureOverclosure::Exponential(_)) { 3 } else { bodies.len() };
             for &body in &bodies[..light] {
                 for count in [1, 2, 3, 7, 20, 60] {
                     for _ in 0..20 {
                         let (mut rows, mut motion) = scene(&mut numbers, count, body);
                         let before = vec![[0.0; 2]; count as usize];
-                        let given = Given { laws: std::slice::from_ref(&law), before: &before, span };
+                        let given = ContactStep { laws: std::slice::from_ref(&law), before: &before, span };
                         rows.solve(&mut motion, given);
                         scenes += 1;
                         swept += usize::from(rows.sweeps > 0);
@@ -606,7 +645,7 @@ mod tests {
                 }
             }
             println!("{law:?}: {swept} of {scenes} by sweeps");
-            assert!(swept == 0 || law.overclosure != Overclosure::Hard, "{law:?}: {swept} of {scenes}");
+            assert!(swept == 0 || law.overclosure != PressureOverclosure::Hard, "{law:?}: {swept} of {scenes}");
         }
     }
 }

@@ -1,54 +1,54 @@
-//! The gap between a facet and what it faces, weighted with the hat function of each of its two points, and how it depends on the
-//! points of both: signed distance of the other surface at fixed material points of the facet, integrated over the surface of
-//! revolution by two Gauss points on each piece with one nearest facet.
-//! Never here: what is done about the gap.
+//! Gaps between a facet and the opposite surface, weighted with the hat functions of the facet's two points, and their
+//! derivatives by the positions of the points of both surfaces. The signed distance of the opposite surface at fixed
+//! material points of the facet is integrated over the surface of revolution, with two Gauss points for each piece with
+//! the same nearest facet.
 //!
-//! The distance of the other surface at a fixed point of this one is the only one of the usual measures whose gradient is the
-//! rate of the gap on inclined facets; with the same weight on both sides their axial forces cancel to rounding
-//! (segment-to-segment contact after Puso and Laursen 2004, Comput. Methods Appl. Mech. Engrg. 193, 601; pieces after
-//! Zavarise and De Lorenzis 2009, Int. J. Numer. Meth. Engng 79, 379).
+//! The derivative of the distance at a fixed material point is also the rate of the gap on inclined facets, unlike
+//! other usual measures. The same weights on both sides make the axial forces cancel to rounding (segment-to-segment
+//! contact after Puso and Laursen 2004, Comput. Methods Appl. Mech. Engrg. 193, 601; pieces after Zavarise and De
+//! Lorenzis 2009, Int. J. Numer. Meth. Engng 79, 379).
 
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 
-use super::curve::{Beyond, Curve, Shape};
+use super::curve::{FacetCurve, FacetNeighbor, FacetShape};
 
-/// The share of one point in the gaps of both points of a facet.
+/// Derivatives of the weighted gaps of a facet's two points by the position of one point.
 #[derive(Clone, Copy, Debug)]
-pub struct Share {
+pub struct GapDerivative {
     /// The point, of either surface.
     pub point: u32,
-    /// Derivative of the gap of each of the facet's points by its place.
+    /// Derivatives of the two gaps by r and z of the point.
     pub of: [[f64; 2]; 2],
 }
 
-/// What one facet sees.
+/// Weighted gaps of one facet.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Seen {
-    /// Where its shares begin and end.
+pub struct FacetGap {
+    /// Range of its derivatives in [`GapIntegrator::shares`].
     pub shares: [u32; 2],
-    /// Area of the surface of revolution in front of which there is something, by the hat of each point.
+    /// Area of the surface of revolution that is opposite another facet, weighted with the hat function of each point.
     pub area: [f64; 2],
-    /// Gap times that area.
+    /// Integral of gap times hat function, for each point.
     pub gap: [f64; 2],
 }
 
-/// A facet that this one faces, along the way `s` from 0 to 1 on this one.
+/// An opposite facet, as linear functions of the coordinate `s` from 0 to 1 on the own facet.
 #[derive(Clone, Copy, Debug)]
-struct Facing {
+struct FacingFacet {
     facet: u32,
-    /// Projection onto the other facet, in lengths of it, at s = 0, and its rate.
+    /// Projection onto the opposite facet, as a fraction of its length, at s = 0, and its derivative by s.
     along: [f64; 2],
-    /// Signed distance from its line at s = 0, and its rate.
+    /// Signed distance from the line of the opposite facet at s = 0, and its derivative by s.
     distance: [f64; 2],
 }
 
-impl Facing {
-    fn new(facet: u32, own: &Shape, other: &Shape) -> Facing {
+impl FacingFacet {
+    fn new(facet: u32, own: &FacetShape, other: &FacetShape) -> FacingFacet {
         let d = [own.from[0] - other.from[0], own.from[1] - other.from[1]];
         let inverse = 1.0 / (other.length * other.length);
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-        Facing {
+        FacingFacet {
             facet,
             along: [dot(d, other.along) * inverse, dot(own.along, other.along) * inverse],
             distance: [dot(d, other.normal), dot(own.along, other.normal)],
@@ -64,16 +64,16 @@ impl Facing {
     }
 }
 
-/// What is nearest: a facet, or the corner at one of its ends.
-struct Nearest {
-    facing: Facing,
+/// The nearest part of the opposite surface: a facet, or the corner at one of its ends.
+struct NearestFacet {
+    facing: FacingFacet,
     corner: Option<usize>,
 }
 
-impl Nearest {
-    /// Signed distance of a place, which lies at `s` on its own facet of a length, the direction that it grows in, and where on
-    /// the facet that is met.
-    fn distance(&self, place: [f64; 2], s: f64, met: &Shape, length: f64) -> (f64, [f64; 2], f64) {
+impl NearestFacet {
+    /// Returns the signed distance of a position at the coordinate `s`, the normal direction, and the coordinate on the
+    /// opposite facet; `length` is that of the own facet.
+    fn distance(&self, place: [f64; 2], s: f64, met: &FacetShape, length: f64) -> (f64, [f64; 2], f64) {
         let apart = self.facing.apart(s);
         let Some(end) = self.corner else { return (apart, met.normal, self.facing.at(s)) };
         let (gap, normal) = corner(place, met, end, apart, length);
@@ -81,33 +81,44 @@ impl Nearest {
     }
 }
 
-/// Room that gaps are found with, and all shares of an increment.
+/// Gap integration: work arrays and the derivatives of an increment.
 #[derive(Clone, Debug, Default)]
-pub struct Gaps {
-    /// Shares of all facets, in their order.
-    pub shares: Vec<Share>,
-    facing: Vec<Facing>,
+pub struct GapIntegrator {
+    /// Derivatives for all facets, in their order.
+    pub shares: Vec<GapDerivative>,
+    facing: Vec<FacingFacet>,
     cuts: Vec<f64>,
 }
 
-/// Facets face each other where the cosine between their normals is below this.
+/// Facets are opposite if the cosine between their normals is less than this.
 const FACING: f64 = -0.1;
-/// Pieces of a facet below this part of it are left out.
+/// Smallest piece of a facet that is integrated, as a fraction of the facet.
 const SHORTEST: f64 = 1e-12;
-/// Points nearer to a corner than this part of the facet take the normal of the other facet.
+/// Distance from a corner, as a fraction of the facet length, below which the normal of the opposite facet is used.
 const AT_CORNER: f64 = 1e-9;
-/// Half the distance of two Gauss points of an interval from -1 to 1.
+/// Coordinate of the two Gauss points on the interval from -1 to 1.
 const GAUSS: f64 = 0.577_350_269_189_625_8;
 
-impl Gaps {
-    pub fn new(facets: usize) -> Gaps {
-        Gaps { shares: Vec::with_capacity(16 * facets), facing: Vec::with_capacity(64), cuts: Vec::with_capacity(256) }
+impl GapIntegrator {
+    pub fn new(facets: usize) -> GapIntegrator {
+        GapIntegrator {
+            shares: Vec::with_capacity(16 * facets),
+            facing: Vec::with_capacity(64),
+            cuts: Vec::with_capacity(256),
+        }
     }
 
-    /// What the facet `k` of one curve sees of those `candidates` of another that are within `reach` in front of it.
-    pub fn see(&mut self, own: &Curve, k: usize, other: &Curve, candidates: &[u32], reach: f64) -> Seen {
+    /// Computes the gaps of facet `k` of one curve to the `candidates` of another one within the distance `reach`.
+    pub fn facet_gap(
+        &mut self,
+        own: &FacetCurve,
+        k: usize,
+        other: &FacetCurve,
+        candidates: &[u32],
+        reach: f64,
+    ) -> FacetGap {
         let begin = self.shares.len() as u32;
-        let mut seen = Seen { shares: [begin; 2], ..Seen::default() };
+        let mut seen = FacetGap { shares: [begin; 2], ..FacetGap::default() };
         self.find_facing(own, k, other, candidates, reach);
         if self.facing.is_empty() {
             return seen;
@@ -124,22 +135,22 @@ impl Gaps {
     }
 
     #[inline]
-    pub fn shares_of(&self, seen: &Seen) -> &[Share] {
+    pub fn shares_of(&self, seen: &FacetGap) -> &[GapDerivative] {
         &self.shares[seen.shares[0] as usize..seen.shares[1] as usize]
     }
 
-    /// What a point that no element has sees of a curve, as if it had one unit of area. `None` where nothing is near.
+    /// Computes the gap of a single point without facets, with a unit area. Returns `None` if no facet is near.
     pub fn see_point(
         &mut self,
         (point, place): (u32, [f64; 2]),
-        other: &Curve,
+        other: &FacetCurve,
         candidates: &[u32],
         reach: f64,
-    ) -> Option<Seen> {
+    ) -> Option<FacetGap> {
         let begin = self.shares.len() as u32;
         self.facing.clear();
-        let own = Shape { from: place, ..Shape::default() };
-        self.facing.extend(candidates.iter().map(|&j| Facing::new(j, &own, &other.shapes[j as usize])));
+        let own = FacetShape { from: place, ..FacetShape::default() };
+        self.facing.extend(candidates.iter().map(|&j| FacingFacet::new(j, &own, &other.shapes[j as usize])));
         let nearest = self.nearest(&own, 0.0, other)?;
         let j = nearest.facing.facet as usize;
         let (gap, normal, part) = nearest.distance(place, 0.0, &other.shapes[j], other.shapes[j].length);
@@ -150,14 +161,14 @@ impl Gaps {
         let ends = other.facets[j];
         for (point, share) in [(point, 1.0), (ends[0], part - 1.0), (ends[1], -part)] {
             if share != 0.0 {
-                self.shares.push(Share { point, of: [[share * normal[0], share * normal[1]], [0.0; 2]] });
+                self.shares.push(GapDerivative { point, of: [[share * normal[0], share * normal[1]], [0.0; 2]] });
             }
         }
-        Some(Seen { shares: [begin, self.shares.len() as u32], area: [1.0, 0.0], gap: [gap, 0.0] })
+        Some(FacetGap { shares: [begin, self.shares.len() as u32], area: [1.0, 0.0], gap: [gap, 0.0] })
     }
 
-    /// Those of the candidates that face the facet and are near it now, whenever the lists were made.
-    fn find_facing(&mut self, own: &Curve, k: usize, other: &Curve, candidates: &[u32], reach: f64) {
+    /// Selects the candidates that are opposite and near at present.
+    fn find_facing(&mut self, own: &FacetCurve, k: usize, other: &FacetCurve, candidates: &[u32], reach: f64) {
         self.facing.clear();
         let shape = &own.shapes[k];
         let [low, high] = shape.bounds();
@@ -171,13 +182,14 @@ impl Gaps {
             let [l, h] = near.bounds();
             let reach = near_enough(j);
             if (0..2).all(|i| l[i] <= high[i] + reach && h[i] >= low[i] - reach) {
-                self.facing.push(Facing::new(j, shape, near));
+                self.facing.push(FacingFacet::new(j, shape, near));
             }
         }
     }
 
-    /// Where the nearest facet changes: over their ends, and between neighbours where both lines are equally far.
-    fn cut(&mut self, other: &Curve) {
+    /// Finds the coordinates at which the nearest facet changes: at facet ends, and between neighbours at equal
+    /// distance from both lines.
+    fn cut(&mut self, other: &FacetCurve) {
         let (cuts, facing) = (&mut self.cuts, &self.facing);
         cuts.clear();
         cuts.extend([0.0, 1.0]);
@@ -190,7 +202,7 @@ impl Gaps {
             let inverse = 1.0 / f.along[1];
             add(-f.along[0] * inverse);
             add((1.0 - f.along[0]) * inverse);
-            let Beyond::Facet(next) = other.beyond[f.facet as usize][1] else { continue };
+            let FacetNeighbor::Facet(next) = other.neighbors[f.facet as usize][1] else { continue };
             if let Some(g) = facing.iter().find(|g| g.facet == next) {
                 add((g.distance[0] - f.distance[0]) / (f.distance[1] - g.distance[1]));
             }
@@ -198,8 +210,16 @@ impl Gaps {
         cuts.sort_unstable_by(f64::total_cmp);
     }
 
-    /// A piece of the facet on which one facet of the other curve is the nearest.
-    fn piece(&mut self, [from, to]: [f64; 2], own: &Curve, k: usize, other: &Curve, reach: f64, seen: &mut Seen) {
+    /// Integrates over a piece of the facet with one nearest facet.
+    fn piece(
+        &mut self,
+        [from, to]: [f64; 2],
+        own: &FacetCurve,
+        k: usize,
+        other: &FacetCurve,
+        reach: f64,
+        seen: &mut FacetGap,
+    ) {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let shape = own.shapes[k];
         let Some(nearest) = self.nearest(&shape, middle, other) else { return };
@@ -235,11 +255,11 @@ impl Gaps {
         }
     }
 
-    /// What is nearest to the point at `s`: `None` where that is the free end of a surface, beyond which there is nothing, or a corner
-    /// around which the point lies in front of the next facet, which does not face it.
-    fn nearest(&self, shape: &Shape, s: f64, other: &Curve) -> Option<Nearest> {
+    /// Returns the nearest part of the opposite surface. Returns `None` beyond the free end of a surface, and around a
+    /// corner if the point is in front of the next facet, which is not opposite.
+    fn nearest(&self, shape: &FacetShape, s: f64, other: &FacetCurve) -> Option<NearestFacet> {
         let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
-        let mut best: Option<(f64, Facing, f64)> = None;
+        let mut best: Option<(f64, FacingFacet, f64)> = None;
         for f in &self.facing {
             let (at, met) = (f.at(s), &other.shapes[f.facet as usize]);
             let part = at.clamp(0.0, 1.0);
@@ -253,16 +273,16 @@ impl Gaps {
         let end = usize::from(at > 1.0);
         let corner = (!(0.0..=1.0).contains(&at)).then_some(end);
         let passes = corner.is_some()
-            && match other.beyond[facing.facet as usize][end] {
-                Beyond::Nothing => true,
-                Beyond::Facet(next) => facing.apart(s) < 0.0 && other.shapes[next as usize].in_front(place),
-                Beyond::Axis => false,
+            && match other.neighbors[facing.facet as usize][end] {
+                FacetNeighbor::Nothing => true,
+                FacetNeighbor::Facet(next) => facing.apart(s) < 0.0 && other.shapes[next as usize].in_front(place),
+                FacetNeighbor::Axis => false,
             };
-        (!passes).then_some(Nearest { facing, corner })
+        (!passes).then_some(NearestFacet { facing, corner })
     }
 
-    /// Adds what a piece gives to a point.
-    fn add(&mut self, seen: &Seen, point: u32, of: [[f64; 2]; 2]) {
+    /// Adds derivatives of a piece to a point.
+    fn add(&mut self, seen: &FacetGap, point: u32, of: [[f64; 2]; 2]) {
         if of == [[0.0; 2]; 2] {
             return;
         }
@@ -272,18 +292,19 @@ impl Gaps {
                     *sum += more;
                 }
             }
-            None => self.shares.push(Share { point, of }),
+            None => self.shares.push(GapDerivative { point, of }),
         }
     }
 
-    /// Memory of the arrays.
+    /// Returns the memory of the arrays.
     pub fn memory(&self) -> MemoryUse {
         MemoryUse::of(&self.shares) + MemoryUse::of(&self.facing) + MemoryUse::of(&self.cuts)
     }
 }
 
-/// Signed distance from a corner, at one end of a facet whose line is `apart`, and the direction that it grows in.
-fn corner(place: [f64; 2], met: &Shape, end: usize, apart: f64, length: f64) -> (f64, [f64; 2]) {
+/// Returns the signed distance from a corner at one end of a facet and its gradient; `apart` is the distance from the
+/// facet's line and gives the sign.
+fn corner(place: [f64; 2], met: &FacetShape, end: usize, apart: f64, length: f64) -> (f64, [f64; 2]) {
     let q = [met.from[0] + end as f64 * met.along[0], met.from[1] + end as f64 * met.along[1]];
     let d = [place[0] - q[0], place[1] - q[1]];
     let distance = (d[0] * d[0] + d[1] * d[1]).sqrt();
@@ -296,21 +317,21 @@ fn corner(place: [f64; 2], met: &Shape, end: usize, apart: f64, length: f64) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::{Gaps, Seen};
-    use crate::constraint::contact::curve::Curve;
+    use super::{FacetGap, GapIntegrator};
+    use crate::constraint::contact::curve::FacetCurve;
 
-    fn curve(places: &[[f64; 2]], first: u32) -> Curve {
+    fn curve(places: &[[f64; 2]], first: u32) -> FacetCurve {
         let facets = (0..places.len() as u32 - 1).map(|i| [first + i, first + i + 1]).collect::<Vec<_>>();
         let (depth, zeros) = (vec![1.0; facets.len()], vec![[-1.0, 0.0]; first as usize]);
         let all: Vec<[f64; 2]> = zeros.into_iter().chain(places.iter().copied()).collect();
         let bare = facets.len();
-        let mut curve = Curve::new(facets, depth, bare, &all);
+        let mut curve = FacetCurve::new(facets, depth, bare, &all);
         curve.shape(&all);
         curve
     }
 
-    /// What acts on one surface acts on the other, on inclined facets of unequal length; over a flat one the gap grows as fast as
-    /// the facet rises.
+    /// Forces on both surfaces cancel on inclined facets of unequal length. Over a flat surface the derivative of the
+    /// gap by the axial position is one.
     #[test]
     fn shares_of_both_surfaces_cancel() {
         let own = [[1.0, 0.9], [2.0, 1.1]];
@@ -318,8 +339,8 @@ mod tests {
         let flat = [[2.3, 0.5], [1.4, 0.5], [0.7, 0.5]];
         for below in [other, flat] {
             let (a, b) = (curve(&own, 0), curve(&below, 2));
-            let mut gaps = Gaps::new(4);
-            let seen: Seen = gaps.see(&a, 0, &b, &[0, 1], 10.0);
+            let mut gaps = GapIntegrator::new(4);
+            let seen: FacetGap = gaps.facet_gap(&a, 0, &b, &[0, 1], 10.0);
             let sum = |i: usize| {
                 let own: f64 = gaps.shares.iter().filter(|c| c.point < 2).map(|c| c.of[0][i] + c.of[1][i]).sum();
                 let other: f64 = gaps.shares.iter().filter(|c| c.point >= 2).map(|c| c.of[0][i] + c.of[1][i]).sum();
@@ -332,26 +353,27 @@ mod tests {
             assert!(seen.area.iter().all(|a| *a > 0.0));
         }
         let (a, b) = (curve(&own, 0), curve(&flat, 2));
-        let mut gaps = Gaps::new(4);
-        let seen = gaps.see(&a, 0, &b, &[0, 1], 10.0);
+        let mut gaps = GapIntegrator::new(4);
+        let seen = gaps.facet_gap(&a, 0, &b, &[0, 1], 10.0);
         let rise: f64 = gaps.shares.iter().filter(|c| c.point < 2).map(|c| c.of[0][1] + c.of[1][1]).sum();
         assert!((rise / (seen.area[0] + seen.area[1]) - 1.0).abs() < 1e-14);
     }
 
-    /// A point beyond the end of a surface sees nothing of it; beyond a corner that goes on it sees the corner, until it is past it.
+    /// A point beyond the free end of a surface has no gap; beyond a corner that continues it has the distance from the
+    /// corner.
     #[test]
-    fn ends_let_go_and_corners_hold() {
+    fn free_ends_have_no_gap_and_corners_do() {
         let own = curve(&[[2.5, 0.1], [3.0, 0.1]], 0);
-        let mut gaps = Gaps::new(4);
+        let mut gaps = GapIntegrator::new(4);
         let ending = curve(&[[2.0, 0.0], [0.0, 0.0]], 2);
-        assert_eq!(gaps.see(&own, 0, &ending, &[0], 10.0).area, [0.0; 2]);
+        assert_eq!(gaps.facet_gap(&own, 0, &ending, &[0], 10.0).area, [0.0; 2]);
         let around = curve(&[[2.0, -1.0], [2.0, 0.0], [0.0, 0.0]], 2);
-        let seen = gaps.see(&own, 0, &around, &[0, 1], 10.0);
+        let seen = gaps.facet_gap(&own, 0, &around, &[0, 1], 10.0);
         assert!(seen.gap[0] / seen.area[0] > 0.5 && seen.gap[1] / seen.area[1] > 0.5, "{seen:?}");
         let beside = curve(&[[2.5, -0.1], [3.0, -0.1]], 0);
-        assert_eq!(gaps.see(&beside, 0, &around, &[1], 10.0).area, [0.0; 2]);
+        assert_eq!(gaps.facet_gap(&beside, 0, &around, &[1], 10.0).area, [0.0; 2]);
         let within = curve(&[[1.0, -0.1], [1.5, -0.1]], 0);
-        let seen = gaps.see(&within, 0, &around, &[1], 10.0);
+        let seen = gaps.facet_gap(&within, 0, &around, &[1], 10.0);
         assert!(seen.gap.iter().zip(seen.area).all(|(gap, area)| area > 0.0 && *gap < 0.0), "{seen:?}");
     }
 }

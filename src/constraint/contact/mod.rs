@@ -1,12 +1,12 @@
-//! Contact of surfaces with each other, with themselves and with analytical ones: no overlap grows, whatever the stiffness of what
-//! meets.
-//! Never here: deck words, which surfaces there are.
+//! Contact of surfaces with each other, with themselves and with analytical surfaces. Overlaps do not grow, for any
+//! stiffness of the bodies.
 //!
-//! Each point of one surface of a pair carries a pressure, the multiplier of the gap in front of it, weighted with its hat
-//! function over the surface of revolution ([`gaps`]). In each increment impulses are found with which the velocity ahead closes
-//! no gap by more than it has, `G v + max(g, 0)/dt >= 0` with pressures not below zero, and friction within Coulomb's cone
-//! ([`sweeps`]). An overlap that is there is stopped and not thrown out. In front of
-//! analytical surfaces each point has a gap of its own ([`analytical`]). Nothing here limits the increment.
+//! Each point of one surface of a pair carries a pressure. It is the Lagrange multiplier of the gap in front of the
+//! point, weighted with the point's hat function over the surface of revolution ([`gaps`]). In each increment impulses
+//! are solved for that satisfy `G v + max(g, 0)/dt >= 0` for the velocities `v` after the impulses, with pressures not
+//! below zero and friction within Coulomb's cone ([`sweeps`]). An existing overlap is kept and not pushed apart. In
+//! front of an analytical surface each point has a gap of its own ([`analytical`]). Contact does not limit the time
+//! increment.
 
 pub mod analytical;
 mod continuation;
@@ -22,56 +22,60 @@ mod sweeps;
 use crate::kernel::lanes::InlineMap;
 use std::any::Any;
 
-use self::analytical::{Analytical, Foot};
-use self::curve::{Carrier, Curve, Point};
-use self::gaps::{Gaps, Seen};
-use self::heat::Crossing;
-use self::search::Search;
-use self::shown::Shown;
-use self::sweeps::{Given, Motion, NONE, Row, Rows, Span};
+use self::analytical::{AnalyticalSurface, ClosestPoint};
+use self::curve::{FacetCurve, PointCarrier, SurfacePoint};
+use self::gaps::{FacetGap, GapIntegrator};
+use self::heat::ContactHeat;
+use self::search::ContactSearch;
+use self::shown::ContactOutput;
+use self::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, NONE};
 use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, HeatExchange, StoredConstraint};
-use crate::kernel::interaction::Law;
+use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
-use crate::state::archive::{Archive, persist_struct};
+use crate::state::archive::{StateArchive, persist_struct};
 use crate::state::dofs::{Dof, Dofs};
-use crate::state::magnitude::Clock;
+use crate::state::magnitude::AmplitudeClock;
 
-/// Two surfaces that may meet, or one that may meet itself.
+/// Two surfaces that may come into contact, or one with self-contact.
 #[derive(Clone, Debug)]
-pub struct Pair {
+pub struct ContactPair {
+    /// Row of the ledger.
     pub id: EffectId,
-    /// Its number among the pairs of all steps.
+    /// Number among the pairs of all steps.
     pub number: usize,
-    /// The curve whose points carry pressures.
+    /// Index of the curve whose points carry pressures.
     pub own: usize,
-    /// The other one; `None` where it is the same, or an analytical surface.
+    /// Index of the other curve; `None` for self-contact and for an analytical surface.
     pub other: Option<usize>,
-    /// The analytical surface, where it is one.
+    /// Index of the analytical surface, if the other surface is one.
     pub analytical: Option<usize>,
-    /// Which of the laws of the contact it follows; of penalty springs the first: each point of the own curve has one.
+    /// Index of the law of the pair; with penalty springs, the index of the first spring: each point of the own curve
+    /// has one.
     pub law: usize,
+    /// Whether the pair has penalty springs.
     pub springs: bool,
-    /// The law of points that meet by themselves, whose multipliers are impulses and no pressures.
+    /// Index of the law of single points, whose multipliers are impulses instead of pressures.
     pub of_points: usize,
-    /// Whether the own curve is the first surface of the pair as it was given: forces are those on that.
+    /// Whether the own curve is the first surface of the pair in the deck; output forces are those on the first
+    /// surface.
     pub first: bool,
-    /// What gaps at the start are taken as.
-    pub begins: Option<Begins>,
-    search: Search,
-    seen: Vec<Seen>,
-    /// The first of its keys: each point of the own curve has one.
+    /// Clearance at the start, if the deck gives one.
+    pub initial_clearance: Option<InitialClearance>,
+    search: ContactSearch,
+    facet_gaps: Vec<FacetGap>,
+    /// First key of the pair; each point of the own curve has one.
     first_key: u32,
 }
 
-impl Pair {
-    /// A pair with a row of the ledger and a number, of one curve with another or, where that is the same, with itself, under
-    /// the first of the laws. `length` is the smaller of the longest facets of both.
-    pub fn new(id: EffectId, number: usize, [own, other]: [usize; 2], length: f64) -> Pair {
+impl ContactPair {
+    /// A pair of two curves, or of one curve with itself, with the first law of the contact. `length` is the smaller of
+    /// the longest facets of both.
+    pub fn new(id: EffectId, number: usize, [own, other]: [usize; 2], length: f64) -> ContactPair {
         let other = (own != other).then_some(other);
-        let search = Search::new(length, 0.0, 0, 0);
-        Pair {
+        let search = ContactSearch::new(length, 0.0, 0, 0);
+        ContactPair {
             id,
             number,
             own,
@@ -81,103 +85,107 @@ impl Pair {
             springs: false,
             of_points: 0,
             first: true,
-            begins: None,
+            initial_clearance: None,
             search,
-            seen: Vec::new(),
+            facet_gaps: Vec::new(),
             first_key: 0,
         }
     }
 
-    /// The same of a curve with an analytical surface.
-    pub fn in_front_of(id: EffectId, number: usize, own: usize, analytical: usize, length: f64) -> Pair {
-        Pair { analytical: Some(analytical), ..Pair::new(id, number, [own, own], length) }
+    /// A pair of a curve and an analytical surface.
+    pub fn in_front_of(id: EffectId, number: usize, own: usize, analytical: usize, length: f64) -> ContactPair {
+        ContactPair { analytical: Some(analytical), ..ContactPair::new(id, number, [own, own], length) }
     }
 
-    /// The law of a point of the own curve.
+    /// Returns the index of the law of an own point.
     fn law_of(&self, index: usize) -> u32 {
         (if self.springs { self.law + index } else { self.law }) as u32
     }
 }
 
-/// What gaps at the start are taken as, where they are in a range: what they have too much or too little is taken off for good.
+/// Clearance that replaces the initial gaps within a range. The difference is subtracted from the gap in the whole
+/// analysis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Begins {
+pub struct InitialClearance {
+    /// Gap that is used.
     pub gap: f64,
-    /// From the deepest overlap to the widest gap.
+    /// From the deepest overlap to the largest gap.
     pub range: [f64; 2],
 }
 
-/// All contact of a step.
+/// Contact of all pairs of a step.
 #[derive(Clone, Debug, Default)]
-pub struct Contact {
-    points: Vec<Point>,
-    curves: Vec<Curve>,
-    pairs: Vec<Pair>,
-    analyticals: Vec<Analytical>,
-    /// Where rows meet analytical surfaces in this increment.
-    feet: Vec<Foot>,
-    laws: Vec<Law>,
+pub struct ContactConstraint {
+    points: Vec<SurfacePoint>,
+    curves: Vec<FacetCurve>,
+    pairs: Vec<ContactPair>,
+    analyticals: Vec<AnalyticalSurface>,
+    /// Points of analytical surfaces that rows are in contact with in this increment.
+    feet: Vec<ClosestPoint>,
+    laws: Vec<InteractionLaw>,
     /// Degrees of freedom of each point along r and z; [`NONE`] where it has none.
     dofs_of: Vec<[u32; 2]>,
-    /// What each degree of freedom is of the scene, and whether its motion is prescribed.
+    /// The degrees of freedom of the points, and whether their motion is prescribed.
     dofs: Vec<(Dof, bool)>,
-    /// Pressure and shear stress of each key over the increment behind.
+    /// Pressure and shear stress of each key over the previous increment.
     pressures: Vec<[f64; 2]>,
-    /// What is taken off the gap of each key; empty where nothing is.
-    fits: Vec<f64>,
-    /// The first law of penalty springs: all that follow are theirs; `None` where there are none.
+    /// Difference that is subtracted from the gap of each key; empty if all are zero.
+    gap_offsets: Vec<f64>,
+    /// Index of the first law of penalty springs; all later laws are springs. `None` without springs.
     springs: Option<u32>,
-    /// Heat where surfaces meet; `None` where there are no temperatures.
-    crossing: Option<Box<Crossing>>,
-    /// Mean velocity of each degree of freedom over the impulse of the increment; empty where no row asks for its own work.
+    /// Heat exchange; `None` if no temperatures are solved for.
+    contact_heat: Option<Box<ContactHeat>>,
+    /// Mean velocity of each degree of freedom during the impulses of the increment; empty if no work of single rows is
+    /// needed.
     means: Vec<f64>,
     places: Vec<[f64; 2]>,
-    /// Points that are looked at: of bare facets, and those that no element has.
+    /// Points to update: those of exposed facets and those without elements.
     near: Vec<u32>,
-    /// Where points were when lists were made; empty where there are none.
+    /// Positions of the points when candidate lists were built; empty if there are none.
     listed: Vec<[f64; 2]>,
-    gaps: Gaps,
-    rows: Rows,
-    motion: Motion,
-    /// Impulses along the normal and along the surface.
+    gaps: GapIntegrator,
+    rows: ContactRows,
+    motion: ContactVelocities,
+    /// Impulses on degrees of freedom along the normal and along the surface.
     impulses: Vec<[f64; 2]>,
-    bodies: Vec<Carried>,
-    /// Time over which forces acted on velocities last.
+    bodies: Vec<ContactBody>,
+    /// Time over which forces last acted on velocities.
     half: f64,
-    /// Whether elements have gone since the increment before.
+    /// Whether elements have been deleted since the previous increment.
     uncovered: bool,
-    shown: Shown,
+    shown: ContactOutput,
 }
 
 /// A rigid body in contact.
 #[derive(Clone, Copy, Debug)]
-struct Carried {
-    /// Which of the degrees of freedom it is.
+struct ContactBody {
+    /// Index of its degree of freedom.
     dof: usize,
     body: usize,
     prescribed: bool,
-    /// Acceleration by contact in the increment behind, where it moves freely.
-    pushed: f64,
+    /// Acceleration by contact in the previous increment; only of a free body.
+    contact_acceleration: f64,
 }
 
-/// An overlap of two surfaces.
+/// An overlap of two surfaces at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Overlap {
-    /// How deep, in the mean over the hat function of a point.
+pub struct SurfaceOverlap {
+    /// Depth, as the mean over the hat function of a point.
     pub depth: f64,
+    /// Coordinates of the point.
     pub place: [f64; 2],
 }
 
-impl Contact {
-    /// The contact of some pairs of curves over points, with each other and with analytical surfaces.
+impl ContactConstraint {
+    /// Contact of pairs of curves over points, and with analytical surfaces.
     pub fn new(
-        points: Vec<Point>,
-        curves: Vec<Curve>,
-        mut analyticals: Vec<Analytical>,
-        mut pairs: Vec<Pair>,
-        laws: Vec<Law>,
-    ) -> Contact {
-        let mut contact = Contact { laws, ..Contact::default() };
+        points: Vec<SurfacePoint>,
+        curves: Vec<FacetCurve>,
+        mut analyticals: Vec<AnalyticalSurface>,
+        mut pairs: Vec<ContactPair>,
+        laws: Vec<InteractionLaw>,
+    ) -> ContactConstraint {
+        let mut contact = ContactConstraint { laws, ..ContactConstraint::default() };
         contact.number(&points);
         let mut keys = 0;
         for pair in &mut pairs {
@@ -190,18 +198,18 @@ impl Contact {
                 analyticals[met].lift = (0..own.own.len()).map(|i| own.lift_of(i)).collect();
                 continue;
             }
-            pair.search = Search::new(pair.search.length, lift, own.facets.len(), others);
-            pair.seen = vec![Seen::default(); own.facets.len()];
+            pair.search = ContactSearch::new(pair.search.length, lift, own.facets.len(), others);
+            pair.facet_gaps = vec![FacetGap::default(); own.facets.len()];
         }
-        let facets: usize = pairs.iter().map(|p| p.seen.len()).sum();
+        let facets: usize = pairs.iter().map(|p| p.facet_gaps.len()).sum();
         contact.pressures = vec![[0.0; 2]; keys as usize];
-        contact.shown = Shown::new(keys as usize, &points);
+        contact.shown = ContactOutput::new(keys as usize, &points);
         contact.places = vec![[0.0; 2]; points.len()];
         contact.listed = Vec::with_capacity(points.len());
         contact.near = Vec::with_capacity(2 * points.len() + analyticals.len());
-        let meets = |p: &&Pair| p.analytical.is_some();
+        let meets = |p: &&ContactPair| p.analytical.is_some();
         contact.feet = Vec::with_capacity(pairs.iter().filter(meets).map(|p| 2 * curves[p.own].own.len()).sum());
-        contact.gaps = Gaps::new(facets);
+        contact.gaps = GapIntegrator::new(facets);
         contact.rows.reserve(keys as usize, contact.dofs.len());
         (contact.points, contact.curves, contact.pairs) = (points, curves, pairs);
         contact.analyticals = analyticals;
@@ -209,71 +217,71 @@ impl Contact {
         contact
     }
 
-    /// Takes the laws from this one on for those of penalty springs.
-    pub fn with_springs(mut self, first: usize) -> Contact {
+    /// Returns the contact with penalty springs from the law with index `first` on.
+    pub fn with_springs(mut self, first: usize) -> ContactConstraint {
         self.springs = Some(first as u32);
         self.means = vec![0.0; self.dofs.len()];
         self
     }
 
-    /// Lets heat cross where surfaces meet: `has` says of which nodes temperatures are solved for.
-    pub fn with_heat(mut self, has: impl Fn(usize) -> bool) -> Contact {
+    /// Returns the contact with heat exchange; `has` returns whether the temperature of a node is solved for.
+    pub fn with_heat(mut self, has: impl Fn(usize) -> bool) -> ContactConstraint {
         let mut keys = Vec::with_capacity(self.pressures.len());
         for pair in &self.pairs {
             let of = |curve: usize| self.curves[curve].own.iter().copied();
             keys.extend(of(pair.own).map(|point| (point, pair.first)));
             let loose = pair.other.filter(|o| self.curves[*o].has_loose_points());
             keys.extend(loose.into_iter().flat_map(of).map(|point| (point, !pair.first)));
-            // In front of corners of analytical surfaces points have two.
+            // In front of re-entrant corners of analytical surfaces points have two keys.
             let twice = pair.first_key as usize + self.keys_of(pair) as usize - keys.len();
             keys.extend(of(pair.own).take(twice).map(|point| (point, pair.first)));
         }
-        let crossing = Crossing::new((&self.points, &self.dofs_of), self.dofs.len(), keys, has);
-        self.crossing = Some(Box::new(crossing));
+        let crossing = ContactHeat::new((&self.points, &self.dofs_of), self.dofs.len(), keys, has);
+        self.contact_heat = Some(Box::new(crossing));
         self.means = vec![0.0; self.dofs.len()];
         self
     }
 
-    /// Looks at how surfaces lie when points are at these places, at the start: takes gaps as none where a pair says so, and gives
-    /// the deepest overlap of each pair, with its place.
-    pub fn start(&mut self, places: &[[f64; 2]]) -> Vec<Option<Overlap>> {
+    /// Measures the gaps at the start from the coordinates of the points, sets initial clearances and returns the
+    /// deepest overlap of each pair.
+    pub fn start(&mut self, places: &[[f64; 2]]) -> Vec<Option<SurfaceOverlap>> {
         self.places.copy_from_slice(places);
         self.curves.iter_mut().for_each(|c| c.shape(places));
-        self.list();
+        self.update_candidates();
         self.measure(0.0);
-        let mut deepest: Vec<Option<Overlap>> = vec![None; self.pairs.len()];
+        let mut deepest: Vec<Option<SurfaceOverlap>> = vec![None; self.pairs.len()];
         let mut fits = vec![0.0; self.pressures.len()];
         for row in &mut self.rows.rows {
             let at = self.pairs.partition_point(|p| p.first_key <= row.key) - 1;
             let (pair, mut gap) = (&self.pairs[at], row.gap / row.area);
-            if let Some(begins) = pair.begins.filter(|b| (b.range[0]..=b.range[1]).contains(&gap)) {
+            if let Some(begins) = pair.initial_clearance.filter(|b| (b.range[0]..=b.range[1]).contains(&gap)) {
                 fits[row.key as usize] = gap - begins.gap;
                 gap = begins.gap;
                 row.gap = gap * row.area;
             }
             let Some(&point) = self.curves[pair.own].own.get((row.key - pair.first_key) as usize) else { continue };
-            if gap < deepest[at].map_or(0.0, |d: Overlap| -d.depth) {
-                deepest[at] = Some(Overlap { depth: -gap, place: places[point as usize] });
+            if gap < deepest[at].map_or(0.0, |d: SurfaceOverlap| -d.depth) {
+                deepest[at] = Some(SurfaceOverlap { depth: -gap, place: places[point as usize] });
             }
         }
         if fits.iter().any(|f| *f != 0.0) {
-            self.fits = fits;
+            self.gap_offsets = fits;
         }
         self.show_openings();
-        self.let_heat_cross();
+        self.update_heat_rows();
         self.listed.clear();
         deepest
     }
 
-    /// Gives degrees of freedom to points.
-    fn number(&mut self, points: &[Point]) {
+    /// Numbers the degrees of freedom of the points.
+    fn number(&mut self, points: &[SurfacePoint]) {
         for point in points {
             self.dofs_of.push(match point.carrier {
-                Carrier::Node(n) => {
+                PointCarrier::Node(n) => {
                     self.dofs.extend([0, 1].inline_map(|axis| (Dof::Node(n, axis), !point.free[axis])));
                     [self.dofs.len() as u32 - 2, self.dofs.len() as u32 - 1]
                 }
-                Carrier::Body(b, _) => {
+                PointCarrier::Body(b, _) => {
                     let known = self.dofs.iter().position(|d| d.0 == Dof::Body(b));
                     [
                         NONE,
@@ -286,17 +294,17 @@ impl Contact {
             });
         }
         let count = self.dofs.len();
-        self.motion = Motion { velocity: vec![0.0; count], inverse_mass: vec![0.0; count] };
+        self.motion = ContactVelocities { velocity: vec![0.0; count], inverse_mass: vec![0.0; count] };
         self.impulses = vec![[0.0; 2]; count];
     }
 
-    /// Places at the start of the increment and velocities without contact, from where all has been carried freely.
-    fn look(&mut self, dofs: &Dofs, dt: f64) {
+    /// Reads positions at the start of the increment and velocities without contact.
+    fn read_motion(&mut self, dofs: &Dofs, dt: f64) {
         for &p in &self.near {
             let (at, point) = (p as usize, &self.points[p as usize]);
             let [r, z] = self.dofs_of[at];
             match point.carrier {
-                Carrier::Node(n) => {
+                PointCarrier::Node(n) => {
                     let node = &dofs.nodes[n];
                     self.places[at] = [node.r - dt * node.v_r, node.z - dt * node.v_z];
                     self.motion.velocity[r as usize] = node.v_r;
@@ -306,7 +314,7 @@ impl Contact {
                         self.motion.inverse_mass[dof as usize] = if held { 0.0 } else { dofs.nodes.inverse_mass[n] };
                     }
                 }
-                Carrier::Body(b, [start_r, start_z]) => {
+                PointCarrier::Body(b, [start_r, start_z]) => {
                     let (body, held) = (&dofs.bodies[b], self.dofs[z as usize].1);
                     self.places[at] = [start_r, start_z + body.before.displacement];
                     self.motion.velocity[z as usize] = body.velocity_half;
@@ -316,12 +324,12 @@ impl Contact {
         }
     }
 
-    /// Lists the points that bare facets have and those that no element has.
+    /// Lists the points of exposed facets and those without elements.
     fn list_points(&mut self) {
         self.near.clear();
         self.near.extend(self.analyticals.iter().map(|a| a.point));
         for curve in &self.curves {
-            let points = curve.bare_own.iter().chain(&curve.orphans).map(|&i| curve.own[i as usize]);
+            let points = curve.exposed_points.iter().chain(&curve.orphans).map(|&i| curve.own[i as usize]);
             self.near.extend(points);
         }
         self.near.sort_unstable();
@@ -329,9 +337,9 @@ impl Contact {
         self.listed.clear();
     }
 
-    /// Makes lists anew where something has moved too far since they were made.
-    fn list(&mut self) {
-        let searched = |p: &&Pair| p.analytical.is_none();
+    /// Builds candidate lists again if a point has moved too far since they were built.
+    fn update_candidates(&mut self) {
+        let searched = |p: &&ContactPair| p.analytical.is_none();
         let slack = self.pairs.iter().filter(searched).map(|p| p.search.slack()).fold(f64::INFINITY, f64::min);
         if slack == f64::INFINITY {
             return;
@@ -351,7 +359,7 @@ impl Contact {
         }
     }
 
-    /// The gaps of all pairs as rows, in an increment of the length `dt`.
+    /// Measures the gaps of all pairs as rows, for an increment of length `dt`.
     fn measure(&mut self, dt: f64) {
         self.gaps.shares.clear();
         self.rows.clear();
@@ -364,21 +372,21 @@ impl Contact {
     }
 
     fn measure_curves(&mut self) {
-        let Contact { curves, pairs, gaps, rows, dofs_of, fits, places, .. } = self;
+        let ContactConstraint { curves, pairs, gaps, rows, dofs_of, gap_offsets: fits, places, .. } = self;
         for pair in pairs.iter_mut().filter(|p| p.analytical.is_none()) {
             let own = &curves[pair.own];
             let other = pair.other.map_or(own, |o| &curves[o]);
             let (mut any, reach) = (false, pair.search.reach());
-            for (at, &k) in own.bare.iter().enumerate() {
+            for (at, &k) in own.exposed.iter().enumerate() {
                 let candidates = pair.search.facets.of(at);
-                pair.seen[k as usize] = match candidates.is_empty() {
-                    true => Seen::default(),
-                    false => gaps.see(own, k as usize, other, candidates, reach),
+                pair.facet_gaps[k as usize] = match candidates.is_empty() {
+                    true => FacetGap::default(),
+                    false => gaps.facet_gap(own, k as usize, other, candidates, reach),
                 };
-                any |= pair.seen[k as usize].area != [0.0; 2];
+                any |= pair.facet_gaps[k as usize].area != [0.0; 2];
             }
             if any {
-                for &index in &own.bare_own {
+                for &index in &own.exposed_points {
                     add_row(rows, pair, own, index as usize, gaps, dofs_of, fits);
                 }
             }
@@ -393,33 +401,33 @@ impl Contact {
                     (pair, places, dofs_of),
                 );
             }
-            // A curve that meets itself has its loose points once.
+            // In self-contact the single points have been added above.
             let others = pair.other.map(|o| &curves[o]);
-            for (at, index) in others.into_iter().flat_map(|o| o.loose()).enumerate() {
+            for (at, index) in others.into_iter().flat_map(|o| o.single_points()).enumerate() {
                 let key = pair.first_key + own.own.len() as u32 + index;
                 add_point_row(rows, gaps, (other, index, key), own, pair.search.others.of(at), (pair, places, dofs_of));
             }
         }
     }
 
-    /// Impulses of the rows on degrees of freedom, and the pressures that are kept.
+    /// Sums the impulses of rows on degrees of freedom, and stores the pressures.
     fn gather_impulses(&mut self) {
-        let Contact { rows, impulses, pressures, half, .. } = self;
+        let ContactConstraint { rows, impulses, pressures, half, .. } = self;
         pressures.fill([0.0; 2]);
         impulses.fill([0.0; 2]);
         for row in &rows.rows {
-            pressures[row.key as usize] = [row.pressed / *half, row.sheared / *half];
+            pressures[row.key as usize] = [row.normal_impulse / *half, row.shear_impulse / *half];
             for term in rows.terms_of(row) {
                 let on = &mut impulses[term.dof as usize];
-                on[0] += term.normal * row.pressed;
-                on[1] += term.slip * row.sheared;
+                on[0] += term.normal * row.normal_impulse;
+                on[1] += term.slip * row.shear_impulse;
             }
         }
     }
 
-    /// Changes velocities and places, and books the work of the impulses: an impulse does itself times the mean of the velocities
-    /// before and after. What acts on a prescribed motion is work of that motion.
-    fn act(&mut self, dofs: &mut Dofs, dt: f64) {
+    /// Applies the impulses to velocities and positions, and adds their work: the impulse times the mean of the
+    /// velocities before and after it. The work on a prescribed motion is external work.
+    fn apply_impulses(&mut self, dofs: &mut Dofs, dt: f64) {
         let half = self.half;
         let Dofs { bodies, nodes, energies, .. } = dofs;
         let mut work = [0.0; 2];
@@ -448,7 +456,7 @@ impl Contact {
                     body.velocity_half += change;
                     body.displacement += dt * change;
                     if !prescribed {
-                        // What surfaces did before in this increment acts over the new velocity.
+                        // Impulses of other contacts in this increment also act during the change of velocity.
                         energies.contact -= 0.5 * body.mass * so_far * change;
                     }
                     0.5 * (before + body.velocity_half)
@@ -464,10 +472,11 @@ impl Contact {
             work[1] += slip * mean;
         }
         let springs = self.work_of_springs();
-        if let Some(crossing) = &mut self.crossing {
+        if let Some(crossing) = &mut self.contact_heat {
             let (rows, means) = (&self.rows, &self.means);
-            let rate = |row: &Row| rows.terms_of(row).iter().map(|t| t.slip * means[t.dof as usize]).sum::<f64>();
-            crossing.rub(rows, &self.laws, |row| row.sheared * rate(row));
+            let rate =
+                |row: &ContactRow| rows.terms_of(row).iter().map(|t| t.slip * means[t.dof as usize]).sum::<f64>();
+            crossing.add_friction_heat(rows, &self.laws, |row| row.shear_impulse * rate(row));
         }
         energies.penalty -= springs;
         energies.contact -= work[0] - springs;
@@ -476,37 +485,45 @@ impl Contact {
 
     fn work_of_springs(&self) -> f64 {
         let Some(first) = self.springs else { return 0.0 };
-        let own = self.rows.rows.iter().filter(|row| row.law >= first && row.pressed > 0.0);
-        let terms = |row: &Row| self.rows.terms_of(row).iter();
-        own.map(|row| row.pressed * terms(row).map(|t| t.normal * self.means[t.dof as usize]).sum::<f64>()).sum()
+        let own = self.rows.rows.iter().filter(|row| row.law >= first && row.normal_impulse > 0.0);
+        let terms = |row: &ContactRow| self.rows.terms_of(row).iter();
+        own.map(|row| row.normal_impulse * terms(row).map(|t| t.normal * self.means[t.dof as usize]).sum::<f64>()).sum()
     }
 
-    /// What rows pass on of heat, before any is left out.
-    fn let_heat_cross(&mut self) {
-        if let Some(crossing) = &mut self.crossing {
+    /// Updates heat exchange before any row is left out.
+    fn update_heat_rows(&mut self) {
+        if let Some(crossing) = &mut self.contact_heat {
             crossing.take(&self.rows, &self.laws, &self.pressures);
         }
     }
 
-    /// What bodies that move freely took in this increment, in place of what they took in the one behind.
+    /// Replaces the contact acceleration of free bodies with that of this increment.
     fn push_bodies(&mut self, dofs: &mut Dofs) {
         let half = self.half;
         for carried in self.bodies.iter_mut().filter(|c| !c.prescribed) {
             let [normal, slip] = self.impulses[carried.dof];
             let body = &mut dofs.bodies[carried.body];
-            body.contact -= carried.pushed;
-            carried.pushed = (normal + slip) * body.inverse_mass / half;
-            body.contact += carried.pushed;
+            body.contact -= carried.contact_acceleration;
+            carried.contact_acceleration = (normal + slip) * body.inverse_mass / half;
+            body.contact += carried.contact_acceleration;
         }
     }
 }
 
-/// The row of one point, from what the facets around it see.
-fn add_row(rows: &mut Rows, pair: &Pair, own: &Curve, index: usize, gaps: &Gaps, dofs_of: &[[u32; 2]], fits: &[f64]) {
-    let mut row = Row::of(pair.first_key + index as u32, pair.law_of(index));
-    let facets = || own.around_own(index).iter().filter(|f| own.there[f.0 as usize]);
+/// Adds the row of one point from the gaps of the facets around it.
+fn add_row(
+    rows: &mut ContactRows,
+    pair: &ContactPair,
+    own: &FacetCurve,
+    index: usize,
+    gaps: &GapIntegrator,
+    dofs_of: &[[u32; 2]],
+    fits: &[f64],
+) {
+    let mut row = ContactRow::of(pair.first_key + index as u32, pair.law_of(index));
+    let facets = || own.around_own(index).iter().filter(|f| own.is_exposed[f.0 as usize]);
     for &(facet, end) in facets() {
-        let (seen, end) = (&pair.seen[facet as usize], end as usize);
+        let (seen, end) = (&pair.facet_gaps[facet as usize], end as usize);
         row.area += seen.area[end];
         row.gap += seen.gap[end];
     }
@@ -518,21 +535,21 @@ fn add_row(rows: &mut Rows, pair: &Pair, own: &Curve, index: usize, gaps: &Gaps,
     }
     rows.open();
     for &(facet, end) in facets() {
-        for share in gaps.shares_of(&pair.seen[facet as usize]) {
+        for share in gaps.shares_of(&pair.facet_gaps[facet as usize]) {
             rows.add_share(dofs_of[share.point as usize], share.of[end as usize]);
         }
     }
     rows.close(row);
 }
 
-/// The row of a point that meets a curve by itself: its area is one, its multiplier an impulse.
+/// Adds the row of a single point: its area is one, its multiplier an impulse.
 fn add_point_row(
-    rows: &mut Rows,
-    gaps: &mut Gaps,
-    (of, index, key): (&Curve, u32, u32),
-    against: &Curve,
+    rows: &mut ContactRows,
+    gaps: &mut GapIntegrator,
+    (of, index, key): (&FacetCurve, u32, u32),
+    against: &FacetCurve,
     candidates: &[u32],
-    (pair, places, dofs_of): (&Pair, &[[f64; 2]], &[[u32; 2]]),
+    (pair, places, dofs_of): (&ContactPair, &[[f64; 2]], &[[u32; 2]]),
 ) {
     if candidates.is_empty() {
         return;
@@ -544,12 +561,12 @@ fn add_point_row(
     for share in gaps.shares_of(&seen) {
         rows.add_share(dofs_of[share.point as usize], share.of[0]);
     }
-    let mut row = Row::of(key, pair.of_points as u32);
+    let mut row = ContactRow::of(key, pair.of_points as u32);
     (row.alone, row.area, row.gap) = (true, seen.area[0], seen.gap[0]);
     rows.close(row);
 }
 
-impl Constraint for Contact {
+impl Constraint for ContactConstraint {
     fn effect(&self) -> EffectId {
         self.pairs.first().map_or(0, |p| p.id)
     }
@@ -561,16 +578,16 @@ impl Constraint for Contact {
             if let Dof::Body(body) = *dof {
                 *held = dofs.bodies[body].prescribed;
                 let known = before.iter().find(|known| known.body == body && !*held);
-                let pushed = known.map_or(0.0, |known| known.pushed);
+                let pushed = known.map_or(0.0, |known| known.contact_acceleration);
                 dofs.bodies[body].contact += pushed;
-                self.bodies.push(Carried { dof: i, body, prescribed: *held, pushed });
+                self.bodies.push(ContactBody { dof: i, body, prescribed: *held, contact_acceleration: pushed });
                 self.rows.bodies.extend((!*held).then_some(i as u32));
             }
         }
         self.rows.reserve(self.pressures.len(), self.dofs.len());
     }
 
-    fn accelerations(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>) {
+    fn accelerations(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {
         if self.half == 0.0 {
             return;
         }
@@ -580,33 +597,33 @@ impl Constraint for Contact {
         }
     }
 
-    fn motion(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>, dt: f64) {
+    fn motion(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>, dt: f64) {
         self.half = dofs.nodes.half;
         if self.uncovered {
             self.list_points();
         }
-        self.look(dofs, dt);
+        self.read_motion(dofs, dt);
         if std::mem::take(&mut self.uncovered) {
-            self.curves.iter_mut().for_each(|c| c.join(&self.places));
+            self.curves.iter_mut().for_each(|c| c.find_neighbors(&self.places));
         }
         self.curves.iter_mut().for_each(|c| c.shape(&self.places));
-        self.list();
+        self.update_candidates();
         self.measure(dt);
         self.show_openings();
-        self.let_heat_cross();
-        let span = Span { ahead: dt, half: self.half };
-        let given = Given { laws: &self.laws, before: &self.pressures, span };
+        self.update_heat_rows();
+        let span = ContactInterval { dt, half: self.half };
+        let given = ContactStep { laws: &self.laws, before: &self.pressures, span };
         if let Some(reference) = self.rows.solve(&mut self.motion, given) {
-            self.end_on_arcs(reference, span);
+            self.correct_arc_gaps(reference, span);
         }
         self.gather_impulses();
-        self.act(dofs, dt);
+        self.apply_impulses(dofs, dt);
         self.push_bodies(dofs);
         self.show(dt);
     }
 
     fn view(&self) -> ConstraintView<'_> {
-        let heat = self.crossing.as_deref().map(|crossing| crossing as &dyn HeatExchange);
+        let heat = self.contact_heat.as_deref().map(|crossing| crossing as &dyn HeatExchange);
         ConstraintView { carried: None, moves_nodes: true, forces: Some(self), contact: Some(self), heat }
     }
 
@@ -615,7 +632,7 @@ impl Constraint for Contact {
     }
 }
 
-impl ConstraintForces for Contact {
+impl ConstraintForces for ContactConstraint {
     fn constraint_force(&self, dof: Dof) -> f64 {
         if self.half == 0.0 {
             return 0.0;
@@ -625,9 +642,9 @@ impl ConstraintForces for Contact {
     }
 }
 
-impl ConstraintUpkeep for Contact {
+impl ConstraintUpkeep for ContactConstraint {
     fn remove_elements(&mut self, deleted: &[ElementNodes]) {
-        let Contact { curves, shown, uncovered, .. } = self;
+        let ContactConstraint { curves, shown, uncovered, .. } = self;
         for curve in curves.iter_mut() {
             let points = deleted.iter().filter_map(|boundary| shown.points(boundary));
             if curve.release(points) {
@@ -638,19 +655,19 @@ impl ConstraintUpkeep for Contact {
     }
 }
 
-impl StoredConstraint for Contact {
+impl StoredConstraint for ContactConstraint {
     fn continue_from(&mut self, previous: &dyn Constraint) {
-        if let Some(previous) = (previous as &dyn Any).downcast_ref::<Contact>() {
+        if let Some(previous) = (previous as &dyn Any).downcast_ref::<ContactConstraint>() {
             self.take_over(previous);
         }
     }
 
     fn memory(&self) -> MemoryUse {
-        let of_pair = |p: &Pair| p.search.memory() + MemoryUse::of(&p.seen);
+        let of_pair = |p: &ContactPair| p.search.memory() + MemoryUse::of(&p.facet_gaps);
         MemoryUse::of(&self.pairs)
             + self.pairs.iter().map(of_pair).sum()
             + MemoryUse::of(&self.curves)
-            + self.curves.iter().map(Curve::memory).sum()
+            + self.curves.iter().map(FacetCurve::memory).sum()
             + self.gaps.memory()
             + self.shown.memory()
             + self.rows.memory()
@@ -661,7 +678,7 @@ impl StoredConstraint for Contact {
             + MemoryUse::of(&self.dofs_of)
             + MemoryUse::of(&self.dofs)
             + MemoryUse::of(&self.pressures)
-            + MemoryUse::of(&self.fits)
+            + MemoryUse::of(&self.gap_offsets)
             + MemoryUse::of(&self.means)
             + MemoryUse::of(&self.places)
             + MemoryUse::of(&self.near)
@@ -670,21 +687,21 @@ impl StoredConstraint for Contact {
             + MemoryUse::of(&self.bodies)
             + MemoryUse::of(&self.motion.velocity)
             + MemoryUse::of(&self.motion.inverse_mass)
-            + self.crossing.iter().map(|crossing| crossing.memory()).sum()
+            + self.contact_heat.iter().map(|crossing| crossing.memory()).sum()
     }
 }
 
-persist_struct!(Carried { pushed } derived { dof, body, prescribed });
+persist_struct!(ContactBody { contact_acceleration } derived { dof, body, prescribed });
 
-persist_struct!(Contact {
-    curves: fixed, pressures: fixed, impulses: fixed, bodies: fixed, half, shown, uncovered, crossing: present
+persist_struct!(ContactConstraint {
+    curves: fixed, pressures: fixed, impulses: fixed, bodies: fixed, half, shown, uncovered, contact_heat: present
 } derived {
-    points, pairs, analyticals, feet, laws, dofs_of, dofs, fits, springs, means, places, near, listed, gaps, rows, motion
-} then Contact::list_again);
+    points, pairs, analyticals, feet, laws, dofs_of, dofs, gap_offsets, springs, means, places, near, listed, gaps, rows, motion
+} then ContactConstraint::list_again);
 
-impl Contact {
-    /// Lists are made from what has been read; rows do not depend on when they were made.
-    fn list_again(&mut self, archive: &mut Archive<'_>) {
+impl ContactConstraint {
+    /// Lists are built again after reading; rows do not depend on when lists were built.
+    fn list_again(&mut self, archive: &mut StateArchive<'_>) {
         if archive.reads() {
             self.list_points();
         }

@@ -1,42 +1,43 @@
-//! Which facets may meet within the next increments: lists that hold until something has moved too far.
-//! Never here: gaps.
+//! Search for contact candidates: lists of facets that may come into contact, valid until a point has moved too far.
 
 use crate::kernel::lists::MemoryUse;
 
-use super::curve::Curve;
+use super::curve::FacetCurve;
 
-/// Part of the pair's length of facets that is the reach of contact: points further from the other surface are out of it.
+/// Reach of contact as a fraction of the facet length of a pair; points at a larger distance are not in contact.
 const REACH: f64 = 0.5;
-/// Part of it that a point may move before lists are made anew. Both surfaces may move so far: boxes are widened by reach and
-/// twice this.
+/// Displacement of a point at which lists are built again, as a fraction of the same length. Both surfaces may move so
+/// far, so boxes are enlarged by the reach and twice this value.
 const SLACK: f64 = 0.5;
 
 /// A box, by its lower and upper corner.
-type Bounds = [[f64; 2]; 2];
+type BoundingBox = [[f64; 2]; 2];
 
-/// For each facet of one curve the facets of another that it may meet, ascending, and the same for points that no element has.
+/// Contact candidates: for each exposed facet and each single point of one curve, the facets of the other curve,
+/// ascending.
 #[derive(Clone, Debug, Default)]
-pub struct Search {
-    /// The length that reach and slack are parts of: the smaller of the longest facets of both.
+pub struct ContactSearch {
+    /// Length that reach and slack refer to: the smaller of the longest facets of both curves.
     pub length: f64,
-    /// How far in front of their facets both surfaces lie at most.
+    /// Sum of the largest distances of both surfaces from their facets.
     pub lift: f64,
-    /// By place among the bare facets of the own curve.
-    pub facets: Lists,
-    /// By place among the own curve's orphans, in front of the other curve.
-    pub orphans: Lists,
-    /// By place among the other curve's loose points, in front of the own one.
-    pub others: Lists,
-    order: Order,
+    /// Candidates of each exposed facet of the own curve.
+    pub facets: CandidateLists,
+    /// Candidates on the other curve of each own point without elements.
+    pub orphans: CandidateLists,
+    /// Candidates on the own curve of each single point of the other curve.
+    pub others: CandidateLists,
+    order: SortedFacets,
 }
 
+/// Lists of indices, stored one after the other.
 #[derive(Clone, Debug, Default)]
-pub struct Lists {
+pub struct CandidateLists {
     first: Vec<u32>,
     list: Vec<u32>,
 }
 
-impl Lists {
+impl CandidateLists {
     #[inline]
     pub fn of(&self, index: usize) -> &[u32] {
         match (self.first.get(index), self.first.get(index + 1)) {
@@ -62,20 +63,20 @@ impl Lists {
     }
 }
 
-/// Bare facets of a curve by where their boxes begin along the direction in which it is longer.
+/// Exposed facets of a curve, sorted by the lower end of their boxes along the longer direction of the curve.
 #[derive(Clone, Debug, Default)]
-struct Order {
+struct SortedFacets {
     axis: usize,
     longest: f64,
     order: Vec<(f64, u32)>,
 }
 
-impl Order {
-    fn sort(&mut self, curve: &Curve) {
+impl SortedFacets {
+    fn sort(&mut self, curve: &FacetCurve) {
         self.axis = longer_extent(curve);
         self.longest = 0.0;
         self.order.clear();
-        for &j in &curve.bare {
+        for &j in &curve.exposed {
             let [low, high] = curve.shapes[j as usize].bounds();
             self.order.push((low[self.axis], j));
             self.longest = self.longest.max(high[self.axis] - low[self.axis]);
@@ -83,8 +84,8 @@ impl Order {
         self.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     }
 
-    /// Adds the facets whose boxes come within `margin` of one.
-    fn near(&self, curve: &Curve, [low, high]: Bounds, margin: f64, mut add: impl FnMut(u32)) {
+    /// Adds the facets with boxes within `margin` of a box.
+    fn near(&self, curve: &FacetCurve, [low, high]: BoundingBox, margin: f64, mut add: impl FnMut(u32)) {
         let axis = self.axis;
         let from = self.order.partition_point(|o| o.0 < low[axis] - margin - self.longest);
         for &(_, j) in self.order[from..].iter().take_while(|o| o.0 <= high[axis] + margin) {
@@ -96,39 +97,41 @@ impl Order {
     }
 }
 
-impl Search {
-    /// Room for lists of curves of so many facets.
-    pub fn new(length: f64, lift: f64, facets: usize, others: usize) -> Search {
-        let room =
-            |count: usize, list: usize| Lists { first: Vec::with_capacity(count), list: Vec::with_capacity(list) };
-        Search {
+impl ContactSearch {
+    /// Allocates lists for curves with this number of facets.
+    pub fn new(length: f64, lift: f64, facets: usize, others: usize) -> ContactSearch {
+        let with_capacity_for = |count: usize, list: usize| CandidateLists {
+            first: Vec::with_capacity(count),
+            list: Vec::with_capacity(list),
+        };
+        ContactSearch {
             length,
             lift,
-            facets: room(facets + 1, 16 * (facets + others)),
-            orphans: room(facets + 1, 4 * facets),
-            others: room(others + 1, 4 * others),
-            order: Order { order: Vec::with_capacity(facets.max(others)), ..Order::default() },
+            facets: with_capacity_for(facets + 1, 16 * (facets + others)),
+            orphans: with_capacity_for(facets + 1, 4 * facets),
+            others: with_capacity_for(others + 1, 4 * others),
+            order: SortedFacets { order: Vec::with_capacity(facets.max(others)), ..SortedFacets::default() },
         }
     }
 
-    /// How far points may move before lists are made anew.
+    /// Returns the displacement of a point at which lists are built again.
     pub fn slack(&self) -> f64 {
         SLACK * self.length
     }
 
-    /// How far in front of a surface contact begins to be looked at.
+    /// Returns the distance from a surface within which gaps are measured.
     pub fn reach(&self) -> f64 {
         REACH * self.length
     }
 
-    /// Makes the lists. A curve that meets itself (`other` is `None`) has each two facets once, under the lower index. Facets
-    /// with a point in common do not meet.
-    pub fn build(&mut self, own: &Curve, other: Option<&Curve>, places: &[[f64; 2]]) {
+    /// Builds the lists. In self-contact (`other` is `None`) a pair of facets is listed once, under the lower index.
+    /// Facets with a common point are not candidates.
+    pub fn build(&mut self, own: &FacetCurve, other: Option<&FacetCurve>, places: &[[f64; 2]]) {
         let (against, margin) = (other.unwrap_or(own), self.reach() + self.lift + 2.0 * self.slack());
-        let Search { facets, orphans, others, order, .. } = self;
+        let ContactSearch { facets, orphans, others, order, .. } = self;
         order.sort(against);
         facets.clear();
-        for &k in &own.bare {
+        for &k in &own.exposed {
             let shape = &own.shapes[k as usize];
             order.near(against, shape.bounds(), margin, |j| {
                 let seen_already = other.is_none() && j <= k;
@@ -140,24 +143,24 @@ impl Search {
             facets.end_one();
         }
         list_points(orphans, (own, own.orphans.iter().copied()), against, order, places, margin);
-        if let Some(other) = other.filter(|o| o.loose().next().is_some()) {
+        if let Some(other) = other.filter(|o| o.single_points().next().is_some()) {
             order.sort(own);
-            list_points(others, (other, other.loose()), own, order, places, margin);
+            list_points(others, (other, other.single_points()), own, order, places, margin);
         }
     }
 
-    /// Memory of the lists.
+    /// Returns the memory of the lists.
     pub fn memory(&self) -> MemoryUse {
-        [&self.facets, &self.orphans, &self.others].into_iter().map(Lists::memory).sum::<MemoryUse>()
+        [&self.facets, &self.orphans, &self.others].into_iter().map(CandidateLists::memory).sum::<MemoryUse>()
             + MemoryUse::of(&self.order.order)
     }
 }
 
 fn list_points(
-    lists: &mut Lists,
-    (of, points): (&Curve, impl Iterator<Item = u32>),
-    against: &Curve,
-    order: &Order,
+    lists: &mut CandidateLists,
+    (of, points): (&FacetCurve, impl Iterator<Item = u32>),
+    against: &FacetCurve,
+    order: &SortedFacets,
     places: &[[f64; 2]],
     margin: f64,
 ) {
@@ -169,10 +172,10 @@ fn list_points(
     }
 }
 
-/// The direction along which a curve is longer: r (0) or z (1).
-fn longer_extent(curve: &Curve) -> usize {
+/// Returns the direction along which a curve is longer: r (0) or z (1).
+fn longer_extent(curve: &FacetCurve) -> usize {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for &k in &curve.bare {
+    for &k in &curve.exposed {
         let [l, h] = curve.shapes[k as usize].bounds();
         for i in [0, 1] {
             (low[i], high[i]) = (low[i].min(l[i]), high[i].max(h[i]));

@@ -1,32 +1,32 @@
-//! What contact shows: pressure, shear, opening and slip at points, forces and areas of pairs.
-//! Never here: what happens in contact.
+//! Contact output: pressure, shear stress, opening and slip at points; forces and areas of pairs.
 
-use super::curve::{Carrier, Point};
-use super::{Contact, Pair};
+use super::curve::{PointCarrier, SurfacePoint};
+use super::{ContactConstraint, ContactPair};
 use crate::constraint::ContactResults;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::persist_struct;
-use crate::variables::{Part, Variable};
+use crate::variables::{Variable, VariableComponent};
 
-/// What is kept for those who look.
+/// Values kept for output only.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Shown {
-    /// Gap of each key; not a number where nothing is near.
+pub(super) struct ContactOutput {
+    /// Gap of each key; NaN if no surface is near.
     pub(super) opening: Vec<f64>,
-    /// Slip of each key so far while in contact.
+    /// Accumulated slip of each key while in contact.
     slip: Vec<f64>,
-    /// Points by what carries them: nodes first, ascending.
+    /// Nodes and their points, ascending by node.
     by_node: Vec<(usize, u32)>,
-    on_bodies: Vec<(Carrier, u32)>,
+    on_bodies: Vec<(PointCarrier, u32)>,
 }
 
-impl Shown {
-    pub(super) fn new(keys: usize, points: &[Point]) -> Shown {
-        let mut shown = Shown { opening: vec![f64::NAN; keys], slip: vec![0.0; keys], ..Shown::default() };
+impl ContactOutput {
+    pub(super) fn new(keys: usize, points: &[SurfacePoint]) -> ContactOutput {
+        let mut shown =
+            ContactOutput { opening: vec![f64::NAN; keys], slip: vec![0.0; keys], ..ContactOutput::default() };
         for (index, point) in points.iter().enumerate() {
             match point.carrier {
-                Carrier::Node(node) => shown.by_node.push((node, index as u32)),
+                PointCarrier::Node(node) => shown.by_node.push((node, index as u32)),
                 carrier => shown.on_bodies.push((carrier, index as u32)),
             }
         }
@@ -38,24 +38,26 @@ impl Shown {
         self.opening.fill(f64::NAN);
     }
 
-    /// Goes on with what was shown of a key before.
-    pub(super) fn take_over(&mut self, key: usize, previous: &Shown, other: usize) {
+    /// Takes the output of a key from the previous contact.
+    pub(super) fn take_over(&mut self, key: usize, previous: &ContactOutput, other: usize) {
         self.opening[key] = previous.opening[other];
         self.slip[key] = previous.slip[other];
     }
 
-    fn point(&self, carrier: Carrier) -> Option<u32> {
+    fn point(&self, carrier: PointCarrier) -> Option<u32> {
         match carrier {
-            Carrier::Node(node) => self.by_node.binary_search_by_key(&node, |p| p.0).ok().map(|at| self.by_node[at].1),
+            PointCarrier::Node(node) => {
+                self.by_node.binary_search_by_key(&node, |p| p.0).ok().map(|at| self.by_node[at].1)
+            }
             carrier => self.on_bodies.iter().find(|p| p.0 == carrier).map(|p| p.1),
         }
     }
 
-    /// The points of an element's boundary; `None` where one is in no contact.
+    /// Returns the points of an element's nodes; `None` if one has no contact.
     pub(super) fn points(&self, boundary: &ElementNodes) -> Option<ElementNodes> {
         let mut points = *boundary;
         for point in points.iter_mut() {
-            *point = self.point(Carrier::Node(*point as usize))?;
+            *point = self.point(PointCarrier::Node(*point as usize))?;
         }
         Some(points)
     }
@@ -68,31 +70,32 @@ impl Shown {
     }
 }
 
-impl Contact {
-    /// Keeps the gaps that the increment begins with.
+impl ContactConstraint {
+    /// Stores the gaps at the start of the increment.
     pub(super) fn show_openings(&mut self) {
-        let Contact { rows, shown, .. } = self;
-        for row in rows.rows.iter().filter(|row| row.foot.is_none()) {
+        let ContactConstraint { rows, shown, .. } = self;
+        for row in rows.rows.iter().filter(|row| row.closest_point.is_none()) {
             shown.opening[row.key as usize] = row.gap / row.area;
         }
     }
 
-    /// Keeps the slip of an increment of the length `dt`.
+    /// Adds the slip of an increment of length `dt`.
     pub(super) fn show(&mut self, dt: f64) {
-        let Contact { rows, motion, shown, .. } = self;
-        for row in rows.rows.iter().filter(|row| row.pressed > 0.0) {
+        let ContactConstraint { rows, motion, shown, .. } = self;
+        for row in rows.rows.iter().filter(|row| row.normal_impulse > 0.0) {
             shown.slip[row.key as usize] += dt * motion.slip(rows.terms_of(row)) / row.area;
         }
     }
 
-    /// Force of pressure and of friction on the own surface of a pair, along r and z, and the area where it is pressed.
-    fn forces(&self, pair: &Pair) -> [f64; 5] {
+    /// Returns the forces of pressure and of friction on the own surface of a pair, each along r and z, and the contact
+    /// area.
+    fn forces(&self, pair: &ContactPair) -> [f64; 5] {
         if pair.analytical.is_some() {
             return self.forces_of_rows(pair);
         }
         let (own, mut sum) = (&self.curves[pair.own], [0.0; 5]);
-        for &k in &own.bare {
-            let (facet, seen) = (&own.facets[k as usize], &pair.seen[k as usize]);
+        for &k in &own.exposed {
+            let (facet, seen) = (&own.facets[k as usize], &pair.facet_gaps[k as usize]);
             if seen.area == [0.0; 2] {
                 continue;
             }
@@ -116,13 +119,13 @@ impl Contact {
     }
 }
 
-impl ContactResults for Contact {
-    fn value_at_point(&self, carrier: Carrier, part: Part) -> Option<f64> {
+impl ContactResults for ContactConstraint {
+    fn value_at_point(&self, carrier: PointCarrier, part: VariableComponent) -> Option<f64> {
         let point = self.shown.point(carrier)?;
         let keys = self.pairs.iter().flat_map(|pair| {
             let own = &self.curves[pair.own].own;
             let at = own.binary_search(&point).ok().map(|at| pair.first_key as usize + at);
-            // In corners of analytical surfaces it has two.
+            // In front of re-entrant corners of analytical surfaces a point has two keys.
             let twice = pair.analytical.is_some() && self.keys_of(pair) as usize > own.len();
             [at, at.filter(|_| twice).map(|at| at + own.len())].into_iter().flatten()
         });
@@ -141,9 +144,9 @@ impl ContactResults for Contact {
         found
     }
 
-    fn value_of_pair(&self, number: usize, part: Part) -> Option<f64> {
+    fn value_of_pair(&self, number: usize, part: VariableComponent) -> Option<f64> {
         let pair = self.pairs.iter().find(|p| p.number == number)?;
-        // What acts on the other surface is the opposite.
+        // The forces on the two surfaces are opposite.
         let sign = if pair.first { 1.0 } else { -1.0 };
         let forces = self.forces(pair);
         match part.variable {
@@ -159,4 +162,4 @@ impl ContactResults for Contact {
     }
 }
 
-persist_struct!(Shown { opening: fixed, slip: fixed } derived { by_node, on_bodies });
+persist_struct!(ContactOutput { opening: fixed, slip: fixed } derived { by_node, on_bodies });

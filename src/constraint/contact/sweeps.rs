@@ -1,159 +1,165 @@
-//! The impulses with which surfaces end an increment without going on into each other: projected Gauss-Seidel sweeps over the
-//! gaps of all pairs, in a fixed order, warm from the pressures of the increment before (Jean 1999, Comput. Methods Appl. Mech.
-//! Engrg. 177, 235).
-//! Never here: where gaps come from.
+//! Iterative solution for the contact impulses: projected Gauss-Seidel sweeps over the gaps of all pairs in a fixed
+//! order, starting from the pressures of the previous increment (Jean 1999, Comput. Methods Appl. Mech. Engrg. 177,
+//! 235).
 
-use super::direct::Direct;
-use super::light::Light;
-use crate::kernel::interaction::{Law, Overclosure};
+use super::direct::DirectSolver;
+use super::light::LightBody;
+use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lists::MemoryUse;
 
-/// The share of one degree of freedom in a gap, along the normal and along the surface.
+/// Coefficients of one degree of freedom in a row, along the normal and along the surface.
 #[derive(Clone, Copy, Debug)]
-pub struct Term {
+pub struct GapTerm {
+    /// Index of the degree of freedom.
     pub dof: u32,
-    /// Derivative of the gap by it.
+    /// Derivative of the gap by the degree of freedom.
     pub normal: f64,
-    /// Derivative of the slip by it.
+    /// Derivative of the slip by the degree of freedom.
     pub slip: f64,
 }
 
 /// The weighted gap of one point.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Row {
-    /// Where its terms begin and end.
+pub struct ContactRow {
+    /// Range of its terms.
     pub terms: [u32; 2],
-    /// Which of the points that carry multipliers it is.
+    /// Index of the multiplier.
     pub key: u32,
+    /// Index of the contact law.
     pub law: u32,
-    /// Whether it is of a point that meets by itself: its area is one, its multiplier an impulse.
+    /// Whether it belongs to a single point: its area is one, its multiplier an impulse.
     pub alone: bool,
-    /// Which of the places on analytical surfaces it is in front of: its gap is that at the end of an increment without contact, less
-    /// what that closes it by, and may lie below zero.
-    pub foot: Option<u32>,
-    /// Area of its hat function.
+    /// Index of the point of an analytical surface, if the row has one. The gap is then that at the end of an increment
+    /// without contact minus its change, and may be negative.
+    pub closest_point: Option<u32>,
+    /// Area of the hat function.
     pub area: f64,
-    /// Gap times area, less what was there at the start where that is taken off.
+    /// Gap times area, corrected by the initial clearance.
     pub gap: f64,
     /// Rate at which the gap times area may close in this increment.
     pub(super) bias: f64,
-    /// Change of the rate by an impulse a unit of area, along the normal and along the surface.
-    pub(super) gives: [f64; 2],
-    /// Impulses a unit of area.
-    pub pressed: f64,
-    /// Along the surface.
-    pub sheared: f64,
+    /// Change of the rate by an impulse per unit of area, along the normal and along the surface.
+    pub(super) compliance: [f64; 2],
+    /// Impulse per unit of area, along the normal.
+    pub normal_impulse: f64,
+    /// Impulse per unit of area, along the surface.
+    pub shear_impulse: f64,
     pub(super) sticks: bool,
     pub(super) coefficient: f64,
 }
 
-impl Row {
+impl ContactRow {
     /// A row without gap or area.
-    pub fn of(key: u32, law: u32) -> Row {
-        Row { key, law, ..Row::default() }
+    pub fn of(key: u32, law: u32) -> ContactRow {
+        ContactRow { key, law, ..ContactRow::default() }
     }
 
-    /// Takes the rate at which it may close.
-    fn take_bias(&mut self, law: &Law, span: Span) {
-        let open = self.gap - law.overclosure.begins() * self.area;
-        self.bias = if self.foot.is_some() { open } else { open.max(0.0) } / span.ahead;
+    /// Computes the rate at which the gap may close.
+    fn take_bias(&mut self, law: &InteractionLaw, span: ContactInterval) {
+        let open = self.gap - law.overclosure.onset_gap() * self.area;
+        self.bias = if self.closest_point.is_some() { open } else { open.max(0.0) } / span.dt;
     }
 
     #[inline(always)]
-    pub(super) fn own<'a>(&self, terms: &'a [Term]) -> &'a [Term] {
+    pub(super) fn own<'a>(&self, terms: &'a [GapTerm]) -> &'a [GapTerm] {
         &terms[self.terms[0] as usize..self.terms[1] as usize]
     }
 
-    pub(super) fn give(&mut self, own: &[Term], motion: &Motion) {
-        self.gives = [0.0; 2];
+    pub(super) fn update_compliance(&mut self, own: &[GapTerm], motion: &ContactVelocities) {
+        self.compliance = [0.0; 2];
         for t in own {
             let w = motion.inverse_mass[t.dof as usize];
-            self.gives[0] += w * t.normal * t.normal;
-            self.gives[1] += w * t.slip * t.slip;
+            self.compliance[0] += w * t.normal * t.normal;
+            self.compliance[1] += w * t.slip * t.slip;
         }
     }
 }
 
-/// All that moves in contact: velocities and inverse masses of its degrees of freedom.
+/// Velocities and inverse masses of the degrees of freedom in contact.
 #[derive(Clone, Debug, Default)]
-pub struct Motion {
+pub struct ContactVelocities {
     /// Velocities over the increment.
     pub velocity: Vec<f64>,
-    /// One over the mass; 0 of what is prescribed.
+    /// One over the mass; 0 for prescribed motions.
     pub inverse_mass: Vec<f64>,
 }
 
-impl Motion {
+impl ContactVelocities {
     /// Rate of a gap times its area.
-    pub(super) fn rate(&self, terms: &[Term]) -> f64 {
+    pub(super) fn rate(&self, terms: &[GapTerm]) -> f64 {
         terms.iter().map(|t| t.normal * self.velocity[t.dof as usize]).sum()
     }
 
     /// Rate of the slip times the area.
-    pub fn slip(&self, terms: &[Term]) -> f64 {
+    pub fn slip(&self, terms: &[GapTerm]) -> f64 {
         terms.iter().map(|t| t.slip * self.velocity[t.dof as usize]).sum()
     }
 
-    pub(super) fn push(&mut self, terms: &[Term], impulse: f64) {
+    pub(super) fn push(&mut self, terms: &[GapTerm], impulse: f64) {
         for t in terms {
             self.velocity[t.dof as usize] += self.inverse_mass[t.dof as usize] * t.normal * impulse;
         }
     }
 
-    pub(super) fn shear(&mut self, terms: &[Term], impulse: f64) {
+    pub(super) fn shear(&mut self, terms: &[GapTerm], impulse: f64) {
         for t in terms {
             self.velocity[t.dof as usize] += self.inverse_mass[t.dof as usize] * t.slip * impulse;
         }
     }
 }
 
-/// The increment that impulses act in.
+/// Time interval in which impulses act.
 #[derive(Clone, Copy, Debug)]
-pub struct Span {
-    pub ahead: f64,
-    /// Time over which forces act on velocities: half of both increments around.
+pub struct ContactInterval {
+    /// Length of the increment.
+    pub dt: f64,
+    /// Time over which forces act on velocities: half of the previous and half of the current increment.
     pub half: f64,
 }
 
+/// Laws, pressures and time interval that a solution starts from.
 #[derive(Clone, Copy, Debug)]
-pub struct Given<'a> {
-    pub laws: &'a [Law],
+pub struct ContactStep<'a> {
+    pub laws: &'a [InteractionLaw],
     /// Pressure and shear stress of each key in the increment before.
     pub before: &'a [[f64; 2]],
-    pub span: Span,
+    pub span: ContactInterval,
 }
 
+/// Contact rows of all pairs and their solution.
 #[derive(Clone, Debug, Default)]
-pub struct Rows {
-    pub terms: Vec<Term>,
-    /// In the order in which sweeps take them.
-    pub rows: Vec<Row>,
+pub struct ContactRows {
+    pub terms: Vec<GapTerm>,
+    /// Rows in the order of the sweeps.
+    pub rows: Vec<ContactRow>,
+    /// Number of sweeps of the last solution.
     pub sweeps: u32,
-    /// Degrees of freedom of rigid bodies that move freely.
+    /// Degrees of freedom of free rigid bodies.
     pub bodies: Vec<u32>,
-    /// Those of them that are lighter than what they meet.
-    pub(super) light: Vec<Light>,
-    pub(super) direct: Direct,
-    /// Of each degree of freedom its last term.
+    /// Free rigid bodies that are lighter than the nodes they touch.
+    pub(super) light: Vec<LightBody>,
+    pub(super) direct: DirectSolver,
+    /// For each degree of freedom, its last term.
     slots: Vec<u32>,
-    /// The first term of the row that is being made.
+    /// First term of the row that is being assembled.
     opened: u32,
 }
 
-/// No degree of freedom: a rigid body does not move along r.
+/// Marks a missing degree of freedom: a rigid body does not move along r.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Change of the rates in a sweep, as a part of the fastest approach, at which sweeps end.
+/// Largest change of a rate in a sweep at convergence, as a fraction of the largest approach velocity.
 pub(super) const TOLERANCE: f64 = 1e-9;
-/// Part of the fastest velocity of all that rounding can make of the approach.
+/// Rounding error of the approach velocity, as a fraction of the largest velocity.
 const ROUNDING: f64 = 1e-10;
+/// Largest number of sweeps.
 pub const MOST_SWEEPS: u32 = 200;
-/// Rounds for the root of a pressure-overclosure relationship.
+/// Largest number of iterations for the pressure of a soft law.
 const ROUNDS: usize = 30;
 
-impl Rows {
-    /// Room for this many keys and degrees of freedom. Where deletion can uncover what lies within a body keys are many, and those in
-    /// contact at a time about as many as its outside has.
+impl ContactRows {
+    /// Allocates for this number of keys and degrees of freedom. If element deletion can expose inner facets, keys are
+    /// many, but rows in contact at a time about as many as on the initial surface.
     pub(super) fn reserve(&mut self, keys: usize, dofs: usize) {
         let rows = keys.min(1000 + 16 * keys.isqrt());
         reserve_total(&mut self.terms, 32 * rows);
@@ -172,7 +178,7 @@ impl Rows {
         self.opened = self.terms.len() as u32;
     }
 
-    /// Adds the share of a point with these degrees of freedom. The direction along the surface is the normal's, a quarter turn
+    /// Adds the derivatives of a gap by the position of a point. The tangent is the normal turned by 90 degrees
     /// counter-clockwise.
     #[inline]
     pub(super) fn add_share(&mut self, [r, z]: [u32; 2], of: [f64; 2]) {
@@ -193,19 +199,19 @@ impl Rows {
             }
             _ => {
                 *slot = self.terms.len() as u32;
-                self.terms.push(Term { dof, normal, slip });
+                self.terms.push(GapTerm { dof, normal, slip });
             }
         }
     }
 
-    pub(super) fn close(&mut self, mut row: Row) {
+    pub(super) fn close(&mut self, mut row: ContactRow) {
         row.terms = [self.opened, self.terms.len() as u32];
         self.rows.push(row);
     }
 
-    /// Finds the impulses; velocities in `motion` are those they give. Nothing is done where nothing approaches. Sweeps begin where
-    /// the direct solution finds no end. Returns the velocity that errors are held against; `None` where nothing approaches.
-    pub fn solve(&mut self, motion: &mut Motion, given: Given<'_>) -> Option<f64> {
+    /// Solves for the impulses; `motion` then holds the velocities after them. Sweeps are used if the direct solver
+    /// fails. Returns the velocity that errors are relative to; `None` if no gap closes.
+    pub fn solve(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) -> Option<f64> {
         self.sweeps = 0;
         let reference = self.begin(motion, given)?;
         self.begin_warm(motion, given);
@@ -213,22 +219,22 @@ impl Rows {
         Some(reference)
     }
 
-    /// Finds the impulses from those that rows have, whose gaps may be others than they were found for.
-    pub(super) fn solve_again(&mut self, motion: &mut Motion, reference: f64, given: Given<'_>) {
+    /// Solves again from the current impulses, after gaps have changed.
+    pub(super) fn solve_again(&mut self, motion: &mut ContactVelocities, reference: f64, given: ContactStep<'_>) {
         self.rows.iter_mut().for_each(|row| row.take_bias(&given.laws[row.law as usize], given.span));
         self.find(motion, reference, given);
     }
 
-    fn find(&mut self, motion: &mut Motion, reference: f64, given: Given<'_>) {
+    fn find(&mut self, motion: &mut ContactVelocities, reference: f64, given: ContactStep<'_>) {
         if !self.solve_directly(motion, reference, given) {
             self.unload(motion);
             self.solve_by_sweeps(motion, reference, given);
         }
     }
 
-    /// Keeps the rows that this increment may close. Returns the velocity that errors are held against; `None` where nothing
-    /// approaches.
-    pub(super) fn begin(&mut self, motion: &Motion, given: Given<'_>) -> Option<f64> {
+    /// Keeps the rows that may close in this increment. Returns the velocity that errors are relative to; `None` if no
+    /// gap closes.
+    pub(super) fn begin(&mut self, motion: &ContactVelocities, given: ContactStep<'_>) -> Option<f64> {
         let approach = self.prepare(motion, given);
         if approach <= 0.0 {
             self.rows.clear();
@@ -239,7 +245,7 @@ impl Rows {
         Some(approach.max(ROUNDING * fastest))
     }
 
-    pub(super) fn solve_by_sweeps(&mut self, motion: &mut Motion, reference: f64, given: Given<'_>) {
+    pub(super) fn solve_by_sweeps(&mut self, motion: &mut ContactVelocities, reference: f64, given: ContactStep<'_>) {
         self.hold_light(motion, given.laws);
         self.begin_warm(motion, given);
         self.start_light(motion);
@@ -253,27 +259,28 @@ impl Rows {
         self.release_light(motion);
     }
 
-    fn unload(&mut self, motion: &mut Motion) {
-        let Rows { terms, rows, .. } = self;
+    fn unload(&mut self, motion: &mut ContactVelocities) {
+        let ContactRows { terms, rows, .. } = self;
         for row in rows {
             let own = row.own(terms);
-            motion.push(own, -row.pressed);
-            motion.shear(own, -row.sheared);
-            (row.pressed, row.sheared) = (0.0, 0.0);
+            motion.push(own, -row.normal_impulse);
+            motion.shear(own, -row.shear_impulse);
+            (row.normal_impulse, row.shear_impulse) = (0.0, 0.0);
         }
     }
 
-    /// Begins with the pressures of the increment before. Friction that depends on the rate of slip takes that which they leave.
-    pub(super) fn begin_warm(&mut self, motion: &mut Motion, given: Given<'_>) {
-        let Rows { terms, rows, .. } = self;
+    /// Starts from the pressures of the previous increment. A friction coefficient that depends on the slip rate uses
+    /// the rate after these impulses.
+    pub(super) fn begin_warm(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) {
+        let ContactRows { terms, rows, .. } = self;
         for row in rows.iter_mut() {
             let own = row.own(terms);
             let [pressure, shear] = given.before[row.key as usize];
-            row.pressed = pressure * given.span.half;
-            let most = most_shear(row, &given.laws[row.law as usize], given.span.half);
-            row.sheared = (shear * given.span.half).clamp(-most, most);
-            motion.push(own, row.pressed);
-            motion.shear(own, row.sheared);
+            row.normal_impulse = pressure * given.span.half;
+            let most = shear_limit(row, &given.laws[row.law as usize], given.span.half);
+            row.shear_impulse = (shear * given.span.half).clamp(-most, most);
+            motion.push(own, row.normal_impulse);
+            motion.shear(own, row.shear_impulse);
         }
         for row in rows.iter_mut() {
             let own = row.own(terms);
@@ -284,13 +291,13 @@ impl Rows {
         }
     }
 
-    /// What rows need; returns the fastest approach beyond what is let through, as a velocity.
-    fn prepare(&mut self, motion: &Motion, given: Given<'_>) -> f64 {
-        let Rows { terms, rows, .. } = self;
+    /// Computes compliances and biases; returns the largest approach velocity beyond the allowed rates.
+    fn prepare(&mut self, motion: &ContactVelocities, given: ContactStep<'_>) -> f64 {
+        let ContactRows { terms, rows, .. } = self;
         rows.retain_mut(|row| {
             let own = row.own(terms);
-            row.give(own, motion);
-            row.gives[0] > 0.0 && row.area > 0.0
+            row.update_compliance(own, motion);
+            row.compliance[0] > 0.0 && row.area > 0.0
         });
         let mut approach: f64 = 0.0;
         for row in rows.iter_mut() {
@@ -299,64 +306,64 @@ impl Rows {
             row.take_bias(law, given.span);
             row.coefficient = law.friction.at_rest;
             let short = -(motion.rate(own) + row.bias) / row.area;
-            // What gives way presses wherever it is closed, at whatever rate.
-            let closed = law.overclosure != Overclosure::Hard && row.bias <= 0.0;
+            // Soft contact has pressure wherever it is closed, at any rate.
+            let closed = law.overclosure != PressureOverclosure::Hard && row.bias <= 0.0;
             let by_closure =
-                if closed { (-row.gap / row.area + law.overclosure.begins()) / given.span.ahead } else { 0.0 };
+                if closed { (-row.gap / row.area + law.overclosure.onset_gap()) / given.span.dt } else { 0.0 };
             approach = approach.max(short).max(by_closure);
         }
         approach
     }
 
-    /// Leaves out rows that nothing in this increment can close.
-    fn keep_near(&mut self, motion: &Motion, approach: f64, given: Given<'_>) {
-        let Rows { terms, rows, .. } = self;
+    /// Leaves out rows that cannot close in this increment.
+    fn keep_near(&mut self, motion: &ContactVelocities, approach: f64, given: ContactStep<'_>) {
+        let ContactRows { terms, rows, .. } = self;
         rows.retain(|row| {
             let own = row.own(terms);
-            let begins = given.laws[row.law as usize].overclosure.begins() * row.area;
-            row.gap - begins + given.span.ahead * motion.rate(own) <= 2.0 * given.span.ahead * row.area * approach
+            let begins = given.laws[row.law as usize].overclosure.onset_gap() * row.area;
+            row.gap - begins + given.span.dt * motion.rate(own) <= 2.0 * given.span.dt * row.area * approach
         });
     }
 
-    /// One sweep; returns the largest change of a rate, as a velocity.
-    fn sweep(&mut self, motion: &mut Motion, given: Given<'_>) -> f64 {
-        let Rows { terms, rows, .. } = self;
+    /// Makes one sweep; returns the largest change of a rate, as a velocity.
+    fn sweep(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) -> f64 {
+        let ContactRows { terms, rows, .. } = self;
         let mut largest: f64 = 0.0;
         for row in rows.iter_mut() {
             let own = row.own(terms);
             let law = &given.laws[row.law as usize];
             let rate = motion.rate(own);
             let pressed = match &law.overclosure {
-                Overclosure::Hard => (row.pressed - (rate + row.bias) / row.gives[0]).max(0.0),
-                soft => give_way(row, soft, rate - row.gives[0] * row.pressed, given.span),
+                PressureOverclosure::Hard => (row.normal_impulse - (rate + row.bias) / row.compliance[0]).max(0.0),
+                soft => soft_impulse(row, soft, rate - row.compliance[0] * row.normal_impulse, given.span),
             };
-            let change = pressed - row.pressed;
+            let change = pressed - row.normal_impulse;
             if change != 0.0 {
-                row.pressed = pressed;
+                row.normal_impulse = pressed;
                 motion.push(own, change);
-                largest = largest.max(change.abs() * row.gives[0] / row.area);
+                largest = largest.max(change.abs() * row.compliance[0] / row.area);
             }
-            if row.coefficient > 0.0 && row.gives[1] > 0.0 {
-                let most = most_shear(row, law, given.span.half);
-                let held = row.sheared - motion.slip(own) / row.gives[1];
+            if row.coefficient > 0.0 && row.compliance[1] > 0.0 {
+                let most = shear_limit(row, law, given.span.half);
+                let held = row.shear_impulse - motion.slip(own) / row.compliance[1];
                 let sheared = held.clamp(-most, most);
                 row.sticks = held == sheared;
-                let change = sheared - row.sheared;
+                let change = sheared - row.shear_impulse;
                 if change != 0.0 {
-                    row.sheared = sheared;
+                    row.shear_impulse = sheared;
                     motion.shear(own, change);
-                    largest = largest.max(change.abs() * row.gives[1] / row.area);
+                    largest = largest.max(change.abs() * row.compliance[1] / row.area);
                 }
             }
         }
         largest
     }
 
-    pub fn terms_of(&self, row: &Row) -> &[Term] {
+    pub fn terms_of(&self, row: &ContactRow) -> &[GapTerm] {
         row.own(&self.terms)
     }
 
-    /// Memory of the arrays.
+    /// Returns the memory of the arrays.
     pub fn memory(&self) -> MemoryUse {
         MemoryUse::of(&self.terms)
             + MemoryUse::of(&self.rows)
@@ -367,29 +374,31 @@ impl Rows {
     }
 }
 
-/// Reserves capacity for so many entries in all, whatever the list holds.
+/// Reserves a total capacity of `entries`.
 fn reserve_total<T>(list: &mut Vec<T>, entries: usize) {
     list.reserve_exact(entries.saturating_sub(list.len()));
 }
 
-/// The overlap at which a law presses that gives way, where the gap grows at a rate.
-pub(super) fn closed_overlap(row: &Row, law: &Overclosure, rate: f64, span: Span) -> f64 {
-    -(row.gap + law.look_ahead() * span.ahead * rate) / row.area
+/// Returns the overlap at which a soft law is evaluated, if the gap changes at this rate.
+pub(super) fn closed_overlap(row: &ContactRow, law: &PressureOverclosure, rate: f64, span: ContactInterval) -> f64 {
+    -(row.gap + law.evaluation_point() * span.dt * rate) / row.area
 }
 
-/// The largest impulse along the surface.
-pub(super) fn most_shear(row: &Row, law: &Law, half: f64) -> f64 {
-    let most = if row.pressed > 0.0 { row.coefficient * row.pressed } else { 0.0 };
+/// Returns the largest possible impulse along the surface.
+pub(super) fn shear_limit(row: &ContactRow, law: &InteractionLaw, half: f64) -> f64 {
+    let most = if row.normal_impulse > 0.0 { row.coefficient * row.normal_impulse } else { 0.0 };
     most.min(law.friction.largest * half)
 }
 
-/// The impulse of a law that gives way: the pressure at an overlap late enough in the increment that no stiffness limits it. `free` is the rate without it. One root: the pressure falls as the impulse grows.
-fn give_way(row: &Row, law: &Overclosure, free: f64, span: Span) -> f64 {
-    let overlap = |impulse: f64| closed_overlap(row, law, free + row.gives[0] * impulse, span);
-    let steeper = span.half * law.look_ahead() * span.ahead * row.gives[0] / row.area;
+/// Returns the normal impulse of a soft law. The pressure is evaluated at an overlap late enough in the increment that
+/// the stiffness does not limit the time increment. `free` is the rate without the impulse. The root is unique because
+/// the pressure decreases with the impulse.
+fn soft_impulse(row: &ContactRow, law: &PressureOverclosure, free: f64, span: ContactInterval) -> f64 {
+    let overlap = |impulse: f64| closed_overlap(row, law, free + row.compliance[0] * impulse, span);
+    let steeper = span.half * law.evaluation_point() * span.dt * row.compliance[0] / row.area;
     let [first, _] = law.pressure(overlap(0.0));
     let (mut low, mut high) = (0.0, span.half * first);
-    let mut impulse = row.pressed.clamp(low, high);
+    let mut impulse = row.normal_impulse.clamp(low, high);
     for _ in 0..ROUNDS {
         let [pressure, slope] = law.pressure(overlap(impulse));
         let left = impulse - span.half * pressure;

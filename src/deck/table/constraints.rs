@@ -1,308 +1,307 @@
-//! Cards of bodies, masses, springs, targets, constraints, contact, and of the state at the start.
-//! Never here: loads.
+//! Cards of rigid bodies, masses, springs, targets, constraints, contact and initial conditions.
 
 use super::{card, row};
 use crate::deck::keywords::Keyword;
 use crate::deck::value::{INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEXT, YES_NO, ZERO, variant, word};
 
-card!(Mass: "MASS", "Mass of MASS elements; an element has one", (), {
+card!(Mass: "MASS", "Mass of MASS elements", (), {
     "ELSET" read "Elements",
-    "TYPE" only ["ISOTROPIC"] "a mass is the same along r and z",
+    "TYPE" only ["ISOTROPIC"] "masses are isotropic",
     "ALPHA" only ["0"] "masses are not damped",
-    "COMPOSITE" refused "of modal analyses",
-    "ORIENTATION" refused "a mass is the same along r and z",
+    "COMPOSITE" refused "applies only to modal analyses",
+    "ORIENTATION" refused "masses are isotropic",
 }, mass: [f64; 1] = [(lines ["mass" (NOT_NEGATIVE.required())])]);
 
-card!(RotaryInertia: "ROTARY INERTIA", "Rotary inertia of ROTARYI elements, for bodies whose impact is oblique; an element has one", (), {
+card!(RotaryInertia: "ROTARY INERTIA", "Rotary inertia of ROTARYI elements, for rigid bodies with six degrees of freedom", (), {
     "ELSET" read "Elements",
-    "ALPHA" only ["0"] "inertias are not damped",
-    "COMPOSITE" refused "of modal analyses",
+    "ALPHA" only ["0"] "rotary inertias are not damped",
+    "COMPOSITE" refused "applies only to modal analyses",
     "ORIENTATION" refused "direction 2 is the axis of symmetry",
 }, moments: [f64; 3] = [(lines [
-    "I11" (NOT_NEGATIVE.required()) "About an axis across the body, through the node",
-    "I22" (NOT_NEGATIVE) "About the axis of symmetry (I11)",
-    "I33" (NOT_NEGATIVE) "As I11",
-    "I12" only ["0"] "axes 1, 2, 3 of a body of revolution are principal",
-    "I13" only ["0"] "axes 1, 2, 3 of a body of revolution are principal",
-    "I23" only ["0"] "axes 1, 2, 3 of a body of revolution are principal",
+    "I11" (NOT_NEGATIVE.required()) "About a transverse axis through the node",
+    "I22" (NOT_NEGATIVE) "About the axis of symmetry; default I11",
+    "I33" (NOT_NEGATIVE) "Equal to I11",
+    "I12" only ["0"] "axes 1, 2, 3 are principal axes of a body of revolution",
+    "I13" only ["0"] "axes 1, 2, 3 are principal axes of a body of revolution",
+    "I23" only ["0"] "axes 1, 2, 3 are principal axes of a body of revolution",
 ])]);
 
-card!(Attitude: extension "ATTITUDE", "Attitude of a rigid body at the start; where it is oblique the body has six degrees of freedom", (), {
-    "REF NODE" read "Reference node of the body, about which it is turned, or a set of it",
-    stations: usize = "STATIONS" (INTEGER.from(4.0).to(4096.0).or(64.0)) "Stations around the axis at which resistance is taken ",
-    inertia: Option<usize> = "INERTIA" (variant(&["UNIFORM"])) "UNIFORM spreads the mass evenly over what the meridian encloses; without it masses lie where the deck has them",
-}, angles: [f64; 2] = [(lines ["angle about 3" (ZERO) "Degrees, in the plane in which targets are tilted", "angle about 1" (ZERO) "Degrees, out of that plane, after the other"])]);
+card!(Attitude: extension "ATTITUDE", "Initial attitude of a rigid body; an oblique body has six degrees of freedom", (), {
+    "REF NODE" read "Reference node, about which the body is rotated, or a set of this node",
+    stations: usize = "STATIONS" (INTEGER.from(4.0).to(4096.0).or(64.0)) "Number of stations around the axis at which the resistance is evaluated",
+    inertia: Option<usize> = "INERTIA" (variant(&["UNIFORM"])) "UNIFORM distributes the mass evenly over the enclosed volume; default: masses of elements and nodes as in the deck",
+}, angles: [f64; 2] = [(lines ["angle about 3" (ZERO) "Degrees, in the plane of the target's OBLIQUITY", "angle about 1" (ZERO) "Degrees, out of this plane, applied second"])]);
 
-card!(GapConductance: "GAP CONDUCTANCE", "Heat that flows from surface to surface", (below "SURFACE INTERACTION"), {
-    over_pressure: bool = "PRESSURE" read "Over the pressure, of surfaces that press; without it over the clearance",
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
-    "USER" refused "of implicit analyses",
+card!(GapConductance: "GAP CONDUCTANCE", "Heat conductance between surfaces in contact", (below "SURFACE INTERACTION"), {
+    over_pressure: bool = "PRESSURE" read "Conductance as a function of pressure for closed contact; default: as a function of clearance",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+    "USER" refused "applies only to implicit analyses",
 }, rows: Vec<[f64; 2]> = [
-    (when "PRESSURE" = "" rows ["conductance" (NOT_NEGATIVE.required()), "pressure" (NOT_NEGATIVE.or(0.0).ascending()), "temperature" refused "the conductance is the same at every temperature"]),
-    (rows ["conductance" (NOT_NEGATIVE.required()), "clearance" (NOT_NEGATIVE.or(0.0).ascending()) "Nothing flows where it is above the last", "temperature" refused "the conductance is the same at every temperature"]),
+    (when "PRESSURE" = "" rows ["conductance" (NOT_NEGATIVE.required()), "pressure" (NOT_NEGATIVE.or(0.0).ascending()), "temperature" refused "the conductance does not depend on temperature"]),
+    (rows ["conductance" (NOT_NEGATIVE.required()), "clearance" (NOT_NEGATIVE.or(0.0).ascending()) "No heat flows above the last clearance", "temperature" refused "the conductance does not depend on temperature"]),
 ]);
 
-card!(GapHeatGeneration: "GAP HEAT GENERATION", "Heat of friction; without the card all of its work, half of it to each surface", (once below "SURFACE INTERACTION"), {
+card!(GapHeatGeneration: "GAP HEAT GENERATION", "Heat generated by friction; without the card all frictional work, half to each surface", (once below "SURFACE INTERACTION"), {
 }, values: [f64; 2] = [(lines ["fraction of the work" (NOT_NEGATIVE.or(1.0)), "weight of the first surface" (NUMBER.from(0.0).to(1.0).or(0.5))])]);
 
-card!(SurfaceBehavior: "SURFACE BEHAVIOR", "Pressure against closure", (once below "SURFACE INTERACTION"), {
+card!(SurfaceBehavior: "SURFACE BEHAVIOR", "Pressure-overclosure relationship", (once below "SURFACE INTERACTION"), {
     kind: usize = "PRESSURE-OVERCLOSURE" (variant(&["HARD", "LINEAR", "EXPONENTIAL", "TABULAR"]).or(0.0)),
-    "NO SEPARATION" refused "surfaces part freely",
-    "FACTOR" refused "of SCALE FACTOR",
+    "NO SEPARATION" refused "surfaces can separate freely",
+    "FACTOR" refused "applies only to SCALE FACTOR",
 } refused {
-    "of implicit analyses": "AUGMENTED LAGRANGE", "PENALTY", "DIRECT";
+    "applies only to implicit analyses": "AUGMENTED LAGRANGE", "PENALTY", "DIRECT";
 }, [
-    (when "PRESSURE-OVERCLOSURE" = "LINEAR" lines ["pressure a length" (POSITIVE.required())]),
+    (when "PRESSURE-OVERCLOSURE" = "LINEAR" lines ["pressure per length" (POSITIVE.required())]),
     (when "PRESSURE-OVERCLOSURE" = "EXPONENTIAL" lines ["clearance at which pressure begins" (POSITIVE.required()), "pressure without clearance" (POSITIVE.required())]),
     (when "PRESSURE-OVERCLOSURE" = "TABULAR" rows ["pressure" (NOT_NEGATIVE.required()), "overclosure" (ZERO.ascending())]),
     (lines []),
 ]);
 
 card!(Friction: "FRICTION", "Friction between surfaces", (once below "SURFACE INTERACTION"), {
-    largest: Option<f64> = "TAUMAX" (POSITIVE) "The largest shear stress",
-    rough: bool = "ROUGH" read "Nothing slips",
-    decays: bool = "EXPONENTIAL DECAY" read "The coefficient falls with the rate of slip",
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
-    "TEST DATA" refused "of EXPONENTIAL DECAY",
+    largest: Option<f64> = "TAUMAX" (POSITIVE) "Limit of the shear stress",
+    rough: bool = "ROUGH" read "No slip",
+    decays: bool = "EXPONENTIAL DECAY" read "The coefficient decreases with the slip rate",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+    "TEST DATA" refused "applies only to EXPONENTIAL DECAY",
 } refused {
-    "of implicit analyses": "SLIP TOLERANCE", "ELASTIC SLIP", "LAGRANGE";
-    "friction is one coefficient": "ANISOTROPIC", "SHEAR TRACTION SLOPE";
-    "friction of the user is not called": "USER", "DEPVAR", "PROPERTIES";
+    "applies only to implicit analyses": "SLIP TOLERANCE", "ELASTIC SLIP", "LAGRANGE";
+    "only an isotropic coefficient, constant or with EXPONENTIAL DECAY, is supported": "ANISOTROPIC", "SHEAR TRACTION SLOPE";
+    "user-defined friction is unsupported": "USER", "DEPVAR", "PROPERTIES";
 }, values: [f64; 3] = [
-    (when "EXPONENTIAL DECAY" = "" lines ["coefficient at rest" (NOT_NEGATIVE.or(0.0)), "coefficient at great rates of slip" (NOT_NEGATIVE.required()),
-        "decay, time a length" (NOT_NEGATIVE.required())]),
+    (when "EXPONENTIAL DECAY" = "" lines ["static coefficient" (NOT_NEGATIVE.or(0.0)), "kinetic coefficient" (NOT_NEGATIVE.required()),
+        "decay coefficient" (NOT_NEGATIVE.required())]),
     (lines [
     "coefficient" (NOT_NEGATIVE.or(0.0)),
-    "slip rate" refused "friction is one coefficient",
-    "pressure" refused "friction is one coefficient",
-    "temperature" refused "friction is one coefficient",
+    "slip rate" refused "only an isotropic coefficient, constant or with EXPONENTIAL DECAY, is supported",
+    "pressure" refused "only an isotropic coefficient, constant or with EXPONENTIAL DECAY, is supported",
+    "temperature" refused "only an isotropic coefficient, constant or with EXPONENTIAL DECAY, is supported",
 ])]);
 
-card!(Target: extension "TARGET", "A layered target that is not meshed; CAVITY loads meet it", (unique "NAME"), {
+card!(Target: extension "TARGET", "A layered target without a mesh, for CAVITY loads", (unique "NAME"), {
     name: String = "NAME" (TEXT.required()) "Name of the target",
-    front: f64 = "FRONT" (ZERO) "Height z of the impact face",
-    obliquity: f64 = "OBLIQUITY" (NUMBER.above(-90.0).below(90.0).or(0.0)) "Angle in degrees by which its planes are turned about direction 3; bodies that it resists then have six degrees of freedom",
-    direction: f64 = "DIRECTION" (NUMBER.from(-1.0).to(1.0).or(-1.0)) "The way along z the layers follow each other",
-    free_surface: usize = "FREE SURFACE" (word(&["OFF", "ON", "LAYERS"]).or(0.0)) "ON: faces that border on nothing weaken the resistance; LAYERS: those of every layer",
-    radius: Option<f64> = "RADIUS" (POSITIVE) "Radius of the lateral face of its layers; without it they have no end",
-    crater: Option<f64> = "CRATER" (POSITIVE) "Depth of the crater, over which the resistance grows in proportion to the depth",
-    shear_strength: Option<f64> = "SHEAR STRENGTH" (POSITIVE) "Plates fail by plugging where to shear a plug out takes less force than to open the cavity",
-    separation: bool = "SEPARATION" (word(&["OFF", "ON"]).or(0.0).bare(1.0)) "The tunnel's wall stays where the body has pushed it; what moves inside it bears nothing until it meets it",
+    front: f64 = "FRONT" (ZERO) "Coordinate z of the impact face",
+    obliquity: f64 = "OBLIQUITY" (NUMBER.above(-90.0).below(90.0).or(0.0)) "Angle in degrees by which its planes are rotated about direction 3; projectiles then have six degrees of freedom",
+    direction: f64 = "DIRECTION" (NUMBER.from(-1.0).to(1.0).or(-1.0)) "Direction along z in which the layers follow each other",
+    free_surface: usize = "FREE SURFACE" (word(&["OFF", "ON", "LAYERS"]).or(0.0)) "ON: the outer faces of bonded layers, and faces at a gap, reduce the resistance; LAYERS: the faces of every layer",
+    radius: Option<f64> = "RADIUS" (POSITIVE) "Radius of the lateral face of the layers; default: unbounded",
+    crater: Option<f64> = "CRATER" (POSITIVE) "Depth of the crater; up to this depth the resistance increases linearly",
+    shear_strength: Option<f64> = "SHEAR STRENGTH" (POSITIVE) "Shear strength of plugs; a plate fails by plugging if this needs less force than cavity expansion",
+    separation: bool = "SEPARATION" (word(&["OFF", "ON"]).or(0.0).bare(1.0)) "The tunnel keeps the radius to which the body has opened it; a body inside the tunnel feels no resistance until it touches the wall",
 }, [(rows [
-    "material" read "None in a gap between two plates",
-    "thickness" (POSITIVE) "The last layer may have none: it has no end",
-    "radius" (POSITIVE) "That of the card where it is left out",
+    "material" read "Empty for a gap between two plates",
+    "thickness" (POSITIVE) "May be empty for the last layer, which is then unbounded",
+    "radius" (POSITIVE) "Default: RADIUS of the card",
 ])]);
 
-card!(ContactClearance: "CONTACT CLEARANCE", "What gaps of general contact at the start may be taken as; *CONTACT CLEARANCE ASSIGNMENT says where", (unique "NAME"), {
+card!(ContactClearance: "CONTACT CLEARANCE", "Initial clearance for general contact, assigned by *CONTACT CLEARANCE ASSIGNMENT", (unique "NAME"), {
     name: String = "NAME" (TEXT.required()) "Name",
-    gap: f64 = "CLEARANCE" (NOT_NEGATIVE.or(0.0)) "The gap",
-    above: Option<f64> = "SEARCH ABOVE" (NOT_NEGATIVE) "Gaps up to this are taken as it (a tenth of the elements)",
-    below: Option<f64> = "SEARCH BELOW" (NOT_NEGATIVE) "Overlaps up to this are taken as it (a tenth of the elements)",
-    "ADJUST" inert "no node is moved: what gaps have too much or too little is taken off for good, without strain",
-    "SEARCH NSET" refused "a clearance is one of surfaces: SEARCH ABOVE and SEARCH BELOW say how far",
+    gap: f64 = "CLEARANCE" (NOT_NEGATIVE.or(0.0)) "Clearance",
+    above: Option<f64> = "SEARCH ABOVE" (NOT_NEGATIVE) "Gaps up to this value are set to the clearance (default: a tenth of the element size)",
+    below: Option<f64> = "SEARCH BELOW" (NOT_NEGATIVE) "Overlaps up to this value are set to the clearance (default: a tenth of the element size)",
+    "ADJUST" inert "no node is moved: gaps are corrected by a constant offset, without strain",
+    "SEARCH NSET" refused "clearances apply to surfaces: give SEARCH ABOVE and SEARCH BELOW",
 }, []);
 
-card!(ContactInitializationData: "CONTACT INITIALIZATION DATA", "How general contact may start; *CONTACT INITIALIZATION ASSIGNMENT says where", (unique "NAME"), {
+card!(ContactInitializationData: "CONTACT INITIALIZATION DATA", "Initial state of general contact, assigned by *CONTACT INITIALIZATION ASSIGNMENT", (unique "NAME"), {
     name: String = "NAME" (TEXT.required()) "Name",
-    gap: Option<f64> = "INITIAL CLEARANCE" (NOT_NEGATIVE) "The gap that gaps and overlaps are taken as; without it overlaps are taken as none",
-    above: Option<f64> = "SEARCH ABOVE" (NOT_NEGATIVE) "Gaps up to this are taken as it (a tenth of the elements, 0 without INITIAL CLEARANCE)",
-    below: Option<f64> = "SEARCH BELOW" (NOT_NEGATIVE) "Overlaps up to this are taken as it (a tenth of the elements)",
-    "ADJUST" inert "no node is moved: what gaps have too much or too little is taken off for good, without strain",
-    "INTERFERENCE FIT" refused "an overlap is not worked off: warm one body, or move its surface over a step",
-    "SEARCH NSET" refused "a start is one of surfaces: SEARCH ABOVE and SEARCH BELOW say how far",
-    "MINIMUM DISTANCE" refused "of implicit analyses",
+    gap: Option<f64> = "INITIAL CLEARANCE" (NOT_NEGATIVE) "Clearance to which gaps and overlaps are set; default: overlaps are set to zero",
+    above: Option<f64> = "SEARCH ABOVE" (NOT_NEGATIVE) "Gaps up to this value are set to the clearance (default: a tenth of the element size, 0 without INITIAL CLEARANCE)",
+    below: Option<f64> = "SEARCH BELOW" (NOT_NEGATIVE) "Overlaps up to this value are set to the clearance (default: a tenth of the element size)",
+    "ADJUST" inert "no node is moved: gaps are corrected by a constant offset, without strain",
+    "INTERFERENCE FIT" refused "interference fits are not resolved over a step: apply a temperature or a prescribed motion instead",
+    "SEARCH NSET" refused "initial states apply to surfaces: give SEARCH ABOVE and SEARCH BELOW",
+    "MINIMUM DISTANCE" refused "applies only to implicit analyses",
 }, []);
 
-card!(Clearance: "CLEARANCE", "What gaps of contact pairs at the start are taken as", (each step), {
-    "CPSET" read "The set of pairs",
-    gap: f64 = "VALUE" (NOT_NEGATIVE.required()) "The gap",
-    "TABULAR" refused "a pair has one clearance",
-    "INPUT" refused "of TABULAR",
-    "BOLT" refused "of threads in space",
+card!(Clearance: "CLEARANCE", "Initial clearance of contact pairs", (each step), {
+    "CPSET" read "Set of contact pairs",
+    gap: f64 = "VALUE" (NOT_NEGATIVE.required()) "Clearance",
+    "TABULAR" refused "a pair has one uniform clearance",
+    "INPUT" refused "applies only to TABULAR",
+    "BOLT" refused "applies only to threaded bolts in three dimensions",
 } refused {
-    "of implicit analyses: give CPSET": "MASTER", "SLAVE";
+    "applies only to implicit analyses: give CPSET": "MASTER", "SLAVE";
 }, []);
 
 card!(ContactControls: "CONTACT CONTROLS", "Controls of sets of contact pairs", (each step), {
-    "CPSET" read "The set of pairs",
-    penalty: Option<f64> = "SCALE PENALTY" (POSITIVE) "Factor on the stiffness of penalty springs",
-    reset: bool = "RESET" read "The factor is 1 again",
-    "FASTLOCALTRK" inert "lists of what may meet are made anew before anything is missed",
-    "GLOBTRKINC" inert "lists of what may meet are made anew before anything is missed",
-    "WARP CHECK PERIOD" inert "lines do not warp",
-    "WARP CUT OFF" inert "lines do not warp",
-    "STIFFNESS SCALE FACTOR" refused "of implicit analyses: SCALE PENALTY is the factor",
+    "CPSET" read "Set of contact pairs",
+    penalty: Option<f64> = "SCALE PENALTY" (POSITIVE) "Factor on the penalty stiffness",
+    reset: bool = "RESET" read "Resets the factor to 1",
+    "FASTLOCALTRK" inert "contact candidates are updated automatically",
+    "GLOBTRKINC" inert "contact candidates are updated automatically",
+    "WARP CHECK PERIOD" inert "facets of axisymmetric surfaces do not warp",
+    "WARP CUT OFF" inert "facets of axisymmetric surfaces do not warp",
+    "STIFFNESS SCALE FACTOR" refused "applies only to implicit analyses: give SCALE PENALTY",
 } refused {
-    "of implicit analyses": "ABSOLUTE PENETRATION TOLERANCE", "APPROACH", "AUTOMATIC TOLERANCES", "FRICTION ONSET",
+    "applies only to implicit analyses": "ABSOLUTE PENETRATION TOLERANCE", "APPROACH", "AUTOMATIC TOLERANCES", "FRICTION ONSET",
         "LAGRANGE MULTIPLIER", "MAXCHP", "PERRMX", "PERTURBATION TANGENT SCALE FACTOR", "RELATIVE PENETRATION TOLERANCE",
         "SLIDE DISTANCE", "STABILIZE", "TANGENT FRACTION", "UERRMX";
-    "of implicit analyses: give CPSET": "MASTER", "SLAVE";
+    "applies only to implicit analyses: give CPSET": "MASTER", "SLAVE";
 }, []);
 
-/// The rows.
+/// Rows of this family.
 pub const CARDS: &[Keyword] = &[
     Mass::ROW,
     RotaryInertia::ROW,
     Attitude::ROW,
-    row!("SPRING", "Springs of SPRINGA and SPRING1 elements; an element has one", (), {
+    row!("SPRING", "Springs of SPRINGA and SPRING1 elements", (), {
         "ELSET" read "Elements",
         "NONLINEAR" read "Rows of force and relative displacement",
-        "COMPLEX STIFFNESS" refused "of harmonic analyses",
-        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
+        "COMPLEX STIFFNESS" refused "applies only to harmonic analyses",
+        "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
         "ORIENTATION" refused "springs act along r, z or the line between their nodes",
-        "RTOL" refused "tables are used as they are given: none is regularised",
+        "RTOL" refused "tables are used as given, without regularisation",
     }, [
         (when "NONLINEAR" = "" rows ["degree of freedom or force", "relative displacement",
-            "temperature" refused "springs are the same at every temperature"]),
-        (rows ["degree of freedom or stiffness", "frequency" refused "of harmonic analyses",
-            "temperature" refused "springs are the same at every temperature"]),
+            "temperature" refused "spring properties do not depend on temperature"]),
+        (rows ["degree of freedom or stiffness", "frequency" refused "applies only to harmonic analyses",
+            "temperature" refused "spring properties do not depend on temperature"]),
     ]),
-    row!("DASHPOT", "Dashpots of DASHPOTA and DASHPOT1 elements; an element has one", (), {
+    row!("DASHPOT", "Dashpots of DASHPOTA and DASHPOT1 elements", (), {
         "ELSET" read "Elements",
         "NONLINEAR" read "Rows of force and relative velocity",
-        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
+        "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
         "ORIENTATION" refused "dashpots act along r, z or the line between their nodes",
-        "RTOL" refused "tables are used as they are given: none is regularised",
+        "RTOL" refused "tables are used as given, without regularisation",
     }, [
         (when "NONLINEAR" = "" rows ["degree of freedom or force", "relative velocity",
-            "temperature" refused "dashpots are the same at every temperature"]),
-        (rows ["degree of freedom or coefficient", "frequency" refused "of harmonic analyses",
-            "temperature" refused "dashpots are the same at every temperature"]),
+            "temperature" refused "dashpot properties do not depend on temperature"]),
+        (rows ["degree of freedom or coefficient", "frequency" refused "applies only to harmonic analyses",
+            "temperature" refused "dashpot properties do not depend on temperature"]),
     ]),
     row!("RIGID BODY", "Makes a set of elements or nodes a rigid body", (), {
         "REF NODE" read "Reference node or a set of one",
         "ELSET" read "Elements",
         "PIN NSET" read "Nodes pinned to it",
         "TIE NSET" read "Nodes tied to it",
-        "ANALYTICAL SURFACE" read "Analytical surface that it carries",
-        "POSITION" only ["INPUT"] "a body of revolution moves along z only: the place of its reference node does not matter",
+        "ANALYTICAL SURFACE" read "Analytical surface of the rigid body",
+        "POSITION" only ["INPUT"] "a body of revolution moves along z only, so that the position of its reference node has no effect",
         "DENSITY" (NOT_NEGATIVE.or(0.0)) "Mass per volume",
-        "ISOTHERMAL" inert "nothing here conducts heat",
+        "ISOTHERMAL" inert "rigid bodies have no temperature",
         "NODAL THICKNESS" refused "give one thickness",
-        "OFFSET" only ["0"] "facets lie in the middle of their thickness",
+        "OFFSET" only ["0"] "facets are at the middle of their thickness",
     }, [(lines ["thickness" (NOT_NEGATIVE.or(0.0))])]),
     row!("INITIAL CONDITIONS", "Initial values", (), {
         "TYPE" (variant(&["VELOCITY", "TEMPERATURE", "STRESS", "SPECIFIC ENERGY", "HARDENING", "FIELD", "SOLUTION"]).required()),
         "INPUT" read "File with the data lines",
-        "FILE" refused "results of another job are not read",
-        "UNBALANCED STRESS" refused "of implicit analyses: initial stresses act at once",
-        "USER" refused "initial values of the user are not called",
-        "GEOSTATIC" refused "of soils",
+        "FILE" refused "results of another job cannot be read",
+        "UNBALANCED STRESS" refused "applies only to implicit analyses: initial stresses act at once",
+        "USER" refused "user-defined initial values are unsupported",
+        "GEOSTATIC" refused "applies only to soils",
         "VARIABLE" (INTEGER.from(1.0).to(100.0).or(1.0)) "Number of the field variable of TYPE=FIELD",
-        "SECTION POINTS" refused "of shells and beams",
-        "REBAR" refused "of reinforcement",
-        "CENTROID COORDINATES" refused "of fluid cavities",
+        "SECTION POINTS" refused "applies only to shells and beams",
+        "REBAR" refused "applies only to reinforcement",
+        "CENTROID COORDINATES" refused "applies only to fluid cavities",
     } refused {
-        "of FILE": "STEP", "INC", "INTERPOLATE", "ABSOLUTE EXTERIOR TOLERANCE", "EXTERIOR TOLERANCE", "DRIVING ELSETS",
+        "applies only to FILE": "STEP", "INC", "INTERPOLATE", "ABSOLUTE EXTERIOR TOLERANCE", "EXTERIOR TOLERANCE", "DRIVING ELSETS",
             "MIDSIDE", "INSTANCE", "OUTPUT VARIABLE";
-        "of backstresses": "FULL TENSOR", "NUMBER BACKSTRESSES";
-        "of rotating bodies": "DEFINITION", "NORMAL";
+        "applies only to backstresses": "FULL TENSOR", "NUMBER BACKSTRESSES";
+        "applies only to rotating bodies": "DEFINITION", "NORMAL";
     }, [
         (when "TYPE" = "TEMPERATURE" rows ["node or set", "temperature" (NUMBER.required())]),
         (when "TYPE" = "STRESS" rows [
             "element or set", "S11" (ZERO), "S22" (ZERO), "S33" (ZERO), "S12" (ZERO),
-            "S13" only ["0"] "nothing twists about the axis",
-            "S23" only ["0"] "nothing twists about the axis",
+            "S13" only ["0"] "there is no twist about the axis",
+            "S23" only ["0"] "there is no twist about the axis",
         ]),
-        (when "TYPE" = "SPECIFIC ENERGY" rows ["element or set", "energy a mass" (NUMBER.required())]),
+        (when "TYPE" = "SPECIFIC ENERGY" rows ["element or set", "energy per mass" (NUMBER.required())]),
         (when "TYPE" = "HARDENING" rows ["element or set", "equivalent plastic strain" (NOT_NEGATIVE.required())]),
-        (when "TYPE" = "SOLUTION" list "element or set, and its state variables" read "Seven on the first line, eight on each that goes on"),
+        (when "TYPE" = "SOLUTION" list "element or set, and its state variables" read "Seven values on the first line, eight on each further line"),
         (when "TYPE" = "FIELD" rows ["node or set", "field variable" (NUMBER.required())]),
         (rows ["node or set", "degree of freedom" (INTEGER.from(1.0).to(6.0).required()), "velocity" (ZERO)]),
     ]),
     row!("EQUATION", "Linear constraints between degrees of freedom", (), {
         "INPUT" read "File with the data lines",
-    }, [(stream ["number of terms, then for each: node or set, degree of freedom, coefficient" read "Four terms a line"])]),
-    row!("MPC", "Nodes that move as others do", (), {
+    }, [(stream ["number of terms, then for each: node or set, degree of freedom, coefficient" read "Four terms per line"])]),
+    row!("MPC", "Multi-point constraints: nodes that follow other nodes", (), {
         "INPUT" read "File with the data lines",
-        "MODE" refused "of constraints by the user's routine, which is not called",
-        "USER" refused "constraints of the user are not called",
-    }, [(rows ["type" read "BEAM, TIE or PIN", "node or set", "reference node or set" read "One node, or as many as the first set has"])]),
+        "MODE" refused "applies only to user-defined constraints, which are unsupported",
+        "USER" refused "user-defined constraints are unsupported",
+    }, [(rows ["type" read "BEAM, TIE or PIN", "node or set", "reference node or set" read "One node, or as many nodes as the first set"])]),
     row!("COUPLING", "Couples a surface to a reference node; *KINEMATIC or *DISTRIBUTING follows", (unique "CONSTRAINT NAME"), {
         "CONSTRAINT NAME" read "Name",
         "REF NODE" read "Reference node or a set of one",
         "SURFACE" read "Surface whose nodes are coupled",
         "INFLUENCE RADIUS" (NUMBER) "Distance from the reference node within which nodes are coupled",
         "ORIENTATION" refused "the directions are r and z",
-        "ALPHA" only ["0"] "a coupling does not expand",
-        "FRAME" inert "of output databases",
+        "ALPHA" only ["0"] "couplings have no thermal expansion",
+        "FRAME" inert "applies only to output databases",
     }, []),
-    row!("KINEMATIC", "The nodes of a *COUPLING move as its reference node does", (), {
+    row!("KINEMATIC", "The nodes of a *COUPLING follow its reference node", (), {
     }, [(rows ["first degree of freedom" (INTEGER.from(1.0).to(6.0)), "last degree of freedom" (INTEGER.from(1.0).to(6.0))])]),
-    row!("DISTRIBUTING", "The reference node of a *COUPLING moves as its nodes do in the mean", (), {
+    row!("DISTRIBUTING", "The reference node of a *COUPLING follows the weighted mean motion of its nodes", (), {
         "COUPLING" only ["CONTINUUM"] "nodes of solids have no rotation",
         "WEIGHTING METHOD" (variant(&["UNIFORM", "LINEAR", "QUADRATIC", "CUBIC"]).or(0.0)),
-        "ROTATIONAL COUPLING" inert "symmetry holds the rotation",
-    }, [(rows ["first degree of freedom" inert "translations are coupled all the same, and symmetry holds the rotation",
-        "last degree of freedom" inert "translations are coupled all the same, and symmetry holds the rotation"])]),
+        "ROTATIONAL COUPLING" inert "the rotation is zero by symmetry",
+    }, [(rows ["first degree of freedom" inert "translations are always coupled, and the rotation is zero by symmetry",
+        "last degree of freedom" inert "translations are always coupled, and the rotation is zero by symmetry"])]),
     row!("TIE", "Ties the nodes of one surface to another surface", (unique "NAME"), {
         "NAME" read "Name",
-        "ADJUST" (YES_NO.or(1.0)) "Whether tied nodes are first put on the master surface",
-        "POSITION TOLERANCE" (NOT_NEGATIVE) "Distance within which nodes are tied (5 % of the mean length of the master's facets)",
-        "TIED NSET" read "The nodes that are tied",
-        "TYPE" inert "each node follows the point of the master surface that is nearest to it, the default of ABAQUS/Explicit",
+        "ADJUST" (YES_NO.or(1.0)) "YES: tied nodes are first moved onto the master surface",
+        "POSITION TOLERANCE" (NOT_NEGATIVE) "Distance within which nodes are tied (default: 5 % of the mean facet length of the master surface)",
+        "TIED NSET" read "Nodes to tie",
+        "TYPE" inert "each node follows the nearest point of the master surface, the default of ABAQUS/Explicit",
         "NO ROTATION" inert "nodes of solids have no rotation",
-        "NO THICKNESS" inert "of shells",
-        "CONSTRAINT RATIO" inert "of shells",
-        "CYCLIC SYMMETRY" refused "of implicit analyses",
-        "NO THERMAL" inert "of nodes with a temperature",
-        "INTERNAL" inert "written by CAE; no meaning",
-    }, [(rows ["slave surface", "master surface", "orientation" refused "of cyclic symmetry"])]),
+        "NO THICKNESS" inert "applies only to shells",
+        "CONSTRAINT RATIO" inert "applies only to shells",
+        "CYCLIC SYMMETRY" refused "applies only to implicit analyses",
+        "NO THERMAL" inert "temperatures of tied surfaces are always tied",
+        "INTERNAL" inert "written by ABAQUS/CAE; has no effect",
+    }, [(rows ["slave surface", "master surface", "orientation" refused "applies only to cyclic symmetry"])]),
     row!("CONTACT PAIR", "Contact of two surfaces, or of one with itself", (), {
         "INTERACTION" read "Surface interaction",
-        "TYPE" inert "points meet analytical surfaces, facets meet others",
-        "MECHANICAL CONSTRAINT" (word(&["KINEMATIC", "PENALTY"]).or(0.0)) "KINEMATIC: surfaces do not give way; PENALTY: springs as stiff as the elements behind them, which limit no increment",
+        "TYPE" inert "the formulation depends on the surfaces: nodes against analytical surfaces, facets against others",
+        "MECHANICAL CONSTRAINT" (word(&["KINEMATIC", "PENALTY"]).or(0.0)) "KINEMATIC: hard contact; PENALTY: springs with the stiffness of the underlying elements, which do not reduce the stable time increment",
         "CPSET" read "Name of a set of pairs, for *CONTACT CONTROLS, *CLEARANCE and *CONTACT OUTPUT",
-        "WEIGHT" inert "the finer surface carries the pressures, a rigid one never does",
-        "SMALL SLIDING" inert "surfaces slide as far as they go, which covers small sliding",
+        "WEIGHT" inert "pressures are computed on the finer of two deformable surfaces, never on a rigid one",
+        "SMALL SLIDING" inert "finite sliding is always used, which includes small sliding",
         "OP" (word(&["DELETE", "ADD"]).or(1.0)),
-        "ADJUST" read "Gaps at the start up to this are taken as none",
-        "NO THICKNESS" read "Shells meet at their middle surface and not in front of it by half their thickness",
+        "ADJUST" read "Initial gaps up to this value are set to zero",
+        "NO THICKNESS" read "Contact at the middle surface of shells, without their half thickness",
         "GEOMETRIC CORRECTION" refused "the analytical surface is exact",
-        "TIED" refused "surfaces are not tied",
+        "TIED" refused "use *TIE",
     } refused {
-        "of implicit analyses": "EXTENSION ZONE", "HCRIT", "SMOOTH", "TRACKING", "SUPPLEMENTARY CONSTRAINTS",
+        "applies only to implicit analyses": "EXTENSION ZONE", "HCRIT", "SMOOTH", "TRACKING", "SUPPLEMENTARY CONSTRAINTS",
             "SLIDING TRANSITION", "MINIMUM DISTANCE";
-    }, [(rows ["first surface", "second surface", "orientation" refused "friction is the same in every direction",
-        "second orientation" refused "friction is the same in every direction"])]),
-    row!("CONTACT", "General contact; *CONTACT INCLUSIONS says of what", (), {
-        "OP" (word(&["MOD", "NEW"]).or(0.0)) "MOD goes on with what is in force, NEW begins anew",
+    }, [(rows ["first surface", "second surface", "orientation" refused "friction is isotropic",
+        "second orientation" refused "friction is isotropic"])]),
+    row!("CONTACT", "General contact of the surfaces of *CONTACT INCLUSIONS", (), {
+        "OP" (word(&["MOD", "NEW"]).or(0.0)) "MOD changes the active definition, NEW replaces it",
     }, []),
-    row!("CONTACT INCLUSIONS", "What may meet in general contact", (), {
-        "ALL EXTERIOR" read "All that is outside may meet everything, itself too",
-    }, [(rows ["first surface" read "All that is outside where it is left out", "second surface" read "The first where it is left out"])]),
-    row!("CONTACT EXCLUSIONS", "What does not meet in general contact", (), {
-    }, [(rows ["first surface" read "All that is outside where it is left out", "second surface" read "The first where it is left out"])]),
-    row!("CONTACT PROPERTY ASSIGNMENT", "Interactions of general contact; the last that covers two surfaces counts", (), {
-    }, [(rows ["first surface" read "All that is outside where it is left out", "second surface" read "The first where it is left out", "interaction"])]),
+    row!("CONTACT INCLUSIONS", "Surfaces in general contact", (), {
+        "ALL EXTERIOR" read "All exterior faces, including self-contact",
+    }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface"])]),
+    row!("CONTACT EXCLUSIONS", "Surfaces excluded from general contact", (), {
+    }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface"])]),
+    row!("CONTACT PROPERTY ASSIGNMENT", "Surface interactions of general contact; the last one that applies to two surfaces is used", (), {
+    }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface", "interaction"])]),
     ContactControls::ROW,
-    row!("CONTACT CONTROLS ASSIGNMENT", "Controls of general contact; the last that covers two surfaces counts", (), {
-        "NODAL EROSION" (YES_NO.or(0.0)) "NO: nodes whose elements were all deleted go on to meet others as points; YES: they meet nothing",
-        "TYPE" only ["SCALE PENALTY"] "what meets needs no other controls: every facet is looked at in every increment",
-        "AUTOMATIC OVERCLOSURE RESOLUTION" refused "overlaps at the start stay: *CONTACT INITIALIZATION DATA takes them off",
-        "CONTACT THICKNESS REDUCTION" refused "shells keep their thickness in contact",
-        "BEAM CROSS SECTION" refused "there are no beams",
-        "ROTATIONAL TERMS" only ["NONE"] "friction of shells acts in their middle surface",
-    }, [(rows ["first surface" read "All that is outside where it is left out", "second surface" read "The first where it is left out",
-        "factor on the penalty stiffness" (POSITIVE.required()) "What it covers has penalty springs in place of surfaces that do not give way"])]),
+    row!("CONTACT CONTROLS ASSIGNMENT", "Controls of general contact; the last one that applies to two surfaces is used", (), {
+        "NODAL EROSION" (YES_NO.or(0.0)) "NO: nodes whose elements are all deleted remain in contact as point masses; YES: they are removed from contact",
+        "TYPE" only ["SCALE PENALTY"] "no other controls are needed: every facet is checked in every increment",
+        "AUTOMATIC OVERCLOSURE RESOLUTION" refused "initial overlaps are kept: use *CONTACT INITIALIZATION DATA",
+        "CONTACT THICKNESS REDUCTION" refused "the contact thickness of shells is not reduced",
+        "BEAM CROSS SECTION" refused "beams are unsupported",
+        "ROTATIONAL TERMS" only ["NONE"] "friction of shells acts at the middle surface",
+    }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface",
+        "factor on the penalty stiffness" (POSITIVE.required()) "Penalty contact in place of hard contact"])]),
     Clearance::ROW,
     ContactClearance::ROW,
-    row!("CONTACT CLEARANCE ASSIGNMENT", "Clearances of general contact; the last that covers two surfaces counts", (), {
-    }, [(rows ["first surface" read "All that is outside where it is left out", "second surface" read "The first where it is left out",
+    row!("CONTACT CLEARANCE ASSIGNMENT", "Clearances of general contact; the last one that applies to two surfaces is used", (), {
+    }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface",
         "clearance", "which surface is adjusted" inert "no node is moved"])]),
     ContactInitializationData::ROW,
-    row!("CONTACT INITIALIZATION ASSIGNMENT", "How general contact starts; the last that covers two surfaces counts", (), {
-    }, [(rows ["first surface" read "All that is outside where it is left out", "second surface" read "The first where it is left out",
+    row!("CONTACT INITIALIZATION ASSIGNMENT", "Initial states of general contact; the last one that applies to two surfaces is used", (), {
+    }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface",
         "start", "which surface is adjusted" inert "no node is moved"])]),
-    row!("SURFACE INTERACTION", "Begins an interaction of surfaces", (unique "NAME"), {
+    row!("SURFACE INTERACTION", "Begins a surface interaction", (unique "NAME"), {
         "NAME" read "Name",
-        "PAD THICKNESS" refused "nothing lies between surfaces",
-        "INTERNAL" inert "written by CAE; no meaning",
+        "PAD THICKNESS" refused "surface layers are unsupported",
+        "INTERNAL" inert "written by ABAQUS/CAE; has no effect",
     } refused {
-        "interactions of the user are not called": "USER", "PROPERTIES", "DEPVAR";
-        "of implicit analyses": "UNSYMM", "TRACKING THICKNESS";
-    }, [(lines ["out-of-plane thickness" inert "of plane models"])]),
+        "user-defined interactions are unsupported": "USER", "PROPERTIES", "DEPVAR";
+        "applies only to implicit analyses": "UNSYMM", "TRACKING THICKNESS";
+    }, [(lines ["out-of-plane thickness" inert "applies only to plane models"])]),
     SurfaceBehavior::ROW,
     Friction::ROW,
     GapConductance::ROW,

@@ -1,5 +1,4 @@
-//! Cards of materials and of the sections that give elements their material.
-//! Never here: what a material does.
+//! Cards of materials, sections and element controls.
 
 use super::{card, row};
 use crate::deck::keywords::Keyword;
@@ -8,134 +7,134 @@ use crate::deck::value::{
 };
 
 card!(Density: "DENSITY", "Mass per volume", (once below "MATERIAL"), {
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
-    "PORE FLUID" refused "pores are not simulated",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+    "PORE FLUID" refused "porous media are unsupported",
 }, rows: Vec<[f64; 2]> = [(rows ["density" (POSITIVE.required()), "temperature" (TEMPERATURE)])]);
 
 card!(Elastic: "ELASTIC", "Linear elasticity", (once below "MATERIAL"), {
-    shear: bool = "TYPE" (variant(&["ISOTROPIC", "SHEAR"]).or(0.0)) "SHEAR beside an equation of state",
-    fields: usize = "DEPENDENCIES" (INTEGER.from(0.0).to(5.0)) "Number of field variables that the moduli depend on",
-    "MODULI" inert "without viscoelasticity the moduli are those of all times",
-    "COMPRESSION FACTOR" refused "elasticity is the same in tension and compression",
+    shear: bool = "TYPE" (variant(&["ISOTROPIC", "SHEAR"]).or(0.0)) "SHEAR: shear modulus for use with *EOS",
+    fields: usize = "DEPENDENCIES" (INTEGER.from(0.0).to(5.0)) "Number of field variables",
+    "MODULI" inert "without viscoelasticity instantaneous and long-term moduli are equal",
+    "COMPRESSION FACTOR" refused "elasticity is equal in tension and compression",
 }, [
-    (when "TYPE" = "SHEAR" lines ["shear modulus" (POSITIVE.required()), "temperature" inert "one modulus holds at every temperature"]),
+    (when "TYPE" = "SHEAR" lines ["shear modulus" (POSITIVE.required()), "temperature" inert "the modulus does not depend on temperature"]),
     (when "DEPENDENCIES" = "" rows [
         "Young's modulus" (POSITIVE.required()),
-        "Poisson's ratio" (NUMBER.above(-1.0).below(0.5).or(0.0)) "0.5 has no stable increment: give 0.49 or less",
+        "Poisson's ratio" (NUMBER.above(-1.0).below(0.5).or(0.0)) "0.5 has no stable time increment: give 0.49 or less",
         "temperature" (NUMBER),
         "field variable", "field variable", "field variable", "field variable", "field variable",
     ]),
     (rows ["Young's modulus" (POSITIVE.required()),
-        "Poisson's ratio" (NUMBER.above(-1.0).below(0.5).or(0.0)) "0.5 has no stable increment: give 0.49 or less",
+        "Poisson's ratio" (NUMBER.above(-1.0).below(0.5).or(0.0)) "0.5 has no stable time increment: give 0.49 or less",
         "temperature" (TEMPERATURE),
     ]),
 ]);
 
 card!(Eos: "EOS", "Equation of state", (once below "MATERIAL"), {
     kind: usize = "TYPE" (variant(&["IDEAL GAS", "USUP", "TABULAR", "JWL"]).required()),
-    "DETONATION ENERGY" refused "explosives that ignite and grow are not simulated",
-    "PROPERTIES" refused "equations of state of the user are not called",
+    "DETONATION ENERGY" refused "ignition and growth is unsupported",
+    "PROPERTIES" refused "user-defined equations of state are unsupported",
 }, [
     (when "TYPE" = "IDEAL GAS" lines ["gas constant" (POSITIVE.required()), "ambient pressure" (NOT_NEGATIVE.or(0.0))]),
-    (when "TYPE" = "TABULAR" rows ["f1" (ZERO), "f2" (ZERO), "volumetric strain" (ZERO) "ln(rho0/rho); descends"]),
+    (when "TYPE" = "TABULAR" rows ["f1" (ZERO), "f2" (ZERO), "volumetric strain" (ZERO) "ln(rho0/rho), in descending order"]),
     (when "TYPE" = "JWL" lines [
         "detonation wave speed" (POSITIVE.required()), "A" (POSITIVE.required()), "B" (NOT_NEGATIVE.required()),
         "omega" (POSITIVE.required()), "R1" (POSITIVE.required()), "R2" (POSITIVE.required()),
-        "detonation energy" (NOT_NEGATIVE.required()) "Energy a mass of the explosive",
+        "detonation energy" (NOT_NEGATIVE.required()) "Energy per mass of the explosive",
         "pre-detonation bulk modulus" (NOT_NEGATIVE.or(0.0)),
     ]),
     (lines ["c0" (POSITIVE.required()), "s" (NOT_NEGATIVE.or(0.0)), "Gamma0" (NOT_NEGATIVE.or(0.0))]),
 ]);
 
-card!(DetonationPoint: "DETONATION POINT", "Where the detonation of an explosive begins", (once below "MATERIAL"), {}, points: Vec<[f64; 4]> = [
+card!(DetonationPoint: "DETONATION POINT", "Points at which detonation begins", (once below "MATERIAL"), {}, points: Vec<[f64; 4]> = [
     (rows [
-        "r" (ZERO), "z" (ZERO), "third coordinate" inert "a point of the plane (r, z) is a ring",
-        "delay" (ZERO) "Total time at which the point is lit",
+        "r" (ZERO), "z" (ZERO), "third coordinate" inert "a point in the r-z plane is a ring",
+        "delay" (ZERO) "Total time of detonation at the point",
     ]),
 ]);
 
 card!(Hyperelastic: "HYPERELASTIC", "Rubber elasticity", (once below "MATERIAL"), {
     "NEO HOOKE" read "C10 and D1",
-    "MODULI" inert "without viscoelasticity the moduli are those of all times",
+    "MODULI" inert "without viscoelasticity instantaneous and long-term moduli are equal",
     "MOONEY-RIVLIN" read "C10, C01 and D1",
     "YEOH" read "C10, C20, C30, D1, D2, D3",
-    "OGDEN" read "mu1, alpha1, mu2, ... and then D1, ..., N of each",
-    "POLYNOMIAL" read "The default: C10, C01, C20, C11, C02, ... and then D1, ... up to the order N",
-    "REDUCED POLYNOMIAL" read "C10, C20, ... and then D1, ... up to the order N",
-    order: Option<usize> = "N" (INTEGER.from(1.0).to(6.0)) "Order of OGDEN, POLYNOMIAL or REDUCED POLYNOMIAL (1)",
+    "OGDEN" read "mu1, alpha1, mu2, alpha2, ..., then D1, ...; N of each",
+    "POLYNOMIAL" read "Default: C10, C01, C20, C11, C02, ..., then D1, ... up to order N",
+    "REDUCED POLYNOMIAL" read "C10, C20, ..., then D1, ... up to order N",
+    order: Option<usize> = "N" (INTEGER.from(1.0).to(6.0)) "Order of OGDEN, POLYNOMIAL or REDUCED POLYNOMIAL; default 1",
     "POISSON" refused "give D1",
-    "TEST DATA INPUT" refused "constants are not fitted to tests: fit them elsewhere and give them on the data lines",
-    "BETA" refused "of VAN DER WAALS",
-    "PROPERTIES" refused "of energies of the user",
+    "TEST DATA INPUT" refused "test data are not fitted: give the constants on the data lines",
+    "BETA" refused "applies only to VAN DER WAALS",
+    "PROPERTIES" refused "applies only to user-defined strain energies",
 } refused {
-    "POLYNOMIAL and OGDEN are supported, and what they hold": "ARRUDA-BOYCE", "MARLOW", "VAN DER WAALS", "USER";
+    "use POLYNOMIAL, OGDEN or their special cases": "ARRUDA-BOYCE", "MARLOW", "VAN DER WAALS", "USER";
 }, [
-    (when "NEO HOOKE" = "" lines ["C10" (NUMBER.required()), "D1" (NOT_NEGATIVE.or(0.0)), "temperature" inert "one row holds at every temperature"]),
-    (list "constant" (NUMBER) "Eight a line; with D1 = 0 the bulk modulus is 20 times the shear modulus"),
+    (when "NEO HOOKE" = "" lines ["C10" (NUMBER.required()), "D1" (NOT_NEGATIVE.or(0.0)), "temperature" inert "the constants do not depend on temperature"]),
+    (list "constant" (NUMBER) "Eight values per line; with D1 = 0 the bulk modulus is 20 times the shear modulus"),
 ]);
 
-card!(CrushableFoam: "CRUSHABLE FOAM", "Plasticity of foam that is crushed", (once below "MATERIAL"), {
+card!(CrushableFoam: "CRUSHABLE FOAM", "Crushable foam plasticity", (once below "MATERIAL"), {
     isotropic: bool = "HARDENING" (word(&["VOLUMETRIC", "ISOTROPIC"]).or(0.0)),
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
 }, ratios: [f64; 2] = [
     (when "HARDENING" = "ISOTROPIC" lines [
         "compression yield stress ratio" (NUMBER.from(0.0).below(3.0).required()),
         "plastic Poisson's ratio" (NUMBER.above(-1.0).below(0.5).or(0.0)),
-        "temperature" inert "one row holds at every temperature",
+        "temperature" inert "the constants do not depend on temperature",
     ]),
     (lines [
         "compression yield stress ratio" (POSITIVE.below(3.0).required()),
         "hydrostatic yield stress ratio" (NOT_NEGATIVE.or(1.0)),
-        "temperature" inert "one row holds at every temperature",
+        "temperature" inert "the constants do not depend on temperature",
     ]),
 ]);
 
-card!(CrushableFoamHardening: "CRUSHABLE FOAM HARDENING", "Yield stress of foam in uniaxial compression", (once below "MATERIAL"), {
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
+card!(CrushableFoamHardening: "CRUSHABLE FOAM HARDENING", "Hardening of crushable foam in uniaxial compression", (once below "MATERIAL"), {
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
 }, rows: Vec<[f64; 2]> = [
     (rows ["yield stress in uniaxial compression" (POSITIVE.required()),
-    "plastic strain in compression" (NOT_NEGATIVE.or(0.0).ascending()), "temperature" refused "one table holds at every temperature"]),
+    "plastic strain in compression" (NOT_NEGATIVE.or(0.0).ascending()), "temperature" refused "the table does not depend on temperature"]),
 ]);
 
 card!(Damping: "DAMPING", "Rayleigh damping of a material", (once below "MATERIAL"), {
     alpha: Option<f64> = "ALPHA" (NOT_NEGATIVE) "Mass proportional damping, 1/time",
-    "BETA" only ["0"] "stiffness proportional damping is not done; ALPHA and *BULK VISCOSITY are",
-    "COMPOSITE" inert "of modal procedures",
-    "STRUCTURAL" inert "of steady-state procedures",
+    "BETA" only ["0"] "stiffness proportional damping is unsupported: use ALPHA or *BULK VISCOSITY",
+    "COMPOSITE" inert "applies only to modal procedures",
+    "STRUCTURAL" inert "applies only to steady-state procedures",
 }, []);
 
 card!(ShearFailure: "SHEAR FAILURE", "Failure by plastic strain", (once below "MATERIAL"), {
     johnson_cook: bool = "TYPE" (variant(&["TABULAR", "JOHNSON COOK"]).or(0.0)),
-    "ELEMENT DELETION" only ["YES"] "elements that fail are deleted",
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
+    "ELEMENT DELETION" only ["YES"] "failed elements are always deleted",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
 }, [
     (when "TYPE" = "JOHNSON COOK" lines ["d1" (ZERO), "d2" (ZERO), "d3" (ZERO), "d4" (ZERO), "d5" (ZERO)]),
     (rows [
         "plastic strain at failure" (POSITIVE.required()), "rate of the plastic strain" (ZERO),
         "pressure over von Mises stress" (ZERO), "temperature" (ZERO),
-        "field variable" refused "*ELASTIC and *PLASTIC alone depend on field variables",
+        "field variable" refused "only *ELASTIC and *PLASTIC may depend on field variables",
     ]),
 ]);
 
-card!(TensileFailure: "TENSILE FAILURE", "Cutoff of tension, spall", (once below "MATERIAL"), {
-    deletes: bool = "ELEMENT DELETION" (YES_NO.or(1.0)) "NO keeps the mean stress at the cutoff",
-    "PRESSURE" only ["DUCTILE"] "brittle failure without deletion is not simulated",
-    "SHEAR" only ["DUCTILE"] "brittle failure without deletion is not simulated",
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
-}, cutoff: [f64; 1] = [(lines ["mean stress, tension" (POSITIVE.required()), "temperature" inert "one cutoff holds at every temperature"])]);
+card!(TensileFailure: "TENSILE FAILURE", "Tensile cutoff, spall", (once below "MATERIAL"), {
+    deletes: bool = "ELEMENT DELETION" (YES_NO.or(1.0)) "NO: the mean stress is limited to the cutoff",
+    "PRESSURE" only ["DUCTILE"] "brittle failure without deletion is unsupported",
+    "SHEAR" only ["DUCTILE"] "brittle failure without deletion is unsupported",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+}, cutoff: [f64; 1] = [(lines ["mean stress, tension" (POSITIVE.required()), "temperature" inert "the cutoff does not depend on temperature"])]);
 
-card!(DamageInitiation: "DAMAGE INITIATION", "When damage begins", (below "MATERIAL"), {
+card!(DamageInitiation: "DAMAGE INITIATION", "Damage initiation criterion", (below "MATERIAL"), {
     ductile: bool = "CRITERION" (variant(&["JOHNSON COOK", "DUCTILE"]).required()),
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
-    "ACCUMULATION POWER" refused "the sum is that of the strains over the strain at failure",
-    "ALPHA" refused "of HASHIN",
-    "KS" refused "of SHEAR",
-    "LODE DEPENDENT" refused "the strain at failure depends on the triaxiality alone",
-    "INSTABILITY" refused "of FLD",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+    "ACCUMULATION POWER" refused "the sum of plastic strain increments over the failure strain is used",
+    "ALPHA" refused "applies only to HASHIN",
+    "KS" refused "applies only to SHEAR",
+    "LODE DEPENDENT" refused "the failure strain depends on triaxiality, not on the Lode angle",
+    "INSTABILITY" refused "applies only to FLD",
 } refused {
-    "of MSFLD": "NUMBER IMPERFECTIONS", "OMEGA", "DEFINITION", "FEQ", "FNN", "FNT", "FREQUENCY", "PEINC";
-    "of enriched elements": "POSITION", "NORMAL DIRECTION", "TOLERANCE";
-    "of criteria of the user": "PROPERTIES", "FAILURE MECHANISMS";
+    "applies only to MSFLD": "NUMBER IMPERFECTIONS", "OMEGA", "DEFINITION", "FEQ", "FNN", "FNT", "FREQUENCY", "PEINC";
+    "applies only to enriched elements": "POSITION", "NORMAL DIRECTION", "TOLERANCE";
+    "applies only to user-defined criteria": "PROPERTIES", "FAILURE MECHANISMS";
 }, [
     (when "CRITERION" = "JOHNSON COOK" lines [
         "d1" (ZERO), "d2" (ZERO), "d3" (ZERO), "d4" (ZERO), "d5" (ZERO), "melting temperature" (ZERO),
@@ -144,40 +143,40 @@ card!(DamageInitiation: "DAMAGE INITIATION", "When damage begins", (below "MATER
     (rows [
         "plastic strain" (POSITIVE.required()), "triaxiality" (ZERO), "rate of the plastic strain" (ZERO),
         "temperature" (ZERO),
-        "field variable" refused "*ELASTIC and *PLASTIC alone depend on field variables",
+        "field variable" refused "only *ELASTIC and *PLASTIC may depend on field variables",
     ]),
 ]);
 
-card!(DamageEvolution: "DAMAGE EVOLUTION", "How damage grows", (below "MATERIAL"), {
+card!(DamageEvolution: "DAMAGE EVOLUTION", "Damage evolution", (below "MATERIAL"), {
     energy: bool = "TYPE" (variant(&["DISPLACEMENT", "ENERGY"]).required()),
-    "SOFTENING" only ["LINEAR"] "damage grows linearly",
-    "DEGRADATION" only ["MAXIMUM"] "the largest damage counts",
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
-    "POWER" refused "of mixed modes",
-    "FAILURE INDEX" refused "of criteria of the user",
+    "SOFTENING" only ["LINEAR"] "damage increases linearly",
+    "DEGRADATION" only ["MAXIMUM"] "the largest damage is used",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+    "POWER" refused "applies only to mixed modes",
+    "FAILURE INDEX" refused "applies only to user-defined criteria",
 } refused {
-    "of cohesive elements": "MIXED MODE BEHAVIOR", "MODE MIX RATIO";
-}, value: [f64; 1] = [(lines ["displacement or energy at failure" (NOT_NEGATIVE.required()), "temperature" inert "one value holds at every temperature"])]);
+    "applies only to cohesive elements": "MIXED MODE BEHAVIOR", "MODE MIX RATIO";
+}, value: [f64; 1] = [(lines ["displacement or energy at failure" (NOT_NEGATIVE.required()), "temperature" inert "the value does not depend on temperature"])]);
 
 card!(PhysicalConstants: "PHYSICAL CONSTANTS", "Absolute zero and other constants", (once), {
-    absolute_zero: Option<f64> = "ABSOLUTE ZERO" (NUMBER) "Absolute zero on the scale of temperature that the deck uses",
-    "STEFAN BOLTZMANN" inert "nothing here radiates",
-    "UNIVERSAL GAS CONSTANT" inert "*EOS gives the constant of its gas",
+    absolute_zero: Option<f64> = "ABSOLUTE ZERO" (NUMBER) "Absolute zero on the temperature scale of the deck",
+    "STEFAN BOLTZMANN" inert "radiation is unsupported",
+    "UNIVERSAL GAS CONSTANT" inert "the gas constant is given on *EOS",
 }, []);
 
 card!(Plastic: "PLASTIC", "Metal plasticity", (once below "MATERIAL"), {
-    hardening: usize = "HARDENING" (variant(&["ISOTROPIC", "KINEMATIC", "JOHNSON COOK", "USER"]).or(0.0)) "KINEMATIC takes two rows, at each temperature; USER is subroutine vuhard",
+    hardening: usize = "HARDENING" (variant(&["ISOTROPIC", "KINEMATIC", "JOHNSON COOK", "USER"]).or(0.0)) "KINEMATIC: two rows per temperature; USER: subroutine VUHARD",
     "RATE" refused "give *RATE DEPENDENT",
-    fields: usize = "DEPENDENCIES" (INTEGER.from(0.0).to(5.0)) "Number of field variables that a table depends on",
-    "DATA TYPE" refused "of cyclic hardening",
-    extrapolates: Option<bool> = "EXTRAPOLATION" (word(&["CONSTANT", "LINEAR"])) "Beyond the last plastic strain of a table: CONSTANT without it",
+    fields: usize = "DEPENDENCIES" (INTEGER.from(0.0).to(5.0)) "Number of field variables",
+    "DATA TYPE" refused "applies only to cyclic hardening",
+    extrapolates: Option<bool> = "EXTRAPOLATION" (word(&["CONSTANT", "LINEAR"])) "Extrapolation beyond the last plastic strain; default CONSTANT",
     "PROPERTIES" (INTEGER.from(0.0).or(0.0)) "Number of constants of HARDENING=USER",
-    "SCALESTRESS" refused "give the yield stresses scaled",
+    "SCALESTRESS" refused "give scaled yield stresses",
     "USER" refused "give HARDENING=USER",
 } refused {
-    "of combined hardening": "NUMBER BACKSTRESSES", "STATIC RECOVERY";
+    "applies only to combined hardening": "NUMBER BACKSTRESSES", "STATIC RECOVERY";
 }, [
-    (when "HARDENING" = "USER" list "constant of the hardening" read "Eight a line"),
+    (when "HARDENING" = "USER" list "constant of the hardening" read "Eight values per line"),
     (when "HARDENING" = "JOHNSON COOK" lines ["A" (ZERO), "B" (ZERO), "n" (ZERO), "m" (ZERO), "melting temperature" (ZERO), "transition temperature" (ZERO)]),
     (when "DEPENDENCIES" = "" rows [
         "yield stress" (ZERO), "plastic strain" (ZERO), "temperature" (NUMBER),
@@ -186,124 +185,124 @@ card!(Plastic: "PLASTIC", "Metal plasticity", (once below "MATERIAL"), {
     (rows ["yield stress" (ZERO), "plastic strain" (ZERO), "temperature" (NUMBER)]),
 ]);
 
-card!(RateDependent: "RATE DEPENDENT", "Rate dependence of yield", (once below "MATERIAL"), {
+card!(RateDependent: "RATE DEPENDENT", "Rate dependence of the yield stress", (once below "MATERIAL"), {
     kind: usize = "TYPE" (variant(&["POWER LAW", "YIELD RATIO", "JOHNSON COOK"]).or(0.0)),
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
 }, [
     (when "TYPE" = "JOHNSON COOK" lines ["C" (ZERO), "reference strain rate" (NUMBER.or(1.0))]),
     (when "TYPE" = "YIELD RATIO" rows ["yield ratio" (ZERO), "strain rate" (NUMBER.or(1.0)), "temperature" (NUMBER)]),
     (rows ["D" (POSITIVE.required()), "n" (POSITIVE.or(1.0)), "temperature" (TEMPERATURE)]),
 ]);
 
-card!(InelasticHeatFraction: "INELASTIC HEAT FRACTION", "Fraction of plastic work turned into heat", (once below "MATERIAL"), {}, fraction: [f64; 1] = [
+card!(InelasticHeatFraction: "INELASTIC HEAT FRACTION", "Fraction of plastic work converted to heat", (once below "MATERIAL"), {}, fraction: [f64; 1] = [
     (lines ["fraction" (NUMBER.or(0.9))]),
 ]);
 
-card!(SpecificHeat: "SPECIFIC HEAT", "Heat per mass and temperature", (once below "MATERIAL"), {
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
+card!(SpecificHeat: "SPECIFIC HEAT", "Specific heat, energy per mass and temperature", (once below "MATERIAL"), {
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
 } refused {
-    "of gases in fluid cavities": "CONSTANT PRESSURE", "CONSTANTVOLUME";
+    "applies only to gases in fluid cavities": "CONSTANT PRESSURE", "CONSTANTVOLUME";
 }, rows: Vec<[f64; 2]> = [(rows ["specific heat" (POSITIVE.required()), "temperature" (TEMPERATURE)])]);
 
-card!(Conductivity: "CONDUCTIVITY", "Heat conduction, in steps that solve for temperatures", (once below "MATERIAL"), {
-    "TYPE" only ["ISO"] "nothing here is anisotropic",
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
-    "PORE FLUID" refused "pores are not simulated",
+card!(Conductivity: "CONDUCTIVITY", "Thermal conductivity, for *DYNAMIC TEMPERATURE-DISPLACEMENT", (once below "MATERIAL"), {
+    "TYPE" only ["ISO"] "anisotropic materials are unsupported",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+    "PORE FLUID" refused "porous media are unsupported",
 }, rows: Vec<[f64; 2]> = [(rows ["conductivity" (POSITIVE.required()), "temperature" (TEMPERATURE)])]);
 
-card!(Expansion: "EXPANSION", "Thermal expansion, where temperatures change", (once below "MATERIAL"), {
-    "TYPE" only ["ISO"] "nothing here is anisotropic",
+card!(Expansion: "EXPANSION", "Thermal expansion", (once below "MATERIAL"), {
+    "TYPE" only ["ISO"] "anisotropic materials are unsupported",
     zero: f64 = "ZERO" (ZERO) "Reference temperature of the coefficients",
-    "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
-    "DEFINITION" only ["SECANT"] "coefficients are those from the reference temperature",
-    "PORE FLUID" refused "pores are not simulated",
-    "FIELD" refused "fields do not expand",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+    "DEFINITION" only ["SECANT"] "coefficients are secant values from the reference temperature",
+    "PORE FLUID" refused "porous media are unsupported",
+    "FIELD" refused "expansion by field variables is unsupported",
 } refused {
-    "expansion of the user is not called": "USER", "PROPERTIES";
+    "user-defined expansion is unsupported": "USER", "PROPERTIES";
 }, rows: Vec<[f64; 2]> = [(rows ["coefficient" (ZERO), "temperature" (TEMPERATURE)])]);
 
-card!(UserMaterial: "USER MATERIAL", "Material of a user routine", (once below "MATERIAL"), {
+card!(UserMaterial: "USER MATERIAL", "Material model of user subroutine VUMAT", (once below "MATERIAL"), {
     count: usize = "CONSTANTS" (INTEGER.from(0.0).required()) "Number of constants",
-    "TYPE" only ["MECHANICAL"] "temperatures come from inelastic work alone",
-    "UNSYMM" inert "of implicit analyses",
-    "EFFMOD" refused "moduli come from the call at time zero",
-    "HYBRID FORMULATION" refused "of implicit analyses",
-}, [(list "constant" (NUMBER) "Eight a line")]);
+    "TYPE" only ["MECHANICAL"] "thermal user materials are unsupported",
+    "UNSYMM" inert "applies only to implicit analyses",
+    "EFFMOD" refused "initial moduli are taken from the call at time zero",
+    "HYBRID FORMULATION" refused "applies only to implicit analyses",
+}, [(list "constant" (NUMBER) "Eight values per line")]);
 
 card!(CavityExpansion: extension "CAVITY EXPANSION", "Resistance of a target material: Y (A + B x + C x^2), x = v_n sqrt(rho/Y)", (once below "MATERIAL"), {
-    yield_stress: Option<f64> = "YIELD" (POSITIVE) "Y, the strength that the law is scaled by",
-    derives: bool = "DERIVE" read "Y, A, B and C from the material's own *ELASTIC, *DENSITY and *PLASTIC: expansion of a spherical cavity, fitted over a range of velocities",
-    linear: bool = "TERMS" (word(&["2", "3"]).or(1.0)) "Of DERIVE: 3 (default), or 2 for a law with B = 0",
-    pinned: bool = "STATIC" read "Of DERIVE: A is the pressure at rest instead of being fitted",
-    weight: usize = "WEIGHT" (word(&["EVEN", "RELATIVE", "VELOCITY"]).or(0.0)) "Of DERIVE: EVEN (default: differences of pressures), RELATIVE (relative differences) or VELOCITY (by the velocity)",
-    radius: Option<f64> = "RADIUS" (POSITIVE) "Of DERIVE: radius of the cavity, with which *RATE DEPENDENT counts",
-    tension: Option<f64> = "TENSION" (POSITIVE) "Of DERIVE: tension beyond which the target cracks along rays",
+    yield_stress: Option<f64> = "YIELD" (POSITIVE) "Y, the reference strength",
+    derives: bool = "DERIVE" read "Computes Y, A, B and C from *ELASTIC, *DENSITY and *PLASTIC of the material: spherical cavity expansion, fitted over a range of velocities",
+    linear: bool = "TERMS" (word(&["2", "3"]).or(1.0)) "With DERIVE: number of terms, 3 (default) or 2 (B = 0)",
+    pinned: bool = "STATIC" read "With DERIVE: A is the quasi-static cavity pressure and is not fitted",
+    weight: usize = "WEIGHT" (word(&["EVEN", "RELATIVE", "VELOCITY"]).or(0.0)) "With DERIVE: weights of the fit, EVEN (absolute pressure differences, default), RELATIVE (relative differences) or VELOCITY (weighted by velocity)",
+    radius: Option<f64> = "RADIUS" (POSITIVE) "With DERIVE: cavity radius, for the strain rates of *RATE DEPENDENT",
+    tension: Option<f64> = "TENSION" (POSITIVE) "With DERIVE: tensile strength, above which radial cracks form",
 }, values: [f64; 3] = [
     (when "DERIVE" = "" lines ["lowest velocity" (NUMBER.required()), "highest velocity" (NUMBER.required()), "number of velocities" (NUMBER.or(41.0))]),
     (lines ["A" (NOT_NEGATIVE.required()), "B" (NOT_NEGATIVE.required()), "C" (NOT_NEGATIVE.required())]),
 ]);
 
-card!(ShellSection: "SHELL SECTION", "Gives shells their thickness and material; an element has one section", (), {
+card!(ShellSection: "SHELL SECTION", "Thickness and material of shell elements", (), {
     "ELSET" read "Elements",
     "MATERIAL" read "Material",
-    per_area: f64 = "DENSITY" (NOT_NEGATIVE.or(0.0)) "Mass per area beside that of the material",
-    "POISSON" read "How shells thin: MATERIAL (default), ELASTIC, or a ratio; 0 keeps the thickness",
-    "SECTION INTEGRATION" only ["SIMPSON"] "points through the thickness are those of Simpson's rule",
-    "OFFSET" only ["0", "0."] "nodes of shells lie on the middle surface",
-    "CONTROLS" inert "shells of one point have no hourglass modes",
-    "ORIENTATION" refused "nothing here is anisotropic",
-    "TEMPERATURE" inert "temperatures of shells start uniform over the thickness",
-    "SECTION NAME" inert "written by CAE; no meaning",
+    per_area: f64 = "DENSITY" (NOT_NEGATIVE.or(0.0)) "Additional mass per area",
+    "POISSON" read "Thickness change: MATERIAL (default), ELASTIC, or an effective Poisson's ratio; 0 keeps the thickness constant",
+    "SECTION INTEGRATION" only ["SIMPSON"] "Simpson's rule is used through the thickness",
+    "OFFSET" only ["0", "0."] "nodes of shells are on the middle surface",
+    "CONTROLS" inert "shell elements with one point have no hourglass modes",
+    "ORIENTATION" refused "anisotropic materials are unsupported",
+    "TEMPERATURE" inert "initial temperatures of shells are uniform over the thickness",
+    "SECTION NAME" inert "written by ABAQUS/CAE; has no effect",
 } refused {
     "a section has one material": "COMPOSITE", "LAYUP", "SYMMETRIC";
     "give the thickness of the section on its data line": "NODAL THICKNESS", "SHELL THICKNESS";
-    "of continuum shells": "STACK DIRECTION", "THICKNESS MODULUS";
-}, thickness_points: [f64; 2] = [(lines ["thickness" (POSITIVE.required()), "points" (INTEGER.from(3.0).to(1001.0).or(5.0)) "Of Simpson's rule through the thickness; odd"])]);
+    "applies only to continuum shells": "STACK DIRECTION", "THICKNESS MODULUS";
+}, thickness_points: [f64; 2] = [(lines ["thickness" (POSITIVE.required()), "points" (INTEGER.from(3.0).to(1001.0).or(5.0)) "Odd number of points of Simpson's rule through the thickness"])]);
 
-card!(Erosion: extension "EROSION", "Deletes elements that come to one of its limits, whatever their material", (), {
-    "ELSET" read "Elements; all that deform if absent",
-    distortion: Option<f64> = "DISTORTION" (NUMBER.from(0.0).below(1.0).bare(0.01)) "Least sine of the angles at the corners over that of a square, of a triangle over the equilateral one (scaled Jacobian); 0 where the element is folded, 0.01 without a value",
-    plastic: Option<f64> = "PLASTIC STRAIN" (POSITIVE) "Equivalent plastic strain; of shells in the middle",
-    strain: Option<f64> = "PRINCIPAL STRAIN" (POSITIVE) "Largest principal logarithmic strain, in the plane or along the hoop",
-    increment: Option<f64> = "INCREMENT" (POSITIVE) "Stable increment of the element, time",
+card!(Erosion: extension "EROSION", "Deletes elements that reach one of these limits, independent of their material", (), {
+    "ELSET" read "Elements; default: all deformable elements",
+    distortion: Option<f64> = "DISTORTION" (NUMBER.from(0.0).below(1.0).bare(0.01)) "Minimum scaled Jacobian: sine of the corner angles relative to a square or an equilateral triangle; 0 for a folded element; 0.01 if no value is given",
+    plastic: Option<f64> = "PLASTIC STRAIN" (POSITIVE) "Equivalent plastic strain; for shells at the middle surface",
+    strain: Option<f64> = "PRINCIPAL STRAIN" (POSITIVE) "Maximum principal logarithmic strain, in the plane or in the hoop direction",
+    increment: Option<f64> = "INCREMENT" (POSITIVE) "Minimum stable time increment of the element",
 }, []);
 
 card!(SectionControls: "SECTION CONTROLS", "Hourglass, distortion and viscosity controls of elements", (unique "NAME"), {
     name: String = "NAME" (TEXT.required()) "Name of the controls",
-    hourglass: Option<usize> = "HOURGLASS" (variant(&["RELAX STIFFNESS", "STIFFNESS", "VISCOUS", "COMBINED", "ENHANCED"])) "RELAX STIFFNESS without a word: a spring whose force returns with the stress where the material flows; VISCOUS without shear modulus; ENHANCED of *HYPERELASTIC: assumed strains by direction",
+    hourglass: Option<usize> = "HOURGLASS" (variant(&["RELAX STIFFNESS", "STIFFNESS", "VISCOUS", "COMBINED", "ENHANCED"])) "Default: RELAX STIFFNESS (stiffness whose force relaxes with plastic flow); VISCOUS for materials without shear modulus; ENHANCED (assumed strains) for *HYPERELASTIC",
     distortion: bool = "DISTORTION CONTROL" (YES_NO.or(0.0).bare(1.0)),
-    length_ratio: Option<f64> = "LENGTH RATIO" (POSITIVE.below(1.0)) "Of distortion control (0.1): distance from the line between its neighbours, over that at the start, below which a corner is pushed",
-    deletes: bool = "ELEMENT DELETION" (YES_NO.or(1.0)) "With NO what *DAMAGE EVOLUTION ruins stays with 1 less MAX DEGRADATION of its stiffness. Refused with *SHEAR FAILURE and *TENSILE FAILURE, which delete",
-    most_damage: Option<f64> = "MAX DEGRADATION" (POSITIVE.to(1.0)) "Damage at which an element is deleted (1), or beyond which it does not go where it stays (0.99)",
-    "SECOND ORDER ACCURACY" only ["NO"] "rotations are followed to first order",
-    "KINEMATIC SPLIT" only ["AVERAGE STRAIN"] "strains are means over the element",
-    "DRILL STIFFNESS" inert "of shells",
-    "RAMP INITIAL STRESS" inert "of membranes",
-    "VISCOSITY" refused "damage is not regularised",
-    weight: f64 = "WEIGHT FACTOR" (NUMBER.from(0.0).to(1.0).or(0.5)) "Of hourglass stiffness and viscosity",
-    by_area: bool = "WEIGHTING" extension (word(&["VOLUME", "AREA"]).or(0.0)) "AREA: the equation of motion integrated over the plane section",
-    averaged: Option<bool> = "AVERAGED PRESSURE" extension (YES_NO) "YES or NO, of triangles of linear elasticity or rubber: whether their dilation is averaged over nodes; YES without it where they flow, are rubber or have a Poisson's ratio above 0.45",
-    subzonal: Option<bool> = "SUBZONAL" extension (YES_NO) "YES (default where *EOS has no shear modulus) or NO: quarters of elements that are denser than the whole push back",
-    "PERTURBATION" refused "of implicit analyses",
+    length_ratio: Option<f64> = "LENGTH RATIO" (POSITIVE.below(1.0)) "For distortion control: a corner is pushed back if its distance from the line between its neighbours, relative to the initial one, is below this ratio; default 0.1",
+    deletes: bool = "ELEMENT DELETION" (YES_NO.or(1.0)) "NO: elements failed by *DAMAGE EVOLUTION remain with the fraction (1 - MAX DEGRADATION) of their stiffness; an error with *SHEAR FAILURE and *TENSILE FAILURE, which delete elements",
+    most_damage: Option<f64> = "MAX DEGRADATION" (POSITIVE.to(1.0)) "Damage at which an element is deleted (default 1), or the maximum damage if elements are not deleted (default 0.99)",
+    "SECOND ORDER ACCURACY" only ["NO"] "rotations are integrated to first order",
+    "KINEMATIC SPLIT" only ["AVERAGE STRAIN"] "strains are averaged over the element",
+    "DRILL STIFFNESS" inert "applies only to shells",
+    "RAMP INITIAL STRESS" inert "applies only to membranes",
+    "VISCOSITY" refused "viscous regularisation of damage is unsupported",
+    weight: f64 = "WEIGHT FACTOR" (NUMBER.from(0.0).to(1.0).or(0.5)) "For COMBINED: weight of the stiffness relative to the viscosity",
+    by_area: bool = "WEIGHTING" extension (word(&["VOLUME", "AREA"]).or(0.0)) "AREA: equations of motion integrated over the plane section",
+    averaged: Option<bool> = "AVERAGED PRESSURE" extension (YES_NO) "For triangles of linear elasticity or rubber: YES averages the dilation over nodes; default YES for plastic materials, rubber and Poisson's ratio above 0.45",
+    subzonal: Option<bool> = "SUBZONAL" extension (YES_NO) "YES: subzonal pressures from the density of the element quarters; default YES for *EOS without shear modulus",
+    "PERTURBATION" refused "applies only to implicit analyses",
 } refused {
-    "elements do not turn into particles": "CONVERSION CRITERION", "CONVERSION", "KERNEL", "PARTICLE";
-    "of cohesive elements": "VISCOUS", "INITIAL GAP OPENING";
+    "conversion to particles is unsupported": "CONVERSION CRITERION", "CONVERSION", "KERNEL", "PARTICLE";
+    "applies only to cohesive elements": "VISCOUS", "INITIAL GAP OPENING";
 }, factor: [f64; 1] = [(lines [
     "hourglass factor" (NOT_NEGATIVE.or(1.0)),
-    "rotational factor" inert "of shells",
-    "out-of-plane factor" inert "of shells",
+    "rotational factor" inert "applies only to shells",
+    "out-of-plane factor" inert "applies only to shells",
     "factor on linear bulk viscosity" only ["1"] "give *BULK VISCOSITY in the step",
     "factor on quadratic bulk viscosity" only ["1"] "give *BULK VISCOSITY in the step",
 ])]);
 
-/// The rows.
+/// Rows of this family.
 pub const CARDS: &[Keyword] = &[
     row!("MATERIAL", "Begins a material", (unique "NAME"), {
         "NAME" read "Name of the material",
-        "RTOL" inert "tables are used as they are given: none is regularised",
+        "RTOL" inert "tables are used as given, without regularisation",
         "SRATE FACTOR" only ["1"] "strain rates are not smoothed",
-        "STRAIN RATE REGULARIZATION" inert "tables are used as they are given: none is regularised",
-        "INTERNAL" inert "written by CAE; no meaning",
+        "STRAIN RATE REGULARIZATION" inert "tables are used as given, without regularisation",
+        "INTERNAL" inert "written by ABAQUS/CAE; has no effect",
     }, []),
     Density::ROW,
     Elastic::ROW,
@@ -323,29 +322,29 @@ pub const CARDS: &[Keyword] = &[
     InelasticHeatFraction::ROW,
     SpecificHeat::ROW,
     UserMaterial::ROW,
-    row!("USER DEFINED FIELD", "Fields of a user routine (subroutine vusdfld)", (once below "MATERIAL"), {
+    row!("USER DEFINED FIELD", "Field variables of user subroutine VUSDFLD", (once below "MATERIAL"), {
         "PROPERTIES" (INTEGER.from(0.0).or(0.0)) "Number of constants",
-    }, [(list "constant of the fields" (NUMBER) "Eight a line")]),
-    row!("CHARACTERISTIC LENGTH", "Length of an element that damage evolution and routines of the user take", (once below "MATERIAL"), {
-        "DEFINITION" (word(&["GEOMETRIC MEAN", "USER"]).or(0.0)) "The root of the element's area in the (r, z) plane, or subroutine vucharlength",
-        "COMPONENTS" only ["1"] "a length has one component",
+    }, [(list "constant of the fields" (NUMBER) "Eight values per line")]),
+    row!("CHARACTERISTIC LENGTH", "Characteristic element length for damage evolution and user subroutines", (once below "MATERIAL"), {
+        "DEFINITION" (word(&["GEOMETRIC MEAN", "USER"]).or(0.0)) "GEOMETRIC MEAN: square root of the element area in the r-z plane; USER: subroutine VUCHARLENGTH",
+        "COMPONENTS" only ["1"] "the length has one component",
         "PROPERTIES" (INTEGER.from(0.0).or(0.0)) "Number of constants of DEFINITION=USER",
-    }, [(list "constant of the length" (NUMBER) "Eight a line")]),
-    row!("DEPVAR", "Number of state variables that the user's routines keep at a point", (once below "MATERIAL"), {
-        "DELETE" (COUNT) "State variable that deletes the element",
-        "CONVERT" refused "elements do not turn into particles",
-    }, [(rows ["number of state variables" (INTEGER.from(0.0).to(10_000.0).required())] ["number" read "Of the variable that is named", "name" read "Frames show the variable as SDV_name", "description" inert "for people"])]),
+    }, [(list "constant of the length" (NUMBER) "Eight values per line")]),
+    row!("DEPVAR", "State variables of user subroutines", (once below "MATERIAL"), {
+        "DELETE" (COUNT) "Number of the state variable that deletes the element",
+        "CONVERT" refused "conversion to particles is unsupported",
+    }, [(rows ["number of state variables" (INTEGER.from(0.0).to(10_000.0).required())] ["number" read "Number of the named variable", "name" read "Name; frames show the variable as SDV_name", "description" inert "description only"])]),
     CavityExpansion::ROW,
     Conductivity::ROW,
-    row!(inert "nothing here is anisotropic", "ORIENTATION", "A local coordinate system"),
+    row!(inert "anisotropic materials are unsupported", "ORIENTATION", "A local coordinate system"),
     Expansion::ROW,
-    row!("SOLID SECTION", "Gives solid elements their material; an element has one section", (), {
+    row!("SOLID SECTION", "Material of solid elements", (), {
         "ELSET" read "Elements",
         "MATERIAL" read "Material",
         "CONTROLS" read "Section controls",
-        "ORIENTATION" inert "the laws here are the same in all directions; a *USER MATERIAL is given r, z and hoop",
+        "ORIENTATION" inert "built-in materials are isotropic; a *USER MATERIAL receives components along r, z and hoop",
         "REF NODE" refused "generalised plane strain is not axisymmetric",
-        "SECTION NAME" inert "written by CAE; no meaning",
+        "SECTION NAME" inert "written by ABAQUS/CAE; has no effect",
     } refused {
         "a section has one material": "COMPOSITE", "LAYUP", "ORDER", "STACK DIRECTION", "SYMMETRIC";
     }, [(lines ["attribute" inert "axisymmetric solids have no thickness"])]),

@@ -1,5 +1,4 @@
-//! The rows of the keyword table, one file for each family of cards.
-//! Never here: what a card does.
+//! Rows of the keyword table, one file per family of cards, and the macros that build them.
 
 pub mod constraints;
 mod loads;
@@ -11,7 +10,7 @@ mod unsupported;
 
 use super::keywords::Keyword;
 
-/// Every row, in the order of the manual.
+/// All rows, in the order of the manual.
 pub static ALL: &[&[Keyword]] = &[
     mesh::CARDS,
     materials::CARDS,
@@ -25,32 +24,33 @@ pub static ALL: &[&[Keyword]] = &[
     unsupported::INERT,
 ];
 
-/// A parameter or a field: its name alone for a text that is read, or its name, what is done with it, what it may be, and
-/// words: `extension` for one that ABAQUS does not have, `only [values]` and `refused` with the reason, `inert` with the note of
-/// the ledger; a [`Value`](super::value::Value) in brackets for one that is checked; help.
+/// Builds the rule of a parameter or field: its name, then optionally `read` (supported, the default), `extension`
+/// (supported,
+/// not in ABAQUS), `only [values]` or `refused` with the reason of the error, `inert` with the reason in the ledger; a
+/// [`Value`](super::value::Value) in parentheses with its allowed range; help text.
 macro_rules! rule {
     ($name:literal $(read)? $(($value:expr))? $($help:literal)?) => {
-        $crate::deck::table::rule!(@ $name, Usage::Read, concat!($($help)?), false, value::TEXT $(; $value)?)
+        $crate::deck::table::rule!(@ $name, InputUsage::Read, concat!($($help)?), false, value::TEXT $(; $value)?)
     };
     ($name:literal extension $(($value:expr))? $help:literal) => {
-        $crate::deck::table::rule!(@ $name, Usage::Read, $help, true, value::TEXT $(; $value)?)
+        $crate::deck::table::rule!(@ $name, InputUsage::Read, $help, true, value::TEXT $(; $value)?)
     };
     ($name:literal only [$($value:literal),*] $why:literal) => {
-        $crate::deck::table::rule!(@ $name, Usage::Only(&[$($value),*], $why), "", false, value::TEXT)
+        $crate::deck::table::rule!(@ $name, InputUsage::Only(&[$($value),*], $why), "", false, value::TEXT)
     };
     ($name:literal inert $note:literal) => {
-        $crate::deck::table::rule!(@ $name, Usage::Inert($note), "", false, value::TEXT)
+        $crate::deck::table::rule!(@ $name, InputUsage::Inert($note), "", false, value::TEXT)
     };
     ($name:literal refused $why:literal) => {
-        $crate::deck::table::rule!(@ $name, Usage::Refused($why), "", false, value::TEXT)
+        $crate::deck::table::rule!(@ $name, InputUsage::Refused($why), "", false, value::TEXT)
     };
     (@ $name:literal, $usage:expr, $help:expr, $extension:literal, $text:expr; $value:expr) => {
         $crate::deck::table::rule!(@ $name, $usage, $help, $extension, $value)
     };
     (@ $name:literal, $usage:expr, $help:expr, $extension:literal, $value:expr) => {{
-        #[allow(unused_imports)] // Not every rule names a value of each.
-        use $crate::deck::{keywords::Usage, value};
-        $crate::deck::keywords::Rule { name: $name, usage: $usage, help: $help, extension: $extension, value: $value }
+        #[allow(unused_imports)] // Not every rule uses both.
+        use $crate::deck::{keywords::InputUsage, value};
+        $crate::deck::keywords::InputRule { name: $name, usage: $usage, help: $help, extension: $extension, value: $value }
     }};
 }
 use rule;
@@ -68,75 +68,76 @@ macro_rules! rules {
 }
 use rules;
 
-/// `lines [..] [..]`: these lines; `rows [..] [..]`: the last of them repeats; `stream [..]`, `wrapped n [..]`, `list rule`,
-/// `text rule`.
+/// Builds the layout of data lines: `lines [..] [..]` (these lines), `rows [..] [..]` (the last line may be repeated),
+/// `stream [..]`, `wrapped n [..]`, `list rule`, `text rule`.
 macro_rules! shape {
-    (lines $([$($fields:tt)*])*) => { Shape::Lines(&[$($crate::deck::table::rules!($($fields)*)),*], false) };
-    (rows $([$($fields:tt)*])*) => { Shape::Lines(&[$($crate::deck::table::rules!($($fields)*)),*], true) };
-    (stream [$($fields:tt)*]) => { Shape::Stream($crate::deck::table::rules!($($fields)*)) };
-    (wrapped $count:literal [$($fields:tt)*]) => { Shape::Wrapped($count, $crate::deck::table::rules!($($fields)*)) };
-    (list $($rule:tt)*) => { Shape::List($crate::deck::table::rule!($($rule)*)) };
-    (text $($rule:tt)*) => { Shape::Text($crate::deck::table::rule!($($rule)*)) };
+    (lines $([$($fields:tt)*])*) => { DataShape::Lines(&[$($crate::deck::table::rules!($($fields)*)),*], false) };
+    (rows $([$($fields:tt)*])*) => { DataShape::Lines(&[$($crate::deck::table::rules!($($fields)*)),*], true) };
+    (stream [$($fields:tt)*]) => { DataShape::Stream($crate::deck::table::rules!($($fields)*)) };
+    (wrapped $count:literal [$($fields:tt)*]) => { DataShape::Wrapped($count, $crate::deck::table::rules!($($fields)*)) };
+    (list $($rule:tt)*) => { DataShape::List($crate::deck::table::rule!($($rule)*)) };
+    (text $($rule:tt)*) => { DataShape::Text($crate::deck::table::rule!($($rule)*)) };
 }
 use shape;
 
-/// `when "PARAMETER" = "VALUE"` before a shape: only there.
+/// Builds a layout with its condition: `when "PARAMETER" = "VALUE"`, followed by the layout.
 macro_rules! data {
     (when $name:literal = $value:literal $($shape:tt)*) => {
-        Data { when: Some(($name, $value)), shape: $crate::deck::table::shape!($($shape)*) }
+        ConditionalShape { when: Some(($name, $value)), shape: $crate::deck::table::shape!($($shape)*) }
     };
-    ($($shape:tt)*) => { Data { when: None, shape: $crate::deck::table::shape!($($shape)*) } };
+    ($($shape:tt)*) => { ConditionalShape { when: None, shape: $crate::deck::table::shape!($($shape)*) } };
 }
 use data;
 
 macro_rules! times {
     () => {
-        Times::Any
+        CardMultiplicity::Any
     };
     (once $(each)? $(step)? $(below $parent:literal)?) => {
-        Times::Once
+        CardMultiplicity::Once
     };
     (unique $name:literal) => {
-        Times::Unique($name)
+        CardMultiplicity::Unique($name)
     };
     ($($other:tt)*) => {
-        Times::Any
+        CardMultiplicity::Any
     };
 }
 use times;
 
 macro_rules! place {
     (once step) => {
-        Place::Step
+        CardPlace::Step
     };
     ($(once)? each step) => {
-        Place::EachStep
+        CardPlace::EachStep
     };
     (step) => {
-        Place::Step
+        CardPlace::Step
     };
     (once below $parent:literal) => {
-        Place::Below($parent)
+        CardPlace::Below($parent)
     };
     (below $parent:literal) => {
-        Place::Below($parent)
+        CardPlace::Below($parent)
     };
     ($($other:tt)*) => {
-        Place::Anywhere
+        CardPlace::Anywhere
     };
 }
 use place;
 
-/// A row: `NAME`, summary, (how often and where it may stand), `{ parameters }`, `refused { reason: parameters; }` of parameters
-/// that are refused for the same reason, `[ (data lines) ]`.
+/// Builds a row of the table: `NAME`, summary, (number of times and position), `{ parameters }`, `refused { reason:
+/// names; }`
+/// for unsupported parameters with a common reason, `[ (data lines) ]`.
 macro_rules! row {
-    ($tier:ident, $name:literal, $summary:literal) => { $crate::deck::table::row!(@ Tier::$tier, false, $name, $summary, (), {}, []) };
-    (inert $why:literal, $name:literal, $summary:literal) => { $crate::deck::table::row!(@ Tier::Inert($why), false, $name, $summary, (), {}, []) };
-    (extension $name:literal, $($rest:tt)*) => { $crate::deck::table::row!(@ Tier::Used, true, $name, $($rest)*) };
-    ($name:literal, $($rest:tt)*) => { $crate::deck::table::row!(@ Tier::Used, false, $name, $($rest)*) };
+    ($tier:ident, $name:literal, $summary:literal) => { $crate::deck::table::row!(@ KeywordTier::$tier, false, $name, $summary, (), {}, []) };
+    (inert $why:literal, $name:literal, $summary:literal) => { $crate::deck::table::row!(@ KeywordTier::Inert($why), false, $name, $summary, (), {}, []) };
+    (extension $name:literal, $($rest:tt)*) => { $crate::deck::table::row!(@ KeywordTier::Used, true, $name, $($rest)*) };
+    ($name:literal, $($rest:tt)*) => { $crate::deck::table::row!(@ KeywordTier::Used, false, $name, $($rest)*) };
     (@ $tier:expr, $extension:literal, $name:literal, $summary:literal, ($($often:tt)*), { $($parameters:tt)* } $(refused { $($refused:tt)* })?, [$(($($data:tt)*)),* $(,)?]) => {{
-        #[allow(unused_imports)] // Not every row names a value of each.
-        use $crate::deck::keywords::{Data, Keyword, Place, Shape, Tier, Times};
+        #[allow(unused_imports)] // Not every row uses all types.
+        use $crate::deck::keywords::{ConditionalShape, Keyword, CardPlace, DataShape, KeywordTier, CardMultiplicity};
         Keyword {
             name: $name,
             tier: $tier,
@@ -151,8 +152,9 @@ macro_rules! row {
 }
 use row;
 
-/// A card as a type and its row: as [`row`], with the type's name in front, a field's name and type in front of each parameter that
-/// the type holds, and those of its data lines in front of their shapes.
+/// Defines the type of a card and its row. The syntax is that of [`row`] with the name of the type first; `field: Type
+/// =` before
+/// a parameter, or before the layouts of the data lines, adds a field to the type.
 macro_rules! card {
     ($type:ident: extension $keyword:literal, $($rest:tt)*) => { $crate::deck::table::card!(@ $type, true, $keyword, $($rest)*); };
     ($type:ident: $keyword:literal, $($rest:tt)*) => { $crate::deck::table::card!(@ $type, false, $keyword, $($rest)*); };
@@ -163,19 +165,19 @@ macro_rules! card {
         #[derive(Clone, Debug)]
         pub struct $type {
             $($(#[doc = concat!("`", $name, "`.")] pub $field: $of,)?)*
-            $(#[doc = "Data lines."] pub $lines: $lines_of,)?
+            $(#[doc = "ConditionalShape lines."] pub $lines: $lines_of,)?
         }
 
         impl $type {
-            /// Its row of the keyword table.
+            /// Row of the keyword table.
             pub const ROW: $crate::deck::keywords::Keyword = $crate::deck::table::row!(
-                @ Tier::Used, $extension, $keyword, $summary, ($($often)*),
+                @ KeywordTier::Used, $extension, $keyword, $summary, ($($often)*),
                 { $($name $($kind)? $([$($only),*])? $(($value))? $($text)?),* } $(refused { $($refused)* })?, [$($data)*]
             );
         }
 
         impl $crate::deck::read::ReadCard for $type {
-            #[allow(unused_variables)] // A card may have nothing to be read.
+            #[allow(unused_variables)] // Some cards have neither parameters nor data lines.
             fn read(card: &$crate::deck::Card) -> Self {
                 $type {
                     $($($field: card.read($name),)?)*

@@ -1,15 +1,14 @@
-//! Keywords that are known and not obeyed: refused, or ignored with a note.
-//! Never here: cards that anything reads.
+//! Keywords of ABAQUS that are unsupported, or ignored with a note.
 
 use super::row;
 use crate::deck::keywords::Keyword;
 
-/// Rows of keywords that nothing reads: what is done with them, and for each summary the keywords.
+/// Builds rows without parameters: the level of support, then `summary: keywords;` lines.
 macro_rules! unread {
     ($tier:ident: $($summary:literal: $($name:literal),+;)*) => { &[$($(row!($tier, $name, $summary)),+),*] };
 }
 
-/// Output of another program: these cards change no result.
+/// Cards that change only output files of ABAQUS. They are ignored.
 pub const OUTPUT_ONLY: &[Keyword] = unread!(OutputOnly:
     "Echo of the input": "PREPRINT";
     "Printed tables of nodal values": "NODE PRINT";
@@ -22,18 +21,18 @@ pub const OUTPUT_ONLY: &[Keyword] = unread!(OutputOnly:
     "Results file: energies": "ENERGY FILE";
     "Results file: contact values": "CONTACT FILE";
     "Results file: section forces": "SECTION FILE";
-    "Results file: when to write": "FILE OUTPUT";
+    "Results file: output frequency": "FILE OUTPUT";
     "Results file: format": "FILE FORMAT";
     "One degree of freedom in the status file": "MONITOR";
-    "What the message and status files hold": "PRINT";
+    "Contents of the message and status files": "PRINT";
     "Filter for history output": "FILTER";
     "Surface variables of an *OUTPUT request": "SURFACE OUTPUT";
     "Radiation variables of an *OUTPUT request": "RADIATION OUTPUT";
     "Modal variables of an *OUTPUT request": "MODAL OUTPUT";
-    "Particles that follow the material in adaptive meshes": "TRACER PARTICLE";
+    "Tracer particles of adaptive meshes": "TRACER PARTICLE";
 );
 
-/// Known, and the answer would change without them.
+/// Unsupported cards that would change the result. They are errors.
 pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Heat of phase change": "LATENT HEAT";
     "Acoustic material": "ACOUSTIC MEDIUM";
@@ -71,7 +70,7 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Deformation theory of plasticity": "DEFORMATION PLASTICITY";
     "Cyclic procedure": "DIRECT CYCLIC";
     "Particles": "DISCRETE SECTION";
-    "Bodies shown only": "DISPLAY BODY";
+    "Bodies for display only": "DISPLAY BODY";
     "Soil and polymer plasticity": "DRUCKER PRAGER", "DRUCKER PRAGER HARDENING";
     "Elements embedded in others": "EMBEDDED ELEMENT";
     "Compaction of porous materials": "EOS COMPACTION";
@@ -87,7 +86,7 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Gap elements": "GAP";
     "Gaskets": "GASKET SECTION";
     "Geostatic procedure": "GEOSTATIC";
-    "Heat sources of a user routine": "HEAT GENERATION";
+    "Heat sources of a user subroutine": "HEAT GENERATION";
     "Heat transfer procedure": "HEAT TRANSFER";
     "Foam elasticity": "HYPERFOAM", "LOW DENSITY FOAM";
     "Rate-form elasticity": "HYPOELASTIC";
@@ -103,14 +102,14 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Membranes": "MEMBRANE SECTION";
     "Elements removed or added": "MODEL CHANGE";
     "Soil plasticity": "MOHR COULOMB", "MOHR COULOMB HARDENING";
-    "Softening of rubber": "MULLINS EFFECT";
+    "Mullins effect of rubber": "MULLINS EFFECT";
     "Added mass": "NONSTRUCTURAL MASS";
-    "Hardening of steels": "ORNL";
+    "ORNL hardening of steels": "ORNL";
     "Periodic analyses": "PERIODIC MEDIA";
     "Porous metals": "POROUS METAL PLASTICITY", "POROUS FAILURE CRITERIA", "VOID NUCLEATION";
     "Anisotropic yield": "POTENTIAL";
     "Pre-tensioned sections": "PRE-TENSION SECTION";
-    "Pressure that enters gaps": "PRESSURE PENETRATION";
+    "Pressure penetration into gaps": "PRESSURE PENETRATION";
     "Composite failure": "PROGRESSIVE FAILURE";
     "Radiation": "RADIATE", "SRADIATE";
     "Anisotropic yield ratios": "RATIOS";
@@ -126,7 +125,7 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Substructures": "SUBSTRUCTURE PATH", "SUBSTRUCTURE GENERATE";
     "Surface properties of general contact": "SURFACE PROPERTY ASSIGNMENT";
     "Swelling": "SWELLING";
-    "Model from another by symmetry": "SYMMETRIC MODEL GENERATION";
+    "Model generation by symmetry": "SYMMETRIC MODEL GENERATION";
     "Prescribed temperatures": "TEMPERATURE";
     "Torques": "TORQUE";
     "Soil tests": "TRIAXIAL TEST DATA";
@@ -136,12 +135,12 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Viscoelasticity": "VISCOELASTIC";
     "Two-layer viscoplasticity": "VISCOUS";
     "Water waves": "WAVE";
-    "Tests that a law is fitted to": "UNIAXIAL TEST DATA", "BIAXIAL TEST DATA", "PLANAR TEST DATA", "VOLUMETRIC TEST DATA";
+    "Test data for material calibration": "UNIAXIAL TEST DATA", "BIAXIAL TEST DATA", "PLANAR TEST DATA", "VOLUMETRIC TEST DATA";
     "Thickness of shells": "NODAL THICKNESS";
     "Normals of shells and surfaces": "NORMAL";
-    "Properties that vary over elements": "DISTRIBUTION", "DISTRIBUTION TABLE";
+    "Spatial distribution of properties": "DISTRIBUTION", "DISTRIBUTION TABLE";
     "State mapped from another job": "MAP SOLUTION";
-    "Part of the mesh with its own increment": "SUBCYCLING";
+    "Subcycling of a part of the mesh": "SUBCYCLING";
     "Tabulated parameters": "PARAMETER DEPENDENCE";
     "Shapes that depend on parameters": "PARAMETER SHAPE VARIATION";
     "Parameters of a sensitivity analysis": "DESIGN PARAMETER";
@@ -154,12 +153,12 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Shells and beams": "TRANSVERSE SHEAR STIFFNESS";
 );
 
-/// Keywords of ABAQUS that are of other analyses, or of what is not simulated.
+/// Cards of other kinds of analyses, or of unsupported physics. They are errors.
 pub const ELSEWHERE: &[Keyword] = unread!(UnsupportedPhysics:
     "Contributions to acoustic pressure": "ACOUSTIC CONTRIBUTION";
     "Flow of an acoustic medium": "ACOUSTIC FLOW VELOCITY";
     "Form of incident waves": "ACOUSTIC WAVE FORMULATION";
-    "Elements that come into being": "ACTIVATE ELEMENTS", "ELEMENT PROGRESSIVE ACTIVATION";
+    "Activation of elements": "ACTIVATE ELEMENTS", "ELEMENT PROGRESSIVE ACTIVATION";
     "Refinement of Eulerian meshes": "ADAPTIVE MESH REFINEMENT";
     "Nodes moved to a surface": "ADJUST";
     "Anisotropic rubber": "ANISOTROPIC HYPERELASTIC";
@@ -169,19 +168,19 @@ pub const ELSEWHERE: &[Keyword] = unread!(UnsupportedPhysics:
     "Inertia of beams in a fluid": "BEAM FLUID INERTIA";
     "Meshed sections of beams": "BEAM SECTION GENERATE";
     "Sections of beams": "BEAM SECTION OFFSET", "SECTION ORIGIN", "SECTION POINTS", "SHEAR CENTER";
-    "Surfaces that block a fluid exchange": "BLOCKAGE";
+    "Blockage of fluid exchange": "BLOCKAGE";
     "Bonds of spot welds": "BOND";
     "Added mass in waves": "C ADDED MASS", "D ADDED MASS";
     "Creep of soils": "CAP CREEP", "DRUCKER PRAGER CREEP";
     "Plasticity of cast iron": "CAST IRON COMPRESSION HARDENING", "CAST IRON PLASTICITY", "CAST IRON TENSION HARDENING";
-    "Cavities that radiate": "CAVITY DEFINITION", "PERIODIC", "RADIATION SYMMETRY", "RADIATION VIEWFACTOR", "REFLECTION";
+    "Cavity radiation": "CAVITY DEFINITION", "PERIODIC", "RADIATION SYMMETRY", "RADIATION VIEWFACTOR", "REFLECTION";
     "Electric charges": "CECHARGE", "DECHARGE", "DSECHARGE";
     "Electric currents": "CECURRENT", "DECURRENT", "DSECURRENT";
     "Centroid of a beam section": "CENTROID";
     "Flow into nodes": "CFLOW";
     "Clay model of soils": "CLAY HARDENING";
-    "Two programs at once": "CO-SIMULATION", "CO-SIMULATION CONTROLS", "CO-SIMULATION REGION";
-    "Tests that a law is fitted to": "COMBINED TEST DATA", "SHEAR TEST DATA", "SIMPLE SHEAR TEST DATA";
+    "Co-simulation with another program": "CO-SIMULATION", "CO-SIMULATION CONTROLS", "CO-SIMULATION REGION";
+    "Test data for material calibration": "COMBINED TEST DATA", "SHEAR TEST DATA", "SIMPLE SHEAR TEST DATA";
     "Modal procedure": "COMPOSITE MODAL DAMPING", "SELECT EIGENMODES";
     "Deletion of damaged concrete": "CONCRETE FAILURE";
     "Connectors": "CONNECTOR CONSTITUTIVE REFERENCE", "CONNECTOR DAMAGE EVOLUTION", "CONNECTOR DAMAGE INITIATION",
@@ -191,10 +190,10 @@ pub const ELSEWHERE: &[Keyword] = unread!(UnsupportedPhysics:
     "Random loads": "CORRELATION", "PSD-DEFINITION";
     "Electric heating procedure": "COUPLED THERMAL-ELECTRICAL";
     "Radiation of nodes": "CRADIATE";
-    "Loads that follow a creep rate": "CREEP STRAIN RATE CONTROL";
+    "Loads controlled by a creep rate": "CREEP STRAIN RATE CONTROL";
     "Crushing of elements": "CRUSH STRESS", "CRUSH STRESS VELOCITY FACTOR";
     "Cyclic symmetry": "CYCLIC", "CYCLIC SYMMETRY MODEL", "SELECT CYCLIC SYMMETRY MODES";
-    "Which damping acts in a step": "DAMPING CONTROLS";
+    "Selection of damping in a step": "DAMPING CONTROLS";
     "Crack growth between surfaces": "DEBOND";
     "Sensitivities": "DESIGN GRADIENT";
     "Flow into elements": "DFLOW";
@@ -214,7 +213,7 @@ pub const ELSEWHERE: &[Keyword] = unread!(UnsupportedPhysics:
     "Fields of another program": "EXTERNAL FIELD";
     "Fields of another job": "FIELD IMPORT";
     "Heat exchange with a fluid": "FILM PROPERTY";
-    "Bodies of other programs": "FLEXIBLE BODY";
+    "Flexible bodies of other programs": "FLEXIBLE BODY";
     "Flow through surfaces": "FLOW";
     "Heat conduction of a fluid": "FLUID CONDUCTIVITY";
     "Fluid cavities": "FLUID EXCHANGE ACTIVATION", "FLUID EXCHANGE PROPERTY", "FLUID EXPANSION", "FLUID FLUX",
@@ -235,20 +234,20 @@ pub const ELSEWHERE: &[Keyword] = unread!(UnsupportedPhysics:
     "State of another job": "IMPORT CONTROLS", "IMPORT ELSET", "IMPORT NSET";
     "Blast and shock waves": "INCIDENT WAVE FLUID PROPERTY", "INCIDENT WAVE PROPERTY", "INCIDENT WAVE REFLECTION";
     "Contact elements": "INTERFACE", "SLIDE LINE";
-    "Supports of tubes": "ITS";
+    "Tube supports": "ITS";
     "Joints": "JOINT ELASTICITY", "JOINT PLASTICITY";
     "Jointed rock": "JOINTED MATERIAL";
     "Load cases of linear analyses": "LOAD CASE";
     "Connectors and fabrics": "LOADING DATA", "UNIAXIAL", "UNLOADING DATA";
-    "Masses brought to a target": "MASS ADJUST";
+    "Adjustment of the mass to a target value": "MASS ADJUST";
     "Matrices of other jobs": "MATRIX ASSEMBLE", "MATRIX INPUT";
     "Transport through elements": "MEDIA TRANSPORT";
     "Swelling of pores": "MOISTURE SWELLING";
-    "Motion of cavities that radiate": "MOTION";
+    "Motion in cavity radiation": "MOTION";
     "Viscoelastic networks": "NETWORK STIFFNESS RATIO";
     "Elasticity without compression": "NO COMPRESSION";
     "Elasticity without tension": "NO TENSION";
-    "Tables of user routines": "PARAMETER TABLE", "PARAMETER TABLE TYPE", "PROPERTY TABLE", "PROPERTY TABLE TYPE",
+    "Tables for user subroutines": "PARAMETER TABLE", "PARAMETER TABLE TYPE", "PROPERTY TABLE", "PROPERTY TABLE TYPE",
         "TABLE COLLECTION";
     "Particles": "PARTICLE GENERATOR", "PARTICLE GENERATOR FLOW", "PARTICLE GENERATOR INLET", "PARTICLE GENERATOR MIXTURE";
     "Acoustic boundaries": "PERFECTLY MATCHED LAYER";
@@ -267,7 +266,7 @@ pub const ELSEWHERE: &[Keyword] = unread!(UnsupportedPhysics:
     "Steady states of rolling": "STEADY STATE CRITERIA", "STEADY STATE DETECTION";
     "Submodelling": "SUBMODEL CONTROLS";
     "Flaws of surfaces": "SURFACE FLAW";
-    "Properties of surfaces that radiate": "SURFACE PROPERTY";
+    "Radiation properties of surfaces": "SURFACE PROPERTY";
     "Soil plasticity": "TENSION CUTOFF";
     "Cohesive behaviour of surfaces": "TRACTION SEPARATION";
     "Rolling procedure": "TRANSPORT VELOCITY";
@@ -276,17 +275,17 @@ pub const ELSEWHERE: &[Keyword] = unread!(UnsupportedPhysics:
     "Wind on slender structures": "WIND";
 );
 
-/// Known, and the answer stays.
+/// Unsupported cards that do not affect the result. They are ignored with a note.
 pub const INERT: &[Keyword] = unread!(UnsupportedInert:
     "Controls of implicit iterations": "CONTROLS";
     "Controls of linear solvers": "SOLVER CONTROLS";
     "Controls of warnings": "DIAGNOSTICS";
-    "Division among processors": "DOMAIN DECOMPOSITION";
+    "Domain decomposition for parallel runs": "DOMAIN DECOMPOSITION";
     "Files of element matrices": "ELEMENT MATRIX OUTPUT", "ELEMENT OPERATOR OUTPUT";
     "Files of matrices": "MATRIX GENERATE", "MATRIX OUTPUT";
     "Sensitivities of an *OUTPUT request": "NODE RESPONSE", "ELEMENT RESPONSE", "DESIGN RESPONSE";
     "Numbering for solvers": "WAVEFRONT MINIMIZATION";
-    "Written by some preprocessors at the end of the deck": "END";
+    "End of the deck, written by some preprocessors": "END";
     "Substructures": "ELEMENT RECOVERY MATRIX";
     "Controls of overconstraint checks": "CONSTRAINT CONTROLS";
     "Controls of mapping": "FIELD MAPPER CONTROLS";
@@ -300,5 +299,5 @@ pub const INERT: &[Keyword] = unread!(UnsupportedInert:
     "Results file: radiation": "RADIATION FILE";
     "Printed radiation": "RADIATION PRINT";
     "View factors of an *OUTPUT request": "VIEWFACTOR OUTPUT";
-    "Number of output variables of a user routine": "USER OUTPUT VARIABLES";
+    "Number of output variables of a user subroutine": "USER OUTPUT VARIABLES";
 );

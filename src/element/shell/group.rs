@@ -1,96 +1,96 @@
-//! A group of two-node axisymmetric shells of one section.
-//! Never here: arithmetic of frames and points.
+//! A group of two-node axisymmetric shells with the same section.
 //!
-//! A node of shells turns as well as it moves. Its rotation is a degree of freedom of its own in the list of nodes: a companion
-//! whose first coordinate is the angle (counter-clockwise in r and z, radians) and whose mass is the rotary inertia. So a shell acts
-//! on two nodes, then on their rotations, on which moments act as forces along r do on nodes.
+//! Nodes of shells have a rotation as well as displacements. The rotation is stored as a companion node: its first
+//! coordinate is the angle (counter-clockwise in r and z, radians), its mass is the rotary inertia. A shell therefore
+//! acts on two nodes and their two companion nodes; moments act on companion nodes as forces along r act on nodes.
 
 use std::sync::Arc;
 
-use super::point::{Flow, advance};
-use super::record::{PointStrains, Record};
-use super::section::{Section, Thinning};
+use super::point::{ShellPointState, advance};
+use super::record::{PointStrains, ShellRecord};
+use super::section::{ShellProperties, ThicknessRule};
 use crate::element::block::is_larger;
 use crate::element::constants::CHANGE;
 use crate::element::group::{
-    Deletion, ElementGroup, Extensions, GroupProperties, InitialState, Pass, Settings, Stiffness, Totals,
+    ElementGroup, ElementPass, ElementStiffness, GroupDeletion, GroupExtensions, GroupProperties, GroupSettings,
+    GroupTotals, InitialState,
 };
-use crate::kernel::lanes::{Corners, InlineMap, LANES};
-use crate::kernel::shell::{Five, Frame};
-use crate::kernel::topology::{ElementNodes, PerNode, Topology};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
+use crate::kernel::shell::{SectionComponents, ShellFrame};
+use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
 use crate::state::archive::persist_struct;
 use crate::state::nodes::Node;
-use crate::variables::{Part, Variable};
+use crate::variables::{Variable, VariableComponent};
 
 /// Shells of one section.
 #[derive(Clone)]
-pub struct Shells {
-    section: Arc<Section>,
+pub struct ShellGroup {
+    section: Arc<ShellProperties>,
     /// Nodes, then their rotations.
     ends: Vec<[u32; 4]>,
     /// Masses of the nodes, then rotary inertias.
     masses: Vec<[f64; 4]>,
-    state: Vec<Shell>,
-    /// Stress along meridian and hoop at the points, element by element.
+    state: Vec<ShellState>,
+    /// Stress along meridian and hoop at the section points, element by element.
     stress: Vec<[f64; 2]>,
-    /// What flows there; empty where nothing does.
-    flow: Vec<Flow>,
-    /// What outputs ask for; `None` without.
-    record: Option<Box<Record>>,
-    /// Elements that were deleted; empty where none can be.
+    /// Plastic state of the section points; empty for an elastic section.
+    flow: Vec<ShellPointState>,
+    /// Record for output; `None` if not requested.
+    record: Option<Box<ShellRecord>>,
+    /// Deleted elements; empty if no element can be deleted.
     deleted: Vec<bool>,
 }
 
-/// What an element keeps beside its points.
+/// State of an element apart from its section points.
 #[derive(Clone, Copy, Debug, Default)]
-struct Shell {
-    /// Thickness now.
+struct ShellState {
+    /// Current thickness.
     thickness: f64,
-    /// Transverse shear force a length.
+    /// Transverse shear force per length.
     shear: f64,
 }
 
-/// Which points of an element a variable is of.
-fn place(variable: Variable) -> Option<(Variable, Side)> {
+/// Splits a variable at the bottom, middle or top of the shell into the plain variable and the position.
+fn place(variable: Variable) -> Option<(Variable, ThicknessPosition)> {
     Some(match variable {
-        Variable::BottomStress => (Variable::Stress, Side::Bottom),
-        Variable::TopStress => (Variable::Stress, Side::Top),
-        Variable::BottomPlasticStrain => (Variable::PlasticStrain, Side::Bottom),
-        Variable::TopPlasticStrain => (Variable::PlasticStrain, Side::Top),
-        Variable::BottomStrain => (Variable::LogarithmicStrain, Side::Bottom),
-        Variable::TopStrain => (Variable::LogarithmicStrain, Side::Top),
-        Variable::BottomTemperature => (Variable::Temperature, Side::Bottom),
-        Variable::TopTemperature => (Variable::Temperature, Side::Top),
+        Variable::BottomStress => (Variable::Stress, ThicknessPosition::Bottom),
+        Variable::TopStress => (Variable::Stress, ThicknessPosition::Top),
+        Variable::BottomPlasticStrain => (Variable::PlasticStrain, ThicknessPosition::Bottom),
+        Variable::TopPlasticStrain => (Variable::PlasticStrain, ThicknessPosition::Top),
+        Variable::BottomStrain => (Variable::LogarithmicStrain, ThicknessPosition::Bottom),
+        Variable::TopStrain => (Variable::LogarithmicStrain, ThicknessPosition::Top),
+        Variable::BottomTemperature => (Variable::Temperature, ThicknessPosition::Bottom),
+        Variable::TopTemperature => (Variable::Temperature, ThicknessPosition::Top),
         Variable::Stress
         | Variable::PlasticStrain
         | Variable::LogarithmicStrain
         | Variable::PlasticComponents
         | Variable::StrainRate
-        | Variable::Temperature => (variable, Side::Middle),
+        | Variable::Temperature => (variable, ThicknessPosition::Middle),
         _ => return None,
     })
 }
 
-enum Side {
+enum ThicknessPosition {
     Bottom,
     Middle,
     Top,
 }
 
-impl Shells {
-    /// Elements by their nodes and rotations, at their places at the start.
-    pub fn new(section: Section, ends: Vec<[u32; 4]>, nodes: &[Node]) -> Self {
-        let frames: Vec<Frame> = ends.iter().map(|e| frame(e, nodes)).collect();
-        let masses = |(ends, frame): (&[u32; 4], &Frame)| {
+impl ShellGroup {
+    /// Creates shells from their nodes and rotations in the initial configuration.
+    pub fn new(section: ShellProperties, ends: Vec<[u32; 4]>, nodes: &[Node]) -> Self {
+        let frames: Vec<ShellFrame> = ends.iter().map(|e| frame(e, nodes)).collect();
+        let masses = |(ends, frame): (&[u32; 4], &ShellFrame)| {
             let radii = [ends[0], ends[1]].inline_map(|n| nodes[n as usize].r);
             frame.masses(radii, section.per_area, section.thickness, &section.elastic)
         };
         let points = ends.len() * section.points.len();
-        Shells {
+        ShellGroup {
             masses: ends.iter().zip(&frames).map(masses).collect(),
-            state: vec![Shell { thickness: section.thickness, shear: 0.0 }; ends.len()],
+            state: vec![ShellState { thickness: section.thickness, shear: 0.0 }; ends.len()],
             stress: vec![[0.0; 2]; points],
-            flow: if section.flowing.is_some() { vec![Flow::default(); points] } else { Vec::new() },
+            flow: if section.flowing.is_some() { vec![ShellPointState::default(); points] } else { Vec::new() },
             section: Arc::new(section),
             ends,
             record: None,
@@ -98,7 +98,7 @@ impl Shells {
         }
     }
 
-    fn frame(&self, element: usize, nodes: &[Node]) -> Frame {
+    fn frame(&self, element: usize, nodes: &[Node]) -> ShellFrame {
         frame(&self.ends[element], nodes)
     }
 
@@ -106,18 +106,18 @@ impl Shells {
         self.deleted.get(element) == Some(&true)
     }
 
-    fn point(&self, element: usize, side: Side) -> usize {
+    fn point(&self, element: usize, side: ThicknessPosition) -> usize {
         let count = self.section.points.len();
         let point = match side {
-            Side::Bottom => 0,
-            Side::Middle => count / 2,
-            Side::Top => count - 1,
+            ThicknessPosition::Bottom => 0,
+            ThicknessPosition::Middle => count / 2,
+            ThicknessPosition::Top => count - 1,
         };
         element * count + point
     }
 
-    /// Strains at the points over an increment. Returns the plastic work an area.
-    fn strain(&mut self, element: usize, strains: &Five, dt: f64) -> f64 {
+    /// Updates the section points over an increment. Returns the plastic work per area.
+    fn strain(&mut self, element: usize, strains: &SectionComponents, dt: f64) -> f64 {
         let count = self.section.points.len();
         let thickness = self.state[element].thickness;
         let (mut thinning, mut plastic) = (0.0, 0.0);
@@ -132,7 +132,7 @@ impl Shells {
                 record.points[at].follow(strain, step.returned.plastic, dt);
             }
         }
-        if let Thinning::Ratio(ratio) = self.section.thinning {
+        if let ThicknessRule::Ratio(ratio) = self.section.thinning {
             thinning = -ratio / (1.0 - ratio) * (strains[0] + strains[1]);
         }
         let state = &mut self.state[element];
@@ -141,9 +141,9 @@ impl Shells {
         plastic
     }
 
-    /// Forces and moments a length of the stress.
-    fn resultants(&self, element: usize) -> Five {
-        let Shell { thickness, shear, .. } = self.state[element];
+    /// Returns forces and moments of the stress per length.
+    fn resultants(&self, element: usize) -> SectionComponents {
+        let ShellState { thickness, shear, .. } = self.state[element];
         let count = self.section.points.len();
         let points = self.section.points.iter().zip(&self.stress[element * count..]);
         let mut sums = [0.0, 0.0, 0.0, 0.0, shear];
@@ -157,16 +157,17 @@ impl Shells {
         sums
     }
 
-    /// One increment of one element; its forces go where those before stand. Returns its work (of stress, flow and viscosity)
-    /// and its rate.
-    fn advance(&mut self, element: usize, pass: &mut Pass<'_>) -> ([f64; 3], f64) {
+    /// Updates one element over an increment, and replaces its corner forces. Returns its work (of stress, plastic flow
+    /// and viscosity) and its rate.
+    fn advance(&mut self, element: usize, pass: &mut ElementPass<'_>) -> ([f64; 3], f64) {
         let (nodes, dt, masses) = (pass.nodes, pass.dt, self.masses[element]);
         let ends = self.ends[element].inline_map(|n| nodes[n as usize]);
         let steps = [0, 1].inline_map(|i| [dt * ends[i].v_r, dt * ends[i].v_z, dt * ends[i + 2].v_r]);
-        let middle = Frame::new([0, 1].inline_map(|i| [ends[i].r - 0.5 * steps[i][0], ends[i].z - 0.5 * steps[i][1]]));
+        let middle =
+            ShellFrame::new([0, 1].inline_map(|i| [ends[i].r - 0.5 * steps[i][0], ends[i].z - 0.5 * steps[i][1]]));
         let strains = middle.strains(steps);
         let dissipated = if dt > 0.0 { self.strain(element, &strains, dt) } else { 0.0 };
-        let frame = Frame::new([0, 1].inline_map(|i| ends[i].place()));
+        let frame = ShellFrame::new([0, 1].inline_map(|i| ends[i].place()));
         let thickness = self.state[element].thickness;
         let mut resultants = self.resultants(element);
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
@@ -191,14 +192,14 @@ impl Shells {
     }
 }
 
-/// The frame of two nodes now.
-fn frame(ends: &[u32; 4], nodes: &[Node]) -> Frame {
-    Frame::new([ends[0], ends[1]].inline_map(|n| nodes[n as usize].place()))
+/// Returns the current frame of two nodes.
+fn frame(ends: &[u32; 4], nodes: &[Node]) -> ShellFrame {
+    ShellFrame::new([ends[0], ends[1]].inline_map(|n| nodes[n as usize].place()))
 }
 
-/// Puts the forces of an element in the place of those before, and gives the work of both over the increment: what nodes lose
-/// the element gains.
-fn put(forces: &[[f64; 3]; 2], steps: &[[f64; 3]; 2], corners: &mut Corners, lane: usize) -> f64 {
+/// Replaces the forces of an element and returns the work of the previous and the new forces over the increment, by the
+/// trapezoidal rule: energy gained by the element.
+fn put(forces: &[[f64; 3]; 2], steps: &[[f64; 3]; 2], corners: &mut BlockCornerForces, lane: usize) -> f64 {
     let mut work = 0.0;
     for (end, (forces, steps)) in forces.iter().zip(steps).enumerate() {
         for (axis, (&force, step)) in forces.iter().zip(steps).enumerate() {
@@ -211,14 +212,14 @@ fn put(forces: &[[f64; 3]; 2], steps: &[[f64; 3]; 2], corners: &mut Corners, lan
     work
 }
 
-impl ElementGroup for Shells {
+impl ElementGroup for ShellGroup {
     fn len(&self) -> usize {
         self.ends.len()
     }
 
     fn properties(&self) -> GroupProperties {
         GroupProperties {
-            topology: Topology::Shell,
+            topology: ElementTopology::Shell,
             single: false,
             deletable: !self.deleted.is_empty(),
             damped: true,
@@ -235,8 +236,8 @@ impl ElementGroup for Shells {
         self.masses[element].into()
     }
 
-    fn update(&mut self, mut pass: Pass<'_>) -> Totals {
-        let mut totals = Totals::default();
+    fn update(&mut self, mut pass: ElementPass<'_>) -> GroupTotals {
+        let mut totals = GroupTotals::default();
         for element in 0..self.ends.len() {
             if self.is_deleted(element) {
                 continue;
@@ -252,7 +253,7 @@ impl ElementGroup for Shells {
         totals
     }
 
-    fn value(&self, element: usize, part: Part) -> Option<f64> {
+    fn value(&self, element: usize, part: VariableComponent) -> Option<f64> {
         let component = part.component;
         if let Some((variable, side)) = place(part.variable) {
             let at = self.point(element, side);
@@ -289,7 +290,7 @@ impl ElementGroup for Shells {
         Some(self.section.rate(&self.frame(element, nodes), masses, self.state[element].thickness, 0.0))
     }
 
-    fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<Stiffness> {
+    fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<ElementStiffness> {
         None
     }
 
@@ -304,17 +305,17 @@ impl ElementGroup for Shells {
         Box::new(self.clone())
     }
 
-    fn extensions(&mut self) -> &mut dyn Extensions {
+    fn extensions(&mut self) -> &mut dyn GroupExtensions {
         self
     }
 }
 
-impl Extensions for Shells {
-    fn settings(&mut self) -> &mut dyn Settings {
+impl GroupExtensions for ShellGroup {
+    fn settings(&mut self) -> &mut dyn GroupSettings {
         self
     }
 
-    fn deletion(&mut self) -> &mut dyn Deletion {
+    fn deletion(&mut self) -> &mut dyn GroupDeletion {
         self
     }
 
@@ -323,22 +324,22 @@ impl Extensions for Shells {
     }
 }
 
-impl Settings for Shells {
+impl GroupSettings for ShellGroup {
     fn set_masses(&mut self, element: usize, masses: &[f64]) {
         self.masses[element].copy_from_slice(masses);
     }
 
     fn follow(&mut self) {
-        self.record = Some(Box::new(Record::new(self.ends.len(), self.stress.len())));
+        self.record = Some(Box::new(ShellRecord::new(self.ends.len(), self.stress.len())));
     }
 }
 
-impl Deletion for Shells {
+impl GroupDeletion for ShellGroup {
     fn make_erodible(&mut self) {
         self.deleted = vec![false; self.ends.len()];
     }
 
-    /// A deleted shell shows no stress.
+    /// The stress of a deleted shell is zero.
     fn erode(&mut self, element: usize, _volume: f64) {
         self.deleted[element] = true;
         self.state[element].shear = 0.0;
@@ -346,7 +347,7 @@ impl Deletion for Shells {
     }
 }
 
-impl InitialState for Shells {
+impl InitialState for ShellGroup {
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
         let count = self.section.points.len();
         let points = element * count..(element + 1) * count;
@@ -359,9 +360,9 @@ impl InitialState for Shells {
     }
 }
 
-persist_struct!(Shell { thickness, shear });
+persist_struct!(ShellState { thickness, shear });
 
-persist_struct!(Shells {
+persist_struct!(ShellGroup {
     deleted: fixed, masses: fixed, state: fixed, stress: fixed, flow: fixed, record: present
 } derived {
     section, ends

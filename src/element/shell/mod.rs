@@ -1,9 +1,8 @@
-//! Shells: groups of two-node axisymmetric shells (SAX1), their section, their points through the thickness.
-//! Never here: what of a deck makes a section, the motion of nodes.
+//! Two-node axisymmetric shells (SAX1): element group, section properties, points through the thickness.
 
 mod group;
 mod point;
 mod record;
 pub mod section;
 
-pub use group::Shells;
+pub use group::ShellGroup;

@@ -1,33 +1,32 @@
-//! What points through the thickness keep, and the strain increment at one of them.
-//! Never here: elements.
+//! State of points through the thickness, and their update by a strain increment.
 
-use super::section::Section;
+use super::section::ShellProperties;
 use crate::kernel::plane_stress::PlaneReturn;
 use crate::state::archive::persist_struct;
 
-/// What flows at a point keeps.
+/// Plastic state of a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Flow {
+pub(super) struct ShellPointState {
     /// Equivalent plastic strain.
     pub strain: f64,
     pub temperature: f64,
 }
 
-/// What an increment made of a point.
-pub(super) struct Step {
+/// Result of the update of a point.
+pub(super) struct ShellPointResult {
     pub returned: PlaneReturn,
     /// Strain through the thickness.
     pub thinning: f64,
 }
 
-/// A strain increment along meridian and hoop at one point; its stress and what flows follow.
+/// Updates stress and plastic state of a point for a strain increment along meridian and hoop.
 pub(super) fn advance(
-    section: &Section,
+    section: &ShellProperties,
     stress: &mut [f64; 2],
-    flow: Option<&mut Flow>,
+    flow: Option<&mut ShellPointState>,
     strain: [f64; 2],
     dt: f64,
-) -> Step {
+) -> ShellPointResult {
     let elastic = &section.elastic;
     let trial = elastic.trial(*stress, strain);
     let returned = match (&section.flowing, flow) {
@@ -42,7 +41,7 @@ pub(super) fn advance(
     let change = [returned.stress[0] - stress[0], returned.stress[1] - stress[1]];
     let thinning = elastic.thinning(change) - (returned.plastic[0] + returned.plastic[1]);
     *stress = returned.stress;
-    Step { returned, thinning }
+    ShellPointResult { returned, thinning }
 }
 
-persist_struct!(Flow { strain, temperature });
+persist_struct!(ShellPointState { strain, temperature });

@@ -1,34 +1,33 @@
-//! What is followed of shells over increments only because some output asks for it: strains and energies.
-//! Never here: anything that stresses or forces need.
+//! Strains and energies of shells that are integrated over increments for output only.
 
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::shell::Five;
+use crate::kernel::shell::SectionComponents;
 use crate::state::archive::persist_struct;
 
-/// Of one element.
+/// Recorded values of one element.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Followed {
+pub(super) struct ShellElementRecord {
     /// Section strains: membrane strains, curvatures, transverse shear.
-    pub section: Five,
-    /// Work of the stress, and the part of it that flow has dissipated.
+    pub section: SectionComponents,
+    /// Work of the stress, and its plastically dissipated part.
     pub work: [f64; 2],
 }
 
-/// Of one point: strains along meridian, hoop and thickness.
+/// Recorded strains of one point: meridian, hoop, thickness.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct PointStrains {
     /// Logarithmic strain.
     pub total: [f64; 3],
     /// Plastic strain.
     pub plastic: [f64; 3],
-    /// Strain rate of the increment behind.
+    /// Strain rate of the previous increment.
     pub rate: [f64; 3],
 }
 
-/// Of a group.
+/// Recorded values of a group.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Record {
-    pub elements: Vec<Followed>,
+pub(super) struct ShellRecord {
+    pub elements: Vec<ShellElementRecord>,
     pub points: Vec<PointStrains>,
 }
 
@@ -41,9 +40,12 @@ impl PointStrains {
     }
 }
 
-impl Record {
+impl ShellRecord {
     pub fn new(elements: usize, points: usize) -> Self {
-        Record { elements: vec![Followed::default(); elements], points: vec![PointStrains::default(); points] }
+        ShellRecord {
+            elements: vec![ShellElementRecord::default(); elements],
+            points: vec![PointStrains::default(); points],
+        }
     }
 
     pub fn bytes(&self) -> usize {
@@ -51,8 +53,8 @@ impl Record {
     }
 }
 
-persist_struct!(Followed { section, work });
+persist_struct!(ShellElementRecord { section, work });
 
 persist_struct!(PointStrains { total, plastic, rate });
 
-persist_struct!(Record { elements: fixed, points: fixed });
+persist_struct!(ShellRecord { elements: fixed, points: fixed });

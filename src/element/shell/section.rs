@@ -1,49 +1,52 @@
-//! What all shells of a group share: thickness and points at the start, elasticity, what flows, viscosity.
-//! Never here: state.
+//! Properties that all shells of a group share: initial thickness, integration points, elasticity, plasticity,
+//! viscosity.
 
 use crate::element::constants::damped;
 use crate::kernel::hardening::FlowStress;
-use crate::kernel::heating::Heating;
+use crate::kernel::heating::PlasticHeating;
 use crate::kernel::plane_stress::PlaneElastic;
-use crate::kernel::shell::Frame;
+use crate::kernel::shell::ShellFrame;
 
-/// How the thickness follows from the strains in the plane (`POISSON` of `*SHELL SECTION`).
+/// Rule for the thickness change from the membrane strains (`POISSON` of `*SHELL SECTION`).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Thinning {
-    /// By the material at the points through the thickness.
+pub enum ThicknessRule {
+    /// From the material at the points through the thickness.
     Material,
-    /// By a ratio: -nu/(1 - nu) times the sum of the membrane strains.
+    /// From a Poisson's ratio: -ν/(1 - ν) times the sum of the membrane strains.
     Ratio(f64),
 }
 
-/// What flows at points.
-pub struct Flowing {
+/// Plasticity of the section points.
+pub struct SectionPlasticity {
     pub law: FlowStress,
-    /// Rise of temperature by plastic work.
-    pub heating: Heating,
+    /// Temperature rise by plastic work.
+    pub heating: PlasticHeating,
 }
 
-pub struct Section {
+/// Properties of a shell section.
+pub struct ShellProperties {
     pub elastic: PlaneElastic,
-    /// Thickness at the start.
+    /// Initial thickness.
     pub thickness: f64,
-    /// Mass per area at the start.
+    /// Initial mass per area.
     pub per_area: f64,
-    /// Place (-1 to 1) and weight of the points through the thickness.
+    /// Position (-1 to 1) and weight of the points through the thickness.
     pub points: Vec<[f64; 2]>,
-    /// What flows; `None` where nothing does.
-    pub flowing: Option<Flowing>,
-    pub thinning: Thinning,
+    /// Plasticity; `None` for an elastic section.
+    pub flowing: Option<SectionPlasticity>,
+    pub thinning: ThicknessRule,
     /// Linear and quadratic bulk viscosity.
     pub bulk_viscosity: [f64; 2],
 }
 
-impl Section {
-    /// One over the stable increment of an element of a thickness, with linear bulk viscosity and what the rate of area adds.
+impl ShellProperties {
+    /// Returns one over the stable time increment of an element of this thickness, with linear bulk viscosity and, for
+    /// a shrinking area, the quadratic one.
     ///
-    /// A fraction xi of critical damping makes it 2/w (sqrt(1 + xi^2) - xi) (ABAQUS Theory Guide 2.4.5). Viscosity acts on the
-    /// sum of both strains: over elasticity at most by 2/(1 + nu) as much as along one of them.
-    pub fn rate(&self, frame: &Frame, masses: &[f64; 4], thickness: f64, area_rate: f64) -> f64 {
+    /// A fraction ξ of critical damping reduces the increment to 2/ω (sqrt(1 + ξ²) - ξ) (ABAQUS Theory Guide 2.4.5).
+    /// Viscosity acts on the sum of both membrane strains: relative to elasticity at most 2/(1 + ν) times as much as on
+    /// one strain.
+    pub fn rate(&self, frame: &ShellFrame, masses: &[f64; 4], thickness: f64, area_rate: f64) -> f64 {
         let frequency = frame.frequency(masses, thickness, self.shear_stiffness(), &self.elastic);
         let speed = self.wave_speed(frame, masses, thickness);
         let [linear, quadratic] = self.bulk_viscosity;
@@ -53,20 +56,27 @@ impl Section {
         0.5 * frequency * damped(xi)
     }
 
-    /// Force a length over the angle of transverse shear.
+    /// Returns the transverse shear force per length and shear angle.
     pub fn shear_stiffness(&self) -> f64 {
-        Frame::shear_stiffness(self.thickness, &self.elastic)
+        ShellFrame::shear_stiffness(self.thickness, &self.elastic)
     }
 
-    /// Speed of waves in the plane of the shell.
-    pub fn wave_speed(&self, frame: &Frame, masses: &[f64; 4], thickness: f64) -> f64 {
+    /// Returns the wave speed in the plane of the shell.
+    pub fn wave_speed(&self, frame: &ShellFrame, masses: &[f64; 4], thickness: f64) -> f64 {
         (self.elastic.modulus() * frame.area() * thickness / (masses[0] + masses[1])).sqrt()
     }
 
-    /// Force and moment a length of the bulk viscosity, which act along both directions, at rates of area and of curvature
-    /// (sums of both directions): linear, and quadratic where the area shrinks (ABAQUS Theory Guide 2.4.5); on rotations
-    /// linear alone (ABAQUS Theory Guide 3.6.5, "Rotational bulk viscosity for explicit dynamics").
-    pub fn viscosity(&self, frame: &Frame, masses: &[f64; 4], thickness: f64, [area, curvature]: [f64; 2]) -> [f64; 2] {
+    /// Returns force and moment per length of the bulk viscosity, equal in both directions, for the rates of area and
+    /// of curvature (sums over both directions). The force is linear, and also quadratic if the area shrinks (ABAQUS
+    /// Theory Guide 2.4.5); the moment is linear only (ABAQUS Theory Guide 3.6.5, "Rotational bulk viscosity for
+    /// explicit dynamics").
+    pub fn viscosity(
+        &self,
+        frame: &ShellFrame,
+        masses: &[f64; 4],
+        thickness: f64,
+        [area, curvature]: [f64; 2],
+    ) -> [f64; 2] {
         let [linear, quadratic] = self.bulk_viscosity;
         // Density times thickness.
         let per_area = (masses[0] + masses[1]) / frame.area();

@@ -1,42 +1,41 @@
-//! Six-node triangles side by side with their materials, and what one increment does to them. The points of a triangle go through
-//! the same phases of laws as quadrilaterals with one point; strains and forces are those of the triangle.
-//! Never here: which elements a block holds, threads.
-#![allow(clippy::needless_range_loop)] // Loops over lanes and points are written as in the other phases.
+//! A block of six-node triangles with their materials, and its update over one increment. The points of a triangle use
+//! the same material phases as quadrilaterals with one point; strains and forces are those of the triangle.
+#![allow(clippy::needless_range_loop)] // Loops over lanes and points have the same form as in the other phases.
 
 use std::f64::consts::PI;
 
-use super::triangles::{Increment, Triangles, WorkArrays, places};
-use crate::element::block::{ElementBlock, Workspace};
-use crate::element::constants::Constants;
+use super::triangles::{TriangleIncrement, TriangleLanes, WorkArrays, places};
+use crate::element::block::{ElementBlock, TaskWorkspace};
+use crate::element::constants::ElementConstants;
 use crate::element::group::block_of_points;
-use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column, inline_from_fn};
-use crate::kernel::six_node_triangle::{NODES, Operators, POINTS};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
+use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators};
 use crate::kernel::stress::mises;
 use crate::material::{BlockStart, Material, PlasticFlow};
 use crate::state::archive::{Persist, persist_struct};
 use crate::state::nodes::Node;
 
-/// Triangles side by side with the stress and the state of their points.
+/// Triangles with stress and state of their points.
 #[derive(Clone)]
 pub struct TriangleBlock<S> {
-    pub triangles: Triangles,
-    /// The points, each with its mass.
+    pub triangles: TriangleLanes,
+    /// Integration points, each with its mass.
     pub points: [ElementBlock<S>; POINTS],
 }
 
 impl<S: Clone> TriangleBlock<S> {
-    /// Elements at rest, at most as many as there are lanes.
+    /// Creates a block of elements at rest, at most as many as there are lanes.
     pub fn new<M: Material<State = S>>(
         material: &M,
         density: f64,
         (first, elements): (usize, &[[u32; NODES]]),
         nodes: &[Node],
     ) -> Self {
-        // Lanes after the last element repeat it; their results are not read.
+        // Lanes after the last element repeat it; their results are not used.
         let element = |l: usize| elements[l.min(elements.len() - 1)];
         let at = |l: usize| places(element(l), nodes);
-        let operators: [Operators; LANES] =
-            inline_from_fn(|l| Operators::of(at(l).inline_map(|p| p[0]), at(l).inline_map(|p| p[1])));
+        let operators: [TriangleOperators; LANES] =
+            inline_from_fn(|l| TriangleOperators::of(at(l).inline_map(|p| p[0]), at(l).inline_map(|p| p[1])));
         let area: Lanes = inline_from_fn(|l| section(&at(l)));
         let point = |p: usize| {
             let volume = operators.inline_map(|g| 2.0 * PI * g.volume[p]);
@@ -44,7 +43,8 @@ impl<S: Clone> TriangleBlock<S> {
             let centre = |i: usize| {
                 inline_from_fn(|l| (around(2 * p, l, i) + around(2 * p + 1, l, i) + around(2 * p + 5, l, i)) / 3.0)
             };
-            // Damage goes by half the length of elements of second order, the length of the triangles that this one consists of.
+            // The characteristic length of damage for second-order elements is half the usual one: that of the
+            // subtriangles.
             let corner = |l: usize, i: usize| [2 * p, 2 * p + 1, 2 * p + 5, 2 * p + 5].inline_map(|n| around(n, l, i));
             let start = BlockStart {
                 count: elements.len(),
@@ -57,25 +57,25 @@ impl<S: Clone> TriangleBlock<S> {
             block_of_points(material.initial_state(&start), volume.inline_map(|v| density * v))
         };
         let points = [point(0), point(1), point(2)];
-        TriangleBlock { triangles: Triangles::new(inline_from_fn(element), density, nodes), points }
+        TriangleBlock { triangles: TriangleLanes::new(inline_from_fn(element), density, nodes), points }
     }
 
-    /// Mass of a lane.
+    /// Returns the mass of a lane.
     pub fn mass(&self, lane: usize) -> f64 {
         self.points.iter().map(|p| p.mass[lane]).sum()
     }
 
-    /// One increment of a block, by its number in the group and in its task: stresses at its end, forces on the nodes, and what is
-    /// added to the sums of the scratch memory.
+    /// Updates the block over one increment, given its number in the group and in its task: stresses and nodal forces
+    /// at the end of the increment, and the sums of the scratch memory.
     #[inline(always)]
     pub fn update<M: Material<State = S>>(
         &mut self,
         material: &M,
-        constants: &Constants,
-        increment: &Increment<'_>,
+        constants: &ElementConstants,
+        increment: &TriangleIncrement<'_>,
         (number, at): (usize, usize),
-        (scratch, work): (&mut Workspace, &mut WorkArrays),
-        corners: &mut [Corners],
+        (scratch, work): (&mut TaskWorkspace, &mut WorkArrays),
+        corners: &mut [BlockCornerForces],
     ) {
         self.triangles.measure(increment, work);
         let before = M::EQUATION_OF_STATE.then(|| {
@@ -92,13 +92,13 @@ impl<S: Clone> TriangleBlock<S> {
         let stress = self.points.each_ref().inline_map(|point| point.stress);
         self.triangles.assemble((constants, M::MODULI_VARY), increment, &stress, (scratch, work), corners);
         let Some((lost, internal, viscous)) = before else { return };
-        // The energy comes from what forces do on the nodes (compatible.rs).
+        // The energy follows from the work of forces on the nodes (compatible.rs).
         let lost = self.triangles.work_of_end(lost, corners, increment, work);
         let mass: Lanes = inline_from_fn(|l| self.mass(l));
         let mut missing = [0.0; LANES];
         for l in 0..LANES {
             let known = (scratch.stress.internal[l] - internal[l]) + (scratch.sums.viscous[l] - viscous[l]);
-            missing[l] = if scratch.weighs(l) { -lost[l] - known } else { 0.0 };
+            missing[l] = if scratch.is_active(l) { -lost[l] - known } else { 0.0 };
             scratch.stress.internal[l] += missing[l];
         }
         for (point, done) in self.points.iter_mut().zip(&work.points) {
@@ -107,15 +107,15 @@ impl<S: Clone> TriangleBlock<S> {
         }
     }
 
-    /// Stress of a point at the end of an increment.
+    /// Updates the stress of a point to the end of an increment.
     #[inline(always)]
     fn update_point<M: Material<State = S>>(
         &mut self,
         p: usize,
         material: &M,
-        constants: &Constants,
-        increment: &Increment<'_>,
-        scratch: &mut Workspace,
+        constants: &ElementConstants,
+        increment: &TriangleIncrement<'_>,
+        scratch: &mut TaskWorkspace,
         work: &mut WorkArrays,
     ) {
         let (dt, at) = (increment.dt, scratch.at);
@@ -144,28 +144,28 @@ impl<S: Clone> TriangleBlock<S> {
             scratch.strain.viscous = scratch.task.viscous.get(at).copied().unwrap_or_default();
         }
         point.update_stress(material, constants, scratch);
-        // Stress that answers to the whole deformation stayed.
+        // Materials that compute stress from the total deformation have set it again.
         for l in (0..LANES).filter(|l| deleted[*l]) {
             point.stress.iter_mut().for_each(|s| s[l] = 0.0);
         }
         if !scratch.task.records.is_empty() {
-            scratch.follow(increment.arch, at, &point.stress, M::FLOW, (scratch.strain.spin, dt));
+            scratch.update_record(increment.arch, at, &point.stress, M::FLOW, (scratch.strain.spin, dt));
         }
         let done = &mut work.points[p];
         (done.strain, done.volume) = (scratch.strain.strain, scratch.strain.volume);
         [done.bulk, done.shear] = moduli::<M>(constants, scratch);
-        // Less the work of the viscosity that the law expected.
+        // Subtracts the viscous work that the material expected.
         done.heat = if M::EQUATION_OF_STATE { scratch.stress.heat.inline_map(|heat| -heat) } else { [0.0; LANES] };
     }
 
-    /// Deletes elements of which a point has failed. The stress of the other points ends with the increment, and what they have
-    /// stored counts as dissipated.
+    /// Deletes elements with a failed point. The stress of the other points ends with the increment, and their stored
+    /// energy counts as dissipated.
     #[inline(never)]
     fn delete_failed<M: Material<State = S>>(
         &mut self,
         material: &M,
-        constants: &Constants,
-        scratch: &mut Workspace,
+        constants: &ElementConstants,
+        scratch: &mut TaskWorkspace,
         work: &WorkArrays,
     ) {
         for l in 0..LANES {
@@ -195,7 +195,7 @@ impl<S: Clone> TriangleBlock<S> {
     }
 }
 
-/// Area of the plane section.
+/// Returns the area of the plane section.
 fn section(places: &[[f64; 2]; NODES]) -> f64 {
     let cross = |i: usize| {
         let (p, q) = (places[i], places[(i + 1) % NODES]);
@@ -204,10 +204,10 @@ fn section(places: &[[f64; 2]; NODES]) -> f64 {
     (0..NODES).map(cross).sum()
 }
 
-/// Moduli that bound the frequencies of a point: those of its material where they vary. The shear modulus that rubber answers is a
-/// mean of three.
+/// Returns the moduli that bound the frequencies of a point: those of its material if they vary. The shear modulus of
+/// rubber is a mean of three values; three times it is an upper bound.
 #[inline(always)]
-fn moduli<M: Material>(constants: &Constants, scratch: &Workspace) -> [Lanes; 2] {
+fn moduli<M: Material>(constants: &ElementConstants, scratch: &TaskWorkspace) -> [Lanes; 2] {
     let constant = [[constants.bulk; LANES], [constants.shear; LANES]];
     match M::FLOW {
         _ if !M::MODULI_VARY => constant,

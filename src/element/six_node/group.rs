@@ -1,5 +1,4 @@
-//! A group of six-node triangles: its blocks, spread over threads, and the interface of element groups.
-//! Never here: arithmetic of an increment.
+//! A group of six-node triangles: its blocks, distributed over threads, and its implementation of the group interface.
 
 use std::sync::Arc;
 
@@ -7,58 +6,65 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::block::TriangleBlock;
-use super::triangles::{FORCE_BLOCKS, Increment, WorkArrays, places};
-use crate::element::block::Workspace;
-use crate::element::constants::{Constants, damped};
+use super::triangles::{FORCE_BLOCKS, TriangleIncrement, WorkArrays, places};
+use crate::element::block::TaskWorkspace;
+use crate::element::constants::{ElementConstants, damped};
 use crate::element::group::{
-    Deletion, ElementGroup, Extensions, GroupProperties, InitialState, PARALLEL, Pass, Settings, Stiffness, TASK,
-    Temperatures, Totals, tell_deleted, totals,
+    ElementGroup, ElementPass, ElementStiffness, ElementTemperatures, GroupDeletion, GroupExtensions, GroupProperties,
+    GroupSettings, GroupTotals, InitialState, PARALLEL, TASK, list_deleted, totals,
 };
-use crate::element::quiescent::Quiescence;
-use crate::element::record::Record;
-use crate::kernel::lanes::{Corners, InlineMap, LANES};
-use crate::kernel::six_node_triangle::{NODES, Operators, POINTS, frequency_squared, stiffness};
-use crate::kernel::topology::{ElementNodes, PerNode, Topology};
+use crate::element::quiescent::TaskQuiescence;
+use crate::element::record::BlockRecord;
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
+use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators, frequency_squared, stiffness};
+use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
 use crate::material::{Material, PlasticFlow, PointValue};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Persist, StateArchive, persist_fields};
 use crate::state::nodes::Node;
-use crate::variables::{Part, Variable};
+use crate::variables::{Variable, VariableComponent};
 
 /// Six-node triangles of one material.
 pub struct SixNodeTriangles<M: Material> {
     material: Arc<M>,
-    constants: Constants,
+    constants: ElementConstants,
     count: usize,
     blocks: Vec<TriangleBlock<M::State>>,
-    tasks: Vec<Task>,
+    tasks: Vec<TriangleTask>,
     arch: Arch,
     /// Elements whose deletion has been listed.
     listed: Vec<bool>,
     erodible: bool,
-    /// Highest frequency that counts.
+    /// Bound of the highest frequency of the whole model.
     cap: f64,
 }
 
-/// Blocks that a thread takes at once: their scratch memory, and whether they are at rest.
+/// Scratch memory and quiescence of the blocks of one task.
 #[derive(Clone)]
-struct Task {
-    scratch: Workspace,
+struct TriangleTask {
+    scratch: TaskWorkspace,
     work: Box<WorkArrays>,
-    quiescence: Quiescence,
+    quiescence: TaskQuiescence,
 }
 
 impl<M: Material> SixNodeTriangles<M> {
-    /// Whether the pressure, and with it the mass, is part of the state.
+    /// Whether the pressure, and therefore the mass, is part of the material state.
     const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled);
 
-    /// Elements by their nodes, around the boundary counter-clockwise from a corner, at their places now.
-    pub fn new(material: M, constants: Constants, density: f64, elements: &[[u32; NODES]], nodes: &[Node]) -> Self {
+    /// Creates a group from the nodes of its elements (around the boundary, counter-clockwise, from a corner) in the
+    /// initial configuration.
+    pub fn new(
+        material: M,
+        constants: ElementConstants,
+        density: f64,
+        elements: &[[u32; NODES]],
+        nodes: &[Node],
+    ) -> Self {
         let block = |(index, part): (usize, &[_])| TriangleBlock::new(&material, density, (index * LANES, part), nodes);
         let blocks: Vec<_> = elements.chunks(LANES).enumerate().map(block).collect();
-        // No pattern without strain is left to control.
-        let quiescence = Quiescence::of_tasks(elements);
-        let tasks = blocks.chunks(TASK).zip(quiescence).map(|(part, quiescence)| Task {
-            scratch: Workspace::new(&constants, 1.0, POINTS * part.len()),
+        // The constants need no hourglass control: there are no hourglass modes.
+        let quiescence = TaskQuiescence::of_tasks(elements);
+        let tasks = blocks.chunks(TASK).zip(quiescence).map(|(part, quiescence)| TriangleTask {
+            scratch: TaskWorkspace::new(&constants, 1.0, POINTS * part.len()),
             work: Box::default(),
             quiescence,
         });
@@ -83,7 +89,7 @@ impl<M: Material> SixNodeTriangles<M> {
         (&mut self.blocks[element / LANES], element % LANES)
     }
 
-    /// Mean of the points of an element by their masses; `None` where one has no value.
+    /// Returns the mass-weighted mean over the points of an element; `None` if a point has no value.
     fn mean(&self, element: usize, of: impl Fn(usize) -> Option<f64>) -> Option<f64> {
         let (block, lane) = self.block(element);
         let (mut sum, mut mass) = (0.0, 0.0);
@@ -94,20 +100,20 @@ impl<M: Material> SixNodeTriangles<M> {
         Some(sum / mass)
     }
 
-    /// What is followed of a point of an element.
-    fn followed(&self, element: usize, p: usize, part: Part) -> Option<f64> {
+    /// Returns a recorded value of a point of an element.
+    fn followed(&self, element: usize, p: usize, part: VariableComponent) -> Option<f64> {
         let (task, at) = (&self.tasks[element / (TASK * LANES)], element / LANES % TASK);
         task.scratch.task.records.get(POINTS * at + p)?.of(element % LANES).value(part)
     }
 
-    /// Operators of an element where it is now.
-    fn operators(&self, element: usize, nodes: &[Node]) -> Operators {
+    /// Returns the operators of an element at the current positions.
+    fn operators(&self, element: usize, nodes: &[Node]) -> TriangleOperators {
         let (block, lane) = self.block(element);
         let places = places(block.triangles.element(lane), nodes);
-        Operators::of(places.inline_map(|p| p[0]), places.inline_map(|p| p[1]))
+        TriangleOperators::of(places.inline_map(|p| p[0]), places.inline_map(|p| p[1]))
     }
 
-    /// Sets a value of all points of an element; whether its material uses it.
+    /// Sets a value of all points of an element. Returns whether its material uses it.
     fn set_value(&mut self, element: usize, value: PointValue) -> bool {
         let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
         block.points.iter_mut().all(|point| self.material.set(&mut point.state, lane, value))
@@ -134,25 +140,25 @@ impl<M: Material> Clone for SixNodeTriangles<M> {
     }
 }
 
-/// One increment of the blocks of a task.
+/// Update of the blocks of one task.
 struct TaskPass<'a, M: Material> {
     material: &'a M,
-    constants: &'a Constants,
-    increment: &'a Increment<'a>,
+    constants: &'a ElementConstants,
+    increment: &'a TriangleIncrement<'a>,
     cap: f64,
     index: usize,
     blocks: &'a mut [TriangleBlock<M::State>],
-    corners: &'a mut [Corners],
-    task: &'a mut Task,
+    corners: &'a mut [BlockCornerForces],
+    task: &'a mut TriangleTask,
 }
 
-/// The blocks, corner forces and memory of a task, with its number.
-type Numbered<'a, S> = (usize, ((&'a mut [TriangleBlock<S>], &'a mut [Corners]), &'a mut Task));
+/// Number of a task, its blocks, corner forces and memory.
+type NumberedTask<'a, S> = (usize, ((&'a mut [TriangleBlock<S>], &'a mut [BlockCornerForces]), &'a mut TriangleTask));
 
 impl<M: Material> NullaryFnOnce for TaskPass<'_, M> {
     type Output = ();
 
-    /// Inlined into a function of the machine's instruction set.
+    /// Inlined into a function compiled for the selected instruction set.
     #[inline(always)]
     fn call(self) {
         let TaskPass { material, constants, increment, cap, index, blocks, corners, task } = self;
@@ -171,7 +177,7 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
 
     fn properties(&self) -> GroupProperties {
         GroupProperties {
-            topology: Topology::SixNodeTriangle,
+            topology: ElementTopology::SixNodeTriangle,
             single: false,
             deletable: self.material.can_delete() || self.erodible,
             damped: self.constants.damps(),
@@ -190,12 +196,12 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
         block.triangles.inverse_masses(lane).inline_map(|inverse| 1.0 / inverse).into()
     }
 
-    fn update(&mut self, pass: Pass<'_>) -> Totals {
-        let Pass { nodes, dt, before, now, threads, mut corners, .. } = pass;
+    fn update(&mut self, pass: ElementPass<'_>) -> GroupTotals {
+        let ElementPass { nodes, dt, before, now, threads, mut corners, .. } = pass;
         let (arch, count, cap) = (self.arch, self.count, self.cap);
-        let increment = &Increment { nodes, dt, before, time: now.total_time, arch, count };
+        let increment = &TriangleIncrement { nodes, dt, before, time: now.total_time, arch, count };
         let (material, constants) = (&*self.material, &self.constants);
-        let run = |(index, ((blocks, corners), task)): Numbered<'_, M::State>| {
+        let run = |(index, ((blocks, corners), task)): NumberedTask<'_, M::State>| {
             if task.quiescence.quiescent && task.quiescence.is_still(nodes) {
                 return;
             }
@@ -215,14 +221,14 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
             let parts = self.blocks.chunks_mut(TASK).zip(list.chunks_mut(TASK * FORCE_BLOCKS));
             parts.zip(&mut self.tasks).enumerate().for_each(run);
         }
-        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        let ElementConstants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
         let still = self.cap * damped(linear * (bulk + 4.0 / 3.0 * shear) / bulk);
         totals(self.tasks.iter().map(|task| task.scratch.parts()), |task| {
             if self.tasks[task].quiescence.quiescent { still } else { f64::INFINITY }
         })
     }
 
-    fn value(&self, element: usize, part: Part) -> Option<f64> {
+    fn value(&self, element: usize, part: VariableComponent) -> Option<f64> {
         let (block, lane) = self.block(element);
         let of_point = |p: usize| {
             let own = self.material.value(&block.points[p].state, lane, part);
@@ -232,7 +238,7 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
             Variable::Stress => self.mean(element, |p| Some(block.points[p].stress.get(part.component)?[lane])),
             Variable::ElementStrainEnergy | Variable::ElementPlasticEnergy => {
                 let sum = of_point(0)? + of_point(1)? + of_point(2)?;
-                // Energy that a law of the user dissipates is part of the work that is followed.
+                // For user materials, the recorded energy includes the dissipation.
                 let unknown = M::FLOW == PlasticFlow::Unknown && part.variable == Variable::ElementStrainEnergy;
                 Some(if unknown { sum - self.value(element, Variable::ElementPlasticEnergy.into())? } else { sum })
             }
@@ -255,11 +261,11 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
             Some(masses) => masses.first_chunk::<NODES>()?.inline_map(|mass| 1.0 / mass),
             None => block.triangles.inverse_masses(lane),
         };
-        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        let ElementConstants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
         Some(0.5 * frequency_squared(&self.operators(element, nodes), [bulk, shear], &inverse).sqrt() * damped(linear))
     }
 
-    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<Stiffness> {
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<ElementStiffness> {
         let (block, lane) = self.block(element);
         if Self::HOLDS_PRESSURE {
             return None;
@@ -277,7 +283,7 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
     }
 
     fn bytes(&self) -> usize {
-        let of = |task: &Task| task.scratch.bytes() + size_of::<WorkArrays>() + task.quiescence.bytes();
+        let of = |task: &TriangleTask| task.scratch.bytes() + size_of::<WorkArrays>() + task.quiescence.bytes();
         size_of_val(&*self.blocks)
             + size_of_val(&*self.tasks)
             + self.tasks.iter().map(of).sum::<usize>()
@@ -288,17 +294,17 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
         Box::new(self.clone())
     }
 
-    fn extensions(&mut self) -> &mut dyn Extensions {
+    fn extensions(&mut self) -> &mut dyn GroupExtensions {
         self
     }
 }
 
-impl<M: Material> Extensions for SixNodeTriangles<M> {
-    fn settings(&mut self) -> &mut dyn Settings {
+impl<M: Material> GroupExtensions for SixNodeTriangles<M> {
+    fn settings(&mut self) -> &mut dyn GroupSettings {
         self
     }
 
-    fn deletion(&mut self) -> &mut dyn Deletion {
+    fn deletion(&mut self) -> &mut dyn GroupDeletion {
         self
     }
 
@@ -306,14 +312,14 @@ impl<M: Material> Extensions for SixNodeTriangles<M> {
         self
     }
 
-    fn temperatures(&mut self) -> Option<&mut dyn Temperatures> {
+    fn temperatures(&mut self) -> Option<&mut dyn ElementTemperatures> {
         Some(self)
     }
 }
 
-impl<M: Material> Settings for SixNodeTriangles<M> {
+impl<M: Material> GroupSettings for SixNodeTriangles<M> {
     fn set_masses(&mut self, element: usize, masses: &[f64]) {
-        // The increment that a quiescent task allows is no longer what it was.
+        // The stable time increment of a quiescent task has changed.
         self.wake(element);
         let (block, lane) = self.block_mut(element);
         let factor =
@@ -326,7 +332,7 @@ impl<M: Material> Settings for SixNodeTriangles<M> {
 
     fn follow(&mut self) {
         for (task, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
-            task.scratch.task.records = vec![Record::default(); POINTS * blocks.len()];
+            task.scratch.task.records = vec![BlockRecord::default(); POINTS * blocks.len()];
         }
     }
 
@@ -339,7 +345,7 @@ impl<M: Material> Settings for SixNodeTriangles<M> {
     }
 }
 
-impl<M: Material> Deletion for SixNodeTriangles<M> {
+impl<M: Material> GroupDeletion for SixNodeTriangles<M> {
     fn make_erodible(&mut self) {
         self.erodible = true;
     }
@@ -363,7 +369,7 @@ impl<M: Material> Deletion for SixNodeTriangles<M> {
             return;
         }
         let mut listed = std::mem::take(&mut self.listed);
-        tell_deleted(self, &mut listed, deleted);
+        list_deleted(self, &mut listed, deleted);
         self.listed = listed;
     }
 }
@@ -401,7 +407,7 @@ impl<M: Material> InitialState for SixNodeTriangles<M> {
     }
 }
 
-impl<M: Material> Temperatures for SixNodeTriangles<M> {
+impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
     fn set_temperatures(&mut self, temperatures: &[f64]) {
         for (e, temperature) in temperatures.iter().enumerate() {
             self.set_value(e, PointValue::NodalTemperature(*temperature));
@@ -414,7 +420,7 @@ impl<M: Material> Temperatures for SixNodeTriangles<M> {
         }
     }
 
-    /// As of quadrilaterals: a pressure that is subtracted from the stress beforehand.
+    /// As for quadrilaterals: a pressure that is subtracted from the stress beforehand.
     fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
         let mut work = 0.0;
         for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
@@ -425,8 +431,10 @@ impl<M: Material> Temperatures for SixNodeTriangles<M> {
             let (bulk, material) = (self.constants.bulk, Arc::clone(&self.material));
             let (block, lane) = self.block_mut(e);
             let own = block.triangles.element(lane).inline_map(|n| nodes[n as usize]);
-            let g =
-                Operators::of(own.inline_map(|n| n.r - 0.5 * dt * n.v_r), own.inline_map(|n| n.z - 0.5 * dt * n.v_z));
+            let g = TriangleOperators::of(
+                own.inline_map(|n| n.r - 0.5 * dt * n.v_r),
+                own.inline_map(|n| n.z - 0.5 * dt * n.v_z),
+            );
             let (v_r, v_z) = (own.inline_map(|n| n.v_r), own.inline_map(|n| n.v_z));
             for (p, point) in block.points.iter_mut().enumerate() {
                 let pressure = material.share(&point.state, lane) * 3.0 * bulk * strain;
@@ -440,16 +448,16 @@ impl<M: Material> Temperatures for SixNodeTriangles<M> {
 }
 
 impl<M: Material> Persist for SixNodeTriangles<M> {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         let SixNodeTriangles { material: _, constants: _, count: _, blocks, tasks, arch: _, listed, erodible: _, cap } =
             self;
         persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), listed.as_mut_slice());
     }
 }
 
-impl Persist for Task {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Task { scratch, work: _, quiescence } = self;
+impl Persist for TriangleTask {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let TriangleTask { scratch, work: _, quiescence } = self;
         persist_fields!(archive; scratch, quiescence);
     }
 }

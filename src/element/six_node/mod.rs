@@ -1,5 +1,4 @@
-//! Six-node triangles (CAX6M): groups of composite elements with three points each.
-//! Never here: gradient operators, laws of materials.
+//! Six-node triangles (CAX6M): groups of composite elements with three integration points.
 
 mod block;
 mod group;

@@ -1,131 +1,131 @@
-//! Six-node triangles side by side, without their materials: motion, strains of their points, forces on their nodes, stable
+//! A block of six-node triangles without their materials: motion, strains of points, nodal forces, stable time
 //! increments. Compiled once for all materials.
-//! Never here: stress, threads.
-#![allow(clippy::needless_range_loop)] // Loops over lanes and points are written as in the other phases.
+#![allow(clippy::needless_range_loop)] // Loops over lanes and points have the same form as in the other phases.
 
 use std::f64::consts::PI;
 
 use pulp::{Arch, NullaryFnOnce};
 
-use crate::element::block::{Workspace, is_larger};
-use crate::element::constants::{CHANGE, Constants, damped};
-use crate::kernel::lanes::{Corners, InlineMap, LANES, Lanes, column, inline_from_fn};
+use crate::element::block::{TaskWorkspace, is_larger};
+use crate::element::constants::{CHANGE, ElementConstants, damped};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::quad::UNIT;
-use crate::kernel::six_node_triangle::{NODES, Operators, POINTS, frequency_squared, masses};
+use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators, frequency_squared, masses};
 use crate::state::archive::persist_struct;
-use crate::state::nodes::{Accelerated, Node};
+use crate::state::nodes::{Node, NodeAccelerations};
 
-/// Blocks of corner forces of a block of triangles.
+/// Blocks of corner forces per block of triangles.
 pub const FORCE_BLOCKS: usize = 2;
 
-/// Volumes per radian to those of [`Workspace`], full rings in the unit [`UNIT`].
+/// Factor from volumes per radian to those of [`TaskWorkspace`]: full rings in [`UNIT`].
 const RING: f64 = 2.0 * PI / UNIT;
 
-/// Triangles side by side.
+/// Nodes, masses and deletion state of a block of triangles.
 #[derive(Clone)]
-pub struct Triangles {
-    /// Nodes around each element from a corner on, counter-clockwise.
+pub struct TriangleLanes {
+    /// Nodes around each element from a corner, counter-clockwise.
     nodes: [[u32; LANES]; NODES],
-    /// One over the masses of the nodes.
+    /// Inverse masses of the nodes.
     pub inverse_mass: [Lanes; NODES],
-    /// Volume at the start.
+    /// Initial volume.
     volume: Lanes,
     /// Whether an element is deleted.
     pub deleted: [bool; LANES],
-    /// Two over the stable increments of the last pass.
+    /// Two over the stable time increments of the last pass.
     pub rate: Lanes,
 }
 
-/// Places and velocities of the nodes of a lane.
+/// Positions and velocities of the nodes of a lane.
 #[derive(Clone, Copy, Default)]
-struct Motion {
+struct TriangleMotion {
     r: [f64; NODES],
     z: [f64; NODES],
     v_r: [f64; NODES],
     v_z: [f64; NODES],
 }
 
-/// A point of each lane in an increment.
+/// Increment of one point of each lane.
 #[derive(Clone, Copy, Default)]
 pub struct PointIncrement {
-    /// Velocity gradients in the middle of the increment times the volumes there, and these, as [`Workspace::set_gradients`] takes
-    /// them.
+    /// Velocity gradients at mid-increment times the volumes there, and these volumes, as input of
+    /// [`TaskWorkspace::set_gradients`].
     pub gradients: [Lanes; 5],
     pub middle: Lanes,
-    /// Volumes at its end.
+    /// Volumes at the end of the increment.
     pub current_volume: Lanes,
-    /// Strain increments, and volumes in the middle of the increment, 0 of lanes without element.
+    /// Strain increments, and volumes at mid-increment (0 for lanes without element).
     pub strain: [Lanes; 4],
     pub volume: Lanes,
-    /// Moduli at its end.
+    /// Moduli at the end of the increment.
     pub bulk: Lanes,
     pub shear: Lanes,
-    /// Heat of the bulk viscosity beyond what the material expected.
+    /// Heat of the bulk viscosity that exceeds what the material expected.
     pub heat: Lanes,
 }
 
 /// Work arrays of one block.
 #[derive(Clone, Default)]
 pub struct WorkArrays {
-    motion: [Motion; LANES],
-    /// Rate of the volume over the volume in the middle of the increment.
+    motion: [TriangleMotion; LANES],
+    /// Relative rate of volume at mid-increment.
     dilation_rate: Lanes,
     /// Operators at the end of the increment.
-    now: [Operators; LANES],
+    now: [TriangleOperators; LANES],
     pub points: [PointIncrement; POINTS],
 }
 
-/// An increment of all blocks of a group.
-pub struct Increment<'a> {
+/// Input of an increment that all blocks of a group share.
+pub struct TriangleIncrement<'a> {
     pub nodes: &'a [Node],
     pub dt: f64,
-    pub before: Accelerated<'a>,
+    pub before: NodeAccelerations<'a>,
     /// Total time.
     pub time: f64,
     pub arch: Arch,
-    /// Elements of the group.
+    /// Number of elements of the group.
     pub count: usize,
 }
 
-/// Places of the nodes of an element.
+/// Returns the positions of the nodes of an element.
 pub fn places(element: [u32; NODES], nodes: &[Node]) -> [[f64; 2]; NODES] {
     element.inline_map(|n| nodes[n as usize].place())
 }
 
-impl Triangles {
-    /// Elements by their nodes, at their places now.
+impl TriangleLanes {
+    /// Creates a block from the nodes of its elements in the initial configuration.
     pub fn new(elements: [[u32; NODES]; LANES], density: f64, nodes: &[Node]) -> Self {
         let at = elements.inline_map(|element| places(element, nodes));
         let masses = at.inline_map(|at| masses(at, density));
-        Triangles {
+        TriangleLanes {
             nodes: inline_from_fn(|n| elements.inline_map(|element| element[n])),
             inverse_mass: inline_from_fn(|n| masses.inline_map(|masses| 1.0 / masses[n])),
-            volume: at
-                .inline_map(|at| 2.0 * PI * Operators::of(at.inline_map(|p| p[0]), at.inline_map(|p| p[1])).total()),
+            volume: at.inline_map(|at| {
+                2.0 * PI * TriangleOperators::of(at.inline_map(|p| p[0]), at.inline_map(|p| p[1])).total()
+            }),
             deleted: [false; LANES],
             rate: [0.0; LANES],
         }
     }
 
-    /// Nodes of a lane.
+    /// Returns the nodes of a lane.
     pub fn element(&self, lane: usize) -> [u32; NODES] {
         self.nodes.inline_map(|list| list[lane])
     }
 
-    /// One over the masses of the nodes of a lane.
+    /// Returns the inverse masses of the nodes of a lane.
     pub fn inverse_masses(&self, lane: usize) -> [f64; NODES] {
         self.inverse_mass.inline_map(|list| list[lane])
     }
 
-    /// Motion of a lane; an element that is deleted is replaced by one of its volume at rest.
+    /// Returns the motion of a lane; a deleted element is replaced by one of its volume at rest.
     #[inline(always)]
-    fn motion(&self, l: usize, nodes: &[Node]) -> Motion {
+    fn motion(&self, l: usize, nodes: &[Node]) -> TriangleMotion {
         if self.deleted[l] {
             let height = 0.75 * self.volume[l] / PI;
             let (r, z) = ([1.0, 1.5, 2.0, 1.5, 1.0, 1.0], [0.0, 0.0, 0.0, 0.5, 1.0, 0.5].inline_map(|z| height * z));
-            return Motion { r, z, ..Motion::default() };
+            return TriangleMotion { r, z, ..TriangleMotion::default() };
         }
-        let mut motion = Motion::default();
+        let mut motion = TriangleMotion::default();
         for n in 0..NODES {
             let node = &nodes[self.nodes[n][l] as usize];
             (motion.r[n], motion.z[n], motion.v_r[n], motion.v_z[n]) = (node.r, node.z, node.v_r, node.v_z);
@@ -133,14 +133,20 @@ impl Triangles {
         motion
     }
 
-    /// Puts motion, volumes and velocity gradients into the work arrays.
-    pub fn measure(&self, increment: &Increment<'_>, work: &mut WorkArrays) {
-        increment.arch.dispatch(Measurement { triangles: self, increment, work });
+    /// Computes motion, volumes and velocity gradients into the work arrays.
+    pub fn measure(&self, increment: &TriangleIncrement<'_>, work: &mut WorkArrays) {
+        increment.arch.dispatch(TriangleMeasurement { triangles: self, increment, work });
     }
 
-    /// Energy that the elements lose to the forces of the start of an increment; see [`Workspace::owe`].
-    pub fn work_of_start(&self, corners: &[Corners], increment: &Increment<'_>, work: &WorkArrays) -> Lanes {
-        let Increment { dt, before, .. } = *increment;
+    /// Returns the energy that the elements lose to the forces of the start of an increment; see
+    /// [`TaskWorkspace::begin_energy_correction`].
+    pub fn work_of_start(
+        &self,
+        corners: &[BlockCornerForces],
+        increment: &TriangleIncrement<'_>,
+        work: &WorkArrays,
+    ) -> Lanes {
+        let TriangleIncrement { dt, before, .. } = *increment;
         let share = 0.5 * before.half * (dt - before.half);
         let mut lost = [0.0; LANES];
         for n in 0..NODES {
@@ -154,12 +160,12 @@ impl Triangles {
         lost
     }
 
-    /// The same with the forces of its end.
+    /// Adds the energy that the elements lose to the forces of the end of the increment.
     pub fn work_of_end(
         &self,
         mut lost: Lanes,
-        corners: &[Corners],
-        increment: &Increment<'_>,
+        corners: &[BlockCornerForces],
+        increment: &TriangleIncrement<'_>,
         work: &WorkArrays,
     ) -> Lanes {
         for n in 0..NODES {
@@ -171,40 +177,41 @@ impl Triangles {
         lost
     }
 
-    /// Forces of stress and bulk viscosity on the nodes, the heat of the viscosity and the stable increment; whether moduli vary.
+    /// Computes the nodal forces of stress and bulk viscosity, the heat of the viscosity and the stable time increment.
+    /// `varies` selects moduli that vary.
     pub fn assemble(
         &mut self,
-        (constants, varies): (&Constants, bool),
-        increment: &Increment<'_>,
+        (constants, varies): (&ElementConstants, bool),
+        increment: &TriangleIncrement<'_>,
         stress: &[[Lanes; 4]; POINTS],
-        (scratch, work): (&mut Workspace, &mut WorkArrays),
-        corners: &mut [Corners],
+        (scratch, work): (&mut TaskWorkspace, &mut WorkArrays),
+        corners: &mut [BlockCornerForces],
     ) {
         let (triangles, dt) = (self, increment.dt);
-        increment.arch.dispatch(Assembly { triangles, constants, varies, dt, stress, scratch, work, corners });
+        increment.arch.dispatch(TriangleAssembly { triangles, constants, varies, dt, stress, scratch, work, corners });
     }
 }
 
-/// See [`Triangles::measure`].
-struct Measurement<'a> {
-    triangles: &'a Triangles,
-    increment: &'a Increment<'a>,
+/// Operation of [`TriangleLanes::measure`].
+struct TriangleMeasurement<'a> {
+    triangles: &'a TriangleLanes,
+    increment: &'a TriangleIncrement<'a>,
     work: &'a mut WorkArrays,
 }
 
-impl NullaryFnOnce for Measurement<'_> {
+impl NullaryFnOnce for TriangleMeasurement<'_> {
     type Output = ();
 
-    /// Inlined into a function of the machine's instruction set.
+    /// Inlined into a function compiled for the selected instruction set.
     #[inline(always)]
     fn call(self) {
-        let Measurement { triangles, increment, work } = self;
+        let TriangleMeasurement { triangles, increment, work } = self;
         let half = 0.5 * increment.dt;
         for l in 0..LANES {
             let motion = triangles.motion(l, increment.nodes);
-            let Motion { r, z, v_r, v_z } = motion;
+            let TriangleMotion { r, z, v_r, v_z } = motion;
             let middle = |x: [f64; NODES], v: [f64; NODES]| inline_from_fn(|n| x[n] - half * v[n]);
-            let (g, now) = (Operators::of(middle(r, v_r), middle(z, v_z)), Operators::of(r, z));
+            let (g, now) = (TriangleOperators::of(middle(r, v_r), middle(z, v_z)), TriangleOperators::of(r, z));
             for (p, point) in work.points.iter_mut().enumerate() {
                 for (list, sum) in point.gradients.iter_mut().zip(g.gradients(p, &v_r, &v_z)) {
                     list[l] = RING * sum;
@@ -219,24 +226,24 @@ impl NullaryFnOnce for Measurement<'_> {
     }
 }
 
-/// See [`Triangles::assemble`].
-struct Assembly<'a> {
-    triangles: &'a mut Triangles,
-    constants: &'a Constants,
+/// Operation of [`TriangleLanes::assemble`].
+struct TriangleAssembly<'a> {
+    triangles: &'a mut TriangleLanes,
+    constants: &'a ElementConstants,
     varies: bool,
     dt: f64,
     stress: &'a [[Lanes; 4]; POINTS],
-    scratch: &'a mut Workspace,
+    scratch: &'a mut TaskWorkspace,
     work: &'a mut WorkArrays,
-    corners: &'a mut [Corners],
+    corners: &'a mut [BlockCornerForces],
 }
 
-impl NullaryFnOnce for Assembly<'_> {
+impl NullaryFnOnce for TriangleAssembly<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Assembly { triangles, constants, varies, dt, stress: own, scratch, work, corners } = self;
+        let TriangleAssembly { triangles, constants, varies, dt, stress: own, scratch, work, corners } = self;
         let first = scratch.at + 1 - POINTS;
         let [linear, quadratic] = constants.bulk_viscosity;
         let cap = scratch.cap;
@@ -246,7 +253,7 @@ impl NullaryFnOnce for Assembly<'_> {
             let (bulk, shear) = (largest(|d| &d.bulk), largest(|d| &d.shear));
             let omega = frequency_squared(now, [bulk, shear], &triangles.inverse_masses(l)).sqrt();
             let (modulus, period) = (bulk + 4.0 / 3.0 * constants.shear, 1.0 / omega);
-            // Where moduli vary, the velocities at the start say how fast the volume changes.
+            // If moduli vary, the velocities at the start of the analysis determine the rate of volume.
             let rate = if dt > 0.0 || varies { work.dilation_rate[l] } else { 0.0 };
             let fraction = linear - quadratic * quadratic * 2.0 * period * rate.min(0.0);
             let damping = 2.0 * modulus * period * rate * fraction;
@@ -266,7 +273,7 @@ impl NullaryFnOnce for Assembly<'_> {
                 corners[n / 4].0[n % 4][l] =
                     if triangles.deleted[l] { [0.0; 2] } else { force.inline_map(|f| -2.0 * PI * f) };
             }
-            // As of quadrilaterals (`ElementBlock::forces`).
+            // As for quadrilaterals (`ElementBlock::forces`).
             let pressing = modulus / constants.bulk;
             let share = cap * period;
             let capped = share < 1.0;
@@ -275,7 +282,7 @@ impl NullaryFnOnce for Assembly<'_> {
             let stable = if capped { cap } else { omega } * damped;
             triangles.rate[l] = stable;
             let changing = rate.abs() * 2.0 / CHANGE;
-            let rate = if triangles.deleted[l] || !scratch.weighs(l) {
+            let rate = if triangles.deleted[l] || !scratch.is_active(l) {
                 0.0
             } else if changing > stable {
                 changing
@@ -290,4 +297,4 @@ impl NullaryFnOnce for Assembly<'_> {
     }
 }
 
-persist_struct!(Triangles { inverse_mass, deleted, rate } derived { nodes, volume });
+persist_struct!(TriangleLanes { inverse_mass, deleted, rate } derived { nodes, volume });

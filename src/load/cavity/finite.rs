@@ -1,54 +1,53 @@
-//! What bounds a target: lateral faces, free surfaces, a crater at its front. All of it as the share of a facet that bears the law
-//! of a body without end.
-//! Never here: the law itself (`kernel::cavity`), what moves into the target.
+//! Finite targets: lateral faces, free surfaces and a crater at the front reduce the resistance of an unbounded target.
+//! The reduction is expressed as a factor or as an effective area of a facet.
 
 use crate::kernel::facet::Facet;
 use crate::kernel::free_surface::FiniteSphere;
 use crate::kernel::lists::heap_bytes;
 
-/// Bounds of a stack.
+/// Bounds of a stack of layers.
 #[derive(Clone, Debug)]
-pub struct Finite {
-    /// Of each layer, ascending in z as the stack has them.
-    pub layers: Vec<Bounds>,
-    /// Where the front is broken away.
-    pub crater: Option<Crater>,
-    /// Shear stress at which a plug is sheared out.
+pub struct StackBounds {
+    /// Bounds of each layer, ascending in z as in the stack.
+    pub layers: Vec<LayerBounds>,
+    /// Region of reduced resistance at the front face.
+    pub crater: Option<EntryCrater>,
+    /// Shear strength for plugging; `None` without plugging.
     pub shear_strength: Option<f64>,
 }
 
 /// Bounds of one layer.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounds {
-    /// Radius of its lateral face; may be infinite.
+pub struct LayerBounds {
+    /// Radius of the lateral face; may be infinite.
     pub radius: f64,
-    /// z of the faces below and above it that border on nothing, be they its own or those of layers that it holds together with; may be
+    /// z of the next free faces below and above, which belong to this layer or to a layer bonded to it; may be
     /// infinite.
     pub faces: [f64; 2],
-    /// What free surfaces take from it.
+    /// Reduction of the resistance near free surfaces.
     pub decay: Option<FiniteSphere>,
 }
 
-/// Over its depth the resistance grows from nothing: the force of the crater phase, F = c z (Forrestal, Altman, Cargile and Hanchak
-/// 1994, eq. 1), spread over the nose by the depth of each of its points.
+/// Crater phase: the resistance grows linearly from zero over the depth of the crater, F = c z (Forrestal, Altman,
+/// Cargile and Hanchak 1994, eq. 1), applied to each point of the nose at its own depth.
 #[derive(Clone, Copy, Debug)]
-pub struct Crater {
-    /// z of the front.
+pub struct EntryCrater {
+    /// z of the front face.
     pub front: f64,
-    /// 1 or -1: the way into the target.
+    /// Direction into the target along z, 1 or -1.
     pub direction: f64,
-    /// Its depth.
+    /// Depth of the crater.
     pub depth: f64,
 }
 
-impl Crater {
+impl EntryCrater {
     fn share(&self, z: f64) -> f64 {
         (self.direction * (z - self.front) / self.depth).clamp(0.0, 1.0)
     }
 }
 
-impl Bounds {
-    /// Distance from a height along a unit normal with this part along z to the next free face.
+impl LayerBounds {
+    /// Returns the distance from height `z` to the next free face along a unit normal with z component `n_z`.
     #[inline]
     fn along(&self, z: f64, n_z: f64) -> f64 {
         let [low, high] = self.faces;
@@ -63,12 +62,12 @@ impl Bounds {
     }
 }
 
-impl Finite {
-    /// Area of a facet between two planes that would feel in a body without end what it feels in this layer. The factor of a free
-    /// surface is that of the middle of the part: its distance to it is measured along the facet's outward normal, the cavity has
-    /// the radius of that point.
+impl StackBounds {
+    /// Returns the area of a facet between two planes that, in an unbounded layer, would have the same resistance. The
+    /// factor of the free surfaces is evaluated at the midpoint of the part: the distance is measured along the outward
+    /// normal, and the cavity radius is the radius of that point.
     #[inline]
-    pub fn bearing_area(&self, layer: usize, facet: &Facet, between: [f64; 2]) -> f64 {
+    pub fn effective_area(&self, layer: usize, facet: &Facet, between: [f64; 2]) -> f64 {
         let radius = self.layers[layer].radius;
         let Some(part) = facet.part(between, radius) else { return 0.0 };
         let ([r, z], [n_r, n_z]) = (part.middle, facet.normal);
@@ -76,8 +75,8 @@ impl Finite {
         part.area * self.share(layer, z, n_z, across, r)
     }
 
-    /// Share of the law of a body without end that acts at a height on a surface whose outward normal has this part along z, at this
-    /// distance along the normal from the lateral face, where the body has this radius.
+    /// Returns the factor on the resistance of an unbounded layer at height `z`. `n_z` is the z component of the
+    /// outward normal, `across` the distance along the normal to the lateral face, `radius` the radius of the body.
     #[inline]
     pub fn share(&self, layer: usize, z: f64, n_z: f64, across: f64, radius: f64) -> f64 {
         let bounds = &self.layers[layer];

@@ -1,7 +1,7 @@
 //! Resistance of a target that is not meshed (`CAVITY`): dynamic cavity expansion in layers, with Coulomb friction.
-//! Facets are clipped by area at the target's faces and between layers; only those that move into the material are loaded.
-//! What bounds the target is in `finite`, what a body ahead has opened already in `shadow` and `tunnel`.
-//! Never here: the law itself (`kernel::cavity`), deck words.
+//! Facets are clipped by area at the faces of the target and between layers; only facets that move into the material
+//! are loaded. Finite targets are in `finite`, tunnels opened by the body in `shadow` and `tunnel`, the law itself in
+//! `kernel::cavity`.
 
 mod finite;
 mod nose;
@@ -16,64 +16,65 @@ mod tunnel;
 use std::any::Any;
 
 use super::{
-    Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, Penetration, SceneChange, SceneView, Targets,
-    VelocityUse,
+    EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, PenetrationRecord, SceneChange,
+    SceneView, TargetDissipation, VelocityUse,
 };
 use crate::kernel::lists::heap_bytes;
 use crate::load::fields::FacetFields;
-use crate::mesh::surface::{Patch, Surface};
+use crate::mesh::surface::{RigidFacets, SurfaceGeometry};
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
-use crate::state::halt::Halt;
-use crate::state::limit::Limit;
+use crate::state::halt::HaltReason;
+use crate::state::limit::IncrementLimit;
 use crate::state::nodes::Nodes;
 use crate::state::rigid_body_3d::RigidBody3d;
 use crate::user::Locked;
-pub use finite::{Bounds, Crater, Finite};
-use nose::Nose;
-use oblique::Oblique;
-pub use oblique::Tilt;
-use skin::Resisted;
-pub use stack::Stack;
+pub use finite::{EntryCrater, LayerBounds, StackBounds};
+use nose::NoseResistance;
+use oblique::ObliqueResistance;
+pub use oblique::StackTilt;
+use skin::SkinResistance;
+pub use stack::LayerStack;
 
-/// The resistance of one stack on a surface.
+/// Resistance of one stack of layers on a surface.
 #[derive(Clone, Debug)]
 pub struct CavityExpansion {
     id: EffectId,
     friction: f64,
-    stack: Stack,
-    noses: Vec<Nose>,
-    /// Bodies in space.
-    oblique: Vec<Oblique>,
-    skin: Resisted,
+    stack: LayerStack,
+    noses: Vec<NoseResistance>,
+    /// Rigid bodies with six degrees of freedom.
+    oblique: Vec<ObliqueResistance>,
+    skin: SkinResistance,
 }
 
 impl CavityExpansion {
-    /// The resistance of `stack` on a surface with a Coulomb coefficient. `travel` is the fraction of a nose's height that one
-    /// increment may move while a plane of the stack cuts it.
-    pub fn new(id: EffectId, friction: f64, stack: Stack, surface: Surface, travel: f64) -> Self {
-        let noses = surface.patches.iter().map(|patch| Nose::new(patch, &stack, travel)).collect();
-        CavityExpansion { id, friction, stack, noses, oblique: Vec::new(), skin: Resisted::new(surface.skin) }
+    /// Creates the resistance of `stack` on a surface with a Coulomb coefficient. `travel` is the fraction of the nose
+    /// height that the body may travel in one increment while a plane of the stack intersects the nose.
+    pub fn new(id: EffectId, friction: f64, stack: LayerStack, surface: SurfaceGeometry, travel: f64) -> Self {
+        let noses = surface.patches.iter().map(|patch| NoseResistance::new(patch, &stack, travel)).collect();
+        CavityExpansion { id, friction, stack, noses, oblique: Vec::new(), skin: SkinResistance::new(surface.skin) }
     }
 
-    /// The same on a patch of a body in space, with the planes tilted; layers follow each other along `direction`.
+    /// Adds a patch of a rigid body with six degrees of freedom; the planes are inclined, and the layers follow each
+    /// other along `direction`.
     #[must_use]
     pub fn with_oblique(
         mut self,
-        patch: &Patch,
+        patch: &RigidFacets,
         body: &RigidBody3d,
-        (tilt, direction): (Tilt, f64),
+        (tilt, direction): (StackTilt, f64),
         travel: f64,
     ) -> Self {
-        self.oblique.push(Oblique::new(patch, body, (tilt, direction), (self.friction, travel)));
+        self.oblique.push(ObliqueResistance::new(patch, body, (tilt, direction), (self.friction, travel)));
         self
     }
 
-    /// The same where nothing acts inside the tunnel that has been opened already; `nodes` are those at the start.
+    /// Ignores faces inside the tunnel that the body has already opened; `nodes` are the initial positions.
     pub fn separating(mut self, nodes: &Nodes) -> Self {
-        self.noses.iter_mut().for_each(Nose::separate);
-        self.skin.separate(nodes);
+        self.noses.iter_mut().for_each(NoseResistance::ignore_opened_tunnel);
+        self.skin.ignore_opened_tunnel(nodes);
         self
     }
 
@@ -81,9 +82,9 @@ impl CavityExpansion {
         if self.friction > 0.0 { 2 } else { 1 }
     }
 
-    fn on_nodes(&mut self, scene: &SceneView<'_>, forces: &mut [[f64; 2]]) -> Result<Dissipation, Halt> {
+    fn on_nodes(&mut self, scene: &SceneView<'_>, forces: &mut [[f64; 2]]) -> Result<TargetDissipation, HaltReason> {
         if self.skin.is_empty() {
-            return Ok(Dissipation::default());
+            return Ok(TargetDissipation::default());
         }
         let refused = self.skin.resist(&self.stack, self.friction, scene, forces);
         refused.map_err(|speed| not_finite(scene, speed))?;
@@ -91,7 +92,7 @@ impl CavityExpansion {
     }
 
     #[inline]
-    fn on_bodies(&mut self, scene: &SceneView<'_>, out: &mut [f64]) -> Result<(), Halt> {
+    fn on_bodies(&mut self, scene: &SceneView<'_>, out: &mut [f64]) -> Result<(), HaltReason> {
         let each = self.forces_of_a_body();
         let (along_z, in_space) = out.split_at_mut(each * self.noses.len());
         for (nose, out) in self.noses.iter_mut().zip(along_z.chunks_exact_mut(each)) {
@@ -123,21 +124,21 @@ impl Load for CavityExpansion {
         self.id
     }
 
-    fn targets(&self) -> Targets {
+    fn targets(&self) -> LoadTargets {
         let each = self.forces_of_a_body();
-        let accounts = &[Account::Cavity, Account::Friction][..each];
-        let along_z = |nose: &Nose| {
+        let accounts = &[EnergyAccount::Cavity, EnergyAccount::Friction][..each];
+        let along_z = |nose: &NoseResistance| {
             let body = nose.body;
             accounts.iter().map(move |&account| GeneralizedForce::along_z(body, account))
         };
-        // Friction first: the order of sums.
-        let accounts = &[Account::Friction, Account::Cavity][2 - each..];
-        let in_space = |oblique: &Oblique| {
+        // Friction first, as `on_bodies` writes the forces: the order of summation determines the last bits.
+        let accounts = &[EnergyAccount::Friction, EnergyAccount::Cavity][2 - each..];
+        let in_space = |oblique: &ObliqueResistance| {
             let body = oblique.body;
             accounts.iter().flat_map(move |&account| GeneralizedForce::in_space(body, account))
         };
         let bodies = self.noses.iter().flat_map(along_z).chain(self.oblique.iter().flat_map(in_space)).collect();
-        Targets { bodies, nodes: !self.skin.is_empty() }
+        LoadTargets { bodies, nodes: !self.skin.is_empty() }
     }
 
     fn velocity_use(&self) -> VelocityUse {
@@ -149,19 +150,19 @@ impl Load for CavityExpansion {
         &mut self,
         scene: &SceneView<'_>,
         _: &mut Locked<'_>,
-        forces: &mut Forces<'_>,
-    ) -> Result<Dissipation, Halt> {
+        forces: &mut LoadForces<'_>,
+    ) -> Result<TargetDissipation, HaltReason> {
         match forces {
-            Forces::OnNodes(forces) => self.on_nodes(scene, forces),
-            Forces::OnBodies(forces) => self.on_bodies(scene, forces).map(|()| Dissipation::default()),
+            LoadForces::OnNodes(forces) => self.on_nodes(scene, forces),
+            LoadForces::OnBodies(forces) => self.on_bodies(scene, forces).map(|()| TargetDissipation::default()),
         }
     }
 
-    fn max_increment(&self, scene: &SceneView<'_>) -> Limit {
+    fn max_increment(&self, scene: &SceneView<'_>) -> IncrementLimit {
         let bodies = &scene.dofs.bodies;
         let noses = self.noses.iter().map(|nose| nose.limit(&self.stack, &bodies[nose.body]));
         let oblique = self.oblique.iter().map(|oblique| oblique.limit(&self.stack, &bodies[oblique.body]));
-        noses.chain(oblique).fold(self.skin.limit(&self.stack, &scene.dofs.nodes), Limit::nearer)
+        noses.chain(oblique).fold(self.skin.limit(&self.stack, &scene.dofs.nodes), IncrementLimit::earlier)
     }
 
     fn scene_changed(&mut self, change: &SceneChange<'_>) {
@@ -180,8 +181,8 @@ impl LoadOutput for CavityExpansion {
         self.skin.continue_from(&previous.skin);
     }
 
-    fn penetrations(&self, dofs: &Dofs) -> Vec<Penetration> {
-        let of_nose = |nose: &Nose| nose.penetration(&self.stack, &dofs.bodies[nose.body]);
+    fn penetrations(&self, dofs: &Dofs) -> Vec<PenetrationRecord> {
+        let of_nose = |nose: &NoseResistance| nose.penetration(&self.stack, &dofs.bodies[nose.body]);
         let noses = self.noses.iter().filter_map(of_nose);
         noses.chain(self.oblique.iter().filter_map(|o| o.penetration(&dofs.bodies[o.body]))).collect()
     }
@@ -195,16 +196,19 @@ impl LoadOutput for CavityExpansion {
     }
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let noses = self.noses.iter().map(Nose::bytes).sum::<usize>() + heap_bytes(&self.noses);
-        let oblique = self.oblique.iter().map(Oblique::bytes).sum::<usize>() + heap_bytes(&self.oblique);
+        let noses = self.noses.iter().map(NoseResistance::bytes).sum::<usize>() + heap_bytes(&self.noses);
+        let oblique = self.oblique.iter().map(ObliqueResistance::bytes).sum::<usize>() + heap_bytes(&self.oblique);
         vec![("facets", noses + self.skin.bytes()), ("rings", oblique), ("layers", self.stack.bytes())]
     }
 }
 
 #[cold]
-fn not_finite(scene: &SceneView<'_>, speed: f64) -> Halt {
+fn not_finite(scene: &SceneView<'_>, speed: f64) -> HaltReason {
     let time = scene.clock.now.total_time;
-    Halt { code: "R202", reason: format!("the resistance is not finite at time {time:e}, speed {speed:e}") }
+    HaltReason {
+        code: "R202",
+        reason: format!("the target resistance is not finite at total time {time:e} and speed {speed:e}"),
+    }
 }
 
 persist_struct!(CavityExpansion { noses: fixed, skin, oblique: fixed } derived { id, friction, stack });

@@ -1,34 +1,33 @@
-//! The resistance on the nose of a rigid body: its shape never changes and every point of it has the same velocity, so that
-//! the forces are closed sums wherever one layer holds all loaded facets.
-//! Never here: the law itself (`kernel::cavity`), the load as the integrator sees it.
+//! Resistance on the nose of a rigid body that moves along z. Its shape is constant and all points have the same
+//! velocity, so the forces are closed sums as long as one layer contains all loaded facets.
 
-use super::plug::{self, Inwards, plus};
+use super::plug::{self, PluggingNose, plus};
 use super::shadow;
-use super::stack::{Stack, is_level};
-use crate::kernel::cavity::Resistance;
+use super::stack::{LayerStack, is_level};
+use crate::kernel::cavity::CavityResistance;
 use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::load::fields::FacetFields;
-use crate::load::{Penetration, PenetrationOutcome};
-use crate::mesh::surface::Patch;
+use crate::load::{PenetrationOutcome, PenetrationRecord};
+use crate::mesh::surface::RigidFacets;
 use crate::state::BodyState;
 use crate::state::archive::persist_struct;
-use crate::state::limit::Limit;
+use crate::state::limit::IncrementLimit;
 
-/// Sums over the facets that face one way, fully in one material: because every point of the body has the same
-/// velocity V, v_n = V |n_z| and the force is a polynomial in V (reference: F = pi a^2 (A Y N0 + ...)).
+/// Sums over the facets of one orientation inside one material. With the body velocity V, the normal velocity is v_n =
+/// V |n_z|, so the force is a polynomial in V (reference: F = pi a^2 (A Y N0 + ...)).
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    /// sum of A |n_z|^(k+1), k = 0, 1, 2.
+struct FacetSums {
+    /// Σ A |n_z|^(k+1), k = 0, 1, 2.
     normal: [f64; 3],
-    /// sum of A |t_z| |n_z|^k.
+    /// Σ A |t_z| |n_z|^k.
     tangential: [f64; 3],
 }
 
-impl Sums {
+impl FacetSums {
     fn of(facets: &[Facet]) -> Self {
-        let mut sums = Sums::default();
+        let mut sums = FacetSums::default();
         for facet in facets {
             sums.add(facet, facet.area);
         }
@@ -46,33 +45,34 @@ impl Sums {
         }
     }
 
-    /// Magnitudes of the axial normal and tangential (for friction 1) forces at speed V.
+    /// Returns the magnitudes of the axial normal force and the axial tangential force (for a friction coefficient of
+    /// 1) at speed V.
     #[inline]
-    fn forces(&self, law: &Resistance, speed: f64) -> [f64; 2] {
+    fn forces(&self, law: &CavityResistance, speed: f64) -> [f64; 2] {
         let sum = |s: &[f64; 3]| law.c0 * s[0] + speed * (law.c1 * s[1] + speed * (law.c2 * s[2]));
         [sum(&self.normal), sum(&self.tangential)]
     }
 }
 
-/// The facets that are loaded when the body moves one way.
+/// Facets that are loaded in one direction of motion.
 #[derive(Clone, Debug, Default)]
-struct Front {
+struct NoseFront {
     facets: Vec<Facet>,
     elements: Vec<usize>,
-    /// Facets from the widest inwards, where that matters.
+    /// Indices of the facets in descending order of radius; only with plugging.
     inwards: Vec<usize>,
-    sums: Sums,
-    /// z of the lowest and highest point at the start.
+    sums: FacetSums,
+    /// Initial z of the lowest and highest point.
     range: [f64; 2],
-    /// Of its widest point.
+    /// Largest radius.
     radius: f64,
-    /// z of the level facets: there the force jumps when a plane is met.
+    /// Initial z of the facets normal to the axis: the force jumps when such a facet reaches a plane.
     levels: Vec<f64>,
 }
 
-impl Front {
+impl NoseFront {
     fn new(facets: &[(usize, Facet)], sign: f64) -> Self {
-        Front::of(facets.iter().filter(|(_, f)| f.normal[1] * sign > 0.0).copied().collect())
+        NoseFront::of(facets.iter().filter(|(_, f)| f.normal[1] * sign > 0.0).copied().collect())
     }
 
     fn of(chosen: Vec<(usize, Facet)>) -> Self {
@@ -82,8 +82,8 @@ impl Front {
         let mut levels: Vec<f64> = facets.iter().filter(|f| is_level(f.normal)).map(|f| f.low[1]).collect();
         levels.sort_by(f64::total_cmp);
         levels.dedup();
-        Front {
-            sums: Sums::of(&facets),
+        NoseFront {
+            sums: FacetSums::of(&facets),
             elements: chosen.iter().map(|c| c.0).collect(),
             inwards: Vec::new(),
             range: [low, high],
@@ -93,10 +93,10 @@ impl Front {
         }
     }
 
-    /// What of it meets material that nothing further ahead has pushed aside.
-    fn facing(&self, all: &[(usize, Facet)], sign: f64) -> Front {
+    /// Returns the parts that are not in the shadow of facets further ahead.
+    fn exposed_part(&self, all: &[(usize, Facet)], sign: f64) -> NoseFront {
         let own: Vec<(usize, Facet)> = self.elements.iter().copied().zip(self.facets.iter().copied()).collect();
-        Front::of(shadow::facing(&own, all, sign))
+        NoseFront::of(shadow::exposed_parts(&own, all, sign))
     }
 
     fn sort_inwards(&mut self) {
@@ -106,26 +106,26 @@ impl Front {
     }
 }
 
-/// The facets of one body under the resistance of a stack.
+/// Facets of one body in a stack of layers.
 #[derive(Clone, Debug)]
-pub(super) struct Nose {
+pub(super) struct NoseResistance {
     pub(super) body: usize,
-    /// Facets loaded in motion towards smaller and larger z.
-    fronts: [Front; 2],
-    /// Elements of facets that no axial motion loads.
+    /// Facets loaded in motion along -z and +z.
+    fronts: [NoseFront; 2],
+    /// Elements of facets that axial motion never loads.
     idle: Vec<usize>,
-    /// Fraction of the nose's height that an increment may travel while a plane cuts the nose.
+    /// Fraction of the nose height that the body may travel in one increment while a plane intersects the nose.
     travel: f64,
-    /// Distances below this are rounding.
+    /// Tolerance of distances for rounding errors.
     rounding: f64,
-    /// The layer that last held all loaded facets.
+    /// The layer that contained all loaded facets at the last evaluation.
     last_layer: usize,
 }
 
-impl Nose {
-    /// The nose of a body. `travel` is the fraction of the loaded facets' height that one increment may move while a plane of
-    /// the stack cuts them.
-    pub(super) fn new(patch: &Patch, stack: &Stack, travel: f64) -> Self {
+impl NoseResistance {
+    /// Creates the nose of a body. `travel` is the fraction of the height of the loaded facets that the body may travel
+    /// in one increment while a plane of the stack intersects them.
+    pub(super) fn new(patch: &RigidFacets, stack: &LayerStack, travel: f64) -> Self {
         let facets = &patch.facets;
         let largest = |values: &mut dyn Iterator<Item = f64>| {
             values.filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()))
@@ -133,21 +133,21 @@ impl Nose {
         let extent = largest(&mut facets.iter().flat_map(|(_, f)| [f.low[1], f.high[1], f.low[0], f.high[0]]));
         let rounding = 1e-12 * extent.max(largest(&mut stack.planes.iter().copied()));
         let idle = facets.iter().filter(|(_, f)| f.normal[1] == 0.0).map(|f| f.0).collect();
-        let mut fronts = [Front::new(facets, -1.0), Front::new(facets, 1.0)];
+        let mut fronts = [NoseFront::new(facets, -1.0), NoseFront::new(facets, 1.0)];
         if stack.shear_strength().is_some() {
-            fronts.iter_mut().for_each(Front::sort_inwards);
+            fronts.iter_mut().for_each(NoseFront::sort_inwards);
         }
-        Nose { body: patch.body, fronts, idle, travel, rounding, last_layer: 0 }
+        NoseResistance { body: patch.body, fronts, idle, travel, rounding, last_layer: 0 }
     }
 
-    /// From now on nothing acts inside the tunnel that the body has opened further ahead.
-    pub(super) fn separate(&mut self) {
-        let of_front = |front: &Front| -> Vec<(usize, Facet)> {
+    /// Ignores facets inside the tunnel that the body has opened further ahead.
+    pub(super) fn ignore_opened_tunnel(&mut self) {
+        let of_front = |front: &NoseFront| -> Vec<(usize, Facet)> {
             front.elements.iter().copied().zip(front.facets.iter().copied()).collect()
         };
         let all: Vec<(usize, Facet)> = self.fronts.iter().flat_map(of_front).collect();
         for (front, sign) in self.fronts.iter_mut().zip([-1.0, 1.0]) {
-            let facing = front.facing(&all, sign);
+            let facing = front.exposed_part(&all, sign);
             let hidden = front.elements.iter().filter(|element| !facing.elements.contains(element));
             self.idle.extend(hidden);
             let sorted = !front.inwards.is_empty();
@@ -158,9 +158,10 @@ impl Nose {
         }
     }
 
-    /// Axial forces of pressure and of friction with coefficient 1, against the motion; `None` where none is finite.
+    /// Returns the axial forces of pressure and of friction with coefficient 1, against the motion; `None` if they are
+    /// not finite.
     #[inline]
-    pub(super) fn resist(&mut self, stack: &Stack, body: &BodyState) -> Option<[f64; 2]> {
+    pub(super) fn resist(&mut self, stack: &LayerStack, body: &BodyState) -> Option<[f64; 2]> {
         let direction = body.direction;
         if direction == 0.0 || self.front(direction).facets.is_empty() {
             return Some([0.0; 2]);
@@ -169,20 +170,20 @@ impl Nose {
         normal.is_finite().then_some([-direction * normal, -direction * tangential])
     }
 
-    /// How far the next increment may go.
-    pub(super) fn limit(&self, stack: &Stack, body: &BodyState) -> Limit {
+    /// Returns the limit on the next time increment.
+    pub(super) fn limit(&self, stack: &LayerStack, body: &BodyState) -> IncrementLimit {
         let (velocity, acceleration) = (body.velocity, body.acceleration);
         let direction = if velocity == 0.0 { acceleration } else { velocity };
         if direction == 0.0 || self.front(direction).facets.is_empty() {
-            return Limit::NONE;
+            return IncrementLimit::NONE;
         }
         let sign = direction.signum();
-        let (distance, jump) = self.reach(stack, body.displacement, sign);
-        Limit { time: time_to_travel(distance, velocity.abs(), acceleration * sign), jump }
+        let (distance, jump) = self.distance_to_change(stack, body.displacement, sign);
+        IncrementLimit { time: time_to_travel(distance, velocity.abs(), acceleration * sign), jump }
     }
 
-    /// Whether the body still moves in the stack, or has left it at the side that it moves to.
-    pub(super) fn penetration(&self, stack: &Stack, body: &BodyState) -> Option<Penetration> {
+    /// Returns the outcome of a body that moves inside the stack, or that has left it in its direction of motion.
+    pub(super) fn penetration(&self, stack: &LayerStack, body: &BodyState) -> Option<PenetrationRecord> {
         let direction = body.velocity.signum();
         if body.velocity == 0.0 || body.prescribed || self.front(direction).facets.is_empty() {
             return None;
@@ -193,10 +194,10 @@ impl Nose {
         let inside = high > first && low < last;
         let outcome =
             if through { Some(PenetrationOutcome::Through) } else { inside.then_some(PenetrationOutcome::Moving) };
-        outcome.map(|outcome| Penetration { body: self.body, outcome, in_space: None })
+        outcome.map(|outcome| PenetrationRecord { body: self.body, outcome, in_space: None })
     }
 
-    pub(super) fn show(&self, stack: &Stack, body: &BodyState, fields: &mut FacetFields) {
+    pub(super) fn show(&self, stack: &LayerStack, body: &BodyState, fields: &mut FacetFields) {
         let (velocity, shift) = (body.velocity, body.displacement);
         for (front, direction) in self.fronts.iter().zip([-1.0, 1.0]) {
             let loaded = velocity * direction > 0.0;
@@ -220,7 +221,7 @@ impl Nose {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        let front = |f: &Front| {
+        let front = |f: &NoseFront| {
             heap_bytes(&f.facets)
                 + size_of::<usize>() * (f.elements.capacity() + f.inwards.capacity())
                 + heap_bytes(&f.levels)
@@ -228,24 +229,38 @@ impl Nose {
         self.fronts.iter().map(front).sum::<usize>() + heap_bytes(&self.idle)
     }
 
-    fn front(&self, direction: f64) -> &Front {
+    fn front(&self, direction: f64) -> &NoseFront {
         &self.fronts[usize::from(direction > 0.0)]
     }
 
     /// Calls `each(facet index, layer, area)` for the part of every facet in every layer.
-    fn parts(&self, stack: &Stack, front: &Front, shift: f64, direction: f64, mut each: impl FnMut(usize, usize, f64)) {
+    fn parts(
+        &self,
+        stack: &LayerStack,
+        front: &NoseFront,
+        shift: f64,
+        direction: f64,
+        mut each: impl FnMut(usize, usize, f64),
+    ) {
         for (index, facet) in front.facets.iter().enumerate() {
             self.parts_of(stack, facet, shift, direction, |layer, area| each(index, layer, area));
         }
     }
 
-    /// Calls `each(layer, area)` for the part of a facet in every layer, as far as it bears the law there.
+    /// Calls `each(layer, area)` for the effective area of a facet in every layer.
     #[inline]
-    fn parts_of(&self, stack: &Stack, facet: &Facet, shift: f64, direction: f64, mut each: impl FnMut(usize, f64)) {
+    fn parts_of(
+        &self,
+        stack: &LayerStack,
+        facet: &Facet,
+        shift: f64,
+        direction: f64,
+        mut each: impl FnMut(usize, f64),
+    ) {
         let planes = &stack.planes;
         let (low, high) = (facet.low[1] + shift, facet.high[1] + shift);
-        let bounded = stack.finite.is_some();
-        let bearing = |layer: usize| stack.bearing_area(layer, &facet.shifted(shift));
+        let bounded = stack.bounds.is_some();
+        let bearing = |layer: usize| stack.effective_area(layer, &facet.shifted(shift));
         if is_level(facet.normal) {
             let ahead = low + direction * self.rounding;
             if let Some(layer) = stack.layer_around(ahead, ahead) {
@@ -263,9 +278,9 @@ impl Nose {
         }
     }
 
-    /// The layer that holds all loaded facets, if one does; looks first where they were last.
+    /// Returns the layer that contains all loaded facets, if any; the layer of the last evaluation is tried first.
     #[inline]
-    fn layer_of_all(&mut self, stack: &Stack, low: f64, high: f64) -> Option<usize> {
+    fn layer_of_all(&mut self, stack: &LayerStack, low: f64, high: f64) -> Option<usize> {
         let planes = &stack.planes[self.last_layer..self.last_layer + 2];
         if planes[0] <= low && high <= planes[1] {
             return Some(self.last_layer);
@@ -275,26 +290,26 @@ impl Nose {
         Some(layer)
     }
 
-    /// Axial normal and tangential force magnitudes at speed V in a direction.
+    /// Returns the magnitudes of the axial normal and tangential forces at speed V in a direction.
     #[inline]
-    fn forces(&mut self, stack: &Stack, shift: f64, direction: f64, speed: f64) -> [f64; 2] {
+    fn forces(&mut self, stack: &LayerStack, shift: f64, direction: f64, speed: f64) -> [f64; 2] {
         let offset = shift + direction * self.rounding;
         let [low, high] = self.front(direction).range.inline_map(|z| z + offset);
-        if stack.finite.is_none()
+        if stack.bounds.is_none()
             && let Some(layer) = self.layer_of_all(stack, low, high)
         {
             return self.front(direction).sums.forces(&stack.laws[layer], speed);
         }
-        if Nose::outside(stack, low, high) {
+        if NoseResistance::outside(stack, low, high) {
             return [0.0; 2];
         }
         self.forces_of_parts(stack, shift, direction, speed)
     }
 
-    fn forces_of_parts(&self, stack: &Stack, shift: f64, direction: f64, speed: f64) -> [f64; 2] {
+    fn forces_of_parts(&self, stack: &LayerStack, shift: f64, direction: f64, speed: f64) -> [f64; 2] {
         let front = self.front(direction);
         if let Some(shear_strength) = stack.shear_strength() {
-            let nose = Inwards { facets: &front.facets, order: &front.inwards, shift, direction };
+            let nose = PluggingNose { facets: &front.facets, order: &front.inwards, shift, direction };
             return plug::least_forces(stack, shear_strength, nose, |facet, plate| {
                 let mut sum = [0.0; 2];
                 self.parts_of(stack, facet, shift, direction, |layer, area| {
@@ -312,21 +327,22 @@ impl Nose {
         total
     }
 
-    fn outside(stack: &Stack, low: f64, high: f64) -> bool {
+    fn outside(stack: &LayerStack, low: f64, high: f64) -> bool {
         let planes = &stack.planes;
         high < planes[0] || low > planes[planes.len() - 1]
     }
 
-    /// How far the body may travel, and whether the force jumps there.
-    fn reach(&self, stack: &Stack, shift: f64, direction: f64) -> (f64, bool) {
+    /// Returns the distance that the body may travel in the next increment, and whether the force jumps there.
+    fn distance_to_change(&self, stack: &LayerStack, shift: f64, direction: f64) -> (f64, bool) {
         let front = self.front(direction);
         let [low, high] = [front.range[0] + shift, front.range[1] + shift];
         let (leading, trailing) = if direction > 0.0 { (high, low) } else { (low, high) };
         let gap = stack.distance_ahead(trailing, direction, self.rounding);
         let extent = high - low;
         let cut = gap < extent;
-        // With bounds the force changes all the way, not only where a plane cuts the nose, and by lengths as the nose is wide.
-        let inside = stack.finite.is_some() && !Nose::outside(stack, low, high);
+        // In a bounded stack the force changes everywhere, over lengths of the order of the nose radius, not only where
+        // a plane intersects the nose.
+        let inside = stack.bounds.is_some() && !NoseResistance::outside(stack, low, high);
         let ahead = if cut || inside { 0.0 } else { stack.distance_ahead(leading, direction, self.rounding) };
         let smooth = ahead + self.travel * if inside { extent.max(front.radius) } else { extent };
         let jump = front
@@ -338,15 +354,16 @@ impl Nose {
     }
 }
 
-/// Axial normal and tangential force on an area of a facet at speed V.
+/// Returns the axial normal and tangential force on an area of a facet at speed V.
 #[inline]
-fn force(facet: &Facet, law: &Resistance, area: f64, speed: f64) -> [f64; 2] {
+fn force(facet: &Facet, law: &CavityResistance, area: f64, speed: f64) -> [f64; 2] {
     let n = facet.normal[1].abs();
     let force = area * law.stress(speed * n);
     [force * n, force * facet.normal[0].abs()]
 }
 
-/// Time to cover a distance at speed v with acceleration a along the motion; infinite if the body stops before.
+/// Returns the time to cover a distance at initial speed v and acceleration a along the motion; infinite if the body
+/// stops earlier.
 fn time_to_travel(distance: f64, speed: f64, acceleration: f64) -> f64 {
     let discriminant = speed * speed + 2.0 * acceleration * distance;
     if !distance.is_finite() || discriminant < 0.0 {
@@ -355,4 +372,4 @@ fn time_to_travel(distance: f64, speed: f64, acceleration: f64) -> f64 {
     2.0 * distance / (speed + discriminant.sqrt())
 }
 
-persist_struct!(Nose { last_layer } derived { body, fronts, idle, travel, rounding });
+persist_struct!(NoseResistance { last_layer } derived { body, fronts, idle, travel, rounding });

@@ -1,116 +1,117 @@
-//! The resistance on a rigid body that moves and turns in space: its meridian's facets as rings, in a stack whose planes are tilted.
-//! Never here: sums over stations (`rings`), the load as the integrator sees it.
+//! Resistance on a rigid body with six degrees of freedom in a stack of inclined planes. The facets of its meridian are
+//! treated as rings; the sums over their stations are in `rings`.
 
-use super::rings::{Rings, Scene};
-use super::stack::Stack;
-use crate::kernel::attitude::{Vector, dot, norm};
+use super::rings::{RingKinematics, RingSet};
+use super::stack::LayerStack;
+use crate::kernel::attitude::{SpatialVector, dot, norm};
 use crate::kernel::lists::heap_bytes;
 use crate::load::fields::FacetFields;
-use crate::load::{MotionAtEnd, Penetration, PenetrationOutcome};
-use crate::mesh::surface::Patch;
+use crate::load::{FinalMotion, PenetrationOutcome, PenetrationRecord};
+use crate::mesh::surface::RigidFacets;
 use crate::state::BodyState;
 use crate::state::archive::persist_struct;
-use crate::state::limit::Limit;
-use crate::state::rigid_body_3d::{Motion, RigidBody3d, Wrench};
+use crate::state::limit::IncrementLimit;
+use crate::state::rigid_body_3d::{RigidBody3d, RigidMotion, Wrench};
 
-/// Speed over which pressure and friction come up, as a part of the body's own; below a tenth of the fastest there was it is no
-/// longer in proportion. A law that jumps where a wall begins to move into the material would turn the motion across the wall in
-/// every increment, however short.
+/// Regularisation of pressure and friction: both rise linearly up to the speed `ONSET * travel` times the body speed,
+/// or `SLOW` times its largest speed so far if that is larger. A law that jumps when a wall begins to move into the
+/// material would reverse the transverse motion in every increment, regardless of its length.
 const ONSET: f64 = 0.25;
 const SLOW: f64 = 0.1;
-/// An increment covers this part of the time in which what damps would stop the body.
+/// Largest increment, as a fraction of the time in which the damping would stop the body.
 const DAMPED: f64 = 0.5;
 
-/// Where a stack lies: its heights grow along a direction, and are those of the deck where that passes through a point.
+/// Orientation of a stack: heights are measured along a direction, and equal those of the deck at a pivot on the axis.
 #[derive(Clone, Copy, Debug)]
-pub struct Tilt {
-    /// Direction of the normal of the planes.
-    pub up: Vector,
-    /// Height z at which planes and the axis of the deck meet that all turn about.
+pub struct StackTilt {
+    /// Unit normal of the planes.
+    pub up: SpatialVector,
+    /// Height z of the pivot on the axis of the deck.
     pub pivot: f64,
 }
 
-impl Tilt {
-    /// Planes turned about direction 3 through the point of the axis at a height, by an angle in radians.
-    pub fn new(pivot: f64, angle: f64) -> Tilt {
-        Tilt { up: [-libm::sin(angle), libm::cos(angle), 0.0], pivot }
+impl StackTilt {
+    /// Rotates planes about direction 3 through the point on the axis at height `pivot`, by an angle in radians.
+    pub fn new(pivot: f64, angle: f64) -> StackTilt {
+        StackTilt { up: [-libm::sin(angle), libm::cos(angle), 0.0], pivot }
     }
 
-    /// Height in the stack of a point of the world.
-    fn height(&self, point: Vector) -> f64 {
-        self.pivot + dot(self.beside_pivot(point), self.up)
+    /// Returns the height in the stack of a point in global coordinates.
+    fn height(&self, point: SpatialVector) -> f64 {
+        self.pivot + dot(self.from_pivot(point), self.up)
     }
 
-    /// The way from the point about which it is turned.
-    fn beside_pivot(&self, [x, y, z]: Vector) -> Vector {
+    /// Returns the vector from the pivot to a point.
+    fn from_pivot(&self, [x, y, z]: SpatialVector) -> SpatialVector {
         [x, y - self.pivot, z]
     }
 }
 
-/// Facets of one body in a tilted stack.
+/// Facets of one body in an inclined stack.
 #[derive(Clone, Debug)]
-pub(super) struct Oblique {
+pub(super) struct ObliqueResistance {
     pub(super) body: usize,
-    tilt: Tilt,
+    tilt: StackTilt,
     friction: f64,
-    /// Part of what of the body lies across planes that an increment may travel; it also scales the onset.
+    /// Fraction of the body's extent normal to the planes that it may travel in one increment; it also scales the
+    /// regularisation speed.
     travel: f64,
-    rings: Rings,
+    rings: RingSet,
     elements: Vec<usize>,
-    /// Which way layers follow each other along `up`.
+    /// Direction in which the layers follow each other along `up`, 1 or -1.
     direction: f64,
-    /// Whether it has met the stack.
-    met: bool,
-    /// When it had left it again, and how.
-    left: Option<(f64, bool)>,
-    /// How fast the force grows with speed where it comes up.
+    /// Whether the body has entered the stack.
+    entered: bool,
+    /// Total time at which the body left the stack, and whether through the rear face.
+    exit: Option<(f64, bool)>,
+    /// Slope of the force over the speed in the regularised range.
     damping: f64,
 }
 
-impl Oblique {
+impl ObliqueResistance {
     pub(super) fn new(
-        patch: &Patch,
+        patch: &RigidFacets,
         of: &RigidBody3d,
-        (tilt, direction): (Tilt, f64),
+        (tilt, direction): (StackTilt, f64),
         (friction, travel): (f64, f64),
-    ) -> Oblique {
+    ) -> ObliqueResistance {
         let facets = patch.facets.iter().map(|f| &f.1);
-        Oblique {
+        ObliqueResistance {
             body: patch.body,
             tilt,
             friction,
             travel,
-            rings: Rings::new(facets, of.heights[0], of.stations),
+            rings: RingSet::new(facets, of.heights[0], of.stations),
             elements: patch.facets.iter().map(|f| f.0).collect(),
             direction,
-            met: false,
-            left: None,
+            entered: false,
+            exit: None,
             damping: 0.0,
         }
     }
 
-    fn scene(&self, body: &RigidBody3d, motion: &Motion) -> Scene {
-        let own = |v: Vector| body.attitude.to_body(v);
-        // What lies still is asked at next to no speed, for all that it can hold.
+    fn scene(&self, body: &RigidBody3d, motion: &RigidMotion) -> RingKinematics {
+        let own = |v: SpatialVector| body.attitude.to_body(v);
+        // For a body at rest, the regularisation speed is almost zero, so that the full resistance is available.
         let floor = if body.rests { 0.0 } else { SLOW * body.fastest };
         let speed = body.speed_bound(motion).max(floor);
-        Scene {
+        RingKinematics {
             velocity: own(motion.velocity),
             turning: own(motion.turning),
             up: own(self.tilt.up),
             height: self.tilt.height(body.centre),
-            beside_pivot: own(self.tilt.beside_pivot(body.centre)),
+            from_pivot: own(self.tilt.from_pivot(body.centre)),
             onset: (ONSET * self.travel * speed).max(f64::MIN_POSITIVE),
             friction: self.friction,
         }
     }
 
-    /// Friction and pressure on its body; `None` where they are not finite.
-    pub(super) fn resist(&mut self, stack: &Stack, body: &BodyState, time: f64) -> Option<[Wrench; 2]> {
+    /// Returns the forces and moments of friction and pressure on the body; `None` if they are not finite.
+    pub(super) fn resist(&mut self, stack: &LayerStack, body: &BodyState, time: f64) -> Option<[Wrench; 2]> {
         let body = body.spatial.as_ref()?;
         let scene = self.scene(body, &body.shown);
         let [low, high] = self.rings.heights(&scene);
-        self.look(stack, [low, high], time);
+        self.update_outcome(stack, [low, high], time);
         self.damping = 0.0;
         if high <= stack.planes[0] || low >= stack.planes[stack.planes.len() - 1] {
             return Some(Default::default());
@@ -123,33 +124,33 @@ impl Oblique {
         wrenches.iter().all(Wrench::is_finite).then_some(wrenches)
     }
 
-    /// Whether it has met the stack, and has left it.
-    fn look(&mut self, stack: &Stack, [low, high]: [f64; 2], time: f64) {
+    /// Updates whether the body has entered and left the stack.
+    fn update_outcome(&mut self, stack: &LayerStack, [low, high]: [f64; 2], time: f64) {
         let inside = high > stack.planes[0] && low < stack.planes[stack.planes.len() - 1];
         if inside {
-            (self.met, self.left) = (true, None);
-        } else if self.met && self.left.is_none() {
+            (self.entered, self.exit) = (true, None);
+        } else if self.entered && self.exit.is_none() {
             let below = high <= stack.planes[0];
             let through = below == (self.direction < 0.0);
-            self.left = Some((time, through));
+            self.exit = Some((time, through));
         }
     }
 
-    /// What has become of its body here.
-    pub(super) fn penetration(&self, body: &BodyState) -> Option<Penetration> {
+    /// Returns the outcome and the motion of the body.
+    pub(super) fn penetration(&self, body: &BodyState) -> Option<PenetrationRecord> {
         let body = body.spatial.as_ref()?;
         let speed = norm(body.velocity);
         let along = dot(body.velocity, self.tilt.up).abs();
         let obliquity = if speed > 0.0 { libm::acos((along / speed).min(1.0)) } else { 0.0 };
-        let outcome = match self.left {
+        let outcome = match self.exit {
             Some((_, true)) => PenetrationOutcome::Through,
             Some((_, false)) => PenetrationOutcome::Ricochet,
-            None if !self.met => PenetrationOutcome::NotMet,
+            None if !self.entered => PenetrationOutcome::NotMet,
             None if body.rests => PenetrationOutcome::AtRest,
             None => PenetrationOutcome::Moving,
         };
-        let in_space = MotionAtEnd {
-            exit_time: self.left.map(|left| left.0),
+        let in_space = FinalMotion {
+            exit_time: self.exit.map(|left| left.0),
             velocity: body.velocity,
             rotational_velocity: body.motion().turning,
             speed,
@@ -157,25 +158,26 @@ impl Oblique {
             yaw: body.yaw().to_degrees(),
             tilt: body.tilt().to_degrees(),
         };
-        Some(Penetration { body: self.body, outcome, in_space: Some(in_space) })
+        Some(PenetrationRecord { body: self.body, outcome, in_space: Some(in_space) })
     }
 
-    /// Goes on from the resistance on the same body that it replaces.
-    pub(super) fn continue_from(&mut self, previous: &Oblique) {
+    /// Copies the history of the resistance on the same body that this one replaces.
+    pub(super) fn continue_from(&mut self, previous: &ObliqueResistance) {
         if previous.body == self.body {
-            (self.met, self.left, self.damping) = (previous.met, previous.left, previous.damping);
+            (self.entered, self.exit, self.damping) = (previous.entered, previous.exit, previous.damping);
         }
     }
 
-    /// How far the next increment may go: to the next plane and a part of the body beyond, and no longer than what damps lets it.
-    pub(super) fn limit(&self, stack: &Stack, body: &BodyState) -> Limit {
-        let Some(body) = &body.spatial else { return Limit::NONE };
+    /// Returns the limit on the next time increment: the time to the next plane plus a fraction of the body, and a
+    /// fraction of the damping time.
+    pub(super) fn limit(&self, stack: &LayerStack, body: &BodyState) -> IncrementLimit {
+        let Some(body) = &body.spatial else { return IncrementLimit::NONE };
         let motion = body.motion();
         let scene = self.scene(body, &motion);
         let [low, high] = self.rings.heights(&scene);
         let speed = dot(motion.velocity, self.tilt.up).abs() + body.size * norm(motion.turning);
         let inside = high > stack.planes[0] && low < stack.planes[stack.planes.len() - 1];
-        let changes = inside && stack.finite.is_some();
+        let changes = inside && stack.bounds.is_some();
         let cut = changes || stack.planes.iter().any(|p| (low..=high).contains(p));
         let gap = |p: &f64| if *p > high { p - high } else { low - p };
         let ahead = if cut { 0.0 } else { stack.planes.iter().map(gap).fold(f64::INFINITY, f64::min) };
@@ -185,11 +187,11 @@ impl Oblique {
             let yields = 1.0 / body.mass + body.size * body.size / body.inertia.transverse;
             time = time.min(DAMPED / (self.damping * yields));
         }
-        Limit { time, jump: false }
+        IncrementLimit { time, jump: false }
     }
 
-    /// Adds what frames show: each element as often as there are stations.
-    pub(super) fn show(&self, stack: &Stack, body: &BodyState, fields: &mut FacetFields) {
+    /// Adds the facet output: one entry per station of each element.
+    pub(super) fn show(&self, stack: &LayerStack, body: &BodyState, fields: &mut FacetFields) {
         let Some(body) = &body.spatial else { return };
         let scene = self.scene(body, &body.motion());
         self.rings
@@ -201,7 +203,7 @@ impl Oblique {
     }
 }
 
-persist_struct!(Oblique { met, left, damping } derived { body, tilt, friction, travel, rings, elements, direction });
+persist_struct!(ObliqueResistance { entered, exit, damping } derived { body, tilt, friction, travel, rings, elements, direction });
 
 #[cfg(test)]
 mod tests {
@@ -209,8 +211,8 @@ mod tests {
     use crate::kernel::attitude::plus;
 
     #[test]
-    fn heights_of_a_tilted_stack_grow_along_its_normal() {
-        let tilt = Tilt::new(2.0, 0.5);
+    fn heights_increase_along_the_normal_of_an_inclined_stack() {
+        let tilt = StackTilt::new(2.0, 0.5);
         assert!((tilt.height(plus([0.0, 2.0, 0.0], 3.0, tilt.up)) - 5.0).abs() < 1e-15);
         assert!((tilt.height([libm::cos(0.5), 2.0 + libm::sin(0.5), 7.0]) - 2.0).abs() < 1e-15);
     }

@@ -1,54 +1,54 @@
-//! Plugging: of all ways through a plate the one that takes the least force.
-//! Never here: the forces of opening the cavity.
+//! Plugging of plates: the failure mode with the smallest force.
 
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use super::stack::Stack;
+use super::stack::LayerStack;
 use crate::kernel::facet::Facet;
 
-/// A nose as plugging sees it: its facets from the widest inwards.
+/// A nose with its facets in descending order of radius.
 #[derive(Clone, Copy)]
-pub(super) struct Inwards<'a> {
+pub(super) struct PluggingNose<'a> {
     pub(super) facets: &'a [Facet],
     pub(super) order: &'a [usize],
-    /// How far it has moved along z, and which way it moves.
+    /// Displacement along z, and direction of motion.
     pub(super) shift: f64,
     pub(super) direction: f64,
 }
 
-/// Axial force of opening the cavity, and of friction with coefficient 1, on a nose for which plates may fail by a plug: within some
-/// radius what is ahead is sheared out by 2 pi r h tau over the way h to the back of the plate, outside it the cavity is opened. The
-/// radius that takes the least force is the one that counts: an upper bound, as those of Recht and Ipson (1963) and Bai and Johnson
-/// (1982) are, without the inertia of the plug. `cavity` gives both forces on a facet in some layers.
+/// Returns the axial forces of cavity expansion and of friction with coefficient 1, on a nose that may shear plugs out
+/// of plates. Inside some radius r the material ahead is sheared out with the force 2 pi r h tau over the remaining
+/// thickness h; outside, the cavity is opened. The radius with the smallest total force is used. This is an upper
+/// bound, like those of Recht and Ipson (1963) and Bai and Johnson (1982), without the inertia of the plug. `cavity`
+/// returns both forces on a facet in a range of layers.
 pub(super) fn least_forces(
-    stack: &Stack,
+    stack: &LayerStack,
     shear_strength: f64,
-    nose: Inwards<'_>,
+    nose: PluggingNose<'_>,
     cavity: impl Fn(&Facet, &Range<usize>) -> [f64; 2],
 ) -> [f64; 2] {
-    plates(stack).fold([0.0; 2], |total, plate| plus(total, through(stack, &plate, shear_strength, nose, &cavity)))
+    plates(stack).fold([0.0; 2], |total, plate| plus(total, plate_force(stack, &plate, shear_strength, nose, &cavity)))
 }
 
-/// The sum of two pairs of forces.
+/// Returns the sum of two pairs of forces.
 #[inline]
 pub(super) fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] + b[0], a[1] + b[1]]
 }
 
-/// The layers between gaps.
-fn plates(stack: &Stack) -> impl Iterator<Item = Range<usize>> + '_ {
+/// Returns the plates: ranges of consecutive layers between gaps.
+fn plates(stack: &LayerStack) -> impl Iterator<Item = Range<usize>> + '_ {
     let count = stack.laws.len();
     let solid = move |layer: usize| layer < count && !stack.is_gap(layer);
     let firsts = (0..count).filter(move |&l| solid(l) && (l == 0 || !solid(l - 1)));
     firsts.map(move |first| first..(first..).find(|&l| !solid(l)).unwrap_or(count))
 }
 
-fn through(
-    stack: &Stack,
+fn plate_force(
+    stack: &LayerStack,
     plate: &Range<usize>,
     shear_strength: f64,
-    nose: Inwards<'_>,
+    nose: PluggingNose<'_>,
     cavity: &impl Fn(&Facet, &Range<usize>) -> [f64; 2],
 ) -> [f64; 2] {
     let faces = [stack.planes[plate.start], stack.planes[plate.end]];
@@ -65,7 +65,7 @@ fn through(
     if outside[0] <= least[0] { outside } else { least }
 }
 
-/// Thickness of a plate ahead of a place.
+/// Returns the thickness of a plate ahead of a point.
 fn ahead(z: f64, [low, high]: [f64; 2], direction: f64) -> f64 {
     let from = z.clamp(low, high);
     if direction > 0.0 { high - from } else { from - low }

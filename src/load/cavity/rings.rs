@@ -1,7 +1,6 @@
-//! Rings: what facets of a meridian sweep around the axis, cut into stations, as a body that moves and turns in space presses them
-//! into a stack of layers whose planes are tilted. All is in the body's frame; loops over stations are plain arithmetic over lanes,
-//! so that every instruction set gives the same bits.
-//! Never here: where the body is, its motion over time.
+//! Rings: the surfaces that the facets of a meridian form around the axis, divided into stations, and the resistance of
+//! a stack of inclined layers on them. All vectors are in the body frame. Loops over stations are plain arithmetic over
+//! lanes, so that every instruction set gives the same bits.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use crate::kernel::lanes::{InlineMap, inline_from_fn};
@@ -9,42 +8,42 @@ use std::f64::consts::PI;
 
 use pulp::Arch;
 
-use super::finite::Finite;
-use super::stack::Stack;
-use crate::kernel::attitude::{Vector, dot};
-use crate::kernel::cavity::Resistance;
+use super::finite::StackBounds;
+use super::stack::LayerStack;
+use crate::kernel::attitude::{SpatialVector, dot};
+use crate::kernel::cavity::CavityResistance;
 use crate::kernel::facet::Facet;
 use crate::kernel::lists::heap_bytes;
 use crate::load::stations::centroid;
 use crate::platform::PortableMath as _;
 use crate::state::rigid_body_3d::Wrench;
 
-/// Stations side by side: enough that compilers leave loops over them to their vectoriser.
+/// Number of stations per array, large enough that compilers vectorise loops over them.
 const LANES: usize = 16;
-/// A number at each of them.
-type Lane = [f64; LANES];
+/// One value per station.
+type StationLanes = [f64; LANES];
 
-/// One facet swept around the axis.
+/// Surface of revolution of one facet.
 #[derive(Clone, Copy, Debug)]
-pub struct Ring {
-    /// Radial and axial part of the outward normal.
+pub struct FacetRing {
+    /// Radial and axial component of the outward normal.
     normal: [f64; 2],
-    /// Radius of the circle on which the centroids of its stations lie, and its height above the centre of mass.
+    /// Radius of the circle through the centroids of the stations, and its height above the centre of mass.
     radius: f64,
     height: f64,
-    /// Half the way along the facet, `[r, z]`.
+    /// Half the vector along the facet, `[r, z]`.
     along: [f64; 2],
-    /// height n_r - radius n_z: the lever of pressure about an axis across the body.
+    /// Lever arm of the pressure about a transverse axis: height n_r - radius n_z.
     lever: f64,
     area: f64,
 }
 
-impl Ring {
-    fn new(facet: &Facet, height_of_centre: f64, stations: usize) -> Ring {
+impl FacetRing {
+    fn new(facet: &Facet, height_of_centre: f64, stations: usize) -> FacetRing {
         let (low, high, [radius, z]) = (facet.low, facet.high, centroid(facet));
         let height = z - height_of_centre;
         let normal = facet.normal;
-        Ring {
+        FacetRing {
             normal,
             radius,
             height,
@@ -55,29 +54,29 @@ impl Ring {
     }
 }
 
-/// Cosines and sines of the angles of stations: at their middles and their edges; the last are filled up to whole lanes.
+/// Cosines and sines of the angles of stations, at their midpoints and edges, padded to whole arrays.
 #[derive(Clone, Debug)]
-pub struct Stations {
+pub struct StationAngles {
     count: usize,
-    middle: [Vec<Lane>; 2],
-    edges: [[Vec<Lane>; 2]; 2],
-    /// 1, and 0 of what fills up.
-    weight: Vec<Lane>,
-    /// Half the angle between edges.
+    middle: [Vec<StationLanes>; 2],
+    edges: [[Vec<StationLanes>; 2]; 2],
+    /// 1 for stations, 0 for padding.
+    weight: Vec<StationLanes>,
+    /// Half the angle of a station.
     half: f64,
 }
 
-impl Stations {
-    pub fn new(count: usize) -> Stations {
+impl StationAngles {
+    pub fn new(count: usize) -> StationAngles {
         let step = 2.0 * PI / count as f64;
-        let lanes = |of: &dyn Fn(usize) -> f64| -> Vec<Lane> {
+        let lanes = |of: &dyn Fn(usize) -> f64| -> Vec<StationLanes> {
             (0..count.div_ceil(LANES)).map(|i| inline_from_fn(|l| of(i * LANES + l))).collect()
         };
         let around = |shift: f64| {
             let angle = move |k: usize| step * (k as f64 + shift);
             [lanes(&|k| libm::cos(angle(k))), lanes(&|k| libm::sin(angle(k)))]
         };
-        Stations {
+        StationAngles {
             count,
             middle: around(0.5),
             edges: [around(0.0), around(1.0)],
@@ -91,51 +90,51 @@ impl Stations {
     }
 }
 
-/// How a body moves and where the stack lies, in the body's frame.
+/// Motion of a body and orientation of the stack, in the body frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene {
+pub struct RingKinematics {
     /// Velocity of the centre of mass.
-    pub velocity: Vector,
+    pub velocity: SpatialVector,
     /// Angular velocity.
-    pub turning: Vector,
-    /// Direction in which heights of the stack grow.
-    pub up: Vector,
+    pub turning: SpatialVector,
+    /// Direction of increasing height in the stack.
+    pub up: SpatialVector,
     /// Height of the centre of mass in the stack.
     pub height: f64,
-    /// The way to the centre of mass from a point on the axis of the stack.
-    pub beside_pivot: Vector,
-    /// Speed over which pressure and friction come up: below it they are in proportion to it.
+    /// Vector from the pivot of the stack to the centre of mass.
+    pub from_pivot: SpatialVector,
+    /// Regularisation speed: below it, pressure and friction are proportional to the speed.
     pub onset: f64,
-    /// Coulomb's coefficient.
+    /// Coulomb coefficient.
     pub friction: f64,
 }
 
-/// What rings come to: pressure, friction, and how fast the force grows with speed where it comes up.
+/// Forces and moments on rings, and their slope over the speed.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sum {
+pub struct RingForces {
     pub pressure: Wrench,
     pub friction: Wrench,
-    /// Force a speed.
+    /// Slope of the force over the speed in the regularised range.
     pub damping: f64,
 }
 
-/// Of a ring, what does not change around it.
+/// Normal velocity and height of a ring as Fourier series in the angle: mean, cosine and sine terms.
 #[derive(Clone, Copy)]
-struct Around {
+struct RingHarmonics {
     /// Normal velocity v_n = mean + cosine cos + sine sin.
     mean: f64,
     cosine: f64,
     sine: f64,
-    /// Height in the stack, likewise.
+    /// Height in the stack: `height + rise[0] cos + rise[1] sin`.
     height: f64,
     rise: [f64; 2],
 }
 
-impl Around {
-    fn new(ring: &Ring, scene: &Scene) -> Around {
+impl RingHarmonics {
+    fn new(ring: &FacetRing, scene: &RingKinematics) -> RingHarmonics {
         let ([n_r, n_z], lever) = (ring.normal, ring.lever);
         let (v, w, up) = (scene.velocity, scene.turning, scene.up);
-        Around {
+        RingHarmonics {
             mean: n_z * v[1],
             cosine: n_r * v[0] - lever * w[2],
             sine: n_r * v[2] + lever * w[0],
@@ -144,14 +143,14 @@ impl Around {
         }
     }
 
-    /// Smallest and largest normal velocity.
+    /// Returns the smallest and largest normal velocity.
     fn speeds(&self) -> [f64; 2] {
         let swing = self.cosine.portable_hypot(self.sine);
         [self.mean - swing, self.mean + swing]
     }
 
-    /// Lowest and highest place of the ring in the stack.
-    fn heights(&self, ring: &Ring, scene: &Scene) -> [f64; 2] {
+    /// Returns the lowest and highest point of the ring in the stack.
+    fn heights(&self, ring: &FacetRing, scene: &RingKinematics) -> [f64; 2] {
         let up = scene.up;
         let across = up[0].portable_hypot(up[2]);
         let extent = across * (ring.radius + ring.along[0].abs()) + up[1].abs() * ring.along[1].abs();
@@ -159,38 +158,38 @@ impl Around {
     }
 }
 
-/// Facets of one body as rings.
+/// The rings of one body.
 #[derive(Clone, Debug)]
-pub struct Rings {
-    rings: Vec<Ring>,
-    stations: Stations,
+pub struct RingSet {
+    rings: Vec<FacetRing>,
+    stations: StationAngles,
     arch: Arch,
 }
 
-impl Rings {
-    /// Rings of facets, where the mesh has the centre of mass at a height.
-    pub fn new<'a>(facets: impl Iterator<Item = &'a Facet>, height_of_centre: f64, stations: usize) -> Rings {
-        let rings = facets.map(|f| Ring::new(f, height_of_centre, stations)).collect();
-        Rings { rings, stations: Stations::new(stations), arch: Arch::new() }
+impl RingSet {
+    /// Creates the rings of facets; `height_of_centre` is the z coordinate of the centre of mass in the mesh.
+    pub fn new<'a>(facets: impl Iterator<Item = &'a Facet>, height_of_centre: f64, stations: usize) -> RingSet {
+        let rings = facets.map(|f| FacetRing::new(f, height_of_centre, stations)).collect();
+        RingSet { rings, stations: StationAngles::new(stations), arch: Arch::new() }
     }
 
-    /// Lowest and highest place in the stack.
-    pub fn heights(&self, scene: &Scene) -> [f64; 2] {
-        let all = self.rings.iter().map(|ring| Around::new(ring, scene).heights(ring, scene));
+    /// Returns the lowest and highest point of all rings in the stack.
+    pub fn heights(&self, scene: &RingKinematics) -> [f64; 2] {
+        let all = self.rings.iter().map(|ring| RingHarmonics::new(ring, scene).heights(ring, scene));
         all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [a, b]| [low.min(a), high.max(b)])
     }
 
-    /// Resistance on all rings, in the body's frame.
-    pub fn resist(&self, stack: &Stack, scene: &Scene) -> Sum {
-        self.arch.dispatch(All { rings: self, stack, scene })
+    /// Returns the resistance on all rings, in the body frame.
+    pub fn resist(&self, stack: &LayerStack, scene: &RingKinematics) -> RingForces {
+        self.arch.dispatch(RingForceKernel { rings: self, stack, scene })
     }
 
-    /// Pressure on each station of each ring.
-    pub fn show(&self, stack: &Stack, scene: &Scene, mut each: impl FnMut(usize, usize, [f64; 2])) {
+    /// Calls `each(ring, station, [pressure, normal velocity])` for all stations.
+    pub fn show(&self, stack: &LayerStack, scene: &RingKinematics, mut each: impl FnMut(usize, usize, [f64; 2])) {
         for (index, ring) in self.rings.iter().enumerate() {
-            let around = Around::new(ring, scene);
+            let around = RingHarmonics::new(ring, scene);
             for block in 0..self.stations.weight.len() {
-                let loaded = Loaded::new(&around, &self.stations, block, scene.onset);
+                let loaded = LoadedStations::new(&around, &self.stations, block, scene.onset);
                 let pressure = if loaded.is_any() {
                     pressures(ring, &around, &self.stations, block, stack, None, scene, &loaded)
                 } else {
@@ -209,55 +208,62 @@ impl Rings {
     }
 }
 
-/// All rings of a body, compiled for each instruction set.
-struct All<'a> {
-    rings: &'a Rings,
-    stack: &'a Stack,
-    scene: &'a Scene,
+/// Resistance on all rings of a body, compiled for each instruction set.
+struct RingForceKernel<'a> {
+    rings: &'a RingSet,
+    stack: &'a LayerStack,
+    scene: &'a RingKinematics,
 }
 
-impl pulp::NullaryFnOnce for All<'_> {
-    type Output = Sum;
+impl pulp::NullaryFnOnce for RingForceKernel<'_> {
+    type Output = RingForces;
 
     #[inline(always)]
-    fn call(self) -> Sum {
-        let All { rings: Rings { rings, stations, .. }, stack, scene } = self;
-        let mut sum = Sum::default();
+    fn call(self) -> RingForces {
+        let RingForceKernel { rings: RingSet { rings, stations, .. }, stack, scene } = self;
+        let mut sum = RingForces::default();
         let (first, last) = (stack.planes[0], stack.planes[stack.planes.len() - 1]);
         for ring in rings {
-            let around = Around::new(ring, scene);
+            let around = RingHarmonics::new(ring, scene);
             let ([slowest, fastest], [low, high]) = (around.speeds(), around.heights(ring, scene));
             if fastest <= 0.0 || high <= first || low >= last {
                 continue;
             }
             let layer = stack.layer_around(low, high);
             match layer {
-                Some(layer) if slowest >= scene.onset && scene.friction == 0.0 && stack.finite.is_none() => {
-                    closed(ring, &around, &stack.laws[layer], stations.count, &mut sum.pressure);
+                Some(layer) if slowest >= scene.onset && scene.friction == 0.0 && stack.bounds.is_none() => {
+                    add_closed_form(ring, &around, &stack.laws[layer], stations.count, &mut sum.pressure);
                 }
                 _ if scene.friction > 0.0 => {
-                    over_stations::<true>(ring, &around, stations, stack, layer, scene, &mut sum)
+                    add_by_stations::<true>(ring, &around, stations, stack, layer, scene, &mut sum)
                 }
-                _ => over_stations::<false>(ring, &around, stations, stack, layer, scene, &mut sum),
+                _ => add_by_stations::<false>(ring, &around, stations, stack, layer, scene, &mut sum),
             }
         }
         sum
     }
 }
 
-/// A ring that lies in one layer and moves into it all around: means over the circle of p, p cos, p sin are closed.
+/// Adds the resistance on a ring that is inside one layer and moves into it along its whole circumference. The means of
+/// p, p cos and p sin over the circle have closed forms.
 #[inline(always)]
-fn closed(ring: &Ring, around: &Around, law: &Resistance, stations: usize, sum: &mut Wrench) {
-    let Around { mean, cosine, sine, .. } = *around;
+fn add_closed_form(
+    ring: &FacetRing,
+    around: &RingHarmonics,
+    law: &CavityResistance,
+    stations: usize,
+    sum: &mut Wrench,
+) {
+    let RingHarmonics { mean, cosine, sine, .. } = *around;
     let area = ring.area * stations as f64;
     let level = law.c0 + mean * (law.c1 + law.c2 * mean) + 0.5 * law.c2 * (cosine * cosine + sine * sine);
     let slope = 0.5 * law.c1 + law.c2 * mean;
-    add(ring, sum, [area * level, area * slope * cosine, area * slope * sine]);
+    add_pressure(ring, sum, [area * level, area * slope * cosine, area * slope * sine]);
 }
 
-/// Adds a pressure of these integrals over the ring: of p, p cos, p sin.
+/// Adds force and moment of a pressure with these integrals over the ring: of p, p cos, p sin.
 #[inline(always)]
-fn add(ring: &Ring, sum: &mut Wrench, [all, cosine, sine]: [f64; 3]) {
+fn add_pressure(ring: &FacetRing, sum: &mut Wrench, [all, cosine, sine]: [f64; 3]) {
     let [n_r, n_z] = ring.normal;
     sum.force[0] -= n_r * cosine;
     sum.force[1] -= n_z * all;
@@ -266,24 +272,24 @@ fn add(ring: &Ring, sum: &mut Wrench, [all, cosine, sine]: [f64; 3]) {
     sum.moment[2] += ring.lever * cosine;
 }
 
-/// Where stations move into the material: how much of each, and at which speed.
-struct Loaded {
-    /// Normal velocity of the middle.
-    middle: Lane,
-    /// Of the part that moves in.
-    speed: Lane,
-    /// Mean over the station of the onset of pressure, 0 to 1.
-    share: Lane,
-    /// How fast that grows with the speed.
-    growth: Lane,
+/// The part of each station that moves into the material, and its speed.
+struct LoadedStations {
+    /// Normal velocity at the midpoint.
+    middle: StationLanes,
+    /// Normal velocity of the part that moves into the material.
+    speed: StationLanes,
+    /// Mean over the station of the regularisation factor of the pressure, 0 to 1.
+    share: StationLanes,
+    /// Derivative of that factor with respect to the speed.
+    growth: StationLanes,
 }
 
-impl Loaded {
-    /// Between its edges the normal velocity of a station is as good as linear in the angle, so that the mean of the onset
-    /// min(v/c, 1), 0 below rest, is the difference of its integral over that of the velocity.
+impl LoadedStations {
+    /// The normal velocity of a station is nearly linear in the angle. The mean of the regularisation factor min(v/c,
+    /// 1), 0 for v < 0, is therefore the difference of its integral at the edges over the difference of the velocities.
     #[inline(always)]
-    fn new(around: &Around, stations: &Stations, block: usize, onset: f64) -> Loaded {
-        let Around { mean, cosine, sine, .. } = *around;
+    fn new(around: &RingHarmonics, stations: &StationAngles, block: usize, onset: f64) -> LoadedStations {
+        let RingHarmonics { mean, cosine, sine, .. } = *around;
         let [cosines, sines] = [&stations.middle[0][block], &stations.middle[1][block]];
         let [first_cosines, first_sines] = [&stations.edges[0][0][block], &stations.edges[0][1][block]];
         let [second_cosines, second_sines] = [&stations.edges[1][0][block], &stations.edges[1][1][block]];
@@ -305,19 +311,20 @@ impl Loaded {
             speed[l] = if first.min(second) > 0.0 { m } else { crossed };
             middle[l] = v;
         }
-        Loaded { middle, speed, share, growth }
+        LoadedStations { middle, speed, share, growth }
     }
 
-    /// The same of a ring that moves in all around, beyond the onset.
+    /// As [`LoadedStations::new`], for a ring that moves into the material everywhere at more than the regularisation
+    /// speed.
     #[inline(always)]
-    fn whole(around: &Around, stations: &Stations, block: usize) -> Loaded {
-        let Around { mean, cosine, sine, .. } = *around;
+    fn whole(around: &RingHarmonics, stations: &StationAngles, block: usize) -> LoadedStations {
+        let RingHarmonics { mean, cosine, sine, .. } = *around;
         let [cosines, sines] = [&stations.middle[0][block], &stations.middle[1][block]];
         let mut middle = [0.0; LANES];
         for l in 0..LANES {
             middle[l] = mean + (cosine * cosines[l] + sine * sines[l]);
         }
-        Loaded { middle, speed: middle, share: [1.0; LANES], growth: [0.0; LANES] }
+        LoadedStations { middle, speed: middle, share: [1.0; LANES], growth: [0.0; LANES] }
     }
 
     fn is_any(&self) -> bool {
@@ -325,29 +332,29 @@ impl Loaded {
     }
 }
 
-/// Zero of what lies below.
+/// Returns the positive part.
 #[inline(always)]
 fn above_zero(v: f64) -> f64 {
     if v > 0.0 { v } else { 0.0 }
 }
 
-/// Share of the pressure at a normal velocity of at least zero.
+/// Returns the regularisation factor at a normal velocity of at least zero.
 #[inline(always)]
 fn ramp(v: f64, per_onset: f64) -> f64 {
     let share = v * per_onset;
     if share < 1.0 { share } else { 1.0 }
 }
 
-/// Its integral over the normal velocity.
+/// Returns the integral of [`ramp`] over the normal velocity.
 #[inline(always)]
 fn integral(v: f64, per_onset: f64, onset: f64) -> f64 {
     let (below, above) = (0.5 * v * v * per_onset, v - 0.5 * onset);
     if v < onset { below } else { above }
 }
 
-/// The sum of lanes, in one order.
+/// Returns the sum of lanes in a fixed order.
 #[inline(always)]
-fn total(lanes: &Lane) -> f64 {
+fn total(lanes: &StationLanes) -> f64 {
     let mut half = [0.0; LANES / 2];
     for l in 0..LANES / 2 {
         half[l] = lanes[l] + lanes[l + LANES / 2];
@@ -355,20 +362,21 @@ fn total(lanes: &Lane) -> f64 {
     ((half[0] + half[1]) + (half[2] + half[3])) + ((half[4] + half[5]) + (half[6] + half[7]))
 }
 
-/// Mean pressure on stations: the law at their normal velocity, times the share of the area that moves in, and that in each layer.
-/// What bounds the stack lowers the pressure of a station by the place of its middle.
+/// Returns the mean pressure on stations: the law at the normal velocity, times the part of the area that moves into
+/// the material, summed over the layers. The bounds of the stack reduce the pressure by the position of the station's
+/// midpoint.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)] // A ring, which of its stations, where they lie, and how they move.
+#[allow(clippy::too_many_arguments)] // Ring, block of stations, position and motion.
 fn pressures(
-    ring: &Ring,
-    around: &Around,
-    stations: &Stations,
+    ring: &FacetRing,
+    around: &RingHarmonics,
+    stations: &StationAngles,
     block: usize,
-    stack: &Stack,
+    stack: &LayerStack,
     layer: Option<usize>,
-    scene: &Scene,
-    loaded: &Loaded,
-) -> Lane {
+    scene: &RingKinematics,
+    loaded: &LoadedStations,
+) -> StationLanes {
     let weight = &stations.weight[block];
     let mut pressure = [0.0; LANES];
     if let Some(layer) = layer {
@@ -376,12 +384,12 @@ fn pressures(
         for l in 0..LANES {
             pressure[l] = weight[l] * loaded.share[l] * law.stress(loaded.speed[l]);
         }
-        if let Some(finite) = &stack.finite {
+        if let Some(finite) = &stack.bounds {
             bound(finite, layer, (ring, around), (stations, block), scene, &mut pressure);
         }
         return pressure;
     }
-    let place = Extent::new(ring, around, stations, block, scene);
+    let place = StationExtent::new(ring, around, stations, block, scene);
     let mut above = place.share_above(stack.planes[0]);
     for (layer, (law, plane)) in stack.laws.iter().zip(&stack.planes[1..]).enumerate() {
         let beyond = place.share_above(*plane);
@@ -390,7 +398,7 @@ fn pressures(
             let inside = weight[l] * loaded.share[l] * (above[l] - beyond[l]);
             here[l] = inside * law.stress(loaded.speed[l]);
         }
-        if let Some(finite) = &stack.finite {
+        if let Some(finite) = &stack.bounds {
             bound(finite, layer, (ring, around), (stations, block), scene, &mut here);
         }
         for l in 0..LANES {
@@ -401,15 +409,15 @@ fn pressures(
     pressure
 }
 
-/// Lowers the pressure on stations in a layer by what bounds it: free faces, whose distance is measured along each station's
-/// outward normal, and the crater.
+/// Reduces the pressure on stations in a layer for free faces, whose distance is measured along the outward normal of
+/// each station, and for the crater.
 fn bound(
-    finite: &Finite,
+    finite: &StackBounds,
     layer: usize,
-    (ring, around): (&Ring, &Around),
-    (stations, block): (&Stations, usize),
-    scene: &Scene,
-    pressure: &mut Lane,
+    (ring, around): (&FacetRing, &RingHarmonics),
+    (stations, block): (&StationAngles, usize),
+    scene: &RingKinematics,
+    pressure: &mut StationLanes,
 ) {
     let (c, s) = (&stations.middle[0][block], &stations.middle[1][block]);
     let ([n_r, n_z], up) = (ring.normal, scene.up);
@@ -420,7 +428,7 @@ fn bound(
         let z = around.height + (around.rise[0] * c[l] + around.rise[1] * s[l]);
         let normal = [n_r * c[l], n_z, n_r * s[l]];
         let radial = [ring.radius * c[l], ring.height, ring.radius * s[l]];
-        let place = inline_from_fn(|i| scene.beside_pivot[i] + radial[i]);
+        let place = inline_from_fn(|i| scene.from_pivot[i] + radial[i]);
         pressure[l] *= match across(place, normal, up, finite.layers[layer].radius) {
             Some(distance) => finite.share(layer, z, dot(normal, up), distance, ring.radius),
             None => 0.0,
@@ -428,12 +436,13 @@ fn bound(
     }
 }
 
-/// Distance from a place along a unit normal to a cylinder about the axis `up`; `None` outside it.
-fn across(place: Vector, normal: Vector, up: Vector, radius: f64) -> Option<f64> {
+/// Returns the distance from a point along a unit normal to a cylinder about the axis `up`; `None` outside the
+/// cylinder.
+fn across(place: SpatialVector, normal: SpatialVector, up: SpatialVector, radius: f64) -> Option<f64> {
     if radius == f64::INFINITY {
         return Some(radius);
     }
-    let flat = |v: Vector| {
+    let flat = |v: SpatialVector| {
         let along = dot(v, up);
         inline_from_fn(|i| v[i] - along * up[i])
     };
@@ -445,17 +454,22 @@ fn across(place: Vector, normal: Vector, up: Vector, radius: f64) -> Option<f64>
     Some(if a > 0.0 { ((b * b - a * c).sqrt() - b) / a } else { f64::INFINITY })
 }
 
-/// Where stations lie in the stack: heights of their middles, and how far they reach up and down from there along the facet and
-/// around the axis.
-struct Extent {
-    middle: Lane,
-    larger: Lane,
-    smaller: Lane,
+/// Extent of stations in the stack: heights of their midpoints, and half extents along the facet and around the axis.
+struct StationExtent {
+    middle: StationLanes,
+    larger: StationLanes,
+    smaller: StationLanes,
 }
 
-impl Extent {
+impl StationExtent {
     #[inline(always)]
-    fn new(ring: &Ring, around: &Around, stations: &Stations, block: usize, scene: &Scene) -> Extent {
+    fn new(
+        ring: &FacetRing,
+        around: &RingHarmonics,
+        stations: &StationAngles,
+        block: usize,
+        scene: &RingKinematics,
+    ) -> StationExtent {
         let ([cosines, sines], up) = (&stations.middle, scene.up);
         let (c, s) = (&cosines[block], &sines[block]);
         let (mut middle, mut larger, mut smaller) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
@@ -467,19 +481,20 @@ impl Extent {
             larger[l] = along.max(across).max(least);
             smaller[l] = along.min(across);
         }
-        Extent { middle, larger, smaller }
+        StationExtent { middle, larger, smaller }
     }
 
-    /// Share of each station that lies above a plane, taken as the parallelogram that touches it in its middle: the height is the
-    /// sum of two even distributions, so that the share is a trapezoid's integral, smooth as the plane passes.
+    /// Returns the part of each station above a plane. A station is approximated by the parallelogram that is tangent
+    /// at its midpoint: its height is the sum of two uniform distributions, so the result is the integral of a
+    /// trapezoid, which is smooth in the position of the plane.
     #[inline(always)]
-    fn share_above(&self, plane: f64) -> Lane {
+    fn share_above(&self, plane: f64) -> StationLanes {
         let mut share = [0.0; LANES];
         for l in 0..LANES {
             let (a, b) = (self.larger[l], self.smaller[l]);
             let distance = self.middle[l] - plane;
             let x = distance.abs().min(a + b);
-            // Of the middle outwards: half and x/2a, less what the rounded end takes away.
+            // From the midpoint outwards: 1/2 + x/2a minus the contribution of the rounded end.
             let beyond = (x - (a - b)).max(0.0);
             let rounded = beyond * beyond / (8.0 * a * b.max(1e-100));
             let half = (0.5 * x / a - rounded).min(0.5);
@@ -489,60 +504,72 @@ impl Extent {
     }
 }
 
-/// A ring by its stations.
+/// Adds the resistance on a ring as a sum over its stations.
 #[inline(always)]
-fn over_stations<const FRICTION: bool>(
-    ring: &Ring,
-    around: &Around,
-    stations: &Stations,
-    stack: &Stack,
+fn add_by_stations<const FRICTION: bool>(
+    ring: &FacetRing,
+    around: &RingHarmonics,
+    stations: &StationAngles,
+    stack: &LayerStack,
     layer: Option<usize>,
-    scene: &Scene,
-    sum: &mut Sum,
+    scene: &RingKinematics,
+    sum: &mut RingForces,
 ) {
     let whole = around.speeds()[0] >= scene.onset;
-    let mut pressed = [[0.0; LANES]; 4];
-    let mut rubbed = [[0.0; LANES]; 7];
+    let mut pressure_sums = [[0.0; LANES]; 4];
+    let mut friction_sums = [[0.0; LANES]; 7];
     for block in 0..stations.weight.len() {
         let loaded = if whole {
-            Loaded::whole(around, stations, block)
+            LoadedStations::whole(around, stations, block)
         } else {
-            Loaded::new(around, stations, block, scene.onset)
+            LoadedStations::new(around, stations, block, scene.onset)
         };
         let pressure = pressures(ring, around, stations, block, stack, layer, scene, &loaded);
         let (c, s) = (&stations.middle[0][block], &stations.middle[1][block]);
         for l in 0..LANES {
-            pressed[0][l] += pressure[l];
-            pressed[1][l] += pressure[l] * c[l];
-            pressed[2][l] += pressure[l] * s[l];
+            pressure_sums[0][l] += pressure[l];
+            pressure_sums[1][l] += pressure[l] * c[l];
+            pressure_sums[2][l] += pressure[l] * s[l];
         }
-        // Force a speed: the pressure that it will have come up to.
+        // Slope of the force over the speed, from the pressure without the regularisation factor.
         for l in 0..if whole { 0 } else { LANES } {
-            pressed[3][l] +=
+            pressure_sums[3][l] +=
                 loaded.growth[l] * pressure[l] / if loaded.share[l] > 1e-3 { loaded.share[l] } else { 1e-3 };
         }
         if FRICTION {
-            rub(ring, scene, [c, s], &loaded.middle, &pressure, &mut rubbed);
+            add_friction(ring, scene, [c, s], &loaded.middle, &pressure, &mut friction_sums);
         }
     }
-    let total = |lanes: &Lane| ring.area * total(lanes);
-    add(ring, &mut sum.pressure, [total(&pressed[0]), total(&pressed[1]), total(&pressed[2])]);
-    sum.damping += total(&pressed[3]);
+    let total = |lanes: &StationLanes| ring.area * total(lanes);
+    add_pressure(
+        ring,
+        &mut sum.pressure,
+        [total(&pressure_sums[0]), total(&pressure_sums[1]), total(&pressure_sums[2])],
+    );
+    sum.damping += total(&pressure_sums[3]);
     if FRICTION {
         let ([f1, f2, f3], (r, h)) =
-            ([0, 1, 2].inline_map(|i| scene.friction * total(&rubbed[i])), (ring.radius, ring.height));
-        let [cross, twist, along] = [3, 4, 5].inline_map(|i| scene.friction * r * total(&rubbed[i]));
+            ([0, 1, 2].inline_map(|i| scene.friction * total(&friction_sums[i])), (ring.radius, ring.height));
+        let [cross, twist, along] = [3, 4, 5].inline_map(|i| scene.friction * r * total(&friction_sums[i]));
         let Wrench { force, moment } = &mut sum.friction;
         *force = [force[0] - f1, force[1] - f2, force[2] - f3];
         *moment = [moment[0] - (h * f3 - cross), moment[1] - twist, moment[2] - (along - h * f1)];
-        sum.damping += scene.friction * total(&rubbed[6]);
+        sum.damping += scene.friction * total(&friction_sums[6]);
     }
 }
 
-/// Adds f = p v_t / max(|v_t|, c), with v_t the velocity along the surface and c the onset; sin f_2, sin f_1 - cos f_3 and cos f_2, of
-/// which moments are made; and p / max(|v_t|, c).
+/// Adds to the sums the friction per area f = p v_t / max(|v_t|, c), with the velocity v_t along the surface and the
+/// regularisation speed c; sin f_2, sin f_1 - cos f_3 and cos f_2, from which the moments follow; and p / max(|v_t|,
+/// c).
 #[inline(always)]
-fn rub(ring: &Ring, scene: &Scene, [c, s]: [&Lane; 2], into: &Lane, pressure: &Lane, sums: &mut [Lane; 7]) {
+fn add_friction(
+    ring: &FacetRing,
+    scene: &RingKinematics,
+    [c, s]: [&StationLanes; 2],
+    into: &StationLanes,
+    pressure: &StationLanes,
+    sums: &mut [StationLanes; 7],
+) {
     let ([n_r, n_z], r, h) = (ring.normal, ring.radius, ring.height);
     let (v, w, onset) = (scene.velocity, scene.turning, scene.onset);
     let (mut t1, mut t2, mut t3) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);

@@ -1,53 +1,52 @@
-//! The resistance on faces of what deforms, each with its own velocity.
-//! Never here: the law itself (`kernel::cavity`), the load as the integrator sees it.
+//! Resistance on the faces of deformable bodies; each face has its own velocity.
 
-use super::stack::{Stack, is_level};
-use super::tunnel::Tunnel;
+use super::stack::{LayerStack, is_level};
+use super::tunnel::TunnelWall;
 use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::load::fields::FacetFields;
-use crate::load::pressure::on_solid;
-use crate::load::{Dissipation, LastIncrement, SceneView};
-use crate::mesh::surface::{Face, Skin};
+use crate::load::pressure::solid_face_forces;
+use crate::load::{LastIncrement, SceneView, TargetDissipation};
+use crate::mesh::surface::{CurrentFace, DeformableFaces};
 use crate::platform::PortableMath as _;
 use crate::state::archive::persist_struct;
 use crate::state::direction;
 use crate::state::dofs::Dofs;
-use crate::state::limit::Limit;
+use crate::state::limit::IncrementLimit;
 use crate::state::nodes::Nodes;
 
-/// Forces on the two nodes of a face: of pressure, of friction.
-type Pair = [[[f64; 2]; 2]; 2];
+/// Forces on the two nodes of a face, first of pressure, then of friction.
+type FaceForces = [[[f64; 2]; 2]; 2];
 
-/// Faces with the forces on them, now and an instant before.
+/// Faces with their current and previous forces.
 #[derive(Clone, Debug)]
-pub(super) struct Resisted {
-    skin: Skin,
-    forces: Vec<[Pair; 2]>,
-    /// Where its wall stays where it has been pushed.
-    tunnel: Option<Tunnel>,
+pub(super) struct SkinResistance {
+    skin: DeformableFaces,
+    forces: Vec<[FaceForces; 2]>,
+    /// The tunnel wall, if faces that separate from it are ignored.
+    tunnel: Option<TunnelWall>,
 }
 
-impl Resisted {
-    pub(super) fn new(skin: Skin) -> Self {
-        Resisted { forces: vec![[Pair::default(); 2]; skin.most()], skin, tunnel: None }
+impl SkinResistance {
+    pub(super) fn new(skin: DeformableFaces) -> Self {
+        SkinResistance { forces: vec![[FaceForces::default(); 2]; skin.max_faces()], skin, tunnel: None }
     }
 
-    /// From now on nothing acts inside the tunnel.
-    pub(super) fn separate(&mut self, nodes: &Nodes) {
-        let faces = || self.skin.faces.iter().map(|face| Face::new(*face, nodes).ends);
+    /// Ignores faces inside the tunnel from now on.
+    pub(super) fn ignore_opened_tunnel(&mut self, nodes: &Nodes) {
+        let faces = || self.skin.faces.iter().map(|face| CurrentFace::new(*face, nodes).ends);
         let shortest = faces().map(|[a, b]| (b[0] - a[0]).portable_hypot(b[1] - a[1])).fold(f64::INFINITY, f64::min);
         let heights = || faces().flatten().map(|end| end[1]);
         let length = heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
         if shortest.is_finite() {
-            self.tunnel = Some(Tunnel::new(shortest, length));
+            self.tunnel = Some(TunnelWall::new(shortest, length));
         }
     }
 
-    /// Goes on in the tunnel of a resistance that it replaces on some of the same faces.
-    pub(super) fn continue_from(&mut self, previous: &Resisted) {
+    /// Copies the tunnel of the resistance that this one replaces, if they share faces.
+    pub(super) fn continue_from(&mut self, previous: &SkinResistance) {
         let shared = || self.skin.faces.iter().any(|face| previous.skin.faces.contains(face));
         if self.tunnel.is_some() && previous.tunnel.is_some() && shared() {
             self.tunnel.clone_from(&previous.tunnel);
@@ -55,37 +54,37 @@ impl Resisted {
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.skin.most() == 0
+        self.skin.max_faces() == 0
     }
 
-    /// Adds the forces on nodes.
+    /// Adds the nodal forces.
     ///
     /// # Errors
-    /// The normal velocity of a face at which the resistance is not finite.
+    /// The normal velocity of the face, if its resistance is not finite.
     pub(super) fn resist(
         &mut self,
-        stack: &Stack,
+        stack: &LayerStack,
         friction: f64,
         view: &SceneView<'_>,
         forces: &mut [[f64; 2]],
     ) -> Result<(), f64> {
-        let faces = self.skin.faces.iter().zip(&self.skin.carries);
+        let faces = self.skin.faces.iter().zip(&self.skin.is_active);
         for ((&nodes, &carries), [now, before]) in faces.zip(&mut self.forces) {
             *before = *now;
             let meets = carries && self.tunnel.as_ref().is_none_or(|tunnel| is_met(tunnel, nodes, view));
-            *now = if meets { on_face(stack, friction, view, nodes)? } else { Pair::default() };
+            *now = if meets { on_face(stack, friction, view, nodes)? } else { FaceForces::default() };
             for (n, force) in now.iter().flat_map(|part| nodes.into_iter().zip(part)) {
                 forces[n] = [forces[n][0] + force[0], forces[n][1] + force[1]];
             }
         }
         if let Some(tunnel) = &mut self.tunnel {
-            self.skin.carrying().for_each(|face| tunnel.widen(&Face::new(face, &view.dofs.nodes)));
+            self.skin.active_faces().for_each(|face| tunnel.widen(&CurrentFace::new(face, &view.dofs.nodes)));
         }
         Ok(())
     }
 
-    /// Work over the previous increment against pressure and friction.
-    pub(super) fn dissipated(&self, dofs: &Dofs) -> Dissipation {
+    /// Returns the work over the previous increment against pressure and friction.
+    pub(super) fn dissipated(&self, dofs: &Dofs) -> TargetDissipation {
         let last = LastIncrement::new(dofs);
         let mut against = [0.0; 2];
         for (nodes, [now, before]) in self.skin.faces.iter().zip(&self.forces) {
@@ -96,23 +95,23 @@ impl Resisted {
             }
         }
         let [cavity, friction] = against;
-        Dissipation { cavity, friction }
+        TargetDissipation { cavity, friction }
     }
 
     pub(super) fn remove_elements(&mut self, deleted: &[ElementNodes]) {
-        self.skin.release(deleted);
+        self.skin.remove_elements(deleted);
     }
 
-    /// How far the next increment may go: a level face enters a layer as a whole, so that its force jumps there; of others no
-    /// more than the face itself may pass a plane in one increment.
-    pub(super) fn limit(&self, stack: &Stack, nodes: &Nodes) -> Limit {
-        let limits = self.skin.carrying().map(|face| face_limit(stack, &Face::new(face, nodes), nodes));
-        limits.fold(Limit::NONE, Limit::nearer)
+    /// Returns the limit on the next time increment. A face normal to the axis enters a layer as a whole, so its force
+    /// jumps there; another face may pass a plane by at most its own extent.
+    pub(super) fn limit(&self, stack: &LayerStack, nodes: &Nodes) -> IncrementLimit {
+        let limits = self.skin.active_faces().map(|face| face_limit(stack, &CurrentFace::new(face, nodes), nodes));
+        limits.fold(IncrementLimit::NONE, IncrementLimit::earlier)
     }
 
-    pub(super) fn show(&self, stack: &Stack, nodes: &Nodes, fields: &mut FacetFields) {
-        for ((&face, &element), &carries) in self.skin.faces.iter().zip(&self.skin.elements).zip(&self.skin.carries) {
-            let face = Face::new(face, nodes);
+    pub(super) fn show(&self, stack: &LayerStack, nodes: &Nodes, fields: &mut FacetFields) {
+        for ((&face, &element), &carries) in self.skin.faces.iter().zip(&self.skin.elements).zip(&self.skin.is_active) {
+            let face = CurrentFace::new(face, nodes);
             let into = face.normal_velocity(nodes);
             let facet = Facet::new(face.ends[0], face.ends[1], false);
             let sign = direction(face.mean(|n| nodes.velocity_now(n))[1]);
@@ -126,21 +125,21 @@ impl Resisted {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        let tunnel = self.tunnel.as_ref().map_or(0, Tunnel::bytes);
+        let tunnel = self.tunnel.as_ref().map_or(0, TunnelWall::bytes);
         self.skin.bytes() + heap_bytes(&self.forces) + tunnel
     }
 }
 
-fn is_met(tunnel: &Tunnel, nodes: [usize; 2], view: &SceneView<'_>) -> bool {
-    let face = Face::new(nodes, &view.dofs.nodes);
+fn is_met(tunnel: &TunnelWall, nodes: [usize; 2], view: &SceneView<'_>) -> bool {
+    let face = CurrentFace::new(nodes, &view.dofs.nodes);
     tunnel.is_met_by(&face, direction(face.mean(|n| view.velocity(n))[1]))
 }
 
-/// Pressure by the normal velocity of the face's middle, times the share of the face's area in each layer; friction against
-/// the tangential velocity.
-fn on_face(stack: &Stack, friction: f64, view: &SceneView<'_>, nodes: [usize; 2]) -> Result<Pair, f64> {
-    let mut pair = Pair::default();
-    let face = Face::new(nodes, &view.dofs.nodes);
+/// Returns the nodal forces of a face: the pressure at the normal velocity of its midpoint, weighted by area over the
+/// layers, and friction against the tangential velocity.
+fn on_face(stack: &LayerStack, friction: f64, view: &SceneView<'_>, nodes: [usize; 2]) -> Result<FaceForces, f64> {
+    let mut pair = FaceForces::default();
+    let face = CurrentFace::new(nodes, &view.dofs.nodes);
     let (velocity, normal) = (face.mean(|n| view.velocity(n)), face.normal);
     let into = velocity[0] * normal[0] + velocity[1] * normal[1];
     let Some(facet) = Facet::new(face.ends[0], face.ends[1], false).filter(|_| into > 0.0) else { return Ok(pair) };
@@ -151,10 +150,10 @@ fn on_face(stack: &Stack, friction: f64, view: &SceneView<'_>, nodes: [usize; 2]
     if !pressure.is_finite() {
         return Err(into);
     }
-    pair[0] = on_solid(&face, pressure, view.rings);
+    pair[0] = solid_face_forces(&face, pressure, view.rings);
     let along = velocity[1] * normal[0] - velocity[0] * normal[1];
     if friction > 0.0 && along != 0.0 {
-        // Half of the face's friction on each node, against the motion along the tangent (-n_z, n_r).
+        // Half of the friction on each node, against the motion along the tangent (-n_z, n_r).
         let traction = friction * pressure * -along.signum();
         let area = |node: usize| view.rings.map_or(facet.area, |rings| rings[node] * facet.length());
         let force = nodes.inline_map(|node| 0.5 * traction * area(node));
@@ -163,11 +162,11 @@ fn on_face(stack: &Stack, friction: f64, view: &SceneView<'_>, nodes: [usize; 2]
     Ok(pair)
 }
 
-fn face_limit(stack: &Stack, face: &Face, nodes: &Nodes) -> Limit {
+fn face_limit(stack: &LayerStack, face: &CurrentFace, nodes: &Nodes) -> IncrementLimit {
     let velocity = face.mean(|n| nodes.velocity_now(n))[1];
     let into = face.normal_velocity(nodes);
     if into.is_nan() || into <= 0.0 || velocity == 0.0 {
-        return Limit::NONE;
+        return IncrementLimit::NONE;
     }
     let sign = velocity.signum();
     let [a, b] = face.ends.inline_map(|end| sign * end[1]);
@@ -176,7 +175,7 @@ fn face_limit(stack: &Stack, face: &Face, nodes: &Nodes) -> Limit {
     let ahead = stack.distance_ahead(leading, sign, rounding);
     let jump = is_level(face.normal);
     let distance = if jump { ahead } else { ahead + (a - b).abs() };
-    Limit { time: distance / velocity.abs(), jump }
+    IncrementLimit { time: distance / velocity.abs(), jump }
 }
 
-persist_struct!(Resisted { skin, forces: fixed, tunnel: present });
+persist_struct!(SkinResistance { skin, forces: fixed, tunnel: present });

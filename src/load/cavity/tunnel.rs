@@ -1,37 +1,37 @@
-//! The tunnel behind the nose of what deforms: how far its wall has been pushed, by place along z.
-//! Never here: what acts on what meets the wall.
+//! The tunnel that a deformable body opens: the radius of its wall as a function of z.
 
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
-use crate::mesh::surface::Face;
+use crate::mesh::surface::CurrentFace;
 use crate::state::archive::persist_struct;
 
-/// Radii of the wall in slices of one thickness. It remembers as many slices as bodies are long: the nearest ones to what moves.
+/// Wall radii in slices of equal thickness. Slices are reused in a ring buffer that covers twice the initial length of
+/// the body.
 #[derive(Clone, Debug)]
-pub(super) struct Tunnel {
+pub(super) struct TunnelWall {
     thickness: f64,
-    slices: Vec<Slice>,
+    slices: Vec<WallSlice>,
 }
 
-/// One slice: its number along z and the radius to which it has been opened.
+/// One slice: its index along z and the radius to which it was opened.
 #[derive(Clone, Copy, Debug, Default)]
-struct Slice {
+struct WallSlice {
     number: f64,
     radius: f64,
 }
 
-impl Tunnel {
-    /// For faces of this least length on bodies of this length.
+impl TunnelWall {
+    /// Creates a tunnel for bodies of this length whose shortest face has length `face`.
     pub(super) fn new(face: f64, length: f64) -> Self {
         let thickness = 0.5 * face;
-        // Bodies get longer by some; beyond that the oldest slices are forgotten.
+        // Bodies may become longer than they were; the oldest slices are overwritten after that.
         let count = (2.0 * length / thickness).ceil().clamp(16.0, 1e6) as usize;
-        Tunnel { thickness, slices: vec![Slice::default(); count] }
+        TunnelWall { thickness, slices: vec![WallSlice::default(); count] }
     }
 
-    /// Whether a face that moves along z by this sign (or not at all, 0) meets the wall: it is no narrower than the wall a slice ahead of it. At the
-    /// place of the face itself the wall is as wide as the face.
-    pub(super) fn is_met_by(&self, face: &Face, sign: f64) -> bool {
+    /// Whether a face touches the wall: its radius is at least that of the wall one slice ahead in the direction of
+    /// motion `sign` (0 at rest). At its own position the wall is as wide as the face.
+    pub(super) fn is_met_by(&self, face: &CurrentFace, sign: f64) -> bool {
         let [r, z] = face.middle();
         let place = (z + sign * self.thickness) / self.thickness - 0.5;
         let (below, part) = (place.floor(), place - place.floor());
@@ -39,8 +39,8 @@ impl Tunnel {
         r >= (low + part * (high - low)) * (1.0 - 1e-9)
     }
 
-    /// Pushes the wall to a face, where it is narrower.
-    pub(super) fn widen(&mut self, face: &Face) {
+    /// Widens the wall to a face where it is narrower.
+    pub(super) fn widen(&mut self, face: &CurrentFace) {
         let [a, b] = face.ends;
         let (low, high) = if a[1] <= b[1] { (a, b) } else { (b, a) };
         let [first, last] = [low[1], high[1]].inline_map(|z| (z / self.thickness - 0.5).ceil());
@@ -62,7 +62,7 @@ impl Tunnel {
         let place = self.place(number);
         let slice = &mut self.slices[place];
         if slice.number != number {
-            *slice = Slice { number, radius: 0.0 };
+            *slice = WallSlice { number, radius: 0.0 };
         }
         slice.radius = slice.radius.max(radius);
     }
@@ -76,37 +76,37 @@ impl Tunnel {
     }
 }
 
-persist_struct!(Slice { number, radius });
+persist_struct!(WallSlice { number, radius });
 
-persist_struct!(Tunnel { slices: fixed } derived { thickness });
+persist_struct!(TunnelWall { slices: fixed } derived { thickness });
 
 #[cfg(test)]
 mod tests {
-    use super::Tunnel;
-    use crate::mesh::surface::Face;
+    use super::TunnelWall;
+    use crate::mesh::surface::CurrentFace;
 
-    fn face(ends: [[f64; 2]; 2]) -> Face {
-        Face { nodes: [0, 1], ends, normal: [1.0, 0.0] }
+    fn face(ends: [[f64; 2]; 2]) -> CurrentFace {
+        CurrentFace { nodes: [0, 1], ends, normal: [1.0, 0.0] }
     }
 
-    /// A shank of r = 2 passes and springs back to 1.9: it meets the wall again at 2.
+    /// A shank of r = 2 passes and springs back to 1.9; it touches the wall again at 2.
     #[test]
-    fn what_is_narrower_than_the_wall_does_not_meet_it() {
-        let mut tunnel = Tunnel::new(1.0, 10.0);
+    fn face_narrower_than_the_wall_is_not_loaded() {
+        let mut tunnel = TunnelWall::new(1.0, 10.0);
         let shank = |r: f64| face([[r, 0.0], [r, 3.0]]);
         assert!(tunnel.is_met_by(&shank(0.5), -1.0), "nothing has been opened yet");
         tunnel.widen(&shank(2.0));
         assert!(!tunnel.is_met_by(&shank(1.9), -1.0));
         assert!(tunnel.is_met_by(&shank(2.0), -1.0));
         assert!(tunnel.is_met_by(&shank(2.1), -1.0));
-        // A level face at the front of the shank meets what is ahead.
+        // A face normal to the axis at the front of the shank touches the material ahead.
         assert!(tunnel.is_met_by(&face([[0.0, 0.0], [2.0, 0.0]]), -1.0));
     }
 
-    /// What is further behind than bodies are long is forgotten, and nothing else.
+    /// Only slices further away than the length of the buffer are overwritten.
     #[test]
-    fn slices_are_used_again() {
-        let mut tunnel = Tunnel::new(1.0, 10.0);
+    fn slices_are_reused_in_a_ring() {
+        let mut tunnel = TunnelWall::new(1.0, 10.0);
         (0..100).for_each(|i| tunnel.widen(&face([[2.0, -f64::from(i)], [2.0, 1.0 - f64::from(i)]])));
         let at = |z: f64| face([[1.0, z], [1.0, z + 1.0]]);
         assert!(!tunnel.is_met_by(&at(-95.0), -1.0));

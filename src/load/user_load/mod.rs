@@ -1,5 +1,5 @@
-//! A load given by the user's routine: a pressure on a surface (`PNU` and its kin), a body force (`BRNU`, `BZNU`).
-//! Never here: how the routine was made or loaded.
+//! Loads computed by a user subroutine: pressures on a surface (`PNU`, `P1NU` to `P4NU`) and body forces (`BRNU`,
+//! `BZNU`).
 
 mod surface_map;
 mod surface_view;
@@ -7,108 +7,121 @@ mod surface_view;
 use std::any::Any;
 
 use super::{
-    Account, Dissipation, Forces, GeneralizedForce, Load, LoadOutput, SceneChange, SceneView, Targets, VelocityUse,
+    EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView,
+    TargetDissipation, VelocityUse,
 };
 use crate::kernel::lists::heap_bytes;
 use crate::load::fields::FacetFields;
 use crate::load::stations::stations;
-use crate::load::stiffness::Stiffness;
-use crate::mesh::hidden::Hidden;
-use crate::mesh::surface::{Face, Surface};
+use crate::load::stiffness::LoadStiffness;
+use crate::mesh::hidden::InteriorFaces;
+use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::Dofs;
-use crate::state::halt::Halt;
-use crate::state::limit::Limit;
+use crate::state::halt::HaltReason;
+use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
 use crate::user::{Locked, MAX_BLOCK};
-use surface_map::{Block, SurfaceMap};
+use surface_map::{PointBlock, SurfaceMap};
 
-/// What is the same for all points of a load.
+/// Data that all points of a load share.
 #[derive(Clone, Debug)]
-pub struct Description {
+pub struct UserLoadData {
     pub id: EffectId,
-    /// Surface or element set, upper case.
+    /// Name of the surface or element set, upper case.
     pub name: String,
-    /// `jltyp`.
+    /// Load type of VDLOAD (`jltyp`).
     pub load_type: i32,
-    /// Whether the routine is shown normals that point into the body, as solids have it.
+    /// Whether the subroutine gets normals that point into the body, as for solid elements.
     pub inward: bool,
-    /// Magnitude and amplitude; the routine applies them.
+    /// Magnitude and amplitude; the subroutine applies them.
     pub magnitude: Magnitude,
-    /// Whether the routine reads displacements and accelerations.
+    /// Whether the subroutine reads displacements and accelerations.
     pub reads_motion: bool,
 }
 
-/// A volume that a body force acts on.
+/// Volume on which a body force acts.
 #[derive(Clone, Debug, Default)]
-pub struct Volume {
+pub struct LoadedVolume {
     /// Solids of rigid bodies: body, index of the element in the mesh, centre `[r, z]` and volume.
     pub rigid: Vec<(usize, usize, [f64; 2], f64)>,
-    /// Corner nodes of the quadrilaterals that deformable elements consist of.
+    /// Corner nodes of the quadrilaterals of the deformable elements.
     pub cells: Vec<[u32; 4]>,
 }
 
-/// The load on its points, in blocks as the routine is shown them: those of nodes first, then body after body.
+/// A user load: its points in blocks of one call each. Blocks of nodes come first, then those of one body after the
+/// other.
 #[derive(Clone, Debug)]
-pub struct UserLoad {
-    load: Description,
+pub struct SubroutineLoad {
+    load: UserLoadData,
     bodies: Vec<GeneralizedForce>,
-    blocks: Vec<Block>,
-    /// Blocks of the first ones that act on nodes.
+    blocks: Vec<PointBlock>,
+    /// Number of blocks that act on nodes.
     on_nodes: usize,
-    /// Faces that come to lie bare, their middles at the start, and how many faces there were before them.
-    hidden: Hidden,
+    /// Faces that become exposed when elements are deleted, their initial midpoints, and the number of faces exposed
+    /// from the start.
+    hidden: InteriorFaces,
     middles: Vec<[f64; 2]>,
     first_hidden: usize,
 }
 
-impl UserLoad {
-    /// A pressure on a surface, with the degrees of freedom at the start.
-    pub fn on_surface(load: Description, surface: &Surface, dofs: &Dofs) -> Self {
+impl SubroutineLoad {
+    /// Creates a pressure load on a surface; `dofs` are the initial positions.
+    pub fn on_surface(load: UserLoadData, surface: &SurfaceGeometry, dofs: &Dofs) -> Self {
         let (skin, nodes) = (&surface.skin, &dofs.nodes);
-        let (first_hidden, most, hidden) = (skin.faces.len(), skin.most(), skin.hidden().cloned().unwrap_or_default());
-        let block = |first: usize| Block::of_faces(skin.part(first, MAX_BLOCK), (most - first).min(MAX_BLOCK), nodes);
-        let mut blocks: Vec<Block> = (0..most).step_by(MAX_BLOCK).map(block).collect();
+        let (first_hidden, most, hidden) =
+            (skin.faces.len(), skin.max_faces(), skin.hidden().cloned().unwrap_or_default());
+        let block =
+            |first: usize| PointBlock::of_faces(skin.part(first, MAX_BLOCK), (most - first).min(MAX_BLOCK), nodes);
+        let mut blocks: Vec<PointBlock> = (0..most).step_by(MAX_BLOCK).map(block).collect();
         let on_nodes = blocks.len();
         let mut bodies = Vec::new();
         for patch in &surface.patches {
             let slot = bodies.len();
             if let Some(spatial) = &dofs.bodies[patch.body].spatial {
                 let all = stations(patch, spatial);
-                blocks.extend(all.chunks(MAX_BLOCK).map(|part| Block::of_stations(slot, patch.body, part)));
-                bodies.extend(GeneralizedForce::in_space(patch.body, Account::Work));
+                blocks.extend(all.chunks(MAX_BLOCK).map(|part| PointBlock::of_stations(slot, patch.body, part)));
+                bodies.extend(GeneralizedForce::in_space(patch.body, EnergyAccount::Work));
                 continue;
             }
-            blocks.extend(patch.facets.chunks(MAX_BLOCK).map(|part| Block::of_facets(&load, slot, patch.body, part)));
-            bodies.push(GeneralizedForce::along_z(patch.body, Account::Work));
+            blocks.extend(
+                patch.facets.chunks(MAX_BLOCK).map(|part| PointBlock::of_facets(&load, slot, patch.body, part)),
+            );
+            bodies.push(GeneralizedForce::along_z(patch.body, EnergyAccount::Work));
         }
-        let middles = hidden.faces().iter().map(|&f| Face::new(f, nodes).middle()).collect();
-        UserLoad { bodies, load, blocks, on_nodes, hidden, middles, first_hidden }
+        let middles = hidden.faces().iter().map(|&f| CurrentFace::new(f, nodes).middle()).collect();
+        SubroutineLoad { bodies, load, blocks, on_nodes, hidden, middles, first_hidden }
     }
 
-    /// A force a volume.
-    pub fn on_volume(load: Description, volume: &Volume, nodes: &Nodes) -> Self {
+    /// Creates a body force (force per volume).
+    pub fn on_volume(load: UserLoadData, volume: &LoadedVolume, nodes: &Nodes) -> Self {
         let parts = volume.cells.chunks(MAX_BLOCK);
-        let mut blocks: Vec<Block> = parts.map(|elements| Block::of_elements(&load, elements, nodes)).collect();
+        let mut blocks: Vec<PointBlock> =
+            parts.map(|elements| PointBlock::of_elements(&load, elements, nodes)).collect();
         let on_nodes = blocks.len();
         let mut bodies = Vec::new();
         for of_body in volume.rigid.chunk_by(|a, b| a.0 == b.0) {
-            blocks.extend(of_body.chunks(MAX_BLOCK).map(|part| Block::of_solids(&load, bodies.len(), part)));
-            bodies.push(GeneralizedForce::along_z(of_body[0].0, Account::Work));
+            blocks.extend(of_body.chunks(MAX_BLOCK).map(|part| PointBlock::of_solids(&load, bodies.len(), part)));
+            bodies.push(GeneralizedForce::along_z(of_body[0].0, EnergyAccount::Work));
         }
-        let (hidden, middles) = (Hidden::default(), Vec::new());
-        UserLoad { load, bodies, blocks, on_nodes, hidden, middles, first_hidden: 0 }
+        let (hidden, middles) = (InteriorFaces::default(), Vec::new());
+        SubroutineLoad { load, bodies, blocks, on_nodes, hidden, middles, first_hidden: 0 }
     }
 
-    /// Adds a face that has come to lie bare behind those there are.
+    /// Appends a face that has become exposed.
     fn add_face(&mut self, at: usize) {
-        let (i, face, element) = self.hidden.came(at);
+        let (i, face, element) = self.hidden.exposed_face(at);
         self.blocks[(self.first_hidden + at) / MAX_BLOCK].add_face((face, element), self.middles[i]);
     }
 
-    fn on_nodes(&mut self, scene: &SceneView<'_>, user: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
+    fn on_nodes(
+        &mut self,
+        scene: &SceneView<'_>,
+        user: &mut Locked<'_>,
+        forces: &mut [[f64; 2]],
+    ) -> Result<(), HaltReason> {
         let Some(routine) = user.load.as_deref_mut() else { return Ok(()) };
         for (i, block) in self.blocks[..self.on_nodes].iter_mut().enumerate() {
             block.on_nodes(&self.load, scene, routine, i * MAX_BLOCK, forces)?;
@@ -117,7 +130,7 @@ impl UserLoad {
     }
 
     #[inline]
-    fn on_bodies(&mut self, scene: &SceneView<'_>, user: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt> {
+    fn on_bodies(&mut self, scene: &SceneView<'_>, user: &mut Locked<'_>, out: &mut [f64]) -> Result<(), HaltReason> {
         out.fill(0.0);
         let Some(routine) = user.load.as_deref_mut() else { return Ok(()) };
         let (mut first, mut body) = (0, usize::MAX);
@@ -136,8 +149,8 @@ impl UserLoad {
             match force {
                 Ok(()) => {}
                 Err(halt) => {
-                    // Frames show the last pressures that all were accepted.
-                    self.blocks[self.on_nodes..=i].iter_mut().for_each(Block::swap_pressures);
+                    // Frames show the last pressures of an increment in which all blocks were accepted.
+                    self.blocks[self.on_nodes..=i].iter_mut().for_each(PointBlock::swap_pressures);
                     return Err(halt);
                 }
             }
@@ -146,13 +159,13 @@ impl UserLoad {
     }
 }
 
-impl Load for UserLoad {
+impl Load for SubroutineLoad {
     fn effect(&self) -> EffectId {
         self.load.id
     }
 
-    fn targets(&self) -> Targets {
-        Targets { bodies: self.bodies.clone(), nodes: self.on_nodes > 0 }
+    fn targets(&self) -> LoadTargets {
+        LoadTargets { bodies: self.bodies.clone(), nodes: self.on_nodes > 0 }
     }
 
     fn velocity_use(&self) -> VelocityUse {
@@ -164,41 +177,42 @@ impl Load for UserLoad {
         &mut self,
         scene: &SceneView<'_>,
         user: &mut Locked<'_>,
-        forces: &mut Forces<'_>,
-    ) -> Result<Dissipation, Halt> {
+        forces: &mut LoadForces<'_>,
+    ) -> Result<TargetDissipation, HaltReason> {
         match forces {
-            Forces::OnNodes(forces) => self.on_nodes(scene, user, forces)?,
-            Forces::OnBodies(forces) => self.on_bodies(scene, user, forces)?,
+            LoadForces::OnNodes(forces) => self.on_nodes(scene, user, forces)?,
+            LoadForces::OnBodies(forces) => self.on_bodies(scene, user, forces)?,
         }
-        Ok(Dissipation::default())
+        Ok(TargetDissipation::default())
     }
 
-    fn max_increment(&self, scene: &SceneView<'_>) -> Limit {
+    fn max_increment(&self, scene: &SceneView<'_>) -> IncrementLimit {
         self.load.magnitude.limit(&scene.clock)
     }
 
-    /// The routine goes on to be shown a face that went; its answer no longer counts. Faces that come follow all others.
+    /// The subroutine is still called for faces of deleted elements; their pressures are ignored. New faces are
+    /// appended.
     fn scene_changed(&mut self, change: &SceneChange<'_>) {
         let SceneChange::DeletedElements(deleted) = change else { return };
         for block in &mut self.blocks {
             if let SurfaceMap::Faces { skin, .. } = &mut block.map {
-                skin.release(deleted);
+                skin.remove_elements(deleted);
             }
         }
-        self.hidden.release(deleted).for_each(|at| self.add_face(at));
+        self.hidden.remove_elements(deleted).for_each(|at| self.add_face(at));
     }
 }
 
-impl LoadOutput for UserLoad {
+impl LoadOutput for SubroutineLoad {
     fn continue_from(&mut self, previous: &dyn Load) {
-        let Some(previous) = (previous as &dyn Any).downcast_ref::<UserLoad>() else { return };
+        let Some(previous) = (previous as &dyn Any).downcast_ref::<SubroutineLoad>() else { return };
         for block in &mut self.blocks[..self.on_nodes] {
             previous.blocks[..previous.on_nodes].iter().for_each(|known| block.continue_from(known));
         }
     }
 
-    fn stiffness(&self) -> Option<&Stiffness> {
-        let found = self.blocks[..self.on_nodes].iter().filter_map(Block::stiffness);
+    fn stiffness(&self) -> Option<&LoadStiffness> {
+        let found = self.blocks[..self.on_nodes].iter().filter_map(PointBlock::stiffness);
         found.reduce(|most, other| if other.squared > most.squared { other } else { most })
     }
 
@@ -227,15 +241,15 @@ impl LoadOutput for UserLoad {
     }
 }
 
-impl Persist for UserLoad {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+impl Persist for SubroutineLoad {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         self.hidden.persist(archive);
         if archive.reads() && !self.hidden.is_empty() {
             let first = |i: usize| self.first_hidden.saturating_sub(i * MAX_BLOCK).min(MAX_BLOCK);
             self.blocks[..self.on_nodes].iter_mut().enumerate().for_each(|(i, block)| block.cut(first(i)));
-            (0..self.hidden.bare()).for_each(|at| self.add_face(at));
+            (0..self.hidden.exposed_count()).for_each(|at| self.add_face(at));
         }
-        let UserLoad { load: _, bodies: _, blocks, on_nodes: _, hidden: _, middles: _, first_hidden: _ } = self;
+        let SubroutineLoad { load: _, bodies: _, blocks, on_nodes: _, hidden: _, middles: _, first_hidden: _ } = self;
         blocks.as_mut_slice().persist(archive);
     }
 }

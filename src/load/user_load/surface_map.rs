@@ -1,7 +1,7 @@
-//! Points of a surface and what they lie on: facets and solids of rigid bodies along z, circumferential stations of those in space, faces
-//! and elements that deform. Never here: the load as the integrator sees it.
+//! Points of a load and the geometry they belong to: facets and solids of rigid bodies that move along z, stations of
+//! rigid bodies with six degrees of freedom, faces and elements of deformable bodies.
 
-use super::Description;
+use super::UserLoadData;
 use super::surface_view::SurfaceView;
 use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
@@ -9,40 +9,41 @@ use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad::{corner_masses, section};
 use crate::load::SceneView;
 use crate::load::fields::FacetFields;
-use crate::load::pressure::{on_ends, push};
-use crate::load::stations::Station;
-use crate::load::stiffness::{Seen, Stiffness, Watch};
-use crate::mesh::surface::{Face, Skin};
+use crate::load::pressure::{add_pressure, face_forces};
+use crate::load::stations::SurfaceStation;
+use crate::load::stiffness::{FaceSample, LoadStiffness, StiffnessMonitor};
+use crate::mesh::surface::{CurrentFace, DeformableFaces};
 use crate::platform::PortableMath as _;
 use crate::state::BodyState;
-use crate::state::archive::{Archive, Persist, persist_fields, persist_struct};
+use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
 use crate::state::dofs::Dofs;
-use crate::state::halt::Halt;
+use crate::state::halt::HaltReason;
 use crate::state::nodes::Nodes;
 use crate::state::rigid_body_3d::{RigidBody3d, Wrench};
 use crate::user::{LoadFailure, MAX_BLOCK};
 
-/// At most [`MAX_BLOCK`] points.
+/// Points of one call, at most [`MAX_BLOCK`].
 #[derive(Clone, Debug)]
-pub(super) struct Block {
+pub(super) struct PointBlock {
     pub(super) map: SurfaceMap,
     view: SurfaceView,
-    /// Of points of a rigid body, pressures of the evaluation before: what frames show if the routine fails now.
+    /// Previous pressures on a rigid body, written to frames if the subroutine fails.
     pressure_before: Vec<f64>,
 }
 
-/// What the points of a block lie on: the way from positions and motion to a [`SurfaceView`], and from its pressures to forces.
+/// Geometry of the points of a block: fills a [`SurfaceView`] from positions and motion, and converts its pressures to
+/// forces.
 #[derive(Clone, Debug)]
 pub(super) enum SurfaceMap {
-    /// A rigid body: which of the load's forces is its, the force along z for a value of one (minus area times n_z, or the
-    /// volume), z at the start, and the elements in the mesh.
+    /// Rigid body that moves along z: index of its force among the load's forces, force along z per unit value (minus
+    /// area times n_z, or volume), initial z, and elements in the mesh.
     Body { slot: usize, body: usize, weight: Vec<f64>, z_start: Vec<f64>, elements: Vec<usize> },
-    /// Stations of a rigid body in space: the first of the load's forces that are its.
-    Stations { slot: usize, body: usize, stations: Vec<Station> },
-    /// Faces of deformable elements, with their middles at the start (and room for those to come), and what is known of the load's
-    /// stiffness.
-    Faces { skin: Skin, start: Vec<[f64; 2]>, watch: Watch },
-    /// Deformable elements by their corner nodes, with their middles at the start; the axis of the force.
+    /// Stations of a rigid body with six degrees of freedom; `slot` is its first index among the load's forces.
+    Stations { slot: usize, body: usize, stations: Vec<SurfaceStation> },
+    /// Faces of deformable elements, with their initial midpoints (and capacity for faces that become exposed), and the
+    /// estimate of the load's stiffness.
+    Faces { skin: DeformableFaces, start: Vec<[f64; 2]>, watch: StiffnessMonitor },
+    /// Deformable elements by their corner nodes, with their initial centres; axis of the force.
     Elements { corners: Vec<[u32; 4]>, start: Vec<[f64; 2]>, axis: usize },
 }
 
@@ -60,7 +61,7 @@ impl SurfaceMap {
     }
 }
 
-/// Mean place and velocity of an element's corners.
+/// Returns the mean position and velocity of an element's corners.
 fn middle(element: [u32; 4], nodes: &Nodes, velocity: impl Fn(usize) -> [f64; 2]) -> [[f64; 2]; 2] {
     let corners = element.inline_map(|n| n as usize);
     let places = corners.inline_map(|n| nodes[n].place());
@@ -68,18 +69,23 @@ fn middle(element: [u32; 4], nodes: &Nodes, velocity: impl Fn(usize) -> [f64; 2]
     [places, speeds].inline_map(|c| [0, 1].inline_map(|k| 0.25 * ((c[0][k] + c[1][k]) + (c[2][k] + c[3][k]))))
 }
 
-impl Block {
-    pub(super) fn of_facets(load: &Description, slot: usize, body: usize, facets: &[(usize, Facet)]) -> Block {
+impl PointBlock {
+    pub(super) fn of_facets(load: &UserLoadData, slot: usize, body: usize, facets: &[(usize, Facet)]) -> PointBlock {
         let points = facets.iter().map(|(e, f)| (*e, f.middle(), f.normal, -f.area * f.normal[1]));
-        Block::of_body(load, slot, body, points.collect())
+        PointBlock::of_body(load, slot, body, points.collect())
     }
 
-    pub(super) fn of_solids(load: &Description, slot: usize, solids: &[(usize, usize, [f64; 2], f64)]) -> Block {
+    pub(super) fn of_solids(load: &UserLoadData, slot: usize, solids: &[(usize, usize, [f64; 2], f64)]) -> PointBlock {
         let points = solids.iter().map(|&(_, e, centre, volume)| (e, centre, [0.0; 2], volume));
-        Block::of_body(load, slot, solids[0].0, points.collect())
+        PointBlock::of_body(load, slot, solids[0].0, points.collect())
     }
 
-    fn of_body(load: &Description, slot: usize, body: usize, points: Vec<(usize, [f64; 2], [f64; 2], f64)>) -> Block {
+    fn of_body(
+        load: &UserLoadData,
+        slot: usize,
+        body: usize,
+        points: Vec<(usize, [f64; 2], [f64; 2], f64)>,
+    ) -> PointBlock {
         let n = points.len();
         let mut view = SurfaceView::new(n, n);
         for (i, &(_, place, normal, _)) in points.iter().enumerate() {
@@ -95,26 +101,26 @@ impl Block {
             elements: points.iter().map(|p| p.0).collect(),
         };
         let pressure_before = (0..=MAX_BLOCK).map(|i| if i < n { 0.0 } else { f64::NAN }).collect();
-        Block { map, view, pressure_before }
+        PointBlock { map, view, pressure_before }
     }
 
-    pub(super) fn of_stations(slot: usize, body: usize, stations: &[Station]) -> Block {
+    pub(super) fn of_stations(slot: usize, body: usize, stations: &[SurfaceStation]) -> PointBlock {
         let map = SurfaceMap::Stations { slot, body, stations: stations.to_vec() };
         let pressure_before = (0..=MAX_BLOCK).map(|i| if i < stations.len() { 0.0 } else { f64::NAN }).collect();
-        Block { map, view: SurfaceView::new(stations.len(), stations.len()), pressure_before }
+        PointBlock { map, view: SurfaceView::new(stations.len(), stations.len()), pressure_before }
     }
 
-    /// Faces of deformable elements, with room for so many at most.
-    pub(super) fn of_faces(mut skin: Skin, most: usize, nodes: &Nodes) -> Block {
+    /// Creates a block of faces of deformable elements, with capacity for `most` faces.
+    pub(super) fn of_faces(mut skin: DeformableFaces, most: usize, nodes: &Nodes) -> PointBlock {
         let mut start = vec![[0.0; 2]; most];
-        start.iter_mut().zip(&skin.faces).for_each(|(start, face)| *start = Face::new(*face, nodes).middle());
-        let watch = Watch::new(most);
+        start.iter_mut().zip(&skin.faces).for_each(|(start, face)| *start = CurrentFace::new(*face, nodes).middle());
+        let watch = StiffnessMonitor::new(most);
         let view = SurfaceView::new(skin.faces.len(), most);
-        skin.make_room(most - skin.faces.len());
-        Block { map: SurfaceMap::Faces { skin, start, watch }, view, pressure_before: Vec::new() }
+        skin.reserve(most - skin.faces.len());
+        PointBlock { map: SurfaceMap::Faces { skin, start, watch }, view, pressure_before: Vec::new() }
     }
 
-    /// Adds a face that has come to lie bare, whose middle was there at the start.
+    /// Adds a face that has become exposed, with its initial midpoint.
     pub(super) fn add_face(&mut self, (face, element): ([usize; 2], usize), middle: [f64; 2]) {
         let SurfaceMap::Faces { skin, start, .. } = &mut self.map else { return };
         start[skin.faces.len()] = middle;
@@ -122,31 +128,31 @@ impl Block {
         self.view.resize(skin.faces.len());
     }
 
-    /// Goes back to so many faces.
+    /// Removes all faces after the first `count`.
     pub(super) fn cut(&mut self, count: usize) {
         if let SurfaceMap::Faces { skin, .. } = &mut self.map
             && skin.faces.len() > count
         {
-            skin.cut(count);
+            skin.truncate(count);
             self.view.resize(count);
         }
     }
 
-    pub(super) fn of_elements(load: &Description, elements: &[[u32; 4]], nodes: &Nodes) -> Block {
+    pub(super) fn of_elements(load: &UserLoadData, elements: &[[u32; 4]], nodes: &Nodes) -> PointBlock {
         let mut view = SurfaceView::new(elements.len(), elements.len());
         (0..elements.len()).for_each(|i| view.set_normal(i, [0.0; 2], false));
         let start = elements.iter().map(|e| middle(*e, nodes, |_| [0.0; 2])[0]).collect();
         let axis = if load.load_type == 1 { 0 } else { 1 };
         let map = SurfaceMap::Elements { corners: elements.to_vec(), start, axis };
-        Block { map, view, pressure_before: Vec::new() }
+        PointBlock { map, view, pressure_before: Vec::new() }
     }
 
-    /// Which of the load's forces on bodies it adds to.
+    /// Returns the index of the block's force among the load's forces on bodies.
     pub(super) fn slot(&self) -> usize {
         if let SurfaceMap::Body { slot, .. } | SurfaceMap::Stations { slot, .. } = self.map { slot } else { 0 }
     }
 
-    /// The rigid body of its points.
+    /// Returns the rigid body of the points.
     #[inline]
     pub(super) fn body(&self) -> usize {
         if let SurfaceMap::Body { body, .. } | SurfaceMap::Stations { body, .. } = self.map { body } else { 0 }
@@ -158,15 +164,16 @@ impl Block {
         arrays
     }
 
-    /// Calls the routine for points of a rigid body, of which so many came before, and sums up the force along z.
+    /// Calls the subroutine for points of a rigid body and returns the sum of the forces along z. `first` is the number
+    /// of points in previous blocks.
     #[inline]
     pub(super) fn on_body(
         &mut self,
-        load: &Description,
+        load: &UserLoadData,
         scene: &SceneView<'_>,
         routine: &mut dyn crate::user::UserLoad,
         first: usize,
-    ) -> Result<f64, Halt> {
+    ) -> Result<f64, HaltReason> {
         self.swap_pressures();
         let SurfaceMap::Body { body, weight, z_start, .. } = &self.map else { return Ok(0.0) };
         show_body(&mut self.view, z_start, &scene.dofs.bodies[*body], load.reads_motion);
@@ -177,17 +184,18 @@ impl Block {
         Ok(force)
     }
 
-    /// Calls the routine for stations of a rigid body in space, of which so many came before, and sums up force and moment.
+    /// Calls the subroutine for stations of a rigid body with six degrees of freedom and returns the sum of forces and
+    /// moments. `first` is the number of points in previous blocks.
     pub(super) fn on_stations(
         &mut self,
-        load: &Description,
+        load: &UserLoadData,
         scene: &SceneView<'_>,
         routine: &mut dyn crate::user::UserLoad,
         (first, body): (usize, &RigidBody3d),
-    ) -> Result<Wrench, Halt> {
+    ) -> Result<Wrench, HaltReason> {
         self.swap_pressures();
         let SurfaceMap::Stations { stations, .. } = &self.map else { return Ok(Wrench::default()) };
-        self.view.forget();
+        self.view.clear_pressure();
         for (i, station) in stations.iter().enumerate() {
             let point = station.in_plane(body);
             self.view.set_point(i, point.place, point.start, point.velocity, point.acceleration);
@@ -196,7 +204,7 @@ impl Block {
         let called = self.view.call(load, &scene.clock, routine);
         let mut sum = Wrench::default();
         let loaded = stations.iter().zip(self.view.pressure());
-        loaded.for_each(|(station, &pressure)| sum.add(&station.push(body, pressure)));
+        loaded.for_each(|(station, &pressure)| sum.add(&station.pressure_wrench(body, pressure)));
         let accepted = called.and_then(|()| self.view.accept(sum.is_finite()));
         accepted.map_err(|failure| self.view.failure(load, first, &scene.clock.now, &failure))?;
         Ok(sum)
@@ -206,15 +214,16 @@ impl Block {
         std::mem::swap(&mut self.view.pressure, &mut self.pressure_before);
     }
 
-    /// Calls the routine for points that deform, of which so many came before, and adds the forces on nodes.
+    /// Calls the subroutine for points of deformable bodies and adds the nodal forces. `first` is the number of points
+    /// in previous blocks.
     pub(super) fn on_nodes(
         &mut self,
-        load: &Description,
+        load: &UserLoadData,
         scene: &SceneView<'_>,
         routine: &mut dyn crate::user::UserLoad,
         first: usize,
         forces: &mut [[f64; 2]],
-    ) -> Result<(), Halt> {
+    ) -> Result<(), HaltReason> {
         if self.view.is_empty() {
             return Ok(());
         }
@@ -228,23 +237,23 @@ impl Block {
         Ok(())
     }
 
-    /// Looks for what the pressures follow of the motion of the faces that carry them.
+    /// Records positions and pressures of the loaded faces for the estimate of the load's stiffness.
     fn watch(&mut self, scene: &SceneView<'_>, first: usize) {
-        let (nodes, increment) = (&scene.dofs.nodes, scene.dofs.nodes.unbooked());
+        let (nodes, increment) = (&scene.dofs.nodes, scene.dofs.nodes.unaccounted_dt());
         let SurfaceMap::Faces { skin, watch, .. } = &mut self.map else { return };
-        for (i, &face) in skin.faces.iter().enumerate().filter(|(i, _)| skin.carries[*i]) {
-            let face = Face::new(face, nodes);
+        for (i, &face) in skin.faces.iter().enumerate().filter(|(i, _)| skin.is_active[*i]) {
+            let face = CurrentFace::new(face, nodes);
             let shell = skin.shells.get(i).copied().unwrap_or(false);
-            let unit = on_ends(&face, shell, 1.0, scene.rings);
+            let unit = face_forces(&face, shell, 1.0, scene.rings);
             let [a, b] = [0, 1].inline_map(|k| unit[k][0].portable_hypot(unit[k][1]) / nodes.mass[face.nodes[k]]);
             let pressure = self.view.pressure[i];
-            let seen = Seen { place: face.middle(), normal: face.normal, pressure, mobility: a.max(b) };
-            watch.look(i, &seen, increment, first + i, scene.clock.now.total_time);
+            let sample = FaceSample { place: face.middle(), normal: face.normal, pressure, mobility: a.max(b) };
+            watch.sample(i, &sample, increment, first + i, scene.clock.now.total_time);
         }
     }
 
-    /// Goes on with what is known of the faces that it shares with a block of the load that it replaces.
-    pub(super) fn continue_from(&mut self, previous: &Block) {
+    /// Copies the history of the faces that this block shares with a block of the replaced load.
+    pub(super) fn continue_from(&mut self, previous: &PointBlock) {
         let SurfaceMap::Faces { skin, watch, .. } = &mut self.map else { return };
         let SurfaceMap::Faces { skin: known, watch: before, .. } = &previous.map else { return };
         for (i, face) in skin.faces.iter().enumerate() {
@@ -254,19 +263,19 @@ impl Block {
         }
     }
 
-    pub(super) fn stiffness(&self) -> Option<&Stiffness> {
-        if let SurfaceMap::Faces { watch, .. } = &self.map { watch.most() } else { None }
+    pub(super) fn stiffness(&self) -> Option<&LoadStiffness> {
+        if let SurfaceMap::Faces { watch, .. } = &self.map { watch.stiffest() } else { None }
     }
 
-    /// Brings the arrays to this instant and empties the answer.
-    fn show_nodes(&mut self, load: &Description, scene: &SceneView<'_>) {
+    /// Updates the arrays to the current instant and clears the pressures.
+    fn show_nodes(&mut self, load: &UserLoadData, scene: &SceneView<'_>) {
         let (nodes, view) = (&scene.dofs.nodes, &mut self.view);
-        view.forget();
+        view.clear_pressure();
         match &self.map {
             SurfaceMap::Body { .. } | SurfaceMap::Stations { .. } => {}
             SurfaceMap::Faces { skin, start, .. } => {
                 for (i, (&face, start)) in skin.faces.iter().zip(start).enumerate() {
-                    let face = Face::new(face, nodes);
+                    let face = CurrentFace::new(face, nodes);
                     let acceleration = face.mean(|n| nodes.acceleration[n]);
                     view.set_point(i, face.middle(), *start, face.mean(|n| scene.velocity(n)), acceleration);
                     view.set_normal(i, face.normal, load.inward);
@@ -287,15 +296,15 @@ impl Block {
             SurfaceMap::Body { .. } | SurfaceMap::Stations { .. } => {}
             SurfaceMap::Faces { skin, .. } => {
                 let shell = |i: usize| skin.shells.get(i).copied().unwrap_or(false);
-                let loaded = skin.faces.iter().zip(self.view.pressure()).zip(&skin.carries).enumerate();
+                let loaded = skin.faces.iter().zip(self.view.pressure()).zip(&skin.is_active).enumerate();
                 for (i, ((&face, &pressure), _)) in loaded.filter(|face| *face.1.1) {
-                    push(&Face::new(face, nodes), shell(i), pressure, rings, forces);
+                    add_pressure(&CurrentFace::new(face, nodes), shell(i), pressure, rings, forces);
                 }
             }
             SurfaceMap::Elements { corners, axis, .. } => {
                 for (element, &force) in corners.iter().zip(self.view.pressure()) {
                     let places = element.inline_map(|n| nodes[n as usize].place());
-                    // The part of the volume, or under area weighting of the section, that belongs to each corner.
+                    // Part of the volume (with area weighting: of the section) that belongs to each corner.
                     let shares = match rings {
                         Some(rings) => {
                             let quarter = 0.25 * section(places.inline_map(|p| p[0]), places.inline_map(|p| p[1]));
@@ -326,9 +335,9 @@ impl Block {
                 }
             }
             SurfaceMap::Faces { skin, .. } => {
-                let faces = skin.faces.iter().zip(&skin.elements).zip(&skin.carries);
+                let faces = skin.faces.iter().zip(&skin.elements).zip(&skin.is_active);
                 for (((&face, &e), &carries), &pressure) in faces.zip(self.view.pressure()) {
-                    let velocity = Face::new(face, &dofs.nodes).normal_velocity(&dofs.nodes);
+                    let velocity = CurrentFace::new(face, &dofs.nodes).normal_velocity(&dofs.nodes);
                     fields.push(e, if carries { pressure } else { 0.0 }, velocity);
                 }
             }
@@ -337,14 +346,15 @@ impl Block {
     }
 }
 
-/// Brings the arrays of points on a rigid body to this instant and empties the answer, in one pass: for a few facets the
-/// passes would cost more than what they write.
+/// Updates the arrays of points on a rigid body to the current instant and clears the pressures, in one pass: for few
+/// facets, several passes would cost more than the writes.
 #[inline]
 fn show_body(view: &mut SurfaceView, z_start: &[f64], body: &BodyState, all: bool) {
     let n = z_start.len();
     let SurfaceView { coordinates, motion, pressure, .. } = view;
     let (z, v) = (&mut coordinates[n..2 * n], &mut motion[n..2 * n]);
-    // Four at a time: each tile is read before it is written, so nothing need be known of where the arrays lie.
+    // Four at a time: each tile is read before it is written, so the compiler need not check whether the arrays
+    // overlap.
     let tiles = z.as_chunks_mut::<4>().0.iter_mut().zip(v.as_chunks_mut::<4>().0);
     let tiles = tiles.zip(pressure.as_chunks_mut::<4>().0).zip(z_start.as_chunks::<4>().0);
     for (((z, v), pressure), start) in tiles {
@@ -363,8 +373,9 @@ fn show_body(view: &mut SurfaceView, z_start: &[f64], body: &BodyState, all: boo
     }
 }
 
-/// Sum of products in eight interleaved partial sums: the same bits on every instruction set, and no chain of additions.
-#[allow(clippy::needless_range_loop)] // Indices that are known keep the sums in registers.
+/// Returns the dot product in eight interleaved partial sums: the same bits on every instruction set, and no serial
+/// chain of additions.
+#[allow(clippy::needless_range_loop)] // Constant indices keep the sums in registers.
 #[inline]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
@@ -396,12 +407,12 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Persist for SurfaceMap {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         if let SurfaceMap::Faces { skin, start: _, watch } = self {
             persist_fields!(archive; skin, watch);
         }
     }
 }
 
-// The pressures before are those of the instant that is kept, once the next evaluation has begun.
-persist_struct!(Block { map, view } derived { pressure_before });
+// Previous pressures are not saved: the next evaluation sets them from the current ones.
+persist_struct!(PointBlock { map, view } derived { pressure_before });

@@ -1,34 +1,35 @@
-//! Points of a surface as loads see them: position, normal and motion, and the pressures that they write.
-//! Never here: what the points lie on, how the routine was made or loaded.
+//! Arguments of a user load: position, normal and motion of the points, and the pressures that the subroutine writes.
 
-use super::Description;
+use super::UserLoadData;
 use crate::kernel::lists::heap_bytes;
 use crate::state::Instant;
 use crate::state::archive::persist_struct;
-use crate::state::halt::Halt;
-use crate::state::magnitude::Clock;
+use crate::state::halt::HaltReason;
+use crate::state::magnitude::AmplitudeClock;
 use crate::user::{LoadFailure, LoadPoints, MAX_BLOCK, UserLoad};
 
-/// The arrays of one call, for at most [`MAX_BLOCK`] points; what they hold is said at [`LoadPoints`].
+/// Arrays of one call, for at most [`MAX_BLOCK`] points; [`LoadPoints`] describes their layout.
 #[derive(Clone, Debug)]
 pub(super) struct SurfaceView {
     count: usize,
-    /// r of all points, z of all points, and NaN.
+    /// r of all points, z of all points, then NaN.
     pub(super) coordinates: Vec<f64>,
-    /// Slabs of velocity, displacement and acceleration.
+    /// Velocity, displacement and acceleration: r, then z of all points.
     pub(super) motion: Vec<f64>,
     directions: Vec<f64>,
     normal_r: Vec<f64>,
     pub(super) normal_z: Vec<f64>,
-    /// Room for a whole block, and one behind it: a routine that writes past its points is found out.
+    /// Pressures, with capacity for a whole block and one more entry, which detects a subroutine that writes past its
+    /// points.
     pub(super) pressure: Vec<f64>,
 }
 
-/// A NaN that is noticed wherever it is used, even in a comparison: what lies behind two coordinates.
+/// Signalling NaN for a third coordinate or direction: its use, even in a comparison, raises a floating-point
+/// exception.
 const SIGNALLING: u64 = 0x7ff4_0000_0000_0000;
 
 impl SurfaceView {
-    /// Arrays for so many points, without values, with room for `most`.
+    /// Creates arrays for `count` points with capacity for `most`.
     pub(super) fn new(count: usize, most: usize) -> Self {
         let slabs = |slabs: usize, value: f64| vec![value; slabs * most];
         let no_number = f64::from_bits(SIGNALLING);
@@ -47,20 +48,20 @@ impl SurfaceView {
         self.count == 0
     }
 
-    /// Shows so many points from now on, of which nothing is known yet; what came in has no pressure.
+    /// Changes the number of points. All values are cleared; new points have no pressure.
     pub(super) fn resize(&mut self, count: usize) {
-        let came = self.count.min(count)..count;
+        let added = self.count.min(count)..count;
         let no_number = f64::from_bits(SIGNALLING);
         self.count = count;
         self.coordinates.fill(no_number);
         self.motion.fill(0.0);
         self.directions.fill(no_number);
-        self.pressure[came].fill(0.0);
+        self.pressure[added].fill(0.0);
         self.pressure[count..].fill(f64::NAN);
     }
 
-    /// Sets the outward normal of a point, and with it the directions: the normal as the routine is shown it, and that
-    /// turned counter-clockwise, by which (n_r, n_z) becomes (-n_z, n_r).
+    /// Sets the outward normal of a point, and its directions: the normal passed to the subroutine (reversed if
+    /// `inward`), and the tangent, which is the normal turned counter-clockwise, (n_r, n_z) to (-n_z, n_r).
     pub(super) fn set_normal(&mut self, point: usize, [r, z]: [f64; 2], inward: bool) {
         (self.normal_r[point], self.normal_z[point]) = (r, z);
         let sign = if inward { -1.0 } else { 1.0 };
@@ -69,7 +70,7 @@ impl SurfaceView {
         }
     }
 
-    /// Sets place, velocity, displacement and acceleration of a point that deforms.
+    /// Sets position, velocity, displacement and acceleration of a point of a deformable body.
     pub(super) fn set_point(
         &mut self,
         i: usize,
@@ -87,7 +88,7 @@ impl SurfaceView {
         }
     }
 
-    /// Names and bytes of the arrays.
+    /// Returns the names and sizes (bytes) of the arrays of a call.
     pub(super) fn arrays(&self) -> [(&'static str, usize); 4] {
         let bytes = |list: &Vec<f64>| heap_bytes(list);
         let normals = bytes(&self.normal_r) + bytes(&self.normal_z);
@@ -99,7 +100,7 @@ impl SurfaceView {
         ]
     }
 
-    pub(super) fn forget(&mut self) {
+    pub(super) fn clear_pressure(&mut self) {
         self.pressure[..self.count].fill(f64::NAN);
     }
 
@@ -107,15 +108,15 @@ impl SurfaceView {
         &self.pressure[..self.count]
     }
 
-    /// Calls the routine; what it answers is still to be accepted.
+    /// Calls the subroutine; its pressures must then be checked with [`SurfaceView::accept`].
     ///
     /// # Errors
-    /// Its own.
+    /// Those of the subroutine.
     #[inline(always)]
     pub(super) fn call(
         &mut self,
-        load: &Description,
-        clock: &Clock<'_>,
+        load: &UserLoadData,
+        clock: &AmplitudeClock<'_>,
         routine: &mut dyn UserLoad,
     ) -> Result<(), LoadFailure> {
         let n = self.count;
@@ -139,20 +140,20 @@ impl SurfaceView {
         routine.pressure(&points, pressure)
     }
 
-    /// Accepts the answer; `finite` says whether all pressures are, which the caller knows from what it makes of them.
+    /// Checks the pressures. `finite` states whether all are finite, which the caller knows from their sum.
     ///
     /// # Errors
-    /// Where one is not, or where the routine wrote past its points.
+    /// If a pressure is not finite, or if the subroutine wrote past its points.
     #[inline(always)]
     pub(super) fn accept(&mut self, finite: bool) -> Result<(), LoadFailure> {
         if finite && self.pressure[self.count].is_nan() && self.pressure[MAX_BLOCK].is_nan() {
             return Ok(());
         }
-        Err(self.refusal())
+        Err(self.invalid_answer())
     }
 
     #[cold]
-    fn refusal(&mut self) -> LoadFailure {
+    fn invalid_answer(&mut self) -> LoadFailure {
         let n = self.count;
         let point = self.pressure().iter().position(|p| !p.is_finite());
         let Some(i) = point else {
@@ -161,16 +162,22 @@ impl SurfaceView {
         };
         let value = self.pressure[i];
         let hint = if value.is_nan() {
-            "; a point that is left out keeps NaN, and so does what is computed from a third coordinate or direction: \
-             curCoords has two, r and z"
+            "; the value of a point that was left out is NaN, and so are values computed from a third coordinate or \
+             direction: curCoords has two coordinates, r and z"
         } else {
             ""
         };
-        LoadFailure { point, reason: format!("it gave the pressure {value}{hint}") }
+        LoadFailure { point, reason: format!("it returned the pressure {value}{hint}") }
     }
 
-    /// A failure in words; `first` points of the load came in blocks before this one.
-    pub(super) fn failure(&self, load: &Description, first: usize, now: &Instant, failure: &LoadFailure) -> Halt {
+    /// Returns the halt for a failure. `first` is the number of points in previous blocks.
+    pub(super) fn failure(
+        &self,
+        load: &UserLoadData,
+        first: usize,
+        now: &Instant,
+        failure: &LoadFailure,
+    ) -> HaltReason {
         let place = |i| (self.coordinates[i], self.coordinates[self.count + i]);
         let point = failure.point.filter(|&i| i < self.count).map_or(String::new(), |i| {
             let (r, z) = place(i);
@@ -180,8 +187,8 @@ impl SurfaceView {
     }
 }
 
-// Motion, too, of which a routine that does not ask for all has only a part kept up. The number of points follows from the
-// faces that have come to lie bare.
+// Motion is saved, because for some subroutines only the velocities are updated. The number of points follows from the
+// exposed faces.
 persist_struct!(SurfaceView {
     coordinates: fixed, motion: fixed, pressure: fixed
 } derived {

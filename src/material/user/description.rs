@@ -1,78 +1,77 @@
-//! What a deck says of a material that asks the user's routines at its points.
-//! Never here: asking them.
+//! Data of materials that call user subroutines at their points.
 
 use crate::kernel::lanes::inline_from_fn;
 use std::sync::Arc;
 
 use crate::kernel::hardening::{RateFactor, YieldStress};
-use crate::kernel::heating::Heating;
+use crate::kernel::heating::PlasticHeating;
 use crate::kernel::levels::NestedTable;
 
-/// What a deck says of a user material.
+/// Data of a user material from the deck.
 #[derive(Clone, Debug)]
-pub struct Description {
+pub struct UserMaterialData {
     /// Name, upper case (`cmname`).
     pub name: String,
     /// Constants.
     pub properties: Vec<f64>,
-    /// Variables that each element keeps.
+    /// Number of state variables per element.
     pub variables: usize,
-    /// The one of them, counted from 0, that deletes an element when it becomes zero.
+    /// Index of the state variable that deletes an element when it becomes zero.
     pub delete: Option<usize>,
-    /// Field variables.
+    /// Number of field variables.
     pub fields: usize,
-    /// Constants of the routine of fields, where there is one (`*USER DEFINED FIELD`).
-    pub asks_fields: Option<Vec<f64>>,
-    /// Constants of the routine of characteristic lengths, where there is one (`*CHARACTERISTIC LENGTH, DEFINITION=USER`).
-    pub asks_lengths: Option<Vec<f64>>,
-    /// Elasticity and plasticity, where the routine does not give the stress itself.
-    pub flow: Option<Flow>,
-    /// Rise of temperature by inelastic work.
-    pub heating: Heating,
-    /// Mass a volume at the start.
+    /// Constants of VUSDFLD (`*USER DEFINED FIELD`); `None` if it is not called.
+    pub field_constants: Option<Vec<f64>>,
+    /// Constants of VUCHARLENGTH (`*CHARACTERISTIC LENGTH, DEFINITION=USER`); `None` if it is not called.
+    pub length_constants: Option<Vec<f64>>,
+    /// Built-in elasticity and plasticity; `None` if the subroutine computes the stress.
+    pub flow: Option<BuiltInPlasticity>,
+    /// Temperature rise by inelastic work.
+    pub heating: PlasticHeating,
+    /// Initial density.
     pub density: f64,
 }
 
-/// Who gives the yield stress.
+/// Source of the yield stress.
 #[derive(Clone)]
-pub enum Yield {
-    /// Nobody: the material is elastic.
+pub enum YieldSource {
+    /// No yield: the material is elastic.
     Never,
-    /// A law that is built in.
+    /// A built-in law.
     Law(Arc<dyn YieldStress>),
-    /// A table that is built in, over field variables of the point.
+    /// A built-in table over field variables of the point.
     OverFields(Arc<YieldOverFields>),
-    /// The user's routine, with these constants.
+    /// VUHARD, with its constants.
     User(Vec<f64>),
 }
 
-/// A yield stress over the plastic strain, the temperature and field variables, times a factor of rate.
+/// A yield stress as a table over plastic strain, temperature and field variables, times a rate factor.
 #[derive(Clone, Debug)]
 pub struct YieldOverFields {
-    /// The static part, over the plastic strain, the temperature and the field variables.
+    /// Static yield stress over plastic strain, temperature and field variables.
     pub table: NestedTable,
     pub factor: Option<RateFactor>,
-    /// Field variables that it depends on, from the first on.
+    /// Number of field variables in the table, from the first on.
     pub fields: usize,
 }
 
-/// Field variables that a table depends on at most.
+/// Largest number of field variables of a table.
 pub const MOST_DEPENDENCIES: usize = 5;
 
-/// A [`YieldOverFields`] at the field variables of a point.
-pub struct AtFields<'a> {
+/// A [`YieldOverFields`] with the field variables of a point.
+pub struct PointYieldStress<'a> {
     law: &'a YieldOverFields,
     fields: [f64; MOST_DEPENDENCIES],
 }
 
-impl<'a> AtFields<'a> {
-    /// At field variables by their number.
+impl<'a> PointYieldStress<'a> {
+    /// Binds a table to the field variables that `field` returns by index.
     pub fn new(law: &'a YieldOverFields, field: impl Fn(usize) -> f64) -> Self {
-        AtFields { law, fields: of_point(law.fields, field) }
+        PointYieldStress { law, fields: of_point(law.fields, field) }
     }
 }
 
-impl YieldStress for AtFields<'_> {
+impl YieldStress for PointYieldStress<'_> {
     fn at(&self, strain: f64, rate: f64, temperature: f64) -> f64 {
         let mut over = [0.0; 2 + MOST_DEPENDENCIES];
         (over[0], over[1]) = (strain, temperature);
@@ -82,16 +81,16 @@ impl YieldStress for AtFields<'_> {
     }
 }
 
-/// Moduli over the temperature and field variables.
+/// Elastic constants over temperature and field variables.
 #[derive(Clone, Debug)]
-pub struct Elasticity {
+pub struct FieldElasticity {
     pub young: NestedTable,
     pub ratio: NestedTable,
-    /// Field variables that they depend on, from the first on.
+    /// Number of field variables in the tables, from the first on.
     pub fields: usize,
 }
 
-impl Elasticity {
+impl FieldElasticity {
     pub fn moduli(&self, temperature: f64, field: impl Fn(usize) -> f64) -> [f64; 2] {
         let mut over = [0.0; 1 + MOST_DEPENDENCIES];
         over[0] = temperature;
@@ -106,25 +105,25 @@ fn of_point(count: usize, field: impl Fn(usize) -> f64) -> [f64; MOST_DEPENDENCI
     inline_from_fn(|v| if v < count { field(v) } else { 0.0 })
 }
 
-impl std::fmt::Debug for Yield {
+impl std::fmt::Debug for YieldSource {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Yield::Never => f.write_str("Never"),
-            Yield::Law(_) => f.write_str("Law"),
-            Yield::OverFields(law) => f.debug_tuple("OverFields").field(law).finish(),
-            Yield::User(properties) => f.debug_tuple("User").field(properties).finish(),
+            YieldSource::Never => f.write_str("Never"),
+            YieldSource::Law(_) => f.write_str("Law"),
+            YieldSource::OverFields(law) => f.debug_tuple("OverFields").field(law).finish(),
+            YieldSource::User(properties) => f.debug_tuple("User").field(properties).finish(),
         }
     }
 }
 
-/// Isotropic elasticity and von Mises plasticity.
+/// Built-in isotropic elasticity and von Mises plasticity.
 #[derive(Clone, Debug)]
-pub struct Flow {
-    /// Bulk modulus; the largest where it is not constant.
+pub struct BuiltInPlasticity {
+    /// Bulk modulus; its maximum if it varies.
     pub bulk: f64,
-    /// Shear modulus, likewise.
+    /// Shear modulus; its maximum if it varies.
     pub shear: f64,
-    /// Moduli over temperature and field variables; `None` where they are constant.
-    pub elasticity: Option<Arc<Elasticity>>,
-    pub yields: Yield,
+    /// Varying moduli; `None` if they are constant.
+    pub elasticity: Option<Arc<FieldElasticity>>,
+    pub yields: YieldSource,
 }

@@ -1,25 +1,24 @@
-//! Plastic flow behind a yield stress that the user's routine gives (`*PLASTIC, HARDENING=USER`), or of a material whose state
-//! the user's routines change: radial return of von Mises plasticity over the points of a chunk, with one call for all points
-//! that still look for their plastic strain.
-//! Never here: geometry of elements, laws of yield stresses.
-#![allow(clippy::needless_range_loop)] // Loops over points, of which several lists hold something.
+//! Return mapping of user materials with built-in elasticity. The yield stress is that of VUHARD
+//! (`*PLASTIC, HARDENING=USER`), or of a built-in law for materials with user-defined fields. Each call of VUHARD
+//! covers all points of a chunk that have not converged.
+#![allow(clippy::needless_range_loop)] // Loops over points, with one array per quantity.
 
-use super::description::{AtFields, Description, Flow, Yield, YieldOverFields};
-use super::points::{Points, answered, marks, untouched};
+use super::description::{BuiltInPlasticity, PointYieldStress, UserMaterialData, YieldOverFields, YieldSource};
+use super::points::{PointArguments, answered, marks, untouched};
 use crate::kernel::hardening::{YieldStress, plastic_increment};
-use crate::kernel::heating::Heating;
+use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::InlineMap;
 use crate::state::Instant;
 use crate::user::{HardeningAnswer, HardeningCall, LoadFailure, MAX_MATERIAL_BLOCK, UserHardening};
 
-/// Calls of the routine for one increment after which what has not converged is told.
+/// Largest number of calls per increment; points that have not converged by then stop the run.
 const ITERATIONS: usize = 80;
-/// How near the stress must be to the yield stress, relative to the trial's.
+/// Convergence tolerance on |stress - yield stress| / trial stress.
 const ENOUGH: f64 = 1e-11;
 
-/// What a question for a chunk's points needs, and its answers: of the points asked for, one after the other.
+/// Arguments and results of one VUHARD call for the points that have not converged, in their order.
 #[derive(Clone, Debug, Default)]
-pub struct Asked {
+pub struct HardeningBuffers {
     points: Vec<usize>,
     elements: Vec<i32>,
     temperature: [Vec<f64>; 2],
@@ -32,49 +31,60 @@ pub struct Asked {
     slopes: Vec<f64>,
 }
 
-/// Scratch memory of the return: of each point of a chunk.
+/// Work arrays of the return mapping, one entry per point of a chunk.
 #[derive(Clone, Debug, Default)]
-pub struct Returning {
-    asked: Asked,
-    /// Points that still look for their plastic strain.
+pub struct ReturnScratch {
+    buffers: HardeningBuffers,
+    /// Points that have not converged.
     open: Vec<usize>,
     trial: Vec<f64>,
-    /// Increment of the plastic strain, and what it lies between.
+    /// Plastic strain increment, with its lower and upper bound.
     increment: Vec<f64>,
     low: Vec<f64>,
     high: Vec<f64>,
 }
 
-impl Returning {
-    /// Room for all that a material asks: nothing allocates later.
-    pub fn new(material: &Description) -> Self {
-        let Some(flow) = &material.flow else { return Returning::default() };
+impl ReturnScratch {
+    /// Allocates the work arrays of a material, so that nothing is allocated during the run.
+    pub fn new(material: &UserMaterialData) -> Self {
+        let Some(flow) = &material.flow else { return ReturnScratch::default() };
         let n = MAX_MATERIAL_BLOCK;
-        let room = |of: usize| Vec::with_capacity(of * n);
-        let mut returning = Returning { trial: vec![0.0; n], increment: vec![0.0; n], ..Returning::default() };
-        if matches!(flow.yields, Yield::User(_)) {
+        let reserved = |of: usize| Vec::with_capacity(of * n);
+        let mut returning = ReturnScratch { trial: vec![0.0; n], increment: vec![0.0; n], ..ReturnScratch::default() };
+        if matches!(flow.yields, YieldSource::User(_)) {
             (returning.low, returning.high) = (vec![0.0; n], vec![0.0; n]);
             returning.open = Vec::with_capacity(n);
-            // Guards stand behind each answer, as behind those of a material.
-            returning.asked = Asked {
+            // Guard values follow each result, as for material results.
+            returning.buffers = HardeningBuffers {
                 points: Vec::with_capacity(n),
                 elements: Vec::with_capacity(n),
-                temperature: [room(1), room(1)],
-                field: [room(material.fields), room(material.fields)],
-                state: [room(material.variables), room(material.variables + 1)],
-                strain: room(1),
-                rate: room(1),
-                stress: room(2),
-                by_temperature: room(2),
-                slopes: room(3),
+                temperature: [reserved(1), reserved(1)],
+                field: [reserved(material.fields), reserved(material.fields)],
+                state: [reserved(material.variables), reserved(material.variables + 1)],
+                strain: reserved(1),
+                rate: reserved(1),
+                stress: reserved(2),
+                by_temperature: reserved(2),
+                slopes: reserved(3),
             };
         }
         returning
     }
 
     pub fn bytes(&self) -> usize {
-        let Returning { asked, open, trial, increment, low, high } = self;
-        let Asked { points, elements, temperature, field, state, strain, rate, stress, by_temperature, slopes } = asked;
+        let ReturnScratch { buffers, open, trial, increment, low, high } = self;
+        let HardeningBuffers {
+            points,
+            elements,
+            temperature,
+            field,
+            state,
+            strain,
+            rate,
+            stress,
+            by_temperature,
+            slopes,
+        } = buffers;
         let single = [trial, increment, low, high, strain, rate, stress, by_temperature, slopes];
         let lists = single.into_iter().chain(temperature).chain(field).chain(state);
         let numbers: usize = lists.map(|list| 8 * list.capacity()).sum();
@@ -82,39 +92,39 @@ impl Returning {
     }
 }
 
-/// What a chunk's increment is under.
+/// Material and increment of a chunk.
 #[derive(Clone, Copy)]
 pub struct PointContext<'a> {
-    pub material: &'a Description,
-    pub flow: &'a Flow,
-    pub heating: &'a Heating,
-    /// Clock, step and increment.
+    pub material: &'a UserMaterialData,
+    pub flow: &'a BuiltInPlasticity,
+    pub heating: &'a PlasticHeating,
+    /// Time, step and increment.
     pub now: &'a Instant,
     pub dt: f64,
 }
 
-impl Points {
-    /// Stresses, plastic strains and temperatures at the end of an increment.
+impl PointArguments {
+    /// Computes stresses, plastic strains and temperatures at the end of an increment.
     ///
     /// # Errors
-    /// The routine's own, and where it gave no yield stress or none that the stress can meet.
+    /// Errors of the subroutine; a missing yield stress; no convergence.
     pub fn flow(
         &mut self,
-        under: PointContext<'_>,
+        context: PointContext<'_>,
         routine: Option<&mut (dyn UserHardening + 'static)>,
-        returning: &mut Returning,
+        returning: &mut ReturnScratch,
     ) -> Result<(), LoadFailure> {
         self.keep_state();
-        self.try_elastic(under.flow, &mut returning.trial);
+        self.try_elastic(context.flow, &mut returning.trial);
         returning.increment[..self.count].fill(0.0);
-        match (&under.flow.yields, routine) {
-            (Yield::Never, _) => {}
-            (Yield::Law(law), _) => self.meet(&**law, under, returning),
-            (Yield::OverFields(law), _) => self.meet_over_fields(law, under, returning),
-            (Yield::User(properties), Some(routine)) => self.search(properties, under, routine, returning)?,
-            (Yield::User(_), None) => return Ok(()),
+        match (&context.flow.yields, routine) {
+            (YieldSource::Never, _) => {}
+            (YieldSource::Law(law), _) => self.return_by_law(&**law, context, returning),
+            (YieldSource::OverFields(law), _) => self.return_by_table(law, context, returning),
+            (YieldSource::User(properties), Some(routine)) => self.search(properties, context, routine, returning)?,
+            (YieldSource::User(_), None) => return Ok(()),
         }
-        self.settle(under, returning);
+        self.apply_plastic_increments(context, returning);
         Ok(())
     }
 
@@ -124,10 +134,10 @@ impl Points {
         }
     }
 
-    /// The stress of an elastic increment by the moduli of each point at its temperature and fields, and its von Mises stress.
-    /// The stress is that of the whole elastic strain by the moduli now: what stood by the moduli before is scaled by their
-    /// change (ABAQUS Analysis User's Guide 22.2.1, "Linear elastic behavior").
-    fn try_elastic(&mut self, flow: &Flow, trial: &mut [f64]) {
+    /// Computes the elastic trial stress and its von Mises stress with the moduli of each point at its temperature and
+    /// fields. The stress is that of the total elastic strain with the current moduli: the previous stress is scaled by
+    /// the ratio of the moduli (ABAQUS Analysis User's Guide 22.2.1, "Linear elastic behavior").
+    fn try_elastic(&mut self, flow: &BuiltInPlasticity, trial: &mut [f64]) {
         let n = self.count;
         for i in 0..n {
             let at = |end: usize| {
@@ -160,53 +170,53 @@ impl Points {
         }
     }
 
-    /// Three times the shear modulus of a point.
-    fn shear3(&self, flow: &Flow, point: usize) -> f64 {
+    /// Returns three times the shear modulus of a point.
+    fn shear3(&self, flow: &BuiltInPlasticity, point: usize) -> f64 {
         3.0 * self.moduli[1].get(point).copied().unwrap_or(flow.shear)
     }
 
-    /// The plastic strain of each point by a law that is built in.
-    fn meet(&self, law: &dyn YieldStress, under: PointContext<'_>, returning: &mut Returning) {
-        (0..self.count).for_each(|i| returning.increment[i] = self.increment(law, i, under, returning.trial[i]));
+    /// Computes the plastic strain increments with a built-in law.
+    fn return_by_law(&self, law: &dyn YieldStress, context: PointContext<'_>, returning: &mut ReturnScratch) {
+        (0..self.count).for_each(|i| returning.increment[i] = self.increment(law, i, context, returning.trial[i]));
     }
 
-    /// The same by a table over the fields of the point.
-    fn meet_over_fields(&self, law: &YieldOverFields, under: PointContext<'_>, returning: &mut Returning) {
+    /// Computes the plastic strain increments with a table over field variables.
+    fn return_by_table(&self, law: &YieldOverFields, context: PointContext<'_>, returning: &mut ReturnScratch) {
         for i in 0..self.count {
-            let law = AtFields::new(law, |v| self.field[1][v * self.count + i]);
-            returning.increment[i] = self.increment(&law, i, under, returning.trial[i]);
+            let law = PointYieldStress::new(law, |v| self.field[1][v * self.count + i]);
+            returning.increment[i] = self.increment(&law, i, context, returning.trial[i]);
         }
     }
 
-    fn increment(&self, law: &dyn YieldStress, i: usize, under: PointContext<'_>, trial: f64) -> f64 {
+    fn increment(&self, law: &dyn YieldStress, i: usize, context: PointContext<'_>, trial: f64) -> f64 {
         let (strain, temperature) = (self.plastic[0][i], self.temperature[1][i]);
-        plastic_increment(law, trial, strain, temperature, self.shear3(under.flow, i), under.dt)
+        plastic_increment(law, trial, strain, temperature, self.shear3(context.flow, i), context.dt)
     }
 
-    /// The plastic strain of each point by the routine: Newton's method with its slopes over all points at once, each kept
-    /// between bounds that enclose it. The trial stress less 3 G dp falls with dp, and meets the yield stress at p + dp and
-    /// dp/dt.
+    /// Computes the plastic strain increments with VUHARD, by Newton's method with its slopes over all points at once;
+    /// bounds enclose each increment. The trial stress minus `3 G dp` decreases with dp, and equals the yield stress at
+    /// `p + dp` and `dp/dt`.
     fn search(
         &mut self,
         properties: &[f64],
-        under: PointContext<'_>,
+        context: PointContext<'_>,
         routine: &mut dyn UserHardening,
-        returning: &mut Returning,
+        returning: &mut ReturnScratch,
     ) -> Result<(), LoadFailure> {
-        let Returning { asked, open, trial, increment, low, high } = returning;
+        let ReturnScratch { buffers, open, trial, increment, low, high } = returning;
         open.clear();
         open.extend(0..self.count);
         for iteration in 0..ITERATIONS {
             if open.is_empty() {
                 return Ok(());
             }
-            self.ask(properties, under, routine, (&*open, &*increment), asked)?;
-            let (stress, slopes) = (&asked.stress, &asked.slopes);
+            self.call_hardening(properties, context, routine, (&*open, &*increment), buffers)?;
+            let (stress, slopes) = (&buffers.stress, &buffers.slopes);
             let count = open.len();
             let mut kept = 0;
             for at in 0..count {
                 let i = open[at];
-                let shear3 = self.shear3(under.flow, i);
+                let shear3 = self.shear3(context.flow, i);
                 let (dp, returned) = (increment[i], trial[i] - shear3 * increment[i]);
                 let over = returned - stress[at];
                 if iteration == 0 {
@@ -222,9 +232,9 @@ impl Points {
                     high[i] = dp;
                 }
                 let mut hardening = slopes[at];
-                // At the beginning the rate is none, where slopes over its logarithm have no meaning.
-                if iteration > 0 && under.dt > 0.0 {
-                    hardening += slopes[count + at] / under.dt;
+                // In the first iteration the rate is zero, where derivatives of logarithmic rate laws are undefined.
+                if iteration > 0 && context.dt > 0.0 {
+                    hardening += slopes[count + at] / context.dt;
                 }
                 let newton = dp + over / (shear3 + hardening);
                 let perfect = dp + over / shear3;
@@ -242,105 +252,105 @@ impl Points {
         }
         let i = open[0];
         let reason = format!(
-            "its yield stress is not met by the stress after {ITERATIONS} calls: von Mises stress of the trial {:e}, plastic \
-             strain {:e}, its increment between {:e} and {:e}",
+            "the return to the yield surface has not converged after {ITERATIONS} calls: von Mises stress of the trial {:e}, \
+             plastic strain {:e}, its increment between {:e} and {:e}",
             trial[i], self.plastic[0][i], low[i], high[i]
         );
         Err(LoadFailure { point: Some(i), reason })
     }
 
-    /// Asks the routine for some points with the plastic strain tried, and keeps the state variables that it gives them.
-    fn ask(
+    /// Calls VUHARD for some points with trial plastic strains, and stores their state variables.
+    fn call_hardening(
         &mut self,
         properties: &[f64],
-        under: PointContext<'_>,
+        context: PointContext<'_>,
         routine: &mut dyn UserHardening,
         (open, increment): (&[usize], &[f64]),
-        asked: &mut Asked,
+        buffers: &mut HardeningBuffers,
     ) -> Result<(), LoadFailure> {
-        let (n, m, f) = (open.len(), under.material.variables, under.material.fields);
-        self.gather(under, (open, increment), asked);
-        let [state_before, state] = &mut asked.state;
+        let (n, m, f) = (open.len(), context.material.variables, context.material.fields);
+        self.gather(context, (open, increment), buffers);
+        let [state_before, state] = &mut buffers.state;
         let call = HardeningCall {
-            name: &under.material.name,
-            now: *under.now,
-            dt: under.dt,
+            name: &context.material.name,
+            now: *context.now,
+            dt: context.dt,
             count: n,
             variables: m,
             fields: f,
             properties,
-            elements: &asked.elements,
-            temperature: [&asked.temperature[0], &asked.temperature[1]],
-            field: [&asked.field[0], &asked.field[1]],
+            elements: &buffers.elements,
+            temperature: [&buffers.temperature[0], &buffers.temperature[1]],
+            field: [&buffers.field[0], &buffers.field[1]],
             state: &state_before[..m * n],
-            strain: &asked.strain,
-            rate: &asked.rate,
+            strain: &buffers.strain,
+            rate: &buffers.rate,
         };
         let answer = &mut HardeningAnswer {
-            stress: &mut asked.stress[..n],
-            by_temperature: &mut asked.by_temperature[..n],
-            slopes: &mut asked.slopes[..2 * n],
+            stress: &mut buffers.stress[..n],
+            by_temperature: &mut buffers.by_temperature[..n],
+            slopes: &mut buffers.slopes[..2 * n],
             state: &mut state[..m * n],
         };
         routine.yield_stress(&call, answer).map_err(|failure| self.of_chunk(failure, open))?;
         let answers = [
-            ("dyieldDtemp", &mut asked.by_temperature, 1),
-            ("dyieldDeqps", &mut asked.slopes, 2),
-            ("stateNew", &mut asked.state[1], m),
+            ("dyieldDtemp", &mut buffers.by_temperature, 1),
+            ("dyieldDeqps", &mut buffers.slopes, 2),
+            ("stateNew", &mut buffers.state[1], m),
         ];
         answers.into_iter().try_for_each(|(name, list, components)| untouched(name, list, n, components))?;
-        answered("stateNew", &mut asked.state[1], n, m).map_err(|failure| self.of_chunk(failure, open))?;
-        untouched("yield", &mut asked.stress, n, 1)?;
-        if let Some(at) = asked.stress[..n].iter().position(|y| y.is_nan()) {
+        answered("stateNew", &mut buffers.state[1], n, m).map_err(|failure| self.of_chunk(failure, open))?;
+        untouched("yield", &mut buffers.stress, n, 1)?;
+        if let Some(at) = buffers.stress[..n].iter().position(|y| y.is_nan()) {
             let reason = format!(
-                "it gave yield(k) = NaN at the plastic strain {:e}, its rate {:e} and the temperature {:e}",
-                asked.strain[at], asked.rate[at], asked.temperature[1][at]
+                "it returned yield(k) = NaN at the plastic strain {:e}, its rate {:e} and the temperature {:e}",
+                buffers.strain[at], buffers.rate[at], buffers.temperature[1][at]
             );
             return Err(LoadFailure { point: Some(open[at]), reason });
         }
-        // A slope that is none says nothing: the bounds find the plastic strain without it.
-        for slope in asked.slopes.iter_mut().chain(&mut asked.by_temperature).filter(|s| !s.is_finite()) {
+        // Slopes that are not finite are ignored; the bounds converge without them.
+        for slope in buffers.slopes.iter_mut().chain(&mut buffers.by_temperature).filter(|s| !s.is_finite()) {
             *slope = 0.0;
         }
         for (at, &i) in open.iter().enumerate() {
-            (0..m).for_each(|v| self.state[1][v * self.count + i] = asked.state[1][v * n + at]);
+            (0..m).for_each(|v| self.state[1][v * self.count + i] = buffers.state[1][v * n + at]);
         }
         Ok(())
     }
 
-    /// Puts before the routine what it is asked for.
-    fn gather(&self, under: PointContext<'_>, (open, increment): (&[usize], &[f64]), asked: &mut Asked) {
-        let per_dt = if under.dt > 0.0 { 1.0 / under.dt } else { 0.0 };
-        refill(&mut asked.elements, open.iter().map(|&i| self.elements[i]));
-        // As laws that are built in take it: without the heat of the increment.
-        for (list, all) in asked.temperature.iter_mut().zip(&self.temperature) {
+    /// Collects the arguments of a call for some points.
+    fn gather(&self, context: PointContext<'_>, (open, increment): (&[usize], &[f64]), buffers: &mut HardeningBuffers) {
+        let per_dt = if context.dt > 0.0 { 1.0 / context.dt } else { 0.0 };
+        refill(&mut buffers.elements, open.iter().map(|&i| self.elements[i]));
+        // Temperatures exclude the heat of this increment, as for built-in laws.
+        for (list, all) in buffers.temperature.iter_mut().zip(&self.temperature) {
             refill(list, open.iter().map(|&i| all[i]));
         }
-        refill(&mut asked.strain, open.iter().map(|&i| self.plastic[0][i] + increment[i]));
-        refill(&mut asked.rate, open.iter().map(|&i| increment[i] * per_dt));
+        refill(&mut buffers.strain, open.iter().map(|&i| self.plastic[0][i] + increment[i]));
+        refill(&mut buffers.rate, open.iter().map(|&i| increment[i] * per_dt));
         let n = open.len();
-        for (list, all) in asked.field.iter_mut().zip(&self.field) {
-            refill(list, (0..under.material.fields).flat_map(|v| open.iter().map(move |&i| all[v * self.count + i])));
+        for (list, all) in buffers.field.iter_mut().zip(&self.field) {
+            refill(list, (0..context.material.fields).flat_map(|v| open.iter().map(move |&i| all[v * self.count + i])));
         }
-        let variables = under.material.variables;
+        let variables = context.material.variables;
         let states = || (0..variables).flat_map(|v| open.iter().map(move |&i| self.state[0][v * self.count + i]));
-        refill(&mut asked.state[0], states());
-        refill(&mut asked.state[1], states().chain(marks()));
-        refill(&mut asked.stress, std::iter::repeat_n(f64::NAN, n).chain(marks()));
-        refill(&mut asked.by_temperature, std::iter::repeat_n(0.0, n).chain(marks()));
-        refill(&mut asked.slopes, std::iter::repeat_n(0.0, 2 * n).chain(marks()));
+        refill(&mut buffers.state[0], states());
+        refill(&mut buffers.state[1], states().chain(marks()));
+        refill(&mut buffers.stress, std::iter::repeat_n(f64::NAN, n).chain(marks()));
+        refill(&mut buffers.by_temperature, std::iter::repeat_n(0.0, n).chain(marks()));
+        refill(&mut buffers.slopes, std::iter::repeat_n(0.0, 2 * n).chain(marks()));
     }
 
-    /// A failure at one of the points asked for, as that point of the chunk.
+    /// Converts the point of a failure from its index in the call to its index in the chunk.
     fn of_chunk(&self, failure: LoadFailure, open: &[usize]) -> LoadFailure {
         LoadFailure { point: failure.point.and_then(|at| open.get(at).copied()), ..failure }
     }
 
-    /// The stress on the yield surface, its plastic strain, work and heat.
-    fn settle(&mut self, under: PointContext<'_>, returning: &Returning) {
+    /// Applies the plastic strain increments: stress on the yield surface, plastic strain, work and heat.
+    fn apply_plastic_increments(&mut self, context: PointContext<'_>, returning: &ReturnScratch) {
         let n = self.count;
         for i in 0..n {
-            let shear3 = self.shear3(under.flow, i);
+            let shear3 = self.shear3(context.flow, i);
             let (trial, dp) = (returning.trial[i], returning.increment[i]);
             if dp <= 0.0 {
                 continue;
@@ -356,7 +366,7 @@ impl Points {
             self.plastic[1][i] = self.plastic[0][i] + dp;
             self.inelastic[1][i] = self.inelastic[0][i] + returned * dp / self.density[i];
             let without = self.temperature[1][i];
-            self.temperature[1][i] = without + under.heating.rise(without, [returned, dp]);
+            self.temperature[1][i] = without + context.heating.rise(without, [returned, dp]);
         }
     }
 }

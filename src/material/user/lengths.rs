@@ -1,22 +1,21 @@
-//! Characteristic lengths, and elements as a routine of characteristic lengths is shown them.
-//! Never here: what takes a length.
+//! Characteristic lengths, and the element geometry passed to VUCHARLENGTH.
 
 use crate::kernel::quad::section;
 use crate::user::LoadFailure;
 
-/// Where elements and their corners are, as a routine is shown them.
+/// Positions of elements and their corners, as arguments of a subroutine.
 #[derive(Clone, Debug)]
 pub struct ShownElements {
-    /// Corners of an element: 3 where all are triangles, 4 else.
+    /// Corners per element: 3 if all are triangles, else 4.
     pub corners: usize,
-    /// `coordMp`.
+    /// Centres of the elements (`coordMp`).
     pub middles: Vec<f64>,
-    /// `coordNode`.
+    /// Corner positions (`coordNode`).
     pub places: Vec<f64>,
 }
 
 impl ShownElements {
-    /// Room for so many elements, which all have so many corners.
+    /// Allocates the arrays for `count` elements with `corners` corners each.
     pub fn new(count: usize, corners: usize) -> Self {
         let places = vec![0.0; 2 * corners * count];
         ShownElements { corners, middles: vec![0.0; 2 * count], places }
@@ -37,22 +36,22 @@ impl ShownElements {
     }
 }
 
-/// The characteristic length unless a routine says otherwise: the root of the element's area in the (r, z) plane.
+/// Returns the default characteristic length: the square root of the element's area in the (r, z) plane.
 pub fn by_default(r: [f64; 4], z: [f64; 4]) -> f64 {
     section(r, z).abs().sqrt()
 }
 
-/// Whether all lengths are above zero.
+/// Checks that all lengths are positive and finite.
 ///
 /// # Errors
-/// The first that is not.
+/// The first invalid length.
 pub fn above_zero(lengths: &[f64]) -> Result<(), LoadFailure> {
     let Some(point) = lengths.iter().position(|l| !(*l > 0.0 && l.is_finite())) else { return Ok(()) };
-    let reason = format!("it gave charLength(k, 1) = {}; a length is above zero", lengths[point]);
+    let reason = format!("it returned charLength(k, 1) = {}; a length must be greater than zero", lengths[point]);
     Err(LoadFailure { point: Some(point), reason })
 }
 
-/// The user's number of an element, by its name.
+/// Returns the user's element number from its name.
 pub fn user_number(name: &str) -> i32 {
     name.rsplit('.').next().and_then(|number| number.parse().ok()).unwrap_or(0)
 }

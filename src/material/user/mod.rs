@@ -1,7 +1,6 @@
-//! Materials whose stress, yield stress or fields are given by user subroutines (VUMAT, VUHARD, VUSDFLD): what their elements keep,
-//! and what a call is shown of them.
-//! Never here: order of calls, geometry of elements.
-#![allow(clippy::needless_range_loop)] // Loops over lanes, of which several lists hold something.
+//! Materials whose stress, yield stress or fields are computed by user subroutines (VUMAT, VUHARD, VUSDFLD): the state
+//! of their elements and its conversion to the arguments of a call.
+#![allow(clippy::needless_range_loop)] // Loops over lanes, with one array per quantity.
 
 pub mod description;
 pub mod flow;
@@ -11,24 +10,24 @@ pub mod points;
 use super::increment::{StrainIncrement, StressUpdate};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, dot, inline_from_fn};
-use crate::kernel::quad::{Gradient, gradient};
-use crate::kernel::rotation::{of_spin, turned};
+use crate::kernel::quad::{CornerGradient, gradient};
+use crate::kernel::rotation::{rotate, rotation_of_spin};
 use crate::kernel::stress::mises;
 use crate::state::Instant;
 use crate::state::archive::persist_struct;
-use crate::user::{AtPoints, LoadFailure, MAX_MATERIAL_BLOCK};
-use crate::variables::{Part, Variable};
-use description::Description;
-use flow::{PointContext, Returning};
-use points::{PointAccess, Points, stretch};
+use crate::user::{LoadFailure, MAX_MATERIAL_BLOCK, PointRoutines};
+use crate::variables::{Variable, VariableComponent};
+use description::UserMaterialData;
+use flow::{PointContext, ReturnScratch};
+use points::{PointAccess, PointArguments, stretch};
 
-/// Blocks of elements of one call.
+/// Number of element blocks per call.
 pub const CALL_BLOCKS: usize = MAX_MATERIAL_BLOCK / LANES;
 
-/// A material that asks user subroutines at its points. With `FLOWS` the return to the yield surface is built in.
-pub struct UserMaterial<const FLOWS: bool> {
-    /// What the deck says of it.
-    pub description: Description,
+/// A material that calls user subroutines at its points. With `FLOWS` the return to the yield surface is built in.
+pub struct SubroutineMaterial<const FLOWS: bool> {
+    /// Data of the deck.
+    pub description: UserMaterialData,
     /// Names of the elements, for messages.
     pub names: Vec<String>,
     pub triangles: bool,
@@ -39,92 +38,99 @@ pub struct UserMaterial<const FLOWS: bool> {
 pub struct UserState {
     /// The user's numbers of the elements.
     numbers: [i32; LANES],
-    /// Geometry and masses at the start: densities and energies per mass are those of the material whatever scales masses.
-    start: [Gradient; LANES],
+    /// Initial geometry and masses. Densities and specific energies are those of the material, regardless of mass
+    /// scaling.
+    start: [CornerGradient; LANES],
     mass: Lanes,
-    /// Cosine and sine of the angle of those axes.
+    /// Cosine and sine of the rotation angle of the axes.
     turn: [Lanes; 2],
     deleted: [bool; LANES],
-    /// Thermal strain that the next increment takes off.
+    /// Thermal strain that the next increment subtracts.
     thermal: Lanes,
-    /// Centre, characteristic length, density.
+    /// Centre `[r, z]`, characteristic length, density.
     place: [Lanes; 4],
     /// Values at the end of the increment.
     stress: [Lanes; 4],
     stretch: [Lanes; 4],
     gradient: [Lanes; 5],
-    /// Temperatures, and those at the end of the increment where nodes give them.
+    /// Temperatures, and nodal temperatures at the end of the increment where prescribed.
     temperature: [Lanes; 2],
-    warmed: bool,
+    has_nodal_temperature: bool,
     variables: Vec<Lanes>,
-    /// Field variables, and those that nodes have.
+    /// Field variables, and their nodal values.
     field: Vec<Lanes>,
-    given: Vec<Lanes>,
-    /// Bulk and shear modulus; not a number before the first increment, empty where they are constant.
+    nodal_field: Vec<Lanes>,
+    /// Bulk and shear modulus: NaN before the first increment, empty if they are constant.
     moduli: Vec<Lanes>,
-    /// Equivalent plastic strain where it is not the subroutine's, and its increment; else empty.
+    /// Equivalent plastic strain and its increment; empty if the subroutine computes the stress.
     plastic: Vec<Lanes>,
     flowed: Lanes,
     internal: Lanes,
     inelastic: Lanes,
-    /// Inelastic energy per mass of the increment.
+    /// Inelastic energy per mass in this increment.
     dissipated: Lanes,
 }
 
-/// What a call is shown of a block beside its state.
-pub struct Shown<'a> {
+/// Kinematics of a block, as arguments of a call.
+pub struct BlockKinematics<'a> {
     /// Strain increments rr, zz, hoop, rz (tensor shear), and spin increments.
     pub strain: [Lanes; 4],
-    /// See [`Shown::strain`].
+    /// See [`BlockKinematics::strain`].
     pub spin: Lanes,
     /// Volumes in the middle of the increment; 0 for lanes without element.
     pub volume: Lanes,
-    /// Corners `[r, z]` of a lane.
+    /// Returns the corners `[r, z]` of a lane.
     pub corners: &'a dyn Fn(usize) -> [[f64; 4]; 2],
 }
 
-/// The moment of a call.
+/// Time of a call.
 #[derive(Clone, Copy)]
 pub struct CallTime<'a> {
-    /// Clock, step and increment.
+    /// Time, step and increment.
     pub now: &'a Instant,
     pub dt: f64,
 }
 
-/// Materials that user subroutines are called for between the kinematics and the stresses of their elements.
+/// Materials with calls of user subroutines between the kinematics and the stresses of their elements.
 pub trait PointCalls<S>: Send + Sync {
-    /// Returns the arguments of a call for so many points.
-    fn arguments(&self, count: usize) -> Points;
+    /// Creates the arguments of a call for `count` points.
+    fn arguments(&self, count: usize) -> PointArguments;
 
-    /// Returns scratch memory of the calls.
-    fn scratch(&self) -> Returning;
+    /// Creates the work arrays of the calls.
+    fn scratch(&self) -> ReturnScratch;
 
-    /// Copies the state of a block, by its place in the call, to the arguments.
-    fn gather(&self, points: &mut Points, block: usize, state: &mut S, shown: &Shown<'_>);
+    /// Copies the state of block number `block` of the call to the arguments.
+    fn gather(&self, points: &mut PointArguments, block: usize, state: &mut S, kinematics: &BlockKinematics<'_>);
 
-    /// Calls the subroutines. An increment of no length leaves all as it is.
+    /// Calls the subroutines. An increment of zero length changes nothing.
     ///
     /// # Errors
-    /// Those of the subroutines, and answers that are not valid.
+    /// Errors of the subroutines, and invalid results.
     fn call(
         &self,
-        points: &mut Points,
-        user: AtPoints<'_>,
+        points: &mut PointArguments,
+        user: PointRoutines<'_>,
         time: CallTime<'_>,
         access: &dyn PointAccess,
-        returning: &mut Returning,
+        returning: &mut ReturnScratch,
     ) -> Result<(), LoadFailure>;
 
-    /// Returns bulk and shear modulus of the answer to fictitious strains, the largest of all points; `None` where they are known.
+    /// Calls the subroutine with small fictitious strains. Returns the bulk and shear modulus of its response, the
+    /// maximum over all points; `None` if the moduli are known.
     ///
     /// # Errors
-    /// Those of the subroutine, and an answer that is not elastic.
-    fn probe(&self, points: &mut Points, user: AtPoints<'_>, now: &Instant) -> Result<Option<[f64; 2]>, LoadFailure>;
+    /// Errors of the subroutine, and a response that is not elastic.
+    fn probe(
+        &self,
+        points: &mut PointArguments,
+        user: PointRoutines<'_>,
+        now: &Instant,
+    ) -> Result<Option<[f64; 2]>, LoadFailure>;
 
-    /// Copies the answers to the state of a block.
-    fn scatter(&self, points: &Points, block: usize, state: &mut S);
+    /// Copies the results to the state of a block.
+    fn scatter(&self, points: &PointArguments, block: usize, state: &mut S);
 
-    /// Name of the material, and of an element by its place in the group.
+    /// Returns the name of the material, and of an element by its index in the group.
     fn names(&self, element: Option<usize>) -> (&str, Option<&str>);
 
     fn fields(&self) -> usize;
@@ -132,7 +138,7 @@ pub trait PointCalls<S>: Send + Sync {
     fn bytes(&self) -> usize;
 }
 
-impl<const FLOWS: bool> Material for UserMaterial<FLOWS> {
+impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
     type State = UserState;
     const FLOW: PlasticFlow = if FLOWS { PlasticFlow::Deviatoric } else { PlasticFlow::Unknown };
     const FAILS: bool = true;
@@ -161,10 +167,10 @@ impl<const FLOWS: bool> Material for UserMaterial<FLOWS> {
             stretch: [one, one, one, zero],
             gradient: [one, one, one, zero, zero],
             temperature: [zero; 2],
-            warmed: false,
+            has_nodal_temperature: false,
             variables: vec![zero; material.variables],
             field: vec![zero; material.fields],
-            given: vec![zero; material.fields],
+            nodal_field: vec![zero; material.fields],
             moduli: vec![[f64::NAN; LANES]; if varies { 2 } else { 0 }],
             plastic: vec![zero; usize::from(FLOWS)],
             flowed: zero,
@@ -178,7 +184,7 @@ impl<const FLOWS: bool> Material for UserMaterial<FLOWS> {
         state
     }
 
-    /// Takes the subroutine's stress, and the work done on the way to it.
+    /// Sets the stress to that of the subroutine, and adds its work.
     fn update(
         &self,
         state: &mut UserState,
@@ -198,7 +204,8 @@ impl<const FLOWS: bool> Material for UserMaterial<FLOWS> {
             stress.iter_mut().zip(new).for_each(|(list, value)| list[l] = value);
         }
         if !state.moduli.is_empty() {
-            // The direction of plastic flow where moduli change: that of the stress, not of what the largest moduli would try.
+            // With varying moduli, the direction of plastic flow is that of the stress, not of a trial with the largest
+            // moduli.
             for l in 0..LANES {
                 let stress = column(stress, l);
                 let mean = (stress[0] + stress[1] + stress[2]) * (1.0 / 3.0);
@@ -211,7 +218,7 @@ impl<const FLOWS: bool> Material for UserMaterial<FLOWS> {
             let trial = mises(column(&update.deviator, l));
             update.trial[l] = trial;
             update.flow[l] = if FLOWS && !state.deleted[l] { state.flowed[l] } else { 0.0 };
-            // 1 but for rounding is 1.
+            // A ratio within rounding of 1 is set to 1.
             let left = mises(column(stress, l)) / trial;
             update.returned[l] = if left < 1.0 - 1e-12 { left } else { 1.0 };
         }
@@ -229,7 +236,7 @@ impl<const FLOWS: bool> Material for UserMaterial<FLOWS> {
         state.mass[lane] / self.description.density
     }
 
-    fn value(&self, state: &UserState, lane: usize, part: Part) -> Option<f64> {
+    fn value(&self, state: &UserState, lane: usize, part: VariableComponent) -> Option<f64> {
         match part.variable {
             Variable::Temperature => Some(state.temperature[0][lane]),
             Variable::State => Some(state.variables.get(part.component)?[lane]),
@@ -252,15 +259,15 @@ impl<const FLOWS: bool> Material for UserMaterial<FLOWS> {
                 true
             }
             PointValue::NodalTemperature(value) => {
-                state.warmed = true;
+                state.has_nodal_temperature = true;
                 put(state.temperature.last_mut(), value)
             }
             PointValue::PlasticStrain(value) => put(state.plastic.first_mut(), value),
             PointValue::StateVariable(variable, value) => put(state.variables.get_mut(variable), value),
             PointValue::Field(variable, value) => {
-                put(state.field.get_mut(variable), value) && put(state.given.get_mut(variable), value)
+                put(state.field.get_mut(variable), value) && put(state.nodal_field.get_mut(variable), value)
             }
-            PointValue::NodalField(variable, value) => put(state.given.get_mut(variable), value),
+            PointValue::NodalField(variable, value) => put(state.nodal_field.get_mut(variable), value),
             PointValue::ThermalStrain(strain) => {
                 state.thermal[lane] += strain;
                 true
@@ -274,13 +281,13 @@ impl<const FLOWS: bool> Material for UserMaterial<FLOWS> {
     }
 
     fn bytes(&self, state: &UserState) -> usize {
-        let UserState { variables, field, given, moduli, plastic, .. } = state;
+        let UserState { variables, field, nodal_field: given, moduli, plastic, .. } = state;
         [variables, field, given, moduli, plastic].inline_map(|lists| size_of_val(&**lists)).iter().sum()
     }
 }
 
-impl<const FLOWS: bool> UserMaterial<FLOWS> {
-    /// Deletes a point whose state variable says so.
+impl<const FLOWS: bool> SubroutineMaterial<FLOWS> {
+    /// Deletes a point whose deletion variable is zero.
     fn delete(&self, state: &mut UserState, update: &mut StressUpdate, l: usize) {
         let Some(variable) = self.description.delete else { return };
         if state.variables[variable][l] == 0.0 && !state.deleted[l] {
@@ -295,28 +302,28 @@ impl<const FLOWS: bool> UserMaterial<FLOWS> {
 }
 
 impl UserState {
-    /// Takes the geometry of a lane that has an element.
-    fn take_geometry(&mut self, l: usize, shown: &Shown<'_>) -> [[f64; 4]; 2] {
-        let [r, z] = (shown.corners)(l);
+    /// Updates the geometry of a lane with an element; returns its corners.
+    fn take_geometry(&mut self, l: usize, kinematics: &BlockKinematics<'_>) -> [[f64; 4]; 2] {
+        let [r, z] = (kinematics.corners)(l);
         let per = 1.0 / self.start[l].volume;
-        let Gradient { r: by_r, z: by_z, hoop, .. } = self.start[l];
+        let CornerGradient { r: by_r, z: by_z, hoop, .. } = self.start[l];
         let gradient = [dot(by_r, r), dot(by_z, z), dot(hoop, r), dot(by_z, r), dot(by_r, z)].inline_map(|x| per * x);
         let mean = |x: [f64; 4]| 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
-        let place = [mean(r), mean(z), lengths::by_default(r, z), self.mass[l] / shown.volume[l]];
+        let place = [mean(r), mean(z), lengths::by_default(r, z), self.mass[l] / kinematics.volume[l]];
         self.place.iter_mut().zip(place).for_each(|(list, value)| list[l] = value);
         self.gradient.iter_mut().zip(gradient).for_each(|(list, value)| list[l] = value);
         self.stretch.iter_mut().zip(stretch(gradient)).for_each(|(list, value)| list[l] = value);
         [r, z]
     }
 
-    /// Strain increments in the axes that rotate with the material, without the thermal strain.
-    fn rotate_strains(&mut self, shown: &Shown<'_>) -> [Lanes; 4] {
+    /// Returns the strain increments in the axes that rotate with the material, without thermal strain.
+    fn rotate_strains(&mut self, kinematics: &BlockKinematics<'_>) -> [Lanes; 4] {
         let mut rotated = [[0.0; LANES]; 4];
         for l in 0..LANES {
-            let [c, s] = of_spin(shown.spin[l]);
+            let [c, s] = rotation_of_spin(kinematics.spin[l]);
             let (cosine, sine) = (self.turn[0][l], self.turn[1][l]);
             (self.turn[0][l], self.turn[1][l]) = (cosine * c - sine * s, sine * c + cosine * s);
-            let mut increment = column(&shown.strain, l);
+            let mut increment = column(&kinematics.strain, l);
             increment[..3].iter_mut().for_each(|strain| *strain -= self.thermal[l]);
             self.thermal[l] = 0.0;
             let turned = components(increment, [self.turn[0][l], -self.turn[1][l]]);
@@ -326,13 +333,12 @@ impl UserState {
     }
 }
 
-/// Components of a tensor in axes turned by an angle of this cosine and sine. Without a sine nothing turns, whatever sign its
-/// zero has: zeros among the components keep theirs.
+/// Returns the components of a tensor in rotated axes. A rotation of zero changes nothing, not even the sign of zeros.
 fn components(tensor: [f64; 4], [cosine, sine]: [f64; 2]) -> [f64; 4] {
-    turned(tensor, if sine == 0.0 { [1.0, 0.0] } else { [cosine, sine] })
+    rotate(tensor, if sine == 0.0 { [1.0, 0.0] } else { [cosine, sine] })
 }
 
-/// Copies lanes of a block to a list of components one after the other, as far as its points go.
+/// Copies the lanes of a block to arrays of one component each, for the points that exist.
 fn put(list: &mut [f64], (count, first): (usize, usize), lanes: &[Lanes]) {
     let points = LANES.min(count - first);
     for (list, lanes) in list.chunks_mut(count).zip(lanes) {
@@ -340,7 +346,7 @@ fn put(list: &mut [f64], (count, first): (usize, usize), lanes: &[Lanes]) {
     }
 }
 
-/// Copies the points of a block from such a list.
+/// Copies the points of a block from such arrays.
 fn take(list: &[f64], (count, first): (usize, usize), lanes: &mut [Lanes]) {
     let points = LANES.min(count - first);
     for (list, lanes) in list.chunks(count).zip(lanes) {
@@ -348,31 +354,37 @@ fn take(list: &[f64], (count, first): (usize, usize), lanes: &mut [Lanes]) {
     }
 }
 
-impl<const FLOWS: bool> PointCalls<UserState> for UserMaterial<FLOWS> {
-    fn arguments(&self, count: usize) -> Points {
-        Points::new(&self.description, count, self.triangles)
+impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
+    fn arguments(&self, count: usize) -> PointArguments {
+        PointArguments::new(&self.description, count, self.triangles)
     }
 
-    fn scratch(&self) -> Returning {
-        Returning::new(&self.description)
+    fn scratch(&self) -> ReturnScratch {
+        ReturnScratch::new(&self.description)
     }
 
-    fn gather(&self, points: &mut Points, block: usize, state: &mut UserState, shown: &Shown<'_>) {
+    fn gather(
+        &self,
+        points: &mut PointArguments,
+        block: usize,
+        state: &mut UserState,
+        kinematics: &BlockKinematics<'_>,
+    ) {
         let (first, count) = (block * LANES, points.count);
         let at = (count, first);
-        // Before the increment.
+        // Values before the increment.
         put(&mut points.stretch[0], at, &state.stretch);
         put(&mut points.gradient[0], at, &state.gradient);
         for l in 0..LANES.min(count - first) {
             points.elements[first + l] = state.numbers[l];
-            // An element that was deleted from outside is at rest in place of the one that was.
-            state.deleted[l] |= shown.volume[l] == 0.0;
+            // A lane whose element was deleted by another criterion (`*EROSION`) has no volume.
+            state.deleted[l] |= kinematics.volume[l] == 0.0;
             if !state.deleted[l] {
-                let [r, z] = state.take_geometry(l, shown);
+                let [r, z] = state.take_geometry(l, kinematics);
                 points.show_corners(first + l, r, z);
             }
         }
-        let strain = state.rotate_strains(shown);
+        let strain = state.rotate_strains(kinematics);
         put(&mut points.strain, at, &strain);
         put(&mut points.coordinates, at, &state.place[..2]);
         put(&mut points.length, at, &state.place[2..3]);
@@ -384,34 +396,38 @@ impl<const FLOWS: bool> PointCalls<UserState> for UserMaterial<FLOWS> {
         put(&mut points.internal[0], at, std::slice::from_ref(&state.internal));
         put(&mut points.inelastic[0], at, std::slice::from_ref(&state.inelastic));
         put(&mut points.field[0], at, &state.field);
-        put(&mut points.field[1], at, &state.given);
+        put(&mut points.field[1], at, &state.nodal_field);
         for (list, moduli) in points.moduli.iter_mut().zip(&state.moduli) {
             put(list, at, std::slice::from_ref(moduli));
         }
         put(&mut points.plastic[0], at, &state.plastic);
         let [old, nodal] = &state.temperature;
         put(&mut points.temperature[0], at, std::slice::from_ref(old));
-        put(&mut points.temperature[1], at, std::slice::from_ref(if state.warmed { nodal } else { old }));
-        state.warmed = false;
+        put(
+            &mut points.temperature[1],
+            at,
+            std::slice::from_ref(if state.has_nodal_temperature { nodal } else { old }),
+        );
+        state.has_nodal_temperature = false;
     }
 
     fn call(
         &self,
-        points: &mut Points,
-        user: AtPoints<'_>,
+        points: &mut PointArguments,
+        user: PointRoutines<'_>,
         CallTime { now, dt }: CallTime<'_>,
         access: &dyn PointAccess,
-        returning: &mut Returning,
+        returning: &mut ReturnScratch,
     ) -> Result<(), LoadFailure> {
         let material = &self.description;
         if dt == 0.0 {
             points.keep();
             return Ok(());
         }
-        if let (Some(properties), Some(routine)) = (&material.asks_lengths, user.lengths) {
+        if let (Some(properties), Some(routine)) = (&material.length_constants, user.lengths) {
             points.call_lengths(material, properties, routine, (now, dt))?;
         }
-        if let (Some(properties), Some(routine)) = (&material.asks_fields, user.fields) {
+        if let (Some(properties), Some(routine)) = (&material.field_constants, user.fields) {
             points.call_fields(material, properties, routine, access, (now, dt))?;
         }
         if let Some(flow) = &material.flow {
@@ -426,12 +442,17 @@ impl<const FLOWS: bool> PointCalls<UserState> for UserMaterial<FLOWS> {
         Ok(())
     }
 
-    fn probe(&self, points: &mut Points, user: AtPoints<'_>, now: &Instant) -> Result<Option<[f64; 2]>, LoadFailure> {
+    fn probe(
+        &self,
+        points: &mut PointArguments,
+        user: PointRoutines<'_>,
+        now: &Instant,
+    ) -> Result<Option<[f64; 2]>, LoadFailure> {
         let material = &self.description;
         if FLOWS {
             return Ok(None);
         }
-        if let (Some(properties), Some(routine)) = (&material.asks_lengths, user.lengths) {
+        if let (Some(properties), Some(routine)) = (&material.length_constants, user.lengths) {
             points.call_lengths(material, properties, routine, (now, 0.0))?;
         }
         let Some(routine) = user.material else { return Ok(None) };
@@ -440,7 +461,7 @@ impl<const FLOWS: bool> PointCalls<UserState> for UserMaterial<FLOWS> {
         points.moduli().map(Some)
     }
 
-    fn scatter(&self, points: &Points, block: usize, state: &mut UserState) {
+    fn scatter(&self, points: &PointArguments, block: usize, state: &mut UserState) {
         let (first, count) = (block * LANES, points.count);
         let at = (count, first);
         for l in 0..LANES.min(count - first) {
@@ -476,5 +497,5 @@ persist_struct!(UserState {
     turn, deleted, thermal, place, stress, stretch, gradient, temperature, variables: fixed, field: fixed, moduli: fixed,
     plastic: fixed, internal, inelastic
 } derived {
-    numbers, start, mass, warmed, given, flowed, dissipated
+    numbers, start, mass, has_nodal_temperature, nodal_field, flowed, dissipated
 });

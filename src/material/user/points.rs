@@ -1,85 +1,86 @@
-//! Arguments of a call of user subroutines: material points of up to eight blocks, components one after the other.
-//! Never here: what elements keep, their geometry.
+//! Arguments and results of user material subroutines, for the points of several blocks, one component of all points
+//! after the other.
 
-use super::description::Description;
+use super::description::UserMaterialData;
 use super::lengths::{ShownElements, above_zero};
-use crate::kernel::heating::Heating;
+use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::InlineMap;
 use crate::state::Instant;
 use crate::user::{
     FieldAnswer, FieldCall, LengthCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields,
     UserLengths, UserMaterial, host,
 };
-use crate::variables::{Part, Variable};
+use crate::variables::{Variable, VariableComponent};
 
-/// Entries behind each answer that a routine must leave alone.
+/// Number of guard values after each result, which a subroutine must not change.
 const GUARD: usize = 8;
-/// Components of a symmetric tensor in three dimensions that an axisymmetric solid does not have: a routine that is written
-/// for those alone shall find room, and be told.
+/// Number of tensor components of three-dimensional solids that axisymmetric solids lack. They are allocated, so that a
+/// subroutine for three dimensions only is detected without damage.
 const SPARE: usize = 2;
-/// What they hold: a number that is none, with a mark of its own.
+/// Bit pattern of the guard values, a NaN.
 const MARK: u64 = 0x7ff8_5afe_0000_5afe;
-/// Fictitious strains of the call at time zero: dilation and shear at once, far below any yield.
+/// Fictitious strains of the call at time zero: dilation and shear, far below yield.
 const FICTITIOUS: [f64; 4] = [2e-7, -0.5e-7, 1e-7, 0.75e-7];
 
 /// Values before and after an increment.
-type Pair = [Vec<f64>; 2];
+type OldAndNew = [Vec<f64>; 2];
 
-/// The points of one call, components one after the other as Fortran has them: those before the increment and those after it.
+/// Arguments and results of one call, in the order of Fortran arrays; index 0 of a pair is before the increment, 1
+/// after it.
 #[derive(Clone, Debug)]
-pub struct Points {
+pub struct PointArguments {
     pub(super) count: usize,
     variables: usize,
     fields: usize,
-    /// User's numbers of the elements.
+    /// Element numbers of the user.
     pub(super) elements: Vec<i32>,
     pub(super) coordinates: Vec<f64>,
     pub(super) length: Vec<f64>,
-    /// Corners, where a routine of the user gives the lengths.
+    /// Element corners, if VUCHARLENGTH is called.
     shown: Option<ShownElements>,
     pub(super) density: Vec<f64>,
     pub(super) strain: Vec<f64>,
     spin: Vec<f64>,
-    pub(super) temperature: Pair,
-    pub(super) stretch: Pair,
-    pub(super) gradient: Pair,
-    pub(super) stress: Pair,
-    pub(super) state: Pair,
-    pub(super) field: Pair,
-    /// Bulk and shear modulus of the stress; not a number before the first increment, empty where they are constant.
-    pub(super) moduli: Pair,
-    pub(super) internal: Pair,
-    pub(super) inelastic: Pair,
-    /// Equivalent plastic strain, where it is not the routine's affair; else empty.
-    pub(super) plastic: Pair,
-    /// Whether a state variable that is not finite has been told.
-    told: bool,
+    pub(super) temperature: OldAndNew,
+    pub(super) stretch: OldAndNew,
+    pub(super) gradient: OldAndNew,
+    pub(super) stress: OldAndNew,
+    pub(super) state: OldAndNew,
+    pub(super) field: OldAndNew,
+    /// Bulk and shear modulus: NaN before the first increment, empty if they are constant.
+    pub(super) moduli: OldAndNew,
+    pub(super) internal: OldAndNew,
+    pub(super) inelastic: OldAndNew,
+    /// Equivalent plastic strain; empty if the subroutine computes the stress.
+    pub(super) plastic: OldAndNew,
+    /// Whether a warning about a state variable that is not finite was given.
+    warned: bool,
 }
 
-/// Room for so many numbers with the guard behind.
+/// Returns an array of zeros, followed by guard values.
 fn guarded(length: usize) -> Vec<f64> {
     let mut list = vec![0.0; length];
     list.resize(length + GUARD, f64::from_bits(MARK));
     list
 }
 
-fn pair(length: usize) -> Pair {
+fn pair(length: usize) -> OldAndNew {
     [guarded(length), guarded(length)]
 }
 
-impl Points {
-    pub fn new(material: &Description, count: usize, triangles: bool) -> Self {
+impl PointArguments {
+    pub fn new(material: &UserMaterialData, count: usize, triangles: bool) -> Self {
         let (variables, fields) = (material.variables, material.fields);
         let flows = if material.flow.is_some() { count } else { 0 };
         let varying = if material.flow.as_ref().is_some_and(|f| f.elasticity.is_some()) { count } else { 0 };
-        let mut points = Points {
+        let mut points = PointArguments {
             count,
             variables,
             fields,
             elements: vec![0; count],
             coordinates: vec![f64::NAN; 3 * count],
             length: guarded(count),
-            shown: material.asks_lengths.as_ref().map(|_| ShownElements::new(count, if triangles { 3 } else { 4 })),
+            shown: material.length_constants.as_ref().map(|_| ShownElements::new(count, if triangles { 3 } else { 4 })),
             density: vec![0.0; count],
             strain: vec![0.0; (4 + SPARE) * count],
             spin: vec![0.0; count],
@@ -93,21 +94,21 @@ impl Points {
             internal: pair(count),
             inelastic: pair(count),
             plastic: [vec![0.0; flows], vec![0.0; flows]],
-            told: false,
+            warned: false,
         };
         points.coordinates[2 * count..].fill(f64::NAN);
         points
     }
 
-    /// Takes the corners of a point's element, where a routine is shown them.
+    /// Sets the corners of a point's element, if VUCHARLENGTH is called.
     pub(super) fn show_corners(&mut self, point: usize, r: [f64; 4], z: [f64; 4]) {
         if let Some(shown) = &mut self.shown {
             shown.set(point, r, z);
         }
     }
 
-    /// The strains of the call at time zero, and the deformation that they lead to: a routine may take its stress from
-    /// either.
+    /// Sets the fictitious strains of the call at time zero and the consistent deformation gradient and stretch;
+    /// subroutines differ in which of the three they use.
     pub fn show_fictitious(&mut self) {
         for (list, value) in self.strain.chunks_mut(self.count).zip(FICTITIOUS) {
             list.fill(value);
@@ -123,11 +124,11 @@ impl Points {
         }
     }
 
-    /// Bulk and shear modulus of the answer to the fictitious strains, the largest of all points: K = dp/d(dilation),
-    /// 2 G = ds : de / de : de.
+    /// Returns the bulk and shear modulus of the response to the fictitious strains, the maximum over all points: K =
+    /// dp/d(dilation), 2 G = ds : de / de : de.
     ///
     /// # Errors
-    /// Where they are not those of something elastic.
+    /// If the moduli are not those of an elastic material.
     pub fn moduli(&self) -> Result<[f64; 2], LoadFailure> {
         let dot = |a: [f64; 4], b: [f64; 4]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * a[3] * b[3];
         let split = |t: [f64; 4]| {
@@ -141,11 +142,11 @@ impl Points {
             let change = [0, 1, 2, 3].inline_map(|k| of(&self.stress[1], k) - of(&self.stress[0], k));
             let (mean, s) = split(change);
             let (bulk, shear) = (mean / (3.0 * dilation), 0.5 * dot(s, deviator) / dot(deviator, deviator));
-            // Beyond rounding.
+            // Tolerances for rounding errors.
             if !(bulk > 1e-9 * shear.abs() && shear >= -1e-9 * bulk) {
                 let reason = format!(
-                    "its answer to small strains at time zero (stepTime = totalTime = 0) is not elastic: bulk modulus \
-                     {bulk:e}, shear modulus {shear:e}; the stable increment needs them"
+                    "its response to small strains at time zero (stepTime = totalTime = 0) is not elastic: bulk \
+                     modulus {bulk:e}, shear modulus {shear:e}; the stable time increment is computed from them"
                 );
                 return Err(LoadFailure { point: Some(i), reason });
             }
@@ -154,13 +155,13 @@ impl Points {
         Ok(largest)
     }
 
-    /// Calls the routine and looks at what it answered.
+    /// Calls VUMAT and checks its results.
     ///
     /// # Errors
-    /// Its own, and where it wrote past its points, left something out or gave what is not finite.
+    /// Errors of the subroutine; values written past the points, missing or not finite.
     pub fn call(
         &mut self,
-        material: &Description,
+        material: &UserMaterialData,
         routine: &mut dyn UserMaterial,
         now: &Instant,
         dt: f64,
@@ -171,10 +172,10 @@ impl Points {
         let [internal_old, internal] = &mut self.internal;
         let [inelastic_old, inelastic] = &mut self.inelastic;
         stress[..4 * n].fill(f64::NAN);
-        // What an axisymmetric solid does not have reads as zero; that a routine answers it is seen.
+        // Components that an axisymmetric solid lacks read as zero; values written there are detected.
         stress_old[4 * n..(4 + SPARE) * n].fill(0.0);
         stress[4 * n..(4 + SPARE) * n].fill(f64::from_bits(MARK));
-        // State variables and energies may be left alone.
+        // A subroutine need not set state variables and energies.
         state.copy_from_slice(state_old);
         internal.copy_from_slice(internal_old);
         inelastic.copy_from_slice(inelastic_old);
@@ -211,13 +212,13 @@ impl Points {
         self.accept(&material.name)
     }
 
-    /// Asks the routine of characteristic lengths, which find the default there.
+    /// Calls VUCHARLENGTH; the lengths are the defaults on entry.
     ///
     /// # Errors
-    /// Its own, and where it wrote past its points or gave a length that is not above zero.
+    /// Errors of the subroutine; values written past the points; lengths that are not positive.
     pub fn call_lengths(
         &mut self,
-        material: &Description,
+        material: &UserMaterialData,
         properties: &[f64],
         routine: &mut dyn UserLengths,
         (now, dt): (&Instant, f64),
@@ -244,25 +245,25 @@ impl Points {
         above_zero(&self.length[..n])
     }
 
-    /// Asks the routine of user-defined fields, whose state variables are the old ones from now on. `tells` gives what the
-    /// points hold besides what is here.
+    /// Calls VUSDFLD. Its state variables become the previous ones of the other subroutines. `access` provides the
+    /// output variables of the points.
     ///
     /// # Errors
-    /// Its own, and where it wrote past its points or gave what is not finite.
+    /// Errors of the subroutine; values written past the points or not finite.
     pub fn call_fields(
         &mut self,
-        material: &Description,
+        material: &UserMaterialData,
         properties: &[f64],
         routine: &mut dyn UserFields,
-        tells: &dyn PointAccess,
+        access: &dyn PointAccess,
         (now, dt): (&Instant, f64),
     ) -> Result<(), LoadFailure> {
         let (n, m, f) = (self.count, self.variables, self.fields);
         let [state_old, state] = &mut self.state;
         let field = &mut self.field[1];
         state.copy_from_slice(state_old);
-        let held = Held {
-            tells,
+        let previous_values = PreviousPointValues {
+            access,
             count: n,
             variables: m,
             state: state_old,
@@ -281,7 +282,7 @@ impl Points {
             coordinates: &self.coordinates,
             length: &self.length[..n],
             state: &state_old[..m * n],
-            values: &held,
+            values: &previous_values,
         };
         let answer = &mut FieldAnswer { state: &mut state[..m * n], field: &mut field[..f * n] };
         routine.fields(&call, answer)?;
@@ -295,58 +296,63 @@ impl Points {
         let (n, m) = (self.count, self.variables);
         let touched = self.stress[1][4 * n..(4 + SPARE) * n].iter().filter(|g| g.to_bits() != MARK).count();
         if touched >= n {
-            let reason = "it gave stressNew(k, 5): this routine uses 6 components, an axisymmetric solid has 4 (rr, zz, hoop, \
-                          rz); what belongs to the others stands behind `if (nshr .gt. 1)`";
+            let reason = "it returned stressNew(k, 5): the subroutine uses 6 components, an axisymmetric solid has 4 (rr, zz, \
+                          hoop, rz); guard the code of the others with `if (nshr .gt. 1)`";
             return Err(LoadFailure::new(reason));
         }
         answered("stressNew", &mut self.stress[1], n, 4)?;
         untouched("stateNew", &mut self.state[1], n, m)?;
-        self.tell_state(material);
+        self.warn_of_state(material);
         answered("enerInternNew", &mut self.internal[1], n, 1)?;
         answered("enerInelasNew", &mut self.inelastic[1], n, 1)
     }
 
-    /// State variables are the routine's own: one that is not a number (a triaxiality without stress, as a rule) is told once
-    /// and kept. What becomes of the stress is looked after.
-    fn tell_state(&mut self, material: &str) {
+    /// State variables belong to the subroutine: a NaN (as a rule a triaxiality without stress) is kept, with one
+    /// warning. NaN in the stress is detected separately.
+    fn warn_of_state(&mut self, material: &str) {
         let values = &self.state[1][..self.variables * self.count];
-        if self.told || values.iter().all(|v| v.is_finite()) {
+        if self.warned || values.iter().all(|v| v.is_finite()) {
             return;
         }
-        self.told = true;
+        self.warned = true;
         for (variable, list) in values.chunks(self.count).enumerate() {
             if let Some(value) = list.iter().find(|v| !v.is_finite()) {
-                let text = format!("the user material `{material}` gave stateNew(k, {}) = {value}: kept", variable + 1);
-                host::tell(host::Level::Warning, text);
+                let text = format!(
+                    "the user material `{material}` returned stateNew(k, {}) = {value}; the value is kept",
+                    variable + 1
+                );
+                host::report_message(host::MessageLevel::Warning, text);
             }
         }
     }
 
-    /// An increment of no length: all stays as it is.
+    /// Keeps all values, for an increment of zero length.
     pub fn keep(&mut self) {
-        let Points { stress, state, internal, inelastic, field, plastic, .. } = self;
+        let PointArguments { stress, state, internal, inelastic, field, plastic, .. } = self;
         for [old, new] in [stress, state, internal, inelastic, field, plastic] {
             new.copy_from_slice(old);
         }
     }
 
-    /// Adds the heat of the inelastic work that a call added.
-    pub fn heat(&mut self, heating: &Heating) {
+    /// Adds the heat of the inelastic work of the call to the temperature.
+    pub fn heat(&mut self, heating: &PlasticHeating) {
         for i in 0..self.count {
             let (without, work) = (self.temperature[1][i], self.density[i] * self.dissipated(i));
             self.temperature[1][i] = without + heating.rise(without, [work]);
         }
     }
 
-    /// Inelastic energy a mass of a point that the call added.
+    /// Returns the inelastic energy per mass that the call added at a point.
     pub fn dissipated(&self, point: usize) -> f64 {
         self.inelastic[1][point] - self.inelastic[0][point]
     }
 
     pub fn bytes(&self) -> usize {
-        let Points { coordinates, length, density, strain, spin, elements, .. } = self;
-        let Points { temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic, .. } = self;
-        let Points { moduli, .. } = self;
+        let PointArguments { coordinates, length, density, strain, spin, elements, .. } = self;
+        let PointArguments {
+            temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic, ..
+        } = self;
+        let PointArguments { moduli, .. } = self;
         let single = [coordinates, length, density, strain, spin];
         let pairs = [moduli, temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic];
         let numbers = single.into_iter().chain(pairs.into_iter().flatten()).map(|list| 8 * list.capacity());
@@ -355,8 +361,8 @@ impl Points {
     }
 }
 
-/// Stretch of a deformation gradient (rr, zz, hoop, rz, zr): the root of F^T F, in the plane
-/// (C + sqrt(det C) I) / sqrt(tr C + 2 sqrt(det C)).
+/// Returns the stretch of a deformation gradient (rr, zz, hoop, rz, zr): the square root of `C = F^T F`, in the plane
+/// `(C + sqrt(det C) I) / sqrt(tr C + 2 sqrt(det C))`.
 pub(super) fn stretch([rr, zz, hoop, rz, zr]: [f64; 5]) -> [f64; 4] {
     let (c_rr, c_zz, c_rz) = (rr * rr + zr * zr, rz * rz + zz * zz, rr * rz + zr * zz);
     let root = (rr * zz - rz * zr).abs();
@@ -364,15 +370,15 @@ pub(super) fn stretch([rr, zz, hoop, rz, zr]: [f64; 5]) -> [f64; 4] {
     [per * (c_rr + root), per * (c_zz + root), hoop, per * c_rz]
 }
 
-/// What elements know of their points beside what [`Points`] hold.
+/// Access to output variables of points that [`PointArguments`] do not contain.
 pub trait PointAccess {
-    /// Component of an output variable of a point; `None` if it is not followed.
-    fn component(&self, point: usize, part: Part) -> Option<f64>;
+    /// Returns a component of an output variable of a point; `None` if it is not computed.
+    fn component(&self, point: usize, part: VariableComponent) -> Option<f64>;
 }
 
-/// What points hold at the beginning of an increment.
-struct Held<'a> {
-    tells: &'a dyn PointAccess,
+/// Values of points at the beginning of an increment (`vgetvrm`).
+struct PreviousPointValues<'a> {
+    access: &'a dyn PointAccess,
     count: usize,
     variables: usize,
     state: &'a [f64],
@@ -380,7 +386,7 @@ struct Held<'a> {
     plastic: &'a [f64],
 }
 
-impl PointValues for Held<'_> {
+impl PointValues for PreviousPointValues<'_> {
     fn give(&self, variable: &str, to: &mut dyn FnMut(usize, usize, f64)) -> Option<usize> {
         let lists: &[f64] = match variable {
             "TEMP" => self.temperature,
@@ -396,9 +402,9 @@ impl PointValues for Held<'_> {
     }
 }
 
-impl Held<'_> {
-    /// Components of a tensor in the axes of the model: rr, zz, hoop, rz; of strains the engineering shear, as output shows
-    /// them.
+impl PreviousPointValues<'_> {
+    /// Passes the components of a tensor in global axes: rr, zz, hoop, rz; strains with the engineering shear, as in
+    /// output.
     fn tensor(&self, variable: &str, to: &mut dyn FnMut(usize, usize, f64)) -> Option<usize> {
         let variable = match variable {
             "S" => Variable::Stress,
@@ -409,26 +415,26 @@ impl Held<'_> {
         };
         for point in 0..self.count {
             for component in 0..4 {
-                to(component, point, self.tells.component(point, Part { variable, component })?);
+                to(component, point, self.access.component(point, VariableComponent { variable, component })?);
             }
         }
         Some(4)
     }
 }
 
-/// What stands behind an answer.
+/// Returns the guard values that follow a result.
 pub(super) fn marks() -> impl Iterator<Item = f64> {
     std::iter::repeat_n(f64::from_bits(MARK), GUARD)
 }
 
-/// Whether a routine left alone what stands behind its answer.
+/// Checks that a subroutine has not changed the guard values after a result.
 pub(super) fn untouched(name: &str, list: &mut [f64], n: usize, components: usize) -> Result<(), LoadFailure> {
     let guard = &mut list[components * n..];
     if guard.iter().any(|g| g.to_bits() != MARK) {
         guard.fill(f64::from_bits(MARK));
         let more = match name {
-            "stateNew" => format!("; *DEPVAR gives it nstatev = {components} state variables"),
-            "field" => format!("; there are nfieldv = {components} field variables"),
+            "stateNew" => format!("; *DEPVAR defines nstatev = {components} state variables"),
+            "field" => format!("; the model has nfieldv = {components} field variables"),
             _ => String::new(),
         };
         return Err(LoadFailure::new(format!("it wrote past the nblock = {n} points of its argument {name}{more}")));
@@ -436,12 +442,12 @@ pub(super) fn untouched(name: &str, list: &mut [f64], n: usize, components: usiz
     Ok(())
 }
 
-/// The same, and whether it gave all of it, finite.
+/// Checks the guard values of a result, and that all values are finite.
 pub(super) fn answered(name: &str, list: &mut [f64], n: usize, components: usize) -> Result<(), LoadFailure> {
     untouched(name, list, n, components)?;
     let values = &list[..components * n];
     let Some(at) = values.iter().position(|v| !v.is_finite()) else { return Ok(()) };
-    let hint = if values[at].is_nan() && name == "stressNew" { "; a component that is left out keeps NaN" } else { "" };
-    let reason = format!("it gave {name}(k, {}) = {}{hint}", at / n + 1, values[at]);
+    let hint = if values[at].is_nan() && name == "stressNew" { "; a component that was left out is NaN" } else { "" };
+    let reason = format!("it returned {name}(k, {}) = {}{hint}", at / n + 1, values[at]);
     Err(LoadFailure { point: Some(at % n), reason })
 }

@@ -1,55 +1,54 @@
-//! Rigid bodies, masses, springs and dashpots.
-//! Never here: motion.
+//! Rigid bodies, point masses, rotary inertias, springs and dashpots.
 
 use crate::deck::Span;
 
-/// What single elements of one or two nodes are given.
+/// Properties of point masses, rotary inertias, springs and dashpots.
 #[derive(Clone, Debug, Default)]
 pub struct DiscreteElements {
-    /// `*MASS` on nodes.
+    /// Masses of nodes (`*MASS`).
     pub masses: Vec<PointMass>,
-    /// `*ROTARY INERTIA` on nodes.
+    /// Rotary inertias of nodes (`*ROTARY INERTIA`).
     pub inertias: Vec<RotaryInertia>,
-    /// `*SPRING` and `*DASHPOT`.
+    /// Properties of springs and dashpots (`*SPRING`, `*DASHPOT`).
     pub connectors: Vec<ConnectorProperty>,
 }
 
 /// A rigid body.
 #[derive(Clone, Debug)]
 pub struct RigidBody {
-    /// Name of the element set that makes it, for messages.
+    /// Name of the element set, used in messages.
     pub name: String,
-    /// Reference node.
+    /// Index of the reference node.
     pub reference: usize,
-    /// Its elements.
+    /// Indices of the elements of the body.
     pub elements: Vec<usize>,
-    /// Nodes tied or pinned in addition to the elements' own.
+    /// Indices of the nodes added by `PIN NSET` and `TIE NSET`.
     pub nodes: Vec<usize>,
-    /// Thickness of its RAX2 elements (0 if not given), length.
+    /// Thickness of the RAX2 elements, length; 0 if not given.
     pub thickness: f64,
-    /// Mass per volume of its RAX2 elements (0 if not given).
+    /// Mass per volume of the RAX2 elements; 0 if not given.
     pub density: f64,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// Attitude of a rigid body at the start, and how it is followed if its impact is oblique (extension).
+/// Initial attitude of a rigid body, and settings of its motion in oblique impact (`*ATTITUDE`, extension).
 #[derive(Clone, Debug)]
-pub struct Attitude {
-    /// Reference node of the body.
+pub struct InitialAttitude {
+    /// Index of the reference node of the body.
     pub reference: usize,
-    /// Angles in degrees by which it is turned about its reference node: about direction 3, in the plane in which targets are
-    /// tilted, and then about direction 1, out of it.
+    /// Rotation angles about the reference node, in degrees: first about direction 3 (in the plane in which targets are
+    /// inclined), then about direction 1 (out of that plane).
     pub angles: [f64; 2],
-    /// Stations around the axis at which resistance is taken.
+    /// Number of circumferential stations at which the target resistance is evaluated.
     pub stations: usize,
-    /// Whether its mass is spread evenly over the volume that its meridian encloses, for its centre and its inertia.
+    /// Whether centre of mass and inertia are those of a homogeneous body that fills the meridian outline.
     pub uniform: bool,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// Stations around the axis unless `*ATTITUDE` says how many.
+/// Default number of circumferential stations ([`Attitude::stations`]).
 pub const STATIONS: usize = 64;
 
 /// A rotary inertia on a node.
@@ -57,9 +56,9 @@ pub const STATIONS: usize = 64;
 pub struct RotaryInertia {
     /// Node index.
     pub node: usize,
-    /// Moment of inertia about the axis of symmetry, and about any axis across it through the node.
+    /// Moment of inertia about the axis of symmetry, and about any transverse axis through the node.
     pub axial_transverse: [f64; 2],
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
@@ -68,34 +67,34 @@ pub struct RotaryInertia {
 pub struct PointMass {
     /// Node index.
     pub node: usize,
-    /// Mass.
+    /// Mass of the whole ring or point, in the mass unit of the deck.
     pub mass: f64,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// What springs or dashpots of a set do.
+/// Force law of the springs or dashpots of an element set.
 #[derive(Clone, Debug)]
 pub struct ConnectorProperty {
     /// Element indices.
     pub elements: Vec<usize>,
-    /// 1 = r, 2 = z, for those between a node and the ground.
+    /// Degree of freedom (1 = r, 2 = z) of springs and dashpots to ground.
     pub dof: u8,
-    /// Law.
+    /// Force law.
     pub law: ConnectorLaw,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// Law of a spring or a dashpot.
+/// Force law of a spring or a dashpot.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConnectorLaw {
-    /// Force a length.
+    /// Linear spring: stiffness, force per length.
     Spring(f64),
-    /// Rows of relative displacement and force.
+    /// Nonlinear spring: rows of relative displacement and force.
     Table(Vec<[f64; 2]>),
-    /// Force a velocity.
+    /// Linear dashpot: damping coefficient, force per velocity.
     Dashpot(f64),
-    /// Rows of relative velocity and force.
+    /// Nonlinear dashpot: rows of relative velocity and force.
     DashpotTable(Vec<[f64; 2]>),
 }

@@ -1,39 +1,39 @@
-//! Amplitudes, initial conditions, prescribed motions and fields.
-//! Never here: what becomes of them over the steps.
+//! Amplitudes, initial conditions, prescribed motions and prescribed fields.
 
 use super::handle::AmplitudeId;
 use crate::deck::Span;
 
-/// A function of time that scales a load or a motion.
+/// A function of time that scales a load or a prescribed motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Amplitude {
     /// Upper-case name.
     pub name: String,
-    /// What gives its values.
+    /// Tabulated curve or user subroutine.
     pub definition: AmplitudeDefinition,
-    /// Whether its values are magnitudes themselves, and those of loads and motions mean nothing (`VALUE=ABSOLUTE`).
+    /// Whether the values are absolute magnitudes (`VALUE=ABSOLUTE`); the reference magnitude of the load or motion is
+    /// then ignored.
     pub absolute: bool,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// What gives an amplitude its values.
+/// Source of the amplitude values.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AmplitudeDefinition {
-    /// Points.
+    /// Tabulated curve.
     Curve {
-        /// `(time, value)` with ascending times; constant before the first and after the last.
+        /// `(time, value)` with ascending times; constant before the first point and after the last.
         points: Vec<[f64; 2]>,
-        /// `DEFINITION=SMOOTH STEP`.
+        /// Whether values are interpolated by smooth steps (`DEFINITION=SMOOTH STEP`).
         smooth: bool,
-        /// `TIME=TOTAL TIME`.
+        /// Whether times are total times (`TIME=TOTAL TIME`) and not step times.
         total_time: bool,
     },
-    /// `DEFINITION=USER`.
+    /// User subroutine VUAMP (`DEFINITION=USER`).
     User {
-        /// Constants on the data lines.
+        /// Properties given on the data lines.
         properties: Vec<f64>,
-        /// How many variables the routine keeps.
+        /// Number of state variables of the subroutine.
         variables: usize,
     },
 }
@@ -41,82 +41,83 @@ pub enum AmplitudeDefinition {
 /// An initial condition.
 #[derive(Clone, Debug)]
 pub struct InitialCondition {
-    /// What is given.
+    /// Quantity and value.
     pub kind: InitialKind,
-    /// Nodes (velocity, temperature) or elements (stress, energy) it is given for.
+    /// Node indices (velocity, temperature, field) or element indices (stress, energy, hardening, state), ascending.
     pub members: Vec<usize>,
-    /// The data line.
+    /// Source position of the data line.
     pub span: Span,
 }
 
-/// What an initial condition gives.
+/// Quantity and value of an initial condition.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InitialKind {
-    /// Degree of freedom (1 = r, 2 = z, 6 = rotation; of oblique bodies 1 to 3 along 1, 2, 3, and 4 to 6 about them) and velocity.
+    /// Degree of freedom and velocity. 1 = r, 2 = z, 6 = rotation; for a rigid body in oblique impact 1 to 3 are
+    /// translations along directions 1 to 3 and 4 to 6 rotations about them.
     Velocity(u8, f64),
     /// Temperature.
     Temperature(f64),
-    /// Stress components as the card lists them.
+    /// Stress components in the order of the card.
     Stress(Vec<f64>),
-    /// Energy a mass.
+    /// Specific energy, energy per mass.
     Energy(f64),
     /// Equivalent plastic strain.
     Hardening(f64),
-    /// State variables of the user's, from the first.
+    /// Solution-dependent state variables, starting with the first.
     State(Vec<f64>),
-    /// A field variable, counted from 0, and its value.
+    /// Field variable, counted from 0, and its value.
     Field(usize, f64),
 }
 
 impl InitialKind {
-    /// Whether it is given for elements in place of nodes.
-    pub fn is_of_elements(&self) -> bool {
+    /// Returns whether the condition is defined on elements; all others are defined on nodes.
+    pub fn applies_to_elements(&self) -> bool {
         matches!(self, Self::Stress(_) | Self::Energy(_) | Self::Hardening(_) | Self::State(_))
     }
 }
 
 /// A prescribed motion.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Boundary {
+pub struct BoundaryCondition {
     /// Node indices.
     pub nodes: Vec<usize>,
-    /// What the deck called them.
+    /// Name of the node set, or the node, as written in the deck.
     pub set: String,
-    /// 1 = r, 2 = z, 6 = rotation, 11 = temperature.
+    /// Degree of freedom: 1 = r, 2 = z, 6 = rotation, 11 = temperature.
     pub dof: u8,
-    /// What is prescribed.
-    pub kind: Motion,
-    /// Whether the user's routine gives the value (`USER`).
+    /// Prescribed quantity.
+    pub kind: MotionKind,
+    /// Whether a user subroutine gives the value (`USER`).
     pub user: bool,
-    /// Magnitude (0 = held).
+    /// Magnitude; 0 fixes the degree of freedom.
     pub value: f64,
-    /// The amplitude, if it varies.
+    /// Amplitude; `None` for a constant value.
     pub amplitude: Option<AmplitudeId>,
-    /// The data line.
+    /// Source position of the data line.
     pub span: Span,
 }
 
-/// A field variable at nodes over time (`*FIELD`).
+/// A field variable prescribed at nodes (`*FIELD`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrescribedField {
-    /// The variable, counted from 0.
+    /// Field variable, counted from 0.
     pub variable: usize,
     /// Node indices, ascending.
     pub nodes: Vec<usize>,
-    /// What the deck called them.
+    /// Name of the node set, or the node, as written in the deck.
     pub set: String,
-    /// Value at amplitude 1.
+    /// Value, scaled by the amplitude.
     pub value: f64,
-    /// The amplitude, if it varies.
+    /// Amplitude; `None` for a constant value.
     pub amplitude: Option<AmplitudeId>,
-    /// The data line.
+    /// Source position of the data line.
     pub span: Span,
 }
 
-/// What a boundary prescribes.
+/// Quantity that a boundary condition prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Motion {
-    /// Displacement; in a step, since its beginning: none jumps.
+pub enum MotionKind {
+    /// Displacement relative to the start of the step: displacements never jump.
     Displacement,
     /// Velocity.
     Velocity,

@@ -1,75 +1,75 @@
-//! Equations, couplings and ties.
-//! Never here: the systems that are solved.
+//! Linear equations, couplings and ties.
 
-use super::Side;
+use super::ElementSide;
 use crate::deck::Span;
 
-/// Constraints between nodes that hold in all steps.
+/// Constraints between nodes, in force in all steps.
 #[derive(Clone, Debug, Default)]
-pub struct Constraints {
-    /// `*EQUATION`s, one node a term.
-    pub equations: Vec<Equation>,
-    /// `*MPC`s and `*COUPLING`s.
-    pub links: Vec<Link>,
-    /// `*TIE`s.
+pub struct NodeConstraints {
+    /// `*EQUATION` cards, expanded to single nodes.
+    pub equations: Vec<LinearEquation>,
+    /// `*MPC` and `*COUPLING` cards.
+    pub links: Vec<NodeLink>,
+    /// `*TIE` cards.
     pub ties: Vec<SurfaceTie>,
 }
 
-/// A linear equation, sum of coefficient times displacement or temperature = 0.
+/// A homogeneous linear equation `Σ c_i u_i = 0` in displacements or temperatures.
 #[derive(Clone, Debug)]
-pub struct Equation {
-    /// Node index, degree of freedom (1 = r, 2 = z, 11 = temperature, in all terms or in none) and coefficient of each term.
+pub struct LinearEquation {
+    /// Node index, degree of freedom (1 = r, 2 = z, 11 = temperature in all terms) and coefficient of each term.
     pub terms: Vec<(usize, u8, f64)>,
-    /// The data line that begins it.
+    /// Source position of the first data line.
     pub span: Span,
 }
 
-impl Equation {
-    /// Whether it is one between temperatures.
+impl LinearEquation {
+    /// Returns whether the equation relates temperatures.
     pub fn is_thermal(&self) -> bool {
         self.terms.iter().any(|t| t.1 == 11)
     }
 }
 
-/// Nodes whose motion is that of a reference node (`*MPC`, `*COUPLING`).
+/// Nodes linked to a reference node (`*MPC`, `*COUPLING`).
 #[derive(Clone, Debug)]
-pub struct Link {
-    /// What the deck calls it, for messages.
+pub struct NodeLink {
+    /// Name used in messages.
     pub name: String,
-    /// How they are joined.
+    /// Kind of the link.
     pub kind: LinkKind,
-    /// Reference node.
+    /// Index of the reference node.
     pub reference: usize,
-    /// The others.
+    /// Indices of the linked nodes.
     pub nodes: Vec<usize>,
-    /// The data line or card.
+    /// Source position of the data line or card.
     pub span: Span,
 }
 
-/// How nodes are joined to a reference node.
+/// Kind of a link to a reference node.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LinkKind {
-    /// They move as it does, along r, along z, or both.
+    /// The nodes have the displacement of the reference node along r, along z, or both.
     Rigid([bool; 2]),
-    /// It moves along z as they do in the mean with these weights, one for each, and hands its loads on by them.
+    /// The reference node has the weighted mean displacement of the nodes along z; its forces are distributed with the
+    /// same weights, one per node.
     Distributing(Vec<f64>),
 }
 
-/// A surface whose nodes follow another surface (`*TIE`).
+/// A tie of the nodes of a slave surface to a master surface (`*TIE`).
 #[derive(Clone, Debug)]
 pub struct SurfaceTie {
     /// Upper-case name.
     pub name: String,
-    /// Nodes of the slave surface, ascending.
+    /// Indices of the nodes of the slave surface, ascending.
     pub slaves: Vec<usize>,
-    /// Sides of the master surface.
-    pub masters: Vec<(usize, Side)>,
-    /// Whether tied nodes are first put on the master surface.
+    /// Faces of the master surface.
+    pub masters: Vec<(usize, ElementSide)>,
+    /// Whether tied nodes are moved onto the master surface initially (`ADJUST`).
     pub adjust: bool,
-    /// How far from the master surface a node may lie; 5 % of its facets' mean length if not given.
+    /// Largest distance at which a node is tied, length; `None` is 5 % of the mean facet length of the master surface.
     pub tolerance: Option<f64>,
-    /// The nodes that are tied whatever their distance, and no others (`TIED NSET`), ascending.
+    /// Nodes that are tied at any distance, ascending (`TIED NSET`); no other node is tied.
     pub chosen: Option<Vec<usize>>,
-    /// The data line.
+    /// Source position of the data line.
     pub span: Span,
 }

@@ -1,145 +1,145 @@
-//! Contact: pairs of surfaces, general contact and interactions.
-//! Never here: what contact does.
+//! Surfaces, surface interactions, contact pairs and general contact.
 
 use indexmap::IndexMap;
 
 use super::handle::{InteractionId, RigidSurfaceId, SurfaceId};
-use super::{Sides, Surface};
+use super::{ElementSurface, SideSelection};
 use crate::deck::Span;
-use crate::kernel::interaction::Law;
-use crate::kernel::profile::Profile;
+use crate::kernel::interaction::InteractionLaw;
+use crate::kernel::profile::SurfaceProfile;
 
-/// Surfaces by upper-case name.
+/// Surface definitions by upper-case name.
 #[derive(Clone, Debug, Default)]
-pub struct Surfaces {
-    /// Surfaces of element faces.
-    pub faces: IndexMap<String, Surface>,
-    /// Analytical surfaces.
+pub struct SurfaceDefinitions {
+    /// Element-based surfaces.
+    pub faces: IndexMap<String, ElementSurface>,
+    /// Analytical rigid surfaces.
     pub analytical: IndexMap<String, RigidSurface>,
-    /// Surfaces of nodes: their nodes.
+    /// Node-based surfaces: node indices.
     pub nodes: IndexMap<String, Vec<usize>>,
 }
 
-impl Surfaces {
-    /// Name of a surface of element faces, upper case.
+impl SurfaceDefinitions {
+    /// Returns the upper-case name of an element-based surface.
     pub fn name(&self, id: SurfaceId) -> &str {
         self.faces.get_index(id.index()).map_or("", |(name, _)| name)
     }
 }
 
-/// An analytical rigid surface of lines and arcs.
+/// An analytical rigid surface, a chain of lines and arcs.
 #[derive(Clone, Debug)]
 pub struct RigidSurface {
-    /// Its segments in order; the front is to the left of the way along them.
-    pub profile: Profile,
-    /// Reference node of the rigid body that carries it.
+    /// Segments in order; the contact side is on the left in the direction of the chain.
+    pub profile: SurfaceProfile,
+    /// Reference node of the rigid body to which the surface belongs.
     pub reference: Option<usize>,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// How surfaces interact.
+/// A surface interaction (`*SURFACE INTERACTION`).
 #[derive(Clone, Debug)]
-pub struct Interaction {
+pub struct SurfaceInteraction {
     /// Upper-case name.
     pub name: String,
-    /// What it does.
-    pub law: Law,
-    /// Its cards of heat.
+    /// Contact law.
+    pub law: InteractionLaw,
+    /// Keyword and source position of the thermal cards of the interaction.
     pub heat_cards: Vec<(&'static str, Span)>,
 }
 
-/// Contact of two surfaces of elements, of one with itself, or of one with an analytical surface.
+/// Contact of two element-based surfaces, self-contact of one, or contact with an analytical surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceContact {
-    /// Both surfaces; the same twice where one meets itself.
-    pub sides: [Sides; 2],
-    /// Of an analytical surface and what meets it; `None` of surfaces of elements.
+    /// Both surfaces; the same surface twice for self-contact.
+    pub sides: [SideSelection; 2],
+    /// Analytical surface of the pair; `None` if both surfaces are element-based.
     pub analytical: Option<AnalyticalSide>,
-    /// Whether it is one of general contact.
+    /// Whether the pair belongs to general contact.
     pub general: bool,
-    /// Whether shells meet at their middle surface (`NO THICKNESS`).
-    pub thin: bool,
-    /// What gaps at the start are taken as; `None` as they are.
-    pub clearance: Option<Clearance>,
-    /// Factor on the stiffness of penalty springs; `None` where surfaces do not give way.
+    /// Whether shell thickness is ignored (`NO THICKNESS`).
+    pub no_thickness: bool,
+    /// Prescribed initial clearance; `None` uses the geometric gaps.
+    pub clearance: Option<PrescribedClearance>,
+    /// Scale factor of the penalty stiffness; `None` for kinematic contact, which allows no penetration.
     pub penalty: Option<f64>,
-    /// Name of the set of pairs that it belongs to (`CPSET`), upper case.
+    /// Upper-case name of the contact pair set (`CPSET`).
     pub cpset: Option<String>,
-    /// Its surface interaction.
+    /// Surface interaction.
     pub interaction: Option<InteractionId>,
-    /// The law of that interaction.
-    pub law: Law,
-    /// The data line.
+    /// Law of the interaction.
+    pub law: InteractionLaw,
+    /// Source position of the data line.
     pub span: Span,
 }
 
 impl SurfaceContact {
-    /// Whether it is a surface that may meet itself.
-    pub fn is_of_one(&self) -> bool {
+    /// Returns whether the pair is self-contact of one surface.
+    pub fn is_self_contact(&self) -> bool {
         self.sides[0].name == self.sides[1].name
     }
 }
 
-/// Which side of a pair is an analytical surface, and what meets it.
+/// Analytical surface of a contact pair, and the nodes on the opposite side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnalyticalSide {
-    /// The side; it has the upper-case name of the surface and no faces.
+    /// Index (0 or 1) of the analytical surface in [`SurfaceContact::sides`]; that entry has no faces.
     pub side: usize,
-    /// The analytical surface.
+    /// Handle of the analytical surface.
     pub surface: RigidSurfaceId,
-    /// Nodes of the other surface, ascending; that has no faces either where it is one of nodes.
+    /// Node indices of the opposite surface, ascending. A node-based surface has no faces in [`SurfaceContact::sides`].
     pub nodes: Vec<usize>,
 }
 
-/// What gaps at the start are taken as: no node is moved, and nothing is strained.
+/// Prescribed initial clearance of a contact pair. Nodes are not moved and no strain results.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clearance {
-    /// The gap, length.
+pub struct PrescribedClearance {
+    /// Clearance, length.
     pub gap: f64,
-    /// Gaps up to this are, length; `None` is a tenth of the elements.
+    /// Largest geometric gap that is replaced, length; `None` is a tenth of the element length.
     pub above: Option<f64>,
-    /// Overlaps up to this are, length; `None` is a tenth of the elements.
+    /// Largest initial overclosure that is replaced, length; `None` is a tenth of the element length.
     pub below: Option<f64>,
 }
 
-/// What a word of general contact means.
+/// Surface named by a card of general contact.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ContactDomain {
-    /// All that is outside.
+    /// All exterior faces of the model.
     All,
-    /// A surface.
-    Surface(Sides),
+    /// A named surface.
+    Surface(SideSelection),
 }
 
-/// General contact (`*CONTACT`): which surfaces may meet is found from the mesh.
+/// General contact (`*CONTACT`): contacting pairs are found from the mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GeneralContact {
-    /// The card.
+    /// Source position of the `*CONTACT` card.
     pub span: Span,
-    /// Whether all that is outside may meet everything (`ALL EXTERIOR`).
+    /// Whether all exterior faces may contact each other (`ALL EXTERIOR`).
     pub all: bool,
-    /// What may meet beside that, with its data line.
+    /// Included pairs of `*CONTACT INCLUSIONS`, with their data lines.
     pub included: Vec<([ContactDomain; 2], Span)>,
-    /// What may not.
+    /// Excluded pairs of `*CONTACT EXCLUSIONS`.
     pub excluded: Vec<[ContactDomain; 2]>,
-    /// How they interact; the last that covers a pair counts.
+    /// Assigned interactions; for a pair that several assignments cover, the last one applies.
     pub assigned: Vec<AssignedInteraction>,
-    /// What gaps at the start are taken as; the last that covers a pair counts.
-    pub clearances: Vec<([ContactDomain; 2], Clearance)>,
-    /// Factors on penalty springs, which what they cover has; the last that covers a pair counts.
+    /// Assigned initial clearances; for a pair that several assignments cover, the last one applies.
+    pub clearances: Vec<([ContactDomain; 2], PrescribedClearance)>,
+    /// Scale factors of the penalty stiffness of the covered pairs, which use penalty contact; the last assignment
+    /// applies.
     pub penalties: Vec<([ContactDomain; 2], f64)>,
-    /// Whether nodes that no element has any more meet nothing (`NODAL EROSION=YES`).
-    pub drops_points: bool,
+    /// Whether nodes whose elements are all deleted leave the contact (`NODAL EROSION=YES`).
+    pub excludes_detached_nodes: bool,
 }
 
-/// An interaction of general contact.
+/// An assignment of a surface interaction in general contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AssignedInteraction {
-    /// The surfaces that it is given to.
+    /// The pair of surfaces.
     pub domains: [ContactDomain; 2],
-    /// The surface interaction.
+    /// Surface interaction.
     pub interaction: Option<InteractionId>,
-    /// The law of that interaction.
-    pub law: Law,
+    /// Law of the interaction.
+    pub law: InteractionLaw,
 }

@@ -1,13 +1,14 @@
-//! Handles: what a model refers to, resolved when its cards are read.
-//! Never here: names.
+//! Typed handles of model items. Names in the deck are resolved to handles when the cards are read.
 
 use std::ops::{Index, IndexMut};
 
 use indexmap::IndexMap;
 
-use super::{Amplitude, Interaction, Material, RigidSurface, Set, Surface, Target, TimePoints};
+use super::{
+    Amplitude, ElementSurface, MaterialDefinition, MemberSet, RigidSurface, SurfaceInteraction, TargetStack, TimePoints,
+};
 
-/// Handles into lists of a model, each with the list that it leads into.
+/// Defines a handle type for a list of the model, and indexing of the list with it.
 macro_rules! handles {
     ($($(#[$doc:meta])* $name:ident: $list:ty => $item:ty;)*) => {$(
         $(#[$doc])*
@@ -15,12 +16,12 @@ macro_rules! handles {
         pub struct $name(u32);
 
         impl $name {
-            /// The handle of the item at a place of the list.
+            /// Returns the handle of the item at an index of its list.
             pub fn new(index: usize) -> Self {
                 Self(u32::try_from(index).unwrap_or(u32::MAX))
             }
 
-            /// The place of the item in its list.
+            /// Returns the index of the item in its list.
             pub fn index(self) -> usize {
                 self.0 as usize
             }
@@ -44,21 +45,21 @@ macro_rules! handles {
 
 handles! {
     /// A material of [`super::Model::materials`].
-    MaterialId: Vec<Material> => Material;
+    MaterialId: Vec<MaterialDefinition> => MaterialDefinition;
     /// An amplitude of [`super::Model::amplitudes`].
     AmplitudeId: Vec<Amplitude> => Amplitude;
     /// A surface interaction of [`super::Model::interactions`].
-    InteractionId: Vec<Interaction> => Interaction;
+    InteractionId: Vec<SurfaceInteraction> => SurfaceInteraction;
     /// A target of [`super::Model::targets`].
-    TargetId: Vec<Target> => Target;
-    /// A list of times of [`super::OutputDefinitions::time_points`].
+    TargetId: Vec<TargetStack> => TargetStack;
+    /// A list of time points of [`super::OutputDefinitions::time_points`].
     TimePointsId: Vec<TimePoints> => TimePoints;
     /// A node set of [`super::Model::node_sets`].
-    NodeSetId: IndexMap<String, Set> => Set;
+    NodeSetId: IndexMap<String, MemberSet> => MemberSet;
     /// An element set of [`super::Model::element_sets`].
-    ElementSetId: IndexMap<String, Set> => Set;
+    ElementSetId: IndexMap<String, MemberSet> => MemberSet;
     /// A surface of [`super::Surfaces::faces`].
-    SurfaceId: IndexMap<String, Surface> => Surface;
+    SurfaceId: IndexMap<String, ElementSurface> => ElementSurface;
     /// An analytical surface of [`super::Surfaces::analytical`].
     RigidSurfaceId: IndexMap<String, RigidSurface> => RigidSurface;
 }

@@ -1,141 +1,142 @@
-//! Loads, and targets that are not meshed.
-//! Never here: forces.
+//! Loads and targets without mesh.
 
-use super::Sides;
+use super::SideSelection;
 use super::handle::{AmplitudeId, MaterialId, TargetId};
 use crate::deck::Span;
 
 /// A load in force in a step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
-    /// What acts.
+    /// Type of the load and the region on which it acts.
     pub kind: LoadKind,
-    /// Magnitude as on the data line (1 where the load has none).
+    /// Reference magnitude of the data line; 1 for load types without a magnitude.
     pub magnitude: f64,
-    /// The amplitude, if it varies.
+    /// Amplitude; `None` for a constant load.
     pub amplitude: Option<AmplitudeId>,
-    /// The data line.
+    /// Source position of the data line.
     pub span: Span,
 }
 
-/// What a load acts on and how.
+/// Type of a load and the region on which it acts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LoadKind {
-    /// `*CLOAD`: a force on each node in a degree of freedom.
+    /// `*CLOAD`: a force on each node, along one degree of freedom.
     Concentrated {
         /// Node indices.
         nodes: Vec<usize>,
-        /// 1 = r, 2 = z.
+        /// Degree of freedom: 1 = r, 2 = z.
         dof: u8,
-        /// What the deck called them.
+        /// Name of the node set, or the node, as written in the deck.
         set: String,
     },
-    /// `*DLOAD … GRAV`: an acceleration; the direction is a unit vector.
+    /// `*DLOAD … GRAV`: an acceleration.
     Gravity {
-        /// Element indices; `None` means everything with mass.
+        /// Element indices; `None` selects everything that has mass.
         elements: Option<Vec<usize>>,
-        /// Unit vector along r, z; in oblique impact along 1, 2, 3.
+        /// Unit vector along r and z; in oblique impact along directions 1, 2, 3.
         direction: [f64; 3],
     },
-    /// `P`: a pressure on sides.
-    Pressure(Sides),
-    /// `PNU`, `P1NU` to `P4NU`: the user's routine gives the pressure.
+    /// `P`: a pressure on element sides.
+    Pressure(SideSelection),
+    /// `PNU`, `P1NU` to `P4NU`: a pressure given by the user subroutine VDLOAD.
     User {
-        /// Where.
-        sides: Sides,
-        /// VDLOAD's code of the load, `jltyp`.
+        /// Loaded sides.
+        sides: SideSelection,
+        /// Load type code `jltyp` of VDLOAD.
         load_type: i32,
     },
-    /// `BRNU`, `BZNU`: the user's routine gives the force a volume along r or z.
+    /// `BRNU`, `BZNU`: a body force per volume along r or z, given by the user subroutine VDLOAD.
     UserBody {
         /// Element indices.
         elements: Vec<usize>,
-        /// What the deck called them.
+        /// Name of the element set, or the element, as written in the deck.
         set: String,
-        /// VDLOAD's code of the load, `jltyp`: 1 along r, 2 along z.
+        /// Load type code `jltyp` of VDLOAD: 1 along r, 2 along z.
         load_type: i32,
     },
-    /// `CAVITY` (extension): a target's resistance.
+    /// `CAVITY` (extension): the resistance of a target without mesh.
     Cavity {
-        /// Where.
-        sides: Sides,
+        /// Loaded sides.
+        sides: SideSelection,
         /// The target.
         target: TargetId,
         /// Coulomb friction coefficient.
         friction: f64,
     },
-    /// `*CFLUX`: heat a time into each node.
+    /// `*CFLUX`: a heat flux (energy per time) into each node.
     NodalHeat {
         /// Node indices.
         nodes: Vec<usize>,
-        /// What the deck called them.
+        /// Name of the node set, or the node, as written in the deck.
         set: String,
     },
-    /// `*DFLUX S1` to `S4`, `*DSFLUX`: heat a time and area into the body.
-    SurfaceHeat(Sides),
-    /// `*DFLUX BF`: heat a time and volume.
+    /// `*DFLUX S1` to `S4`, `*DSFLUX`: a heat flux per area into the body.
+    SurfaceHeat(SideSelection),
+    /// `*DFLUX BF`: a heat source per volume.
     BodyHeat {
         /// Element indices.
         elements: Vec<usize>,
-        /// What the deck called them.
+        /// Name of the element set, or the element, as written in the deck.
         set: String,
     },
-    /// `*FILM`, `*SFILM`: the magnitude is the temperature of the fluid.
+    /// `*FILM`, `*SFILM`: convection; the magnitude is the fluid temperature.
     Film {
-        /// Where.
-        sides: Sides,
-        /// Heat a time, area and temperature.
+        /// Cooled or heated sides.
+        sides: SideSelection,
+        /// Film coefficient: heat flux per area and temperature difference.
         coefficient: f64,
-        /// The amplitude of the coefficient, if it varies.
+        /// Amplitude of the film coefficient; `None` for a constant coefficient.
         amplitude: Option<AmplitudeId>,
     },
 }
 
-/// A target that is not meshed: layers of material, one behind the other (extension).
+/// A target without mesh: a stack of material layers (`*TARGET`, extension).
 #[derive(Clone, Debug)]
-pub struct Target {
+pub struct TargetStack {
     /// Upper-case name.
     pub name: String,
-    /// z of the impact face.
+    /// z of the impact face, length.
     pub front: f64,
-    /// +1 or -1: the way the layers follow each other along z.
+    /// Stacking direction of the layers along z: +1 or -1.
     pub direction: f64,
-    /// Angle in degrees by which its planes are turned about direction 3, through the point where the front meets the axis.
+    /// Rotation angle of the layer planes about direction 3, in degrees, through the point where the impact face meets
+    /// the axis.
     pub obliquity: f64,
-    /// From the front on.
-    pub layers: Vec<Layer>,
-    /// Which of its faces weaken what it resists with.
+    /// Layers, starting at the impact face.
+    pub layers: Vec<TargetLayer>,
+    /// Free surfaces that reduce the resistance.
     pub free_surfaces: FreeSurfaces,
-    /// Depth of the crater over which the resistance grows, length.
+    /// Depth of the entry crater over which the resistance increases, length.
     pub crater: Option<f64>,
-    /// Shear stress at which a plug is sheared out.
+    /// Shear strength at which a plug is sheared out.
     pub shear_strength: Option<f64>,
-    /// Whether the wall of the tunnel stays where the body has pushed it.
+    /// Whether the tunnel wall stays where the projectile displaced it, so that the projectile can separate from the
+    /// wall.
     pub separation: bool,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// Which faces of a target are free surfaces that weaken what it resists with.
+/// Free surfaces of a target that reduce its resistance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FreeSurfaces {
-    /// None: layers are as strong as a body without end.
+    /// None: each layer resists as an infinite body.
     Off,
-    /// Those that border on nothing: the outer ones, those at gaps, lateral ones.
+    /// Outer faces, faces at gaps, and lateral faces; layers in contact are bonded.
     Plates,
-    /// Those of every layer: layers lie on each other and do not hold together.
+    /// The faces of every layer; layers in contact are not bonded.
     Layers,
 }
 
 /// One layer of a target.
 #[derive(Clone, Copy, Debug)]
-pub struct Layer {
-    /// A material with density and cavity expansion; `None` in a gap between plates.
+pub struct TargetLayer {
+    /// Material with density and cavity expansion constants; `None` for a gap between plates.
     pub material: Option<MaterialId>,
     /// Thickness, length; may be infinite.
     pub thickness: f64,
-    /// Radius of its lateral face, length; may be infinite.
+    /// Radius of the lateral face, length; may be infinite.
     pub radius: f64,
-    /// The data line.
+    /// Source position of the data line.
     pub span: Span,
 }

@@ -1,189 +1,193 @@
-//! Materials as their cards describe them.
-//! Never here: which laws go together, which the plan says.
+//! Materials as defined by their cards. The plan combines the material laws.
 
 use crate::deck::Span;
 
 /// A material.
 #[derive(Clone, Debug, Default)]
-pub struct Material {
+pub struct MaterialDefinition {
     /// Upper-case name.
     pub name: String,
-    /// `*MATERIAL` card.
+    /// Source position of the `*MATERIAL` card.
     pub span: Span,
-    /// Mass per volume, at the initial temperature.
+    /// Mass per volume at the initial temperature.
     pub density: Option<f64>,
-    /// Rows of the mass per volume and temperature; empty where there is no temperature.
+    /// Rows of mass per volume and temperature; empty for a constant density.
     pub densities: Vec<[f64; 2]>,
-    /// Young's modulus and Poisson's ratio; of a table the stiffest row.
+    /// Young's modulus and Poisson's ratio; for a table, those of the stiffest row.
     pub elastic: Option<[f64; 2]>,
-    /// Rows of Young's modulus, Poisson's ratio, temperature and field variables, as many in each, the temperature varying
-    /// fastest; empty where the moduli are constant.
+    /// Rows of Young's modulus, Poisson's ratio, temperature and field variables, with the temperature varying fastest;
+    /// all rows have the same length. Empty for constant moduli.
     pub elastic_table: Vec<Vec<f64>>,
-    /// Shear modulus, of an `*ELASTIC, TYPE=SHEAR`.
+    /// Shear modulus of `*ELASTIC, TYPE=SHEAR`.
     pub shear_modulus: Option<f64>,
-    /// `*HYPERELASTIC`.
-    pub hyperelastic: Option<Hyperelastic>,
+    /// Rubber elasticity (`*HYPERELASTIC`).
+    pub hyperelastic: Option<HyperelasticLaw>,
     /// Equation of state.
     pub eos: Option<EquationOfState>,
-    /// `*DETONATION POINT`: `[r, z]` and total time of each.
+    /// Detonation points (`*DETONATION POINT`): `[r, z, total time]` of each.
     pub detonation: Vec<[f64; 3]>,
-    /// Yield description.
-    pub plastic: Option<Plastic>,
-    /// `*CRUSHABLE FOAM` and its hardening.
-    pub foam: Foam,
-    /// `*DAMPING, ALPHA`, 1/time, and the card; `None` where it is zero.
+    /// Yield stress and hardening (`*PLASTIC`).
+    pub plastic: Option<PlasticityModel>,
+    /// Crushable foam (`*CRUSHABLE FOAM` and its hardening).
+    pub foam: FoamDefinition,
+    /// Mass-proportional damping coefficient in 1/time (`*DAMPING, ALPHA`) and its source position; `None` if zero.
     pub damping: Option<(f64, Span)>,
-    /// Whether the yield stress goes on beyond the last plastic strain of a table as between its last two rows
-    /// (`EXTRAPOLATION=LINEAR`).
+    /// Whether the yield stress is extrapolated linearly beyond the last row of the table (`EXTRAPOLATION=LINEAR`).
     pub extrapolates: bool,
-    /// Rate dependence.
+    /// Strain rate dependence of the yield stress.
     pub rate: Option<RateDependence>,
-    /// Heat: capacity, conduction, expansion.
-    pub thermal: Thermal,
-    /// Failure by the plastic strain, in the order of the deck.
+    /// Thermal properties.
+    pub thermal: ThermalProperties,
+    /// Failure criteria based on plastic strain, in deck order.
     pub failures: Vec<FailureCriterion>,
-    /// `*TENSILE FAILURE`.
+    /// Tensile failure (`*TENSILE FAILURE`).
     pub tensile_failure: Option<TensileFailure>,
-    /// `*CAVITY EXPANSION` (extension).
+    /// Resistance to cavity expansion (`*CAVITY EXPANSION`, extension).
     pub cavity: Option<CavityExpansion>,
-    /// What user subroutines are asked for.
+    /// User subroutines of the material.
     pub user: UserDefinitions,
 }
 
 /// Thermal properties.
 #[derive(Clone, Debug, Default)]
-pub struct Thermal {
-    /// Fraction of plastic work turned into heat.
+pub struct ThermalProperties {
+    /// Inelastic heat fraction: the fraction of plastic work that is converted to heat.
     pub inelastic_heat_fraction: Option<f64>,
-    /// Rows of the heat per mass and temperature, and the temperature (NaN where absent).
+    /// Rows of specific heat (energy per mass and temperature) and temperature (NaN where absent).
     pub specific_heat: Option<Vec<[f64; 2]>>,
-    /// Rows of the heat a time, length and temperature, and the temperature (NaN where absent), with the card.
+    /// Rows of conductivity (power per length and temperature) and temperature (NaN where absent), with the source
+    /// position.
     pub conductivity: Option<(Vec<[f64; 2]>, Span)>,
-    /// `*EXPANSION`.
-    pub expansion: Option<Expansion>,
+    /// Thermal expansion (`*EXPANSION`).
+    pub expansion: Option<ThermalExpansion>,
 }
 
-/// `*CRUSHABLE FOAM` and `*CRUSHABLE FOAM HARDENING`.
+/// Crushable foam: `*CRUSHABLE FOAM` and `*CRUSHABLE FOAM HARDENING`.
 #[derive(Clone, Debug, Default)]
-pub struct Foam {
-    /// The yield surface and the card.
-    pub shape: Option<(FoamShape, Span)>,
-    /// Rows of the yield stress in uniaxial compression and the plastic strain.
+pub struct FoamDefinition {
+    /// Yield surface and its source position.
+    pub shape: Option<(FoamYieldSurface, Span)>,
+    /// Rows of yield stress in uniaxial compression and plastic strain.
     pub hardening: Vec<[f64; 2]>,
 }
 
-/// What user subroutines are asked for at the points of a material.
+/// User subroutines called at the material points of a material.
 #[derive(Clone, Debug, Default)]
 pub struct UserDefinitions {
-    /// `*USER MATERIAL`: its constants.
+    /// Properties of `*USER MATERIAL`.
     pub material: Option<Vec<f64>>,
-    /// `*USER DEFINED FIELD`: constants of its routine, and the card.
+    /// Properties of `*USER DEFINED FIELD` and the source position.
     pub fields: Option<(Vec<f64>, Span)>,
-    /// `*CHARACTERISTIC LENGTH, DEFINITION=USER`: constants of its routine, and the card.
+    /// Properties of `*CHARACTERISTIC LENGTH, DEFINITION=USER` and the source position.
     pub lengths: Option<(Vec<f64>, Span)>,
-    /// `*DEPVAR`.
+    /// Solution-dependent state variables (`*DEPVAR`).
     pub state: StateVariables,
-    /// Names that `*DEPVAR` gives variables, which are counted from 0.
+    /// Names of state variables given by `*DEPVAR`; variables are counted from 0.
     pub state_names: Vec<(usize, String)>,
 }
 
-/// `*EXPANSION`: thermal strain from a reference temperature.
+/// Thermal expansion (`*EXPANSION`): thermal strain relative to a reference temperature.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Expansion {
-    /// Rows of the coefficient and the temperature (NaN where absent).
+pub struct ThermalExpansion {
+    /// Rows of expansion coefficient and temperature (NaN where absent).
     pub rows: Vec<[f64; 2]>,
-    /// Reference temperature (`ZERO`).
+    /// Reference temperature of zero thermal strain (`ZERO`).
     pub zero: f64,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// `*DEPVAR`: what the user's routines keep at a point.
+/// Solution-dependent state variables of user subroutines (`*DEPVAR`), per material point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StateVariables {
-    /// How many variables.
+    /// Number of variables.
     pub count: usize,
-    /// The one, counted from 0, that deletes an element when it becomes zero (`DELETE`).
+    /// Index from 0 of the variable that deletes the element when it becomes zero (`DELETE`).
     pub delete: Option<usize>,
 }
 
-/// `*HYPERELASTIC`.
+/// Rubber elasticity (`*HYPERELASTIC`).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Hyperelastic {
-    /// Energy of a change of shape.
-    pub shape: RubberShape,
-    /// D1, D2, ... of the energy of a change of volume; all zero where the card gives no compressibility.
+pub struct HyperelasticLaw {
+    /// Deviatoric part of the strain energy.
+    pub shape: DeviatoricEnergy,
+    /// Coefficients D1, D2, ... of the volumetric strain energy; all zero if the card gives no compressibility.
     pub compressibility: Vec<f64>,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// Form of the energy of rubber and its constants.
+/// Deviatoric strain energy of rubber, with its constants.
 #[derive(Clone, Debug, PartialEq)]
-pub enum RubberShape {
-    /// C10.
+pub enum DeviatoricEnergy {
+    /// Neo-Hooke: C10.
     NeoHooke(f64),
-    /// Each C_ij with i and j.
+    /// Polynomial: each C_ij with i and j.
     Polynomial(Vec<(f64, usize, usize)>),
-    /// Each mu and alpha.
+    /// Ogden: each mu and alpha.
     Ogden(Vec<[f64; 2]>),
 }
 
-impl RubberShape {
-    /// Initial shear modulus.
+impl DeviatoricEnergy {
+    /// Returns the initial shear modulus.
     pub fn shear(&self) -> f64 {
         match self {
-            RubberShape::NeoHooke(c10) => 2.0 * c10,
-            RubberShape::Polynomial(terms) => 2.0 * terms.iter().filter(|t| t.1 + t.2 == 1).map(|t| t.0).sum::<f64>(),
-            RubberShape::Ogden(terms) => terms.iter().map(|t| t[0]).sum(),
+            DeviatoricEnergy::NeoHooke(c10) => 2.0 * c10,
+            DeviatoricEnergy::Polynomial(terms) => {
+                2.0 * terms.iter().filter(|t| t.1 + t.2 == 1).map(|t| t.0).sum::<f64>()
+            }
+            DeviatoricEnergy::Ogden(terms) => terms.iter().map(|t| t[0]).sum(),
         }
     }
 }
 
-/// How the yield surface of foam grows, and its shape at the start.
+/// Yield surface of crushable foam: kind of hardening and initial shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FoamShape {
-    /// By compaction: strength in uniaxial compression, and in hydrostatic tension, over that in hydrostatic compression.
+pub enum FoamYieldSurface {
+    /// Volumetric hardening: ratios of the initial yield stresses in uniaxial compression and in hydrostatic tension to
+    /// the one in hydrostatic compression.
     Volumetric([f64; 2]),
-    /// Alike in all directions: strength in uniaxial over that in hydrostatic compression, plastic Poisson's ratio.
+    /// Isotropic hardening: ratio of the initial yield stress in uniaxial to hydrostatic compression, and plastic
+    /// Poisson's ratio.
     Isotropic([f64; 2]),
 }
 
-/// `*EOS`.
+/// Equation of state (`*EOS`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct EquationOfState {
     /// Form and constants.
     pub kind: EosKind,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// Form of an equation of state.
+/// Form of an equation of state, with its constants.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EosKind {
-    /// Ideal gas: gas constant (energy a mass and temperature) and ambient pressure.
+    /// Ideal gas: specific gas constant (energy per mass and temperature) and ambient pressure.
     IdealGas([f64; 2]),
-    /// Linear shock speed: c0, s, Grueneisen coefficient.
+    /// Linear Us-Up Hugoniot: c0, s, Grueneisen coefficient.
     UsUp([f64; 3]),
-    /// Rows of f1, f2 and the volumetric strain, which descends.
+    /// Tabulated: rows of f1, f2 and volumetric strain, in descending order of the strain.
     Tabular(Vec<[f64; 3]>),
-    /// Explosive: speed of the detonation, A, B, omega, R1, R2, energy a mass, bulk modulus before the detonation.
+    /// JWL explosive: detonation wave speed, A, B, omega, R1, R2, detonation energy per mass, bulk modulus before
+    /// detonation.
     Jwl([f64; 8]),
 }
 
-/// `*SHEAR FAILURE`, or `*DAMAGE INITIATION` with its `*DAMAGE EVOLUTION`.
+/// A failure criterion: `*SHEAR FAILURE`, or `*DAMAGE INITIATION` with `*DAMAGE EVOLUTION`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailureCriterion {
-    /// Plastic strain at which the element fails or its damage begins.
+    /// Plastic strain at which the element fails or damage initiates.
     pub strain: StrainAtFailure,
-    /// What follows.
+    /// Damage evolution after initiation.
     pub evolution: DamageEvolution,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
 impl FailureCriterion {
-    /// Whether what follows depends on the length of an element.
+    /// Returns whether the damage evolution depends on the element length.
     pub fn takes_length(&self) -> bool {
         matches!(self.evolution, DamageEvolution::Displacement(_) | DamageEvolution::Energy(_))
     }
@@ -192,69 +196,70 @@ impl FailureCriterion {
 /// Plastic strain at failure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StrainAtFailure {
-    /// A constant.
+    /// Constant strain.
     Constant(f64),
-    /// d1 to d5; melting temperature, transition temperature and reference rate, which `*SHEAR FAILURE` takes from
-    /// `*PLASTIC` and `*RATE DEPENDENT`.
+    /// Johnson-Cook: d1 to d5; then melting temperature, transition temperature and reference strain rate. `*SHEAR
+    /// FAILURE` takes these three from `*PLASTIC` and `*RATE DEPENDENT` (`None`).
     JohnsonCook([f64; 5], Option<[f64; 3]>),
-    /// Rows of strain, triaxiality, rate and temperature; the first variable varies fastest.
+    /// Ductile damage: rows of strain, stress triaxiality, strain rate and temperature; the triaxiality varies fastest.
     Ductile(Vec<[f64; 4]>),
-    /// Rows of strain, rate, pressure over von Mises stress, and temperature, likewise.
+    /// Shear criterion: rows of strain, strain rate, ratio of pressure to Mises stress, and temperature; the rate
+    /// varies fastest.
     Shear(Vec<[f64; 4]>),
 }
 
-/// How damage grows.
+/// Damage evolution after initiation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DamageEvolution {
-    /// The element is deleted at once.
+    /// The element is deleted immediately.
     Sudden,
-    /// Not at all: no `*DAMAGE EVOLUTION`.
+    /// No damage evolution: the criterion is evaluated but the stiffness is not reduced.
     Absent,
-    /// Linear in the displacement; its value at failure.
+    /// Linear softening with plastic displacement; displacement at failure, length.
     Displacement(f64),
-    /// Linear, by the energy an area.
+    /// Linear softening; fracture energy per area.
     Energy(f64),
 }
 
-/// `*TENSILE FAILURE`.
+/// Tensile failure (`*TENSILE FAILURE`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TensileFailure {
-    /// Mean stress that is not exceeded.
+    /// Hydrostatic cutoff stress: largest tensile mean stress.
     pub cutoff: f64,
-    /// Whether the element that reaches it is deleted.
+    /// Whether the element is deleted when the cutoff is reached.
     pub deletes: bool,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// `*PLASTIC`.
+/// Yield stress and hardening (`*PLASTIC`).
 #[derive(Clone, Debug)]
-pub enum Plastic {
-    /// Rows of yield stress, plastic strain, temperature (NaN where absent).
+pub enum PlasticityModel {
+    /// Isotropic hardening: rows of yield stress, plastic strain and temperature (NaN where absent).
     Tabular(Vec<[f64; 3]>),
-    /// A, B, n, m, melting temperature, transition temperature.
+    /// Johnson-Cook: A, B, n, m, melting temperature, transition temperature.
     JohnsonCook([f64; 6]),
-    /// Linear kinematic: yield stress without plastic strain, slope of the stress over it, temperature (NaN where absent).
+    /// Linear kinematic hardening: initial yield stress, hardening slope and temperature (NaN where absent).
     Kinematic(Vec<[f64; 3]>),
-    /// The routine of the user gives the yield stress, with these constants.
+    /// User subroutine VUHARD, with its properties.
     User(Vec<f64>),
-    /// Rows of yield stress, plastic strain, temperature and field variables, as many in each, the plastic strain varying
-    /// fastest.
+    /// Rows of yield stress, plastic strain, temperature and field variables, with the plastic strain varying fastest;
+    /// all rows have the same length.
     OverFields(Vec<Vec<f64>>),
 }
 
-/// `*RATE DEPENDENT`.
+/// Strain rate dependence of the yield stress (`*RATE DEPENDENT`).
 #[derive(Clone, Debug)]
 pub enum RateDependence {
-    /// C and the reference strain rate.
+    /// Johnson-Cook: C and the reference strain rate.
     JohnsonCook([f64; 2]),
-    /// Rows of D, n and temperature (NaN where absent).
+    /// Cowper-Symonds power law: rows of D, n and temperature (NaN where absent).
     PowerLaw(Vec<[f64; 3]>),
-    /// Rows of yield stress ratio, strain rate and temperature, likewise.
+    /// Rows of yield stress ratio, strain rate and temperature (NaN where absent).
     YieldRatio(Vec<[f64; 3]>),
 }
 
-/// Resistance of a material to an expanding cavity: `sigma_n = Y (A + B x + C x^2)`, `x = v_n sqrt(rho / Y)`.
+/// Resistance of a material to the expansion of a cavity: `σ_n = Y (A + B x + C x²)` with `x = v_n √(ρ / Y)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CavityExpansion {
     /// Y, stress.
@@ -265,21 +270,21 @@ pub struct CavityExpansion {
     pub b: f64,
     /// C, dimensionless.
     pub c: f64,
-    /// Where A, B and C come from, if the card derives them.
-    pub derived: Option<Derivation>,
-    /// The card.
+    /// Data of the fit if the constants were derived from the material (`DERIVE`); `None` if given.
+    pub derived: Option<ResistanceDerivation>,
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// How constants were derived from a material's own curve.
+/// Quality of the constants A, B, C that were fitted to the computed expansion pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Derivation {
-    /// Range of velocities of the fit.
+pub struct ResistanceDerivation {
+    /// Velocity range of the fit.
     pub range: [f64; 2],
-    /// Root of the weighted mean square of what the fit leaves over, over Y.
+    /// Weighted root mean square of the residuals of the fit, divided by Y.
     pub residual: f64,
-    /// The largest relative difference of the law from the pressure, and the velocity there.
+    /// Largest relative difference of the fitted law from the computed pressure, and the velocity at which it occurs.
     pub worst: [f64; 2],
-    /// Pressure at rest over Y.
+    /// Quasi-static expansion pressure divided by Y.
     pub still: f64,
 }

@@ -1,29 +1,28 @@
-//! Nodes, elements, sets and surfaces of elements.
-//! Never here: what surfaces carry.
+//! Nodes, elements, sets and element-based surfaces.
 
 use std::collections::HashMap;
 
 use crate::deck::Span;
 use crate::kernel::lists::heap_bytes;
-use crate::kernel::topology::Topology;
-use crate::model::element_nodes::ElementNodes;
-use crate::model::name::Name;
+use crate::kernel::topology::ElementTopology;
+use crate::model::element_nodes::NodeIndices;
+use crate::model::name::EntityName;
 
-/// Nodes and elements.
+/// Nodes and elements of the model.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// Node names as the deck knows them (`12` or `INSTANCE.12`).
-    pub node_names: Vec<Name>,
-    /// Node coordinates `[r, z]`, in the deck's length unit.
+    /// Node names: the label, or `INSTANCE.label` for a node of an instance.
+    pub node_names: Vec<EntityName>,
+    /// Initial node coordinates `[r, z]` in the length unit of the deck.
     pub points: Vec<[f64; 2]>,
     /// Elements.
     pub elements: Vec<Element>,
 }
 
 impl Mesh {
-    /// Bytes of its lists.
+    /// Returns the heap memory of the node and element lists in bytes.
     pub fn bytes(&self) -> usize {
-        let names: usize = self.node_names.iter().map(Name::bytes_elsewhere).sum();
+        let names: usize = self.node_names.iter().map(EntityName::bytes_elsewhere).sum();
         let element = |e: &Element| e.name.bytes_elsewhere() + e.nodes.bytes_elsewhere();
         names
             + heap_bytes(&self.node_names)
@@ -32,41 +31,41 @@ impl Mesh {
             + self.elements.iter().map(element).sum::<usize>()
     }
 
-    pub(in crate::model) fn room_for_nodes(&mut self, more: usize) {
+    pub(in crate::model) fn reserve_nodes(&mut self, more: usize) {
         self.points.reserve(more);
         self.node_names.reserve(more);
     }
 
-    pub(in crate::model) fn room_for_elements(&mut self, more: usize) {
+    pub(in crate::model) fn reserve_elements(&mut self, more: usize) {
         self.elements.reserve(more);
     }
 
-    /// Nodes of the quadrilaterals that a solid element consists of, counter-clockwise. A triangle is a quadrilateral whose last two
-    /// corners coincide: the formulas of polygons hold, and every motion of three nodes is linear, so hourglass control finds
-    /// nothing.
+    /// Returns the quadrilateral cells of a solid element, each as four node indices counter-clockwise. A triangle is a
+    /// quadrilateral whose last two corners coincide: the polygon formulas remain valid, and hourglass forces vanish
+    /// because the motion of three nodes is linear.
     pub fn cells(&self, element: usize) -> impl Iterator<Item = [usize; 4]> {
         let Element { kind, nodes, .. } = &self.elements[element];
-        let cells = kind.topology().map_or(&[][..], Topology::cells);
+        let cells = kind.topology().map_or(&[][..], ElementTopology::cells);
         cells.iter().map(move |cell| cell.map(|i| nodes[i.min(nodes.len() - 1)]))
     }
 
-    /// Places of the corners of these quadrilaterals.
-    pub fn cells_at_start(&self, element: usize) -> impl Iterator<Item = [[f64; 2]; 4]> {
+    /// Returns the initial corner coordinates of the cells of an element (see [`Mesh::cells`]).
+    pub fn initial_cells(&self, element: usize) -> impl Iterator<Item = [[f64; 2]; 4]> {
         self.cells(element).map(|cell| cell.map(|n| self.points[n]))
     }
 
-    /// The ends of one side of an element, the way it runs counter-clockwise; `None` if it has no such side.
-    pub fn ends(&self, element: usize, side: Side) -> Option<[usize; 2]> {
+    /// Returns the two nodes of an element side in counter-clockwise order; `None` if the element has no such side.
+    pub fn side_nodes(&self, element: usize, side: ElementSide) -> Option<[usize; 2]> {
         let nodes = &self.elements[element].nodes;
         let (from, to) = match side {
-            Side::Positive | Side::Negative => (0, 1),
-            Side::Face(n) => (usize::from(n).checked_sub(1)?, usize::from(n) % nodes.len()),
+            ElementSide::Positive | ElementSide::Negative => (0, 1),
+            ElementSide::Face(n) => (usize::from(n).checked_sub(1)?, usize::from(n) % nodes.len()),
         };
         Some([*nodes.get(from)?, *nodes.get(to)?])
     }
 
-    /// Faces of solids that lie outside: those that one element alone has, by element and number.
-    pub fn outside(&self) -> Vec<(usize, Side)> {
+    /// Returns the exterior faces of solid elements, that is, the faces that belong to one element only.
+    pub fn exterior_faces(&self) -> Vec<(usize, ElementSide)> {
         let faces = |e: usize| {
             let nodes = &self.elements[e].nodes;
             let count = if nodes.len() > 2 { nodes.len() } else { 0 };
@@ -77,12 +76,12 @@ impl Mesh {
         for (.., [a, b]) in all() {
             *shared.entry([a.min(b), a.max(b)]).or_default() += 1;
         }
-        let bare = all().filter(|&(.., [a, b])| shared[&[a.min(b), a.max(b)]] == 1);
-        bare.map(|(e, i, _)| (e, Side::Face(i as u8 + 1))).collect()
+        let exterior = all().filter(|&(.., [a, b])| shared[&[a.min(b), a.max(b)]] == 1);
+        exterior.map(|(e, i, _)| (e, ElementSide::Face(i as u8 + 1))).collect()
     }
 }
 
-/// What an element is.
+/// Element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ElementKind {
     /// Two-node axisymmetric rigid surface element.
@@ -116,60 +115,62 @@ pub enum ElementKind {
 /// One element.
 #[derive(Clone, Debug)]
 pub struct Element {
-    /// Name as the deck knows it.
-    pub name: Name,
-    /// Type.
+    /// Element name: the label, or `INSTANCE.label` for an element of an instance.
+    pub name: EntityName,
+    /// Element type.
     pub kind: ElementKind,
-    /// Indices into [`Mesh::points`]; as many as the type has nodes, of solids around the boundary
+    /// Indices into [`Mesh::points`], as many as the type requires. Nodes of solids are listed around the boundary
     /// ([`ElementKind::around`]).
-    pub nodes: ElementNodes,
-    /// The data line (or mesh card) that made it.
+    pub nodes: NodeIndices,
+    /// Source position of the data line, or of the `*MESH` card.
     pub span: Span,
 }
 
-/// A named set of indices.
+/// A named set of node or element indices.
 #[derive(Clone, Debug, Default)]
-pub struct Set {
-    /// Ascending, without repetition.
+pub struct MemberSet {
+    /// Indices in ascending order, without repetition.
     pub members: Vec<usize>,
-    /// First definition.
+    /// Source position of the first definition.
     pub span: Span,
 }
 
-/// A side of an element that faces outward.
+/// A side of an element, with its outward normal away from the element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Side {
-    /// The side of the positive normal of a RAX2 or a SAX1: first to second node turned 90 degrees counter-clockwise in (r, z).
+pub enum ElementSide {
+    /// Positive side of a RAX2 or SAX1 element. Its normal is the direction from the first to the second node, rotated
+    /// by 90 degrees counter-clockwise in the (r, z) plane.
     Positive,
-    /// The other side.
+    /// Negative side of a RAX2 or SAX1 element.
     Negative,
-    /// Number (1-based) of the part of the boundary of a solid element from one node to the next: face S1 of CAX3 and CAX4R is
-    /// the first, of CAX6M the first two.
+    /// One-based number of a boundary segment between two consecutive nodes of a solid. Face S1 of CAX3 and CAX4R is
+    /// segment 1; face S1 of CAX6M is segments 1 and 2.
     Face(u8),
 }
 
-/// A surface made of element sides.
+/// An element-based surface.
 #[derive(Clone, Debug, Default)]
-pub struct Surface {
-    /// The name as written.
+pub struct ElementSurface {
+    /// Name as written in the deck.
     pub name: String,
-    /// `(element index, side)` in deck order.
-    pub faces: Vec<(usize, Side)>,
-    /// Elements of which all that lies bare is meant: no side was named.
-    pub whole: Vec<usize>,
-    /// First definition.
+    /// Faces `(element index, side)` in deck order.
+    pub faces: Vec<(usize, ElementSide)>,
+    /// Elements that were listed without a side: all their exposed faces belong to the surface, including faces that
+    /// are exposed later by element deletion.
+    pub free_face_elements: Vec<usize>,
+    /// Source position of the first definition.
     pub span: Span,
 }
 
-/// Where a distributed load acts.
+/// The element sides on which a distributed load or a contact acts.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sides {
-    /// Name of the surface or element set, as written.
+pub struct SideSelection {
+    /// Name of the surface or element set as written in the deck.
     pub name: String,
-    /// Whether it came by `*DSLOAD` (a surface) or `*DLOAD` (elements).
+    /// Whether the selection is a surface (`*DSLOAD`) and not an element set (`*DLOAD`).
     pub surface: bool,
-    /// `(element index, side)`.
-    pub faces: Vec<(usize, Side)>,
-    /// Elements of which all that lies bare is meant, as others are deleted too.
-    pub whole: Vec<usize>,
+    /// Faces `(element index, side)`.
+    pub faces: Vec<(usize, ElementSide)>,
+    /// Elements whose exposed faces are all selected, including faces that are exposed later by element deletion.
+    pub free_face_elements: Vec<usize>,
 }

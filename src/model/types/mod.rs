@@ -1,5 +1,5 @@
-//! The model: a deck with all names resolved and nothing decided. Validated data, each piece with the span that asked for it.
-//! Never here: arrays for solving, decisions about effects.
+//! Data types of the validated model: the deck with all references resolved. Most items keep the source position of the
+//! card that defines them. Solver arrays and the choice of effects are made by `plan`.
 
 mod body;
 mod condition;
@@ -18,11 +18,11 @@ use std::sync::Arc;
 
 use indexmap::IndexMap;
 
-use super::shared::Shared;
-use super::units::Units;
+use super::shared::CopyOnWrite;
+use super::units::DeckUnits;
 use crate::deck::{Sources, Span};
-pub use crate::kernel::interaction::{Friction, GapHeat, Law, Overclosure};
-pub use crate::kernel::profile::{Profile, Segment};
+pub use crate::kernel::interaction::{CoulombFriction, GapHeat, InteractionLaw, PressureOverclosure};
+pub use crate::kernel::profile::{ProfileSegment, SurfaceProfile};
 pub use body::*;
 pub use condition::*;
 pub use constraint::*;
@@ -35,11 +35,12 @@ pub use output::*;
 pub use section::*;
 pub use step::*;
 
-/// Everything a deck describes, or a scene composed in Rust: what is wrong with one is told when it is planned.
+/// A complete model, built from a deck or composed in Rust. `job::prepare_model` reports the errors of a composed
+/// model.
 ///
 /// ```
 /// use revolve::job;
-/// use revolve::model::{AmplitudeId, ElementKind, Load, Model, Side, Sides, Step};
+/// use revolve::model::{AmplitudeId, ElementKind, ElementSide, Load, Model, SideSelection, Step};
 /// use revolve::user::Routines;
 ///
 /// let mut model = Model::default();
@@ -47,99 +48,101 @@ pub use step::*;
 /// let disc = model.element(ElementKind::Rax2, &nodes);
 /// model.rigid_body("DISC", nodes[0], &[disc]);
 /// model.mass(nodes[0], 2.0);
-/// let top = Sides::new("TOP", &[(disc, Side::Positive)]);
+/// let top = SideSelection::new("TOP", &[(disc, ElementSide::Positive)]);
 /// model.steps.push(Step::new("push", 1e-3).with_load(Load::pressure(top.clone(), 1e4)));
 /// let (outcome, _) = job::run_in_memory(&job::prepare_model(&model, &Routines::none()));
 /// assert!(outcome.halt.is_none());
 ///
-/// // There is no second amplitude.
+/// // The model has no second amplitude.
 /// model.steps[0].loads.push(Load::pressure(top, 1e4).with_amplitude(AmplitudeId::new(1)));
 /// let refused = job::prepare_model(&model, &Routines::none()).diagnostics;
 /// assert!(refused.iter().any(|d| d.code == "M112"));
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Model {
-    /// Where it comes from, and what of that changes nothing.
-    pub origin: Origin,
-    /// Title, units, scale of temperature, precision.
-    pub settings: Settings,
-    /// Nodes and elements, parts and instances flattened.
-    pub mesh: Shared<Mesh>,
-    /// Node sets by upper-case name (qualified `INSTANCE.SET` where they belong to an instance); members ascending.
-    pub node_sets: IndexMap<String, Set>,
-    /// Element sets, as node sets.
-    pub element_sets: IndexMap<String, Set>,
+    /// Source text and ignored cards.
+    pub origin: ModelOrigin,
+    /// Title, units, absolute zero and precision.
+    pub settings: AnalysisSettings,
+    /// Nodes and elements of all part instances.
+    pub mesh: CopyOnWrite<Mesh>,
+    /// Node sets by upper-case name, `INSTANCE.SET` for the set of an instance; members ascend.
+    pub node_sets: IndexMap<String, MemberSet>,
+    /// Element sets, named and ordered as node sets.
+    pub element_sets: IndexMap<String, MemberSet>,
     /// Surfaces by upper-case name.
-    pub surfaces: Surfaces,
+    pub surfaces: SurfaceDefinitions,
     /// Materials in deck order.
-    pub materials: Vec<Material>,
+    pub materials: Vec<MaterialDefinition>,
     /// `*SOLID SECTION` assignments.
     pub sections: Vec<SolidSection>,
     /// `*SHELL SECTION` assignments.
     pub shell_sections: Vec<ShellSection>,
-    /// `*EROSION`.
-    pub erosions: Vec<Erosion>,
+    /// `*EROSION` cards.
+    pub erosions: Vec<ErosionCriteria>,
     /// Amplitudes in deck order.
     pub amplitudes: Vec<Amplitude>,
     /// Rigid bodies in deck order.
     pub rigid_bodies: Vec<RigidBody>,
-    /// `*ATTITUDE`.
-    pub attitudes: Vec<Attitude>,
-    /// Masses, rotary inertias, springs and dashpots.
+    /// `*ATTITUDE` cards.
+    pub attitudes: Vec<InitialAttitude>,
+    /// Point masses, rotary inertias, springs and dashpots.
     pub discrete: DiscreteElements,
-    /// `*SURFACE INTERACTION`s.
-    pub interactions: Vec<Interaction>,
+    /// `*SURFACE INTERACTION` cards.
+    pub interactions: Vec<SurfaceInteraction>,
     /// Equations, couplings and ties.
-    pub constraints: Constraints,
-    /// `*INITIAL CONDITIONS`.
+    pub constraints: NodeConstraints,
+    /// `*INITIAL CONDITIONS` data lines.
     pub initial_conditions: Vec<InitialCondition>,
-    /// `*TARGET` stacks.
-    pub targets: Vec<Target>,
-    /// Steps; each lists everything in force in it (propagation and OP=NEW already worked out).
+    /// `*TARGET` cards.
+    pub targets: Vec<TargetStack>,
+    /// Steps. Each lists everything in force during the step: propagation between steps and `OP=NEW` are already
+    /// resolved.
     pub steps: Vec<Step>,
-    /// What output requests of all steps refer to.
+    /// Output expressions and time points that the output requests of all steps refer to.
     pub output: OutputDefinitions,
 }
 
-/// Where a model comes from.
+/// Source of a model.
 #[derive(Clone, Debug, Default)]
-pub struct Origin {
-    /// Where its spans lead; empty if it is composed in Rust.
+pub struct ModelOrigin {
+    /// Text of the deck and its included files; empty for a model composed in Rust.
     pub sources: Arc<Sources>,
-    /// The last card of the deck; `None` if it is composed in Rust.
+    /// Last card of the deck; `None` for a model composed in Rust.
     pub last_card: Option<Span>,
-    /// Whether everything that bodies are made of was read without error: messages of a plan about bodies are reliable then.
+    /// Whether all cards that define bodies were read without error. Messages of the plan about bodies are reliable
+    /// only then.
     pub bodies_read: bool,
-    /// Cards that were read but change nothing in this deck.
-    pub inert: Vec<Inert>,
+    /// Cards that were read but have no effect in this deck.
+    pub inert: Vec<IgnoredCard>,
 }
 
 /// Settings of the whole analysis.
 #[derive(Clone, Debug, Default)]
-pub struct Settings {
+pub struct AnalysisSettings {
     /// The `*HEADING` text.
     pub title: String,
-    /// Names of units; `None` where the deck gives none.
-    pub units: Option<Units>,
-    /// Absolute zero of temperature, of `*PHYSICAL CONSTANTS`; 0 if not given.
+    /// Names of the units (`*UNITS`); `None` if the deck gives none.
+    pub units: Option<DeckUnits>,
+    /// Absolute zero on the temperature scale of the deck (`*PHYSICAL CONSTANTS`); default 0.
     pub absolute_zero: f64,
-    /// Precision of what can be in either.
+    /// Floating-point precision of element arithmetic.
     pub precision: Precision,
 }
 
-/// Precision of the numbers of elements. Nodes, sums and energies are in double precision.
+/// Floating-point precision of element arithmetic. Nodal quantities, sums and energies are always in double precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// 53 bits.
+    /// 53-bit significand.
     #[default]
     Double,
-    /// 24 bits, of elements that have it; faster.
+    /// 24-bit significand, for the element types that support it; faster.
     Single,
 }
 
-/// A word that names no precision.
+/// Error of parsing a [`Precision`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the precision is double or single")]
+#[error("the precision must be double or single")]
 pub struct UnknownPrecision;
 
 impl FromStr for Precision {
@@ -155,7 +158,7 @@ impl FromStr for Precision {
 }
 
 impl Precision {
-    /// Its name.
+    /// Returns the name of the precision: `double` or `single`.
     pub fn name(self) -> &'static str {
         match self {
             Precision::Double => "double",
@@ -164,13 +167,13 @@ impl Precision {
     }
 }
 
-/// A card that was read but changes nothing here.
+/// A card that was read but has no effect in this deck.
 #[derive(Clone, Debug)]
-pub struct Inert {
-    /// Keyword.
+pub struct IgnoredCard {
+    /// Keyword without the asterisk.
     pub keyword: String,
-    /// The card.
+    /// Source position of the card.
     pub span: Span,
-    /// Why it changes nothing.
+    /// Reason, as printed in the ledger.
     pub why: String,
 }

@@ -1,59 +1,58 @@
 //! Output requests.
-//! Never here: files.
 
 use super::handle::{ElementSetId, InteractionId, NodeSetId, SurfaceId, TimePointsId};
-use super::{Sides, SurfaceContact};
+use super::{SideSelection, SurfaceContact};
 use crate::deck::Span;
-use crate::variables::Place;
+use crate::variables::VariablePlace;
 use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
 
-/// What output requests of all steps refer to.
+/// Items that output requests of all steps refer to.
 #[derive(Clone, Debug, Default)]
 pub struct OutputDefinitions {
-    /// `*OUTPUT EXPRESSION`: history columns that follow from others.
+    /// Derived history columns (`*OUTPUT EXPRESSION`).
     pub expressions: Vec<OutputExpression>,
     /// `*TIME POINTS` in deck order.
     pub time_points: Vec<TimePoints>,
 }
 
-/// What to write and when.
+/// An output request: variables, region and interval.
 #[derive(Clone, Debug)]
 pub struct OutputRequest {
-    /// Fields into frames, or histories into columns.
+    /// Field output or history output.
     pub kind: OutputKind,
-    /// How often.
-    pub interval: Interval,
-    /// The card that asks: `PRESELECT` and `ALL` mean what lives there.
+    /// Output interval.
+    pub interval: OutputInterval,
+    /// Card of the request; it limits the variables that `PRESELECT` and `ALL` select.
     pub card: OutputCard,
-    /// What is asked for.
+    /// Requested variables.
     pub variables: Vec<VariableRequest>,
-    /// Where fields of elements are shown.
-    pub position: Position,
-    /// What the variables are taken from.
-    pub region: Region,
-    /// What histories show of the whole set (`STATISTICS`); a column for each member where empty.
+    /// Location at which field output of elements is written.
+    pub position: OutputPosition,
+    /// Region of the variables.
+    pub region: OutputRegion,
+    /// Statistics over the set (`STATISTICS`); if empty, history output has one column per member.
     pub statistics: Vec<Statistic>,
-    /// Name of the sensor that it is (`SENSOR, NAME=`), upper case.
+    /// Upper-case name of the sensor (`SENSOR, NAME=`).
     pub sensor: Option<String>,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// A history column that follows from others.
+/// A history column that is computed from other columns.
 #[derive(Clone, Debug)]
 pub struct OutputExpression {
-    /// Its name, upper case.
+    /// Upper-case name of the column.
     pub name: String,
-    /// The expression over names of history columns, as written.
+    /// Expression in names of history columns, as written.
     pub text: String,
-    /// Where the definition stands.
+    /// Source position of the definition.
     pub span: Span,
-    /// Where the expression stands.
+    /// Source position of the expression.
     pub place: Span,
 }
 
-/// Frames or histories.
+/// Field output (frames) or history output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputKind {
     /// `*OUTPUT, FIELD`.
@@ -65,7 +64,7 @@ pub enum OutputKind {
 /// The card of an output request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputCard {
-    /// `*OUTPUT, VARIABLE=` itself.
+    /// `*OUTPUT, VARIABLE=`.
     Output,
     /// `*NODE OUTPUT`.
     Node,
@@ -82,92 +81,97 @@ pub enum OutputCard {
 }
 
 impl OutputCard {
-    /// Where the variables live that it may ask for.
-    pub fn places(self) -> &'static [Place] {
+    /// Returns the locations of the variables that the card may request.
+    pub fn places(self) -> &'static [VariablePlace] {
         match self {
-            OutputCard::Output => {
-                &[Place::Node, Place::Point, Place::Element, Place::Facet, Place::Energy, Place::Increment]
-            }
-            OutputCard::Node => &[Place::Node],
-            OutputCard::Element => &[Place::Point, Place::Element, Place::Facet],
-            OutputCard::Energy => &[Place::Energy],
-            OutputCard::Incrementation => &[Place::Increment],
-            OutputCard::Integrated => &[Place::Section],
-            OutputCard::Contact => &[Place::Node, Place::Pair],
+            OutputCard::Output => &[
+                VariablePlace::Node,
+                VariablePlace::Point,
+                VariablePlace::Element,
+                VariablePlace::Facet,
+                VariablePlace::Energy,
+                VariablePlace::Increment,
+            ],
+            OutputCard::Node => &[VariablePlace::Node],
+            OutputCard::Element => &[VariablePlace::Point, VariablePlace::Element, VariablePlace::Facet],
+            OutputCard::Energy => &[VariablePlace::Energy],
+            OutputCard::Incrementation => &[VariablePlace::Increment],
+            OutputCard::Integrated => &[VariablePlace::Section],
+            OutputCard::Contact => &[VariablePlace::Node, VariablePlace::Pair],
         }
     }
 }
 
-/// `POSITION` of `*ELEMENT OUTPUT`: where a frame shows variables of integration points. An element has one such point, in
-/// its middle, so that those and centroids are the same.
+/// `POSITION` of `*ELEMENT OUTPUT`: location at which field output of integration points is written. Elements have one
+/// such point, at the centroid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Position {
-    /// `INTEGRATION POINTS`, `CENTROIDAL`: on elements.
+pub enum OutputPosition {
+    /// `INTEGRATION POINTS` or `CENTROIDAL`: one value per element.
     #[default]
     Element,
-    /// `NODES`, `AVERAGED AT NODES`: on nodes, the mean over the elements around.
+    /// `NODES` or `AVERAGED AT NODES`: nodal values, averaged over the adjacent elements.
     Nodes,
 }
 
-/// How often output is written.
+/// Output interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Interval {
-    /// Every so much time.
+pub enum OutputInterval {
+    /// Constant time interval.
     Time(f64),
-    /// So many times over the step, evenly.
+    /// Number of equal intervals of the step.
     Number(u32),
-    /// Every so many increments.
+    /// Number of increments.
     Increments(u32),
-    /// At these times of the step.
+    /// Given times (`*TIME POINTS`).
     Points(TimePointsId),
-    /// Never (`FREQUENCY=0`).
+    /// No output (`FREQUENCY=0`).
     Never,
-    /// The program's default.
+    /// Default interval of the program.
     Default,
 }
 
-/// `*TIME POINTS`.
+/// A list of output times (`*TIME POINTS`).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TimePoints {
-    /// Name, upper case.
+    /// Upper-case name.
     pub name: String,
-    /// Times of the step, ascending.
+    /// Step times, ascending.
     pub times: Vec<f64>,
 }
 
-/// What output variables are taken from.
+/// Region of the model for an output request.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Region {
+pub enum OutputRegion {
     /// The whole model.
     Whole,
     /// A node set.
     Nodes(NodeSetId),
     /// An element set.
     Elements(ElementSetId),
-    /// A surface of element faces, and the name of its columns.
+    /// An element-based surface, and the name prefix of its columns.
     Surface(SurfaceId, String),
-    /// Pairs of surfaces in contact.
-    Pairs(WhichPairs),
+    /// Contact pairs.
+    Pairs(ContactPairFilter),
 }
 
-/// Which pairs of surfaces are meant: those that are all of what is given.
+/// Filter of contact pairs; a pair is selected if it satisfies all conditions given.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct WhichPairs {
-    /// The set of pairs, upper case.
+pub struct ContactPairFilter {
+    /// Upper-case name of the contact pair set.
     pub cpset: Option<String>,
-    /// The surface interaction.
+    /// Surface interaction.
     pub interaction: Option<InteractionId>,
-    /// Whether those of general contact alone.
+    /// Whether only pairs of general contact are selected.
     pub general: bool,
-    /// Surfaces by upper-case name, or parts of which the pair has.
+    /// Upper-case names of surfaces, or of parts of the model, that the pair must contain.
     pub surfaces: Vec<String>,
 }
 
-impl WhichPairs {
-    /// Whether a pair is meant.
-    pub fn means(&self, pair: &SurfaceContact) -> bool {
+impl ContactPairFilter {
+    /// Returns whether a contact pair satisfies the filter.
+    pub fn matches(&self, pair: &SurfaceContact) -> bool {
         let has = |name: &String| {
-            let is = |s: &Sides| {
+            let is = |s: &SideSelection| {
                 s.name == *name
                     || s.name.strip_suffix(name.as_str()).is_some_and(|b| b.ends_with('.') && !b.ends_with(".NOT."))
             };

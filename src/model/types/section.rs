@@ -1,104 +1,103 @@
-//! Sections, their controls, and erosion.
-//! Never here: what controls do.
+//! Sections, section controls and erosion criteria.
 
 use super::handle::MaterialId;
 use crate::deck::Span;
 
-/// `*SOLID SECTION`.
+/// A solid section (`*SOLID SECTION`).
 #[derive(Clone, Debug)]
 pub struct SolidSection {
     /// Element indices.
     pub elements: Vec<usize>,
-    /// Its material.
+    /// Material of the section.
     pub material: MaterialId,
-    /// Its section controls; those of the default where the deck gives none.
+    /// Section controls; the defaults if the deck gives none.
     pub controls: SectionControls,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// `*SHELL SECTION`.
+/// A shell section (`*SHELL SECTION`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShellSection {
     /// Element indices.
     pub elements: Vec<usize>,
-    /// Its material.
+    /// Material of the section.
     pub material: MaterialId,
     /// Thickness, length.
     pub thickness: f64,
-    /// Points of Simpson's rule through it, odd and at least 3.
+    /// Number of Simpson integration points through the thickness, odd and at least 3.
     pub points: usize,
-    /// Mass per area beside that of the material (`DENSITY`).
+    /// Additional mass per area (`DENSITY`).
     pub per_area: f64,
-    /// How the thickness changes (`POISSON`).
+    /// Thickness change (`POISSON`).
     pub thinning: ShellThinning,
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// `POISSON` of `*SHELL SECTION`: how the thickness follows from strains in the plane.
+/// Thickness change of shells due to in-plane strains (`POISSON` of `*SHELL SECTION`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ShellThinning {
-    /// By the material at the points through the thickness (`MATERIAL`).
+    /// From the material response at the section points (`MATERIAL`).
     #[default]
     Material,
-    /// By the Poisson's ratio of the material (`ELASTIC`).
+    /// From the Poisson's ratio of the material (`ELASTIC`).
     Elastic,
-    /// By a ratio; 0 keeps the thickness.
+    /// From the given effective Poisson's ratio; 0 keeps the thickness constant.
     Ratio(f64),
 }
 
-/// `*EROSION`: limits whose passing deletes an element.
+/// Limits beyond which elements are deleted (`*EROSION`).
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Erosion {
-    /// The card.
+pub struct ErosionCriteria {
+    /// Source position of the keyword line.
     pub span: Span,
-    /// Its elements, ascending; `None` for all that deform.
+    /// Element indices, ascending; `None` selects all deformable elements.
     pub elements: Option<Vec<usize>>,
-    /// Least scaled Jacobian, from 0 (folded) on and below 1.
+    /// Smallest admissible scaled Jacobian, in [0, 1); 0 is a folded element.
     pub distortion: Option<f64>,
-    /// Largest equivalent plastic strain.
+    /// Largest admissible equivalent plastic strain.
     pub plastic: Option<f64>,
-    /// Largest principal logarithmic strain.
+    /// Largest admissible principal logarithmic strain.
     pub strain: Option<f64>,
-    /// Least stable increment of an element, time.
+    /// Smallest admissible stable time increment of an element, time.
     pub increment: Option<f64>,
 }
 
-/// `*SECTION CONTROLS`.
+/// Section controls (`*SECTION CONTROLS`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionControls {
-    /// What resists hourglassing; by the material where the card says nothing.
-    pub hourglass: Option<Hourglass>,
-    /// Factor on it.
+    /// Hourglass control method; `None` uses the default of the material.
+    pub hourglass: Option<HourglassMethod>,
+    /// Scale factor of the hourglass stiffness or viscosity.
     pub factor: f64,
-    /// Whether the equation of motion is weighted by area instead of by volume.
+    /// Whether mass and forces use area weighting instead of volume weighting.
     pub by_area: bool,
-    /// LENGTH RATIO of distortion control; `None` without it.
+    /// `LENGTH RATIO` of distortion control; `None` without distortion control.
     pub distortion: Option<f64>,
-    /// MAX DEGRADATION: the damage at which an element is deleted or that it keeps; 1 or, where it is kept, 0.99 if the deck says
-    /// nothing.
-    pub most_damage: f64,
-    /// `AVERAGED PRESSURE`, where the deck says it: whether triangles average their dilation over nodes.
+    /// `MAX DEGRADATION`: the damage at which an element is deleted, or the damage limit of a kept element. Default 1,
+    /// or 0.99 for kept elements.
+    pub max_degradation: f64,
+    /// `AVERAGED PRESSURE`: whether the dilatation of triangles is averaged over nodes; `None` if not given.
     pub averaged: Option<bool>,
-    /// SUBZONAL: whether quarters of elements push back; `None` where the deck says nothing.
+    /// `SUBZONAL`: whether subzonal pressures resist hourglass motion; `None` if not given.
     pub subzonal: Option<bool>,
-    /// `ELEMENT DELETION=NO`, where the deck says so.
-    pub keeps_failed: Option<Span>,
+    /// Source position of `ELEMENT DELETION=NO`; `None` if failed elements are deleted.
+    pub keep_failed_elements: Option<Span>,
 }
 
-/// What resists hourglassing.
+/// Hourglass control method.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Hourglass {
-    /// A spring whose force relaxes as the material flows: what elements have without a word.
+pub enum HourglassMethod {
+    /// Stiffness whose force relaxes with plastic flow (default).
     RelaxStiffness,
-    /// A spring.
+    /// Stiffness form.
     Stiffness,
-    /// A dashpot.
+    /// Viscous form.
     Viscous,
-    /// Both: this weight for the spring, the rest for the dashpot.
+    /// Combined form: this weight for the stiffness, the remainder for the viscosity.
     Combined(f64),
-    /// The stresses of assumed strains that vary across the element.
+    /// Enhanced assumed strain.
     Enhanced,
 }
 
@@ -109,10 +108,10 @@ impl Default for SectionControls {
             factor: 1.0,
             by_area: false,
             distortion: None,
-            most_damage: 1.0,
+            max_degradation: 1.0,
             averaged: None,
             subzonal: None,
-            keeps_failed: None,
+            keep_failed_elements: None,
         }
     }
 }

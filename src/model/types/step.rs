@@ -1,148 +1,147 @@
-//! Steps: procedure, increment control, and what is in force.
-//! Never here: the time loop.
+//! Analysis steps: procedure, increment control, and the conditions in force.
 
-use super::{Boundary, GeneralContact, Interval, Load, OutputRequest, PrescribedField, SurfaceContact};
+use super::{BoundaryCondition, GeneralContact, Load, OutputInterval, OutputRequest, PrescribedField, SurfaceContact};
 use crate::deck::Span;
-use crate::kernel::interaction::Friction;
+use crate::kernel::interaction::CoulombFriction;
 
-/// One step.
+/// An analysis step.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// Name (or `Step-1`, …).
+    /// Name; `Step-1`, `Step-2`, … if the deck gives none.
     pub name: String,
-    /// The `*DYNAMIC` card.
+    /// Source position of the `*DYNAMIC` card.
     pub span: Span,
-    /// Length of the step, time.
+    /// Step duration, time.
     pub duration: f64,
-    /// How the increment is chosen.
+    /// Choice of the time increment.
     pub increment: IncrementControl,
-    /// Factor on an automatic increment.
+    /// Scale factor of automatic time increments.
     pub scale_factor: f64,
-    /// What velocity a load is shown.
+    /// Velocity passed to loads.
     pub load_velocity: LoadVelocity,
-    /// Linear and quadratic bulk viscosity.
+    /// Linear and quadratic bulk viscosity coefficients.
     pub bulk_viscosity: [f64; 2],
-    /// Whether heat stays where plastic work makes it (`ADIABATIC`).
+    /// Whether heat conduction is neglected and plastic work heats the material locally (`ADIABATIC`).
     pub adiabatic: bool,
-    /// Whether temperatures of nodes are solved for (`*DYNAMIC TEMPERATURE-DISPLACEMENT`).
+    /// Whether nodal temperatures are solved for (`*DYNAMIC TEMPERATURE-DISPLACEMENT`).
     pub coupled: bool,
-    /// Prescribed motions in force, each with the nodes on which no later one acts.
-    pub boundaries: Vec<Boundary>,
-    /// Loads in force, each at the places where no later step gives another of its kind.
+    /// Prescribed motions in force, each with the nodes that no later condition overrides.
+    pub boundaries: Vec<BoundaryCondition>,
+    /// Loads in force, each in the region that no load of a later step replaces.
     pub loads: Vec<Load>,
-    /// Field variables in force, each with the nodes to which no later one gives another value.
+    /// Prescribed field variables in force, each with the nodes that no later value overrides.
     pub fields: Vec<PrescribedField>,
-    /// Contact of pairs of surfaces in force.
+    /// Contact pairs in force.
     pub surface_contacts: Vec<SurfaceContact>,
     /// General contact in force.
     pub general_contact: Option<GeneralContact>,
-    /// Mass scaling in force, in the order of the deck.
+    /// Mass scaling in force, in deck order.
     pub mass_scalings: Vec<MassScaling>,
-    /// Limits on energies in force.
+    /// Energy limits in force.
     pub energy_limit: Option<EnergyLimit>,
     /// Output requests in force.
     pub outputs: Vec<OutputRequest>,
-    /// When the state is kept, if the deck asks.
-    pub restart: Option<Restart>,
+    /// Restart output; `None` if not requested.
+    pub restart: Option<RestartRequest>,
 }
 
 impl Step {
-    /// Whether anything may meet.
+    /// Returns whether contact is defined in the step.
     pub fn has_contact(&self) -> bool {
         !self.surface_contacts.is_empty() || self.general_contact.is_some()
     }
 
-    /// Friction of all surfaces that may meet.
-    pub fn frictions(&self) -> impl Iterator<Item = &Friction> {
+    /// Iterates over the friction laws of all contact definitions.
+    pub fn frictions(&self) -> impl Iterator<Item = &CoulombFriction> {
         let assigned = self.general_contact.iter().flat_map(|g| &g.assigned).map(|a| &a.law);
         self.surface_contacts.iter().map(|c| &c.law).chain(assigned).map(|law| &law.friction)
     }
 
-    /// The same, to be changed.
-    pub fn frictions_mut(&mut self) -> impl Iterator<Item = &mut Friction> {
+    /// Iterates over the friction laws of all contact definitions, mutably.
+    pub fn frictions_mut(&mut self) -> impl Iterator<Item = &mut CoulombFriction> {
         let assigned = self.general_contact.iter_mut().flat_map(|g| &mut g.assigned).map(|a| &mut a.law);
         self.surface_contacts.iter_mut().map(|c| &mut c.law).chain(assigned).map(|law| &mut law.friction)
     }
 }
 
-/// `*RESTART, WRITE`.
+/// Restart output request (`*RESTART, WRITE`).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Restart {
-    /// How often.
-    pub interval: Interval,
-    /// The card.
+pub struct RestartRequest {
+    /// Output interval.
+    pub interval: OutputInterval,
+    /// Source position of the keyword line.
     pub span: Span,
 }
 
-/// `*ENERGY LIMIT`.
+/// Limits of energy errors (`*ENERGY LIMIT`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyLimit {
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
-    /// Of the drift of ETOTAL over the largest energy.
+    /// Limit of the drift of ETOTAL, relative to the largest energy.
     pub error: Option<f64>,
-    /// Of ALLAE over ALLIE.
+    /// Limit of the ratio ALLAE / ALLIE.
     pub artificial: Option<f64>,
-    /// Whether the run halts; otherwise it warns.
+    /// Whether the run is stopped when a limit is exceeded; otherwise a warning is issued.
     pub halts: bool,
 }
 
-/// `*FIXED MASS SCALING` or `*VARIABLE MASS SCALING`.
+/// Mass scaling (`*FIXED MASS SCALING`, `*VARIABLE MASS SCALING`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct MassScaling {
-    /// The card.
+    /// Source position of the keyword line.
     pub span: Span,
-    /// Elements; all if `None`.
+    /// Element indices; `None` selects all elements.
     pub elements: Option<Vec<usize>>,
-    /// Factor on the mass (1 if not given).
+    /// Scale factor of the mass (default 1).
     pub factor: f64,
-    /// Stable increment aimed at, time, and how.
+    /// Scaling type and target stable time increment.
     pub target: Option<(ScalingType, f64)>,
-    /// When it is done again; `None` for a fixed one, which is done once.
-    pub rhythm: Option<ScalingRhythm>,
+    /// Repetition during the step; `None` for fixed mass scaling.
+    pub schedule: Option<ScalingSchedule>,
 }
 
-/// `TYPE` of mass scaling.
+/// `TYPE` of mass scaling towards a target stable time increment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ScalingType {
-    /// Elements below the target are brought up to it.
+    /// Elements below the target are scaled up to it.
     BelowMin,
-    /// One factor for all.
+    /// All elements are scaled by one factor.
     Uniform,
-    /// All are brought to it.
+    /// All elements are scaled to the target.
     SetEqual,
 }
 
-/// How often `*VARIABLE MASS SCALING` is done again.
+/// Repetition of `*VARIABLE MASS SCALING`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ScalingRhythm {
-    /// `FREQUENCY`: every so many increments.
+pub enum ScalingSchedule {
+    /// `FREQUENCY`: number of increments between scalings.
     Increments(u64),
-    /// `NUMBER INTERVAL`: so many times in the step.
+    /// `NUMBER INTERVAL`: number of scalings in the step.
     Intervals(u64),
 }
 
-/// How the increment is chosen.
+/// Choice of the time increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IncrementControl {
-    /// By the stability limit, or by an error estimate where nothing limits it; `accuracy` is the relative error aimed at.
+    /// By the stability limit; by error control if no element or contact limits the time increment.
     Automatic {
-        /// Relative error of the motion aimed at (default 1e-4).
+        /// Target relative error of error control (default 1e-4).
         accuracy: f64,
-        /// `ELEMENT BY ELEMENT`.
+        /// Whether the limit is that of single elements (`ELEMENT BY ELEMENT`) instead of the global estimate.
         element_by_element: bool,
-        /// Largest increment, time; infinite where the deck gives none.
+        /// Largest time increment; infinite if not given.
         largest: f64,
     },
-    /// `DIRECT USER CONTROL`: this increment.
+    /// Fixed time increment (`DIRECT USER CONTROL`).
     Fixed(f64),
 }
 
-/// What velocity a load is shown.
+/// Velocity passed to loads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoadVelocity {
-    /// A second-order estimate at the increment's own time (default).
+    /// Second-order estimate at the time of the increment (default).
     Predicted,
-    /// The mid-increment velocity behind, as ABAQUS passes it.
+    /// Mid-increment velocity of the previous increment, as in ABAQUS.
     Lagged,
 }

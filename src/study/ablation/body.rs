@@ -1,18 +1,19 @@
-//! A body that deforms made rigid.
+//! Ablation that replaces a deformable body by a rigid body.
 
-use super::Ablation;
+use super::EffectRemoval;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
 use crate::model::{InitialCondition, InitialKind, LoadKind, Model, PointMass, RigidBody};
 
-pub(super) const LIST: &[Ablation] = &[Ablation::new(
+pub(super) const LIST: &[EffectRemoval] = &[EffectRemoval::new(
     "deformation of the body",
-    "rigid, with its mass and its velocity along z",
+    "rigid body of the same mass and velocity along z",
     |model| velocity(model).is_some(),
-    stiffen,
+    make_rigid,
 )];
 
-/// Velocity of a body that can be made rigid: one initial velocity along z, loads by targets or the user only, no supports.
+/// Returns the initial velocity of the body if it can be made rigid: one initial velocity along z, loads only from
+/// targets or user subroutines, no boundary conditions along z, no contact.
 fn velocity(model: &Model) -> Option<f64> {
     let driven = |kind: &LoadKind| matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. });
     let loaded = model.steps.iter().any(|s| s.loads.iter().any(|l| driven(&l.kind)));
@@ -42,12 +43,12 @@ fn body_nodes(model: &Model) -> Vec<usize> {
     nodes
 }
 
-fn stiffen(model: &mut Model) {
+fn make_rigid(model: &mut Model) {
     let (Some(speed), Some(&reference)) = (velocity(model), body_nodes(model).first()) else { return };
     let mut mass: f64 = model.discrete.masses.drain(..).map(|p| p.mass).sum();
     for section in &model.sections {
         let density = model.materials[section.material].density.unwrap_or(0.0);
-        let volume = |&e: &usize| model.mesh.cells_at_start(e).map(quad::volume).sum::<f64>();
+        let volume = |&e: &usize| model.mesh.initial_cells(e).map(quad::volume).sum::<f64>();
         mass += section.elements.iter().map(volume).sum::<f64>() * density;
     }
     let span = model.sections[0].span;

@@ -1,26 +1,26 @@
-//! Loads, contact and friction left out.
+//! Ablations of loads, contact and friction.
 
-use super::Ablation;
-use crate::model::{ConnectorLaw, Friction, Load, LoadKind, Model, Step};
+use super::EffectRemoval;
+use crate::model::{ConnectorLaw, CoulombFriction, Load, LoadKind, Model, Step};
 
-pub(super) const LIST: &[Ablation] = &[
-    Ablation::new("friction", "coefficient 0 on all surfaces", has_friction, no_friction),
-    Ablation::new(
+pub(super) const LIST: &[EffectRemoval] = &[
+    EffectRemoval::new("friction", "coefficient 0 on all surfaces", has_friction, no_friction),
+    EffectRemoval::new(
         "contact",
-        "none: all passes through all",
+        "none: bodies penetrate each other",
         |model| model.steps.iter().any(Step::has_contact),
         no_contact,
     ),
-    Ablation::new("gravity", "none", |model| has(model, is_gravity), |model| remove(model, is_gravity)),
-    Ablation::new(
+    EffectRemoval::new("gravity", "none", |model| has(model, is_gravity), |model| remove(model, is_gravity)),
+    EffectRemoval::new(
         "concentrated force",
         "none",
         |model| has(model, is_concentrated),
         |model| remove(model, is_concentrated),
     ),
-    Ablation::new("pressure", "none", |model| has(model, is_pressure), |model| remove(model, is_pressure)),
-    Ablation::new("user load", "none", |model| has(model, is_user), |model| remove(model, is_user)),
-    Ablation::new(
+    EffectRemoval::new("pressure", "none", |model| has(model, is_pressure), |model| remove(model, is_pressure)),
+    EffectRemoval::new("user load", "none", |model| has(model, is_user), |model| remove(model, is_user)),
+    EffectRemoval::new(
         "dashpots",
         "coefficient 0",
         |model| model.discrete.connectors.iter().any(|c| matches!(c.law, ConnectorLaw::Dashpot(v) if v != 0.0)),
@@ -30,7 +30,7 @@ pub(super) const LIST: &[Ablation] = &[
 
 fn has_friction(model: &Model) -> bool {
     let of_load = |l: &Load| matches!(l.kind, LoadKind::Cavity { friction, .. } if friction > 0.0);
-    model.steps.iter().any(|s| s.loads.iter().any(of_load) || s.frictions().any(Friction::is_there))
+    model.steps.iter().any(|s| s.loads.iter().any(of_load) || s.frictions().any(CoulombFriction::is_active))
 }
 
 fn no_friction(model: &mut Model) {
@@ -40,7 +40,7 @@ fn no_friction(model: &mut Model) {
                 *friction = 0.0;
             }
         }
-        step.frictions_mut().for_each(|friction| *friction = Friction::default());
+        step.frictions_mut().for_each(|friction| *friction = CoulombFriction::default());
     }
 }
 

@@ -1,24 +1,24 @@
-//! Parts of a material's law left out.
+//! Ablations of parts of the material laws.
 
-use super::Ablation;
-use crate::model::{DamageEvolution, Material, Model, StrainAtFailure};
+use super::EffectRemoval;
+use crate::model::{DamageEvolution, MaterialDefinition, Model, StrainAtFailure};
 
-pub(super) const LIST: &[Ablation] = &[
-    Ablation::new("rate dependence", "static yield stress", |model| any(model, |m| m.rate.is_some()), no_rate),
-    Ablation::new("heating by plastic work", "temperatures stay", heats, no_heat_of_work),
-    Ablation::new("heat conduction", "heat stays where it is given", conducts, |model| {
+pub(super) const LIST: &[EffectRemoval] = &[
+    EffectRemoval::new("rate dependence", "static yield stress", |model| any(model, |m| m.rate.is_some()), no_rate),
+    EffectRemoval::new("heating by plastic work", "constant temperature", heats, no_heat_of_work),
+    EffectRemoval::new("heat conduction", "conductivity 0", conducts, |model| {
         let rows = model.materials.iter_mut().filter_map(|m| m.thermal.conductivity.as_mut()).flat_map(|c| &mut c.0);
         rows.for_each(|row| row[0] = NO_CONDUCTION);
     }),
-    Ablation::new(
+    EffectRemoval::new(
         "thermal expansion",
         "coefficient 0",
         |model| any(model, |m| m.thermal.expansion.is_some()),
         |model| model.materials.iter_mut().for_each(|m| m.thermal.expansion = None),
     ),
-    Ablation::new(
+    EffectRemoval::new(
         "failure",
-        "no damage, no deletion, no cutoff",
+        "no damage, no element deletion, no tension cutoff",
         |model| any(model, fails),
         |model| {
             for material in &mut model.materials {
@@ -27,13 +27,13 @@ pub(super) const LIST: &[Ablation] = &[
             }
         },
     ),
-    Ablation::new(
+    EffectRemoval::new(
         "erosion",
         "no *EROSION",
         |model| !model.erosions.is_empty() && super::super::settings::deforms(model),
         |model| model.erosions.clear(),
     ),
-    Ablation::new(
+    EffectRemoval::new(
         "plasticity",
         "elastic, without failure",
         |model| any(model, |m| m.plastic.is_some()),
@@ -46,26 +46,26 @@ pub(super) const LIST: &[Ablation] = &[
     ),
 ];
 
-/// A conductivity, which must be above zero, by which nothing flows over any time.
+/// Negligible conductivity; a conductivity must be above zero.
 const NO_CONDUCTION: f64 = 1e-100;
 
-/// Materials that something which deforms is made of.
-fn any(model: &Model, which: impl Fn(&Material) -> bool) -> bool {
-    super::super::settings::deforms(model) && model.made_of().any(|(m, _)| which(&model.materials[m]))
+/// Returns whether a material of a deformable element has the property `which`.
+fn any(model: &Model, which: impl Fn(&MaterialDefinition) -> bool) -> bool {
+    super::super::settings::deforms(model) && model.material_regions().any(|(m, _)| which(&model.materials[m]))
 }
 
-fn fails(material: &Material) -> bool {
+fn fails(material: &MaterialDefinition) -> bool {
     material.tensile_failure.is_some() || material.failures.iter().any(|f| f.evolution != DamageEvolution::Absent)
 }
 
 fn heats(model: &Model) -> bool {
-    let hot = |m: &Material| {
+    let hot = |m: &MaterialDefinition| {
         m.plastic.is_some() && m.thermal.inelastic_heat_fraction.is_some() && m.thermal.specific_heat.is_some()
     };
     model.steps.iter().any(|s| s.adiabatic || s.coupled) && any(model, hot)
 }
 
-/// Where temperatures are solved for they go on to be, without what plastic work adds.
+/// Removes the heat of plastic work; steps with heat conduction still solve for temperatures.
 fn no_heat_of_work(model: &mut Model) {
     model.steps.iter_mut().for_each(|s| s.adiabatic = false);
     if model.steps.iter().any(|s| s.coupled) {
@@ -74,12 +74,14 @@ fn no_heat_of_work(model: &mut Model) {
 }
 
 fn conducts(model: &Model) -> bool {
-    let conductor =
-        |m: &Material| m.thermal.conductivity.as_ref().is_some_and(|c| c.0.iter().any(|row| row[0] > NO_CONDUCTION));
+    let conductor = |m: &MaterialDefinition| {
+        m.thermal.conductivity.as_ref().is_some_and(|c| c.0.iter().any(|row| row[0] > NO_CONDUCTION))
+    };
     model.steps.iter().any(|s| s.coupled) && any(model, conductor)
 }
 
-/// A criterion of failure that reads the rate keeps its own reference rate where it has one, and loses the term else.
+/// Removes rate dependence. A Johnson-Cook failure criterion keeps its rate term if it has its own reference rate;
+/// otherwise the term is removed.
 fn no_rate(model: &mut Model) {
     for material in &mut model.materials {
         material.rate = None;

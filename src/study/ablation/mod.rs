@@ -1,4 +1,5 @@
-//! Effects that can be left out of a model, one at a time: each an edit between `model::build` and `plan::compile`.
+//! Effects that can be removed from a model one at a time. Each removal edits the model between `model::build` and
+//! `plan::compile`.
 
 mod body;
 mod loads;
@@ -8,40 +9,40 @@ mod target;
 
 use crate::model::Model;
 
-/// An effect that can be left out.
-struct Ablation {
+/// An effect that can be removed from models that have it.
+struct EffectRemoval {
     name: &'static str,
     instead: &'static str,
     present: fn(&Model) -> bool,
     edit: fn(&mut Model),
 }
 
-impl Ablation {
+impl EffectRemoval {
     const fn new(
         name: &'static str,
         instead: &'static str,
         present: fn(&Model) -> bool,
         edit: fn(&mut Model),
-    ) -> Ablation {
-        Ablation { name, instead, present, edit }
+    ) -> EffectRemoval {
+        EffectRemoval { name, instead, present, edit }
     }
 }
 
-/// A model without one effect.
-pub struct Omission {
-    /// The effect, as the ledger calls it.
+/// Removal of one effect from a given model.
+pub struct ReducedModel {
+    /// Name of the effect in the ledger.
     pub name: String,
-    /// What takes its place, in words.
+    /// Description of the replacement.
     pub instead: &'static str,
-    /// Leaves it out.
+    /// Removes the effect.
     pub edit: Box<dyn Fn(&mut Model)>,
 }
 
-/// What can be left out of a model, in the order of the ledger.
-pub fn omissions(model: &Model) -> Vec<Omission> {
-    let of = |list: &'static [Ablation]| {
+/// Returns the effects that can be removed from a model, in the order of the ledger.
+pub fn omissions(model: &Model) -> Vec<ReducedModel> {
+    let of = |list: &'static [EffectRemoval]| {
         let present = list.iter().filter(|effect| (effect.present)(model));
-        present.map(|effect| Omission {
+        present.map(|effect| ReducedModel {
             name: effect.name.into(),
             instead: effect.instead,
             edit: Box::new(effect.edit),

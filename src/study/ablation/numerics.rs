@@ -1,37 +1,38 @@
-//! What keeps elements in shape and shocks smooth, left out.
+//! Ablations of numerical stabilisation: bulk viscosity, hourglass control, subzonal pressures, mass scaling.
 
 use super::super::settings::{control, control_hourglass, deforms};
-use super::Ablation;
-use crate::model::{Hourglass, Model};
+use super::EffectRemoval;
+use crate::model::{HourglassMethod, Model};
 
-pub(super) const LIST: &[Ablation] = &[
-    Ablation::new(
+pub(super) const LIST: &[EffectRemoval] = &[
+    EffectRemoval::new(
         "bulk viscosity",
         "0, 0",
         |model| deforms(model) && model.steps.iter().any(|s| s.bulk_viscosity != [0.0; 2]),
         |model| model.steps.iter_mut().for_each(|s| s.bulk_viscosity = [0.0; 2]),
     ),
-    Ablation::new(
+    EffectRemoval::new(
         "hourglass control",
         "none",
         |model| deforms(model) && has_quadrilaterals(model),
-        |model| control_hourglass(model, Hourglass::Viscous, 0.0),
+        |model| control_hourglass(model, HourglassMethod::Viscous, 0.0),
     ),
-    Ablation::new(
+    EffectRemoval::new(
         "subzonal pressures",
-        "one pressure an element",
+        "one pressure per element",
         |model| deforms(model) && has_subzones(model),
         |model| control(model, |controls| controls.subzonal = Some(false)),
     ),
-    Ablation::new(
+    EffectRemoval::new(
         "mass scaling",
-        "the mass of the material",
+        "physical mass",
         |model| model.steps.iter().any(|s| !s.mass_scalings.is_empty()),
         |model| model.steps.iter_mut().for_each(|s| s.mass_scalings.clear()),
     ),
 ];
 
-/// Quarters push back where there is an equation of state and no shear modulus, unless controls say no.
+/// Returns whether elements have subzonal pressures: equation of state, no shear modulus, not switched off by section
+/// controls.
 fn has_subzones(model: &Model) -> bool {
     model.sections.iter().any(|section| {
         let material = &model.materials[section.material];
@@ -40,7 +41,7 @@ fn has_subzones(model: &Model) -> bool {
     })
 }
 
-/// Triangles have no pattern that hourglass control could find.
+/// Returns whether the model has quadrilaterals; triangles have no hourglass modes.
 fn has_quadrilaterals(model: &Model) -> bool {
     model.sections.iter().flat_map(|s| &s.elements).any(|e| model.mesh.elements[*e].nodes.len() == 4)
 }

@@ -1,15 +1,15 @@
-//! Small symmetric matrices that are positive definite: correlations, normal equations.
+//! Cholesky factorisation of small symmetric positive definite matrices, for correlations and normal equations.
 
-/// The lower triangle L of A = L L^T, row by row.
+/// Lower triangular matrix L of A = L L^T, stored by rows.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Factor {
+pub struct CholeskyFactor {
     size: usize,
     rows: Vec<f64>,
 }
 
-impl Factor {
-    /// Of a matrix given row by row; `None` where a pivot falls below `least` times its diagonal.
-    pub fn of(matrix: &[f64], size: usize, least: f64) -> Option<Factor> {
+impl CholeskyFactor {
+    /// Factorises a matrix given by rows; `None` if a pivot is below `least` times the diagonal entry.
+    pub fn of(matrix: &[f64], size: usize, least: f64) -> Option<CholeskyFactor> {
         let mut rows = matrix.to_vec();
         for i in 0..size {
             for j in 0..=i {
@@ -24,17 +24,17 @@ impl Factor {
                 };
             }
         }
-        Some(Factor { size, rows })
+        Some(CholeskyFactor { size, rows })
     }
 
-    /// L x, in place.
+    /// Computes L x in place.
     pub fn multiply(&self, x: &mut [f64]) {
         for i in (0..self.size).rev() {
             x[i] = (0..=i).map(|k| self.rows[i * self.size + k] * x[k]).sum();
         }
     }
 
-    /// The x of A x = b, in place.
+    /// Solves A x = b in place.
     pub fn solve(&self, x: &mut [f64]) {
         let (n, l) = (self.size, &self.rows);
         for i in 0..n {
@@ -47,7 +47,7 @@ impl Factor {
         }
     }
 
-    /// The inverse of A, row by row.
+    /// Returns the inverse of A by rows.
     pub fn inverse(&self) -> Vec<f64> {
         let n = self.size;
         let mut inverse = vec![0.0; n * n];
@@ -61,12 +61,12 @@ impl Factor {
 
 #[cfg(test)]
 mod tests {
-    use super::Factor;
+    use super::CholeskyFactor;
 
     #[test]
-    fn a_factor_solves_and_inverts() {
+    fn factor_solves_and_inverts() {
         let a = [4.0, 2.0, 0.4, 2.0, 5.0, 1.0, 0.4, 1.0, 3.0];
-        let factor = Factor::of(&a, 3, 0.0).expect("positive definite");
+        let factor = CholeskyFactor::of(&a, 3, 0.0).expect("positive definite");
         let times =
             |x: &[f64]| -> Vec<f64> { a.chunks(3).map(|r| r.iter().zip(x).map(|(a, x)| a * x).sum()).collect() };
         let mut x = vec![1.0, 2.0, 3.0];
@@ -75,7 +75,7 @@ mod tests {
         for (i, row) in factor.inverse().chunks(3).enumerate() {
             assert!(times(row).iter().enumerate().all(|(j, b)| (b - f64::from(u8::from(i == j))).abs() < 1e-14));
         }
-        assert_eq!(Factor::of(&[1.0, 2.0, 2.0, 1.0], 2, 0.0), None);
-        assert_eq!(Factor::of(&[1.0, 1.0 - 1e-14, 1.0 - 1e-14, 1.0], 2, 1e-10), None);
+        assert_eq!(CholeskyFactor::of(&[1.0, 2.0, 2.0, 1.0], 2, 0.0), None);
+        assert_eq!(CholeskyFactor::of(&[1.0, 1.0 - 1e-14, 1.0 - 1e-14, 1.0], 2, 1e-10), None);
     }
 }

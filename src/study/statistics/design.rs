@@ -1,107 +1,117 @@
-//! Points of the unit cube: at random, as Latin hypercubes, along Sobol's sequence; a seed gives the same points anywhere.
+//! Sample points of the unit cube: random, Latin hypercube or Sobol sequence. The same seed gives the same points on
+//! every machine.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use sobol::Sobol;
 use sobol::params::JoeKuoD6;
 
-/// How points are spread.
+/// Sampling scheme.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Sampling {
-    /// Each by itself.
+pub enum SamplingScheme {
+    /// Independent random points.
     #[default]
     Random,
-    /// One in each of as many strata of each parameter as there are points (McKay, Beckman and Conover, Technometrics 21
+    /// Latin hypercube: one point in each stratum of each parameter (McKay, Beckman and Conover, Technometrics 21
     /// (1979) 239).
     Latin,
-    /// Sobol's sequence with the direction numbers of Joe and Kuo (SIAM J. Sci. Comput. 30 (2008) 2635), scrambled as Owen does.
+    /// Sobol sequence with the direction numbers of Joe and Kuo (SIAM J. Sci. Comput. 30 (2008) 2635) and Owen
+    /// scrambling.
     Sobol,
 }
 
-impl std::str::FromStr for Sampling {
+impl std::str::FromStr for SamplingScheme {
     type Err = String;
 
-    fn from_str(text: &str) -> Result<Sampling, String> {
+    fn from_str(text: &str) -> Result<SamplingScheme, String> {
         match text {
-            "random" => Ok(Sampling::Random),
-            "latin" => Ok(Sampling::Latin),
-            "sobol" => Ok(Sampling::Sobol),
-            _ => Err("random, latin and sobol there are".into()),
+            "random" => Ok(SamplingScheme::Random),
+            "latin" => Ok(SamplingScheme::Latin),
+            "sobol" => Ok(SamplingScheme::Sobol),
+            _ => Err("expected random, latin or sobol".into()),
         }
     }
 }
 
-/// Points of `latin` and `sobol` come in so many sets, each spread by itself: how far sets differ is the error of what they say.
+/// Number of independent sets of points of `latin` and `sobol`; the error is estimated from the differences between
+/// sets.
 pub const SETS: usize = 16;
-/// The most numbers of a point, by the table of direction numbers that is read.
+/// Largest dimension of a Sobol point, limited by the table of direction numbers.
 pub const MOST_DIMENSIONS: usize = 100;
-/// Streams of the cipher from here on shuffle and scramble; those below belong to points.
+/// First stream of the generator for shuffling and scrambling; lower streams are for points.
 const SHUFFLES: u64 = 1 << 63;
 
-/// The generator of a case: a stream of its own of the cipher ChaCha with eight rounds, so that no case waits for another.
+/// Returns the random number generator of a case: a separate stream of ChaCha with eight rounds, so that cases are
+/// independent.
 pub fn draws(seed: u64, case: u64) -> ChaCha8Rng {
     let mut draws = ChaCha8Rng::seed_from_u64(seed);
     draws.set_stream(case);
     draws
 }
 
-/// A number from 0 to 1 by the 53 first bits of a draw.
+/// Converts the upper 53 bits of a draw to a number in [0, 1).
 pub fn unit(draw: u64) -> f64 {
     (draw >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// A whole number below a count that is far from 2^64: what does not divide evenly is then too little to matter.
+/// Converts a draw to an integer below `count`; the bias is negligible for `count` far below 2^64.
 pub fn whole(draw: u64, count: usize) -> usize {
     ((u128::from(draw) * count as u128) >> 64) as usize
 }
 
-/// Points, one after the other.
-pub struct Design {
-    sampling: Sampling,
+/// Generator of sample points.
+pub struct SampleDesign {
+    sampling: SamplingScheme,
     dimensions: usize,
     seed: u64,
-    /// Where sets begin, and the end of the last.
+    /// Start index of each set, followed by the end of the last set.
     sets: Vec<usize>,
-    /// The next point, and the first of its set.
+    /// Index of the next point, and of the first point of its set.
     next: usize,
     first: usize,
     set: SetState,
 }
 
-/// What the set of the next point needs.
+/// State of the set of the next point.
 enum SetState {
     None,
-    /// A permutation of strata for each number of a point.
+    /// Permutation of the strata, one per dimension.
     Latin(Vec<Vec<u32>>),
-    /// The sequence, and a key for each number of a point.
+    /// Sequence, and a scrambling key per dimension.
     Sobol(Box<Sobol<u64>>, Vec<u64>),
 }
 
-impl Design {
-    /// So many points of so many numbers.
-    pub fn new(sampling: Sampling, dimensions: usize, count: usize, seed: u64) -> Result<Design, String> {
-        if sampling != Sampling::Random && count < 2 * SETS {
-            return Err(format!("latin and sobol take {} points or more: they come in {SETS} sets", 2 * SETS));
+impl SampleDesign {
+    /// Creates a generator of `count` points.
+    ///
+    /// # Errors
+    /// If `latin` or `sobol` has fewer than `2 * SETS` points, or `sobol` more than [`MOST_DIMENSIONS`].
+    pub fn new(sampling: SamplingScheme, dimensions: usize, count: usize, seed: u64) -> Result<SampleDesign, String> {
+        if sampling != SamplingScheme::Random && count < 2 * SETS {
+            return Err(format!(
+                "latin and sobol need at least {} points, because they are divided into {SETS} sets",
+                2 * SETS
+            ));
         }
-        if sampling == Sampling::Sobol && dimensions > MOST_DIMENSIONS {
-            return Err(format!("sobol takes {MOST_DIMENSIONS} numbers a point at most, not {dimensions}"));
+        if sampling == SamplingScheme::Sobol && dimensions > MOST_DIMENSIONS {
+            return Err(format!("sobol allows at most {MOST_DIMENSIONS} dimensions, found {dimensions}"));
         }
         if u32::try_from(count).is_err() {
-            return Err("more than 4 294 967 295 points".into());
+            return Err("more than 4 294 967 295 points are not allowed".into());
         }
-        let sets = Design::sets(sampling, count);
-        Ok(Design { sampling, dimensions, seed, sets, next: 0, first: 0, set: SetState::None })
+        let sets = SampleDesign::sets(sampling, count);
+        Ok(SampleDesign { sampling, dimensions, seed, sets, next: 0, first: 0, set: SetState::None })
     }
 
-    /// Where sets begin, and the end of the last.
-    pub fn sets(sampling: Sampling, count: usize) -> Vec<usize> {
+    /// Start index of each set, followed by the end of the last set.
+    pub fn sets(sampling: SamplingScheme, count: usize) -> Vec<usize> {
         match sampling {
-            Sampling::Random => vec![0, count],
+            SamplingScheme::Random => vec![0, count],
             _ => (0..=SETS).map(|set| set * count / SETS).collect(),
         }
     }
 
-    /// Writes the next points, one row each; rows beyond the last are left.
+    /// Writes the next points, one row each; rows beyond the last point are unchanged.
     pub fn fill(&mut self, points: &mut [f64]) {
         for point in points.chunks_exact_mut(self.dimensions.max(1)) {
             match self.sets.binary_search(&self.next) {
@@ -120,9 +130,9 @@ impl Design {
     fn begin(&self, set: usize, size: usize) -> SetState {
         let keys = (0..self.dimensions).map(|i| draws(self.seed, SHUFFLES + (set * self.dimensions + i) as u64));
         match self.sampling {
-            Sampling::Random => SetState::None,
-            Sampling::Latin => SetState::Latin(keys.map(|mut draws| permutation(size, &mut draws)).collect()),
-            Sampling::Sobol => {
+            SamplingScheme::Random => SetState::None,
+            SamplingScheme::Latin => SetState::Latin(keys.map(|mut draws| permutation(size, &mut draws)).collect()),
+            SamplingScheme::Sobol => {
                 let sequence = Sobol::new(self.dimensions, &JoeKuoD6::minimal());
                 SetState::Sobol(Box::new(sequence), keys.map(|mut draws| draws.next_u64()).collect())
             }
@@ -149,7 +159,7 @@ impl Design {
     }
 }
 
-/// By Fisher and Yates.
+/// Returns a random permutation (Fisher-Yates).
 fn permutation(size: usize, draws: &mut ChaCha8Rng) -> Vec<u32> {
     let mut list: Vec<u32> = (0..size as u32).collect();
     for i in (1..size).rev() {
@@ -158,11 +168,11 @@ fn permutation(size: usize, draws: &mut ChaCha8Rng) -> Vec<u32> {
     list
 }
 
-/// Digits of a sequence that are scrambled; what is below is as random as they.
+/// Number of scrambled leading binary digits; the digits below are random.
 const SCRAMBLED: u32 = 32;
 
-/// Owen's scrambling of binary digits (in Monte Carlo and Quasi-Monte Carlo Methods, Springer 1995, 299): a digit is turned or not by
-/// a draw that belongs to the digits in front of it.
+/// Owen scrambling of binary digits (in Monte Carlo and Quasi-Monte Carlo Methods, Springer 1995, 299): a random bit
+/// that depends on the preceding digits flips each digit or not.
 fn scrambled(digits: u64, key: u64) -> u64 {
     let mut turned = digits;
     for place in 0..SCRAMBLED {
@@ -173,7 +183,7 @@ fn scrambled(digits: u64, key: u64) -> u64 {
     turned & !low | mix(key.wrapping_add(turned & !low)) & low
 }
 
-/// Steele, Lea and Flood's mixing of bits (OOPSLA 2014, SplitMix).
+/// Bit mixing function of SplitMix (Steele, Lea and Flood, OOPSLA 2014).
 fn mix(bits: u64) -> u64 {
     let bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -185,18 +195,18 @@ fn mix(bits: u64) -> u64 {
 mod tests {
     use super::*;
 
-    fn points(sampling: Sampling, dimensions: usize, count: usize, seed: u64) -> Vec<f64> {
+    fn points(sampling: SamplingScheme, dimensions: usize, count: usize, seed: u64) -> Vec<f64> {
         let mut points = vec![f64::NAN; dimensions * count];
-        let mut design = Design::new(sampling, dimensions, count, seed).expect("a design");
-        // In pieces, as whoever runs them takes them.
+        let mut design = SampleDesign::new(sampling, dimensions, count, seed).expect("a design");
+        // In pieces, as in a Monte Carlo study.
         points.chunks_mut(7 * dimensions).for_each(|piece| design.fill(piece));
         points
     }
 
-    const ALL: [Sampling; 3] = [Sampling::Random, Sampling::Latin, Sampling::Sobol];
+    const ALL: [SamplingScheme; 3] = [SamplingScheme::Random, SamplingScheme::Latin, SamplingScheme::Sobol];
 
     #[test]
-    fn points_follow_from_the_seed() {
+    fn points_depend_on_the_seed_only() {
         for sampling in ALL {
             let some = points(sampling, 3, 100, 7);
             assert!(some.iter().all(|u| (0.0..1.0).contains(u)), "{sampling:?}");
@@ -205,15 +215,15 @@ mod tests {
             let mean = some.iter().sum::<f64>() / 300.0;
             assert!((mean - 0.5).abs() < 4.0 / 3600_f64.sqrt(), "{sampling:?}: {mean}");
         }
-        // A point at random knows nothing of how many there are.
-        assert_eq!(points(Sampling::Random, 3, 100, 7)[..30], points(Sampling::Random, 3, 10, 7));
+        // Random points do not depend on the number of points.
+        assert_eq!(points(SamplingScheme::Random, 3, 100, 7)[..30], points(SamplingScheme::Random, 3, 10, 7));
     }
 
     #[test]
     fn each_stratum_has_one_point() {
-        for (sampling, count) in [(Sampling::Latin, 1003), (Sampling::Sobol, 16 * 64)] {
+        for (sampling, count) in [(SamplingScheme::Latin, 1003), (SamplingScheme::Sobol, 16 * 64)] {
             let all = points(sampling, 4, count, 3);
-            let sets = Design::sets(sampling, count);
+            let sets = SampleDesign::sets(sampling, count);
             for ends in sets.windows(2) {
                 let size = ends[1] - ends[0];
                 for number in 0..4 {
@@ -226,7 +236,8 @@ mod tests {
         }
     }
 
-    /// Source: the first points of Joe and Kuo's own generator (sobol.cc with new-joe-kuo-6.21201), in the order of Gray codes.
+    /// Source: the first points of the generator of Joe and Kuo (sobol.cc with new-joe-kuo-6.21201), in Gray code
+    /// order.
     #[test]
     fn the_sequence_is_that_of_joe_and_kuo() {
         let known = [
@@ -245,10 +256,10 @@ mod tests {
         }
     }
 
-    /// Pairs of numbers fill elementary squares, too: of 64 points of a set each square of 8 x 8 has one in the first two numbers.
+    /// The 64 points of a set have one point in each of the 8 x 8 squares of the first two dimensions.
     #[test]
-    fn scrambling_keeps_the_net() {
-        let all = points(Sampling::Sobol, 2, 16 * 64, 11);
+    fn scrambling_preserves_the_net_property() {
+        let all = points(SamplingScheme::Sobol, 2, 16 * 64, 11);
         for set in all.chunks(2 * 64) {
             let mut squares: Vec<usize> =
                 set.chunks(2).map(|p| (8.0 * p[0]) as usize * 8 + (8.0 * p[1]) as usize).collect();
@@ -258,10 +269,10 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_design_is_told() {
-        for (sampling, dimensions, count) in [(Sampling::Latin, 2, 31), (Sampling::Sobol, 101, 64)] {
-            assert!(Design::new(sampling, dimensions, count, 0).is_err());
+    fn invalid_designs_are_errors() {
+        for (sampling, dimensions, count) in [(SamplingScheme::Latin, 2, 31), (SamplingScheme::Sobol, 101, 64)] {
+            assert!(SampleDesign::new(sampling, dimensions, count, 0).is_err());
         }
-        assert!("halton".parse::<Sampling>().is_err());
+        assert!("halton".parse::<SamplingScheme>().is_err());
     }
 }

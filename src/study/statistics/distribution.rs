@@ -1,39 +1,39 @@
-//! Distributions of one number, by their quantiles: any point of the unit interval becomes a value, however points are spread.
+//! Probability distributions of one parameter, evaluated by their quantile function.
 
 use super::normal;
 use crate::deck::lists::split;
 
-/// How a number is distributed.
+/// Probability distribution of a parameter.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Distribution {
-    /// Evenly between two ends.
+pub enum ParameterDistribution {
+    /// Uniform distribution.
     Uniform {
         /// Lower end.
         low: f64,
         /// Upper end.
         high: f64,
     },
-    /// Normally.
+    /// Normal distribution.
     Normal {
         /// Mean.
         mean: f64,
         /// Standard deviation.
         deviation: f64,
     },
-    /// Its logarithm is normal.
+    /// Lognormal distribution.
     LogNormal {
         /// Mean of the logarithm.
         mean: f64,
         /// Standard deviation of the logarithm.
         deviation: f64,
     },
-    /// Another one, of which nothing lies outside two ends.
+    /// Truncation of another distribution to an interval.
     Truncated {
-        /// The other.
-        of: Box<Distribution>,
-        /// Lower end, and how much of the other lies below.
+        /// The distribution before truncation.
+        of: Box<ParameterDistribution>,
+        /// Lower end, and its cumulative probability before truncation.
         low: (f64, f64),
-        /// Upper end, and how much of the other lies below.
+        /// Upper end, and its cumulative probability before truncation.
         high: (f64, f64),
     },
 }
@@ -41,72 +41,82 @@ pub enum Distribution {
 const FORMS: &str = "low..high, uniform(low, high), normal(mean, deviation), lognormal(mean, deviation), \
                      truncated(normal(…), low, high)";
 
-impl Distribution {
-    /// Reads `low..high`, `uniform(low, high)`, `normal(mean, deviation)`, `lognormal(mean, deviation)` (mean and standard
-    /// deviation of the number itself) or `truncated(D, low, high)`, where an end may be `-inf` or `inf`.
-    pub fn parse(text: &str) -> Result<Distribution, String> {
+impl ParameterDistribution {
+    /// Parses `low..high`, `uniform(low, high)`, `normal(mean, deviation)`, `lognormal(mean, deviation)` (mean and
+    /// standard deviation of the parameter, not of its logarithm) or `truncated(D, low, high)`, where an end may be
+    /// `-inf` or `inf`.
+    pub fn parse(text: &str) -> Result<ParameterDistribution, String> {
         let text = text.trim();
         if let Some((low, high)) = text.split_once("..").filter(|_| !text.contains('(')) {
-            return Distribution::uniform(number(low)?, number(high)?);
+            return ParameterDistribution::uniform(number(low)?, number(high)?);
         }
         let call = text.strip_suffix(')').and_then(|t| t.split_once('('));
-        let (name, arguments) = call.ok_or_else(|| format!("`{text}` is no distribution; there are {FORMS}"))?;
+        let (name, arguments) = call.ok_or_else(|| format!("`{text}` is not a distribution; expected {FORMS}"))?;
         match (name.trim(), &split(arguments)[..]) {
-            ("uniform", [low, high]) => Distribution::uniform(number(low)?, number(high)?),
-            ("normal", [mean, deviation]) => Distribution::normal(number(mean)?, number(deviation)?),
-            ("lognormal", [mean, deviation]) => Distribution::log_normal(number(mean)?, number(deviation)?),
-            ("truncated", [of, low, high]) => Distribution::parse(of)?.truncated(end(low)?, end(high)?),
-            _ => Err(format!("`{text}` is no distribution; there are {FORMS}")),
+            ("uniform", [low, high]) => ParameterDistribution::uniform(number(low)?, number(high)?),
+            ("normal", [mean, deviation]) => ParameterDistribution::normal(number(mean)?, number(deviation)?),
+            ("lognormal", [mean, deviation]) => ParameterDistribution::log_normal(number(mean)?, number(deviation)?),
+            ("truncated", [of, low, high]) => ParameterDistribution::parse(of)?.truncated(end(low)?, end(high)?),
+            _ => Err(format!("`{text}` is not a distribution; expected {FORMS}")),
         }
     }
 
-    fn uniform(low: f64, high: f64) -> Result<Distribution, String> {
+    fn uniform(low: f64, high: f64) -> Result<ParameterDistribution, String> {
         let rise = low < high && (high - low).is_finite();
-        if rise { Ok(Distribution::Uniform { low, high }) } else { Err(format!("{low}..{high}: the ends must rise")) }
+        if rise {
+            Ok(ParameterDistribution::Uniform { low, high })
+        } else {
+            Err(format!("{low}..{high}: the lower end must be below the upper end"))
+        }
     }
 
-    fn normal(mean: f64, deviation: f64) -> Result<Distribution, String> {
+    fn normal(mean: f64, deviation: f64) -> Result<ParameterDistribution, String> {
         above_zero("a standard deviation", deviation)?;
-        Ok(Distribution::Normal { mean, deviation })
+        Ok(ParameterDistribution::Normal { mean, deviation })
     }
 
-    /// By mean and deviation of the number itself: s^2 = ln(1 + (deviation/mean)^2), m = ln(mean) - s^2/2.
-    fn log_normal(mean: f64, deviation: f64) -> Result<Distribution, String> {
+    /// Creates a lognormal distribution from mean and deviation of the parameter: s^2 = ln(1 + (deviation/mean)^2), m =
+    /// ln(mean) - s^2/2, with mean m and deviation s of the logarithm.
+    fn log_normal(mean: f64, deviation: f64) -> Result<ParameterDistribution, String> {
         above_zero("the mean of a lognormal", mean)?;
         above_zero("a standard deviation", deviation)?;
         let square = libm::log1p((deviation / mean) * (deviation / mean));
-        Ok(Distribution::LogNormal { mean: libm::log(mean) - 0.5 * square, deviation: square.sqrt() })
+        Ok(ParameterDistribution::LogNormal { mean: libm::log(mean) - 0.5 * square, deviation: square.sqrt() })
     }
 
-    fn truncated(self, low: f64, high: f64) -> Result<Distribution, String> {
+    fn truncated(self, low: f64, high: f64) -> Result<ParameterDistribution, String> {
         let below = [low, high].map(|x| self.cumulative(x));
-        // What is left must be enough to tell its values apart.
+        // With less probability the quantiles would not be accurate.
         if below[1] - below[0] < 1e-9 {
-            return Err(format!("next to nothing of the distribution lies between {low} and {high}"));
+            return Err(format!("the probability between {low} and {high} is below 1e-9; widen the interval"));
         }
-        Ok(Distribution::Truncated { of: Box::new(self), low: (low, below[0]), high: (high, below[1]) })
+        Ok(ParameterDistribution::Truncated { of: Box::new(self), low: (low, below[0]), high: (high, below[1]) })
     }
 
-    /// How much lies below.
+    /// Returns the cumulative probability at `x`.
     pub fn cumulative(&self, x: f64) -> f64 {
         match self {
-            Distribution::Uniform { low, high } => ((x - low) / (high - low)).clamp(0.0, 1.0),
-            Distribution::Normal { mean, deviation } => normal::cumulative((x - mean) / deviation),
-            Distribution::LogNormal { .. } if x <= 0.0 => 0.0,
-            Distribution::LogNormal { mean, deviation } => normal::cumulative((libm::log(x) - mean) / deviation),
-            Distribution::Truncated { of, low, high } => {
+            ParameterDistribution::Uniform { low, high } => ((x - low) / (high - low)).clamp(0.0, 1.0),
+            ParameterDistribution::Normal { mean, deviation } => normal::cumulative((x - mean) / deviation),
+            ParameterDistribution::LogNormal { .. } if x <= 0.0 => 0.0,
+            ParameterDistribution::LogNormal { mean, deviation } => {
+                normal::cumulative((libm::log(x) - mean) / deviation)
+            }
+            ParameterDistribution::Truncated { of, low, high } => {
                 ((of.cumulative(x) - low.1) / (high.1 - low.1)).clamp(0.0, 1.0)
             }
         }
     }
 
-    /// The value below which so much lies.
+    /// Returns the quantile for the probability `part`.
     pub fn quantile(&self, part: f64) -> f64 {
         match self {
-            Distribution::Uniform { low, high } => low + part * (high - low),
-            Distribution::Normal { mean, deviation } => mean + deviation * normal::quantile(part),
-            Distribution::LogNormal { mean, deviation } => libm::exp(mean + deviation * normal::quantile(part)),
-            Distribution::Truncated { of, low, high } => {
+            ParameterDistribution::Uniform { low, high } => low + part * (high - low),
+            ParameterDistribution::Normal { mean, deviation } => mean + deviation * normal::quantile(part),
+            ParameterDistribution::LogNormal { mean, deviation } => {
+                libm::exp(mean + deviation * normal::quantile(part))
+            }
+            ParameterDistribution::Truncated { of, low, high } => {
                 of.quantile(low.1 + part * (high.1 - low.1)).clamp(low.0, high.0)
             }
         }
@@ -114,7 +124,7 @@ impl Distribution {
 }
 
 fn above_zero(what: &str, value: f64) -> Result<(), String> {
-    if value > 0.0 { Ok(()) } else { Err(format!("{what} must be above zero, not {value}")) }
+    if value > 0.0 { Ok(()) } else { Err(format!("{what} must be above zero, found {value}")) }
 }
 
 fn number(text: &str) -> Result<f64, String> {
@@ -122,7 +132,7 @@ fn number(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("`{}` is not a number", text.trim()))
 }
 
-/// A number or an infinite end.
+/// Parses a finite or infinite end of an interval.
 fn end(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok().filter(|v| !v.is_nan());
     number.ok_or_else(|| format!("`{}` is not a number", text.trim()))
@@ -130,24 +140,24 @@ fn end(text: &str) -> Result<f64, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::Distribution;
+    use super::ParameterDistribution;
 
-    fn parse(text: &str) -> Distribution {
-        Distribution::parse(text).expect(text)
+    fn parse(text: &str) -> ParameterDistribution {
+        ParameterDistribution::parse(text).expect(text)
     }
 
-    /// Mean and deviation by the midpoint rule over quantiles.
-    fn moments(of: &Distribution) -> [f64; 2] {
+    /// Computes mean and deviation by the midpoint rule over quantiles.
+    fn moments(of: &ParameterDistribution) -> [f64; 2] {
         let n = 200_000;
         let values = || (0..n).map(|i| of.quantile((f64::from(i) + 0.5) / f64::from(n)));
         let mean = values().sum::<f64>() / f64::from(n);
         [mean, (values().map(|x| (x - mean) * (x - mean)).sum::<f64>() / f64::from(n)).sqrt()]
     }
 
-    /// Source: the closed moments of each; of the truncated normal Johnson, Kotz and Balakrishnan, Continuous Univariate
-    /// Distributions 1, section 13.10: within one deviation of the mean sqrt(1 - 2 phi(1)/(2 Phi(1) - 1)).
+    /// Source: closed-form moments; for the truncated normal distribution Johnson, Kotz and Balakrishnan, Continuous
+    /// Univariate Distributions 1, section 13.10: within one deviation of the mean sqrt(1 - 2 phi(1)/(2 Phi(1) - 1)).
     #[test]
-    fn quantiles_have_the_moments_that_are_asked_for() {
+    fn quantiles_have_the_given_moments() {
         for (text, mean, deviation) in [
             ("500..600", 550.0, 100.0 / 12_f64.sqrt()),
             ("uniform(-1, 1)", 0.0, 2.0 / 12_f64.sqrt()),
@@ -168,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_distribution_is_told() {
+    fn invalid_distributions_are_errors() {
         for wrong in [
             "",
             "5",
@@ -186,7 +196,7 @@ mod tests {
             "uniform(1, nan)",
             "normal(1, 2",
         ] {
-            assert!(Distribution::parse(wrong).is_err(), "{wrong}");
+            assert!(ParameterDistribution::parse(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -1,39 +1,39 @@
-//! Sobol's indices: how much of a variance comes of each input, alone and with all others.
+//! Sobol indices: the fraction of the variance due to each input, alone and in interaction with others.
 
 use rand_chacha::rand_core::RngCore as _;
 
 use super::design::{draws, whole};
 use super::summary::between;
-use super::{Estimate, TAIL};
+use super::{IntervalEstimate, TAIL};
 
-/// Indices of each input.
+/// Sobol indices of all inputs.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Indices {
-    /// Of the first order: the part of the variance that goes with the input alone.
-    pub first: Vec<Estimate>,
-    /// Total: the part that is left when all other inputs are known.
-    pub total: Vec<Estimate>,
+pub struct SobolIndices {
+    /// First-order indices: fraction of the variance due to the input alone.
+    pub first: Vec<IntervalEstimate>,
+    /// Total indices: fraction of the variance that remains if all other inputs are fixed.
+    pub total: Vec<IntervalEstimate>,
 }
 
-/// So many times rows are drawn again.
+/// Number of bootstrap samples.
 const RESAMPLED: usize = 1000;
 
-/// What a row adds to: variance and mean, and for each input the two numerators.
+/// Sums over rows: mean and mean square, and for each input the numerators of both indices.
 struct IndexSums(Vec<f64>);
 
-/// From rows f(A), f(B), f(A with input 1 of B), f(A with input 2 of B), …, without those that hold what is not a number; `None` where
-/// nothing varies or there are fewer than two rows.
+/// Computes the indices from rows f(A), f(B), f(A with input 1 of B), f(A with input 2 of B), …; rows with values that
+/// are not finite are ignored. `None` if the variance is zero or there are fewer than two rows.
 ///
-/// First order by Saltelli et al. (Comput. Phys. Commun. 181 (2010) 259, equation (b) of table 2), total by Jansen (Comput. Phys.
-/// Commun. 117 (1999) 35). Intervals: percentiles of rows drawn again (bootstrap).
-pub fn indices(rows: &[f64], inputs: usize, seed: u64) -> Option<Indices> {
+/// First order by Saltelli et al. (Comput. Phys. Commun. 181 (2010) 259, equation (b) of table 2), total by Jansen
+/// (Comput. Phys. Commun. 117 (1999) 35). Confidence intervals: percentile bootstrap over rows.
+pub fn indices(rows: &[f64], inputs: usize, seed: u64) -> Option<SobolIndices> {
     let width = inputs + 2;
     let good = || rows.chunks_exact(width).filter(|row| row.iter().all(|f| f.is_finite()));
     let count = good().count();
     if count < 2 {
         return None;
     }
-    // Numerators that are taken from the mean vary less.
+    // Subtracting the mean reduces the variance of the numerators.
     let mean = good().map(|row| 0.5 * (row[0] + row[1])).sum::<f64>() / count as f64;
     let terms: Vec<f64> = good().flat_map(|row| terms(row, mean)).collect();
     let sums = |rows: &mut dyn Iterator<Item = usize>| {
@@ -55,11 +55,11 @@ pub fn indices(rows: &[f64], inputs: usize, seed: u64) -> Option<Indices> {
     }
     let estimate = |(value, list): (f64, &mut Vec<f64>)| {
         list.sort_by(f64::total_cmp);
-        Estimate { value, low: between(list, TAIL), high: between(list, 1.0 - TAIL) }
+        IntervalEstimate { value, low: between(list, TAIL), high: between(list, 1.0 - TAIL) }
     };
-    let mut all: Vec<Estimate> = found.into_iter().zip(&mut resampled).map(estimate).collect();
+    let mut all: Vec<IntervalEstimate> = found.into_iter().zip(&mut resampled).map(estimate).collect();
     let total = all.split_off(inputs);
-    Some(Indices { first: all, total })
+    Some(SobolIndices { first: all, total })
 }
 
 fn terms(row: &[f64], mean: f64) -> impl Iterator<Item = f64> {
@@ -71,7 +71,7 @@ fn terms(row: &[f64], mean: f64) -> impl Iterator<Item = f64> {
 }
 
 impl IndexSums {
-    /// First orders, then totals; `None` where nothing varies.
+    /// Returns the first-order, then the total indices; `None` if the variance is zero.
     fn indices(&self, count: usize) -> Option<Vec<f64>> {
         let [mean, square] = [0, 1].map(|i| self.0[i] / (2 * count) as f64);
         let variance = square - mean * mean;
@@ -83,7 +83,7 @@ impl IndexSums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::statistics::design::{Design, Sampling};
+    use crate::study::statistics::design::{SampleDesign, SamplingScheme};
     use std::f64::consts::PI;
 
     fn ishigami(x: &[f64]) -> f64 {
@@ -91,9 +91,9 @@ mod tests {
         libm::sin(x1) + 7.0 * libm::sin(x2).powi(2) + 0.1 * x3.powi(4) * libm::sin(x1)
     }
 
-    fn of_ishigami(sampling: Sampling, count: usize, seed: u64) -> Indices {
+    fn of_ishigami(sampling: SamplingScheme, count: usize, seed: u64) -> SobolIndices {
         let mut points = vec![0.0; 6 * count];
-        Design::new(sampling, 6, count, seed).expect("a design").fill(&mut points);
+        SampleDesign::new(sampling, 6, count, seed).expect("a design").fill(&mut points);
         let row = |point: &[f64]| {
             let mixed = (0..3).map(|i| {
                 let mut x = [point[0], point[1], point[2]];
@@ -114,20 +114,20 @@ mod tests {
     }
 
     #[test]
-    fn indices_of_ishigamis_function_lie_in_their_intervals() {
+    fn intervals_contain_the_indices_of_the_ishigami_function() {
         let exact = exact();
         assert!((exact[0] - 0.3139).abs() < 1e-4 && (exact[3] - 0.5576).abs() < 1e-4);
-        // Twenty seeds and six indices: 114 of 120 are to be expected inside.
+        // Twenty seeds and six indices: 114 of 120 intervals are expected to contain the exact value.
         let mut inside = 0;
         for seed in 0..20 {
-            let found = of_ishigami(Sampling::Random, 1024, seed);
-            let all: Vec<Estimate> = found.first.into_iter().chain(found.total).collect();
+            let found = of_ishigami(SamplingScheme::Random, 1024, seed);
+            let all: Vec<IntervalEstimate> = found.first.into_iter().chain(found.total).collect();
             inside += all.iter().zip(exact).filter(|(found, exact)| found.holds(*exact)).count();
         }
         println!("{inside} of 120 inside");
         assert!((108..=120).contains(&inside), "{inside}");
-        // What intervals say is no idle talk: with Sobol's sequence errors are a few thousandths, inside all the more.
-        let found = of_ishigami(Sampling::Sobol, 1 << 14, 1);
+        // With the Sobol sequence the errors are a few thousandths, and the intervals contain the exact values.
+        let found = of_ishigami(SamplingScheme::Sobol, 1 << 14, 1);
         for (found, exact) in found.first.iter().chain(&found.total).zip(exact) {
             println!("{found:?} {exact}");
             assert!(found.holds(exact) && (found.value - exact).abs() < 5e-3 && found.high - found.low < 0.08);
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_without_a_number_are_left_out() {
+    fn rows_with_nan_are_ignored() {
         let rows = [1.0, 2.0, 3.0, f64::NAN, 1.0, 1.0, 2.0, 1.0, 5.0, 4.0, 0.0, 1.0];
         let without: Vec<f64> = rows.chunks(3).filter(|r| r[0].is_finite()).flatten().copied().collect();
         assert_eq!(indices(&rows, 1, 3), indices(&without, 1, 3));

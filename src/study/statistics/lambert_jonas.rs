@@ -1,28 +1,30 @@
-//! Residual over striking velocity: v_r = a (v^p - v_l^p)^(1/p) above the limit v_l, nothing below.
+//! Lambert-Jonas curve of residual over striking velocity: v_r = a (v^p - v_l^p)^(1/p) above the limit velocity v_l,
+//! zero below.
 //!
 //! Source: J. P. Lambert and G. H. Jonas, BRL Report 1852 (1976).
 
-use super::Estimate;
+use super::IntervalEstimate;
 use super::least_squares;
 
-/// A fitted curve.
+/// Fitted Lambert-Jonas curve.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    /// a, p and the limit velocity with their intervals.
-    pub estimates: [Estimate; 3],
-    /// Standard deviation of a residual velocity from the curve.
+pub struct LambertJonasFit {
+    /// a, p and the limit velocity, with confidence intervals.
+    pub estimates: [IntervalEstimate; 3],
+    /// Standard deviation of the residual velocities from the curve.
     pub deviation: f64,
-    /// Whether the least was found.
-    pub settled: bool,
+    /// Whether the fit converged.
+    pub converged: bool,
 }
 
-/// The residual velocity at a striking velocity, by a, p and the limit.
+/// Returns the residual velocity at a striking velocity for a, p and the limit velocity.
 pub fn residual([a, p, limit]: [f64; 3], velocity: f64) -> f64 {
     if velocity <= limit { 0.0 } else { a * velocity * libm::pow(1.0 - libm::pow(limit / velocity, p), 1.0 / p) }
 }
 
-/// Fits shots that perforate, from an approximate limit. `None` for fewer than four shots, or if no curve fits.
-pub fn fit(shots: &[(f64, f64)], limit: f64) -> Option<Curve> {
+/// Fits the curve to perforating shots, given as pairs of striking and residual velocity, from an approximate limit
+/// velocity. `None` with fewer than four shots, or if no curve fits.
+pub fn fit(shots: &[(f64, f64)], limit: f64) -> Option<LambertJonasFit> {
     let slowest = shots.iter().map(|s| s.0).fold(f64::INFINITY, f64::min);
     if shots.len() < 4 || !(limit > 0.0 && limit < slowest) {
         return None;
@@ -41,7 +43,7 @@ pub fn fit(shots: &[(f64, f64)], limit: f64) -> Option<Curve> {
         Err(never) => match never {},
     };
     let all = fit.estimates();
-    Some(Curve { estimates: [all[0], all[1], all[2]], deviation: fit.deviation(), settled: fit.settled })
+    Some(LambertJonasFit { estimates: [all[0], all[1], all[2]], deviation: fit.deviation(), converged: fit.converged })
 }
 
 #[cfg(test)]
@@ -53,9 +55,9 @@ mod tests {
 
     const TRUTH: [f64; 3] = [0.95, 2.3, 412.0];
 
-    /// Of 200 tables and three parameters 570 of 600 intervals are to be expected to hold the truth, give or take 6.
+    /// With 200 tables and three parameters, 570 ± 6 of 600 intervals are expected to contain the exact value.
     #[test]
-    fn curves_are_found_with_their_intervals() {
+    fn intervals_have_their_nominal_coverage() {
         let mut inside = 0;
         for seed in 0..200 {
             let mut draws = draws(seed, 1);
@@ -63,7 +65,7 @@ mod tests {
             let shots: Vec<(f64, f64)> =
                 (1..=12).map(|i| 412.0 + 30.0 * f64::from(i)).map(|v| (v, residual(TRUTH, v) + noise())).collect();
             let curve = fit(&shots, 410.0).expect("a curve");
-            assert!(curve.settled, "{seed}: {curve:?}");
+            assert!(curve.converged, "{seed}: {curve:?}");
             inside += curve.estimates.iter().zip(TRUTH).filter(|(e, truth)| e.holds(*truth)).count();
         }
         println!("{inside} of 600 inside");
@@ -71,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn an_exact_table_gives_its_curve() {
+    fn exact_data_give_their_curve() {
         let shots: Vec<(f64, f64)> = [420.0, 450.0, 500.0, 600.0, 800.0].map(|v| (v, residual(TRUTH, v))).to_vec();
         let curve = fit(&shots, 400.0).expect("a curve");
         for (found, truth) in curve.estimates.iter().zip(TRUTH) {

@@ -1,54 +1,61 @@
-//! Least squares of a model without derivatives: the method of Levenberg and Marquardt, and confidence intervals.
+//! Nonlinear least squares by the Levenberg-Marquardt method with finite-difference derivatives, and confidence
+//! intervals.
 
-use super::Estimate;
-use super::cholesky::Factor;
+use super::IntervalEstimate;
+use super::cholesky::CholeskyFactor;
 
-/// Change of a parameter, of itself or of its scale, below which nothing more is looked for.
+/// Relative change of all parameters below which the iteration has converged.
 const SETTLED: f64 = 1e-7;
 const MOST_ITERATIONS: usize = 100;
-/// Part of a column that the others must leave: below it the parameters are one.
+/// Smallest relative pivot of the normal equations; below it the parameters are linearly dependent.
 const LEAST_PIVOT: f64 = 1e-9;
 
-/// Residuals of several points at once, each divided by its deviation; what is not finite says that the model has no value there.
-pub type Residuals<'a, E> = dyn FnMut(&[Vec<f64>]) -> Result<Vec<Vec<f64>>, E> + 'a;
+/// Function that returns the residuals of several points at once, each divided by its standard deviation. Values that
+/// are not finite mean that the model cannot be evaluated there.
+pub type ResidualFunction<'a, E> = dyn FnMut(&[Vec<f64>]) -> Result<Vec<Vec<f64>>, E> + 'a;
 
-/// Where the sum of squares is least.
+/// Result of a least-squares fit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fit {
-    /// Parameters.
+pub struct ParameterFit {
+    /// Fitted parameters.
     pub values: Vec<f64>,
-    /// Residuals there.
+    /// Residuals at the fitted parameters.
     pub residuals: Vec<f64>,
-    /// Number of residuals less that of parameters.
+    /// Degrees of freedom: number of residuals minus number of parameters.
     pub freedom: usize,
-    /// Covariance of the parameters, row by row; `None` where the residuals do not tell all of them.
+    /// Covariance matrix of the parameters by rows; `None` if the residuals do not determine all parameters.
     pub covariance: Option<Vec<f64>>,
-    /// Parameters that no residual depends on.
-    pub idle: Vec<usize>,
-    /// Parameters beside which, on one side, the model has no value.
+    /// Indices of parameters that no residual depends on.
+    pub insensitive: Vec<usize>,
+    /// Indices of parameters at the edge of their valid range: the model cannot be evaluated on one side.
     pub edges: Vec<usize>,
-    /// Whether the least was found, and the search not given up.
-    pub settled: bool,
+    /// Whether the iteration converged.
+    pub converged: bool,
 }
 
-impl Fit {
-    /// The standard deviation of a residual: sqrt(sum r^2/(n - p)).
+impl ParameterFit {
+    /// Returns the standard deviation of a residual: sqrt(sum r^2/(n - p)) with n residuals r and p parameters.
     pub fn deviation(&self) -> f64 {
         (square(&self.residuals) / self.freedom.max(1) as f64).sqrt()
     }
 
-    /// Parameters with their intervals, by Student's t and the covariance of the linearised model (Seber and Wild, Nonlinear
-    /// Regression, section 5.1); without ends where the residuals do not tell them.
-    pub fn estimates(&self) -> Vec<Estimate> {
+    /// Returns the parameters with confidence intervals by Student's t and the covariance of the linearised model
+    /// (Seber and Wild, Nonlinear Regression, section 5.1); intervals are infinite if the residuals do not determine
+    /// the parameters.
+    pub fn estimates(&self) -> Vec<IntervalEstimate> {
         let size = self.values.len();
         let error = |i: usize| match &self.covariance {
             Some(covariance) if self.freedom > 0 => covariance[i * size + i].sqrt(),
             _ => f64::INFINITY,
         };
-        self.values.iter().enumerate().map(|(i, v)| Estimate::around(*v, error(i), self.freedom as f64)).collect()
+        self.values
+            .iter()
+            .enumerate()
+            .map(|(i, v)| IntervalEstimate::around(*v, error(i), self.freedom as f64))
+            .collect()
     }
 
-    /// How two parameters go together, from -1 to 1.
+    /// Returns the correlation of two parameters.
     pub fn correlation(&self, one: usize, other: usize) -> Option<f64> {
         let (covariance, size) = (self.covariance.as_ref()?, self.values.len());
         let [a, b, ab] = [(one, one), (other, other), (one, other)].map(|(i, j)| covariance[i * size + j]);
@@ -56,7 +63,7 @@ impl Fit {
     }
 }
 
-/// A point with its residuals.
+/// Parameter values with their residuals.
 struct EvaluatedPoint {
     at: Vec<f64>,
     residuals: Vec<f64>,
@@ -68,8 +75,9 @@ impl EvaluatedPoint {
     }
 }
 
-/// Fits parameters from `start`, with derivatives over this part of a parameter or of its start. `None` where the model has no value there, or there are fewer residuals than parameters.
-pub fn fit<E>(start: &[f64], part: f64, model: &mut Residuals<'_, E>) -> Result<Option<Fit>, E> {
+/// Fits parameters, starting at `start`. `part` is the relative step of the difference quotients. `None` if the model
+/// cannot be evaluated at `start`, or if there are fewer residuals than parameters.
+pub fn fit<E>(start: &[f64], part: f64, model: &mut ResidualFunction<'_, E>) -> Result<Option<ParameterFit>, E> {
     let scale: Vec<f64> = start.iter().map(|x| if *x == 0.0 { 1.0 } else { x.abs() }).collect();
     let Some(mut here) = best(model, vec![start.to_vec()])? else { return Ok(None) };
     if here.residuals.len() < start.len() {
@@ -95,18 +103,18 @@ pub fn fit<E>(start: &[f64], part: f64, model: &mut Residuals<'_, E>) -> Result<
     let freedom = here.residuals.len() - start.len();
     let (normal, norms) = normal(&slopes.columns);
     let idle: Vec<usize> = (0..start.len()).filter(|i| norms[*i] == 0.0).collect();
-    let mut fit = Fit {
+    let mut fit = ParameterFit {
         values: here.at,
         residuals: here.residuals,
         freedom,
         covariance: None,
-        idle,
+        insensitive: idle,
         edges: slopes.edges,
-        settled,
+        converged: settled,
     };
     let variance = fit.deviation().powi(2);
-    let told = Factor::of(&normal, start.len(), LEAST_PIVOT).filter(|_| fit.idle.is_empty());
-    fit.covariance = told.map(|factor| {
+    let factor = CholeskyFactor::of(&normal, start.len(), LEAST_PIVOT).filter(|_| fit.insensitive.is_empty());
+    fit.covariance = factor.map(|factor| {
         let mut inverse = factor.inverse();
         for (i, row) in inverse.chunks_exact_mut(norms.len()).enumerate() {
             row.iter_mut().zip(&norms).for_each(|(c, norm)| *c *= variance / (norms[i] * norm));
@@ -120,21 +128,26 @@ fn square(residuals: &[f64]) -> f64 {
     residuals.iter().map(|r| r * r).sum()
 }
 
-/// The best of some points, where the model has a value at any.
-fn best<E>(model: &mut Residuals<'_, E>, points: Vec<Vec<f64>>) -> Result<Option<EvaluatedPoint>, E> {
+/// Returns the point with the smallest sum of squares; `None` if the model cannot be evaluated at any point.
+fn best<E>(model: &mut ResidualFunction<'_, E>, points: Vec<Vec<f64>>) -> Result<Option<EvaluatedPoint>, E> {
     let residuals = model(&points)?;
     let all = points.into_iter().zip(residuals).map(|(at, residuals)| EvaluatedPoint { at, residuals });
     Ok(all.filter(|p| p.cost().is_finite()).min_by(|a, b| a.cost().total_cmp(&b.cost())))
 }
 
-/// Derivatives of all residuals by each parameter, and parameters beside which one side has no value.
-struct Jacobian {
+/// Jacobian of the residuals, and the parameters whose difference quotients are one-sided.
+struct ResidualJacobian {
     columns: Vec<Vec<f64>>,
     edges: Vec<usize>,
 }
 
-/// Derivatives of all residuals, a column a parameter: central, or one-sided where one side has no value, which is told.
-fn jacobian<E>(here: &EvaluatedPoint, steps: &[f64], part: f64, model: &mut Residuals<'_, E>) -> Result<Jacobian, E> {
+/// Computes the Jacobian by central differences, or one-sided differences if the model cannot be evaluated on one side.
+fn jacobian<E>(
+    here: &EvaluatedPoint,
+    steps: &[f64],
+    part: f64,
+    model: &mut ResidualFunction<'_, E>,
+) -> Result<ResidualJacobian, E> {
     let step = |i: usize| steps[i].max(part * here.at[i].abs());
     let beside = |i: usize, side: f64| {
         let mut at = here.at.clone();
@@ -156,10 +169,10 @@ fn jacobian<E>(here: &EvaluatedPoint, steps: &[f64], part: f64, model: &mut Resi
         above.iter().zip(below).map(slope).collect()
     };
     let columns = (0..steps.len()).map(&mut column).collect();
-    Ok(Jacobian { columns, edges })
+    Ok(ResidualJacobian { columns, edges })
 }
 
-/// The matrix of the normal equations over columns of length 1, and the lengths.
+/// Returns the matrix of the normal equations with columns scaled to length 1, and the column lengths.
 fn normal(columns: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let norms: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt()).collect();
@@ -177,13 +190,13 @@ fn normal(columns: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
     ((0..size * size).map(|k| cell(k / size, k % size)).collect(), norms)
 }
 
-/// The next point, where the sum of squares is less; `None` where none is found.
+/// Returns the next point, with a smaller sum of squares; `None` if there is none.
 fn step<E>(
     here: &EvaluatedPoint,
     columns: &[Vec<f64>],
     damping: &mut f64,
     steps: &[f64],
-    model: &mut Residuals<'_, E>,
+    model: &mut ResidualFunction<'_, E>,
 ) -> Result<Option<EvaluatedPoint>, E> {
     let (normal, norms) = normal(columns);
     let size = steps.len();
@@ -195,14 +208,14 @@ fn step<E>(
             if *norm > 0.0 { -dot / norm } else { 0.0 }
         })
         .collect();
-    // What is left to gain is rounding.
+    // Any further reduction is below rounding error.
     if downhill.iter().all(|d| d.abs() <= 1e-12 * here.cost().sqrt()) {
         return Ok(None);
     }
     while *damping < 1e12 {
         let mut damped = normal.clone();
         (0..size).for_each(|i| damped[i * size + i] += *damping);
-        let Some(factor) = Factor::of(&damped, size, 0.0) else {
+        let Some(factor) = CholeskyFactor::of(&damped, size, 0.0) else {
             *damping *= 10.0;
             continue;
         };
@@ -237,7 +250,7 @@ mod tests {
         x.map(|x| (x, 2.0 * libm::exp(-0.7 * x) + 0.05 * normal::quantile(unit(draws.next_u64())))).collect()
     }
 
-    fn decay(table: &[(f64, f64)]) -> Fit {
+    fn decay(table: &[(f64, f64)]) -> ParameterFit {
         let model = &mut |points: &[Vec<f64>]| -> Result<Vec<Vec<f64>>, ()> {
             let residuals = |p: &Vec<f64>| table.iter().map(|(x, y)| p[0] * libm::exp(-p[1] * x) - y).collect();
             Ok(points.iter().map(residuals).collect())
@@ -245,25 +258,26 @@ mod tests {
         fit(&[1.0, 0.1], 1e-3, model).expect("a model").expect("a fit")
     }
 
-    /// Of 500 tables and two parameters 950 of 1000 intervals are to be expected to hold the truth, give or take 7.
+    /// With 500 tables and two parameters, 950 ± 7 of 1000 intervals are expected to contain the exact value.
     #[test]
-    fn intervals_hold_what_made_the_table() {
+    fn intervals_have_their_nominal_coverage() {
         let mut inside = 0;
         for seed in 0..500 {
             let fit = decay(&table(seed));
-            assert!(fit.settled && fit.freedom == 18);
+            assert!(fit.converged && fit.freedom == 18);
             inside += fit.estimates().iter().zip([2.0, 0.7]).filter(|(e, truth)| e.holds(*truth)).count();
         }
         println!("{inside} of 1000 inside");
         assert!((925..=975).contains(&inside), "{inside}");
         let fit = decay(&table(3));
-        let correlation = fit.correlation(0, 1).expect("both are told");
+        let correlation = fit.correlation(0, 1).expect("a covariance");
         assert!((0.02..0.08).contains(&fit.deviation()) && (0.3..0.9).contains(&correlation), "{correlation}");
     }
 
-    /// What cannot be told apart, or does not matter, has no interval; what the model refuses is not gone to.
+    /// Dependent and insensitive parameters have no interval; the fit does not enter regions where the model is
+    /// undefined.
     #[test]
-    fn what_the_table_does_not_tell_is_said() {
+    fn undetermined_parameters_are_reported() {
         let table = table(1);
         let residuals = |of: &dyn Fn(&[f64], f64) -> f64, start: &[f64]| {
             let model = &mut |points: &[Vec<f64>]| -> Result<Vec<Vec<f64>>, ()> {
@@ -272,10 +286,10 @@ mod tests {
             fit(start, 1e-3, model).expect("a model")
         };
         let product = residuals(&|p, x| p[0] * p[1] * libm::exp(-0.7 * x), &[1.0, 1.0]).expect("a fit");
-        assert!(product.covariance.is_none() && product.idle.is_empty());
+        assert!(product.covariance.is_none() && product.insensitive.is_empty());
         assert!((product.values[0] * product.values[1] - 2.0).abs() < 0.1);
         let idle = residuals(&|p, x| p[0] * libm::exp(-0.7 * x), &[1.0, 5.0]).expect("a fit");
-        assert_eq!((idle.idle, idle.values[1]), (vec![1], 5.0));
+        assert_eq!((idle.insensitive, idle.values[1]), (vec![1], 5.0));
         let walled = |p: &[f64], x: f64| if p[0] > 1.5 { f64::NAN } else { p[0] * libm::exp(-0.7 * x) };
         let fit = residuals(&walled, &[1.0]).expect("a fit");
         assert!((1.4..=1.5).contains(&fit.values[0]) && fit.edges == [0], "{fit:?}");

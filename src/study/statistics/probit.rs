@@ -1,25 +1,29 @@
-//! A normal distribution by intervals that hold its members: limits that were bracketed, and shots that perforated or did not.
+//! Maximum-likelihood fit of a normal distribution to interval-censored data: bracketed limits, or single shots with or
+//! without perforation (probit analysis).
 
-use super::{Estimate, normal};
+use super::{IntervalEstimate, normal};
 
-/// Mean and deviation with their intervals.
+/// Fitted mean and standard deviation with confidence intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalFit {
-    /// The value that half of the members lie below: V50.
-    pub median: Estimate,
-    /// The standard deviation.
-    pub deviation: Estimate,
+    /// Mean, which is the median (V50).
+    pub median: IntervalEstimate,
+    /// Standard deviation.
+    pub deviation: IntervalEstimate,
 }
 
 const MOST_ITERATIONS: usize = 200;
-/// Intervals are taken no narrower than this part of the deviation, where differences would be rounding.
+/// Smallest width of an interval, in standard deviations; differences over narrower intervals would be dominated by
+/// rounding.
 const NARROWEST: f64 = 1e-4;
 
-/// By maximum likelihood. An end may be infinite: a shot at v that perforates says that its limit lies in (-inf, v), one that does
-/// not in (v, inf), which is probit analysis (Finney, Probit Analysis, 1971). `None` where the members tell no scatter: fewer than
-/// three, or none that stops above another that perforates.
+/// Fits a normal distribution by maximum likelihood to intervals that contain the members. An end may be infinite: a
+/// shot at v with perforation gives the interval (-inf, v), one without gives (v, inf) (probit analysis; Finney, Probit
+/// Analysis, 1971). `None` if the intervals do not determine a scatter: fewer than three members, or all intervals
+/// overlap.
 ///
-/// Intervals by the matrix of second derivatives at the most likely values; that of the deviation in its logarithm.
+/// Confidence intervals follow from the second derivatives of the log-likelihood at its maximum; the interval of the
+/// standard deviation is computed for its logarithm.
 pub fn fit(members: &[(f64, f64)]) -> Option<NormalFit> {
     let mut here = LikelihoodPoint::of(members, start(members)?);
     for _ in 0..MOST_ITERATIONS {
@@ -37,13 +41,13 @@ pub fn fit(members: &[(f64, f64)]) -> Option<NormalFit> {
     }
     let deviation = libm::exp(here.at[1]);
     let freedom = members.len() as f64 - 1.0;
-    let median = Estimate::around(here.at[0], deviation * (ss / determinant).sqrt(), freedom);
-    let log = Estimate::around(here.at[1], (uu / determinant).sqrt(), freedom);
+    let median = IntervalEstimate::around(here.at[0], deviation * (ss / determinant).sqrt(), freedom);
+    let log = IntervalEstimate::around(here.at[1], (uu / determinant).sqrt(), freedom);
     let [value, low, high] = [log.value, log.low, log.high].map(libm::exp);
-    Some(NormalFit { median, deviation: Estimate { value, low, high } })
+    Some(NormalFit { median, deviation: IntervalEstimate { value, low, high } })
 }
 
-/// Mean and logarithm of the deviation of all ends that there are.
+/// Returns initial values: mean, and logarithm of the standard deviation, of all finite ends.
 fn start(members: &[(f64, f64)]) -> Option<[f64; 2]> {
     let highest = members.iter().map(|m| m.0).fold(f64::NEG_INFINITY, f64::max);
     let lowest = members.iter().map(|m| m.1).fold(f64::INFINITY, f64::min);
@@ -57,8 +61,8 @@ fn start(members: &[(f64, f64)]) -> Option<[f64; 2]> {
     (square > 0.0).then(|| [mean, 0.5 * libm::log(square)])
 }
 
-/// Mean and logarithm of the deviation, how likely the members are with them, and derivatives of that: by the mean in units of the
-/// deviation, and by the logarithm.
+/// Log-likelihood at a mean and a logarithm of the standard deviation, with its first and second derivatives.
+/// Derivatives by the mean are in units of the standard deviation.
 struct LikelihoodPoint {
     at: [f64; 2],
     likelihood: f64,
@@ -81,9 +85,9 @@ impl LikelihoodPoint {
         sum
     }
 
-    /// A member between two ends in units of the deviation.
+    /// Adds a member between two ends in units of the standard deviation.
     fn add(&mut self, a: f64, b: f64) {
-        // The tail on whose side it lies loses no digits.
+        // The tail on the side of the interval avoids cancellation.
         let part = if a > 0.0 {
             normal::cumulative(-a) - normal::cumulative(-b)
         } else {
@@ -105,7 +109,7 @@ impl LikelihoodPoint {
         self.curvatures[2] += d1 - d3 - d1 * d1;
     }
 
-    /// A point that is more likely, by Newton's method, damped where that overshoots; `None` where there is none.
+    /// Returns a point of higher likelihood by a damped Newton step; `None` if there is none.
     fn uphill(&self, members: &[(f64, f64)]) -> Option<LikelihoodPoint> {
         let [u, s] = self.slopes;
         let mut damping = 0.0;
@@ -126,7 +130,7 @@ impl LikelihoodPoint {
     }
 }
 
-/// The part of members below a value.
+/// Returns the cumulative probability at a value.
 pub fn part_below(scatter: &NormalFit, value: f64) -> f64 {
     normal::cumulative((value - scatter.median.value) / scatter.deviation.value)
 }
@@ -155,10 +159,10 @@ mod tests {
         inside
     }
 
-    /// Of 200 tables 190 intervals are to be expected to hold the truth, give or take 3, whether limits were bracketed closely, widely,
-    /// or each target was shot at once.
+    /// With 200 tables, 190 ± 3 intervals are expected to contain the exact value, for narrow brackets, wide brackets,
+    /// and single shots.
     #[test]
-    fn intervals_hold_what_made_the_members() {
+    fn intervals_have_their_nominal_coverage() {
         for width in [1e-6, 10.0] {
             let bracket = |_: usize, limit: f64| {
                 let low = (limit / width).floor() * width;
@@ -185,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn members_that_tell_no_scatter_have_none() {
+    fn separable_members_have_no_fit() {
         let clean = [1.0, 2.0, 3.0].map(|v| (v, f64::INFINITY)).into_iter();
         let clean: Vec<_> = clean.chain([4.0, 5.0].map(|v| (f64::NEG_INFINITY, v))).collect();
         assert_eq!(fit(&clean), None);

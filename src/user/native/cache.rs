@@ -1,6 +1,5 @@
-//! The cache of compiled libraries: a folder that only the user may write, with a list of its inputs next to each library. A
-//! library is compiled again if an input has changed.
-//! Never here: running a compiler, opening a library.
+//! The cache of compiled libraries: a folder that only the user may write, with a list of the inputs next to each
+//! library. A library is compiled again if an input has changed.
 
 use std::collections::BTreeSet;
 use std::fs::{DirBuilder, File, Metadata};
@@ -16,7 +15,7 @@ use crate::deck::files;
 use crate::output::checkpoint::hash;
 use crate::output::whole::{ScratchFolder, write_whole};
 
-/// Largest number of libraries; those used least recently are removed.
+/// Largest number of cached libraries; the least recently used ones are removed.
 const KEPT: usize = 64;
 /// Environment variables with search paths of compilers.
 const SEARCH: &[&str] = &["CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX"];
@@ -26,9 +25,9 @@ const SEARCH: &[&str] = &["CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "COMPILER_P
 pub struct BuiltLibrary {
     /// Bytes of the shared library.
     pub bytes: Vec<u8>,
-    /// Hash of its inputs: sources, flags, compiler, files that the compiler read.
+    /// Hash of the inputs: sources, flags, compiler, and all files that the compiler read.
     pub identity: String,
-    /// Routines in it that cannot be called.
+    /// Subroutines of the library that cannot be called.
     pub uncallable: Vec<UncallableRoutine>,
 }
 
@@ -39,10 +38,11 @@ pub struct BuildInputs {
     read: Vec<(PathBuf, String)>,
     /// Absent files that would be read instead of others.
     absent: BTreeSet<PathBuf>,
-    /// Start of the compilation: files that changed later may have been read before or after.
+    /// Start of the compilation (seconds, nanoseconds). A file that changed later may differ from the one the compiler
+    /// read.
     #[serde(skip)]
     begun: Option<(i64, i64)>,
-    /// Whether a file changed since.
+    /// Whether a file changed after the start.
     #[serde(skip)]
     unsettled: bool,
 }
@@ -56,51 +56,51 @@ struct CacheEntry {
     uncallable: Vec<UncallableRoutine>,
 }
 
-/// The folder of the cache, if there is a private one.
-pub struct Cache(Option<PathBuf>);
+/// The cache folder; `None` without a private one.
+pub struct LibraryCache(Option<PathBuf>);
 
-impl Cache {
-    /// The folder in `XDG_CACHE_HOME` or `HOME`; without both there is no cache.
+impl LibraryCache {
+    /// Finds the cache folder in `XDG_CACHE_HOME` or `HOME`; without both there is no cache.
     ///
     /// # Errors
-    /// Why the folder is not used; libraries are then compiled for every run.
-    pub fn find() -> Result<Cache, String> {
+    /// The reason why the folder is not used; libraries are then compiled for every run.
+    pub fn find() -> Result<LibraryCache, String> {
         let under = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
         let home = under("XDG_CACHE_HOME").or_else(|| under("HOME").map(|h| h.join(".cache")));
-        let Some(folder) = home.map(|h| h.join("revolve").join("user")) else { return Ok(Cache(None)) };
+        let Some(folder) = home.map(|h| h.join("revolve").join("user")) else { return Ok(LibraryCache(None)) };
         let usable = || -> io::Result<bool> {
             DirBuilder::new().recursive(true).mode(0o700).create(&folder)?;
-            // Whoever may rename the folder may put another in its place.
+            // A user who may rename the folder could replace it.
             let parent = folder.parent().unwrap_or(Path::new("/"));
             Ok(private(&folder.metadata()?) && private(&parent.metadata()?))
         };
         match usable() {
-            Ok(true) => Ok(Cache(Some(folder))),
-            Ok(false) => Err(format!("the cache {} could be written by another user", folder.display())),
-            Err(error) => Err(format!("the cache {} cannot be made: {error}", folder.display())),
+            Ok(true) => Ok(LibraryCache(Some(folder))),
+            Ok(false) => Err(format!("the cache folder {} is writable by another user", folder.display())),
+            Err(error) => Err(format!("the cache folder {} cannot be created: {error}", folder.display())),
         }
     }
 
-    /// No cache.
-    pub fn none() -> Cache {
-        Cache(None)
+    /// Returns a disabled cache.
+    pub fn none() -> LibraryCache {
+        LibraryCache(None)
     }
 
-    /// A temporary folder for compilation.
+    /// Creates a temporary folder for compilation.
     ///
     /// # Errors
-    /// That of the file system.
-    pub fn workshop(&self) -> io::Result<ScratchFolder> {
+    /// Errors of the file system.
+    pub fn scratch_folder(&self) -> io::Result<ScratchFolder> {
         match &self.0 {
             Some(folder) => ScratchFolder::within(folder),
             None => ScratchFolder::within(&std::env::temp_dir()),
         }
     }
 
-    /// The library of a key, if it is complete and its inputs are unchanged.
+    /// Returns the library of a key, if it is complete and its inputs are unchanged.
     pub fn get(&self, key: &str) -> Option<BuiltLibrary> {
-        let (library, beside) = self.places(key)?;
-        let entry: CacheEntry = serde_json::from_slice(&own_file(&beside).ok()?).ok()?;
+        let (library, description) = self.places(key)?;
+        let entry: CacheEntry = serde_json::from_slice(&own_file(&description).ok()?).ok()?;
         if !entry.origin.holds() {
             return None;
         }
@@ -108,14 +108,14 @@ impl Cache {
         if hash([bytes.as_slice()]) != entry.library {
             return None;
         }
-        // Used just now: the last to be pruned. One that cannot be marked is only built again sooner.
-        let _ = File::open(&beside).and_then(|file| file.set_modified(SystemTime::now()));
+        // Marks the entry as recently used. A failure only means that it is removed earlier.
+        let _ = File::open(&description).and_then(|file| file.set_modified(SystemTime::now()));
         Some(BuiltLibrary { bytes, identity: entry.identity, uncallable: entry.uncallable })
     }
 
     /// Stores a library; failures are ignored.
     pub fn put(&self, key: &str, built: &BuiltLibrary, origin: &BuildInputs) {
-        let Some((library, beside)) = self.places(key).filter(|_| !origin.unsettled) else { return };
+        let Some((library, description)) = self.places(key).filter(|_| !origin.unsettled) else { return };
         let entry = CacheEntry {
             library: hash([built.bytes.as_slice()]),
             identity: built.identity.clone(),
@@ -123,17 +123,17 @@ impl Cache {
             uncallable: built.uncallable.clone(),
         };
         let Ok(text) = serde_json::to_vec(&entry) else { return };
-        let _ = write_whole(&library, &built.bytes).and_then(|()| write_whole(&beside, &text));
+        let _ = write_whole(&library, &built.bytes).and_then(|()| write_whole(&description, &text));
         self.prune();
     }
 
-    /// Paths of a library and its description.
+    /// Returns the paths of a library and its description.
     fn places(&self, key: &str) -> Option<(PathBuf, PathBuf)> {
         let folder = self.0.as_ref()?;
         Some((folder.join(format!("{key}.so")), folder.join(format!("{key}.json"))))
     }
 
-    /// Removes the libraries used least recently, and those without a description.
+    /// Removes the least recently used libraries, and those without a description.
     fn prune(&self) {
         let Some(folder) = &self.0 else { return };
         let names = |ending: &'static str| {
@@ -146,20 +146,20 @@ impl Cache {
         for (_, old) in &entries[..entries.len().saturating_sub(KEPT)] {
             let _ = std::fs::remove_file(old);
         }
-        // A library comes before its word: one that is new may be about to get it.
+        // The library is written before its description, so a new one may still get its description.
         let settled = |path: &PathBuf| age(path).and_then(|t| t.elapsed().ok()).is_some_and(|t| t.as_secs() > 60);
-        for lone in names("so").filter(|path| !path.with_extension("json").exists() && settled(path)) {
-            let _ = std::fs::remove_file(lone);
+        for orphan in names("so").filter(|path| !path.with_extension("json").exists() && settled(path)) {
+            let _ = std::fs::remove_file(orphan);
         }
     }
 }
 
-/// The user of this process; `None` if the system does not show it.
+/// Returns the user id of this process; `None` if the system does not report it.
 fn user() -> Option<u32> {
     std::fs::metadata("/proc/self").map(|process| process.uid()).ok()
 }
 
-/// Whether only this user may write.
+/// Returns whether only this user may write.
 fn private(metadata: &Metadata) -> bool {
     user().is_some_and(|user| may_trust(metadata.uid(), metadata.mode(), user))
 }
@@ -168,7 +168,7 @@ fn may_trust(owner: u32, mode: u32, user: u32) -> bool {
     owner == user && mode & 0o022 == 0
 }
 
-/// Bytes of a regular file, not a link, that only this user may write.
+/// Reads a regular file (not a link) that only this user may write.
 fn own_file(path: &Path) -> io::Result<Vec<u8>> {
     let mut file = File::options().read(true).custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK).open(path)?;
     let metadata = file.metadata()?;
@@ -180,14 +180,14 @@ fn own_file(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The environment that decides where a compiler searches.
-pub fn surroundings() -> String {
+/// Returns the environment that determines where compilers search.
+pub fn search_environment() -> String {
     let values = SEARCH.iter().map(std::env::var_os);
     format!("{:?} {:?}", std::env::current_dir().ok(), values.collect::<Vec<_>>())
 }
 
 impl BuildInputs {
-    /// Inputs of a compilation that begins now.
+    /// Records the sources of a compilation that begins now.
     pub fn of<'a>(sources: impl Iterator<Item = &'a Path>, now: SystemTime) -> BuildInputs {
         let begun = now.duration_since(UNIX_EPOCH).ok();
         let begun = begun.map(|t| (t.as_secs() as i64, i64::from(t.subsec_nanos())));
@@ -196,21 +196,21 @@ impl BuildInputs {
         origin
     }
 
-    /// Notes whether a file changed since the start, by its change time, which users cannot set.
+    /// Records whether a file changed after the start, by its change time (ctime), which users cannot set.
     fn settle(&mut self, path: &Path) {
         let changed = path.metadata().ok().map(|m| (m.ctime(), m.ctime_nsec()));
         self.unsettled |= changed.is_none() || changed >= self.begun;
     }
 
-    /// Adds the files of a rule written by `-MD`, except those in `own`; `folder` is that of the source. `None` if the inputs
-    /// are not all known: the library is not cached.
+    /// Adds the files of a make rule written by `-MD`, except those in `own`; `folder` is that of the source. Returns
+    /// `None` if not all inputs are known; the library is then not cached.
     pub fn add(&mut self, rule: &str, folder: &Path, own: &Path) -> Option<()> {
         let mut named = Vec::new();
         for name in prerequisites(rule)? {
             let path = std::path::absolute(name).ok()?;
             if !path.starts_with(own) && self.read.iter().all(|(known, _)| *known != path) {
                 let bytes = files::read(&path).ok()?;
-                if !is_systems(&path) && looks_elsewhere(&bytes) {
+                if !is_systems(&path) && reads_unlisted_files(&bytes) {
                     return None;
                 }
                 self.settle(&path);
@@ -218,11 +218,11 @@ impl BuildInputs {
                 named.push(path);
             }
         }
-        self.absent.extend(rivals(&named, folder));
+        self.absent.extend(shadowing_files(&named, folder));
         Some(())
     }
 
-    /// Hashes of the files read.
+    /// Returns the hashes of the files read.
     pub fn hashes(&self) -> impl Iterator<Item = &str> {
         self.read.iter().map(|(_, hash)| hash.as_str())
     }
@@ -233,19 +233,19 @@ impl BuildInputs {
     }
 }
 
-/// Headers of the system: found by names of at most three parts.
+/// Returns whether a file is a system header, which is found by a name of at most three components.
 fn is_systems(path: &Path) -> bool {
     path.starts_with("/usr") || path.starts_with("/lib")
 }
 
-/// Whether a text depends on files that a compiler does not list.
-fn looks_elsewhere(bytes: &[u8]) -> bool {
+/// Returns whether a source depends on files that compilers do not list.
+fn reads_unlisted_files(bytes: &[u8]) -> bool {
     let text = String::from_utf8_lossy(bytes);
     ["__has_include", "incbin", "__has_embed", "#embed"].iter().any(|word| text.contains(word))
 }
 
-/// Absent files that would be found before some of those read.
-fn rivals(read: &[PathBuf], folder: &Path) -> BTreeSet<PathBuf> {
+/// Returns absent files that would be found before some of the files read.
+fn shadowing_files(read: &[PathBuf], folder: &Path) -> BTreeSet<PathBuf> {
     let mut folders: BTreeSet<PathBuf> = read.iter().filter(|p| !is_systems(p)).filter_map(|p| parent(p)).collect();
     folders.extend(std::path::absolute(folder));
     folders.extend(std::env::current_dir());
@@ -268,7 +268,8 @@ fn parent(path: &Path) -> Option<PathBuf> {
     path.parent().map(Path::to_owned)
 }
 
-/// The files after the colon of a rule for `make`, in which blanks, `#` and backslashes are escaped and `$` is doubled.
+/// Returns the files after the colon of a make rule, in which blanks, `#` and backslashes are escaped and `$` is
+/// doubled.
 fn prerequisites(rule: &str) -> Option<Vec<String>> {
     let joined = rule.replace("\\\n", " ");
     let (_, list) = joined.split_once(": ")?;
@@ -291,7 +292,7 @@ mod tests {
     use super::{may_trust, prerequisites};
 
     #[test]
-    fn rules_are_read_as_make_reads_them() {
+    fn make_rules_are_parsed() {
         let rule = "a.o a.o: a.f /usr/x.h \\\n b\\ c.inc m$$.mod \\#d\n";
         assert_eq!(
             prerequisites(rule).as_deref(),
@@ -301,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_of_another_or_open_to_others_is_not_trusted() {
+    fn folders_writable_by_others_are_not_trusted() {
         assert!(may_trust(7, 0o40700, 7) && may_trust(7, 0o40755, 7));
         assert!(!may_trust(8, 0o40700, 7) && !may_trust(7, 0o40775, 7) && !may_trust(7, 0o41777, 7));
     }

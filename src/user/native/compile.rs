@@ -1,5 +1,4 @@
 //! Compiles Fortran and C files to a shared library. Nothing is written next to the files.
-//! Never here: the cache of libraries, opening a library, calling it.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -7,14 +6,15 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::SystemTime;
 
-use super::cache::{BuildInputs, BuiltLibrary, Cache, surroundings};
+use super::cache::{BuildInputs, BuiltLibrary, LibraryCache, search_environment};
 use super::source::{HEADER, PreparedSource, candidates, included};
 use super::{MAX_BLOCK, Routines, UncallableRoutine, isolate, library, prototype};
 use crate::deck::{Diagnostic, Diagnostics, files};
 use crate::output::checkpoint::hash;
 
-/// Flags like those of ABAQUS's compile command: long lines, old Fortran and DEC extensions (Cray pointers, structures, D
-/// comment lines) allowed, local arrays on the stack. No contraction, so that arithmetic gives the same bits as in Rust.
+/// Flags similar to those of the ABAQUS compile command: long lines, legacy Fortran and DEC extensions (Cray pointers,
+/// structures, D comment lines) are allowed, local arrays are on the stack. No contraction to fused multiply-add, so
+/// that results have the same bits as in Rust.
 const FORTRAN_FLAGS: &[&str] = &[
     "-c",
     "-fPIC",
@@ -34,36 +34,36 @@ const FORTRAN_FLAGS: &[&str] = &[
 ];
 const C_FLAGS: &[&str] =
     &["-c", "-fPIC", "-O2", "-g", "-fexceptions", "-ffp-contract=off", "-fdiagnostics-color=never"];
-/// `--check-user`.
+/// Additional flags of `--check-user`.
 const CHECK_FLAGS: &[&str] = &["-fcheck=bounds,do,mem,pointer"];
 
 /// Shared libraries ready to be opened.
 #[derive(Debug)]
 pub struct Compiled {
-    /// In the order of the search for routines.
+    /// Libraries in the order in which subroutines are searched.
     libraries: Vec<SharedLibrary>,
     /// Notes for the user.
     pub notes: Diagnostics,
-    /// Whether a source reads a third coordinate: calls are then watched for invalid operations.
+    /// Whether a source reads a third coordinate; calls are then monitored for invalid operations.
     third_coordinate: bool,
-    /// Routines that cannot be called.
+    /// Subroutines that cannot be called.
     uncallable: Vec<UncallableRoutine>,
     /// The user's files, for messages.
     files: Vec<PathBuf>,
 }
 
-/// A shared library in memory, so that the checked bytes are those that are loaded.
+/// A shared library in memory, so that exactly the checked bytes are loaded.
 #[derive(Debug)]
 pub(super) struct SharedLibrary {
     /// Name in messages.
     pub name: PathBuf,
-    /// The library itself.
+    /// Content of the library.
     pub bytes: Vec<u8>,
     identity: String,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Language {
+enum SourceLanguage {
     FixedFortran,
     FreeFortran,
     C,
@@ -71,23 +71,24 @@ enum Language {
 }
 
 impl Compiled {
-    /// Hashes of the libraries: of sources, compiler, flags and all files read, or of the bytes of a ready library.
+    /// Returns the hashes of the libraries: of sources, compiler, flags and all files read, or of the bytes of a
+    /// precompiled library.
     pub fn identity(&self) -> String {
         self.libraries.iter().map(|library| library.identity.as_str()).collect::<Vec<_>>().join(" ")
     }
 
-    /// Opens the libraries: routines with a state of their own, for one run.
+    /// Opens the libraries for one run. The variables of the returned subroutines are independent of other runs.
     ///
     /// # Errors
-    /// Where a library cannot be loaded, or a routine in it cannot be called.
+    /// If a library cannot be loaded, or defines no subroutine that can be called.
     pub fn open(&self) -> Result<Routines, Diagnostic> {
         library::open(&self.libraries, self.third_coordinate, &self.uncallable, &self.files)
     }
 
-    /// Opens the libraries in a process of their own, forked from this one, which must have no other threads yet.
+    /// Opens the libraries in a separate process, forked from this one, which must not have other threads yet.
     ///
     /// # Errors
-    /// As [`Compiled::open`]; U012 for routines that cannot be isolated.
+    /// As [`Compiled::open`]; U012 for subroutines that cannot be isolated.
     pub fn open_isolated(&self) -> Result<Routines, Diagnostic> {
         isolate::open(|| self.open())
     }
@@ -101,10 +102,10 @@ impl Compiled {
     }
 }
 
-/// Makes libraries of user files; `checked` builds with bounds checks.
+/// Compiles and loads user files; `checked` compiles with bounds checks.
 ///
 /// # Errors
-/// All errors of the files, with the compiler's messages.
+/// All errors in the files, with the compiler's messages.
 pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics> {
     let files: Vec<PathBuf> = files.iter().map(|file| no_option(file)).collect();
     let mut faults = Diagnostics::default();
@@ -112,7 +113,7 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
     let mut libraries = Vec::new();
     for file in &files {
         match language(file).and_then(|l| readable(file, l)) {
-            Ok((Language::Ready, bytes)) => {
+            Ok((SourceLanguage::Ready, bytes)) => {
                 let identity = hash([bytes.as_slice()]);
                 libraries.push(SharedLibrary { name: file.clone(), bytes, identity });
             }
@@ -128,7 +129,7 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
     let mut uncallable = Vec::new();
     if !sources.is_empty() {
         let BuiltLibrary { bytes, identity, uncallable: found } = build(&sources, checked, &mut notes)?;
-        // Messages speak of the user's own file.
+        // Messages name the user's first file.
         libraries.insert(0, SharedLibrary { name: sources[0].0.to_owned(), bytes, identity });
         uncallable = found;
     }
@@ -136,57 +137,63 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
     Ok(Compiled { libraries, notes, third_coordinate, uncallable, files })
 }
 
-/// The file with a name that is not an option of a compiler.
+/// Returns the path in a form that a compiler does not mistake for an option.
 fn no_option(file: &Path) -> PathBuf {
     if file.as_os_str().as_encoded_bytes().starts_with(b"-") { Path::new(".").join(file) } else { file.to_owned() }
 }
 
-fn language(file: &Path) -> Result<Language, String> {
+fn language(file: &Path) -> Result<SourceLanguage, String> {
     match file.extension().and_then(|e| e.to_str()).unwrap_or("") {
-        "f" | "for" | "F" | "FOR" | "ftn" => Ok(Language::FixedFortran),
-        "f90" | "F90" | "f95" | "F95" | "f03" | "f08" => Ok(Language::FreeFortran),
-        "c" => Ok(Language::C),
-        "so" => Ok(Language::Ready),
-        _ => Err(format!("`{}`: .f, .for, .f90, .F, .F90, .c and .so are taken", file.display())),
+        "f" | "for" | "F" | "FOR" | "ftn" => Ok(SourceLanguage::FixedFortran),
+        "f90" | "F90" | "f95" | "F95" | "f03" | "f08" => Ok(SourceLanguage::FreeFortran),
+        "c" => Ok(SourceLanguage::C),
+        "so" => Ok(SourceLanguage::Ready),
+        _ => Err(format!("`{}`: unknown file type; allowed are .f, .for, .f90, .F, .F90, .c and .so", file.display())),
     }
 }
 
 /// Checks that a file can be read; returns the bytes of a library.
-fn readable(file: &Path, language: Language) -> Result<(Language, Vec<u8>), String> {
-    let bytes = if language == Language::Ready { files::read(file) } else { files::open(file).map(|_| Vec::new()) };
-    let told = |e| format!("cannot read the user file `{}`: {e}", file.display());
-    bytes.map(|bytes| (language, bytes)).map_err(told)
+fn readable(file: &Path, language: SourceLanguage) -> Result<(SourceLanguage, Vec<u8>), String> {
+    let bytes =
+        if language == SourceLanguage::Ready { files::read(file) } else { files::open(file).map(|_| Vec::new()) };
+    let message = |e| format!("cannot read the user file `{}`: {e}", file.display());
+    bytes.map(|bytes| (language, bytes)).map_err(message)
 }
 
-fn build(sources: &[(&Path, Language)], checked: bool, notes: &mut Diagnostics) -> Result<BuiltLibrary, Diagnostics> {
+fn build(
+    sources: &[(&Path, SourceLanguage)],
+    checked: bool,
+    notes: &mut Diagnostics,
+) -> Result<BuiltLibrary, Diagnostics> {
     let fault = |code, message: String| {
         let mut faults = Diagnostics::default();
         faults.push(Diagnostic::error(code, message));
         faults
     };
     for (file, language) in sources {
-        if *language == Language::FixedFortran {
+        if *language == SourceLanguage::FixedFortran {
             let what = |count| format!("text past column 72 is read as code ({count} such lines)");
             note_lines(file, "U007", has_code_past_72, what, notes);
         }
-        let what = |_| "this reads a third coordinate; there are two, r and z".to_owned();
+        let what = |_| "the line reads a third coordinate; an axisymmetric model has two, r and z".to_owned();
         note_lines(file, "U008", reads_third_coordinate, what, notes);
     }
-    let tools = Compilers::find(sources).map_err(|e| fault("U002", e))?;
-    let cache = Cache::find().unwrap_or_else(|why| {
-        let warning = Diagnostic::warning("U011", format!("{why}: the routines are compiled anew for this run"));
+    let tools = CompilerSet::find(sources).map_err(|e| fault("U002", e))?;
+    let cache = LibraryCache::find().unwrap_or_else(|why| {
+        let warning =
+            Diagnostic::warning("U011", format!("{why}: the user subroutines are compiled again for this run"));
         notes.push(warning.help("the folder must be owned by you and not writable by others: run `chmod go-w FOLDER`"));
-        Cache::none()
+        LibraryCache::none()
     });
     let content = content(sources, &tools, checked);
     let key = key(sources, &content);
     if let Some(built) = cache.get(&key) {
         return Ok(built);
     }
-    let io = |e: std::io::Error| fault("U001", format!("cannot write what the compiler needs: {e}"));
-    let scratch = cache.workshop().map_err(io)?;
+    let io = |e: std::io::Error| fault("U001", format!("cannot write the files for the compiler: {e}"));
+    let scratch = cache.scratch_folder().map_err(io)?;
     write_includes(scratch.path()).map_err(io)?;
-    let mut builder = Builder {
+    let mut builder = LibraryBuilder {
         tools: &tools,
         scratch: scratch.path(),
         checked,
@@ -202,54 +209,56 @@ fn build(sources: &[(&Path, Language)], checked: bool, notes: &mut Diagnostics) 
     }
     let linked = builder.link(objects)?;
     let bytes = std::fs::read(linked).map_err(io)?;
-    let Builder { uncallable, origin, .. } = builder;
+    let LibraryBuilder { uncallable, origin, .. } = builder;
     let Some(origin) = origin else {
         let identity = hash([content.as_bytes(), &bytes]);
         return Ok(BuiltLibrary { bytes, identity, uncallable });
     };
     let identity = hash(std::iter::once(content.as_bytes()).chain(origin.hashes().map(str::as_bytes)));
     let built = BuiltLibrary { bytes, identity, uncallable };
-    // What was missing may be installed tomorrow.
+    // Libraries with undefined functions are not cached: the functions may be installed later.
     if built.uncallable.iter().all(|routine| routine.code != "U005") {
         cache.put(&key, &built, &origin);
     }
     Ok(built)
 }
 
-/// The compilers that sources need, and their versions.
+/// The compilers that the sources need, and their versions.
 #[derive(Default)]
-struct Compilers {
+struct CompilerSet {
     fortran: Option<OsString>,
     c: OsString,
     version: String,
 }
 
-impl Compilers {
-    fn find(sources: &[(&Path, Language)]) -> Result<Self, String> {
-        let Compilers { mut fortran, mut c, mut version } = Compilers::default();
+impl CompilerSet {
+    fn find(sources: &[(&Path, SourceLanguage)]) -> Result<Self, String> {
+        let CompilerSet { mut fortran, mut c, mut version } = CompilerSet::default();
         let mut find = |language, variable, name: &str, install| {
             let program = std::env::var_os(variable).unwrap_or_else(|| name.into());
             let missing = || {
                 let shown = program.display();
                 format!(
-                    "no {language} compiler: `{shown}` does not run. Install {install}, or name another in {variable}"
+                    "no {language} compiler: `{shown}` was not found. Install {install}, or set another \
+                     compiler in {variable}"
                 )
             };
             version += &tool_version(&program).ok_or_else(missing)?;
             Ok::<_, String>(program)
         };
         let packages = "gfortran (Debian, Ubuntu: apt install gfortran; Fedora: dnf install gcc-gfortran)";
-        if sources.iter().any(|s| s.1 != Language::C) {
+        if sources.iter().any(|s| s.1 != SourceLanguage::C) {
             fortran = Some(find("Fortran", "FC", "gfortran", packages)?);
         }
-        if sources.iter().any(|s| s.1 == Language::C) {
+        if sources.iter().any(|s| s.1 == SourceLanguage::C) {
             c = find("C", "CC", "cc", "gcc (Debian, Ubuntu: apt install gcc)")?;
         }
-        Ok(Compilers { fortran, c, version })
+        Ok(CompilerSet { fortran, c, version })
     }
 }
 
-/// Path, size and time of a program, which identify its version faster than a call; `None` if there is none.
+/// Returns path, size and modification time of a program, which identify its version without running it; `None` if it
+/// does not exist.
 fn tool_version(tool: &OsString) -> Option<String> {
     let program = |path: PathBuf| path.is_file().then_some(path);
     let found = if Path::new(tool).components().count() > 1 {
@@ -262,8 +271,9 @@ fn tool_version(tool: &OsString) -> Option<String> {
     Some(format!("{} {} {:?}", found.display(), metadata.len(), metadata.modified().ok()?))
 }
 
-/// Hash of the inputs known before compilation: sources, their includes, flags, compilers; independent of their folders.
-fn content(sources: &[(&Path, Language)], tools: &Compilers, checked: bool) -> String {
+/// Returns the hash of the inputs known before compilation: sources, their includes, flags, compilers; independent of
+/// folders.
+fn content(sources: &[(&Path, SourceLanguage)], tools: &CompilerSet, checked: bool) -> String {
     let flags = format!("{FORTRAN_FLAGS:?} {C_FLAGS:?} {checked} {:?}", includes_text());
     let mut pieces: Vec<Vec<u8>> =
         [env!("CARGO_PKG_VERSION"), &tools.version, &flags].map(|text| text.as_bytes().to_vec()).into();
@@ -274,13 +284,13 @@ fn content(sources: &[(&Path, Language)], tools: &Compilers, checked: bool) -> S
     hash(pieces.iter().map(Vec::as_slice))
 }
 
-/// Cache key of a library: the hash of its inputs, and the search paths of the compiler.
-fn key(sources: &[(&Path, Language)], content: &str) -> String {
-    let mut pieces = vec![content.as_bytes().to_vec(), surroundings().into_bytes()];
+/// Returns the cache key of a library: the hash of its inputs and of the search paths of the compiler.
+fn key(sources: &[(&Path, SourceLanguage)], content: &str) -> String {
+    let mut pieces = vec![content.as_bytes().to_vec(), search_environment().into_bytes()];
     for (file, language) in sources {
         pieces.push(std::path::absolute(file).unwrap_or_default().into_os_string().into_encoded_bytes());
-        if *language != Language::C {
-            // Includes that are found in another case, or in another folder, stand in it.
+        if *language != SourceLanguage::C {
+            // The prepared text contains the resolved names of includes.
             let changed = PreparedSource::read(file, &known_includes());
             pieces.extend(changed.texts().map(|text| text.as_bytes().to_vec()));
         }
@@ -292,7 +302,8 @@ fn known_includes() -> Vec<String> {
     includes_text().into_iter().map(|(name, _)| name.to_owned()).collect()
 }
 
-/// Passes on a file and its includes, each once; files that cannot be read are left to the compiler. `main` is compiled.
+/// Passes the content of a file and of its includes to `add`, each once; files that cannot be read are left to the
+/// compiler. `main` is the compiled file.
 fn add_with_includes(main: &Path, file: &Path, seen: &mut BTreeSet<PathBuf>, add: &mut impl FnMut(&[u8])) {
     let Ok(bytes) = files::read(file) else { return };
     if !seen.insert(file.to_owned()) {
@@ -308,8 +319,9 @@ fn add_with_includes(main: &Path, file: &Path, seen: &mut BTreeSet<PathBuf>, add
     }
 }
 
-/// The include files of ABAQUS, valid in fixed and in free form (ABAQUS Analysis User's Guide, "User subroutines: overview";
-/// User Subroutines Reference, 2.1.23 "Allocatable arrays" and 2.1.22 "Ensuring thread safety").
+/// Returns the include files of ABAQUS, valid in fixed and in free form (ABAQUS Analysis User's Guide, "User
+/// subroutines: overview"; User Subroutines Reference, 2.1.23 "Allocatable arrays" and 2.1.22 "Ensuring thread
+/// safety").
 fn includes_text() -> Vec<(&'static str, String)> {
     let vaba = format!(
         "!     double precision, two words a real; points a call at most\n\
@@ -332,8 +344,8 @@ fn includes_text() -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Interfaces of the functions for arrays and threads; initial reals have either precision, arrays of reals eight bytes
-/// unless SP is in the name.
+/// Returns the interfaces of the functions for arrays and threads. Initial values of real arrays have either precision;
+/// the arrays themselves have eight bytes per entry unless SP is in the name.
 fn header() -> String {
     let mut text = String::from("!     arrays that outlive a call, and threads, of which there is one\n");
     let mut interface = |generic: &str, specifics: &[(String, &str)]| {
@@ -358,7 +370,7 @@ fn header() -> String {
             [(format!("rvsma{kind}n"), ""), (format!("rvsma{kind}r"), "real*4"), (format!("rvsma{kind}d"), "real*8")];
         interface(&format!("{name}ArrayCreate"), &specifics);
         interface(&format!("{name}ArrayCreateSP"), &[(format!("rvsma{kind}s"), "real*4")]);
-        // Of another name: a scope may describe a function once.
+        // A different symbol: a scope may declare a function only once.
         interface(&format!("{name}ArrayCreateDP"), &[(format!("rvsma{kind}e"), "real*8")]);
     }
     for name in ["SMAInt", "SMALocalInt", "SMAFloat", "SMALocalFloat", "SMAReal", "SMALocalReal"] {
@@ -369,7 +381,7 @@ fn header() -> String {
             \x20     external getnumthreads, get_thread_id, getcommunicator\n"
 }
 
-/// Constants of MPI for one process; the last two digits of a type are its bytes.
+/// MPI constants for one process; the last two digits of a type are its size in bytes.
 const MPI: &str = "!     one process
       integer MPI_COMM_WORLD, MPI_COMM_SELF, MPI_SUCCESS
       integer MPI_STATUS_SIZE, MPI_INTEGER, MPI_INTEGER4, MPI_INTEGER8
@@ -397,13 +409,13 @@ fn write_includes(folder: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Which function calls which, by the names of their symbols.
+/// Calls between functions, by symbol names.
 #[derive(Default)]
 struct CallGraph(Vec<(String, String)>);
 
 impl CallGraph {
-    /// Reads what `-fcallgraph-info` writes: lines `edge: { sourcename: "a" targetname: "b" … }`, some names with a file
-    /// before a colon.
+    /// Adds the output of `-fcallgraph-info`: lines `edge: { sourcename: "a" targetname: "b" … }`; some names are
+    /// preceded by a file and a colon.
     fn read(&mut self, text: &str) {
         let name = |line: &str, key: &str| {
             let quoted = line.split(key).nth(1)?.split('"').nth(1)?;
@@ -413,7 +425,7 @@ impl CallGraph {
         self.0.extend(text.lines().filter(|l| l.starts_with("edge:")).filter_map(edge));
     }
 
-    /// Whether a function calls another, directly or through others.
+    /// Returns whether a function calls another, directly or indirectly.
     fn lead(&self, from: &str, to: &str) -> bool {
         let mut reached = vec![from];
         let mut next = 0;
@@ -432,27 +444,27 @@ impl CallGraph {
     }
 }
 
-struct Builder<'a> {
-    tools: &'a Compilers,
+struct LibraryBuilder<'a> {
+    tools: &'a CompilerSet,
     scratch: &'a Path,
     checked: bool,
     faults: Diagnostics,
     uncallable: Vec<UncallableRoutine>,
     calls: CallGraph,
-    /// Files that the compiler read; `None` if they are not all known.
+    /// Files that the compiler read; `None` if not all are known.
     origin: Option<BuildInputs>,
 }
 
-impl Builder<'_> {
-    /// Compiles one file; `None` if that failed, with an error.
-    fn object(&mut self, index: usize, file: &Path, language: Language) -> Option<PathBuf> {
+impl LibraryBuilder<'_> {
+    /// Compiles one file; on failure records an error and returns `None`.
+    fn object(&mut self, index: usize, file: &Path, language: SourceLanguage) -> Option<PathBuf> {
         let object = self.scratch.join(format!("{index}.o"));
         match language {
-            Language::C => {
+            SourceLanguage::C => {
                 let mut arguments = self.arguments((file, file), &object, C_FLAGS, None);
                 arguments.extend(rule_into(&object));
                 let output = run(&self.tools.c, &arguments);
-                let made = self.judge(file, output);
+                let made = self.check_output(file, output);
                 self.follow(file, &object);
                 made.then_some(object)
             }
@@ -481,7 +493,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Arguments of the compiler for a user file and its prepared copy.
+    /// Returns the compiler arguments for a user file and its prepared copy.
     fn arguments(
         &self,
         (file, ready): (&Path, &Path),
@@ -505,11 +517,11 @@ impl Builder<'_> {
         list
     }
 
-    /// Tries both forms, that of the file ending first; then checks the arguments of known routines.
-    fn fortran(&mut self, (file, ready): (&Path, &Path), object: &Path, language: Language) -> bool {
+    /// Compiles in both source forms, that of the file extension first; then checks the arguments of known subroutines.
+    fn fortran(&mut self, (file, ready): (&Path, &Path), object: &Path, language: SourceLanguage) -> bool {
         let Some(compiler) = &self.tools.fortran else { return false };
         let mut forms = ["-ffixed-form", "-ffree-form"];
-        if language == Language::FreeFortran {
+        if language == SourceLanguage::FreeFortran {
             forms.reverse();
         }
         let mut failures = Vec::new();
@@ -525,8 +537,8 @@ impl Builder<'_> {
                 let mut arguments: Vec<OsString> = arguments.into_iter().filter(|a| a != "-c").collect();
                 arguments.extend(["-fsyntax-only".into(), "-fc-prototypes-external".into()]);
                 let prototypes = run(compiler, &arguments).map(|o| o.stdout).unwrap_or_default();
-                for (routine, told) in prototype::check(&String::from_utf8_lossy(&prototypes)) {
-                    let message = format!("{}: {told}", file.display());
+                for (routine, difference) in prototype::check(&String::from_utf8_lossy(&prototypes)) {
+                    let message = format!("{}: {difference}", file.display());
                     self.uncallable.push(UncallableRoutine { routine, code: "U004".into(), message });
                 }
                 return true;
@@ -537,22 +549,22 @@ impl Builder<'_> {
             o.as_ref().map_or(usize::MAX, |o| String::from_utf8_lossy(&o.stderr).matches("Error:").count())
         };
         let best = failures.into_iter().min_by_key(errors);
-        best.is_some_and(|output| self.judge(file, output))
+        best.is_some_and(|output| self.check_output(file, output))
     }
 
-    fn judge(&mut self, file: &Path, output: std::io::Result<Output>) -> bool {
-        let told = match output {
+    fn check_output(&mut self, file: &Path, output: std::io::Result<Output>) -> bool {
+        let errors = match output {
             Ok(output) if output.status.success() => return true,
             Ok(output) => String::from_utf8_lossy(&output.stderr).trim().to_owned(),
             Err(error) => error.to_string(),
         };
-        let message = format!("`{}` does not compile:\n{}", file.display(), shortened(&told));
+        let message = format!("`{}` does not compile:\n{}", file.display(), shortened(&errors));
         self.faults.push(Diagnostic::error("U003", message));
         false
     }
 
-    /// Links the objects, with LAPACK if a symbol is missing without it. Calls of symbols that stay undefined end the analysis,
-    /// and routines that reach them cannot be called.
+    /// Links the objects, with LAPACK if a symbol is undefined without it. Calls of functions that remain undefined end
+    /// the analysis, and subroutines that reach them cannot be called.
     fn link(&mut self, mut objects: Vec<PathBuf>) -> Result<PathBuf, Diagnostics> {
         let mut library = self.linked(&objects, &[])?;
         let Some(mut missing) = library::missing(&library) else { return Ok(library) };
@@ -581,7 +593,7 @@ impl Builder<'_> {
         Ok(library)
     }
 
-    /// Records the routines that reach a missing symbol.
+    /// Records the subroutines that reach an undefined symbol.
     fn note_missing(&mut self, missing: &str) {
         let plain = missing.trim_end_matches('_');
         for routine in super::ROUTINES {
@@ -596,7 +608,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Compiles a function for a missing symbol that ends the analysis; `None` without a Fortran compiler.
+    /// Compiles a replacement of an undefined symbol that ends the analysis; `None` without a Fortran compiler.
     fn stub(&self, symbol: &str, index: usize) -> Option<PathBuf> {
         let compiler = self.tools.fortran.as_ref()?;
         let (file, object) =
@@ -614,7 +626,7 @@ impl Builder<'_> {
 
     fn link_to(&self, name: &str, objects: &[PathBuf], more: &[&str]) -> std::io::Result<(Output, PathBuf)> {
         let library = self.scratch.join(name);
-        // What the files define is theirs, whatever the program defines by the same name.
+        // -Bsymbolic: the user's definitions take precedence over those of the program.
         let mut arguments: Vec<OsString> = vec!["-shared".into(), "-Wl,-Bsymbolic".into()];
         arguments.extend(objects.iter().map(Into::into));
         arguments.extend(more.iter().map(OsString::from));
@@ -629,7 +641,7 @@ impl Builder<'_> {
             Ok((output, library)) => (Ok(output), library),
             Err(error) => (Err(error), PathBuf::new()),
         };
-        if self.judge(Path::new("the files together"), output) {
+        if self.check_output(Path::new("the files together"), output) {
             return Ok(library);
         }
         Err(std::mem::take(&mut self.faults))
@@ -640,17 +652,17 @@ fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Arguments by which the compiler writes the list of files that it reads.
+/// Returns the arguments with which the compiler writes the list of files that it reads.
 fn rule_into(object: &Path) -> [OsString; 3] {
     ["-MD".into(), "-MF".into(), object.with_extension("d").into()]
 }
 
 fn run(tool: &OsString, arguments: &[OsString]) -> std::io::Result<Output> {
-    // The compiler's words are quoted, so they are asked for in the language of these messages.
+    // Compiler messages are quoted, so they are requested in English.
     Command::new(tool).args(arguments).env("LC_ALL", "C").output()
 }
 
-/// The first lines of a message.
+/// Returns the first lines of a message.
 fn shortened(text: &str) -> String {
     const LINES: usize = 30;
     let lines: Vec<&str> = text.lines().collect();
@@ -660,8 +672,8 @@ fn shortened(text: &str) -> String {
     format!("{}\n… and {} more lines", lines[..LINES].join("\n"), lines.len() - LINES)
 }
 
-/// Leaves out files that another one includes: they are compiled with it.
-fn leave_to_includes(sources: &mut Vec<(&Path, Language)>, notes: &mut Diagnostics) {
+/// Removes files that another one includes; they are compiled with it.
+fn leave_to_includes(sources: &mut Vec<(&Path, SourceLanguage)>, notes: &mut Diagnostics) {
     let real = |file: &Path| file.canonicalize().unwrap_or_else(|_| file.to_owned());
     let includes = |file: &Path| {
         let mut seen = BTreeSet::new();
@@ -671,7 +683,7 @@ fn leave_to_includes(sources: &mut Vec<(&Path, Language)>, notes: &mut Diagnosti
     let all: Vec<(&Path, Vec<PathBuf>)> = sources.iter().map(|(file, _)| (*file, includes(file))).collect();
     sources.retain(|(file, _)| {
         let own = real(file);
-        // Of two that include each other the first stays.
+        // Of two files that include each other, the first is kept.
         let earlier = |other: &Path| !all.iter().any(|(f, list)| f == file && list.contains(&real(other)));
         let Some((other, _)) = all.iter().find(|(other, list)| list.contains(&own) && earlier(other)) else {
             return true;
@@ -682,7 +694,7 @@ fn leave_to_includes(sources: &mut Vec<(&Path, Language)>, notes: &mut Diagnosti
     });
 }
 
-/// Notes the first line of a file that has a property, with how many there are.
+/// Adds a note for the first line of a file with a property, with the number of such lines.
 fn note_lines(
     file: &Path,
     code: &'static str,
@@ -698,7 +710,7 @@ fn note_lines(
     }
 }
 
-/// `curCoords(k,3)` or `velocity(k,3)`, in code.
+/// Returns whether code on a line reads `curCoords(k,3)` or `velocity(k,3)`.
 fn reads_third_coordinate(line: &str) -> bool {
     if line.starts_with(['c', 'C', '*', '!']) {
         return false;
@@ -726,14 +738,14 @@ mod tests {
     use super::{CallGraph, has_code_past_72, reads_third_coordinate};
 
     #[test]
-    fn calls_lead_through_others() {
+    fn indirect_calls_are_found() {
         let mut calls = CallGraph::default();
         calls.read("graph: { title: \"t.f\"\nedge: { sourcename: \"vumat_\" targetname: \"t.f:b\" label: \"t.f:4:72\" }\nedge: { sourcename: \"t.f:b\" targetname: \"q_\" label: \"x\" }\n");
         assert!(calls.lead("vumat_", "q_") && calls.lead("b", "q_") && !calls.lead("q_", "b"));
     }
 
     #[test]
-    fn a_third_coordinate_is_seen_in_code_alone() {
+    fn third_coordinate_is_detected_only_in_code() {
         assert!(reads_third_coordinate("        z = CurCoords ( k , 3 )"));
         assert!(reads_third_coordinate("\tif (velocity(k,3)<0.) then"));
         assert!(!reads_third_coordinate("C       z = curCoords(k,3)"));
@@ -742,7 +754,7 @@ mod tests {
     }
 
     #[test]
-    fn comments_may_be_long() {
+    fn long_comments_are_ignored() {
         let tail = "x".repeat(80);
         assert!(!has_code_past_72(&format!("C {tail}")));
         assert!(!has_code_past_72(&format!("      a = 1 ! {tail}")));

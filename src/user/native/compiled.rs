@@ -1,6 +1,5 @@
-//! CompiledRoutine routines as the run calls them: the arguments of the traits passed to the user's functions, and what a function
-//! must leave alone.
-//! Never here: opening libraries, the order of arguments (`subroutines.rs`).
+//! Compiled user subroutines as implementations of the traits of `user`, with checks of their arguments after each
+//! call. The order of arguments is in `subroutines.rs`.
 #![allow(unsafe_code)]
 
 use std::ffi::{c_char, c_int};
@@ -10,9 +9,9 @@ use std::sync::Arc;
 use libloading::os::unix::Library;
 
 use super::call::{self, ActiveCall};
-use super::host::{self, Level};
+use super::host::{self, MessageLevel};
 use super::host_routines::ended;
-use super::subroutines::{self, AmplitudeArrays, DOFS, Kind, MaterialArrays, NAME, interface};
+use super::subroutines::{self, AmplitudeArrays, ArgumentKind, DOFS, MaterialArrays, NAME, interface};
 use super::{
     AmplitudeAnswer, AmplitudeCall, AnalysisMoment, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall,
     LoadFailure, LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, MotionCall, RunAction, UserAmplitude,
@@ -28,15 +27,15 @@ unsafe extern "C" {
     fn fetestexcept(exceptions: c_int) -> c_int;
 }
 
-/// Bytes behind a name that a routine must leave alone: declared `character*256`, a name reaches that far.
-const BEHIND: usize = 512 - NAME;
+/// Guard bytes after a name, which a subroutine must not change: a dummy argument may be declared `character*256`.
+const GUARD: usize = 512 - NAME;
 
-/// The part of that which is looked at after each call.
+/// Number of bytes that are checked after each call.
 const WATCHED: usize = 128;
 
-/// A name padded with blanks, and behind it bytes that betray a routine which writes too far.
+/// A name padded with blanks, followed by guard bytes that detect a subroutine which writes too far.
 struct PaddedName {
-    bytes: [u8; NAME + BEHIND],
+    bytes: [u8; NAME + GUARD],
     given: [u8; WATCHED],
     text: String,
 }
@@ -57,9 +56,9 @@ impl PaddedName {
         self.bytes.as_ptr().cast()
     }
 
-    /// Whether it is as it was given; put right if not.
+    /// Returns whether the name is unchanged; restores it if not.
     fn untouched(&mut self) -> bool {
-        let same = self.bytes[..WATCHED] == self.given && self.bytes[NAME + BEHIND - 1] == b' ';
+        let same = self.bytes[..WATCHED] == self.given && self.bytes[NAME + GUARD - 1] == b' ';
         if !same {
             self.bytes = pad(&self.text);
         }
@@ -74,7 +73,7 @@ fn pad<const N: usize>(text: &str) -> [u8; N] {
     bytes
 }
 
-/// A function of the user's libraries, with what its calls work with.
+/// A function of the user's libraries, with the work arrays of its calls.
 pub struct CompiledRoutine<F, W> {
     function: F,
     name: PaddedName,
@@ -83,12 +82,12 @@ pub struct CompiledRoutine<F, W> {
 }
 
 impl<F: Copy, W> CompiledRoutine<F, W> {
-    /// A function of these libraries.
+    /// Wraps a function that one of `libraries` defines.
     pub fn new(function: F, work: W, libraries: Arc<[Library]>) -> Self {
         CompiledRoutine { function, name: PaddedName::default(), work, _libraries: libraries }
     }
 
-    /// Calls the function, which may only read the name that it is given; one that ends the process comes back as a failure.
+    /// Calls the function, which must not change its name argument. A call that ends the analysis becomes a failure.
     #[inline]
     fn enter(
         &mut self,
@@ -100,18 +99,19 @@ impl<F: Copy, W> CompiledRoutine<F, W> {
         crash::note_call();
         call.begin();
         let returned = catch_unwind(AssertUnwindSafe(|| body(self.function, text, &mut self.work)));
-        guard::restore(|what| host::tell(Level::Warning, format!("{} {what}", call.routine)));
+        guard::restore(|what| host::report_message(MessageLevel::Warning, format!("{} {what}", call.routine)));
         call::end();
         returned.map_err(|payload| ended(call, payload))?;
         if self.name.untouched() {
             return Ok(());
         }
-        let argument = interface(call.routine).and_then(|i| i.arguments_of(Kind::Character).next()).unwrap_or_default();
-        Err(LoadFailure::new(format!("{} wrote into its argument {argument}, which it may only read", call.routine)))
+        let argument =
+            interface(call.routine).and_then(|i| i.arguments_of(ArgumentKind::Character).next()).unwrap_or_default();
+        Err(LoadFailure::new(format!("{} changed its argument {argument}, which is read-only", call.routine)))
     }
 }
 
-/// Whether a load is halted that computes with what is no number.
+/// Whether the run halts if the load performs an invalid floating-point operation (NaN).
 pub struct WatchInvalid(pub bool);
 
 impl UserLoad for CompiledRoutine<subroutines::Vdload, WatchInvalid> {
@@ -119,17 +119,17 @@ impl UserLoad for CompiledRoutine<subroutines::Vdload, WatchInvalid> {
         // An element load has no surface name.
         let name = if points.load_type == 0 { points.surface } else { "" };
         if self.work.0 {
-            // SAFETY: changes a flag of this thread alone.
+            // SAFETY: changes a flag of this thread only.
             unsafe { feclearexcept(FE_INVALID) };
         }
         self.enter(&ActiveCall::new("vdload", points.surface, points.now), name, |function, name, _| {
-            // SAFETY: each slice holds what the manual says the routine reads; names and values have room behind.
+            // SAFETY: each slice has the length given in the manual; guards follow the name and the values.
             unsafe { subroutines::vdload(function, points, name, pressure) }
         })?;
         // SAFETY: reads a flag of this thread.
         if self.work.0 && unsafe { fetestexcept(FE_INVALID) } != 0 {
-            let reason = "vdload computed with a number that is none (NaN), and its source reads a third coordinate: \
-                          curCoords and velocity have two, r and z";
+            let reason = "vdload computed with NaN, and its source reads a third coordinate: \
+                          curCoords and velocity have two components, r and z";
             return Err(LoadFailure::new(reason));
         }
         Ok(())
@@ -153,7 +153,7 @@ impl UserAmplitude for CompiledRoutine<subroutines::Vuamp, ()> {
         let context =
             ActiveCall { sensors: (call.sensor_names, call.sensor_values), ..ActiveCall::new("vuamp", name, now) };
         self.enter(&context, name, |function, name, ()| {
-            // SAFETY: each argument has the length that the counts before it say.
+            // SAFETY: each array has the length given by the counts.
             unsafe { subroutines::vuamp(function, call, name, &mut arrays) }
         })?;
         let AmplitudeArrays { value, define, derivative, .. } = arrays;
@@ -166,7 +166,7 @@ impl UserMotion for CompiledRoutine<subroutines::Vdisp, ()> {
     fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure> {
         let mut values = [f64::NAN; DOFS];
         self.enter(&ActiveCall::new("vdisp", call.set, call.now), call.set, |function, name, ()| {
-            // SAFETY: one node, three degrees of freedom, two coordinates; every array is of that size.
+            // SAFETY: all arrays are for one node with three degrees of freedom and two coordinates.
             unsafe { subroutines::vdisp(function, call, name, &mut values) }
         })?;
         Ok(values[call.dof - 1])
@@ -178,7 +178,7 @@ impl UserMaterial for CompiledRoutine<subroutines::Vumat, MaterialArrays> {
         self.work.set(call);
         let context = ActiveCall::new("vumat", call.name, call.now).at(call.elements);
         self.enter(&context, call.name, |function, name, arrays| {
-            // SAFETY: each argument has the length that the counts before it say.
+            // SAFETY: each array has the length given by the counts.
             unsafe { subroutines::vumat(function, call, name, arrays, answer) }
         })
     }
@@ -188,13 +188,13 @@ impl UserHardening for CompiledRoutine<subroutines::Vuhard, ()> {
     fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure> {
         let context = ActiveCall::new("vuhard", call.name, call.now).at(call.elements);
         self.enter(&context, call.name, |function, name, ()| {
-            // SAFETY: each argument has the length that the counts before it say.
+            // SAFETY: each array has the length given by the counts.
             unsafe { subroutines::vuhard(function, call, name, answer) }
         })
     }
 }
 
-/// Directions of the material at the points of a call: identities, components one after the other.
+/// Material directions at the points of a call: identity matrices, one component of all points after the other.
 pub struct MaterialAxes(Vec<f64>);
 
 impl Default for MaterialAxes {
@@ -217,7 +217,7 @@ impl UserFields for CompiledRoutine<subroutines::Vusdfld, MaterialAxes> {
         let points = Some((call.count, call.values));
         let context = ActiveCall { points, ..ActiveCall::new("vusdfld", call.name, call.now).at(call.elements) };
         self.enter(&context, call.name, |function, name, axes| {
-            // SAFETY: each argument has the length that the counts before it say.
+            // SAFETY: each array has the length given by the counts.
             unsafe { subroutines::vusdfld(function, call, name, axes.of(call.count), answer) }
         })
     }
@@ -227,13 +227,13 @@ impl UserLengths for CompiledRoutine<subroutines::Vucharlength, MaterialAxes> {
     fn lengths(&mut self, call: &LengthCall<'_>, lengths: &mut [f64]) -> Result<(), LoadFailure> {
         let context = ActiveCall::new("vucharlength", call.name, call.now).at(call.elements);
         self.enter(&context, call.name, |function, name, axes| {
-            // SAFETY: each argument has the length that the counts before it say.
+            // SAFETY: each array has the length given by the counts.
             unsafe { subroutines::vucharlength(function, call, name, axes.of(call.count), lengths) }
         })
     }
 }
 
-/// Whether the state of the increment that ends will be kept.
+/// Whether the state at the end of this increment will be saved.
 #[derive(Default)]
 pub struct RestartFollows(bool);
 
@@ -246,7 +246,7 @@ impl UserEvents for CompiledRoutine<subroutines::Vexternaldb, RestartFollows> {
         let mut integers = [nodes, elements, now.step as i32, count, 0, restart, 0, 0];
         let mut reals = [now.total_time, now.step_time, increment, 0.0];
         self.enter(&ActiveCall::new("vexternaldb", "", *now), "", |function, _, _| {
-            // SAFETY: both arrays are longer than the counts say.
+            // SAFETY: both arrays are longer than the counts passed.
             unsafe { subroutines::vexternaldb(function, moment as i32, &mut integers, &mut reals) }
         })?;
         Ok(match integers[4] {

@@ -1,6 +1,5 @@
-//! Changes of the process that a routine must not leave: rounding mode, working folder, forked processes, signal handlers,
-//! threads, a silent exit. They are detected when they happen and undone when the routine returns.
-//! Never here: which routine it was.
+//! Changes of the process that a user subroutine must not leave: rounding mode, working folder, forked processes,
+//! signal handlers, threads, a silent exit. They are detected when they happen and undone when the subroutine returns.
 #![allow(unsafe_code)]
 
 use std::cell::{Cell, RefCell};
@@ -11,30 +10,30 @@ use std::os::unix::fs::OpenOptionsExt as _;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 thread_local! {
-    /// The working folder before a routine changed it.
+    /// The working folder before a subroutine changed it.
     static FOLDER: RefCell<Option<File>> = const { RefCell::new(None) };
-    /// Whether there is something to restore, and whether this is a forked process.
+    /// Whether something must be restored, and whether this is a forked process.
     static TOUCHED: Cell<bool> = const { Cell::new(false) };
     static CHILD: Cell<bool> = const { Cell::new(false) };
     /// Whether initialisers of a library may be running.
     static OPENING: Cell<bool> = const { Cell::new(false) };
-    /// Signal actions before a routine changed them.
+    /// Signal actions before a subroutine changed them.
     static HANDLERS: RefCell<Vec<(c_int, libc::sigaction)>> = const { RefCell::new(Vec::new()) };
-    /// Numbers of the threads that routines of this run started, with the routine.
+    /// Ids of the threads started in this run, with the subroutine that started them.
     static STARTED: RefCell<Vec<(i32, &'static str)>> = const { RefCell::new(Vec::new()) };
 }
 
-/// The process that opened routines; 0 before.
+/// Id of the process that opened the libraries; 0 before.
 static PROCESS: AtomicU32 = AtomicU32::new(0);
 
-/// Begins to watch this process.
+/// Starts monitoring this process.
 pub fn watch() {
     PROCESS.store(std::process::id(), Ordering::Relaxed);
     // SAFETY: the handler sets flags of the thread that forked.
     unsafe { libc::pthread_atfork(None, None, Some(forked)) };
 }
 
-/// Whether this is the process that opened the routines, not a forked one.
+/// Returns whether this is the process that opened the libraries, not a forked one.
 pub fn is_own_process() -> bool {
     PROCESS.load(Ordering::Relaxed) == std::process::id()
 }
@@ -46,7 +45,7 @@ unsafe extern "C" fn forked() {
     }
 }
 
-/// Opens a library, whose initialisers are watched as routines are.
+/// Opens a library; its initialisers are monitored like subroutines.
 pub fn opening<R>(open: impl FnOnce() -> R) -> R {
     OPENING.set(true);
     let opened = open();
@@ -54,28 +53,28 @@ pub fn opening<R>(open: impl FnOnce() -> R) -> R {
     opened
 }
 
-/// Whether this thread executes code of a user.
+/// Returns whether this thread executes user code.
 fn is_users() -> bool {
     super::call::inside() || OPENING.get()
 }
 
-/// Undoes what a routine changed, and reports each change; ends a forked process that returned from the routine.
+/// Undoes the changes of a subroutine and reports each; ends a forked process that returned from the subroutine.
 #[inline]
-pub fn restore(tell: impl Fn(&str)) {
+pub fn restore(report: impl Fn(&str)) {
     if !arithmetic_is_plain() {
         make_arithmetic_plain();
-        tell("left another rounding mode, or treatment of small numbers, behind: it is set back");
+        report("changed the rounding mode or the treatment of subnormal numbers: it was restored");
     }
     if TOUCHED.get() {
         leave_child();
         TOUCHED.set(false);
-        HANDLERS.take().into_iter().for_each(|(signal, before)| set_back(signal, &before, &tell));
+        HANDLERS.take().into_iter().for_each(|(signal, before)| set_back(signal, &before, &report));
         let Some(folder) = FOLDER.take() else { return };
-        // SAFETY: a folder that is open; by the system's own number, for the name is watched.
+        // SAFETY: an open folder; a direct system call, because `fchdir` is replaced below.
         if unsafe { libc::syscall(libc::SYS_fchdir, folder.as_raw_fd()) } == 0 {
-            tell("changed the working folder of the process: it is set back");
+            report("changed the working folder of the process: it was restored");
         } else {
-            tell("changed the working folder of the process, and it cannot be set back");
+            report("changed the working folder of the process, and it cannot be restored");
         }
     }
 }
@@ -83,9 +82,9 @@ pub fn restore(tell: impl Fn(&str)) {
 /// Ends a forked process, which would write the results a second time.
 #[cold]
 fn leave_child() {
-    const WORDS: &[u8] = b"note: a process that a user's routine forked came back from it, and ends here\n";
+    const WORDS: &[u8] = b"note: a process that a user subroutine forked returned from the subroutine; it is ended\n";
     if CHILD.get() {
-        // SAFETY: writes words, and leaves without tidying up what belongs to the parent.
+        // SAFETY: writes a message and ends without cleanup of resources of the parent.
         unsafe {
             libc::write(2, WORDS.as_ptr().cast(), WORDS.len());
             end(0)
@@ -93,8 +92,8 @@ fn leave_child() {
     }
 }
 
-/// Control bits of the SSE unit without the flags; as every program starts: all exceptions masked, to nearest, no number
-/// flushed to zero (Intel 64 and IA-32 Architectures Software Developer's Manual, volume 1, 10.2.3 and 11.6.4).
+/// Default control bits of the SSE unit, without the flags: all exceptions masked, round to nearest, no flush to zero
+/// (Intel 64 and IA-32 Architectures Software Developer's Manual, volume 1, 10.2.3 and 11.6.4).
 #[cfg(target_arch = "x86_64")]
 const PLAIN: u32 = 0x1f80;
 
@@ -117,15 +116,15 @@ fn arithmetic_is_plain() -> bool {
 #[cold]
 fn make_arithmetic_plain() {
     let word = control() & 0x3f | PLAIN;
-    // SAFETY: sets registers of this thread to what every program starts with; the flags stay. 0 is FE_TONEAREST, for the
-    // x87 unit, too.
+    // SAFETY: sets registers of this thread to their defaults; the flags are kept. 0 is FE_TONEAREST, also for the x87
+    // unit.
     unsafe {
         fesetround(0);
         core::arch::asm!("ldmxcsr [{}]", in(reg) &raw const word, options(nostack, preserves_flags));
     }
 }
 
-/// The floating-point control register; 0 is what every program starts with (Arm Architecture Reference Manual, FPCR).
+/// Returns whether the floating-point control register has its default, 0 (Arm Architecture Reference Manual, FPCR).
 #[cfg(target_arch = "aarch64")]
 #[inline]
 fn arithmetic_is_plain() -> bool {
@@ -138,7 +137,7 @@ fn arithmetic_is_plain() -> bool {
 #[cfg(target_arch = "aarch64")]
 #[cold]
 fn make_arithmetic_plain() {
-    // SAFETY: sets a register of this thread to what every program starts with.
+    // SAFETY: sets a register of this thread to its default.
     unsafe { core::arch::asm!("msr fpcr, {}", in(reg) 0_u64, options(nostack, preserves_flags)) };
 }
 
@@ -156,7 +155,7 @@ unsafe extern "C" {
     fn fesetround(mode: c_int) -> c_int;
 }
 
-/// Remembers the working folder before a routine leaves it.
+/// Stores the working folder before a subroutine changes it.
 fn note_folder() {
     if is_users() && FOLDER.with_borrow(Option::is_none) {
         FOLDER.set(File::options().read(true).custom_flags(libc::O_PATH | libc::O_DIRECTORY).open(".").ok());
@@ -164,27 +163,27 @@ fn note_folder() {
     }
 }
 
-/// `chdir` of the C library for all of the process.
+/// Replaces `chdir` of the C library in the whole process.
 pub unsafe extern "C" fn chdir(path: *const c_char) -> c_int {
     note_folder();
-    // SAFETY: what the caller promises the C library.
+    // SAFETY: the caller fulfils the contract of the C function.
     unsafe { libc::syscall(libc::SYS_chdir, path) as c_int }
 }
 
-/// `fchdir` of the C library.
+/// Replaces `fchdir` of the C library.
 pub unsafe extern "C" fn fchdir(folder: c_int) -> c_int {
     note_folder();
-    // SAFETY: what the caller promises the C library.
+    // SAFETY: the caller fulfils the contract of the C function.
     unsafe { libc::syscall(libc::SYS_fchdir, folder) as c_int }
 }
 
 unsafe extern "C" {
-    /// `sigaction` of the C library under its other name.
+    /// `sigaction` of the C library under its internal name.
     fn __sigaction(signal: c_int, new: *const libc::sigaction, old: *mut libc::sigaction) -> c_int;
 }
 
 fn action(signal: c_int) -> libc::sigaction {
-    // SAFETY: zeros are an action; it is asked for, not changed.
+    // SAFETY: zeros are a valid action; the call only reads the current one.
     unsafe {
         let mut now: libc::sigaction = std::mem::zeroed();
         __sigaction(signal, std::ptr::null(), &raw mut now);
@@ -193,16 +192,16 @@ fn action(signal: c_int) -> libc::sigaction {
 }
 
 /// Restores the action of a signal if it has changed.
-fn set_back(signal: c_int, before: &libc::sigaction, tell: &impl Fn(&str)) {
+fn set_back(signal: c_int, before: &libc::sigaction, report: &impl Fn(&str)) {
     let now = action(signal);
     if (now.sa_sigaction, now.sa_flags) != (before.sa_sigaction, before.sa_flags) {
-        // SAFETY: what was in force before the routine.
+        // SAFETY: the action that was active before the subroutine.
         unsafe { __sigaction(signal, before, std::ptr::null_mut()) };
-        tell(&format!("changed what the process does about signal {signal}: it is set back"));
+        report(&format!("changed the action of signal {signal}: it was restored"));
     }
 }
 
-/// `sigaction` of the C library for all of the process.
+/// Replaces `sigaction` of the C library in the whole process.
 pub unsafe extern "C" fn sigaction(signal: c_int, new: *const libc::sigaction, old: *mut libc::sigaction) -> c_int {
     if is_users() && !new.is_null() {
         HANDLERS.with_borrow_mut(|list| {
@@ -212,13 +211,13 @@ pub unsafe extern "C" fn sigaction(signal: c_int, new: *const libc::sigaction, o
         });
         TOUCHED.set(true);
     }
-    // SAFETY: what the caller promises the C library.
+    // SAFETY: the caller fulfils the contract of the C function.
     unsafe { __sigaction(signal, new, old) }
 }
 
 /// Sets a handler with flags; returns the previous one.
 fn handle(signal: c_int, handler: usize, flags: c_int) -> usize {
-    // SAFETY: zeros are an action with an empty mask; both places are actions.
+    // SAFETY: zeros are a valid action with an empty mask; both pointers are to actions.
     unsafe {
         let (mut new, mut old): (libc::sigaction, libc::sigaction) = (std::mem::zeroed(), std::mem::zeroed());
         (new.sa_sigaction, new.sa_flags) = (handler, flags);
@@ -226,22 +225,22 @@ fn handle(signal: c_int, handler: usize, flags: c_int) -> usize {
     }
 }
 
-/// `signal` and `bsd_signal` of the C library.
+/// Replaces `signal` and `bsd_signal` of the C library.
 pub extern "C" fn signal(number: c_int, handler: usize) -> usize {
     handle(number, handler, libc::SA_RESTART)
 }
 
-/// `sysv_signal` of the C library: for one time.
+/// Replaces `sysv_signal` of the C library: the handler is reset after one signal.
 pub extern "C" fn sysv_signal(number: c_int, handler: usize) -> usize {
     handle(number, handler, libc::SA_RESETHAND | libc::SA_NODEFER)
 }
 
-/// Forgets the threads of an earlier run.
+/// Clears the list of threads of an earlier run.
 pub fn forget_threads() {
     STARTED.take();
 }
 
-/// Routines with the number of their threads that still run.
+/// Returns subroutines with the number of their threads that still run.
 pub fn threads_running() -> Vec<(&'static str, usize)> {
     let started = STARTED.with_borrow(Vec::clone);
     let now = if started.is_empty() { Vec::new() } else { threads() };
@@ -255,31 +254,35 @@ pub fn threads_running() -> Vec<(&'static str, usize)> {
     list
 }
 
-/// Numbers of the threads of the process.
+/// Returns the ids of the threads of the process.
 fn threads() -> Vec<i32> {
     let entries = std::fs::read_dir("/proc/self/task").into_iter().flatten().filter_map(Result::ok);
     entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok()).collect()
 }
 
-/// A thread's function, as the C library takes it.
-type Body = extern "C" fn(*mut c_void) -> *mut c_void;
-type Create = unsafe extern "C" fn(*mut libc::pthread_t, *const libc::pthread_attr_t, Body, *mut c_void) -> c_int;
+/// Start function of a thread in the C library.
+type ThreadBody = extern "C" fn(*mut c_void) -> *mut c_void;
+type CreateThread =
+    unsafe extern "C" fn(*mut libc::pthread_t, *const libc::pthread_attr_t, ThreadBody, *mut c_void) -> c_int;
 
-/// `pthread_create` of the C library for all of the process.
+/// Replaces `pthread_create` of the C library in the whole process.
 pub unsafe extern "C" fn pthread_create(
     thread: *mut libc::pthread_t,
     attributes: *const libc::pthread_attr_t,
-    body: Body,
+    body: ThreadBody,
     argument: *mut c_void,
 ) -> c_int {
-    // SAFETY: the next of that name is the C library's, and has its type.
-    let real: Option<Create> = unsafe {
-        std::mem::transmute::<*mut c_void, Option<Create>>(libc::dlsym(libc::RTLD_NEXT, c"pthread_create".as_ptr()))
+    // SAFETY: the next symbol of this name is that of the C library and has its type.
+    let real: Option<CreateThread> = unsafe {
+        std::mem::transmute::<*mut c_void, Option<CreateThread>>(libc::dlsym(
+            libc::RTLD_NEXT,
+            c"pthread_create".as_ptr(),
+        ))
     };
     let Some(real) = real else { return libc::EAGAIN };
     let routine = super::call::routine().filter(|_| !is_of_runtime(body));
     let before = routine.map(|_| threads()).unwrap_or_default();
-    // SAFETY: what the caller promises the C library.
+    // SAFETY: the caller fulfils the contract of the C function.
     let failed = unsafe { real(thread, attributes, body, argument) };
     if let Some(routine) = routine {
         let new = threads().into_iter().filter(|number| !before.contains(number));
@@ -288,9 +291,9 @@ pub unsafe extern "C" fn pthread_create(
     failed
 }
 
-/// Whether a thread belongs to OpenMP or linear algebra: these wait for the next call.
-fn is_of_runtime(body: Body) -> bool {
-    // SAFETY: zeros are such a description; the loader fills in names that last as long as its library.
+/// Returns whether a thread belongs to OpenMP or to a linear algebra library; such threads wait for the next call.
+fn is_of_runtime(body: ThreadBody) -> bool {
+    // SAFETY: zeros are a valid Dl_info; the loader fills in names that live as long as the library.
     let name = unsafe {
         let mut place: libc::Dl_info = std::mem::zeroed();
         let found = libc::dladdr(body as *const c_void, &raw mut place) != 0 && !place.dli_fname.is_null();
@@ -299,16 +302,16 @@ fn is_of_runtime(body: Body) -> bool {
     ["libgomp", "libopenblas", "libmkl"].iter().any(|runtime| name.contains(runtime))
 }
 
-/// `_exit` of the C library: a failure inside a routine.
+/// Replaces `_exit` of the C library: a failure inside a subroutine.
 pub extern "C" fn leave(status: c_int) -> ! {
-    let failed = is_own_process() && super::call::last_words("left the process without a word (_exit)");
-    // SAFETY: ends the process, as the caller wants.
+    let failed = is_own_process() && super::call::report_failure("left the process without a word (_exit)");
+    // SAFETY: ends the process, as requested.
     unsafe { end(if failed { 1 } else { status }) }
 }
 
 /// Flushes the output of Fortran and C.
 pub fn flush() {
-    // SAFETY: flushes all units of the Fortran runtime, if the process has one, and all streams of C.
+    // SAFETY: flushes all units of the Fortran runtime, if it is loaded, and all C streams.
     unsafe {
         let flush = libc::dlsym(libc::RTLD_DEFAULT, c"_gfortran_flush_i4".as_ptr());
         if !flush.is_null() {
@@ -319,13 +322,13 @@ pub fn flush() {
     }
 }
 
-/// Ends the process at once, by the system call.
+/// Ends the process at once by a system call.
 ///
 /// # Safety
-/// Nothing is tidied up.
+/// No destructors or exit handlers run.
 pub(super) unsafe fn end(status: c_int) -> ! {
     loop {
-        // SAFETY: ends the process; it does not come back.
+        // SAFETY: ends the process and does not return.
         unsafe { libc::syscall(libc::SYS_exit_group, status) };
     }
 }

@@ -1,5 +1,5 @@
-//! Host routines: what user subroutines call in the program that calls them, under the names that the dynamic linker finds.
-//! Never here: what they answer (`host.rs`), calling user subroutines.
+//! Host routines: functions of the program that user subroutines call, under the symbol names that the dynamic linker
+//! searches. Their implementation is in `host.rs`.
 #![allow(unsafe_code)]
 
 use std::any::Any;
@@ -8,33 +8,33 @@ use std::fmt::Write as _;
 use std::panic::resume_unwind;
 
 use super::call::{self, ActiveCall, current};
-use super::host::{self, Level};
+use super::host::{self, MessageLevel};
 use super::{LoadFailure, guard};
 
-/// Payload of the panic by which a routine ends the analysis.
-struct Ended(String);
+/// Payload of the panic with which a subroutine ends the analysis.
+struct AnalysisEnded(String);
 
-/// The failure of a call that a routine has ended; another panic goes on.
+/// Returns the failure of a call that ended the analysis; other panics are resumed.
 #[cold]
-#[inline(never)] // A reference from outside keeps this file's symbols in the executable.
+#[inline(never)] // A reference from another file keeps the symbols of this file in the executable.
 pub fn ended(call: &ActiveCall<'_>, payload: Box<dyn Any + Send>) -> LoadFailure {
-    match payload.downcast::<Ended>() {
+    match payload.downcast::<AnalysisEnded>() {
         Ok(ended) => LoadFailure::new(format!("{} ended the analysis: {}", call.routine, ended.0)),
         Err(other) => resume_unwind(other),
     }
 }
 
-/// Ends the analysis from inside a routine.
+/// Ends the analysis from inside a subroutine.
 fn end(why: String) -> ! {
     if !call::inside() {
-        // Not inside a routine that was called from here: nobody could catch it.
+        // Outside a call, nobody would catch the panic.
         eprintln!("error: {why}");
         std::process::exit(1);
     }
-    resume_unwind(Box::new(Ended(why)))
+    resume_unwind(Box::new(AnalysisEnded(why)))
 }
 
-/// A jump in assembly, because link-time optimisation hides the symbol of a Rust function.
+/// A jump in assembly, because link-time optimisation would hide the symbol of a Rust function.
 #[cfg(target_arch = "x86_64")]
 macro_rules! jump {
     () => {
@@ -62,7 +62,7 @@ macro_rules! symbols {
     };
 }
 
-/// The same in a shared library, which shows what Rust functions are called and hides all other symbols.
+/// As `symbols`, for shared libraries, which export only Rust functions.
 macro_rules! host_symbols {
     ($($name:expr => $function:path),+ $(,)?) => {
         $(const _: () = {
@@ -87,7 +87,7 @@ symbols! {
     "_Exit" => guard::leave,
 }
 
-/// Fortran text of a length, without the blanks behind.
+/// Returns a Fortran text of a given length without trailing blanks.
 ///
 /// # Safety
 /// `text` is null or holds `length` bytes.
@@ -95,20 +95,20 @@ unsafe fn words(text: *const c_char, length: usize) -> String {
     if text.is_null() {
         return String::new();
     }
-    // SAFETY: as this function's own.
+    // SAFETY: guaranteed by the caller.
     let bytes = unsafe { std::slice::from_raw_parts(text.cast::<u8>(), length) };
     String::from_utf8_lossy(bytes).trim_end_matches([' ', '\0']).to_owned()
 }
 
-/// Writes text into a Fortran variable, with blanks behind, and its length beside.
+/// Writes text into a Fortran variable, padded with blanks, and its length to `length`.
 ///
 /// # Safety
-/// `to` holds `room` bytes; `length` is null or holds an integer.
-unsafe fn give(text: &str, to: *mut c_char, length: *mut i32, room: usize) {
-    let count = text.len().min(room);
-    // SAFETY: as this function's own.
+/// `to` has `capacity` bytes; `length` is null or points to an integer.
+unsafe fn write_text(text: &str, to: *mut c_char, length: *mut i32, capacity: usize) {
+    let count = text.len().min(capacity);
+    // SAFETY: guaranteed by the caller.
     unsafe {
-        let bytes = std::slice::from_raw_parts_mut(to.cast::<u8>(), room);
+        let bytes = std::slice::from_raw_parts_mut(to.cast::<u8>(), capacity);
         bytes.fill(b' ');
         bytes[..count].copy_from_slice(&text.as_bytes()[..count]);
         if !length.is_null() {
@@ -117,14 +117,14 @@ unsafe fn give(text: &str, to: *mut c_char, length: *mut i32, room: usize) {
     }
 }
 
-/// Declares host routines: their symbols, arguments and what they do.
+/// Declares host routines: symbols, arguments and bodies.
 macro_rules! host_routines {
     ($($(#[$doc:meta])* $($symbol:literal),+ => fn $name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? $body:block)*) => {$(
         $(#[$doc])*
-        #[allow(unused_unsafe, clippy::too_many_arguments)] // As the manual and MPI have them.
+        #[allow(unused_unsafe, clippy::too_many_arguments)] // Signatures of the manual and of MPI.
         unsafe extern "C-unwind" fn $name($($argument: $type),*) $(-> $result)? {
-            // SAFETY: the caller passes what the manual declares: places of numbers, lists as long as the counts say, texts
-            // of the length that its compiler adds, null for what is left out.
+            // SAFETY: the caller passes what the manual declares: pointers to numbers, arrays of the given counts,
+            // texts of the lengths that its compiler adds, and null for omitted arguments.
             unsafe { $body }
         }
         host_symbols! { $($symbol => $name),+ }
@@ -135,24 +135,24 @@ host_routines! {
     /// `call xplb_exit`: ends the analysis (ABAQUS User Subroutines Reference, 2.1.15 "Terminating an analysis").
     "xplb_exit_" => fn xplb_exit() -> ! { end("it called xplb_exit".into()) }
 
-    /// `call xit`, as in ABAQUS/Standard.
+    /// `call xit` of ABAQUS/Standard.
     "xit_", "mpi_abort_" => fn xit() -> ! { end("it called xit".into()) }
 
-    /// A routine that nothing defines.
+    /// Replacement of an undefined function.
     "rvmissing_" => fn missing_symbol(name: *const c_char, length: usize) -> ! {
         end(format!("it calls `{}`, which nothing defines", words(name, length)))
     }
 
-    /// Number of threads.
+    /// Number of threads: 1.
     "getnumthreads_" => fn thread_count() -> i32 { 1 }
 
-    /// Number of the thread, and of the communicator.
+    /// Number of the thread and of the communicator: 0.
     "get_thread_id_", "getcommunicator_" => fn zero() -> i32 { 0 }
 
-    /// Locks: one thread calls all routines.
+    /// Mutexes have no effect: one thread calls all subroutines.
     "mutexinit_", "mutexlock_", "mutexunlock_", "mutexdestroy_" => fn nothing() {}
 
-    /// `call mpi_init(ierr)`, `call mpi_finalize(ierr)`: one process, the first.
+    /// `call mpi_init(ierr)`, `call mpi_finalize(ierr)`: one process with rank 0.
     "mpi_init_", "mpi_finalize_" => fn mpi_init(error: *mut i32) { *error = 0 }
 
     "mpi_barrier_" => fn mpi_barrier(_world: *const i32, error: *mut i32) { *error = 0 }
@@ -167,7 +167,7 @@ host_routines! {
         _buffer: *mut u8, _count: *const i32, _kind: *const i32, _root: *const i32, _world: *const i32, error: *mut i32
     ) { *error = 0 }
 
-    /// Any reduction over one process is its own value.
+    /// A reduction over one process returns its own values.
     "mpi_allreduce_" => fn mpi_allreduce(
         from: *const u8, to: *mut u8, count: *const i32, kind: *const i32, _operation: *const i32, _world: *const i32,
         error: *mut i32
@@ -192,8 +192,8 @@ host_routines! {
         std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64())
     }
 
-    /// `call xplb_abqerr(lop, string, intv, realv, charv)` (ABAQUS User Subroutines Reference, "Printing messages to the
-    /// message or status file"): as many values as the text asks for, each string of 8 characters.
+    /// `call xplb_abqerr(lop, string, intv, realv, charv)` (ABAQUS User Subroutines Reference, "Printing messages to
+    /// the message or status file"): as many values as the text has placeholders; each string has 8 characters.
     "xplb_abqerr_", "stdb_abqerr_" => fn xplb_abqerr(
         lop: *const i32, text: *const c_char, integers: *const i32, reals: *const f64, strings: *const c_char,
         text_length: usize, _string_length: usize
@@ -203,30 +203,30 @@ host_routines! {
         let word = |i: usize| (!strings.is_null()).then(|| words(strings.add(8 * i), 8));
         let text = host::fill_in(&words(text, text_length), value, real, word);
         let level = match *lop {
-            1 => Level::Note,
-            -1 => Level::Warning,
-            _ => Level::Error,
+            1 => MessageLevel::Note,
+            -1 => MessageLevel::Warning,
+            _ => MessageLevel::Error,
         };
-        host::tell(level, text.clone());
+        host::report_message(level, text.clone());
         if *lop == -3 {
             end(text);
         }
     }
 
     /// `call vgetjobname(jobname, lenjobname)`.
-    "vgetjobname_", "getjobname_" => fn vgetjobname(name: *mut c_char, length: *mut i32, room: usize) {
-        host::with_job(|job| give(&job.name, name, length, room));
+    "vgetjobname_", "getjobname_" => fn vgetjobname(name: *mut c_char, length: *mut i32, capacity: usize) {
+        host::with_job(|job| write_text(&job.name, name, length, capacity));
     }
 
     /// `call vgetoutdir(outdir, lenoutdir)`.
-    "vgetoutdir_", "getoutdir_" => fn vgetoutdir(folder: *mut c_char, length: *mut i32, room: usize) {
-        host::with_job(|job| give(&job.folder, folder, length, room));
+    "vgetoutdir_", "getoutdir_" => fn vgetoutdir(folder: *mut c_char, length: *mut i32, capacity: usize) {
+        host::with_job(|job| write_text(&job.folder, folder, length, capacity));
     }
 
     /// `call vgetnumcpus(numprocesses)`: one process.
     "vgetnumcpus_", "getnumcpus_" => fn vgetnumcpus(count: *mut i32) { *count = 1 }
 
-    /// `call vgetrank(kprocessnum)`: the first.
+    /// `call vgetrank(kprocessnum)`: rank 0.
     "vgetrank_", "getrank_" => fn vgetrank(rank: *mut i32) { *rank = 0 }
 
     /// `call vgetinternal(cpname, locnum, jtyp, intnum, jrcd)`: jtyp 0 nodes, 1 elements; jrcd 0 if found.
@@ -239,21 +239,21 @@ host_routines! {
 
     /// `call vgetpartinfo(intnum, jtyp, cpname, locnum, jrcd)`.
     "vgetpartinfo_" => fn vgetpartinfo(
-        internal: *const i32, kind: *const i32, part: *mut c_char, local: *mut i32, code: *mut i32, room: usize
+        internal: *const i32, kind: *const i32, part: *mut c_char, local: *mut i32, code: *mut i32, capacity: usize
     ) {
         host::with_job(|job| {
             let found = host::part_of(job.names(*kind), *internal);
             *code = i32::from(found.is_none());
             if let Some((name, number)) = found {
-                give(name, part, std::ptr::null_mut(), room);
+                write_text(name, part, std::ptr::null_mut(), capacity);
                 *local = number;
             }
         });
     }
 
-    /// `call vgetvrm(var, rData, jData, cData, jStatus)`: what the points of a VUSDFLD hold at the beginning of the increment
-    /// (ABAQUS User Subroutines Reference, 2.1.7 "Obtaining material point information in an Abaqus/Explicit analysis"):
-    /// components one after the other, each with one value a point; jStatus is 0 if the variable is there.
+    /// `call vgetvrm(var, rData, jData, cData, jStatus)`: values at the points of a VUSDFLD at the beginning of the
+    /// increment (ABAQUS User Subroutines Reference, 2.1.7 "Obtaining material point information in an Abaqus/Explicit
+    /// analysis"): all points of one component, then of the next; jStatus is 0 if the variable is available.
     "vgetvrm_" => fn vgetvrm(
         variable: *const c_char, reals: *mut f64, integers: *mut i32, flags: *mut c_char, status: *mut i32, length: usize,
         flag: usize
@@ -268,14 +268,14 @@ host_routines! {
                     *integers.add(at) = 0;
                 }
                 if !flags.is_null() {
-                    give("YES", flags.add(flag * at), std::ptr::null_mut(), flag);
+                    write_text("YES", flags.add(flag * at), std::ptr::null_mut(), flag);
                 }
             })
         });
         *status = i32::from(given.is_none());
         if given.is_none() {
-            let known = "S, LE, PE, ER, PEEQ, TEMP and SDV are";
-            host::tell(Level::Warning, format!("vgetvrm: `{variable}` is not there; {known}, where the material has them"));
+            let known = "S, LE, PE, ER, PEEQ, TEMP and SDV";
+            host::report_message(MessageLevel::Warning, format!("vgetvrm: `{variable}` is not available; supported are {known}, if the material has them"));
         }
     }
 
@@ -287,7 +287,7 @@ host_routines! {
         vsprind(count, tensors, values, std::ptr::null_mut(), direct, shear);
     }
 
-    /// `call vsprind(nblock, s, ps, an, ndi, nshr)`: with their directions, `an(k, i, :)` of the i-th.
+    /// `call vsprind(nblock, s, ps, an, ndi, nshr)`: principal values and directions, `an(k, i, :)` for the i-th.
     "vsprind_" => fn vsprind(
         count: *const i32, tensors: *const f64, values: *mut f64, directions: *mut f64, direct: *const i32,
         shear: *const i32
@@ -307,7 +307,7 @@ host_routines! {
         }
     }
 
-    /// `ivGetSensorID(sensorName, jSensorLookUpTable)`: place of the sensor from 1, 0 if there is none.
+    /// `ivGetSensorID(sensorName, jSensorLookUpTable)`: index of the sensor from 1; 0 if there is none.
     "ivgetsensorid_", "igetsensorid_" => fn sensor_id(name: *const c_char, _table: *const i32, length: usize) -> i32 {
         let name = words(name, length);
         current(|call| {
@@ -322,25 +322,25 @@ host_routines! {
     ) -> f64 {
         let id = sensor_id(name, table, length);
         if id == 0 {
-            end(format!("it asked for the sensor `{}`, which the deck does not have", words(name, length)));
+            end(format!("it requested the sensor `{}`, which the deck does not define", words(name, length)));
         }
         current(|call| call.map_or(f64::NAN, |c| c.sensors.1[id as usize - 1]))
     }
 
     "_gfortran_stop_string" => fn stop_string(text: *const c_char, length: usize, _quiet: bool) -> ! {
-        end(format!("it ran into STOP {}", words(text, length)).trim_end().to_owned())
+        end(format!("it executed STOP {}", words(text, length)).trim_end().to_owned())
     }
 
     "_gfortran_error_stop_string" => fn error_stop_string(text: *const c_char, length: usize, _quiet: bool) -> ! {
-        end(format!("it ran into ERROR STOP {}", words(text, length)).trim_end().to_owned())
+        end(format!("it executed ERROR STOP {}", words(text, length)).trim_end().to_owned())
     }
 
     "_gfortran_stop_numeric" => fn stop_numeric(code: c_int, _quiet: bool) -> ! {
-        end(format!("it ran into STOP {code}"))
+        end(format!("it executed STOP {code}"))
     }
 
     "_gfortran_error_stop_numeric" => fn error_stop_numeric(code: c_int, _quiet: bool) -> ! {
-        end(format!("it ran into ERROR STOP {code}"))
+        end(format!("it executed ERROR STOP {code}"))
     }
 
     "_gfortran_exit_i4" => fn exit_i4(status: *const i32) -> ! {
@@ -353,7 +353,8 @@ host_routines! {
 
     "_gfortran_abort" => fn fortran_abort() -> ! { end("it called abort".into()) }
 
-    /// Checks of the Fortran runtime. These functions take values as C's `printf` does; the first few come in registers.
+    /// Checks of the Fortran runtime. These functions take values like C's `printf`; the first few are passed in
+    /// registers.
     "_gfortran_runtime_error" => fn runtime_error(format: *const c_char, a: usize, b: usize, c: usize, d: usize) -> ! {
         end(printed(format, [a, b, c, d]))
     }
@@ -365,13 +366,13 @@ host_routines! {
     }
 }
 
-/// What an exchange among processes comes to where there is one: its own values, and no error. The last two digits of a type
-/// are its bytes.
+/// Communication between processes with one process: copies its own values. The last two digits of a type are its size
+/// in bytes.
 ///
 /// # Safety
-/// Both places hold so many values of the type, and may be one; the other pointers are to integers.
+/// `from` and `to` hold `count` values of the type and may be equal; the other pointers are to integers.
 unsafe fn copy_values(from: *const u8, to: *mut u8, count: *const i32, kind: *const i32, error: *mut i32) {
-    // SAFETY: as this function's own.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let bytes = usize::try_from(*count).unwrap_or(0) * (*kind % 100) as usize;
         std::ptr::copy(from, to, bytes);
@@ -379,11 +380,11 @@ unsafe fn copy_values(from: *const u8, to: *mut u8, count: *const i32, kind: *co
     }
 }
 
-/// Functions that make an array of a kind, each entry of one value.
+/// Defines functions that create an array of a kind filled with one value.
 macro_rules! array_constructors {
     ($($name:ident($value:ident: $type:ty) => $bytes:expr,)*) => {$(
         unsafe extern "C-unwind" fn $name<const KIND: u8>(id: *const i32, count: *const i32, value: *const $type) -> i64 {
-            // SAFETY: numbers of the caller.
+            // SAFETY: the caller passes pointers to numbers.
             let (id, count, $value) = unsafe { (*id, *count, *value) };
             let bytes = $bytes.to_ne_bytes();
             host::new_array((KIND, id), count, bytes.len(), &bytes) as i64
@@ -398,36 +399,37 @@ array_constructors! {
     new_reals_from_single(value: f32) => f64::from(value),
 }
 
-/// Arrays that outlive a call (ABAQUS 6.14 User Subroutines Reference, 2.1.23 "Allocatable arrays"), of zeros.
+/// Creates an array of zeros that outlives the call (ABAQUS 6.14 User Subroutines Reference, 2.1.23 "Allocatable
+/// arrays").
 unsafe extern "C-unwind" fn new_zeros<const KIND: u8>(id: *const i32, count: *const i32) -> i64 {
-    // SAFETY: integers of the caller.
+    // SAFETY: the caller passes pointers to integers.
     let (id, count) = unsafe { (*id, *count) };
     let width = if KIND < 2 { 4 } else { 8 };
     host::new_array((KIND, id), count, width, &[0; 8][..width]) as i64
 }
 
-/// Where an array is; a routine that asks for one that nobody made ends the analysis.
+/// Returns the address of an array; a missing array ends the analysis.
 unsafe extern "C-unwind" fn array_place<const KIND: u8>(id: *const i32) -> i64 {
-    // SAFETY: an integer of the caller.
+    // SAFETY: the caller passes a pointer to an integer.
     let id = unsafe { *id };
     match host::array((KIND, id)) {
         Some((place, _)) => place as i64,
-        None => end(format!("it asked for the array {id}, which nobody has created")),
+        None => end(format!("it requested the array {id}, which has not been created")),
     }
 }
 
-/// How many entries an array has; 0 if it is not there.
+/// Returns the number of entries of an array; 0 if it does not exist.
 unsafe extern "C-unwind" fn array_size<const KIND: u8>(id: *const i32) -> i32 {
-    // SAFETY: an integer of the caller.
+    // SAFETY: the caller passes a pointer to an integer.
     host::array((KIND, unsafe { *id })).map_or(0, |array| array.1)
 }
 
 unsafe extern "C-unwind" fn delete_array<const KIND: u8>(id: *const i32) {
-    // SAFETY: an integer of the caller.
+    // SAFETY: the caller passes a pointer to an integer.
     host::delete_array((KIND, unsafe { *id }));
 }
 
-/// Symbols of the arrays of each kind: what the header of `compile.rs` calls, and what C calls.
+/// Defines the symbols of the arrays of each kind: those in the header of `compile.rs`, and those for C.
 macro_rules! array_symbols {
     ($($create:ident: $($kind:literal $name:literal),+;)+) => {$($(
         host_symbols! {
@@ -459,12 +461,12 @@ array_symbols! {
 real_array_symbols! { 2 "smafloat", 3 "smalocalfloat", 4 "smareal", 5 "smalocalreal" }
 host_symbols! { "rvsma0i_" => new_integers::<0>, "rvsma1i_" => new_integers::<1> }
 
-/// The few formats that the Fortran runtime uses: integers and text.
+/// Formats a message of the Fortran runtime, which uses integers and text only.
 ///
 /// # Safety
-/// `format` ends with zero and asks for `values` alone, of which `%s` are text that ends with zero.
+/// `format` is null-terminated and refers to `values` only; values of `%s` are null-terminated texts.
 unsafe fn printed(format: *const c_char, values: [usize; 4]) -> String {
-    // SAFETY: as this function's own.
+    // SAFETY: guaranteed by the caller.
     let format = unsafe { CStr::from_ptr(format) }.to_string_lossy().into_owned();
     let mut values = values.into_iter();
     let mut text = String::new();
@@ -474,7 +476,7 @@ unsafe fn printed(format: *const c_char, values: [usize; 4]) -> String {
         let tail = &rest[at + 1..];
         let Some(end) = tail.find(|c: char| c.is_alphabetic() && c != 'l' && c != 'z' || c == '%') else { break };
         match (tail.as_bytes()[end], values.next()) {
-            // SAFETY: as this function's own.
+            // SAFETY: guaranteed by the caller.
             (b's', Some(value)) => text += &unsafe { CStr::from_ptr(value as *const c_char) }.to_string_lossy(),
             (b'd' | b'i' | b'u', Some(value)) => {
                 let wide = tail[..end].contains(['l', 'z']);

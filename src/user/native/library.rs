@@ -1,5 +1,4 @@
-//! Shared libraries of the user: opening them, and finding the routines that they define.
-//! Never here: compiling, calling a routine.
+//! Shared libraries of the user: opens them and finds the subroutines that they define.
 #![allow(unsafe_code)]
 
 use std::path::{Path, PathBuf};
@@ -15,11 +14,11 @@ use super::{PersistentMemory, ROUTINES, Routines, UncallableRoutine, crash, guar
 use crate::deck::{Diagnostic, files};
 use crate::output::whole::ScratchFolder;
 
-/// Opens libraries and binds the routines that they define. Each call returns routines with a state of their own, so that the
-/// runs of a sweep share nothing. With `watch_invalid` a load halts that computes with NaN.
+/// Opens libraries and binds the subroutines that they define. Each call returns subroutines with separate variables,
+/// so the runs of a sweep share no state. With `watch_invalid` a load that computes with NaN halts the run.
 ///
 /// # Errors
-/// A library that cannot be loaded (with the loader's message), or no routine that can be called; `given` are the user's
+/// If a library cannot be loaded (with the loader's message), or if no subroutine can be called; `given` are the user's
 /// files.
 pub(super) fn open(
     files: &[SharedLibrary],
@@ -39,7 +38,7 @@ pub(super) fn open(
     macro_rules! bind {
         ($($name:literal: $function:ty, $work:expr => $with:ident;)*) => {$(
             if uncallable.iter().all(|routine| routine.routine != $name)
-                // SAFETY: the symbol has the type that the manual gives it; sources were checked against it at compilation.
+                // SAFETY: the symbol has the type given in the manual; sources were checked against it at compilation.
                 && let Some(function) = unsafe { find::<$function>(&libraries, $name) }
             {
                 routines = routines.$with(CompiledRoutine::new(function, $work, libraries.clone()));
@@ -66,21 +65,21 @@ pub(super) fn open(
     Err(nothing_to_call(&routines.unsupported, given))
 }
 
-/// The error if the user's files define no routine that can be called.
+/// Returns the error for files that define no supported subroutine.
 fn nothing_to_call(unsupported: &[&str], given: &[PathBuf]) -> Diagnostic {
-    let held: Vec<String> = given.iter().flat_map(|file| subroutines(file)).collect();
+    let defined: Vec<String> = given.iter().flat_map(|file| subroutines(file)).collect();
     let names: Vec<_> = given.iter().map(|f| format!("`{}`", f.display())).collect();
     let verb = if names.len() == 1 { "defines" } else { "define" };
-    let what = if held.is_empty() { String::new() } else { format!(" but {}", held.join(", ")) };
-    let none = format!("{} {verb} no routine that is called here{what}", names.join(", "));
-    let finding = Diagnostic::error("U006", format!("{none}; called are {}", ROUTINES.join(", ")));
+    let what = if defined.is_empty() { String::new() } else { format!(" but {}", defined.join(", ")) };
+    let none = format!("{} {verb} no supported user subroutine{what}", names.join(", "));
+    let finding = Diagnostic::error("U006", format!("{none}; supported are {}", ROUTINES.join(", ")));
     match unsupported.first() {
-        Some(name) => finding.help(format!("`{name}` is a routine of ABAQUS that nothing here calls")),
+        Some(name) => finding.help(format!("the ABAQUS subroutine `{name}` is not supported")),
         None => finding,
     }
 }
 
-/// The first subroutines that a source defines.
+/// Returns the names of the first subroutines that a source defines.
 fn subroutines(file: &Path) -> Vec<String> {
     let text = files::read(file).map(|bytes| String::from_utf8_lossy(&bytes).to_lowercase()).unwrap_or_default();
     let name = |line: &str| {
@@ -91,7 +90,7 @@ fn subroutines(file: &Path) -> Vec<String> {
     text.lines().filter_map(name).take(12).collect()
 }
 
-/// Routines of ABAQUS that are never called here; files that define one get a note.
+/// ABAQUS subroutines that are not supported; files that define one get a note.
 const UNSUPPORTED: &[&str] = &[
     "vuanisohyper_inv",
     "vuanisohyper_strain",
@@ -143,29 +142,29 @@ const UNSUPPORTED: &[&str] = &[
     "uexpan",
 ];
 
-/// The unsupported routine of this name.
+/// Returns the unsupported subroutine of this name.
 pub(super) fn unsupported(name: &str) -> Option<&'static str> {
     UNSUPPORTED.iter().copied().find(|known| *known == name)
 }
 
 fn defines(libraries: &[Library], name: &str) -> bool {
-    // SAFETY: the symbol is looked at, not called.
+    // SAFETY: the symbol is only looked up, not called.
     unsafe { find::<*const ()>(libraries, name) }.is_some()
 }
 
-/// A symbol that a library calls and nothing defines.
+/// Returns an undefined symbol of a library, if there is one.
 pub fn missing(file: &Path) -> Option<String> {
-    // SAFETY: the user's library runs its initialisers here, as he asked for.
+    // SAFETY: the initialisers of the user's library run here, as requested by the user.
     let opened = guard::opening(|| unsafe { Library::open(Some(file), RTLD_NOW | RTLD_LOCAL) });
-    // What an initialiser changes is told when it runs for the run itself.
+    // Changes by initialisers are reported when the library is opened for the run.
     guard::restore(|_| {});
     let error = opened.err()?;
-    let words = loaders_words(&error, file, file);
+    let words = loader_message(&error, file, file);
     let symbol = words.split("undefined symbol: ").nth(1)?;
     Some(symbol.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
 }
 
-/// Opens a copy of a library, with SAVE and COMMON of its own: the loader opens each file only once.
+/// Opens a copy of a library with its own SAVE and COMMON variables: the loader opens each file only once.
 fn open_copy(library: &SharedLibrary) -> Result<(Library, Vec<LibraryMemory>), Diagnostic> {
     let file = &library.name;
     let fault = |why: String| Diagnostic::error("U005", format!("`{}` cannot be loaded: {why}", file.display()));
@@ -173,24 +172,24 @@ fn open_copy(library: &SharedLibrary) -> Result<(Library, Vec<LibraryMemory>), D
     let copy = scratch.path().join("user.so");
     std::fs::write(&copy, &library.bytes).map_err(|e| fault(e.to_string()))?;
     let before = bases();
-    // SAFETY: the user's library runs its initialisers here, as he asked for.
+    // SAFETY: the initialisers of the user's library run here, as requested by the user.
     let opened = guard::opening(|| unsafe { Library::open(Some(&copy), RTLD_NOW | RTLD_LOCAL) });
-    guard::restore(|what| host::tell_of_opening(format!("an initialiser of `{}` {what}", file.display())));
-    let opened = opened.map_err(|e| fault(undefined(loaders_words(&e, &copy, file))))?;
+    guard::restore(|what| host::report_opening(format!("an initialiser of `{}` {what}", file.display())));
+    let opened = opened.map_err(|e| fault(undefined(loader_message(&e, &copy, file))))?;
     keep_runtimes();
     Ok((opened, LibraryMemory::of(&copy, file, &library.bytes, &before)))
 }
 
-/// Keeps the Fortran and OpenMP runtimes loaded, which every run of a sweep would load again.
+/// Keeps the Fortran and OpenMP runtimes loaded; otherwise every run of a sweep would load them again.
 fn keep_runtimes() {
     for name in ["libgfortran.so.5", "libgfortran.so.4", "libgfortran.so.3", "libgomp.so.1"] {
-        // SAFETY: nothing is loaded that is not there, so no initialiser runs.
+        // SAFETY: RTLD_NOLOAD only affects loaded libraries, so no initialiser runs.
         let kept = unsafe { Library::open(Some(name), RTLD_NOW | libc::RTLD_NOLOAD | libc::RTLD_NODELETE) };
         drop(kept);
     }
 }
 
-/// The loader's message, with the name of an undefined symbol.
+/// Returns the loader's message, preceded by the name of an undefined symbol.
 fn undefined(words: String) -> String {
     match words.split("undefined symbol: ").nth(1) {
         Some(symbol) => {
@@ -201,7 +200,7 @@ fn undefined(words: String) -> String {
     }
 }
 
-fn loaders_words(error: &libloading::Error, copy: &Path, file: &Path) -> String {
+fn loader_message(error: &libloading::Error, copy: &Path, file: &Path) -> String {
     let mut words = error.to_string();
     let mut cause: Option<&dyn std::error::Error> = std::error::Error::source(error);
     while let Some(inner) = cause {
@@ -211,14 +210,14 @@ fn loaders_words(error: &libloading::Error, copy: &Path, file: &Path) -> String 
     words.replace(&*copy.display().to_string(), &file.display().to_string())
 }
 
-/// The function of this name, in the spelling of Fortran or C.
+/// Returns the function of this name, in the spelling of Fortran or C.
 ///
 /// # Safety
 /// `T` must be the type of the function that has the name.
 unsafe fn find<T: Copy>(libraries: &[Library], name: &str) -> Option<T> {
     let spellings = [format!("{name}_"), name.to_owned(), format!("{}_", name.to_uppercase()), name.to_uppercase()];
     libraries.iter().find_map(|library| {
-        // SAFETY: as this function's own.
+        // SAFETY: guaranteed by the caller.
         spellings.iter().find_map(|s| unsafe { library.get::<T>(s.as_bytes()) }.ok().map(|symbol| *symbol))
     })
 }

@@ -1,7 +1,6 @@
-//! Variables of compiled routines between two calls: SAVE, COMMON, modules, static variables. Bytes of the libraries that have
-//! changed since loading are saved, and written back into newly loaded libraries. State that is not valid in another process
-//! (addresses, thread-local variables, open files, seeds) is reported instead.
-//! Never here: when a state is saved, what a run does with an incomplete state.
+//! Variables of compiled user subroutines between calls: SAVE, COMMON, modules, static variables. Memory of the
+//! libraries that has changed since loading is saved, and written back into newly loaded libraries. State that is not
+//! valid in another process (addresses, thread-local variables, open files, seeds) is reported instead.
 #![allow(unsafe_code)]
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,19 +10,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use libloading::os::unix::Library;
 
-use super::host::{self, Level};
+use super::host::{self, MessageLevel};
 use super::symbols::LibrarySymbols;
 use super::{PersistentMemory, SavedMemory, guard};
 use crate::output::checkpoint::hash;
-use crate::state::archive::{Archive, Persist, UnfitState, persist_fields};
+use crate::state::archive::{Persist, StateArchive, UnfitState, persist_fields};
 
-/// Bytes that are compared at once, and bytes of a saved cell.
+/// Number of bytes that are compared at once, and size of a saved cell in bytes.
 const PAGE: usize = 4096;
 const CELL: usize = 4;
-/// Findings of a kind that are listed one by one.
+/// Largest number of findings of one kind that are listed.
 const MOST: usize = 4;
 
-/// Libraries of the system, of compilers and of linear algebra: their variables affect no result.
+/// Libraries of the system, of compilers and for linear algebra: their variables affect no result.
 const RUNTIMES: &[&str] = &[
     "ld-linux",
     "libblas",
@@ -62,28 +61,28 @@ const SEEDS: &[&str] = &[
     "mrand48",
 ];
 
-/// The memory of a job's libraries.
+/// Variables of the libraries of a job.
 pub struct RoutineMemory {
     parts: Vec<LibraryMemory>,
-    /// State that cannot be saved, known before the first call.
+    /// Descriptions of state that cannot be saved, known before the first call.
     hidden: Vec<String>,
     /// Files that were open before the first call.
     open: Mutex<BTreeSet<(PathBuf, PathBuf)>>,
     _keep: Arc<[Library]>,
 }
 
-/// A library: the user's own, or one that it needs.
+/// Variables of one library: that of the user, or one that it needs.
 pub struct LibraryMemory {
     /// Name in messages.
     name: String,
     base: usize,
     symbols: LibrarySymbols,
     areas: Vec<WritableRange>,
-    /// Thread-local variables: offset of their initial values, bytes of these, and bytes of all.
+    /// Thread-local variables: offset and size of their initial values, and total size.
     of_thread: Option<[usize; 3]>,
-    /// Hash of the places of its variables.
+    /// Hash of the addresses of the variables relative to the base.
     layout: String,
-    /// Whether routines opened earlier use it, too.
+    /// Whether libraries opened earlier use it, too.
     shared: bool,
 }
 
@@ -91,11 +90,11 @@ struct WritableRange {
     /// Offset from the base of the library.
     at: usize,
     length: usize,
-    /// Content when the library was loaded, by page; other pages were zero.
+    /// Content after loading, by page; pages that are not listed were zero.
     begun: BTreeMap<usize, Box<[u8; PAGE]>>,
 }
 
-/// Consecutive changed cells.
+/// A run of consecutive changed cells.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct ChangedBytes {
     area: usize,
@@ -104,7 +103,7 @@ struct ChangedBytes {
 }
 
 impl Persist for ChangedBytes {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
         let ChangedBytes { area, at, bytes } = self;
         persist_fields!(archive; area, at);
         archive.blob(bytes);
@@ -112,14 +111,14 @@ impl Persist for ChangedBytes {
 }
 
 impl RoutineMemory {
-    /// Memory of newly loaded libraries.
+    /// Records the memory of newly loaded libraries.
     pub fn of(parts: Vec<LibraryMemory>, libraries: Arc<[Library]>) -> RoutineMemory {
         let seeds = |part: &LibraryMemory| {
             let taken = part.symbols.taken.iter().find(|name| SEEDS.contains(&name.as_str()))?;
-            Some(format!("{} draws random numbers (`{taken}`), whose seed is of the process", part.name))
+            Some(format!("{} draws random numbers (`{taken}`), whose seed belongs to the process", part.name))
         };
         let shared = parts.iter().filter(|part| part.shared);
-        let shared = shared.map(|part| format!("{} is shared with other routines of the process", part.name));
+        let shared = shared.map(|part| format!("{} is shared with other libraries of the process", part.name));
         let hidden = parts.iter().filter_map(seeds).chain(shared).collect();
         RoutineMemory { parts, hidden, open: Mutex::default(), _keep: libraries }
     }
@@ -135,19 +134,19 @@ impl PersistentMemory for RoutineMemory {
         for (routine, count) in guard::threads_running() {
             let threads =
                 if count == 1 { "a thread that still runs".into() } else { format!("{count} threads that still run") };
-            host::tell(
-                Level::Warning,
-                format!("{routine} started {threads}: the run is over, and does not wait for it"),
+            host::report_message(
+                MessageLevel::Warning,
+                format!("{routine} started {threads}: the run has ended and does not wait"),
             );
         }
     }
 
-    fn keep(&self) -> SavedMemory {
+    fn save(&self) -> SavedMemory {
         let Some(used) = mappings() else {
-            return SavedMemory::nothing("the system does not show what memory is in use");
+            return SavedMemory::not_saved("the system does not report which memory is in use");
         };
         let mut bytes = Vec::new();
-        let mut archive = Archive::writer(&mut bytes);
+        let mut archive = StateArchive::writer(&mut bytes);
         let mut bound = Vec::new();
         for part in &self.parts {
             let mut changes = part.changes();
@@ -166,15 +165,16 @@ impl PersistentMemory for RoutineMemory {
         SavedMemory { memory, lost }
     }
 
-    fn take_up(&self, kept: &SavedMemory) -> Result<(), UnfitState> {
+    fn restore(&self, kept: &SavedMemory) -> Result<(), UnfitState> {
         let Some(memory) = &kept.memory else { return Ok(()) };
-        let mut archive = Archive::reader(memory);
+        let mut archive = StateArchive::reader(memory);
         let mut list = Vec::new();
         for part in &self.parts {
             let (mut layout, mut changes) = (String::new(), Vec::<ChangedBytes>::new());
             persist_fields!(&mut archive; &mut layout, &mut changes);
             if layout != part.layout || !changes.iter().all(|change| part.holds(change)) {
-                archive.refuse(|| format!("the variables of {} are elsewhere than they were", part.name));
+                archive
+                    .reject(|| format!("the variables of {} have other addresses than in the checkpoint", part.name));
             }
             list.push(changes);
         }
@@ -185,18 +185,19 @@ impl PersistentMemory for RoutineMemory {
     }
 }
 
-/// The first few entries of a list.
+/// Returns the first few entries of a list and the number of the others.
 fn shortened(mut list: Vec<String>) -> Vec<String> {
     if list.len() > MOST {
         let more = list.len() - MOST;
         list.truncate(MOST);
-        list.push(format!("and {more} more of the kind"));
+        list.push(format!("and {more} more of this kind"));
     }
     list
 }
 
 impl LibraryMemory {
-    /// The library loaded from a path with these bytes, and the libraries it needs; `before` are those loaded earlier.
+    /// Returns the library loaded from a path with these bytes, and the libraries it needs; `before` are the bases of
+    /// libraries loaded earlier.
     pub fn of(path: &Path, name: &Path, bytes: &[u8], before: &[usize]) -> Vec<LibraryMemory> {
         let loaded = loaded();
         let mut parts: Vec<LibraryMemory> = Vec::new();
@@ -232,7 +233,7 @@ impl LibraryMemory {
         LibraryMemory { name, base: object.base, symbols, areas, of_thread: object.of_thread, layout, shared }
     }
 
-    /// Bytes that have changed since the library was loaded.
+    /// Returns the memory that has changed since the library was loaded.
     fn changes(&self) -> Vec<ChangedBytes> {
         let mut changes: Vec<ChangedBytes> = Vec::new();
         let mut now = [0; PAGE];
@@ -255,7 +256,7 @@ impl LibraryMemory {
         changes
     }
 
-    /// Changed variables that hold an address: eight bytes, not always aligned.
+    /// Returns descriptions of changed variables that hold an address: eight bytes, not always aligned.
     fn addresses(&self, changes: &[ChangedBytes], used: &[(u64, u64)]) -> Vec<String> {
         let lowest = used.first().map_or(u64::MAX, |range| range.0);
         let is_address = |word: u64| {
@@ -264,7 +265,7 @@ impl LibraryMemory {
         let mut found = BTreeSet::new();
         for change in changes {
             let area = &self.areas[change.area];
-            // A cell before and a cell behind.
+            // Including one cell before and one after the change.
             let from = change.at.saturating_sub(CELL);
             let to = (change.at + change.bytes.len() + CELL).min(area.length);
             let mut bytes = vec![0; to - from];
@@ -280,7 +281,7 @@ impl LibraryMemory {
         found.into_iter().map(|place| format!("{place} holds an address (allocated memory, a pointer)")).collect()
     }
 
-    /// A thread-local variable that this thread has changed.
+    /// Returns the description of a thread-local variable that this thread has changed, if any.
     fn of_threads(&self) -> Option<String> {
         let [image, filled, length] = self.of_thread?;
         let now = loaded().into_iter().find(|object| object.base == self.base)?.threads_own?;
@@ -288,10 +289,10 @@ impl LibraryMemory {
         copy(self.base + image, &mut first[..filled]);
         copy(now, &mut values);
         let at = first.iter().zip(&values).position(|(a, b)| a != b)?;
-        Some(format!("{} is a variable of which each thread has its own", self.place(at, true)))
+        Some(format!("{} is a thread-local variable", self.place(at, true)))
     }
 
-    /// Name of a byte of the memory in messages.
+    /// Returns the name of a memory location in messages.
     fn place(&self, at: usize, of_thread: bool) -> String {
         match self.symbols.variable(at, of_thread) {
             Some((variable, 0)) => format!("{} of {}", variable.plain_name(), self.name),
@@ -305,7 +306,7 @@ impl LibraryMemory {
         self.areas.get(change.area).is_some_and(|area| end.is_some_and(|end| end <= area.length))
     }
 
-    /// Restores the content at loading with these changes; bytes that are so already are not written.
+    /// Restores the content after loading, with these changes; unchanged bytes are not written.
     fn set(&self, changes: &[ChangedBytes]) {
         let mut now = [0; PAGE];
         for area in &self.areas {
@@ -326,7 +327,7 @@ fn cells(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
 }
 
 impl WritableRange {
-    /// Takes the content of a newly loaded library.
+    /// Records the content of a newly loaded library.
     fn new(base: usize, at: usize, length: usize) -> WritableRange {
         let mut area = WritableRange { at, length, begun: BTreeMap::new() };
         for page in (0..length).step_by(PAGE) {
@@ -356,13 +357,13 @@ impl WritableRange {
 
     fn write(&self, base: usize, at: usize, bytes: &[u8]) {
         assert!(at + bytes.len() <= self.length);
-        // SAFETY: memory of a library that is held, which may be written, and which nothing of Rust lies in.
+        // SAFETY: writable memory of a library that stays loaded; it contains no Rust objects.
         unsafe { std::ptr::copy_nonoverlapping(bytes.as_ptr(), (base + self.at + at) as *mut u8, bytes.len()) }
     }
 }
 
 fn copy(from: usize, to: &mut [u8]) {
-    // SAFETY: memory of a library that is held, which may be read; no routine runs on this thread.
+    // SAFETY: readable memory of a library that stays loaded; no subroutine runs on this thread.
     unsafe { std::ptr::copy_nonoverlapping(from as *const u8, to.as_mut_ptr(), to.len()) }
 }
 
@@ -370,7 +371,7 @@ fn copy(from: usize, to: &mut [u8]) {
 struct LoadedObject {
     name: String,
     base: usize,
-    /// Offset and length of writable memory, and of the part that is read-only after loading.
+    /// Offset and length of writable memory, and of the part that is read-only after loading (RELRO).
     written: Vec<(usize, usize)>,
     sealed: Option<(usize, usize)>,
     /// As [`LibraryMemory::of_thread`], and the address of the variables of this thread, if used.
@@ -379,14 +380,14 @@ struct LoadedObject {
 }
 
 impl LoadedObject {
-    /// Writable memory without the read-only part, in whole cells.
+    /// Returns the writable memory without the read-only part, in whole cells.
     fn writable(&self) -> Vec<(usize, usize)> {
         let (from, length) = self.sealed.unwrap_or_default();
         let mut list = Vec::new();
         for &(at, size) in &self.written {
             let end = (at + size).next_multiple_of(2 * CELL);
-            let (before, behind) = ((at, from.clamp(at, end)), ((from + length).clamp(at, end), end));
-            let ranges = if length == 0 { [(at, end), (end, end)] } else { [before, behind] };
+            let (before, after) = ((at, from.clamp(at, end)), ((from + length).clamp(at, end), end));
+            let ranges = if length == 0 { [(at, end), (end, end)] } else { [before, after] };
             let aligned = ranges.map(|(start, end)| (start.next_multiple_of(2 * CELL), end));
             list.extend(
                 aligned.into_iter().filter(|(start, end)| start < end).map(|(start, end)| (start, end - start)),
@@ -396,21 +397,21 @@ impl LoadedObject {
     }
 }
 
-/// Base addresses of the libraries of the process.
+/// Returns the base addresses of the libraries of the process.
 pub fn bases() -> Vec<usize> {
     loaded().into_iter().map(|object| object.base).collect()
 }
 
 fn loaded() -> Vec<LoadedObject> {
     let mut list: Vec<LoadedObject> = Vec::new();
-    // SAFETY: the callback gets the pointer to the list, and only while this call lasts.
+    // SAFETY: the callback gets a pointer to the list, which is valid during this call.
     unsafe { libc::dl_iterate_phdr(Some(add_loaded), (&raw mut list).cast()) };
     list
 }
 
 unsafe extern "C" fn add_loaded(info: *mut libc::dl_phdr_info, _size: usize, list: *mut c_void) -> c_int {
     const MAY_WRITE: u32 = 2;
-    // SAFETY: the loader describes an object with so many headers; the list is that of `loaded`.
+    // SAFETY: the loader passes a valid description; `list` is that of `loaded`.
     let (info, list) = unsafe { (&*info, &mut *list.cast::<Vec<LoadedObject>>()) };
     if info.dlpi_name.is_null() || info.dlpi_phdr.is_null() {
         return 0;
@@ -439,7 +440,7 @@ unsafe extern "C" fn add_loaded(info: *mut libc::dl_phdr_info, _size: usize, lis
     0
 }
 
-/// Address ranges in use, ascending; `None` if the system does not show them.
+/// Returns the address ranges in use, ascending; `None` if the system does not report them.
 fn mappings() -> Option<Vec<(u64, u64)>> {
     let text = std::fs::read_to_string("/proc/self/maps").ok()?;
     let range = |line: &str| {
@@ -449,7 +450,7 @@ fn mappings() -> Option<Vec<(u64, u64)>> {
     text.lines().map(range).collect()
 }
 
-/// Open files of the process, by number and name.
+/// Returns the open files of the process, by descriptor and name.
 fn open_files() -> BTreeSet<(PathBuf, PathBuf)> {
     let entries = std::fs::read_dir("/proc/self/fd").into_iter().flatten().filter_map(Result::ok);
     let files = entries.filter_map(|entry| Some((entry.path(), std::fs::read_link(entry.path()).ok()?)));
@@ -461,7 +462,7 @@ mod tests {
     use super::{LoadedObject, mappings};
 
     #[test]
-    fn what_is_sealed_is_no_memory_of_routines() {
+    fn read_only_memory_is_excluded() {
         let object = |written: &[(usize, usize)], sealed| LoadedObject {
             name: String::new(),
             base: 0,

@@ -1,6 +1,5 @@
-//! Compiled user subroutines: Fortran and C behind the traits of `user`. This needs the loader, the signals and the processes of
-//! Linux with the GNU C library; other platforms have `unavailable.rs` in place of this file.
-//! Never here: what a subroutine may ask the run for (`host.rs`).
+//! Compiled user subroutines: Fortran and C code that implements the traits of `user`. It requires the loader, signals
+//! and processes of Linux with the GNU C library; other platforms use `unavailable.rs` instead of this file.
 
 mod cache;
 mod call;

@@ -1,14 +1,13 @@
-//! The symbols of the library that this code is part of.
-//! Never here: opening the user's files.
+//! Symbols of the library that contains this code.
 #![allow(unsafe_code)]
 
 use std::ffi::{CStr, c_void};
 
-/// Makes the symbols of the library that this code is part of visible to libraries that are opened later: the host routines that
-/// user subroutines call. Those of a program are visible from its start.
+/// Makes the symbols of the library that contains this code visible to libraries that are opened later: the host
+/// routines that user subroutines call. Symbols of an executable are always visible.
 ///
 /// # Errors
-/// In the loader's words.
+/// The loader's message.
 pub fn show_symbols() -> Result<(), String> {
     let mut own = libc::Dl_info {
         dli_fname: std::ptr::null(),
@@ -16,21 +15,21 @@ pub fn show_symbols() -> Result<(), String> {
         dli_sname: std::ptr::null(),
         dli_saddr: std::ptr::null_mut(),
     };
-    // SAFETY: an address of this library, and room for what is known of it.
+    // SAFETY: an address of this library, and a valid Dl_info for the result.
     let found = unsafe { libc::dladdr(show_symbols as *const c_void, &mut own) };
     if found == 0 || own.dli_fname.is_null() {
         return Err("the loader does not know the file of this library".into());
     }
-    // SAFETY: the file of a library that is there; nothing is loaded, and so no initialiser runs. It stays open.
+    // SAFETY: the library is already loaded, so no initialiser runs. It stays open.
     let opened = unsafe { libc::dlopen(own.dli_fname, libc::RTLD_NOW | libc::RTLD_NOLOAD | libc::RTLD_GLOBAL) };
     if !opened.is_null() {
         return Ok(());
     }
-    // SAFETY: the loader's words, or null.
+    // SAFETY: returns the loader's message or null.
     let words = unsafe { libc::dlerror() };
     if words.is_null() {
         return Err("the loader gives no reason".into());
     }
-    // SAFETY: a text that ends in a zero.
+    // SAFETY: the message is null-terminated.
     Err(unsafe { CStr::from_ptr(words) }.to_string_lossy().into_owned())
 }

@@ -1,21 +1,21 @@
-//! Whether a routine of the user has the arguments of its subroutine (`subroutines.rs`).
-//! Never here: calling the routine.
+//! Comparison of the arguments of the user's subroutines with those of the call (`subroutines.rs`).
 
-use super::subroutines::{Kind, interface};
+use super::subroutines::{ArgumentKind, interface};
 use crate::deck::lists;
 
-/// Checks the prototypes that `gfortran -fc-prototypes-external` prints; each routine that differs, and what is to be said.
+/// Checks the prototypes printed by `gfortran -fc-prototypes-external`. Returns each subroutine that differs, with a
+/// description of the difference.
 pub fn check(prototypes: &str) -> Vec<(String, String)> {
-    let told = |(name, list): (String, Vec<String>)| check_one(&name, &list).map(|told| (name, told));
-    prototypes.lines().filter_map(prototype).filter_map(told).collect()
+    let difference = |(name, list): (String, Vec<String>)| check_one(&name, &list).map(|found| (name, found));
+    prototypes.lines().filter_map(prototype).filter_map(difference).collect()
 }
 
-/// Name and argument list of a line `void name_ (int *a, ...);`, without the hidden lengths at the end.
+/// Returns name and arguments of a line `void name_ (int *a, ...);`, without the hidden text lengths at the end.
 fn prototype(line: &str) -> Option<(String, Vec<String>)> {
     let (head, rest) = line.trim().split_once('(')?;
     let name = head.split_whitespace().last()?.strip_suffix('_')?.to_owned();
     let list = rest.trim_end().strip_suffix(");")?;
-    // An argument may be a procedure, with commas of its own.
+    // An argument may be a procedure, whose arguments are separated by commas.
     let arguments = lists::split(list).into_iter().map(|a| a.trim().to_owned());
     Some((name, arguments.filter(|a| !a.is_empty() && !a.starts_with("size_t ")).collect()))
 }
@@ -33,7 +33,7 @@ fn check_one(name: &str, arguments: &[String]) -> Option<String> {
             String::new()
         };
         return Some(format!(
-            "{name} has {} arguments; it is called with {}: {}{hint}",
+            "{name} has {} arguments, expected {}: {}{hint}",
             arguments.len(),
             expected.len(),
             names.join(", ")
@@ -47,9 +47,10 @@ fn check_one(name: &str, arguments: &[String]) -> Option<String> {
         argument_name(given),
         describe(given),
         match kind {
-            Kind::Integer | Kind::IntegerResult => "a default integer (4 bytes)",
-            Kind::Real | Kind::RealResult => "double precision (real*8): include 'vaba_param.inc', or declare it so",
-            Kind::Character => "character*80",
+            ArgumentKind::Integer | ArgumentKind::IntegerResult => "a default integer (4 bytes)",
+            ArgumentKind::Real | ArgumentKind::RealResult =>
+                "double precision (real*8): include 'vaba_param.inc', or declare it as real*8",
+            ArgumentKind::Character => "character*80",
         }
     ))
 }
@@ -64,11 +65,11 @@ fn type_of(argument: &str) -> &str {
     text.split('*').next().unwrap_or(text).trim()
 }
 
-fn fits(argument: &str, kind: Kind) -> bool {
+fn fits(argument: &str, kind: ArgumentKind) -> bool {
     match kind {
-        Kind::Integer | Kind::IntegerResult => matches!(type_of(argument), "int" | "int32_t"),
-        Kind::Real | Kind::RealResult => type_of(argument) == "double",
-        Kind::Character => type_of(argument) == "char",
+        ArgumentKind::Integer | ArgumentKind::IntegerResult => matches!(type_of(argument), "int" | "int32_t"),
+        ArgumentKind::Real | ArgumentKind::RealResult => type_of(argument) == "double",
+        ArgumentKind::Character => type_of(argument) == "char",
     }
 }
 
@@ -90,31 +91,39 @@ mod tests {
     const GOOD: &str = "void vdload_ (const int *nblock, int *ndim, double *steptime, double *totaltime, double *amplitude, \
                         double *curcoords, double *velocity, double *dircos, int *jltyp, char *sname, double *value, size_t sname_len);";
 
-    fn told(prototypes: &str) -> Vec<String> {
-        check(prototypes).into_iter().map(|(_, told)| told).collect()
+    fn differences(prototypes: &str) -> Vec<String> {
+        check(prototypes).into_iter().map(|(_, differences)| differences).collect()
     }
 
     #[test]
-    fn the_manuals_prototype_passes() {
+    fn prototype_of_the_manual_is_accepted() {
         assert_eq!(check(GOOD), []);
         assert_eq!(check("void helper_ (float *x);"), []);
     }
 
     #[test]
-    fn a_missing_argument_is_named() {
-        let told = told(&GOOD.replace("int *jltyp, ", ""));
-        assert!(told[0].contains("10 arguments") && told[0].ends_with("missing: jltyp"), "{}", told[0]);
+    fn missing_argument_is_reported() {
+        let differences = differences(&GOOD.replace("int *jltyp, ", ""));
+        assert!(
+            differences[0].contains("10 arguments") && differences[0].ends_with("missing: jltyp"),
+            "{}",
+            differences[0]
+        );
     }
 
     #[test]
-    fn single_precision_is_named() {
-        let told = told(&GOOD.replace("double *amplitude", "float *amplitude"));
-        assert!(told[0].contains("argument 5") && told[0].contains("single precision"), "{}", told[0]);
+    fn single_precision_is_reported() {
+        let differences = differences(&GOOD.replace("double *amplitude", "float *amplitude"));
+        assert!(
+            differences[0].contains("argument 5") && differences[0].contains("single precision"),
+            "{}",
+            differences[0]
+        );
     }
 
     #[test]
-    fn arguments_out_of_order_are_named() {
-        let told = told(&GOOD.replace("int *jltyp, char *sname", "char *sname, int *jltyp"));
-        assert!(told[0].contains("argument 9") && told[0].contains("character"), "{}", told[0]);
+    fn arguments_in_the_wrong_order_are_reported() {
+        let differences = differences(&GOOD.replace("int *jltyp, char *sname", "char *sname, int *jltyp"));
+        assert!(differences[0].contains("argument 9") && differences[0].contains("character"), "{}", differences[0]);
     }
 }

@@ -1,6 +1,6 @@
-//! Prepares user files that other Fortran compilers accept for gfortran: includes with another case or folder, `#include '…'`,
-//! empty arguments of `xplb_abqerr`, logicals compared with `==`. Messages keep file names and line numbers.
-//! Never here: running a compiler.
+//! Prepares user files that other Fortran compilers accept for gfortran: includes in another case or folder,
+//! `#include '…'`, omitted arguments of `xplb_abqerr`, logicals compared with `==`. Messages keep file names and line
+//! numbers.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,11 +9,11 @@ use crate::deck::{files, printable};
 
 /// A user file and its includes, as they are compiled.
 pub struct PreparedSource {
-    /// Changed texts by path relative to the folder of the file; the file itself has an empty path.
+    /// Changed texts, by path relative to the folder of the file; the file itself has an empty path.
     changed: BTreeMap<String, String>,
 }
 
-/// Folders for the search of an include.
+/// Folders in which an include is searched.
 #[derive(Clone, Copy)]
 struct IncludePlace<'a> {
     /// Folder of the file that is compiled.
@@ -24,7 +24,8 @@ struct IncludePlace<'a> {
     known: &'a [String],
 }
 
-/// Places where compilers search an include: the folder of the including file, then of the compiled file.
+/// Returns the paths at which compilers search an include: the folder of the including file, then that of the compiled
+/// file.
 pub fn candidates(main: &Path, here: &Path, name: &str) -> [PathBuf; 2] {
     [here.join(name), main.join(name)]
 }
@@ -37,7 +38,7 @@ impl PreparedSource {
         source
     }
 
-    /// The changed texts.
+    /// Returns the changed texts.
     pub fn texts(&self) -> impl Iterator<Item = &str> {
         self.changed.values().map(String::as_str)
     }
@@ -46,7 +47,7 @@ impl PreparedSource {
         let Ok(bytes) = files::read(file) else { return };
         let text = String::from_utf8_lossy(&bytes);
         let new = ready(&text, file, IncludePlace { main, here: folder_of(file), known });
-        // Lines made ready name their files from the folder of the file that is compiled.
+        // Prepared lines contain paths relative to the folder of the compiled file.
         for inner in new.lines().filter_map(included).filter(|_| depth < 9) {
             let path = main.join(inner);
             if !Path::new(inner).is_absolute() && path.is_file() && !self.changed.contains_key(inner) {
@@ -58,7 +59,7 @@ impl PreparedSource {
         }
     }
 
-    /// The file to compile: the user's own, or a changed copy in `folder`.
+    /// Returns the file to compile: that of the user, or a changed copy in `folder`.
     ///
     /// # Errors
     /// If the folder cannot be written.
@@ -82,7 +83,7 @@ impl PreparedSource {
     }
 }
 
-/// The file that an `include 'name'` or `#include "name"` line names.
+/// Returns the file name in an `include 'name'` or `#include "name"` line.
 pub fn included(line: &str) -> Option<&str> {
     let line = line.trim().trim_start_matches('#').trim_start();
     let rest = line.get(..7).filter(|w| w.eq_ignore_ascii_case("include")).map(|_| line[7..].trim_start())?;
@@ -91,12 +92,12 @@ pub fn included(line: &str) -> Option<&str> {
     rest[1..].split(end).next()
 }
 
-/// The folder of a file, empty for the working folder.
+/// Returns the folder of a file, empty for the working folder.
 fn folder_of(file: &Path) -> &Path {
     file.parent().unwrap_or(Path::new(""))
 }
 
-/// The prepared text.
+/// Returns the prepared text.
 fn ready(text: &str, file: &Path, place: IncludePlace<'_>) -> String {
     let mut lines: Vec<String> = text.lines().map(|line| logical(include_line(line, place))).collect();
     bring_header_inside(&mut lines, file);
@@ -111,7 +112,7 @@ fn ready(text: &str, file: &Path, place: IncludePlace<'_>) -> String {
 /// Header with the functions for arrays and threads.
 pub const HEADER: &str = "SMAAspUserSubroutines.hdr";
 
-/// Moves a header from above the first subroutine, where it declares nothing, behind the includes of each subroutine.
+/// Moves a header from above the first subroutine, where it declares nothing, to after the includes of each subroutine.
 fn bring_header_inside(lines: &mut Vec<String>, file: &Path) {
     let lower = |line: &String| line.trim_start().to_lowercase();
     let begins = |line: &String| {
@@ -138,13 +139,13 @@ fn bring_header_inside(lines: &mut Vec<String>, file: &Path) {
     *lines = new;
 }
 
-/// The line with the name of an existing file, if it is an include line.
+/// Returns an include line with the name of an existing file; other lines are unchanged.
 fn include_line(line: &str, place: IncludePlace<'_>) -> String {
     let line = line.strip_suffix('\r').unwrap_or(line);
     let Some(name) = included(line) else { return line.to_owned() };
     let found = found(name, place).unwrap_or_else(|| name.to_owned());
     if line.trim_start().starts_with('#') {
-        // Behind the preprocessor's `#include` only double quotes and angles stand.
+        // The preprocessor's `#include` allows double quotes and angle brackets only.
         let angle = line.contains('<');
         let (open, close) = if angle { ('<', '>') } else { ('"', '"') };
         return format!("#include {open}{found}{close}");
@@ -152,7 +153,7 @@ fn include_line(line: &str, place: IncludePlace<'_>) -> String {
     line.replacen(name, &found, 1)
 }
 
-/// The line with `.eqv.` in place of `==` next to `.true.` or `.false.`, as gfortran requires.
+/// Returns the line with `.eqv.` in place of `==` next to `.true.` or `.false.`, as gfortran requires.
 fn logical(line: String) -> String {
     let lower = line.to_ascii_lowercase();
     if !(lower.contains(".true.") || lower.contains(".false.")) || lower.starts_with(['c', '*', '!']) {
@@ -162,11 +163,11 @@ fn logical(line: String) -> String {
     let mut changes = Vec::new();
     for (operator, instead) in [("==", ".eqv."), (".eq.", ".eqv."), ("/=", ".neqv."), (".ne.", ".neqv.")] {
         for (at, _) in lower.match_indices(operator) {
-            let (before, behind) = (&lower[..at], lower[at + operator.len()..].trim_start());
-            let beside = |word: &str| behind.starts_with(word) || before[..end(before)].ends_with(word);
-            // Not in a text or a comment.
-            let bare = before.matches('\'').count() % 2 == 0 && before.matches('"').count() % 2 == 0;
-            if bare && !before.contains('!') && (beside(".true.") || beside(".false.")) {
+            let (before, after) = (&lower[..at], lower[at + operator.len()..].trim_start());
+            let next_to = |word: &str| after.starts_with(word) || before[..end(before)].ends_with(word);
+            // Not inside a string or a comment.
+            let is_code = before.matches('\'').count() % 2 == 0 && before.matches('"').count() % 2 == 0;
+            if is_code && !before.contains('!') && (next_to(".true.") || next_to(".false.")) {
                 changes.push((at, operator.len(), instead));
             }
         }
@@ -179,13 +180,14 @@ fn logical(line: String) -> String {
     new
 }
 
-/// The directive that names the file of the text below.
+/// Returns the line directive that names the file of the following text.
 fn marker(file: &Path) -> String {
     format!("# 1 \"{}\"\n", printable(&file.to_string_lossy()).replace(['\\', '"', '\n'], "_"))
 }
 
-/// The path of an include relative to the compiled file, if it differs from the written one: as written, in another case, or
-/// by its last component; in the folder of the line, of that file, or among the known ones.
+/// Returns the path of an include relative to the compiled file, if it differs from the written one. The include is
+/// searched as written, in another case, or by its last component; in the folder of the line, in that of the compiled
+/// file, or among the known ones.
 fn found(name: &str, IncludePlace { main, here, known }: IncludePlace<'_>) -> Option<String> {
     let from_main = |path: PathBuf| {
         let short = path.strip_prefix(main).unwrap_or(&path).to_string_lossy().into_owned();
@@ -210,10 +212,10 @@ fn found(name: &str, IncludePlace { main, here, known }: IncludePlace<'_>) -> Op
     known.iter().filter(|n| alike(n)).max().cloned()
 }
 
-/// Values of omitted arguments of `xplb_abqerr`.
+/// Values for omitted arguments of `xplb_abqerr`.
 const FILLERS: [&str; 5] = ["-1", "' '", "0", "0.d0", "' '"];
 
-/// The text with all arguments of `call xplb_abqerr(lop, text, , , )`, which gfortran requires.
+/// Returns the text with all arguments of `call xplb_abqerr(lop, text, , , )`, which gfortran requires.
 fn fill_arguments(text: String) -> String {
     let lower = text.to_ascii_lowercase();
     let mut new = String::with_capacity(text.len());
@@ -234,7 +236,7 @@ fn fill_arguments(text: String) -> String {
     new + &text[from..]
 }
 
-/// Complete arguments up to the closing bracket, and the length of the original ones.
+/// Returns the complete arguments up to the closing bracket, and the length of the original ones.
 fn filled(text: &str) -> Option<(String, usize)> {
     let mut new = String::new();
     let (mut depth, mut quote, mut count, mut empty, mut column) = (0, None, 0, true, 0);
@@ -286,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn includes_take_the_case_and_place_that_are_there() {
+    fn includes_get_the_case_and_path_of_existing_files() {
         let known = ["vaba_param.inc".to_owned(), "vaba_param_dp.inc".to_owned()];
         let nowhere = Path::new("/nowhere");
         let line = |text: &str| include_line(text, IncludePlace { main: nowhere, here: nowhere, known: &known });
@@ -297,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn logicals_are_compared_as_gfortran_wants_it() {
+    fn logicals_are_compared_with_eqv() {
         let line = |text: &str| logical(text.to_owned());
         assert_eq!(line("      DO WHILE(done == .FALSE.)"), "      DO WHILE(done .eqv. .FALSE.)");
         assert_eq!(line("if (a.eq..true. .and. b /= .true.) x"), "if (a.eqv..true. .and. b .neqv. .true.) x");
@@ -309,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn arguments_left_out_are_filled() {
+    fn omitted_arguments_are_filled() {
         let filled = |text: &str| fill_arguments(text.to_owned());
         assert_eq!(
             filled("      call xplb_abqerr(-3,'a (b), c',,,)\n"),
@@ -325,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn a_header_above_all_goes_into_each_subroutine() {
+    fn header_is_moved_into_each_subroutine() {
         let text =
             "#include <SMAAspUserSubroutines.hdr>\n      subroutine a\n      include 'vaba_param.inc'\n      end\n";
         let known = ["vaba_param.inc".to_owned(), "SMAAspUserSubroutines.hdr".to_owned()];

@@ -1,6 +1,5 @@
-//! The subroutines of ABAQUS that a run calls: every argument once, with its kind and what it is given. The types of the
-//! functions, the calls and the check of a source's prototypes follow from this list.
-//! Never here: opening libraries, what becomes of an answer.
+//! The ABAQUS subroutines that a run calls: a table of all arguments with their kinds and values. The types of the
+//! functions, the calls and the check of prototypes are generated from it.
 #![allow(unsafe_code)]
 
 use std::ffi::c_char;
@@ -10,22 +9,22 @@ use super::{
     MaterialAnswer, MaterialCall, MotionCall,
 };
 
-/// Kind of an argument, and whether the routine writes its answer there.
+/// Kind of an argument, and whether the subroutine writes a result there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ArgumentKind {
     /// `integer*4`.
     Integer,
     /// `real*8`.
     Real,
     /// `character*80`.
     Character,
-    /// `integer*4` that the routine sets.
+    /// `integer*4` that the subroutine sets.
     IntegerResult,
-    /// `real*8` that the routine sets.
+    /// `real*8` that the subroutine sets.
     RealResult,
 }
 
-/// The pointer that is passed for an argument of each [`Kind`].
+/// Pointer types of arguments, by [`ArgumentKind`].
 mod pointer {
     pub type Integer = *const i32;
     pub type Real = *const f64;
@@ -34,49 +33,49 @@ mod pointer {
     pub type RealResult = *mut f64;
 }
 
-/// A subroutine and its arguments in order.
+/// A subroutine with its arguments in order.
 #[derive(Debug)]
-pub struct Interface {
+pub struct SubroutineInterface {
     /// Name in lower case.
     pub name: &'static str,
-    /// Names as in the manual, and kinds.
-    pub arguments: &'static [(&'static str, Kind)],
+    /// Names in the manual, and kinds.
+    pub arguments: &'static [(&'static str, ArgumentKind)],
 }
 
-impl Interface {
-    /// Names of the arguments of a kind.
-    pub fn arguments_of(&self, kind: Kind) -> impl Iterator<Item = &'static str> {
+impl SubroutineInterface {
+    /// Returns the names of the arguments of a kind.
+    pub fn arguments_of(&self, kind: ArgumentKind) -> impl Iterator<Item = &'static str> {
         self.arguments.iter().filter(move |(_, of)| *of == kind).map(|(name, _)| *name)
     }
 }
 
-/// The interface of a subroutine that is called here.
-pub fn interface(name: &str) -> Option<&'static Interface> {
+/// Returns the interface of a supported subroutine.
+pub fn interface(name: &str) -> Option<&'static SubroutineInterface> {
     INTERFACES.iter().find(|interface| interface.name == name)
 }
 
-/// Length of a name in the subroutines' arguments.
+/// Length of names in arguments.
 pub const NAME: usize = 80;
 /// Degrees of freedom of a node in an axisymmetric model: r, z, rotation.
 pub const DOFS: usize = 3;
 
-/// The type of the length that a Fortran compiler passes for each text, after all arguments.
+/// Type of the hidden length that a Fortran compiler passes for each text, after all arguments.
 macro_rules! length_type {
     ($length:ident) => {
         usize
     };
 }
 
-/// Of each subroutine: its name, the type of its function, what a call is made of, the lengths of its texts, and its
-/// arguments as `name: kind = value`.
+/// Defines subroutines: name, function type, parameters of a call, lengths of texts, and arguments as `name: kind =
+/// value`.
 macro_rules! subroutines {
     ($($(#[$doc:meta])* $name:ident: $function:ident($($parameter:ident: $type:ty),*) [$($length:ident),*] {
         $($argument:ident: $kind:ident = $value:expr,)*
     })*) => {
-        /// All subroutines that a run calls.
-        const INTERFACES: &[Interface] = &[$(Interface {
+        /// All supported subroutines.
+        const INTERFACES: &[SubroutineInterface] = &[$(SubroutineInterface {
             name: stringify!($name),
-            arguments: &[$((stringify!($argument), Kind::$kind),)*],
+            arguments: &[$((stringify!($argument), ArgumentKind::$kind),)*],
         },)*];
         $(
             $(#[$doc])*
@@ -86,9 +85,10 @@ macro_rules! subroutines {
             $(#[$doc])*
             ///
             /// # Safety
-            /// The function has the type of that subroutine, and every list the length that the counts of the call say.
+            /// The function has the type of the subroutine, and every array has the length given by the counts of the
+            /// call.
             pub unsafe fn $name(function: $function, $($parameter: $type),*) {
-                // SAFETY: as this function's own.
+                // SAFETY: guaranteed by the caller.
                 unsafe { function($($value,)* $($length),*) }
             }
         )*
@@ -162,8 +162,8 @@ subroutines! {
         rotaryI: Real = [0.0; 9].as_ptr(),
         rval: RealResult = values.as_mut_ptr(),
     }
-    /// Stresses of a material. ABAQUS passes arrays where older routines declare one number: `jblock` begins with nblock,
-    /// `jInfoArray` with lanneal, `dtArray` with dt ("Variables passed in for information").
+    /// Stresses of a material. ABAQUS passes arrays where older subroutines declare one number: `jblock` begins with
+    /// nblock, `jInfoArray` with lanneal, `dtArray` with dt ("Variables passed in for information").
     vumat: Vumat(call: &MaterialCall<'_>, name: *const c_char, numbers: &MaterialArrays, answer: &mut MaterialAnswer<'_>) [NAME] {
         jblock: Integer = numbers.block.as_ptr(),
         ndir: Integer = &3,
@@ -279,7 +279,7 @@ subroutines! {
         stateOld: Real = call.state.as_ptr(),
         charLength: RealResult = lengths.as_mut_ptr(),
     }
-    /// Moments of the analysis. Both arrays are longer than the counts say, for a routine that reads further.
+    /// Events of the analysis. Both arrays are longer than the counts, for subroutines that read further.
     vexternaldb: Vexternaldb(operation: i32, integers: &mut [i32; 8], reals: &mut [f64; 4]) [] {
         lOp: Integer = &operation,
         i_Array: IntegerResult = integers.as_mut_ptr(),
@@ -289,39 +289,40 @@ subroutines! {
     }
 }
 
-/// `jDof` of VDISP: above zero for what the call prescribes.
+/// Returns `jDof` of VDISP: 1 for the prescribed degree of freedom, else 0.
 fn prescribed(call: &MotionCall<'_>) -> [i32; DOFS] {
     std::array::from_fn(|dof| i32::from(dof + 1 == call.dof))
 }
 
-/// Displacement (0), velocity, acceleration or reaction (3) of the node of a VDISP along r and z, and about the hoop.
+/// Returns displacement (0), velocity (1), acceleration (2) or reaction (3) of the node of a VDISP along r, along z and
+/// about the hoop.
 fn components(call: &MotionCall<'_>, i: usize) -> [f64; DOFS] {
     let (along, across) = (call.state[i], call.across[i]);
     if call.dof == 1 { [along, across, 0.0] } else { [across, along, 0.0] }
 }
 
-/// What VUAMP reads beside its call, and what it answers.
+/// Further arguments and results of VUAMP.
 pub struct AmplitudeArrays {
-    /// Whether the analysis begins, whether the step is under way, number of the step.
+    /// Whether the analysis begins; whether the step has begun; number of the step.
     pub info: [i32; 3],
-    /// Names of the sensors, each of [`NAME`] letters.
+    /// Names of the sensors, [`NAME`] characters each.
     pub sensors: Vec<u8>,
     /// `ampValueNew`.
     pub value: f64,
-    /// Which of its answers VUAMP gives, and what it asks for.
+    /// Flags of the results that VUAMP sets, and of its requests.
     pub define: [i32; 8],
     /// `ampDerivative`.
     pub derivative: f64,
 }
 
-/// What a VUMAT is told in integers and times of a block.
+/// Integer and time arguments of VUMAT.
 pub struct MaterialArrays {
-    /// nblock, integration point, layer, section point, user's numbers of the elements.
+    /// nblock, integration point, layer, section point, element numbers.
     block: [i32; 4 + MAX_MATERIAL_BLOCK],
-    /// Anneal flag, integration point, layer, section point, whether moduli are asked for, where the numbers of the elements
-    /// begin; then these numbers.
+    /// Anneal flag, integration point, layer, section point, flag that requests moduli, index of the first element
+    /// number; then the element numbers.
     info: [i32; 6 + MAX_MATERIAL_BLOCK],
-    /// Length of the increment; room for moduli that nobody asks for.
+    /// Length of the increment, followed by space for moduli, which are not requested.
     dt: [f64; 1 + 2 * MAX_MATERIAL_BLOCK],
 }
 
@@ -335,7 +336,7 @@ impl Default for MaterialArrays {
 }
 
 impl MaterialArrays {
-    /// Takes the numbers of a call.
+    /// Sets the values of a call.
     pub fn set(&mut self, call: &MaterialCall<'_>) {
         self.block[0] = int(call.count);
         self.block[4..4 + call.count].copy_from_slice(call.elements);

@@ -1,6 +1,5 @@
-//! Symbols of a shared library, read from its file: variables, imported functions, needed libraries. Names are those of the
-//! linker. ("Tool Interface Standard: Executable and Linking Format", version 1.2; 64 bits.)
-//! Never here: memory of the process.
+//! Symbols of a shared library, read from its file: variables, imported functions, needed libraries. ("Tool Interface
+//! Standard: Executable and Linking Format", version 1.2; 64 bits.)
 
 /// A variable in the memory of a library.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -11,14 +10,14 @@ pub struct LibraryVariable {
     pub size: usize,
     /// Whether it is thread-local.
     pub of_thread: bool,
-    /// Name of the linker.
+    /// Linker symbol.
     pub symbol: String,
 }
 
 /// Symbols of a file.
 #[derive(Clone, Debug, Default)]
 pub struct LibrarySymbols {
-    /// Variables, ascending.
+    /// Variables in ascending order of their offset.
     pub variables: Vec<LibraryVariable>,
     /// Imported functions and variables.
     pub taken: Vec<String>,
@@ -30,7 +29,7 @@ const SYMBOLS: u32 = 2;
 const DYNAMIC: u32 = 6;
 const DYNAMIC_SYMBOLS: u32 = 11;
 
-/// A section: type, offset, size, and the section to which it refers.
+/// A section: type, offset, size, and index of the section it refers to.
 #[derive(Clone, Copy)]
 struct FileSection {
     kind: u32,
@@ -40,7 +39,7 @@ struct FileSection {
 }
 
 impl LibrarySymbols {
-    /// Reads a file; without symbols if it is not of 64 bits or incomplete.
+    /// Reads a file; the result is empty if the file is not a complete 64-bit ELF file.
     pub fn read(file: &[u8]) -> LibrarySymbols {
         let mut symbols = LibrarySymbols::default();
         let sections = sections(file).unwrap_or_default();
@@ -75,7 +74,7 @@ impl LibrarySymbols {
         }
     }
 
-    /// The variable that contains a byte, and the offset in it.
+    /// Returns the variable that contains a byte, and the offset of the byte in it.
     pub fn variable(&self, at: usize, of_thread: bool) -> Option<(&LibraryVariable, usize)> {
         let holds = |v: &&LibraryVariable| v.of_thread == of_thread && (v.at..v.at + v.size).contains(&at);
         self.variables.iter().find(holds).map(|v| (v, at - v.at))
@@ -83,8 +82,8 @@ impl LibrarySymbols {
 }
 
 impl LibraryVariable {
-    /// Name in the source: gfortran writes `x.12` for a local variable with SAVE, `__m_MOD_x` for one of a module, an underscore
-    /// after the name of a COMMON block, `__BLNK__` for blank COMMON.
+    /// Returns the name in the source: gfortran writes `x.12` for a local variable with SAVE, `__m_MOD_x` for one of a
+    /// module, an underscore after the name of a COMMON block, `__BLNK__` for blank COMMON.
     pub fn plain_name(&self) -> String {
         let symbol = self.symbol.as_str();
         if let Some((module, name)) = symbol.strip_prefix("__").and_then(|s| s.split_once("_MOD_")) {
@@ -125,7 +124,7 @@ fn part<'a>(file: &'a [u8], section: &FileSection) -> Option<&'a [u8]> {
     file.get(section.offset..section.offset.checked_add(section.size)?)
 }
 
-/// A little-endian number of `count` bytes.
+/// Reads a little-endian number of `count` bytes.
 fn number(bytes: &[u8], at: usize, count: usize) -> Option<usize> {
     let mut wide = [0; 8];
     wide[..count].copy_from_slice(bytes.get(at..at.checked_add(count)?)?);
@@ -138,7 +137,7 @@ fn text(names: &[u8], at: usize) -> String {
     String::from_utf8_lossy(&rest[..end]).into_owned()
 }
 
-/// The needed library of an entry of the dynamic section.
+/// Returns the needed library of an entry of the dynamic section.
 fn needed(entry: &[u8], names: &[u8]) -> Option<String> {
     const NEEDED: usize = 1;
     (number(entry, 0, 8)? == NEEDED).then(|| text(names, number(entry, 8, 8).unwrap_or(usize::MAX)))
@@ -149,7 +148,7 @@ mod tests {
     use super::{LibrarySymbols, LibraryVariable};
 
     #[test]
-    fn variables_have_the_names_of_their_language() {
+    fn symbols_convert_to_source_names() {
         let name =
             |symbol: &str| LibraryVariable { at: 0, size: 8, of_thread: false, symbol: symbol.into() }.plain_name();
         assert_eq!(name("calls.17"), "`calls`");
@@ -159,9 +158,9 @@ mod tests {
         assert_eq!(name("counter"), "`counter`");
     }
 
-    /// This very program is a file of that kind; cut anywhere it is read without a panic.
+    /// The running executable is an ELF file; truncated copies are read without a panic.
     #[test]
-    fn a_program_is_read_whole_and_torn() {
+    fn complete_and_truncated_files_are_read() {
         let file = std::fs::read("/proc/self/exe").expect("this program");
         let symbols = LibrarySymbols::read(&file);
         assert!(symbols.needed.iter().any(|name| name.starts_with("libc.")), "{:?}", symbols.needed);

@@ -1,7 +1,7 @@
-//! In place of compiled user subroutines where they cannot be loaded: every platform but Linux with the GNU C library.
-//! User subroutines in Rust, and functions given by their address, work everywhere.
+//! Replacement of `native` on platforms other than Linux with the GNU C library, where compiled user subroutines are
+//! not available. User subroutines in Rust and functions given by address work on all platforms.
 
-/// Compiling refuses the files.
+/// Compilation of user files, which always fails.
 pub mod compile {
     use std::path::PathBuf;
 
@@ -29,7 +29,7 @@ pub mod compile {
             Err(unavailable())
         }
 
-        /// Opens the libraries in a process of their own.
+        /// Opens the libraries in a separate process.
         ///
         /// # Errors
         /// Always: U013.
@@ -46,20 +46,20 @@ pub mod compile {
         }
     }
 
-    /// Refuses the user's files.
+    /// Rejects the user's files.
     ///
     /// # Errors
     /// Always: U013.
     pub fn compile(_files: &[PathBuf], _checked: bool) -> Result<Compiled, Diagnostics> {
-        let mut refused = Diagnostics::default();
-        refused.push(unavailable());
-        Err(refused)
+        let mut errors = Diagnostics::default();
+        errors.push(unavailable());
+        Err(errors)
     }
 
     fn unavailable() -> Diagnostic {
         let message = "compiled user subroutines are not available in this build of revolve";
         Diagnostic::error("U013", message)
-            .help("use a build for Linux with the GNU C library (target ...-linux-gnu), or write the routine in Rust or Python")
+            .help("use a build for Linux with the GNU C library (target ...-linux-gnu), or write the subroutine in Rust or Python")
     }
 }
 

@@ -3,15 +3,15 @@
 use std::sync::OnceLock;
 
 use hmac_sha256::Hash;
-use revolve::job::{self, Prepared};
-use revolve::output::checkpoint::{Checkpoint, Identity};
+use revolve::job::{self, PreparedJob};
+use revolve::output::checkpoint::{Checkpoint, JobIdentity};
 use revolve::user::Routines;
 
 /// Bytes of the head that stand before what the checksum is about.
 const HEAD: usize = 40;
 
 struct Scene {
-    prepared: Prepared,
+    prepared: PreparedJob,
     state: Vec<u8>,
     file: Vec<u8>,
 }
@@ -32,7 +32,7 @@ fn scene() -> &'static Scene {
 
 /// A checkpoint of nobody's with this state.
 pub fn whole(state: Vec<u8>) -> Checkpoint {
-    let identity = Identity {
+    let identity = JobIdentity {
         deck: "d".into(),
         parameters: "p".into(),
         mesh: "m".into(),

@@ -12,9 +12,9 @@ pub mod results;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicUsize;
 
-use revolve::job::Prepared;
-use revolve::output::Frame;
-use revolve::solve::{self, Control, Every, Sink, SinkError, UnfitState};
+use revolve::job::PreparedJob;
+use revolve::output::OutputFrame;
+use revolve::solve::{self, CheckpointInterval, RunControl, Sink, SinkError, UnfitState};
 
 /// A folder of this process where files cost no disk.
 pub fn folder() -> PathBuf {
@@ -33,7 +33,7 @@ impl Sink for First {
     fn wants_frames(&self) -> bool {
         true
     }
-    fn frame(&mut self, _: &Frame) -> Result<(), SinkError> {
+    fn frame(&mut self, _: &OutputFrame) -> Result<(), SinkError> {
         Ok(())
     }
     fn row(&mut self, _: &solve::Instant, _: &[f64]) -> Result<(), SinkError> {
@@ -49,10 +49,10 @@ impl Sink for First {
 }
 
 /// Ends a run behind its first increment; its increments or why the state does not fit, and the state then.
-pub fn one_increment(prepared: &Prepared, state: Option<&[u8]>) -> (Result<u64, UnfitState>, Vec<u8>) {
+pub fn one_increment(prepared: &PreparedJob, state: Option<&[u8]>) -> (Result<u64, UnfitState>, Vec<u8>) {
     let mut first = First::default();
     let signal = AtomicUsize::new(15);
-    let control = Control { every: Some(Every::Increments(1)), interrupt: Some(&signal), state };
+    let control = RunControl { every: Some(CheckpointInterval::Increments(1)), interrupt: Some(&signal), state };
     let outcome = solve::run_with(&prepared.plan, prepared.state.clone(), &mut first, control);
     (outcome.map(|(outcome, _)| outcome.increments), first.0)
 }

@@ -1,9 +1,9 @@
 //! Expressions: of `*PARAMETER`, of `--set`, of quantities of studies and sweeps.
 use revolve::deck::expression::Expression;
 use revolve::job;
-use revolve::study::grid::Grid;
+use revolve::study::grid::CaseGrid;
 use revolve::study::quantity::Quantity;
-use revolve::study::target::Target;
+use revolve::study::target::ErrorTarget;
 use revolve::user::Routines;
 
 /// Reads it; nothing may panic, hang or grow.
@@ -13,8 +13,8 @@ pub fn read(data: &[u8]) {
     if let Ok(expression) = Expression::parse(first) {
         let _ = expression.evaluate(&|_| Some(2.0), &|_, _| None);
     }
-    let _ = (Quantity::parse(first), Target::parse(first));
-    if let Ok(grid) = Grid::parse(&[first.to_owned()]) {
+    let _ = (Quantity::parse(first), ErrorTarget::parse(first));
+    if let Ok(grid) = CaseGrid::parse(&[first.to_owned()]) {
         let _ = (grid.count() > 0).then(|| grid.combination(0));
     }
     let deck = format!("*Parameter\n{text}\n*Node\n 1, <a>, <b>\n <c>, 1., 1.\n");

@@ -1,7 +1,7 @@
 //! Tables of `--compare`, and the sheet and chart that they come into.
 use revolve::output::csv;
-use revolve::study::compare::Reference;
-use revolve::study::grid::Grid;
+use revolve::study::compare::ReferenceTable;
+use revolve::study::grid::CaseGrid;
 use revolve::study::quantity::Quantity;
 use revolve::study::sweep;
 
@@ -9,12 +9,12 @@ use revolve::study::sweep;
 pub fn read(data: &[u8]) {
     let path = super::folder().join("reference.csv");
     std::fs::write(&path, data).expect("a file");
-    let Ok(reference) = Reference::read(&path) else { return };
-    let grid = Grid::parse(&["V=1,2".to_owned()]).expect("a grid");
+    let Ok(reference) = ReferenceTable::read(&path) else { return };
+    let grid = CaseGrid::parse(&["V=1,2".to_owned()]).expect("a grid");
     let quantities = [Quantity::parse("final(U2@REF)").expect("a quantity")];
     let _ = sweep::comparable(&grid, &path, &reference);
     let parameters = vec![vec!["1".to_owned()], vec!["2".to_owned()]];
-    let results = sweep::Results { parameters, values: vec![Ok(vec![3.0]), Ok(vec![4.0])], doubts: Vec::new() };
+    let results = sweep::SweepResults { parameters, values: vec![Ok(vec![3.0]), Ok(vec![4.0])], warnings: Vec::new() };
     let table = sweep::table(&grid, &quantities, &results, Some(&reference)).table;
     for line in table.csv().lines() {
         assert_eq!(csv::fields(line).len(), table.header.len(), "{line}");

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use revolve::job;
-use revolve::output::Job;
+use revolve::output::JobFiles;
 use revolve::report;
 use revolve::user::Routines;
 
@@ -18,7 +18,7 @@ fn folder() -> &'static PathBuf {
         let deck = include_str!("../../../input/taylor_copper.inp").replace("80.e-6", "1.e-6");
         let few = [("nr".to_owned(), "2".to_owned()), ("nz".to_owned(), "4".to_owned())];
         let prepared = job::prepare_text("fuzz.inp", &deck, &few, &Routines::none());
-        let job = Job { folder: folder.clone(), name: "job".into() };
+        let job = JobFiles { folder: folder.clone(), name: "job".into() };
         job::run_to_files(&prepared, &job, &mut |_| {}).expect("files");
         // A few frames will do.
         for entry in std::fs::read_dir(&folder).expect("a folder").flatten() {

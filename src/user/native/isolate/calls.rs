@@ -1,18 +1,17 @@
-//! Arguments of calls as messages: one list of fields for writing and reading.
-//! Never here: answers, processes.
+//! Arguments of calls as messages: one list of fields defines both writing and reading.
 
 use super::super::{HardeningCall, LengthCall, LoadPoints, MaterialCall, MotionCall};
-use super::message::{Field, Reader, Writer, get, put};
+use super::message::{MessageField, MessageReader, MessageWriter, get, put};
 
-/// Calls whose fields are all sent.
+/// Implements messages for calls of which all fields are sent.
 macro_rules! calls {
     ($($call:ident { $($field:ident),* })*) => {$(
-        impl<'m> Field<'m> for $call<'m> {
-            fn put(&self, to: &mut Writer<'_>) {
+        impl<'m> MessageField<'m> for $call<'m> {
+            fn put(&self, to: &mut MessageWriter<'_>) {
                 put!(to; $(self.$field),*);
             }
 
-            fn get(from: &mut Reader<'m>) -> Self {
+            fn get(from: &mut MessageReader<'m>) -> Self {
                 get!(from; $($field),*);
                 $call { $($field),* }
             }
@@ -34,15 +33,15 @@ calls! {
     }
 }
 
-impl<'m> Field<'m> for LoadPoints<'m> {
-    fn put(&self, to: &mut Writer<'_>) {
+impl<'m> MessageField<'m> for LoadPoints<'m> {
+    fn put(&self, to: &mut MessageWriter<'_>) {
         put!(to; self.surface, self.load_type, self.now, self.amplitude, self.magnitude, self.r.len());
         put!(to; self.coordinates, self.motion, self.directions);
     }
 
-    fn get(from: &mut Reader<'m>) -> Self {
+    fn get(from: &mut MessageReader<'m>) -> Self {
         get!(from; surface, load_type, now, amplitude, magnitude, n);
-        let [coordinates, motion, directions]: [&[f64]; 3] = Field::get(from);
+        let [coordinates, motion, directions]: [&[f64]; 3] = MessageField::get(from);
         LoadPoints {
             surface,
             load_type,
@@ -53,7 +52,7 @@ impl<'m> Field<'m> for LoadPoints<'m> {
             z: &coordinates[n..2 * n],
             velocity_r: &motion[..n],
             velocity_z: &motion[n..2 * n],
-            // A compiled routine has them in `directions`.
+            // Compiled subroutines read normals from `directions`.
             normal_r: &directions[..n],
             normal_z: &directions[2 * n..3 * n],
             coordinates,

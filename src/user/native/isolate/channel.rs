@@ -1,5 +1,4 @@
-//! The connection from the run to the process of the routines.
-//! Never here: calls, the other process.
+//! The connection from the run to the process of the user subroutines.
 #![allow(unsafe_code)]
 
 use std::io::{self, Write as _};
@@ -10,64 +9,64 @@ use super::super::host::{self, RoutineMessage};
 use super::super::{PersistentMemory, Routines, SavedMemory};
 use super::child;
 use super::opening::{receive, send};
-use super::shared_memory::{LEAVE, REQUEST, SharedMemory, Side};
+use super::shared_memory::{LEAVE, ProcessSide, REQUEST, SharedMemory};
 use crate::deck::Diagnostic;
-use crate::state::archive::{Archive, Persist, UnfitState};
+use crate::state::archive::{Persist, StateArchive, UnfitState};
 
-/// The connection to the process of the routines.
-pub struct Channel {
-    /// Memory shared by both.
+/// The connection to the process of the user subroutines.
+pub struct RoutineChannel {
+    /// Memory shared by both processes.
     pub memory: SharedMemory,
     stream: Mutex<UnixStream>,
     process: i32,
-    /// Exit status of the process, once it has ended.
+    /// Exit status of the process after its end.
     ended: Mutex<Option<i32>>,
 }
 
-impl Channel {
-    /// Forks the process.
+impl RoutineChannel {
+    /// Forks the process of the user subroutines.
     ///
     /// # Errors
-    /// That of the system, or that this process has threads.
-    pub fn make(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> io::Result<Channel> {
+    /// Errors of the system; an error if this process already has other threads.
+    pub fn make(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> io::Result<RoutineChannel> {
         if std::fs::read_dir("/proc/self/task")?.count() > 1 {
-            return Err(io::Error::other("this one has threads already"));
+            return Err(io::Error::other("this process already has other threads"));
         }
         let memory = SharedMemory::new()?;
         let (here, there) = UnixStream::pair()?;
         io::stdout().flush()?;
-        // SAFETY: this process has one thread, so that its copy is as whole as it is itself.
+        // SAFETY: this process has one thread, so its copy is complete.
         let (run, process) = unsafe { (libc::getpid(), libc::fork()) };
         match process {
             0 => {
                 drop(here);
                 child::live(memory, there, run, open)
             }
-            1.. => Ok(Channel { memory, stream: Mutex::new(here), process, ended: Mutex::new(None) }),
+            1.. => Ok(RoutineChannel { memory, stream: Mutex::new(here), process, ended: Mutex::new(None) }),
             _ => Err(io::Error::last_os_error()),
         }
     }
 
-    /// The stream for requests.
+    /// Returns the stream for requests.
     pub fn stream(&self) -> MutexGuard<'_, UnixStream> {
         self.stream.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether the process is running.
+    /// Returns whether the process is running.
     fn is_there(&self) -> bool {
         let mut ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
         let mut status = 0;
-        // SAFETY: asks after a child of this process that nobody else asks after.
+        // SAFETY: a child of this process for which nothing else waits.
         if ended.is_none() && unsafe { libc::waitpid(self.process, &raw mut status, libc::WNOHANG) } != 0 {
             *ended = Some(status);
         }
         ended.is_none()
     }
 
-    /// Why the process does not answer.
-    pub fn last_words(&self) -> String {
-        let gone = std::iter::repeat_with(|| self.is_there()).take(200);
-        for there in gone {
+    /// Returns the reason why the process does not answer.
+    pub fn failure_reason(&self) -> String {
+        let checks = std::iter::repeat_with(|| self.is_there()).take(200);
+        for there in checks {
             if !there {
                 break;
             }
@@ -84,65 +83,65 @@ impl Channel {
         }
     }
 
-    /// Hands the turn over and waits for its return; `None` if the process has ended.
+    /// Hands over the turn and waits for its return; `None` if the process has ended.
     pub fn turn(&self) -> Option<()> {
-        self.memory.hand_to(Side::Routines);
-        self.memory.wait(Side::Caller, || self.is_there()).then_some(())
+        self.memory.hand_to(ProcessSide::Routines);
+        self.memory.wait(ProcessSide::Caller, || self.is_there()).then_some(())
     }
 
     /// Sends a request and waits for the answer.
-    fn ask<T: Persist + Default>(&self, what: u8, value: &mut impl Persist) -> Option<T> {
+    fn request<T: Persist + Default>(&self, what: u8, value: &mut impl Persist) -> Option<T> {
         if !self.is_there() {
             return None;
         }
         let mut stream = self.stream();
         self.memory.with(|exchange| exchange.purpose = REQUEST);
-        self.memory.hand_to(Side::Routines);
+        self.memory.hand_to(ProcessSide::Routines);
         send(&mut stream, what, value)?;
         let (_, bytes) = receive(&mut stream)?;
-        self.memory.wait(Side::Caller, || self.is_there()).then_some(())?;
+        self.memory.wait(ProcessSide::Caller, || self.is_there()).then_some(())?;
         let mut answer = T::default();
-        answer.persist(&mut Archive::reader(&bytes));
+        answer.persist(&mut StateArchive::reader(&bytes));
         Some(answer)
     }
 }
 
-impl Drop for Channel {
-    /// Tells the process to end.
+impl Drop for RoutineChannel {
+    /// Ends the process.
     fn drop(&mut self) {
         if self.is_there() {
             self.memory.with(|exchange| exchange.purpose = LEAVE);
-            self.memory.hand_to(Side::Routines);
+            self.memory.hand_to(ProcessSide::Routines);
         }
     }
 }
 
-impl PersistentMemory for Channel {
+impl PersistentMemory for RoutineChannel {
     fn begin(&self) {
         let mut job = host::with_job(Clone::clone);
-        let _: Option<()> = self.ask(child::BEGIN, &mut job);
+        let _: Option<()> = self.request(child::BEGIN, &mut job);
     }
 
     fn end(&self) {
-        let messages: Vec<RoutineMessage> = self.ask(child::END, &mut ()).unwrap_or_default();
+        let messages: Vec<RoutineMessage> = self.request(child::END, &mut ()).unwrap_or_default();
         host::add_messages(messages);
     }
 
-    fn keep(&self) -> SavedMemory {
-        match self.ask::<(SavedMemory, Vec<RoutineMessage>)>(child::KEEP, &mut ()) {
+    fn save(&self) -> SavedMemory {
+        match self.request::<(SavedMemory, Vec<RoutineMessage>)>(child::KEEP, &mut ()) {
             Some((kept, messages)) => {
                 host::add_messages(messages);
                 kept
             }
-            None => SavedMemory::nothing("the process of the routines is gone"),
+            None => SavedMemory::not_saved("the process of the user subroutines has ended"),
         }
     }
 
-    fn take_up(&self, kept: &SavedMemory) -> Result<(), UnfitState> {
-        match self.ask::<Option<String>>(child::TAKE_UP, &mut kept.clone()) {
+    fn restore(&self, kept: &SavedMemory) -> Result<(), UnfitState> {
+        match self.request::<Option<String>>(child::TAKE_UP, &mut kept.clone()) {
             Some(None) => Ok(()),
             Some(Some(reason)) => Err(UnfitState { reason }),
-            None => Err(UnfitState { reason: "the process of the routines is gone".into() }),
+            None => Err(UnfitState { reason: "the process of the user subroutines has ended".into() }),
         }
     }
 }

@@ -1,5 +1,4 @@
-//! The process of the routines: opens them, answers calls and requests.
-//! Never here: the run.
+//! The process of the user subroutines: opens the libraries, answers calls and requests.
 #![allow(unsafe_code)]
 
 use std::os::unix::net::UnixStream;
@@ -7,32 +6,32 @@ use std::os::unix::net::UnixStream;
 use super::super::host::{self, JobInfo};
 use super::super::{Routines, SavedMemory, call, guard};
 use super::opening::{OpeningReport, receive, send};
-use super::server::Server;
-use super::shared_memory::{Purpose, REQUEST, SharedMemory, Side};
+use super::server::RoutineServer;
+use super::shared_memory::{ProcessSide, REQUEST, SharedMemory, TurnPurpose};
 use crate::deck::Diagnostic;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::{Persist, StateArchive};
 
-/// Requests over the stream: a run begins, with its job;
+/// Request over the stream: a run begins; with the data of its job.
 pub const BEGIN: u8 = 1;
-/// save the memory, and return it with the messages so far;
+/// Request: save the memory, and return it with the messages so far.
 pub const KEEP: u8 = 2;
-/// restore a saved memory;
+/// Request: restore a saved memory.
 pub const TAKE_UP: u8 = 3;
-/// the run is over, return the messages since.
+/// Request: the run has ended; return the remaining messages.
 pub const END: u8 = 4;
 
-/// Stack of the routines, bytes: as the run's own threads have it.
+/// Stack size for the user subroutines in bytes, equal to that of the run's threads.
 const STACK: usize = 64 << 20;
 
-/// Runs the forked process until it ends.
+/// Runs the forked process until its end.
 pub fn live(
     memory: SharedMemory,
     stream: UnixStream,
     run: i32,
     open: impl FnOnce() -> Result<Routines, Diagnostic> + Send,
 ) -> ! {
-    // SAFETY: signals that end a run in order come to all processes of a terminal; the run decides when this one goes, and
-    // takes it along wherever it ends.
+    // SAFETY: signals that end a run in order reach all processes of a terminal. The run decides when this process
+    // ends, and takes it along when it ends itself.
     unsafe {
         libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
         libc::signal(libc::SIGINT, libc::SIG_IGN);
@@ -48,7 +47,7 @@ pub fn live(
 }
 
 fn is_child_of(run: i32) -> bool {
-    // SAFETY: asks the system.
+    // SAFETY: a system call without side effects.
     unsafe { libc::getppid() == run }
 }
 
@@ -61,16 +60,16 @@ fn serve(
     let opened = open();
     send(&mut stream, 0, &mut serde_json::to_string(&OpeningReport::of(&opened)).ok()?)?;
     let routines = opened.ok()?;
-    let mut held = routines.lock();
-    let mut server = Server::default();
-    while memory.wait(Side::Routines, || is_child_of(run)) {
+    let mut locked = routines.lock();
+    let mut server = RoutineServer::default();
+    while memory.wait(ProcessSide::Routines, || is_child_of(run)) {
         let turn = memory.with(|exchange| exchange.purpose);
-        match Purpose::of(turn) {
-            Some(purpose) => memory.with(|exchange| server.answer(purpose, exchange, &mut held)),
+        match TurnPurpose::of(turn) {
+            Some(purpose) => memory.with(|exchange| server.answer(purpose, exchange, &mut locked)),
             None if turn == REQUEST => answer_request(&mut stream, &routines)?,
             None => return Some(()),
         }
-        memory.hand_to(Side::Caller);
+        memory.hand_to(ProcessSide::Caller);
     }
     None
 }
@@ -82,16 +81,16 @@ fn answer_request(stream: &mut UnixStream, routines: &Routines) -> Option<()> {
     match what {
         BEGIN => {
             let mut job = JobInfo::default();
-            job.persist(&mut Archive::reader(&bytes));
-            host::announce(job);
+            job.persist(&mut StateArchive::reader(&bytes));
+            host::begin_job(job);
             memory.begin();
             send(stream, 0, &mut ())
         }
-        KEEP => send(stream, 0, &mut (memory.keep(), host::take_messages())),
+        KEEP => send(stream, 0, &mut (memory.save(), host::take_messages())),
         TAKE_UP => {
             let mut kept = SavedMemory::default();
-            kept.persist(&mut Archive::reader(&bytes));
-            send(stream, 0, &mut memory.take_up(&kept).err().map(|why| why.reason))
+            kept.persist(&mut StateArchive::reader(&bytes));
+            send(stream, 0, &mut memory.restore(&kept).err().map(|why| why.reason))
         }
         _ => {
             memory.end();

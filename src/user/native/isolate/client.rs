@@ -1,5 +1,5 @@
-//! The routines as the run calls them: each call writes its arguments, hands the turn over, and takes the answer.
-//! Never here: processes, the other side of the calls (`server`).
+//! User subroutines in another process, as implementations of the traits of `user`: each call writes its arguments,
+//! hands over the turn, and reads the results. The other side is in `server`.
 
 use std::sync::Arc;
 
@@ -8,27 +8,27 @@ use super::super::{
     LoadPoints, MaterialAnswer, MaterialCall, MotionCall, RunAction, UserAmplitude, UserEvents, UserHardening,
     UserLengths, UserLoad, UserMaterial, UserMotion,
 };
-use super::channel::Channel;
-use super::message::{Field as _, Writer, put};
-use super::shared_memory::Purpose;
+use super::channel::RoutineChannel;
+use super::message::{MessageField as _, MessageWriter, put};
+use super::shared_memory::TurnPurpose;
 use crate::state::Instant;
 
-/// A routine on the other side of the channel.
-pub struct Client {
-    channel: Arc<Channel>,
+/// A user subroutine on the other side of the channel.
+pub struct RoutineClient {
+    channel: Arc<RoutineChannel>,
 }
 
-impl Client {
-    /// A client of any routine.
-    pub fn new(channel: &Arc<Channel>) -> Client {
-        Client { channel: Arc::clone(channel) }
+impl RoutineClient {
+    /// Creates a client, which can call any subroutine.
+    pub fn new(channel: &Arc<RoutineChannel>) -> RoutineClient {
+        RoutineClient { channel: Arc::clone(channel) }
     }
 
-    /// Calls a routine with its arguments and the lists of its answer, which it changes.
+    /// Calls a subroutine with its arguments and the lists of its results, which it overwrites.
     fn call<const N: usize>(
         &self,
-        purpose: Purpose,
-        write: impl FnOnce(&mut Writer<'_>),
+        purpose: TurnPurpose,
+        write: impl FnOnce(&mut MessageWriter<'_>),
         answer: [&mut [f64]; N],
     ) -> Result<(), LoadFailure> {
         let memory = &self.channel.memory;
@@ -40,7 +40,7 @@ impl Client {
             to.end()
         })?;
         if self.channel.turn().is_none() {
-            return Err(LoadFailure::new(format!("{} {}", purpose.routine(), self.channel.last_words())));
+            return Err(LoadFailure::new(format!("{} {}", purpose.routine(), self.channel.failure_reason())));
         }
         memory.with(|exchange| {
             if !exchange.failure.is_empty() {
@@ -54,9 +54,9 @@ impl Client {
     }
 }
 
-impl UserLoad for Client {
+impl UserLoad for RoutineClient {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
-        self.call(Purpose::Load, |to| points.put(to), [pressure])
+        self.call(TurnPurpose::Load, |to| points.put(to), [pressure])
     }
 
     fn reads_motion(&self) -> bool {
@@ -64,16 +64,16 @@ impl UserLoad for Client {
     }
 }
 
-impl UserAmplitude for Client {
+impl UserAmplitude for RoutineClient {
     fn amplitude(&mut self, call: &mut AmplitudeCall<'_>) -> Result<AmplitudeAnswer, LoadFailure> {
         let mut answer = [0.0; 5];
         let AmplitudeCall { name, now, begins, increment, old, properties, variables, sensor_names, sensor_values } =
             call;
-        let write = |to: &mut Writer<'_>| {
+        let write = |to: &mut MessageWriter<'_>| {
             put!(to; *name, *now, *begins, *increment, *old, *properties, *sensor_values, sensor_names.len());
             sensor_names.iter().for_each(|name| name.as_str().put(to));
         };
-        self.call(Purpose::Amplitude, write, [variables, &mut answer])?;
+        self.call(TurnPurpose::Amplitude, write, [variables, &mut answer])?;
         let [value, derivative, gives, stop, conclude] = answer;
         Ok(AmplitudeAnswer {
             value,
@@ -84,38 +84,38 @@ impl UserAmplitude for Client {
     }
 }
 
-impl UserMotion for Client {
+impl UserMotion for RoutineClient {
     fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure> {
         let mut value = [f64::NAN];
-        self.call(Purpose::Motion, |to| call.put(to), [&mut value])?;
+        self.call(TurnPurpose::Motion, |to| call.put(to), [&mut value])?;
         Ok(value[0])
     }
 }
 
-impl UserMaterial for Client {
+impl UserMaterial for RoutineClient {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
         let MaterialAnswer { stress, state, internal, inelastic } = answer;
-        self.call(Purpose::Material, |to| call.put(to), [stress, state, internal, inelastic])
+        self.call(TurnPurpose::Material, |to| call.put(to), [stress, state, internal, inelastic])
     }
 }
 
-impl UserHardening for Client {
+impl UserHardening for RoutineClient {
     fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure> {
         let HardeningAnswer { stress, by_temperature, slopes, state } = answer;
-        self.call(Purpose::Hardening, |to| call.put(to), [stress, by_temperature, slopes, state])
+        self.call(TurnPurpose::Hardening, |to| call.put(to), [stress, by_temperature, slopes, state])
     }
 }
 
-impl UserLengths for Client {
+impl UserLengths for RoutineClient {
     fn lengths(&mut self, call: &LengthCall<'_>, lengths: &mut [f64]) -> Result<(), LoadFailure> {
-        self.call(Purpose::Lengths, |to| call.put(to), [lengths])
+        self.call(TurnPurpose::Lengths, |to| call.put(to), [lengths])
     }
 }
 
-impl UserEvents for Client {
+impl UserEvents for RoutineClient {
     fn moment(&mut self, moment: AnalysisMoment, now: &Instant, increment: f64) -> Result<RunAction, LoadFailure> {
         let mut answer = [0.0];
-        self.call(Purpose::Moment, |to| put!(to; moment as usize, *now, increment), [&mut answer])?;
+        self.call(TurnPurpose::Moment, |to| put!(to; moment as usize, *now, increment), [&mut answer])?;
         Ok(match answer {
             [1.0] => RunAction::EndStep,
             [2.0] => RunAction::EndAnalysis,
@@ -124,7 +124,7 @@ impl UserEvents for Client {
     }
 
     fn restart_follows(&mut self) {
-        // If the process is gone, the next call says so.
-        let _ = self.call(Purpose::RestartFollows, |_| (), []);
+        // If the process has ended, the next call reports it.
+        let _ = self.call(TurnPurpose::RestartFollows, |_| (), []);
     }
 }

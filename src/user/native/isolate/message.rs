@@ -1,77 +1,76 @@
-//! A call in shared memory: numbers, and lists one after the other, each from a cache line on. Written in the order in which
-//! they are read.
-//! Never here: whose turn it is, what a call means.
+//! A call in shared memory: numbers, and lists that each start at a cache line. Values are read in the order in which
+//! they were written.
 #![allow(unsafe_code)]
 
 use super::super::LoadFailure;
 use crate::state::Instant;
 
-/// Largest count of numbers, of lists, and of words of 8 bytes in all lists of a call.
+/// Largest number of scalars, of lists, and of 8-byte words in all lists of a call.
 const NUMBERS: usize = 32;
 const LISTS: usize = 32;
-const ROOM: usize = 1 << 21;
-/// Numbers of a cache line.
+const WORDS: usize = 1 << 21;
+/// Number of 8-byte words per cache line.
 const LINE: usize = 8;
-/// Guard after each list of an answer during a call: a NaN that no arithmetic makes.
+/// Guard value after each result list during a call: a NaN that no arithmetic produces.
 const GUARD: u64 = 0x7ff4_dead_beef_0001;
 
-/// A call, or its answer.
+/// Arguments or results of a call.
 #[repr(C, align(64))]
-pub struct Message {
+pub struct CallMessage {
     numbers: [f64; NUMBERS],
-    /// Bytes of each list.
+    /// Size of each list in bytes.
     lengths: [u32; LISTS],
-    room: [f64; ROOM],
+    data: [f64; WORDS],
 }
 
-/// Writes a call.
-pub struct Writer<'t> {
-    message: &'t mut Message,
+/// Writes values to a message.
+pub struct MessageWriter<'t> {
+    message: &'t mut CallMessage,
     number: usize,
     list: usize,
     at: usize,
     full: bool,
 }
 
-/// Reads a call.
-pub struct Reader<'t> {
-    message: &'t Message,
+/// Reads values from a message.
+pub struct MessageReader<'t> {
+    message: &'t CallMessage,
     number: usize,
     list: usize,
     at: usize,
 }
 
-/// Values of lists.
+/// Types that lists may contain.
 ///
 /// # Safety
-/// Any bits are a value, there is no padding, and the alignment is not above that of a number.
-pub unsafe trait Plain: Copy {}
-// SAFETY: numbers.
-unsafe impl Plain for f64 {}
-// SAFETY: numbers.
-unsafe impl Plain for i32 {}
-// SAFETY: numbers.
-unsafe impl Plain for u8 {}
+/// Every bit pattern is a valid value, there is no padding, and the alignment is at most that of an f64.
+pub unsafe trait PlainValue: Copy {}
+// SAFETY: a number type.
+unsafe impl PlainValue for f64 {}
+// SAFETY: a number type.
+unsafe impl PlainValue for i32 {}
+// SAFETY: a number type.
+unsafe impl PlainValue for u8 {}
 
-/// Start of the list after one of `numbers` words.
-fn behind(at: usize, numbers: usize) -> usize {
+/// Returns the start of the list that follows one of `numbers` words.
+fn next_list_start(at: usize, numbers: usize) -> usize {
     (at + numbers).next_multiple_of(LINE)
 }
 
-impl Message {
-    /// A writer from the start.
-    pub fn write(&mut self) -> Writer<'_> {
-        Writer { message: self, number: 0, list: 0, at: 0, full: false }
+impl CallMessage {
+    /// Returns a writer at the start of the message.
+    pub fn write(&mut self) -> MessageWriter<'_> {
+        MessageWriter { message: self, number: 0, list: 0, at: 0, full: false }
     }
 
-    /// A reader from the start.
-    pub fn read(&self) -> Reader<'_> {
-        Reader { message: self, number: 0, list: 0, at: 0 }
+    /// Returns a reader at the start of the message.
+    pub fn read(&self) -> MessageReader<'_> {
+        MessageReader { message: self, number: 0, list: 0, at: 0 }
     }
 }
 
-impl Writer<'_> {
-    /// A number.
+impl MessageWriter<'_> {
+    /// Writes a number.
     pub fn number(&mut self, value: f64) {
         match self.message.numbers.get_mut(self.number) {
             Some(place) => *place = value,
@@ -80,12 +79,13 @@ impl Writer<'_> {
         self.number += 1;
     }
 
-    /// A list. Cache lines that are equal already stay as they are, which may be in the cache of the other process.
-    pub fn list<T: Plain>(&mut self, values: &[T]) {
-        // SAFETY: plain values are bytes without gaps.
+    /// Writes a list. Cache lines that are already equal are not written, because they may be in the cache of the other
+    /// process.
+    pub fn list<T: PlainValue>(&mut self, values: &[T]) {
+        // SAFETY: plain values have no padding bytes.
         let from = unsafe { values.align_to::<u8>() }.1;
         let words = from.len().div_ceil(size_of::<f64>());
-        let place = self.message.room.get_mut(self.at..self.at + words);
+        let place = self.message.data.get_mut(self.at..self.at + words);
         let (Some(place), Some(length)) = (place, self.message.lengths.get_mut(self.list)) else {
             self.full = true;
             return;
@@ -105,38 +105,38 @@ impl Writer<'_> {
             last.copy_from_slice(rest);
         }
         self.list += 1;
-        self.at = behind(self.at, words);
+        self.at = next_list_start(self.at, words);
     }
 
-    /// Ends the call.
+    /// Ends the message.
     ///
     /// # Errors
-    /// If the call exceeds the shared memory.
+    /// If the values exceed the shared memory.
     pub fn end(self) -> Result<(), LoadFailure> {
-        let words = || format!("its arguments take more than the {} MB that two processes share", ROOM >> 17);
-        if self.full { Err(LoadFailure::new(words())) } else { Ok(()) }
+        let reason = || format!("its arguments exceed the {} MB of memory that two processes share", WORDS >> 17);
+        if self.full { Err(LoadFailure::new(reason())) } else { Ok(()) }
     }
 }
 
-impl<'t> Reader<'t> {
-    /// A number.
+impl<'t> MessageReader<'t> {
+    /// Reads a number.
     pub fn number(&mut self) -> f64 {
         self.number += 1;
         self.message.numbers.get(self.number - 1).copied().unwrap_or_default()
     }
 
-    /// A list.
-    pub fn list<T: Plain>(&mut self) -> &'t [T] {
+    /// Reads a list.
+    pub fn list<T: PlainValue>(&mut self) -> &'t [T] {
         let bytes = self.message.lengths.get(self.list).map_or(0, |bytes| *bytes as usize);
         let words = bytes.div_ceil(size_of::<f64>());
-        let place = self.message.room.get(self.at..self.at + words).unwrap_or_default();
+        let place = self.message.data.get(self.at..self.at + words).unwrap_or_default();
         self.list += 1;
-        self.at = behind(self.at, words);
-        // SAFETY: any bits are plain values, which are no further apart than numbers.
+        self.at = next_list_start(self.at, words);
+        // SAFETY: every bit pattern is a plain value, and the alignment is at most that of an f64.
         unsafe { place.align_to::<T>() }.1.get(..bytes / size_of::<T>()).unwrap_or_default()
     }
 
-    /// Copies a list.
+    /// Reads a list into `to`.
     pub fn take(&mut self, to: &mut [f64]) {
         let from = self.list();
         let count = from.len().min(to.len());
@@ -144,33 +144,33 @@ impl<'t> Reader<'t> {
     }
 }
 
-/// A value in a message, read in the order of writing.
-pub trait Field<'m>: Sized {
-    fn put(&self, to: &mut Writer<'_>);
-    fn get(from: &mut Reader<'m>) -> Self;
+/// A value that can be written to and read from a message.
+pub trait MessageField<'m>: Sized {
+    fn put(&self, to: &mut MessageWriter<'_>);
+    fn get(from: &mut MessageReader<'m>) -> Self;
 }
 
-/// Writes values one after the other.
+/// Writes several values.
 macro_rules! put {
-    ($to:expr; $($value:expr),*) => {{ $($crate::user::native::isolate::message::Field::put(&$value, $to);)* }};
+    ($to:expr; $($value:expr),*) => {{ $($crate::user::native::isolate::message::MessageField::put(&$value, $to);)* }};
 }
 
-/// Reads variables in the same order.
+/// Reads several variables in the order of writing.
 macro_rules! get {
-    ($from:expr; $($name:ident),*) => { $(let $name = $crate::user::native::isolate::message::Field::get($from);)* };
+    ($from:expr; $($name:ident),*) => { $(let $name = $crate::user::native::isolate::message::MessageField::get($from);)* };
 }
 pub(super) use {get, put};
 
-/// Types of fields, with how they are written and read.
+/// Implements [`MessageField`] for types, with their writing and reading.
 macro_rules! fields {
     ($($type:ty: |$value:ident, $to:ident| $put:expr, |$from:ident| $get:expr;)*) => {$(
-        impl<'m> Field<'m> for $type {
-            fn put(&self, $to: &mut Writer<'_>) {
+        impl<'m> MessageField<'m> for $type {
+            fn put(&self, $to: &mut MessageWriter<'_>) {
                 let $value = *self;
                 $put
             }
 
-            fn get($from: &mut Reader<'m>) -> Self {
+            fn get($from: &mut MessageReader<'m>) -> Self {
                 $get
             }
         }
@@ -195,47 +195,48 @@ fields! {
     };
 }
 
-impl<'m, T: Field<'m>, const N: usize> Field<'m> for [T; N] {
-    fn put(&self, to: &mut Writer<'_>) {
+impl<'m, T: MessageField<'m>, const N: usize> MessageField<'m> for [T; N] {
+    fn put(&self, to: &mut MessageWriter<'_>) {
         self.iter().for_each(|value| value.put(to));
     }
 
-    fn get(from: &mut Reader<'m>) -> Self {
+    fn get(from: &mut MessageReader<'m>) -> Self {
         std::array::from_fn(|_| T::get(from))
     }
 }
 
-/// Lists that a routine writes into, with guards behind them: writing past the end of one does no harm, and is detected.
+/// Buffers for the result lists of a subroutine, each followed by guard values: writing past the end of a list is
+/// detected and does no damage.
 #[derive(Default)]
-pub struct Answers {
-    room: Vec<f64>,
+pub struct AnswerLists {
+    data: Vec<f64>,
     lengths: Vec<usize>,
 }
 
-impl Answers {
-    /// The lists of a message, as they were before the call.
-    pub fn take<const N: usize>(&mut self, from: &mut Reader<'_>) -> [&mut [f64]; N] {
-        let before: [&[f64]; N] = Field::get(from);
+impl AnswerLists {
+    /// Returns the buffers, filled with the lists of a message.
+    pub fn take<const N: usize>(&mut self, from: &mut MessageReader<'_>) -> [&mut [f64]; N] {
+        let before: [&[f64]; N] = MessageField::get(from);
         self.lengths.clear();
         self.lengths.extend(before.iter().map(|list| list.len()));
         let all: usize = self.lengths.iter().map(|length| length + LINE).sum();
-        self.room.resize(self.room.len().max(all), 0.0);
-        let mut rest = &mut self.room[..all];
+        self.data.resize(self.data.len().max(all), 0.0);
+        let mut rest = &mut self.data[..all];
         before.map(|before| {
-            let (list, behind) = std::mem::take(&mut rest).split_at_mut(before.len());
-            let (guard, behind) = behind.split_at_mut(LINE);
+            let (list, after) = std::mem::take(&mut rest).split_at_mut(before.len());
+            let (guard, after) = after.split_at_mut(LINE);
             list.copy_from_slice(before);
             guard.fill(f64::from_bits(GUARD));
-            rest = behind;
+            rest = after;
             list
         })
     }
 
-    /// Writes all lists; returns the index of the first that was exceeded.
-    pub fn write(&self, writer: &mut Writer<'_>) -> Option<usize> {
+    /// Writes all lists; returns the index of the first list that was exceeded.
+    pub fn write(&self, writer: &mut MessageWriter<'_>) -> Option<usize> {
         let (mut at, mut overrun) = (0, None);
         for (place, length) in self.lengths.iter().enumerate() {
-            let (list, guard) = (&self.room[at..at + length], &self.room[at + length..at + length + LINE]);
+            let (list, guard) = (&self.data[at..at + length], &self.data[at + length..at + length + LINE]);
             if guard.iter().any(|number| number.to_bits() != GUARD) {
                 overrun.get_or_insert(place);
             }
@@ -248,11 +249,11 @@ impl Answers {
 
 #[cfg(test)]
 mod tests {
-    use super::{Answers, Field as _, Message, ROOM};
+    use super::{AnswerLists, CallMessage, MessageField as _, WORDS};
     use crate::state::Instant;
 
-    fn message() -> Box<Message> {
-        // SAFETY: zeros are such memory.
+    fn message() -> Box<CallMessage> {
+        // SAFETY: zeros are a valid message.
         unsafe { Box::new_zeroed().assume_init() }
     }
 
@@ -288,25 +289,25 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_room_is_told() {
+    fn oversized_messages_are_reported() {
         let mut message = message();
         let mut writer = message.write();
-        writer.list(&vec![1.0; ROOM]);
+        writer.list(&vec![1.0; WORDS]);
         writer.list(&[1.0]);
-        let told = writer.end().expect_err("no room").reason;
-        assert!(told.contains("16 MB"), "{told}");
+        let reason = writer.end().expect_err("too large").reason;
+        assert!(reason.contains("16 MB"), "{reason}");
     }
 
     #[test]
-    fn what_is_written_past_a_list_is_noticed() {
-        let (mut call, mut message, mut answers) = (message(), message(), Answers::default());
+    fn writing_past_a_list_is_detected() {
+        let (mut call, mut message, mut answers) = (message(), message(), AnswerLists::default());
         let mut writer = call.write();
         writer.list(&[0.0; 3]);
         writer.list(&[0.0; 2]);
         let [a, b] = answers.take(&mut call.read());
         (a[0], b[1]) = (1.0, 2.0);
         assert_eq!(answers.write(&mut message.write()), None);
-        answers.room[3 + 8 + 2] = f64::NAN;
+        answers.data[3 + 8 + 2] = f64::NAN;
         assert_eq!(answers.write(&mut message.write()), Some(1));
         let mut reader = message.read();
         assert_eq!((reader.list::<f64>()[0], reader.list::<f64>()[1]), (1.0, 2.0));

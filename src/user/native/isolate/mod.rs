@@ -1,6 +1,5 @@
-//! Routines in a process of their own, whose crashes and memory errors do not affect the run. Calls go through memory that both
-//! processes share; results have the same bits as without isolation.
-//! Never here: compiling, opening libraries.
+//! User subroutines in a separate process, so that their crashes and memory errors do not affect the run. Calls go
+//! through memory that both processes share; results have the same bits as without isolation.
 
 mod calls;
 mod channel;
@@ -16,33 +15,37 @@ use std::sync::Arc;
 
 use super::{Routines, library};
 use crate::deck::Diagnostic;
-use crate::state::archive::{Archive, Persist};
-use channel::Channel;
-use client::Client;
+use crate::state::archive::{Persist, StateArchive};
+use channel::RoutineChannel;
+use client::RoutineClient;
 use opening::{OpeningReport, receive};
 
-/// Opens routines in a process forked from this one, which must have no other threads yet.
+/// Opens user subroutines in a process forked from this one, which must not have other threads yet.
 ///
 /// # Errors
-/// Those of opening them here; U012 for routines that cannot be isolated.
+/// Errors of opening them in this process; U012 for subroutines that cannot be isolated.
 pub fn open(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> Result<Routines, Diagnostic> {
-    let failed = |why: io::Error| Diagnostic::error("U012", format!("no process can be made for the routines: {why}"));
-    let channel = Channel::make(open).map_err(failed)?;
+    let failed =
+        |why: io::Error| Diagnostic::error("U012", format!("cannot create a process for the user subroutines: {why}"));
+    let channel = RoutineChannel::make(open).map_err(failed)?;
     let received = receive(&mut channel.stream()).and_then(|(_, bytes)| {
         let mut text = String::new();
-        text.persist(&mut Archive::reader(&bytes));
+        text.persist(&mut StateArchive::reader(&bytes));
         serde_json::from_str::<OpeningReport>(&text).ok()
     });
     let Some(opening) = received else {
-        return Err(Diagnostic::error("U005", format!("the routines cannot be opened: {}", channel.last_words())));
+        return Err(Diagnostic::error(
+            "U005",
+            format!("the user subroutines cannot be opened: {}", channel.failure_reason()),
+        ));
     };
     if let Some(fault) = opening.refused() {
         return Err(fault);
     }
     if opening.routines.iter().any(|name| name == "vusdfld") {
-        let finding = Diagnostic::error("U012", "vusdfld cannot run in a process of its own");
+        let finding = Diagnostic::error("U012", "vusdfld cannot run in a separate process");
         return Err(
-            finding.help("it asks the run for what points hold: run without --isolate, or without that routine")
+            finding.help("it reads values of the run during its call: run without --isolate, or without vusdfld")
         );
     }
     let channel = Arc::new(channel);
@@ -53,7 +56,7 @@ pub fn open(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> Resul
         ..Routines::none()
     };
     for name in &opening.routines {
-        let client = Client::new(&channel);
+        let client = RoutineClient::new(&channel);
         routines = match name.as_str() {
             "vdload" => routines.with_load(client),
             "vuamp" => routines.with_amplitude(client),

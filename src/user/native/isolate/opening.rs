@@ -1,5 +1,4 @@
-//! Requests between the two processes as bytes, and the report about opening the routines.
-//! Never here: sending requests, answering them.
+//! Requests between the two processes as bytes, and the report about opening the libraries.
 
 use std::io::{Read as _, Write as _};
 use std::os::unix::net::UnixStream;
@@ -8,19 +7,19 @@ use serde::{Deserialize, Serialize};
 
 use super::super::{Routines, UncallableRoutine};
 use crate::deck::Diagnostic;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::{Persist, StateArchive};
 
-/// Sends a value after a number that identifies it; `None` if the other process has ended.
+/// Sends a number that identifies a request, and a value; `None` if the other process has ended.
 pub fn send(stream: &mut UnixStream, what: u8, value: &mut impl Persist) -> Option<()> {
     let mut bytes = vec![0; 9];
-    value.persist(&mut Archive::writer(&mut bytes));
+    value.persist(&mut StateArchive::writer(&mut bytes));
     bytes[0] = what;
     let length = bytes.len() - 9;
     bytes[1..9].copy_from_slice(&length.to_le_bytes());
     stream.write_all(&bytes).ok()
 }
 
-/// Receives a number and bytes; `None` if the other process has ended.
+/// Receives a number and the bytes of a value; `None` if the other process has ended.
 pub fn receive(stream: &mut UnixStream) -> Option<(u8, Vec<u8>)> {
     let mut head = [0; 9];
     stream.read_exact(&mut head).ok()?;
@@ -30,12 +29,12 @@ pub fn receive(stream: &mut UnixStream) -> Option<(u8, Vec<u8>)> {
     Some((what, bytes))
 }
 
-/// Result of opening the routines in their process.
+/// Result of opening the libraries in the separate process.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct OpeningReport {
-    /// Code, message and help if it failed.
+    /// Code, message and help of the error, if opening failed.
     pub fault: Option<[String; 3]>,
-    /// Routines that can be called.
+    /// Subroutines that can be called.
     pub routines: Vec<String>,
     /// As [`Routines::uncallable`].
     pub uncallable: Vec<UncallableRoutine>,
@@ -44,7 +43,7 @@ pub struct OpeningReport {
 }
 
 impl OpeningReport {
-    /// The report of a result.
+    /// Creates the report of a result.
     pub fn of(opened: &Result<Routines, Diagnostic>) -> OpeningReport {
         let routines = match opened {
             Ok(routines) => routines,
@@ -64,7 +63,7 @@ impl OpeningReport {
         }
     }
 
-    /// The error, if opening failed.
+    /// Returns the error, if opening failed.
     pub fn refused(&self) -> Option<Diagnostic> {
         let [code, message, help] = self.fault.as_ref()?;
         let code = super::super::codes::CODES.iter().map(|known| known.code).find(|known| known == code);
