@@ -1,8 +1,8 @@
 """mdBook preprocessor: converts $...$ and $$...$$ to MathML, so that pages need neither scripts nor the network.
 
-mdBook calls it (`[preprocessor.equations]` in book.toml). It requires the Python package latex2mathml. Code blocks, code
+mdBook calls it ([preprocessor.equations] in book.toml). It requires the Python package latex2mathml. Code blocks, code
 spans and escaped dollars are left alone. `\\tag{4.2}` in a displayed equation sets its number, at the right, and its
-anchor `#eq-4.2`.
+anchor `#eq-4.2`. Links to source files, which are not part of the book, become their paths.
 """
 
 import json
@@ -10,12 +10,14 @@ import os
 import re
 import sys
 
-# Fenced code, indented code, code spans and escaped dollars come first; then displayed and inline equations.
+# Fenced code, indented code, code spans and escaped dollars come first; then links to files of the repository, which is
+# not part of the book; then displayed and inline equations.
 PARTS = re.compile(
     r"^(?P<fence>`{3,}|~{3,})[^\n]*\n.*?^(?P=fence)[^\n]*$"
     r"|^(?: {4}|\t)[^\n]*$"
     r"|(?P<ticks>`+)(?!`).+?(?<!`)(?P=ticks)(?!`)"
     r"|\\\$"
+    r"|\[[^\[\]\n]*\]\((?:\.\./)+(?P<file>(?:src|tests|input|examples)/[^)\s]*)\)"
     r"|\$\$(?P<display>.+?)\$\$"
     r"|(?<![\w$])\$(?P<inline>[^\s$](?:[^$\n]*[^\s$\\])?)\$(?![\w$])",
     re.DOTALL | re.MULTILINE,
@@ -23,8 +25,12 @@ PARTS = re.compile(
 TAG = re.compile(r"\\tag\{([^}]*)\}")
 # Characters of text, not of tags, that Markdown would interpret.
 MARKUP = re.compile(r"[*_\[\]`\\|~'\"!-](?=[^<>]*(?:<|$))")
-# Browsers show no bold letters by attribute (MathML Core): the letters themselves are bold.
-BOLD = re.compile(r'<mi mathvariant="bold-italic">([\u03b1-\u03c9])</mi>')
+# Browsers do not set bold letters by the attribute (MathML Core), so bold characters take their place.
+BOLD = re.compile(r'<mi mathvariant="bold(?:-italic)?">([A-Za-z\u03b1-\u03c9])</mi>')
+# Spacing that TeX has and latex2mathml leaves to the browser: bars and slashes, and function names.
+CLOSE = re.compile(r"<mo>([|/])</mo>")
+FUNCTION = re.compile(r"(?<!<msup>)(?<!<msub>)<mi>(sin|cos|tan|ln|det|arctan)</mi>")
+ENTITY = re.compile(r"&#x([0-9A-Fa-f]+);")
 
 
 def converter():
@@ -44,15 +50,29 @@ def converter():
         )
 
 
+def bold(letter: str) -> str:
+    """Returns the bold character of a Latin or Greek letter."""
+    first, base = ("\u03b1", 0x1D736) if letter >= "\u03b1" else ("A", 0x1D400) if letter < "a" else ("a", 0x1D41A)
+    return chr(base + ord(letter) - ord(first))
+
+
 def mathml(convert, latex: str, display: str) -> str:
     """Returns an equation as MathML that the Markdown parser does not change."""
-    math = convert(latex.strip(), display=display).replace("\n", " ")
-    math = BOLD.sub(lambda found: f"<mi>{chr(0x1D736 + ord(found[1]) - 0x3B1)}</mi>", math)
+    try:
+        math = convert(latex.strip(), display=display).replace("\n", " ")
+    except Exception as error:  # The errors of latex2mathml have no common type.
+        raise ValueError(f"invalid equation `{latex.strip()}`: {type(error).__name__}") from error
+    math = ENTITY.sub(lambda found: found[0] if (c := chr(int(found[1], 16))) in "<>&" else c, math)
+    math = BOLD.sub(lambda found: f"<mi>{bold(found[1])}</mi>", math)
+    math = CLOSE.sub(r'<mo stretchy="false" lspace="0" rspace="0">\1</mo>', math)
+    math = FUNCTION.sub(r'<mi>\1</mi><mspace width="0.16em"/>', math)
     return MARKUP.sub(lambda found: f"&#{ord(found[0])};", math)
 
 
 def replacement(convert, found: re.Match) -> str:
     """Returns the replacement of a part of a page."""
+    if found["file"] is not None:
+        return f"`{found['file']}`"
     if found["inline"] is not None:
         return mathml(convert, found["inline"], "inline")
     if found["display"] is None:
@@ -70,8 +90,8 @@ def convert_chapter(convert, item: object) -> None:
         return
     try:
         chapter["content"] = PARTS.sub(lambda found: replacement(convert, found), chapter["content"])
-    except Exception as error:
-        sys.exit(f"error: {chapter.get('path')}: invalid equation: {error!r} (docs/equations.py)")
+    except ValueError as error:
+        sys.exit(f"error: {chapter.get('path')}: {error} (docs/equations.py)")
     for sub in chapter["sub_items"]:
         convert_chapter(convert, sub)
 

@@ -3,6 +3,7 @@
 Standard library only. Figures have a white background, so that they can be read on light and dark pages.
 """
 
+import itertools
 import math
 from pathlib import Path
 
@@ -74,15 +75,11 @@ def facet() -> None:
     start = math.asin((2 * psi - 1) / (2 * psi))
     height = s * math.cos(start)
 
-    def at(angle):
-        return 60 + (s * math.sin(angle) - (s - radius)) * 1.6, 30 + height * 1.0 - s * math.cos(angle) + 0.0
-
     scale = 230 / height
     nodes = []
     for i in range(count + 1):
         angle = start + (math.pi / 2 - start) * i / count
         nodes.append((60 + (s * math.sin(angle) - (s - radius)) * 1.7, 30 + scale * (height - s * math.cos(angle))))
-    del at
     f.line([(60, 15), (60, 285)], GREY, 1.2, "8 3 2 3")
     f.text((48, 272), "z", GREY)
     f.line([*nodes, (60, nodes[-1][1])], "none", 0, fill=FILL, close=True)
@@ -98,7 +95,7 @@ def facet() -> None:
     f.text((middle[0] + 88 * normal[0], middle[1] + 88 * normal[1] - 4), "n", RED)
     f.arrow((middle[0], middle[1]), (middle[0], middle[1] - 82))
     f.text((middle[0] - 14, middle[1] - 72), "V")
-    f.text((a[0] + 8, a[1] - 14), "(r_1, z_1)", BLUE, "start")
+    f.text((a[0] - 8, a[1] - 2), "(r_1, z_1)", BLUE, "end")
     f.text((b[0] + 12, b[1] - 2), "(r_2, z_2)", BLUE, "start")
     f.line([(60, middle[1]), middle], GREY, 1, "3 3")
     f.text((60 + (middle[0] - 60) / 2, middle[1] + 6), "r", GREY)
@@ -131,9 +128,7 @@ def hourglass() -> None:
         shape = [g - g_x * p - g_y * q for g, p, q in zip(gamma, b_x, b_y)]
         left, low, scale = 45 + 180 * index, 60, 105
         place = [(left + scale * x, low + scale * y) for x, y in corners]
-        moved = [
-            (x + (18 * s if way == 0 else 0), y + (18 * s if way == 1 else 0)) for (x, y), s in zip(place, shape)
-        ]
+        moved = [(x + (18 * s if way == 0 else 0), y + (18 * s if way == 1 else 0)) for (x, y), s in zip(place, shape)]
         f.line(place, GREY, 1.4, "4 3", close=True)
         f.line(moved, BLUE, 2.2, fill=FILL, close=True)
         f.line(place, GREY, 1.4, "4 3", close=True)
@@ -150,7 +145,8 @@ def return_mapping() -> None:
     centre, old, new, angle = (190, 150), 90, 108, math.radians(36)
 
     def ring(radius):
-        return [(centre[0] + radius * math.cos(t / 40 * math.pi), centre[1] + radius * math.sin(t / 40 * math.pi)) for t in range(81)]
+        angles = [k / 40 * math.pi for k in range(81)]
+        return [(centre[0] + radius * math.cos(a), centre[1] + radius * math.sin(a)) for a in angles]
 
     for k in range(3):
         t = math.radians(90 + 120 * k)
@@ -194,7 +190,7 @@ def contact_gap() -> None:
 
     def nearest(p):
         best = None
-        for (x, y), (u, v) in zip(master, master[1:]):
+        for (x, y), (u, v) in itertools.pairwise(master):
             c, s = u - x, v - y
             t = min(1, max(0, ((p[0] - x) * c + (p[1] - y) * s) / (c * c + s * s)))
             q = (x + t * c, y + t * s)
@@ -204,7 +200,7 @@ def contact_gap() -> None:
 
     cuts = [0.0, 0.72, 1.0]
     (x, y), (u, v) = slave[1], slave[2]
-    for low, high in zip(cuts, cuts[1:]):
+    for low, high in itertools.pairwise(cuts):
         for g in (-1 / math.sqrt(3), 1 / math.sqrt(3)):
             t = 0.5 * (low + high) + 0.5 * (high - low) * g
             p = (x + t * (u - x), y + t * (v - y))
@@ -220,7 +216,7 @@ def contact_gap() -> None:
     f.text((cut[0] + 8, cut[1] + 14), "cut", BLUE, "start", 12)
     f.text((228, 140), "(x − y)·n", RED, "end")
     f.text((90, 30), "other surface", INK, "start", 12)
-    f.text((60, 236), "surface that carries pressures", BLUE, "start", 12)
+    f.text((300, 240), "surface that carries pressures", BLUE, "start", 12)
     f.write()
 
 
@@ -262,7 +258,10 @@ def shock() -> None:
         f.line([(left - 4, low + value * high), (left, low + value * high)], INK, 1)
     f.text((left + wide / 2, 14), "position along the bar")
     f.text((12, low + 1.5 * high + 24), "pressure over the Hugoniot pressure", anchor="start", size=12)
-    to = lambda points: [(left + wide * x, low + high * max(0.0, p)) for x, p in points]
+
+    def to(points):
+        return [(left + wide * x, low + high * min(1.6, max(0.0, p))) for x, p in points]
+
     f.line(to(profile(0.0, 0.0, end)), GREY, 1.2)
     f.line(to(profile(0.06, 1.2, end)), BLUE, 2.2)
     f.line(to([(piston * end, 1.0), (0.62, 1.0), (0.62, 0.0)]), RED, 1.4, "5 4")
@@ -279,8 +278,13 @@ def richardson() -> None:
     left, low, wide, high = 70, 50, 380, 190
     f.line([(left, low + high + 15), (left, low), (left + wide, low)], INK, 1.2)
     limit, order = 0.15, 2.0
-    value = lambda h: limit + 0.75 * h**order
-    at = lambda h, y: (left + wide * 0.92 * h, low + high * y)
+
+    def value(h):
+        return limit + 0.75 * h**order
+
+    def at(h, y):
+        return left + wide * 0.92 * h, low + high * y
+
     f.line([at(i / 50, value(i / 50)) for i in range(51)], BLUE, 1.6, "5 4")
     fine = value(0.25)
     error = (value(0.5) - fine) / 3

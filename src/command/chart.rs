@@ -1,4 +1,4 @@
-//! `revolve chart`.
+//! The command `revolve chart`: pictures of histories and frames.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use crate::report::picture::{self, ComparedChart};
 use crate::report::{PageOptions, QuantityLabels};
 use clap::{ArgGroup, Args};
 
-use super::words::say;
+use super::words::print_out;
 use super::{CommandStatus, PictureFormat};
 
 /// Draw history columns, energies or one frame of a run as a PNG or SVG picture.
@@ -53,12 +53,12 @@ impl ChartCommand {
                     true => ComparedChart { chart: picture::energies(&self.folder)?, ..ComparedChart::default() },
                     false => picture::columns(&self.folder, &self.column, &options)?,
                 };
-                deviations.iter().for_each(|line| say!("{line}"));
+                deviations.iter().for_each(|line| print_out!("{line}"));
                 chart.drawing()?
             }
         };
         output::write_whole(&out, &format.bytes(&drawing)?)?;
-        say!("picture {}", out.display());
+        print_out!("picture {}", out.display());
         Ok(CommandStatus::SUCCESS)
     }
 }

@@ -1,4 +1,4 @@
-//! `revolve check`.
+//! The command `revolve check`: diagnostics, model summary and ledger without a run.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ use crate::plan::ledger::Ledger;
 use clap::Args;
 use serde::Serialize;
 
-use super::words::say;
+use super::words::print_out;
 use super::{CommandStatus, REFUSED, UserFiles, accept, pairs, words};
 
 /// Wall-clock time of the trial run from which the run time of the whole analysis is estimated.
@@ -80,6 +80,6 @@ fn print_json(prepared: &PreparedJob, overview: Option<&DeckOverview>) -> Result
         overview,
         ledger: accepted.then_some(&prepared.plan.ledger),
     };
-    say!("{}", serde_json::to_string_pretty(&report)?);
+    print_out!("{}", serde_json::to_string_pretty(&report)?);
     Ok(if accepted { super::output_status() } else { CommandStatus::from(REFUSED) })
 }

@@ -1,4 +1,4 @@
-//! `revolve explain`.
+//! The command `revolve explain`: documentation of keywords, variables, codes and topics.
 
 use super::CommandStatus;
 use std::error::Error;
@@ -6,7 +6,7 @@ use std::error::Error;
 use crate::explain::{explain, nearest_word};
 use clap::Args;
 
-use super::words::say;
+use super::words::print_out;
 
 /// Explain a keyword, output variable, element type, quantity function, diagnostic code or topic such as units or
 /// files. `explain keywords` and `explain variables` print the complete lists.
@@ -22,7 +22,7 @@ impl ExplainCommand {
         let word = self.word.join(" ");
         match explain(&word) {
             Some(text) => {
-                say!("{}", text.trim_end());
+                print_out!("{}", text.trim_end());
                 Ok(super::output_status())
             }
             None => {

@@ -1,4 +1,4 @@
-//! `revolve identify`.
+//! The command `revolve identify`: least-squares identification of deck parameters.
 
 use std::error::Error;
 use std::path::PathBuf;

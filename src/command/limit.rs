@@ -1,4 +1,4 @@
-//! `revolve limit`.
+//! The command `revolve limit`: ballistic limit velocity and its scatter.
 
 use std::error::Error;
 
@@ -59,7 +59,7 @@ pub struct LimitCommand {
 
 impl LimitCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
-        let asked = LimitRequest::new(&self.between, self.tolerance, self.least, self.shots as usize)?;
+        let request = LimitRequest::new(&self.between, self.tolerance, self.least, self.shots as usize)?;
         let inputs = RandomInputs::parse(&self.distribution, &self.correlation)?;
         if inputs.names.contains(&self.velocity) {
             return Err(format!(
@@ -71,10 +71,10 @@ impl LimitCommand {
         let routines = self.search.routines()?;
         let evaluator = self.evaluator(&[], &routines)?;
         let (job, _lock) = self.search.job()?;
-        let found = limit::find(&asked, &mut |velocities| self.fire(&evaluator, velocities))?;
+        let found = limit::find(&request, &mut |velocities| self.fire(&evaluator, velocities))?;
         let scattered = match inputs.names.is_empty() {
             true => None,
-            false => Some(self.scatter(&asked, &inputs, &self.evaluator(&inputs.names, &routines)?)?),
+            false => Some(self.scatter(&request, &inputs, &self.evaluator(&inputs.names, &routines)?)?),
         };
         let table = table(&found, scattered.as_ref());
         let mut charts = vec![(String::new(), limit::chart(&job.name, &found, scattered.as_ref()))];
@@ -110,7 +110,7 @@ impl LimitCommand {
     /// Finds the limit of each draw.
     fn scatter(
         &self,
-        asked: &LimitRequest,
+        request: &LimitRequest,
         inputs: &RandomInputs,
         evaluator: &SampleEvaluator,
     ) -> Result<LimitScatter, Box<dyn Error>> {
@@ -126,7 +126,7 @@ impl LimitCommand {
             let samples: Vec<f64> = shots.iter().flat_map(row).collect();
             Ok(evaluator.table(&samples, self.search.threads())?.0)
         };
-        Ok(limit::scatter(asked, count, fire)?)
+        Ok(limit::scatter(request, count, fire)?)
     }
 
     fn lines(&self, found: &LimitVelocity, scattered: Option<&LimitScatter>, job: &JobFiles) -> Vec<String> {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::words::say;
+use super::words::print_out;
 use super::{CommandStatus, PictureFormat};
 use crate::deck::{Diagnostic, files};
 use crate::generate::{
@@ -177,12 +177,12 @@ impl MeshArguments {
         let format = self.picture.as_deref().map(PictureFormat::of).transpose()?;
         let picture = format.map(|format| format.bytes(&mesh.drawing(&comments[0]))).transpose()?;
         write(&self.out, mesh.deck(&labels, &comments).as_bytes())?;
-        lines.iter().for_each(|line| say!("{line}"));
+        lines.iter().for_each(|line| print_out!("{line}"));
         if let (Some(path), Some(bytes)) = (&self.picture, picture) {
             write(path, &bytes)?;
-            say!("wrote {} and {}", self.out.display(), path.display());
+            print_out!("wrote {} and {}", self.out.display(), path.display());
         } else {
-            say!("wrote {}", self.out.display());
+            print_out!("wrote {}", self.out.display());
         }
         Ok(())
     }
@@ -193,9 +193,9 @@ impl MeshArguments {
         let [nodes, elements] = measure.counts;
         let mut lines = vec![
             format!("{elements} elements, {nodes} nodes"),
-            format!("least scaled Jacobian {:.3} {}", measure.jacobian.0, place(measure.jacobian.1)),
+            format!("smallest scaled Jacobian {:.3} {}", measure.jacobian.0, place(measure.jacobian.1)),
             format!("largest aspect ratio {:.2} {}", measure.aspect.0, place(measure.aspect.1)),
-            format!("least height of an element {:.4e} {}", measure.height.0, place(measure.height.1)),
+            format!("smallest element height {:.4e} {}", measure.height.0, place(measure.height.1)),
             volume_line("volume", &measure.case, order),
         ];
         if measure.fill.exact > 0.0 {

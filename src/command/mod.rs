@@ -34,7 +34,7 @@ use crate::study::table::TextTable;
 use crate::user::Routines;
 use crate::user::compile::{Compiled, compile};
 use clap::Args;
-use words::tell;
+use words::print_err;
 
 /// Exit status of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +115,7 @@ fn print_findings(found: &Diagnostics, sources: &Sources) {
     if words::is_coloured() {
         words::write_styled_error(found.render_styled(sources).trim_end());
     } else {
-        tell!("{}", found.render(sources).trim_end());
+        print_err!("{}", found.render(sources).trim_end());
     }
 }
 
@@ -137,7 +137,7 @@ fn print_error(error: &(dyn Error + 'static)) {
     match finding {
         Some(finding) => print_finding(finding.clone()),
         None if error.is::<AlreadyPrinted>() => {}
-        None => tell!("error: {error}"),
+        None => print_err!("error: {error}"),
     }
 }
 
@@ -224,11 +224,11 @@ fn settings_text<'a>(settings: impl Iterator<Item = (&'a str, &'a String)>) -> S
 /// Prints the warnings of runs with the parameters of each run.
 fn print_run_warnings(runs: &[(String, &[String])]) {
     const SHOWN: usize = 12;
-    let doubtful: Vec<_> = runs.iter().filter(|(_, doubts)| !doubts.is_empty()).collect();
-    for (given, doubts) in doubtful.iter().take(SHOWN) {
-        doubts.iter().for_each(|doubt| tell!("warning: {given}: {doubt}"));
+    let with_warnings: Vec<_> = runs.iter().filter(|(_, warnings)| !warnings.is_empty()).collect();
+    for (given, warnings) in with_warnings.iter().take(SHOWN) {
+        warnings.iter().for_each(|warning| print_err!("warning: {given}: {warning}"));
     }
-    if doubtful.len() > SHOWN {
-        tell!("warning: {} more runs have warnings", doubtful.len() - SHOWN);
+    if with_warnings.len() > SHOWN {
+        print_err!("warning: {} more runs have warnings", with_warnings.len() - SHOWN);
     }
 }

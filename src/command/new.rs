@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::words::say;
+use super::words::print_out;
 
 /// Write an example deck to start from.
 #[derive(Args)]
@@ -58,10 +58,10 @@ impl NewCommand {
             write_new(&self.out.join(name), text)?;
         }
         let paths: Vec<String> = files.iter().map(|(name, _)| self.out.join(name).display().to_string()).collect();
-        say!("wrote {}", paths.join(" and "));
+        print_out!("wrote {}", paths.join(" and "));
         let user = paths.get(1).map_or(String::new(), |routine| format!(" --user {routine}"));
-        say!("  revolve check {}{user}", paths[0]);
-        say!("  revolve run {}{user}", paths[0]);
+        print_out!("  revolve check {}{user}", paths[0]);
+        print_out!("  revolve run {}{user}", paths[0]);
         Ok(super::output_status())
     }
 }

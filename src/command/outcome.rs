@@ -5,7 +5,7 @@ use crate::output::clock::seconds;
 use crate::output::columns::aligned_table;
 use crate::output::{self, HISTORY};
 
-use super::words::{say, write};
+use super::words::{print_out, write};
 
 /// Largest number of history columns that are printed.
 const SHOWN: usize = 24;
@@ -13,27 +13,27 @@ const SHOWN: usize = 24;
 const BAR: usize = 40;
 
 pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, profile: bool) {
-    say!("{}", verdict(summary));
+    print_out!("{}", verdict(summary));
     warnings(summary);
     for rest in &summary.rests {
-        say!("  {} came to rest at time {:.6e}, displacement {:.6e}", rest.body, rest.time, rest.displacement);
+        print_out!("  {} came to rest at time {:.6e}, displacement {:.6e}", rest.body, rest.time, rest.displacement);
     }
-    summary.unfinished.iter().for_each(|how| say!("  {how}"));
+    summary.unfinished.iter().for_each(|how| print_out!("  {how}"));
     histories(summary, job);
     increments(summary);
-    say!("energy drift: {:.1e} of the largest energy", summary.energy.drift);
+    print_out!("energy drift: {:.1e} of the largest energy", summary.energy.drift);
     if summary.deleted_elements > 0 {
-        say!("{} elements were deleted", summary.deleted_elements);
+        print_out!("{} elements were deleted", summary.deleted_elements);
     }
     if let Some(seconds) = summary.timing.checkpoint_seconds {
-        say!("checkpoints: {:.2} % of the run time", 100.0 * seconds / summary.timing.seconds);
+        print_out!("checkpoints: {:.2} % of the run time", 100.0 * seconds / summary.timing.seconds);
     }
     if profile {
         print_profile(summary);
     }
-    say!("digest {}", summary.digest);
+    print_out!("digest {}", summary.digest);
     let ending = if frames == FrameOutput::Absent { HISTORY } else { ".pvd" };
-    say!("results in {}", job.path(ending).display());
+    print_out!("results in {}", job.path(ending).display());
 }
 
 fn verdict(summary: &RunSummary) -> String {
@@ -46,7 +46,10 @@ fn verdict(summary: &RunSummary) -> String {
 fn warnings(summary: &RunSummary) {
     if !summary.warnings.is_empty() {
         let count = summary.warnings.len();
-        say!("{count} warning{} (printed above and listed in the summary file)", if count == 1 { "" } else { "s" });
+        print_out!(
+            "{count} warning{} (printed above and listed in the summary file)",
+            if count == 1 { "" } else { "s" }
+        );
     }
 }
 
@@ -62,7 +65,7 @@ fn histories(summary: &RunSummary, job: &output::JobFiles) {
     let rows: Vec<_> = columns.iter().take(SHOWN).map(row).collect();
     write(format_args!("{}", aligned_table(&["history", "final", "min", "max"], &rows, false)), false);
     if columns.len() > SHOWN {
-        say!("  and {} more columns in {}", columns.len() - SHOWN, job.path(HISTORY).display());
+        print_out!("  and {} more columns in {}", columns.len() - SHOWN, job.path(HISTORY).display());
     }
 }
 
@@ -70,7 +73,11 @@ fn increments(summary: &RunSummary) {
     for step in &summary.steps {
         let Some(element) = &step.limiting_element else { continue };
         let by = step.global_estimates.map_or(String::new(), |count| format!(", {count} global estimates"));
-        say!("{}: smallest stable time increment {:.3e} (element {element}){by}", step.name, step.smallest_increment);
+        print_out!(
+            "{}: smallest stable time increment {:.3e} (element {element}){by}",
+            step.name,
+            step.smallest_increment
+        );
     }
 }
 

@@ -1,4 +1,4 @@
-//! `revolve report`.
+//! The command `revolve report`: HTML page of a result folder.
 
 use super::CommandStatus;
 use std::error::Error;
@@ -8,7 +8,7 @@ use crate::report::{PageOptions, QuantityLabels};
 use crate::{output, report};
 use clap::Args;
 
-use super::words::say;
+use super::words::print_out;
 
 /// Write one self-contained HTML page with the runs, sweeps and studies in a folder.
 #[derive(Args)]
@@ -40,12 +40,12 @@ impl ReportCommand {
         if !self.quiet {
             let runs = page.runs.iter().map(|r| (r.name.as_str(), &r.notes));
             let tables = page.sweeps.iter().chain(page.studies.iter().map(|s| &s.table));
-            page.runs.iter().flat_map(|r| &r.deviations).for_each(|line| say!("{line}"));
+            page.runs.iter().flat_map(|r| &r.deviations).for_each(|line| print_out!("{line}"));
             for (name, notes) in runs.chain(tables.map(|t| (t.name.as_str(), &t.notes))) {
-                notes.iter().for_each(|note| say!("{name}: {note}"));
+                notes.iter().for_each(|note| print_out!("{name}: {note}"));
             }
-            page.notes.iter().for_each(|note| say!("{note}"));
-            say!("report {}, {} kB", out.display(), html.len().div_ceil(1000));
+            page.notes.iter().for_each(|note| print_out!("{note}"));
+            print_out!("report {}, {} kB", out.display(), html.len().div_ceil(1000));
         }
         Ok(CommandStatus::SUCCESS)
     }

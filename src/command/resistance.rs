@@ -1,4 +1,4 @@
-//! `revolve resistance`.
+//! The command `revolve resistance`: constants of `*CAVITY EXPANSION` from a stress-strain curve.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::time::Instant as Stopwatch;
 
 use clap::Args;
 
-use super::words::{self, say, tell};
+use super::words::{self, print_err, print_out};
 use super::{AlreadyPrinted, CommandStatus, PictureFormat, pairs, print_findings, print_table};
 use crate::deck::Diagnostic;
 use crate::model::derive::target_of;
@@ -179,7 +179,7 @@ impl ResistanceCommand {
             return Err(format!("--material {wanted}: no such material; the deck defines {}", names.join(", ")).into());
         };
         if material.rate.is_some() && self.radius.is_none() {
-            tell!("warning: *RATE DEPENDENT of {wanted} is ignored without --radius");
+            print_err!("warning: *RATE DEPENDENT of {wanted} is ignored without --radius");
         }
         target_of(material, self.radius, self.tension).map_err(|finding| {
             let mut findings = deck::Diagnostics::default();
@@ -210,7 +210,7 @@ impl ResistanceCommand {
 
     fn print(&self, record: &ResistanceRecord, similar: &PressureAt<'_>) -> Result<(), Box<dyn Error>> {
         if self.json {
-            say!("{}", serde_json::to_string_pretty(record)?);
+            print_out!("{}", serde_json::to_string_pretty(record)?);
             return Ok(());
         }
         if !self.quiet {
@@ -218,10 +218,10 @@ impl ResistanceCommand {
             if !record.measured.is_empty() {
                 print_table(&record.measured_table(similar));
             }
-            record.conclusions().iter().for_each(|line| say!("{line}"));
-            say!("{} pressures and fit in {:.1} ms", record.points.len(), 1e3 * record.seconds);
-            self.chart.iter().for_each(|path| say!("picture {}", path.display()));
-            self.card.iter().for_each(|path| say!("card {}", path.display()));
+            record.conclusions().iter().for_each(|line| print_out!("{line}"));
+            print_out!("{} pressures and fit in {:.1} ms", record.points.len(), 1e3 * record.seconds);
+            self.chart.iter().for_each(|path| print_out!("picture {}", path.display()));
+            self.card.iter().for_each(|path| print_out!("card {}", path.display()));
         }
         words::write(format_args!("{}", record.card), false);
         Ok(())

@@ -1,4 +1,4 @@
-//! `revolve run`.
+//! The command `revolve run`: a run with result files, checkpoints and restart.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::progress::{self, RunBar};
-use super::words::{say, tell};
+use super::words::{print_err, print_out};
 use super::{CommandStatus, HALTED, UserFiles, accept, outcome, pairs, print_findings, threads};
 
 /// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
@@ -119,7 +119,7 @@ impl RunCommand {
         let job = job::default_job(&self.deck, self.out.clone())?;
         let from = self.checkpoint(&prepared, &job, &user)?;
         if !self.is_silent() {
-            say!("{}", prepared.plan.ledger.render(false));
+            print_out!("{}", prepared.plan.ledger.render(false));
         }
         let signal = watch_signals()?;
         // The run takes the state itself, without a copy, which could be large.
@@ -204,8 +204,8 @@ fn values(quantities: &[Quantity], history: &RunHistory) -> QuantityValues {
 
 fn print_value(text: &str, value: &Result<f64, String>) {
     match value {
-        Ok(value) => say!("{text} = {value:?}"),
-        Err(why) => tell!("error: {why}"),
+        Ok(value) => print_out!("{text} = {value:?}"),
+        Err(why) => print_err!("error: {why}"),
     }
 }
 
@@ -220,7 +220,7 @@ struct RunReport<'a> {
 
 fn print_json(summary: &RunSummary, values: &QuantityValues) -> Result<(), Box<dyn Error>> {
     let quantities = values.iter().map(|(text, value)| (text.as_str(), value.as_ref().ok().copied())).collect();
-    say!("{}", serde_json::to_string_pretty(&RunReport { summary, quantities })?);
+    print_out!("{}", serde_json::to_string_pretty(&RunReport { summary, quantities })?);
     Ok(())
 }
 
@@ -234,7 +234,7 @@ fn run(
     let above = bar.handle();
     let warn = |text: &str| {
         if !quiet {
-            above.suspend(|| tell!("warning: {text}"));
+            above.suspend(|| print_err!("warning: {text}"));
         }
     };
     let mut follow = |progress: &Progress<'_>| bar.follow(progress);
@@ -252,13 +252,13 @@ fn print_end(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
         FrameOutput::Written(_) => format!("\nthe last valid state is in {}", job.path(".pvd").display()),
         FrameOutput::Absent => String::new(),
     };
-    tell!("halted: {reason}{last}");
+    print_err!("halted: {reason}{last}");
     if !summary.interrupted {
         return CommandStatus::from(HALTED);
     }
     match &summary.lost[..] {
-        [] => tell!("continue with --resume"),
-        lost => tell!("{LOST}: {}\n--resume-anyway continues without it", lost.join("; ")),
+        [] => print_err!("continue with --resume"),
+        lost => print_err!("{LOST}: {}\n--resume-anyway continues without it", lost.join("; ")),
     }
     CommandStatus::from(128 + signal as u8)
 }
@@ -268,6 +268,6 @@ fn print_messages(messages: &[host::RoutineMessage], quiet: bool) {
     for message in messages.iter().filter(|m| !quiet || m.level == host::MessageLevel::Error) {
         let level = format!("{:?}", message.level).to_lowercase();
         let times = if message.times > 1 { format!(" ({} times)", message.times) } else { String::new() };
-        tell!("{level} from a user subroutine: {}{times}", message.text);
+        print_err!("{level} from a user subroutine: {}{times}", message.text);
     }
 }

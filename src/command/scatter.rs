@@ -1,4 +1,4 @@
-//! `revolve scatter`.
+//! The command `revolve scatter`: Monte Carlo study of quantities.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -63,7 +63,7 @@ impl ScatterCommand {
         let routines = self.search.routines()?;
         let evaluator = self.search.evaluator(inputs.names.clone(), quantities, &routines)?;
         let (job, _lock) = self.search.job()?;
-        let asked = ScatterRequest {
+        let request = ScatterRequest {
             sampling: self.sampling,
             count: self.count as usize,
             seed: self.seed,
@@ -72,10 +72,10 @@ impl ScatterCommand {
         };
         let names = inputs.names.iter().chain(&self.quantity).cloned().collect();
         let mut table = self.table.as_deref().map(|path| TableWriter::begin(path, names)).transpose()?;
-        let runs = asked.count * asked.runs(&inputs);
+        let runs = request.count * request.runs(&inputs);
         let bar = progress::over_runs(runs as u64, self.search.is_silent());
         let mut keep = |rows: &[f64]| table.as_mut().map_or(Ok(()), |table| table.append(rows));
-        let results = scatter::run(&evaluator, &inputs, self.quantity.len(), asked, &mut keep, &mut |n| {
+        let results = scatter::run(&evaluator, &inputs, self.quantity.len(), request, &mut keep, &mut |n| {
             bar.set_position(n as u64)
         })?;
         bar.finish_and_clear();

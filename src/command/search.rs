@@ -15,7 +15,7 @@ use crate::study::table::{TextTable, number};
 use crate::user::compile::Compiled;
 use clap::Args;
 
-use super::words::{say, tell};
+use super::words::{print_err, print_out};
 use super::{AlreadyPrinted, UserFiles, lock_job, pairs, print_table, threads};
 
 /// Options for the deck, its fixed parameters, threads and output.
@@ -83,14 +83,14 @@ impl SearchArguments {
     pub fn print(&self, table: &TextTable, lines: &[String]) {
         if !self.is_silent() {
             print_table(table);
-            lines.iter().for_each(|line| say!("{line}"));
+            lines.iter().for_each(|line| print_out!("{line}"));
         }
     }
 
     /// Prints the JSON object if `--json` is given.
     pub fn print_json(&self, object: &serde_json::Value) -> Result<(), Box<dyn Error>> {
         if self.json {
-            say!("{}", serde_json::to_string_pretty(object)?);
+            print_out!("{}", serde_json::to_string_pretty(object)?);
         }
         Ok(())
     }
@@ -100,7 +100,7 @@ impl SearchArguments {
 pub fn warn_still_moving(evaluator: &SampleEvaluator) {
     let count = evaluator.still_moving();
     if count > 0 {
-        tell!(
+        print_err!(
             "warning: in {count} runs a body is still moving in the target at the end; depths of these runs are not final"
         );
     }
@@ -109,7 +109,7 @@ pub fn warn_still_moving(evaluator: &SampleEvaluator) {
 /// Prints the number of runs without a result and the error of the first one.
 pub fn report_failures(failed: usize, runs: usize, reason: Option<&StudyError>) {
     if let Some(reason) = reason {
-        tell!("{failed} of {runs} runs gave no result; the first:\n{reason}");
+        print_err!("{failed} of {runs} runs gave no result; the first:\n{reason}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! `revolve study`.
+//! The command `revolve study`: convergence and ablation studies.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use crate::user::compile::Compiled;
 use crate::{deck, job, model};
 use clap::Args;
 
-use super::words::{say, tell};
+use super::words::{print_err, print_out};
 use super::{
     CommandStatus, HALTED, ResultFile, UserFiles, accept, lock_job, pairs, print_run_warnings, print_table, progress,
     settings_text, write_results,
@@ -104,7 +104,7 @@ impl StudyCommand {
         bar.finish_and_clear();
         let record = write(&job, &quantity, exact, &results, met.clone(), timing)?;
         if self.json {
-            say!("{}", record.trim_end());
+            print_out!("{}", record.trim_end());
         } else if !self.quiet {
             print(&results, met.as_ref(), timing, &job);
         }
@@ -138,8 +138,8 @@ fn write_effects(
     write_results(job, "study", &effects.table(true), vec![record_file(record)], &[])?;
     if !quiet {
         print_table(&effects.table(false));
-        effects.conclusions().iter().for_each(|line| say!("{line}"));
-        say!("table {}", job.path("_study.csv").display());
+        effects.conclusions().iter().for_each(|line| print_out!("{line}"));
+        print_out!("table {}", job.path("_study.csv").display());
     }
     Ok(CommandStatus::SUCCESS)
 }
@@ -174,9 +174,9 @@ fn record_file(text: String) -> ResultFile {
 fn print(results: &Results, met: Option<&TargetResult>, timing: StudyTiming, job: &JobFiles) {
     print_table(&record::table(results, false));
     for line in record::conclusions(results, met) {
-        say!("{line}");
+        print_out!("{line}");
     }
-    say!(
+    print_out!(
         "{} settings, {} runs each: {:.3} s, {:.1} % outside the runs; table {}, picture {}",
         results.rows.len(),
         timing.repeat,
@@ -198,7 +198,7 @@ fn run_warnings<'a>(axes: &[StudyAxis], results: &'a Results) -> Vec<(String, &'
 fn verdict(results: &Results, met: Option<&TargetResult>) -> CommandStatus {
     let failed: Vec<&StudyError> = results.rows.iter().filter_map(|r| r.run.as_ref().err()).collect();
     if let Some(reason) = failed.first() {
-        tell!("{} of {} settings gave no result; the first:\n{reason}", failed.len(), results.rows.len());
+        print_err!("{} of {} settings gave no result; the first:\n{reason}", failed.len(), results.rows.len());
         return CommandStatus::from(HALTED);
     }
     if met.is_some_and(|m| m.run.is_none()) { CommandStatus::from(HALTED) } else { CommandStatus::SUCCESS }

@@ -1,4 +1,4 @@
-//! `revolve sweep`.
+//! The command `revolve sweep`: runs over a grid or table of parameters, also in parts and for Dakota.
 
 use std::error::Error;
 use std::ops::Range;
@@ -18,7 +18,7 @@ use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::words::{self, say, tell};
+use super::words::{self, print_err, print_out};
 use super::{
     CommandStatus, HALTED, UserFiles, accept, lock_job, print_run_warnings, print_table, progress, settings_text,
     threads, write_results,
@@ -109,10 +109,10 @@ impl SweepCommand {
             return Ok(CommandStatus::SUCCESS);
         }
         let reference = self.reference(&grid)?;
-        let asked = self.prepare(grid, quantities)?;
+        let prepared = self.prepare(grid, quantities)?;
         match cases {
-            Some(cases) => self.run_part(&asked, cases),
-            None => self.run_all(&asked, reference.as_ref()),
+            Some(cases) => self.run_part(&prepared, cases),
+            None => self.run_all(&prepared, reference.as_ref()),
         }
     }
 
@@ -132,7 +132,7 @@ impl SweepCommand {
         let reference = ReferenceTable::read(path)?;
         sweep::comparable(grid, path, &reference)?;
         if reference.is_open {
-            tell!(
+            print_err!(
                 "warning: --compare {}: the last line has no line end; if the file is truncated, its last row is wrong",
                 path.display()
             );
@@ -156,7 +156,7 @@ impl SweepCommand {
     /// Runs the given range of cases on all threads.
     fn run(
         &self,
-        asked: &PreparedSweep,
+        prepared: &PreparedSweep,
         cases: Range<usize>,
         kept: Option<&output::JobFiles>,
     ) -> Result<sweep::SweepResults, Box<dyn Error>> {
@@ -164,7 +164,7 @@ impl SweepCommand {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string())?;
         let bar = progress::over_runs(cases.len() as u64, self.quiet);
         let done = || bar.inc(1);
-        let PreparedSweep { grid, quantities, compiled, .. } = asked;
+        let PreparedSweep { grid, quantities, compiled, .. } = prepared;
         let deck = (&*self.deck, self.precision);
         let results = pool.install(|| sweep::run(deck, (grid, cases), quantities, compiled.as_ref(), kept, &done));
         bar.finish_and_clear();
@@ -173,15 +173,15 @@ impl SweepCommand {
 
     fn run_all(
         &self,
-        asked: &PreparedSweep,
+        prepared: &PreparedSweep,
         reference: Option<&ReferenceTable>,
     ) -> Result<CommandStatus, Box<dyn Error>> {
         let (job, _lock) = lock_job(&self.deck, self.out.clone())?;
-        let PreparedSweep { grid, quantities, first, .. } = asked;
+        let PreparedSweep { grid, quantities, first, .. } = prepared;
         let results = if self.gather {
-            asked.part(&asked.identity()).gather(&job)?
+            prepared.part(&prepared.identity()).gather(&job)?
         } else {
-            self.run(asked, 0..grid.count(), self.keep.then_some(&job))?
+            self.run(prepared, 0..grid.count(), self.keep.then_some(&job))?
         };
         let compared = sweep::table(grid, quantities, &results, reference);
         // A table without rows does not overwrite an earlier one.
@@ -201,35 +201,35 @@ impl SweepCommand {
 
     /// Runs the given range of cases and writes them as a part for `--gather`. Other processes may write parts to the
     /// same folder at the same time, so the folder is not locked.
-    fn run_part(&self, asked: &PreparedSweep, cases: Range<usize>) -> Result<CommandStatus, Box<dyn Error>> {
+    fn run_part(&self, prepared: &PreparedSweep, cases: Range<usize>) -> Result<CommandStatus, Box<dyn Error>> {
         let whole = job::default_job(&self.deck, self.out.clone())?;
         job::make_folder(&whole)?;
-        let results = self.run(asked, cases.clone(), self.keep.then_some(&whole))?;
-        let path = asked.part(&asked.identity()).write(&whole, &cases, &results)?;
+        let results = self.run(prepared, cases.clone(), self.keep.then_some(&whole))?;
+        let path = prepared.part(&prepared.identity()).write(&whole, &cases, &results)?;
         if !self.quiet {
-            say!("cases {}-{} of {}: {}", cases.start + 1, cases.end, asked.grid.count(), path.display());
+            print_out!("cases {}-{} of {}: {}", cases.start + 1, cases.end, prepared.grid.count(), path.display());
         }
-        print_run_warnings(&run_warnings(&asked.grid, &results));
+        print_run_warnings(&run_warnings(&prepared.grid, &results));
         Ok(report_failures(&results))
     }
 
     /// Runs the evaluations that Dakota requests. Failed evaluations are marked in the results file, as Dakota
     /// requires.
     fn answer_dakota(&self, files: &[PathBuf], quantities: Vec<Quantity>) -> Result<CommandStatus, Box<dyn Error>> {
-        let [parameters, answers] = files else { return Err("--dakota takes two files".into()) };
+        let [parameters, answers] = files else { return Err("--dakota needs two files".into()) };
         let text = files::read_text(parameters).map_err(|e| format!("{}: {e}", parameters.display()))?;
         let evaluations = dakota::DakotaRequest::read(parameters, &text, &quantities)?;
-        let asked = match self.prepare(evaluations.grid(&self.set)?, quantities) {
-            Ok(asked) => asked,
+        let prepared = match self.prepare(evaluations.grid(&self.set)?, quantities) {
+            Ok(prepared) => prepared,
             Err(error) => {
                 // Dakota waits for a results file also when the evaluation fails.
                 output::write_whole(answers, evaluations.failed().as_bytes())?;
                 return Err(error);
             }
         };
-        let results = self.run(&asked, 0..asked.grid.count(), None)?;
+        let results = self.run(&prepared, 0..prepared.grid.count(), None)?;
         output::write_whole(answers, evaluations.answer(&results).as_bytes())?;
-        print_run_warnings(&run_warnings(&asked.grid, &results));
+        print_run_warnings(&run_warnings(&prepared.grid, &results));
         report_failures(&results);
         Ok(CommandStatus::SUCCESS)
     }
@@ -283,7 +283,7 @@ fn print_json(
         })
         .collect();
     let rms: IndexMap<&str, f64> = compared.rms.iter().map(|(column, rms)| (column.as_str(), *rms)).collect();
-    say!("{}", serde_json::to_string_pretty(&serde_json::json!({ "runs": runs, "rms": rms }))?);
+    print_out!("{}", serde_json::to_string_pretty(&serde_json::json!({ "runs": runs, "rms": rms }))?);
     Ok(())
 }
 
@@ -293,9 +293,9 @@ fn print_sweep(compared: &sweep::ComparedTable, job: &output::JobFiles) {
     }
     print_table(&compared.table);
     for (column, rms) in &compared.rms {
-        say!("rms difference from {column}: {rms:.4}");
+        print_out!("rms difference from {column}: {rms:.4}");
     }
-    say!("table {}, picture {}", job.path("_sweep.csv").display(), job.path("_sweep.png").display());
+    print_out!("table {}, picture {}", job.path("_sweep.csv").display(), job.path("_sweep.png").display());
 }
 
 /// Returns the parameters of each run with its warnings.
@@ -310,7 +310,7 @@ fn report_failures(results: &sweep::SweepResults) -> CommandStatus {
     match failed.first() {
         None => CommandStatus::SUCCESS,
         Some(reason) => {
-            tell!("{} of {} runs gave no result; the first:\n{reason}", failed.len(), results.values.len());
+            print_err!("{} of {} runs gave no result; the first:\n{reason}", failed.len(), results.values.len());
             CommandStatus::from(HALTED)
         }
     }

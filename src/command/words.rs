@@ -15,16 +15,16 @@ const CLOSED: u8 = 1;
 const FULL: u8 = 2;
 
 /// Writes a line to standard output, like `println!`.
-macro_rules! say {
+macro_rules! print_out {
     ($($words:tt)*) => { $crate::command::words::write(::std::format_args!($($words)*), true) };
 }
 
 /// Writes a line to standard error, like `eprintln!`.
-macro_rules! tell {
-    ($($words:tt)*) => { $crate::command::words::tell_line(&::std::format!($($words)*)) };
+macro_rules! print_err {
+    ($($words:tt)*) => { $crate::command::words::write_error_line(&::std::format!($($words)*)) };
 }
 
-pub(crate) use {say, tell};
+pub(crate) use {print_err, print_out};
 
 /// Writes to standard output. Control characters are replaced, so that names in foreign files cannot control the
 /// terminal.
@@ -39,12 +39,12 @@ pub fn write(words: Arguments<'_>, line: bool) {
     let Err(error) = written else { return };
     let state = if error.kind() == ErrorKind::BrokenPipe { CLOSED } else { FULL };
     if STATE.swap(state, Ordering::Relaxed) == OPEN && state == FULL {
-        tell_line(&format!("error: cannot write to standard output: {error}"));
+        write_error_line(&format!("error: cannot write to standard output: {error}"));
     }
 }
 
 /// Writes a line to standard error; a failure is ignored because it cannot be reported.
-pub fn tell_line(text: &str) {
+pub fn write_error_line(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", printable(text));
 }
 

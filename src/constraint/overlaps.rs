@@ -17,7 +17,7 @@ const EVERY: u64 = 401;
 /// other overlap slightly.
 const FIT: f64 = 0.1;
 
-/// Surface of a body.
+/// Boundary of a body: points and faces.
 #[derive(Clone, Debug)]
 pub struct BodyOutline {
     /// Name in warnings.

@@ -9,7 +9,7 @@ use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::HaltReason;
 use crate::state::magnitude::{AmplitudeClock, Magnitude};
-use crate::user::{LoadFailure, Locked, MotionCall};
+use crate::user::{LoadFailure, LockedRoutines, MotionCall};
 
 /// Prescribed motion of a node set along one axis.
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ impl UserMotion {
         dofs: &Dofs,
         reaction: &dyn Fn(Dof) -> f64,
         user_amplitudes: &mut [SampledAmplitude],
-        user: &mut Locked<'_>,
+        user: &mut LockedRoutines<'_>,
     ) -> Result<(), HaltReason> {
         let Some(routine) = user.motion.as_deref_mut() else { return Ok(()) };
         let amplitude = self.amplitude.amplitude(&AmplitudeClock { now: *arrival, user_amplitudes });

@@ -2,7 +2,7 @@
 
 use super::DiagnosticCode;
 
-/// Builds a list of [`Code`]s from lines of code, title and text.
+/// Builds a list of [`DiagnosticCode`]s from lines of code, title and text.
 macro_rules! codes {
     ($($code:literal $title:literal $text:literal)*) => {
         &[$($crate::deck::DiagnosticCode { code: $code, title: $title, text: $text }),*]

@@ -1,6 +1,5 @@
 //! Arithmetic expressions with names and functions. An expression is compiled to a list of operations for a stack
-//! machine; its
-//! length and depth are limited, so that parsing and evaluation always terminate.
+//! machine; its length and depth are limited, so that parsing and evaluation always terminate.
 
 use super::names::nearest;
 use super::number;
@@ -75,22 +74,20 @@ enum BinaryOperator {
 
 impl Expression {
     /// Parses an expression: `+ - * / // % **` as in Python (`/` is true division, `**` is right-associative),
-    /// parentheses,
-    /// names, `f(x, y)`, numbers such as `340e6`, `.5`, `1.d0`.
+    /// parentheses, names, `f(x, y)`, numbers such as `340e6`, `.5`, `1.d0`.
     pub fn parse(text: &str) -> Result<Expression, ExpressionError> {
         Self::parse_with(text, &[])
     }
 
     /// Parses an expression in which the text between the parentheses of `raw_functions`, such as `final(U2@REF-1)`, is
-    /// not
-    /// parsed but passed to the function as [`Argument::Raw`].
+    /// not parsed but passed to the function as [`FunctionArgument::Raw`].
     pub fn parse_with(text: &str, raw_functions: &[&str]) -> Result<Expression, ExpressionError> {
         ExpressionParser { text, at: 0, depth: 0, raw_functions, long_names: &|_| 0, operations: Vec::new() }.read()
     }
 
     /// Parses an expression whose names may contain other characters than letters, digits and `_`, such as
-    /// `U2@BAR-1.TOP`.
-    /// `long_names` returns the length in bytes of such a name at the beginning of a text, 0 if there is none.
+    /// `U2@BAR-1.TOP`. `long_names` returns the length in bytes of such a name at the beginning of a text, 0 if there
+    /// is none.
     pub fn parse_over(text: &str, long_names: &dyn Fn(&str) -> usize) -> Result<Expression, ExpressionError> {
         ExpressionParser { text, at: 0, depth: 0, raw_functions: &[], long_names, operations: Vec::new() }.read()
     }
@@ -112,10 +109,8 @@ impl Expression {
     }
 
     /// Evaluates the expression. `lookup` returns the values of names. `call` evaluates functions of the caller and
-    /// returns
-    /// `None` for others. Built in are `sqrt sin cos tan asin acos atan atan2 exp log log10 abs min max int float round
-    /// pow` and
-    /// `pi`.
+    /// returns `None` for others. Built in are `sqrt sin cos tan asin acos atan atan2 exp log log10 abs min max int
+    /// float round pow` and `pi`.
     pub fn evaluate(
         &self,
         lookup: &dyn Fn(&str) -> Option<f64>,

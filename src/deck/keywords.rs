@@ -1,6 +1,5 @@
 //! Search of the keyword table, which the parser, the model, `explain` and the keyword manual share. Its types are in
-//! `rule.rs`,
-//! its rows in `table/`.
+//! `rule.rs`, its rows in `table/`.
 
 use super::names;
 pub use super::rule::{

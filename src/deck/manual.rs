@@ -175,8 +175,7 @@ fn abaqus_row(keyword: &Keyword) -> [String; 3] {
 }
 
 /// Returns the unsupported parameters and fields of a keyword. Those of other kinds of analyses, whose reason begins
-/// with
-/// `applies only to`, are left out.
+/// with `applies only to`, are left out.
 fn refusals(keyword: &Keyword) -> Vec<String> {
     let is_missed = |why: &str| !why.starts_with("applies only to ") && !why.contains("axisymmetric");
     let parameters = keyword
@@ -199,8 +198,7 @@ fn worded(rule: &InputRule) -> String {
 }
 
 /// Returns the text of `revolve explain KEYWORD`; `None` if the keyword is unknown or ambiguous. The star is optional,
-/// and
-/// abbreviations are accepted.
+/// and abbreviations are accepted.
 pub fn explain_keyword(name: &str) -> Option<String> {
     match find_keyword(name.trim().trim_start_matches('*')) {
         NameLookup::Found(keyword) => Some(explain(keyword)),

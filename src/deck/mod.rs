@@ -1,5 +1,5 @@
-//! Input decks: source files, spans, lexer, parser, keyword table and diagnostics.
-//! The result of reading is a syntax tree ([`Deck`]); names are resolved and physics is checked in `model`.
+//! Input decks: source files, spans, lexer, parser, keyword table and diagnostics. The result of reading is a syntax
+//! tree ([`Deck`]); names are resolved and physics is checked in `model`.
 
 #[macro_use] // Exports `codes!` to the other folders that define codes.
 pub mod codes;
@@ -51,9 +51,8 @@ pub struct DiagnosticCode {
 }
 
 /// Reads a deck file and the files that it includes. Returns a tree even if the deck has errors, which are in the
-/// diagnostics.
-/// `overrides` are pairs (name, expression) of `--set NAME=VALUE`; each replaces the `*PARAMETER` definition of that
-/// name.
+/// diagnostics. `overrides` are pairs (name, expression) of `--set NAME=VALUE`; each replaces the `*PARAMETER`
+/// definition of that name.
 pub fn read(path: &Path, overrides: &[(String, String)]) -> (Deck, Diagnostics) {
     let mut parser = parser::Parser::new(overrides);
     parser.main_file(path);

@@ -9,8 +9,7 @@ pub fn fold(text: &str) -> String {
 }
 
 /// Returns the candidate most similar to `text`: at most a third of its letters (one to four) may differ. Case and
-/// blanks are
-/// ignored.
+/// blanks are ignored.
 pub fn nearest<'a>(text: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wanted = fold(text);
     let count = wanted.chars().count();

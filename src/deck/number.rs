@@ -101,8 +101,7 @@ fn semicolon(text: &str) -> Option<String> {
 }
 
 /// Formats a number for a deck: whole numbers without a decimal point, others with the fewest digits that parse to the
-/// same
-/// value.
+/// same value.
 pub fn format_number(value: f64) -> String {
     let size = value.abs();
     if value.fract() == 0.0 && size < 1e15 {

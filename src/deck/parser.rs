@@ -147,7 +147,7 @@ impl Parser {
         if listing && ListingRow::is_plain(&text[span.start as usize..span.end as usize]) {
             return card.rows.push(ListingRow::Text(span));
         }
-        let told = self.diagnostics.len();
+        let count_before = self.diagnostics.len();
         let whole = || Word { text: text[lexer::trim(text, line.clone())].to_owned(), span, quoted: false };
         let fields = if keyword.name == "HEADING" {
             vec![whole()]
@@ -165,7 +165,7 @@ impl Parser {
             } else {
                 card.lines.push(line)
             }
-            card.faulty |= self.diagnostics.len() > told;
+            card.faulty |= self.diagnostics.len() > count_before;
         }
     }
 
@@ -191,9 +191,9 @@ impl Parser {
             self.unread_names(file, text, fields.ranges.into_iter().skip(1));
             return;
         };
-        let told = self.diagnostics.len();
+        let count_before = self.diagnostics.len();
         while fields.trailing_comma {
-            let Some((next, behind)) = lines.peek_significant() else { break };
+            let Some((next, after_line)) = lines.peek_significant() else { break };
             let more = lexer::split(text, next.clone());
             if !continues(text, &next, &more, keyword) {
                 break;
@@ -201,13 +201,13 @@ impl Parser {
             self.check_quotes(file, &next, &more);
             fields.trailing_comma = more.trailing_comma;
             fields.ranges.extend(more.ranges);
-            *lines = behind;
+            *lines = after_line;
         }
         if keyword.tier == KeywordTier::UnsupportedPhysics {
             self.unread_names(file, text, fields.ranges.iter().skip(1).cloned());
         }
         let parameters = self.card_parameters(file, text, keyword, fields.ranges.into_iter().skip(1));
-        let faulty = self.diagnostics.len() > told;
+        let faulty = self.diagnostics.len() > count_before;
         self.card(Card { keyword, span, parameters, lines: Vec::new(), rows: Vec::new(), faulty });
     }
 
@@ -356,8 +356,8 @@ impl Parser {
     }
 
     /// Returns the path of an included file. If the path as written does not exist, for example because the deck comes
-    /// from
-    /// another computer (`C:\work\mat.inc`), a file of the same name in the folder of the deck is used, with a note.
+    /// from another computer (`C:\work\mat.inc`), a file of the same name in the folder of the deck is used, with a
+    /// note.
     fn include_path(&mut self, file: &Word) -> PathBuf {
         let folder = self.deck.sources.folder(file.span);
         let path = folder.join(file.text.replace('\\', "/"));

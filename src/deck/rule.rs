@@ -55,12 +55,10 @@ pub enum DataShape {
     /// Any number of values on any number of lines.
     List(InputRule),
     /// Groups of values in this order, one group after the other on any number of lines. The reader of the card checks
-    /// the
-    /// number of values.
+    /// the number of values.
     Stream(&'static [InputRule]),
     /// Records of a fixed number of values. Each record begins on a new line and may continue on further lines. The
-    /// last rule
-    /// also applies to all further values of the record.
+    /// last rule also applies to all further values of the record.
     Wrapped(usize, &'static [InputRule]),
     /// The data lines in this order; with `true` the last one may be repeated.
     Lines(&'static [&'static [InputRule]], bool),
@@ -147,8 +145,8 @@ impl Keyword {
 }
 
 impl DataShape {
-    /// Returns the rule of the field with index `index` on line `line`; `None` if the card has no such field.
-    /// `before` is the number of values on the previous lines of a stream or record.
+    /// Returns the rule of the field with index `index` on line `line`; `None` if the card has no such field. `before`
+    /// is the number of values on the previous lines of a stream or record.
     pub fn field(&'static self, line: usize, index: usize, before: usize) -> Option<&'static InputRule> {
         match self {
             DataShape::Nothing => None,

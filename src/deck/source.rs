@@ -22,8 +22,7 @@ static PIECES: AtomicU32 = AtomicU32::new(0);
 
 impl Span {
     /// Returns a span for a model item composed in Rust: the line of the caller. Each call returns a different span, so
-    /// that
-    /// each item has its own ledger row.
+    /// that each item has its own ledger row.
     #[track_caller]
     pub fn composed() -> Span {
         Span { file: COMPOSED, start: Location::caller().line(), end: PIECES.fetch_add(1, Ordering::Relaxed) }

@@ -1,6 +1,5 @@
 //! Deck templates: the words of a deck that depend on some parameters, and their values for new parameter values. A
-//! search or
-//! sample of many runs uses them in place of parsing the deck for each run.
+//! search or sample of many runs uses them in place of parsing the deck for each run.
 
 use super::expression::Expression;
 use super::number::{format_number, parse_number};
@@ -51,8 +50,8 @@ enum WordPieces {
 
 impl DeckTemplate {
     /// Finds the words that depend on the parameters `given`. Returns `None` if the deck must be parsed for each set of
-    /// values:
-    /// a varied parameter is not numeric, a parameter is defined more than once, or a word in quotes depends on one.
+    /// values: a varied parameter is not numeric, a parameter is defined more than once, or a word in quotes depends on
+    /// one.
     pub fn of(deck: &Deck, given: &[String]) -> Option<DeckTemplate> {
         let (names, values): (Vec<String>, Vec<f64>) = deck.parameters.iter().cloned().unzip();
         let place = |name: &str| names.iter().position(|n| n == name);
@@ -130,8 +129,8 @@ impl DeckTemplate {
     }
 
     /// Computes the numbers of all words for values of the varied parameters and stores them in `numbers`. Returns
-    /// `false` if one
-    /// is not a finite number; parsing the deck then gives the reason. `values` is a work array of the parameters.
+    /// `false` if one is not a finite number; parsing the deck then gives the reason. `values` is a work array of the
+    /// parameters.
     pub fn numbers(&self, given: &[f64], values: &mut Vec<f64>, numbers: &mut Vec<f64>) -> bool {
         values.clone_from(&self.values);
         self.given.iter().zip(given).for_each(|(&at, &value)| values[at] = value);

@@ -60,12 +60,12 @@ pub const YES_NO: ValueSpec = word(&["NO", "YES"]);
 /// A temperature that must ascend from row to row of a table.
 pub const TEMPERATURE: ValueSpec = NUMBER.ascending();
 
-/// One of the given words.
+/// Returns the rule of a value that must be one of the given words.
 pub const fn word(words: &'static [&'static str]) -> ValueSpec {
     value(ValueKind::Word(words))
 }
 
-/// One of the given words, which are the supported variants.
+/// Returns the rule of a value that must be one of the given supported variants.
 pub const fn variant(words: &'static [&'static str]) -> ValueSpec {
     value(ValueKind::Variant(words))
 }

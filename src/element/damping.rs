@@ -54,7 +54,7 @@ impl MassDamping {
     /// trapezoidal rule, as for all nodal forces; it is dissipated and therefore subtracted from the external work.
     pub(super) fn add_forces(&mut self, dofs: &mut Dofs) {
         let dt = dofs.nodes.unaccounted_dt();
-        // At the start of central differences, the external work omits a part of the impulse (`book_start`).
+        // At the start of central differences, the external work omits a part of the impulse (`correct_first_work`).
         let start = if self.started && dt > 0.0 { 0.125 * dt * dt } else { 0.0 };
         let mut work = 0.0;
         for (n, (coefficient, before)) in self.coefficients.iter().zip(&mut self.forces).enumerate() {

@@ -19,8 +19,8 @@ pub fn explain(word: &str) -> Option<String> {
     }
     let variable = crate::variables::manual::explain_variable(word);
     let keyword = manual::explain_keyword(word).filter(|_| variable.is_none() || manual::is_keyword(word));
-    let asked = word.trim().trim_end_matches("()");
-    let topic = TOPICS.iter().find(|topic| topic.words.iter().any(|w| w.eq_ignore_ascii_case(asked)));
+    let topic_name = word.trim().trim_end_matches("()");
+    let topic = TOPICS.iter().find(|topic| topic.words.iter().any(|w| w.eq_ignore_ascii_case(topic_name)));
     let topic = topic.map(|topic| topic.text.to_owned());
     let texts: Vec<String> = keyword.into_iter().chain(variable).chain(topic).collect();
     (!texts.is_empty()).then(|| texts.join("\n"))

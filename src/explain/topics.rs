@@ -7,7 +7,7 @@ pub(super) struct HelpTopic {
     pub text: &'static str,
 }
 
-/// All topics.
+/// Topics of `revolve explain`, in the order of the search.
 pub(super) const TOPICS: &[HelpTopic] = &[
     HelpTopic {
         words: &["CAX4R", "CAX4RT"],
@@ -19,14 +19,15 @@ pub(super) const TOPICS: &[HelpTopic] = &[
     HelpTopic {
         words: &["CAX3", "CAX3T"],
         text: "CAX3: three-node axisymmetric triangle with constant strain. In plastic materials the volume change is averaged over the\n\
-               surrounding nodes to avoid volumetric locking (docs/theory.md). CAX3T also has nodal temperatures.\n",
+               surrounding nodes to avoid volumetric locking (docs/theory/elements.md). CAX3T also has nodal temperatures.\n",
     },
     HelpTopic {
         words: &["CAX6M"],
         text: "CAX6M: six-node axisymmetric triangle, modified, three integration points. Nodes: the corners counter-clockwise in\n\
-               (r, z), then the middles of the sides 1-2, 2-3 and 3-1. Faces S1, S2 and S3 are these sides, each two straight parts\n\
-               that meet at the middle node. It has no volumetric locking and no hourglass modes (docs/theory.md); output is the mean of its\n\
-               integration points. Unsupported in *DYNAMIC TEMPERATURE-DISPLACEMENT and with user subroutines at integration points.\n",
+               (r, z), then the midside nodes of 1-2, 2-3 and 3-1. Faces S1, S2 and S3 are these sides, each with two straight parts\n\
+               that meet at the middle node. It has no volumetric locking and no hourglass modes (docs/theory/elements.md).\n\
+               Output is the mean of its integration points. Unsupported in *DYNAMIC TEMPERATURE-DISPLACEMENT and with user\n\
+               subroutines at integration points.\n",
     },
     HelpTopic {
         words: &["RAX2"],
@@ -58,7 +59,8 @@ pub(super) const TOPICS: &[HelpTopic] = &[
                \x20 min(C), max(C)     the smallest and largest value; time_min(C), time_max(C) when\n\
                \x20 at(C, t)           the value at time t, by linear interpolation\n\
                \x20 mean(C, t1, t2)    the time average from t1 to t2\n\
-               \x20 norm(VAR, EXPR)    relative L2 error of a field against EXPR of r, z, r0, z0, t; norm(VAR) against the finest level (study)\n\
+               \x20 norm(VAR, EXPR)    relative L2 error of a field against EXPR of r, z, r0, z0, t\n\
+               \x20 norm(VAR)          relative L2 error of a field against the finest level of a study\n\
                with + - * / **, parentheses and the functions of *PARAMETER. `revolve check` lists the columns that a deck has.\n",
     },
     HelpTopic {

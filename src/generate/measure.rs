@@ -44,14 +44,14 @@ impl ProjectileMesh {
         let (mut jacobian, mut stretched, mut low) =
             ((f64::INFINITY, [0.0; 2]), (0.0, [0.0; 2]), (f64::INFINITY, [0.0; 2]));
         let mut volumes = [0.0; 2];
-        for (element, belongs) in self.parts.iter().enumerate() {
+        for (element, part) in self.parts.iter().enumerate() {
             let corners = self.corners_of(element);
             let middle = [0, 1].map(|k| 0.25 * corners.iter().map(|p| p[k]).sum::<f64>());
             let [j, a, h] = [least_scaled_jacobian(corners), aspect(corners), height(corners)];
             jacobian = if j < jacobian.0 { (j, middle) } else { jacobian };
             stretched = if a > stretched.0 { (a, middle) } else { stretched };
             low = if h < low.0 { (h, middle) } else { low };
-            volumes[usize::from(*belongs == MeshPart::Fill)] += volume(corners);
+            volumes[usize::from(*part == MeshPart::Fill)] += volume(corners);
         }
         let [case, fill] = [0, 1].map(|k| PartVolume { meshed: volumes[k], exact: self.exact()[k] });
         let counts = [self.sheet.points.len(), self.sheet.elements.len()];

@@ -111,7 +111,7 @@ pub struct ProjectileMesh {
 }
 
 /// Largest number of elements.
-const MOST: f64 = 1e7;
+const MAX_ELEMENTS: f64 = 1e7;
 
 impl ProjectileMesh {
     /// Generates the mesh.
@@ -146,8 +146,8 @@ fn check_sizes(request: &MeshRequest, outline: &ProjectileOutline) -> Result<(),
         return Err(Diagnostic::error("G001", message).help("use about two to eight elements over the radius"));
     }
     let [_, end] = outline.rim();
-    if radius * end / (request.size * request.size) > MOST {
-        let message = format!("element size {} gives more than {MOST:.0} elements", request.size);
+    if radius * end / (request.size * request.size) > MAX_ELEMENTS {
+        let message = format!("element size {} gives more than {MAX_ELEMENTS:.0} elements", request.size);
         return Err(Diagnostic::error("G001", message).help("element size and radius must have the same unit"));
     }
     Ok(())

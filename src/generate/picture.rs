@@ -18,8 +18,8 @@ impl ProjectileMesh {
         let mut drawing = Drawing::new([WIDTH, height.round()]);
         drawing.label(TextLabel { size: 16.0, ..TextLabel::new([MARGIN, 28.0], TextAnchor::Start, title) });
         let middle = TITLE + MARGIN + widest * unit;
-        for (element, belongs) in self.parts.iter().enumerate() {
-            let fill = match (belongs, element < self.in_nose) {
+        for (element, part) in self.parts.iter().enumerate() {
+            let fill = match (part, element < self.in_nose) {
                 (MeshPart::Fill, _) => 0xf2_d9_b0,
                 (MeshPart::Case, true) => 0xb8_d4_ea,
                 (MeshPart::Case, false) => 0xdf_e7_ee,

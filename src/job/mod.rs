@@ -47,7 +47,7 @@ pub type ParameterOverrides = [(String, String)];
 
 /// Error: the machine does not have the requested instruction set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("this machine does not have {0:?}")]
+#[error("this machine does not support the instruction set {0:?}")]
 pub struct MissingInstructions(pub Instructions);
 
 /// A deck that has been read, validated and planned, with its diagnostics.
@@ -56,11 +56,11 @@ pub struct PreparedJob {
     pub deck: Deck,
     /// The plan. Do not run it if `diagnostics` contains errors.
     pub plan: Plan,
-    /// Initial state.
+    /// Initial state of a run of the plan.
     pub state: State,
     /// Diagnostics of reading, validation and planning.
     pub diagnostics: Diagnostics,
-    /// Text of `*HEADING`.
+    /// Text of `*HEADING`; empty without one.
     pub title: String,
     /// Targets without a mesh and analytical planes, for pictures.
     scene: SceneOutline,
@@ -205,7 +205,7 @@ pub struct RunSummary {
     /// What limited the increments of each step, over time.
     pub limits: Vec<LimitsOverTime>,
     /// Final, smallest and largest value of each history column.
-    #[serde(serialize_with = "what_they_came_to")]
+    #[serde(serialize_with = "serialize_summary")]
     pub history: RunHistory,
     /// Energies at the end of the run.
     pub energy: Energy,
@@ -237,11 +237,11 @@ pub struct RunSummary {
     /// Names of the units, if the deck has `*UNITS`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub units: Option<DeckUnits>,
-    /// Increments and run time.
+    /// Number of increments, and wall-clock times.
     pub timing: RunTiming,
     /// The deck and its parameters.
     pub deck: DeckSummary,
-    /// Version of the program.
+    /// Version of the program that wrote the summary.
     pub version: &'static str,
     /// Whether a signal ended the run.
     #[serde(skip)]
@@ -252,7 +252,7 @@ pub struct RunSummary {
 }
 
 /// Serialises the history without its rows, which are in a CSV file.
-fn what_they_came_to<S: Serializer>(history: &RunHistory, serializer: S) -> Result<S::Ok, S::Error> {
+fn serialize_summary<S: Serializer>(history: &RunHistory, serializer: S) -> Result<S::Ok, S::Error> {
     history.summary.serialize(serializer)
 }
 
@@ -279,7 +279,7 @@ pub struct RunTiming {
 /// The deck and its parameters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct DeckSummary {
-    /// Text of `*HEADING`.
+    /// Text of `*HEADING`; empty without one.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub title: String,
     /// File names; the deck is the first, then its includes.
@@ -299,7 +299,7 @@ impl Sink for RunHistory {
 /// Callback that receives the progress of a run several times a second.
 pub type ProgressFollower<'a> = dyn FnMut(&Progress<'_>) + 'a;
 
-/// Options of a job.
+/// Options of a job in addition to its deck.
 #[derive(Default)]
 pub struct JobOptions<'a> {
     /// Interval of checkpoints, in addition to those of `*RESTART`.
@@ -314,7 +314,7 @@ pub struct JobOptions<'a> {
     pub user: String,
     /// Callback that receives each warning when it is issued.
     pub warn: Option<&'a (dyn Fn(&str) + Sync)>,
-    /// Output of frames.
+    /// Whether frames are written, and with which coordinates.
     pub frames: FrameOutput,
 }
 

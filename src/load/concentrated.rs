@@ -9,7 +9,7 @@ use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
 use crate::state::rigid_body_3d::Wrench;
-use crate::user::Locked;
+use crate::user::LockedRoutines;
 
 /// A force or moment on one degree of freedom of each listed body and node.
 #[derive(Clone, Debug)]
@@ -53,7 +53,7 @@ impl Load for ConcentratedLoad {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        _: &mut Locked<'_>,
+        _: &mut LockedRoutines<'_>,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         let magnitude = self.magnitude.at(&scene.clock);

@@ -7,7 +7,7 @@ use crate::state::archive::persist_struct;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
-use crate::user::Locked;
+use crate::user::LockedRoutines;
 
 /// Gravity on a set of bodies and nodes.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ impl Load for GravityLoad {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        _: &mut Locked<'_>,
+        _: &mut LockedRoutines<'_>,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         let acceleration = self.acceleration.at(&scene.clock);

@@ -21,7 +21,7 @@ use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
-use crate::user::Locked;
+use crate::user::LockedRoutines;
 use fields::FacetFields;
 use stiffness::LoadStiffness;
 
@@ -211,7 +211,7 @@ pub trait Load: LoadOutput + CopyLoad + Persist + Send + Sync {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        user: &mut Locked<'_>,
+        user: &mut LockedRoutines<'_>,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason>;
 

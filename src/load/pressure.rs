@@ -15,7 +15,7 @@ use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
-use crate::user::Locked;
+use crate::user::LockedRoutines;
 
 /// A uniform pressure, positive against the outward normal. On a rigid body the resultant acts along the axis, so only
 /// the sum of the facets' axial areas is needed.
@@ -71,7 +71,7 @@ impl Load for PressureLoad {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        _: &mut Locked<'_>,
+        _: &mut LockedRoutines<'_>,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         self.current = self.magnitude.at(&scene.clock);

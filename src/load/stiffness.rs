@@ -104,7 +104,8 @@ impl StiffnessMonitor {
             return;
         }
         let [rate, before] = [now.change / now.way, change / way];
-        // Factor 2: a node belongs to at most two faces of a surface.
+        // Bound by row sums, hence the factor 2: a node belongs to at most two faces of a surface, and the displacement
+        // of a face is the mean of its two nodes.
         let squared = 2.0 * rate * sample.mobility;
         let alike = (rate - before).abs() <= SLOPE_TOLERANCE * rate;
         if alike && squared * increment * increment > MIN_STIFFNESS && squared > self.most.map_or(0.0, |m| m.squared) {
@@ -126,12 +127,12 @@ mod tests {
 
     /// Returns the measured slope of a face at these positions along its normal.
     fn measured(places: &[f64], pressure: impl Fn(usize, f64) -> f64) -> Option<f64> {
-        let mut watch = StiffnessMonitor::new(1);
+        let mut monitor = StiffnessMonitor::new(1);
         for (i, &z) in places.iter().enumerate() {
             let sample = FaceSample { place: [0.0, z], normal: [0.0, 1.0], pressure: pressure(i, z), mobility: 1.0 };
-            watch.sample(0, &sample, 1.0, 0, i as f64);
+            monitor.sample(0, &sample, 1.0, 0, i as f64);
         }
-        watch.stiffest().map(|m| m.rate)
+        monitor.stiffest().map(|m| m.rate)
     }
 
     #[test]

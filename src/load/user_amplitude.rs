@@ -6,7 +6,7 @@ use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::HaltReason;
 use crate::state::{EffectId, Instant};
-use crate::user::{AmplitudeCall, LoadFailure, Locked, RunAction};
+use crate::user::{AmplitudeCall, LoadFailure, LockedRoutines, RunAction};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SensorQuantity {
@@ -42,7 +42,7 @@ impl SubroutineAmplitude {
         increment: f64,
         dofs: &Dofs,
         user_amplitudes: &mut [SampledAmplitude],
-        user: &mut Locked<'_>,
+        user: &mut LockedRoutines<'_>,
     ) -> Result<RunAction, HaltReason> {
         let Some(routine) = user.amplitude.as_deref_mut() else { return Ok(RunAction::Continue) };
         for (value, sensor) in self.sensor_values.iter_mut().zip(&self.sensors) {

@@ -25,7 +25,7 @@ impl ModelBuilder<'_> {
             USER => return self.user_amplitude(card, amplitude),
             EQUALLY_SPACED => {
                 let Some(interval) = amplitude.interval else {
-                    return self.refuse_value(card.span, "DEFINITION=EQUALLY SPACED needs FIXED INTERVAL=");
+                    return self.refuse_value(card.span, "DEFINITION=EQUALLY SPACED requires FIXED INTERVAL=");
                 };
                 values.iter().enumerate().map(|(i, v)| [amplitude.begin + i as f64 * interval, *v]).collect()
             }

@@ -55,7 +55,7 @@ impl ModelBuilder<'_> {
                 return self.diagnostics.push(diagnostic.help(help));
             }
         };
-        self.claim("mass", &elements, card.span);
+        self.assign_property("mass", &elements, card.span);
         for element in elements {
             let node = self.model.mesh.elements[element].nodes[0];
             self.model.discrete.masses.push(PointMass { node, mass, span: card.span });
@@ -92,7 +92,7 @@ impl ModelBuilder<'_> {
             Ok(elements) => elements,
             Err(diagnostic) => return self.diagnostics.push(diagnostic),
         };
-        self.claim("rotary inertia", &elements, card.span);
+        self.assign_property("rotary inertia", &elements, card.span);
         for element in elements {
             let node = self.model.mesh.elements[element].nodes[0];
             let axial_transverse = [axial, first];

@@ -39,11 +39,11 @@ impl ModelBuilder<'_> {
             let value = self.scaled(value, amplitude);
             if first == 11 {
                 let line = (line, set.text.clone(), nodes, value);
-                self.held_temperature(card, line, amplitude);
+                self.prescribed_temperature(card, line, amplitude);
                 continue;
             }
             if self.step.is_none() && (value != 0.0 || user) {
-                self.before_steps(line);
+                self.report_nonzero_value(line);
                 continue;
             }
             if kind == MotionKind::Displacement && value != 0.0 && amplitude.is_none() && !user && !ramp {
@@ -83,7 +83,7 @@ impl ModelBuilder<'_> {
 
     /// Prescribes a temperature (degree of freedom 11). Without amplitude the value is applied at once (ABAQUS Analysis
     /// User's Guide 34.1.2, "Amplitude curves").
-    fn held_temperature(
+    fn prescribed_temperature(
         &mut self,
         card: &Card,
         (line, set, nodes, value): (&DataLine, String, Vec<usize>, f64),
@@ -116,7 +116,7 @@ impl ModelBuilder<'_> {
 
     /// Reports a nonzero value before the first step, where boundary conditions can only fix degrees of freedom (ABAQUS
     /// Analysis User's Guide 34.3.1, "Prescribing boundary conditions as model data").
-    fn before_steps(&mut self, line: &DataLine) {
+    fn report_nonzero_value(&mut self, line: &DataLine) {
         let message = "a boundary condition before the first step can only fix degrees of freedom";
         let diagnostic = Diagnostic::error("M105", message).at(line.span, "nonzero value");
         self.diagnostics.push(diagnostic.help("give it inside a *STEP"));

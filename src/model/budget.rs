@@ -12,11 +12,11 @@ pub(super) enum BudgetedItem {
 }
 
 /// Name of each item, and the memory it needs from reading to running, in bytes.
-const GOODS: [(&str, u64); 3] = [("nodes", 200), ("elements", 700), ("entries in sets and lists", 16)];
+const ITEMS: [(&str, u64); 3] = [("nodes", 200), ("elements", 700), ("entries in sets and lists", 16)];
 /// Largest number of nodes, and of elements.
-const MOST: u128 = 20_000_000;
+const MAX_COUNT: u128 = 20_000_000;
 /// Largest number of list entries: a constant, plus a number per node and element.
-const PLACES: [u128; 2] = [20_000_000, 40];
+const MAX_ENTRIES: [u128; 2] = [20_000_000, 40];
 
 /// Items of the model that have been counted so far.
 #[derive(Debug)]
@@ -40,13 +40,14 @@ impl SizeBudget {
     /// A message if a limit is exceeded; nothing is counted then.
     pub fn spend(&mut self, good: BudgetedItem, count: u128, mesh: [usize; 2]) -> Result<(), String> {
         let mut all = [mesh[0] as u128, mesh[1] as u128, u128::from(self.members)];
-        let most = if good == BudgetedItem::Members { PLACES[0] + PLACES[1] * (all[0] + all[1]) } else { MOST };
-        let (name, total) = (GOODS[good as usize].0, all[good as usize].saturating_add(count));
+        let most =
+            if good == BudgetedItem::Members { MAX_ENTRIES[0] + MAX_ENTRIES[1] * (all[0] + all[1]) } else { MAX_COUNT };
+        let (name, total) = (ITEMS[good as usize].0, all[good as usize].saturating_add(count));
         if total > most {
             return Err(format!("{total} {name} in all cards up to this one; at most {most} are allowed"));
         }
         all[good as usize] = total;
-        let bytes: u128 = all.iter().zip(GOODS).map(|(count, (_, bytes))| count * u128::from(bytes)).sum();
+        let bytes: u128 = all.iter().zip(ITEMS).map(|(count, (_, bytes))| count * u128::from(bytes)).sum();
         if bytes > self.memory {
             return Err(format!(
                 "{total} {name} in all cards up to this one: the deck needs about {:.1} GB, and the machine has {:.1}",

@@ -23,7 +23,7 @@ use super::steps::StepState;
 use super::types::{IgnoredCard, MaterialDefinition, MaterialId, Model, ModelOrigin, SectionControls, SurfaceId};
 
 /// Largest number of nodes, elements or set members that one card may generate.
-pub(super) const MOST: usize = 20_000_000;
+pub(super) const MAX_GENERATED: usize = 20_000_000;
 
 /// Number of unknown names for which similar names are suggested.
 const SUGGESTIONS: usize = 20;
@@ -164,7 +164,7 @@ impl<'a> ModelBuilder<'a> {
             self.output = None;
         }
         self.current = card.span;
-        self.read(card, Self::understand);
+        self.read(card, Self::dispatch);
     }
 
     /// Calls the reader of a card and notes what an erroneous card would have defined.
@@ -179,7 +179,7 @@ impl<'a> ModelBuilder<'a> {
         }
     }
 
-    fn understand(&mut self, card: &'a Card) {
+    fn dispatch(&mut self, card: &'a Card) {
         match card.keyword.name {
             "HEADING" => self.heading(card),
             "UNITS" => self.units(card),
@@ -292,7 +292,7 @@ impl<'a> ModelBuilder<'a> {
     pub fn required<'c>(&mut self, card: &'c Card, name: &str) -> Option<&'c Word> {
         let value = card.value(name);
         if value.is_none() && !card.faulty {
-            let message = format!("*{} needs {name}=", card.keyword.name);
+            let message = format!("*{} requires {name}=", card.keyword.name);
             self.diagnostics.push(Diagnostic::error("M101", message).at(card.span, format!("{name}= is missing")));
         }
         value
@@ -347,7 +347,7 @@ impl<'a> ModelBuilder<'a> {
     }
 
     /// Notes that a card gives elements a property, and reports elements that already have one of this kind.
-    pub fn claim(&mut self, kind: &'static str, elements: &[usize], span: Span) {
+    pub fn assign_property(&mut self, kind: &'static str, elements: &[usize], span: Span) {
         let mut twice: Vec<(usize, Span)> = Vec::new();
         let of_kind = self.property_of.entry(kind).or_default();
         of_kind.resize(of_kind.len().max(self.model.mesh.elements.len()), None);

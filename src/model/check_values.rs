@@ -40,7 +40,7 @@ pub(super) fn check_parameter(card: &Card, rule: &InputRule, parameter: &Paramet
         Some(word) => check_value(card, rule, word, diagnostics),
         None if rule.value.kind == ValueKind::Text || rule.value.bare.is_some() || rule.value.required => {}
         None => {
-            let message = format!("{} of *{} needs a value: {}", rule.name, card.keyword.name, rule.value.allowed());
+            let message = format!("{} of *{} requires a value: {}", rule.name, card.keyword.name, rule.value.allowed());
             diagnostics.push(Diagnostic::error("M103", message).at(parameter.span, "no value"));
         }
     }
@@ -49,7 +49,7 @@ pub(super) fn check_parameter(card: &Card, rule: &InputRule, parameter: &Paramet
 pub(super) fn check_required_parameters(card: &Card, diagnostics: &mut Diagnostics) {
     for rule in card.keyword.parameters.iter().filter(|rule| rule.value.required) {
         if card.value(rule.name).is_none() && !card.faulty {
-            let message = format!("*{} needs {}=", card.keyword.name, rule.name);
+            let message = format!("*{} requires {}=", card.keyword.name, rule.name);
             let diagnostic = Diagnostic::error("M101", message).at(card.span, format!("{}= is missing", rule.name));
             diagnostics.push(diagnostic);
         }
@@ -59,7 +59,7 @@ pub(super) fn check_required_parameters(card: &Card, diagnostics: &mut Diagnosti
 /// Reports missing data lines and fields, and rows that do not ascend.
 pub(super) fn check_lines(card: &Card, diagnostics: &mut Diagnostics) {
     if card.lines.is_empty() && card.needs_line() {
-        let message = format!("*{} needs a data line", card.keyword.name);
+        let message = format!("*{} requires a data line", card.keyword.name);
         diagnostics.push(Diagnostic::error("M107", message).at(card.span, "data line missing"));
         return;
     }

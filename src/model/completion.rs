@@ -17,14 +17,14 @@ impl ModelBuilder<'_> {
         #[cfg(feature = "resistance")]
         self.derive_resistances();
         self.check_free_surfaces();
-        self.refuse_kept_elements();
-        self.missing_degrees();
+        self.check_element_deletion();
+        self.report_missing_dofs();
     }
 
     /// Reports conditions on degrees of freedom that do not exist. Nodes of an axisymmetric body have 1 (r) and 2 (z);
     /// the reference node of a rigid body also has 6 (rotation), which symmetry fixes (ABAQUS Analysis User's Guide
     /// 1.2.2, "Conventions").
-    fn missing_degrees(&mut self) {
+    fn report_missing_dofs(&mut self) {
         let oblique = self.has_oblique_impact();
         // A rigid body with *ATTITUDE may have six degrees of freedom.
         let in_space = |nodes: &[usize]| self.model.attitudes.iter().any(|a| nodes.contains(&a.reference));
@@ -125,7 +125,7 @@ impl ModelBuilder<'_> {
     }
 
     /// Reports `ELEMENT DELETION=NO` for materials whose failure deletes elements immediately.
-    fn refuse_kept_elements(&mut self) {
+    fn check_element_deletion(&mut self) {
         let kept = |section: &super::SolidSection| -> Option<(Span, bool)> {
             let span = section.controls.keep_failed_elements?;
             let material = self.model.materials.get(section.material.index())?;

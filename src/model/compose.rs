@@ -220,7 +220,7 @@ impl BoundaryCondition {
         BoundaryCondition::prescribed(name, nodes, dof, MotionKind::Displacement, 0.0)
     }
 
-    /// Prescribes a motion of nodes. A displacement requires [`Boundary::amplitude`], because displacements cannot
+    /// Prescribes a motion of nodes. A displacement requires [`BoundaryCondition::amplitude`], because displacements cannot
     /// jump.
     #[track_caller]
     pub fn prescribed(name: &str, nodes: &[usize], dof: u8, kind: MotionKind, value: f64) -> BoundaryCondition {

@@ -39,7 +39,7 @@ impl ModelBuilder<'_> {
             lines = &lines[1..];
         }
         let Some(law) = self.connector_law(card, lines, is_spring) else { return };
-        self.claim(if is_spring { "spring" } else { "dashpot" }, &elements, card.span);
+        self.assign_property(if is_spring { "spring" } else { "dashpot" }, &elements, card.span);
         let property = ConnectorProperty { elements, dof, law, span: card.span };
         self.model.discrete.connectors.push(property);
     }

@@ -40,15 +40,15 @@ pub(super) struct ConsistencyCheck<'a> {
     found: Diagnostics,
 }
 
-pub(super) fn above_zero(value: f64) -> bool {
+pub(super) fn is_positive(value: f64) -> bool {
     value > 0.0 && value.is_finite()
 }
 
-pub(super) fn not_below(value: f64) -> bool {
+pub(super) fn is_non_negative(value: f64) -> bool {
     value >= 0.0 && value.is_finite()
 }
 
-fn ascend(members: &[usize]) -> bool {
+fn is_ascending(members: &[usize]) -> bool {
     members.windows(2).all(|w| w[0] < w[1])
 }
 
@@ -148,7 +148,7 @@ impl ConsistencyCheck<'_> {
     fn names(&mut self) {
         let model = self.model;
         for (name, set) in model.node_sets.iter().chain(&model.element_sets) {
-            self.value(ascend(&set.members), set.span, || {
+            self.value(is_ascending(&set.members), set.span, || {
                 format!("the members of set `{name}` must be in ascending order")
             });
         }
@@ -200,7 +200,7 @@ impl ConsistencyCheck<'_> {
             self.nodes(body.span, &[body.reference]);
             self.nodes(body.span, &body.nodes);
             self.elements(body.span, &body.elements);
-            self.value(not_below(body.density) && not_below(body.thickness), body.span, || {
+            self.value(is_non_negative(body.density) && is_non_negative(body.thickness), body.span, || {
                 "density and thickness of a rigid body must not be negative".into()
             });
         }
@@ -294,7 +294,7 @@ impl ConsistencyCheck<'_> {
             self.degree(property.span, property.dof, 2);
         }
         let good = match &property.law {
-            ConnectorLaw::Spring(value) | ConnectorLaw::Dashpot(value) => not_below(*value),
+            ConnectorLaw::Spring(value) | ConnectorLaw::Dashpot(value) => is_non_negative(*value),
             ConnectorLaw::Table(rows) | ConnectorLaw::DashpotTable(rows) => {
                 let finite = rows.iter().flatten().all(|x| x.is_finite());
                 finite && !rows.is_empty() && rows.windows(2).all(|w| w[0][0] < w[1][0])
@@ -326,8 +326,9 @@ impl ConsistencyCheck<'_> {
             self.nodes(link.span, &link.nodes);
             if let LinkKind::Distributing(weights) = &link.kind {
                 let sum: f64 = weights.iter().sum();
-                let good =
-                    weights.len() == link.nodes.len() && weights.iter().all(|w| not_below(*w)) && above_zero(sum);
+                let good = weights.len() == link.nodes.len()
+                    && weights.iter().all(|w| is_non_negative(*w))
+                    && is_positive(sum);
                 self.value(good, link.span, || "a coupling requires one weight per node, with a positive sum".into());
             }
         }
@@ -335,7 +336,7 @@ impl ConsistencyCheck<'_> {
             self.nodes(tie.span, &tie.slaves);
             self.nodes(tie.span, tie.chosen.as_deref().unwrap_or_default());
             self.faces(tie.span, &tie.masters);
-            let tolerance = tie.tolerance.is_none_or(not_below);
+            let tolerance = tie.tolerance.is_none_or(is_non_negative);
             self.value(tolerance, tie.span, || "POSITION TOLERANCE must not be negative".into());
         }
         for condition in &model.initial_conditions {
@@ -348,7 +349,7 @@ impl ConsistencyCheck<'_> {
                 | InitialKind::Field(_, v) => v.is_finite(),
             };
             self.value(finite, condition.span, || "the values of an initial condition must be finite".into());
-            self.value(ascend(&condition.members), condition.span, || {
+            self.value(is_ascending(&condition.members), condition.span, || {
                 "the members of an initial condition must be in ascending order".into()
             });
             if condition.kind.applies_to_elements() {
@@ -375,7 +376,7 @@ impl ConsistencyCheck<'_> {
             IncrementControl::Fixed(increment) => increment > 0.0 && increment <= step.duration,
         };
         self.value(increment, step.span, || format!("invalid increment control {:?}", step.increment));
-        self.value(step.bulk_viscosity.iter().all(|b| not_below(*b)), step.span, || {
+        self.value(step.bulk_viscosity.iter().all(|b| is_non_negative(*b)), step.span, || {
             "bulk viscosity must not be negative".into()
         });
         step.boundaries.iter().for_each(|b| self.boundary(b));
@@ -383,7 +384,7 @@ impl ConsistencyCheck<'_> {
         for field in &step.fields {
             self.nodes(field.span, &field.nodes);
             self.amplitude(field.span, field.amplitude);
-            let good = field.value.is_finite() && field.variable < MOST_FIELDS && ascend(&field.nodes);
+            let good = field.value.is_finite() && field.variable < MOST_FIELDS && is_ascending(&field.nodes);
             self.value(good, field.span, || "a field requires a finite value and nodes in ascending order".into());
         }
         step.outputs.iter().for_each(|o| self.output(o));
@@ -412,7 +413,7 @@ impl ConsistencyCheck<'_> {
                 let good = [Some(gap), above, below].into_iter().flatten().all(|x| x >= 0.0);
                 self.value(good, contact.span, || "a clearance and its search distances must not be negative".into());
             }
-            let good = contact.penalty.is_none_or(above_zero);
+            let good = contact.penalty.is_none_or(is_positive);
             self.value(good, contact.span, || "the scale factor of the penalty stiffness must be positive".into());
         }
         for scaling in &step.mass_scalings {
@@ -425,7 +426,7 @@ impl ConsistencyCheck<'_> {
 
     fn analytical_side(&mut self, contact: &SurfaceContact, analytical: &AnalyticalSide) {
         self.nodes(contact.span, &analytical.nodes);
-        self.value(ascend(&analytical.nodes), contact.span, || {
+        self.value(is_ascending(&analytical.nodes), contact.span, || {
             "the nodes of a contact surface must be in ascending order".into()
         });
         let count = self.model.surfaces.analytical.len();
@@ -466,7 +467,9 @@ impl ConsistencyCheck<'_> {
             LoadKind::Film { sides, coefficient, amplitude } => {
                 self.sides(load.span, sides);
                 self.amplitude(load.span, *amplitude);
-                self.value(not_below(*coefficient), load.span, || "a film coefficient must not be negative".into());
+                self.value(is_non_negative(*coefficient), load.span, || {
+                    "a film coefficient must not be negative".into()
+                });
             }
             LoadKind::User { sides, load_type } => {
                 self.sides(load.span, sides);
@@ -479,7 +482,7 @@ impl ConsistencyCheck<'_> {
             LoadKind::Cavity { sides, target, friction } => {
                 self.sides(load.span, sides);
                 self.indices("M113", load.span, "target", &[target.index()], self.model.targets.len());
-                self.value(not_below(*friction), load.span, || {
+                self.value(is_non_negative(*friction), load.span, || {
                     format!("FRICTION must not be negative, found {friction}")
                 });
             }

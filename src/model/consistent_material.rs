@@ -1,6 +1,6 @@
 //! Validation of the material data of composed models. The plan checks the combination of laws.
 
-use super::consistency::{ConsistencyCheck, above_zero, not_below};
+use super::consistency::{ConsistencyCheck, is_non_negative, is_positive};
 use super::eos::stiffens;
 use super::rubber::ORDER;
 use super::types::{
@@ -138,14 +138,14 @@ const JWL: [&str; 8] =
     ["detonation wave speed", "A", "B", "omega", "R1", "R2", "detonation energy", "pre-detonation bulk modulus"];
 
 fn is_elastic_table(rows: &[Vec<f64>]) -> bool {
-    let good = |r: &Vec<f64>| r.len() > 2 && above_zero(r[0]) && r[1] > -1.0 && r[1] < 0.5;
+    let good = |r: &Vec<f64>| r.len() > 2 && is_positive(r[0]) && r[1] > -1.0 && r[1] < 0.5;
     let over = || NestedTable::new(&rows.iter().map(|r| &r[1..]).collect::<Vec<_>>());
     rows.is_empty() || rows.iter().all(good) && over().is_some()
 }
 
 fn is_rubber(rubber: &HyperelasticLaw) -> bool {
     let [first, more @ ..] = &rubber.compressibility[..] else { return false };
-    let alike = above_zero(*first) || more.iter().all(|d| *d == 0.0);
+    let alike = is_positive(*first) || more.iter().all(|d| *d == 0.0);
     let shape = match &rubber.shape {
         DeviatoricEnergy::NeoHooke(_) => true,
         DeviatoricEnergy::Polynomial(terms) => {
@@ -153,7 +153,7 @@ fn is_rubber(rubber: &HyperelasticLaw) -> bool {
         }
         DeviatoricEnergy::Ogden(terms) => terms.iter().all(|t| t[0].is_finite() && t[1].is_finite() && t[1] != 0.0),
     };
-    above_zero(rubber.shape.shear()) && rubber.compressibility.iter().all(|d| not_below(*d)) && alike && shape
+    is_positive(rubber.shape.shear()) && rubber.compressibility.iter().all(|d| is_non_negative(*d)) && alike && shape
 }
 
 /// Returns whether the yield stress data are in range. The plan checks tables further.
@@ -166,7 +166,7 @@ fn yields(plastic: &PlasticityModel) -> bool {
         }
         PlasticityModel::User(constants) => constants.iter().all(|c| c.is_finite()),
         PlasticityModel::Kinematic(lines) => {
-            by_temperature(lines) && lines.iter().all(|l| above_zero(l[0]) && not_below(l[1]))
+            by_temperature(lines) && lines.iter().all(|l| is_positive(l[0]) && is_non_negative(l[1]))
         }
     }
 }
@@ -175,7 +175,7 @@ fn is_rate(rate: &RateDependence) -> bool {
     match rate {
         RateDependence::JohnsonCook(values) => values.iter().all(|v| v.is_finite()),
         RateDependence::PowerLaw(rows) => {
-            by_temperature(rows) && rows.iter().all(|r| above_zero(r[0]) && above_zero(r[1]))
+            by_temperature(rows) && rows.iter().all(|r| is_positive(r[0]) && is_positive(r[1]))
         }
         RateDependence::YieldRatio(rows) => {
             let follows = |w: &[[f64; 3]]| w[0][1] < w[1][1] || w[0][2] < w[1][2];
@@ -196,6 +196,6 @@ fn fails(criterion: &FailureCriterion) -> bool {
     strain
         && match criterion.evolution {
             DamageEvolution::Sudden | DamageEvolution::Absent => true,
-            DamageEvolution::Displacement(value) | DamageEvolution::Energy(value) => not_below(value),
+            DamageEvolution::Displacement(value) | DamageEvolution::Energy(value) => is_non_negative(value),
         }
 }

@@ -13,7 +13,7 @@ use crate::platform::PortableMath as _;
 /// Relative difference of the radii at both ends of an arc that is treated as rounding.
 const ARC_ROUNDING: f64 = 1e-6;
 /// Largest relative difference of the radii that is corrected; beyond it the arc is invalid.
-const ARC_MOST: f64 = 1e-2;
+const ARC_LIMIT: f64 = 1e-2;
 
 /// Returns the point nearest to a centre that has equal distances to two points.
 fn equidistant_centre(a: [f64; 2], b: [f64; 2], centre: [f64; 2]) -> [f64; 2] {
@@ -137,7 +137,7 @@ impl ModelBuilder<'_> {
              centre ({}, {}); relative difference {off:.1e}",
             centre[0], centre[1]
         );
-        if off.is_nan() || off > ARC_MOST {
+        if off.is_nan() || off > ARC_LIMIT {
             let diagnostic = Diagnostic::error("M103", message).at(span, "no circle about this centre");
             return self.diagnostics.refuse(diagnostic.help("the relative difference may be 1e-2 at most"));
         }
@@ -231,7 +231,7 @@ impl ModelBuilder<'_> {
         }
     }
 
-    pub(super) fn no_pair_to_delete(&mut self, span: Span) {
+    pub(super) fn report_missing_pair(&mut self, span: Span) {
         let message = "the contact pair to delete does not exist";
         self.diagnostics.push(Diagnostic::error("M114", message).at(span, "not in force here"));
     }

@@ -78,7 +78,7 @@ impl ModelBuilder<'_> {
             return Some(Box::new(move |_, p| placement.as_ref().map_or(p, |placement| placement.apply(p))));
         }
         let Some(kind) = card.read::<Option<usize>>("REFLECT") else {
-            let diagnostic = Diagnostic::error("M101", "*NCOPY needs SHIFT or REFLECT=");
+            let diagnostic = Diagnostic::error("M101", "*NCOPY requires SHIFT or REFLECT=");
             return self.diagnostics.refuse(diagnostic.at(card.span, "no transformation given"));
         };
         let mapping = self.reflection(card, kind)?;
@@ -291,7 +291,7 @@ impl ModelBuilder<'_> {
     }
 
     /// Reads transformed directions at nodes (ABAQUS Keywords Reference Guide, *TRANSFORM). Directions along r and z
-    /// have no effect; others are reported by [`Builder::check_transforms`] if the nodes have a condition or force.
+    /// have no effect; others are reported by [`ModelBuilder::check_transforms`] if the nodes have a condition or force.
     pub(super) fn transform(&mut self, card: &Card) {
         let Some(set) = self.required(card, "NSET") else { return };
         let Some(nodes) = self.node_members(set) else { return };

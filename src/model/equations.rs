@@ -1,6 +1,6 @@
 //! `*EQUATION`: linear equations between displacements or between temperatures.
 
-use super::builder::{MOST, ModelBuilder};
+use super::builder::{MAX_GENERATED, ModelBuilder};
 use super::types::LinearEquation;
 use crate::deck::{Card, Diagnostic, Span, Word};
 
@@ -16,7 +16,7 @@ impl ModelBuilder<'_> {
         while at < card.lines.len() {
             let line = &card.lines[at];
             let Some(count) = self.integer(line, 0, "the number of terms") else { return };
-            if !(2..=MOST as i64).contains(&count) {
+            if !(2..=MAX_GENERATED as i64).contains(&count) {
                 return self.out_of_range(line.span, format!("an equation requires at least two terms, found {count}"));
             }
             let (words, next) = match at + 1 < card.lines.len() {

@@ -55,19 +55,19 @@ impl StepHistory {
         given: Vec<BoundaryCondition>,
         step: &StepTiming,
         model: &mut Model,
-        words: &mut Vec<Diagnostic>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) -> Vec<BoundaryCondition> {
         let given = if step.ramp { self.ramped_boundaries(given, step, model) } else { given };
         let spans: HashSet<Span> = given.iter().map(|b| b.span).collect();
-        let merged = merge_boundaries(std::mem::take(&mut self.boundaries), given, words);
+        let merged = merge_boundaries(std::mem::take(&mut self.boundaries), given, diagnostics);
         self.boundaries = merged.iter().map(|b| self.carried_boundary(b, step, model)).collect();
         let places = self.displacements_after(&merged, step, model);
         self.first_values.retain(|(span, _), _| !spans.contains(span));
         let mut in_force = Vec::with_capacity(merged.len());
         for b in merged {
-            words.extend(self.unknown_start(&b, model));
+            diagnostics.extend(self.unknown_start(&b, model));
             if spans.contains(&b.span) {
-                words.extend(self.jump(&b, model));
+                diagnostics.extend(self.jump(&b, model));
             }
             in_force.push(self.relative_to_start(b, model));
         }
@@ -76,8 +76,8 @@ impl StepHistory {
     }
 
     /// Stores boundary conditions defined before the first step, which are in force from then on.
-    pub fn model_data(&mut self, given: Vec<BoundaryCondition>, words: &mut Vec<Diagnostic>) {
-        self.boundaries = merge_boundaries(Vec::new(), given, words);
+    pub fn model_data(&mut self, given: Vec<BoundaryCondition>, diagnostics: &mut Vec<Diagnostic>) {
+        self.boundaries = merge_boundaries(Vec::new(), given, diagnostics);
     }
 
     /// Ends a step.
@@ -300,7 +300,7 @@ fn same_condition(a: &BoundaryCondition, b: &BoundaryCondition) -> bool {
 fn merge_boundaries(
     inherited: Vec<BoundaryCondition>,
     given: Vec<BoundaryCondition>,
-    words: &mut Vec<Diagnostic>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Vec<BoundaryCondition> {
     let own = inherited.len();
     let all: Vec<BoundaryCondition> = inherited.into_iter().chain(given).collect();
@@ -315,7 +315,7 @@ fn merge_boundaries(
                 continue;
             }
             if *holder >= own && !reported && !same_condition(earlier, b) {
-                words.push(given_twice(earlier, b));
+                diagnostics.push(given_twice(earlier, b));
                 reported = true;
             }
             *holder = i;

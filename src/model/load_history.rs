@@ -15,12 +15,12 @@ impl StepHistory {
         given: Vec<Load>,
         step: &StepTiming,
         model: &mut Model,
-        words: &mut Vec<Diagnostic>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) -> Vec<Load> {
         let mut inherited = std::mem::take(&mut self.loads);
         let before = if step.ramp { self.magnitudes(&inherited, model) } else { HashMap::new() };
         replace_loads(&mut inherited, &given);
-        words.extend(added_loads(&given));
+        diagnostics.extend(added_loads(&given));
         let given: Vec<Load> = match step.ramp {
             true => given.into_iter().flat_map(|l| ramped_load(l, &before, step, model)).collect(),
             false => given,
@@ -139,7 +139,7 @@ fn replace_loads(inherited: &mut Vec<Load>, given: &[Load]) {
 /// Reports loads of the same type at the same place in one step, which add up.
 fn added_loads(given: &[Load]) -> Vec<Diagnostic> {
     let mut first: HashMap<LoadPlace, Span> = HashMap::new();
-    let mut words = Vec::new();
+    let mut diagnostics = Vec::new();
     for load in given {
         let mut reported = false;
         for place in places(&load.kind) {
@@ -148,12 +148,12 @@ fn added_loads(given: &[Load]) -> Vec<Diagnostic> {
                 let message = "another data line of this step defines a load of this \
                                type at the same place; the loads add up";
                 let diagnostic = Diagnostic::warning("M144", message).at(load.span, "later load");
-                words.push(diagnostic.at(earlier, "earlier load"));
+                diagnostics.push(diagnostic.at(earlier, "earlier load"));
                 reported = true;
             }
         }
     }
-    words
+    diagnostics
 }
 
 /// Returns a load without amplitude as linear ramps over the step, one for each initial magnitude in its region.

@@ -16,7 +16,7 @@ impl ModelBuilder<'_> {
         if self.operation(card, family) {
             self.state().history.loads.retain(|l| load_family(&l.kind) != family);
         }
-        self.refuse_without_cavity(card);
+        self.check_load_options(card);
         for line in &card.lines {
             let parsed = match family {
                 "CLOAD" => self.concentrated(line),
@@ -31,7 +31,7 @@ impl ModelBuilder<'_> {
     }
 
     /// Reports `TARGET` and `FRICTION` without a CAVITY load, and direction components without GRAV.
-    fn refuse_without_cavity(&mut self, card: &Card) {
+    fn check_load_options(&mut self, card: &Card) {
         let is = |line: &DataLine, label: &str| line.field(1).is_some_and(|w| w.is(label));
         if !card.lines.iter().any(|line| is(line, "CAVITY")) {
             for parameter in card.parameters.iter().filter(|p| matches!(p.name, "TARGET" | "FRICTION")) {

@@ -272,7 +272,7 @@ impl ModelBuilder<'_> {
             self.unknown("M111", "material", material, |b| b.material_places.keys().cloned().collect());
             return None;
         };
-        self.claim("section", &elements, card.span);
+        self.assign_property("section", &elements, card.span);
         let mesh = &self.model.mesh;
         if let Some(&other) = elements.iter().find(|e| !fits(mesh.elements[**e].kind)) {
             let Element { name, kind, .. } = &mesh.elements[other];

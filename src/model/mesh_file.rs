@@ -41,7 +41,7 @@ impl ModelBuilder<'_> {
         };
         let path = self.deck.sources.folder(card.span).join(input.text.replace('\\', "/"));
         match read_any(&path) {
-            Ok(mesh) => self.take_mesh(&mesh, kind, card.span),
+            Ok(mesh) => self.add_mesh(&mesh, kind, card.span),
             Err((why, help)) => {
                 let message = format!("cannot read the mesh file `{}`: {why}", input.text);
                 let diagnostic = Diagnostic::error("M150", message).at(input.span, "this file");
@@ -53,7 +53,7 @@ impl ModelBuilder<'_> {
         }
     }
 
-    fn take_mesh(&mut self, mesh: &MeshFile, kind: Option<ElementKind>, span: Span) {
+    fn add_mesh(&mut self, mesh: &MeshFile, kind: Option<ElementKind>, span: Span) {
         let node_labels = labels(&mesh.point_arrays, "NODE_LABEL", mesh.points.len());
         let element_labels = labels(&mesh.cell_arrays, "ELEMENT_LABEL", mesh.cells.len());
         let in_plane = |p: &[f64; 3]| p[2] == 0.0 && p[0] >= 0.0 && p[0].is_finite() && p[1].is_finite();
@@ -70,7 +70,7 @@ impl ModelBuilder<'_> {
         for (cell, &label) in mesh.cells.iter().zip(&element_labels) {
             elements.push(self.mesh_cell(cell, label, kind, &nodes, span));
         }
-        self.name_unread(mesh, span);
+        self.report_unread(mesh, span);
         for (name, values) in &mesh.point_arrays {
             if let Some(name) = name.strip_prefix("NSET_") {
                 let members = nodes.iter().zip(values).filter(|(_, v)| **v != 0.0).map(|(n, _)| *n).collect();
@@ -86,7 +86,7 @@ impl ModelBuilder<'_> {
     }
 
     /// Reports cards and arrays that were not read; a set may only lack its prefix.
-    fn name_unread(&mut self, mesh: &MeshFile, span: Span) {
+    fn report_unread(&mut self, mesh: &MeshFile, span: Span) {
         if !mesh.unread.is_empty() {
             let message = format!("cards of the mesh file are not read: *{}", mesh.unread.join(", *"));
             let diagnostic = Diagnostic::note("M143", message).at(span, "this mesh");

@@ -24,7 +24,7 @@ pub struct ScopeLabels {
 /// Marks unused labels.
 const NONE: u32 = u32::MAX;
 /// Limit of the list length: a number per label, plus a constant.
-const PLACES: [usize; 2] = [4, 1000];
+const LIST_LIMIT: [usize; 2] = [4, 1000];
 
 impl ScopeLabels {
     /// Returns the index of a label.
@@ -38,7 +38,7 @@ impl ScopeLabels {
         let before = self.find(label);
         // The size limit of a model is far below the range of u32.
         let index = u32::try_from(index).unwrap_or(NONE);
-        let most = PLACES[0] * self.count + PLACES[1];
+        let most = LIST_LIMIT[0] * self.count + LIST_LIMIT[1];
         match usize::try_from(label).ok().filter(|at| *at < most && !self.sparse.contains_key(&label)) {
             Some(at) => {
                 if at >= self.dense.len() {

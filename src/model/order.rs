@@ -99,7 +99,8 @@ fn put_members_first(region: &mut Vec<Vec<&Card>>, sources: &Sources) {
     }
 }
 
-/// Returns the position of the last later definition of a set that the set at `at` lists; `None` if there is none.
+/// Returns the position of the last later definition of a set that the set at `at` lists; `None` if there is none, or
+/// if an earlier one exists.
 fn last_member(region: &[Vec<&Card>], at: usize, sources: &Sources) -> Option<usize> {
     let card = region[at][0];
     let parameter = match card.keyword.name {

@@ -1,6 +1,6 @@
 //! `*OUTPUT` with the cards that follow it, `*RESTART`, `*TIME POINTS`.
 
-use super::builder::{MOST, ModelBuilder};
+use super::builder::{MAX_GENERATED, ModelBuilder};
 use super::names::{qualified, upper};
 use super::types::{
     ContactPairFilter, ElementSetId, IgnoredCard, NodeSetId, OutputCard, OutputInterval, OutputKind, OutputPosition,
@@ -115,7 +115,7 @@ impl ModelBuilder<'_> {
         if card.has("GENERATE") {
             for (line, [first, last, step]) in card.lines.iter().zip(card.read_lines::<Vec<[f64; 3]>>()) {
                 let count = ((last - first) / step * (1.0 + 1e-12)).floor();
-                if !(0.0..=MOST as f64).contains(&count) {
+                if !(0.0..=MAX_GENERATED as f64).contains(&count) {
                     return self.out_of_range(
                         line.span,
                         "GENERATE requires first and last times in ascending order and at most 20 million points",

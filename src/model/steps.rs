@@ -68,9 +68,9 @@ impl ModelBuilder<'_> {
         let mut carried = self.carried.clone();
         carried.earlier_outputs = std::mem::take(&mut carried.outputs);
         if !carried.boundaries.is_empty() {
-            let mut words = Vec::new();
-            carried.history.model_data(std::mem::take(&mut carried.boundaries), &mut words);
-            words.into_iter().for_each(|word| self.diagnostics.push(word));
+            let mut diagnostics = Vec::new();
+            carried.history.model_data(std::mem::take(&mut carried.boundaries), &mut diagnostics);
+            diagnostics.into_iter().for_each(|d| self.diagnostics.push(d));
         }
         let fresh = StepState { name, span: card.span, ramp, procedure: None, cleared: Vec::new(), ..carried };
         self.step = Some(StepState { new_boundaries: None, ..fresh });
@@ -92,14 +92,14 @@ impl ModelBuilder<'_> {
         };
         self.ended_outputs(&state);
         let time = StepTiming { duration: procedure.duration, ramp: state.ramp };
-        let mut words = Vec::new();
+        let mut diagnostics = Vec::new();
         let given = std::mem::take(&mut state.boundaries);
-        let boundaries = state.history.boundaries(given, &time, &mut self.model, &mut words);
+        let boundaries = state.history.boundaries(given, &time, &mut self.model, &mut diagnostics);
         let given = std::mem::take(&mut state.loads);
-        let loads = state.history.loads(given, &time, &mut self.model, &mut words);
+        let loads = state.history.loads(given, &time, &mut self.model, &mut diagnostics);
         let fields = state.history.fields(std::mem::take(&mut state.fields), &time, &self.model);
         state.history.end(&time);
-        words.into_iter().for_each(|word| self.diagnostics.push(word));
+        diagnostics.into_iter().for_each(|d| self.diagnostics.push(d));
         state.outputs.splice(0..0, state.earlier_outputs.drain(..));
         self.carried = state.clone();
         self.model.steps.push(Step {

@@ -39,7 +39,7 @@ impl ModelBuilder<'_> {
         pairs.retain(|c| !same(c));
         if !adds {
             if pairs.len() == before {
-                self.no_pair_to_delete(line.span);
+                self.report_missing_pair(line.span);
             }
             return;
         }

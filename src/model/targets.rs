@@ -70,10 +70,10 @@ impl ModelBuilder<'_> {
     pub(super) fn check_free_surfaces(&mut self) {
         let free = self.model.targets.iter().filter(|t| t.free_surfaces != FreeSurfaces::Off);
         let layers: Vec<TargetLayer> = free.flat_map(|t| t.layers.iter().copied()).collect();
-        layers.iter().for_each(|layer| self.must_be_elastic(layer));
+        layers.iter().for_each(|layer| self.check_elasticity(layer));
     }
 
-    fn must_be_elastic(&mut self, layer: &TargetLayer) {
+    fn check_elasticity(&mut self, layer: &TargetLayer) {
         let Some(properties) = layer.material.map(|m| &self.model.materials[m]) else { return };
         // Constants that could not be derived are reported already.
         let Some(cavity) = properties.cavity.filter(|law| law.yield_stress > 0.0) else { return };

@@ -18,7 +18,7 @@ use super::xml_limits::exceeded_limit;
 use crate::deck::files;
 
 /// Largest file size in bytes; vtkio needs several times as much memory.
-const MOST: u64 = 2 << 30;
+const MAX_BYTES: u64 = 2 << 30;
 
 /// Returns whether a compressed array declares more bytes than it can contain; vtkio allocates the declared size. The
 /// compression ratio of zlib is at most 1032 (RFC 1951: 258 bytes in two bits).
@@ -64,8 +64,8 @@ pub(crate) fn read(path: &Path) -> Result<MeshFile, String> {
 }
 
 fn parse(path: &Path) -> Result<MeshFile, String> {
-    if path.metadata().is_ok_and(|file| file.len() > MOST) {
-        return Err(format!("the file is larger than {} GB", MOST >> 30));
+    if path.metadata().is_ok_and(|file| file.len() > MAX_BYTES) {
+        return Err(format!("the file is larger than {} GB", MAX_BYTES >> 30));
     }
     let bytes = files::read(path).map_err(|e| e.to_string())?;
     let text = String::from_utf8_lossy(&bytes);

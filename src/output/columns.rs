@@ -1,7 +1,7 @@
 //! Text tables with aligned columns.
 
 /// Returns a header and rows as aligned lines without trailing blanks; columns are aligned to the left or to the right.
-pub fn aligned_table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>], to_the_right: bool) -> String {
+pub fn aligned_table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>], align_right: bool) -> String {
     let header: Vec<&str> = header.iter().map(AsRef::as_ref).collect();
     let lines: Vec<Vec<&str>> =
         std::iter::once(header).chain(rows.iter().map(|row| row.iter().map(String::as_str).collect())).collect();
@@ -10,7 +10,7 @@ pub fn aligned_table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>], to_the_r
         |column: usize| lines.iter().filter_map(|l| l.get(column)).map(|c| c.chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns).map(width).collect();
     let cell = |(text, &width): (&&str, &usize)| {
-        if to_the_right { format!(" {text:>width$} ") } else { format!(" {text:<width$} ") }
+        if align_right { format!(" {text:>width$} ") } else { format!(" {text:<width$} ") }
     };
     let line = |cells: &Vec<&str>| cells.iter().zip(&widths).map(cell).collect::<String>().trim_end().to_owned() + "\n";
     lines.iter().map(line).collect()

@@ -16,9 +16,9 @@ pub const DOT: f64 = 4.5;
 /// Shapes on a white background, in drawing order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// Width and height.
+    /// Width and height, in points.
     pub size: [f64; 2],
-    /// The shapes.
+    /// Shapes in drawing order.
     pub shapes: Vec<DrawingShape>,
 }
 
@@ -27,7 +27,7 @@ pub struct Drawing {
 pub enum DrawingShape {
     /// Straight lines through points.
     Path {
-        /// The points.
+        /// Coordinates of the points.
         points: Vec<[f64; 2]>,
         /// Whether the last point is connected to the first.
         closed: bool,
@@ -45,9 +45,9 @@ pub enum DrawingShape {
     },
     /// A filled circle.
     Dot {
-        /// Its centre.
+        /// Centre, in points.
         centre: [f64; 2],
-        /// Its fill.
+        /// Colour of the fill.
         colour: Colour,
     },
     /// A line of text.
@@ -70,9 +70,9 @@ pub struct ShapePaint {
 /// Line along an outline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineStroke {
-    /// Its colour.
+    /// Colour of the line.
     pub colour: Colour,
-    /// Its width.
+    /// Width of the line, in points.
     pub width: f64,
     /// Lengths of dashes and gaps, alternating; empty for a solid line.
     pub dashes: &'static [f32],

@@ -102,7 +102,7 @@ pub enum FramePoints {
 /// Folder and name of a job's files.
 #[derive(Clone, Debug)]
 pub struct JobFiles {
-    /// Folder.
+    /// Results folder.
     pub folder: PathBuf,
     /// Name: the file name of the deck without its suffix.
     pub name: String,

@@ -153,8 +153,8 @@ impl VtuWriter {
         }
     }
 
-    /// Writes cells. All points of a deleted element's cell are the same point, because not every VTK filter respects
-    /// hidden cells (vtkGeometryFilter of 9.7 draws those of unstructured grids), and its nodes may be far apart.
+    /// Writes cells. The cell of a deleted element is reduced to one point, because its nodes may be far apart and not
+    /// every VTK filter respects hidden cells (vtkGeometryFilter of 9.7 draws those of unstructured grids).
     fn topology(&mut self, cells: &[Vec<usize>], deleted: &[bool]) {
         let connectivity = cells.iter().enumerate().flat_map(|(c, cell)| {
             let point = cell.first().filter(|_| deleted.get(c) == Some(&true)).copied();

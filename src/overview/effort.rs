@@ -80,9 +80,9 @@ pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<RunEstima
     if outcome.increments == 0 || increment <= 0.0 {
         return None;
     }
-    let behind: f64 = outcome.steps.iter().map(|step| step.time).sum();
+    let elapsed_time: f64 = outcome.steps.iter().map(|step| step.time).sum();
     let total: f64 = plan.steps.iter().map(|step| step.duration).sum();
-    let increments = outcome.increments as f64 + (total - behind).max(0.0) / increment;
+    let increments = outcome.increments as f64 + (total - elapsed_time).max(0.0) / increment;
     let seconds = increments * outcome.seconds / outcome.increments as f64;
     Some(RunEstimate { increment, limiting_element: limiting, increments, seconds, looked_at: fraction, halt })
 }

@@ -21,7 +21,7 @@ pub struct DeckOverview {
     pub parts: Vec<PartOverview>,
     /// Total mass of deformable elements, point masses and rigid bodies.
     pub mass: f64,
-    /// Initial kinetic energy.
+    /// Initial kinetic energy of the full rings.
     pub kinetic_energy: f64,
     /// Wave speeds of the materials.
     pub waves: Vec<WaveSpeeds>,
@@ -38,7 +38,7 @@ pub struct DeckOverview {
 /// Speeds of small-strain waves in a material.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WaveSpeeds {
-    /// Name of the material.
+    /// Name of the material in the deck.
     pub material: String,
     /// Initial density.
     pub density: f64,
@@ -51,7 +51,7 @@ pub struct WaveSpeeds {
 /// Name and duration of a step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StepTime {
-    /// Name of the step.
+    /// Name of the step in the deck.
     pub name: String,
     /// Duration, in the time unit of the deck.
     pub duration: f64,

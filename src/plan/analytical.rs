@@ -10,15 +10,14 @@ use crate::kernel::profile::SurfaceProfile;
 use crate::model::{AnalyticalSide, Element, RigidSurface, SideSelection, SurfaceContact};
 
 /// Accepted initial penetration of nodes, as a fraction of the size of the smaller surface: rounded coordinates,
-/// straight edges of
-/// a curved mesh.
+/// straight edges of a curved mesh.
 const OVERLAP: f64 = 1e-3;
 
 /// Initial positions of nodes relative to an analytical surface.
 #[derive(Debug, Default)]
 struct InitialGaps {
     /// Maximum penetration, and maximum gap, length.
-    behind: f64,
+    penetration: f64,
     front: f64,
     /// Number of penetrating nodes.
     count: usize,
@@ -29,7 +28,7 @@ impl InitialGaps {
         let mut start = InitialGaps::default();
         for &place in places {
             let gap = profile.nearest(place, 0.0).gap;
-            (start.behind, start.front) = (start.behind.max(-gap), start.front.max(gap));
+            (start.penetration, start.front) = (start.penetration.max(-gap), start.front.max(gap));
             start.count += usize::from(gap < -rounding);
         }
         start
@@ -64,8 +63,7 @@ struct OpposingSurface<'a> {
 
 impl Compiler<'_> {
     /// Returns the indices of the curve and of the analytical surface of a pair, and the ledger row. Unsupported pairs
-    /// are reported
-    /// as errors.
+    /// are reported as errors.
     pub(super) fn analytical(
         &mut self,
         (pair, analytical): (&SurfaceContact, &AnalyticalSide),
@@ -175,8 +173,7 @@ impl Compiler<'_> {
     }
 
     /// Returns the profile with its front towards the nodes. Warns if it was reversed, if nodes penetrate it, or if
-    /// there will be
-    /// no contact; an error if nodes are on both sides.
+    /// there will be no contact; an error if nodes are on both sides.
     fn facing(
         &mut self,
         opposite: OpposingSurface<'_>,
@@ -191,7 +188,7 @@ impl Compiler<'_> {
         let start = InitialGaps::new(&profile, places, rounding);
         let way = "its front is to the left of the direction from START";
         let help = "give the points of the surface in the opposite order";
-        if start.behind <= rounding {
+        if start.penetration <= rounding {
             if start.front <= rounding && self.looks_away(opposite, &profile) {
                 let message =
                     format!("`{name}` faces away from `{}`, which is on the surface: there will be no contact", set);
@@ -201,7 +198,7 @@ impl Compiler<'_> {
             return Ok(profile);
         }
         let away = match sides.faces.is_empty() {
-            true => start.behind > overlap,
+            true => start.penetration > overlap,
             false => self.looks_away(opposite, &profile),
         };
         if away && start.front <= rounding.max(overlap) {
@@ -211,9 +208,10 @@ impl Compiler<'_> {
             self.diagnostics.push(finding.at(pair.span, "this pair").help(help));
             return Ok(profile.reversed());
         }
-        if start.behind <= overlap {
-            let (count, behind) = (start.count, start.behind);
-            let message = format!("{count} nodes of `{}` penetrate `{name}` by up to {behind:.3e} at the start", set);
+        if start.penetration <= overlap {
+            let (count, penetration) = (start.count, start.penetration);
+            let message =
+                format!("{count} nodes of `{}` penetrate `{name}` by up to {penetration:.3e} at the start", set);
             let finding = Diagnostic::warning("P111", message)
                 .at(pair.span, "this penetration is kept, further penetration is prevented");
             self.diagnostics.push(finding.help("move the nodes onto the surface"));
@@ -222,7 +220,7 @@ impl Compiler<'_> {
         if start.front <= overlap {
             return Err(format!(
                 "nodes of this surface penetrate the analytical surface by up to {:.3e} at the start",
-                start.behind
+                start.penetration
             ));
         }
         Err("nodes of this surface are on both sides of the analytical surface".into())

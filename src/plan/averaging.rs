@@ -5,7 +5,8 @@ use super::user_material::calls_routines_at_points;
 use crate::element::averaging::DilationAveraging;
 use crate::model::{MaterialDefinition, SolidSection};
 
-/// Poisson's ratio above which triangles of an elastic material lock: there the bulk modulus is ten times the shear modulus.
+/// Poisson's ratio above which triangles of an elastic material lock: there the bulk modulus is ten times the shear
+/// modulus.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
 impl Compiler<'_> {
@@ -13,8 +14,8 @@ impl Compiler<'_> {
     /// would lock.
     pub(super) fn averaging(&mut self, section: &SolidSection, corners: &[[u32; 4]]) -> Option<DilationAveraging> {
         let material = &self.model.materials[section.material];
-        let said = section.controls.averaged;
-        if said == Some(false) {
+        let requested = section.controls.averaged;
+        if requested == Some(false) {
             return None;
         }
         let triangles = corners.iter().filter(|c| c[2] == c[3]).count();
@@ -27,9 +28,9 @@ impl Compiler<'_> {
         } else {
             None
         };
-        match (why_not, said) {
+        match (why_not, requested) {
             (Some(why), Some(true)) => self.add_unused_card(section.span, "AVERAGED PRESSURE", why),
-            (None, _) if said.is_some() || locks(material) => {
+            (None, _) if requested.is_some() || locks(material) => {
                 let detail = "dilation averaged over nodes, against volumetric locking".into();
                 self.ledger_row(section.span, "averaged pressure", triangles, "triangles", detail);
                 return DilationAveraging::new(corners);

@@ -126,8 +126,7 @@ impl Compiler<'_> {
     }
 
     /// Returns the lumped nodal masses: row sums of RAX2 elements, point masses, and solid elements with the density of
-    /// their
-    /// section (ABAQUS Analysis User's Guide, "Rigid body definition", "Rigid body mass").
+    /// their section (ABAQUS Analysis User's Guide, "Rigid body definition", "Rigid body mass").
     fn lumped_mass(&self, rigid: &RigidBody, nodes: &[usize]) -> Vec<(usize, f64)> {
         let mesh = &self.model.mesh;
         let mut masses = vec![0.0; nodes.len()];

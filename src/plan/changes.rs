@@ -51,8 +51,7 @@ where
     }
 
     /// Applies the change to a list and returns the effects that end. `take_over(new, old)` copies the history of a
-    /// previous
-    /// effect to a new one.
+    /// previous effect to a new one.
     pub fn apply(&self, list: &mut Vec<Box<T>>, take_over: impl Fn(&mut T, &T)) -> Vec<Box<T>> {
         let begun = |entry: &ListEntry<T>| match entry {
             ListEntry::Kept(_) => None,

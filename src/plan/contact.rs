@@ -18,8 +18,7 @@ use crate::model::{AnalyticalSide, GeneralContact, SurfaceContact};
 /// overlap.
 const FIT: f64 = 0.05;
 /// Default search distance of clearances, as a fraction of the facet length (ABAQUS Keywords Reference Guide, *CONTACT
-/// CLEARANCE:
-/// approximately one-tenth of the element size).
+/// CLEARANCE: approximately one-tenth of the element size).
 const SEARCHED: f64 = 0.1;
 
 impl Compiler<'_> {
@@ -201,8 +200,7 @@ impl Compiler<'_> {
     }
 
     /// Returns the laws of the penalty springs of each point of a curve. The stiffness is 2 / (sum of the compliances
-    /// of both
-    /// surfaces): for two equal bodies the stiffness of one layer of elements.
+    /// of both surfaces): for two equal bodies the stiffness of one layer of elements.
     fn springs(
         &mut self,
         contact: &SurfaceContact,
@@ -212,7 +210,7 @@ impl Compiler<'_> {
         state: &State,
     ) -> Option<Vec<InteractionLaw>> {
         let softness = |curve: usize| {
-            let of = found.behind[curve].iter().map(|&(e, nodes)| self.facet_compliance(e, nodes, state));
+            let of = found.facet_elements[curve].iter().map(|&(e, nodes)| self.facet_compliance(e, nodes, state));
             of.collect::<Option<Vec<f64>>>()
         };
         let others = other.map_or(Some(Vec::new()), softness);

@@ -1,6 +1,5 @@
 //! Contact curves: the exposed facets of a surface, the interior facets that element deletion may expose, their points,
-//! and the
-//! penetration depth up to which a facet is in contact.
+//! and the penetration depth up to which a facet is in contact.
 
 use std::collections::{HashMap, HashSet};
 
@@ -24,7 +23,7 @@ pub(super) struct ContactGeometry {
     point_of_node: HashMap<usize, u32>,
     pub(super) curves: Vec<FacetCurve>,
     /// Element and nodes of each exposed facet, by curve.
-    pub(super) behind: Vec<Vec<(usize, [usize; 2])>>,
+    pub(super) facet_elements: Vec<Vec<(usize, [usize; 2])>>,
     /// Maximum and mean facet length of each curve, and whether it has deformable nodes.
     pub(super) lengths: Vec<[f64; 2]>,
     pub(super) deforms: Vec<bool>,
@@ -52,9 +51,9 @@ pub(super) struct SolidOutline {
 }
 
 impl SolidOutline {
-    /// Iterates over the edges that may bound the body of an element: those of its own part, or all edges for other
+    /// Iterates over the edges that may bound the body of an element: the edges of its part, or all edges for other
     /// elements.
-    fn behind(&self, element: usize) -> impl Iterator<Item = MeridianEdge> + '_ {
+    fn edges_of_body(&self, element: usize) -> impl Iterator<Item = MeridianEdge> + '_ {
         let own = self.piece_of.get(&element).copied();
         self.edges.iter().filter(move |e| own.is_none_or(|own| own == e.1)).map(|e| e.0)
     }
@@ -78,7 +77,7 @@ impl Compiler<'_> {
         if let Some(&known) = found.by_name.get(&key) {
             return Some(known);
         }
-        let (mut facets, mut behind) = (Vec::new(), Vec::new());
+        let (mut facets, mut facet_elements) = (Vec::new(), Vec::new());
         for &(element, side) in &sides.faces {
             let Some(mut ends) = self.model.mesh.side_nodes(element, side) else { continue };
             // The body is to the left of a facet. On the positive side of a shell the direction is reversed.
@@ -95,30 +94,29 @@ impl Compiler<'_> {
                 };
             }
             facets.push((facet, element));
-            behind.push((element, ends));
+            facet_elements.push((element, ends));
         }
         // Facets on the axis are inside a body.
         facets.retain(|(f, _)| f.iter().any(|&p| found.places[p as usize][0] != 0.0));
-        behind.retain(|(_, ends)| ends.iter().any(|&n| self.model.mesh.points[n][0] != 0.0));
+        facet_elements.retain(|(_, ends)| ends.iter().any(|&n| self.model.mesh.points[n][0] != 0.0));
         if facets.is_empty() {
             let message = format!("surface `{}` has no facets off the axis", sides.name);
             return self.diagnostics.refuse(Diagnostic::error("P021", message).at(contact.span, "this pair"));
         }
-        let bare = facets.len();
+        let exposed_count = facets.len();
         if self.deletes() {
             self.hidden_facets(around, found, &mut facets);
         }
         let lift =
             facets.iter().map(|f| if contact.no_thickness { 0.0 } else { 0.5 * self.thickness_of(f.1) }).collect();
-        let curve = found.add_curve(&facets, lift, bare, (around.skin, &self.shells_of(sides)));
-        found.behind.push(behind);
+        let curve = found.add_curve(&facets, lift, exposed_count, (around.skin, &self.shells_of(sides)));
+        found.facet_elements.push(facet_elements);
         found.by_name.insert(key, curve);
         Some(curve)
     }
 
     /// Adds the interior faces of the bodies of the exposed facets, one per side. They are exposed when the element in
-    /// front is
-    /// deleted.
+    /// front is deleted.
     fn hidden_facets(
         &self,
         around: &CurveContext<'_>,
@@ -248,7 +246,7 @@ impl ContactGeometry {
         self.deforms.push(true);
         // Without facets there is no length scale.
         self.lengths.push([f64::INFINITY; 2]);
-        self.behind.push(Vec::new());
+        self.facet_elements.push(Vec::new());
         self.curves.push(curve);
         self.curves.len() - 1
     }
@@ -257,35 +255,35 @@ impl ContactGeometry {
         &mut self,
         facets: &[([u32; 2], usize)],
         lift: Vec<f64>,
-        bare: usize,
+        exposed_count: usize,
         (solids, shells): (&SolidOutline, &[MeridianEdge]),
     ) -> usize {
         let ends = |f: &[u32; 2]| f.map(|p| self.places[p as usize]);
         let lengths: Vec<f64> = facets.iter().map(|(f, _)| length(ends(f))).collect();
-        let mut depths: Vec<f64> = facets[..bare]
+        let mut depths: Vec<f64> = facets[..exposed_count]
             .iter()
             .zip(&lengths)
-            .map(|((f, element), l)| depth(ends(f), *l, solids.behind(*element).chain(shells.iter().copied())))
+            .map(|((f, element), l)| depth(ends(f), *l, solids.edges_of_body(*element).chain(shells.iter().copied())))
             .collect();
         // A body may be only one element thick behind an interior facet.
-        depths.extend(lengths[bare..].iter().map(|l| 0.5 * l));
+        depths.extend(lengths[exposed_count..].iter().map(|l| 0.5 * l));
         // Points beyond the middle surface of a shell are on its other side.
         for (depth, (half, length)) in depths.iter_mut().zip(lift.iter().zip(&lengths)).filter(|d| *d.1.0 > 0.0) {
             *depth = half.max(LEAST_DEPTH * length);
         }
-        let lengths = &lengths[..bare];
+        let lengths = &lengths[..exposed_count];
         let longest = lengths.iter().copied().fold(0.0, f64::max);
         let node = |p: u32| matches!(self.points[p as usize].carrier, PointCarrier::Node(_));
-        self.deforms.push(facets[..bare].iter().any(|(f, _)| f.iter().any(|p| node(*p))));
+        self.deforms.push(facets[..exposed_count].iter().any(|(f, _)| f.iter().any(|p| node(*p))));
         self.lengths.push([longest, lengths.iter().sum::<f64>() / lengths.len() as f64]);
-        self.curves
-            .push(FacetCurve::new(facets.iter().map(|f| f.0).collect(), depths, bare, &self.places).lifted(lift));
+        self.curves.push(
+            FacetCurve::new(facets.iter().map(|f| f.0).collect(), depths, exposed_count, &self.places).lifted(lift),
+        );
         self.curves.len() - 1
     }
 
     /// Orders two curves: the first one carries the contact pressures. It is the finer one of two deformable curves,
-    /// never a rigid
-    /// one.
+    /// never a rigid one.
     pub(super) fn order(&self, first: usize, second: usize) -> [usize; 2] {
         let swaps = match (self.deforms[first], self.deforms[second]) {
             (true, true) => self.lengths[second][1] < self.lengths[first][1],
@@ -299,8 +297,8 @@ fn length([a, b]: [[f64; 2]; 2]) -> f64 {
     libm::hypot(b[0] - a[0], b[1] - a[1])
 }
 
-/// Returns the penetration depth up to which a facet is in contact: half of the distance to the opposite side of its body, at most
-/// [`DEEPEST`] facet lengths.
+/// Returns the penetration depth up to which a facet is in contact: half of the distance to the opposite side of its
+/// body, at most [`DEEPEST`] facet lengths.
 fn depth([a, b]: MeridianEdge, length: f64, skin: impl Iterator<Item = MeridianEdge>) -> f64 {
     let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
     let inward = [-(b[1] - a[1]) / length, (b[0] - a[0]) / length];

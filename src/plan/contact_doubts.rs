@@ -1,6 +1,5 @@
 //! Warnings for questionable contact pairs: surfaces that face away from each other, rigid bodies lighter than the
-//! contact nodes,
-//! rigid surfaces finer than the deformable mesh.
+//! contact nodes, rigid surfaces finer than the deformable mesh.
 
 use super::{Compiler, State};
 use crate::constraint::contact::curve::{FacetCurve, FacetNeighbor, FacetShape, PointCarrier, SurfacePoint};
@@ -32,14 +31,14 @@ impl ContactingCurves<'_> {
     /// Returns whether no facet of one curve is in front of a facet of the other.
     fn faces_away(&self) -> bool {
         let [own, other] = self.curves;
-        let behind = |a: &FacetShape, b: &FacetShape, depth: f64| {
+        let is_beyond = |a: &FacetShape, b: &FacetShape, depth: f64| {
             let way = [0, 1].map(|i| a.from[i] + 0.5 * a.along[i] - b.from[i] - 0.5 * b.along[i]);
             way[0] * b.normal[0] + way[1] * b.normal[1] < -depth
         };
         let meets = |i: u32, j: u32| {
             let (a, b) = (self.shape(own, i), self.shape(other, j));
             let cosine = a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1];
-            let away = behind(&a, &b, other.depth[j as usize]) && behind(&b, &a, own.depth[i as usize]);
+            let away = is_beyond(&a, &b, other.depth[j as usize]) && is_beyond(&b, &a, own.depth[i as usize]);
             cosine < FACING && !away
         };
         !own.exposed.iter().any(|&i| other.exposed.iter().any(|&j| meets(i, j)))
@@ -63,8 +62,7 @@ impl ContactingCurves<'_> {
     }
 
     /// Returns a point at which the second curve changes its direction, within the length of a facet of the first
-    /// curve, by more
-    /// than its sharpest corner and [`TURN`].
+    /// curve, by more than its sharpest corner and [`TURN`].
     fn find_sharp_turn(&self) -> Option<[f64; 2]> {
         let other = self.curves[1];
         let turn = |j: u32, k: u32| {

@@ -1,6 +1,5 @@
-//! What a deck says and can hardly mean: units that do not fit, a step without end, a body that nothing acts on. Warnings; the run does what the deck
-//! says.
-//! Never here: what cannot be simulated; surfaces that face away (analytical.rs), bodies that lie in each other (overlaps.rs).
+//! Warnings for implausible input: inconsistent units, unstable fixed increments, very long steps, bodies without
+//! loads. Surfaces that face away are checked in `analytical.rs`, overlapping bodies in `overlaps.rs`.
 
 use std::collections::HashSet;
 
@@ -12,9 +11,9 @@ use crate::model::{
 };
 use crate::platform::PortableMath as _;
 
-/// Velocities above so many times the speed of sound are taken for a slip in the units.
+/// Ratio of an initial velocity to the speed of sound above which inconsistent units are assumed.
 const TOO_FAST: f64 = 3.0;
-/// Updates of elements over a step above which it hardly means what it says: hours on any machine.
+/// Number of element updates of a step above which a mistake is assumed; they take hours on any machine.
 const TOO_MANY: f64 = 1e12;
 
 impl<'m> Compiler<'m> {
@@ -35,17 +34,18 @@ impl<'m> Compiler<'m> {
         self.diagnostics.push(finding);
     }
 
-    /// Speed of longitudinal waves of an elastic material.
+    /// Returns the longitudinal wave speed of an elastic material.
     fn sound(&self, section: &SolidSection) -> Option<f64> {
         let material = self.model.materials.get(section.material.index())?;
         let ([e, nu], density) = (material.elastic?, material.density?);
         Some((e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu) * density)).sqrt())
     }
 
-    /// Density and modulus that are those of no solid in any system of units, or not in the deck's own.
+    /// Warns if density and Young's modulus are not plausible for a solid in any usual unit system, or in that of
+    /// `*UNITS`.
     fn check_units(&mut self) {
         let own = self.model.settings.units.as_ref().and_then(DeckUnits::system);
-        let mut told = HashSet::new();
+        let mut reported = HashSet::new();
         let mut findings = Vec::new();
         for section in &self.model.sections {
             let Some(material) = self.model.materials.get(section.material.index()) else { continue };
@@ -54,14 +54,14 @@ impl<'m> Compiler<'m> {
                 continue;
             }
             let fits = |system: &UnitSystem| system.fits(density, modulus);
-            if own.map_or_else(|| SYSTEMS.iter().any(fits), fits) || !told.insert(section.material) {
+            if own.map_or_else(|| SYSTEMS.iter().any(fits), fits) || !reported.insert(section.material) {
                 continue;
             }
             let speed = (modulus / density).sqrt();
-            let whose = own.map_or_else(|| "no usual units".into(), |s| format!("other units than {}", s.words()));
+            let whose = own.map_or_else(|| "any usual unit system".into(), |s| format!("the units {}", s.words()));
             let message = format!(
-                "density {density:e} and Young's modulus {modulus:e} of `{}`, in which sound goes {speed:.3e} lengths a time, are \
-                 those of a solid in {whose}",
+                "density {density:e} and Young's modulus {modulus:e} of `{}` (wave speed {speed:.3e}) are \
+                 not plausible for a solid in {whose}",
                 material.name
             );
             let finding = Diagnostic::warning("P119", message).at(material.span, "this material");
@@ -93,21 +93,21 @@ impl<'m> Compiler<'m> {
         }
         let Some((span, velocity, sound, material)) = found else { return };
         let message = format!(
-            "the initial velocity {velocity:e} is {:.0} times the speed of sound in `{}`, {sound:.3e}: do the units of density, \
-             moduli, lengths and time fit?",
+            "the initial velocity {velocity:e} is {:.0} times the speed of sound in `{}`, {sound:.3e}: check the units of density, \
+             moduli, lengths and time",
             velocity.abs() / sound,
             material.name
         );
         let finding = Diagnostic::warning("P105", message).at(span, "this velocity");
         let finding = finding.at(material.span, "this material");
-        self.warn(finding.help("m, kg, s with Pa; or mm, t, s with MPa (steel: 7.85e-9 t/mm3, 210e3 MPa)"));
+        self.warn(finding.help("use m, kg, s and Pa, or mm, t, s and MPa (steel: 7.85e-9 t/mm3, 210e3 MPa)"));
     }
 
     fn nodes_of(&self, elements: &[usize]) -> Vec<usize> {
         elements.iter().flat_map(|&e| self.model.mesh.elements[e].nodes.iter().copied()).collect()
     }
 
-    /// The shortest time that a wave needs to cross an element, with the element.
+    /// Returns the shortest time in which a wave crosses an element, and the element.
     fn shortest_wave_transit(&self) -> Option<(f64, &'m Element)> {
         let model: &'m Model = self.model;
         let points = &model.mesh.points;
@@ -124,7 +124,7 @@ impl<'m> Compiler<'m> {
         smallest
     }
 
-    /// A given increment that a wave needs less than to cross an element is not stable.
+    /// Warns if a fixed time increment is longer than the shortest time in which a wave crosses an element.
     fn check_given_increments(&mut self, time: f64, element: &Element) {
         let scaled = self.model.steps.iter().any(|s| !s.mass_scalings.is_empty());
         let given = self.model.steps.iter().filter_map(|s| match s.increment {
@@ -132,13 +132,15 @@ impl<'m> Compiler<'m> {
             IncrementControl::Automatic { .. } => None,
         });
         let Some((span, dt)) = given.into_iter().find(|(_, dt)| *dt > time && !scaled) else { return };
-        let message =
-            format!("the given increment {dt:e} is not stable: a wave crosses element {} in {time:.2e}", element.name);
+        let message = format!(
+            "the fixed time increment {dt:e} is not stable: a wave crosses element {} in {time:.2e}",
+            element.name
+        );
         let finding = Diagnostic::warning("P106", message).at(span, "DIRECT USER CONTROL");
-        self.warn(finding.help("leave the increment to the program, or give a smaller one"));
+        self.warn(finding.help("remove DIRECT USER CONTROL, or give a smaller increment"));
     }
 
-    /// A step of so many increments that hardly anyone would wait for it.
+    /// Warns of a step with more element updates than [`TOO_MANY`].
     fn check_step_length(&mut self, time: f64, element: &Element) {
         let count = self.model.sections.iter().map(|s| s.elements.len()).sum::<usize>();
         let increments = |s: &Step| match s.increment {
@@ -148,19 +150,18 @@ impl<'m> Compiler<'m> {
         let endless = |s: &&Step| s.mass_scalings.is_empty() && increments(s) * count as f64 > TOO_MANY;
         let Some(step) = self.model.steps.iter().find(endless) else { return };
         let message = format!(
-            "step `{}` lasts {:e}, and a wave crosses element {} in {time:.1e}: some {:.0e} increments of {count} elements",
+            "step `{}` of duration {:e} is very long: a wave crosses element {} in {time:.1e}, about {:.0e} increments of {count} elements",
             step.name,
             step.duration,
             element.name,
             increments(step)
         );
         let finding = Diagnostic::warning("P113", message).at(step.span, "this step");
-        let help =
-            "is its time in the unit of density and moduli? a shorter step, a coarser mesh or *FIXED MASS SCALING help";
+        let help = "check that its time is in the units of density and moduli; use a shorter step, a coarser mesh or *FIXED MASS SCALING";
         self.warn(finding.help(help));
     }
 
-    /// A body of one velocity that nothing holds, pushes or meets flies on as it is.
+    /// Warns if deformable bodies have a uniform initial velocity, and no boundary condition, load or contact.
     fn check_free_motion(&mut self) {
         let model = self.model;
         let free = model.rigid_bodies.is_empty()
@@ -183,9 +184,10 @@ impl<'m> Compiler<'m> {
             moving = Some(condition.span);
         }
         let Some(span) = moving.filter(|_| whole) else { return };
-        let message = "nothing holds, pushes or meets what deforms: it flies on as it is";
-        let finding = Diagnostic::warning("P109", message).at(span, "this velocity stays");
-        self.warn(finding.help("is a *BOUNDARY, a load or a *CONTACT PAIR missing?"));
+        let message =
+            "no boundary condition, load or contact acts on the deformable body: it will move at constant velocity";
+        let finding = Diagnostic::warning("P109", message).at(span, "this velocity remains constant");
+        self.warn(finding.help("add a *BOUNDARY, a load or a *CONTACT PAIR"));
     }
 }
 
@@ -193,7 +195,7 @@ fn corners(element: &Element, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     element.nodes.iter().map(|&n| points[n]).collect()
 }
 
-/// What would fit: the modulus in the systems of the density, or the density in those of the modulus.
+/// Suggests units: the density and modulus of steel in the unit systems that fit the density or the modulus.
 fn suggested_units(density: f64, modulus: f64) -> String {
     const STEEL: [f64; 2] = [7850.0, 2.1e11];
     let like = |system: &UnitSystem| {
@@ -202,12 +204,12 @@ fn suggested_units(density: f64, modulus: f64) -> String {
     };
     let near = |a: f64, b: f64| (0.05..20.0).contains(&(a / b));
     let systems = SYSTEMS.iter().filter(|s| near(density, like(s)[0]) || near(modulus, like(s)[1]));
-    let said: Vec<String> =
+    let suggestions: Vec<String> =
         systems.map(|s| format!("{}: steel has {:.3e} and {:.3e}", s.words(), like(s)[0], like(s)[1])).collect();
-    if said.is_empty() { "do the units of density and modulus fit?".into() } else { said.join("; ") }
+    if suggestions.is_empty() { "check the units of density and modulus".into() } else { suggestions.join("; ") }
 }
 
-/// The shortest side.
+/// Returns the length of the shortest side.
 fn size(corners: &[[f64; 2]]) -> f64 {
     let side = |i: usize| {
         let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);

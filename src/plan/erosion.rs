@@ -1,5 +1,4 @@
-//! Erosion of the plan: which elements of the solver a card means, and what of it they cannot have.
-//! Never here: when an element is deleted.
+//! `*EROSION` of the plan: selects the elements and checks the criteria.
 
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
@@ -9,7 +8,7 @@ use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
 impl Compiler<'_> {
-    /// Puts elements under the criteria of `*EROSION`; nothing without the card.
+    /// Applies the criteria of `*EROSION` to the elements of the state.
     pub(super) fn erosion(&mut self, state: &mut State) {
         let mut erosion = ErosionControl::default();
         for card in &self.model.erosions {
@@ -32,15 +31,18 @@ impl Compiler<'_> {
             Some(list) => list.iter().filter_map(|e| places.get(e).copied()).collect(),
         };
         if elements.is_empty() {
-            self.add_unused_card(card.span, "erosion", "none of its elements deforms");
+            self.add_unused_card(card.span, "erosion", "none of its elements is deformable");
             return None;
         }
         let groups = &state.elements.groups;
         let flows = |&(g, e): &(usize, usize)| groups[g].value(e, Variable::PlasticStrain.into()).is_some();
         let refusal = if card.plastic.is_some() && !elements.iter().any(flows) {
-            Some(("PLASTIC STRAIN where no element has one", "give PRINCIPAL STRAIN, which all elements have"))
+            Some((
+                "PLASTIC STRAIN is given, but no element has a plastic strain",
+                "give PRINCIPAL STRAIN, which all elements have",
+            ))
         } else if card.distortion.is_some() && !elements.iter().any(|(g, _)| groups[*g].is_solid()) {
-            Some(("DISTORTION of shells, which have no corners that could fold", "give it for solid elements"))
+            Some(("DISTORTION does not apply to shells", "give DISTORTION for solid elements"))
         } else {
             None
         };
@@ -50,16 +52,16 @@ impl Compiler<'_> {
         Some(elements)
     }
 
-    /// An element that has come to a criterion before anything moves is a slip of the deck.
+    /// Reports an element that meets a criterion at the start.
     fn check_start(&mut self, card: &Card, criteria: &DeletionCriteria, elements: &[(usize, usize)], state: &State) {
         let nodes: &Nodes = &state.dofs.nodes;
         let at_start = |&&(g, e): &&(usize, usize)| criteria.are_met(&*state.elements.groups[g], e, nodes);
         let Some(&place) = elements.iter().find(at_start) else { return };
         let found = self.places.elements.iter().find(|e| *e.1 == place);
         let name = found.map_or("", |(&e, _)| &self.model.mesh.elements[e].name);
-        let message = format!("element {name} has come to a criterion of this card at the start");
+        let message = format!("element {name} meets an erosion criterion at the start");
         let finding = Diagnostic::error("P070", message).at(card.span, "this card");
-        self.diagnostics.push(finding.help("give a limit that the mesh keeps, or an ELSET without this element"));
+        self.diagnostics.push(finding.help("give another limit, or an ELSET without this element"));
     }
 }
 

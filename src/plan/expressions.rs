@@ -1,5 +1,4 @@
-//! History columns that follow from others (`*OUTPUT EXPRESSION`): their names are looked up among the columns of the plan.
-//! Never here: the evaluator (`deck::expression`).
+//! History columns that are computed from other columns (`*OUTPUT EXPRESSION`). The evaluator is in `deck::expression`.
 
 use super::{ColumnSource, Compiler, HistoryColumn};
 use crate::deck::expression::{Expression, ExpressionError};
@@ -10,16 +9,16 @@ use crate::model::OutputExpression;
 /// Name of the total time in expressions.
 const TIME: &str = "time";
 
-/// An expression over the columns before it.
+/// An expression of previous history columns.
 #[derive(Clone, Debug)]
 pub struct RowExpression {
     expression: Expression,
-    /// Columns it depends on, as it names them.
+    /// Names and indices of the columns in the expression.
     columns: Vec<(String, usize)>,
 }
 
 impl RowExpression {
-    /// An expression over these columns.
+    /// Parses an expression of history columns.
     fn read(text: &str, columns: &[HistoryColumn]) -> Result<RowExpression, ExpressionError> {
         let find = |name: &str| columns.iter().position(|c| c.name.eq_ignore_ascii_case(name));
         let expression = Expression::parse_over(text, &|rest| longest(rest, columns))?;
@@ -28,7 +27,7 @@ impl RowExpression {
         Ok(RowExpression { expression, columns })
     }
 
-    /// The value in a row at a total time; not a number where there is none.
+    /// Returns the value for a row of column values at a total time; NaN if it has none.
     pub fn value(&self, time: f64, row: &[f64]) -> f64 {
         let find = |name: &str| self.columns.iter().find(|c| c.0 == name).map(|c| row[c.1]);
         let known = |name: &str| find(name).or_else(|| name.eq_ignore_ascii_case(TIME).then_some(time));
@@ -36,7 +35,8 @@ impl RowExpression {
     }
 }
 
-/// Bytes of the longest name of a column that a text begins with, in any case; 0 if it goes on behind it or there is none.
+/// Returns the length in bytes of the longest column name at the beginning of a text, ignoring case; 0 if there is none
+/// or the name continues.
 fn longest(text: &str, columns: &[HistoryColumn]) -> usize {
     let begins = |name: &str| text.get(..name.len()).is_some_and(|start| start.eq_ignore_ascii_case(name));
     let ends = |name: &str| !text[name.len()..].starts_with(|c: char| c.is_alphanumeric() || "_@.".contains(c));
@@ -45,7 +45,7 @@ fn longest(text: &str, columns: &[HistoryColumn]) -> usize {
 }
 
 impl Compiler<'_> {
-    /// The columns of `*OUTPUT EXPRESSION`, behind those they follow from.
+    /// Adds the columns of `*OUTPUT EXPRESSION` after all other columns.
     pub(super) fn expression_columns(&mut self, columns: &mut Vec<HistoryColumn>) {
         let model = self.model;
         for definition in &model.output.expressions {
@@ -73,11 +73,11 @@ impl Compiler<'_> {
         let whole = place.end.checked_sub(place.start) != Some(text.len() as u32);
         let inside = |at: usize| place.start + at as u32;
         let at = if whole { *place } else { Span { start: inside(error.start), end: inside(error.end), ..*place } };
-        let (what, told) = match &error.unknown {
-            Some(unknown) => (format!("there is no history column `{unknown}`"), "not a column"),
-            None => (format!("the expression of the history column `{name}` is wrong"), error.message.as_str()),
+        let (what, label) = match &error.unknown {
+            Some(unknown) => (format!("history column `{unknown}` does not exist"), "not a column"),
+            None => (format!("the expression of history column `{name}` is invalid"), error.message.as_str()),
         };
-        let finding = Diagnostic::error("P075", what).at(at, told);
+        let finding = Diagnostic::error("P075", what).at(at, label);
         self.diagnostics.push(match &error.unknown {
             Some(unknown) => finding.help(near(unknown, columns)),
             None => finding,
@@ -85,16 +85,16 @@ impl Compiler<'_> {
     }
 }
 
-/// Why a column cannot have this name.
+/// Returns the reason why a column name is not allowed.
 fn taken(name: &str, columns: &[HistoryColumn]) -> Option<&'static str> {
     match () {
-        () if columns.iter().any(|c| c.name.eq_ignore_ascii_case(name)) => Some("there is one of that name"),
-        () if [TIME, "step", "pi"].iter().any(|n| n.eq_ignore_ascii_case(name)) => Some("the name has a meaning"),
+        () if columns.iter().any(|c| c.name.eq_ignore_ascii_case(name)) => Some("the name is already used"),
+        () if [TIME, "step", "pi"].iter().any(|n| n.eq_ignore_ascii_case(name)) => Some("the name is reserved"),
         () => None,
     }
 }
 
-/// The columns that may have been meant.
+/// Suggests a similar column name, or lists the columns.
 fn near(unknown: &str, columns: &[HistoryColumn]) -> String {
     let names = || columns.iter().map(|c| c.name.as_str());
     if let Some(near) = nearest(unknown, names()) {
@@ -103,7 +103,7 @@ fn near(unknown: &str, columns: &[HistoryColumn]) -> String {
     let shown: Vec<&str> = names().take(12).collect();
     let more = if columns.len() > 12 { ", …" } else { "" };
     match shown[..] {
-        [] => "the deck asks for no history: a column must be asked for (*OUTPUT, HISTORY) before others can follow from it".into(),
-        _ => format!("the deck's *OUTPUT, HISTORY asks for {}{more}", shown.join(", ")),
+        [] => "the deck requests no history output; add *OUTPUT, HISTORY for the columns of the expression".into(),
+        _ => format!("the history columns are {}{more}", shown.join(", ")),
     }
 }

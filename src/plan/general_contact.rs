@@ -145,8 +145,7 @@ impl Compiler<'_> {
     }
 
     /// Returns the name of a connected part: its instance, or the smallest element set that contains it, with a number
-    /// if the name
-    /// is already used.
+    /// if the name is already used.
     pub(super) fn name_of_piece(&self, piece: &[usize], taken: &[SideSelection]) -> String {
         let model = self.model;
         let instance = model.mesh.elements[piece[0]].name.rsplit_once('.').map(|(i, _)| i.to_uppercase());
@@ -181,8 +180,7 @@ fn add_all(all: &[SideSelection], span: crate::deck::Span, meetings: &mut Vec<Su
 }
 
 /// Assigns to each surface pair the index of the last domain that covers it, as its property `what` (interaction,
-/// clearance or
-/// penalty factor).
+/// clearance or penalty factor).
 fn assign_domains<'a>(
     mut meetings: Vec<SurfacePairing>,
     what: usize,

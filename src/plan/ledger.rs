@@ -1,6 +1,5 @@
 //! The ledger: a list of the effects of an analysis with the cards that request them, their memory and their share of
-//! the run
-//! time.
+//! the run time.
 
 use serde::Serialize;
 
@@ -77,7 +76,7 @@ impl Ledger {
     /// Renders the ledger as text of 80 columns, with file names without folders. `bytes` adds a column of memory
     /// sizes.
     pub fn render(&self, bytes: bool) -> String {
-        let mut header = vec!["effect", "count", "asked by"];
+        let mut header = vec!["effect", "count", "card"];
         if bytes {
             header.push("bytes");
         }

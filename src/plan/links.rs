@@ -1,6 +1,5 @@
 //! `*MPC`, `*COUPLING`, `*TIE` and `*EQUATION` as equations between solver nodes and sets of nodes that move together.
-//! Nodes that
-//! follow a rigid body become part of the body.
+//! Nodes that follow a rigid body become part of the body.
 
 use std::collections::HashSet;
 
@@ -77,8 +76,7 @@ impl LinkSet {
 
 impl Compiler<'_> {
     /// Adds to `nodes` the nodes that follow a rigid body because they are linked to one of its nodes or tied to one of
-    /// its elements,
-    /// directly or through other added nodes.
+    /// its elements, directly or through other added nodes.
     pub(super) fn add_followers_of_body(&self, rigid: &RigidBody, nodes: &mut Vec<usize>) {
         let model = self.model;
         if model.constraints.links.is_empty() && self.surface_ties.is_empty() {
@@ -103,8 +101,7 @@ impl Compiler<'_> {
     }
 
     /// Returns the nodes of links, ties and equations that do not belong to a rigid body. They are solver nodes also if
-    /// they have no
-    /// element.
+    /// they have no element.
     pub(super) fn linked_nodes(&self) -> Vec<usize> {
         let model = self.model;
         let linked = model.constraints.links.iter().flat_map(|l| l.nodes.iter().chain([&l.reference]));

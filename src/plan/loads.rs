@@ -1,5 +1,4 @@
-//! Loads of a step as effects, on rigid bodies and on what deforms alike.
-//! Never here: what they do in an increment.
+//! Loads of a step, on rigid and on deformable bodies.
 
 use std::collections::HashSet;
 
@@ -19,11 +18,11 @@ use crate::load::{EnergyAccount, GeneralizedForce, Load as Effect};
 use crate::model::{AmplitudeDefinition, AmplitudeId, ElementKind, Load, LoadKind, SideSelection, Step};
 use crate::state::magnitude::{Magnitude, TimeFunction};
 
-/// Names of forces and moments in space.
+/// Names of the components of forces and moments on oblique bodies.
 const COMPONENTS: [&str; 6] = ["F_1", "F_2", "F_3", "M_1", "M_2", "M_3"];
 
 impl Compiler<'_> {
-    /// Whether a load can do anything; one that cannot is noted as unused.
+    /// Returns whether a load has an effect. A load of zero magnitude is listed as unused.
     pub(super) fn has_effect(&mut self, load: &Load) -> bool {
         let constant = !matches!(
             load.kind,
@@ -36,7 +35,7 @@ impl Compiler<'_> {
         !zero
     }
 
-    /// The effect of one load; `None` where it has none, or where it cannot be (reported).
+    /// Creates the effect of a load; `None` if it has no effect or is unsupported, which is reported.
     pub(super) fn load(&mut self, load: &Load, step: &Step, state: &State) -> Option<Box<dyn Effect>> {
         if !self.has_effect(load) {
             return None;
@@ -48,7 +47,7 @@ impl Compiler<'_> {
             LoadKind::User { sides, load_type } => self.user_load(load, sides, *load_type, state),
             LoadKind::UserBody { elements, set, load_type } => self.user_body(load, elements, set, *load_type, state),
             LoadKind::Cavity { sides, target, friction } => self.cavity(load, sides, *target, *friction, step, state),
-            // They act on temperatures (heat.rs).
+            // Heat loads are created in `heat.rs`.
             LoadKind::NodalHeat { .. }
             | LoadKind::SurfaceHeat(_)
             | LoadKind::BodyHeat { .. }
@@ -107,11 +106,11 @@ impl Compiler<'_> {
             if spatial.is_empty() { ["F_r", "F_z"].get(axis).copied().unwrap_or_default() } else { COMPONENTS[axis] };
         if deforming.iter().any(|&n| self.unresisted_dofs.contains(&(n, axis))) {
             let message = format!(
-                "a force acts on `{set}`, which has no mass and on which nothing hangs along {}",
+                "a force acts on `{set}`, which has no mass and to which no mass is coupled along {}",
                 ["r", "z"][axis]
             );
             let finding = Diagnostic::error("P062", message).at(load.span, "here");
-            self.diagnostics.push(finding.help("couple that degree of freedom, or put a *MASS on the node"));
+            self.diagnostics.push(finding.help("couple this degree of freedom, or put a *MASS on the node"));
         }
         let detail = format!("{along} = {}{}", load.magnitude, self.amplitude_name(load));
         let id = self.ledger_row(load.span, "concentrated force", count, "nodes", detail);
@@ -132,7 +131,7 @@ impl Compiler<'_> {
             self.add_unused_card(
                 load.span,
                 "GRAV",
-                "it has no component along z, and a body of revolution moves along z only",
+                "it has no component along z, and bodies of revolution move along z only",
             );
             return None;
         }
@@ -140,7 +139,7 @@ impl Compiler<'_> {
         let nodes: Vec<(usize, f64)> = match elements {
             None => {
                 let masses = state.dofs.nodes.mass.iter().copied().enumerate().filter(|m| m.1 > 0.0);
-                // Rotations come behind all nodes, and have inertia instead.
+                // Rotations follow all nodes in the list; their mass is a rotary inertia.
                 masses.take_while(|(n, _)| *n < self.places.nodes.len()).collect()
             }
             Some(list) => self.masses_of(list),
@@ -169,7 +168,8 @@ impl Compiler<'_> {
         }))
     }
 
-    /// Generalised forces of gravity on rigid bodies, each with mass times the component of the direction, and on how many bodies.
+    /// Returns the generalised forces of gravity on rigid bodies, each with its mass times the direction component, and
+    /// the number of bodies.
     fn forces_of_gravity(
         &mut self,
         load: &Load,
@@ -194,11 +194,11 @@ impl Compiler<'_> {
         (forces, count)
     }
 
-    /// The mass of a body on which gravity acts: all of it, or of the elements named its own, or that of the point masses among
-    /// them.
+    /// Returns the mass of a rigid body on which gravity acts: the total mass without an element set, the own mass if
+    /// one of its elements is in the set, or the point masses in the set.
     fn gravity_mass(&self, body: &super::PlannedRigidBody, elements: Option<&[usize]>) -> Option<f64> {
         let Some(list) = elements else { return Some(body.mass()) };
-        // What tied elements weigh, the list of elements gives to their nodes.
+        // The mass of tied elements is added at their nodes.
         if body.elements.iter().any(|e| list.contains(e)) {
             return Some(body.own_mass());
         }
@@ -236,7 +236,7 @@ impl Compiler<'_> {
         Some(Box::new(PressureLoad::new(id, surface, magnitude, &state.dofs)))
     }
 
-    /// `PNU` and `P1NU` to `P4NU`.
+    /// Creates `PNU` and `P1NU` to `P4NU` loads.
     fn user_load(
         &mut self,
         load: &Load,
@@ -245,14 +245,14 @@ impl Compiler<'_> {
         state: &State,
     ) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
-        // The manual: normals point out of a surface element's loaded side, and into a solid.
+        // ABAQUS manual: normals point outwards on the loaded side of a surface element, and into a solid.
         let solid = |e: usize| !matches!(self.model.mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
         let inward = sides.faces.first().is_some_and(|f| solid(f.0));
         let load = self.user_load_description(load, "user load", &sides.name, load_type, inward, surface.count())?;
         Some(Box::new(SubroutineLoad::on_surface(load, &surface, &state.dofs)))
     }
 
-    /// `BRNU` and `BZNU`: the load integration point of a solid is its centre, its weight the volume.
+    /// Creates `BRNU` and `BZNU` loads. The integration point of a solid is its centre, its weight the volume.
     fn user_body(
         &mut self,
         load: &Load,
@@ -282,7 +282,10 @@ impl Compiler<'_> {
             }
         }
         if let Some(element) = stray {
-            let message = format!("`{set}` holds element {}, which is no solid of a body", mesh.elements[element].name);
+            let message = format!(
+                "`{set}` contains element {}, which is not a solid element of a body",
+                mesh.elements[element].name
+            );
             let finding = Diagnostic::error("P003", message).at(load.span, "a body force needs solid elements");
             self.diagnostics.push(finding);
         }
@@ -309,7 +312,12 @@ impl Compiler<'_> {
         count: usize,
     ) -> Option<UserLoadData> {
         let Some(routine) = self.routines.load.clone() else {
-            self.report_missing_routine(load.span, "load", &format!("`{name}` asks for a user load (PNU)"), "vdload");
+            self.report_missing_routine(
+                load.span,
+                "load",
+                &format!("the load on `{name}` is user-defined (PNU)"),
+                "vdload",
+            );
             return None;
         };
         self.called_routines.push("vdload");

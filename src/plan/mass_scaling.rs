@@ -1,5 +1,4 @@
-//! Mass scaling of the plan: which elements of the solver a request means, and what cannot be scaled.
-//! Never here: factors, masses.
+//! Mass scaling requests of the plan, and checks for elements that cannot be scaled.
 
 use super::{Compiler, State};
 use crate::deck::{Diagnostic, Span};
@@ -7,13 +6,14 @@ use crate::element::mass_scaling::{ScalingInterval, ScalingRequest, ScalingTarge
 use crate::model::{LoadKind, MassScaling, ScalingSchedule, ScalingType, Step};
 
 impl Compiler<'_> {
-    /// Mass scaling of a step. What goes on from an earlier step is fixed no more than once.
+    /// Creates the mass scaling of a step. Fixed mass scaling that continues from the previous step is not applied
+    /// again.
     pub(super) fn mass_scaling(&mut self, index: usize, state: &State) -> Option<StepMassScaling> {
         let model = self.model;
         let step = &model.steps[index];
         let first = step.mass_scalings.first()?;
         if state.elements.is_empty() {
-            self.add_unused_card(first.span, "mass scaling", "nothing here deforms");
+            self.add_unused_card(first.span, "mass scaling", "the model has no deformable elements");
             return None;
         }
         self.check_scalable_step(step);
@@ -37,7 +37,7 @@ impl Compiler<'_> {
             Some(list) => list.iter().filter_map(|e| places.get(e).copied()).collect(),
         };
         if elements.is_empty() {
-            self.add_unused_card(scaling.span, "mass scaling", "none of its elements deforms");
+            self.add_unused_card(scaling.span, "mass scaling", "none of its elements is deformable");
             return None;
         }
         let mut refusal = None;
@@ -45,12 +45,13 @@ impl Compiler<'_> {
             let group = &state.elements.groups[g];
             let name = || self.element_name(g, e);
             if group.stable_rate(e, Some(&group.masses(e)), state.dofs.nodes.as_slice()).is_none() {
-                refusal = Some(format!("the mass of element {} is part of the state of its material", name()));
+                refusal =
+                    Some(format!("the mass of element {} is part of its material state and cannot be scaled", name()));
                 break;
             }
         }
         if let Some(message) = refusal {
-            self.refuse_scaling(scaling.span, message, "give the elements that can be scaled as ELSET");
+            self.refuse_scaling(scaling.span, message, "give an ELSET without these elements");
             return None;
         }
         let left = self.unscaled_nodes(state.dofs.nodes.len());
@@ -58,7 +59,7 @@ impl Compiler<'_> {
             state.elements.groups[g].nodes(e).into_iter().any(|n| left.get(n as usize) == Some(&true))
         };
         let touched = elements.iter().filter(|at| stays(at)).count();
-        let alone = if touched > 0 { format!(", but at tied nodes of {touched} elements") } else { String::new() };
+        let alone = if touched > 0 { format!(", except at tied nodes of {touched} elements") } else { String::new() };
         self.ledger_row(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling) + &alone);
         let aim = scaling.target.map(|(kind, dt)| (aim(kind), dt));
         Some(ScalingRequest { elements, factor: scaling.factor, aim })
@@ -69,7 +70,7 @@ impl Compiler<'_> {
         found.map_or("", |(&e, _)| &self.model.mesh.elements[e].name)
     }
 
-    /// Nodes whose mass stays: rigid bodies carry that of their nodes, and equations take masses once. None where none does.
+    /// Returns whether each node keeps its mass: nodes of rigid bodies, equations and links. Empty if there are none.
     pub(super) fn unscaled_nodes(&self, count: usize) -> Vec<bool> {
         let kept = self.links.involved_dofs();
         let carried = self.ties.iter().flat_map(|t| t.nodes.iter().copied());
@@ -79,12 +80,16 @@ impl Compiler<'_> {
         left
     }
 
-    /// What takes masses once and would not follow.
+    /// Reports loads that use the initial masses and do not support mass scaling.
     pub(super) fn check_scalable_step(&mut self, step: &Step) {
         for load in &step.loads {
             if matches!(load.kind, LoadKind::Gravity { elements: Some(_), .. }) {
-                let help = "leave the element set of GRAV empty: it then acts on all that has mass";
-                self.refuse_scaling(load.span, "gravity on an element set beside mass scaling".into(), help);
+                let help = "leave the element set of GRAV empty, so that it acts on all masses";
+                self.refuse_scaling(
+                    load.span,
+                    "gravity on an element set is not supported with mass scaling".into(),
+                    help,
+                );
             }
         }
     }

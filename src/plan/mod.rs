@@ -1,6 +1,5 @@
 //! Compilation of a model to a plan: decides which effects the run contains, creates them, and lists them in the
-//! ledger.
-//! Time integration is in `solve`.
+//! ledger. Time integration is in `solve`.
 
 mod analytical;
 mod averaging;
@@ -76,8 +75,7 @@ pub use solid::SolidPlaces;
 pub use state::State;
 
 /// A compiled analysis: the effects that the deck requests. A plan is immutable; it can be run many times, on several
-/// threads at
-/// once, each time from its own [`State`].
+/// threads at once, each time from its own [`State`].
 #[derive(Default)]
 pub struct Plan {
     /// Effects of the analysis and the cards that request them.
@@ -107,8 +105,7 @@ pub struct Plan {
     /// Numbers, materials and sets of nodes and elements, for frames.
     pub labels: FrameLabels,
     /// Whether elements may release energy that was not supplied by loads: gases, explosives, initial stress, thermal
-    /// expansion,
-    /// variable moduli, user materials.
+    /// expansion, variable moduli, user materials.
     pub stores_energy: bool,
     /// Requested floating-point precision of the elements.
     pub precision: Precision,
@@ -126,8 +123,7 @@ pub struct GeneralLedgerRows {
 }
 
 /// A step of the plan: its increment control and the changes to the active effects of the previous step. The effects of
-/// the first
-/// step are in the initial [`State`].
+/// the first step are in the initial [`State`].
 pub struct StepPlan {
     /// Name of the step.
     pub name: String,
@@ -208,8 +204,7 @@ struct Compiler<'a> {
 }
 
 /// Compiles a model. `routines` are the user subroutines that the deck may call. Returns the plan, its initial state
-/// and the
-/// diagnostics. The plan may be run only if there is no error.
+/// and the diagnostics. The plan may be run only if there is no error.
 pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics) {
     compile_with(model, routines, &mut |_, _| {})
 }
@@ -325,8 +320,7 @@ fn stores_energy(model: &Model) -> bool {
 
 impl Compiler<'_> {
     /// Returns the ledger row of an effect of the card at `span`. The row is created at the first call, so that a load
-    /// that is
-    /// active in several steps has one row.
+    /// that is active in several steps has one row.
     fn ledger_row(
         &mut self,
         span: Span,

@@ -5,15 +5,13 @@ use crate::kernel::lists::sorted_unique;
 use crate::model::Mesh;
 
 /// Mean distance between two elements of a node, divided by the square root of the number of elements, above which
-/// elements are
-/// reordered. A square mesh numbered by rows has 0.5.
+/// elements are reordered. A square mesh numbered by rows has 0.5.
 const SCATTERED: f64 = 4.0;
 /// Distance between elements below which no reordering is needed, because their data remain in the first-level cache.
 const NEAR: f64 = 256.0;
 
 /// Orders elements so that neighbours are close: keeps the given order unless it is scattered, otherwise sorts along a
-/// Z-order curve
-/// (G. M. Morton 1966).
+/// Z-order curve (G. M. Morton 1966).
 pub(super) fn in_order(elements: Vec<usize>, mesh: &Mesh) -> Vec<usize> {
     let limit = NEAR + SCATTERED * (elements.len() as f64).sqrt();
     if mean_distance(&elements, mesh) <= limit { elements } else { along_curve(elements, mesh) }
@@ -58,8 +56,7 @@ fn spread(number: u16) -> u32 {
 }
 
 /// Returns the solver node of each mesh node. Nodes are in the order of their last element, so that nodal forces are
-/// summed while
-/// they are in the cache; nodes without elements are last. The map is in the order of the mesh.
+/// summed while they are in the cache; nodes without elements are last. The map is in the order of the mesh.
 pub(super) fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mesh: &Mesh) -> MeshIndexMap<usize> {
     let mut last = vec![0_u32; mesh.points.len()];
     let mut touched = Vec::new();
@@ -123,8 +120,7 @@ mod tests {
         // Rows of three nodes, then a node without element that is given twice.
         let places = nodes([3, 2, 1, 0].into_iter(), vec![9, 9, 4], &mesh);
         let order: Vec<usize> = (0..9).map(|node| places[&node]).collect();
-        // The first element is the last one of node 8, the second of 7 and 5, the third of 6, the fourth of 4, 3, 1 and
-        // 0.
+        // Nodes by their last element: 8; 7 and 6; 5 and 2; 4, 3, 1 and 0.
         assert_eq!(order, [8, 7, 4, 6, 5, 3, 2, 1, 0]);
         assert!(places.keys().is_sorted() && places[&9] == 9);
     }

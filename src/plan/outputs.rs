@@ -102,10 +102,10 @@ impl FrameField {
         FrameField { position, ..self }
     }
 
-    fn matches_request(&self, asked: VariableRequest) -> bool {
-        match asked {
+    fn matches_request(&self, selection: VariableRequest) -> bool {
+        match selection {
             VariableRequest::One(part) => self.parts == [part],
-            _ => asked.variables().contains(&self.variable()),
+            _ => selection.variables().contains(&self.variable()),
         }
     }
 }
@@ -153,18 +153,18 @@ impl Compiler<'_> {
     pub(super) fn variables(&mut self, state: &mut State) -> (Vec<HistoryColumn>, Vec<FrameField>) {
         let (mut columns, mut fields) = (Vec::new(), Vec::new());
         let model = self.model;
-        let there = self.available_fields(state);
+        let available = self.available_fields(state);
         for step in &model.steps {
             for request in step.outputs.iter().filter(|r| r.interval != OutputInterval::Never) {
                 match request.kind {
                     OutputKind::History => self.history_columns(request, state, &mut columns),
-                    OutputKind::Field => self.frame_fields(request, &there, &mut fields),
+                    OutputKind::Field => self.frame_fields(request, &available, &mut fields),
                 }
             }
             if step.outputs.is_empty() {
                 let erodes = !model.erosions.is_empty();
                 columns.extend(self.energies().filter(|v| erodes || !is_deletion_total(*v)).map(model_column));
-                fields.extend(there.iter().filter(|f| self.is_preselected(f)).cloned());
+                fields.extend(available.iter().filter(|f| self.is_preselected(f)).cloned());
             }
         }
         dedup(&mut columns);
@@ -182,8 +182,8 @@ impl Compiler<'_> {
 
     /// Enables the sums of deleted mass and energy if `*EROSION` or an output request needs them.
     fn track_deletion(&mut self, columns: &[HistoryColumn], state: &mut State) {
-        let asked = columns.iter().filter_map(|c| c.part).any(|p| is_deletion_total(p.variable));
-        if state.elements.removed.is_none() && !asked {
+        let requested = columns.iter().filter_map(|c| c.part).any(|p| is_deletion_total(p.variable));
+        if state.elements.removed.is_none() && !requested {
             return;
         }
         if state.elements.removed.is_none() {
@@ -201,9 +201,9 @@ impl Compiler<'_> {
 
     /// Creates the ledger row of strains and energies that elements integrate only for output.
     fn followed_row(&mut self, count: usize) {
-        let follows = |asked: &VariableRequest| match asked {
+        let follows = |selection: &VariableRequest| match selection {
             VariableRequest::Preselect | VariableRequest::All => true,
-            _ => asked.variables().iter().any(|v| v.row().followed),
+            _ => selection.variables().iter().any(|v| v.row().followed),
         };
         let asks = |r: &&OutputRequest| r.variables.iter().any(follows);
         let request = self.model.steps.iter().flat_map(|s| &s.outputs).find(asks);
@@ -238,20 +238,20 @@ impl Compiler<'_> {
 
     fn history_columns(&mut self, request: &OutputRequest, state: &State, columns: &mut Vec<HistoryColumn>) {
         let first = columns.len();
-        for &asked in &request.variables {
+        for &selection in &request.variables {
             let before = columns.len();
             match &request.region {
-                OutputRegion::Elements(set) => self.element_columns((asked, request), *set, state, columns),
-                OutputRegion::Nodes(set) => self.node_columns((asked, request), *set, columns),
-                OutputRegion::Surface(surface, name) => self.section_columns(asked, *surface, name, state, columns),
+                OutputRegion::Elements(set) => self.element_columns((selection, request), *set, state, columns),
+                OutputRegion::Nodes(set) => self.node_columns((selection, request), *set, columns),
+                OutputRegion::Surface(surface, name) => self.section_columns(selection, *surface, name, state, columns),
                 OutputRegion::Whole if request.card == OutputCard::Contact => {
-                    self.pair_columns(asked, &ContactPairFilter::default(), columns);
+                    self.pair_columns(selection, &ContactPairFilter::default(), columns);
                 }
-                OutputRegion::Pairs(pairs) => self.pair_columns(asked, pairs, columns),
-                OutputRegion::Whole => columns.extend(self.model_variables(asked, request.card).map(model_column)),
+                OutputRegion::Pairs(pairs) => self.pair_columns(selection, pairs, columns),
+                OutputRegion::Whole => columns.extend(self.model_variables(selection, request.card).map(model_column)),
             }
             if columns.len() == before {
-                self.note_absent_variable(asked, request);
+                self.note_absent_variable(selection, request);
             }
         }
         let names: Vec<_> = columns[first..].iter().map(|c| c.name.as_str()).collect();
@@ -266,17 +266,17 @@ impl Compiler<'_> {
     }
 
     /// Returns the variables of the whole model that a name on an output card selects.
-    fn model_variables(&self, asked: VariableRequest, card: OutputCard) -> impl Iterator<Item = Variable> + use<> {
+    fn model_variables(&self, selection: VariableRequest, card: OutputCard) -> impl Iterator<Item = Variable> + use<> {
         let by_default = match card {
             OutputCard::Output | OutputCard::Energy => Some(VariablePlace::Energy),
             OutputCard::Incrementation => Some(VariablePlace::Increment),
             OutputCard::Node | OutputCard::Element | OutputCard::Integrated | OutputCard::Contact => None,
         };
-        let named = asked.variables();
+        let named = selection.variables();
         // Without *EROSION, deletion sums are computed only if they are requested by name, because they need extra data
         // per element.
         let erodes = !self.model.erosions.is_empty();
-        let meant = move |v: &Variable| match asked {
+        let meant = move |v: &Variable| match selection {
             VariableRequest::Preselect | VariableRequest::All => {
                 Some(v.place()) == by_default && (erodes || !is_deletion_total(*v))
             }
@@ -287,13 +287,13 @@ impl Compiler<'_> {
 
     fn node_columns(
         &mut self,
-        (asked, request): (VariableRequest, &OutputRequest),
+        (selection, request): (VariableRequest, &OutputRequest),
         set: NodeSetId,
         columns: &mut Vec<HistoryColumn>,
     ) {
         let model = self.model;
         let (set, members) = named(&model.node_sets, set.index());
-        let mut parts = self.parts(asked, Variable::is_of_nodes);
+        let mut parts = self.parts(selection, Variable::is_of_nodes);
         parts.retain(|p| self.nodes_have(p.variable));
         let name = |node: usize| model.mesh.node_names[node].as_str();
         let mut found = Vec::new();
@@ -304,7 +304,7 @@ impl Compiler<'_> {
             }
             if let Some(&body) = self.body_of_node.get(&node).filter(|&&b| self.bodies[b].spatial) {
                 let source = ColumnSource::Body { body, node };
-                found.extend(in_space(asked, &parts).map(|part| (part, name(node), source)));
+                found.extend(in_space(selection, &parts).map(|part| (part, name(node), source)));
                 continue;
             }
             let source = match (self.places.free_node(node), self.body_of_node.get(&node)) {
@@ -353,9 +353,9 @@ impl Compiler<'_> {
     }
 
     /// Adds columns of the selected contact pairs.
-    fn pair_columns(&self, asked: VariableRequest, which: &ContactPairFilter, columns: &mut Vec<HistoryColumn>) {
-        let asked = if matches!(asked, VariableRequest::Preselect) { VariableRequest::All } else { asked };
-        let parts = self.parts(asked, |v| v.place() == VariablePlace::Pair);
+    fn pair_columns(&self, selection: VariableRequest, which: &ContactPairFilter, columns: &mut Vec<HistoryColumn>) {
+        let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
+        let parts = self.parts(selection, |v| v.place() == VariablePlace::Pair);
         let meant = |name: &str| {
             self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|c| pair_name(c) == name && which.matches(c))
         };
@@ -376,14 +376,14 @@ impl Compiler<'_> {
 
     fn element_columns(
         &mut self,
-        (asked, request): (VariableRequest, &OutputRequest),
+        (selection, request): (VariableRequest, &OutputRequest),
         set: ElementSetId,
         state: &State,
         columns: &mut Vec<HistoryColumn>,
     ) {
         let model = self.model;
         let (set, members) = named(&model.element_sets, set.index());
-        let parts = self.parts(asked, Variable::is_of_elements);
+        let parts = self.parts(selection, Variable::is_of_elements);
         let name = |element: usize| model.mesh.elements[element].name.as_str();
         let mut found = Vec::new();
         for element in by_number(members, name) {
@@ -397,14 +397,14 @@ impl Compiler<'_> {
 
     fn section_columns(
         &mut self,
-        asked: VariableRequest,
+        selection: VariableRequest,
         surface: SurfaceId,
         name: &str,
         state: &State,
         columns: &mut Vec<HistoryColumn>,
     ) {
-        let asked = if matches!(asked, VariableRequest::Preselect) { VariableRequest::All } else { asked };
-        let parts = self.parts(asked, |v| v.place() == VariablePlace::Section);
+        let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
+        let parts = self.parts(selection, |v| v.place() == VariablePlace::Section);
         let known = self.sections.iter().position(|s| s.surface == surface);
         let at = known.unwrap_or_else(|| {
             let section = self.section(surface, state);
@@ -437,11 +437,11 @@ impl Compiler<'_> {
     }
 
     /// Returns the components that a name selects among nodal or element variables.
-    fn parts(&self, asked: VariableRequest, of: impl Fn(Variable) -> bool) -> Vec<VariableComponent> {
-        let variables = match asked {
+    fn parts(&self, selection: VariableRequest, of: impl Fn(Variable) -> bool) -> Vec<VariableComponent> {
+        let variables = match selection {
             VariableRequest::One(part) => return Some(part).filter(|p| of(p.variable)).into_iter().collect(),
             VariableRequest::All => Variable::ALL.to_vec(),
-            _ => asked.variables(),
+            _ => selection.variables(),
         };
         variables.into_iter().filter(|v| of(*v)).flat_map(|v| self.parts_of(v)).collect()
     }
@@ -454,17 +454,18 @@ impl Compiler<'_> {
         variable.parts().collect()
     }
 
-    fn frame_fields(&mut self, request: &OutputRequest, there: &[FrameField], fields: &mut Vec<FrameField>) {
+    fn frame_fields(&mut self, request: &OutputRequest, available: &[FrameField], fields: &mut Vec<FrameField>) {
         let places = request.card.places();
-        for &asked in &request.variables {
-            let meant = |f: &&FrameField| match asked {
+        for &selection in &request.variables {
+            let meant = |f: &&FrameField| match selection {
                 VariableRequest::Preselect => self.is_preselected(f) && places.contains(&f.variable().place()),
                 VariableRequest::All => places.contains(&f.variable().place()),
-                _ => f.matches_request(asked),
+                _ => f.matches_request(selection),
             };
-            let meant: Vec<FrameField> = there.iter().filter(meant).cloned().map(|f| f.at(request.position)).collect();
-            if meant.is_empty() && !is_in_every_frame(asked) {
-                self.note_absent_variable(asked, request);
+            let meant: Vec<FrameField> =
+                available.iter().filter(meant).cloned().map(|f| f.at(request.position)).collect();
+            if meant.is_empty() && !is_in_every_frame(selection) {
+                self.note_absent_variable(selection, request);
             }
             fields.extend(meant);
         }
@@ -487,14 +488,14 @@ impl Compiler<'_> {
         let springs = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());
         let walls = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| self.spatial_side(pair).is_some());
         let is_there = move |v: &Variable| {
-            let there = match v.row().preselected {
+            let available = match v.row().preselected {
                 PreselectRule::HeatConduction => conducts,
                 PreselectRule::PenaltyContact => springs,
                 PreselectRule::ElementDeletion => deletes,
                 _ => true,
             };
             let lost = walls && *v == Variable::ConstraintWork;
-            v.place() == VariablePlace::Energy && (deforms || lost || !v.row().deforming) && there
+            v.place() == VariablePlace::Energy && (deforms || lost || !v.row().deforming) && available
         };
         Variable::ALL.iter().copied().filter(is_there)
     }
@@ -534,8 +535,7 @@ impl Compiler<'_> {
     }
 
     /// Returns whether a field is in the preselected output of ABAQUS/Explicit. Stress invariants, which ABAQUS/Viewer
-    /// computes, are
-    /// included.
+    /// computes, are included.
     fn is_preselected(&self, field: &FrameField) -> bool {
         match field.variable().row().preselected {
             PreselectRule::Never => false,
@@ -547,9 +547,9 @@ impl Compiler<'_> {
         }
     }
 
-    fn note_absent_variable(&mut self, asked: VariableRequest, request: &OutputRequest) {
-        let why = why_absent(asked, request);
-        self.add_unused_card(request.span, asked.name(), why);
+    fn note_absent_variable(&mut self, selection: VariableRequest, request: &OutputRequest) {
+        let why = why_absent(selection, request);
+        self.add_unused_card(request.span, selection.name(), why);
     }
 }
 
@@ -559,9 +559,8 @@ fn is_spatial(variable: Variable) -> bool {
 }
 
 /// Returns the components of a requested variable at a node of a body with six degrees of freedom, including
-/// out-of-plane ones if
-/// the whole variable is requested.
-fn in_space(asked: VariableRequest, parts: &[VariableComponent]) -> impl Iterator<Item = VariableComponent> {
+/// out-of-plane ones if the whole variable is requested.
+fn in_space(selection: VariableRequest, parts: &[VariableComponent]) -> impl Iterator<Item = VariableComponent> {
     let more = |variable: Variable| match variable {
         Variable::Displacement => Some(Variable::ThirdDisplacement),
         Variable::Velocity => Some(Variable::ThirdVelocity),
@@ -571,7 +570,7 @@ fn in_space(asked: VariableRequest, parts: &[VariableComponent]) -> impl Iterato
         Variable::RotationalAcceleration => Some(Variable::OutwardRotationalAcceleration),
         _ => None,
     };
-    let named = if let VariableRequest::Whole(variable) = asked { more(variable) } else { None };
+    let named = if let VariableRequest::Whole(variable) = selection { more(variable) } else { None };
     let mut all: Vec<VariableComponent> = parts.to_vec();
     if let Some(variable) = named {
         let at = if variable.row().labels.is_empty() { all.len() } else { 0 };
@@ -598,10 +597,10 @@ fn has(state: &State, group: usize, element: usize, part: VariableComponent) -> 
 }
 
 /// Returns the reason why a requested variable gives no output.
-fn why_absent(asked: VariableRequest, request: &OutputRequest) -> String {
+fn why_absent(selection: VariableRequest, request: &OutputRequest) -> String {
     let history = request.kind == OutputKind::History;
-    let name = asked.name();
-    let place = match asked {
+    let name = selection.name();
+    let place = match selection {
         VariableRequest::NotSimulated(known) => return format!("{name} ({}) is not simulated", known.words),
         VariableRequest::Preselect if history => {
             return "the preselected history output consists of energies only".into();
@@ -609,7 +608,7 @@ fn why_absent(asked: VariableRequest, request: &OutputRequest) -> String {
         VariableRequest::One(part) if !history && part.variable.parts().count() > 1 => {
             return format!("frames show {} with all components", part.variable.name());
         }
-        _ => asked.variables().first().map(|v| v.place()),
+        _ => selection.variables().first().map(|v| v.place()),
     };
     match (place, &request.region) {
         (Some(VariablePlace::Node), OutputRegion::Whole | OutputRegion::Elements(_)) if history => {
@@ -649,9 +648,9 @@ fn why_absent(asked: VariableRequest, request: &OutputRequest) -> String {
 }
 
 /// Returns whether every frame contains a variable: facet variables of loads, and coordinates.
-fn is_in_every_frame(asked: VariableRequest) -> bool {
+fn is_in_every_frame(selection: VariableRequest) -> bool {
     let implied = |v: &Variable| v.place() == VariablePlace::Facet || *v == Variable::Coordinate;
-    let named = asked.variables();
+    let named = selection.variables();
     !named.is_empty() && named.iter().all(implied)
 }
 

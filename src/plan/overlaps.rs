@@ -1,6 +1,5 @@
 //! Overlaps of bodies without contact between them: a warning for overlaps at the start, and a check of the other
-//! bodies during
-//! the run.
+//! bodies during the run.
 
 use std::collections::HashMap;
 

@@ -1,6 +1,5 @@
 //! Stiffness of penalty contact from the underlying elements (ABAQUS Analysis User's Guide, "Contact constraint
-//! enforcement
-//! methods in Abaqus/Explicit").
+//! enforcement methods in Abaqus/Explicit").
 
 use super::{Compiler, State};
 use crate::element::group::ElementStiffness;
@@ -8,9 +7,8 @@ use crate::kernel::topology::MOST_NODES;
 use crate::model::{Element, ElementKind, EosKind, MaterialId};
 
 impl Compiler<'_> {
-    /// Returns the compliance of a facet, length per pressure: thickness over longitudinal modulus of its element; 0
-    /// for rigid
-    /// facets. `None` if it cannot be determined.
+    /// Returns the compliance of a facet, length per pressure, from the stiffness matrix of its element, or else its
+    /// thickness over the longitudinal modulus; 0 for rigid facets. `None` if it cannot be determined.
     pub(super) fn facet_compliance(&self, element: usize, nodes: [usize; 2], state: &State) -> Option<f64> {
         let mesh = &self.model.mesh;
         let Some(&(group, index)) = self.places.elements.get(&element) else { return Some(0.0) };

@@ -8,8 +8,7 @@ use std::ops::Index;
 const NONE: u32 = u32::MAX;
 
 /// A map from mesh indices to values, in the order of insertion. The indices are dense, so that a lookup table of 4
-/// bytes per index
-/// is used in place of hashing.
+/// bytes per index is used in place of hashing.
 #[derive(Clone, Debug)]
 pub struct MeshIndexMap<V> {
     /// Position of each index in `entries`; [`NONE`] without entry.

@@ -1,6 +1,6 @@
-//! A plan for other numbers of its model: what follows from names, places and shapes stays, what follows from masses, velocities
-//! at the start, materials of targets and loads is made anew. Scenes of rigid bodies alone: what deforms takes longer to run than to plan.
-//! Never here: which numbers those are (`model/revise.rs`).
+//! Revision of a plan for other numbers of its model: topology and names are kept; masses, initial velocities, target
+//! materials and loads are updated. Only for models of rigid bodies, where compilation takes longer than the run. See
+//! also `model/revise.rs`.
 
 use std::collections::HashSet;
 use std::rc::Rc;
@@ -15,7 +15,7 @@ use crate::model::Model;
 use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
 
-/// What compilation found out by names and places.
+/// Results of compilation that do not depend on the numbers of the model.
 pub struct PlanReviser {
     causes: IndexMap<(Span, &'static str), EffectId>,
     bodies: Vec<PlannedRigidBody>,
@@ -24,12 +24,13 @@ pub struct PlanReviser {
     ties: Vec<TiedNodes>,
     pair_names: Vec<String>,
     called: Vec<&'static str>,
-    /// Cards of the ledger that came to nothing.
+    /// Number of cards without effect in the ledger.
     unused: usize,
 }
 
-/// The same as [`super::compile`], with what a plan for other numbers takes; `None` where such a plan is to be compiled as the first
-/// was: where anything deforms, warms up or meets, or a routine of the user tells a function of time.
+/// Compiles a model as [`super::compile`] does, and returns the data to revise the plan; `None` if the plan must be
+/// compiled for each set of numbers, because the model has deformable bodies, temperatures, contact, constraints or
+/// user amplitudes.
 pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics, Option<PlanReviser>) {
     let mut reviser = None;
     let (plan, state, diagnostics) = super::compile_with(model, routines, &mut |compiler, state| {
@@ -64,8 +65,8 @@ impl PlanReviser {
         })
     }
 
-    /// Gives a plan and the state at its start what a model says whose numbers have changed; `false` where the model has errors. Details
-    /// in the ledger stay those of the first model.
+    /// Updates a plan and its initial state from a model with other numbers. Returns `false` if there are errors.
+    /// Details in the ledger remain those of the first model.
     pub fn revise(&mut self, model: &Model, routines: &Routines, plan: &mut Plan, state: &mut State) -> bool {
         let mut compiler = Compiler {
             model,

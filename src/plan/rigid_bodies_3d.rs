@@ -188,7 +188,7 @@ impl Compiler<'_> {
         } else {
             format!("oblique rigid body `{name}` has no rotary inertia: its mass is on the axis or at one point")
         };
-        let help = "give *ROTARY INERTIA to an element of TYPE=ROTARYI on its reference node, spread its mass with *ATTITUDE, \
+        let help = "give *ROTARY INERTIA for an element of TYPE=ROTARYI on its reference node, distribute its mass with *ATTITUDE, \
                     INERTIA=UNIFORM, or give its elements a density";
         self.diagnostics.push(Diagnostic::error("P131", message).at(span, "this body").help(help));
     }
@@ -220,9 +220,8 @@ impl Compiler<'_> {
     }
 
     /// Returns the moments of a mass that is evenly distributed over the volume enclosed by the RAX2 elements of a
-    /// body; plane end
-    /// faces may be missing. By the divergence theorem each moment is an integral over the meridian; the volume is ∫ π
-    /// r² dz.
+    /// body; plane end faces may be missing. By the divergence theorem each moment is an integral over the meridian;
+    /// the volume is ∫ π r² dz.
     fn moments_of_volume(&self, rigid: &RigidBody, mass: f64) -> MassMoments {
         let (mesh, mut all) = (&self.model.mesh, MassMoments::default());
         for &e in rigid.elements.iter().filter(|&&e| mesh.elements[e].kind == ElementKind::Rax2) {

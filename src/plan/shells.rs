@@ -1,5 +1,4 @@
-//! Shells of the plan: sections to groups, rotations of their nodes, masses.
-//! Never here: solids, arithmetic of elements.
+//! Shells of the plan: element groups from sections, nodal rotations and masses.
 
 use indexmap::IndexMap;
 
@@ -16,7 +15,7 @@ use crate::model::{MaterialDefinition, PlasticityModel, ShellSection, ShellThinn
 use crate::state::nodes::Node;
 
 impl<'a> Compiler<'a> {
-    /// Sections with their elements that no rigid body has.
+    /// Returns the shell sections with their elements that do not belong to a rigid body.
     pub(super) fn free_shells(&self) -> Vec<(&'a ShellSection, Vec<usize>)> {
         let free = |e: &usize| !self.body_of_element.contains_key(e);
         let of = |s: &ShellSection| s.elements.iter().copied().filter(free).collect();
@@ -25,7 +24,7 @@ impl<'a> Compiler<'a> {
         sections.filter(|(_, elements): &(_, Vec<usize>)| !elements.is_empty()).collect()
     }
 
-    /// Rotations of the nodes of shells, behind all nodes: at no angle.
+    /// Adds the rotations of shell nodes after all nodes, with zero angles.
     pub(super) fn place_rotations(&mut self, shells: &[(&ShellSection, Vec<usize>)], nodes: &mut Vec<Node>) {
         let mesh = &self.model.mesh;
         let ends = shells.iter().flat_map(|s| &s.1).flat_map(|&e| mesh.elements[e].nodes.iter().copied());
@@ -33,12 +32,12 @@ impl<'a> Compiler<'a> {
         self.places.rotations = turning.iter().enumerate().map(|(i, &n)| (n, nodes.len() + i)).collect();
         nodes.resize(nodes.len() + turning.len(), Node::default());
         if let Some((section, _)) = shells.first() {
-            let detail = "rotations in the r-z plane; where solids meet shells nothing turns them: a hinge";
+            let detail = "rotations in the r-z plane; nodes shared with solids are hinges";
             self.ledger_row(section.span, "rotations", turning.len(), "nodes", detail.into());
         }
     }
 
-    /// The group of a section; its masses go to the nodes and their rotations.
+    /// Creates the element group of a section and adds its masses and rotary inertias.
     pub(super) fn shells(
         &mut self,
         section: &ShellSection,
@@ -59,7 +58,7 @@ impl<'a> Compiler<'a> {
         let list: Vec<[u32; 4]> = elements.iter().map(corners).collect();
         if let Some(at) = list.iter().position(|c| !lies_off_the_axis(c, nodes)) {
             let element = &model.mesh.elements[elements[at]];
-            let message = format!("element {} lies on the axis, or has no length", element.name);
+            let message = format!("element {} is on the axis or has no length", element.name);
             return self.diagnostics.refuse(Diagnostic::error("P012", message).at(element.span, "this element"));
         }
         let group = ShellGroup::new(section_of_group, list, nodes);
@@ -71,7 +70,7 @@ impl<'a> Compiler<'a> {
         Some(Box::new(group))
     }
 
-    /// What all shells of a section share; a material that shells cannot have is refused.
+    /// Returns the section data of shells. An unsupported material is an error.
     fn shell(
         &mut self,
         section: &ShellSection,
@@ -82,7 +81,7 @@ impl<'a> Compiler<'a> {
             let message = format!("material `{}`: {message}", material.name);
             let finding = Diagnostic::error("P023", message).at(section.span, "these elements are shells");
             self.diagnostics
-                .push(finding.help("shells take *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
+                .push(finding.help("shells support *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
             return None;
         }
         let ([young, ratio], density) = (material.elastic?, material.density?);
@@ -103,9 +102,11 @@ impl<'a> Compiler<'a> {
             }
         };
         let (thinning, thins) = match section.thinning {
-            ShellThinning::Material => (ThicknessRule::Material, "thins by its material".into()),
-            ShellThinning::Elastic => (ThicknessRule::Ratio(ratio), format!("thins by {ratio}")),
-            ShellThinning::Ratio(ratio) => (ThicknessRule::Ratio(ratio), format!("thins by {ratio}")),
+            ShellThinning::Material => (ThicknessRule::Material, "thickness change by the material".into()),
+            ShellThinning::Elastic => (ThicknessRule::Ratio(ratio), format!("thickness change with ratio {ratio}")),
+            ShellThinning::Ratio(ratio) => {
+                (ThicknessRule::Ratio(ratio), format!("thickness change with ratio {ratio}"))
+            }
         };
         let detail = format!(
             "material {}, thickness {}, {} points, {thins}; rotary inertia scaled",
@@ -128,7 +129,7 @@ impl<'a> Compiler<'a> {
         })
     }
 
-    /// Adds the masses that some shells put on their nodes.
+    /// Adds the nodal masses of shell elements.
     pub(super) fn add_masses_of_shells(&self, elements: &[usize], masses: &mut IndexMap<usize, f64>) {
         let mesh = &self.model.mesh;
         for section in &self.model.shell_sections {
@@ -149,13 +150,14 @@ impl<'a> Compiler<'a> {
     }
 }
 
-/// Whether an element has a length and some of it lies off the axis.
+/// Returns whether an element has a positive area: it has a length and is not on the axis.
 fn lies_off_the_axis(corners: &[u32; 4], nodes: &[Node]) -> bool {
     let area = ShellFrame::new([corners[0], corners[1]].map(|n| nodes[n as usize].place())).area();
     area > 0.0 && area.is_finite()
 }
 
-/// Why shells cannot be of a material, whose temperature may change; `None` where they can.
+/// Returns the reason why shells do not support a material; `None` if they do. `warms` states whether temperatures
+/// change.
 fn refusal(material: &MaterialDefinition, warms: bool) -> Option<&'static str> {
     if material.user.material.is_some() {
         return Some("a *USER MATERIAL on shells is not supported");
@@ -167,7 +169,7 @@ fn refusal(material: &MaterialDefinition, warms: bool) -> Option<&'static str> {
         || material.user.fields.is_some()
         || matches!(material.plastic, Some(PlasticityModel::User(_)))
     {
-        return Some("*CRUSHABLE FOAM and routines of the user on shells are not supported");
+        return Some("*CRUSHABLE FOAM and user subroutines on shells are not supported");
     }
     if material.damping.is_some() {
         return Some("*DAMPING of shells is not supported");
@@ -179,7 +181,7 @@ fn refusal(material: &MaterialDefinition, warms: bool) -> Option<&'static str> {
         return Some("failure of shells is not supported");
     }
     if !material.elastic_table.is_empty() || matches!(material.plastic, Some(PlasticityModel::OverFields(_))) {
-        return Some("moduli over temperature, and tables over field variables, of shells are not supported");
+        return Some("temperature-dependent moduli and tables over field variables are not supported on shells");
     }
     if matches!(material.plastic, Some(PlasticityModel::Kinematic(_))) {
         return Some("kinematic hardening of shells is not supported");

@@ -12,8 +12,8 @@ use crate::material::hyperelastic::{HyperelasticMaterial, NeoHooke};
 use crate::material::strain_energy::{OgdenEnergy, PolynomialEnergy, VolumetricEnergy};
 use crate::model::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, MaterialDefinition, RateDependence};
 
-/// Initial bulk modulus over the shear modulus of rubber whose card gives no compressibility: Poisson's ratio 0.475 (ABAQUS
-/// Analysis User's Guide, "Hyperelastic behavior of rubberlike materials", compressibility in ABAQUS/Explicit).
+/// Initial bulk modulus over the shear modulus of rubber whose card gives no compressibility: Poisson's ratio 0.475
+/// (ABAQUS Analysis User's Guide, "Hyperelastic behavior of rubberlike materials", compressibility in ABAQUS/Explicit).
 const BULK_OVER_SHEAR: f64 = 20.0;
 
 impl Compiler<'_> {

@@ -37,8 +37,7 @@ const HOURGLASS_STIFFNESS: f64 = 0.005;
 /// Default hourglass viscosity, as a fraction of critical damping at the highest frequency of the element.
 const HOURGLASS_VISCOSITY: f64 = 0.05;
 /// Default hourglass viscosity of materials without shear modulus. With 0.05 the density of Noh's spherical implosion
-/// overshoots
-/// after the shock (docs/verification.md).
+/// overshoots after the shock (docs/verification.md).
 const FLUID_VISCOSITY: f64 = 0.15;
 
 /// Function that creates the element group of a material; `None` if an error was reported.
@@ -356,8 +355,7 @@ impl Compiler<'_> {
     }
 
     /// Returns whether the elements of a section have subzonal pressures: by default with an equation of state and
-    /// without shear
-    /// modulus.
+    /// without shear modulus.
     fn subzonal(&mut self, section: &SolidSection, material: &MaterialDefinition, count: usize) -> Option<bool> {
         let wanted = section.controls.subzonal;
         let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
@@ -408,8 +406,8 @@ impl Compiler<'_> {
     }
 
     /// Returns the hourglass control of a section. The default is VISCOUS without a shear modulus, ENHANCED for rubber,
-    /// and RELAX
-    /// STIFFNESS otherwise (ABAQUS Analysis User's Guide, "Section controls"; Keywords Guide, "SECTION CONTROLS").
+    /// and RELAX STIFFNESS otherwise (ABAQUS Analysis User's Guide, "Section controls"; Keywords Guide, "SECTION
+    /// CONTROLS").
     pub(super) fn hourglass(
         &mut self,
         section: &SolidSection,

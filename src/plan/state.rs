@@ -1,6 +1,5 @@
 //! The state of an analysis, and the list of its fields that a checkpoint contains. Total time, energy balance and
-//! increment
-//! control are in `solve`.
+//! increment control are in `solve`.
 
 use super::changes::{ListChange, StepChanges};
 use crate::constraint::Constraint;

@@ -101,8 +101,7 @@ fn is_same_load(a: &model::Load, b: &model::Load) -> bool {
 }
 
 /// Returns whether a load takes over the history of the load that it replaces: the tunnel in a target, or the data of a
-/// user
-/// subroutine.
+/// user subroutine.
 fn continues_load(load: &model::Load, before: &model::Load) -> bool {
     match (&load.kind, &before.kind) {
         (LoadKind::Cavity { target: a, .. }, LoadKind::Cavity { target: b, .. }) => a == b,

@@ -7,8 +7,7 @@ use crate::model::{Model, SurfaceTie};
 use crate::platform::PortableMath as _;
 
 /// A slave node, which follows the nearest point of the master surface (ABAQUS Analysis User's Guide, "Mesh tie
-/// constraints",
-/// node-to-surface approach).
+/// constraints", node-to-surface approach).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TiedNode {
     /// Index of its tie in the model.

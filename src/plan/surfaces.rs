@@ -1,5 +1,4 @@
-//! Surfaces of loads: sides of elements as facets of rigid bodies and faces of what deforms.
-//! Never here: what acts on them.
+//! Surfaces of loads: element sides as facets of rigid bodies and faces of deformable bodies.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -11,20 +10,20 @@ use crate::mesh::surface::{DeformableFaces, RigidFacets, SurfaceGeometry};
 use crate::model::{ElementKind, ElementSide, SideSelection};
 
 impl Compiler<'_> {
-    /// The surface of some sides. Elements of no body are an error.
+    /// Creates the surface of element sides. Elements that belong to no body are an error.
     pub(super) fn surface(&mut self, sides: &SideSelection, span: Span) -> SurfaceGeometry {
         let mut by_body: BTreeMap<usize, Vec<(usize, Facet)>> = BTreeMap::new();
-        let (mut faces, mut behind, mut shells) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut faces, mut face_elements, mut shells) = (Vec::new(), Vec::new(), Vec::new());
         let mut stray = None;
         for &(element, side) in &sides.faces {
             if self.places.elements.contains_key(&element) {
                 if let Some(mut ends) = self.model.mesh.side_nodes(element, side) {
-                    // The body lies to the left of the way; seen from the side of its normal a shell lies to the right.
+                    // The body is to the left of a face. On the positive side of a shell the direction is reversed.
                     if side == ElementSide::Positive {
                         ends.reverse();
                     }
                     faces.push(ends.map(|n| self.places.nodes[&n]));
-                    behind.push(element);
+                    face_elements.push(element);
                     shells.push(self.model.mesh.elements[element].kind == ElementKind::Sax1);
                 }
                 continue;
@@ -37,18 +36,19 @@ impl Compiler<'_> {
         }
         if let Some(element) = stray {
             let name = &self.model.mesh.elements[element].name;
-            let message = format!("`{}` holds element {name}, which belongs to no body", sides.name);
-            self.diagnostics.push(Diagnostic::error("P003", message).at(span, "this load needs facets of a body"));
+            let message = format!("`{}` contains element {name}, which belongs to no body", sides.name);
+            self.diagnostics.push(Diagnostic::error("P003", message).at(span, "this load needs faces of a body"));
         }
         let patches = by_body.into_iter().map(|(body, facets)| RigidFacets { body, facets }).collect();
-        let mut skin = DeformableFaces::new(faces, behind);
+        let mut skin = DeformableFaces::new(faces, face_elements);
         if shells.contains(&true) {
             skin.shells = shells;
         }
         SurfaceGeometry { patches, skin: skin.with_hidden(self.hidden_faces(sides)) }
     }
 
-    /// Faces within what deforms of the elements of which all that lies bare is meant; none where no element can be deleted.
+    /// Returns the interior faces that are loaded once they are exposed by element deletion: those of elements that are
+    /// given without a side. Empty if no element can be deleted.
     fn hidden_faces(&self, sides: &SideSelection) -> InteriorFaces {
         if sides.free_face_elements.is_empty() || !self.deletes() {
             return InteriorFaces::default();
@@ -63,7 +63,7 @@ impl Compiler<'_> {
         };
         let all: HashSet<[usize; 2]> = self.places.elements.keys().flat_map(|&e| faces_of(e)).collect();
         let own = sides.free_face_elements.iter().flat_map(|&e| faces_of(e).map(move |face| (face, e)));
-        // A face that is named besides is loaded from the start.
+        // A face that is also given by its side is loaded from the start.
         let named: HashSet<(usize, ElementSide)> = sides.faces.iter().copied().collect();
         let is_named = |element: usize, [a, b]: [usize; 2]| {
             let ends = |&s: &ElementSide| {
@@ -77,7 +77,8 @@ impl Compiler<'_> {
         InteriorFaces::new(own.filter(|&([a, b], e)| all.contains(&[b, a]) && !is_named(e, [a, b])).collect())
     }
 
-    /// The facet of one side. A solid's face runs counter-clockwise, so its outward normal is the negative side.
+    /// Returns the rigid facet of a side. Faces of solids run counter-clockwise, so that the outward normal is the
+    /// negative side.
     fn facet(&self, element: usize, side: ElementSide) -> Option<Facet> {
         let mesh = &self.model.mesh;
         let [from, to] = mesh.side_nodes(element, side)?.map(|n| mesh.points[n]);

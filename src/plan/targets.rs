@@ -1,5 +1,4 @@
-//! Targets that are not meshed as effects: layers with their laws, what bounds them, their rows of the ledger.
-//! Never here: what they do in an increment.
+//! Targets without a mesh: layers with their resistance laws, free surfaces, and ledger rows.
 
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
@@ -26,26 +25,28 @@ impl Compiler<'_> {
         let mut surface = self.surface(sides, load.span);
         let target = &self.model.targets[target];
         if !surface.skin.shells.is_empty() {
-            return self.refuse_resistance(load, "the resistance of a target on shells is not supported");
+            return self.refuse_resistance(load, "CAVITY loads on shells are not supported");
         }
         if target.shear_strength.is_some() && !surface.skin.faces.is_empty() {
             return self.refuse_resistance(
                 load,
-                "a plug (SHEAR STRENGTH of the target) is found for the nose of a rigid body, not for faces that deform",
+                "SHEAR STRENGTH of the target (plugging) is supported for rigid bodies, not for deformable faces",
             );
         }
         if target.obliquity != 0.0 && !surface.skin.faces.is_empty() {
-            let message =
-                format!("target {} is tilted: what deforms cannot meet it in a body of revolution", target.name);
+            let message = format!(
+                "target {} is inclined: deformable bodies, which are bodies of revolution, cannot hit it",
+                target.name
+            );
             let finding = Diagnostic::error("P132", message).at(load.span, "here").at(target.span, "its OBLIQUITY");
-            return self.diagnostics.refuse(finding.help("a tilted target resists rigid bodies"));
+            return self.diagnostics.refuse(finding.help("use a rigid body with an inclined target"));
         }
         let count = surface.count();
         let oblique = self.take_oblique(&mut surface);
         if !oblique.is_empty() && (target.separation || target.shear_strength.is_some()) {
             return self.refuse_resistance(
                 load,
-                "SEPARATION and SHEAR STRENGTH of a target are for normal impact, not for a body with six degrees of freedom",
+                "SEPARATION and SHEAR STRENGTH of a target are supported for normal impact, not for bodies with six degrees of freedom",
             );
         }
         let stack = self.stack(target)?;
@@ -64,7 +65,7 @@ impl Compiler<'_> {
         if target.separation {
             effect = effect.separating(&state.dofs.nodes);
         }
-        // Increments that the deck gives follow no accuracy.
+        // Fixed time increments have no accuracy: the default one applies.
         let travel = travel.min(DEFAULT_ACCURACY.sqrt());
         for patch in oblique {
             let tilt = StackTilt::new(target.front, target.obliquity.to_radians());
@@ -78,7 +79,7 @@ impl Compiler<'_> {
         self.diagnostics.refuse(Diagnostic::error("P015", message).at(load.span, "here"))
     }
 
-    /// Takes from a surface its patches on bodies in space.
+    /// Removes the patches of oblique bodies from a surface and returns them.
     fn take_oblique(&self, surface: &mut SurfaceGeometry) -> Vec<RigidFacets> {
         let (oblique, along_z): (Vec<RigidFacets>, Vec<RigidFacets>) =
             std::mem::take(&mut surface.patches).into_iter().partition(|p| self.bodies[p.body].spatial);
@@ -91,7 +92,7 @@ impl Compiler<'_> {
         let names: Vec<_> = target.layers.iter().take(4).map(name).collect();
         let more = if target.layers.len() > 4 { ", …" } else { "" };
         let tilt =
-            if target.obliquity == 0.0 { String::new() } else { format!(", tilted by {} deg", target.obliquity) };
+            if target.obliquity == 0.0 { String::new() } else { format!(", inclined by {} deg", target.obliquity) };
         let detail = format!("{}: {}{more}; front at z = {}{tilt}", target.name, names.join(", "), target.front);
         self.ledger_row(target.span, "target", target.layers.len(), "layers", detail);
         target.layers.iter().filter_map(|layer| layer.material).for_each(|material| self.derived_row(material));
@@ -100,7 +101,7 @@ impl Compiler<'_> {
         };
         match target.free_surfaces {
             FreeSurfaces::Off => {}
-            FreeSurfaces::Plates => row("free surfaces", "faces that border on nothing".into()),
+            FreeSurfaces::Plates => row("free surfaces", "outer faces and faces at gaps".into()),
             FreeSurfaces::Layers => row("free surfaces", "faces of every layer".into()),
         }
         if let Some(depth) = target.crater {
@@ -110,7 +111,7 @@ impl Compiler<'_> {
             row("plugging", format!("shear strength {strength}"));
         }
         if target.separation {
-            row("separation", "the tunnel's wall stays where it is pushed".into());
+            row("separation", "the tunnel keeps its largest radius".into());
         }
     }
 
@@ -119,7 +120,7 @@ impl Compiler<'_> {
         let Some(law) = material.cavity else { return };
         let Some(from) = law.derived else { return };
         let detail = format!(
-            "{}: Y = {}, A = {}, B = {}, C = {} over velocities {} to {}; residual {:.2e} Y, at most {:.2} % off (at {}); at rest {:.4}",
+            "{}: Y = {}, A = {}, B = {}, C = {} over velocities {} to {}; residual {:.2e} Y, maximum deviation {:.2} % (at {}); quasi-static {:.4}",
             material.name,
             law.yield_stress,
             law.a,
@@ -160,7 +161,7 @@ impl Compiler<'_> {
         Some(stack.with_bounds(finite))
     }
 
-    /// Bounds of the layers, ascending in z as the planes between them.
+    /// Returns the free surfaces of the layers, in ascending order of z.
     fn bounds(&self, target: &TargetStack, planes: &[f64]) -> Vec<LayerBounds> {
         let mut layers: Vec<&TargetLayer> = target.layers.iter().collect();
         if target.direction < 0.0 {

@@ -1,5 +1,4 @@
-//! What a deck leaves to the user's routines, as effects: loads, amplitudes with their sensors, motions, events.
-//! Never here: calling a routine.
+//! User subroutines of the plan: missing and unused subroutines, user amplitudes with their sensors, and VEXTERNALDB.
 
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
@@ -10,44 +9,44 @@ use crate::variables::request::VariableRequest;
 use crate::variables::{Variable, VariableComponent};
 
 impl Compiler<'_> {
-    /// Says that a routine that the deck asks for is not there, or why it cannot be called.
+    /// Reports that a user subroutine that the deck needs is missing, or the reason why it cannot be called.
     pub(super) fn report_missing_routine(&mut self, span: Span, label: &str, asks: &str, name: &'static str) {
         self.called_routines.push(name);
         if let Some(uncallable) = self.routines.uncallable.iter().find(|m| m.routine == name) {
             let code = if uncallable.code == "U004" { "U004" } else { "U005" };
             let finding = Diagnostic::error(code, format!("{asks}: {}", uncallable.message));
-            return self.diagnostics.push(finding.at(span, format!("this {label} calls the user's routine")));
+            return self.diagnostics.push(finding.at(span, format!("this {label} calls a user subroutine")));
         }
         let given =
-            if self.routines.any() { "the files that were given do not define it" } else { "no routine was given" };
+            if self.routines.any() { "the given files do not define it" } else { "no user subroutine was given" };
         let finding = Diagnostic::error("P004", format!("{asks}, but {given}"));
-        let finding = finding.at(span, format!("this {label} calls the user's routine"));
+        let finding = finding.at(span, format!("this {label} calls a user subroutine"));
         self.diagnostics.push(finding.help(format!("give a file that defines {name} with --user FILE")));
     }
 
-    /// Notes routines of the user's files that nothing calls.
+    /// Notes user subroutines that are never called.
     pub(super) fn note_uncalled(&mut self) {
         let routines = self.routines;
         let there = [
-            ("vdload", routines.load.is_some(), "no load PNU, BRNU or BZNU"),
-            ("vuamp", routines.amplitude.is_some(), "no *AMPLITUDE, DEFINITION=USER is in use"),
-            ("vdisp", routines.motion.is_some(), "no *BOUNDARY, USER"),
+            ("vdload", routines.load.is_some(), "there is no load PNU, BRNU or BZNU"),
+            ("vuamp", routines.amplitude.is_some(), "no *AMPLITUDE, DEFINITION=USER is used"),
+            ("vdisp", routines.motion.is_some(), "there is no *BOUNDARY, USER"),
             ("vumat", routines.material.is_some(), "no element has a *USER MATERIAL"),
             ("vuhard", routines.hardening.is_some(), "no element has *PLASTIC, HARDENING=USER"),
             ("vusdfld", routines.fields.is_some(), "no element has a *USER DEFINED FIELD"),
-            ("vucharlength", routines.lengths.is_some(), "no element takes a length of *CHARACTERISTIC LENGTH"),
+            ("vucharlength", routines.lengths.is_some(), "no element uses a length of *CHARACTERISTIC LENGTH"),
         ];
         let uncalled: Vec<(&str, &str)> =
             there.into_iter().filter(|r| r.1 && !self.called_routines.contains(&r.0)).map(|r| (r.0, r.2)).collect();
-        let unsupported = routines.unsupported.iter().map(|name| (*name, "Revolve does not have it"));
+        let unsupported = routines.unsupported.iter().map(|name| (*name, "Revolve does not support it"));
         for (name, why) in uncalled.into_iter().chain(unsupported) {
             self.add_unused_card(Span::default(), format!("routine {name}"), format!("it is never called: {why}"));
-            let message = format!("the user's files define `{name}`, which is never called: {why}");
+            let message = format!("user subroutine `{name}` is never called: {why}");
             self.diagnostics.push(Diagnostic::note("U009", message));
         }
     }
 
-    /// Index of a user amplitude; its subroutine is called once an increment, whatever the number of loads it scales.
+    /// Returns the index of a user amplitude. Its subroutine is called once per increment, for any number of loads.
     pub(super) fn user_amplitude(&mut self, id: AmplitudeId) -> usize {
         if let Some(&index) = self.user_amplitude_index.get(&id) {
             return index;
@@ -58,7 +57,7 @@ impl Compiler<'_> {
         let amplitude = &self.model.amplitudes[id];
         let AmplitudeDefinition::User { properties, variables } = &amplitude.definition else { return index };
         if self.routines.amplitude.is_none() {
-            let asks = format!("the amplitude `{}` is the user's", amplitude.name);
+            let asks = format!("amplitude `{}` is user-defined", amplitude.name);
             self.report_missing_routine(amplitude.span, "amplitude", &asks, "vuamp");
             return index;
         }
@@ -79,7 +78,7 @@ impl Compiler<'_> {
         index
     }
 
-    /// The sensors of all steps: `*OUTPUT, HISTORY, SENSOR, NAME=` with one variable on one node.
+    /// Returns the sensors of all steps: `*OUTPUT, HISTORY, SENSOR, NAME=` with one variable at one node.
     fn sensors(&mut self) -> Vec<(String, SensorQuantity)> {
         let model = self.model;
         let mut sensors: Vec<(String, SensorQuantity)> = Vec::new();
@@ -89,8 +88,7 @@ impl Compiler<'_> {
                 Some(sensed) if !sensors.iter().any(|s| s.0 == *name) => sensors.push((name.clone(), sensed)),
                 Some(_) => {}
                 None => {
-                    let message =
-                        format!("the sensor `{name}` must be one of U, V, A with a number, on one node that moves");
+                    let message = format!("sensor `{name}` must be one component of U, V or A, at one node of a body");
                     self.diagnostics.push(Diagnostic::error("P010", message).at(request.span, "this sensor"));
                 }
             }
@@ -120,7 +118,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// Adds the ledger row of the subroutine that is called at the moments of the analysis.
+    /// Adds the ledger row of VEXTERNALDB.
     pub(super) fn events_row(&mut self) {
         if self.routines.events.is_some() {
             self.ledger.add("user events", 1, "routine", "--user".into(), "vexternaldb".into());

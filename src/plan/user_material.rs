@@ -1,6 +1,5 @@
 //! Element groups that call user subroutines at material points: `*USER MATERIAL`, `*PLASTIC, HARDENING=USER` and
-//! `*USER DEFINED
-//! FIELD`, with state and field variables.
+//! `*USER DEFINED FIELD`, with state and field variables.
 
 use std::sync::Arc;
 
@@ -62,8 +61,8 @@ impl Compiler<'_> {
         let hourglass = self.hourglass(section, material, moduli)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
         // The moduli of a user material are computed from its first call.
-        let told = matches!(law, UserLaw::Stress(..));
-        let [bulk, shear] = if told { [0.0; 2] } else { [moduli.bulk, moduli.shear] };
+        let user_stress = matches!(law, UserLaw::Stress(..));
+        let [bulk, shear] = if user_stress { [0.0; 2] } else { [moduli.bulk, moduli.shear] };
         let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity };
         let heating =
             if self.adiabatic() || self.conducts(section) { heating(material, density) } else { PlasticHeating::None };
@@ -143,8 +142,7 @@ impl Compiler<'_> {
     }
 
     /// Returns the provisional moduli of a user material, which are replaced after its first call. Missing or
-    /// contradictory cards,
-    /// or a missing subroutine, are errors.
+    /// contradictory cards, or a missing subroutine, are errors.
     fn user_moduli(&mut self, section: &SolidSection, material: &MaterialDefinition) -> Option<ElasticModuli> {
         let (code, message) = if material.density.is_none() {
             ("P013", format!("material `{}` has no *DENSITY", material.name))
@@ -163,8 +161,7 @@ impl Compiler<'_> {
     }
 
     /// Returns the yield stress and moduli of a material with built-in elasticity that is evaluated point by point.
-    /// Missing or
-    /// unsupported cards are errors.
+    /// Missing or unsupported cards are errors.
     fn user_flow<'m>(
         &mut self,
         section: &SolidSection,

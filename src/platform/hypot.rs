@@ -1,10 +1,8 @@
 //! The hypotenuse in portable arithmetic. The last bit of `hypot` differs between C libraries and their versions; this
-//! function
-//! reproduces the bits of the GNU C library 2.35 and later.
-//! Source: C. F. Borges, "Algorithm 1014: An improved algorithm for hypot(x, y)", ACM Trans. Math. Softw. 47 (2021) 9, without
-//! fused operations.
+//! function reproduces the bits of the GNU C library 2.35 and later. Source: C. F. Borges, "Algorithm 1014: An improved
+//! algorithm for hypot(x, y)", ACM Trans. Math. Softw. 47 (2021) 9, without fused operations.
 
-/// Outside of these limits squares overflow or lose digits, and both numbers are scaled.
+/// Beyond the two limits, squares overflow or lose digits, and both numbers are scaled.
 const LARGE: f64 = 1e150;
 const SMALL: f64 = 1e-140;
 /// 2^600.

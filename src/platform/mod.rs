@@ -1,6 +1,5 @@
 //! Functions that depend on the operating system or its C library: file options, signals, memory size, portable
-//! `hypot`.
-//! Unsafe code is in `user/native`.
+//! `hypot`. Unsafe code is in `user/native`.
 
 mod hypot;
 #[cfg(feature = "cli")]

@@ -10,8 +10,7 @@ use signal_hook::iterator::Signals;
 use signal_hook::{flag, low_level};
 
 /// Signals within this time of the first one are ignored: `timeout` sends a signal to the program and again to its
-/// process group,
-/// and a terminal sends it to all its processes.
+/// process group, and a terminal sends it to all its processes.
 const SAME: Duration = Duration::from_millis(500);
 
 /// Makes the operating system report a file-size limit as a write error instead of ending the program.
@@ -27,18 +26,18 @@ pub fn outlive_limits() {
 pub fn watch_signals() -> Result<Arc<AtomicUsize>, String> {
     let signal = Arc::new(AtomicUsize::new(0));
     let signals = Signals::new([SIGINT, SIGTERM]).map_err(|e| format!("cannot watch for signals: {e}"))?;
-    let told = signal.clone();
-    let listen = std::thread::Builder::new().name("signals".into()).spawn(move || listen(signals, &told));
+    let first_signal = signal.clone();
+    let listen = std::thread::Builder::new().name("signals".into()).spawn(move || listen(signals, &first_signal));
     listen.map_err(|e| format!("cannot watch for signals: {e}"))?;
     Ok(signal)
 }
 
-fn listen(mut signals: Signals, told: &AtomicUsize) {
+fn listen(mut signals: Signals, first_signal: &AtomicUsize) {
     let mut first = None;
     for number in &mut signals {
         let first = *first.get_or_insert_with(Instant::now);
-        if told.load(Ordering::Relaxed) == 0 {
-            told.store(number as usize, Ordering::Relaxed);
+        if first_signal.load(Ordering::Relaxed) == 0 {
+            first_signal.store(number as usize, Ordering::Relaxed);
         } else if first.elapsed() > SAME {
             low_level::exit(128 + number);
         }

@@ -108,7 +108,7 @@ impl Deck {
         Ok(found.to_string())
     }
 
-    /// Runs the deck.
+    /// Runs the deck in memory, or with result files if `out` is given.
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn run(
         &self,
@@ -128,8 +128,8 @@ impl Deck {
         }
         let waiting = PythonWait::new(progress);
         let identity = user.map_or_else(String::new, |user| user.compiled.identity());
-        let asked = RunRequest { threads, frames, out };
-        let ran = py.detach(|| self.carry_out(&prepared, asked, identity, &waiting));
+        let request = RunRequest { threads, frames, out };
+        let ran = py.detach(|| self.carry_out(&prepared, request, identity, &waiting));
         raised(&exception)?;
         waiting.end()?;
         ran.map_err(|why| why.raise(py))
@@ -209,27 +209,29 @@ impl Deck {
     fn carry_out(
         &self,
         prepared: &PreparedJob,
-        asked: RunRequest,
+        request: RunRequest,
         user: String,
         waiting: &PythonWait,
     ) -> Result<Run, RunError> {
         let DeckSource::Text(name, _) = &self.source else {
             return Err(RunError::Threads("the deck has no text".into()));
         };
-        let job = job::default_job(Path::new(name), asked.out.clone()).map_err(RunError::Named)?;
-        let threads = asked.threads.min(prepared.most_threads()).max(1);
+        let job = job::default_job(Path::new(name), request.out.clone()).map_err(RunError::Named)?;
+        let threads = request.threads.min(prepared.most_threads()).max(1);
         if threads == 1 && prepared.most_threads() == 1 {
-            return work(prepared, &job, &asked, user, waiting, &mut |progress| waiting.look(progress.0, &progress.1));
+            return work(prepared, &job, &request, user, waiting, &mut |progress| {
+                waiting.look(progress.0, &progress.1)
+            });
         }
         let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(threads);
         let pool = pool.build().map_err(|e| RunError::Threads(format!("cannot start threads: {e}")))?;
         let (sender, receiver) = std::sync::mpsc::channel();
         let mut ran = None;
         pool.in_place_scope(|scope| {
-            let (ran, asked, job) = (&mut ran, &asked, &job);
+            let (ran, request, job) = (&mut ran, &request, &job);
             scope.spawn(move |_| {
                 // The receiver may have been dropped.
-                *ran = Some(work(prepared, job, asked, user, waiting, &mut |progress| drop(sender.send(progress))));
+                *ran = Some(work(prepared, job, request, user, waiting, &mut |progress| drop(sender.send(progress))));
             });
             let mut now = (0.0, String::new());
             loop {
@@ -248,7 +250,7 @@ impl Deck {
 fn work(
     prepared: &PreparedJob,
     job: &JobFiles,
-    asked: &RunRequest,
+    request: &RunRequest,
     user: String,
     waiting: &PythonWait,
     tell: &mut dyn FnMut((f64, String)),
@@ -258,11 +260,11 @@ fn work(
             tell((progress.fraction, format!("{} t = {:.4e}", progress.step, progress.now.total_time)));
         }
     };
-    if asked.out.is_none() {
-        let (summary, frames) = job::run_kept(prepared, job, asked.frames, &waiting.interrupt, &mut follow);
+    if request.out.is_none() {
+        let (summary, frames) = job::run_kept(prepared, job, request.frames, &waiting.interrupt, &mut follow);
         return Ok(Run::new(summary, frames, None));
     }
-    let frames = if asked.frames { FrameOutput::Written(FramePoints::Current) } else { FrameOutput::Absent };
+    let frames = if request.frames { FrameOutput::Written(FramePoints::Current) } else { FrameOutput::Absent };
     let options = JobOptions { interrupt: Some(&waiting.interrupt), user, frames, ..JobOptions::default() };
     let summary = job::run_with(prepared, job, options, &mut follow).map_err(RunError::Refused)?;
     Ok(Run::new(summary, Vec::new(), Some(job.path(".pvd"))))

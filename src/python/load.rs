@@ -10,7 +10,7 @@ use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 /// Load given in Python.
 #[derive(FromPyObject)]
 pub enum PythonLoad {
-    /// Address of a C function.
+    /// Address of a compiled function with the C calling convention.
     Address(usize),
     /// Python function, and whether it takes the surface name as an argument.
     Function(Py<PyAny>, bool),

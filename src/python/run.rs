@@ -12,7 +12,7 @@ use revolve::study::quantity::{FinishedRun, Quantity};
 
 use crate::errors;
 
-/// A finished run.
+/// A finished run with its summary, histories and frames.
 #[pyclass(frozen, module = "revolve._revolve")]
 pub struct Run {
     summary: RunSummary,

@@ -43,7 +43,7 @@ impl PythonWait {
         }
     }
 
-    /// Exception raised in Python during the work.
+    /// Returns an exception raised in Python during the work as an error.
     pub fn end(&self) -> PyResult<()> {
         let raised = self.raised.lock().ok().and_then(|mut raised| raised.take());
         raised.map_or(Ok(()), Err)

@@ -37,7 +37,7 @@ pub struct ReportRun {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ColumnSummaryRow {
     pub name: String,
-    /// Final value.
+    /// Value of the last row.
     #[serde(rename = "final")]
     pub last: f64,
     pub min: f64,
@@ -80,8 +80,7 @@ pub struct EffectSavings {
 }
 
 /// Meridian section over time, packed for drawing. Numbers are unsigned 16-bit integers in base64, little endian; 65535
-/// means "none".
-/// "none".
+/// means "none". "none".
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct MeridianFrames {
     pub times: Vec<f64>,

@@ -43,7 +43,7 @@ impl From<String> for ReportError {
 /// Options of a report page or a chart.
 #[derive(Clone, Debug, Default)]
 pub struct PageOptions {
-    /// Labels of quantities.
+    /// Labels shown in place of the names of quantities.
     pub labels: QuantityLabels,
     /// CSV file with reference curves for histories.
     pub compare: Option<PathBuf>,

@@ -328,7 +328,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colours_and_number_formats() {
+    fn colours_and_numbers_match_their_scale() {
         assert_eq!([colour(0.0), colour(1.0), colour(9.0)], [0x44_01_54, 0xfd_e7_25, 0xfd_e7_25]);
         assert_eq!([number(0.025), number(-1.23456e9), number(0.0)], ["0.025", "-1.235e9", "0"]);
     }

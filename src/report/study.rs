@@ -145,7 +145,7 @@ fn order_chart(file: &JsonObject) -> Option<Chart> {
     let lines: Vec<(ChartSeries, &Value)> = refinements.filter_map(|r| Some((line(r)?, r))).take(LINES).collect();
     let guides = lines.first().map_or(Vec::new(), |(line, refined)| slopes(line, refined));
     let series = lines.into_iter().map(|l| l.0).chain(guides).collect();
-    logarithmic(Chart::new("Error over size", ["size over the finest", "error"], series))
+    logarithmic(Chart::new("Error over size", ["size relative to the finest", "error"], series))
 }
 
 /// Sets logarithmic axes and removes empty series; `None` if no series is left.

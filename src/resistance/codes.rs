@@ -2,7 +2,7 @@
 
 use crate::deck::DiagnosticCode;
 
-/// Codes of this folder.
+/// Diagnostic codes C001 to C005 with their titles and explanations.
 pub const CODES: &[DiagnosticCode] = codes! {
     "C001" "invalid target material" "The target needs Young's modulus, density and yield stress above zero, Poisson's ratio from 0 to 0.5, and a yield stress below twice the shear modulus. The stress-strain curve must begin at the yield stress and plastic strain 0, with increasing plastic strains."
     "C002" "cavity velocity above the range of the similarity solution" "The similarity solution is valid if the plastic front is slower than the plastic wave, sqrt(K/rho); at higher velocities the front is a shock. The message states the largest velocity with a solution: reduce the upper end of the velocity range to it."

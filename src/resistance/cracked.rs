@@ -77,8 +77,8 @@ fn crushed_front(
     for _ in 0..60 {
         let pressure = (stress - 2.0 / 3.0) / grows;
         density = 1.0 / (1.0 - target.compressibility * pressure);
-        let behind = 1.0 - flux / density;
-        let next = strength + m * flux * (behind - velocity);
+        let inner_velocity = 1.0 - flux / density;
+        let next = strength + m * flux * (inner_velocity - velocity);
         let moved = (next - stress).abs();
         stress = next;
         if moved <= 1e-15 * stress.abs() {

@@ -19,7 +19,7 @@ pub struct FitRequest {
     pub linear: bool,
     /// Whether A is set to the quasi-static pressure, which is independent of strain rate.
     pub pinned: bool,
-    /// Weights of the fit.
+    /// Weights of the least-squares fit.
     pub weight: FitWeight,
 }
 

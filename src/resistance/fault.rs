@@ -14,7 +14,7 @@ pub enum ResistanceError {
         "no similarity solution at velocity {velocity}: the plastic front would be a shock; the largest velocity is {fastest}"
     )]
     Fast {
-        /// Requested velocity.
+        /// Requested velocity of the cavity wall.
         velocity: f64,
         /// Largest velocity with a solution.
         fastest: f64,

@@ -12,7 +12,7 @@ pub struct FitForm {
     pub linear: bool,
     /// Value of A if it is not fitted.
     pub pinned: Option<f64>,
-    /// Weights of the points.
+    /// Weights of the squared differences.
     pub weight: FitWeight,
 }
 
@@ -32,7 +32,7 @@ pub enum FitWeight {
 /// Fitted constants with their confidence intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResistanceFit {
-    /// A, B, C.
+    /// Constants A, B, C of sigma/Y = A + B x + C x^2.
     pub constants: [f64; 3],
     /// Half-width of the 95 % confidence interval of each constant by Student's t; `None` if not fitted. The residuals
     /// are misfit of the law and not noise, so the intervals show how well the range determines a constant.
@@ -144,7 +144,7 @@ mod tests {
     /// By hand: for the points (0, 1), (1, 0), (2, 3), (3, 2), (4, 7) and A + C x^2 the normal equations are 5 A + 30 C
     /// = 13 and 30 A + 354 C = 142.
     #[test]
-    fn two_constants_by_hand() {
+    fn two_constants_match_hand_calculation() {
         let points = [[0.0, 1.0], [1.0, 0.0], [2.0, 3.0], [3.0, 2.0], [4.0, 7.0]];
         let fit = fit(&points, FitForm { linear: false, ..FREE }).expect("a fit");
         let c = (142.0 - 6.0 * 13.0) / (354.0 - 180.0);

@@ -20,7 +20,7 @@ pub struct PlasticFront {
 pub struct ElasticZone {
     /// c divided by the speed of dilatational waves.
     pub mach: f64,
-    /// K / (K + 4G/3).
+    /// Bulk modulus divided by the longitudinal modulus, K / (K + 4G/3).
     pub bulk_share: f64,
 }
 

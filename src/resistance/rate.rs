@@ -23,7 +23,7 @@ pub enum StrainRateFactor {
     },
     /// `1 + c ln(e' / reference)`, not below 1.
     JohnsonCook {
-        /// Constant C.
+        /// Constant C of the Johnson-Cook rate term, dimensionless.
         c: f64,
         /// Reference strain rate, 1/time.
         reference: f64,

@@ -55,14 +55,14 @@ mod tests {
 
     #[test]
     fn roots_are_found_also_if_the_function_is_partly_undefined() {
-        let mut asked = 0;
-        let counted = |x: f64| {
-            asked += 1;
+        let mut evaluations = 0;
+        let counting = |x: f64| {
+            evaluations += 1;
             Some(x * x * x - 2.0)
         };
-        let [low, high] = between(counted, [0.0, 5.0], 1e-14);
+        let [low, high] = between(counting, [0.0, 5.0], 1e-14);
         assert!((low - 2f64.cbrt()).abs() < 1e-14 && high == low, "{low} {high}");
-        assert!(asked < 40, "{asked}");
+        assert!(evaluations < 40, "{evaluations}");
         let half = |x: f64| (x < 3.0).then_some(x - 4.0);
         let [low, high] = between(half, [0.0, 8.0], 0.0);
         assert!(low < 3.0 && high >= 3.0 && high - low < 1e-10, "{low} {high}");

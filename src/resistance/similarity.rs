@@ -137,17 +137,17 @@ struct PlasticZone<'a> {
     offset: f64,
 }
 
-/// State at a strain.
+/// Dimensionless state of the plastic zone at a strain q.
 struct PlasticState {
     /// exp(-D), which is w/x.
     velocity_ratio: f64,
-    /// u/x.
+    /// Velocity ratio u/x.
     opens: f64,
-    /// w^2.
+    /// Squared relative velocity w^2.
     square: f64,
-    /// tau.
+    /// Yield stress tau.
     shear: f64,
-    /// rho.
+    /// Density rho.
     density: f64,
     /// d tau / d D at constant pressure.
     hardening: f64,

@@ -46,9 +46,9 @@ pub enum YieldCurve {
 /// begins at q = 1.
 #[derive(Clone, Debug)]
 pub struct ScaledTarget {
-    /// E / Y.
+    /// Young's modulus divided by the yield stress, E / Y.
     pub young: f64,
-    /// G / Y.
+    /// Shear modulus divided by the yield stress, G / Y.
     pub shear: f64,
     /// Y / K with the bulk modulus K; zero for an incompressible target.
     pub compressibility: f64,
@@ -56,7 +56,7 @@ pub struct ScaledTarget {
     pub pressure_slope: f64,
     /// Tensile strength divided by Y.
     pub tension: Option<f64>,
-    /// sqrt(Y / rho).
+    /// Reference velocity sqrt(Y / rho), in the units of the material.
     pub velocity: f64,
     /// Y, in the units of the material.
     pub yield_stress: f64,
@@ -64,7 +64,7 @@ pub struct ScaledTarget {
     pub density: f64,
     /// Strain-rate dependence, in the units of the material.
     pub rate: Option<StrainRateEffect>,
-    /// (1 - 2 nu) / 3.
+    /// Elastic factor (1 - 2 nu) / 3 with Poisson's ratio nu.
     lateral: f64,
     flow: FlowCurve,
 }

@@ -1,5 +1,5 @@
-//! Output of rigid bodies with six degrees of freedom: values at their nodes, and their surfaces as meridian facets
-//! turned around the axis, with one cell for each facet and station.
+//! Output of rigid bodies with six degrees of freedom: values at their nodes, and their surfaces. A surface consists of
+//! the meridian facets turned around the axis, with one cell for each facet and station.
 
 use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use std::collections::HashMap;
@@ -129,8 +129,8 @@ impl SolverRun<'_> {
     }
 }
 
-/// Distributes the values of an element's stations, in the order of the load, over its cells. If an element has more
-/// cells than loaded faces, or fewer, all its cells get the mean.
+/// Distributes the values of an element's stations, in the order of the load, over its cells. If the numbers differ,
+/// all its cells get the mean.
 pub(super) fn on_cells(values: &[f64], cells: usize) -> Vec<f64> {
     if values.len() == cells {
         return values.to_vec();

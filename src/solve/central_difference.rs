@@ -147,13 +147,13 @@ mod tests {
     use crate::user::PointRoutines;
 
     /// A rectangular grid of elements, nodes row by row, with one more node that belongs to no element.
-    struct Mesh {
+    struct GridMesh {
         nodes: Vec<Node>,
         elements: Vec<[u32; 4]>,
     }
 
-    impl Mesh {
-        fn new(columns: usize, rows: usize, place: impl Fn(usize) -> [f64; 2]) -> Mesh {
+    impl GridMesh {
+        fn new(columns: usize, rows: usize, place: impl Fn(usize) -> [f64; 2]) -> GridMesh {
             let count = (columns + 1) * (rows + 1);
             let mut nodes: Vec<Node> = (0..count).map(place).map(|[r, z]| Node { r, z, ..Node::default() }).collect();
             nodes.push(Node::default());
@@ -161,10 +161,10 @@ mod tests {
                 .map(|e| (e / columns * (columns + 1) + e % columns) as u32)
                 .map(|n| [n, n + 1, n + columns as u32 + 2, n + columns as u32 + 1])
                 .collect();
-            Mesh { nodes, elements }
+            GridMesh { nodes, elements }
         }
 
-        fn free(&self, bulk_viscosity: [f64; 2], awake: bool) -> Free {
+        fn free(&self, bulk_viscosity: [f64; 2], awake: bool) -> FreeBody {
             let constants = ElementConstants {
                 bulk: 3.0,
                 shear: 1.0,
@@ -192,18 +192,18 @@ mod tests {
             let gather = NodalAssembly::new(count, &[(1, self.elements.iter().map(|e| (*e).into()).collect())]);
             let elements = Elements::new(vec![Box::new(quads)], vec![0], gather, count);
             let dofs = Dofs { nodes: Nodes::new(self.nodes.clone(), mass), ..Dofs::default() };
-            Free { parts: chunk_energies(&dofs.nodes), dofs, elements }
+            FreeBody { parts: chunk_energies(&dofs.nodes), dofs, elements }
         }
     }
 
     /// A body without loads and constraints.
-    struct Free {
+    struct FreeBody {
         dofs: Dofs,
         elements: Elements,
         parts: Vec<f64>,
     }
 
-    impl Free {
+    impl FreeBody {
         fn evaluate(&mut self) {
             self.elements.update(&mut self.dofs, &Instant::default(), false, PointRoutines::default(), None);
             self.elements.add_link_forces(&mut self.dofs);
@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn quiescent_elements_change_no_bit() {
         let (columns, rows) = (2, 1500);
-        let mut mesh = Mesh::new(columns, rows, |n| [(n % (columns + 1)) as f64, (n / (columns + 1)) as f64]);
+        let mut mesh = GridMesh::new(columns, rows, |n| [(n % (columns + 1)) as f64, (n / (columns + 1)) as f64]);
         mesh.nodes[..3].iter_mut().for_each(|n| n.v_z = 1e-3);
         // The free node moves, so the task that contains it is never quiescent.
         let count = mesh.nodes.len() - 1;
@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn vibration_is_stable_just_up_to_the_estimate() {
         let noise = |i: usize| 0.3 * (((i * 7919) % 101) as f64 / 101.0 - 0.5);
-        let mut mesh = Mesh::new(6, 6, |n| [1.0 + (n % 7) as f64 + noise(n), (n / 7) as f64 + noise(n + 3)]);
+        let mut mesh = GridMesh::new(6, 6, |n| [1.0 + (n % 7) as f64 + noise(n), (n / 7) as f64 + noise(n + 3)]);
         for (n, node) in mesh.nodes.iter_mut().enumerate() {
             node.v_r = 1e-8 * (((n * 7907) % 89) as f64 / 89.0 - 0.5);
             node.v_z = 1e-8 * (((n * 7901) % 97) as f64 / 97.0 - 0.5);

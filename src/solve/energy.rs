@@ -216,8 +216,8 @@ impl EnergyBalance {
         self.entries.iter_mut().zip(forces).for_each(|(entry, &force)| entry.force = force);
     }
 
-    /// Adds the increment that ended at this instant. `after_jump`: the increment ended at a jump of forces, so only the
-    /// forces at its start count. `deforms`: the model has deformable bodies.
+    /// Adds the increment that ended at this instant. `after_jump`: the increment ended at a jump of forces, so only
+    /// the forces at its start count. `deforms`: the model has deformable bodies.
     #[inline]
     pub fn add_increment(&mut self, dofs: &Dofs, forces: &[f64], after_jump: bool, deforms: bool) {
         let bodies = &dofs.bodies;

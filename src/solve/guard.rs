@@ -16,12 +16,12 @@ use crate::state::magnitude::AmplitudeClock;
 /// which happens only if an element collapses.
 const FLOOR: f64 = 1e-10;
 
-/// Increments of an analysis in which drift does not halt, except at its end: a suddenly applied load causes a relative
+/// Increments of an analysis in which drift does not halt, except at its end. A suddenly applied load causes a relative
 /// drift while the energies are still close to zero.
 const EARLY: u64 = 500;
-/// Drift of ETOTAL over the largest energy at which every run halts,
+/// Drift of ETOTAL, relative to the largest energy, above which every run halts.
 const LARGEST_DRIFT: f64 = 0.2;
-/// if so many successive increments exceed it.
+/// Number of successive increments above this drift that halt a run.
 const LASTING: u64 = 10;
 
 /// Returns the first value above its limit that has not been reported: index, value and limit.
@@ -132,9 +132,10 @@ impl SolverRun<'_> {
     /// undamped vibration jump when the increment changes.
     fn check_drift(&mut self) -> Result<(), HaltReason> {
         let drift = self.balance.drift_now();
-        self.watch.adrift = if drift > LARGEST_DRIFT { self.watch.adrift + 1 } else { 0 };
-        self.watch.beyond += u64::from(drift > LARGEST_DRIFT);
-        let passes = self.watch.adrift < LASTING || self.now.increment < EARLY || self.step.has_drift_limit();
+        self.watch.successive_drifts = if drift > LARGEST_DRIFT { self.watch.successive_drifts + 1 } else { 0 };
+        self.watch.drift_count += u64::from(drift > LARGEST_DRIFT);
+        let passes =
+            self.watch.successive_drifts < LASTING || self.now.increment < EARLY || self.step.has_drift_limit();
         if passes || self.is_noise() { Ok(()) } else { Err(self.drift_halt(drift)) }
     }
 
@@ -146,7 +147,7 @@ impl SolverRun<'_> {
     pub(super) fn check_final_drift(&self) -> Result<(), HaltReason> {
         let is_early = self.now.increment < EARLY;
         let drift = self.balance.drift();
-        let is_met = drift > LARGEST_DRIFT && self.watch.beyond > u64::from(self.now.increment > LASTING);
+        let is_met = drift > LARGEST_DRIFT && self.watch.drift_count > u64::from(self.now.increment > LASTING);
         let own = self.plan.steps.iter().any(StepPlan::has_drift_limit);
         if !is_early || !is_met || own || self.is_noise() { Ok(()) } else { Err(self.drift_halt(drift)) }
     }

@@ -5,11 +5,11 @@ use super::run::SolverRun;
 use crate::constraint;
 use crate::state::Instant;
 use crate::state::halt::HaltReason;
-use crate::user::{AnalysisMoment, Locked, Routines, RunAction, SavedMemory};
+use crate::user::{AnalysisMoment, LockedRoutines, Routines, RunAction, SavedMemory};
 
 /// User subroutines over a run, and the action that they have requested.
 pub(super) struct UserSession<'a> {
-    pub routines: Locked<'a>,
+    pub routines: LockedRoutines<'a>,
     pub requested_action: RunAction,
     /// Whether the subroutines have been informed that the increment is complete.
     pub increment_reported: bool,

@@ -15,10 +15,10 @@ pub(super) const SMALL: f64 = 0.01;
 /// second, a common rule of practice, hourglass control influences the results.
 const SOUND: [f64; 2] = [0.01, 0.05];
 
-/// Warns of kinetic or internal energy below zero by this fraction of the largest energy,
+/// Size of a negative kinetic or internal energy, as a fraction of the largest energy, above which it is counted.
 const BELOW_ZERO: f64 = 0.01;
 
-/// if so many increments have found it, because a sudden release causes it for a few increments.
+/// Number of such increments before the warning, because a sudden release causes a few.
 const SEEN: u64 = 10;
 
 /// Explanations for kinetic and for internal energy below zero.
@@ -42,12 +42,11 @@ const CRAWL: f64 = 1e8;
 /// timed increments, which would overestimate their cost.
 const LOOK_EVERY: [u64; 2] = [17, 511];
 
-/// Warns of an hourglass pattern if its kinetic energy is more than this fraction of the kinetic energy within
-/// elements,
+/// Fraction of the kinetic energy within elements that an hourglass pattern must have for a warning.
 const PATTERN: f64 = 0.75;
-/// has grown by this factor since the last check,
+/// Growth of the pattern's kinetic energy since the last check that is needed for a warning.
 const GROWTH: f64 = 4.0;
-/// and is more than this fraction of the largest energy.
+/// Fraction of the largest energy that the pattern must have for a warning.
 const WORTH: f64 = 0.01;
 
 /// History of the monitored values.
@@ -56,9 +55,9 @@ pub(super) struct RunMonitor {
     /// Total times since which the drift of ETOTAL and ALLAE have been out of bounds.
     unsound: [Option<f64>; 2],
     /// Successive increments up to this one with a drift that halts.
-    pub(super) adrift: u64,
+    pub(super) successive_drifts: u64,
     /// All increments with such a drift.
-    pub(super) beyond: u64,
+    pub(super) drift_count: u64,
     /// Increments with negative kinetic and negative internal energy, up to the warning.
     below_zero: [u64; 2],
     /// Whether warnings of a pattern and of small increments have been issued.
@@ -190,8 +189,8 @@ impl SolverRun<'_> {
         )
     }
 
-    /// Returns whether all energies so far are rounding errors: the kinetic energy of the model at the velocity of one
-    /// rounding error of coordinates per increment, or the energy that contact takes from bodies at rest.
+    /// Returns whether all energies so far are negligible: less than the kinetic energy of the model at one rounding
+    /// error of coordinates per increment, or than the energy that contact takes from bodies at rest.
     pub(super) fn is_noise(&self) -> bool {
         const ROUNDINGS: f64 = 100.0;
         let nodes = &self.state.dofs.nodes;
@@ -284,7 +283,7 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 }
 
 persist_struct!(RunMonitor {
-    unsound, adrift, beyond, below_zero, pattern_reported, slow_reported, slow, pattern, next_look, limits_reported
+    unsound, successive_drifts, drift_count, below_zero, pattern_reported, slow_reported, slow, pattern, next_look, limits_reported
 } derived {
     shown
 });

@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ticks_are_round() {
+    fn ticks_are_round_numbers() {
         assert_eq!(ticks(0.0, 1.0, 7.0).len(), 6);
         assert_eq!(ticks(-3.1, 7.2, 7.0), [-2.0, 0.0, 2.0, 4.0, 6.0]);
         assert!(ticks(1.0, 1.0, 7.0).is_empty() && ticks(0.0, f64::INFINITY, 7.0).is_empty());

@@ -184,18 +184,20 @@ impl SweepPart<'_> {
 
     fn row(&self, line: &str) -> Option<(usize, GatheredCase)> {
         let fields = csv::fields(line);
-        let (named, asked) = (self.grid.names().len(), self.quantities.len());
+        let (named, quantity_count) = (self.grid.names().len(), self.quantities.len());
         let [case, rest @ ..] = &fields[..] else { return None };
-        if rest.len() != named + asked + 2 {
+        if rest.len() != named + quantity_count + 2 {
             return None;
         }
         let index = case.parse::<usize>().ok()?.checked_sub(1).filter(|index| *index < self.grid.count())?;
-        let reason: Option<String> = serde_json::from_str(&rest[named + asked + 1]).ok()?;
+        let reason: Option<String> = serde_json::from_str(&rest[named + quantity_count + 1]).ok()?;
         let values = match reason {
             Some(reason) => Err(StudyError::Reported(reason)),
-            None => Ok(rest[named..named + asked].iter().map(|v| v.parse().ok()).collect::<Option<Vec<f64>>>()?),
+            None => {
+                Ok(rest[named..named + quantity_count].iter().map(|v| v.parse().ok()).collect::<Option<Vec<f64>>>()?)
+            }
         };
-        Some((index, GatheredCase { values, warnings: serde_json::from_str(&rest[named + asked]).ok()? }))
+        Some((index, GatheredCase { values, warnings: serde_json::from_str(&rest[named + quantity_count]).ok()? }))
     }
 }
 
@@ -261,7 +263,7 @@ mod tests {
     use crate::study::sweep::SweepResults;
 
     #[test]
-    fn cases_are_read() {
+    fn case_ranges_are_parsed() {
         let in_task_7 = |name: &str| (name == "HQ_TASK_ID").then(|| "7".to_owned());
         let read = |text: &str| CaseRange::parse_with(text, &in_task_7);
         assert_eq!(read("3-5").map(|c| c.of(9)), Ok(Ok(2..5)));

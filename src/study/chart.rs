@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 /// A chart. Its JSON keys are those that `report/page.js` reads.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Chart {
-    /// Title of the chart.
+    /// Title, drawn above the plot.
     pub title: String,
     /// Label of the horizontal axis.
     pub x_label: String,
@@ -21,7 +21,7 @@ pub struct Chart {
     /// Scale of both axes.
     #[serde(rename = "logarithmic", serialize_with = "is_logarithmic")]
     pub scale: AxisScale,
-    /// Series in drawing order.
+    /// Series in drawing order; later ones cover earlier ones.
     pub series: Vec<ChartSeries>,
 }
 
@@ -40,7 +40,7 @@ impl Chart {
 /// Scale of both axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AxisScale {
-    /// Linear axes.
+    /// Both axes are linear.
     #[default]
     Linear,
     /// Logarithmic axes; values must be above zero.
@@ -54,7 +54,7 @@ pub enum SeriesForm {
     /// Points joined by a line.
     #[default]
     Line,
-    /// Separate markers.
+    /// Separate markers without a line.
     Marks,
     /// Area stacked on the previous ones, negative values downwards. All areas of a chart have the same abscissae.
     Area,
@@ -71,7 +71,7 @@ pub struct ChartSeries {
     pub name: String,
     /// `(x, y)`, ascending in x.
     pub points: Vec<(f64, f64)>,
-    /// Form of the series.
+    /// How the points are drawn.
     pub form: SeriesForm,
     /// Text of each point, shown on a report page; empty without texts.
     pub words: Vec<String>,

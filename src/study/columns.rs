@@ -150,7 +150,7 @@ mod tests {
 
     #[cfg(feature = "parquet")]
     #[test]
-    fn parquet_holds_what_csv_holds() {
+    fn parquet_and_csv_have_the_same_rows() {
         use parquet::file::reader::{FileReader as _, SerializedFileReader};
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.parquet");

@@ -37,7 +37,7 @@ impl ReferenceTable {
         let mut known: Vec<f64> = rows.iter().map(|row| row.0).collect();
         known.sort_by(f64::total_cmp);
         if let Some(twice) = known.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(format!("two rows have {} in the first column", twice[0]));
+            return Err(format!("two rows have the same value {} in the first column", twice[0]));
         }
         Ok(ReferenceTable { columns, rows, is_open: !text.ends_with('\n') })
     }
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reads_and_matches() {
+    fn reference_rows_are_parsed_and_found() {
         let reference = ReferenceTable::parse("v,depth\n569,58\n\n570,55\n").expect("a table");
         assert_eq!(reference.at(569.0), Some(&[58.0][..]));
         assert_eq!(reference.at(571.0), None);

@@ -54,16 +54,16 @@ struct DakotaResponse {
 impl DakotaRequest {
     pub fn read(path: &Path, text: &str, quantities: &[Quantity]) -> Result<DakotaRequest, StudyError> {
         let wrong = |message: String| StudyError::file("--dakota", path, message);
-        let asked = match text.trim_start().chars().next() {
+        let request = match text.trim_start().chars().next() {
             Some('[') => from_json(text, true),
             // A line in APREPRO format begins with a brace as well, but is not valid JSON.
             Some('{') if serde_json::from_str::<Value>(text).is_ok() => from_json(text, false),
             Some(_) => from_lines(text),
             None => Err("the file is empty".into()),
         };
-        let asked = asked.map_err(wrong)?;
-        asked.answerable(quantities).map_err(wrong)?;
-        Ok(asked)
+        let request = request.map_err(wrong)?;
+        request.answerable(quantities).map_err(wrong)?;
+        Ok(request)
     }
 
     /// Checks that a sweep can evaluate all requested responses.
@@ -75,9 +75,9 @@ impl DakotaRequest {
         }
         for DakotaEvaluation { responses, id, metadata, .. } in &self.evaluations {
             if responses.len() != quantities.len() {
-                let (asked, given) = (responses.len(), quantities.len());
+                let (requested, given) = (responses.len(), quantities.len());
                 return Err(format!(
-                    "evaluation {id} requests {asked} responses, but --quantity is given {given} times"
+                    "evaluation {id} requests {requested} responses, but --quantity is given {given} times"
                 ));
             }
             if let Some(DakotaResponse { label, .. }) = responses.iter().find(|r| r.active_set & 6 != 0) {
@@ -109,7 +109,7 @@ impl DakotaRequest {
     pub fn answer(&self, results: &SweepResults) -> String {
         let all = self.evaluations.iter().zip(&results.values);
         if self.form != FileFormat::Text {
-            let objects: Vec<Value> = all.map(|(asked, values)| asked.object(values.as_deref().ok())).collect();
+            let objects: Vec<Value> = all.map(|(request, values)| request.object(values.as_deref().ok())).collect();
             let value = if self.form == FileFormat::Json {
                 objects.into_iter().next().unwrap_or_default()
             } else {
@@ -119,9 +119,9 @@ impl DakotaRequest {
         }
         // In a batch each evaluation begins with a line `#`.
         let batch = self.evaluations[0].id.contains(':');
-        let blocks = all.map(|(asked, values)| {
+        let blocks = all.map(|(request, values)| {
             let begin = if batch { "#\n" } else { "" };
-            format!("{begin}{}", asked.lines(values.as_deref().ok()))
+            format!("{begin}{}", request.lines(values.as_deref().ok()))
         });
         blocks.collect()
     }
@@ -253,9 +253,9 @@ mod tests {
     use crate::study::quantity::Quantity;
     use crate::study::sweep::SweepResults;
 
-    fn standard(id: &str, asked: u8, value: f64) -> String {
+    fn standard(id: &str, request: u8, value: f64) -> String {
         format!(
-            "                     2 variables\n{value:.15e} V\n  0.1 mu\n   1 functions\n {asked} ASV_1:depth\n   1 derivative_variables\n   \
+            "                     2 variables\n{value:.15e} V\n  0.1 mu\n   1 functions\n {request} ASV_1:depth\n   1 derivative_variables\n   \
              1 DVV_1:V\n   1 analysis_components\n  a b AC_1:first.sh\n   {id} eval_id\n   0 metadata\n"
         )
     }
@@ -266,32 +266,32 @@ mod tests {
         DakotaRequest::read("params.in".as_ref(), text, &quantities)
     }
 
-    fn values(asked: &DakotaRequest) -> Vec<String> {
-        let grid = asked.grid(&["n=20".into()]).expect("a grid");
+    fn values(request: &DakotaRequest) -> Vec<String> {
+        let grid = request.grid(&["n=20".into()]).expect("a grid");
         assert_eq!(grid.names(), ["V", "mu", "n"]);
         let row = |i: usize| grid.combination(i).into_iter().map(|p| p.1).collect::<Vec<_>>().join(" ");
         (0..grid.count()).map(row).collect()
     }
 
-    fn answer(asked: &DakotaRequest) -> String {
+    fn answer(request: &DakotaRequest) -> String {
         let values = vec![Ok(vec![0.1]), Err(StudyError::Reported("halted".into()))];
-        asked.answer(&SweepResults { values, ..SweepResults::default() })
+        request.answer(&SweepResults { values, ..SweepResults::default() })
     }
 
     #[test]
     fn one_evaluation_in_three_formats() {
         let text = standard("7", 1, 821.0);
-        let asked = read(&text, 1).expect("standard");
-        assert_eq!(values(&asked), ["8.210000000000000e2 0.1 20"]);
-        assert_eq!(answer(&asked), "   1.0000000000000001e-1 depth\n");
+        let request = read(&text, 1).expect("standard");
+        assert_eq!(values(&request), ["8.210000000000000e2 0.1 20"]);
+        assert_eq!(answer(&request), "   1.0000000000000001e-1 depth\n");
         let aprepro = "{ DAKOTA_VARS     =                      2 }\n{ V = 821 }\n{ mu = 0.1 }\n{ DAKOTA_FNS = 1 }\n\
                        { ASV_1:depth = 1 }\n{ DAKOTA_DER_VARS = 0 }\n{ DAKOTA_AN_COMPS = 0 }\n{ DAKOTA_EVAL_ID = 1 }\n";
         assert_eq!(values(&read(aprepro, 1).expect("APREPRO")), ["821 0.1 20"]);
         let object = r#"{"variables": [{"label": "V", "value": 821.5}, {"label": "mu", "value": "0.1"}], "eval_id": "1",
             "responses": [{"label": "depth", "active_set": 1}], "derivative_variables": [1], "analysis_components": []}"#;
-        let asked = read(object, 1).expect("JSON");
-        assert_eq!((asked.form, values(&asked)), (FileFormat::Json, vec!["821.5 0.1 20".to_owned()]));
-        let answered: serde_json::Value = serde_json::from_str(&answer(&asked)).expect("JSON");
+        let request = read(object, 1).expect("JSON");
+        assert_eq!((request.form, values(&request)), (FileFormat::Json, vec!["821.5 0.1 20".to_owned()]));
+        let answered: serde_json::Value = serde_json::from_str(&answer(&request)).expect("JSON");
         assert_eq!(answered["functions"]["depth"], 0.1);
         let batch = read(&format!("[{object}, {object}]"), 1).expect("JSON");
         let answered: serde_json::Value = serde_json::from_str(&answer(&batch)).expect("JSON");
@@ -299,10 +299,10 @@ mod tests {
     }
 
     #[test]
-    fn a_batch_keeps_its_order() {
-        let asked = read(&(standard("1:1", 1, 500.0) + &standard("1:2", 1, 600.0)), 1).expect("a batch");
-        assert_eq!(values(&asked).len(), 2);
-        assert_eq!(answer(&asked), "#\n   1.0000000000000001e-1 depth\n#\nFAIL\n");
+    fn batch_results_have_the_order_of_the_request() {
+        let request = read(&(standard("1:1", 1, 500.0) + &standard("1:2", 1, 600.0)), 1).expect("a batch");
+        assert_eq!(values(&request).len(), 2);
+        assert_eq!(answer(&request), "#\n   1.0000000000000001e-1 depth\n#\nFAIL\n");
     }
 
     #[test]

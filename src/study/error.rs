@@ -30,7 +30,7 @@ pub enum StudyError {
     File {
         /// The option that names the file.
         option: &'static str,
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Description of the error, with the line where there is one.
         message: String,
@@ -40,10 +40,10 @@ pub enum StudyError {
     Refused {
         /// Stable code of the first error.
         code: &'static str,
-        /// All diagnostics.
+        /// All diagnostics with their locations, as shown on the terminal.
         text: String,
     },
-    /// A run halted.
+    /// A run halted before the end of its last step.
     #[error("halted: {0}")]
     Halted(HaltReason),
     /// A run ended while a body was still moving in a target.

@@ -22,10 +22,10 @@ use crate::solve::{self, Instant, Outcome, Progress, RunControl, Sink, SinkError
 use crate::user::Routines;
 use crate::user::compile::Compiled;
 
-/// Source of a deck.
+/// Source of a deck: a file or a text in memory.
 #[derive(Clone, Debug)]
 pub enum DeckSource {
-    /// A file.
+    /// Path of a deck file, read again for each sample that needs it.
     File(PathBuf),
     /// File name and text in memory; the name is used in messages and for relative paths.
     Text(String, String),
@@ -82,12 +82,12 @@ pub struct SampleEvaluator {
     still_moving: AtomicUsize,
 }
 
-/// Table of samples.
+/// Table of samples: the parameter values of all runs.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleTable<'a> {
     /// Values row by row: one row per sample, one number per parameter.
     pub values: &'a [f64],
-    /// Number of samples.
+    /// Number of samples (rows).
     pub count: usize,
 }
 

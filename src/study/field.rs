@@ -130,8 +130,12 @@ fn cells_of(state: &State, group: &dyn ElementGroup, element: usize) -> Vec<([u3
     let (a, b) = (place(first), place(second));
     let along = [b[0] - a[0], b[1] - a[1]];
     let half = 0.5 * thickness / along[0].portable_hypot(along[1]);
-    let beside = |p: [f64; 2], side: f64| [(p[0] - side * half * along[1]).max(0.0), p[1] + side * half * along[0]];
-    vec![([first, second, second, first], [beside(a, -1.0), beside(b, -1.0), beside(b, 1.0), beside(a, 1.0)])]
+    let offset_point =
+        |p: [f64; 2], side: f64| [(p[0] - side * half * along[1]).max(0.0), p[1] + side * half * along[0]];
+    vec![(
+        [first, second, second, first],
+        [offset_point(a, -1.0), offset_point(b, -1.0), offset_point(b, 1.0), offset_point(a, 1.0)],
+    )]
 }
 
 fn of_elements(

@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_and_ranges() {
+    fn lists_and_ranges_are_parsed() {
         assert_eq!(values("V=569,570"), Ok(vec!["569".into(), "570".into()]));
         assert_eq!(values("V=1:2:0.5"), Ok(vec!["1".into(), "1.5".into(), "2".into()]));
         assert_eq!(values("V=0:1:#3"), Ok(vec!["0".into(), "0.5".into(), "1".into()]));

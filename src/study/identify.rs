@@ -13,7 +13,7 @@ const CLOSE: f64 = 0.95;
 /// Relative step of the difference quotients; smaller steps would resolve single time increments.
 const STEP: f64 = 1e-2;
 
-/// Table of measured shots.
+/// Table of measured shots: known parameters, measured values and their standard deviations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShotTable {
     /// Names of the known parameters.

@@ -14,7 +14,7 @@ use crate::resistance::{DerivedResistance, FitRequest, ScaledTarget};
 pub struct ResistanceRecord {
     pub yield_stress: f64,
     pub density: f64,
-    /// A, B, C as on the card.
+    /// Constants A, B, C as on the card (dimensionless).
     pub constants: [f64; 3],
     /// Half-widths of the 95 % confidence intervals; `null` for constants that were not fitted.
     pub half_widths: [Option<f64>; 3],
@@ -164,8 +164,8 @@ impl ResistanceRecord {
 fn card(target: &ScaledTarget, request: &FitRequest, derived: &DerivedResistance) -> String {
     let [a, b, c] = derived.constants;
     format!(
-        "** Expansion of a spherical cavity at velocities {} to {}, density {}\n\
-         ** residual {:.2e} Y, at most {:+.2} % off (at {}); at rest {:.4} Y\n\
+        "** Spherical cavity expansion, velocities {} to {}, density {}\n\
+         ** rms residual {:.2e} Y, largest deviation {:+.2} % (at {}); quasi-static pressure {:.4} Y\n\
          *Cavity Expansion, yield={:?}\n {a:?}, {b:?}, {c:?}\n",
         request.range[0],
         request.range[1],

@@ -69,30 +69,30 @@ impl LimitVelocity {
 }
 
 /// Finds the limit by bisection, then fires the shots above it and fits the curve.
-pub fn find(asked: &LimitRequest, fire: &mut FireShots<'_>) -> Result<LimitVelocity, StudyError> {
-    let [mut low, mut high] = asked.between;
+pub fn find(request: &LimitRequest, fire: &mut FireShots<'_>) -> Result<LimitVelocity, StudyError> {
+    let [mut low, mut high] = request.between;
     let ends = fire(&[low, high])?;
     let mut shots = vec![(low, ends[0]), (high, ends[1])];
-    if ends[0] > asked.least {
+    if ends[0] > request.least {
         return Err(StudyError::Comparison(format!("a shot at {low} perforates: decrease the lower end of --between")));
     }
-    if ends[1] <= asked.least {
+    if ends[1] <= request.least {
         return Err(StudyError::Comparison(format!(
             "a shot at {high} does not perforate: increase the upper end of --between"
         )));
     }
-    for _ in 0..asked.rounds() {
+    for _ in 0..request.rounds() {
         let middle = 0.5 * (low + high);
         let residual = fire(&[middle])?[0];
         shots.push((middle, residual));
-        if residual > asked.least { high = middle } else { low = middle }
+        if residual > request.least { high = middle } else { low = middle }
     }
     // Equally spaced from the limit to the upper end.
-    let step = (asked.between[1] - high) / asked.shots.max(1) as f64;
-    let velocities: Vec<f64> = (1..=asked.shots).map(|i| high + step * i as f64).collect();
+    let step = (request.between[1] - high) / request.shots.max(1) as f64;
+    let velocities: Vec<f64> = (1..=request.shots).map(|i| high + step * i as f64).collect();
     let above: Vec<(f64, f64)> = velocities.iter().copied().zip(fire(&velocities)?).collect();
-    let through: Vec<(f64, f64)> = above.iter().copied().filter(|shot| shot.1 > asked.least).collect();
-    let gaps = above.iter().filter(|shot| shot.1 <= asked.least).map(|shot| shot.0).collect();
+    let through: Vec<(f64, f64)> = above.iter().copied().filter(|shot| shot.1 > request.least).collect();
+    let gaps = above.iter().filter(|shot| shot.1 <= request.least).map(|shot| shot.0).collect();
     shots.extend(above);
     shots.sort_by(|a, b| a.0.total_cmp(&b.0));
     shots.dedup_by_key(|shot| shot.0);
@@ -118,8 +118,8 @@ const ACROSS: u32 = 32;
 const PARTS: [f64; 2] = [0.05, 0.95];
 
 /// Finds the limit of each draw by bisection. `fire` returns NaN for a failed shot.
-pub fn scatter(asked: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -> Result<LimitScatter, StudyError> {
-    let [low, high] = asked.between;
+pub fn scatter(request: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -> Result<LimitScatter, StudyError> {
+    let [low, high] = request.between;
     let mut ends = vec![(low, high); draws];
     let mut open: Vec<usize> = (0..draws).collect();
     let mut lost = vec![false; draws];
@@ -127,18 +127,18 @@ pub fn scatter(asked: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -> 
         let shots: Vec<(usize, f64)> = open.iter().map(|draw| (*draw, end)).collect();
         for ((draw, _), residual) in shots.iter().zip(fire(&shots)?) {
             lost[*draw] |= residual.is_nan();
-            if (residual > asked.least) == through {
+            if (residual > request.least) == through {
                 ends[*draw] = if through { (f64::NEG_INFINITY, low) } else { (high, f64::INFINITY) };
             }
         }
         open.retain(|draw| !lost[*draw] && ends[*draw] == (low, high));
     }
-    for _ in 0..asked.rounds() {
+    for _ in 0..request.rounds() {
         let middle = |draw: &usize| 0.5 * (ends[*draw].0 + ends[*draw].1);
         let shots: Vec<(usize, f64)> = open.iter().map(|draw| (*draw, middle(draw))).collect();
         for ((draw, velocity), residual) in shots.iter().zip(fire(&shots)?) {
             lost[*draw] |= residual.is_nan();
-            if residual > asked.least { ends[*draw].1 = *velocity } else { ends[*draw].0 = *velocity }
+            if residual > request.least { ends[*draw].1 = *velocity } else { ends[*draw].0 = *velocity }
         }
         open.retain(|draw| !lost[*draw]);
     }
@@ -146,7 +146,7 @@ pub fn scatter(asked: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -> 
         ends.into_iter().zip(&lost).filter(|(_, lost)| !**lost).map(|(ends, _)| ends).collect();
     let lost = lost.into_iter().filter(|lost| *lost).count();
     let first = members.iter().map(|m| m.0).filter(|v| v.is_finite()).fold(f64::INFINITY, f64::min);
-    let band = band(if first.is_finite() { [first, high] } else { asked.between }, asked.least, draws, fire)?;
+    let band = band(if first.is_finite() { [first, high] } else { request.between }, request.least, draws, fire)?;
     Ok(LimitScatter { scatter: probit::fit(&members), members, lost, band })
 }
 
@@ -216,14 +216,14 @@ mod tests {
 
     const TRUTH: [f64; 3] = [0.9, 2.1, 417.3];
 
-    fn asked() -> LimitRequest {
+    fn request() -> LimitRequest {
         LimitRequest::new("200,900", 0.1, 0.0, 12).expect("sound")
     }
 
     #[test]
     fn limit_is_bracketed_and_curve_is_fitted() {
         let mut fired = 0;
-        let found = find(&asked(), &mut |velocities| {
+        let found = find(&request(), &mut |velocities| {
             fired += velocities.len();
             Ok(velocities.iter().map(|v| lambert_jonas::residual(TRUTH, *v)).collect())
         });
@@ -239,9 +239,9 @@ mod tests {
 
     #[test]
     fn intervals_without_a_limit_are_errors() {
-        for (always, told) in [(5.0, "at 200 perforates"), (0.0, "at 900 does not")] {
-            let found = find(&asked(), &mut |velocities| Ok(vec![always; velocities.len()]));
-            assert!(found.is_err_and(|e| e.to_string().contains(told)));
+        for (always, message) in [(5.0, "at 200 perforates"), (0.0, "at 900 does not")] {
+            let found = find(&request(), &mut |velocities| Ok(vec![always; velocities.len()]));
+            assert!(found.is_err_and(|e| e.to_string().contains(message)));
         }
         for (between, tolerance) in
             [("200", 0.1), ("900,200", 0.1), ("-1,5", 0.1), ("1,x", 0.1), ("1,2", 0.0), ("1,2", f64::NAN)]
@@ -250,14 +250,14 @@ mod tests {
         }
         // No perforation in an interval above the limit.
         let odd = |v: f64| if v > 400.0 && !(600.0..700.0).contains(&v) { v } else { 0.0 };
-        let found = find(&asked(), &mut |velocities| Ok(velocities.iter().map(|v| odd(*v)).collect()));
+        let found = find(&request(), &mut |velocities| Ok(velocities.iter().map(|v| odd(*v)).collect()));
         assert!(!found.expect("a limit").gaps.is_empty());
     }
 
     #[test]
     fn each_draw_has_its_own_limit() {
         let limits = [150.0, 400.0, 410.0, 420.0, 425.0, f64::NAN, 1000.0];
-        let found = scatter(&asked(), limits.len(), &mut |shots| {
+        let found = scatter(&request(), limits.len(), &mut |shots| {
             Ok(shots
                 .iter()
                 .map(|(draw, v)| if limits[*draw].is_nan() { f64::NAN } else { v - limits[*draw] })

@@ -16,7 +16,7 @@ const MORE: [&str; 3] = ["at", "mean", "norm"];
 /// Error text for a norm of a run without its final state.
 const NO_NORM: &str = "norm(...) is available in the commands sweep and study only";
 
-/// A parsed quantity.
+/// A parsed quantity: an expression over history columns and field norms of a run.
 #[derive(Clone, Debug)]
 pub struct Quantity {
     /// Expression as written.
@@ -37,7 +37,7 @@ enum QuantityKind {
 /// Value of a quantity for one run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum QuantityValue {
-    /// A number.
+    /// Value of the expression.
     Number(f64),
     /// A field, to be compared with that of the finest level.
     Field(Box<NormField>),
@@ -46,8 +46,7 @@ pub enum QuantityValue {
 impl Quantity {
     /// Parses an expression of `final(C)`, `min(C)`, `max(C)`, `time_min(C)`, `time_max(C)`, `at(C, t)`,
     /// `mean(C, t1, t2)` over history columns and `norm(VARIABLE, EXPR)` over nodes or elements, where EXPR knows `r`,
-    /// `z`
-    /// (current), `r0`, `z0` (initial) and `t`. `norm(VARIABLE)` alone compares with the finest level.
+    /// `z` (current), `r0`, `z0` (initial) and `t`. `norm(VARIABLE)` alone compares with the finest level.
     pub fn parse(text: &str) -> Result<Quantity, StudyError> {
         let functions: Vec<&str> = FUNCTIONS.iter().copied().chain(MORE).collect();
         let expression = parse_expression(text, &functions)?;

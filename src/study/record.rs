@@ -17,7 +17,7 @@ use super::target::{EXTRA_LEVELS, MOST_CYCLES, TargetResult};
 pub struct StudyRecord<'a> {
     /// Expression of the quantity as written.
     pub quantity: &'a str,
-    /// Exact value, if given.
+    /// Exact value of the quantity, if given by `--exact` or known to be zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exact: Option<f64>,
     /// Reference value of the errors.
@@ -28,7 +28,7 @@ pub struct StudyRecord<'a> {
     pub scale: Option<f64>,
     /// All settings, in the order of their runs.
     pub runs: Vec<RunRecord<'a>>,
-    /// Series of refinement.
+    /// Series of runs that differ in one level of refinement only.
     pub refinements: Vec<RefinementRecord<'a>>,
     /// Indices of the runs on the Pareto front of run time and error.
     pub front: Vec<usize>,
@@ -36,19 +36,19 @@ pub struct StudyRecord<'a> {
     pub prices: Vec<AccuracyCost>,
     /// `prices` as one line of text.
     pub sentence: String,
-    /// Result of `--target`.
+    /// Result of `--target`: the error target and the run that meets it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetResult>,
-    /// Run time of the study.
+    /// Time in runs, total time and number of repetitions.
     pub timing: StudyTiming,
-    /// Version of the program.
+    /// Version of the program that wrote the record.
     pub version: &'static str,
 }
 
 /// Series of runs that differ only in the level of one parameter.
 #[derive(Clone, Debug, Serialize)]
 pub struct RefinementRecord<'a> {
-    /// Refined parameter.
+    /// Name of the refined parameter, or names joined by "and".
     pub along: &'a str,
     /// Values of the other parameters, as written; empty if there are none.
     pub at: String,
@@ -84,7 +84,7 @@ pub struct AblationRecord<'a> {
     pub quantity: &'a str,
     /// Results for each removed effect.
     pub ablation: &'a EffectAblation,
-    /// Version of the program.
+    /// Version of the program that wrote the record.
     pub version: &'static str,
 }
 
@@ -93,7 +93,7 @@ pub fn ablation<'a>(quantity: &'a str, effects: &'a EffectAblation) -> AblationR
     AblationRecord { quantity, ablation: effects, version: env!("CARGO_PKG_VERSION") }
 }
 
-/// Run time of a study.
+/// Time spent on a study, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StudyTiming {
     /// Seconds in all runs, from reading the deck to the last increment.
@@ -104,7 +104,7 @@ pub struct StudyTiming {
     pub repeat: usize,
 }
 
-/// Result of one setting.
+/// Result of one setting, an entry of `runs`.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunRecord<'a> {
     /// Value of each parameter, as written.
@@ -112,7 +112,7 @@ pub struct RunRecord<'a> {
     /// Error, if the run gave no value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
-    /// Value of the quantity.
+    /// Value of the quantity; absent if the run failed.
     pub value: Option<f64>,
     /// Difference from the reference.
     pub error: Option<f64>,
@@ -125,7 +125,7 @@ pub struct RunRecord<'a> {
     pub exact_orders: &'a [Option<f64>],
     /// Sum of the grid convergence indices of all series, in the units of the quantity.
     pub uncertainty: Option<f64>,
-    /// Number of increments.
+    /// Number of increments of the run.
     pub increments: Option<u64>,
     /// Number of elements and facets.
     pub elements: Option<usize>,
@@ -135,7 +135,7 @@ pub struct RunRecord<'a> {
     pub seconds: Option<TimeSpread>,
     /// Seconds in the time loop.
     pub loop_seconds: Option<TimeSpread>,
-    /// Warnings of the run.
+    /// Warnings of the run, and notes on bodies that are still moving in a target.
     #[serde(skip_serializing_if = "<[String]>::is_empty")]
     pub warnings: &'a [String],
 }
@@ -278,7 +278,7 @@ pub fn order_chart(study: &RefinementStudy, title: &str) -> Chart {
     let lines: Vec<(ChartSeries, RefinementRecord<'_>)> = lines.take(MOST_LINES).collect();
     let guides = lines.first().map_or(Vec::new(), |(line, refined)| slopes(line, refined));
     let series = lines.into_iter().map(|l| l.0).chain(guides).collect();
-    logarithmic(title, ["size over the finest", "error"], [String::new(), error_unit(study)], series)
+    logarithmic(title, ["size relative to the finest", "error"], [String::new(), error_unit(study)], series)
 }
 
 /// Returns lines with the slopes of the observed and the formal order through the finest point of a line.
@@ -356,7 +356,7 @@ fn disagreement(study: &RefinementStudy) -> Vec<String> {
         let gap = (value - reference.value).abs();
         if gap > uncertainty + reference.uncertainty {
             lines.push(format!(
-                "{}: differs by {} from the reference, more than its uncertainty {}: not yet asymptotic, or a different limit",
+                "{}: differs by {} from the reference, more than the uncertainty {}: not yet asymptotic, or a different limit",
                 setting(study, row),
                 short(gap),
                 short(uncertainty)

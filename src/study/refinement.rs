@@ -12,7 +12,7 @@ const MOST: usize = 10_000;
 /// One setting of a study and its results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyRow {
-    /// Value of each axis.
+    /// Value of each axis, as written.
     pub values: Vec<String>,
     /// Result of the run or its error.
     pub run: Result<StudyRun, StudyError>,
@@ -37,11 +37,11 @@ pub struct StudyRow {
 /// Series of rows from coarse to fine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefinementSeries {
-    /// Refined parameter.
+    /// Name of the refined parameter, or names joined by "and".
     pub along: String,
-    /// Indices of the rows.
+    /// Indices of the rows in [`RefinementStudy::rows`], coarse to fine.
     pub rows: Vec<usize>,
-    /// Size of each level.
+    /// Size of each level, decreasing.
     pub sizes: Vec<f64>,
     /// Estimate of the limit from the finest levels.
     pub estimate: Option<LimitEstimate>,
@@ -61,7 +61,7 @@ pub struct ErrorReference {
 /// Settings of a study with their results.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RefinementStudy {
-    /// Names of the axes.
+    /// Names of the axes, in the order of `StudyRow::values`.
     pub axes: Vec<String>,
     /// Settings with their results.
     pub rows: Vec<StudyRow>,

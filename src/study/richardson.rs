@@ -2,10 +2,9 @@
 //! index.
 //!
 //! Sources: L. F. Richardson, Phil. Trans. R. Soc. A 210 (1911) 307; P. J. Roache, J. Fluids Eng. 116 (1994) 405: the
-//! grid
-//! convergence index with the factor of safety 1.25 where the order is observed on three levels, 3 where it is assumed;
-//! ASME V&V 20-2009, section 2; W. L. Oberkampf and C. J. Roy, Verification and Validation in Scientific Computing
-//! (Cambridge 2010), section 8.7: factor 3 and a bounded order where the observed one is not credible.
+//! grid convergence index with the factor of safety 1.25 where the order is observed on three levels, 3 where it is
+//! assumed; ASME V&V 20-2009, section 2; W. L. Oberkampf and C. J. Roy, Verification and Validation in Scientific
+//! Computing (Cambridge 2010), section 8.7: factor 3 and a bounded order where the observed one is not credible.
 
 use serde::Serialize;
 
@@ -26,7 +25,7 @@ const ROUNDING: f64 = 1e-12;
 pub struct RefinementLevel {
     /// Size, for example of elements or increments, in any unit; smaller is finer.
     pub size: f64,
-    /// Computed value.
+    /// Value computed at this size.
     pub value: f64,
 }
 

@@ -31,13 +31,13 @@ pub struct StudyRunner<'a> {
 /// Result and run time of a setting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyRun {
-    /// Value of the quantity.
+    /// Number or field that the quantity has for this setting.
     pub found: QuantityValue,
     /// Warnings, and notes on bodies that are still moving in a target.
     pub warnings: Vec<String>,
     /// Number of elements and facets.
     pub elements: usize,
-    /// Number of increments.
+    /// Number of increments of one run.
     pub increments: u64,
     /// Run time in seconds, from reading the deck to the last increment.
     pub seconds: TimeSpread,
@@ -99,7 +99,7 @@ impl<'a> StudyRunner<'a> {
         self.interrupt = Some(interrupt);
     }
 
-    /// Returns the quantity.
+    /// Returns the quantity that is evaluated for each setting.
     pub fn measure(&self) -> &Quantity {
         self.measure
     }
@@ -167,15 +167,8 @@ impl<'a> StudyRunner<'a> {
             self.measure.evaluate(FinishedRun { history: &history, end: Some((outcome.total_time(), &state)) })?;
         let elements = prepared.plan.mesh.elements.iter().filter(|e| !e.kind.is_discrete()).count();
         let seconds = TimeSpread { median: outcome.seconds, ..TimeSpread::default() };
-        let doubts = outcome.unfinished.into_iter().chain(outcome.warnings).collect();
-        Ok(StudyRun {
-            found,
-            warnings: doubts,
-            elements,
-            increments: outcome.increments,
-            seconds,
-            loop_seconds: seconds,
-        })
+        let warnings = outcome.unfinished.into_iter().chain(outcome.warnings).collect();
+        Ok(StudyRun { found, warnings, elements, increments: outcome.increments, seconds, loop_seconds: seconds })
     }
 }
 

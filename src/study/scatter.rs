@@ -49,32 +49,32 @@ pub fn run(
     evaluator: &SampleEvaluator,
     inputs: &RandomInputs,
     quantities: usize,
-    asked: ScatterRequest,
+    request: ScatterRequest,
     keep: &mut dyn FnMut(&[f64]) -> Result<(), StudyError>,
     look: &mut dyn FnMut(usize),
 ) -> Result<ScatterResults, StudyError> {
-    let (width, runs) = (inputs.names.len(), asked.runs(inputs));
-    let dimensions = if asked.indices { 2 * width } else { width };
-    let design = SampleDesign::new(asked.sampling, dimensions, asked.count, asked.seed);
+    let (width, runs) = (inputs.names.len(), request.runs(inputs));
+    let dimensions = if request.indices { 2 * width } else { width };
+    let design = SampleDesign::new(request.sampling, dimensions, request.count, request.seed);
     let mut design = design.map_err(|why| StudyError::Setting(format!("--sampling: {why}")))?;
     let mut results = ScatterResults {
-        values: vec![Vec::with_capacity(asked.count); quantities],
-        sets: SampleDesign::sets(asked.sampling, asked.count),
+        values: vec![Vec::with_capacity(request.count); quantities],
+        sets: SampleDesign::sets(request.sampling, request.count),
         ..ScatterResults::default()
     };
     // Data of the Sobol indices: f at two points A and B, and at A with one parameter replaced by that of B.
-    let mut mixed = vec![Vec::new(); if asked.indices { quantities } else { 0 }];
+    let mut mixed = vec![Vec::new(); if request.indices { quantities } else { 0 }];
     let (mut done, mut row) = (0, Vec::new());
-    while done < asked.count {
-        let count = BLOCK.min(asked.count - done);
+    while done < request.count {
+        let count = BLOCK.min(request.count - done);
         let mut points = vec![0.0; dimensions * count];
         design.fill(&mut points);
         let samples = samples(inputs, &points, dimensions, runs);
         let mut table = vec![f64::NAN; quantities * runs * count];
-        let asked_now = SampleTable { values: &samples, count: runs * count };
+        let block = SampleTable { values: &samples, count: runs * count };
         let before = done * runs;
         let never = AtomicUsize::new(0);
-        let failures = evaluator.run(asked_now, &mut table, asked.threads, &never, &mut |n| look(before + n))?;
+        let failures = evaluator.run(block, &mut table, request.threads, &never, &mut |n| look(before + n))?;
         note(&mut results, failures);
         for (sample, found) in samples.chunks_exact(width * runs).zip(table.chunks_exact(quantities * runs)) {
             row.extend_from_slice(&sample[..width]);
@@ -91,7 +91,7 @@ pub fn run(
         done += count;
         look(done * runs);
     }
-    results.indices = mixed.iter().map(|rows| indices(rows, width, asked.seed)).collect();
+    results.indices = mixed.iter().map(|rows| indices(rows, width, request.seed)).collect();
     Ok(results)
 }
 

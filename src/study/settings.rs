@@ -36,9 +36,9 @@ pub enum StudyParameter {
 /// Axis of a study: a parameter with its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyAxis {
-    /// Name as written.
+    /// Name of the parameter as written.
     pub name: String,
-    /// Varied parameter.
+    /// Parameter that the values belong to.
     pub parameter: StudyParameter,
     /// Values from coarse to fine, as written.
     pub values: Vec<String>,

@@ -33,9 +33,9 @@ pub struct SweepResults {
 ///
 /// ```
 /// use revolve::model::Precision;
-/// use revolve::study::{StudyError, grid::Grid, quantity::Quantity, sweep};
+/// use revolve::study::{StudyError, grid::CaseGrid, quantity::Quantity, sweep};
 ///
-/// let grid = Grid::parse(&["V=569,781".into()])?;
+/// let grid = CaseGrid::parse(&["V=569,781".into()])?;
 /// let depth = Quantity::parse("-1000*final(U2@REF)")?;
 /// let deck = ("input/ogive.inp".as_ref(), Precision::Double);
 /// let results = sweep::run(deck, (&grid, 0..2), &[depth], None, None, &|| {});
@@ -59,15 +59,16 @@ pub fn run(
                 kept.map(|job| JobFiles { folder: job.path(&format!("_{:05}", index + 1)), name: job.name.clone() });
             let result = one(deck, &combination, quantities, user, job.as_ref());
             done();
-            let (value, doubts) = result.map_or_else(|e| (Err(e), Vec::new()), |(value, doubts)| (Ok(value), doubts));
-            (combination.into_iter().map(|p| p.1).collect(), value, doubts)
+            let (value, warnings) =
+                result.map_or_else(|e| (Err(e), Vec::new()), |(value, warnings)| (Ok(value), warnings));
+            (combination.into_iter().map(|p| p.1).collect(), value, warnings)
         })
         .collect();
     let mut results = SweepResults::default();
-    for (parameters, value, doubts) in runs {
+    for (parameters, value, warnings) in runs {
         results.parameters.push(parameters);
         results.values.push(value);
-        results.warnings.push(doubts);
+        results.warnings.push(warnings);
     }
     results
 }
@@ -89,14 +90,14 @@ fn one(
     let (outcome, state) = job::run_into(&prepared, &mut history);
     let run = FinishedRun { history: &history, end: Some((outcome.total_time(), &state)) };
     let values = quantities.iter().map(|q| q.number(run)).collect::<Result<_, _>>();
-    let doubts = outcome.unfinished.iter().chain(&outcome.warnings).cloned().collect();
+    let warnings = outcome.unfinished.iter().chain(&outcome.warnings).cloned().collect();
     let halt = outcome.halt.clone();
     if let Some(job) = kept {
         let written = job::write_run(&prepared, job, outcome, history);
         written.map_err(|e| StudyError::Setting(e.to_string()))?;
     }
     halt.map_or(Ok(()), |halt| Err(StudyError::Halted(halt)))?;
-    Ok((values?, doubts))
+    Ok((values?, warnings))
 }
 
 /// Checks that a reference table has a row for at least one value of the first parameter.
@@ -141,9 +142,9 @@ pub fn table(
         let mut row = parameters.clone();
         row.extend(values.iter().map(|v| number(*v)));
         let key = parameters.first().and_then(|p| p.parse::<f64>().ok());
-        let beside = reference.and_then(|r| r.at(key?));
+        let reference_values = reference.and_then(|r| r.at(key?));
         for (i, list) in differences.iter_mut().enumerate() {
-            match beside {
+            match reference_values {
                 Some(known) => {
                     list.push(values[0] - known[i]);
                     row.extend([number(known[i]), number(values[0] - known[i])]);

@@ -3,12 +3,12 @@
 use crate::output::columns::aligned_table;
 use crate::output::csv;
 
-/// Table of text.
+/// Table of formatted cells.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TextTable {
     /// Column names.
     pub header: Vec<String>,
-    /// Cells, row by row.
+    /// Cells by row; each row has as many cells as the header.
     pub rows: Vec<Vec<String>>,
 }
 

@@ -17,7 +17,7 @@ pub const MOST_CYCLES: f64 = 1e10;
 /// Fraction of the target for which a setting between two levels is chosen.
 const MARGIN: f64 = 0.9;
 
-/// Error target of a study.
+/// Error target of a study, given by `--target`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorTarget {
     /// Largest allowed error.
@@ -49,7 +49,7 @@ impl ErrorTarget {
 /// Result of an error target.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TargetResult {
-    /// Error target.
+    /// Error target that was requested.
     pub target: ErrorTarget,
     /// Row of the cheapest setting that meets the target; `None` if none does.
     pub run: Option<usize>,

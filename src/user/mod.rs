@@ -63,7 +63,7 @@ pub struct LoadPoints<'a> {
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{reason}")]
 pub struct LoadFailure {
-    /// Index of the point that caused it, if known.
+    /// Index in the block of the point that caused it, if known.
     pub point: Option<usize>,
     /// Description of the failure.
     pub reason: String,
@@ -562,14 +562,14 @@ macro_rules! routines {
 
         /// The user subroutines of a job, locked by a run; fields as in [`Routines`].
         #[allow(missing_docs)]
-        pub struct Locked<'a> {
+        pub struct LockedRoutines<'a> {
             $(pub $field: Option<MutexGuard<'a, dyn $routine + 'static>>,)*
         }
 
         impl Routines {
             /// Locks all subroutines for a run.
-            pub fn lock(&self) -> Locked<'_> {
-                Locked { $($field: self.$field.as_ref().map(SharedRoutine::lock),)* }
+            pub fn lock(&self) -> LockedRoutines<'_> {
+                LockedRoutines { $($field: self.$field.as_ref().map(SharedRoutine::lock),)* }
             }
 
             /// Returns the names of the defined subroutines.
@@ -608,7 +608,7 @@ routines! {
     events: UserEvents, "vexternaldb", with_events;
 }
 
-impl Locked<'_> {
+impl LockedRoutines<'_> {
     /// Returns the subroutines that elements call at their points.
     pub fn at_points(&mut self) -> PointRoutines<'_> {
         PointRoutines {

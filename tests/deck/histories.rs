@@ -189,16 +189,16 @@ fn what_is_wrong_is_told_with_its_place() {
     for (line, told) in [
         (
             "S = 2*(U2@TOP - U2@FOOT)",
-            &["error[P075]: there is no history column `U2@TOP`", "did you mean U2@TIP?", "^^^^^^"][..],
+            &["error[P075]: history column `U2@TOP` does not exist", "did you mean U2@TIP?", "^^^^^^"][..],
         ),
-        ("S = 2*(U2@TIP", &["P075", "a parenthesis is not closed"]),
+        ("S = 2*(U2@TIP", &["P075", "missing closing parenthesis"]),
         ("S = sqroot(U2@TIP)", &["P075", "did you mean `sqrt`"]),
         ("S = ", &["P075", "the expression ends"]),
         ("2*U2@TIP", &["M171", "no equals sign"]),
         ("U2@X = U2@TIP", &["M171", "a name consists"]),
-        ("ALLKE = U2@TIP", &["P076", "there is one of that name"]),
-        ("time = U2@TIP", &["P076", "has a meaning"]),
-        ("A = B\n B = ALLKE", &["P075", "no history column `B`"]),
+        ("ALLKE = U2@TIP", &["P076", "already used"]),
+        ("time = U2@TIP", &["P076", "reserved"]),
+        ("A = B\n B = ALLKE", &["P075", "history column `B` does not exist"]),
         ("A = ALLKE\n A = ALLKE", &["P076"]),
     ] {
         let found = expression(line);

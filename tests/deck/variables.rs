@@ -408,13 +408,13 @@ fn what_comes_to_nothing_is_listed_with_its_reason() {
         assert!(told.contains(&format!("{}: {} ({}) is not simulated", known.name, known.name, known.words)), "{told}");
     }
     let history = |card: &str, word: &str| unused(&format!("*Output, history\n{card}\n {word}\n"));
-    assert!(history("*Node Output, nset=TIP", "S").contains("S lives in elements"));
-    assert!(history("*Element Output, elset=ONE", "U").contains("U lives at nodes"));
+    assert!(history("*Node Output, nset=TIP", "S").contains("S is an element variable"));
+    assert!(history("*Element Output, elset=ONE", "U").contains("U is a nodal variable"));
     assert!(history("*Energy Output, elset=ONE", "ALLIE").contains("not of a set"));
-    assert!(history("*Element Output, elset=ONE", "PRESSURE").contains("not in histories"));
-    assert!(unused("*Output, field\n*Element Output\n S11\n").contains("frames show S with all its components"));
+    assert!(history("*Element Output, elset=ONE", "PRESSURE").contains("has no history"));
+    assert!(unused("*Output, field\n*Element Output\n S11\n").contains("frames show S with all components"));
     assert!(unused("*Output, field\n*Element Output\n ALLKE\n").contains("*OUTPUT, HISTORY"));
-    assert!(unused("*Output, field\n*Element Output\n SDV1\n").contains("no value in this scene"));
+    assert!(unused("*Output, field\n*Element Output\n SDV1\n").contains("no value in this model"));
 }
 
 #[test]

@@ -117,7 +117,7 @@ fn a_reference_of_other_values_is_told() {
     let output = revolve(&[&sweep[..], &["--compare", table, "--out", out]].concat());
     let said = text(&output.stderr);
     assert!(
-        !output.status.success() && said.contains("no row of it has V = 569 or 570; its first column has 12"),
+        !output.status.success() && said.contains("no row has V = 569 or 570; the values of the first column are 12"),
         "{said}"
     );
 }

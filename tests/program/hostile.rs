@@ -77,7 +77,7 @@ fn standard_output_that_nobody_takes_costs_nothing() {
         let device = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
         let full = limited(folder, words).stdout(device).stderr(Stdio::piped()).output().expect("it runs");
         assert_eq!(full.status.code(), Some(of_full), "{words:?}: {}", told(&full));
-        assert_eq!(told(&full).matches("cannot write on standard output").count(), 1, "{}", told(&full));
+        assert_eq!(told(&full).matches("cannot write to standard output").count(), 1, "{}", told(&full));
         assert!(result.is_empty() || folder.join(result).is_file(), "{words:?}");
 
         let device = || fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
@@ -235,7 +235,11 @@ fn a_job_name_does_not_lead_out_of_its_folder() {
         &["study", "...inp", "--refine", "increment=1,0.5", "--quantity", "final(U2@REF)"],
     ] {
         let refused = output(&inner, words);
-        assert!(refused.status.code() == Some(2) && told(&refused).contains("no name"), "{}", told(&refused));
+        assert!(
+            refused.status.code() == Some(2) && told(&refused).contains("cannot be used for result files"),
+            "{}",
+            told(&refused)
+        );
     }
     let names: Vec<_> = fs::read_dir(&inner).expect("a folder").collect();
     assert_eq!(names.len(), 1, "{names:?}");

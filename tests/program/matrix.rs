@@ -275,7 +275,7 @@ fn frames_are_files_of_the_folder() {
     let text = fs::read_to_string(&list).expect("a list");
     fs::write(&list, text.replace("ogive_0000", "../out/ogive_0000")).expect("a list");
     let why = report::gather(&scratch.path().join("out")).expect_err("refused").to_string();
-    assert!(why.contains("ogive.pvd") && why.contains("no frame of this folder"), "{why}");
+    assert!(why.contains("ogive.pvd") && why.contains("not a frame in this folder"), "{why}");
 }
 
 #[test]

@@ -209,7 +209,7 @@ fn the_command_writes_the_kept_mesh_and_says_what_it_is() {
     let told = revolve(&[&ogive[..], &["--material", "VAR4340", "-o", &out, "--picture", &picture]].concat());
     let said = String::from_utf8_lossy(&told.stdout).into_owned();
     assert!(
-        told.status.success() && said.contains("least scaled Jacobian 0.5") && said.contains("order 2.00"),
+        told.status.success() && said.contains("smallest scaled Jacobian 0.5") && said.contains("order 2.00"),
         "{said}"
     );
     assert_eq!(std::fs::read_to_string(&out).expect("a mesh"), kept);

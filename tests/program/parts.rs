@@ -45,7 +45,7 @@ fn parts_are_gathered_to_the_bytes_of_the_whole() {
     // Of another seed.
     let words: Vec<&str> = RANDOM.iter().map(|w| if *w == "3" { "4" } else { w }).collect();
     let other = sweep(&[&words[..], &["--out", &parts, "--gather"]].concat());
-    assert!(!other.status.success() && String::from_utf8_lossy(&other.stderr).contains("another sweep"));
+    assert!(!other.status.success() && String::from_utf8_lossy(&other.stderr).contains("different sweep"));
 }
 
 #[test]

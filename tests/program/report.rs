@@ -158,7 +158,7 @@ fn halted_and_frameless_runs_and_empty_folders() {
     assert!(finding["place"].as_str().is_some_and(|p| p.contains("bare.inp:")), "{finding}");
 
     let (_empty, out) = folder();
-    for (folder, word) in [(out.as_str(), "holds no run"), ("no/such/folder", "no/such/folder")] {
+    for (folder, word) in [(out.as_str(), "contains no run"), ("no/such/folder", "no/such/folder")] {
         let output = revolve(&["report", folder]);
         assert_eq!(output.status.code(), Some(2));
         let message = String::from_utf8_lossy(&output.stderr).into_owned();

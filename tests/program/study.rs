@@ -171,7 +171,7 @@ fn the_command_writes_table_record_and_pictures() {
     };
     let (status, printed) = study(&["--refine", "load-velocity=predicted,lagged"]);
     assert_eq!(status, Some(0));
-    assert!(printed.contains(" costs ") && printed.contains("limit "), "{printed}");
+    assert!(printed.contains(" takes ") && printed.contains("limit "), "{printed}");
     let expected =
         ["quantity", "reference", "scale", "runs", "refinements", "front", "prices", "sentence", "timing", "version"];
     assert_eq!(keys(), expected);

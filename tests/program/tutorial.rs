@@ -9,7 +9,7 @@ use crate::extending::copy_folder;
 use crate::python::environment;
 use crate::vtk::python;
 
-/// The words of a command line as a shell takes them apart.
+/// Splits a command line into words as a shell does.
 fn words(line: &str) -> Vec<String> {
     let (mut words, mut word, mut quoted) = (Vec::new(), String::new(), false);
     for letter in line.chars() {
@@ -46,8 +46,8 @@ fn every_command_of_the_tutorial_works() {
             .current_dir(folder.path())
             .output()
             .expect("the program runs");
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "revolve {command}: {told}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "revolve {command}: {message}");
         printed += &String::from_utf8_lossy(&output.stdout);
     }
     let length = |name: &str| -> f64 {
@@ -63,19 +63,19 @@ fn every_command_of_the_tutorial_works() {
     // OpenRadioss has 21.43 mm on this mesh.
     let copper = length("1000*(0.0324+final(U2@TIP))");
     assert!((copper - 21.43).abs() < 0.05, "{copper}");
-    // Johnson and Cook's own bar of this copper: shorter by a third, its foot wider by half and more.
+    // The bar of Johnson and Cook for this copper is a third shorter, and its foot more than half wider.
     let (long, wide) = (length("1000*final(COOR2@TIP)"), length("2000*final(COOR1@CORNER)"));
     assert!((15.0..18.5).contains(&long) && (11.5..15.5).contains(&wide), "{long} {wide}");
     let Some(python) = python() else { return };
     assert!(page.contains("\n    python peak.py\n"));
     let output = Command::new(python).arg("peak.py").current_dir(folder.path()).output().expect("python runs");
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let largest = |name: &str| -> f64 {
-        let line = told.lines().find_map(|line| line.strip_prefix(&format!("{name} at most ")));
-        line.and_then(|text| text.parse().ok()).unwrap_or_else(|| panic!("{name}: {told}"))
+        let line = printed.lines().find_map(|line| line.strip_prefix(&format!("{name} at most ")));
+        line.and_then(|text| text.parse().ok()).unwrap_or_else(|| panic!("{name}: {printed}"))
     };
-    assert!(largest("PEEQ") > 0.5 && largest("TEMP") > 298.0 + 50.0, "{told}");
+    assert!(largest("PEEQ") > 0.5 && largest("TEMP") > 298.0 + 50.0, "{printed}");
 }
 
 /// Returns the files that a page gives: a line that begins with "File `NAME`" and ends with a colon, then an indented block.

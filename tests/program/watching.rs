@@ -246,7 +246,7 @@ fn words_of_the_field_are_explained() {
         ("units", "steel"),
         ("paraview", ".pvd"),
         ("*Solid Section", "MATERIAL"),
-        ("P119", "no solid"),
+        ("P119", "implausible units"),
         ("S", "Stress"),
     ] {
         let output = revolve(&["explain", word]);

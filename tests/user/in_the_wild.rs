@@ -250,7 +250,7 @@ fn what_is_never_called_is_told_by_its_name() {
     let notes: Vec<&str> =
         prepared.diagnostics.iter().filter(|d| d.code == "U009").map(|d| d.message.as_str()).collect();
     assert!(notes[0].contains("`vumat`") && notes[0].contains("*USER MATERIAL"), "{notes:?}");
-    assert!(notes[1].contains("`vufield`") && notes[1].contains("does not have it"), "{notes:?}");
+    assert!(notes[1].contains("`vufield`") && notes[1].contains("does not support it"), "{notes:?}");
     // A file that holds something else is named as the user named it.
     let said = opened(&[("other.f", "      subroutine umat(a)\n      end\n")]).err().expect("it is refused");
     assert!(said.contains("U006") && said.contains("other.f") && said.contains("umat"), "{said}");

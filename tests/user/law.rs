@@ -119,7 +119,7 @@ fn the_state_variable_of_depvar_deletes_elements() {
 fn constants_and_state_variables_are_checked_with_a_place() {
     for (material, words) in [
         ("*User Material, constants=1\n 1.\n*Depvar\n 1,\n", "constants: E, nu, yield stress, slope"),
-        ("*User Material, constants=4\n 1., 0.3, 1., 1.\n", "needs 1 state variables, *DEPVAR gives 0"),
+        ("*User Material, constants=4\n 1., 0.3, 1., 1.\n", "needs 1 state variables, but *DEPVAR gives 0"),
     ] {
         let prepared = job::prepare_text("test.inp", &taylor(material, "S"), &[], &routines(1.0));
         let said = prepared.diagnostics.render(&prepared.deck.sources);

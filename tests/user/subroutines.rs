@@ -259,7 +259,7 @@ fn faults_in_the_run_are_located() {
         let output = desk.run(&user_deck(), &[&file], &[]);
         let message = told(&output);
         assert_eq!(output.status.code(), Some(1), "{name}: {message}");
-        for word in words.iter().chain(&["NOSE", "step 1", "increment", "last good state"]) {
+        for word in words.iter().chain(&["NOSE", "step 1", "increment", "last valid state"]) {
             assert!(message.contains(word), "{name}: `{word}` in\n{message}");
         }
         assert_eq!(desk.summary("ogive_user")["status"], "halted", "{name}");

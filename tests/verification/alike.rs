@@ -1,11 +1,10 @@
-//! Rigid and deformable alike: each kind of load on a rigid cone and on one that hardly deforms.
+//! Each kind of load on a rigid cone and on a nearly rigid deformable cone.
 //!
-//! Goal: one load is one effect whatever carries the surface: the same rows of the ledger, fields of frames, limits on increments
-//! and work.
-//! Source: Newton's second law of the same mass under the same load; the deformable cone has 1e12 Pa for its Young's modulus,
-//! so that its strains are below 1e-6.
-//! Tolerance: 2e-3 of displacement and work. What remains is the vibration that a load starts in what deforms, p/(rho c) =
-//! 3e-3 of the final velocity, and the tangential motion of faces; resistances of second order in the velocity follow it.
+//! Goal: a load has the same ledger rows, frame fields, increment limits and work on either body.
+//! Source: Newton's second law for the same mass under the same load. Young's modulus of the deformable cone is 1e12
+//! Pa, which keeps its strains below 1e-6.
+//! Tolerance: 2e-3 of displacement and work. The rest is the elastic vibration that the load excites (p/(rho c) = 3e-3
+//! of the final velocity) and the tangential motion of the faces. Resistances depend on this vibration to second order.
 
 use std::f64::consts::PI;
 
@@ -15,18 +14,18 @@ use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 use crate::common;
 use crate::common::solid::{grid, material};
 
-/// Elements along r and z.
+/// Number of elements along r and along z.
 const N: usize = 4;
 const DENSITY: f64 = 1000.0;
 
-/// A cone of radius 1 that points downwards, of the height 1 along the whole of its radius.
+/// Returns the mesh of a cone of radius 1 and height 1, pointing downwards.
 fn cone() -> String {
     grid(N, N, false, |i, j| [i as f64 / N as f64, 0.5 * i as f64 / N as f64 + j as f64 / N as f64])
 }
 
-/// The deck of a cone, rigid or deformable, that flies with a velocity under a load.
+/// Returns the deck of a rigid or deformable cone with an initial axial velocity under a load.
 fn deck(rigid: bool, velocity: f64, step: &str) -> String {
-    // Pappus: the volume under r from 0 to 1 of the height 1.
+    // Volume of the region below z = 1 and above the cone (Pappus).
     let mass = DENSITY * PI;
     let body = if rigid {
         format!(
@@ -47,7 +46,7 @@ fn deck(rigid: bool, velocity: f64, step: &str) -> String {
            *Energy Output\n ALLWK, ALLCAV, ALLFD\n*End Step\n"
 }
 
-/// A pressure that grows with time and against the motion, and a body force.
+/// Pressure that grows with time and opposes the motion, and a body force.
 struct Pushes;
 
 impl UserLoad for Pushes {
@@ -63,14 +62,14 @@ fn routines() -> Routines {
     Routines::none().with_load(Pushes)
 }
 
-/// Effects of the scene that are of the load, with their counts.
+/// Returns the ledger rows of the load with their counts.
 fn rows(text: &str) -> Vec<(String, usize)> {
     let prepared = common::prepared(text, &[], &routines());
     let loads =
         ["pressure", "concentrated force", "gravity", "user load", "user body force", "cavity expansion", "friction"];
     let others = ["target", "load velocity"];
     let rows = prepared.plan.ledger.effects.iter().filter(|r| loads.iter().chain(&others).any(|l| *l == r.effect));
-    // Forces and gravity act on one body, or on all of its nodes.
+    // Forces and gravity act on the one rigid body or on all nodes of the deformable one.
     rows.map(|r| (r.effect.clone(), if r.unit == "facets" || r.unit == "points" { r.count } else { 0 })).collect()
 }
 
@@ -86,7 +85,7 @@ fn every_load_acts_on_what_is_rigid_and_on_what_deforms() {
         ("resistance with friction", -10.0, "*Dsload, target=GROUND, friction=0.1\n J0, CAVITY\n"),
     ];
     for (name, velocity, load) in loads {
-        // The same force in all: on one reference node, or on each of the nodes.
+        // The same total force: on one reference node, or divided over all nodes.
         let force = |rigid: bool| if rigid { 3e5 } else { 3e5 / ((N + 1) * (N + 1)) as f64 };
         let text = |rigid: bool| deck(rigid, velocity, &load.replace("FORCE", &force(rigid).to_string()));
         let (rigid, soft) = (text(true), text(false));
@@ -102,7 +101,7 @@ fn every_load_acts_on_what_is_rigid_and_on_what_deforms() {
             };
             let (a, b) = (of(&rigid, 0), of(&soft, 1));
             println!("{name}, {column}: rigid {a:.6e}, deformable {b:.6e}");
-            // What is zero is so to rounding: of energies of 1e5.
+            // Zero values are zero to the rounding of energies of 1e5.
             assert!((a - b).abs() <= 2e-3 * a.abs() + 1e-9, "{name}, {column}: {a} against {b}");
         }
         let fields = |run: usize| {
@@ -114,7 +113,7 @@ fn every_load_acts_on_what_is_rigid_and_on_what_deforms() {
         for ((field, a), (other, b)) in fields(0).into_iter().zip(fields(1)) {
             assert_eq!(field, other, "{name}");
             let size = a.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-            // A vibration of 3e-3 of the velocity is squared in the resistance.
+            // A vibration of 3e-3 of the velocity enters the resistance squared.
             let worst = a.iter().zip(&b).fold(0.0f64, |m, (x, y)| m.max((x - y).abs()));
             assert!(worst <= 1e-2 * size, "{name}, {field}: {a:?} against {b:?}");
         }
@@ -122,7 +121,7 @@ fn every_load_acts_on_what_is_rigid_and_on_what_deforms() {
     }
 }
 
-/// Increments end where an amplitude has a kink, so that a load that is linear in between does its impulse exactly.
+/// Increments end at the kinks of an amplitude, so the impulse of a piecewise linear load is exact.
 #[test]
 fn increments_end_at_kinks() {
     for rigid in [true, false] {
@@ -130,11 +129,11 @@ fn increments_end_at_kinks() {
             .replace("*Output, history, number interval=200\n", "*Output, history, frequency=1\n");
         let (_, memory) = common::run(&text, &[], &Routines::none());
         let nearest = memory.rows.iter().map(|row| (row.0 - 0.0033).abs()).fold(f64::MAX, f64::min);
-        assert!(nearest < 1e-15, "rigid {rigid}: an increment ends {nearest:e} off");
+        assert!(nearest < 1e-15, "rigid {rigid}: nearest increment end {nearest:e} from the kink");
     }
 }
 
-/// A facet level with the faces of layers meets them as a whole: an increment ends there.
+/// A facet parallel to the faces of the layers meets a layer at one instant, and an increment ends there.
 #[test]
 fn increments_end_where_a_level_face_meets_a_layer() {
     for rigid in [true, false] {
@@ -144,13 +143,13 @@ fn increments_end_where_a_level_face_meets_a_layer() {
         let (_, memory) = common::run(&flat, &[], &Routines::none());
         let prepared = common::prepared(&flat, &[], &Routines::none());
         let at = prepared.plan.columns.iter().position(|c| c.name == "U2@P").expect("a column");
-        // The front at z = -0.01, reached by free flight.
+        // Time at which free flight reaches the front at z = -0.01.
         let nearest = memory.rows.iter().map(|row| (row.1[at] + 0.01).abs()).fold(f64::MAX, f64::min);
-        assert!(nearest < 1e-9, "rigid {rigid}: an increment ends {nearest:e} off");
+        assert!(nearest < 1e-9, "rigid {rigid}: nearest increment end {nearest:e} from the contact");
     }
 }
 
-/// A resistance without bound is refused on both, with the same code.
+/// An infinite resistance stops the run with the same code for both bodies.
 #[test]
 fn a_resistance_that_is_not_finite_halts() {
     for rigid in [true, false] {
@@ -160,7 +159,7 @@ fn a_resistance_that_is_not_finite_halts() {
     }
 }
 
-/// The plan and the state at its start run twice, and on two threads at once, to the same bits.
+/// One plan and initial state run twice in sequence and twice in parallel with the same bits.
 #[test]
 fn a_plan_runs_again_and_beside_itself() {
     let text = deck(false, -10.0, "*Dsload, target=GROUND, friction=0.1\n J0, CAVITY\n");

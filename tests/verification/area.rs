@@ -1,4 +1,4 @@
-//! Elements weighted by area: spherical symmetry to rounding, the Taylor bar, refusals.
+//! Area weighting of elements: spherical symmetry to rounding, the Taylor bar, unsupported combinations.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -9,15 +9,16 @@ use revolve::user::Routines;
 use crate::common;
 use crate::common::solid::{grid, last, material, run};
 
-/// Largest difference of the radial displacements of the nodes of one shell over the largest of them, and the inner radius:
-/// a shell of beryllium from 8 to 10 that flies inwards (Verney 1968), meshed by equal angles, after 40 microseconds.
+/// Returns the relative asymmetry of an imploding beryllium shell (Verney 1968) and its inner radius. The shell reaches
+/// from radius 8 to 10, is meshed by equal angles, and the state is that after 40 microseconds. The asymmetry is the
+/// largest difference of radial displacement within a shell of nodes over the largest displacement.
 fn asymmetry(controls: &str) -> [f64; 2] {
     let n = 8;
     let place = |i: usize, j: usize| {
         let (radius, angle) = (8.0 + 2.0 * i as f64 / n as f64, 0.5 * PI * j as f64 / n as f64);
         [radius * angle.cos(), radius * angle.sin()]
     };
-    // On the axis and on the plane of symmetry to the last digit.
+    // Nodes on the axis and on the symmetry plane have coordinates of exactly zero.
     let place = |i: usize, j: usize| if j == n { [0.0, place(i, 0)[0]] } else { place(i, j) };
     let mut deck = grid(n, n, false, place);
     deck =
@@ -58,8 +59,8 @@ fn asymmetry(controls: &str) -> [f64; 2] {
     [worst, radius(0, 0)]
 }
 
-/// Meshed by equal angles a sphere stays one to rounding (`Caramana, Burton, Shashkov and Whalen 1998, J. Comput. Phys. 146,
-/// 227, section 5`); weighted by volume it does not. Both come to the same radius by the order of the mesh.
+/// With equal angles, area weighting keeps a sphere symmetric to rounding (Caramana, Burton, Shashkov and Whalen 1998,
+/// J. Comput. Phys. 146, 227, section 5); volume weighting does not. Both radii agree within the mesh error.
 #[test]
 fn a_sphere_stays_a_sphere_to_rounding() {
     let by_area = asymmetry(", weighting=AREA");
@@ -82,7 +83,7 @@ fn the_taylor_bar_weighted_by_area_is_that_of_other_codes() {
     let [length, foot] = ["COOR2@TIP", "COOR1@CORNER"].map(|name| 1e3 * last(&text, &memory, name));
     println!("Taylor 10x50 by area: {length:.3} mm, {foot:.3} mm, drift {:.1e}", outcome.energy.drift);
     assert!((21.26..21.55).contains(&length) && (6.80..7.24).contains(&foot), "{length} {foot}");
-    // Work of the element's stress is not exactly that of its forces.
+    // With area weighting the work of the element stress differs slightly from that of the nodal forces.
     assert!(outcome.energy.drift < 2e-2, "{:e}", outcome.energy.drift);
 }
 

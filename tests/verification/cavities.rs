@@ -1,26 +1,26 @@
-//! Waves that leave a cavity or a piston, against closed forms.
+//! Waves from a cavity or a piston, compared with closed forms.
 //!
-//! Goal: spherical and plane waves in elastic and elastic-plastic solids: what a cavity's wall does under a step of pressure
-//! (Blake), what it presses against when it opens at a constant speed (the law of cavity expansion itself), and the two
-//! shocks of a piston above the elastic limit. Each test says its tolerance and why.
+//! Goal: spherical and plane waves in elastic and elastic-plastic solids: wall displacement under a pressure step
+//! (Blake), pressure on a cavity that opens at constant speed (the law of cavity expansion), and the two shocks of a
+//! piston above the elastic limit. The tolerance and its reason are stated at each test.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use crate::common::solid::{column, grid, last, material, run};
 
-/// A quarter of the section of a thick sphere: radii of the shells, angles at equal steps from the equator to the axis.
+/// Returns the quarter section of a thick sphere with shells at `radii` and equal angles from the equator to the axis.
 fn shells(radii: &[f64], around: usize) -> String {
     let place = |i: usize, j: usize| {
         let angle = 0.5 * PI * j as f64 / around as f64;
-        // The last ray lies on the axis, to the last bit.
+        // Nodes of the last ray have r = 0 exactly.
         if j == around { [0.0, radii[i]] } else { [radii[i] * angle.cos(), radii[i] * angle.sin()] }
     };
     grid(radii.len() - 1, around, false, place)
 }
 
-/// Displacements of the wall along each ray, from the equator to the axis, at 20 and 100 microseconds over Blake's; and the
-/// drift of ETOTAL.
+/// Returns the wall displacement of each ray, from the equator to the axis, over that of Blake at 20 and 100
+/// microseconds, and the drift of ETOTAL.
 fn blake(per_radius: usize, around: usize, controls: &str, viscosity: &str) -> (Vec<[f64; 2]>, f64) {
     let a = 0.1;
     let radii: Vec<f64> = (0..=3 * per_radius).map(|i| a + a * i as f64 / per_radius as f64).collect();
@@ -43,28 +43,28 @@ fn blake(per_radius: usize, around: usize, controls: &str, viscosity: &str) -> (
     (rays, outcome.energy.drift)
 }
 
-/// Largest difference from 1 of any ray, and of the equator alone, at the later time.
+/// Returns the largest error of all rays, and the error at the equator, at 100 microseconds.
 fn worst(rays: &[[f64; 2]]) -> [f64; 2] {
     let error = |ray: &[f64; 2]| (ray[1] - 1.0).abs();
     [rays.iter().map(error).fold(0.0, f64::max), error(&rays[0])]
 }
 
-/// A step of 1 MPa in a cavity of radius 0.1 m, lambda = mu = 25 GPa, density 3000: u(a) = .992135379 micrometres after
-/// 20 microseconds and .974715628 after 100 (Blake 1952, J. Acoust. Soc. Am. 24, 211).
+/// Pressure step of 1 MPa in a cavity of radius 0.1 m, lambda = mu = 25 GPa, density 3000 kg/m3: u(a) = 0.992135379
+/// micrometres after 20 microseconds and 0.974715628 after 100 (Blake 1952, J. Acoust. Soc. Am. 24, 211).
 #[test]
 fn blakes_cavity() {
     let levels = [(50, 40), (100, 80)].map(|(n, around)| blake(n, around, "material=M\n", "0., 0."));
-    // The load starts at once and the motion with half an increment, which the work of that half reckons with.
+    // The load starts at full value, the motion half an increment later; this is the energy error.
     assert!(levels.iter().all(|level| level.1 < 1e-3), "{} {}", levels[0].1, levels[1].1);
     let errors = levels.map(|level| level.0[0].map(|ratio| (ratio - 1.0).abs()));
     println!("Blake: equator off by {errors:?}");
-    // The front is a jump, which shells of a/100 carry with ripples behind it.
+    // The front is a discontinuity; shells of thickness a/100 carry it with oscillations.
     assert!(errors[1].iter().all(|e| *e < 5e-3), "{errors:?}");
     assert!(errors[1][1] < 0.5 * errors[0][1], "{errors:?}");
 }
 
-/// The worst ray, which is the axis: weighted by volume its error goes with the square of the angle between rays; weighted by
-/// area there is none of its own, and all rays are one to rounding.
+/// The axis has the largest error. With volume weighting this error is proportional to the square of the angle between
+/// rays; with area weighting all rays are equal to rounding.
 #[test]
 fn blakes_cavity_on_the_axis() {
     let by_volume = [12, 24].map(|around| worst(&blake(50, around, "material=M\n", "0., 0.").0));
@@ -80,14 +80,14 @@ fn blakes_cavity_on_the_axis() {
         println!(
             "Blake by area, {around} rays: worst {of_all:.1e}, equator {equator:.1e}, spread {spread:.1e}, drift {drift:.1e}"
         );
-        // Displacements are a hundred-thousandth of the radii: rounding of the places is 1e-10 of them.
+        // Displacements are 1e-5 of the radii, so rounding of coordinates is 1e-10 of a displacement.
         assert!(spread < 2e-9, "{around}: {spread:e}");
         assert!(of_all < 2e-3, "{around}: {of_all:e}");
         assert!(drift < 5e-3, "{around}: {drift:e}");
     }
 }
 
-/// Pressure on the wall of a cavity that opens at 500 m/s, over the yield stress.
+/// Returns the wall pressure of a cavity that opens at 500 m/s, over the yield stress.
 fn opening(shells_per_decade: f64, around: usize) -> Vec<f64> {
     let mut radii = vec![1e-3];
     while radii[radii.len() - 1] < 0.06 {
@@ -118,7 +118,7 @@ fn opening(shells_per_decade: f64, around: usize) -> Vec<f64> {
     assert!(outcome.energy.drift < 2e-3, "drift {:e}", outcome.energy.drift);
     let [first, second] = ["S11@FIRST", "S11@SECOND"].map(|name| column(&deck, &memory, name));
     let [a, b, c] = ["COOR1@A", "COOR1@B", "COOR1@C"].map(|name| column(&deck, &memory, name));
-    // The pressure on the wall: the stresses of the two elements next to it, carried on from their middles.
+    // Wall pressure extrapolated from the stresses of the two elements next to the wall.
     let wall = |i: usize| {
         let [inner, outer] = [0.5 * (a[i].1 + b[i].1), 0.5 * (b[i].1 + c[i].1)];
         let slope = (second[i].1 - first[i].1) / (outer - inner);
@@ -127,25 +127,27 @@ fn opening(shells_per_decade: f64, around: usize) -> Vec<f64> {
     (0..first.len()).map(wall).collect()
 }
 
-/// A cavity that opens at 500 m/s in aluminium without hardening presses 6.824 times the yield stress against what opens it
-/// (the compressible solution behind the constants of `*CAVITY EXPANSION`), once it has forgotten its first radius.
+/// A cavity that opens at 500 m/s in aluminium without hardening has a wall pressure of 6.824 times the yield stress
+/// once the transient of its initial radius has decayed. The value is the compressible solution from which the
+/// constants of `*CAVITY EXPANSION` follow.
 #[test]
 fn a_cavity_opens_against_its_pressure() {
     let levels = [(60.0, 10), (90.0, 14)].map(|(shells, around)| opening(shells, around));
     println!("cavity at 500 m/s: pressure over yield stress {levels:.3?}, 6.824");
     for level in levels {
-        // Three times the first radius and more; the closed form's volume follows the pressure linearly, here its logarithm.
+        // From three times the initial radius on. The volume is linear in the pressure in the closed form and
+        // logarithmic here.
         let late = &level[level.len() - 3..];
         assert!(late.iter().all(|ratio| (ratio / 6.824 - 1.0).abs() < 5e-3), "{level:?}");
     }
 }
 
-/// A piston above the elastic limit, one-dimensional strain: an elastic shock of the Hugoniot elastic limit 552 MPa at
-/// 6175.478 m/s, then a plastic one at sqrt(K/rho) = 5042.257 m/s.
+/// Piston above the elastic limit in uniaxial strain: an elastic shock at the Hugoniot elastic limit of 552 MPa and
+/// 6175.478 m/s, followed by a plastic shock at sqrt(K/rho) = 5042.257 m/s.
 #[test]
 fn a_piston_sends_two_shocks() {
     let (m, length, speed) = (400, 0.1, 0.5);
-    // A hundred times as stiff and as dense: the same speeds and stresses, and strains as small as the closed form's.
+    // Stiffness and density times 100: the same speeds, and strains as small as the closed form assumes.
     let (e, density, limit, c_l, c_p) = (68.9e11, 2710e2, 552e6, 6175.478, 5042.257);
     let deck = grid(1, m, false, |i, j| [0.01 + 0.01 * i as f64, length * j as f64 / m as f64])
         + &material(
@@ -163,7 +165,7 @@ fn a_piston_sends_two_shocks() {
     let elastic = limit / (density * c_l);
     let expected = limit + density * c_p * (speed - elastic);
     let ratios = [-last(&deck, &memory, "S22@BEHIND") / expected, -last(&deck, &memory, "S22@BETWEEN") / limit];
-    println!("piston: {ratios:?} of the closed form's stresses behind both shocks and between them");
-    // Both shocks are plateaus; bulk viscosity smooths what would ripple.
+    println!("piston: {ratios:?} of the closed-form stresses after both shocks and between the shocks");
+    // The stresses after both shocks are constant; bulk viscosity damps the oscillations.
     assert!(ratios.iter().all(|r| (r - 1.0).abs() < 5e-3), "{ratios:?}");
 }

@@ -310,7 +310,7 @@ fn links_that_cannot_be_are_refused_with_a_way_out() {
         ("*Mpc\n BEAM, J1, REF\n", "", "", ""),
         ("*Mpc\n SLIDER, J1, REF\n", "", "", "supported: BEAM, TIE, PIN"),
         ("*Mpc\n BEAM, J1\n", "", "", "M102"),
-        ("*Mpc\n TIE, J1, J0\n*Mpc\n TIE, J0, 900\n", "", "", "prescribe the motion of the reference node alone"),
+        ("*Mpc\n TIE, J1, J0\n*Mpc\n TIE, J0, 900\n", "", "", "prescribe only the motion of the reference node"),
         ("*Mpc\n BEAM, J1, REF\n", " 900, 2, 2, 1.", " J1, 2, 2, 1.\n 900, 2, 2, 1.", "P018"),
         ("*Mpc\n BEAM, J1, REF\n*Rigid Body, ref node=1, tie nset=J1\n", "", "", "REF NODE"),
         ("*Coupling, constraint name=C, ref node=REF, surface=J1\n", "", "", "*KINEMATIC nor *DISTRIBUTING"),

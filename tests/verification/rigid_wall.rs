@@ -318,7 +318,7 @@ fn unsupported_contact_is_refused() {
         scene.deck().replace(" WREF, 2, 2\n", " WREF, 2, 2, 1.\n").replace("*Boundary\n", "*Boundary, type=VELOCITY\n");
     let soft =
         scene.deck().replace("*Friction\n", "*Surface Behavior, pressure-overclosure=LINEAR\n 1e9,\n*Friction\n");
-    for (deck, reason) in [(moving, "is not held"), (soft, "gives way")] {
+    for (deck, reason) in [(moving, "is not fixed"), (soft, "soft contact")] {
         let prepared = revolve::job::prepare_text("wall.inp", &deck, &[], &Routines::none());
         let text = prepared.diagnostics.render(&prepared.deck.sources);
         assert!(text.contains("P132") && text.contains(reason), "{text}");

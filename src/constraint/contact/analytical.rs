@@ -72,28 +72,28 @@ impl AnalyticalSurface {
 
     /// Returns the segment that a point is in contact with, and its gap. If the point was in front of the surface but
     /// behind this segment, the segment is around a corner, and the previous segment counts.
-    fn met(&self, segment: usize, way: &PointPath) -> Option<(usize, f64)> {
-        let gap = |k: usize| self.profile.segments[k].gap(way.start, way.lift[0]) - way.zero;
-        let came = gap(segment);
-        if came >= -self.rounding {
+    fn met(&self, segment: usize, path: &PointPath) -> Option<(usize, f64)> {
+        let gap = |k: usize| self.profile.segments[k].gap(path.start, path.lift[0]) - path.zero;
+        let start_gap = gap(segment);
+        if start_gap >= -self.rounding {
             return Some((segment, 0.0));
         }
-        let was = self.profile.nearest(way.start, way.lift[0]);
-        if was.gap - way.zero >= -self.rounding {
-            return (gap(was.segment) >= -self.rounding).then_some((was.segment, 0.0));
+        let start_nearest = self.profile.nearest(path.start, path.lift[0]);
+        if start_nearest.gap - path.zero >= -self.rounding {
+            return (gap(start_nearest.segment) >= -self.rounding).then_some((start_nearest.segment, 0.0));
         }
-        (came > -self.overlap).then_some((segment, came))
+        (start_gap > -self.overlap).then_some((segment, start_gap))
     }
 
     /// Returns a second segment that the point may be in contact with in a re-entrant corner.
-    fn corner(&self, segment: usize, way: &PointPath, reach: f64) -> Option<usize> {
+    fn corner(&self, segment: usize, path: &PointPath, reach: f64) -> Option<usize> {
         let near = |k: &usize| {
             let other = &self.profile.segments[*k];
-            let gap = other.gap(way.end, way.lift[1]) - way.zero;
-            let away = |end: &[f64; 2]| libm::hypot(way.end[0] - end[0], way.end[1] - end[1] - way.lift[1]);
-            let beside = other.side_of(way.end, way.lift[1]) == 0
-                || other.ends().iter().map(away).fold(f64::INFINITY, f64::min) <= reach + way.zero.abs();
-            gap < reach && beside && other.gap(way.start, way.lift[0]) - way.zero >= -self.rounding
+            let gap = other.gap(path.end, path.lift[1]) - path.zero;
+            let away = |end: &[f64; 2]| libm::hypot(path.end[0] - end[0], path.end[1] - end[1] - path.lift[1]);
+            let beside = other.side_of(path.end, path.lift[1]) == 0
+                || other.ends().iter().map(away).fold(f64::INFINITY, f64::min) <= reach + path.zero.abs();
+            gap < reach && beside && other.gap(path.start, path.lift[0]) - path.zero >= -self.rounding
         };
         self.corner_segments[segment].into_iter().flatten().find(near)
     }
@@ -141,9 +141,9 @@ impl ContactConstraint {
             let fit = |key: u32| fits.get(key as usize).copied().unwrap_or(0.0);
             let (start, velocity) = (places[point as usize], velocity_of(point));
             let end = [0, 1].inline_map(|i| start[i] + dt * velocity[i]);
-            let mut way = PointPath { start, end, lift, zero: analytical.lift[index as usize] + fit(key) };
+            let mut path = PointPath { start, end, lift, zero: analytical.lift[index as usize] + fit(key) };
             let nearest = analytical.profile.nearest(end, lift[1]);
-            let apart = analytical.profile.segments[nearest.segment].gap(start, lift[0]) - way.zero;
+            let apart = analytical.profile.segments[nearest.segment].gap(start, lift[0]) - path.zero;
             if apart < opens && !nearest.beyond {
                 shown.opening[key as usize] = apart;
             }
@@ -154,20 +154,20 @@ impl ContactConstraint {
             let reach = if coupled || !hard { dt * (2.0 * fastest).max(speed) } else { 0.0 };
             let begins = overclosure.onset_gap();
             let starts = dt == 0.0;
-            if nearest.beyond || nearest.gap - way.zero >= reach + begins && !starts {
+            if nearest.beyond || nearest.gap - path.zero >= reach + begins && !starts {
                 continue;
             }
-            let met = if starts { Some((nearest.segment, 0.0)) } else { analytical.met(nearest.segment, &way) };
+            let met = if starts { Some((nearest.segment, 0.0)) } else { analytical.met(nearest.segment, &path) };
             let Some((segment, target)) = met else { continue };
             let area = if alone { 1.0 } else { own.area(index as usize, places) };
-            let second = || analytical.corner(segment, &way, (dt * speed).max(reach)).map(|k| (k, 0.0));
+            let second = || analytical.corner(segment, &path, (dt * speed).max(reach)).map(|k| (k, 0.0));
             let second = if starts { None } else { second() };
             let both = [(Some((segment, target)), key), (second, key + own.own.len() as u32)];
             for (met, key) in both {
                 let Some((segment, target)) = met else { continue };
-                way.zero = analytical.lift[index as usize] + fit(key);
+                path.zero = analytical.lift[index as usize] + fit(key);
                 let met = &analytical.profile.segments[segment];
-                let (n, gap) = (met.normal(start, lift[0]), met.gap(end, lift[1]) - way.zero);
+                let (n, gap) = (met.normal(start, lift[0]), met.gap(end, lift[1]) - path.zero);
                 // Penalty and other soft laws press at any depth.
                 let target = if hard { target } else { 0.0 };
                 let [r, z] = dofs_of[point as usize];
@@ -178,8 +178,8 @@ impl ContactConstraint {
                 let closes = dt * (n[0] * velocity[0] + n[1] * (velocity[1] - carried));
                 let mut row = ContactRow::of(key, law);
                 row.closest_point = Some(feet.len() as u32);
-                (row.alone, row.area, row.gap) = (alone, area, area * (gap - target - closes));
-                let target = way.zero + target;
+                (row.is_single_point, row.area, row.gap) = (alone, area, area * (gap - target - closes));
+                let target = path.zero + target;
                 feet.push(ClosestPoint { analytical: which, segment: segment as u32, point, target });
                 rows.open();
                 rows.add_share([r, z], [area * n[0], area * n[1]]);
@@ -219,9 +219,9 @@ impl ContactConstraint {
             let moved = |point: u32| end_of(point, places, dofs_of, motion, dt);
             let gap = segment.gap(moved(foot.point), moved(analytical.point)[1]) - foot.target;
             let rate = motion.rate(row.own(terms));
-            let wrong = gap - (row.gap + dt * rate) / row.area;
-            row.gap += wrong * row.area;
-            off = off.max(wrong.abs() / analytical.rounding);
+            let error = gap - (row.gap + dt * rate) / row.area;
+            row.gap += error * row.area;
+            off = off.max(error.abs() / analytical.rounding);
         }
         off
     }
@@ -234,7 +234,7 @@ impl ContactConstraint {
         for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.normal_impulse > 0.0) {
             let [pressure, shear] = self.pressures[row.key as usize];
             let Some(foot) = row.closest_point.map(|f| feet_dofs(self, f)) else { continue };
-            sum[4] += if row.alone { 0.0 } else { row.area };
+            sum[4] += if row.is_single_point { 0.0 } else { row.area };
             for term in self.rows.terms_of(row) {
                 if let Some(axis) = foot.iter().position(|d| *d == term.dof) {
                     sum[axis] += pressure * term.normal;
@@ -250,11 +250,11 @@ impl ContactConstraint {
     }
 }
 
-/// Returns the number of keys of a pair: one for each own point, one for each point of a second curve that may be in
-/// contact alone, and a second one for points in corners.
+/// Returns the number of keys of a pair. Each own point has one, and a second one if it may be in a corner. Points of a
+/// second curve have one if they may be in contact alone.
 pub(super) fn keys(curves: &[FacetCurve], analyticals: &[AnalyticalSurface], pair: &ContactPair) -> u32 {
     let own = curves[pair.own].own.len() as u32;
-    let loose = pair.other.map(|o| &curves[o]).filter(|c| c.has_loose_points()).map_or(0, |c| c.own.len() as u32);
+    let loose = pair.other.map(|o| &curves[o]).filter(|c| c.has_single_points()).map_or(0, |c| c.own.len() as u32);
     let twice = pair.analytical.is_some_and(|a| analyticals[a].has_corners());
     own + loose + if twice { own } else { 0 }
 }
@@ -284,21 +284,21 @@ mod tests {
     use crate::state::{BodyState, Instant};
 
     /// Nodes without elements, and one body with an analytical surface.
-    struct Scene {
+    struct ContactScene {
         contact: ContactConstraint,
         profile: SurfaceProfile,
         dofs: Dofs,
         gravity: [f64; 2],
     }
 
-    impl Scene {
+    impl ContactScene {
         /// `body`: mass and velocity, `None` if it is fixed; `nodes`: coordinates, velocity and mass.
         fn new(
             profile: SurfaceProfile,
             friction: f64,
             body: Option<(f64, f64)>,
             nodes: &[([f64; 2], [f64; 2], f64)],
-        ) -> Scene {
+        ) -> ContactScene {
             let list = nodes.iter().map(|(p, v, _)| Node { r: p[0], z: p[1], v_r: v[0], v_z: v[1] }).collect();
             let masses = nodes.iter().map(|n| n.2).collect();
             let mut state = BodyState::new(body.map_or(1.0, |b| b.0), body.map_or(0.0, |b| b.1));
@@ -315,7 +315,7 @@ mod tests {
             let law = InteractionLaw { friction: CoulombFriction::of(friction), ..InteractionLaw::default() };
             let mut contact = ContactConstraint::new(points, vec![curve], vec![surface], vec![pair], vec![law]);
             contact.begin(&mut dofs);
-            Scene { contact, profile, dofs, gravity: [0.0; 2] }
+            ContactScene { contact, profile, dofs, gravity: [0.0; 2] }
         }
 
         fn advance(&mut self, dt: f64) {
@@ -368,7 +368,7 @@ mod tests {
             // On the arc half an increment past its start, along the chord.
             let (c, s) = (dt.cos(), dt.sin());
             let start = [2.0 - c, 1.0 - s];
-            let mut scene = Scene::new(bowl(), 0.0, None, &[(start, [0.0, 0.0], 2.0)]);
+            let mut scene = ContactScene::new(bowl(), 0.0, None, &[(start, [0.0, 0.0], 2.0)]);
             let (angle, speed) = (1.5 * dt, 2.0 * (0.5 * dt).sin() / dt);
             (scene.dofs.nodes[0].v_r, scene.dofs.nodes[0].v_z) = (speed * angle.sin(), -speed * angle.cos());
             for _ in 0..(2.5 / dt) as usize {
@@ -386,7 +386,7 @@ mod tests {
     #[test]
     fn node_in_a_bowl_has_the_period_of_a_pendulum() {
         let start = [2.0 + 0.5_f64.sin(), 1.0 - 0.5_f64.cos()];
-        let mut scene = Scene::new(bowl(), 0.0, None, &[(start, [0.0; 2], 1.0)]);
+        let mut scene = ContactScene::new(bowl(), 0.0, None, &[(start, [0.0; 2], 1.0)]);
         scene.gravity = [0.0, -1.0];
         let (mut crossings, mut highest, mut before, mut time) = (Vec::new(), 0.0_f64, start[0] - 2.0, 0.0);
         while crossings.len() < 20 {
@@ -416,12 +416,12 @@ mod tests {
     #[test]
     fn corners_add_no_impulse() {
         let down = lines(&[[0.0, 0.0], [1.0, 0.0], [2.0, -1.0]]);
-        let mut scene = Scene::new(down, 0.0, None, &[([0.95, 0.0], [1.0, 0.0], 1.0)]);
+        let mut scene = ContactScene::new(down, 0.0, None, &[([0.95, 0.0], [1.0, 0.0], 1.0)]);
         (0..20).for_each(|_| scene.advance(0.01));
         let node = scene.dofs.nodes[0];
         assert!((node.v_r, node.v_z) == (1.0, 0.0) && node.z.abs() < 1e-15, "{node:?}");
         let up = lines(&[[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]]);
-        let mut scene = Scene::new(up, 0.0, None, &[([0.955, 0.0], [1.0, 0.0], 1.0)]);
+        let mut scene = ContactScene::new(up, 0.0, None, &[([0.955, 0.0], [1.0, 0.0], 1.0)]);
         (0..20).for_each(|_| scene.advance(0.01));
         let node = scene.dofs.nodes[0];
         assert!((node.v_r - 0.5).abs() < 1e-9 && (node.v_z - 0.5).abs() < 1e-9, "{node:?}");
@@ -434,7 +434,7 @@ mod tests {
     #[test]
     fn sliding_down_a_slope_is_slowed_by_friction() {
         let slope = lines(&[[0.0, 10.0], [10.0, 0.0]]);
-        let mut scene = Scene::new(slope, 0.3, None, &[([1.0, 9.0], [0.0; 2], 2.0)]);
+        let mut scene = ContactScene::new(slope, 0.3, None, &[([1.0, 9.0], [0.0; 2], 2.0)]);
         scene.gravity = [0.0, -1.0];
         let steps = 400;
         (0..steps).for_each(|_| scene.advance(0.01));
@@ -447,7 +447,7 @@ mod tests {
         assert!(scene.dofs.energies.contact.abs() < 1e-9);
         // It sticks if the friction coefficient is large enough.
         let slope = lines(&[[0.0, 10.0], [10.0, 0.0]]);
-        let mut scene = Scene::new(slope, 1.1, None, &[([1.0, 9.0], [0.0; 2], 2.0)]);
+        let mut scene = ContactScene::new(slope, 1.1, None, &[([1.0, 9.0], [0.0; 2], 2.0)]);
         scene.gravity = [0.0, -1.0];
         (0..steps).for_each(|_| scene.advance(0.01));
         assert!((scene.dofs.nodes[0].r - 1.0).abs() < 1e-12);
@@ -464,7 +464,7 @@ mod tests {
         for mass in [1e-6, 1e-3, 1.0, 1e3] {
             for friction in [0.0, 0.3] {
                 let nodes: Vec<_> = (0..8).map(|i| ([0.05 + 0.1 * f64::from(i), 0.9999], [0.0; 2], 1.0)).collect();
-                let mut scene = Scene::new(punch(), friction, Some((mass, -1.0)), &nodes);
+                let mut scene = ContactScene::new(punch(), friction, Some((mass, -1.0)), &nodes);
                 let (momentum, energy) = (scene.momentum(), scene.kinetic());
                 for _ in 0..3000 {
                     scene.advance(1e-4);
@@ -487,7 +487,7 @@ mod tests {
     #[test]
     fn impact_on_a_node_is_perfectly_plastic() {
         let flat = lines(&[[1.0, 0.0], [0.0, 0.0]]);
-        let mut scene = Scene::new(flat, 0.0, Some((3.0, -1.0)), &[([0.5, -0.5], [0.0; 2], 1.0)]);
+        let mut scene = ContactScene::new(flat, 0.0, Some((3.0, -1.0)), &[([0.5, -0.5], [0.0; 2], 1.0)]);
         (0..200).for_each(|_| scene.advance(0.01));
         assert!((scene.dofs.bodies[0].velocity_half + 0.75).abs() < 1e-12);
         assert!((scene.dofs.nodes[0].v_z + 0.75).abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! Continuation of contact in a step with other pairs, laws or prescribed motions: results are matched by the number of
+//! Continuation of contact in a step with other pairs, laws or prescribed motions. Results are matched by the number of
 //! the pair and by the carriers of the points.
 
 use crate::kernel::lanes::InlineMap;
@@ -41,9 +41,9 @@ impl ContactConstraint {
                 }
             }
         }
-        if let (Some(crossing), Some(before)) = (&mut self.contact_heat, &previous.contact_heat) {
-            let known: HashMap<_, _> = previous.points.iter().map(identity).zip(before.kept()).collect();
-            for (point, most) in self.points.iter().zip(crossing.kept_mut()) {
+        if let (Some(exchange), Some(before)) = (&mut self.contact_heat, &previous.contact_heat) {
+            let known: HashMap<_, _> = previous.points.iter().map(identity).zip(before.exchange_bounds()).collect();
+            for (point, most) in self.points.iter().zip(exchange.exchange_bounds_mut()) {
                 *most = known.get(&identity(point)).map_or(0.0, |found| **found);
             }
         }

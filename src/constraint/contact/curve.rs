@@ -173,7 +173,7 @@ impl FacetCurve {
     }
 
     /// Returns whether some of its points may be in contact by themselves.
-    pub fn has_loose_points(&self) -> bool {
+    pub fn has_single_points(&self) -> bool {
         self.exposed.len() < self.facets.len() || !self.tips.is_empty()
     }
 
@@ -240,7 +240,7 @@ impl FacetCurve {
 
     /// Removes the facets of deleted elements and exposes those of their neighbours. `deleted` are the corner nodes of
     /// the elements, counter-clockwise. Returns whether the curve has changed.
-    pub fn release(&mut self, deleted: impl Iterator<Item = ElementNodes> + Clone) -> bool {
+    pub fn remove_elements(&mut self, deleted: impl Iterator<Item = ElementNodes> + Clone) -> bool {
         let edges = || deleted.clone().flat_map(ElementNodes::sides);
         let mut changed = false;
         for [a, b] in edges() {
@@ -300,7 +300,7 @@ impl FacetCurve {
     /// Finds the neighbours of each exposed facet. Of several facets at a point it takes the one with the smallest
     /// change of direction.
     pub fn find_neighbors(&mut self, places: &[[f64; 2]]) {
-        let way = |facet: [u32; 2]| {
+        let shape_of = |facet: [u32; 2]| {
             let [a, b] = facet.inline_map(|p| places[p as usize]);
             FacetShape::new(a, b)
         };
@@ -308,12 +308,12 @@ impl FacetCurve {
             let k = self.exposed[at] as usize;
             for end in [0, 1] {
                 let point = self.facets[k][end];
-                let here = way(self.facets[k]);
+                let here = shape_of(self.facets[k]);
                 let others = self
                     .around(point)
                     .filter(|&(j, e)| e as usize != end && self.is_exposed[j as usize] && j as usize != k);
                 let turn = |j: u32| {
-                    let next = way(self.facets[j as usize]);
+                    let next = shape_of(self.facets[j as usize]);
                     -(here.normal[0] * next.normal[0] + here.normal[1] * next.normal[1])
                 };
                 let next = others.map(|(j, _)| (turn(j), j)).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -443,8 +443,8 @@ impl ContactRows {
     }
 }
 
-/// Returns the change of rate that a row still needs, and its own compliance per unit of impulse: none for hard
-/// surfaces, else from the linearised law at the current overlap.
+/// Returns the change of rate that a row still needs, and its own compliance per unit of impulse. Hard surfaces have no
+/// compliance; a soft law is linearised at the current overlap.
 fn required_change(row: &ContactRow, law: &PressureOverclosure, rate: f64, span: ContactInterval) -> (f64, f64) {
     if *law == PressureOverclosure::Hard {
         return (-(rate + row.bias), 0.0);

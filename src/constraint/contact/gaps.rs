@@ -1,7 +1,7 @@
-//! Gaps between a facet and the opposite surface, weighted with the hat functions of the facet's two points, and their
-//! derivatives by the positions of the points of both surfaces. The signed distance of the opposite surface at fixed
-//! material points of the facet is integrated over the surface of revolution, with two Gauss points for each piece with
-//! the same nearest facet.
+//! Gaps between a facet and the opposite surface, weighted with the hat functions of the facet's two points. Their
+//! derivatives by the positions of the points of both surfaces are computed, too. The signed distance of the opposite
+//! surface is integrated over the surface of revolution at fixed material points of the facet. Each piece with the same
+//! nearest facet has two Gauss points.
 //!
 //! The derivative of the distance at a fixed material point is also the rate of the gap on inclined facets, unlike
 //! other usual measures. The same weights on both sides make the axial forces cancel to rounding (segment-to-segment
@@ -73,10 +73,10 @@ struct NearestFacet {
 impl NearestFacet {
     /// Returns the signed distance of a position at the coordinate `s`, the normal direction, and the coordinate on the
     /// opposite facet; `length` is that of the own facet.
-    fn distance(&self, place: [f64; 2], s: f64, met: &FacetShape, length: f64) -> (f64, [f64; 2], f64) {
+    fn distance(&self, place: [f64; 2], s: f64, opposite: &FacetShape, length: f64) -> (f64, [f64; 2], f64) {
         let apart = self.facing.apart(s);
-        let Some(end) = self.corner else { return (apart, met.normal, self.facing.at(s)) };
-        let (gap, normal) = corner(place, met, end, apart, length);
+        let Some(end) = self.corner else { return (apart, opposite.normal, self.facing.at(s)) };
+        let (gap, normal) = corner(place, opposite, end, apart, length);
         (gap, normal, end as f64)
     }
 }
@@ -140,7 +140,7 @@ impl GapIntegrator {
     }
 
     /// Computes the gap of a single point without facets, with a unit area. Returns `None` if no facet is near.
-    pub fn see_point(
+    pub fn point_gap(
         &mut self,
         (point, place): (u32, [f64; 2]),
         other: &FacetCurve,
@@ -224,18 +224,18 @@ impl GapIntegrator {
         let shape = own.shapes[k];
         let Some(nearest) = self.nearest(&shape, middle, other) else { return };
         let j = nearest.facing.facet as usize;
-        let met = &other.shapes[j];
+        let opposite = &other.shapes[j];
         let mut shares = [[[0.0; 2]; 2]; 4];
         let mut any = false;
         for s in [middle - half * GAUSS, middle + half * GAUSS] {
             let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
-            let (gap, normal, part) = nearest.distance(place, s, met, shape.length);
+            let (gap, normal, part) = nearest.distance(place, s, opposite, shape.length);
             let gap = gap - own.lift[k] - other.lift[j];
             if gap >= reach || gap <= -other.depth[j] {
                 continue;
             }
             any = true;
-            let r = 0.5 * (place[0] + met.from[0] + part * met.along[0]);
+            let r = 0.5 * (place[0] + opposite.from[0] + part * opposite.along[0]);
             let weight = std::f64::consts::TAU * r * half * shape.length;
             let hats = [1.0 - s, s];
             for (share, of) in shares.iter_mut().zip([hats[0], hats[1], part - 1.0, -part]) {
@@ -261,9 +261,9 @@ impl GapIntegrator {
         let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
         let mut best: Option<(f64, FacingFacet, f64)> = None;
         for f in &self.facing {
-            let (at, met) = (f.at(s), &other.shapes[f.facet as usize]);
+            let (at, opposite) = (f.at(s), &other.shapes[f.facet as usize]);
             let part = at.clamp(0.0, 1.0);
-            let d = [0, 1].inline_map(|i| place[i] - met.from[i] - part * met.along[i]);
+            let d = [0, 1].inline_map(|i| place[i] - opposite.from[i] - part * opposite.along[i]);
             let square = d[0] * d[0] + d[1] * d[1];
             if best.is_none_or(|b| square < b.0) {
                 best = Some((square, *f, at));
@@ -304,13 +304,13 @@ impl GapIntegrator {
 
 /// Returns the signed distance from a corner at one end of a facet and its gradient; `apart` is the distance from the
 /// facet's line and gives the sign.
-fn corner(place: [f64; 2], met: &FacetShape, end: usize, apart: f64, length: f64) -> (f64, [f64; 2]) {
-    let q = [met.from[0] + end as f64 * met.along[0], met.from[1] + end as f64 * met.along[1]];
+fn corner(place: [f64; 2], opposite: &FacetShape, end: usize, apart: f64, length: f64) -> (f64, [f64; 2]) {
+    let q = [opposite.from[0] + end as f64 * opposite.along[0], opposite.from[1] + end as f64 * opposite.along[1]];
     let d = [place[0] - q[0], place[1] - q[1]];
     let distance = (d[0] * d[0] + d[1] * d[1]).sqrt();
     let sign = if apart >= 0.0 { 1.0 } else { -1.0 };
     if distance < AT_CORNER * length {
-        return (sign * distance, met.normal);
+        return (sign * distance, opposite.normal);
     }
     (sign * distance, [sign * d[0] / distance, sign * d[1] / distance])
 }

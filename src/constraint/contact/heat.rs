@@ -73,7 +73,7 @@ impl ContactHeat {
     }
 
     /// Updates the rows before any is left out; conductances depend on the pressures of the previous increment.
-    pub(super) fn take(&mut self, rows: &ContactRows, laws: &[InteractionLaw], pressures: &[[f64; 2]]) {
+    pub(super) fn update_rows(&mut self, rows: &ContactRows, laws: &[InteractionLaw], pressures: &[[f64; 2]]) {
         let ContactHeat { nodes, point_of, keys, rows: passings, terms, most } = self;
         passings.clear();
         terms.clear();
@@ -82,7 +82,7 @@ impl ContactHeat {
             let (begin, law) = (terms.len(), &laws[row.law as usize].heat);
             let whole = add_weights(rows.terms_of(row), keys[row.key as usize].0, (point_of, nodes), terms);
             let mut conducts = 0.0;
-            if whole && !row.alone {
+            if whole && !row.is_single_point {
                 conducts = row.area * law.conductance(row.gap / row.area, pressures[row.key as usize][0]);
                 let bound = row.area * law.largest_conductance();
                 terms[begin..].iter().for_each(|&(p, weight)| most[p as usize] += bound * weight.abs());
@@ -112,12 +112,12 @@ impl ContactHeat {
     }
 
     /// Returns the upper bound of the conductance of each point.
-    pub(super) fn kept_mut(&mut self) -> &mut [f64] {
+    pub(super) fn exchange_bounds_mut(&mut self) -> &mut [f64] {
         &mut self.most
     }
 
     /// Returns the same, read-only.
-    pub(super) fn kept(&self) -> &[f64] {
+    pub(super) fn exchange_bounds(&self) -> &[f64] {
         &self.most
     }
 

@@ -1,12 +1,12 @@
 //! Treatment of free rigid bodies that are lighter than the nodes they touch.
 //!
-//! All gaps in front of a light body depend on its velocity: an impulse in one row moves the body away from all others,
+//! All gaps in front of a light body depend on its velocity. An impulse in one row moves the body away from all others,
 //! and sweeps converge very slowly. The body's velocity is therefore held during a sweep, so that rows are coupled by
-//! nodes only. After each sweep the velocity is changed by the fraction 1/(1 + w k) of its error, where w is one over
-//! the body's mass and k = sum g^2/a is the effective mass of the rows under pressure (g: coefficient of the body in a
+//! nodes only. After each sweep the velocity is changed by the fraction 1/(1 + w k) of its error. Here w is one over
+//! the body's mass, and k = sum g^2/a is the effective mass of the rows under pressure (g: coefficient of the body in a
 //! row, a: compliance of the nodes). This is Uzawa's iteration on the body's energy (Glowinski and Le Tallec 1989,
-//! Augmented Lagrangian and Operator-Splitting Methods, 2). k is at least the mass that moves with the body, so the
-//! iteration does not overshoot.
+//! Augmented Lagrangian and Operator-Splitting Methods, 2). It does not overshoot, because k is at least the mass that
+//! moves with the body.
 
 use super::sweeps::{ContactRows, ContactVelocities, GapTerm};
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
@@ -32,17 +32,17 @@ impl ContactRows {
         self.light.clear();
         for &dof in &self.bodies {
             let inverse_mass = motion.inverse_mass[dof as usize];
-            let mut met = 0.0;
+            let mut effective_mass = 0.0;
             for row in &self.rows {
                 if let Some([g, _]) = share(self.terms_of(row), dof).filter(|s| s[0] != 0.0) {
                     let others = (row.compliance[0] - inverse_mass * g * g).max(0.0);
                     let hard = laws[row.law as usize].overclosure == PressureOverclosure::Hard;
-                    met += if hard { g * g / others } else { f64::INFINITY };
+                    effective_mass += if hard { g * g / others } else { f64::INFINITY };
                 }
             }
             // The sum is infinite if a row has no compliance without the body: then the body touches something
             // immovable.
-            if met.is_finite() && inverse_mass * met > 1.0 {
+            if effective_mass.is_finite() && inverse_mass * effective_mass > 1.0 {
                 self.light.push(LightBody { dof, inverse_mass, predicted: motion.velocity[dof as usize] });
                 motion.inverse_mass[dof as usize] = 0.0;
             }
@@ -59,16 +59,16 @@ impl ContactRows {
     /// Sets the velocity of light bodies to that of the rows under pressure, as the initial value of the iteration.
     pub(super) fn start_light(&mut self, motion: &mut ContactVelocities) {
         for light in &self.light {
-            let (mut sum, mut met) = (0.0, 0.0);
+            let (mut sum, mut effective_mass) = (0.0, 0.0);
             for row in self.rows.iter().filter(|row| row.normal_impulse > 0.0) {
                 let terms = self.terms_of(row);
                 if let Some([g, _]) = share(terms, light.dof) {
                     sum += g * (motion.rate(terms) + row.bias) / row.compliance[0];
-                    met += g * g / row.compliance[0];
+                    effective_mass += g * g / row.compliance[0];
                 }
             }
-            if met > 0.0 {
-                motion.velocity[light.dof as usize] -= sum / met;
+            if effective_mass > 0.0 {
+                motion.velocity[light.dof as usize] -= sum / effective_mass;
             }
         }
     }
@@ -77,18 +77,18 @@ impl ContactRows {
     pub(super) fn move_light(&self, motion: &mut ContactVelocities) -> f64 {
         let mut furthest: f64 = 0.0;
         for light in &self.light {
-            let (mut impulse, mut met) = (0.0, 0.0);
+            let (mut impulse, mut effective_mass) = (0.0, 0.0);
             for row in self.rows.iter().filter(|row| row.normal_impulse > 0.0) {
                 let Some([g, t]) = share(self.terms_of(row), light.dof) else { continue };
                 impulse += g * row.normal_impulse + t * row.shear_impulse;
-                met += g * g / row.compliance[0];
+                effective_mass += g * g / row.compliance[0];
                 if row.sticks && row.compliance[1] > 0.0 {
-                    met += t * t / row.compliance[1];
+                    effective_mass += t * t / row.compliance[1];
                 }
             }
             let velocity = &mut motion.velocity[light.dof as usize];
             let left = light.predicted + light.inverse_mass * impulse - *velocity;
-            *velocity += left / (1.0 + light.inverse_mass * met);
+            *velocity += left / (1.0 + light.inverse_mass * effective_mass);
             furthest = furthest.max(left.abs());
         }
         furthest

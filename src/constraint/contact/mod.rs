@@ -2,11 +2,10 @@
 //! stiffness of the bodies.
 //!
 //! Each point of one surface of a pair carries a pressure. It is the Lagrange multiplier of the gap in front of the
-//! point, weighted with the point's hat function over the surface of revolution ([`gaps`]). In each increment impulses
-//! are solved for that satisfy `G v + max(g, 0)/dt >= 0` for the velocities `v` after the impulses, with pressures not
-//! below zero and friction within Coulomb's cone ([`sweeps`]). An existing overlap is kept and not pushed apart. In
-//! front of an analytical surface each point has a gap of its own ([`analytical`]). Contact does not limit the time
-//! increment.
+//! point, weighted with the point's hat function over the surface of revolution ([`gaps`]). The impulses of an
+//! increment satisfy `G v + max(g, 0)/dt >= 0` for the velocities `v` after the impulses. Pressures are not negative,
+//! and friction is within Coulomb's cone ([`sweeps`]). An existing overlap is kept and not pushed apart. In front of an
+//! analytical surface each point has a separate gap ([`analytical`]). Contact does not limit the time increment.
 
 pub mod analytical;
 mod continuation;
@@ -230,14 +229,14 @@ impl ContactConstraint {
         for pair in &self.pairs {
             let of = |curve: usize| self.curves[curve].own.iter().copied();
             keys.extend(of(pair.own).map(|point| (point, pair.first)));
-            let loose = pair.other.filter(|o| self.curves[*o].has_loose_points());
+            let loose = pair.other.filter(|o| self.curves[*o].has_single_points());
             keys.extend(loose.into_iter().flat_map(of).map(|point| (point, !pair.first)));
             // In front of re-entrant corners of analytical surfaces points have two keys.
             let twice = pair.first_key as usize + self.keys_of(pair) as usize - keys.len();
             keys.extend(of(pair.own).take(twice).map(|point| (point, pair.first)));
         }
-        let crossing = ContactHeat::new((&self.points, &self.dofs_of), self.dofs.len(), keys, has);
-        self.contact_heat = Some(Box::new(crossing));
+        let exchange = ContactHeat::new((&self.points, &self.dofs_of), self.dofs.len(), keys, has);
+        self.contact_heat = Some(Box::new(exchange));
         self.means = vec![0.0; self.dofs.len()];
         self
     }
@@ -472,11 +471,11 @@ impl ContactConstraint {
             work[1] += slip * mean;
         }
         let springs = self.work_of_springs();
-        if let Some(crossing) = &mut self.contact_heat {
+        if let Some(exchange) = &mut self.contact_heat {
             let (rows, means) = (&self.rows, &self.means);
             let rate =
                 |row: &ContactRow| rows.terms_of(row).iter().map(|t| t.slip * means[t.dof as usize]).sum::<f64>();
-            crossing.add_friction_heat(rows, &self.laws, |row| row.shear_impulse * rate(row));
+            exchange.add_friction_heat(rows, &self.laws, |row| row.shear_impulse * rate(row));
         }
         energies.penalty -= springs;
         energies.contact -= work[0] - springs;
@@ -492,8 +491,8 @@ impl ContactConstraint {
 
     /// Updates heat exchange before any row is left out.
     fn update_heat_rows(&mut self) {
-        if let Some(crossing) = &mut self.contact_heat {
-            crossing.take(&self.rows, &self.laws, &self.pressures);
+        if let Some(exchange) = &mut self.contact_heat {
+            exchange.update_rows(&self.rows, &self.laws, &self.pressures);
         }
     }
 
@@ -555,14 +554,14 @@ fn add_point_row(
         return;
     }
     let point = of.own[index as usize];
-    let seen = gaps.see_point((point, places[point as usize]), against, candidates, pair.search.reach());
+    let seen = gaps.point_gap((point, places[point as usize]), against, candidates, pair.search.reach());
     let Some(seen) = seen else { return };
     rows.open();
     for share in gaps.shares_of(&seen) {
         rows.add_share(dofs_of[share.point as usize], share.of[0]);
     }
     let mut row = ContactRow::of(key, pair.of_points as u32);
-    (row.alone, row.area, row.gap) = (true, seen.area[0], seen.gap[0]);
+    (row.is_single_point, row.area, row.gap) = (true, seen.area[0], seen.gap[0]);
     rows.close(row);
 }
 
@@ -623,7 +622,7 @@ impl Constraint for ContactConstraint {
     }
 
     fn view(&self) -> ConstraintView<'_> {
-        let heat = self.contact_heat.as_deref().map(|crossing| crossing as &dyn HeatExchange);
+        let heat = self.contact_heat.as_deref().map(|exchange| exchange as &dyn HeatExchange);
         ConstraintView { carried: None, moves_nodes: true, forces: Some(self), contact: Some(self), heat }
     }
 
@@ -647,7 +646,7 @@ impl ConstraintUpkeep for ContactConstraint {
         let ContactConstraint { curves, shown, uncovered, .. } = self;
         for curve in curves.iter_mut() {
             let points = deleted.iter().filter_map(|boundary| shown.points(boundary));
-            if curve.release(points) {
+            if curve.remove_elements(points) {
                 curve.list();
                 *uncovered = true;
             }
@@ -687,7 +686,7 @@ impl StoredConstraint for ContactConstraint {
             + MemoryUse::of(&self.bodies)
             + MemoryUse::of(&self.motion.velocity)
             + MemoryUse::of(&self.motion.inverse_mass)
-            + self.contact_heat.iter().map(|crossing| crossing.memory()).sum()
+            + self.contact_heat.iter().map(|exchange| exchange.memory()).sum()
     }
 }
 

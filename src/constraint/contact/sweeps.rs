@@ -28,9 +28,9 @@ pub struct ContactRow {
     /// Index of the contact law.
     pub law: u32,
     /// Whether it belongs to a single point: its area is one, its multiplier an impulse.
-    pub alone: bool,
-    /// Index of the point of an analytical surface, if the row has one. The gap is then that at the end of an increment
-    /// without contact minus its change, and may be negative.
+    pub is_single_point: bool,
+    /// Index of the row's point on an analytical surface, if it has one. The gap is then that at the end of an
+    /// increment without contact minus its change, and may be negative.
     pub closest_point: Option<u32>,
     /// Area of the hat function.
     pub area: f64,

@@ -25,9 +25,8 @@ pub static ALL: &[&[Keyword]] = &[
 ];
 
 /// Builds the rule of a parameter or field: its name, then optionally `read` (supported, the default), `extension`
-/// (supported,
-/// not in ABAQUS), `only [values]` or `refused` with the reason of the error, `inert` with the reason in the ledger; a
-/// [`Value`](super::value::Value) in parentheses with its allowed range; help text.
+/// (supported, not in ABAQUS), `only [values]` or `refused` with the reason of the error, `inert` with the reason in
+/// the ledger; a [`ValueSpec`](super::value::ValueSpec) in parentheses with its allowed range; help text.
 macro_rules! rule {
     ($name:literal $(read)? $(($value:expr))? $($help:literal)?) => {
         $crate::deck::table::rule!(@ $name, InputUsage::Read, concat!($($help)?), false, value::TEXT $(; $value)?)
@@ -128,8 +127,7 @@ macro_rules! place {
 use place;
 
 /// Builds a row of the table: `NAME`, summary, (number of times and position), `{ parameters }`, `refused { reason:
-/// names; }`
-/// for unsupported parameters with a common reason, `[ (data lines) ]`.
+/// names; }` for unsupported parameters with a common reason, `[ (data lines) ]`.
 macro_rules! row {
     ($tier:ident, $name:literal, $summary:literal) => { $crate::deck::table::row!(@ KeywordTier::$tier, false, $name, $summary, (), {}, []) };
     (inert $why:literal, $name:literal, $summary:literal) => { $crate::deck::table::row!(@ KeywordTier::Inert($why), false, $name, $summary, (), {}, []) };
@@ -153,19 +151,18 @@ macro_rules! row {
 use row;
 
 /// Defines the type of a card and its row. The syntax is that of [`row`] with the name of the type first; `field: Type
-/// =` before
-/// a parameter, or before the layouts of the data lines, adds a field to the type.
+/// =` before a parameter, or before the layouts of the data lines, adds a field to the type.
 macro_rules! card {
     ($type:ident: extension $keyword:literal, $($rest:tt)*) => { $crate::deck::table::card!(@ $type, true, $keyword, $($rest)*); };
     ($type:ident: $keyword:literal, $($rest:tt)*) => { $crate::deck::table::card!(@ $type, false, $keyword, $($rest)*); };
     (@ $type:ident, $extension:literal, $keyword:literal, $summary:literal, ($($often:tt)*), {
         $($($field:ident: $of:ty =)? $name:literal $($kind:ident)? $([$($only:literal),*])? $(($value:expr))? $($text:literal)?),* $(,)?
     } $(refused { $($refused:tt)* })?, $($lines:ident: $lines_of:ty =)? [$($data:tt)*]) => {
-        #[doc = concat!("`*", $keyword, "`.")]
+        #[doc = concat!("`*", $keyword, "`: ", $summary, ".")]
         #[derive(Clone, Debug)]
         pub struct $type {
             $($(#[doc = concat!("`", $name, "`.")] pub $field: $of,)?)*
-            $(#[doc = "ConditionalShape lines."] pub $lines: $lines_of,)?
+            $(#[doc = "Data lines."] pub $lines: $lines_of,)?
         }
 
         impl $type {

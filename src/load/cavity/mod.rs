@@ -29,7 +29,7 @@ use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::nodes::Nodes;
 use crate::state::rigid_body_3d::RigidBody3d;
-use crate::user::Locked;
+use crate::user::LockedRoutines;
 pub use finite::{EntryCrater, LayerBounds, StackBounds};
 use nose::NoseResistance;
 use oblique::ObliqueResistance;
@@ -149,7 +149,7 @@ impl Load for CavityExpansion {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        _: &mut Locked<'_>,
+        _: &mut LockedRoutines<'_>,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         match forces {

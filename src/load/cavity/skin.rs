@@ -71,8 +71,8 @@ impl SkinResistance {
         let faces = self.skin.faces.iter().zip(&self.skin.is_active);
         for ((&nodes, &carries), [now, before]) in faces.zip(&mut self.forces) {
             *before = *now;
-            let meets = carries && self.tunnel.as_ref().is_none_or(|tunnel| is_met(tunnel, nodes, view));
-            *now = if meets { on_face(stack, friction, view, nodes)? } else { FaceForces::default() };
+            let touches = carries && self.tunnel.as_ref().is_none_or(|tunnel| touches_wall(tunnel, nodes, view));
+            *now = if touches { on_face(stack, friction, view, nodes)? } else { FaceForces::default() };
             for (n, force) in now.iter().flat_map(|part| nodes.into_iter().zip(part)) {
                 forces[n] = [forces[n][0] + force[0], forces[n][1] + force[1]];
             }
@@ -115,8 +115,8 @@ impl SkinResistance {
             let into = face.normal_velocity(nodes);
             let facet = Facet::new(face.ends[0], face.ends[1], false);
             let sign = direction(face.mean(|n| nodes.velocity_now(n))[1]);
-            let meets = carries && self.tunnel.as_ref().is_none_or(|tunnel| tunnel.is_met_by(&face, sign));
-            let loaded = facet.filter(|_| meets && into > 0.0);
+            let touches = carries && self.tunnel.as_ref().is_none_or(|tunnel| tunnel.is_touched_by(&face, sign));
+            let loaded = facet.filter(|_| touches && into > 0.0);
             fields.push(element, loaded.map_or(0.0, |f| stack.mean_stress(&f, into)), into);
             if let Some(layer) = fields.layer.last_mut() {
                 *layer = facet.map_or(0.0, |f| stack.number_of(&f) as f64);
@@ -130,9 +130,9 @@ impl SkinResistance {
     }
 }
 
-fn is_met(tunnel: &TunnelWall, nodes: [usize; 2], view: &SceneView<'_>) -> bool {
+fn touches_wall(tunnel: &TunnelWall, nodes: [usize; 2], view: &SceneView<'_>) -> bool {
     let face = CurrentFace::new(nodes, &view.dofs.nodes);
-    tunnel.is_met_by(&face, direction(face.mean(|n| view.velocity(n))[1]))
+    tunnel.is_touched_by(&face, direction(face.mean(|n| view.velocity(n))[1]))
 }
 
 /// Returns the nodal forces of a face: the pressure at the normal velocity of its midpoint, weighted by area over the

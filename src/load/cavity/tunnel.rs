@@ -31,7 +31,7 @@ impl TunnelWall {
 
     /// Whether a face touches the wall: its radius is at least that of the wall one slice ahead in the direction of
     /// motion `sign` (0 at rest). At its own position the wall is as wide as the face.
-    pub(super) fn is_met_by(&self, face: &CurrentFace, sign: f64) -> bool {
+    pub(super) fn is_touched_by(&self, face: &CurrentFace, sign: f64) -> bool {
         let [r, z] = face.middle();
         let place = (z + sign * self.thickness) / self.thickness - 0.5;
         let (below, part) = (place.floor(), place - place.floor());
@@ -94,13 +94,13 @@ mod tests {
     fn face_narrower_than_the_wall_is_not_loaded() {
         let mut tunnel = TunnelWall::new(1.0, 10.0);
         let shank = |r: f64| face([[r, 0.0], [r, 3.0]]);
-        assert!(tunnel.is_met_by(&shank(0.5), -1.0), "nothing has been opened yet");
+        assert!(tunnel.is_touched_by(&shank(0.5), -1.0), "nothing has been opened yet");
         tunnel.widen(&shank(2.0));
-        assert!(!tunnel.is_met_by(&shank(1.9), -1.0));
-        assert!(tunnel.is_met_by(&shank(2.0), -1.0));
-        assert!(tunnel.is_met_by(&shank(2.1), -1.0));
+        assert!(!tunnel.is_touched_by(&shank(1.9), -1.0));
+        assert!(tunnel.is_touched_by(&shank(2.0), -1.0));
+        assert!(tunnel.is_touched_by(&shank(2.1), -1.0));
         // A face normal to the axis at the front of the shank touches the material ahead.
-        assert!(tunnel.is_met_by(&face([[0.0, 0.0], [2.0, 0.0]]), -1.0));
+        assert!(tunnel.is_touched_by(&face([[0.0, 0.0], [2.0, 0.0]]), -1.0));
     }
 
     /// Only slices further away than the length of the buffer are overwritten.
@@ -109,7 +109,7 @@ mod tests {
         let mut tunnel = TunnelWall::new(1.0, 10.0);
         (0..100).for_each(|i| tunnel.widen(&face([[2.0, -f64::from(i)], [2.0, 1.0 - f64::from(i)]])));
         let at = |z: f64| face([[1.0, z], [1.0, z + 1.0]]);
-        assert!(!tunnel.is_met_by(&at(-95.0), -1.0));
-        assert!(tunnel.is_met_by(&at(-40.0), -1.0));
+        assert!(!tunnel.is_touched_by(&at(-95.0), -1.0));
+        assert!(tunnel.is_touched_by(&at(-40.0), -1.0));
     }
 }

@@ -23,7 +23,7 @@ use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
-use crate::user::{Locked, MAX_BLOCK};
+use crate::user::{LockedRoutines, MAX_BLOCK};
 use surface_map::{PointBlock, SurfaceMap};
 
 /// Data that all points of a load share.
@@ -119,7 +119,7 @@ impl SubroutineLoad {
     fn on_nodes(
         &mut self,
         scene: &SceneView<'_>,
-        user: &mut Locked<'_>,
+        user: &mut LockedRoutines<'_>,
         forces: &mut [[f64; 2]],
     ) -> Result<(), HaltReason> {
         let Some(routine) = user.load.as_deref_mut() else { return Ok(()) };
@@ -130,7 +130,12 @@ impl SubroutineLoad {
     }
 
     #[inline]
-    fn on_bodies(&mut self, scene: &SceneView<'_>, user: &mut Locked<'_>, out: &mut [f64]) -> Result<(), HaltReason> {
+    fn on_bodies(
+        &mut self,
+        scene: &SceneView<'_>,
+        user: &mut LockedRoutines<'_>,
+        out: &mut [f64],
+    ) -> Result<(), HaltReason> {
         out.fill(0.0);
         let Some(routine) = user.load.as_deref_mut() else { return Ok(()) };
         let (mut first, mut body) = (0, usize::MAX);
@@ -176,7 +181,7 @@ impl Load for SubroutineLoad {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        user: &mut Locked<'_>,
+        user: &mut LockedRoutines<'_>,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         match forces {

@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over points, with one array per quantity.
 
 use super::description::{BuiltInPlasticity, PointYieldStress, UserMaterialData, YieldOverFields, YieldSource};
-use super::points::{PointArguments, answered, marks, untouched};
+use super::points::{PointArguments, check_guards, check_values, guard_values};
 use crate::kernel::hardening::{YieldStress, plastic_increment};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::InlineMap;
@@ -252,8 +252,8 @@ impl PointArguments {
         }
         let i = open[0];
         let reason = format!(
-            "the return to the yield surface has not converged after {ITERATIONS} calls: von Mises stress of the trial {:e}, \
-             plastic strain {:e}, its increment between {:e} and {:e}",
+            "the return to the yield surface has not converged after {ITERATIONS} calls: von Mises stress of the trial \
+             {:e}, plastic strain {:e}, its increment between {:e} and {:e}",
             trial[i], self.plastic[0][i], low[i], high[i]
         );
         Err(LoadFailure { point: Some(i), reason })
@@ -298,9 +298,9 @@ impl PointArguments {
             ("dyieldDeqps", &mut buffers.slopes, 2),
             ("stateNew", &mut buffers.state[1], m),
         ];
-        answers.into_iter().try_for_each(|(name, list, components)| untouched(name, list, n, components))?;
-        answered("stateNew", &mut buffers.state[1], n, m).map_err(|failure| self.of_chunk(failure, open))?;
-        untouched("yield", &mut buffers.stress, n, 1)?;
+        answers.into_iter().try_for_each(|(name, list, components)| check_guards(name, list, n, components))?;
+        check_values("stateNew", &mut buffers.state[1], n, m).map_err(|failure| self.of_chunk(failure, open))?;
+        check_guards("yield", &mut buffers.stress, n, 1)?;
         if let Some(at) = buffers.stress[..n].iter().position(|y| y.is_nan()) {
             let reason = format!(
                 "it returned yield(k) = NaN at the plastic strain {:e}, its rate {:e} and the temperature {:e}",
@@ -335,10 +335,10 @@ impl PointArguments {
         let variables = context.material.variables;
         let states = || (0..variables).flat_map(|v| open.iter().map(move |&i| self.state[0][v * self.count + i]));
         refill(&mut buffers.state[0], states());
-        refill(&mut buffers.state[1], states().chain(marks()));
-        refill(&mut buffers.stress, std::iter::repeat_n(f64::NAN, n).chain(marks()));
-        refill(&mut buffers.by_temperature, std::iter::repeat_n(0.0, n).chain(marks()));
-        refill(&mut buffers.slopes, std::iter::repeat_n(0.0, 2 * n).chain(marks()));
+        refill(&mut buffers.state[1], states().chain(guard_values()));
+        refill(&mut buffers.stress, std::iter::repeat_n(f64::NAN, n).chain(guard_values()));
+        refill(&mut buffers.by_temperature, std::iter::repeat_n(0.0, n).chain(guard_values()));
+        refill(&mut buffers.slopes, std::iter::repeat_n(0.0, 2 * n).chain(guard_values()));
     }
 
     /// Converts the point of a failure from its index in the call to its index in the chunk.

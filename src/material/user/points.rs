@@ -241,7 +241,7 @@ impl PointArguments {
             state: &self.state[0][..m * n],
         };
         routine.lengths(&call, &mut self.length[..n])?;
-        untouched("charLength", &mut self.length, n, 1)?;
+        check_guards("charLength", &mut self.length, n, 1)?;
         above_zero(&self.length[..n])
     }
 
@@ -286,8 +286,8 @@ impl PointArguments {
         };
         let answer = &mut FieldAnswer { state: &mut state[..m * n], field: &mut field[..f * n] };
         routine.fields(&call, answer)?;
-        answered("stateNew", state, n, m)?;
-        answered("field", field, n, f)?;
+        check_values("stateNew", state, n, m)?;
+        check_values("field", field, n, f)?;
         std::mem::swap(state_old, state);
         Ok(())
     }
@@ -296,15 +296,15 @@ impl PointArguments {
         let (n, m) = (self.count, self.variables);
         let touched = self.stress[1][4 * n..(4 + SPARE) * n].iter().filter(|g| g.to_bits() != MARK).count();
         if touched >= n {
-            let reason = "it returned stressNew(k, 5): the subroutine uses 6 components, an axisymmetric solid has 4 (rr, zz, \
-                          hoop, rz); guard the code of the others with `if (nshr .gt. 1)`";
+            let reason = "it returned stressNew(k, 5): the subroutine uses 6 components, an axisymmetric solid has 4 (\
+                          rr, zz, hoop, rz); guard the code of the others with `if (nshr .gt. 1)`";
             return Err(LoadFailure::new(reason));
         }
-        answered("stressNew", &mut self.stress[1], n, 4)?;
-        untouched("stateNew", &mut self.state[1], n, m)?;
+        check_values("stressNew", &mut self.stress[1], n, 4)?;
+        check_guards("stateNew", &mut self.state[1], n, m)?;
         self.warn_of_state(material);
-        answered("enerInternNew", &mut self.internal[1], n, 1)?;
-        answered("enerInelasNew", &mut self.inelastic[1], n, 1)
+        check_values("enerInternNew", &mut self.internal[1], n, 1)?;
+        check_values("enerInelasNew", &mut self.inelastic[1], n, 1)
     }
 
     /// State variables belong to the subroutine: a NaN (as a rule a triaxiality without stress) is kept, with one
@@ -423,12 +423,12 @@ impl PreviousPointValues<'_> {
 }
 
 /// Returns the guard values that follow a result.
-pub(super) fn marks() -> impl Iterator<Item = f64> {
+pub(super) fn guard_values() -> impl Iterator<Item = f64> {
     std::iter::repeat_n(f64::from_bits(MARK), GUARD)
 }
 
 /// Checks that a subroutine has not changed the guard values after a result.
-pub(super) fn untouched(name: &str, list: &mut [f64], n: usize, components: usize) -> Result<(), LoadFailure> {
+pub(super) fn check_guards(name: &str, list: &mut [f64], n: usize, components: usize) -> Result<(), LoadFailure> {
     let guard = &mut list[components * n..];
     if guard.iter().any(|g| g.to_bits() != MARK) {
         guard.fill(f64::from_bits(MARK));
@@ -443,8 +443,8 @@ pub(super) fn untouched(name: &str, list: &mut [f64], n: usize, components: usiz
 }
 
 /// Checks the guard values of a result, and that all values are finite.
-pub(super) fn answered(name: &str, list: &mut [f64], n: usize, components: usize) -> Result<(), LoadFailure> {
-    untouched(name, list, n, components)?;
+pub(super) fn check_values(name: &str, list: &mut [f64], n: usize, components: usize) -> Result<(), LoadFailure> {
+    check_guards(name, list, n, components)?;
     let values = &list[..components * n];
     let Some(at) = values.iter().position(|v| !v.is_finite()) else { return Ok(()) };
     let hint = if values[at].is_nan() && name == "stressNew" { "; a component that was left out is NaN" } else { "" };

@@ -13,7 +13,7 @@ pub struct DiscreteElements {
     pub connectors: Vec<ConnectorProperty>,
 }
 
-/// A rigid body.
+/// A rigid body (`*RIGID BODY`).
 #[derive(Clone, Debug)]
 pub struct RigidBody {
     /// Name of the element set, used in messages.
@@ -48,10 +48,10 @@ pub struct InitialAttitude {
     pub span: Span,
 }
 
-/// Default number of circumferential stations ([`Attitude::stations`]).
+/// Default number of circumferential stations ([`InitialAttitude::stations`]).
 pub const STATIONS: usize = 64;
 
-/// A rotary inertia on a node.
+/// The rotary inertia of a node (`*ROTARY INERTIA`).
 #[derive(Clone, Copy, Debug)]
 pub struct RotaryInertia {
     /// Node index.
@@ -62,7 +62,7 @@ pub struct RotaryInertia {
     pub span: Span,
 }
 
-/// A mass on a node.
+/// The point mass of a node (`*MASS`).
 #[derive(Clone, Copy, Debug)]
 pub struct PointMass {
     /// Node index.

@@ -38,7 +38,7 @@ pub enum AmplitudeDefinition {
     },
 }
 
-/// An initial condition.
+/// An initial condition (`*INITIAL CONDITIONS`).
 #[derive(Clone, Debug)]
 pub struct InitialCondition {
     /// Quantity and value.
@@ -55,7 +55,7 @@ pub enum InitialKind {
     /// Degree of freedom and velocity. 1 = r, 2 = z, 6 = rotation; for a rigid body in oblique impact 1 to 3 are
     /// translations along directions 1 to 3 and 4 to 6 rotations about them.
     Velocity(u8, f64),
-    /// Temperature.
+    /// Initial temperature.
     Temperature(f64),
     /// Stress components in the order of the card.
     Stress(Vec<f64>),
@@ -76,7 +76,7 @@ impl InitialKind {
     }
 }
 
-/// A prescribed motion.
+/// A boundary condition (`*BOUNDARY`): a prescribed motion or temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundaryCondition {
     /// Node indices.

@@ -58,8 +58,8 @@ handles! {
     NodeSetId: IndexMap<String, MemberSet> => MemberSet;
     /// An element set of [`super::Model::element_sets`].
     ElementSetId: IndexMap<String, MemberSet> => MemberSet;
-    /// A surface of [`super::Surfaces::faces`].
+    /// A surface of [`super::SurfaceDefinitions::faces`].
     SurfaceId: IndexMap<String, ElementSurface> => ElementSurface;
-    /// An analytical surface of [`super::Surfaces::analytical`].
+    /// An analytical surface of [`super::SurfaceDefinitions::analytical`].
     RigidSurfaceId: IndexMap<String, RigidSurface> => RigidSurface;
 }

@@ -4,7 +4,7 @@ use super::SideSelection;
 use super::handle::{AmplitudeId, MaterialId, TargetId};
 use crate::deck::Span;
 
-/// A load in force in a step.
+/// A load in force in a step, mechanical or thermal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
     /// Type of the load and the region on which it acts.
@@ -58,7 +58,7 @@ pub enum LoadKind {
     Cavity {
         /// Loaded sides.
         sides: SideSelection,
-        /// The target.
+        /// Target that resists.
         target: TargetId,
         /// Coulomb friction coefficient.
         friction: f64,
@@ -128,7 +128,7 @@ pub enum FreeSurfaces {
     Layers,
 }
 
-/// One layer of a target.
+/// A layer of a target, or a gap between plates.
 #[derive(Clone, Copy, Debug)]
 pub struct TargetLayer {
     /// Material with density and cavity expansion constants; `None` for a gap between plates.

@@ -2,7 +2,7 @@
 
 use crate::deck::Span;
 
-/// A material.
+/// A material: the `*MATERIAL` card and the cards that follow it.
 #[derive(Clone, Debug, Default)]
 pub struct MaterialDefinition {
     /// Upper-case name.

@@ -15,7 +15,7 @@ pub struct Mesh {
     pub node_names: Vec<EntityName>,
     /// Initial node coordinates `[r, z]` in the length unit of the deck.
     pub points: Vec<[f64; 2]>,
-    /// Elements.
+    /// Elements in deck order.
     pub elements: Vec<Element>,
 }
 
@@ -112,7 +112,7 @@ pub enum ElementKind {
     Dashpot1,
 }
 
-/// One element.
+/// An element of the mesh.
 #[derive(Clone, Debug)]
 pub struct Element {
     /// Element name: the label, or `INSTANCE.label` for an element of an instance.
@@ -135,7 +135,7 @@ pub struct MemberSet {
     pub span: Span,
 }
 
-/// A side of an element, with its outward normal away from the element.
+/// A side of an element; its normal points outward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ElementSide {
     /// Positive side of a RAX2 or SAX1 element. Its normal is the direction from the first to the second node, rotated

@@ -61,7 +61,7 @@ pub enum OutputKind {
     History,
 }
 
-/// The card of an output request.
+/// Keyword of an output request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputCard {
     /// `*OUTPUT, VARIABLE=`.

@@ -1,4 +1,4 @@
-"""Axisymmetric explicit finite elements with user-load hooks.
+"""Axisymmetric explicit finite-element code for ABAQUS-style decks with user subroutines.
 
 >>> import revolve as rv
 >>> deck = rv.Deck("input/ogive.inp")

@@ -1,4 +1,4 @@
-"""``python -m revolve``: the command line."""
+"""``python -m revolve``: runs the command line."""
 
 from __future__ import annotations
 

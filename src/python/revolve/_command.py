@@ -1,4 +1,4 @@
-"""The command line of the package: the program's own."""
+"""Command line of the package; it is the same as that of the program."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from . import _revolve
 
 
 def main() -> int:
-    """Carry out the arguments of the process; the exit status."""
+    """Run the command line of this process and return the exit status."""
     return _revolve.main(["revolve", *sys.argv[1:]])
 
 

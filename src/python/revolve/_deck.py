@@ -1,4 +1,4 @@
-"""Decks: checking, running, evaluating, refining."""
+"""The class ``Deck``: checks, runs, evaluations and convergence studies of an input deck."""
 
 from __future__ import annotations
 
@@ -21,19 +21,20 @@ from ._run import Run
 from ._study import Study
 
 User = str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None
-"""Files of user subroutines: Fortran, C or shared libraries."""
+"""User subroutine files: Fortran, C or shared libraries."""
 Value = float | int | str
 """A value of a ``*PARAMETER``."""
 
 _KNOWN = 8
-"""Evaluations that a deck remembers."""
+"""Largest number of evaluators that a deck caches."""
 
 
 class Deck:
-    """An input deck, as it was when it was read.
+    """An input deck; its text is read when the object is created.
 
-    ``Deck("ogive.inp")`` reads a file, ``Deck(text=...)`` takes text; includes are looked up beside the file, or beside ``name``.
-    It can be pickled.
+    ``Deck("ogive.inp")`` reads a file, ``Deck(text=...)`` takes a text. Relative paths of includes refer to the folder
+    of the file or of ``name``.
+    Decks can be pickled.
     """
 
     def __init__(
@@ -45,7 +46,7 @@ class Deck:
         precision: str = "double",
     ) -> None:
         if (path is None) == (text is None):
-            raise TypeError("Deck: either a path or text=")
+            raise TypeError("Deck: give either a path or text=")
         self.name = name if path is None else os.fspath(path)
         self.precision = precision
         self._deck = _revolve.Deck(self.name, text, precision)
@@ -53,29 +54,29 @@ class Deck:
 
     @property
     def text(self) -> str:
-        """The text of the deck itself, without what it includes."""
+        """Text of the deck, without its includes."""
         return self._deck.text
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (_again, (self.name, self.text, self.precision))
 
     def check(self, *, user: User = None, load: Load | None = None, **parameters: Value) -> list[Diagnostic]:
-        """All that is found in the deck: errors, warnings and notes, with their places."""
+        """Check the deck; returns errors, warnings and notes with their locations."""
         return read(self._checked(user, load, parameters)["findings"])
 
     @property
     def ledger(self) -> Ledger:
-        """What the deck brings to life, and which card asks for it."""
+        """Ledger of the simulated effects and the cards that request them."""
         return Ledger(self._checked(None, None, {})["ledger"])
 
     @property
     def parameters(self) -> dict[str, float]:
-        """Its ``*PARAMETER`` values."""
+        """Values of the ``*PARAMETER`` of the deck."""
         return dict(self._checked(None, None, {})["parameters"])
 
     @property
     def columns(self) -> list[str]:
-        """Names of its history columns."""
+        """Names of the history columns."""
         return self._checked(None, None, {})["columns"]
 
     def _checked(self, user: User, load: Load | None, parameters: Mapping[str, Value]) -> dict[str, Any]:
@@ -93,12 +94,12 @@ class Deck:
         check: bool = True,
         **parameters: Value,
     ) -> Run:
-        """Run the deck with values of its parameters; results stay in memory.
+        """Run the deck with the given parameter values; results are kept in memory.
 
-        ``user`` are files of user subroutines, ``load`` a load in Python (see :data:`revolve._load.LoadFunction`) or the
-        address of a compiled one. With ``out`` the files of the program are written into that folder as well.
-        ``progress`` hears a fraction and a text. A halt raises :class:`HaltedError`, unless ``check`` is false.
-        Ctrl-C ends a run behind its increment.
+        ``user`` gives user subroutine files, ``load`` a load function in Python (see
+        :data:`revolve._load.LoadFunction`) or the address of a compiled one. With ``out`` the result files are also
+        written to that folder. ``progress`` is called with the completed fraction and a text. A halted run raises
+        :class:`HaltedError` unless ``check`` is false. Ctrl-C ends a run after the current increment.
         """
         told = _progress.resolved(progress)
         folder = None if out is None else Path(out)
@@ -121,10 +122,10 @@ class Deck:
         load: Load | None = None,
         progress: Progress = None,
     ) -> Evaluation:
-        """Quantities over samples: arrays of ``N`` values by parameter give a table ``(N, k)``.
+        """Evaluate ``k`` quantities for samples: arrays of ``N`` values per parameter give a table ``(N, k)``.
 
-        Numbers hold for all samples. Rows do not depend on the number of threads, nor on what other rows there are. A run that
-        fails leaves NaN, and says why in ``reasons``. A load in Python must keep nothing from one call to the next.
+        A single number applies to all samples. Rows do not depend on the number of threads or on other rows. A failed
+        run gives NaN, and its error in ``reasons``. A load function in Python must not depend on earlier calls.
         """
         wanted = (quantities,) if isinstance(quantities, str) else tuple(quantities)
         samples = sorted_out(parameters)
@@ -169,10 +170,12 @@ class Deck:
         progress: Progress = None,
         **parameters: Value,
     ) -> Study:
-        """Refine the deck along parameters, or along ``increment``, ``load-velocity``, ``hourglass``, ``estimate``, ``precision``.
+        """Run a convergence study.
 
-        ``target`` is the error aimed at (a relative one is a text such as ``"0.5%"``), ``exact`` the exact value. Each setting runs
-        ``repeat`` times, one after the other: its time is the median.
+        ``refine`` gives values from coarse to fine for parameters of the deck or for ``increment`` (factors),
+        ``load-velocity``, ``hourglass``, ``estimate`` or ``precision``.
+        ``target`` is the largest allowed error (a relative one is a text such as ``"0.5%"``), ``exact`` the exact
+        value. Each setting runs ``repeat`` times, one after the other; its run time is the median.
         """
         levels = [f"{name}={','.join(_written(v) for v in values)}" for name, values in refine.items()]
         told = _progress.resolved(progress)
@@ -204,12 +207,12 @@ class Deck:
 
 
 def _again(name: str, text: str, precision: str) -> Deck:
-    """A deck that was pickled."""
+    """Recreate a pickled deck."""
     return Deck(text=text, name=name, precision=precision)
 
 
 def _written(value: Value) -> str:
-    """A value as the command line takes it; all digits of a number."""
+    """Format a value for the command line, with all digits of a number."""
     if isinstance(value, str):
         return value
     return repr(int(value)) if isinstance(value, (int, np.integer)) else repr(float(value))

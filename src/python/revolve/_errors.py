@@ -1,4 +1,4 @@
-"""Findings on decks, and the exceptions that carry them."""
+"""Diagnostics of decks, and the exceptions of the package."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """What is found in a deck: where, what, and what would be right."""
+    """Error, warning or note on a deck, with its location and a suggestion."""
 
     severity: str
     """``note``, ``warning`` or ``error``."""
     code: str
-    """Stable code; ``revolve explain CODE`` tells more."""
+    """Stable code; ``revolve explain CODE`` gives details."""
     message: str
-    """What is wrong."""
+    """Description of the error."""
     place: str | None = None
-    """``file:line``, where it has a place."""
+    """``file:line``; ``None`` without a location."""
     file: str | None = None
-    """The file as it was named."""
+    """File name as given."""
     line: int | None = None
-    """From 1."""
+    """Line number, from 1."""
     column: int | None = None
-    """In letters, from 1."""
+    """Column in characters, from 1."""
     help: str | None = None
-    """What would be right."""
+    """Suggestion how to fix the error."""
 
     def __str__(self) -> str:
         place = f"{self.place}: " if self.place else ""
@@ -38,15 +38,15 @@ class Diagnostic:
 
 
 def read(findings: list[dict[str, Any]]) -> list[Diagnostic]:
-    """Findings as the library writes them."""
+    """Convert diagnostics from the form of the library."""
     return [Diagnostic(**finding) for finding in findings]
 
 
 class RevolveError(Exception):
-    """Anything that the library refuses."""
+    """Base class of the exceptions of this package."""
 
     diagnostics: list[Diagnostic]
-    """What was found, where findings have places in a deck."""
+    """Diagnostics of the deck; empty for other errors."""
 
     def __init__(self, message: str, findings: str = "[]") -> None:
         super().__init__(message)
@@ -58,15 +58,15 @@ class RevolveError(Exception):
 
 
 class DeckError(RevolveError):
-    """A deck or a file of user routines is refused."""
+    """A deck or a user subroutine file has errors."""
 
 
 class StudyError(RevolveError):
-    """A quantity, a study or an evaluation that has no meaning."""
+    """A quantity, a study or an evaluation is invalid."""
 
 
 class HaltedError(RevolveError):
-    """A run halted; ``run`` is what there is of it, up to the last good state."""
+    """A run halted; ``run`` has the results up to the last valid state."""
 
     run: Run | None
 

@@ -1,4 +1,4 @@
-"""Tables of quantities over samples of parameters."""
+"""Evaluation of quantities for samples of parameters."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 Parameters = Mapping[str, npt.ArrayLike | str]
-"""Values by parameter: arrays of one length, numbers for all samples alike, or texts."""
+"""Values by parameter: arrays of the same length, or numbers and texts that apply to all samples."""
 
 
 @dataclass(frozen=True)
 class Samples:
-    """Samples, sorted out."""
+    """Table of samples with the names of its columns, and fixed parameters."""
 
     names: tuple[str, ...]
     fixed: tuple[tuple[str, str], ...]
@@ -27,16 +27,16 @@ class Samples:
 
 
 def sorted_out(parameters: Parameters) -> Samples:
-    """Arrays side by side; numbers go with them, texts stay as they are."""
+    """Combine arrays and numbers to a table of samples; texts are fixed parameters."""
     texts = {name: value for name, value in parameters.items() if isinstance(value, str)}
     given = {name: np.asarray(v, dtype=np.float64) for name, v in parameters.items() if name not in texts}
     for name, values in given.items():
         if values.ndim > 1:
-            raise ValueError(f"{name}: one number a sample is meant, not an array of {values.ndim} dimensions")
+            raise ValueError(f"{name}: expected one number per sample, found an array of {values.ndim} dimensions")
     lengths = {len(values) for values in given.values() if values.ndim == 1}
     if len(lengths) > 1:
         sizes = ", ".join(f"{name}: {len(v)}" for name, v in given.items() if v.ndim == 1)
-        raise ValueError(f"samples of different number: {sizes}")
+        raise ValueError(f"arrays of different lengths: {sizes}")
     count = lengths.pop() if lengths else 1
     table = np.empty((count, len(given)))
     for column, values in enumerate(given.values()):
@@ -46,14 +46,14 @@ def sorted_out(parameters: Parameters) -> Samples:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """A table of quantities, one row a sample; behaves as its array does."""
+    """Table of quantities with one row per sample; can be used like an array."""
 
     values: Array
-    """``(N, k)``; NaN where a run gave nothing."""
+    """Array ``(N, k)``; NaN for failed runs."""
     quantities: tuple[str, ...]
-    """The expressions of the columns."""
+    """Expressions of the columns."""
     reasons: dict[int, str] = field(default_factory=dict)
-    """Why a row has no numbers, by row."""
+    """Errors of the failed runs by row."""
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         return self.values.astype(dtype) if dtype is not None or copy else self.values
@@ -66,12 +66,12 @@ class Evaluation:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """``(N, k)``."""
+        """Shape of the table, ``(N, k)``."""
         return self.values.shape
 
     @property
     def ok(self) -> npt.NDArray[np.bool_]:
-        """Which rows have numbers."""
+        """Boolean array of the rows with values."""
         good = np.ones(len(self.values), dtype=bool)
         good[list(self.reasons)] = False
         return good
@@ -79,9 +79,9 @@ class Evaluation:
 
 @dataclass
 class Sampler:
-    """``f(X: (N, d)) -> (N, k)``, as programs for uncertainty, design and optimisation call models.
+    """Function ``f(X: (N, d)) -> (N, k)``, as expected by packages for uncertainty, design and optimisation.
 
-    It can be pickled, and so goes to other processes.
+    It can be pickled for use in other processes.
     """
 
     deck: Deck
@@ -90,13 +90,13 @@ class Sampler:
     options: dict[str, Any]
 
     def __call__(self, samples: npt.ArrayLike) -> Array:
-        """The table of quantities; ``(N,)`` in for one parameter, ``(d,)`` in for one sample of several."""
+        """Evaluate samples; ``(N,)`` are values of a single parameter, ``(d,)`` is one sample of several parameters."""
         table = np.asarray(samples, dtype=np.float64)
         single = table.ndim == 1 and len(self.names) > 1
         if table.ndim == 1:
             table = table[np.newaxis, :] if single else table[:, np.newaxis]
         if table.ndim != 2 or table.shape[1] != len(self.names):
-            raise ValueError(f"samples of {len(self.names)} parameters are meant: {', '.join(self.names)}")
+            raise ValueError(f"expected samples of {len(self.names)} parameters: {', '.join(self.names)}")
         columns = {name: table[:, i] for i, name in enumerate(self.names)}
         found = self.deck.evaluate(columns, self.quantities, **self.options).values
         return found[0] if single else found
@@ -105,6 +105,6 @@ class Sampler:
 def sampler(
     deck: Deck, names: Sequence[str], quantities: str | Sequence[str], **options: Any
 ) -> Callable[[npt.ArrayLike], Array]:
-    """A deck as a function of an array of samples, one column a parameter; ``options`` are those of ``Deck.evaluate``."""
+    """Return a function of an array of samples, one column per parameter; ``options`` as in ``Deck.evaluate``."""
     wanted = (quantities,) if isinstance(quantities, str) else tuple(quantities)
     return Sampler(deck, tuple(names), wanted, options)

@@ -1,4 +1,4 @@
-"""Loads written in Python: functions of arrays, and addresses of compiled functions."""
+"""Load functions in Python: functions of arrays, and addresses of compiled functions."""
 
 from __future__ import annotations
 
@@ -13,34 +13,35 @@ Array = npt.NDArray[np.float64]
 
 LoadFunction = Callable[[Array, Array, Array, float, Array], None]
 """``load(coordinates, velocities, normals, time, pressures)``: the first three have a row ``[r, z]`` for each point,
-normals point out of a surface; ``pressures`` is to be filled in place. A sixth argument is given the name of the surface."""
+normals point outwards; the function fills ``pressures`` in place. An optional sixth argument is the name of the
+surface."""
 
 
 class HasAddress(Protocol):
-    """What a just-in-time compiler gives, such as ``numba.cfunc``."""
+    """Result of a just-in-time compiler, such as ``numba.cfunc``."""
 
     @property
     def address(self) -> int:
-        """Where the function is."""
+        """Memory address of the function."""
 
 
 Load = LoadFunction | HasAddress | int
-"""A load: a function, the address of a compiled one, or what has an ``address``."""
+"""A load: a function, the address of a compiled one, or an object with an ``address``."""
 
 _ARGUMENTS = 5
 
 
 def resolved(load: Load | None) -> int | tuple[Any, bool] | None:
-    """A load as the extension takes it."""
+    """Convert a load to the form of the extension module."""
     if load is None:
         return None
     address = getattr(load, "address", load)
     if isinstance(address, int) and not isinstance(address, bool):
         if address <= 0:
-            raise ValueError(f"load: {address} is no address of a function")
+            raise ValueError(f"load: {address} is not the address of a function")
         return address
     if not callable(load):
-        raise TypeError("load: a function of arrays, an address, or an object with one (such as a numba.cfunc)")
+        raise TypeError("load: expected a function of arrays, an address, or an object with an address")
     return (load, _takes_surface(load))
 
 
@@ -54,9 +55,9 @@ def _takes_surface(load: Any) -> bool:
 
 
 def cfunc_signature() -> Any:
-    """The signature for ``numba.cfunc`` of a load: ``load(n, time, coordinates, velocities, normals, pressures)``.
+    """Return the ``numba.cfunc`` signature of a load: ``load(n, time, coordinates, velocities, normals, pressures)``.
 
-    Of coordinates, velocities and normals come the r of all points, then the z of all points:
+    Coordinates, velocities and normals contain r of all points, followed by z of all points:
     ``numba.carray(coordinates, (2, n))``; pressures are ``numba.carray(pressures, n)``.
     """
     from numba import types

@@ -1,4 +1,4 @@
-"""How far a run is, in a notebook or told to a function."""
+"""Progress of a run, as a bar in a notebook or by a callback function."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from collections.abc import Callable
 from typing import Any
 
 Progress = Callable[[float, str], None] | bool | None
-"""A function of a fraction and a text; ``None`` for a bar in notebooks, ``False`` for nothing."""
+"""A function of the completed fraction and a text; ``None`` for a bar in notebooks, ``False`` for no progress."""
 
 _SOON = 0.5
-"""Seconds after which a bar appears."""
+"""Delay in seconds after which the bar appears."""
 
 
 class NotebookBar:
-    """A bar below a cell, once the work takes longer than a moment."""
+    """Progress bar below a notebook cell; it appears after a short delay."""
 
     def __init__(self) -> None:
         self._began = time.monotonic()
@@ -34,7 +34,7 @@ class NotebookBar:
             self._handle.update(bar)
 
     def close(self) -> None:
-        """Takes the bar away."""
+        """Remove the bar."""
         if self._handle is not None:
             from IPython.display import HTML
 
@@ -42,20 +42,20 @@ class NotebookBar:
 
 
 def in_notebook() -> bool:
-    """Whether cells of a notebook run here."""
+    """Return whether the code runs in a notebook."""
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None
     return shell is not None and "IPKernelApp" in shell.config
 
 
 def resolved(progress: Progress) -> Callable[[float, str], None] | None:
-    """What is told of progress."""
+    """Return the callback function for progress."""
     if progress is None:
         return NotebookBar() if in_notebook() else None
     return None if isinstance(progress, bool) else progress
 
 
 def closed(told: Callable[[float, str], None] | None) -> None:
-    """The work is over."""
+    """Remove the bar after the work."""
     if isinstance(told, NotebookBar):
         told.close()

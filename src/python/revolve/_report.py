@@ -1,4 +1,4 @@
-"""What decks, ledgers, runs and studies look like on a page."""
+"""HTML and text of decks, ledgers, runs and studies."""
 
 from __future__ import annotations
 
@@ -13,37 +13,37 @@ import numpy.typing as npt
 from . import _revolve
 
 _MOST_POINTS = 2000
-"""Points of a curve on a page."""
+"""Largest number of points of a drawn curve."""
 
 
 @dataclass(frozen=True)
 class Effect:
-    """A row of the ledger: an effect that a deck brings to life."""
+    """Row of the ledger: a simulated effect."""
 
     effect: str
-    """What it is."""
+    """Name of the effect."""
     count: int
-    """How many facets, nodes, bodies, … it acts on."""
+    """Number of facets, nodes, bodies, … that the effect acts on."""
     unit: str
-    """What is counted."""
+    """Unit of the count."""
     asked_by: tuple[str, ...]
-    """``file:line`` of the cards that asked for it."""
+    """``file:line`` of the cards that request the effect."""
     detail: str
-    """Law, scheme, values."""
+    """Law, scheme and values."""
     bytes: int
-    """Of its arrays."""
+    """Memory of the arrays of the effect, in bytes."""
     share: float | None = None
-    """Share of the run's time, where it was measured."""
+    """Share of the run time; ``None`` if not measured."""
 
 
 class Ledger(Sequence[Effect]):
-    """What is simulated, effect by effect: which card asked, what it holds."""
+    """List of the simulated effects, with the cards that request them and their memory."""
 
     def __init__(self, written: dict[str, Any]) -> None:
         self._written = written
         self._rows = [_effect(row) for row in written["effects"]]
         self.unused: list[dict[str, str]] = written["unused"]
-        """Cards that change nothing here: ``what``, ``asked_by``, ``why``."""
+        """Ignored cards: ``what``, ``asked_by``, ``why``."""
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -63,7 +63,7 @@ class Ledger(Sequence[Effect]):
 
     def _repr_html_(self) -> str:
         shares = any(row.share is not None for row in self)
-        header = ["effect", "count", "asked by", "detail", "bytes"] + (["share of time"] if shares else [])
+        header = ["effect", "count", "requested by", "detail", "bytes"] + (["share of run time"] if shares else [])
         rows = []
         for row in self:
             asked = ", ".join(map(_last, row.asked_by))
@@ -88,29 +88,29 @@ def _effect(row: dict[str, Any]) -> Effect:
 
 
 def _last(place: str) -> str:
-    """``file:line`` without folders."""
+    """Return ``file:line`` without folders."""
     return place.rsplit("/", 1)[-1]
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table as HTML."""
+    """Format a table as HTML."""
     head = "".join(f"<th>{html.escape(cell)}</th>" for cell in header)
     body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
 def paragraphs(texts: Iterable[str]) -> str:
-    """Lines as HTML."""
+    """Format texts as HTML paragraphs."""
     return "".join(f"<p>{html.escape(text)}</p>" for text in texts)
 
 
 def preformatted(text: str) -> str:
-    """Text as it stands."""
+    """Format a text as preformatted HTML."""
     return f"<pre>{html.escape(text)}</pre>" if text.strip() else ""
 
 
 def curves(title: str, label: str, time: npt.NDArray[np.float64], columns: dict[str, npt.NDArray[np.float64]]) -> str:
-    """Curves over time as SVG; long ones are thinned."""
+    """Draw curves over time as SVG; long curves are thinned."""
     step = max(1, len(time) // _MOST_POINTS)
     thin = slice(None, None, step)
     series = [(name, time[thin].tolist(), values[thin].tolist(), False) for name, values in columns.items()]

@@ -1,4 +1,4 @@
-"""The extension, as the package uses it."""
+"""Type stubs of the extension module."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path

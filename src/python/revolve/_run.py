@@ -1,4 +1,4 @@
-"""A run that is over: numbers, histories, frames."""
+"""Finished runs: values, histories and frames."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from . import _revolve
 
 _CELLS = {1: 1, 2: 3, 3: 5, 4: 9}
-"""VTK's kinds of cells by their corners: vertex, line, triangle, quadrilateral."""
+"""VTK cell types by number of corners: vertex, line, triangle, quadrilateral."""
 
 
 class Run:
-    """What a run gave."""
+    """Results of a run."""
 
     def __init__(self, title: str, run: _revolve.Run) -> None:
         self._title = title
@@ -38,43 +38,43 @@ class Run:
 
     @property
     def reason(self) -> str | None:
-        """Why it halted."""
+        """Reason of a halt; ``None`` for a completed run."""
         return self._run.reason
 
     @property
     def warnings(self) -> list[str]:
-        """What is to be known of its numbers."""
+        """Warnings, and notes on bodies that are still moving in a target."""
         return self._run.warnings
 
     @property
     def seconds(self) -> float:
-        """Seconds in the time loop."""
+        """Time in the time loop, in seconds."""
         return self._run.seconds
 
     def final(self, column: str) -> float:
-        """The last value of a history column, such as ``"U2@REF"``."""
+        """Return the final value of a history column, such as ``"U2@REF"``."""
         return self._run.column(column, "final")
 
     def min(self, column: str) -> float:
-        """The smallest value of a history column."""
+        """Return the smallest value of a history column."""
         return self._run.column(column, "min")
 
     def max(self, column: str) -> float:
-        """The largest value of a history column."""
+        """Return the largest value of a history column."""
         return self._run.column(column, "max")
 
     def quantity(self, expression: str) -> float:
-        """The value of an expression over histories, such as ``"-1000*final(U2@REF)"``."""
+        """Return the value of an expression over history columns, such as ``"-1000*final(U2@REF)"``."""
         return self._run.quantity(expression)
 
     @cached_property
     def arrays(self) -> dict[str, npt.NDArray[np.float64]]:
-        """Histories by column name as NumPy arrays, ``time`` and ``step`` first."""
+        """Histories by column name as NumPy arrays; ``time`` and ``step`` are the first."""
         return self._run.history()
 
     @property
     def history(self) -> dict[str, npt.NDArray[np.float64]] | pd.DataFrame:
-        """Histories: a ``pandas.DataFrame`` over ``time`` where pandas is installed, else as :attr:`arrays`."""
+        """Histories as a ``pandas.DataFrame`` over ``time`` if pandas is installed, otherwise as :attr:`arrays`."""
         try:
             import pandas as pd
         except ImportError:
@@ -83,17 +83,17 @@ class Run:
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """What the program writes as ``<job>.json``."""
+        """Summary of the run, the contents of ``<job>.json``."""
         return json.loads(self._run.summary())
 
     @cached_property
     def ledger(self) -> Ledger:
-        """What was simulated, with shares of the time."""
+        """Ledger of the simulated effects, with shares of the run time."""
         return Ledger(self.summary["ledger"])
 
     @cached_property
     def frames(self) -> Frames:
-        """Frames as pyvista grids, each made when it is asked for."""
+        """Frames as pyvista grids, created on access."""
         return Frames(self._run)
 
     def __repr__(self) -> str:
@@ -106,7 +106,7 @@ class Run:
         return _report.paragraphs(facts) + "".join(self.charts().values())
 
     def charts(self) -> dict[str, str]:
-        """Histories as SVG, one chart a variable; energies together."""
+        """Draw histories as SVG: one chart per variable, and one for all energies."""
         groups: dict[str, dict[str, npt.NDArray[np.float64]]] = defaultdict(dict)
         for name, values in self.arrays.items():
             if name not in ("time", "step"):
@@ -130,13 +130,13 @@ class Frames(Sequence[Any]):
 
     @property
     def times(self) -> list[float]:
-        """Total times."""
+        """Total times of the frames."""
         if self._reader is not None:
             return list(self._reader.time_values)
         return [self._run.frame(i)["time"] for i in range(len(self))]
 
     def arrays(self, index: int) -> dict[str, Any]:
-        """A frame as NumPy arrays, without pyvista; of runs in memory."""
+        """Return a frame as NumPy arrays, without pyvista; only for runs in memory."""
         return self._run.frame(range(len(self))[index])
 
     def __len__(self) -> int:

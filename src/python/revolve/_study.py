@@ -1,4 +1,4 @@
-"""A study: what refinement says of the limit, and what accuracy costs."""
+"""Results of convergence studies."""
 
 from __future__ import annotations
 
@@ -8,45 +8,45 @@ from . import _report
 
 
 class Study:
-    """Settings from coarse to fine, what they gave, and how far that is from the limit."""
+    """Result of a convergence study: settings from coarse to fine with values, errors and run times."""
 
     def __init__(self, found: dict[str, Any]) -> None:
         self._found = found
 
     @property
     def record(self) -> dict[str, Any]:
-        """What the program writes as ``<job>_study.json``."""
+        """Record of the study, the contents of ``<job>_study.json``."""
         return self._found["record"]
 
     @property
     def limit(self) -> float | None:
-        """The exact value, or the estimate of the limit; ``None`` where too little came out."""
+        """Exact value or estimated limit; ``None`` with too few results."""
         reference = self._found["reference"]
         return None if reference is None else reference["value"]
 
     @property
     def uncertainty(self) -> float | None:
-        """That of the limit; 0 of an exact value."""
+        """Uncertainty of the limit; 0 for an exact value."""
         reference = self._found["reference"]
         return None if reference is None else reference["uncertainty"]
 
     @property
     def reached(self) -> bool | None:
-        """Whether the target was reached; ``None`` without one."""
+        """Whether the error target was reached; ``None`` without a target."""
         return self._found["met"]
 
     @property
     def conclusions(self) -> list[str]:
-        """What it comes to, in words."""
+        """Conclusions of the study as sentences."""
         return self._found["conclusions"]
 
     @property
     def table(self) -> list[dict[str, str]]:
-        """One row a setting, as text."""
+        """Table with one row per setting, as text."""
         return [dict(zip(self._found["header"], row)) for row in self._found["rows"]]
 
     def charts(self) -> dict[str, str]:
-        """Error against cost, and against size, as SVG."""
+        """Charts of error against run time and against size, as SVG."""
         charts = {"price": self._found["price_chart"], "order": self._found["order_chart"]}
         return {name: chart for name, chart in charts.items() if chart}
 

@@ -1,4 +1,4 @@
-"""How many threads there are to be."""
+"""Number of threads."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from . import _revolve
 
 
 def _in_worker() -> bool:
-    """Whether a worker of Dask calls: its neighbours have the other processors."""
+    """Return whether the code runs in a Dask worker; other workers use the other processors."""
     distributed = sys.modules.get("distributed")
     if distributed is None:
         return False
@@ -20,9 +20,9 @@ def _in_worker() -> bool:
 
 
 def resolved(threads: int | None) -> int:
-    """``None`` and 0 stand for all processors; in a worker or a task of a scheduler for those it was given, or one."""
+    """Return the number of threads; ``None`` and 0 mean all processors, or those assigned to a worker or task."""
     if threads is not None and threads < 0:
-        raise ValueError(f"threads={threads}: 0 for all processors, or a number of them")
+        raise ValueError(f"threads={threads}: expected 0 (all processors) or a number of threads")
     if threads:
         return threads
     return 1 if _in_worker() else _revolve.default_threads()

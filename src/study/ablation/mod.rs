@@ -34,7 +34,7 @@ pub struct ReducedModel {
     pub name: String,
     /// Description of the replacement.
     pub instead: &'static str,
-    /// Removes the effect.
+    /// Function that removes the effect from a model.
     pub edit: Box<dyn Fn(&mut Model)>,
 }
 

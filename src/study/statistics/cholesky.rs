@@ -27,14 +27,14 @@ impl CholeskyFactor {
         Some(CholeskyFactor { size, rows })
     }
 
-    /// Computes L x in place.
+    /// Replaces x by the product L x.
     pub fn multiply(&self, x: &mut [f64]) {
         for i in (0..self.size).rev() {
             x[i] = (0..=i).map(|k| self.rows[i * self.size + k] * x[k]).sum();
         }
     }
 
-    /// Solves A x = b in place.
+    /// Replaces the right-hand side b in `x` by the solution of A x = b.
     pub fn solve(&self, x: &mut [f64]) {
         let (n, l) = (self.size, &self.rows);
         for i in 0..n {

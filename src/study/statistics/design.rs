@@ -6,7 +6,7 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 use sobol::Sobol;
 use sobol::params::JoeKuoD6;
 
-/// Sampling scheme.
+/// Sampling scheme of points in the unit cube.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SamplingScheme {
     /// Independent random points.

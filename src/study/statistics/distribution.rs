@@ -6,21 +6,21 @@ use crate::deck::lists::split;
 /// Probability distribution of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterDistribution {
-    /// Uniform distribution.
+    /// Uniform distribution between two ends.
     Uniform {
-        /// Lower end.
+        /// Smallest value.
         low: f64,
-        /// Upper end.
+        /// Largest value.
         high: f64,
     },
-    /// Normal distribution.
+    /// Normal distribution, without limits.
     Normal {
         /// Mean.
         mean: f64,
         /// Standard deviation.
         deviation: f64,
     },
-    /// Lognormal distribution.
+    /// Lognormal distribution of values above zero.
     LogNormal {
         /// Mean of the logarithm.
         mean: f64,

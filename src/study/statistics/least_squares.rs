@@ -17,7 +17,7 @@ pub type ResidualFunction<'a, E> = dyn FnMut(&[Vec<f64>]) -> Result<Vec<Vec<f64>
 /// Result of a least-squares fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterFit {
-    /// Fitted parameters.
+    /// Fitted parameters, in the order of the start values.
     pub values: Vec<f64>,
     /// Residuals at the fitted parameters.
     pub residuals: Vec<f64>,
@@ -149,12 +149,12 @@ fn jacobian<E>(
     model: &mut ResidualFunction<'_, E>,
 ) -> Result<ResidualJacobian, E> {
     let step = |i: usize| steps[i].max(part * here.at[i].abs());
-    let beside = |i: usize, side: f64| {
+    let shifted = |i: usize, side: f64| {
         let mut at = here.at.clone();
         at[i] += side * step(i);
         at
     };
-    let points: Vec<Vec<f64>> = (0..steps.len()).flat_map(|i| [1.0, -1.0].map(|side| beside(i, side))).collect();
+    let points: Vec<Vec<f64>> = (0..steps.len()).flat_map(|i| [1.0, -1.0].map(|side| shifted(i, side))).collect();
     let values = model(&points)?;
     let mut edges = Vec::new();
     let mut column = |i: usize| -> Vec<f64> {

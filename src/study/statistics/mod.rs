@@ -20,7 +20,7 @@ const TAIL: f64 = 0.025;
 /// Estimate with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct IntervalEstimate {
-    /// Estimated value.
+    /// Estimated value, in the units of the quantity.
     pub value: f64,
     /// Lower end of the interval.
     pub low: f64,

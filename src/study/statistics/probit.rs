@@ -8,7 +8,7 @@ use super::{IntervalEstimate, normal};
 pub struct NormalFit {
     /// Mean, which is the median (V50).
     pub median: IntervalEstimate,
-    /// Standard deviation.
+    /// Standard deviation of the members.
     pub deviation: IntervalEstimate,
 }
 

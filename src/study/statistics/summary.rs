@@ -2,12 +2,12 @@
 
 use super::{IntervalEstimate, TAIL, normal};
 
-/// Statistic to estimate.
+/// Statistic that is estimated from a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SampleStatistic {
-    /// Mean.
+    /// Arithmetic mean.
     Mean,
-    /// Standard deviation.
+    /// Standard deviation of the population (divisor n - 1).
     Deviation,
     /// Quantile for a probability.
     Quantile(f64),
@@ -18,8 +18,8 @@ const FEWEST: usize = 2;
 
 /// Estimates a statistic; values that are not finite are ignored. The values of one set are independent; with several
 /// sets (ends as from [`super::design::SampleDesign::sets`]) only the sets are independent. `None` with fewer than two
-/// finite
-/// values.
+/// finite values.
+///
 /// Errors with one set: mean s/sqrt(n), deviation by the fourth moment, quantiles by order statistics (Conover,
 /// Practical Nonparametric Statistics, section 3.2). With several sets: mean and deviation by the jackknife over sets
 /// (Efron and Tibshirani, An Introduction to the Bootstrap, section 11.5), quantiles by the fraction of each set below

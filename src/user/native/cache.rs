@@ -44,7 +44,7 @@ pub struct BuildInputs {
     begun: Option<(i64, i64)>,
     /// Whether a file changed after the start.
     #[serde(skip)]
-    unsettled: bool,
+    changed: bool,
 }
 
 /// The description of a cached library.
@@ -101,7 +101,7 @@ impl LibraryCache {
     pub fn get(&self, key: &str) -> Option<BuiltLibrary> {
         let (library, description) = self.places(key)?;
         let entry: CacheEntry = serde_json::from_slice(&own_file(&description).ok()?).ok()?;
-        if !entry.origin.holds() {
+        if !entry.origin.is_current() {
             return None;
         }
         let bytes = own_file(&library).ok()?;
@@ -115,7 +115,7 @@ impl LibraryCache {
 
     /// Stores a library; failures are ignored.
     pub fn put(&self, key: &str, built: &BuiltLibrary, origin: &BuildInputs) {
-        let Some((library, description)) = self.places(key).filter(|_| !origin.unsettled) else { return };
+        let Some((library, description)) = self.places(key).filter(|_| !origin.changed) else { return };
         let entry = CacheEntry {
             library: hash([built.bytes.as_slice()]),
             identity: built.identity.clone(),
@@ -147,8 +147,8 @@ impl LibraryCache {
             let _ = std::fs::remove_file(old);
         }
         // The library is written before its description, so a new one may still get its description.
-        let settled = |path: &PathBuf| age(path).and_then(|t| t.elapsed().ok()).is_some_and(|t| t.as_secs() > 60);
-        for orphan in names("so").filter(|path| !path.with_extension("json").exists() && settled(path)) {
+        let is_old = |path: &PathBuf| age(path).and_then(|t| t.elapsed().ok()).is_some_and(|t| t.as_secs() > 60);
+        for orphan in names("so").filter(|path| !path.with_extension("json").exists() && is_old(path)) {
             let _ = std::fs::remove_file(orphan);
         }
     }
@@ -192,14 +192,14 @@ impl BuildInputs {
         let begun = now.duration_since(UNIX_EPOCH).ok();
         let begun = begun.map(|t| (t.as_secs() as i64, i64::from(t.subsec_nanos())));
         let mut origin = BuildInputs { begun, ..BuildInputs::default() };
-        sources.for_each(|file| origin.settle(file));
+        sources.for_each(|file| origin.note_change(file));
         origin
     }
 
     /// Records whether a file changed after the start, by its change time (ctime), which users cannot set.
-    fn settle(&mut self, path: &Path) {
+    fn note_change(&mut self, path: &Path) {
         let changed = path.metadata().ok().map(|m| (m.ctime(), m.ctime_nsec()));
-        self.unsettled |= changed.is_none() || changed >= self.begun;
+        self.changed |= changed.is_none() || changed >= self.begun;
     }
 
     /// Adds the files of a make rule written by `-MD`, except those in `own`; `folder` is that of the source. Returns
@@ -213,7 +213,7 @@ impl BuildInputs {
                 if !is_systems(&path) && reads_unlisted_files(&bytes) {
                     return None;
                 }
-                self.settle(&path);
+                self.note_change(&path);
                 self.read.push((path.clone(), hash([bytes.as_slice()])));
                 named.push(path);
             }
@@ -227,7 +227,7 @@ impl BuildInputs {
         self.read.iter().map(|(_, hash)| hash.as_str())
     }
 
-    fn holds(&self) -> bool {
+    fn is_current(&self) -> bool {
         let same = |(path, was): &(PathBuf, String)| files::read(path).is_ok_and(|bytes| hash([&bytes[..]]) == *was);
         self.read.iter().all(same) && !self.absent.iter().any(|path| path.exists())
     }

@@ -102,12 +102,12 @@ impl Compiled {
     }
 }
 
-/// Compiles and loads user files; `checked` compiles with bounds checks.
+/// Compiles Fortran and C files to one library, and reads precompiled libraries; `checked` compiles with bounds checks.
 ///
 /// # Errors
 /// All errors in the files, with the compiler's messages.
 pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics> {
-    let files: Vec<PathBuf> = files.iter().map(|file| no_option(file)).collect();
+    let files: Vec<PathBuf> = files.iter().map(|file| escape_dash(file)).collect();
     let mut faults = Diagnostics::default();
     let mut sources = Vec::new();
     let mut libraries = Vec::new();
@@ -125,7 +125,7 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
         return Err(faults);
     }
     let mut notes = Diagnostics::default();
-    leave_to_includes(&mut sources, &mut notes);
+    remove_included_files(&mut sources, &mut notes);
     let mut uncallable = Vec::new();
     if !sources.is_empty() {
         let BuiltLibrary { bytes, identity, uncallable: found } = build(&sources, checked, &mut notes)?;
@@ -138,7 +138,7 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
 }
 
 /// Returns the path in a form that a compiler does not mistake for an option.
-fn no_option(file: &Path) -> PathBuf {
+fn escape_dash(file: &Path) -> PathBuf {
     if file.as_os_str().as_encoded_bytes().starts_with(b"-") { Path::new(".").join(file) } else { file.to_owned() }
 }
 
@@ -426,7 +426,7 @@ impl CallGraph {
     }
 
     /// Returns whether a function calls another, directly or indirectly.
-    fn lead(&self, from: &str, to: &str) -> bool {
+    fn reaches(&self, from: &str, to: &str) -> bool {
         let mut reached = vec![from];
         let mut next = 0;
         while let Some(at) = reached.get(next).copied() {
@@ -465,7 +465,7 @@ impl LibraryBuilder<'_> {
                 arguments.extend(rule_into(&object));
                 let output = run(&self.tools.c, &arguments);
                 let made = self.check_output(file, output);
-                self.follow(file, &object);
+                self.record_inputs(file, &object);
                 made.then_some(object)
             }
             _ => {
@@ -483,12 +483,12 @@ impl LibraryBuilder<'_> {
     }
 
     /// Records the files that the compiler read for an object.
-    fn follow(&mut self, file: &Path, object: &Path) {
-        let followed = |origin: &mut BuildInputs| {
+    fn record_inputs(&mut self, file: &Path, object: &Path) {
+        let recorded = |origin: &mut BuildInputs| {
             let rule = std::fs::read_to_string(object.with_extension("d")).ok()?;
             origin.add(&rule, folder_of(file), self.scratch)
         };
-        if self.origin.as_mut().and_then(followed).is_none() {
+        if self.origin.as_mut().and_then(recorded).is_none() {
             self.origin = None;
         }
     }
@@ -532,7 +532,7 @@ impl LibraryBuilder<'_> {
             let output = run(compiler, &arguments);
             if output.as_ref().is_ok_and(|o| o.status.success()) {
                 self.calls.read(&std::fs::read_to_string(object.with_extension("ci")).unwrap_or_default());
-                self.follow(file, object);
+                self.record_inputs(file, object);
                 let arguments = self.arguments((file, ready), object, FORTRAN_FLAGS, Some(form));
                 let mut arguments: Vec<OsString> = arguments.into_iter().filter(|a| a != "-c").collect();
                 arguments.extend(["-fsyntax-only".into(), "-fc-prototypes-external".into()]);
@@ -597,7 +597,7 @@ impl LibraryBuilder<'_> {
     fn note_missing(&mut self, missing: &str) {
         let plain = missing.trim_end_matches('_');
         for routine in super::ROUTINES {
-            if self.calls.lead(&format!("{routine}_"), missing) || self.calls.lead(routine, missing) {
+            if self.calls.reaches(&format!("{routine}_"), missing) || self.calls.reaches(routine, missing) {
                 let message = format!("{routine} calls `{plain}`, which nothing defines");
                 self.uncallable.push(UncallableRoutine {
                     routine: (*routine).to_owned(),
@@ -673,7 +673,7 @@ fn shortened(text: &str) -> String {
 }
 
 /// Removes files that another one includes; they are compiled with it.
-fn leave_to_includes(sources: &mut Vec<(&Path, SourceLanguage)>, notes: &mut Diagnostics) {
+fn remove_included_files(sources: &mut Vec<(&Path, SourceLanguage)>, notes: &mut Diagnostics) {
     let real = |file: &Path| file.canonicalize().unwrap_or_else(|_| file.to_owned());
     let includes = |file: &Path| {
         let mut seen = BTreeSet::new();
@@ -741,7 +741,7 @@ mod tests {
     fn indirect_calls_are_found() {
         let mut calls = CallGraph::default();
         calls.read("graph: { title: \"t.f\"\nedge: { sourcename: \"vumat_\" targetname: \"t.f:b\" label: \"t.f:4:72\" }\nedge: { sourcename: \"t.f:b\" targetname: \"q_\" label: \"x\" }\n");
-        assert!(calls.lead("vumat_", "q_") && calls.lead("b", "q_") && !calls.lead("q_", "b"));
+        assert!(calls.reaches("vumat_", "q_") && calls.reaches("b", "q_") && !calls.reaches("q_", "b"));
     }
 
     #[test]

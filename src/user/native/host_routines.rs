@@ -275,7 +275,8 @@ host_routines! {
         *status = i32::from(given.is_none());
         if given.is_none() {
             let known = "S, LE, PE, ER, PEEQ, TEMP and SDV";
-            host::report_message(MessageLevel::Warning, format!("vgetvrm: `{variable}` is not available; supported are {known}, if the material has them"));
+            let text = format!("vgetvrm: `{variable}` is not available; supported are {known}, if the material has them");
+            host::report_message(MessageLevel::Warning, text);
         }
     }
 

@@ -65,7 +65,7 @@ const SEEDS: &[&str] = &[
 pub struct RoutineMemory {
     parts: Vec<LibraryMemory>,
     /// Descriptions of state that cannot be saved, known before the first call.
-    hidden: Vec<String>,
+    unsaved: Vec<String>,
     /// Files that were open before the first call.
     open: Mutex<BTreeSet<(PathBuf, PathBuf)>>,
     _keep: Arc<[Library]>,
@@ -91,7 +91,7 @@ struct WritableRange {
     at: usize,
     length: usize,
     /// Content after loading, by page; pages that are not listed were zero.
-    begun: BTreeMap<usize, Box<[u8; PAGE]>>,
+    initial: BTreeMap<usize, Box<[u8; PAGE]>>,
 }
 
 /// A run of consecutive changed cells.
@@ -114,13 +114,13 @@ impl RoutineMemory {
     /// Records the memory of newly loaded libraries.
     pub fn of(parts: Vec<LibraryMemory>, libraries: Arc<[Library]>) -> RoutineMemory {
         let seeds = |part: &LibraryMemory| {
-            let taken = part.symbols.taken.iter().find(|name| SEEDS.contains(&name.as_str()))?;
-            Some(format!("{} draws random numbers (`{taken}`), whose seed belongs to the process", part.name))
+            let imported = part.symbols.imported.iter().find(|name| SEEDS.contains(&name.as_str()))?;
+            Some(format!("{} draws random numbers (`{imported}`), whose seed belongs to the process", part.name))
         };
         let shared = parts.iter().filter(|part| part.shared);
         let shared = shared.map(|part| format!("{} is shared with other libraries of the process", part.name));
-        let hidden = parts.iter().filter_map(seeds).chain(shared).collect();
-        RoutineMemory { parts, hidden, open: Mutex::default(), _keep: libraries }
+        let unsaved = parts.iter().filter_map(seeds).chain(shared).collect();
+        RoutineMemory { parts, unsaved, open: Mutex::default(), _keep: libraries }
     }
 }
 
@@ -161,7 +161,7 @@ impl PersistentMemory for RoutineMemory {
         let files = files.map(|(_, path)| format!("the file {} is open", path.display())).collect();
         let threads = guard::threads_running().into_iter();
         let threads = threads.map(|(routine, _)| format!("a thread that {routine} started still runs")).collect();
-        let lost = [self.hidden.clone(), shortened(bound), shortened(files), threads].concat();
+        let lost = [self.unsaved.clone(), shortened(bound), shortened(files), threads].concat();
         SavedMemory { memory, lost }
     }
 
@@ -240,11 +240,11 @@ impl LibraryMemory {
         for (index, area) in self.areas.iter().enumerate() {
             for page in (0..area.length).step_by(PAGE) {
                 let now = area.read(self.base, page, &mut now);
-                let begun = area.begun(page, now.len());
-                if now == begun {
+                let initial = area.initial(page, now.len());
+                if now == initial {
                     continue;
                 }
-                for (i, (cell, _)) in cells(now).zip(cells(begun)).enumerate().filter(|(_, (a, b))| a != b) {
+                for (i, (cell, _)) in cells(now).zip(cells(initial)).enumerate().filter(|(_, (a, b))| a != b) {
                     let at = page + i * CELL;
                     match changes.last_mut().filter(|last| last.area == index && last.at + last.bytes.len() == at) {
                         Some(last) => last.bytes.extend(cell),
@@ -312,9 +312,9 @@ impl LibraryMemory {
         for area in &self.areas {
             for page in (0..area.length).step_by(PAGE) {
                 let now = area.read(self.base, page, &mut now);
-                let begun = area.begun(page, now.len());
-                if now != begun {
-                    area.write(self.base, page, begun);
+                let initial = area.initial(page, now.len());
+                if now != initial {
+                    area.write(self.base, page, initial);
                 }
             }
         }
@@ -329,11 +329,11 @@ fn cells(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
 impl WritableRange {
     /// Records the content of a newly loaded library.
     fn new(base: usize, at: usize, length: usize) -> WritableRange {
-        let mut area = WritableRange { at, length, begun: BTreeMap::new() };
+        let mut area = WritableRange { at, length, initial: BTreeMap::new() };
         for page in (0..length).step_by(PAGE) {
             let mut bytes = Box::new([0; PAGE]);
             if area.read(base, page, &mut bytes).iter().any(|byte| *byte != 0) {
-                area.begun.insert(page, bytes);
+                area.initial.insert(page, bytes);
             }
         }
         area
@@ -346,8 +346,8 @@ impl WritableRange {
         bytes
     }
 
-    fn begun(&self, page: usize, length: usize) -> &[u8] {
-        &self.begun.get(&page).map_or(&[0; PAGE], |bytes| bytes)[..length]
+    fn initial(&self, page: usize, length: usize) -> &[u8] {
+        &self.initial.get(&page).map_or(&[0; PAGE], |bytes| bytes)[..length]
     }
 
     fn copy(&self, base: usize, from: usize, to: &mut [u8]) {
@@ -373,7 +373,7 @@ struct LoadedObject {
     base: usize,
     /// Offset and length of writable memory, and of the part that is read-only after loading (RELRO).
     written: Vec<(usize, usize)>,
-    sealed: Option<(usize, usize)>,
+    read_only: Option<(usize, usize)>,
     /// As [`LibraryMemory::of_thread`], and the address of the variables of this thread, if used.
     of_thread: Option<[usize; 3]>,
     threads_own: Option<usize>,
@@ -382,7 +382,7 @@ struct LoadedObject {
 impl LoadedObject {
     /// Returns the writable memory without the read-only part, in whole cells.
     fn writable(&self) -> Vec<(usize, usize)> {
-        let (from, length) = self.sealed.unwrap_or_default();
+        let (from, length) = self.read_only.unwrap_or_default();
         let mut list = Vec::new();
         for &(at, size) in &self.written {
             let end = (at + size).next_multiple_of(2 * CELL);
@@ -423,7 +423,7 @@ unsafe extern "C" fn add_loaded(info: *mut libc::dl_phdr_info, _size: usize, lis
         name: name.to_string_lossy().into_owned(),
         base: info.dlpi_addr as usize,
         written: Vec::new(),
-        sealed: None,
+        read_only: None,
         of_thread: None,
         threads_own: (!info.dlpi_tls_data.is_null()).then_some(info.dlpi_tls_data as usize),
     };
@@ -431,7 +431,7 @@ unsafe extern "C" fn add_loaded(info: *mut libc::dl_phdr_info, _size: usize, lis
         let (at, length) = (header.p_vaddr as usize, header.p_memsz as usize);
         match header.p_type {
             libc::PT_LOAD if header.p_flags & MAY_WRITE != 0 => object.written.push((at, length)),
-            libc::PT_GNU_RELRO => object.sealed = Some((at, length)),
+            libc::PT_GNU_RELRO => object.read_only = Some((at, length)),
             libc::PT_TLS => object.of_thread = Some([at, header.p_filesz as usize, length]),
             _ => {}
         }
@@ -463,11 +463,11 @@ mod tests {
 
     #[test]
     fn read_only_memory_is_excluded() {
-        let object = |written: &[(usize, usize)], sealed| LoadedObject {
+        let object = |written: &[(usize, usize)], read_only| LoadedObject {
             name: String::new(),
             base: 0,
             written: written.to_vec(),
-            sealed,
+            read_only,
             of_thread: None,
             threads_own: None,
         };

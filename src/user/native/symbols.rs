@@ -20,7 +20,7 @@ pub struct LibrarySymbols {
     /// Variables in ascending order of their offset.
     pub variables: Vec<LibraryVariable>,
     /// Imported functions and variables.
-    pub taken: Vec<String>,
+    pub imported: Vec<String>,
     /// Needed libraries.
     pub needed: Vec<String>,
 }
@@ -68,7 +68,7 @@ impl LibrarySymbols {
         let (kind, section) = (entry[4] & 0xf, u16::from_le_bytes([entry[6], entry[7]]));
         let symbol = text(names, name);
         if section == UNDEFINED {
-            self.taken.push(symbol);
+            self.imported.push(symbol);
         } else if matches!(kind, OBJECT | OF_THREAD) && size > 0 {
             self.variables.push(LibraryVariable { at, size, of_thread: kind == OF_THREAD, symbol });
         }
@@ -164,7 +164,7 @@ mod tests {
         let file = std::fs::read("/proc/self/exe").expect("this program");
         let symbols = LibrarySymbols::read(&file);
         assert!(symbols.needed.iter().any(|name| name.starts_with("libc.")), "{:?}", symbols.needed);
-        assert!(symbols.taken.iter().any(|name| name == "dl_iterate_phdr") && symbols.variables.len() > 10);
+        assert!(symbols.imported.iter().any(|name| name == "dl_iterate_phdr") && symbols.variables.len() > 10);
         for length in [0, 5, 63, 64, file.len() / 2, file.len() - 1] {
             assert!(LibrarySymbols::read(&file[..length]).variables.len() <= symbols.variables.len());
         }
