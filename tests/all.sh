@@ -1,12 +1,19 @@
 #!/usr/bin/env bash
-# All checks of the project: format, lints, tests, documentation. Says at the end what was left out.
+# All checks of the project: format, lints, spelling, tests, documentation. Lists at the end the checks that were left out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo fmt --all --check
 cargo clippy --release --workspace --all-targets --locked -- -D warnings
 cargo clippy --release --no-default-features --locked -- -D warnings
-# With the features of the Python package: the wheel that they make is built from the same library.
+spelling=""
+if "${REVOLVE_TYPOS:-typos}" --version >/dev/null 2>&1; then
+    "${REVOLVE_TYPOS:-typos}" --config tests/typos.toml
+else
+    spelling="left out: spelling, typos is not installed"
+fi
+# With the features of the Python package, whose wheel is built from the same library.
 cargo test --release --features parquet --locked -- --show-output 2>&1 | tee target/tests.log
+[ -z "$spelling" ] || echo "$spelling" >>target/tests.log
 RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --locked --quiet
 grep -E "^on this machine:" target/tests.log | sort -u || true
 if grep -qE "^(left out|skipped):" target/tests.log; then

@@ -52,7 +52,7 @@ fn entry(keyword: &'static Keyword) -> String {
     }
     let lines: Vec<_> = keyword.data.iter().flat_map(data_lines).collect();
     if !lines.is_empty() {
-        text += "\nData lines:\n";
+        text += "\nData lines:\n\n";
     }
     for (line, words) in lines {
         text += &format!("- {line}\n");

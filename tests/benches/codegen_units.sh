@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What it costs to build the library in sixteen parts instead of one, and to use it from another crate: the copper bar of 2000
-# elements on one thread, the programs in turn, medians of nine runs. Fails above 1.03. Builds two profiles: some ten minutes.
+# Run time of the library built in 16 codegen units instead of one, and used from another crate: the copper bar of 2000 elements on
+# one thread, programs in alternation, medians of nine runs. Fails if a ratio exceeds 1.03. Builds two profiles (about ten minutes).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 cargo build --quiet --release --locked

@@ -1,13 +1,14 @@
-//! Goal: what contact costs: its share of a run, and nanoseconds a facet in contact.
-//! Scene: two plastic blocks of 100 x 100 and 107 x 107 elements that meet with their whole faces, one thread, without friction
-//! and with.
+//! Run time of contact: share of a run, and nanoseconds per facet in contact.
+//!
+//! Scene: two plastic blocks of 100 x 100 and 107 x 107 elements in contact over their whole faces, one thread, with
+//! and without friction.
 
 use revolve::job;
 use revolve::user::Routines;
 
 const ROUNDS: usize = 3;
 
-/// A block of n x n elements over 10 mm, its lower edge at a height, its labels from a number on.
+/// Returns a block of n x n elements over 10 mm with lower edge at `low` and labels from `first` on.
 fn block(name: &str, n: usize, first: usize, low: f64, material: &str) -> String {
     let (row, high) = (n + 1, low + 10.0);
     let last = first + n;
@@ -28,7 +29,7 @@ fn block(name: &str, n: usize, first: usize, low: f64, material: &str) -> String
     )
 }
 
-fn deck(friction: f64) -> String {
+fn contact_deck(friction: f64) -> String {
     let steel = "*Density\n 7.85e-9\n*Elastic\n 207.e3, 0.3\n*Plastic\n 400., 0.\n 800., 0.2\n";
     let soft = "*Density\n 2.71e-9\n*Elastic\n 69.e3, 0.33\n*Plastic\n 200., 0.\n 400., 0.2\n";
     block("A", 100, 1, 0.0, steel)
@@ -42,12 +43,12 @@ fn deck(friction: f64) -> String {
 
 pub fn run() {
     println!(
-        "share of contact in a run of 21 449 elements, nanoseconds a facet in contact and increment, best of {ROUNDS}"
+        "share of contact in a run of 21 449 elements, nanoseconds per facet in contact and increment, best of {ROUNDS}"
     );
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     for friction in [0.0, 0.1] {
         let once = || {
-            let prepared = job::prepare_text("blocks.inp", &deck(friction), &[], &Routines::none());
+            let prepared = job::prepare_text("blocks.inp", &contact_deck(friction), &[], &Routines::none());
             assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
             let (outcome, _) = job::run_in_memory(&prepared);
             let rows = prepared.plan.ledger.effects.iter().zip(&outcome.effect_seconds);

@@ -1,6 +1,7 @@
-//! What things cost: times as ratios to plain loops in the same run. Nothing is asserted of a time: machines differ.
+//! Benchmarks: run times as ratios to plain loops of the same run. No time is asserted, because machines differ.
 //!
-//! `cargo bench` runs all, `cargo bench NAME` those whose name contains it. Beside costs: what random scenes come to.
+//! `cargo bench` runs all benchmarks, `cargo bench NAME` those whose name contains NAME. `scenes` prints statistics of
+//! random scenes.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -17,7 +18,7 @@ mod scenes;
 mod solid_cost;
 mod user_cost;
 
-/// A name and what it runs.
+/// Benchmarks by name.
 const BENCHES: &[(&str, fn())] = &[
     ("increment_cost", increment_cost::run),
     ("solid_cost", solid_cost::run),
@@ -32,7 +33,7 @@ const BENCHES: &[(&str, fn())] = &[
 ];
 
 fn main() {
-    // What begins with a dash is cargo's, numbers are for those who ask for them.
+    // Options belong to cargo, numbers are arguments of a benchmark.
     let is_name = |a: &String| !a.starts_with('-') && a.parse::<u64>().is_err();
     let names: Vec<String> = std::env::args().skip(1).filter(is_name).collect();
     for (name, run) in BENCHES.iter().filter(|b| names.is_empty() || names.iter().any(|n| b.0.contains(n.as_str()))) {

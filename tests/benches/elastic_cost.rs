@@ -1,5 +1,5 @@
-//! Goal: an elastic deck pays nothing for plasticity, failure or equations of state. The group that a deck brings to life is
-//! measured in alternation with the same loop built for a law that holds no code of plasticity at all.
+//! An elastic deck has no run time for plasticity, failure or equations of state. The element group of a deck is
+//! measured in alternation with the same loop for a law without any code of plasticity.
 
 use std::time::Instant as Stopwatch;
 
@@ -14,11 +14,11 @@ use revolve::solve::Instant;
 use revolve::user::{PointRoutines, Routines};
 
 use crate::common;
-use crate::common::routines::Bare;
+use crate::common::routines::NoPlasticity;
 use crate::common::solid::{grid, material};
 
-/// Nanoseconds an element of one pass, the best of some.
-fn pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut CornerForces, best: &mut f64) {
+/// Measures one pass in nanoseconds per element and keeps the smallest value.
+fn time_pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut CornerForces, best: &mut f64) {
     let begin = Stopwatch::now();
     for _ in 0..4 {
         group.update(ElementPass {
@@ -36,12 +36,12 @@ fn pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut CornerForces
 }
 
 pub fn run() {
-    // Fewer elements than are spread over threads.
+    // Fewer elements than are distributed over threads.
     let n = 64;
     let deck = |plastic: &str| {
         grid(n, n, false, |i, j| [0.1 * i as f64, 0.1 * j as f64])
             + &material(200e3, 0.3, 7.85e-9, plastic)
-            // Without the strains that a deck without requests would follow.
+            // Without strains, which are computed only on request.
             + "*Step\n*Dynamic, Explicit\n , 1.\n*Output, history\n*Energy Output\n ALLIE\n*End Step\n"
     };
     let groups = |plastic: &str| common::prepared(&deck(plastic), &[], &Routines::none()).state;
@@ -58,16 +58,17 @@ pub fn run() {
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: [0.06, 1.2],
     };
-    let mut bare = QuadGroup::new(VonMises::new(Bare, ConstantBulkModulus), constants, 7.85e-9, &elements, nodes);
+    let mut without_plasticity =
+        QuadGroup::new(VonMises::new(NoPlasticity, ConstantBulkModulus), constants, 7.85e-9, &elements, nodes);
     let mut corners = CornerForces::new(elements.len().div_ceil(LANES), false);
     let [mut deck, mut without, mut with] = [f64::INFINITY; 3];
     for _ in 0..150 {
-        pass(&mut *elastic.elements.groups[0], nodes, &mut corners, &mut deck);
-        pass(&mut bare, nodes, &mut corners, &mut without);
-        pass(&mut *plastic.elements.groups[0], nodes, &mut corners, &mut with);
+        time_pass(&mut *elastic.elements.groups[0], nodes, &mut corners, &mut deck);
+        time_pass(&mut without_plasticity, nodes, &mut corners, &mut without);
+        time_pass(&mut *plastic.elements.groups[0], nodes, &mut corners, &mut with);
     }
     println!(
-        "elastic deck {deck:.2} ns an element ({:.3}), without plasticity {without:.2}, with it {with:.2} ({:.3})",
+        "elastic deck {deck:.2} ns per element ({:.3}), without plasticity {without:.2}, with it {with:.2} ({:.3})",
         deck / without,
         with / without
     );

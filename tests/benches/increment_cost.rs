@@ -1,6 +1,7 @@
-//! Goal: what an increment of a rigid shot costs beside a hand-written scalar loop of the same arithmetic, in one run.
-//! Scene: the ogive fully embedded in one layer, 20, 200 and 2000 facets, fixed increments.
-//! The loop: v_n of every facet, its pressure, the sum of forces, central differences with the predicted velocity.
+//! Run time of an increment of a rigid body, compared with a scalar loop of the same arithmetic in the same run.
+//!
+//! Scene: ogive fully embedded in one layer, 20, 200 and 2000 facets, fixed increments. Loop: normal velocity and
+//! pressure of every facet, sum of forces, central differences with predicted velocity.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -11,26 +12,26 @@ use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 const INCREMENTS: usize = 200_000;
 const ROUNDS: usize = 15;
 
-/// Heavy, so that it flies on at much the same speed through all the increments.
+/// A large mass keeps the velocity nearly constant over all increments.
 const MASS: f64 = 1e4;
 const C0: f64 = 5.0394 * 276e6;
 const C2: f64 = 0.9830 * 2710.0;
 
-struct Scene {
-    facets: Vec<Facet>,
+struct FacetScene {
+    facets: Vec<PlainFacet>,
     deck: String,
 }
 
 #[derive(Clone, Copy)]
-struct Facet {
+struct PlainFacet {
     normal_z: f64,
     area: f64,
 }
 
-/// Straight facets along the ogive of calibre-radius-head 3, as the deck's nodes give them.
-fn scene(n: usize) -> Scene {
+/// Returns straight facets along the CRH 3 ogive with the nodes of the deck.
+fn scene(n: usize) -> FacetScene {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/input/ogive.inp");
-    let deck = std::fs::read_to_string(path).expect("the seed deck");
+    let deck = std::fs::read_to_string(path).expect("the ogive deck");
     let dt = 1e-3 / INCREMENTS as f64;
     let deck = deck
         .replace("n    = 20", &format!("n = {n}"))
@@ -50,13 +51,13 @@ fn scene(n: usize) -> Scene {
     let facet = |i: usize| {
         let (p, q) = (node(i), node(i + 1));
         let length = (q[0] - p[0]).hypot(q[1] - p[1]);
-        Facet { normal_z: -(q[0] - p[0]) / length, area: std::f64::consts::PI * (p[0] + q[0]) * length }
+        PlainFacet { normal_z: -(q[0] - p[0]) / length, area: std::f64::consts::PI * (p[0] + q[0]) * length }
     };
-    Scene { facets: (0..n).map(facet).collect(), deck }
+    FacetScene { facets: (0..n).map(facet).collect(), deck }
 }
 
-/// Nanoseconds an increment of the plain loop, and where the body got to.
-fn plain(facets: &[Facet]) -> (f64, f64) {
+/// Returns nanoseconds per increment of the plain loop, and the final kinetic energy.
+fn plain_loop(facets: &[PlainFacet]) -> (f64, f64) {
     let begin = Instant::now();
     let dt = black_box(1e-3 / INCREMENTS as f64);
     let (mut v, mut u, mut a, mut half) = (-569.0, 0.0, 0.0, -569.0);
@@ -81,9 +82,9 @@ fn plain(facets: &[Facet]) -> (f64, f64) {
     (begin.elapsed().as_secs_f64() * 1e9 / INCREMENTS as f64, 0.5 * MASS * v * v)
 }
 
-struct Cavity;
+struct CavityLoad;
 
-impl UserLoad for Cavity {
+impl UserLoad for CavityLoad {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         let velocities = points.velocity_r.iter().zip(points.velocity_z);
         let normals = points.normal_r.iter().zip(points.normal_z);
@@ -95,8 +96,8 @@ impl UserLoad for Cavity {
     }
 }
 
-/// Nanoseconds an increment of the solver, and where the body got to.
-fn solver(deck: &str, routines: &Routines) -> (f64, f64) {
+/// Returns nanoseconds per increment of the solver, and the final kinetic energy.
+fn solver_run(deck: &str, routines: &Routines) -> (f64, f64) {
     let prepared = job::prepare_text("ogive.inp", deck, &[], routines);
     let text = prepared.diagnostics.render(&prepared.deck.sources);
     assert!(!prepared.diagnostics.has_errors(), "{text}");
@@ -105,17 +106,17 @@ fn solver(deck: &str, routines: &Routines) -> (f64, f64) {
     (outcome.seconds * 1e9 / INCREMENTS as f64, outcome.energy.kinetic)
 }
 
-/// What CAVITY and a user load take, in times of the plain loop: each measured in turn, the best of all rounds.
-fn compare(n: usize) {
-    let Scene { facets, deck } = scene(n);
+/// Prints the run times of CAVITY and of a user load relative to the plain loop: measured in turn, best of all rounds.
+fn compare_run_times(n: usize) {
+    let FacetScene { facets, deck } = scene(n);
     let own = deck.replace("*Dsload, target=BLOCK, friction=<friction>\n NOSE, CAVITY", "*Dsload\n NOSE, PNU");
-    let routine = Routines::none().with_load(Cavity);
+    let routine = Routines::none().with_load(CavityLoad);
     let mut best = [f64::INFINITY; 3];
     for _ in 0..if n == 2000 { 3 } else { ROUNDS } {
-        let runs = [plain(black_box(&facets)), solver(&deck, &Routines::none()), solver(&own, &routine)];
+        let runs = [plain_loop(black_box(&facets)), solver_run(&deck, &Routines::none()), solver_run(&own, &routine)];
         for (best, run) in best.iter_mut().zip(runs) {
             *best = best.min(run.0);
-            // The same arithmetic in another order of summing facets and over 200 000 increments.
+            // The same arithmetic with another order of summation over 200 000 increments.
             let difference = (run.1 / runs[0].1 - 1.0).abs();
             assert!(difference < 1e-11, "{n} facets: kinetic energy differs by {difference:e}");
         }
@@ -129,8 +130,8 @@ fn compare(n: usize) {
 }
 
 pub fn run() {
-    println!("nanoseconds an increment, best of {ROUNDS} in turn (ratio to the plain loop)");
+    println!("nanoseconds per increment, best of {ROUNDS} in turn (ratio to the plain loop)");
     for n in [20, 200, 2000] {
-        compare(n);
+        compare_run_times(n);
     }
 }

@@ -1,10 +1,12 @@
-//! Goal: what a law costs, beside von Mises plasticity with straight hardening and beside a plain scalar loop of that.
-//! Scene: the copper Taylor bar of 2 000 elements, from the impact to the end of its flow, one thread.
+//! Run time of material laws, compared with von Mises plasticity with linear hardening and with a plain scalar loop of
+//! it.
+//!
+//! Scene: copper Taylor bar of 2 000 elements until the end of plastic flow, one thread.
 
 use revolve::job;
 use revolve::user::Routines;
 
-use super::plain_solid::Bar;
+use super::plain_solid::PlainBar;
 use crate::common;
 
 const ROUNDS: usize = 3;
@@ -15,14 +17,14 @@ const ROWS: &str = "*Plastic\n 400.e6, 0.\n 500.e6, 1.\n 900.e6, 5.\n";
 
 /// Elastic constants of copper.
 const COPPER: &str = "*Elastic\n 117.e9, 0.35\n";
-/// Laws without the stiffness of copper, or with an equation of state in its place.
+/// Laws without the stiffness of copper, or with an equation of state.
 const OTHERS: [(&str, &str); 7] = [
     (
-        "USUP, straight hardening",
+        "USUP, linear hardening",
         "*Eos, type=USUP\n 3940., 1.489, 2.\n*Elastic, type=SHEAR\n 43.e9,\n*Plastic\n 400.e6, 0.\n 500.e6, 1.\n",
     ),
     (
-        "TABULAR equation, straight hardening",
+        "TABULAR equation, linear hardening",
         "*Eos, type=TABULAR\n 0., 0., 0.\n 100.e9, 1., -0.5\n 400.e9, 1.5, -1.\n*Elastic, type=SHEAR\n 43.e9,\n*Plastic\n 400.e6, 0.\n 500.e6, 1.\n",
     ),
     ("NEO HOOKE", "*Hyperelastic, neo hooke\n 20.e9, 1.5e-11\n"),
@@ -35,13 +37,13 @@ const OTHERS: [(&str, &str); 7] = [
     ),
 ];
 
-/// Nanoseconds an element and increment under a law, the best of some runs.
-fn cost(law: &str) -> f64 {
+/// Returns nanoseconds per element and increment with a law, the best of several runs.
+fn law_nanoseconds(law: &str) -> f64 {
     let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
     let begin = text.find("*Elastic").expect("a law");
-    let end = text.find("*Initial").expect("a card behind");
-    let (before, behind) = (&text[..begin], &text[end..]);
-    let mut text = format!("{before}{law}{behind}");
+    let end = text.find("*Initial").expect("a later card");
+    let (before, after) = (&text[..begin], &text[end..]);
+    let mut text = format!("{before}{law}{after}");
     if law.contains("*Specific Heat") {
         text = text.replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, adiabatic\n");
         text = text.replacen("*Step", "*Initial Conditions, type=TEMPERATURE\n BAR, 20.\n*Step", 1);
@@ -62,10 +64,10 @@ fn cost(law: &str) -> f64 {
     })
 }
 
-/// The same of the plain loop.
-fn plain() -> f64 {
+/// Returns the same for the plain loop.
+fn plain_nanoseconds() -> f64 {
     let once = || {
-        let mut bar = Bar::new(20, 100);
+        let mut bar = PlainBar::new(20, 100);
         let begin = std::time::Instant::now();
         bar.run(2000, std::hint::black_box(1e-9));
         begin.elapsed().as_secs_f64() * 1e9 / (2000.0 * 2000.0)
@@ -78,22 +80,22 @@ pub fn run() {
         ("straight hardening", ROWS.to_owned()),
         ("elastic", String::new()),
         ("kinematic", "*Plastic, hardening=KINEMATIC\n 400.e6, 0.\n 500.e6, 1.\n".to_owned()),
-        ("table of 3 rows whose slope grows", "*Plastic\n 400.e6, 0.\n 410.e6, 0.1\n 500.e6, 1.\n".to_owned()),
-        ("tables at 2 temperatures, heat", format!("{}{HEAT}", tables())),
+        ("table of 3 rows with increasing slope", "*Plastic\n 400.e6, 0.\n 410.e6, 0.1\n 500.e6, 1.\n".to_owned()),
+        ("tables at 2 temperatures, heat", format!("{}{HEAT}", temperature_tables())),
         ("Johnson-Cook", JOHNSON_COOK.to_owned()),
         ("Johnson-Cook, rate", format!("{JOHNSON_COOK}{RATE}")),
         ("Johnson-Cook, rate, heat", format!("{JOHNSON_COOK}{RATE}{HEAT}")),
         ("Cowper-Symonds", format!("{ROWS}*Rate Dependent\n 1.e5, 4.\n")),
-        ("ratios over rate", format!("{ROWS}*Rate Dependent, type=YIELD RATIO\n 1., 0.\n 1.2, 1.e3\n 1.5, 1.e6\n")),
-        ("Johnson-Cook, rate, heat, failure", format!("{JOHNSON_COOK}{RATE}{HEAT}{}", failure())),
+        ("ratios by rate", format!("{ROWS}*Rate Dependent, type=YIELD RATIO\n 1., 0.\n 1.2, 1.e3\n 1.5, 1.e6\n")),
+        ("Johnson-Cook, rate, heat, failure", format!("{JOHNSON_COOK}{RATE}{HEAT}{}", failure_card())),
     ];
-    let (mut straight, loops) = (f64::NAN, plain());
+    let (mut straight, loops) = (f64::NAN, plain_nanoseconds());
     println!(
-        "nanoseconds an element and increment, best of {ROUNDS} (over straight hardening; over the plain loop, {loops:.1})"
+        "nanoseconds per element and increment, best of {ROUNDS} (over linear hardening; over the plain loop, {loops:.1})"
     );
     let of_copper = laws.map(|(name, law)| (name, format!("{COPPER}{law}")));
     for (name, law) in of_copper.into_iter().chain(OTHERS.map(|(name, law)| (name, law.to_owned()))) {
-        let cost = cost(&law);
+        let cost = law_nanoseconds(&law);
         if straight.is_nan() {
             straight = cost;
         }
@@ -101,12 +103,12 @@ pub fn run() {
     }
 }
 
-fn tables() -> String {
+fn temperature_tables() -> String {
     let at = |factor: f64, t: f64| format!(" {}, 0., {t}\n {}, 1., {t}\n", 400e6 * factor, 500e6 * factor);
     format!("*Plastic\n{}{}", at(1.0, 20.0), at(0.5, 500.0))
 }
 
-/// Johnson and Cook's failure strain of copper, with strains that are never met.
-fn failure() -> &'static str {
+/// Returns the Johnson-Cook failure strain of copper with strains that are never reached.
+fn failure_card() -> &'static str {
     "*Shear Failure, type=JOHNSON COOK\n 5.4, 48.9, -3.03, 0.014, 1.12\n"
 }

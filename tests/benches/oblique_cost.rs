@@ -1,6 +1,7 @@
-//! Goal: what an increment with six degrees of freedom costs beside one of the same shot along its axis, in one run.
-//! Scene: the ogive of the seed deck, 20 facets, entering and in one layer, fixed increments; the tilted one with 64 stations, with and
-//! without friction, and with its shank, half of which is loaded wherever it slides.
+//! Run time of an increment with six degrees of freedom, compared with the same body in axial motion in the same run.
+//!
+//! Scene: ogive with 20 facets, during entry and in one layer, fixed increments. The inclined body has 64 stations,
+//! with and without friction, and with its shank, half of which is loaded when it slides.
 
 use std::time::Instant;
 
@@ -12,7 +13,7 @@ use crate::common;
 const INCREMENTS: usize = 100_000;
 const ROUNDS: usize = 7;
 
-/// The least nanoseconds an increment of a deck over some rounds.
+/// Returns the smallest time in nanoseconds per increment over several rounds.
 fn nanoseconds(deck: &str, settings: &[(&str, &str)]) -> f64 {
     let prepared = common::prepared(deck, settings, &Routines::none());
     let round = |_| {
@@ -23,7 +24,7 @@ fn nanoseconds(deck: &str, settings: &[(&str, &str)]) -> f64 {
     (0..ROUNDS).map(round).fold(f64::INFINITY, f64::min)
 }
 
-/// The seed deck or the oblique one with fixed increments, no output, a heavy body.
+/// Returns the ogive deck or the oblique deck with fixed increments, without output, with a large mass.
 fn deck(path: &str) -> String {
     let text = std::fs::read_to_string(common::project(path)).expect("a shipped deck");
     let fixed = format!("*Dynamic, Explicit, direct user control\n {:e}, 1.e-4", 1e-4 / INCREMENTS as f64);

@@ -1,4 +1,5 @@
-//! Goal: what stands around the increments costs: a study beside its runs, the whole process beside its time loop.
+//! Run time outside the increments: a study compared with its runs, the whole process compared with its time loop.
+//!
 //! Scene: the default deck.
 
 use std::process::Command;
@@ -13,7 +14,7 @@ use revolve::user::Routines;
 
 const DECK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/input/ogive.inp");
 
-/// Seconds of a study over seconds of its runs.
+/// Returns the time of a study over the time of its runs.
 fn study() -> f64 {
     let source = |overrides: &ParameterOverrides| deck::read(DECK.as_ref(), overrides);
     let measure = Quantity::parse("final(U2@REF)").expect("a quantity");
@@ -25,7 +26,7 @@ fn study() -> f64 {
     begin.elapsed().as_secs_f64() / bench.spent()
 }
 
-/// Milliseconds of the whole process with its frames, and of the time loop alone.
+/// Returns milliseconds of the whole process including frames, and of the time loop alone.
 fn process() -> [f64; 2] {
     let folder = tempfile::tempdir().expect("a folder");
     let begin = Instant::now();

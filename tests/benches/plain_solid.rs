@@ -1,6 +1,8 @@
-//! The copper Taylor bar in a plain scalar loop: an array of structs, one element after the other, forces added to the nodes.
-//! The mathematics is that of the solver (CAX4R, von Mises with hardening, stiffness hourglass control that relaxes, bulk
-//! viscosity, all energies, the stable increment), corner by corner as textbooks have it.
+//! Copper Taylor bar in a plain scalar loop: an array of structs, one element after the other, forces added to the
+//! nodes.
+//!
+//! The mathematics is that of the solver (CAX4R, von Mises with hardening, relaxing stiffness hourglass control, bulk
+//! viscosity, all energies, stable increment), written corner by corner as in textbooks.
 
 use std::f64::consts::PI;
 
@@ -13,7 +15,7 @@ const UNIT: f64 = PI / 3.0;
 const DENSITY: f64 = 8930.0;
 const SHEAR: f64 = 117e9 / 2.7;
 const BULK: f64 = 117e9 / 0.9;
-/// Yield stress at no plastic strain, and slope: the least of the lines holds.
+/// Yield stress at zero plastic strain and slope of each line; the smallest line applies.
 const LINES: [[f64; 2]; 2] = [[400e6, 100e6], [900e6, 0.0]];
 const HOURGLASS: f64 = 0.005;
 const VISCOSITY: [f64; 2] = [0.06, 1.2];
@@ -33,25 +35,26 @@ struct Element {
     hourglass: [f64; 2],
     viscous: f64,
     strain: f64,
-    /// Part of the trial stress that the return to the yield surface left.
+    /// Ratio of yield stress to trial stress in the last return mapping.
     left: f64,
     inverse_mass: [f64; 4],
 }
 
-/// A bar that flies against a wall.
-pub struct Bar {
+/// Bar that moves against a wall.
+pub struct PlainBar {
     nodes: Vec<Node>,
     elements: Vec<Element>,
     /// Work of the stress, plastic, of the bulk viscosity and of the hourglass control.
     pub energies: [f64; 4],
-    /// Energy of the motion.
+    /// Kinetic energy.
     pub kinetic: f64,
-    /// Highest rate of an element.
+    /// Largest frequency of an element.
     pub rate: f64,
 }
 
-/// Integrals of the gradient operators of a quadrilateral over the ring, in units of pi/3 (Flanagan and Belytschko 1981, eqs. 13 to 21,
-/// carried over to the ring): along z the derivative of the volume, along r that less the integral of N_I/r.
+/// Integrals of the gradient operators of an axisymmetric quadrilateral, in units of pi/3 (Flanagan and Belytschko
+/// 1981, eqs. 13 to 21, extended to axisymmetry): along z the derivative of the volume, along r this derivative less
+/// the integral of N_I/r.
 struct Gradient {
     r: [f64; 4],
     z: [f64; 4],
@@ -68,7 +71,7 @@ fn gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
     let t2 = r21 * z31 - r31 * z21;
     let t4 = r31 * z41 - r41 * z31;
     let double = t2 + t4;
-    // int N_I dA = (A + T_I)/6 with plain areas.
+    // int N_I dA = (A + T_I)/6 with plane areas.
     let hoop = [double + t1, double + t2, double + double - t1, double + t4].map(|t| 0.5 * t);
     let (mut by_r, mut by_z, mut moment) = ([0.0; 4], [0.0; 4], 0.0);
     for i in 0..4 {
@@ -86,9 +89,9 @@ fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }
 
-impl Bar {
-    /// Of `nr` by `nz` elements.
-    pub fn new(nr: usize, nz: usize) -> Bar {
+impl PlainBar {
+    /// Creates a bar of `nr` by `nz` elements.
+    pub fn new(nr: usize, nz: usize) -> PlainBar {
         let node = |n: usize| {
             let (i, j) = (n % (nr + 1), n / (nr + 1));
             let place = [3.2e-3 * i as f64 / nr as f64, 32.4e-3 * j as f64 / nz as f64];
@@ -112,10 +115,10 @@ impl Bar {
                 inverse_mass: masses.map(|m| 1.0 / m),
             });
         }
-        Bar { nodes, elements, energies: [0.0; 4], kinetic: 0.0, rate: 0.0 }
+        PlainBar { nodes, elements, energies: [0.0; 4], kinetic: 0.0, rate: 0.0 }
     }
 
-    /// So many increments of central differences.
+    /// Runs `increments` of central differences.
     pub fn run(&mut self, increments: usize, dt: f64) {
         self.forces(0.0);
         self.velocities(0.0, 0.5 * dt);
@@ -129,14 +132,14 @@ impl Bar {
         }
     }
 
-    fn velocities(&mut self, behind: f64, ahead: f64) {
+    fn velocities(&mut self, previous: f64, next: f64) {
         self.kinetic = 0.0;
         for node in &mut self.nodes {
             let acceleration = [node.force[0] / node.mass, if node.held { 0.0 } else { node.force[1] / node.mass }];
-            // The energy that central differences keep: velocities half an increment before and after.
-            let energy = |i: usize| node.velocity[i] * (node.velocity[i] + 2.0 * behind * acceleration[i]);
+            // Kinetic energy of central differences: product of the velocities half an increment before and after.
+            let energy = |i: usize| node.velocity[i] * (node.velocity[i] + 2.0 * previous * acceleration[i]);
             self.kinetic += 0.5 * node.mass * (energy(0) + energy(1));
-            node.velocity = [0, 1].map(|i| node.velocity[i] + (behind + ahead) * acceleration[i]);
+            node.velocity = [0, 1].map(|i| node.velocity[i] + (previous + next) * acceleration[i]);
             node.force = [0.0; 2];
         }
     }
@@ -147,8 +150,8 @@ impl Bar {
             let nodes = element.nodes.map(|n| self.nodes[n]);
             let [r, z] = [0, 1].map(|i| nodes.map(|n| n.place[i]));
             let [v_r, v_z] = [0, 1].map(|i| nodes.map(|n| n.velocity[i]));
-            let (strain, volume) = element.stretch(dt, r, z, v_r, v_z, &mut self.energies);
-            let (forces, rate) = element.push(dt, r, z, v_r, v_z, strain, volume, &mut self.energies);
+            let (strain, volume) = element.update_stress(dt, r, z, v_r, v_z, &mut self.energies);
+            let (forces, rate) = element.corner_forces(dt, r, z, v_r, v_z, strain, volume, &mut self.energies);
             self.rate = self.rate.max(rate);
             for (&n, force) in element.nodes.iter().zip(forces) {
                 self.nodes[n].force[0] -= force[0];
@@ -159,8 +162,8 @@ impl Bar {
 }
 
 impl Element {
-    /// The stress at the end of the increment; change of volume and volume at its middle.
-    fn stretch(
+    /// Returns the change of volume and the volume at the middle of the increment, and updates the stress to its end.
+    fn update_stress(
         &mut self,
         dt: f64,
         r: [f64; 4],
@@ -197,9 +200,9 @@ impl Element {
         (dilation, volume)
     }
 
-    /// Forces of the corners, and the rate of the element.
+    /// Returns the corner forces and the frequency of the element.
     #[allow(clippy::too_many_arguments)]
-    fn push(
+    fn corner_forces(
         &mut self,
         dt: f64,
         r: [f64; 4],

@@ -1,16 +1,17 @@
-//! Goal: what single precision saves, as a ratio to double precision in the same run.
-//! Scene: the copper Taylor bar of `solid_cost`, the two precisions in alternation, on each instruction set and one thread and two.
+//! Run time in single precision, as a ratio to double precision in the same run.
+//!
+//! Scene: copper Taylor bar of `solid_cost`, both precisions in alternation, each instruction set, one and two threads.
 
 use revolve::model::Precision;
 
-use super::solid_cost::{Pair, ROUNDS, SETS, SIZES};
+use super::solid_cost::{ROUNDS, SETS, SIZES, TimedPair};
 
 pub fn run() {
-    println!("nanoseconds an element and increment in double precision and in single, best of {ROUNDS}");
+    println!("nanoseconds per element and increment in double precision and in single, best of {ROUNDS}");
     for (size, increments) in SIZES {
         for (name, set) in SETS {
             for threads in [1, 2] {
-                let pair = |precision| Pair::new(size, increments, precision, set);
+                let pair = |precision| TimedPair::new(size, increments, precision, set);
                 let (Some(mut double), Some(mut single)) = (pair(Precision::Double), pair(Precision::Single)) else {
                     continue;
                 };

@@ -1,12 +1,14 @@
-//! What random physical scenes come to. `cargo bench scenes -- 1000` runs a thousand, `SCENES_SEED=7` others than the usual ones,
-//! `SCENES_FROM=500` goes on at a number; `SCENES_KEEP=FOLDER` keeps the decks of those that should not be. Without a number a hundred.
+//! Statistics of random physical scenes.
+//!
+//! `cargo bench scenes -- 1000` runs a thousand scenes (default 100); `SCENES_SEED=7` selects other scenes,
+//! `SCENES_FROM=500` continues from a number, and `SCENES_KEEP=FOLDER` keeps the decks of failed scenes.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use crate::common::scenes::{End, Verdict, judge};
+use crate::common::scenes::{SceneResult, SceneVerdict, judge};
 
-/// Runs and prints.
+/// Runs the scenes and prints their statistics.
 pub fn run() {
     let count = std::env::args().find_map(|a| a.parse::<u64>().ok()).unwrap_or(100);
     let number = |name: &str| std::env::var(name).ok().and_then(|s| s.parse::<u64>().ok());
@@ -21,11 +23,11 @@ pub fn run() {
         longest = longest.max((begin.elapsed(), number));
         increments += verdict.increments;
         *ends.entry(verdict.end).or_insert(0_u64) += 1;
-        if verdict.end == End::Halted {
+        if verdict.end == SceneResult::Halted {
             *codes.entry(verdict.words[..4].to_owned()).or_insert(0_u64) += 1;
         }
-        if verdict.end.is_fault() || verdict.end == End::Refused {
-            tell(&verdict);
+        if verdict.end.is_fault() || verdict.end == SceneResult::Refused {
+            print_verdict(&verdict);
         }
     }
     println!("{count} scenes of seed {seed}, {increments} increments, {:.0} s", begin.elapsed().as_secs_f64());
@@ -35,8 +37,8 @@ pub fn run() {
     println!("halts: {codes:?}; longest {:.1?}, scene {}", longest.0, longest.1);
 }
 
-fn tell(verdict: &Verdict) {
-    let Verdict { number, name, deck, end, drift, words, increments } = verdict;
+fn print_verdict(verdict: &SceneVerdict) {
+    let SceneVerdict { number, name, deck, end, drift, words, increments } = verdict;
     println!("scene {number} ({name}): {end:?}, drift {drift:.2e} after {increments} increments\n{}", words.trim_end());
     if let Ok(folder) = std::env::var("SCENES_KEEP") {
         std::fs::write(format!("{folder}/scene_{number}.inp"), deck).expect("a deck");

@@ -1,7 +1,8 @@
-//! Goal: what a whole increment of deformable elements costs, beside a plain scalar loop of the same arithmetic, in one run.
-//! Scene: the copper Taylor bar (CAX4R, von Mises with hardening, stiffness hourglass control, bulk viscosity, all energies)
-//! with 2 000, 32 768 and 524 288 elements, fixed increments, by instruction set, one thread and two.
-//! The loop: `plain_solid`.
+//! Run time of a whole increment of deformable elements, compared with a plain scalar loop of the same arithmetic
+//! (`plain_solid`) in the same run.
+//!
+//! Scene: copper Taylor bar (CAX4R, von Mises with hardening, stiffness hourglass control, bulk viscosity, all
+//! energies) with 2 000, 32 768 and 524 288 elements, fixed increments, each instruction set, one and two threads.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -11,53 +12,52 @@ use revolve::job::{self, Instructions, PreparedJob};
 use revolve::model::Precision;
 use revolve::user::Routines;
 
-use super::plain_solid::Bar;
+use super::plain_solid::PlainBar;
 use crate::common;
 
 pub const ROUNDS: usize = 3;
-/// Length of an increment, seconds.
+/// Increment in seconds.
 const DT: f64 = 1e-9;
 /// Elements along r and z, and increments of the shorter of two runs.
 pub const SIZES: [([usize; 2], usize); 3] = [([20, 100], 300), ([128, 256], 300), ([512, 1024], 40)];
-/// By how much the other is longer.
+/// Ratio of the increments of the longer run to those of the shorter.
 const LONGER: usize = 4;
 
-/// Instruction sets that are compared, with their names.
+/// Compared instruction sets with their names.
 pub const SETS: [(&str, Instructions); 2] = [("AVX2", Instructions::Avx2), ("AVX-512", Instructions::Avx512)];
 
-/// A bar that is run twice, the second time for longer: what runs take at their start and end, and while memory is touched for
-/// the first time, cancels.
-pub struct Pair {
+/// A short and a long run of one bar: the difference of their times excludes start, end and first memory access.
+pub struct TimedPair {
     runs: [PreparedJob; 2],
     best: [f64; 2],
     elements: usize,
     increments: usize,
 }
 
-impl Pair {
-    /// A bar of so many elements along r and z; `None` where the machine does not have the instruction set.
-    pub fn new([nr, nz]: [usize; 2], increments: usize, precision: Precision, set: Instructions) -> Option<Pair> {
-        let mut runs = [increments, LONGER * increments].map(|count| bar([nr, nz], count, precision));
+impl TimedPair {
+    /// Prepares a bar with `nr` by `nz` elements; `None` if the machine lacks the instruction set.
+    pub fn new([nr, nz]: [usize; 2], increments: usize, precision: Precision, set: Instructions) -> Option<TimedPair> {
+        let mut runs = [increments, LONGER * increments].map(|count| prepared_bar([nr, nz], count, precision));
         runs.iter_mut().all(|run| run.use_instructions(set).is_ok()).then_some(())?;
-        Some(Pair { runs, best: [f64::INFINITY; 2], elements: nr * nz, increments })
+        Some(TimedPair { runs, best: [f64::INFINITY; 2], elements: nr * nz, increments })
     }
 
-    /// Runs both once more. Returns the energy of the motion at the end of the shorter.
+    /// Runs both once more and returns the final kinetic energy of the shorter run.
     pub fn run(&mut self, threads: usize) -> f64 {
-        let done = self.runs.each_ref().map(|run| timed(run, threads));
+        let done = self.runs.each_ref().map(|run| time_run(run, threads));
         self.best = [0, 1].map(|i| self.best[i].min(done[i].0));
         done[0].1
     }
 
-    /// Nanoseconds an element and increment so far.
+    /// Returns the best time so far in nanoseconds per element and increment.
     pub fn nanoseconds(&self) -> f64 {
         let more = (LONGER - 1) * self.increments * self.elements;
         (self.best[1] - self.best[0]) * 1e9 / more as f64
     }
 }
 
-/// The Taylor bar with so many elements along r and z and increments of a fixed length.
-fn bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -> PreparedJob {
+/// Prepares the Taylor bar with `nr` by `nz` elements and fixed increments.
+fn prepared_bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -> PreparedJob {
     let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
     let time = DT * increments as f64;
     let text = text.replace(
@@ -73,19 +73,19 @@ fn bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -> Prepare
     prepared
 }
 
-/// Seconds in the time loop on so many threads, and the energy of the motion.
-fn timed(prepared: &PreparedJob, threads: usize) -> (f64, f64) {
+/// Returns the seconds of the time loop on `threads` threads, and the final kinetic energy.
+fn time_run(prepared: &PreparedJob, threads: usize) -> (f64, f64) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     let (outcome, _) = pool.install(|| job::run_in_memory(prepared));
     assert_eq!(outcome.halt, None);
     (outcome.seconds, outcome.energy.kinetic)
 }
 
-/// Nanoseconds an element and increment of the plain loop, and the energy of the motion.
-fn plain(nr: usize, nz: usize, increments: usize) -> (f64, f64) {
+/// Returns nanoseconds per element and increment of the plain loop, and the final kinetic energy.
+fn plain_loop(nr: usize, nz: usize, increments: usize) -> (f64, f64) {
     let mut best = (f64::INFINITY, 0.0);
     for _ in 0..ROUNDS {
-        let mut bar = Bar::new(nr, nz);
+        let mut bar = PlainBar::new(nr, nz);
         let begin = Instant::now();
         bar.run(increments, black_box(DT));
         let seconds = begin.elapsed().as_secs_f64();
@@ -95,7 +95,8 @@ fn plain(nr: usize, nz: usize, increments: usize) -> (f64, f64) {
     best
 }
 
-/// Additions and multiplications a second of a plain loop, in units of 1e9: the baseline instruction set's.
+/// Returns the additions and multiplications per second of a plain loop with the baseline instruction set, in units of
+/// 1e9.
 fn arithmetic() -> f64 {
     let mut lanes = black_box([1.0f64; 64]);
     let (factor, term) = (black_box(0.999_999), black_box(1e-9));
@@ -110,7 +111,7 @@ fn arithmetic() -> f64 {
     (rounds * 128) as f64 / begin.elapsed().as_secs_f64() / 1e9
 }
 
-/// Bandwidth of a = b + s c over arrays that fit no cache, in GB/s.
+/// Returns the bandwidth of a = b + s c in GB/s for arrays larger than the caches.
 fn triad() -> f64 {
     let n = 8_000_000;
     let (b, c) = (vec![1.0; n], vec![2.0; n]);
@@ -130,15 +131,15 @@ fn triad() -> f64 {
 
 pub fn run() {
     println!("machine: {:.1} G add-or-mul/s (baseline instructions), triad {:.1} GB/s", arithmetic(), triad());
-    println!("nanoseconds an element and increment, best of {ROUNDS} (the plain loop over them)");
+    println!("nanoseconds per element and increment, best of {ROUNDS} (the plain loop over them)");
     for ([nr, nz], increments) in SIZES {
-        let (plain, motion) = plain(nr, nz, increments);
+        let (plain, motion) = plain_loop(nr, nz, increments);
         println!("{} elements, plain loop {plain:.1}", nr * nz);
         for (name, set) in SETS {
             let costs = [1, 2].map(|threads| {
-                let mut pair = Pair::new([nr, nz], increments, Precision::Double, set)?;
+                let mut pair = TimedPair::new([nr, nz], increments, Precision::Double, set)?;
                 for _ in 0..ROUNDS {
-                    // The same arithmetic in another order of adding forces.
+                    // The same arithmetic with another order of summation of forces.
                     let difference = (pair.run(threads) / motion - 1.0).abs();
                     assert!(difference < 1e-10, "kinetic energy differs by {difference:e}");
                 }

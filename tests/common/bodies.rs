@@ -1,4 +1,4 @@
-//! Decks of several bodies that meet, and what they answer.
+//! Decks of several bodies in contact, and the results of their runs.
 
 use revolve::job::PreparedJob;
 use revolve::output::OutputFrame;
@@ -7,21 +7,22 @@ use revolve::solve::{self, Outcome};
 use revolve::user::Routines;
 
 use super::solid::grid;
-use super::{Memory, prepared};
+use super::{RecordedOutput, prepared};
 
-/// A body of its own: a part that is a grid, of the material of the same name, with more cards of the part behind it.
+/// Returns a part of one body: a grid of elements with the material of the same name, followed by further cards.
 pub fn part(name: &str, [n, m]: [usize; 2], place: impl Fn(usize, usize) -> [f64; 2], more: &str) -> String {
     let grid = grid(n, m, false, place);
     format!("*Part, name={name}\n{grid}*Solid Section, elset=SOLID, material={name}\n{more}*End Part\n")
 }
 
-/// Each part once, where it was made; cards of the assembly behind them.
+/// Returns an assembly with one instance of each part at its original position, followed by further cards.
 pub fn assembly(names: &[&str], more: &str) -> String {
     let each = names.iter().map(|n| format!("*Instance, name={n}, part={n}\n*End Instance\n"));
     format!("*Assembly, name=ALL\n{}{more}*End Assembly\n", each.collect::<String>())
 }
 
-/// A rigid body of lines between corners, its side SPOS to the left of the way, its reference node the set REF.
+/// Returns a part with a rigid body of line elements between corners. Its face SPOS is on the left of the direction of
+/// travel; its reference node is the set REF.
 pub fn rigid_line(name: &str, corners: &[[f64; 2]], more: &str) -> String {
     let mut text = format!("*Part, name={name}\n*Node, nset=REF\n 1000, 0., 0.\n*Node\n");
     for (i, [r, z]) in corners.iter().enumerate() {
@@ -34,35 +35,34 @@ pub fn rigid_line(name: &str, corners: &[[f64; 2]], more: &str) -> String {
     text + &format!("*Surface, name=SKIN\n E, SPOS\n{more}*End Part\n")
 }
 
-/// An elastic material.
 pub fn elastic(name: &str, [modulus, ratio, density]: [f64; 3], more: &str) -> String {
     format!("*Material, name={name}\n*Density\n {density:e},\n*Elastic\n {modulus:e}, {ratio}\n{more}")
 }
 
-/// A run and where it began.
-pub struct Ran {
+/// A finished run with its initial state.
+pub struct DeckRun {
     pub prepared: PreparedJob,
     pub outcome: Outcome,
-    pub memory: Memory,
+    pub memory: RecordedOutput,
     pub state: State,
 }
 
 /// Runs a deck to its end.
-pub fn run(deck: &str) -> Ran {
+pub fn run(deck: &str) -> DeckRun {
     let prepared = prepared(deck, &[], &Routines::none());
-    let mut memory = Memory::default();
+    let mut memory = RecordedOutput::default();
     let (outcome, state) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
-    Ran { prepared, outcome, memory, state }
+    DeckRun { prepared, outcome, memory, state }
 }
 
-impl Ran {
-    /// The same, of a run that must come to its end.
-    pub fn whole(self) -> Ran {
+impl DeckRun {
+    /// Returns the run after asserting that it was completed.
+    pub fn whole(self) -> DeckRun {
         assert_eq!(self.outcome.halt, None, "{:?}", self.outcome.halt);
         self
     }
 
-    /// Nodes of an instance: in the mesh and in the solver.
+    /// Returns the nodes of an instance as pairs of mesh index and solver index.
     pub fn nodes(&self, instance: &str) -> Vec<[usize; 2]> {
         let prefix = format!("{instance}.");
         let names = &self.prepared.plan.mesh.node_names;
@@ -70,47 +70,48 @@ impl Ran {
         own.map(|(&node, &place)| [node, place]).collect()
     }
 
-    /// Axial momentum of all that deforms, and of rigid bodies, at the end.
+    /// Returns the final axial momentum of all deformable and rigid bodies.
     pub fn momentum(&self) -> f64 {
         let (nodes, bodies) = (&self.state.dofs.nodes, &self.state.dofs.bodies);
         let of_nodes: f64 = nodes.as_slice().iter().zip(&nodes.mass).map(|(n, m)| m * n.v_z).sum();
         of_nodes + bodies.iter().map(|b| b.mass * b.velocity_half).sum::<f64>()
     }
 
-    /// Axial momentum of an instance in a frame that shows V.
+    /// Returns the axial momentum of an instance in a frame with the field V.
     pub fn momentum_of(&self, nodes: &[[usize; 2]], frame: &OutputFrame) -> f64 {
         let velocity = point_field(frame, "V");
         nodes.iter().map(|&[node, place]| self.state.dofs.nodes.mass[place] * velocity[2 * node + 1]).sum()
     }
 
-    /// Values of a column over time.
+    /// Returns time and value of each row of a column.
     pub fn column(&self, name: &str) -> Vec<[f64; 2]> {
         let at = self.prepared.plan.columns.iter().position(|c| c.name == name).expect("a column");
         self.memory.rows.iter().map(|row| [row.0, row.1[at]]).collect()
     }
 
-    /// The frame at the end.
+    /// Returns the last frame.
     pub fn end(&self) -> &OutputFrame {
         self.memory.frames.last().expect("a frame")
     }
 }
 
-/// A field of nodes.
+/// Returns the values of a nodal field.
 pub fn point_field<'a>(frame: &'a OutputFrame, name: &str) -> &'a [f64] {
     &frame.point_fields.iter().find(|f| f.name == name).expect("a field").values
 }
 
-/// A field of elements.
+/// Returns the values of an element field.
 pub fn cell_field<'a>(frame: &'a OutputFrame, name: &str) -> &'a [f64] {
     &frame.cell_fields.iter().find(|f| f.name == name).expect("a field").values
 }
 
-/// Numbers in two figures.
+/// Formats numbers with two significant digits.
 pub fn short(numbers: &[f64]) -> String {
     numbers.iter().map(|x| format!("{x:.1e}")).collect::<Vec<_>>().join(" ")
 }
 
-/// Numbers between two bounds without order, the same for a seed in every run (Marsaglia 2003, J. Stat. Softw. 8(14)).
+/// Returns a generator of uniform random numbers between two bounds; a seed gives the same sequence in every run
+/// (Marsaglia 2003, J. Stat. Softw. 8(14)).
 pub fn between(seed: u64) -> impl FnMut(f64, f64) -> f64 {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) + 1;
     move |low, high| {

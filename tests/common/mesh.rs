@@ -1,10 +1,10 @@
-//! The mesh of a model as a file.
+//! Mesh files of models.
 
 use revolve::model::Model;
 use revolve::output::{FieldArray, OutputFrame};
 
-/// The mesh of a model with labels and sets, to be written as `.vtu`; `*MESH` reads it back to the same model. Labels of
-/// instances cannot be told apart by number, so a model with instances gets new ones.
+/// Returns the mesh of a model with labels and sets, to be written as `.vtu`; `*MESH` reads it back to the same model.
+/// Labels of different instances are not unique, so a model with instances gets new labels.
 pub fn mesh_frame(model: &Model) -> OutputFrame {
     let mesh = &model.mesh;
     let mut frame = OutputFrame {

@@ -1,4 +1,4 @@
-//! What several tests share: the seed deck, runs in memory, exact depths by quadrature.
+//! Helpers of several tests: the reference deck `ogive.inp`, runs in memory, decks of bodies.
 #![allow(dead_code)] // Each binary uses a part.
 
 pub mod bodies;
@@ -27,12 +27,12 @@ pub fn revolve(arguments: &[&str]) -> Output {
         .expect("the program runs")
 }
 
-/// Path of a file of the project.
+/// Returns the path of a file of the project.
 pub fn project(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// Whether there is a Fortran compiler; without one says what is left out. In CI there must be.
+/// Returns whether a Fortran compiler is installed; without one the test prints that it was left out. CI requires one.
 pub fn fortran(what: &str) -> bool {
     let compiler = std::env::var("FC").unwrap_or_else(|_| "gfortran".into());
     let found = Command::new(compiler).arg("--version").output().is_ok_and(|o| o.status.success());
@@ -43,7 +43,7 @@ pub fn fortran(what: &str) -> bool {
     found
 }
 
-/// The first two components of a field over points, by the solver's nodes: points stand in the order of the mesh.
+/// Returns the first two components of a nodal field by solver node; the field is in mesh order.
 pub fn at_nodes(prepared: &PreparedJob, values: &[f64]) -> Vec<[f64; 2]> {
     let places = &prepared.plan.places.nodes;
     let components = values.len() / places.len();
@@ -54,19 +54,19 @@ pub fn at_nodes(prepared: &PreparedJob, values: &[f64]) -> Vec<[f64; 2]> {
     list
 }
 
-/// `--set` pairs.
+/// Returns `--set` settings as owned pairs.
 pub fn pairs(settings: &[(&str, &str)]) -> Vec<(String, String)> {
     settings.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect()
 }
 
-/// Keeps rows and frames in memory.
+/// Output sink that stores rows and frames in memory.
 #[derive(Default)]
-pub struct Memory {
+pub struct RecordedOutput {
     pub rows: Vec<(f64, Vec<f64>)>,
     pub frames: Vec<OutputFrame>,
 }
 
-impl Sink for Memory {
+impl Sink for RecordedOutput {
     fn wants_frames(&self) -> bool {
         true
     }
@@ -80,7 +80,7 @@ impl Sink for Memory {
     }
 }
 
-/// A deck that must be without errors.
+/// Prepares a deck and asserts that it has no errors.
 pub fn prepared(text: &str, settings: &[(&str, &str)], routines: &Routines) -> PreparedJob {
     let overrides: &ParameterOverrides = &pairs(settings);
     let prepared = job::prepare_text("test.inp", text, overrides, routines);
@@ -88,7 +88,7 @@ pub fn prepared(text: &str, settings: &[(&str, &str)], routines: &Routines) -> P
     prepared
 }
 
-/// The same with elements in single precision.
+/// Prepares a deck with elements in single precision and asserts that it has no errors.
 pub fn prepared_in_single(text: &str, settings: &[(&str, &str)], routines: &Routines) -> PreparedJob {
     let read = deck::read_text("test.inp", text, &pairs(settings));
     let prepared = job::prepare_edited(read, &mut |model| model.settings.precision = Precision::Single, routines);
@@ -96,29 +96,29 @@ pub fn prepared_in_single(text: &str, settings: &[(&str, &str)], routines: &Rout
     prepared
 }
 
-/// Runs a deck text in memory, in double precision and in single.
-pub fn run_in_both(text: &str, settings: &[(&str, &str)], routines: &Routines) -> [(Outcome, Memory); 2] {
+/// Runs a deck text in memory, in double and in single precision.
+pub fn run_in_both(text: &str, settings: &[(&str, &str)], routines: &Routines) -> [(Outcome, RecordedOutput); 2] {
     [prepared(text, settings, routines), prepared_in_single(text, settings, routines)].map(|prepared| {
-        let mut memory = Memory::default();
+        let mut memory = RecordedOutput::default();
         let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
         (outcome, memory)
     })
 }
 
 /// Runs a deck text in memory.
-pub fn run(text: &str, settings: &[(&str, &str)], routines: &Routines) -> (Outcome, Memory) {
+pub fn run(text: &str, settings: &[(&str, &str)], routines: &Routines) -> (Outcome, RecordedOutput) {
     let prepared = prepared(text, settings, routines);
-    let mut memory = Memory::default();
+    let mut memory = RecordedOutput::default();
     let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
     (outcome, memory)
 }
 
-/// The text of the seed deck.
+/// Returns the text of `input/ogive.inp`.
 pub fn ogive() -> String {
     std::fs::read_to_string(project("input/ogive.inp")).expect("the seed deck")
 }
 
-/// Runs the seed deck into files.
+/// Runs `input/ogive.inp` into files.
 pub fn run_ogive(folder: &Path, settings: &[(&str, &str)]) {
     let prepared = job::prepare(&project("input/ogive.inp"), &pairs(settings), &Routines::none());
     assert!(!prepared.diagnostics.has_errors());

@@ -1,12 +1,12 @@
-//! A law and a load that several tests run.
+//! A hardening law and a load that several tests run.
 
 use revolve::internals::plasticity::{FlowUpdate, HardeningLaw};
 use revolve::user::{LoadFailure, LoadPoints, UserLoad};
 
-/// A law without anything: what is called here would be noticed.
-pub struct Bare;
+/// Hardening law without plasticity, whose update must not be called.
+pub struct NoPlasticity;
 
-impl HardeningLaw for Bare {
+impl HardeningLaw for NoPlasticity {
     type State = ();
     const PLASTIC: bool = false;
 
@@ -21,10 +21,10 @@ impl HardeningLaw for Bare {
     }
 }
 
-/// The seed paper's resistance in Rust, in the order of operations of `input/vdload_cavity.f`.
-pub struct Cavity;
+/// Resistance of `input/vdload_cavity.f` in Rust, with the same order of operations.
+pub struct CavityResistance;
 
-impl UserLoad for Cavity {
+impl UserLoad for CavityResistance {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         for (k, p) in pressure.iter_mut().enumerate() {
             let vn = points.velocity_r[k] * points.normal_r[k] + points.velocity_z[k] * points.normal_z[k];

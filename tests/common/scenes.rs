@@ -1,5 +1,5 @@
-//! Random physical scenes: bodies, meshes, materials over the whole table, loads, contact, walls, erosion, hourglass control,
-//! rigid noses. What each came to is judged: books closed, a word, or a halt with a place.
+//! Random physical scenes: bodies, meshes, all materials, loads, contact, walls, erosion, hourglass control, rigid
+//! noses. Each result is classified: energy balance closed, warning issued, or halted with increment and time.
 //!
 //! The same seed and number give the same scene on every machine.
 
@@ -10,89 +10,89 @@ use revolve::job;
 use revolve::solve::{self, Instant, Outcome};
 use revolve::user::{AnalysisMoment, LoadFailure, Routines, RunAction, UserEvents};
 
-use super::Memory;
+use super::RecordedOutput;
 use super::bodies::{assembly, between, rigid_line};
 use super::solid::grid;
 
-/// Increments after which a scene has shown what it has to.
+/// Increments after which a scene is ended.
 const MOST: u64 = 6000;
 
-/// A drift that is the books' own.
+/// Largest relative energy drift that needs no warning.
 const CLOSED: f64 = 0.01;
-/// A drift that no run may end with.
+/// Largest relative energy drift of any completed run.
 const HALTS: f64 = 0.2;
 
-/// How a scene ended.
+/// Result of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum End {
-    /// Books closed within 1 %, without a word.
+pub enum SceneResult {
+    /// Energy balance closed within 1 %, no warning.
     Closed,
-    /// Books closed, and something else was told.
-    ClosedAndTold,
-    /// Drift above 1 %, told.
-    Told,
+    /// Energy balance closed within 1 %, with a warning about something else.
+    ClosedWithWarning,
+    /// Energy drift above 1 %, with a warning.
+    WarnedDrift,
     /// Halted with an increment and a time.
     Halted,
-    /// Refused by the deck's rooms: the generator meant something that is not allowed.
+    /// Rejected when the deck was read: the generator made invalid input.
     Refused,
-    /// Drift above 1 % and not a word of it.
-    Silent,
-    /// Drift above 20 % to the end.
-    Beyond,
-    /// A number that is not finite at the end.
+    /// Energy drift above 1 % without a warning.
+    SilentDrift,
+    /// Completed with an energy drift above 20 %.
+    ExcessiveDrift,
+    /// A final energy that is not finite.
     NotFinite,
-    /// A halt without a place.
+    /// Halted without increment or time.
     Unlocated,
-    /// A panic.
+    /// Panicked.
     Panicked,
 }
 
-impl End {
-    /// What must never be.
+impl SceneResult {
+    /// Returns whether the result is an error of the program.
     pub fn is_fault(self) -> bool {
-        self > End::Refused
+        self > SceneResult::Refused
     }
 }
 
-/// A scene and what it came to.
-pub struct Verdict {
+/// A scene and its result.
+pub struct SceneVerdict {
     pub number: u64,
     pub name: String,
     pub deck: String,
-    pub end: End,
+    pub end: SceneResult,
     pub drift: f64,
     pub words: String,
     pub increments: u64,
 }
 
-type Dice<'a> = &'a mut dyn FnMut(f64, f64) -> f64;
+type RandomNumbers<'a> = &'a mut dyn FnMut(f64, f64) -> f64;
 
-/// Ends a run after some thousand increments.
-struct Enough;
+/// Ends a run after `MOST` increments.
+struct IncrementBudget;
 
-impl UserEvents for Enough {
+impl UserEvents for IncrementBudget {
     fn moment(&mut self, _: AnalysisMoment, now: &Instant, _: f64) -> Result<RunAction, LoadFailure> {
         Ok(if now.increment < MOST { RunAction::Continue } else { RunAction::EndAnalysis })
     }
 }
 
-fn pick<'a, T: ?Sized>(dice: Dice<'_>, list: &[&'a T]) -> &'a T {
+fn pick<'a, T: ?Sized>(dice: RandomNumbers<'_>, list: &[&'a T]) -> &'a T {
     list[dice(0.0, list.len() as f64) as usize]
 }
 
-fn power(dice: Dice<'_>, low: f64, high: f64) -> f64 {
+fn power(dice: RandomNumbers<'_>, low: f64, high: f64) -> f64 {
     10_f64.powf(dice(low, high))
 }
 
-/// A material: its name here, stiffness and density that it has, cards.
-struct Law {
+/// A material: its name, stiffness, density and cards.
+struct SceneMaterial {
     name: &'static str,
     modulus: f64,
     density: f64,
     cards: String,
-    /// Whether hourglass control may be chosen: rubber and gases have their own.
+    /// Whether hourglass control may be selected; rubber and gases have their own.
     has_shear: bool,
-    /// Cards behind those of nodes.
+    /// Cards that follow those of nodes.
     conditions: String,
 }
 
@@ -118,7 +118,7 @@ const LAWS: [&str; 19] = [
     "explosive",
 ];
 
-fn law(name: &'static str, dice: Dice<'_>) -> Law {
+fn law(name: &'static str, dice: RandomNumbers<'_>) -> SceneMaterial {
     let density = power(dice, 2.0, 4.3);
     let modulus = power(dice, 6.0, 11.5);
     let yields = modulus * power(dice, -4.0, -1.7);
@@ -189,18 +189,18 @@ fn law(name: &'static str, dice: Dice<'_>) -> Law {
         "explosive" => (1630.0 * 6930.0 * 6930.0, 1630.0),
         _ => (modulus, density),
     };
-    // A gas has its temperature as an energy a mass.
+    // The initial temperature of a gas is given as energy per mass.
     let conditions = match name {
         "ideal gas" => format!("*Initial Conditions, type=SPECIFIC ENERGY\n @SOLID, {:e}\n", 718.0 * temperature),
         _ => String::new(),
     };
     let cards = format!("*Density\n {density:e},\n{cards}");
     let has_shear = !["ideal gas", "explosive", "neo-Hooke", "Mooney-Rivlin", "Ogden"].contains(&name);
-    Law { name, modulus, density, cards, has_shear, conditions }
+    SceneMaterial { name, modulus, density, cards, has_shear, conditions }
 }
 
-/// A grid of cells with its size.
-struct Body {
+/// A grid of cells and its size.
+struct SceneBody {
     cells: [usize; 2],
     inner: f64,
     size: [f64; 2],
@@ -208,7 +208,7 @@ struct Body {
     triangles: bool,
 }
 
-fn body(dice: Dice<'_>, base: f64, most: [f64; 2], bottom: f64) -> Body {
+fn body(dice: RandomNumbers<'_>, base: f64, most: [f64; 2], bottom: f64) -> SceneBody {
     let cells = [dice(1.0, most[0]) as usize, dice(1.0, most[1]) as usize];
     let cell = power(dice, -4.0, -1.0) * base;
     let aspect = if dice(0.0, 1.0) < 0.5 { dice(0.5, 2.0) } else { power(dice, -1.0, 1.0) };
@@ -230,10 +230,10 @@ fn body(dice: Dice<'_>, base: f64, most: [f64; 2], bottom: f64) -> Body {
     if triangles {
         text += &edges_of_triangles(cells);
     }
-    Body { cells, inner, size, text, triangles }
+    SceneBody { cells, inner, size, text, triangles }
 }
 
-/// Sets and surfaces of the lower and upper edge, which grids of triangles lack.
+/// Returns the sets and surfaces of the lower and upper edge, which grids of triangles lack.
 fn edges_of_triangles([n, m]: [usize; 2]) -> String {
     let row = n + 1;
     let mut text = format!(
@@ -253,7 +253,7 @@ fn edges_of_triangles([n, m]: [usize; 2]) -> String {
     text
 }
 
-fn section(law: &Law, dice: Dice<'_>, material: &str) -> (String, String) {
+fn section(law: &SceneMaterial, dice: RandomNumbers<'_>, material: &str) -> (String, String) {
     let kinds: &[&str] = if law.has_shear {
         &["", "", "RELAX STIFFNESS", "STIFFNESS", "VISCOUS", "COMBINED", "ENHANCED"]
     } else {
@@ -280,7 +280,7 @@ fn out() -> &'static str {
     "*Output, field, number interval=1\n*Node Output\n U\n*Element Output\n S\n*End Step\n"
 }
 
-fn erosion(dice: Dice<'_>) -> String {
+fn erosion(dice: RandomNumbers<'_>) -> String {
     match dice(0.0, 1.0) {
         x if x < 0.7 => String::new(),
         x if x < 0.85 => "*Erosion, distortion=0.05\n".into(),
@@ -288,11 +288,11 @@ fn erosion(dice: Dice<'_>) -> String {
     }
 }
 
-/// A deck of a number.
+/// Returns name and deck of the scene with a number.
 pub fn deck(seed: u64, number: u64) -> (String, String) {
     let mut between = between(seed.wrapping_mul(1_000_003).wrapping_add(number));
-    let dice: Dice<'_> = &mut between;
-    // The first few numbers depend on the seed alone in their leading digits.
+    let dice: RandomNumbers<'_> = &mut between;
+    // The leading digits of the first few random numbers depend on the seed alone.
     for _ in 0..8 {
         dice(0.0, 1.0);
     }
@@ -303,8 +303,8 @@ pub fn deck(seed: u64, number: u64) -> (String, String) {
     }
 }
 
-/// One body under a load, perhaps against a wall.
-fn single(dice: Dice<'_>) -> (String, String) {
+/// Returns one body under a load, with or without a wall.
+fn single(dice: RandomNumbers<'_>) -> (String, String) {
     let law = law(LAWS[dice(0.0, LAWS.len() as f64) as usize], dice);
     let body = body(dice, 1.0, [6.0, 10.0], 0.0);
     let (controls, section) = section(&law, dice, "M");
@@ -359,11 +359,11 @@ fn single(dice: Dice<'_>) -> (String, String) {
     (format!("{}, {load}, {controls}, {shape}", law.name), text)
 }
 
-fn part(name: &str, body: &Body, section: &str) -> String {
+fn part(name: &str, body: &SceneBody, section: &str) -> String {
     format!("*Part, name={name}\n{}{section}*End Part\n", body.text)
 }
 
-fn interaction(dice: Dice<'_>) -> String {
+fn interaction(dice: RandomNumbers<'_>) -> String {
     if dice(0.0, 1.0) < 0.5 {
         "*Surface Interaction, name=I\n".into()
     } else {
@@ -371,19 +371,19 @@ fn interaction(dice: Dice<'_>) -> String {
     }
 }
 
-/// Two bodies that fly at each other.
-fn pair(dice: Dice<'_>) -> (String, String) {
+/// Returns two bodies that collide.
+fn pair(dice: RandomNumbers<'_>) -> (String, String) {
     let laws = [0, 1].map(|_| law(LAWS[dice(0.0, 17.0) as usize], dice));
     let lower = body(dice, 1.0, [6.0, 8.0], 0.0);
     let upper = body(dice, 1.0, [6.0, 8.0], 0.0);
-    // Both about the axis, the upper one above the lower.
+    // Both centred on the axis, `upper` above `lower`.
     let scale = lower.size[0] / upper.size[0] * dice(0.4, 1.6);
     let height = lower.size[1] * 1.02;
     let place = |i: usize, j: usize| {
         let at = |a: usize, k: usize| upper.size[a] * k as f64 / upper.cells[a] as f64 * scale;
         [lower.inner + at(0, i), height + at(1, j)]
     };
-    let upper = Body { text: grid(upper.cells[0], upper.cells[1], false, place), triangles: false, ..upper };
+    let upper = SceneBody { text: grid(upper.cells[0], upper.cells[1], false, place), triangles: false, ..upper };
     let sections = [section(&laws[0], dice, "M1").1, section(&laws[1], dice, "M2").1];
     let sound = laws.iter().map(|l| (l.modulus / l.density).sqrt()).fold(f64::INFINITY, f64::min);
     let speed = sound * power(dice, -3.0, -0.5);
@@ -408,11 +408,11 @@ fn pair(dice: Dice<'_>) -> (String, String) {
     (format!("{} against {}", laws[1].name, laws[0].name), text)
 }
 
-/// A rigid nose into a block.
-fn nose(dice: Dice<'_>) -> (String, String) {
+/// Returns a rigid nose that hits a block.
+fn nose(dice: RandomNumbers<'_>) -> (String, String) {
     let law = law(LAWS[dice(0.0, 17.0) as usize], dice);
     let mut block = body(dice, 1.0, [8.0, 8.0], 0.0);
-    // About the axis.
+    // Centred on the axis.
     let (n, m, size) = (block.cells[0], block.cells[1], block.size);
     block.text = grid(n, m, false, |i, j| [size[0] * i as f64 / n as f64, size[1] * (j as f64 / m as f64 - 1.0)]);
     let section = section(&law, dice, "M").1;
@@ -437,23 +437,23 @@ fn nose(dice: Dice<'_>) -> (String, String) {
     (format!("rigid nose into {}", law.name), text)
 }
 
-/// Runs a scene and judges it.
-pub fn judge(seed: u64, number: u64) -> Verdict {
+/// Runs a scene and classifies its result.
+pub fn judge(seed: u64, number: u64) -> SceneVerdict {
     let (name, deck) = deck(seed, number);
     let verdict = |end, drift, words: String, increments| {
         let (name, deck) = (name.clone(), deck.clone());
-        Verdict { number, name, deck, end, drift, words, increments }
+        SceneVerdict { number, name, deck, end, drift, words, increments }
     };
     let ran = catch_unwind(AssertUnwindSafe(|| {
-        let prepared = job::prepare_text("scene.inp", &deck, &[], &Routines::none().with_events(Enough));
+        let prepared = job::prepare_text("scene.inp", &deck, &[], &Routines::none().with_events(IncrementBudget));
         if prepared.diagnostics.has_errors() {
             return Err(prepared.diagnostics.render(&prepared.deck.sources));
         }
-        Ok(solve::run(&prepared.plan, prepared.state.clone(), &mut Memory::default()).0)
+        Ok(solve::run(&prepared.plan, prepared.state.clone(), &mut RecordedOutput::default()).0)
     }));
     match ran {
-        Err(_) => verdict(End::Panicked, f64::NAN, String::new(), 0),
-        Ok(Err(words)) => verdict(End::Refused, 0.0, words, 0),
+        Err(_) => verdict(SceneResult::Panicked, f64::NAN, String::new(), 0),
+        Ok(Err(words)) => verdict(SceneResult::Refused, 0.0, words, 0),
         Ok(Ok(outcome)) => {
             let (end, words) = of(&outcome);
             verdict(end, outcome.energy.drift, words, outcome.increments)
@@ -461,19 +461,22 @@ pub fn judge(seed: u64, number: u64) -> Verdict {
     }
 }
 
-fn of(outcome: &Outcome) -> (End, String) {
-    let (drift, told) = (outcome.energy.drift, outcome.warnings.join("\n"));
+fn of(outcome: &Outcome) -> (SceneResult, String) {
+    let (drift, message_text) = (outcome.energy.drift, outcome.warnings.join("\n"));
     if let Some(halt) = &outcome.halt {
         let located = ["increment", "time"].iter().all(|word| halt.reason.contains(word));
-        return (if located { End::Halted } else { End::Unlocated }, format!("{}: {}", halt.code, halt.reason));
+        return (
+            if located { SceneResult::Halted } else { SceneResult::Unlocated },
+            format!("{}: {}", halt.code, halt.reason),
+        );
     }
     let end = match drift {
-        d if !d.is_finite() || !outcome.energy.total.is_finite() => End::NotFinite,
-        d if d > HALTS => End::Beyond,
-        d if d > CLOSED && told.contains("ETOTAL") => End::Told,
-        d if d > CLOSED => End::Silent,
-        _ if told.is_empty() => End::Closed,
-        _ => End::ClosedAndTold,
+        d if !d.is_finite() || !outcome.energy.total.is_finite() => SceneResult::NotFinite,
+        d if d > HALTS => SceneResult::ExcessiveDrift,
+        d if d > CLOSED && message_text.contains("ETOTAL") => SceneResult::WarnedDrift,
+        d if d > CLOSED => SceneResult::SilentDrift,
+        _ if message_text.is_empty() => SceneResult::Closed,
+        _ => SceneResult::ClosedWithWarning,
     };
-    (end, told)
+    (end, message_text)
 }

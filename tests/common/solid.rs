@@ -1,15 +1,15 @@
-//! Decks of deformable bodies and what they answer.
+//! Decks of one deformable body and their results.
 
 use std::fmt::Write as _;
 
 use revolve::solve::Outcome;
 use revolve::user::Routines;
 
-use super::spheres::Warp;
-use super::{Memory, prepared};
+use super::spheres::MeshMap;
+use super::{RecordedOutput, prepared};
 
-/// Nodes and quadrilaterals of a grid of `n` by `m` cells: `place(i, j)` gives `[r, z]`. Node (i, j) is 1 + i + j (n + 1).
-/// Sets I0, I1, J0, J1 hold the nodes of the four edges; surfaces of the same names the faces.
+/// Returns nodes and elements of a grid of `n` by `m` cells; `place(i, j)` gives `[r, z]` of node 1 + i + j (n + 1). A
+/// grid of quadrilaterals has node sets and surfaces I0, I1, J0, J1 on its four edges.
 pub fn grid(n: usize, m: usize, triangles: bool, place: impl Fn(usize, usize) -> [f64; 2]) -> String {
     let node = |i: usize, j: usize| 1 + i + j * (n + 1);
     let mut text = String::from("*Node, nset=ALL\n");
@@ -52,8 +52,8 @@ pub fn grid(n: usize, m: usize, triangles: bool, place: impl Fn(usize, usize) ->
     text
 }
 
-/// A deck whose mesh is a [`grid`] of `n` by `m` cells, both even, with six-node triangles (CAX6M) in place of the quadrilaterals:
-/// two of each four, on the same nodes and with surfaces of the same names.
+/// Returns a deck whose mesh, a [`grid`] of `n` by `m` quadrilaterals (both even), is replaced by six-node triangles
+/// (CAX6M): two for four quadrilaterals, with the same nodes and surfaces.
 pub fn in_six_node_triangles(deck: &str, [n, m]: [usize; 2]) -> String {
     let (begin, end) = ("*Element, type=CAX4R, elset=SOLID\n", "*Surface, name=J1\n EJ1, S3\n");
     let from = deck.find(begin).expect("elements of a grid");
@@ -69,7 +69,7 @@ pub fn in_six_node_triangles(deck: &str, [n, m]: [usize; 2]) -> String {
         writeln!(text, " {lower}, {a}, {b}, {c}, {below}, {right}, {middle}").expect("text");
         writeln!(text, " {upper}, {a}, {c}, {d}, {middle}, {above}, {left}").expect("text");
         let outside = [(i == 0, upper), (i + 2 == n, lower), (j == 0, lower), (j + 2 == m, upper)];
-        for (side, (_, element)) in sides.iter_mut().zip(outside).filter(|(_, (lies, _))| *lies) {
+        for (side, (_, element)) in sides.iter_mut().zip(outside).filter(|(_, (is_outside, _))| *is_outside) {
             side.2.push(element);
         }
     }
@@ -95,8 +95,9 @@ pub fn material(e: f64, nu: f64, density: f64, more: &str) -> String {
     )
 }
 
-/// The copper bar (3.2 by 32.4 mm) that meets a wall at 227 m/s, for 80 microseconds: rows of its tip and of the rim of its foot.
-pub fn copper_bar([n, m]: [usize; 2], triangles: bool, warp: Warp) -> String {
+/// Returns the deck of a copper bar (3.2 by 32.4 mm) that hits a rigid wall at 227 m/s, for 80 microseconds, with
+/// history rows of its tip and of the rim of its foot.
+pub fn copper_bar([n, m]: [usize; 2], triangles: bool, warp: MeshMap) -> String {
     let place = |i: usize, j: usize| {
         let [x, y] = warp([i as f64 / n as f64, j as f64 / m as f64]);
         [3.2 * x, 32.4 * y]
@@ -113,17 +114,17 @@ pub fn copper_bar([n, m]: [usize; 2], triangles: bool, warp: Warp) -> String {
            *Node Output, nset=RIM\n COOR1\n*End Step\n"
 }
 
-pub fn run(text: &str) -> (Outcome, Memory) {
+pub fn run(text: &str) -> (Outcome, RecordedOutput) {
     super::run(text, &[], &Routines::none())
 }
 
-/// Values of a column over the rows.
-pub fn column(text: &str, memory: &Memory, name: &str) -> Vec<(f64, f64)> {
+/// Returns time and value of each row of a column.
+pub fn column(text: &str, memory: &RecordedOutput, name: &str) -> Vec<(f64, f64)> {
     let prepared = prepared(text, &[], &Routines::none());
     let at = prepared.plan.columns.iter().position(|c| c.name == name).expect("a column");
     memory.rows.iter().map(|row| (row.0, row.1[at])).collect()
 }
 
-pub fn last(text: &str, memory: &Memory, name: &str) -> f64 {
+pub fn last(text: &str, memory: &RecordedOutput, name: &str) -> f64 {
     column(text, memory, name).last().expect("a row").1
 }

@@ -1,31 +1,31 @@
-//! Decks of thick spheres and cylinders by rays: Verney's shell, a sphere of rubber.
+//! Decks of thick spheres and cylinders with nodes on rays: Verney's shell, a rubber sphere.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use super::solid::{grid, material};
 
-/// A point of the unit square, [through the wall, around], moved within it: what skews or stretches a mesh.
-pub type Warp = fn([f64; 2]) -> [f64; 2];
+/// Map of the unit square [through the wall, circumferential] onto itself that skews or stretches a mesh.
+pub type MeshMap = fn([f64; 2]) -> [f64; 2];
 
-/// Equal parts.
-pub const EVEN: Warp = |x| x;
+/// Uniform mesh.
+pub const EVEN: MeshMap = |x| x;
 
-/// Lines of both ways that slant by up to a quarter, edges that stay straight.
-pub const SKEWED: Warp = |[x, y]| [x + (y - 0.5) * x * (1.0 - x), y + (x - 0.5) * y * (1.0 - y)];
+/// Mesh lines skewed by up to a quarter, with straight edges.
+pub const SKEWED: MeshMap = |[x, y]| [x + (y - 0.5) * x * (1.0 - x), y + (x - 0.5) * y * (1.0 - y)];
 
-/// Lengths that grow fourfold along one way and fall fourfold along the other.
-pub const STRETCHED: Warp = |[x, y]| [(4f64.powf(x) - 1.0) / 3.0, 1.0 - (4f64.powf(1.0 - y) - 1.0) / 3.0];
+/// Element lengths that grow fourfold in one direction and shrink fourfold in the other.
+pub const STRETCHED: MeshMap = |[x, y]| [(4f64.powf(x) - 1.0) / 3.0, 1.0 - (4f64.powf(1.0 - y) - 1.0) / 3.0];
 
-/// The direction of a share of the quarter from the equator; the axis to the last bit.
+/// Returns the unit vector at a fraction of the quarter circle from the equator; exactly the axis at 1.
 pub fn direction(share: f64) -> [f64; 2] {
     let angle = 0.5 * PI * share;
     if share >= 1.0 { [0.0, 1.0] } else { [angle.cos(), angle.sin()] }
 }
 
-/// Velocity that stops a rigid-plastic incompressible shell of beryllium (8 to 10 cm, Y = 0.0033 Mbar) at an inner radius:
-/// kinetic energy against plastic work, both by quadrature over the shell (Howell and Ball 2002, J. Comput. Phys. 175, 128,
-/// corrected).
+/// Returns the initial velocity for which a rigid-plastic incompressible beryllium shell (radii 8 and 10 cm, Y = 0.0033
+/// Mbar) stops at an inner radius. Kinetic energy equals plastic work, both by quadrature over the shell (Howell and
+/// Ball 2002, J. Comput. Phys. 175, 128, corrected).
 pub fn stopping_speed(stop: f64, sphere: bool) -> f64 {
     let (rho, yield_stress, inner, outer) = (1.845_f64, 0.0033, 8.0_f64, 10.0);
     let n = 20_000;
@@ -46,9 +46,10 @@ pub fn stopping_speed(stop: f64, sphere: bool) -> f64 {
     (work / mass).sqrt()
 }
 
-/// Verney's shell of `n` elements through its thickness and `around` in the quarter of a sphere or along a cylinder, with the
-/// velocity that stops its inside at a radius, up to the boundary conditions of a step of 180 microseconds. cm, g, Mbar.
-pub fn verney(stop: f64, sphere: bool, [n, around]: [usize; 2], warp: Warp) -> String {
+/// Returns the deck of Verney's shell up to the boundary conditions of a step of 180 microseconds (cm, g, Mbar): `n`
+/// elements through the thickness, `around` along the quarter circle of a sphere or along a cylinder, with the velocity
+/// for which the inner face stops at the radius `stop`.
+pub fn verney(stop: f64, sphere: bool, [n, around]: [usize; 2], warp: MeshMap) -> String {
     let speed = stopping_speed(stop, sphere);
     let polar = |i: usize, j: usize| {
         let [x, y] = warp([i as f64 / n as f64, j as f64 / around as f64]);
@@ -75,8 +76,9 @@ pub fn verney(stop: f64, sphere: bool, [n, around]: [usize; 2], warp: Warp) -> S
     deck + &format!("*Step\n*Dynamic, Explicit\n , 180.\n*Boundary\n{held}")
 }
 
-/// A hollow neo-Hookean sphere of radii 1 and 2 cm, shear modulus 1 MPa and bulk modulus `ratio` times that, whose inner radius
-/// is driven to three times its length within 50 ms; rows of COOR1 and COOR2 of its outer nodes, ALLKE and ALLIE.
+/// Returns the deck of a hollow neo-Hookean sphere of radii 1 and 2 cm, shear modulus 1 MPa and bulk modulus `ratio`
+/// times as large, whose inner radius is prescribed to grow threefold within 50 ms. History: COOR1 and COOR2 of the
+/// outer nodes, ALLKE, ALLIE.
 pub fn rubber_sphere(ratio: f64, [n, m]: [usize; 2], more: &str) -> String {
     let (inner, outer) = (0.01_f64, 0.02_f64);
     let along = |j: usize| direction(j as f64 / m as f64);
@@ -103,19 +105,19 @@ pub fn rubber_sphere(ratio: f64, [n, m]: [usize; 2], more: &str) -> String {
     deck + &coordinates(m) + "*End Step\n"
 }
 
-/// Outer radius of [`rubber_sphere`] at the end, if its volume stays.
+/// Returns the final outer radius of [`rubber_sphere`] at constant volume.
 pub fn blown_up() -> f64 {
     (0.02f64.powi(3) + 26.0 * 0.01f64.powi(3)).cbrt()
 }
 
-/// Node sets RAY0, RAY1, … of one node each.
+/// Adds node sets RAY0, RAY1, … of one node each.
 fn rays(deck: &mut String, around: usize, node: impl Fn(usize) -> usize) {
     for j in 0..=around {
         write!(deck, "*Nset, nset=RAY{j}\n {},\n", node(j)).expect("text");
     }
 }
 
-/// Rows of the places of the nodes of all rays.
+/// Returns history requests for the coordinates of the nodes of all rays.
 pub fn coordinates(around: usize) -> String {
     (0..=around).map(|j| format!("*Node Output, nset=RAY{j}\n COOR1, COOR2\n")).collect()
 }

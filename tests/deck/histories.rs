@@ -1,10 +1,10 @@
-//! Histories of whole sets and histories that follow from others.
+//! Statistics over sets and expressions as history output.
 //!
-//! Goal: STATISTICS are what a spreadsheet makes of the columns of the members; an expression is what it says, row by row,
-//! wherever histories are read; what is wrong with either is told when the deck is read, with its place.
+//! Goal: STATISTICS have the values computed from the members' columns; expressions have their value in each row,
+//! wherever histories are read; errors in either are reported with their place when the deck is read.
 
 use crate::common::solid::{grid, material};
-use crate::common::{Memory, prepared};
+use crate::common::{RecordedOutput, prepared};
 use revolve::job;
 use revolve::model::{NodeSetId, OutputExpression, OutputRegion, OutputRequest};
 use revolve::solve;
@@ -13,8 +13,8 @@ use revolve::user::Routines;
 use revolve::variables::Variable;
 use revolve::variables::statistic::Statistic;
 
-/// A block of 2 by 2 elements that flies against its held foot; elements fail one after the other. The numbers of nodes do not
-/// follow the order in which they are given.
+/// Returns a block of 2 by 2 elements that flies against its fixed foot; its elements fail one after the other. Node
+/// numbers are not in the order of definition.
 fn block(requests: &str) -> String {
     let grid = grid(2, 2, false, |i, j| [1.0 + i as f64 * (1.0 + 0.3 * j as f64), j as f64]);
     let (first, rest) = grid.split_once(" 1, ").expect("the first node");
@@ -30,23 +30,23 @@ fn block(requests: &str) -> String {
         + "*End Step\n*Step, name=Two\n*Dynamic, Explicit\n , 0.02\n*End Step\n"
 }
 
-/// Columns and rows of a run.
-fn run(requests: &str) -> (Vec<String>, Memory) {
+/// Returns columns and rows of a run.
+fn run(requests: &str) -> (Vec<String>, RecordedOutput) {
     let prepared = prepared(&block(requests), &[], &Routines::none());
-    let mut memory = Memory::default();
+    let mut memory = RecordedOutput::default();
     let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
     assert_eq!(outcome.halt, None);
     (prepared.plan.columns.iter().map(|c| c.name.clone()).collect(), memory)
 }
 
-/// Values of the column of that name.
-fn column(columns: &[String], memory: &Memory, name: &str) -> Vec<f64> {
+/// Returns the values of a column.
+fn column(columns: &[String], memory: &RecordedOutput, name: &str) -> Vec<f64> {
     let at = columns.iter().position(|c| c == name).unwrap_or_else(|| panic!("no {name} among {columns:?}"));
     memory.rows.iter().map(|row| row.1[at]).collect()
 }
 
 #[test]
-fn statistics_are_those_of_the_members() {
+fn statistics_match_member_columns() {
     let all = "statistics=\"MIN, max MEAN, SUM\"";
     let (columns, memory) = run(&format!(
         "*Output, history, number interval=12\n*Element Output, elset=SOLID\n MISES, EVOL, STATUS\n\
@@ -91,7 +91,7 @@ fn statistics_are_those_of_the_members() {
 }
 
 #[test]
-fn a_rigid_body_reacts_once() {
+fn rigid_body_reaction_is_counted_once() {
     let rigid = "*Node, nset=REF\n 90, 0., 9.\n*Node, nset=WALLS\n 91, 1., 9.\n 92, 2., 9.\n*Nset, nset=WALLS\n 90,\n\
                  *Element, type=RAX2, elset=WALL\n 90, 90, 91\n 91, 91, 92\n*Rigid Body, ref node=REF, elset=WALL\n\
                  *Element, type=MASS, elset=M\n 93, 90\n*Mass, elset=M\n 1.,\n*Surface, name=FACE\n WALL, SPOS\n";
@@ -99,7 +99,7 @@ fn a_rigid_body_reacts_once() {
                  *Node Output, nset=WALLS, statistics=SUM\n RF2, COORD\n";
     let deck = block(cards).replacen("*Step", &format!("{rigid}*Step"), 1);
     let prepared = prepared(&deck, &[], &Routines::none());
-    let mut memory = Memory::default();
+    let mut memory = RecordedOutput::default();
     solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
     let columns: Vec<String> = prepared.plan.columns.iter().map(|c| c.name.clone()).collect();
     let value = |name: &str| column(&columns, &memory, name)[1];
@@ -109,7 +109,7 @@ fn a_rigid_body_reacts_once() {
 }
 
 #[test]
-fn members_come_in_the_order_of_their_numbers() {
+fn members_are_ordered_by_number() {
     let (columns, _) = run("*Output, history\n*Node Output, nset=ALL\n U2\n");
     assert_eq!(columns, (1..=9).map(|n| format!("U2@{n}")).collect::<Vec<_>>());
 }
@@ -118,7 +118,7 @@ const SHORTENING: &str = "*Output, history, number interval=20\n*Node Output, ns
                           *Node Output, nset=J1, statistics=MEAN\n U2\n*Energy Output\n ALLKE\n";
 
 #[test]
-fn expressions_are_what_they_say_in_each_row() {
+fn expressions_are_evaluated_in_each_row() {
     let (columns, memory) = run(&format!(
         "{SHORTENING}*Output Expression\n shortening = -1000*(U2@TIP - u2@FOOT)\n*Incrementation Output\n DT\n\
          *Output Expression\n Slope = max(SHORTENING, 0)/(1000*time)\n LOG=log(U2_MEAN@J1)\n"
@@ -129,16 +129,16 @@ fn expressions_are_what_they_say_in_each_row() {
     let (slope, log) = (column("SLOPE"), column("LOG"));
     for (i, (time, _)) in memory.rows.iter().enumerate() {
         assert_eq!(found[i], -1000.0 * (tip[i] - foot[i]));
-        // A division by zero has no value, nor has the logarithm of what is below zero.
+        // A division by zero and the logarithm of a negative number give no value.
         assert!(slope[i] == found[i].max(0.0) / (1000.0 * time) || *time == 0.0 && slope[i].is_nan());
         assert!(i == 0 || log[i].is_nan());
     }
     assert!(found[found.len() - 1] > 10.0 && slope[1] > 0.0, "{found:?}");
 }
 
-/// Expressions belong to all steps, are read by quantities, and stand in the ledger with their text.
+/// Expressions apply to all steps, are available to quantities, and are listed in the ledger with their text.
 #[test]
-fn expressions_are_columns_like_others() {
+fn expressions_are_available_as_columns() {
     let deck = block(SHORTENING).replacen(
         "*Step",
         "*Parameter\n k = 1000\n*Output Expression\n SHORTENING = -<k>*(U2@TIP - U2@FOOT)\n*Step",
@@ -157,9 +157,9 @@ fn expressions_are_columns_like_others() {
     assert!((found / expected - 1.0).abs() < 1e-12 && outcome.halt.is_none(), "{found} {expected}");
 }
 
-/// Names as CAE writes them, with a minus and points in them.
+/// Names as ABAQUS/CAE writes them, with hyphens and periods.
 #[test]
-fn names_of_instances_are_read_whole() {
+fn instance_names_with_hyphens_and_points_are_read() {
     let part = format!(
         "*Part, name=BAR\n{}*End Part\n",
         grid(1, 1, false, |i, j| [i as f64, j as f64]) + "*Solid Section, elset=SOLID, material=M\n"
@@ -171,7 +171,7 @@ fn names_of_instances_are_read_whole() {
            *Node Output, nset=PAIR\n U2\n*Node Output, nset=BAR-1-2.J1\n U2\n\
            *Output Expression\n D = U2@BAR-1.4-1.5*U2@BAR-1-2.4\n*End Step\n";
     let prepared = prepared(&deck, &[], &Routines::none());
-    let mut memory = Memory::default();
+    let mut memory = RecordedOutput::default();
     solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
     let columns: Vec<String> = prepared.plan.columns.iter().map(|c| c.name.clone()).collect();
     let [d, a, b] = ["D", "U2@BAR-1.4", "U2@BAR-1-2.4"].map(|name| column(&columns, &memory, name));
@@ -184,9 +184,9 @@ fn findings(requests: &str) -> String {
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_place() {
+fn errors_are_reported_with_their_place() {
     let expression = |line: &str| findings(&format!("{SHORTENING}*Output Expression\n {line}\n"));
-    for (line, told) in [
+    for (line, message_text) in [
         (
             "S = 2*(U2@TOP - U2@FOOT)",
             &["error[P075]: history column `U2@TOP` does not exist", "did you mean U2@TIP?", "^^^^^^"][..],
@@ -202,23 +202,23 @@ fn what_is_wrong_is_told_with_its_place() {
         ("A = ALLKE\n A = ALLKE", &["P076"]),
     ] {
         let found = expression(line);
-        assert!(told.iter().all(|t| found.contains(t)), "{line}: {found}");
+        assert!(message_text.iter().all(|t| found.contains(t)), "{line}: {found}");
     }
-    let asked = "error[M103]";
-    for (requests, told) in [
+    let requested = "error[M103]";
+    for (requests, message_text) in [
         ("*Output, history\n*Node Output, nset=J1, statistics=MEDIAN\n U2\n", "MIN, MAX, MEAN or SUM"),
         ("*Output, history\n*Node Output, nset=J1, statistics=\"MIN, MEDIAN\"\n U2\n", "MIN, MAX, MEAN or SUM"),
         ("*Output, field\n*Node Output, nset=J1, statistics=MIN\n U\n", "requires *OUTPUT, HISTORY and a set"),
         ("*Output, history\n*Element Output, statistics=MIN\n S\n", "requires *OUTPUT, HISTORY and a set"),
     ] {
         let found = findings(requests);
-        assert!(found.contains(asked) && found.contains(told), "{requests}: {found}");
+        assert!(found.contains(requested) && found.contains(message_text), "{requests}: {found}");
     }
 }
 
-/// The same without a deck.
+/// The same model built in Rust, without a deck.
 #[test]
-fn scenes_in_rust_have_them() {
+fn models_in_rust_have_statistics_and_expressions() {
     let (deck, _) =
         revolve::deck::read_text("test.inp", &block("*Output, history\n*Energy Output\n ALLKE\n"), &Vec::new());
     let (mut model, _) = revolve::model::build(&deck);

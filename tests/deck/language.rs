@@ -1,4 +1,4 @@
-//! The deck language from outside: broken decks and what is said of them, good decks, and noise.
+//! The deck language: diagnostics of invalid decks, valid decks, and random input.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use proptest::prelude::*;
 use revolve::deck::{self, Deck, Diagnostics};
 
-/// Every span of a deck and its findings lies in its file, on character boundaries.
+/// Asserts that every span of a deck and its diagnostics is inside its file and on character boundaries.
 fn assert_spans(deck: &Deck, diagnostics: &Diagnostics) {
     let words = deck.cards.iter().flat_map(|c| c.data(&deck.sources)).flat_map(|l| l.into_owned().fields);
     let values = deck.cards.iter().flat_map(|c| c.parameters.iter().filter_map(|p| p.value.clone()));
@@ -34,7 +34,7 @@ fn codes(diagnostics: &Diagnostics) -> Vec<&str> {
     diagnostics.iter().map(|d| d.code).collect()
 }
 
-/// The decks in a folder, by name.
+/// Returns the decks in a folder, sorted by name.
 fn decks_in(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|e| e.path());
     let mut decks: Vec<_> = entries.filter(|p| p.extension().is_some_and(|e| e == "inp")).collect();
@@ -43,7 +43,7 @@ fn decks_in(folder: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
-fn broken_decks_are_explained() {
+fn invalid_decks_give_pinned_messages() {
     let decks = decks_in(Path::new("tests/decks/bad"));
     assert!(decks.len() >= 15);
     for path in decks {
@@ -56,7 +56,7 @@ fn broken_decks_are_explained() {
     }
 }
 
-/// Takes every field of `*NODE` as a number, labels as whole numbers, as the model will.
+/// Reads every field of `*NODE` as a number and labels as integers, as the model does.
 fn read_all_numbers(deck: &Deck, diagnostics: &mut Diagnostics) {
     for line in deck.cards.iter().filter(|c| c.keyword.name == "NODE").flat_map(|c| c.data(&deck.sources)) {
         line.fields[0].integer(diagnostics);
@@ -67,7 +67,7 @@ fn read_all_numbers(deck: &Deck, diagnostics: &mut Diagnostics) {
 }
 
 #[test]
-fn a_good_deck_with_everything() {
+fn valid_deck_with_all_features_is_read() {
     let (deck, diagnostics) = deck::read(Path::new("tests/decks/good/everything.inp"), &[]);
     assert_spans(&deck, &diagnostics);
     assert!(diagnostics.is_empty(), "{}", diagnostics.render(&deck.sources));
@@ -99,7 +99,7 @@ fn overrides_replace_definitions() {
 }
 
 #[test]
-fn keyword_lines_as_written() {
+fn keyword_line_variants_are_read() {
     let (deck, diagnostics) = read(
         "*MATERIAL, NAME=\"a, b=c\",\n210e9, 0.3\n*Output,FIELD,VAR=PRE, TIMEINT=1e-3,\n\n\n op=NEW\n*Nset,nset=\"q\"",
     );
@@ -113,7 +113,7 @@ fn keyword_lines_as_written() {
 }
 
 #[test]
-fn stray_commas_do_not_eat_data() {
+fn stray_commas_keep_data() {
     for text in
         ["*Node Output,\nU, V\n", "*Elset, elset=A,\n1, 2\n", "*Parameter,\nnset = 4\n*Node\n", "*Heading,\ninput=3\n"]
     {
@@ -123,13 +123,13 @@ fn stray_commas_do_not_eat_data() {
 }
 
 #[test]
-fn an_empty_data_line_is_no_continuation() {
+fn empty_data_line_does_not_continue_a_record() {
     let (deck, _) = read("*Solid Section, elset=A, material=B,\n,\n");
     assert_eq!(fields(&deck, 0), [[""]]);
 }
 
 #[test]
-fn data_lines_as_written() {
+fn data_line_variants_are_read() {
     let (deck, _) = read(
         "*Dynamic, Explicit\n, 8e-05\n*Solid Section, elset=A, material=B\n,\n*Amplitude, name=A\n0., 0.,\t1.,1.,\n\n** x\n2., 1.",
     );
@@ -140,7 +140,7 @@ fn data_lines_as_written() {
 }
 
 #[test]
-fn deep_includes_end() {
+fn include_depth_is_limited() {
     let folder = tempfile::tempdir().expect("folder");
     for i in 0..50 {
         let text = format!("*Include, input=f{}.inc\n", i + 1);
@@ -151,7 +151,7 @@ fn deep_includes_end() {
 }
 
 #[test]
-fn a_bush_of_includes_ends() {
+fn number_of_includes_is_limited() {
     let folder = tempfile::tempdir().expect("folder");
     for i in 0..31 {
         let text = format!("*Include, input=f{0}.inc\n*Include, input=f{0}.inc\n", i + 1);
@@ -163,7 +163,7 @@ fn a_bush_of_includes_ends() {
 }
 
 #[test]
-fn only_files_are_included() {
+fn includes_must_be_regular_files() {
     for name in ["/dev/zero", "/", ""] {
         let (_, diagnostics) = deck::read_text("test.inp", &format!("*Include, input=\"{name}\"\n"), &[]);
         assert_eq!(codes(&diagnostics), ["D002"], "{name}");
@@ -187,7 +187,7 @@ fn encodings() {
 }
 
 #[test]
-fn big_decks_are_read_and_complained_of_quickly() {
+fn large_decks_are_read_in_bounded_time() {
     let mut text = String::from("*Node\n");
     for i in 0..200_000 {
         text += &format!("{i}, 0.1, 1.o\n");
@@ -199,7 +199,7 @@ fn big_decks_are_read_and_complained_of_quickly() {
 }
 
 #[test]
-fn the_manual_is_the_table() {
+fn keyword_page_matches_the_table() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/keywords.md");
     let manual = deck::manual::keyword_manual();
     if std::env::var_os("REVOLVE_BLESS").is_some() {
@@ -210,7 +210,7 @@ fn the_manual_is_the_table() {
 }
 
 #[test]
-fn the_page_of_abaqus_is_the_table() {
+fn abaqus_page_matches_the_table() {
     let path = Path::new("docs/abaqus.md");
     let page = deck::manual::abaqus_page();
     if std::env::var_os("REVOLVE_BLESS").is_some() {
@@ -232,7 +232,7 @@ fn keywords_are_explained() {
     assert!(deck::find_code("d101").is_some());
 }
 
-/// Pieces that decks are made of, to be thrown together.
+/// Returns random pieces of decks.
 fn piece() -> impl Strategy<Value = String> {
     let known = [
         "*NODE",
@@ -278,7 +278,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
     #[test]
-    fn noise_is_survived(pieces in prop::collection::vec(piece(), 0..40), set in "[ -~]{0,10}") {
+    fn random_text_never_panics(pieces in prop::collection::vec(piece(), 0..40), set in "[ -~]{0,10}") {
         let overrides = [("a".to_owned(), set)];
         let (deck, mut diagnostics) = deck::read_text("no_such_folder/test.inp", &pieces.concat(), &overrides);
         read_all_numbers(&deck, &mut diagnostics);
@@ -288,13 +288,13 @@ proptest! {
     }
 
     #[test]
-    fn bytes_are_survived(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+    fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
         let (deck, diagnostics) = read(&deck::source::decode(bytes));
         diagnostics.render(&deck.sources);
     }
 
     #[test]
-    fn damaged_decks_are_survived(at in 0.0..1.0f64, cut in 0usize..40, pieces in prop::collection::vec(piece(), 0..3), which in 0usize..2) {
+    fn damaged_decks_never_panic(at in 0.0..1.0f64, cut in 0usize..40, pieces in prop::collection::vec(piece(), 0..3), which in 0usize..2) {
         let path = ["tests/decks/good/everything.inp", "tests/decks/bad/parameter_errors.inp"][which];
         let text = fs::read_to_string(path).expect("deck");
         let letters: Vec<char> = text.chars().collect();
@@ -307,7 +307,7 @@ proptest! {
     }
 
     #[test]
-    fn odd_spans_are_survived(start in 0u32..40, end in 0u32..40, file in 0u32..3) {
+    fn invalid_spans_never_panic(start in 0u32..40, end in 0u32..40, file in 0u32..3) {
         let (deck, _) = deck::read_text("test.inp", "*Node\n1, é, \u{1F600}\n\n2,,", &[]);
         let mut diagnostics = Diagnostics::default();
         let span = deck::Span { file, start, end };

@@ -1,4 +1,4 @@
-//! Words: the deck language, what a deck means, mesh files.
+//! The deck language, the meaning of keywords, and mesh files.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! Mesh files: a mesh written by Revolve reads back to the same model; damaged and wrong files are told.
+//! Mesh files: a mesh written by Revolve reads back to the same model; damaged and invalid files are reported.
 
 use revolve::deck;
 use revolve::model::{self, Model};
@@ -56,19 +56,19 @@ fn legacy_files_are_read_and_types_overridden() {
     std::fs::write(&path, LEGACY).expect("a file");
     let model = build(&format!("*Mesh, input=\"{}\"\n", path.display()));
     assert_eq!(model.mesh.elements[0].kind, model::ElementKind::Cax3);
-    let told = errors(&format!("*Mesh, input=\"{}\", type=RAX2\n", path.display()));
-    assert!(told.contains("does not fit"), "{told}");
+    let message_text = errors(&format!("*Mesh, input=\"{}\", type=RAX2\n", path.display()));
+    assert!(message_text.contains("does not match"), "{message_text}");
     std::fs::write(&path, LEGACY.replace("0 1 0\n", "0 1 7\n")).expect("a file");
-    let told = errors(&format!("*Mesh, input=\"{}\"\n", path.display()));
-    assert!(told.contains("half plane"), "{told}");
+    let message_text = errors(&format!("*Mesh, input=\"{}\"\n", path.display()));
+    assert!(message_text.contains("half-plane"), "{message_text}");
 }
 
 #[test]
-fn damaged_and_missing_files_are_told() {
+fn damaged_and_missing_files_are_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("mesh.vtu");
-    let told = errors(&format!("*Mesh, input=\"{}\"\n", path.display()));
-    assert!(told.contains("M150"), "{told}");
+    let message_text = errors(&format!("*Mesh, input=\"{}\"\n", path.display()));
+    assert!(message_text.contains("M150"), "{message_text}");
     let whole = VtuWriter::default().text(&mesh_frame(&build(DECK))).to_owned();
     for cut in [whole.len() / 4, whole.len() / 2, whole.len() - 40] {
         std::fs::write(&path, &whole[..cut]).expect("a file");
@@ -76,9 +76,9 @@ fn damaged_and_missing_files_are_told() {
     }
 }
 
-/// Sources: RUSTSEC-2026-0194 (attributes); the number of blocks that stands at the beginning of a compressed array.
+/// Sources: RUSTSEC-2026-0194 (attributes); the number of blocks at the start of a compressed array.
 #[test]
-fn files_beyond_the_limits_of_tags_and_blocks_are_refused() {
+fn files_with_too_many_tags_or_blocks_are_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("mesh.vtu");
     let message = |text: &str| {
@@ -86,18 +86,24 @@ fn files_beyond_the_limits_of_tags_and_blocks_are_refused() {
         errors(&format!("*Mesh, input=\"{}\"\n", path.display()))
     };
     let attributes: String = (0..100_000).map(|i| format!(" a{i}=\"\"")).collect();
-    let told = message(&SMALL.replace("<Points>", &format!("<Points{attributes}>")));
-    assert!(told.contains("error[M150]") && told.contains("t.inp:1"), "{told}");
-    assert!(told.contains("line 4: the tag `Points` has 100000 attributes, at most 64 are read"), "{told}");
-    let told = message(&SMALL.replace("<CellData>", &format!("{}<CellData>", "<a/>".repeat(100_000))));
-    assert!(told.contains("error[M150]") && told.contains("more than 100000 tags"), "{told}");
-    // 2^40 blocks of no bytes, in the base64 of three numbers of eight bytes.
+    let message_text = message(&SMALL.replace("<Points>", &format!("<Points{attributes}>")));
+    assert!(message_text.contains("error[M150]") && message_text.contains("t.inp:1"), "{message_text}");
+    assert!(
+        message_text.contains("line 4: the tag `Points` has 100000 attributes, at most 64 are allowed"),
+        "{message_text}"
+    );
+    let message_text = message(&SMALL.replace("<CellData>", &format!("{}<CellData>", "<a/>".repeat(100_000))));
+    assert!(message_text.contains("error[M150]") && message_text.contains("more than 100000 tags"), "{message_text}");
+    // 2^40 blocks of zero bytes: base64 of three 8-byte integers.
     let array = "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"";
     let blocks = SMALL
         .replace("header_type=\"UInt64\"", array)
         .replace("format=\"ascii\">1 0<", "format=\"binary\">AAAAAAABAAAAAAAAAAAAAAAAAAAAAAAA<");
-    let told = message(&blocks);
-    assert!(told.contains("error[M150]") && told.contains("more data than the file can contain"), "{told}");
+    let message_text = message(&blocks);
+    assert!(
+        message_text.contains("error[M150]") && message_text.contains("more data than the file can contain"),
+        "{message_text}"
+    );
 }
 
 const SMALL: &str = r#"<?xml version="1.0"?>
@@ -112,15 +118,15 @@ const SMALL: &str = r#"<?xml version="1.0"?>
 "#;
 
 #[test]
-fn other_programs_files_are_read_or_refused_with_the_reason() {
+fn files_of_other_programs_are_read_or_rejected_with_a_reason() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("mesh.vtu");
     let text = format!("*Mesh, input=\"{}\"\n", path.display());
     std::fs::write(&path, SMALL).expect("a file");
     assert_eq!(build(&text).element_sets["NOSE"].members, [0]);
-    for (from, to, told) in [
+    for (from, to, message_text) in [
         ("3 3<", "9 3<", "Quad with 2 points"),
-        ("2 4 0", "2 nan 0", "half plane"),
+        ("2 4 0", "2 nan 0", "half-plane"),
         ("Int8\" Name=\"E", "Int9\" Name=\"E", "`Int9`"),
         ("ELSET_NOSE", "NOSE", "not read: NOSE"),
         ("0 1 1 2", "0 1 1 7", "points that do not exist"),
@@ -129,7 +135,7 @@ fn other_programs_files_are_read_or_refused_with_the_reason() {
         std::fs::write(&path, SMALL.replace(from, to)).expect("a file");
         let (deck, _) = deck::read_text("t.inp", &text, &[]);
         let found = model::build(&deck).1.render(&deck.sources);
-        assert!(found.contains(told), "{found}");
+        assert!(found.contains(message_text), "{found}");
     }
 }
 
@@ -150,9 +156,9 @@ const GMSH_SECOND_ORDER: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n\
 $Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0.5 0 0\n5 0.6 0.5 0\n6 0 0.5 0\n$EndNodes\n\
 $Elements\n1\n1 9 2 0 1 1 2 3 4 5 6\n$EndElements\n";
 
-/// Corners come first in files and decks; in the model nodes follow the boundary, and each face is two parts of it.
+/// Files and decks list corner nodes first; the model numbers nodes along the boundary, and each face has two segments.
 #[test]
-fn six_node_triangles_are_read_around_their_boundary() {
+fn six_node_triangles_are_numbered_along_the_boundary() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("mesh.msh");
     std::fs::write(&path, GMSH_SECOND_ORDER).expect("a file");
@@ -168,15 +174,16 @@ fn six_node_triangles_are_read_around_their_boundary() {
         assert_eq!(faces, &[(0, model::ElementSide::Face(3)), (0, model::ElementSide::Face(4))]);
     }
     for (nodes, what) in [("1, 3, 2, 6, 5, 4", "clockwise"), ("1, 2, 3, 6, 5, 4", "folded")] {
-        let told = errors(&listed.replace("1, 2, 3, 4, 5, 6", nodes));
-        assert!(told.contains("M123") && told.contains(what), "{told}");
+        let message_text = errors(&listed.replace("1, 2, 3, 4, 5, 6", nodes));
+        assert!(message_text.contains("M123") && message_text.contains(what), "{message_text}");
     }
     assert!(errors(&listed.replace("CAX6M", "CAX6MT")).contains("M121"));
 }
 
-/// Meshers' files: cells of the highest dimension are elements, groups of the others sets of nodes.
+/// In files of mesh generators, cells of the highest dimension become elements and groups of lower dimension become
+/// node sets.
 #[test]
-fn files_of_meshers_are_read() {
+fn files_of_mesh_generators_are_read() {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, text) in [("two.msh", GMSH2), ("four.msh", GMSH4), ("mesh.inp", INP)] {
         let path = folder.path().join(name);
@@ -200,11 +207,11 @@ fn files_of_meshers_are_read() {
     let refused = |name: &str, text: &str, why: &str| {
         let path = folder.path().join(name);
         std::fs::write(&path, text).expect("a file");
-        let told = errors(&format!("*Mesh, input=\"{}\"\n", path.display()));
-        assert!(told.contains("M150") && told.contains(why), "{told}");
+        let message_text = errors(&format!("*Mesh, input=\"{}\"\n", path.display()));
+        assert!(message_text.contains("M150") && message_text.contains(why), "{message_text}");
     };
     refused("a.msh", &GMSH2.replace("2.2 0", "2.2 1"), "binary");
-    refused("b.msh", &GMSH2.replace("2.2 0", "3.0 0"), "version is 3.0");
+    refused("b.msh", &GMSH2.replace("2.2 0", "3.0 0"), "version 3.0 is not supported");
     refused("c.msh", &GMSH2.replace("$EndElements", ""), "not closed");
     refused("n.msh", "$\r\u{fffd}M\n3 1\n$End\u{fffd}M\n", "no name");
     refused("d.msh", &GMSH2.replace("8 1 1 2 3 4", "8 1 1 2 3 9"), "refers to an undefined node");
@@ -212,9 +219,9 @@ fn files_of_meshers_are_read() {
     refused("f.inp", &INP.replace("1, 1, 4", "1, x, 4"), "not a whole number");
 }
 
-/// A mesh copied, mirrored and mapped is the one that is given node by node.
+/// A copied, mirrored and mapped mesh equals the mesh defined node by node.
 #[test]
-fn copies_and_maps_are_the_mesh_in_full() {
+fn copied_and_mapped_meshes_match_listed_nodes() {
     let half = "*Node, nset=LOW\n 1, 0., 0.\n 2, 1., 0.\n 3, 0., 1.\n 4, 1., 1.\n*Element, type=CAX4R, elset=A\n 1, 1, 2, 4, 3\n";
     let points = |text: &str| build(text).mesh.points.clone();
     let moved = points(&format!("{half}*Ncopy, old set=LOW, change number=10, shift\n 0., 2., 0.\n"));
@@ -238,9 +245,12 @@ fn copies_and_maps_are_the_mesh_in_full() {
     assert_eq!(points("*Node, system=C\n 1, 2., 90.\n"), [[0.0, 2.0]]);
     let turned = points("*System\n 1., 1., 0., 1., 2., 0.\n*Node\n 1, 3., -1.\n*System\n*Node\n 2, 3., -1.\n");
     assert_eq!(turned, [[2.0, 4.0], [3.0, -1.0]]);
-    // A node that two cards make is one slip, not seven.
+    // A node defined by two cards is one error, not seven.
     let slip = "*Node\n 1, 0., 0.\n 3, 2., 0.\n 21, 0., 2.\n 23, 2., 2.\n*Ngen, nset=LOW\n 1, 3\n*Ngen, nset=TOP\n 21, 23\n\
                 *Nfill, nset=ALL\n LOW, TOP, 10, 2\n*Element, type=CAX4R, elset=A\n 1, 1, 2, 4, 3\n*Elgen, elset=A\n 1, 2, 1, 1, 10, 2, 2\n";
-    let told = errors(slip);
-    assert!(told.contains("M164") && told.contains("generated again") && !told.contains("M123"), "{told}");
+    let message_text = errors(slip);
+    assert!(
+        message_text.contains("M164") && message_text.contains("generated again") && !message_text.contains("M123"),
+        "{message_text}"
+    );
 }

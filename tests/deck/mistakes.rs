@@ -1,12 +1,12 @@
-//! Typical mistakes, one a deck, as analysts make them: each is told once, at its place, truly, with a way out; what is a trifle
-//! runs.
+//! Typical mistakes of analysts, one per deck: each gives one message, at its place, with the cure. Trivial deviations
+//! are accepted.
 //!
-//! Goal: one cause, one message. Source: a small deck and a list of slips; the words are in the snapshots.
+//! Goal: one cause, one message. Source: a small deck and a list of mistakes; the messages are in the snapshots.
 
 use revolve::job::{self, PreparedJob};
 use revolve::user::Routines;
 
-/// A bar that flies against a wall.
+/// A bar that hits a rigid wall.
 const BAR: &str = "*Heading
  bar
 *Parameter
@@ -58,7 +58,7 @@ fn prepared(text: &str) -> PreparedJob {
     job::prepare_text("bar.inp", text, &[], &Routines::none())
 }
 
-/// The bar with changes: `from => to`, several with `;;` between them.
+/// Returns the bar deck with changes `from => to`, separated by `;;`.
 fn changed(changes: &str) -> String {
     changes.split(";;").fold(BAR.to_owned(), |text, change| {
         let (from, to) = change.trim().split_once("=>").expect("a change");
@@ -69,7 +69,7 @@ fn changed(changes: &str) -> String {
     })
 }
 
-/// Slips that are errors: a name for the snapshot, the change, how many errors they are.
+/// Mistakes that are errors: name of the snapshot, change, number of errors.
 const WRONG: &[(&str, &str, usize)] = &[
     ("keyword", "*Elastic => *Elastc", 1),
     ("comment_with_one_star", "*Parameter\\n => * units: m, kg\\n*Parameter\\n", 1),
@@ -122,7 +122,7 @@ fn one_cause_has_one_message_with_a_place() {
     }
 }
 
-/// Slips that run and are warned of.
+/// Mistakes that give a warning.
 const DOUBTFUL: &[(&str, &str)] = &[
     ("output_variables", "S, PEEQ => S, PEQQ, VONMISES"),
     ("faster_than_sound", "BAR, 2, -1. => BAR, 2, -1000."),
@@ -144,7 +144,7 @@ const DOUBTFUL: &[(&str, &str)] = &[
 ];
 
 #[test]
-fn what_can_hardly_be_meant_is_warned_of() {
+fn doubtful_input_gives_a_warning() {
     for (name, change) in DOUBTFUL {
         let prepared = prepared(&changed(change));
         let text = prepared.diagnostics.render(&prepared.deck.sources);
@@ -154,7 +154,7 @@ fn what_can_hardly_be_meant_is_warned_of() {
     }
 }
 
-/// Trifles: they run without a word, or the ledger tells.
+/// Deviations that are accepted without a message or with a ledger entry.
 const TRIFLES: &[(&str, &str)] = &[
     ("", "length = 2. => length = 1.; length = 2*length"),
     ("PREPRINT", "*Heading => *Preprint, echo=NO, model=NO\\n*Heading"),
@@ -177,19 +177,22 @@ const TRIFLES: &[(&str, &str)] = &[
 ];
 
 #[test]
-fn trifles_run() {
-    for (told, change) in TRIFLES {
+fn harmless_deviations_are_accepted() {
+    for (message_text, change) in TRIFLES {
         let prepared = prepared(&changed(change));
         let text = prepared.diagnostics.render(&prepared.deck.sources);
         assert!(prepared.diagnostics.is_empty(), "{change}:\n{text}");
         let unused = &prepared.plan.ledger.unused;
-        assert!(told.is_empty() || unused.iter().any(|u| u.what == format!("*{told}")), "{change}: {unused:?}");
+        assert!(
+            message_text.is_empty() || unused.iter().any(|u| u.what == format!("*{message_text}")),
+            "{change}: {unused:?}"
+        );
     }
 }
 
-/// A request that never writes, and one that writes at given times.
+/// A request that never writes output, and one that writes at given times.
 #[test]
-fn outputs_come_when_they_are_asked_for() {
+fn outputs_are_written_at_requested_times() {
     use revolve::plan::WriteSchedule;
     let never = prepared(&changed("*Output, field, number interval=2 => *Output, field, frequency=0"));
     assert!(never.diagnostics.is_empty() && never.plan.steps[0].outputs.field.is_empty());
@@ -199,9 +202,9 @@ fn outputs_come_when_they_are_asked_for() {
     assert_eq!(points.plan.steps[0].outputs.field, [WriteSchedule::Points([0.01, 0.07].into())]);
 }
 
-/// A path of another machine means the file of that name beside the deck.
+/// A path of another computer is replaced by the file of that name in the deck's folder.
 #[test]
-fn a_path_that_has_travelled_is_tried_by_its_last_part() {
+fn foreign_path_falls_back_to_its_file_name() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("metal.inc"), "*Density\n 1.,\n").expect("a file");
     let text = changed("*Density\\n 1.,\\n => *Include, input=C:\\work\\metal.inc\\n");

@@ -1,13 +1,13 @@
-//! Output variables as the table has them.
+//! Output variables of the variable table.
 //!
-//! Goal: every variable of the table can be asked for and comes under its labels, in histories and in frames; `explain`, the
-//! page of variables and messages say what the table says; POSITION puts variables of integration points on nodes.
-//! Source: Abaqus Analysis User's Guide, "Writing element output to the output database" (positions).
+//! Goal: every variable of the table can be requested and has its labels in histories and frames; `explain`, the page
+//! of variables and the messages agree with the table; POSITION puts variables of integration points on nodes. Source:
+//! Abaqus Analysis User's Guide, "Writing element output to the output database" (positions).
 
 use std::collections::BTreeSet;
 
 use crate::common::solid::{grid, material};
-use crate::common::{Memory, ogive, prepared};
+use crate::common::{RecordedOutput, ogive, prepared};
 use revolve::explain::explain;
 use revolve::job;
 use revolve::output::{FieldArray, OutputFrame};
@@ -16,7 +16,7 @@ use revolve::variables::manual::variable_manual;
 use revolve::variables::request::NOT_SIMULATED;
 use revolve::variables::{PreselectRule, Variable, VariableComponent, VariablePlace};
 
-/// A block of 2 by 2 elements that flies against its held foot, with sets ONE (an element) and TIP (a node).
+/// Returns a block of 2 by 2 elements that flies against its fixed foot, with sets ONE (an element) and TIP (a node).
 fn block(material: &str, requests: &str) -> String {
     grid(2, 2, false, |i, j| [1.0 + i as f64, j as f64])
         + material
@@ -26,7 +26,7 @@ fn block(material: &str, requests: &str) -> String {
         + "*End Step\n"
 }
 
-/// Flows and is heated by that.
+/// Returns plastic steel with heat from plastic work.
 fn steel() -> String {
     material(
         1000.0,
@@ -37,12 +37,12 @@ fn steel() -> String {
     )
 }
 
-/// Whether a variable is there only where surfaces meet.
+/// Returns whether a variable exists only in contact.
 fn is_of_contact(variable: Variable) -> bool {
     variable.row().preselected == PreselectRule::SurfaceContact || variable.place() == VariablePlace::Pair
 }
 
-/// The block under a lid that falls on it.
+/// Adds a rigid lid that falls on the block.
 fn pressed(deck: &str) -> String {
     let lid = "*Node, nset=LIDS\n 101, 1., 2.\n 102, 3., 2.\n 103, 3., 3.\n 104, 1., 3.\n*Element, type=CAX4R, elset=LID\n \
                101, 101, 102, 103, 104\n*Surface, name=LID\n LID, S1\n*Solid Section, elset=LID, material=M\n\
@@ -51,7 +51,7 @@ fn pressed(deck: &str) -> String {
         .replace("*Boundary\n J0, 2, 2\n", "*Boundary\n J0, 2, 2\n*Contact Pair\n J1, LID\n")
 }
 
-/// What has a variable: the block, or a ring of shells that flies the same way.
+/// Returns a deck in which a variable exists: the block, or a ring of shells with the same motion.
 fn scene(variable: Variable, requests: &str) -> String {
     let solid = block_with(variable, requests);
     if variable.row().preselected == PreselectRule::PenaltyContact {
@@ -76,10 +76,10 @@ fn gas() -> String {
         .into()
 }
 
-/// Elastic, by the strain alone; keeps the density and a constant.
-struct Elastic;
+/// Linear elastic user material; stores the density and a constant.
+struct ElasticMaterial;
 
-impl UserMaterial for Elastic {
+impl UserMaterial for ElasticMaterial {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
         let n = call.count;
         for i in 0..n {
@@ -99,12 +99,12 @@ fn kept() -> String {
     "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.,\n*User Material, constants=1\n 1.,\n*Depvar\n 2,\n".into()
 }
 
-/// Whether a variable is there only where temperatures of nodes are solved for.
+/// Returns whether a variable exists only with heat conduction.
 fn is_of_conduction(variable: Variable) -> bool {
     variable.row().preselected == PreselectRule::HeatConduction
 }
 
-/// A block that has a variable.
+/// Returns a block in which a variable exists.
 fn block_with(variable: Variable, requests: &str) -> String {
     let text = block(&material_with(variable), requests);
     if !is_of_conduction(variable) {
@@ -129,7 +129,7 @@ fn explosive() -> String {
         .into()
 }
 
-/// The material of a block whose elements have a variable.
+/// Returns the material of a block whose elements have a variable.
 fn material_with(variable: Variable) -> String {
     match variable {
         Variable::State => kept(),
@@ -144,21 +144,21 @@ fn material_with(variable: Variable) -> String {
     }
 }
 
-fn run(deck: &str) -> (Vec<String>, Memory) {
-    let routines = Routines::none().with_material(Elastic);
+fn run(deck: &str) -> (Vec<String>, RecordedOutput) {
+    let routines = Routines::none().with_material(ElasticMaterial);
     let columns = prepared(deck, &[], &routines).plan.columns.iter().map(|c| c.name.clone()).collect();
     let (outcome, memory) = crate::common::run(deck, &[], &routines);
     assert_eq!(outcome.halt, None, "{deck}");
     (columns, memory)
 }
 
-/// Labels of a variable in these scenes; the user's material keeps two variables.
+/// Returns the labels of a variable in these decks; the user material has two state variables.
 fn labels(variable: Variable) -> Vec<String> {
     let numbers = if variable.row().numbered { 2 } else { variable.parts().count() };
     (0..numbers).map(|component| VariableComponent { variable, component }.label()).collect()
 }
 
-/// A request for a name of a variable as a history, and what stands behind the names of its columns.
+/// Returns a history request for a variable, and the part of the column names after the variable.
 fn history(variable: Variable, name: &str) -> (String, &'static str) {
     let (card, place) = match variable.place() {
         VariablePlace::Node => ("*Node Output, nset=TIP", "@TIP"),
@@ -173,7 +173,7 @@ fn history(variable: Variable, name: &str) -> (String, &'static str) {
 }
 
 #[test]
-fn every_variable_but_those_of_facets_is_a_history_under_its_labels() {
+fn every_variable_except_facet_ones_is_a_history_with_its_labels() {
     for &variable in Variable::ALL.iter().filter(|v| v.place() != VariablePlace::Facet && !is_of_oblique_bodies(**v)) {
         let all = labels(variable);
         let whole = [(variable.name().to_owned(), all.clone())];
@@ -207,19 +207,20 @@ fn is_of_oblique_bodies(variable: Variable) -> bool {
     variable.row().preselected == PreselectRule::SixDofBody
 }
 
-/// A rigid body in space has components along and about three directions, by the name of a whole and by each label.
+/// A rigid body with six degrees of freedom has components along and about three axes, requested by variable name or by
+/// label.
 #[test]
-fn an_oblique_body_has_its_histories_in_space() {
+fn oblique_body_has_three_dimensional_histories() {
     let deck = std::fs::read_to_string(crate::common::project("input/oblique.inp")).expect("a deck");
     let short = deck.replace(" , 4.e-4", " , 1.e-6").replace("stations  = 64", "stations = 4");
     let head = short.split("*Output, field").next().expect("a step");
     let three = |name: &str| [1, 2, 3].map(|i| format!("{name}{i}@REF")).to_vec();
-    let mut asked: Vec<(String, Vec<String>)> =
+    let mut requested: Vec<(String, Vec<String>)> =
         ["U", "V", "A", "UR", "VR", "AR"].map(|name| (name.to_owned(), three(name))).to_vec();
     for &variable in Variable::ALL.iter().filter(|v| is_of_oblique_bodies(**v)) {
-        asked.extend(labels(variable).into_iter().map(|label| (label.clone(), vec![format!("{label}@REF")])));
+        requested.extend(labels(variable).into_iter().map(|label| (label.clone(), vec![format!("{label}@REF")])));
     }
-    for (name, mut expected) in asked {
+    for (name, mut expected) in requested {
         let (mut columns, memory) =
             run(&format!("{head}*Output, history\n*Node Output, nset=REF\n {name}\n*End Step\n"));
         columns.sort();
@@ -244,16 +245,16 @@ fn every_variable_of_nodes_and_elements_is_a_field_with_its_labels() {
         let fields = if variable.is_of_nodes() { &frame.point_fields } else { &frame.cell_fields };
         let all = labels(variable);
         match variable {
-            // The points of a frame are the coordinates.
+            // Coordinates are the points of the frame.
             Variable::Coordinate => assert!(fields.is_empty()),
             Variable::State => assert!(all.iter().all(|l| field(fields, l).is_some_and(|f| f.components == 1))),
             _ => {
-                // A single component gives the field its label.
+                // A field with one component is named by its label.
                 let name = if let [only] = &all[..] { only } else { variable.name() };
                 let shown = field(fields, name).expect("a field of its name");
                 assert_eq!(shown.components, all.len());
                 assert!(all.len() == 1 || shown.component_names == all, "{:?}", shown.component_names);
-                // A gap is one of points that are near another surface.
+                // The contact opening is finite only near another surface.
                 let near = |v: &f64| v.is_finite() || variable == Variable::ContactOpening;
                 assert!(shown.values.iter().all(near) && shown.values.iter().any(|v| v.is_finite()), "{}", shown.name);
             }
@@ -280,9 +281,9 @@ fn every_variable_of_facets_is_in_the_frames_of_a_loaded_surface() {
     assert_eq!(names, facets.map(|v| v.name()).collect::<Vec<_>>());
 }
 
-/// Without a request, and in what order.
+/// Default columns and their order.
 #[test]
-fn what_is_shown_by_default_is_what_the_table_says() {
+fn default_output_matches_the_table() {
     let fields = |frame: &OutputFrame| {
         let all = frame.point_fields.iter().chain(&frame.cell_fields);
         all.map(|f| f.name.clone()).collect::<Vec<_>>()
@@ -297,7 +298,7 @@ fn what_is_shown_by_default_is_what_the_table_says() {
 }
 
 #[test]
-fn all_and_preselect_mean_what_lives_on_their_card() {
+fn all_and_preselect_select_variables_of_their_card() {
     let names = |card: &str| {
         let (columns, memory) = run(&block(&steel(), card));
         let fields = memory.frames.first().map(|f| f.point_fields.iter().chain(&f.cell_fields).map(|f| f.name.clone()));
@@ -316,9 +317,9 @@ fn all_and_preselect_mean_what_lives_on_their_card() {
     assert_eq!(elements.join(" "), expected);
 }
 
-/// With one point an element shows its own value at all its corners; a node shows the mean over its elements.
+/// An element with one integration point extrapolates its value to all corners; a node has the mean over its elements.
 #[test]
-fn positions_at_nodes_are_means_over_the_elements_around() {
+fn nodal_positions_average_adjacent_elements() {
     for position in ["NODES", "averaged at nodes"] {
         let request = format!(
             "*Output, field, number interval=3\n*Element Output\n S\n*Element Output, position={position}\n S, EVOL\n"
@@ -334,7 +335,7 @@ fn positions_at_nodes_are_means_over_the_elements_around() {
                 assert!((points.values[4 * node + c] - mean).abs() <= 1e-14 * mean.abs(), "node {node}");
             }
         }
-        // Of whole elements, not of points in them.
+        // A variable of whole elements, not of integration points.
         assert!(field(&frame.cell_fields, "EVOL").is_some() && field(&frame.point_fields, "EVOL").is_none());
     }
     let cells =
@@ -343,9 +344,10 @@ fn positions_at_nodes_are_means_over_the_elements_around() {
     assert_eq!((memory.frames[0].cell_fields.len(), memory.frames[0].point_fields.len()), (1, 0));
 }
 
-/// What is deleted has no part in a mean; where all elements around are gone, and on rigid bodies, there is none.
+/// Deleted elements do not contribute to a mean. A node has no value if all its elements are deleted, or on a rigid
+/// body.
 #[test]
-fn positions_at_nodes_leave_out_what_is_not_there() {
+fn nodal_positions_ignore_deleted_elements() {
     let rigid = "*Node, nset=REF\n 90, 0., 9.\n*Node\n 91, 1., 9.\n*Element, type=RAX2, elset=WALL\n 90, 90, 91\n\
                  *Rigid Body, ref node=REF, elset=WALL\n*Element, type=MASS, elset=M\n 92, 90\n*Mass, elset=M\n 1.,\n";
     let request = "*Output, field, number interval=20\n*Element Output\n MISES, STATUS\n*Element Output, position=NODES\n MISES\n";
@@ -371,18 +373,23 @@ fn positions_at_nodes_leave_out_what_is_not_there() {
     );
 }
 
-/// Errors, warnings and notes of a deck, rendered.
+/// Returns errors, warnings and notes of a deck, rendered.
 fn findings(requests: &str) -> String {
     let prepared = job::prepare_text("test.inp", &block(&steel(), requests), &Vec::new(), &Routines::none());
     prepared.diagnostics.render(&prepared.deck.sources)
 }
 
 #[test]
-fn messages_say_what_there_is() {
+fn messages_list_available_variables() {
     let element = |words: &str| findings(&format!("*Output, field\n*Element Output\n {words}\n"));
-    let told = element("PEQ");
-    assert!(told.contains("M141") && told.contains("did you mean PEEQ?") && told.contains("MISES, PRESS"), "{told}");
-    // A body of revolution has no such stress: the ledger tells.
+    let message_text = element("PEQ");
+    assert!(
+        message_text.contains("M141")
+            && message_text.contains("did you mean PEEQ?")
+            && message_text.contains("MISES, PRESS"),
+        "{message_text}"
+    );
+    // This stress component does not exist in an axisymmetric body, which the ledger reports.
     assert!(element("S13").is_empty(), "{}", element("S13"));
     assert!(element("MISES2").contains("MISES has no components"));
     let of = |card: &str, words: &str| findings(&format!("*Output, history\n{card}\n {words}\n"));
@@ -398,14 +405,17 @@ fn messages_say_what_there_is() {
 }
 
 #[test]
-fn what_comes_to_nothing_is_listed_with_its_reason() {
+fn requests_without_effect_are_listed_with_a_reason() {
     let unused = |requests: &str| {
         let plan = prepared(&block(&steel(), requests), &[], &Routines::none()).plan;
         plan.ledger.unused.iter().map(|u| format!("{}: {}", u.what, u.why)).collect::<Vec<_>>().join("\n")
     };
     for known in NOT_SIMULATED {
-        let told = unused(&format!("*Output, field\n*Element Output\n {}\n", known.name));
-        assert!(told.contains(&format!("{}: {} ({}) is not simulated", known.name, known.name, known.words)), "{told}");
+        let message_text = unused(&format!("*Output, field\n*Element Output\n {}\n", known.name));
+        assert!(
+            message_text.contains(&format!("{}: {} ({}) is not simulated", known.name, known.name, known.words)),
+            "{message_text}"
+        );
     }
     let history = |card: &str, word: &str| unused(&format!("*Output, history\n{card}\n {word}\n"));
     assert!(history("*Node Output, nset=TIP", "S").contains("S is an element variable"));
@@ -418,7 +428,7 @@ fn what_comes_to_nothing_is_listed_with_its_reason() {
 }
 
 #[test]
-fn explain_and_the_page_say_what_the_table_says() {
+fn explain_and_the_page_match_the_table() {
     let path = crate::common::project("docs/variables.md");
     let manual = variable_manual();
     if std::env::var_os("REVOLVE_BLESS").is_some() {
@@ -438,7 +448,8 @@ fn explain_and_the_page_say_what_the_table_says() {
     for known in NOT_SIMULATED {
         assert!(explain(known.name).is_some_and(|t| t.contains(known.words) && t.contains("not simulated")));
     }
-    // A word that is both is told as both; a variable's name is no abbreviation of a keyword.
+    // A word that is both a keyword and a variable is explained as both; the name of a variable is no abbreviation of a
+    // keyword.
     let density = explain("density").expect("both");
     assert!(density.contains("*DENSITY") && density.contains("Mass per unit of current volume"));
     assert!(explain("ER").is_some_and(|t| !t.contains('*') || t.starts_with("ER:")));

@@ -1,15 +1,15 @@
-//! The keyword table against what is done: each parameter and each field that is read changes something, each that is
-//! refused is refused with its reason, each that is inert is told in the ledger.
+//! The keyword table compared with the program: each parameter and field that is used changes the results, each
+//! unsupported one is rejected with the reason, each ignored one is listed in the ledger.
 //!
-//! Goal: nothing is parsed and ignored. Source: the table itself; `words/pairs.txt` holds a pair of decks for each entry
-//! that is read, alike but for that entry.
+//! Goal: no input is parsed and silently ignored. Source: the table itself; `words/pairs.txt` has for each used entry
+//! two decks that differ only in this entry.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::common::{self, Memory};
+use crate::common::{self, RecordedOutput};
 use revolve::deck::keywords::{DataShape, InputRule, InputUsage, Keyword, KeywordTier, keywords};
 use revolve::deck::value::ValueKind;
 use revolve::deck::{self, Card, DataLine, Deck};
@@ -21,7 +21,7 @@ use revolve::user::{
     UserLengths, UserLoad, UserMaterial, UserMotion,
 };
 
-/// Every entry of the table with its name, `KEYWORD, PARAMETER` or `KEYWORD, field`.
+/// Returns every entry of the table with its name, `KEYWORD, PARAMETER` or `KEYWORD, field`.
 fn entries() -> Vec<(String, &'static Keyword, &'static InputRule)> {
     let mut all = Vec::new();
     for keyword in keywords().filter(|k| k.tier == KeywordTier::Used) {
@@ -34,7 +34,7 @@ fn entries() -> Vec<(String, &'static Keyword, &'static InputRule)> {
 }
 
 /// One line of the table of pairs.
-struct Pair {
+struct DeckPair {
     name: String,
     texts: [String; 2],
 }
@@ -64,7 +64,7 @@ fn changed(text: &str, changes: &str, definitions: &HashMap<&str, &str>) -> Stri
     text
 }
 
-fn pairs() -> Vec<Pair> {
+fn pairs() -> Vec<DeckPair> {
     let base = |name: &str| {
         std::fs::read_to_string(common::project(&format!("tests/deck/words/{name}.inp"))).expect("a deck of the pairs")
     };
@@ -84,36 +84,36 @@ fn pairs() -> Vec<Pair> {
             text = changed(&text, definitions.get(part).copied().unwrap_or(part), &definitions);
         }
         let other = changed(&text, last, &definitions);
-        Pair { name: name.trim().into(), texts: [text, other] }
+        DeckPair { name: name.trim().into(), texts: [text, other] }
     };
     lines.iter().map(pair).collect()
 }
 
-/// What the routines of the user answer: numbers that show what they are told.
-struct Asked;
+/// User subroutines whose answers depend on all their arguments.
+struct TestSubroutines;
 
-impl UserLoad for Asked {
+impl UserLoad for TestSubroutines {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         pressure.fill(2.0 * points.amplitude);
         Ok(())
     }
 }
 
-impl UserMotion for Asked {
+impl UserMotion for TestSubroutines {
     fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure> {
         Ok(0.3 * call.now.total_time)
     }
 }
 
-impl UserAmplitude for Asked {
+impl UserAmplitude for TestSubroutines {
     fn amplitude(&mut self, call: &mut AmplitudeCall<'_>) -> Result<AmplitudeAnswer, LoadFailure> {
         let value = call.properties[0] * call.variables.len() as f64;
         Ok(AmplitudeAnswer { value, ..AmplitudeAnswer::default() })
     }
 }
 
-/// Stress by one modulus; the first state variable is set, the second falls to zero.
-impl UserMaterial for Asked {
+/// Elastic stress with one modulus; sets the first state variable, and the second, which deletes the element, to zero.
+impl UserMaterial for TestSubroutines {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
         for (i, stress) in answer.stress.iter_mut().enumerate() {
             *stress = call.stress[i] + call.properties[0] * (1.0 + call.properties[1]) * call.strain[i];
@@ -126,8 +126,8 @@ impl UserMaterial for Asked {
     }
 }
 
-/// A yield stress of two constants, the number of constants, and the state and field variables that there are.
-impl UserHardening for Asked {
+/// Yield stress from two constants, the number of constants, and the state and field variables.
+impl UserHardening for TestSubroutines {
     fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure> {
         let (first, second) = (call.properties.first().unwrap_or(&1.0), call.properties.get(1).unwrap_or(&1.0));
         for i in 0..call.count {
@@ -139,8 +139,8 @@ impl UserHardening for Asked {
     }
 }
 
-/// The first field variable is the first constant.
-impl UserFields for Asked {
+/// Sets the first field variable to the first constant.
+impl UserFields for TestSubroutines {
     fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure> {
         let value = call.properties.first().unwrap_or(&1.0) + call.properties.len() as f64;
         answer.field[..call.count].fill(value);
@@ -148,43 +148,48 @@ impl UserFields for Asked {
     }
 }
 
-/// The length is that by default, times the first constant.
-impl UserLengths for Asked {
+/// Returns the default length times the first constant.
+impl UserLengths for TestSubroutines {
     fn lengths(&mut self, call: &LengthCall<'_>, lengths: &mut [f64]) -> Result<(), LoadFailure> {
         lengths.iter_mut().for_each(|length| *length *= call.properties.first().unwrap_or(&1.0));
         Ok(())
     }
 }
 
-/// All that a deck comes to, without the places that findings and rows name.
+/// Returns all results of a deck, without the places of diagnostics and ledger rows.
 fn results(folder: &Path, text: &str) -> String {
-    let routines = Routines::none().with_load(Asked).with_motion(Asked).with_amplitude(Asked).with_material(Asked);
-    let routines = routines.with_hardening(Asked).with_fields(Asked).with_lengths(Asked);
+    let routines = Routines::none()
+        .with_load(TestSubroutines)
+        .with_motion(TestSubroutines)
+        .with_amplitude(TestSubroutines)
+        .with_material(TestSubroutines);
+    let routines = routines.with_hardening(TestSubroutines).with_fields(TestSubroutines).with_lengths(TestSubroutines);
     let name = folder.join("pair.inp");
     let prepared = job::prepare_text(&name.display().to_string(), text, &[], &routines);
-    let mut told = String::new();
+    let mut message_text = String::new();
     for finding in prepared.diagnostics.iter() {
-        writeln!(told, "{} {} {:?}", finding.code, finding.message, finding.help).expect("text");
+        writeln!(message_text, "{} {} {:?}", finding.code, finding.message, finding.help).expect("text");
     }
     if prepared.diagnostics.has_errors() {
-        return told;
+        return message_text;
     }
-    writeln!(told, "{:?} {:?}", prepared.title, prepared.units).expect("text");
+    writeln!(message_text, "{:?} {:?}", prepared.title, prepared.units).expect("text");
     for row in &prepared.plan.ledger.effects {
-        writeln!(told, "{} {} {} {}", row.effect, row.count, row.unit, row.detail).expect("text");
+        writeln!(message_text, "{} {} {} {}", row.effect, row.count, row.unit, row.detail).expect("text");
     }
     for step in &prepared.plan.steps {
-        writeln!(told, "{:?}", step.outputs.restart).expect("text");
+        writeln!(message_text, "{:?}", step.outputs.restart).expect("text");
     }
-    writeln!(told, "{:?}", prepared.plan.columns).expect("text");
-    let mut memory = Memory::default();
+    writeln!(message_text, "{:?}", prepared.plan.columns).expect("text");
+    let mut memory = RecordedOutput::default();
     let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
-    writeln!(told, "{} {:?} {:?} {:?}", outcome.digest, outcome.halt, outcome.steps, outcome.warnings).expect("text");
-    writeln!(told, "{:?} {:?}", memory.rows, memory.frames).expect("text");
-    told
+    writeln!(message_text, "{} {:?} {:?} {:?}", outcome.digest, outcome.halt, outcome.steps, outcome.warnings)
+        .expect("text");
+    writeln!(message_text, "{:?} {:?}", memory.rows, memory.frames).expect("text");
+    message_text
 }
 
-/// Files that pairs name.
+/// Writes the files that the pairs refer to.
 fn files(folder: &Path) {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("a file");
     for (name, value) in [("a", "1."), ("b", "1.5")] {
@@ -222,7 +227,7 @@ fn files(folder: &Path) {
     write("b.vtu", &mesh("7"));
 }
 
-/// The entries in which two decks differ.
+/// Returns the entries in which two decks differ.
 fn differences(a: &Deck, b: &Deck) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let cards = |deck: &Deck| deck.cards.iter().map(|c| c.keyword.name).collect::<Vec<_>>();
@@ -256,7 +261,7 @@ fn differences(a: &Deck, b: &Deck) -> BTreeSet<String> {
 }
 
 #[test]
-fn what_is_read_changes_something() {
+fn used_entries_change_results() {
     let folder = tempfile::tempdir().expect("a folder");
     files(folder.path());
     let mut tried = BTreeSet::new();
@@ -274,7 +279,7 @@ fn what_is_read_changes_something() {
             .texts
             .each_ref()
             .map(|t| deck::read_text(&folder.path().join("pair.inp").display().to_string(), t, &[]).0);
-        // What *INCLUDE and *PARAMETER say, and what a file of INPUT= holds, is in the cards behind them.
+        // The values of *INCLUDE and *PARAMETER, and the contents of INPUT= files, appear in later cards.
         let elsewhere =
             pair.name.starts_with("INCLUDE") || pair.name.starts_with("PARAMETER") || pair.name.ends_with(", INPUT");
         let differ = differences(&deck_a, &deck_b);
@@ -290,18 +295,18 @@ fn what_is_read_changes_something() {
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
-/// A value that a parameter or field does not take.
+/// A value that no parameter or field accepts.
 const STRANGE: &str = "77";
 
-/// What is said of one card alone, as codes with their help.
-fn said(text: &str) -> Vec<(String, String)> {
+/// Returns the codes and help texts of the diagnostics of one card.
+fn rendered(text: &str) -> Vec<(String, String)> {
     let (deck, mut diagnostics) = deck::read_text("card.inp", text, &[]);
     let (_, found) = revolve::model::build(&deck);
     diagnostics.append(found);
     diagnostics.iter().map(|d| (d.code.to_owned(), d.help.clone().unwrap_or_default())).collect()
 }
 
-/// The card with a value in a field and in no other, `None` where the rule is that of a parameter.
+/// Returns the card with a value in one field; `None` for rules of parameters.
 fn with_field(keyword: &Keyword, rule: &InputRule, value: &str) -> Option<String> {
     for data in keyword.data {
         let DataShape::Lines(lines, _) = &data.shape else { continue };
@@ -319,7 +324,7 @@ fn with_field(keyword: &Keyword, rule: &InputRule, value: &str) -> Option<String
 }
 
 #[test]
-fn what_is_refused_says_why() {
+fn unsupported_entries_are_rejected_with_a_reason() {
     for (name, keyword, rule) in entries() {
         let (accepted, why) = match rule.usage {
             InputUsage::Refused(why) => (&[][..], why),
@@ -331,22 +336,22 @@ fn what_is_refused_says_why() {
             true => format!("*{}, {}={value}\n", keyword.name, rule.name),
             false => with_field(keyword, rule, value).expect("a field"),
         };
-        let refused = |text: &str| said(text).iter().any(|(_, help)| help == why);
-        assert!(refused(&card(STRANGE)), "{name}: {:?}", said(&card(STRANGE)));
+        let refused = |text: &str| rendered(text).iter().any(|(_, help)| help == why);
+        assert!(refused(&card(STRANGE)), "{name}: {:?}", rendered(&card(STRANGE)));
         for value in accepted {
-            assert!(!refused(&card(value)), "{name}={value}: {:?}", said(&card(value)));
+            assert!(!refused(&card(value)), "{name}={value}: {:?}", rendered(&card(value)));
         }
     }
 }
 
-/// A number that a value may not be, if there is one.
+/// Returns a number outside the valid range, if there is one.
 fn out_of_range(rule: &InputRule) -> Option<f64> {
     let checked = matches!(rule.value.kind, ValueKind::Number | ValueKind::Integer);
     [-1000.0, 1e6, 0.0].into_iter().find(|number| checked && !rule.value.allows(*number))
 }
 
 #[test]
-fn values_out_of_range_are_refused_with_the_range() {
+fn values_out_of_range_are_rejected_with_the_range() {
     let mut tried = 0;
     for (name, keyword, rule) in entries() {
         let Some(number) = out_of_range(rule) else { continue };
@@ -369,7 +374,7 @@ fn values_out_of_range_are_refused_with_the_range() {
 }
 
 #[test]
-fn what_is_inert_is_told() {
+fn ignored_entries_are_listed_in_the_ledger() {
     for (name, keyword, rule) in entries() {
         let InputUsage::Inert(note) = rule.usage else { continue };
         let text = match keyword.parameters.iter().any(|r| std::ptr::eq(r, rule)) {
@@ -379,8 +384,8 @@ fn what_is_inert_is_told() {
         let (deck, _) = deck::read_text("card.inp", &text, &[]);
         let (model, _) = revolve::model::build(&deck);
         let (plan, ..) = revolve::plan::compile(&model, &Routines::none());
-        let told = plan.ledger.unused.iter().find(|u| u.what == format!("*{name}"));
-        assert_eq!(told.map(|u| u.why.as_str()), Some(note), "{text}: {:?}", plan.ledger.unused);
+        let message_text = plan.ledger.unused.iter().find(|u| u.what == format!("*{name}"));
+        assert_eq!(message_text.map(|u| u.why.as_str()), Some(note), "{text}: {:?}", plan.ledger.unused);
     }
     for keyword in keywords() {
         let KeywordTier::Inert(why) = keyword.tier else { continue };
@@ -390,9 +395,9 @@ fn what_is_inert_is_told() {
     }
 }
 
-/// A card on a deck: surplus values, surplus lines, a second card, a decimal comma, sets that end short.
+/// Surplus values, surplus lines, a second card, a decimal comma, incomplete data lines.
 #[test]
-fn what_is_said_too_often_is_told() {
+fn surplus_and_repeated_input_is_reported() {
     let solid = std::fs::read_to_string(common::project("tests/deck/words/solid.inp")).expect("a deck");
     for (from, to, code) in [
         ("100., 0.3", "100., 0.3, 20., 7.", "M161"),
@@ -417,8 +422,8 @@ fn what_is_said_too_often_is_told() {
         (" 9, 2., 2.", " 9, 2., 2., 1.", "M104"),
     ] {
         assert!(solid.contains(from), "{from}");
-        let codes: Vec<String> = said(&solid.replacen(from, to, 1)).into_iter().map(|c| c.0).collect();
+        let codes: Vec<String> = rendered(&solid.replacen(from, to, 1)).into_iter().map(|c| c.0).collect();
         assert!(codes.iter().any(|c| c == code), "{to}: {codes:?}, not {code}");
     }
-    assert!(said(&solid).is_empty(), "{:?}", said(&solid));
+    assert!(rendered(&solid).is_empty(), "{:?}", rendered(&solid));
 }

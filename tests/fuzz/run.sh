@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Fuzzes each target for so many seconds: tests/fuzz/run.sh SECONDS [TARGET...]. Needs a C++ compiler for libFuzzer, no nightly.
-# Inputs that fail are left in target/fuzz/found/TARGET, what is learnt on the way in target/fuzz/learnt/TARGET.
+# Fuzzes each target: tests/fuzz/run.sh SECONDS [TARGET...]. Needs a C++ compiler for libFuzzer, but no nightly Rust.
+# Failing inputs are written to target/fuzz/found/TARGET, inputs with new coverage to target/fuzz/learnt/TARGET.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=${1:?seconds for each target}
@@ -9,7 +9,7 @@ targets=("$@")
 [ ${#targets[@]} -gt 0 ] || targets=(decks parameters meshes checkpoints references results)
 cover="-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters"
 cover="$cover -Cllvm-args=-sanitizer-coverage-pc-table -Cllvm-args=-sanitizer-coverage-trace-compares --cfg fuzzing"
-# With a target named, scripts of the build are not instrumented.
+# With --target, build scripts are not instrumented.
 host=$(rustc -vV | sed -n 's/^host: //p')
 RUSTFLAGS="$cover" cargo build --release --target "$host" --target-dir target/fuzz --manifest-path tests/fuzz/Cargo.toml
 status=0

@@ -1,25 +1,25 @@
 //! Implosions and large distortion.
 
 use crate::common::{solid, spheres};
-use crate::scene::{Scene, deck, off, text};
-use crate::{Verdict, cases};
+use crate::scene::{GauntletRun, deck, off, text};
+use crate::{CaseVerdict, cases};
 use revolve::user::Routines;
 
 cases! { "Implosion and large distortion":
-    verney_sphere, "an imploding shell: hourglass energy, loss of symmetry, elements pressed thin",
+    verney_sphere, "imploding shell: hourglass energy, loss of symmetry, flattened elements",
         "stops within 2 % of the inner radii 6, 5, 4, 3 in the limit of 10x10 and 20x20, drift < 0.1 %";
     verney_cylinder, "the same in plane strain",
         "stops within 1 % of the inner radii 6, 5, 4, 3, drift < 0.1 %";
-    taylor_at_400, "a foot that mushrooms until elements turn inside out",
-        "completed, or halted with element, increment and time; drift < 1 %, nothing that is not finite";
-    taylor_at_400_controlled, "the same with distortion control: forces that make energy of nothing",
+    taylor_at_400, "large expansion of the foot: inverted elements",
+        "completed, or halted with element, increment and time; drift < 1 %, all values finite";
+    taylor_at_400_controlled, "the same with distortion control: forces that create energy",
         "completed, drift < 1 %, ALLDC not below 0 and < 5 % of the energy";
-    a_corner_thrown_through_its_element, "a node thrown across its elements, which nothing but their stress resists",
-        "a corner passes the line between its neighbours without distortion control and none does with it; drift < 10 % (one node alone holds all velocity: the bulk viscosity is booked an increment late)";
+    a_corner_thrown_through_its_element, "node with a velocity across its elements, which only their stress resists",
+        "a corner passes the line between its neighbours without distortion control and none does with it; drift < 10 % (only one node has a velocity: the energy of bulk viscosity is counted an increment late)";
     a_foot_that_folds, "soft copper at 400 m/s: the rim of the foot folds over",
         "completed, or halted with element, increment and time; drift < 2 %";
-    necking_to_failure, "localisation, elements that go while they carry load",
-        "breaks through: a whole row of elements is gone; drift < 3 %";
+    necking_to_failure, "localisation, deletion of loaded elements",
+        "fracture: a whole row of elements deleted; drift < 3 %";
 }
 
 fn shell(stop: f64, sphere: bool, n: usize) -> f64 {
@@ -30,28 +30,28 @@ fn shell(stop: f64, sphere: bool, n: usize) -> f64 {
     8.0 + scene.column("U1@RAY0").iter().map(|u| u.1).fold(0.0, f64::min)
 }
 
-fn verney(sphere: bool, within: f64) -> Verdict {
-    // The error falls with the square of the element.
+fn verney(sphere: bool, within: f64) -> CaseVerdict {
+    // The error is proportional to the square of the element size.
     let found = [6.0, 5.0, 4.0, 3.0].map(|stop| {
         let [coarse, fine] = [10, 20].map(|n| shell(stop, sphere, n));
         (stop, fine + (fine - coarse) / 3.0)
     });
     let holds = found.iter().all(|(stop, r)| off(*r, *stop) < within);
-    Verdict { figure: found.map(|(_, r)| format!("{r:.2}")).join(", "), holds }
+    CaseVerdict { figure: found.map(|(_, r)| format!("{r:.2}")).join(", "), holds }
 }
 
-fn verney_sphere() -> Verdict {
-    // The reference's digits for a stop at 4.
+fn verney_sphere() -> CaseVerdict {
+    // Value of the reference for a stop at 4 cm.
     assert!(off(spheres::stopping_speed(4.0, true), 0.061_978_707_6) < 1e-6);
     verney(true, 0.02)
 }
 
-fn verney_cylinder() -> Verdict {
+fn verney_cylinder() -> CaseVerdict {
     verney(false, 0.01)
 }
 
-/// An answer, or a halt that says where and when.
-fn located(scene: &Scene, drift: f64) -> Verdict {
+/// Passes if the run is completed with a small energy drift or halts with element, increment and time.
+fn located(scene: &GauntletRun, drift: f64) -> CaseVerdict {
     let places = scene.places();
     let finite = places.iter().flatten().all(|x| x.is_finite()) && scene.outcome.energy.total.is_finite();
     let (reason, named) = match &scene.outcome.halt {
@@ -63,22 +63,22 @@ fn located(scene: &Scene, drift: f64) -> Verdict {
     };
     let reached = scene.outcome.energy.drift;
     let figure = format!("{reason}, drift {:.1} %", 100.0 * reached);
-    Verdict { figure, holds: finite && named && reached < drift }
+    CaseVerdict { figure, holds: finite && named && reached < drift }
 }
 
-fn taylor_at_400() -> Verdict {
+fn taylor_at_400() -> CaseVerdict {
     located(&deck("impact.inp", &[]), 0.01)
 }
 
-fn taylor_at_400_controlled() -> Verdict {
+fn taylor_at_400_controlled() -> CaseVerdict {
     let scene = deck("impact_controlled.inp", &[]);
     let energy = &scene.outcome.energy;
     let share = energy.distortion / energy.initial;
     let figure = format!("drift {:.1} %, ALLDC {:.1} %", 100.0 * energy.drift, 100.0 * share);
-    Verdict { figure, holds: scene.completed(0.01) && (0.0..0.05).contains(&share) }
+    CaseVerdict { figure, holds: scene.completed(0.01) && (0.0..0.05).contains(&share) }
 }
 
-fn a_corner_thrown_through_its_element() -> Verdict {
+fn a_corner_thrown_through_its_element() -> CaseVerdict {
     let deck = |controls: &str| {
         let section = format!(
             "*Section Controls, name=KEEP, {controls}\n*Solid Section, elset=SOLID, material=M, controls=KEEP\n"
@@ -91,8 +91,8 @@ fn a_corner_thrown_through_its_element() -> Verdict {
     };
     let bare = text(&deck("hourglass=STIFFNESS"), &Routines::none());
     let kept = text(&deck("hourglass=STIFFNESS, distortion control=YES"), &Routines::none());
-    // The least of all corners' areas over the squares' own.
-    let least = |scene: &Scene| {
+    // Smallest ratio of a corner's area to that of the undeformed square.
+    let least = |scene: &GauntletRun| {
         let group = &scene.prepared.state.elements.groups[0];
         let places = scene.places();
         let corners = |e: usize| group.cells(e).next().expect("a quadrilateral").map(|n| places[n as usize]);
@@ -111,18 +111,18 @@ fn a_corner_thrown_through_its_element() -> Verdict {
         100.0 * kept.outcome.energy.drift,
         100.0 * bare.outcome.energy.drift
     );
-    Verdict { figure, holds: without < 0.0 && with > 0.0 && kept.completed(0.1) }
+    CaseVerdict { figure, holds: without < 0.0 && with > 0.0 && kept.completed(0.1) }
 }
 
-fn a_foot_that_folds() -> Verdict {
+fn a_foot_that_folds() -> CaseVerdict {
     located(&deck("impact.inp", &[("yield", "5.e7"), ("hardening", "1.e7"), ("time", "40.e-6")]), 0.02)
 }
 
-fn necking_to_failure() -> Verdict {
+fn necking_to_failure() -> CaseVerdict {
     let scene = deck("necking.inp", &[]);
     let status = scene.field("STATUS");
     let gone = status.iter().filter(|s| **s == 0.0).count();
     let through = status.chunks(8).any(|row| row.iter().all(|s| *s == 0.0));
-    let figure = format!("{gone} elements gone, drift {:.2} %", 100.0 * scene.outcome.energy.drift);
-    Verdict { figure, holds: scene.completed(0.03) && through }
+    let figure = format!("{gone} elements deleted, drift {:.2} %", 100.0 * scene.outcome.energy.drift);
+    CaseVerdict { figure, holds: scene.completed(0.03) && through }
 }

@@ -2,47 +2,54 @@
 
 use crate::common::spheres::EVEN;
 use crate::meshes::bar;
-use crate::scene::{Scene, deck, off};
-use crate::{Verdict, cases};
+use crate::scene::{GauntletRun, deck, off};
+use crate::{CaseVerdict, cases};
 
 cases! { "Incompressible limit":
-    nearly_incompressible_cylinder, "nu = 0.4999: locking, pressures that alternate like a checkerboard",
+    nearly_incompressible_cylinder, "nu = 0.4999: locking, checkerboard pressures",
         "u(a) of Lame within 0.1 %, mean stress of all elements within 2 % of its uniform value";
-    fully_plastic_cylinder, "all of a thick cylinder flows: locking shows as a limit load that is too high",
-        "opens at 2Y/sqrt(3) ln(b/a) within 1 %, neighbours along z alike within 1 %";
-    triangles_of_one_diagonal, "a copper bar of triangles that are cut alike: they lock where they flow",
+    fully_plastic_cylinder, "fully plastic thick cylinder: locking raises the limit load",
+        "limit pressure 2Y/sqrt(3) ln(b/a) within 1 %, neighbours along z equal within 1 %";
+    triangles_of_one_diagonal, "copper bar of triangles with one diagonal: plastic locking",
         "length within 1 %, foot within 3 % of the bar in quadrilaterals (10x50), drift < 0.2 %";
 }
 
-fn triangles_of_one_diagonal() -> Verdict {
+fn triangles_of_one_diagonal() -> CaseVerdict {
     let [(_, quads), (scene, found)] = [false, true].map(|triangles| bar(triangles, EVEN));
     let holds = scene.completed(2e-3) && off(found[0], quads[0]) < 0.01 && off(found[1], quads[1]) < 0.03;
-    Verdict { figure: format!("{:.2} and {:.2} mm, {:.2} and {:.2}", found[0], found[1], quads[0], quads[1]), holds }
+    CaseVerdict {
+        figure: format!("{:.2} and {:.2} mm, {:.2} and {:.2}", found[0], found[1], quads[0], quads[1]),
+        holds,
+    }
 }
 
-fn settled(scene: &Scene, name: &str) -> f64 {
+fn settled(scene: &GauntletRun, name: &str) -> f64 {
     let values = scene.column(name);
     let tail = &values[values.len() - values.len() / 5..];
     tail.iter().map(|v| v.1).sum::<f64>() / tail.len() as f64
 }
 
-fn nearly_incompressible_cylinder() -> Verdict {
+fn nearly_incompressible_cylinder() -> CaseVerdict {
     let scene = deck("cylinder.inp", &[("nu", "0.4999")]);
-    // Plane strain, p = 1: u(a) = (1 + nu) a/E ((1 - 2 nu) a^2 + b^2)/(b^2 - a^2); mean stress 2 (1 + nu)/3 a^2/(b^2 - a^2).
+    // Plane strain, p = 1: u(a) = (1 + nu) a/E ((1 - 2 nu) a^2 + b^2)/(b^2 - a^2); mean stress 2 (1 + nu)/3 a^2/(b^2 -
+    // a^2).
     let (nu, a, b) = (0.4999, 10.0, 20.0);
     let exact = (1.0 + nu) * a / 200e3 * ((1.0 - 2.0 * nu) * a * a + b * b) / (b * b - a * a);
     let mean = 2.0 * (1.0 + nu) / 3.0 * a * a / (b * b - a * a);
     let error = off(settled(&scene, "U1@FIRST"), exact);
     let worst = scene.cells().iter().map(|c| off(c.mean, mean)).fold(0.0, f64::max);
     let holds = scene.completed(1e-2) && error < 1e-3 && worst < 0.02;
-    Verdict { figure: format!("u(a) within {:.2} %, mean stress within {:.1} %", 100.0 * error, 100.0 * worst), holds }
+    CaseVerdict {
+        figure: format!("u(a) within {:.2} %, mean stress within {:.1} %", 100.0 * error, 100.0 * worst),
+        holds,
+    }
 }
 
-/// Pressed slightly below and slightly above the limit load: it holds, and it opens.
-fn fully_plastic_cylinder() -> Verdict {
+/// A pressure slightly below the limit load is carried, one slightly above it is not.
+fn fully_plastic_cylinder() -> CaseVerdict {
     let yield_stress = 200.0;
     let limit = 2.0 / 3f64.sqrt() * yield_stress * 2f64.ln();
-    // A hundred times as stiff and dense: strains as small as those of the theory.
+    // Stiffness and density are a hundredfold, so that strains are as small as the theory assumes.
     let press = |share: f64| {
         let p = (share * limit).to_string();
         let settings = [
@@ -57,9 +64,9 @@ fn fully_plastic_cylinder() -> Verdict {
         deck("cylinder.inp", &settings)
     };
     let (below, above) = (press(0.99), press(1.01));
-    let opened = |scene: &Scene| settled(scene, "U1@FIRST");
+    let opened = |scene: &GauntletRun| settled(scene, "U1@FIRST");
     let cells = below.cells();
-    let rows: Vec<&[crate::scene::Cell]> = cells.chunks(10).collect();
+    let rows: Vec<&[crate::scene::ElementValues]> = cells.chunks(10).collect();
     let uneven = (0..10)
         .flat_map(|i| rows.iter().map(move |row| (i, row)))
         .map(|(i, row)| (row[i].mean - rows[0][i].mean).abs() / yield_stress);
@@ -67,5 +74,5 @@ fn fully_plastic_cylinder() -> Verdict {
     let ratio = opened(&above) / opened(&below);
     let holds = below.outcome.halt.is_none() && uneven < 0.01 && opened(&below) < 0.01 && ratio > 10.0;
     let figure = format!("u(a) {:.4} mm at 0.99, {ratio:.0} times that at 1.01", opened(&below));
-    Verdict { figure, holds }
+    CaseVerdict { figure, holds }
 }

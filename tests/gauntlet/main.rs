@@ -1,7 +1,7 @@
-//! The gauntlet: scenes that break codes that are not careful. Each case says what breaks such a code, by what it is
-//! judged, and what was reached; `docs/stability.md` is written from them.
+//! The gauntlet: scenes in which explicit codes often fail. Each case states the usual failure, the criterion and the
+//! result; `docs/stability.md` is generated from them.
 //!
-//! Every case ends in an answer inside its tolerance or in a halt that names a place.
+//! Every case ends with a result within its tolerance or halts with a place.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -19,32 +19,32 @@ mod random;
 mod scene;
 mod shocks;
 
-/// What a case came to.
-pub struct Verdict {
-    /// In few digits.
+/// Result of a case.
+pub struct CaseVerdict {
+    /// Result in few digits.
     pub figure: String,
     /// Whether the criterion is met.
     pub holds: bool,
 }
 
 /// A case of the gauntlet.
-pub struct Case {
-    /// What it is about.
+pub struct GauntletCase {
+    /// Topic of the case.
     pub theme: &'static str,
     /// Name of the test.
     pub name: &'static str,
-    /// What breaks a code that is not careful.
+    /// How a less careful code fails.
     pub breaks: &'static str,
-    /// By what it is judged.
+    /// Criterion of success.
     pub criterion: &'static str,
-    /// Runs it.
-    pub run: fn() -> Verdict,
+    /// Runs the case.
+    pub run: fn() -> CaseVerdict,
 }
 
-/// Lists the cases of a theme and makes a test of each.
+/// Lists the cases of a topic and makes a test of each.
 macro_rules! cases {
     ($theme:literal: $($name:ident, $breaks:literal, $criterion:literal;)*) => {
-        pub const CASES: &[crate::Case] = &[$(crate::Case {
+        pub const CASES: &[crate::GauntletCase] = &[$(crate::GauntletCase {
             theme: $theme,
             name: stringify!($name),
             breaks: $breaks,
@@ -62,8 +62,8 @@ macro_rules! cases {
 }
 pub(crate) use cases;
 
-/// All cases in the order of the page.
-pub fn all() -> impl Iterator<Item = &'static Case> {
+/// Returns all cases in the order of the page.
+pub fn all() -> impl Iterator<Item = &'static GauntletCase> {
     [
         axis::CASES,
         shocks::CASES,
@@ -80,7 +80,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
     .flatten()
 }
 
-fn judge(name: &str, verdict: &Verdict) {
+fn judge(name: &str, verdict: &CaseVerdict) {
     println!("{name}: {}", verdict.figure);
     assert!(verdict.holds, "{name}: {}", verdict.figure);
 }

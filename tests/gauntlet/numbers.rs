@@ -1,32 +1,32 @@
-//! Units, rounding, many increments, masses far apart.
+//! Units, rounding, many increments, extreme mass ratios.
 
 use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
-use crate::scene::{Scene, deck, off, read, text, with};
-use crate::{Verdict, cases};
+use crate::scene::{GauntletRun, deck, off, read, text, with};
+use crate::{CaseVerdict, cases};
 
 cases! { "Numbers":
-    three_systems_of_units, "absolute tolerances hidden in the code",
-        "SI, mm-t-s and cm-g-us: the same places within 1e-9 of the length";
-    powers_of_two, "the same, where not even rounding may differ",
+    three_systems_of_units, "absolute tolerances in the code",
+        "SI, mm-t-s and cm-g-us: equal positions within 1e-9 of the length";
+    powers_of_two, "the same, without any difference in rounding",
         "lengths times 8, masses over 4, times times 32: the same bits";
     a_million_increments_of_a_shot, "sums of many small terms",
         "depth of the automatic run (accuracy 1e-8) within 1e-7, drift < 1e-8";
-    times_that_round_badly, "t + dt never meets the end: a last increment too many, or a step that never ends",
-        "thirds, sevenths and tenths end at the duration to the last bit, without an increment too many";
-    a_clock_that_stands_still, "an increment below the rounding of the clock: a run without end",
+    times_that_round_badly, "t + dt does not reach the end exactly: one increment too many, or an endless step",
+        "steps of thirds, sevenths and tenths end exactly, without an additional increment";
+    a_clock_that_stands_still, "increment below the rounding error of the time: endless run",
         "halted (R204) with increment and time";
-    masses_over_12_decades, "bodies of 1e-6 to 1e6 kg under forces in proportion",
-        "velocities alike within 1e-12";
+    masses_over_12_decades, "bodies of 1e-6 to 1e6 kg under proportional forces",
+        "equal velocities within 1e-12";
 }
 
-fn units(m: &str, kg: &str, s: &str) -> Scene {
+fn units(m: &str, kg: &str, s: &str) -> GauntletRun {
     let scene = deck("units.inp", &[("m", m), ("kg", kg), ("s", s)]);
     assert!(scene.completed(0.01), "{}", scene.outcome.energy.drift);
     scene
 }
 
-fn three_systems_of_units() -> Verdict {
+fn three_systems_of_units() -> CaseVerdict {
     let places = |m: &str, kg: &str, s: &str| {
         let unit: f64 = m.parse().expect("a number");
         units(m, kg, s).places().iter().flatten().map(|x| x / unit).collect::<Vec<_>>()
@@ -37,22 +37,22 @@ fn three_systems_of_units() -> Verdict {
         .fold(0.0_f64, |worst, other| si.iter().zip(other).map(|(a, b)| (a - b).abs() / 16e-3).fold(worst, f64::max));
     println!("units: {worst:.1e}");
     let few = format!("< 1e{:.0}", worst.max(1e-16).log10().ceil());
-    Verdict { figure: few, holds: worst < 1e-9 }
+    CaseVerdict { figure: few, holds: worst < 1e-9 }
 }
 
-fn powers_of_two() -> Verdict {
+fn powers_of_two() -> CaseVerdict {
     let (one, other) = (units("1.", "1.", "1."), units("8.", "0.25", "32."));
     let same = |name: &str, unit: f64| one.field(name).iter().zip(other.field(name)).all(|(a, b)| a * unit == b);
     let pascal = 0.25 / 8.0 / 1024.0;
     let holds = same("U", 8.0) && same("V", 0.25) && same("S", pascal) && same("PEEQ", 1.0);
     let counts = [&one, &other].map(|s| s.outcome.increments);
-    Verdict {
+    CaseVerdict {
         figure: if holds { "the same bits".into() } else { "other bits".into() },
         holds: holds && counts[0] == counts[1],
     }
 }
 
-fn shot(card: &str) -> Scene {
+fn shot(card: &str) -> GauntletRun {
     text(
         &read("layers.inp").replace("*Dynamic, Explicit\n , 1.e-3\n", card).replace("front = 0.\n", "front = 0.1\n"),
         &Routines::none(),
@@ -60,24 +60,24 @@ fn shot(card: &str) -> Scene {
 }
 
 fn long_shot(increment: &str) -> (f64, u64, f64) {
-    let depth = |scene: &Scene| scene.outcome.rests.first().expect("it stops").displacement;
+    let depth = |scene: &GauntletRun| scene.outcome.rests.first().expect("it stops").displacement;
     let fixed = shot(&format!("*Dynamic, Explicit, direct user control\n {increment}, 2.5e-4\n"));
     let exact = depth(&shot("*Dynamic, Explicit, accuracy=1.e-8\n , 2.5e-4\n"));
     assert_eq!(fixed.outcome.halt, None);
     (off(depth(&fixed), exact), fixed.outcome.increments, fixed.outcome.energy.drift)
 }
 
-fn a_million_increments_of_a_shot() -> Verdict {
+fn a_million_increments_of_a_shot() -> CaseVerdict {
     let (error, count, drift) = long_shot("2.5e-10");
     println!("{count} increments: depth {error:.1e}, drift {drift:.1e}");
     let few = |x: f64| format!("1e{:.0}", x.max(1e-16).log10().ceil());
-    Verdict {
+    CaseVerdict {
         figure: format!("depth < {}, drift < {}", few(error), few(drift)),
         holds: count >= 1_000_000 && error < 1e-7 && drift < 1e-8,
     }
 }
 
-/// A minute or so: `cargo test --release --test gauntlet -- --ignored a_hundred_million`.
+/// Takes about a minute: `cargo test --release --test gauntlet -- --ignored a_hundred_million`.
 #[test]
 #[ignore = "runs for a minute"]
 fn a_hundred_million_increments_of_a_shot() {
@@ -86,20 +86,20 @@ fn a_hundred_million_increments_of_a_shot() {
     assert!(count >= 100_000_000 && error < 1e-7 && drift < 1e-8);
 }
 
-struct Constant(f64);
+struct ConstantPressure(f64);
 
-impl UserLoad for Constant {
+impl UserLoad for ConstantPressure {
     fn pressure(&mut self, _: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         pressure.fill(self.0);
         Ok(())
     }
 }
 
-fn disc(settings: &[(&str, &str)], pressure: f64) -> Scene {
-    with("disc.inp", settings, &Routines::none().with_load(Constant(pressure)))
+fn disc(settings: &[(&str, &str)], pressure: f64) -> GauntletRun {
+    with("disc.inp", settings, &Routines::none().with_load(ConstantPressure(pressure)))
 }
 
-fn times_that_round_badly() -> Verdict {
+fn times_that_round_badly() -> CaseVerdict {
     let mut holds = true;
     for (dt, time, count) in [
         ("0.03333333333333333", "1.", 30),
@@ -114,20 +114,23 @@ fn times_that_round_badly() -> Verdict {
         println!("{dt} to {time}: {} increments, ends at {last:?}", scene.outcome.increments);
         holds &= scene.completed(1e-9) && last == end && scene.outcome.increments == count;
     }
-    Verdict { figure: if holds { "all end there".into() } else { "an end is missed".into() }, holds }
+    CaseVerdict { figure: if holds { "all end exactly".into() } else { "an end is missed".into() }, holds }
 }
 
-fn a_clock_that_stands_still() -> Verdict {
+fn a_clock_that_stands_still() -> CaseVerdict {
     let steps = read("disc.inp");
     let step = &steps[steps.find("*Step").expect("a step")..];
     let late = steps.replace("<dt>, <time>", "1.e8, 1.e9") + &step.replace("<dt>, <time>", "1.e-9, 1.");
-    let scene = text(&late, &Routines::none().with_load(Constant(1e-12)));
+    let scene = text(&late, &Routines::none().with_load(ConstantPressure(1e-12)));
     let halt = scene.outcome.halt.as_ref().map(|h| (h.code, h.reason.clone()));
     let (code, reason) = halt.unwrap_or(("no halt", String::new()));
-    Verdict { figure: code.into(), holds: code == "R204" && reason.contains("increment") && reason.contains("time") }
+    CaseVerdict {
+        figure: code.into(),
+        holds: code == "R204" && reason.contains("increment") && reason.contains("time"),
+    }
 }
 
-fn masses_over_12_decades() -> Verdict {
+fn masses_over_12_decades() -> CaseVerdict {
     let speeds: Vec<f64> = (-6..=6)
         .map(|power| {
             let mass = 10f64.powi(power);
@@ -137,5 +140,5 @@ fn masses_over_12_decades() -> Verdict {
         })
         .collect();
     let worst = speeds.iter().map(|v| off(*v, speeds[6])).fold(0.0, f64::max);
-    Verdict { figure: format!("{worst:.0e}"), holds: worst < 1e-12 && speeds[6] != 0.0 }
+    CaseVerdict { figure: format!("{worst:.0e}"), holds: worst < 1e-12 && speeds[6] != 0.0 }
 }

@@ -1,4 +1,4 @@
-//! A deck of `input/gauntlet/`, run in memory, and what is read from it.
+//! Runs of the decks in `input/gauntlet/` in memory, and access to their results.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -9,12 +9,12 @@ use revolve::model::Precision;
 use revolve::solve::{self, Outcome};
 use revolve::user::Routines;
 
-use crate::common::{self, Memory};
+use crate::common::{self, RecordedOutput};
 
-pub struct Scene {
+pub struct GauntletRun {
     pub prepared: PreparedJob,
     pub outcome: Outcome,
-    pub memory: Memory,
+    pub memory: RecordedOutput,
 }
 
 /// Precision of elements in the cases of the gauntlet.
@@ -24,42 +24,42 @@ fn precision() -> Precision {
     if SINGLE.load(Ordering::Relaxed) { Precision::Single } else { Precision::Double }
 }
 
-/// From now on elements are in single precision where they can be; or in double again.
+/// Selects the precision of elements for all later runs.
 pub fn in_single(single: bool) {
     SINGLE.store(single, Ordering::Relaxed);
 }
 
 /// Runs a deck of `input/gauntlet/` with `--set` pairs.
-pub fn deck(name: &str, settings: &[(&str, &str)]) -> Scene {
+pub fn deck(name: &str, settings: &[(&str, &str)]) -> GauntletRun {
     with(name, settings, &Routines::none())
 }
 
-/// The same with the user's routines.
-pub fn with(name: &str, settings: &[(&str, &str)], routines: &Routines) -> Scene {
+/// Runs a deck of `input/gauntlet/` with user subroutines.
+pub fn with(name: &str, settings: &[(&str, &str)], routines: &Routines) -> GauntletRun {
     let path = common::project("input/gauntlet").join(name);
     run(job::prepare_in(precision(), &path, &common::pairs(settings), routines))
 }
 
-/// A deck given as text.
-pub fn text(text: &str, routines: &Routines) -> Scene {
+/// Runs a deck text.
+pub fn text(text: &str, routines: &Routines) -> GauntletRun {
     let read = deck::read_text("gauntlet.inp", text, &[]);
     run(job::prepare_edited(read, &mut |model| model.settings.precision = precision(), routines))
 }
 
-fn run(prepared: PreparedJob) -> Scene {
+fn run(prepared: PreparedJob) -> GauntletRun {
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
-    let mut memory = Memory::default();
+    let mut memory = RecordedOutput::default();
     let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
-    Scene { prepared, outcome, memory }
+    GauntletRun { prepared, outcome, memory }
 }
 
-/// The text of a deck of `input/gauntlet/`.
+/// Returns the text of a deck of `input/gauntlet/`.
 pub fn read(name: &str) -> String {
     std::fs::read_to_string(common::project("input/gauntlet").join(name)).expect("a deck")
 }
 
-impl Scene {
-    /// Whether it came to its end with a drift of the energy below this.
+impl GauntletRun {
+    /// Returns whether the run was completed with an energy drift below this.
     pub fn completed(&self, drift: f64) -> bool {
         println!("drift {:.2e}", self.outcome.energy.drift);
         if let Some(halt) = &self.outcome.halt {
@@ -68,44 +68,44 @@ impl Scene {
         self.outcome.halt.is_none() && self.outcome.energy.drift < drift
     }
 
-    /// The values of a history column over time.
+    /// Returns time and value of each row of a history column.
     pub fn column(&self, name: &str) -> Vec<(f64, f64)> {
         let at = self.prepared.plan.columns.iter().position(|c| c.name == name).expect("a column");
         self.memory.rows.iter().map(|row| (row.0, row.1[at])).collect()
     }
 
-    /// Its last value.
+    /// Returns the last value of a history column.
     pub fn last(&self, name: &str) -> f64 {
         self.column(name).last().expect("a row").1
     }
 
-    /// A field of the last frame: of points or cells.
+    /// Returns a nodal or element field of the last frame.
     pub fn field(&self, name: &str) -> Vec<f64> {
         let frame = self.memory.frames.last().expect("a frame");
         let all = frame.point_fields.iter().chain(&frame.cell_fields);
         all.into_iter().find(|f| f.name == name).expect("a field").values.clone()
     }
 
-    /// A field `[r, z]` of the solver's nodes in the last frame.
+    /// Returns a field `[r, z]` of the last frame by solver node.
     pub fn at_nodes(&self, name: &str) -> Vec<[f64; 2]> {
         common::at_nodes(&self.prepared, &self.field(name))
     }
 
-    /// Places of the nodes in the last frame.
+    /// Returns the coordinates of the nodes in the last frame.
     pub fn places(&self) -> Vec<[f64; 2]> {
         let start = &self.prepared.state.dofs.nodes.start;
         start.iter().zip(self.at_nodes("U")).map(|(s, u)| [s[0] + u[0], s[1] + u[1]]).collect()
     }
 
-    /// The solver's node of a label.
+    /// Returns the solver node of a label.
     pub fn node(&self, label: usize) -> usize {
         let names = &self.prepared.plan.mesh.node_names;
         let at = names.iter().position(|n| *n == label.to_string()).expect("a node");
         self.prepared.plan.places.nodes[&at]
     }
 
-    /// Elements of all groups in the last frame: middle, density over that at the start, mean stress.
-    pub fn cells(&self) -> Vec<Cell> {
+    /// Returns the elements of all groups in the last frame: centre, density relative to the start, mean stress.
+    pub fn cells(&self) -> Vec<ElementValues> {
         let start = &self.prepared.state.dofs.nodes.start;
         let (places, stress) = (self.places(), self.field("S"));
         let mut cells = Vec::new();
@@ -116,21 +116,21 @@ impl Scene {
                 let ratio = quad::volume(corners.map(|n| start[n])) / quad::volume(now);
                 let s = &stress[4 * cells.len()..4 * cells.len() + 4];
                 let place = [0, 1].map(|axis| now.iter().map(|c| c[axis]).sum::<f64>() / 4.0);
-                cells.push(Cell { place, density: ratio, mean: (s[0] + s[1] + s[2]) / 3.0, axial: s[1] });
+                cells.push(ElementValues { place, density: ratio, mean: (s[0] + s[1] + s[2]) / 3.0, axial: s[1] });
             }
         }
         cells
     }
 }
 
-pub struct Cell {
+pub struct ElementValues {
     pub place: [f64; 2],
     pub density: f64,
     pub mean: f64,
     pub axial: f64,
 }
 
-/// Mean and largest departure from it, over the mean.
+/// Returns the mean, and the largest relative deviation from it.
 pub fn spread(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let values: Vec<f64> = values.collect();
     assert!(!values.is_empty(), "no values");
@@ -138,7 +138,7 @@ pub fn spread(values: impl Iterator<Item = f64>) -> (f64, f64) {
     (mean, values.iter().map(|v| (v / mean - 1.0).abs()).fold(0.0, f64::max))
 }
 
-/// Departure of a value from what it should be, over that.
+/// Returns the relative error of a value.
 pub fn off(value: f64, exact: f64) -> f64 {
     (value / exact - 1.0).abs()
 }

@@ -1,5 +1,6 @@
-//! Chromium without a window, spoken to by its debugging protocol over pipes: pages at any width, light or dark, as pictures and as
-//! what their scripts find. Source: the Chrome DevTools Protocol, `Target`, `Page`, `Emulation`, `Network`, `Runtime`.
+//! Chromium without a window, controlled over pipes by its debugging protocol: pages at any width, light or dark, as
+//! pictures and as results of their scripts. Source: the Chrome DevTools Protocol, `Target`, `Page`, `Emulation`,
+//! `Network`, `Runtime`.
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -13,34 +14,34 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use tiny_skia::Pixmap;
 
-/// A browser that does not answer for so long has died.
+/// Time without an answer after which the browser counts as failed.
 const SILENCE: Duration = Duration::from_secs(120);
 
-/// How a page is looked at.
+/// Size and colour scheme in which a page is shown.
 #[derive(Clone, Copy, Debug)]
-pub struct View {
-    /// Points.
+pub struct PageView {
+    /// Width in CSS pixels.
     pub width: u32,
-    /// Whether the reader prefers dark pages.
+    /// Whether the reader prefers a dark theme.
     pub dark: bool,
 }
 
 /// A browser with one page.
-pub struct Browser {
+pub struct HeadlessBrowser {
     child: Child,
     to: File,
     from: Receiver<Value>,
     session: String,
     number: u64,
-    /// What the page asked for beside itself, and what its scripts threw.
+    /// Addresses requested by the page, and exceptions of its scripts.
     pub requests: Vec<String>,
     pub errors: Vec<String>,
     _folder: tempfile::TempDir,
 }
 
-impl Browser {
-    /// `None` after saying so, where there is none. In CI it must be there.
-    pub fn start() -> Option<Browser> {
+impl HeadlessBrowser {
+    /// Starts the browser; returns `None` with a printed note if it is not installed. CI requires it.
+    pub fn start() -> Option<HeadlessBrowser> {
         let names = ["chromium", "google-chrome", "chromium-browser", "chrome"];
         let runs = |name: &&&str| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success());
         let found = names.iter().find(runs);
@@ -52,7 +53,7 @@ impl Browser {
         let folder = tempfile::tempdir().expect("a folder");
         let (to, from) = (folder.path().join("to"), folder.path().join("from"));
         assert!(Command::new("mkfifo").args([&to, &from]).status().expect("mkfifo runs").success());
-        // The browser reads from file 3 and writes to file 4.
+        // The browser reads commands from file 3 and writes answers to file 4.
         let child = Command::new("sh")
             .args(["-c", "p=$1 t=$2 f=$3; shift 3; exec \"$p\" \"$@\" 3<\"$t\" 4>\"$f\"", "sh", name])
             .args([&to, &from])
@@ -65,7 +66,7 @@ impl Browser {
         let to = OpenOptions::new().write(true).open(to).expect("a pipe");
         let from = listen(File::open(from).expect("a pipe"));
         let (session, number, requests, errors) = (String::new(), 0, Vec::new(), Vec::new());
-        let mut browser = Browser { child, to, from, session, number, requests, errors, _folder: folder };
+        let mut browser = HeadlessBrowser { child, to, from, session, number, requests, errors, _folder: folder };
         let target = browser.ask("Target.createTarget", json!({"url": "about:blank"}));
         let attached = browser.ask("Target.attachToTarget", json!({"targetId": target["targetId"], "flatten": true}));
         browser.session = attached["sessionId"].as_str().expect("a session").to_owned();
@@ -73,15 +74,15 @@ impl Browser {
         Some(browser)
     }
 
-    /// Opens a page; `fragment` is what stands behind its `#`.
-    pub fn open(&mut self, page: &Path, fragment: &str, view: View) {
-        let View { width, dark } = view;
+    /// Opens a page; `fragment` is the part of the address after `#`.
+    pub fn open(&mut self, page: &Path, fragment: &str, view: PageView) {
+        let PageView { width, dark } = view;
         let metrics = json!({"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": false});
         self.ask("Emulation.setDeviceMetricsOverride", metrics);
         let scheme = if dark { "dark" } else { "light" };
         let features = json!([{"name": "prefers-color-scheme", "value": scheme}]);
         self.ask("Emulation.setEmulatedMedia", json!({"features": features}));
-        // From an empty page: the same address with another fragment would load nothing anew.
+        // A change of the fragment alone would not reload the page.
         self.go("about:blank");
         (self.requests, self.errors) = (Vec::new(), Vec::new());
         self.go(&format!("file://{}{fragment}", page.display()));
@@ -93,29 +94,29 @@ impl Browser {
         while self.hear()["method"] != "Page.loadEventFired" {}
     }
 
-    /// What an expression in the page comes to.
+    /// Returns the value of a JavaScript expression in the page.
     pub fn value(&mut self, expression: &str) -> Value {
-        let asked = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
-        let answer = self.ask("Runtime.evaluate", asked);
+        let requested = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
+        let answer = self.ask("Runtime.evaluate", requested);
         assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
         answer["result"]["value"].clone()
     }
 
-    /// What the tests of a page find in it.
-    pub fn self_test(&mut self, page: &Path, view: View) -> Value {
+    /// Returns the result of the test script of a page.
+    pub fn self_test(&mut self, page: &Path, view: PageView) -> Value {
         self.open(page, "", view);
         let text = self.value(include_str!("page_test.js"));
         serde_json::from_str(text.as_str().expect("the page tested itself")).expect("JSON")
     }
 
-    /// The picture of the first element that a selector finds.
+    /// Returns a picture of the first element that matches a selector.
     pub fn picture(&mut self, selector: &str) -> Pixmap {
         let box_ = self.value(&format!(
             "(() => {{ const b = document.querySelector({selector:?}).getBoundingClientRect(); \
              return {{ x: b.x + scrollX, y: b.y + scrollY, width: b.width, height: b.height, scale: 1 }}; }})()"
         ));
-        let asked = json!({"format": "png", "captureBeyondViewport": true, "clip": box_});
-        let answer = self.ask("Page.captureScreenshot", asked);
+        let requested = json!({"format": "png", "captureBeyondViewport": true, "clip": box_});
+        let answer = self.ask("Page.captureScreenshot", requested);
         let bytes = STANDARD.decode(answer["data"].as_str().expect("a picture")).expect("base64");
         Pixmap::decode_png(&bytes).expect("PNG")
     }
@@ -137,7 +138,7 @@ impl Browser {
         }
     }
 
-    /// The next message; what tells of requests and faults is noted.
+    /// Returns the next message; requests and exceptions are recorded.
     fn hear(&mut self) -> Value {
         let message = self.from.recv_timeout(SILENCE).expect("the browser answers");
         let parameters = &message["params"];
@@ -150,14 +151,14 @@ impl Browser {
     }
 }
 
-impl Drop for Browser {
+impl Drop for HeadlessBrowser {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// Messages as they come, each ended by a zero byte.
+/// Receives messages, each ended by a zero byte.
 fn listen(from: File) -> Receiver<Value> {
     let (send, receive) = channel();
     std::thread::spawn(move || {

@@ -1,4 +1,4 @@
-//! The program as a user runs it: exit status, messages, files.
+//! The program on the command line: exit status, messages, files.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ fn text(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn run_writes_whole_files_with_stable_keys() {
+fn run_writes_complete_files_with_stable_keys() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().to_str().expect("a name");
     let output = revolve(&["run", "input/ogive.inp", "--quiet", "--out", out, "--set", "V=600"]);
@@ -44,7 +44,7 @@ fn run_writes_whole_files_with_stable_keys() {
 }
 
 #[test]
-fn every_broken_deck_is_refused_with_a_place() {
+fn invalid_decks_are_rejected_with_a_place() {
     let mut seen = 0;
     for entry in std::fs::read_dir(common::project("tests/decks/bad")).expect("broken decks") {
         let path = entry.expect("an entry").path();
@@ -58,11 +58,11 @@ fn every_broken_deck_is_refused_with_a_place() {
         seen += 1;
     }
     assert!(seen >= 10, "{seen} broken decks");
-    assert!(!Path::new("target/never").exists(), "nothing is written for a refused deck");
+    assert!(!Path::new("target/never").exists(), "nothing is written for an invalid deck");
 }
 
 #[test]
-fn arguments_are_refused_with_words() {
+fn invalid_arguments_are_rejected_with_a_message() {
     for arguments in [
         &["run", "no/such.inp"][..],
         &["run", "input/ogive.inp", "--set", "v=1"],
@@ -106,24 +106,25 @@ fn explain_knows_keywords_and_every_code() {
     }
 }
 
-/// A reference without a row for any value of the sweep is told before anything runs.
+/// A reference table without a row for some value of the sweep is rejected before any run.
 #[test]
-fn a_reference_of_other_values_is_told() {
+fn reference_without_matching_rows_is_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let table = folder.path().join("other.csv");
     std::fs::write(&table, "V,depth\n12,3\n").expect("a table");
     let (table, out) = (table.to_str().expect("a name"), folder.path().to_str().expect("a name"));
     let sweep = ["sweep", "input/ogive.inp", "--set", "V=569,570", "--quantity", "final(U2@REF)"];
     let output = revolve(&[&sweep[..], &["--compare", table, "--out", out]].concat());
-    let said = text(&output.stderr);
+    let rendered = text(&output.stderr);
     assert!(
-        !output.status.success() && said.contains("no row has V = 569 or 570; the values of the first column are 12"),
-        "{said}"
+        !output.status.success()
+            && rendered.contains("no row has V = 569 or 570; the values of the first column are 12"),
+        "{rendered}"
     );
 }
 
 #[test]
-fn a_sweep_gives_table_picture_and_the_same_bits_for_any_thread_count() {
+fn sweep_writes_table_and_picture_independent_of_threads() {
     let folder = tempfile::tempdir().expect("a folder");
     let table = |threads: &str| {
         let out = folder.path().join(threads);

@@ -1,5 +1,5 @@
-//! Scenes composed in Rust: they are the scenes of decks, to the bits, and what is wrong with one is refused with the code that
-//! a deck would be given.
+//! Models built in Rust: they give the bits of the corresponding decks, and their errors have the codes of the deck
+//! errors.
 
 use revolve::job::{self, PreparedJob};
 use revolve::model::{
@@ -45,7 +45,7 @@ const DECK: &str = "
 *End Step
 ";
 
-/// The scene of the deck.
+/// Returns the model of the deck, built in Rust.
 fn composed() -> Model {
     let mut model = Model::default();
     let nodes = [[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]].map(|[r, z]| model.node(r, z));
@@ -67,7 +67,7 @@ fn planned(model: &Model) -> PreparedJob {
 }
 
 #[test]
-fn composed_and_written_are_one_scene() {
+fn model_built_in_rust_matches_the_deck() {
     let scene = planned(&composed());
     assert!(!scene.diagnostics.has_errors(), "{}", scene.diagnostics.render(&scene.deck.sources));
     let (outcome, history) = job::run_in_memory(&scene);
@@ -76,14 +76,14 @@ fn composed_and_written_are_one_scene() {
     assert_eq!(history.0["U2@TIP"].last, memory.rows.last().expect("a row").1[0]);
     let rows = |p: &PreparedJob| p.plan.ledger.effects.iter().map(|r| (r.effect.clone(), r.count)).collect::<Vec<_>>();
     assert_eq!(rows(&scene), rows(&prepared(DECK, &[], &Routines::none())));
-    let asked =
+    let requested =
         |r: &revolve::plan::ledger::LedgerRow| r.asked_by.iter().all(|place| place.starts_with("composed in Rust"));
-    assert!(scene.plan.ledger.effects.iter().all(asked), "{}", scene.plan.ledger.render(true));
+    assert!(scene.plan.ledger.effects.iter().all(requested), "{}", scene.plan.ledger.render(true));
 }
 
-/// A scene is told from others by all that it holds, and from itself by nothing.
+/// The identity of a model depends on all its contents and on nothing else.
 #[test]
-fn a_checkpoint_fits_its_own_scene() {
+fn checkpoint_fits_its_own_model_only() {
     let identity = |model: &Model| planned(model).identity("");
     assert_eq!(identity(&composed()), identity(&composed()));
     let mut other = composed();
@@ -92,9 +92,9 @@ fn a_checkpoint_fits_its_own_scene() {
 }
 
 #[test]
-fn what_is_wrong_is_refused_and_never_panics() {
-    type Wrong = (&'static str, fn(&mut Model));
-    let cases: &[Wrong] = &[
+fn invalid_models_are_rejected_without_panic() {
+    type InvalidModel = (&'static str, fn(&mut Model));
+    let cases: &[InvalidModel] = &[
         ("M126", |m| m.mesh.points[1][0] = f64::NAN),
         ("M126", |m| m.mesh.points[1][0] = -1.0),
         ("M110", |m| drop(m.mesh.node_names.pop())),

@@ -15,20 +15,20 @@ const GAP: f64 = 22.0;
 const LAYER: f64 = 62.0;
 const WIDTH: f64 = 720.0;
 
-type Imports = BTreeMap<String, BTreeSet<String>>;
+type FolderImports = BTreeMap<String, BTreeSet<String>>;
 
-/// Which folder imports which.
-fn imports() -> Imports {
+/// Returns the folders that each folder imports.
+fn imports() -> FolderImports {
     let tree = SourceTree::read();
-    let mut imports = Imports::new();
+    let mut imports = FolderImports::new();
     for (from, to, _) in tree.imports().into_iter().filter(|(from, to, _)| from[0] != to[0]) {
         imports.entry(from[0].clone()).or_default().insert(to[0].clone());
     }
     imports
 }
 
-/// Whether a folder reaches another one by two imports or more.
-fn reaches_indirectly(imports: &Imports, from: &str, to: &str) -> bool {
+/// Returns whether a folder reaches another one by two imports or more.
+fn reaches_indirectly(imports: &FolderImports, from: &str, to: &str) -> bool {
     let next = |folder: &str| imports.get(folder).into_iter().flatten();
     let mut open: Vec<&String> = next(from).filter(|folder| *folder != to).collect();
     let mut seen = BTreeSet::new();
@@ -43,7 +43,7 @@ fn reaches_indirectly(imports: &Imports, from: &str, to: &str) -> bool {
     false
 }
 
-/// Centre of the box of each folder.
+/// Returns the centre of the box of each folder.
 fn centres() -> BTreeMap<&'static str, [f64; 2]> {
     let mut centres = BTreeMap::new();
     for (layer, folders) in LAYERS.iter().enumerate() {
@@ -73,7 +73,7 @@ fn draw_arrow(svg: &mut String, [x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) {
     let _ = writeln!(svg, "<path d=\"{path}\" marker-end=\"url(#head)\"/>");
 }
 
-fn draw(imports: &Imports) -> String {
+fn draw(imports: &FolderImports) -> String {
     let height = 30.0 + LAYERS.len() as f64 * LAYER - 20.0;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"13\">\n\

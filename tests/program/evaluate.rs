@@ -1,7 +1,7 @@
 //! Evaluations: tables of quantities over samples of parameters.
 //!
-//! Source: the runs themselves. A table has the bits of runs that read and plan the deck anew for each sample, whatever
-//! parameter is sampled, on any number of threads and however samples are split over calls.
+//! Source: single runs. Each sample has the bits of a run that reads and plans the deck again, for any parameter, any
+//! number of threads and any distribution of samples over calls.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,7 +15,7 @@ use revolve::user::Routines;
 
 use crate::common::project;
 
-/// Every load that rigid bodies have, over two steps, into a target of two layers.
+/// All loads of rigid bodies, over two steps, with a target of two layers.
 const LOADS: &str = "\
 *Parameter
 m1 = 0.5
@@ -93,7 +93,7 @@ lengths = 2.
  9
 ";
 
-/// Quantities of a run from the deck's text on, or why there are none.
+/// Returns the quantities of a single run that starts from the text of the deck, or why there are none.
 fn alone(source: &DeckSource, parameter: &str, value: f64, quantities: &[Quantity]) -> Result<Vec<u64>, String> {
     let overrides = [(parameter.to_owned(), format!("{value:?}"))];
     let prepared = job::prepare_edited(source.read(&overrides), &mut |_| {}, &Routines::none());
@@ -109,11 +109,11 @@ fn alone(source: &DeckSource, parameter: &str, value: f64, quantities: &[Quantit
     quantities.iter().map(|q| q.number(run).map(f64::to_bits).map_err(|e| e.to_string())).collect()
 }
 
-/// What a table says of each sample.
+/// Returns the result of each sample in a table.
 fn table(evaluator: &SampleEvaluator, samples: &[f64], width: usize, threads: usize) -> Vec<Result<Vec<u64>, String>> {
     let mut values = vec![0.0; samples.len() * width];
-    let asked = SampleTable { values: samples, count: samples.len() };
-    let failures = evaluator.run(asked, &mut values, threads, &AtomicUsize::new(0), &mut |_| {}).expect("threads");
+    let requested = SampleTable { values: samples, count: samples.len() };
+    let failures = evaluator.run(requested, &mut values, threads, &AtomicUsize::new(0), &mut |_| {}).expect("threads");
     let reasons: BTreeMap<usize, String> = failures.into_iter().map(|f| (f.row, f.reason.to_string())).collect();
     let row = |(i, row): (usize, &[f64])| match reasons.get(&i) {
         None => Ok(row.iter().map(|x| x.to_bits()).collect()),
@@ -149,11 +149,12 @@ fn agree(source: &DeckSource, texts: &[&str]) {
 }
 
 #[test]
-fn a_table_has_the_bits_of_runs() {
+fn table_matches_single_runs_bitwise() {
     let ogive = DeckSource::File(project("input/ogive.inp"));
     agree(&ogive, &["-1000*final(U2@REF)"]);
     agree(&ogive, &["final(U2@REF)", "max(ALLCAV) + mean(V2@REF, 0, 1e-4)"]);
-    // Where an angle makes or unmakes a body in space each sample is planned as any run is.
+    // For some values of the angle the body has six degrees of freedom, so that each sample is planned like a single
+    // run.
     let oblique = std::fs::read_to_string(project("input/oblique.inp")).expect("a deck");
     let short = oblique.replace(" , 4.e-4", " , 1.e-5").replace("stations  = 64", "stations = 8");
     let short = short.replace("n     = 20", "n = 4").replace("m     = 10", "m = 2");
@@ -164,16 +165,16 @@ fn a_table_has_the_bits_of_runs() {
 }
 
 #[test]
-fn what_nothing_can_come_of_is_refused_before_any_run() {
+fn invalid_evaluations_are_rejected_before_any_run() {
     let source = DeckSource::File(project("input/ogive.inp"));
     let make = |name: &str, quantity: &str| {
         let quantities = vec![Quantity::parse(quantity).expect("a quantity")];
         SampleEvaluator::new(source.clone(), Vec::new(), vec![name.into()], quantities, UserRoutines::Absent)
             .map(|_| ())
     };
-    let told = |made: Result<(), StudyError>| made.expect_err("refused").to_string();
-    assert!(told(make("v", "final(U2@REF)")).contains("did you mean V?"));
-    assert!(told(make("V", "final(U2@RFE)")).contains("did you mean U2@REF?"));
+    let message_text = |made: Result<(), StudyError>| made.expect_err("refused").to_string();
+    assert!(message_text(make("v", "final(U2@REF)")).contains("did you mean V?"));
+    assert!(message_text(make("V", "final(U2@RFE)")).contains("did you mean U2@REF?"));
     let broken = DeckSource::File(Path::new("no such deck.inp").into());
     let made = SampleEvaluator::new(broken, Vec::new(), Vec::new(), Vec::new(), UserRoutines::Absent).map(|_| ());
     assert!(matches!(made, Err(StudyError::Refused { code: "D001", .. })), "{made:?}");
@@ -189,9 +190,9 @@ fn an_interrupt_ends_a_table_early() {
     for threads in [1, 2] {
         let mut values = vec![f64::NAN; samples.len()];
         let interrupt = AtomicUsize::new(2);
-        let asked = SampleTable { values: &samples, count: samples.len() };
-        let failures = evaluator.run(asked, &mut values, threads, &interrupt, &mut |_| {}).expect("threads");
-        assert!(values.iter().all(|x| x.is_nan()), "no run comes to its end");
+        let requested = SampleTable { values: &samples, count: samples.len() };
+        let failures = evaluator.run(requested, &mut values, threads, &interrupt, &mut |_| {}).expect("threads");
+        assert!(values.iter().all(|x| x.is_nan()), "no run is completed");
         assert!(failures.len() <= threads, "{} were begun", failures.len());
         assert!(failures.iter().all(|f| f.reason.to_string().contains("R207")), "{failures:?}");
     }

@@ -1,8 +1,8 @@
 //! The pages `docs/add-*.md` ("How do I add ...") followed to the letter: their edits are applied to a copy of the
 //! sources, which must then compile. A page that leaves out a file, or names a line that no longer exists, fails here.
 //!
-//! An edit is a line of the page and the code block after it: "Create `FILE`:", "In `FILE`, after `LINE`:",
-//! "In `FILE`, before `LINE`:" or "In `FILE`, in place of `LINE`:", where `LINE` occurs in exactly one line of the file.
+//! An edit is a line of the page and the code block after it: "Create `FILE`:", "In `FILE`, after `LINE`:", "In `FILE`,
+//! before `LINE`:" or "In `FILE`, in place of `LINE`:", where `LINE` occurs in exactly one line of the file.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -12,7 +12,7 @@ use std::process::Command;
 use crate::common::project;
 
 #[derive(Debug)]
-enum Place {
+enum EditPlace {
     NewFile,
     After(String),
     Before(String),
@@ -20,39 +20,40 @@ enum Place {
 }
 
 #[derive(Debug)]
-struct Edit {
+struct PageEdit {
     file: String,
-    place: Place,
+    place: EditPlace,
     code: String,
 }
 
-/// Returns the words between backticks.
+/// Returns the texts between backticks.
 fn quoted(line: &str) -> Vec<&str> {
     line.split('`').skip(1).step_by(2).collect()
 }
 
 /// Returns the edit that a line announces; `None` for other lines.
-fn announced(line: &str, code: String) -> Option<Edit> {
+fn announced(line: &str, code: String) -> Option<PageEdit> {
     let words = quoted(line);
     let (file, place) = match words[..] {
-        [file] if line.starts_with("Create ") => (file, Place::NewFile),
-        [file, anchor] if line.contains("`, after `") => (file, Place::After(anchor.to_owned())),
-        [file, anchor] if line.contains("`, before `") => (file, Place::Before(anchor.to_owned())),
-        [file, anchor] if line.contains("`, in place of `") => (file, Place::InPlaceOf(anchor.to_owned())),
+        [file] if line.starts_with("Create ") => (file, EditPlace::NewFile),
+        [file, anchor] if line.contains("`, after `") => (file, EditPlace::After(anchor.to_owned())),
+        [file, anchor] if line.contains("`, before `") => (file, EditPlace::Before(anchor.to_owned())),
+        [file, anchor] if line.contains("`, in place of `") => (file, EditPlace::InPlaceOf(anchor.to_owned())),
         _ => return None,
     };
-    Some(Edit { file: file.to_owned(), place, code })
+    Some(PageEdit { file: file.to_owned(), place, code })
 }
 
 /// Returns the edits of a page in their order.
-fn edits(page: &str) -> Vec<Edit> {
+fn edits(page: &str) -> Vec<PageEdit> {
     let mut found = Vec::new();
     let mut lines = page.lines();
     let mut last = "";
     while let Some(line) = lines.next() {
         if line.starts_with("```rust") {
             let code: String = lines.by_ref().take_while(|l| *l != "```").map(|l| l.to_owned() + "\n").collect();
-            let edit = announced(last, code).unwrap_or_else(|| panic!("the code block after `{last}` has no place"));
+            let edit =
+                announced(last, code).unwrap_or_else(|| panic!("the code block after `{last}` belongs to no edit"));
             found.push(edit);
         } else if !line.trim().is_empty() {
             last = line;
@@ -61,14 +62,14 @@ fn edits(page: &str) -> Vec<Edit> {
     found
 }
 
-fn apply(edit: &Edit, root: &Path) {
+fn apply(edit: &PageEdit, root: &Path) {
     let path = root.join(&edit.file);
     let anchor = match &edit.place {
-        Place::NewFile => {
+        EditPlace::NewFile => {
             assert!(!path.exists(), "{} exists already", edit.file);
             return fs::write(path, &edit.code).expect("a new file");
         }
-        Place::After(anchor) | Place::Before(anchor) | Place::InPlaceOf(anchor) => anchor.as_str(),
+        EditPlace::After(anchor) | EditPlace::Before(anchor) | EditPlace::InPlaceOf(anchor) => anchor.as_str(),
     };
     let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", edit.file));
     let count = text.lines().filter(|line| line.contains(anchor)).count();
@@ -77,15 +78,15 @@ fn apply(edit: &Edit, root: &Path) {
     for line in text.lines().map(|line| line.to_owned() + "\n") {
         match &edit.place {
             _ if !line.contains(anchor) => edited += &line,
-            Place::After(_) => edited.extend([line.as_str(), edit.code.as_str()]),
-            Place::Before(_) => edited.extend([edit.code.as_str(), line.as_str()]),
+            EditPlace::After(_) => edited.extend([line.as_str(), edit.code.as_str()]),
+            EditPlace::Before(_) => edited.extend([edit.code.as_str(), line.as_str()]),
             _ => edited += &edit.code,
         }
     }
     fs::write(path, edited).expect("an edited file");
 }
 
-/// Copies a folder with all that it holds.
+/// Copies a folder with all its contents.
 pub fn copy_folder(from: &Path, to: &Path) {
     fs::create_dir_all(to).expect("a folder");
     for entry in fs::read_dir(from).expect("a folder").map(|e| e.expect("an entry")) {

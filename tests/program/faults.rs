@@ -1,8 +1,8 @@
-//! What happens to a run from outside: kills, signals, full disks, folders that vanish, too little memory.
+//! External faults during a run: kills, signals, full disks, deleted folders, too little memory.
 //!
-//! Goal: no file is ever torn, no finished frame is lost or other than it would have been, and `--resume` comes to the same
-//! files as a run that nothing happened to. Source: that run. Tolerance: none. Moments are random with a seed; a run that is
-//! over before its moment comes is tried again, so that a busy machine changes nothing.
+//! Goal: no file is ever incomplete, no finished frame is lost or changed, and `--resume` gives the same files as an
+//! undisturbed run. Source: the undisturbed run. Tolerance: none. Moments are random with a seed; a run that ends
+//! before its moment is repeated, so that the load of the machine has no influence.
 //!
 //! The long form: `cargo test --release --test program faults -- --ignored --show-output` kills 200 runs.
 
@@ -16,22 +16,23 @@ use revolve::output::checkpoint::Checkpoint;
 
 use crate::common::fortran;
 
-/// A deck with its settings, how long it takes alone, and its results.
-struct Case {
+/// A deck with its settings, its undisturbed run time and its results.
+struct FaultCase {
     name: &'static str,
     arguments: Vec<String>,
-    /// Where compiled routines are kept.
+    /// Folder of compiled user subroutines.
     cache: PathBuf,
     seconds: f64,
     results: BTreeMap<String, Vec<u8>>,
 }
 
-impl Case {
-    /// Runs it undisturbed.
-    fn new(name: &'static str, deck: &Path, more: &[&str], scratch: &Path) -> Case {
+impl FaultCase {
+    /// Runs the deck undisturbed.
+    fn new(name: &'static str, deck: &Path, more: &[&str], scratch: &Path) -> FaultCase {
         let mut arguments = vec!["run".to_owned(), deck.to_str().expect("a name").to_owned(), "--quiet".into()];
         arguments.extend(more.iter().map(|a| (*a).to_owned()));
-        let mut case = Case { name, arguments, cache: scratch.join("cache"), seconds: 0.0, results: BTreeMap::new() };
+        let mut case =
+            FaultCase { name, arguments, cache: scratch.join("cache"), seconds: 0.0, results: BTreeMap::new() };
         let folder = scratch.join(format!("whole-{name}"));
         let begin = Instant::now();
         let status = case.start(&folder, &[]).wait().expect("a status");
@@ -52,14 +53,14 @@ impl Case {
         command
     }
 
-    /// Under a limit of the shell's `ulimit`.
+    /// Runs the deck under a limit of the shell's `ulimit`.
     fn limited(&self, limit: &str, folder: &Path, more: &[&str]) -> ExitStatus {
         let mut shell = Command::new("sh");
         shell.args(["-c", &format!("ulimit {limit}; exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_revolve")]);
         self.command(shell, folder, more).status().expect("the program runs")
     }
 
-    /// Goes on to the end and compares all files.
+    /// Resumes the run to its end and compares all files.
     fn resume(&self, folder: &Path, threads: &str) {
         let status = self.start(folder, &["--resume", "--threads", threads]).wait().expect("a status");
         assert!(status.success(), "{}: {status}", self.name);
@@ -67,11 +68,12 @@ impl Case {
         let names = |r: &BTreeMap<String, Vec<u8>>| r.keys().cloned().collect::<Vec<_>>();
         assert_eq!(names(&results), names(&self.results), "{}", self.name);
         for (name, bytes) in &results {
-            assert!(*bytes == self.results[name], "{}: {name} differs after going on", self.name);
+            assert!(*bytes == self.results[name], "{}: {name} differs after resuming", self.name);
         }
     }
 
-    /// Whatever happened: every file is whole, and every frame in the list is the one it shall be. Returns their number.
+    /// Asserts that every file is complete and every listed frame equals that of the undisturbed run; returns their
+    /// number.
     fn check(&self, folder: &Path) -> usize {
         let Ok(entries) = fs::read_dir(folder) else { return 0 };
         let names: Vec<String> =
@@ -82,7 +84,7 @@ impl Case {
             let whole = match name.rsplit_once('.').expect("an ending").1 {
                 "vtu" | "pvd" => bytes.ends_with(b"</VTKFile>\n"),
                 "json" => serde_json::from_slice::<serde_json::Value>(&bytes).is_ok(),
-                // It grows line by line.
+                // The status file is written line by line.
                 "sta" => bytes.is_empty() || bytes.starts_with(b"Revolve "),
                 "sfv" => bytes.ends_with(b"\n"),
                 "csv" => self.results.iter().any(|(n, all)| n == name && rows_begin(all, &bytes)),
@@ -96,7 +98,7 @@ impl Case {
         let frames: Vec<&str> = list.split("file=\"").skip(1).map(|f| f.split('"').next().expect("a name")).collect();
         for (i, frame) in frames.iter().enumerate() {
             let bytes = read(frame);
-            // A run that was told to end writes one frame more, which belongs to no mark.
+            // A run ended by a signal writes an additional frame at that time.
             let extra = i + 1 == frames.len() && names.iter().any(|n| n.ends_with(".json"));
             assert!(extra || bytes == self.results[*frame], "{}: {frame} is another", self.name);
         }
@@ -104,7 +106,7 @@ impl Case {
     }
 }
 
-/// Whether rows are those of all, perhaps with one more at the end.
+/// Returns whether rows are the first of all rows, with at most one more at the end.
 fn rows_begin(all: &[u8], rows: &[u8]) -> bool {
     let lines = rows.split_inclusive(|b| *b == b'\n').collect::<Vec<_>>();
     let commas = |line: &[u8]| line.iter().filter(|b| **b == b',').count();
@@ -112,12 +114,12 @@ fn rows_begin(all: &[u8], rows: &[u8]) -> bool {
     all.starts_with(&before.concat()) && last.ends_with(b"\n") && commas(last) == commas(lines[0])
 }
 
-/// All files of a folder; of the summary what is not about time, of the checksums not that of the summary.
+/// Returns all files of a folder, without the times in the summary and without the checksum of the summary.
 fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut results = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
-        // The status file tells of the clock, and of each time that the run went on.
+        // The status file contains the wall clock and each restart.
         if path.extension().is_some_and(|e| e == "sta") {
             continue;
         }
@@ -140,9 +142,9 @@ fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 /// Random numbers from a seed (Marsaglia 2003, xorshift).
-struct Dice(u64);
+struct RandomNumbers(u64);
 
-impl Dice {
+impl RandomNumbers {
     fn below(&mut self, n: u64) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -159,7 +161,7 @@ fn project(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// A load that remembers: in a variable with SAVE, in COMMON, and in a module.
+/// A load with internal state: a variable with SAVE, a COMMON block, and a module.
 const REMEMBERS: &str = "      module law
         real*8 :: path = 0.d0
       end module
@@ -182,8 +184,8 @@ const REMEMBERS: &str = "      module law
       end
 ";
 
-/// A rigid body whose routine remembers.
-fn remembering(scratch: &Path) -> Case {
+/// Returns the case of a rigid body whose user subroutine has internal state.
+fn remembering(scratch: &Path) -> FaultCase {
     let routine = scratch.join("remembers.f");
     fs::write(&routine, REMEMBERS).expect("a routine");
     let deck = fs::read_to_string(project("input/ogive_user.inp")).expect("a deck");
@@ -192,11 +194,11 @@ fn remembering(scratch: &Path) -> Case {
     let small = scratch.join("ogive_remembers.inp");
     fs::write(&small, fixed).expect("a deck");
     let routine = routine.to_str().expect("a name");
-    Case::new("remembers", &small, &["--checkpoint-every", "0.02s", "--set", "n=4", "--user", routine], scratch)
+    FaultCase::new("remembers", &small, &["--checkpoint-every", "0.02s", "--set", "n=4", "--user", routine], scratch)
 }
 
-/// A rigid body, a body that deforms, and two steps of a body whose elements fail; all with states of their own.
-fn cases(scratch: &Path) -> Vec<Case> {
+/// Returns a rigid body, a deformable body, and two steps of a body with element deletion.
+fn cases(scratch: &Path) -> Vec<FaultCase> {
     let input = |name: &str| project(&format!("input/{name}.inp"));
     let ogive = fs::read_to_string(input("ogive")).expect("a deck");
     let small = scratch.join("ogive_small.inp");
@@ -210,13 +212,13 @@ fn cases(scratch: &Path) -> Vec<Case> {
     let two = scratch.join("taylor_two.inp");
     fs::write(&two, failing).expect("a deck");
     vec![
-        Case::new("rigid", &small, &["--checkpoint-every", "40000"], scratch),
-        Case::new("bar", &input("taylor_copper"), &["--checkpoint-every", "1500"], scratch),
-        Case::new("failing", &two, &["--checkpoint-every", "0.02s"], scratch),
+        FaultCase::new("rigid", &small, &["--checkpoint-every", "40000"], scratch),
+        FaultCase::new("bar", &input("taylor_copper"), &["--checkpoint-every", "1500"], scratch),
+        FaultCase::new("failing", &two, &["--checkpoint-every", "0.02s"], scratch),
     ]
 }
 
-/// Kills so many runs at random moments and goes on from what is left, perhaps to be killed once more.
+/// Kills runs at random moments and resumes from the files, in some runs with a second kill.
 fn kill(times: usize, seed: u64) {
     let scratch = tempfile::tempdir().expect("a folder");
     let mut cases = cases(scratch.path());
@@ -226,8 +228,8 @@ fn kill(times: usize, seed: u64) {
     kill_cases(times, seed, &cases, scratch.path());
 }
 
-fn kill_cases(times: usize, seed: u64, cases: &[Case], scratch: &Path) {
-    let mut dice = Dice(seed);
+fn kill_cases(times: usize, seed: u64, cases: &[FaultCase], scratch: &Path) {
+    let mut dice = RandomNumbers(seed);
     let (mut runs, mut kills, mut tries) = (0, 0, 0);
     while runs < times {
         tries += 1;
@@ -263,14 +265,14 @@ fn kill_cases(times: usize, seed: u64, cases: &[Case], scratch: &Path) {
 }
 
 #[test]
-fn kills_at_random_moments() {
+fn runs_killed_at_random_moments_resume() {
     kill(16, 20_250_611);
 }
 
-/// Runs of a routine that remembers alone.
+/// Kills runs with a user subroutine that has internal state.
 #[test]
 #[ignore = "some minutes: cargo test --release --test program faults -- --ignored --show-output"]
-fn two_hundred_runs_of_a_routine_killed() {
+fn two_hundred_killed_runs_with_user_state_resume() {
     let scratch = tempfile::tempdir().expect("a folder");
     if fortran("routines that remember") {
         kill_cases(200, 815, &[remembering(scratch.path())], scratch.path());
@@ -279,7 +281,7 @@ fn two_hundred_runs_of_a_routine_killed() {
 
 #[test]
 #[ignore = "some minutes: cargo test --release --test program faults -- --ignored --show-output"]
-fn two_hundred_runs_killed() {
+fn two_hundred_killed_runs_resume() {
     kill(200, 4_711);
 }
 
@@ -295,15 +297,15 @@ fn wait_for_frames(folder: &Path, child: &mut Child) {
     }
 }
 
-fn fine_bar(scratch: &Path) -> Case {
+fn fine_bar(scratch: &Path) -> FaultCase {
     let deck = project("input/taylor_copper.inp");
-    Case::new("fine", &deck, &["--set", "nr=8", "--set", "nz=40"], scratch)
+    FaultCase::new("fine", &deck, &["--set", "nr=8", "--set", "nz=40"], scratch)
 }
 
-/// SIGINT and SIGTERM end the run behind its increment: state, frame, histories and summary are written, the exit status is
-/// that of the signal.
+/// SIGINT and SIGTERM end the run after the current increment: state, frame, histories and summary are written, and the
+/// exit status is that of the signal.
 #[test]
-fn signals_leave_all_that_is_needed() {
+fn signals_end_runs_with_complete_files() {
     let scratch = tempfile::tempdir().expect("a folder");
     let case = fine_bar(scratch.path());
     for (signal, status) in [("INT", 130), ("TERM", 143)] {
@@ -325,16 +327,16 @@ fn signals_leave_all_that_is_needed() {
         let list = fs::read_to_string(folder.join("taylor_copper.pvd")).expect("a list");
         let time = reason.rsplit(' ').next().expect("a time").parse::<f64>().expect("a number");
         let last = list.rsplit("timestep=\"").next().and_then(|l| l.split('"').next()).expect("a frame");
-        assert!(frames > 2 && last.parse::<f64>() == Ok(time), "the last frame is that of the end");
+        assert!(frames > 2 && last.parse::<f64>() == Ok(time), "the last frame is from the end");
         let rows = fs::read_to_string(folder.join("taylor_copper_history.csv")).expect("histories");
         assert!(rows.lines().last().is_some_and(|row| row.starts_with(&format!("{time:?},"))));
         case.resume(&folder, "1");
     }
 }
 
-/// A limit on the size of files stops writing as a full disk does: at any size, from none to enough.
+/// A limit on file sizes stops writing as a full disk does, at any size from none to enough.
 #[test]
-fn a_full_disk_halts_the_run_and_tears_nothing() {
+fn full_disk_halts_the_run_with_complete_files() {
     let scratch = tempfile::tempdir().expect("a folder");
     let cases = cases(scratch.path());
     let mut halted = 0;
@@ -350,9 +352,9 @@ fn a_full_disk_halts_the_run_and_tears_nothing() {
     assert!((3..9).contains(&halted), "{halted} of 9 runs were halted");
 }
 
-/// With too little memory the program may die at any moment, as if it were killed.
+/// With too little memory the program may end at any moment, as if it were killed.
 #[test]
-fn too_little_memory_tears_nothing() {
+fn too_little_memory_leaves_complete_files() {
     let scratch = tempfile::tempdir().expect("a folder");
     let case = fine_bar(scratch.path());
     let mut died = 0;
@@ -363,11 +365,11 @@ fn too_little_memory_tears_nothing() {
         case.check(&folder);
         case.resume(&folder, "2");
     }
-    assert!(died > 0, "no limit was felt");
+    assert!(died > 0, "no limit had an effect");
 }
 
 #[test]
-fn a_folder_that_vanishes_or_cannot_be_made_is_told() {
+fn deleted_or_unwritable_folder_is_reported() {
     let scratch = tempfile::tempdir().expect("a folder");
     let deck = project("input/taylor_copper.inp");
     let arguments = ["run", deck.to_str().expect("a name"), "--quiet", "--out"];
@@ -379,7 +381,7 @@ fn a_folder_that_vanishes_or_cannot_be_made_is_told() {
         assert_eq!(output.status.code(), Some(2), "{folder:?}");
         assert!(String::from_utf8_lossy(&output.stderr).contains("folder"), "{output:?}");
     }
-    // So fine that it would take minutes: it ends because its folder is gone.
+    // Too fine to be completed in minutes: it ends because its folder is deleted.
     let folder = scratch.path().join("gone");
     let mut command = Command::new(env!("CARGO_BIN_EXE_revolve"));
     let fine = ["--set", "nr=30", "--set", "nz=150"];

@@ -1,9 +1,11 @@
-//! Rubbish: decks, expressions, mesh files and checkpoints that are changed at random. Each is read up to the plan, and what is found is
-//! printed; nothing may panic or ask for more memory than such texts are worth; the longest is told.
+//! Random changes of decks, expressions, mesh files and checkpoints. Each is read up to the plan and its diagnostics
+//! are rendered; nothing may panic or use more memory than justified by the size of the text. The longest run time is
+//! printed.
 //!
-//! The seeds are the decks of the project. In CI each target runs for some seconds on a fixed sequence; for longer
-//! `FUZZ_SECONDS=1800 FUZZ_SEED=7 cargo test --release --test program fuzz::TARGET` (docs/stability.md). A failure is shrunk and
-//! printed. Each target is a function from a change to a check: other readers are added the same way.
+//! The initial texts are the decks of the project. In CI each target runs for some seconds on a fixed sequence; for
+//! longer `FUZZ_SECONDS=1800 FUZZ_SEED=7 cargo test --release --test program fuzz::TARGET` (docs/stability.md). A
+//! failure is reduced and printed. Each target is a function from a change to a check; other readers are added the same
+//! way.
 
 use std::cell::Cell;
 use std::path::PathBuf;
@@ -24,11 +26,11 @@ mod readers;
 use crate::common;
 use crate::common::mesh::mesh_frame;
 
-/// The corpus of the targets of `tests/fuzz`: what broke a reader once is read again with each test.
+/// The corpus of the targets in `tests/fuzz`, which holds inputs of earlier failures.
 #[test]
-fn the_corpus_is_read() {
-    type Read = fn(&[u8]);
-    let targets: [(&str, Read); 6] = [
+fn corpus_is_read_without_panic() {
+    type ReadFunction = fn(&[u8]);
+    let targets: [(&str, ReadFunction); 6] = [
         ("checkpoints", readers::checkpoints::read),
         ("decks", readers::decks::read),
         ("meshes", readers::meshes::read),
@@ -49,13 +51,13 @@ fn the_corpus_is_read() {
     }
 }
 
-/// What is done to a text: kind, place, and what with.
-type Change = (u8, u32, u32);
+/// A change of a text: kind, place, replacement.
+type TextChange = (u8, u32, u32);
 
-/// Most bytes that one reading may hold at a time: what multiplies in a deck of some lines shows in them on any machine.
+/// Most bytes that one reader may allocate at a time: exponential growth from a short deck exceeds it on any machine.
 const ROOM: u64 = 1 << 30;
 
-/// Words that break readers.
+/// Words that are likely to cause failures.
 const NASTY: &[&str] = &[
     "",
     "0",
@@ -98,13 +100,13 @@ const NASTY: &[&str] = &[
     "ALL",
 ];
 
-/// How long each target runs.
+/// Returns the run time of each target.
 fn budget() -> Duration {
     let seconds = std::env::var("FUZZ_SECONDS").ok().and_then(|s| s.parse().ok()).unwrap_or(4.0);
     Duration::from_secs_f64(seconds)
 }
 
-/// Runs a check on random inputs until the time is over, and says how many it were.
+/// Runs a check on random inputs until the time is over, and prints their number.
 fn fuzz<S: Strategy>(name: &str, strategy: &S, check: impl Fn(&S::Value)) {
     let seed: u64 = std::env::var("FUZZ_SEED").ok().and_then(|s| s.parse().ok()).unwrap_or(0);
     let (begin, mut batches, worst) = (Instant::now(), 0_u64, Cell::new((Duration::ZERO, 0)));
@@ -129,7 +131,7 @@ fn fuzz<S: Strategy>(name: &str, strategy: &S, check: impl Fn(&S::Value)) {
     println!("{name}: {} inputs, at most {longest:.1?} and {most} bytes", 32 * batches);
 }
 
-/// Decks of the project, without what only a meshed run would need.
+/// Returns the decks of the project with short step times.
 fn seeds() -> Vec<(PathBuf, String)> {
     let mut seeds = Vec::new();
     for folder in ["input", "input/gauntlet", "tests/decks/good", "tests/decks/bad"] {
@@ -145,7 +147,7 @@ fn seeds() -> Vec<(PathBuf, String)> {
     seeds
 }
 
-/// The place in a text at or before a number of bytes, at the beginning of a character.
+/// Returns the character boundary at or before a position, modulo the length of the text.
 fn place(text: &str, at: u32) -> usize {
     let mut at = at as usize % (text.len() + 1);
     while !text.is_char_boundary(at) {
@@ -154,7 +156,7 @@ fn place(text: &str, at: u32) -> usize {
     at
 }
 
-/// Start and end of a word.
+/// Returns start and end of the word at a position.
 fn word(text: &str, at: u32) -> (usize, usize) {
     let middle = place(text, at);
     let cut = |c: char| ",=\n <>()+-*/".contains(c);
@@ -163,8 +165,8 @@ fn word(text: &str, at: u32) -> (usize, usize) {
     (start, end)
 }
 
-/// One change of a text; `other` gives lines and words of another one.
-fn change(text: &mut String, other: &str, (kind, at, with): Change) {
+/// Applies one change to a text; `other` is a source of lines and words.
+fn change(text: &mut String, other: &str, (kind, at, with): TextChange) {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let line = at as usize % lines.len().max(1);
     match kind {
@@ -201,13 +203,13 @@ fn change(text: &mut String, other: &str, (kind, at, with): Change) {
     *text = lines.join("\n") + "\n";
 }
 
-/// Whether a text counts items by the million: up to the limit of generated items that is valid, and slow.
+/// Returns whether a text generates millions of items, which is valid up to the limit of generated items but slow.
 fn is_large(text: &str) -> bool {
     let runs = text.split(|c: char| !c.is_ascii_digit());
     runs.filter_map(|run| run.parse::<u64>().ok()).any(|n| (30_000..30_000_000).contains(&n))
 }
 
-fn changes() -> impl Strategy<Value = Vec<Change>> {
+fn changes() -> impl Strategy<Value = Vec<TextChange>> {
     prop::collection::vec((0_u8..9, any::<u32>(), any::<u32>()), 1..8)
 }
 
@@ -221,16 +223,16 @@ fn decks() {
         if is_large(&text) {
             return;
         }
-        // What hangs can be looked at.
+        // After a hang the input can be inspected.
         std::fs::write(concat!(env!("CARGO_TARGET_TMPDIR"), "/fuzz_deck.inp"), &text).expect("a file");
         let prepared = job::prepare_text(&path.to_string_lossy(), &text, &[], &Routines::none());
-        let said = prepared.diagnostics.render(&prepared.deck.sources);
-        assert!(!prepared.diagnostics.has_errors() || !said.is_empty());
+        let rendered = prepared.diagnostics.render(&prepared.deck.sources);
+        assert!(!prepared.diagnostics.has_errors() || !rendered.is_empty());
         let _ = prepared.plan.ledger.render(true);
     });
 }
 
-/// Pieces of expressions.
+/// Parts of expressions.
 const PARTS: &[&str] = &[
     "1", "0", "2.", "1e308", "-", "+", "*", "/", "//", "%", "**", "(", ")", ",", "sqrt", "exp", "log", "abs", "min",
     "max", "int", "pi", "a", "b", "c", "=", "#", "'", "\"", " ", "1e", ".", "<a>", "nan", "\u{e4}", "sin(", "pow(",
@@ -248,7 +250,7 @@ fn parameters() {
             text += &format!("{name} = {}\n", line.concat());
         }
         text += "*Node\n 1, <a>, <b>\n <c>, 1., 1.\n";
-        // Brackets in brackets, deeper than any stack of calls should go.
+        // Nested brackets, deeper than recursion may go.
         let deep = lines[0].len() * 200;
         text += &format!("*Parameter\n d = {}1{}\n", "(".repeat(deep), ")".repeat(deep));
         text += &format!("*Parameter\n e = {}1\n", "-".repeat(deep));
@@ -294,14 +296,14 @@ fn mesh_files() {
     });
 }
 
-/// Takes a state up in the plan of a deck and ends behind one increment.
+/// Resumes a state in the plan of a deck and ends after one increment.
 fn take_up(text: &str, state: Option<&[u8]>) -> (Result<u64, UnfitState>, Vec<u8>) {
     readers::one_increment(&common::prepared(text, &[], &Routines::none()), state)
 }
 
-/// Bytes changed at random, with a checksum that is right again: the file is refused with a reason, or it is the one that
-/// was written but for words. States that are too short, too long or of another deck are refused. (Numbers inside a state
-/// that fits are the checksum's to keep.)
+/// Bytes changed at random, with a recomputed checksum: the file is rejected with a reason, or equals the original
+/// except for texts. States of another length or of another deck are rejected. (Changed numbers inside a state of the
+/// correct length are detected by the checksum only.)
 #[test]
 fn checkpoints() {
     let decks = [common::ogive(), std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck")];
@@ -316,7 +318,7 @@ fn checkpoints() {
     fuzz("checkpoints", &input, |(mended, at, length, value, changes)| {
         let mut changed = bytes.clone();
         for (_, at, with) in changes {
-            // Mostly in the head, where lengths are.
+            // Mostly in the head of the file, which contains lengths.
             let at = if at % 2 == 0 { *at as usize % 200 } else { *at as usize % changed.len() };
             changed[at] = *with as u8;
         }

@@ -1,8 +1,9 @@
-//! Decks that ask for much: what cannot be is refused before it is made, the rest is read in time that grows as the deck does.
+//! Large decks: excessive ones are rejected before memory is allocated, others are read in time proportional to their
+//! size.
 //!
-//! Goal: twice the cards take twice the work, whatever card is repeated; all cards together have one budget. Source: memory that
-//! reading and planning ask for, counted; a loop over all names for each name asks for it four times. Tolerance: an exponent of
-//! 1.2.
+//! Goal: twice the cards take twice the work, for any card; all cards together have one limit. Source: counted
+//! allocations of reading and planning; a loop over all names for each name allocates four times as much. Tolerance: an
+//! exponent of 1.2.
 
 use std::fmt::Write as _;
 
@@ -11,8 +12,8 @@ use revolve::user::Routines;
 
 use crate::common::solid::grid;
 
-/// A body of `n` elements, with as many cards of one kind as asked.
-struct Deck {
+/// A body of `n` elements with many cards of one kind.
+struct RepeatedCards {
     name: &'static str,
     sections: bool,
     model: fn(usize) -> String,
@@ -23,63 +24,68 @@ const BODY: &str = "*Solid Section, elset=SOLID, material=M\n";
 const METAL: &str = "*Density\n 7850.,\n*Elastic\n 2.1e11, 0.3\n";
 const STEP: &str = "*Step\n*Dynamic, Explicit\n , 1.e-9\n*Boundary\n 1, 2, 2\n";
 
-const DECKS: [Deck; 14] = [
-    Deck {
+const DECKS: [RepeatedCards; 14] = [
+    RepeatedCards {
         name: "*CLOAD, one card",
         sections: false,
         model: |_| String::new(),
         step: |i| if i == 1 { "*Cload\n 1, 2, 1.\n".into() } else { format!(" {i}, 2, 1.\n") },
     },
-    Deck {
+    RepeatedCards {
         name: "*CLOAD, a card each",
         sections: false,
         model: |_| String::new(),
         step: |i| format!("*Cload\n {i}, 2, 1.\n"),
     },
-    Deck { name: "*DLOAD", sections: false, model: |_| String::new(), step: |i| format!("*Dload\n {i}, P1, 1.\n") },
-    Deck {
+    RepeatedCards {
+        name: "*DLOAD",
+        sections: false,
+        model: |_| String::new(),
+        step: |i| format!("*Dload\n {i}, P1, 1.\n"),
+    },
+    RepeatedCards {
         name: "*BOUNDARY",
         sections: false,
         model: |_| String::new(),
         step: |i| format!("*Boundary, type=VELOCITY\n {}, 1, 1, 1.\n", i + 1),
     },
-    Deck {
+    RepeatedCards {
         name: "unknown sets among many",
         sections: false,
         model: |i| format!("*Nset, nset=N{i}\n {i},\n"),
         step: |i| format!("*Boundary\n A_NAME_FAR_FROM_ALL_{i}, 1, 1\n"),
     },
-    Deck {
+    RepeatedCards {
         name: "sets",
         sections: false,
         model: |i| format!("*Nset, nset=N{i}\n {i},\n*Elset, elset=E{i}\n {i},\n"),
         step: |_| String::new(),
     },
-    Deck {
+    RepeatedCards {
         name: "surfaces",
         sections: false,
         model: |i| format!("*Surface, name=F{i}\n {i}, S1\n"),
         step: |_| String::new(),
     },
-    Deck {
+    RepeatedCards {
         name: "amplitudes",
         sections: false,
         model: |i| format!("*Amplitude, name=A{i}\n 0., 0., 1., 1.\n"),
         step: |i| format!("*Cload, amplitude=A{i}\n {i}, 2, 1.\n"),
     },
-    Deck {
+    RepeatedCards {
         name: "initial velocities",
         sections: false,
         model: |i| format!("*Initial Conditions, type=VELOCITY\n {i}, 2, 1.\n"),
         step: |_| String::new(),
     },
-    Deck {
+    RepeatedCards {
         name: "materials",
         sections: false,
         model: |i| format!("*Material, name=X{i}\n{METAL}"),
         step: |_| String::new(),
     },
-    Deck {
+    RepeatedCards {
         name: "materials and sections",
         sections: true,
         model: |i| {
@@ -89,7 +95,7 @@ const DECKS: [Deck; 14] = [
         },
         step: |_| String::new(),
     },
-    Deck {
+    RepeatedCards {
         name: "sections and controls",
         sections: true,
         model: |i| {
@@ -99,7 +105,7 @@ const DECKS: [Deck; 14] = [
         },
         step: |_| String::new(),
     },
-    Deck {
+    RepeatedCards {
         name: "unknown materials among many",
         sections: true,
         model: |i| {
@@ -109,7 +115,7 @@ const DECKS: [Deck; 14] = [
         },
         step: |_| String::new(),
     },
-    Deck {
+    RepeatedCards {
         name: "point masses",
         sections: false,
         model: |i| format!("*Element, type=MASS, elset=P{i}\n {}, {i}\n*Mass, elset=P{i}\n 1.,\n", 100_000 + i),
@@ -117,7 +123,7 @@ const DECKS: [Deck; 14] = [
     },
 ];
 
-impl Deck {
+impl RepeatedCards {
     fn text(&self, rows: usize) -> String {
         let n = 20 * rows;
         let mut text = grid(20, rows, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64]) + "*Material, name=M\n" + METAL;
@@ -136,7 +142,7 @@ fn read(text: &str) -> PreparedJob {
 }
 
 #[test]
-fn twice_the_cards_are_twice_the_work() {
+fn work_is_proportional_to_the_number_of_cards() {
     for deck in &DECKS {
         let count = |rows: usize| {
             let text = deck.text(rows);
@@ -156,9 +162,9 @@ fn twice_the_cards_are_twice_the_work() {
     }
 }
 
-/// What each card might have, and all together may not: refused with the card, before there is memory for it.
+/// Numbers allowed for each card but not for all together: rejected with the card, before memory is allocated.
 #[test]
-fn all_cards_have_one_budget() {
+fn all_cards_share_one_limit() {
     let many = |head: &str, row: &str| {
         let mut text = grid(100, 100, false, |i, j| [i as f64, j as f64]);
         text += head;

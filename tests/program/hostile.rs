@@ -1,8 +1,8 @@
-//! What a bad day brings to the program: standard output that nobody takes, two jobs in one folder, names that are no names,
-//! files that are no files.
+//! Hostile surroundings: standard output without a reader, two jobs in one folder, names with special characters,
+//! devices in place of files.
 //!
-//! Goal: no run is lost, nothing hangs, nothing is read without end, nothing steers a terminal. Source: what the same run does
-//! undisturbed. Tolerance: none. What hangs is ended by `timeout`, whose exit status is 124.
+//! Goal: no run is lost, nothing hangs, nothing is read without limit, no control characters reach a terminal. Source:
+//! the same run undisturbed. Tolerance: none. A command that hangs is ended by `timeout`, whose exit status is 124.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use revolve::output::lock::FolderLock;
 
 use crate::common::{self, project};
 
-/// A command that is ended if it hangs, within so much memory that reading without end is an error.
+/// Returns a command with a time limit and a memory limit that detects unlimited reading.
 fn limited(folder: &Path, words: &[&str]) -> Command {
     let mut command = Command::new("sh");
     command.args(["-c", "ulimit -v 4000000; exec timeout -k 5 100 \"$0\" \"$@\"", env!("CARGO_BIN_EXE_revolve")]);
@@ -24,11 +24,11 @@ fn output(folder: &Path, words: &[&str]) -> Output {
     limited(folder, words).output().expect("the program runs")
 }
 
-fn told(output: &Output) -> String {
+fn message_text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout)
 }
 
-/// A short deck with all that follows its nodes, and its path.
+/// Writes a short version of `ogive.inp`; returns its path.
 fn ogive(folder: &Path) -> PathBuf {
     let deck = folder.join("ogive.inp");
     fs::copy(project("input/ogive.inp"), &deck).expect("a deck");
@@ -36,7 +36,7 @@ fn ogive(folder: &Path) -> PathBuf {
 }
 
 #[test]
-fn standard_output_that_nobody_takes_costs_nothing() {
+fn closed_standard_output_does_not_stop_a_run() {
     let scratch = tempfile::tempdir().expect("a folder");
     let folder = scratch.path();
     ogive(folder);
@@ -71,13 +71,18 @@ fn standard_output_that_nobody_takes_costs_nothing() {
         let mut child = limited(folder, words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it runs");
         drop(child.stdout.take());
         let closed = child.wait_with_output().expect("a status");
-        assert_eq!(closed.status.code(), Some(0), "{words:?}: {}", told(&closed));
+        assert_eq!(closed.status.code(), Some(0), "{words:?}: {}", message_text(&closed));
         assert!(result.is_empty() || fs::remove_file(folder.join(result)).is_ok(), "{words:?}");
 
         let device = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
         let full = limited(folder, words).stdout(device).stderr(Stdio::piped()).output().expect("it runs");
-        assert_eq!(full.status.code(), Some(of_full), "{words:?}: {}", told(&full));
-        assert_eq!(told(&full).matches("cannot write to standard output").count(), 1, "{}", told(&full));
+        assert_eq!(full.status.code(), Some(of_full), "{words:?}: {}", message_text(&full));
+        assert_eq!(
+            message_text(&full).matches("cannot write to standard output").count(),
+            1,
+            "{}",
+            message_text(&full)
+        );
         assert!(result.is_empty() || folder.join(result).is_file(), "{words:?}");
 
         let device = || fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
@@ -87,25 +92,25 @@ fn standard_output_that_nobody_takes_costs_nothing() {
 }
 
 #[test]
-fn a_second_job_in_a_folder_is_refused_by_name_and_process() {
+fn second_job_in_a_folder_is_rejected() {
     let scratch = tempfile::tempdir().expect("a folder");
     ogive(scratch.path());
     let words = ["run", "ogive.inp", "--out", "."];
     let lock = FolderLock::take(scratch.path(), "first").expect("a lock");
     let refused = output(scratch.path(), &words);
     let holder = format!("job `first` of process {}", std::process::id());
-    assert!(refused.status.code() == Some(2) && told(&refused).contains(&holder), "{}", told(&refused));
+    assert!(refused.status.code() == Some(2) && message_text(&refused).contains(&holder), "{}", message_text(&refused));
     assert!(!scratch.path().join("ogive.json").exists());
     drop(lock);
-    // What a job that was killed leaves behind.
+    // The lock file of a job that was killed.
     fs::write(scratch.path().join(".revolve-lock"), "1 ghost\n").expect("a file");
     let run = output(scratch.path(), &words);
-    assert!(run.status.success(), "{}", told(&run));
+    assert!(run.status.success(), "{}", message_text(&run));
     assert!(!scratch.path().join(".revolve-lock").exists());
 }
 
 #[test]
-fn sweeps_and_studies_have_their_folder_alone_too() {
+fn sweeps_and_studies_lock_their_folder() {
     let scratch = tempfile::tempdir().expect("a folder");
     ogive(scratch.path());
     let lock = FolderLock::take(scratch.path(), "first").expect("a lock");
@@ -116,20 +121,24 @@ fn sweeps_and_studies_have_their_folder_alone_too() {
     for words in commands {
         let refused = output(scratch.path(), words);
         let holder = format!("K007]: job `first` of process {}", std::process::id());
-        assert!(refused.status.code() == Some(2) && told(&refused).contains(&holder), "{}", told(&refused));
+        assert!(
+            refused.status.code() == Some(2) && message_text(&refused).contains(&holder),
+            "{}",
+            message_text(&refused)
+        );
     }
     assert_eq!(fs::read_dir(scratch.path()).expect("a folder").count(), 2, "the deck and the lock");
     drop(lock);
     for words in commands {
         let done = output(scratch.path(), words);
-        assert!(done.status.success(), "{}", told(&done));
+        assert!(done.status.success(), "{}", message_text(&done));
         assert!(!scratch.path().join(".revolve-lock").exists());
     }
 }
 
-/// What a run would warn of, a sweep and a study of it say.
+/// A sweep and a study issue the warnings of their runs.
 #[test]
-fn sweeps_and_studies_say_what_their_runs_warn_of() {
+fn sweeps_and_studies_issue_warnings_of_their_runs() {
     let scratch = tempfile::tempdir().expect("a folder");
     let deck = common::solid::grid(1, 2, false, |i, j| [i as f64, j as f64])
         + &common::solid::material(100.0, 0.3, 1.0, "")
@@ -143,15 +152,19 @@ fn sweeps_and_studies_say_what_their_runs_warn_of() {
     ];
     for words in commands {
         let done = output(scratch.path(), words);
-        assert!(done.status.success(), "{}", told(&done));
-        assert!(told(&done).matches("warning: ").count() >= 2 && told(&done).contains("ALLAE"), "{}", told(&done));
+        assert!(done.status.success(), "{}", message_text(&done));
+        assert!(
+            message_text(&done).matches("warning: ").count() >= 2 && message_text(&done).contains("ALLAE"),
+            "{}",
+            message_text(&done)
+        );
     }
     let record = fs::read_to_string(scratch.path().join("out/block_study.json")).expect("a record");
     assert!(record.contains("\"warnings\""), "{record}");
 }
 
 #[test]
-fn a_signal_that_comes_twice_is_one() {
+fn repeated_signal_counts_once() {
     let scratch = tempfile::tempdir().expect("a folder");
     fs::copy(project("input/taylor_copper.inp"), scratch.path().join("bar.inp")).expect("a deck");
     let mut child = Command::new(env!("CARGO_BIN_EXE_revolve"))
@@ -165,14 +178,14 @@ fn a_signal_that_comes_twice_is_one() {
     }
     let process = child.id().to_string();
     let twice = format!("kill -TERM {process}; sleep 0.02; kill -TERM {process}; sleep 0.02; kill -INT {process}");
-    // It may be over before the last.
+    // The program may have ended before the last signal.
     Command::new("sh").args(["-c", &twice]).stderr(Stdio::null()).status().expect("kill runs");
     assert_eq!(child.wait().expect("a status").code(), Some(143));
     assert!(scratch.path().join("out/bar.checkpoint").is_file());
 }
 
 #[test]
-fn names_are_escaped_for_what_reads_them() {
+fn names_are_escaped_in_every_format() {
     let scratch = tempfile::tempdir().expect("a folder");
     let deck = fs::read_to_string(project("input/ogive.inp")).expect("a deck");
     let name = "R,\u{1b}[31mE";
@@ -180,12 +193,12 @@ fn names_are_escaped_for_what_reads_them() {
         deck.replace("nset=REF", &format!("nset=\"{name}\"")).replace("*Step", "*Heading\n \u{1b}]0;x\u{7}\n*Step");
     fs::write(scratch.path().join("o\u{1b}[2J.inp"), deck).expect("a deck");
     let run = output(scratch.path(), &["run", "o\u{1b}[2J.inp", "--out", "out"]);
-    println!("{}", told(&run));
-    assert!(!told(&run).contains('\u{1b}') && told(&run).contains("\\u{1b}"), "{}", told(&run));
+    println!("{}", message_text(&run));
+    assert!(!message_text(&run).contains('\u{1b}') && message_text(&run).contains("\\u{1b}"), "{}", message_text(&run));
 }
 
 #[test]
-fn a_column_with_a_comma_is_one_column() {
+fn column_name_with_a_comma_is_quoted() {
     let scratch = tempfile::tempdir().expect("a folder");
     let deck = fs::read_to_string(project("input/ogive.inp")).expect("a deck");
     let own =
@@ -193,18 +206,18 @@ fn a_column_with_a_comma_is_one_column() {
     let own = own.replacen("*Step", "*Nset, nset=\"R,E\"\n REF,\n*Step", 1);
     fs::write(scratch.path().join("o.inp"), own).expect("a deck");
     let run = output(scratch.path(), &["run", "o.inp", "--out", "out"]);
-    assert!(run.status.success(), "{}", told(&run));
+    assert!(run.status.success(), "{}", message_text(&run));
     let csv = fs::read_to_string(scratch.path().join("out/o_history.csv")).expect("a history");
     let mut lines = csv.lines();
     let header = revolve::output::csv::fields(lines.next().expect("a header"));
     assert!(header.contains(&"U2@R,E".to_owned()), "{header:?}");
     assert!(lines.all(|line| line.split(',').count() == header.len()));
     let chart = output(scratch.path(), &["chart", "out", "--column", "U2@R,E"]);
-    assert!(chart.status.success(), "{}", told(&chart));
+    assert!(chart.status.success(), "{}", message_text(&chart));
 }
 
 #[test]
-fn a_user_file_is_no_option_of_the_compiler() {
+fn user_file_is_not_a_compiler_option() {
     if !common::fortran("a user file whose name begins with a minus") {
         return;
     }
@@ -219,11 +232,11 @@ fn a_user_file_is_no_option_of_the_compiler() {
         .env("XDG_CACHE_HOME", &cache)
         .output()
         .expect("it runs");
-    assert!(run.status.success(), "{}", told(&run));
+    assert!(run.status.success(), "{}", message_text(&run));
 }
 
 #[test]
-fn a_job_name_does_not_lead_out_of_its_folder() {
+fn job_name_cannot_leave_its_folder() {
     let scratch = tempfile::tempdir().expect("a folder");
     let inner = scratch.path().join("a/b");
     fs::create_dir_all(&inner).expect("a folder");
@@ -236,23 +249,23 @@ fn a_job_name_does_not_lead_out_of_its_folder() {
     ] {
         let refused = output(&inner, words);
         assert!(
-            refused.status.code() == Some(2) && told(&refused).contains("cannot be used for result files"),
+            refused.status.code() == Some(2) && message_text(&refused).contains("cannot be used for result files"),
             "{}",
-            told(&refused)
+            message_text(&refused)
         );
     }
     let names: Vec<_> = fs::read_dir(&inner).expect("a folder").collect();
     assert_eq!(names.len(), 1, "{names:?}");
 }
 
-/// Pipes, devices and folders in all places where a file is read.
+/// Pipes, devices and folders in place of every file that is read.
 #[test]
-fn what_is_no_file_is_refused_wherever_one_is_read() {
+fn devices_and_folders_are_rejected_as_input_files() {
     let scratch = tempfile::tempdir().expect("a folder");
     let folder = scratch.path();
     ogive(folder);
     let made = output(folder, &["run", "ogive.inp", "--quiet", "--out", "whole"]);
-    assert!(made.status.success(), "{}", told(&made));
+    assert!(made.status.success(), "{}", message_text(&made));
     fs::create_dir(folder.join("folder")).expect("a folder");
     for kind in ["pipe", "zero", "folder"] {
         let place = |name: &str| {
@@ -267,12 +280,13 @@ fn what_is_no_file_is_refused_wherever_one_is_read() {
         };
         let refused = |words: &[&str]| {
             let refused = output(folder, words);
-            let what = ["a pipe", "a device", "a folder", "not a file"].iter().any(|w| told(&refused).contains(w));
+            let what =
+                ["a pipe", "a device", "a folder", "not a file"].iter().any(|w| message_text(&refused).contains(w));
             assert!(
                 refused.status.code() == Some(2) && what,
                 "{kind} {words:?}: {:?} {}",
                 refused.status,
-                told(&refused)
+                message_text(&refused)
             );
         };
         place("x.inp");
@@ -306,7 +320,7 @@ fn what_is_no_file_is_refused_wherever_one_is_read() {
         fs::create_dir_all(folder.join("kept")).expect("a folder");
         place("kept/ogive.checkpoint");
         refused(&["run", "ogive.inp", "--resume", "--out", "kept"]);
-        // A report tells what it cannot read, and shows the rest.
+        // A report lists the files that it cannot read, and shows the others.
         for ending in [".json", ".pvd", "_history.csv", "_0003.vtu", "_sweep.csv", "_study.json"] {
             let results = folder.join("results");
             let _ = fs::remove_dir_all(&results);
@@ -317,15 +331,20 @@ fn what_is_no_file_is_refused_wherever_one_is_read() {
             }
             place(&format!("results/ogive{ending}"));
             let page = output(folder, &["report", "results"]);
-            assert!(matches!(page.status.code(), Some(0 | 2)), "{kind} {ending}: {:?} {}", page.status, told(&page));
+            assert!(
+                matches!(page.status.code(), Some(0 | 2)),
+                "{kind} {ending}: {:?} {}",
+                page.status,
+                message_text(&page)
+            );
         }
         refused_report(folder, kind);
     }
 }
 
-/// A folder of results that is none.
+/// Asserts that a folder with a device in place of a file is rejected.
 fn refused_report(folder: &Path, kind: &str) {
     let page = output(folder, &["report", "x.csv"]);
-    assert_eq!(page.status.code(), Some(2), "{kind}: {}", told(&page));
+    assert_eq!(page.status.code(), Some(2), "{kind}: {}", message_text(&page));
     assert!(!page.stderr.is_empty());
 }

@@ -1,4 +1,4 @@
-//! The program as a whole: commands and their files, faults from outside, restart, reports, studies, the same bits everywhere.
+//! The program as a whole: commands and their files, external faults, restart, reports, studies, reproducibility.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -13,6 +13,7 @@ mod faults;
 mod fuzz;
 mod growth;
 mod hostile;
+mod language;
 mod manual;
 mod matrix;
 mod memory;

@@ -1,12 +1,13 @@
-//! The manual: every page is in the table of contents, links and anchors resolve, questions of a new user are answered within two
-//! clicks and in a short section, pictures are small and made by the commands next to them, and the book builds.
+//! The manual: every page is in the table of contents, links and anchors resolve, questions of a new user are answered
+//! within two clicks and in a short section, pictures are small and made by the commands next to them, and the book
+//! builds.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use crate::browser::{Browser, View};
+use crate::browser::{HeadlessBrowser, PageView};
 use crate::common::project;
 
 /// Largest picture, bytes.
@@ -186,7 +187,7 @@ fn pictures_of_the_gallery_are_small_and_made_by_the_commands_next_to_them() {
         if name.ends_with(".png") {
             let size = entry.metadata().expect("a file").len();
             assert!((5_000..PICTURE).contains(&size), "{name}: {size} bytes");
-            assert!(commands.iter().any(|c| c.ends_with(&name)), "{name} is made by no command");
+            assert!(commands.iter().any(|c| c.ends_with(&name)), "{name} is not made by any command");
             there.insert(name);
         }
     }
@@ -239,9 +240,9 @@ fn the_book_builds_and_can_be_searched_and_read() {
             assert!(built.contains("<math") && !built.contains("$$") && !built.contains("\\tag"), "{name}: equations");
         }
     }
-    let Some(mut browser) = Browser::start() else { return };
+    let Some(mut browser) = HeadlessBrowser::start() else { return };
     for dark in [false, true] {
-        browser.open(&folder.path().join("tutorial.html"), "?search=Johnson", View { width: 420, dark });
+        browser.open(&folder.path().join("tutorial.html"), "?search=Johnson", PageView { width: 420, dark });
         let found = browser.value(
             "(async () => { for (let i = 0; i < 200; i++) { const n = document.querySelectorAll('#mdbook-searchresults li, #searchresults li').length; \
              if (n) return n; await new Promise(r => setTimeout(r, 50)); } return 0; })()",

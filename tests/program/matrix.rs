@@ -1,8 +1,8 @@
-//! Faults on purpose: commands against what befalls them from outside. `faults.rs` has what befalls `run` and `--resume` by kills,
-//! signals and full disks; here are the others, and files that are torn or changed before they are read back.
+//! Injected faults for all commands. `faults.rs` covers kills, signals and full disks of `run` and `--resume`; this
+//! file covers the other commands, and files that are truncated or changed before they are read.
 //!
-//! Goal: the right answer or a message that names the file; never a panic, a hang, or another number without a word. Source: the
-//! same command undisturbed. Tolerance: none. Moments and places are random with a seed.
+//! Goal: the correct answer or a message that names the file; never a panic, a hang, or a wrong number without a
+//! message. Source: the same command undisturbed. Tolerance: none. Moments and places are random with a seed.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -15,7 +15,7 @@ use revolve::report;
 use crate::common::bodies::between;
 use crate::common::project;
 
-/// What runs: commands that read a deck and write into the folder `out`, and those that read what is there.
+/// Commands that read a deck and write into the folder `out`, and commands that read this folder.
 const COMMANDS: [&str; 5] = ["run", "sweep", "study", "report", "chart"];
 
 fn words(command: &str) -> Vec<&str> {
@@ -42,7 +42,7 @@ fn words(command: &str) -> Vec<&str> {
     }
 }
 
-/// A command under a limit of the shell's `ulimit`, ended if it hangs.
+/// Returns a command under a limit of the shell's `ulimit`, with a time limit.
 fn limited(folder: &Path, limit: &str, command: &str) -> Command {
     let mut shell = Command::new("sh");
     let line = format!("ulimit {limit}; exec timeout -k 5 100 \"$0\" \"$@\"");
@@ -55,24 +55,24 @@ fn ran(folder: &Path, limit: &str, command: &str) -> Output {
     limited(folder, limit, command).output().expect("the program runs")
 }
 
-fn told(output: &Output) -> String {
+fn message_text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A folder with a deck, and what each command has left of it where nothing befell it.
+/// Returns a folder with a deck and the undisturbed results of all commands.
 fn scene() -> (tempfile::TempDir, BTreeMap<String, Vec<u8>>) {
     let scratch = tempfile::tempdir().expect("a folder");
     fs::copy(project("input/ogive.inp"), scratch.path().join("ogive.inp")).expect("a deck");
     for command in COMMANDS {
         let output = ran(scratch.path(), "-c 0", command);
-        assert!(output.status.success(), "{command}: {}", told(&output));
+        assert!(output.status.success(), "{command}: {}", message_text(&output));
     }
     let results = results(&scratch.path().join("out"));
     assert!(results.len() > 25, "{:?}", results.keys());
     (scratch, results)
 }
 
-/// Files of a folder whose bytes are the same in every run: what tells times is left out.
+/// Returns the files of a folder that are identical in every run; files with times are left out.
 fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let timed = |name: &str| ["ogive.json", "ogive.sfv", "report.html"].contains(&name) || name.contains("_study");
     let entries = fs::read_dir(folder).expect("a folder").map(|e| e.expect("an entry").path());
@@ -80,7 +80,7 @@ fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     entries.filter(|p| !timed(&name(p))).map(|p| (name(&p), fs::read(&p).expect("a file"))).collect()
 }
 
-/// Whatever befell it: no panic, no hang; nothing half written; and the same command comes to the same files.
+/// Asserts that all files are complete and that the same command then gives the undisturbed files.
 fn check(folder: &Path, what: &str, command: &str, whole: &BTreeMap<String, Vec<u8>>) {
     for entry in fs::read_dir(folder.join("out")).into_iter().flatten().flatten() {
         let (name, bytes) = (entry.file_name().into_string().expect("a name"), fs::read(entry.path()).expect("a file"));
@@ -96,7 +96,7 @@ fn check(folder: &Path, what: &str, command: &str, whole: &BTreeMap<String, Vec<
         assert!(complete, "{what}, {command}: {name} is torn");
     }
     let again = ran(folder, "-c 0", command);
-    assert!(again.status.success(), "{what}, {command}: {}", told(&again));
+    assert!(again.status.success(), "{what}, {command}: {}", message_text(&again));
     let now = results(&folder.join("out"));
     let own = |name: &str| match command {
         "run" => !name.contains("_sweep") && !name.starts_with("chart"),
@@ -110,14 +110,14 @@ fn check(folder: &Path, what: &str, command: &str, whole: &BTreeMap<String, Vec<
 }
 
 fn sound(output: &Output, what: &str, command: &str) {
-    let words = told(output);
+    let words = message_text(output);
     assert!(!words.contains("panicked"), "{what}, {command}: {words}");
     assert!(output.status.code() != Some(124), "{what}, {command} hangs");
-    assert!(output.status.success() || !words.is_empty(), "{what}, {command}: {:?} without a word", output.status);
+    assert!(output.status.success() || !words.is_empty(), "{what}, {command}: {:?} without a message", output.status);
 }
 
 #[test]
-fn kills_leave_whole_files_and_no_lock() {
+fn kills_leave_complete_files_and_no_lock() {
     let (scratch, whole) = scene();
     let mut dice = between(20_261);
     for command in COMMANDS {
@@ -141,7 +141,7 @@ fn kills_leave_whole_files_and_no_lock() {
 }
 
 #[test]
-fn full_disks_are_told() {
+fn full_disk_is_reported() {
     let (scratch, whole) = scene();
     let mut refused = 0;
     for command in COMMANDS {
@@ -152,15 +152,15 @@ fn full_disks_are_told() {
         }
         check(scratch.path(), "full disk", command, &whole);
     }
-    assert!(refused > 8, "{refused} commands felt a limit");
+    assert!(refused > 8, "{refused} commands failed at a limit");
 }
 
 #[test]
-fn too_little_memory_is_told_or_ends_the_program() {
+fn too_little_memory_is_reported_or_ends_the_program() {
     let (scratch, whole) = scene();
     let mut ended = 0;
     for command in COMMANDS {
-        // Below that not even the program itself is loaded.
+        // With less memory the program itself is not loaded.
         for kilobytes in [38_000, 40_000, 42_000, 45_000, 60_000, 90_000, 200_000] {
             let output = ran(scratch.path(), &format!("-v {kilobytes}"), command);
             sound(&output, &format!("{kilobytes} kB"), command);
@@ -168,10 +168,10 @@ fn too_little_memory_is_told_or_ends_the_program() {
         }
         check(scratch.path(), "little memory", command, &whole);
     }
-    assert!(ended > 4, "{ended} commands felt a limit");
+    assert!(ended > 4, "{ended} commands failed at a limit");
 }
 
-/// Nothing goes by the times of files.
+/// The modification times of files have no influence.
 #[test]
 fn clocks_that_jump_change_nothing() {
     let (scratch, whole) = scene();
@@ -186,7 +186,8 @@ fn clocks_that_jump_change_nothing() {
     }
 }
 
-/// What `report` and `chart` make of a folder: the same as of the whole one, or an error that names a file.
+/// Asserts that `report` and `chart` give the undisturbed answer or an error that names a file; returns whether there
+/// was an error.
 fn read_back(folder: &Path, changed: &str, whole: &[String; 2]) -> bool {
     let page = report::gather(folder).map(|page| serde_json::to_string(&page).expect("a page"));
     let picture = report::picture::meridian(folder, None, "PRESSURE").map(|picture| picture.svg());
@@ -194,9 +195,12 @@ fn read_back(folder: &Path, changed: &str, whole: &[String; 2]) -> bool {
     for (answer, whole) in [page.map_err(|e| e.to_string()), picture.map_err(|e| e.to_string())].into_iter().zip(whole)
     {
         match answer {
-            // What a damaged list no longer names is said to be unproven.
+            // Files missing from a damaged list are reported as unverified.
             Ok(answer) => {
-                assert!(answer == *whole || answer.contains("checksums"), "{changed}: another answer without a word");
+                assert!(
+                    answer == *whole || answer.contains("checksums"),
+                    "{changed}: another answer without a message"
+                );
             }
             Err(why) => {
                 assert!(why.contains("ogive") || why.contains("page"), "{changed}: {why}");
@@ -208,7 +212,7 @@ fn read_back(folder: &Path, changed: &str, whole: &[String; 2]) -> bool {
 }
 
 #[test]
-fn torn_and_changed_results_are_told() {
+fn truncated_and_changed_results_are_reported() {
     let (scratch, _) = scene();
     let out = scratch.path().join("out");
     fs::remove_file(out.join("report.html")).expect("removed");
@@ -245,9 +249,9 @@ fn torn_and_changed_results_are_told() {
         }
         fs::write(&path, &bytes).expect("a file");
     }
-    println!("{cases} files torn or with a bit turned, {refused} refused, the others read to the same answer");
+    println!("{cases} files truncated or with a flipped bit, {refused} rejected, the others give the same answer");
     assert!(refused > cases / 2, "{refused} of {cases}");
-    // Without the lists nobody can tell, and that is said; nothing panics.
+    // Without the list of checksums changes cannot be detected, which is reported; nothing panics.
     fs::remove_file(out.join("ogive.sfv")).expect("removed");
     let page = report::gather(&out).expect("a page");
     assert!(page.runs[0].notes.iter().any(|note| note.contains("checksums")), "{:?}", page.runs[0].notes);
@@ -266,9 +270,9 @@ fn torn_and_changed_results_are_told() {
     }
 }
 
-/// A list that leads out of its folder.
+/// A frame list must not refer to files outside its folder.
 #[test]
-fn frames_are_files_of_the_folder() {
+fn frame_list_cannot_leave_its_folder() {
     let (scratch, _) = scene();
     let list = scratch.path().join("out/ogive.pvd");
     fs::remove_file(scratch.path().join("out/ogive.sfv")).expect("removed");
@@ -279,7 +283,7 @@ fn frames_are_files_of_the_folder() {
 }
 
 #[test]
-fn a_torn_reference_is_told() {
+fn truncated_reference_is_reported() {
     let (scratch, _) = scene();
     let path = scratch.path().join("known.csv");
     let text = "V,depth\n500,41.25\n600,58.75\n";
@@ -288,8 +292,8 @@ fn a_torn_reference_is_told() {
         let mut command = limited(scratch.path(), "-c 0", "sweep");
         let output = command.args(["--compare", "known.csv"]).output().expect("the program runs");
         sound(&output, "a torn table", "sweep");
-        // Whole rows are true; what ends within one is refused or told.
+        // Complete rows are valid; an incomplete row is rejected or reported.
         let rows = text[..end].ends_with('\n') && text[..end].lines().count() > 1;
-        assert!(rows || told(&output).contains("known.csv"), "{end}: {}", told(&output));
+        assert!(rows || message_text(&output).contains("known.csv"), "{end}: {}", message_text(&output));
     }
 }

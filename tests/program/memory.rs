@@ -1,7 +1,7 @@
-//! What a run allocates.
+//! Memory allocations of a run.
 //!
-//! Goal: nothing is allocated inside an increment; an elastic deck holds no byte for plasticity.
-//! Source: an allocator that counts; the size of a loop built for a law that holds no code of plasticity.
+//! Goal: nothing is allocated inside an increment; an elastic deck has no memory for plasticity. Source: a counting
+//! allocator; the size of a loop compiled for a law without plasticity.
 
 use revolve::deck;
 use revolve::internals::constants::{ElementConstants, HourglassControl};
@@ -17,10 +17,10 @@ use revolve::user::{LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Routi
 
 use crate::common;
 use crate::common::bodies::{assembly, elastic, part, rigid_line};
-use crate::common::routines::Bare;
+use crate::common::routines::NoPlasticity;
 use crate::common::solid::{grid, in_six_node_triangles, material};
 
-/// A heavy ogive that flies on at much the same speed through 200 000 increments, fully embedded.
+/// Returns a heavy fully embedded ogive at nearly constant velocity for 200 000 increments.
 fn flight() -> String {
     let deck = common::ogive()
         .replace("mass = 0.021", "mass = 1.e4")
@@ -30,18 +30,18 @@ fn flight() -> String {
     deck.split("*Output, field").next().expect("text").to_owned() + "*End Step\n"
 }
 
-struct Constant;
+struct ConstantPressure;
 
-impl UserLoad for Constant {
+impl UserLoad for ConstantPressure {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         pressure.fill(1e9 * points.magnitude);
         Ok(())
     }
 }
 
-/// Increments of a run, and how often it allocated.
+/// Returns the increments of a run and the number of its allocations.
 fn allocations(deck: &str) -> (u64, u64) {
-    let routine = Routines::none().with_load(Constant);
+    let routine = Routines::none().with_load(ConstantPressure);
     let prepared = job::prepare_text("ogive.inp", deck, &[], &routine);
     let mut increments = 0;
     let counted = allocation_counter::measure(|| increments = job::run_in_memory(&prepared).0.increments);
@@ -54,7 +54,7 @@ fn nothing_allocates_inside_an_increment() {
     let own = text.replace("*Dsload, target=BLOCK, friction=<friction>\n NOSE, CAVITY", "*Dsload\n NOSE, PNU");
     let automatic = |accuracy| text.replace(", direct user control\n 5e-9,", &format!(", accuracy={accuracy}\n ,"));
     let shorter = |deck: &str| deck.replace(", 1.e-3", ", 1.e-4");
-    // What a process makes once and keeps.
+    // Allocations made once per process.
     allocations(&shorter(&text));
     let tilted = text
         .replace("direction=-1", "direction=-1, obliquity=10.")
@@ -72,10 +72,10 @@ fn nothing_allocates_inside_an_increment() {
     }
 }
 
-/// Answers with a stress that is always the same.
-struct Still;
+/// User material with a constant stress.
+struct ConstantStress;
 
-impl UserMaterial for Still {
+impl UserMaterial for ConstantStress {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
         let elastic = call.now.total_time == 0.0;
         let new = |(old, strain): (&f64, &f64)| old + if elastic { 1e5 * strain } else { 0.0 };
@@ -87,7 +87,7 @@ impl UserMaterial for Still {
 const OF_THE_USER: &str =
     "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.,\n*User Material, constants=1\n 1.,\n";
 
-/// With the global estimate, which is made anew now and then from what is there.
+/// With the global estimate, which is recomputed from time to time.
 #[test]
 fn nothing_allocates_inside_an_increment_of_elements() {
     let mesh = grid(12, 24, false, |i, j| [i as f64, j as f64]);
@@ -100,7 +100,7 @@ fn nothing_allocates_inside_an_increment_of_elements() {
     }
 }
 
-/// Asserts that a long run of a body allocates as often as a short one.
+/// Asserts that a long run of a body has as many allocations as a short one.
 fn allocate_once_a_run(name: &str, body: &str) {
     let deck = |time: &str| {
         body.to_owned()
@@ -108,14 +108,14 @@ fn allocate_once_a_run(name: &str, body: &str) {
             + "*Output, history, number interval=1\n*Energy Output\n ALLIE\n*End Step\n"
     };
     let count = |time: &str| {
-        let routines = Routines::none().with_material(Still);
+        let routines = Routines::none().with_material(ConstantStress);
         let prepared = job::prepare_text("test.inp", &deck(time), &[], &routines);
         assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
         let mut increments = 0;
         let counted = allocation_counter::measure(|| increments = job::run_in_memory(&prepared).0.increments);
         (increments, counted.count_total)
     };
-    // What a process makes once and keeps.
+    // Allocations made once per process.
     count("0.1");
     let (short, long) = (count("0.1"), count("1."));
     println!("{name}: {} allocations over {} increments, {} over {}", short.1, short.0, long.1, long.0);
@@ -123,8 +123,8 @@ fn allocate_once_a_run(name: &str, body: &str) {
     assert_eq!(long.1, short.1, "{name}");
 }
 
-/// Of a block that slides along another one with waves on it, and turns back at a light plate that is pushed against it: what it
-/// may meet is looked for anew many times.
+/// A block with waves slides along another block and rebounds from a light plate, so that contact candidates are
+/// searched many times.
 #[test]
 fn nothing_allocates_inside_an_increment_of_contact() {
     let wavy = |r: f64| 0.01 * (9.0 * r).sin();
@@ -150,7 +150,7 @@ fn nothing_allocates_inside_an_increment_of_contact() {
             + "*Contact Pair, interaction=DRY\n LOWER.J1, UPPER.J0\n UPPER.J1, PLATE.SKIN\n\
                *Output, history, number interval=1\n*Energy Output\n ALLCW\n*End Step\n"
     };
-    // With penalty springs, and heat that crosses.
+    // With penalty contact and heat conduction across it.
     let warm = |time: &str| {
         deck(time)
             .replace("CAX4R", "CAX4RT")
@@ -159,7 +159,7 @@ fn nothing_allocates_inside_an_increment_of_contact() {
             .replace("interaction=DRY\n", "interaction=DRY, mechanical constraint=PENALTY\n")
             .replace("*Friction\n 0.1,\n", "*Friction\n 0.1,\n*Gap Conductance\n 0.5, 0.\n 0.1, 0.05\n")
     };
-    // What a process makes once and keeps.
+    // Allocations made once per process.
     allocations(&deck("0.1"));
     for scene in [&deck as &dyn Fn(&str) -> String, &warm] {
         let (short, long) = (allocations(&scene("1.")), allocations(&scene("40.")));
@@ -169,10 +169,10 @@ fn nothing_allocates_inside_an_increment_of_contact() {
     }
 }
 
-/// Of a block whose ends fly apart until rows of it go, with books of what went and pressures that go over to what comes to lie bare.
+/// A stretched block whose rows are deleted, with eroded mass and energy, and pressure on newly exposed faces.
 #[test]
 fn nothing_allocates_inside_an_increment_of_erosion() {
-    // A warning of energies at the end would be words more.
+    // An energy warning at the end would add allocations.
     let limits = "*Energy Limit, error=10., artificial=10.\n";
     let deck = |time: &str| {
         grid(6, 10, false, |i, j| [i as f64, j as f64])
@@ -190,8 +190,8 @@ fn nothing_allocates_inside_an_increment_of_erosion() {
 }
 
 #[test]
-fn an_elastic_deck_holds_no_byte_for_plasticity() {
-    // Without the strains that a deck without requests would follow.
+fn elastic_deck_allocates_nothing_for_plasticity() {
+    // Without the strains that are default output.
     let deck = grid(8, 8, false, |i, j| [0.1 * i as f64, 0.1 * j as f64])
         + &material(200e3, 0.3, 7.85e-9, "")
         + "*Step\n*Dynamic, Explicit\n , 1.\n*Output, history\n*Energy Output\n ALLIE\n*End Step\n";
@@ -206,7 +206,7 @@ fn an_elastic_deck_holds_no_byte_for_plasticity() {
         bulk_viscosity: [0.06, 1.2],
     };
     let bare = QuadGroup::new(
-        VonMises::new(Bare, ConstantBulkModulus),
+        VonMises::new(NoPlasticity, ConstantBulkModulus),
         constants,
         7.85e-9,
         &elements,
@@ -215,42 +215,42 @@ fn an_elastic_deck_holds_no_byte_for_plasticity() {
     assert_eq!(elastic.groups[0].bytes(), bare.bytes());
 }
 
-/// Bytes of all rows, with those that are reserved.
+/// Returns the bytes of all ledger rows, including reserved ones.
 fn bytes_of_ledger(ledger: &Ledger) -> usize {
     let of_row = |row: &LedgerRow| row.reserved + row.arrays.iter().map(|array| array.1).sum::<usize>();
     ledger.effects.iter().map(of_row).sum()
 }
 
-/// Bytes that the rows of the ledger name, and those that plan, state and run hold.
-fn told_and_held(text: &str, routines: &Routines) -> (usize, usize) {
+/// Returns the bytes listed in the ledger, and those allocated by plan, state and run.
+fn listed_and_allocated_bytes(text: &str, routines: &Routines) -> (usize, usize) {
     let (deck, _) = deck::read_text("test.inp", text, &[]);
     let (model, _) = model::build(&deck);
     let mut compiled = None;
     let compiling = allocation_counter::measure(|| {
-        // The mesh stays with the plan.
+        // The plan owns the mesh.
         let mesh = Mesh::clone(&model.mesh).into();
         compiled = Some(plan::compile(&Model { mesh, ..model.clone() }, routines));
     });
     let (plan, state, found) = compiled.expect("a plan");
     assert!(!found.has_errors(), "{}", found.render(&deck.sources));
-    let told = bytes_of_ledger(&plan.ledger);
+    let listed = bytes_of_ledger(&plan.ledger);
     let mut memory = RunHistory::default();
     let running = allocation_counter::measure(|| drop(revolve::solve::run(&plan, state, &mut memory)));
     let of_run = running.bytes_max;
     println!("{} bytes at the start, at most {of_run} more in the run", compiling.bytes_current);
-    (told, compiling.bytes_current as usize + of_run as usize)
+    (listed, compiling.bytes_current as usize + of_run as usize)
 }
 
-/// A rod on a plate whose elements are deleted: contact has room for every face that deletion may expose.
+/// Returns a rod on a plate with element deletion: contact reserves memory for every face that deletion may expose.
 fn eroding_plate() -> String {
     let text = std::fs::read_to_string(common::project("input/rod_plate.inp")).expect("a deck");
     text.split("*Output").next().expect("text").replace("<time>", "1e-8") + "*End Step\n"
 }
 
-/// Source of the other figure: an allocator that counts. Tolerance: 5 %, for what a row does not name (text of the ledger
-/// itself, lists of a few entries).
+/// Source: a counting allocator. Tolerance: 5 %, for memory that belongs to no row (text of the ledger itself, short
+/// lists).
 #[test]
-fn the_ledger_names_the_bytes_that_are_allocated() {
+fn ledger_lists_allocated_bytes() {
     let end = "*Step\n*Dynamic, Explicit\n , 1e-7\n*Boundary\n J0, 2, 2\n*Dsload\n J1, P, 1.\n*Output, history, number interval=1\n\
                *Energy Output\n ALLIE\n*End Step\n";
     let mesh = |n: usize| grid(n, n, false, |i, j| [0.1 * i as f64, 0.1 * j as f64]);
@@ -265,18 +265,18 @@ fn the_ledger_names_the_bytes_that_are_allocated() {
         ("rigid", common::ogive().replace("n    = 20", "n    = 4000")),
         ("general contact", eroding_plate()),
     ];
-    let routines = Routines::none().with_material(Still);
+    let routines = Routines::none().with_material(ConstantStress);
     for (name, text) in scenes {
-        let (told, held) = told_and_held(&text, &routines);
-        println!("{name}: the ledger names {told} bytes, {held} are held ({:.3})", told as f64 / held as f64);
-        assert!((told as f64 / held as f64 - 1.0).abs() < 0.05, "{name}: {told} of {held}");
+        let (listed, held) = listed_and_allocated_bytes(&text, &routines);
+        println!("{name}: the ledger lists {listed} bytes, {held} are allocated ({:.3})", listed as f64 / held as f64);
+        assert!((listed as f64 / held as f64 - 1.0).abs() < 0.05, "{name}: {listed} of {held}");
     }
 }
 
-/// The times of the rows add up to those of the loop: by its construction the integrator takes what no other row claims, so
-/// that what is tested is that nothing is counted twice or lost.
+/// The run times of all rows add up to that of the time loop. The integrator gets the remainder by definition, so the
+/// test detects time that is counted twice or lost.
 #[test]
-fn the_rows_share_the_time_of_the_loop() {
+fn ledger_times_add_up_to_the_loop_time() {
     let deck = grid(40, 40, false, |i, j| [0.1 * i as f64, 0.1 * j as f64])
         + &material(200e3, 0.3, 7.85e-9, "")
         + "*Step\n*Dynamic, Explicit\n , 2e-5\n*Dsload\n J1, P, 1.\n*End Step\n";
@@ -293,10 +293,10 @@ fn the_rows_share_the_time_of_the_loop() {
     }
 }
 
-/// A mesh whose nodes and elements are all listed, as meshers write it. Source: bytes asked for while it is read and resolved, the
-/// text among them.
+/// A mesh whose nodes and elements are all listed, as mesh generators write it. Source: bytes allocated while it is
+/// read and resolved, including the text.
 #[test]
-fn a_listed_mesh_takes_few_bytes() {
+fn memory_per_listed_node_is_small() {
     let (n, mut text) = (150, String::from("*Node, nset=ALL\n"));
     for i in 0..(n + 1) * (n + 1) {
         let (r, z) = (i % (n + 1), i / (n + 1));
@@ -313,9 +313,9 @@ fn a_listed_mesh_takes_few_bytes() {
     }
     let mut elements = 0;
     let counted = allocation_counter::measure(|| {
-        let (deck, told) = deck::read_text("listed.inp", &text, &[]);
+        let (deck, listed) = deck::read_text("listed.inp", &text, &[]);
         let (model, resolved) = model::build(&deck);
-        assert!(!told.has_errors() && !resolved.has_errors());
+        assert!(!listed.has_errors() && !resolved.has_errors());
         elements = model.mesh.elements.len() as u64;
     });
     let (bytes, times) = (counted.bytes_max / elements, counted.count_total);
@@ -323,7 +323,7 @@ fn a_listed_mesh_takes_few_bytes() {
     assert!(elements == u64::try_from(n * n).expect("a number") && bytes < 400 && times < elements / 20);
 }
 
-/// 40 steps that change nothing need no more than one: bytes of the ledger, bytes that plan and state hold, and what planning allocates.
+/// 40 identical steps need no more memory than one: bytes of the ledger, of plan and state, and allocated in planning.
 #[test]
 fn memory_does_not_grow_with_the_number_of_steps() {
     let text = std::fs::read_to_string(common::project("input/rod_plate.inp")).expect("a deck");
@@ -343,6 +343,6 @@ fn memory_does_not_grow_with_the_number_of_steps() {
     let (one, many) = (bytes(1), bytes(40));
     println!("ledger, held, allocated in all: {one:?} in one step, {many:?} in 40");
     assert!(one[..2].iter().zip(many).all(|(one, many)| 100 * many < 105 * one));
-    // Planning a step that changes nothing makes its name, its times of output and its rows of the ledger.
+    // Planning such a step allocates its name, its output times and its ledger rows.
     assert!(100 * many[2] < 110 * one[2]);
 }

@@ -1,5 +1,5 @@
-//! `revolve mesh`: shapes, quality, sets and surfaces, refusals, and that decks take what it writes.
-//! Volumes are compared with closed forms of bodies of revolution.
+//! `revolve mesh`: shapes, quality, sets and surfaces, invalid requests, and runs of the written decks. Volumes are
+//! compared with closed forms of bodies of revolution.
 
 use std::f64::consts::PI;
 
@@ -9,27 +9,27 @@ use revolve::user::Routines;
 
 use crate::common::{self, revolve};
 
-fn wanted(nose: NoseShape, length: f64, size: f64) -> MeshRequest {
+fn mesh_request(nose: NoseShape, length: f64, size: f64) -> MeshRequest {
     MeshRequest { nose, radius: 1.0, length, size, along: 1.0, across: 1.0, cavity: None }
 }
 
 fn hollow(fill: CavityFill, through: Option<usize>, wall: f64, base: f64) -> MeshRequest {
     let cavity = Some(CaseCavity { wall, through, front: 4.0, base, fill });
-    MeshRequest { cavity, ..wanted(NoseShape::Ogive { crh: 3.0 }, 10.0, 0.25) }
+    MeshRequest { cavity, ..mesh_request(NoseShape::Ogive { crh: 3.0 }, 10.0, 0.25) }
 }
 
-fn measure(wanted: &MeshRequest) -> MeshMeasure {
-    ProjectileMesh::new(wanted).unwrap_or_else(|e| panic!("{wanted:?}: {e:?}")).measure()
+fn measure(mesh_request: &MeshRequest) -> MeshMeasure {
+    ProjectileMesh::new(mesh_request).unwrap_or_else(|e| panic!("{mesh_request:?}: {e:?}")).measure()
 }
 
-fn refusal(wanted: &MeshRequest) -> &'static str {
-    ProjectileMesh::new(wanted).expect_err("a refusal").code
+fn refusal(mesh_request: &MeshRequest) -> &'static str {
+    ProjectileMesh::new(mesh_request).expect_err("a refusal").code
 }
 
-/// The deck of a mesh with all that a run needs besides, loaded on its whole outer surface.
-fn findings(wanted: &MeshRequest) -> String {
+/// Returns the diagnostics of a deck with this mesh, loaded on its whole outer surface, after running it.
+fn findings(mesh_request: &MeshRequest) -> String {
     let labels = DeckLabels { first: 1001, prefix: "P_".into(), material: "STEEL".into(), fill: "SOFT".into() };
-    let mesh = ProjectileMesh::new(wanted).expect("a mesh").deck(&labels, &["a comment".into()]);
+    let mesh = ProjectileMesh::new(mesh_request).expect("a mesh").deck(&labels, &["a comment".into()]);
     let text = format!(
         "{mesh}*Material, name=STEEL\n*Density\n 7800.\n*Elastic\n 2.e11, 0.3\n*Material, name=SOFT\n*Density\n 1600.\n*Elastic\n \
          1.e9, 0.3\n*Material, name=AL\n*Density\n 2700.\n*Cavity Expansion, yield=2.76e8\n 5., 1., 1.\n*Target, name=BLOCK, \
@@ -39,19 +39,19 @@ fn findings(wanted: &MeshRequest) -> String {
          U1\n*End Step\n"
     );
     let prepared = job::prepare_text("made.inp", &text, &[], &Routines::none());
-    // Material that nothing is made of is the only note a solid projectile may get.
-    let told = prepared.diagnostics.render(&prepared.deck.sources);
-    assert!(!prepared.diagnostics.has_errors(), "{wanted:?}: {told}");
+    // The only note allowed for a solid projectile is that of an unused material.
+    let message_text = prepared.diagnostics.render(&prepared.deck.sources);
+    assert!(!prepared.diagnostics.has_errors(), "{mesh_request:?}: {message_text}");
     let (outcome, _) = job::run_in_memory(&prepared);
-    assert!(outcome.halt.is_none(), "{wanted:?}: {:?}", outcome.halt);
-    told
+    assert!(outcome.halt.is_none(), "{mesh_request:?}: {:?}", outcome.halt);
+    message_text
 }
 
-/// The volume of an ogive by its closed form (the nose of radius 1: integral of pi r^2, r = c + sqrt(R^2 - x^2)) plus the shank,
-/// and the order of the meshed volume over three halvings of the size: 2, that of a polygon in an arc, within 0.3, for nodes along
-/// the flank move with the size.
+/// The volume of an ogive in closed form (nose of radius 1: integral of pi r^2, r = c + sqrt(R^2 - x^2); plus the
+/// shank). The order of the meshed volume over three halvings of the size is 2, that of a polygon inscribed in an arc,
+/// within 0.3 because nodes along the flank move with the size.
 #[test]
-fn volumes_come_to_those_of_bodies_of_revolution_with_order_two() {
+fn volumes_converge_with_order_two() {
     for (crh, length) in [(1.0, 4.0), (3.0, 6.0), (6.0, 8.0)] {
         let arc = 2.0 * crh;
         let (centre, height) = (1.0 - arc, (4.0_f64 * crh - 1.0).sqrt());
@@ -60,7 +60,7 @@ fn volumes_come_to_those_of_bodies_of_revolution_with_order_two() {
             * (centre * centre * height + 2.0 * centre * segment + arc * arc * height - height * height * height / 3.0);
         let exact = nose + PI * (length - height);
         let errors = [0.4, 0.05].map(|size| {
-            let mesh = ProjectileMesh::new(&wanted(NoseShape::Ogive { crh }, length, size)).expect("a mesh");
+            let mesh = ProjectileMesh::new(&mesh_request(NoseShape::Ogive { crh }, length, size)).expect("a mesh");
             let measure = mesh.measure();
             assert!((measure.case.exact / exact - 1.0).abs() < 1e-12, "{crh}");
             assert!((mesh.order().expect("an arc") - 2.0).abs() < 0.05, "{crh} {:?}", mesh.order());
@@ -70,29 +70,29 @@ fn volumes_come_to_those_of_bodies_of_revolution_with_order_two() {
         println!("CRH {crh}: errors {errors:?}, order {order:.2}");
         assert!((order - 2.0).abs() < 0.3, "{order}");
     }
-    let half = measure(&wanted(NoseShape::Sphere, 3.0, 0.1)).case;
+    let half = measure(&mesh_request(NoseShape::Sphere, 3.0, 0.1)).case;
     assert!((half.exact / (2.0 / 3.0 * PI + 2.0 * PI) - 1.0).abs() < 1e-12 && half.error().abs() < 2e-3, "{half:?}");
     for exact in [
         NoseShape::Cone { half_angle: 20.0 },
         NoseShape::Blunt,
         NoseShape::Polyline(vec![[0.0, 0.0], [0.6, 1.0], [1.0, 3.0], [0.9, 5.0]]),
     ] {
-        let made = measure(&wanted(exact, 5.0, 0.2)).case;
+        let made = measure(&mesh_request(exact, 5.0, 0.2)).case;
         assert_eq!(made.error(), 0.0, "{made:?}");
     }
 }
 
-/// The least scaled Jacobian is the sine of the sharpest corner of the profile, which no quadrilateral mesh that has a node there can
-/// beat (the tip, or the rim of a blunt cone), less one fifth; but where that corner is not sharp, 0.6 is enough. Walls as thin as a
-/// fiftieth of the radius keep it.
+/// The smallest scaled Jacobian is at least 0.8 times the sine of the sharpest corner of the profile, which is an upper
+/// bound for quadrilateral meshes with a node there (at the tip, or the rim of a blunt cone); without sharp corners 0.6
+/// suffices. This also holds for walls as thin as a fiftieth of the radius.
 #[test]
-fn elements_are_as_good_as_the_sharpest_corner_lets_them_be() {
+fn element_quality_is_near_the_bound_of_the_sharpest_corner() {
     let ogive = |crh: f64| (NoseShape::Ogive { crh }, ((2.0 * crh - 1.0) / (2.0 * crh)).acos().to_degrees());
     let cone = |half_angle: f64| (NoseShape::Cone { half_angle }, f64::min(half_angle, 90.0 - half_angle));
     let shapes = [ogive(1.0), ogive(3.0), ogive(6.0), cone(10.0), cone(30.0), cone(60.0), (NoseShape::Sphere, 90.0)];
     for (nose, sharpest) in shapes {
         for size in [0.5, 0.25, 0.11] {
-            let made = measure(&wanted(nose.clone(), 8.0, size));
+            let made = measure(&mesh_request(nose.clone(), 8.0, size));
             let bound = f64::min(0.8 * sharpest.to_radians().sin(), 0.6);
             println!("{nose:?} {size}: {:.3} (bound {bound:.3}), aspect {:.1}", made.jacobian.0, made.aspect.0);
             assert!(made.jacobian.0 > bound, "{nose:?} {size}: {:?} {bound}", made.jacobian);
@@ -105,10 +105,11 @@ fn elements_are_as_good_as_the_sharpest_corner_lets_them_be() {
     }
 }
 
-/// Case and fill have the volumes of cylinder and rest; a fill apart has nodes of its own, a bonded one has not.
+/// Case and fill have the volumes of the cylinder and the rest; a separate fill has its own nodes, a bonded one shares
+/// them.
 #[test]
-fn cases_and_fills_have_their_volumes_and_nodes() {
-    let whole = measure(&wanted(NoseShape::Ogive { crh: 3.0 }, 10.0, 0.25)).case.exact;
+fn case_and_fill_match_closed_form_volumes() {
+    let whole = measure(&mesh_request(NoseShape::Ogive { crh: 3.0 }, 10.0, 0.25)).case.exact;
     let inner = PI * 0.8 * 0.8 * 5.5;
     let [none, bonded, apart] =
         [CavityFill::None, CavityFill::Bonded, CavityFill::Apart].map(|fill| measure(&hollow(fill, None, 0.2, 0.5)));
@@ -124,21 +125,22 @@ fn cases_and_fills_have_their_volumes_and_nodes() {
     assert!(five.counts[1] > three.counts[1]);
 }
 
-/// Sizes grow as asked: the largest aspect ratio of a cylinder is that of its last row, and with `across` that of its surface.
+/// Element sizes grow as requested: the largest aspect ratio of a cylinder is that of its last row, and with `across`
+/// that of its surface.
 #[test]
 fn sizes_grow_along_and_across() {
-    let even = measure(&wanted(NoseShape::Blunt, 8.0, 0.25));
-    let along = measure(&MeshRequest { along: 4.0, ..wanted(NoseShape::Blunt, 8.0, 0.25) });
-    let across = measure(&MeshRequest { across: 3.0, ..wanted(NoseShape::Blunt, 8.0, 0.25) });
+    let even = measure(&mesh_request(NoseShape::Blunt, 8.0, 0.25));
+    let along = measure(&MeshRequest { along: 4.0, ..mesh_request(NoseShape::Blunt, 8.0, 0.25) });
+    let across = measure(&MeshRequest { across: 3.0, ..mesh_request(NoseShape::Blunt, 8.0, 0.25) });
     assert!((even.aspect.0 - 1.0).abs() < 1e-9, "{:?}", even.aspect);
     assert!((3.0..4.0).contains(&along.aspect.0) && along.aspect.1[1] > 7.0, "{:?}", along.aspect);
     assert!(across.aspect.0 > 1.5 && across.height.1[0] > 0.8, "{across:?}");
     assert!(along.counts[1] < even.counts[1] && across.counts[1] == even.counts[1]);
 }
 
-/// Every shape makes a deck without a finding but for materials that nothing is made of, and runs with its outer surface loaded.
+/// The deck of every shape has no diagnostics except for unused materials, and runs with its outer surface loaded.
 #[test]
-fn decks_take_every_shape() {
+fn every_shape_runs_in_a_deck() {
     let level = NoseShape::Polyline(vec![[0.0, 0.0], [0.3, 0.0], [1.0, 2.0], [1.0, 5.0]]);
     let pointed = NoseShape::Polyline(vec![[0.0, 1.0], [0.5, 1.6], [1.0, 3.0], [1.0, 7.0], [0.8, 9.0]]);
     let shapes = [
@@ -150,8 +152,8 @@ fn decks_take_every_shape() {
         pointed,
     ];
     for nose in shapes {
-        let told = findings(&wanted(nose.clone(), 6.0, 0.4));
-        assert!(!told.contains("warning"), "{nose:?}: {told}");
+        let message_text = findings(&mesh_request(nose.clone(), 6.0, 0.4));
+        assert!(!message_text.contains("warning"), "{nose:?}: {message_text}");
     }
     for (fill, base) in [
         (CavityFill::None, 0.5),
@@ -160,16 +162,16 @@ fn decks_take_every_shape() {
         (CavityFill::Apart, 0.5),
         (CavityFill::Apart, 0.0),
     ] {
-        let told = findings(&hollow(fill, None, 0.2, base));
-        // Two parts that do not hang together are told: that is what APART is for.
-        assert!(fill == CavityFill::Apart || !told.contains("warning"), "{fill:?} {base}: {told}");
+        let message_text = findings(&hollow(fill, None, 0.2, base));
+        // Two unconnected parts give a warning; they need the fill APART.
+        assert!(fill == CavityFill::Apart || !message_text.contains("warning"), "{fill:?} {base}: {message_text}");
     }
 }
 
 #[test]
-fn what_cannot_be_meshed_is_refused_in_words() {
-    let ogive = wanted(NoseShape::Ogive { crh: 3.0 }, 10.0, 0.25);
-    let profile = |points: &[[f64; 2]]| wanted(NoseShape::Polyline(points.to_vec()), 1.0, 0.2);
+fn invalid_shapes_are_rejected_with_a_message() {
+    let ogive = mesh_request(NoseShape::Ogive { crh: 3.0 }, 10.0, 0.25);
+    let profile = |points: &[[f64; 2]]| mesh_request(NoseShape::Polyline(points.to_vec()), 1.0, 0.2);
     let cavity = |wall: f64, front: f64, base: f64| {
         let cavity = Some(CaseCavity { wall, through: None, front, base, fill: CavityFill::None });
         MeshRequest { cavity, ..ogive.clone() }
@@ -180,9 +182,9 @@ fn what_cannot_be_meshed_is_refused_in_words() {
         ("G001", MeshRequest { size: 2.0, ..ogive.clone() }),
         ("G001", MeshRequest { size: 1e-4, ..ogive.clone() }),
         ("G001", MeshRequest { along: 0.0, ..ogive.clone() }),
-        ("G002", wanted(NoseShape::Ogive { crh: 0.4 }, 10.0, 0.25)),
-        ("G002", wanted(NoseShape::Cone { half_angle: 90.0 }, 10.0, 0.25)),
-        ("G003", wanted(NoseShape::Ogive { crh: 3.0 }, 3.0, 0.25)),
+        ("G002", mesh_request(NoseShape::Ogive { crh: 0.4 }, 10.0, 0.25)),
+        ("G002", mesh_request(NoseShape::Cone { half_angle: 90.0 }, 10.0, 0.25)),
+        ("G003", mesh_request(NoseShape::Ogive { crh: 3.0 }, 3.0, 0.25)),
         ("G004", profile(&[[0.0, 0.0]])),
         ("G004", profile(&[[0.0, 0.0], [1.0, 2.0], [0.5, 1.0]])),
         ("G004", profile(&[[0.0, 0.0], [1.0, 2.0], [0.0, 3.0]])),
@@ -198,31 +200,33 @@ fn what_cannot_be_meshed_is_refused_in_words() {
     }
 }
 
-/// The command: what it prints, writes and refuses; the kept mesh of input/ogive_rod.inp is what it makes.
+/// The command: what it prints, writes and rejects; it reproduces the mesh of input/ogive_rod.inp.
 #[test]
-fn the_command_writes_the_kept_mesh_and_says_what_it_is() {
+fn command_reproduces_the_stored_mesh() {
     let folder = tempfile::tempdir().expect("a folder");
     let name = |file: &str| folder.path().join(file).to_str().expect("a name").to_owned();
     let kept = std::fs::read_to_string(common::project("input/ogive_rod_mesh.inp")).expect("the kept mesh");
     let ogive = ["mesh", "ogive", "--crh", "3", "--radius", "3.555e-3", "--length", "71.1e-3", "--size", "0.6e-3"];
     let (out, picture) = (name("rod.inp"), name("rod.svg"));
-    let told = revolve(&[&ogive[..], &["--material", "VAR4340", "-o", &out, "--picture", &picture]].concat());
-    let said = String::from_utf8_lossy(&told.stdout).into_owned();
+    let message_text = revolve(&[&ogive[..], &["--material", "VAR4340", "-o", &out, "--picture", &picture]].concat());
+    let rendered = String::from_utf8_lossy(&message_text.stdout).into_owned();
     assert!(
-        told.status.success() && said.contains("smallest scaled Jacobian 0.5") && said.contains("order 2.00"),
-        "{said}"
+        message_text.status.success()
+            && rendered.contains("smallest scaled Jacobian 0.5")
+            && rendered.contains("order 2.00"),
+        "{rendered}"
     );
     assert_eq!(std::fs::read_to_string(&out).expect("a mesh"), kept);
     assert!(std::fs::read_to_string(&picture).expect("a picture").matches("<path").count() > 1400);
-    let told = revolve(&[&ogive[..], &["--target-mass", "0.021", "-o", &out]].concat());
-    assert!(String::from_utf8_lossy(&told.stdout).contains("density 8.0443"), "{told:?}");
+    let message_text = revolve(&[&ogive[..], &["--target-mass", "0.021", "-o", &out]].concat());
+    assert!(String::from_utf8_lossy(&message_text.stdout).contains("density 8.0443"), "{message_text:?}");
     let heavy = ["--wall", "1.e-3", "--cavity-front", "20.e-3", "--fill", "bonded", "--fill-density", "1.e6"];
-    let told = revolve(&[&ogive[..], &heavy, &["--target-mass", "0.021", "-o", &name("no.inp")]].concat());
-    assert_eq!(told.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&told.stderr).contains("G007"), "{told:?}");
+    let message_text = revolve(&[&ogive[..], &heavy, &["--target-mass", "0.021", "-o", &name("no.inp")]].concat());
+    assert_eq!(message_text.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&message_text.stderr).contains("G007"), "{message_text:?}");
     std::fs::write(name("points.txt"), "# tip\n0, 0\n1; 2\n1 x\n").expect("a file");
-    let told = revolve(&["mesh", "polyline", &name("points.txt"), "--size", "0.2", "-o", &name("no.inp")]);
-    assert_eq!(told.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&told.stderr).contains("line 4"), "{told:?}");
+    let message_text = revolve(&["mesh", "polyline", &name("points.txt"), "--size", "0.2", "-o", &name("no.inp")]);
+    assert_eq!(message_text.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&message_text.stderr).contains("line 4"), "{message_text:?}");
     assert!(!folder.path().join("no.inp").exists());
 }

@@ -1,13 +1,13 @@
-//! What the program needs of the system: no function that the GNU C library 2.28 does not have.
-//! A version at a symbol says with which library the program was linked, so the names count here; `.github/packaging/oldest-glibc`
-//! checks the versions in programs that are linked with 2.28.
+//! System libraries of the program: it needs no function that the GNU C library 2.28 lacks. A symbol has the version of
+//! the library used for linking, so names are compared here; `.github/packaging/oldest-glibc` checks the versions in
+//! programs linked with 2.28.
 
 use std::process::Command;
 
 /// Functions that 2.28 has under an earlier version.
 const MOVED: &[&str] =
     &["__libc_start_main", "exp", "fstat64", "fstatat64", "hypot", "hypotf", "log", "log2", "lstat64", "pow", "stat64"];
-/// The same: functions of libpthread and libdl, which are in libc since 2.34.
+/// Functions of libpthread and libdl, which are part of libc since 2.34.
 const MERGED: &[&str] = &["pthread_", "dladdr", "dlclose", "dlerror", "dlopen", "dlsym", "sem_"];
 
 #[test]

@@ -1,5 +1,5 @@
 // Tests of a report page, evaluated in it by the browser: it reads the top-level names of src/report/page.js.
-/** Contrast of a text with what lies behind it, as WCAG 2 has it; that of dimmed texts by their opacity. */
+/** Returns the contrast of a text with its background as defined by WCAG 2; opacity is taken into account. */
 function contrastOf(node) {
   const parse = text => text.match(/[\d.]+/g).map(Number).map((v, i) => text.startsWith('color(srgb') && i < 3 ? 255 * v : v);
   const over = ([r, g, b, a = 1], ground) => [r, g, b].map((v, i) => a * v + (1 - a) * ground[i]);
@@ -13,7 +13,7 @@ function contrastOf(node) {
   const [x, y] = [light(over([r, g, b, a * opacity], ground)), light(ground)].sort((p, q) => q - p);
   return (x + 0.05) / (y + 0.05);
 }
-/** Moves what can be moved; what came of it as JSON. */
+/** Operates all controls of the page; returns the results as JSON. */
 function selfTest() {
   const print = canvas => {
     const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;

@@ -1,7 +1,7 @@
-//! `--precision single` as a user asks for it: what runs in it, what is told, what is refused, going on.
+//! `--precision single`: what is calculated in single precision, what is reported or rejected, and restart.
 //!
-//! Goal: what the job asks for is what the ledger says, and the bits of such a run are as firm as those of others.
-//! Source: the run in double precision, the run that is not interrupted. Tolerance: none.
+//! Goal: the ledger reports the precision of the job, and such a run is as reproducible as others. Source: the run in
+//! double precision, the uninterrupted run. Tolerance: none.
 
 use std::sync::atomic::AtomicUsize;
 
@@ -16,7 +16,7 @@ use revolve::user::Routines;
 use crate::common::solid::{grid, material};
 use crate::common::{prepared_in_single, revolve, run_in_both};
 
-/// A bar that meets a wall, with more elements than it takes to spread them.
+/// Returns a bar that hits a wall, with enough elements for several threads.
 fn bar(cards: &str, material: &str) -> String {
     grid(25, 60, false, |i, j| [0.128 * i as f64, 0.2 * j as f64])
         + material
@@ -41,14 +41,14 @@ fn single(text: &str) -> PreparedJob {
 }
 
 #[test]
-fn the_ledger_says_what_is_in_single_precision_and_what_is_not() {
+fn ledger_reports_the_precision_of_elements() {
     let text = bar("", &steel("*Plastic\n 400., 0.\n 500., 0.1\n"));
     let prepared = single(&text);
     let [("single precision", 1500, detail)] = rows(&prepared)[..] else { panic!("{:?}", rows(&prepared)) };
     assert!(detail.contains("plastic strains"), "{detail}");
     let double = job::prepare_text("test.inp", &text, &[], &Routines::none());
     assert_eq!(rows(&double), []);
-    // Half of it is controlled by assumed strains, which have no single form.
+    // Half of the elements have assumed-strain hourglass control, which exists in double precision only.
     let halves = text.replace(
         "*Solid Section, elset=SOLID, material=M\n",
         "*Elset, elset=BELOW, generate\n 1, 750, 1\n*Elset, elset=ABOVE, generate\n 751, 1500, 1\n\
@@ -61,7 +61,7 @@ fn the_ledger_says_what_is_in_single_precision_and_what_is_not() {
         [("single precision", 750), ("double precision", 750)]
     );
     assert!(rows(&prepared)[1].2.contains("ENHANCED") && prepared.diagnostics.iter().all(|d| d.code != "P120"));
-    // Corner forces are then those of double precision, wherever they come from.
+    // Corner forces are then summed in double precision for all elements.
     let [(double, _), (mixed, _)] = run_in_both(&halves, &[], &Routines::none());
     assert_eq!((&double.halt, &mixed.halt), (&None, &None));
     let [a, b] = [double, mixed].map(|outcome| outcome.energy.plastic);
@@ -69,7 +69,7 @@ fn the_ledger_says_what_is_in_single_precision_and_what_is_not() {
 }
 
 #[test]
-fn what_has_no_single_form_is_told() {
+fn features_without_single_precision_are_reported() {
     let without = [
         (
             "an equation of state",
@@ -90,16 +90,19 @@ fn what_has_no_single_form_is_told() {
         assert!(detail.contains(why), "{why}: {detail}");
         assert!(prepared.diagnostics.iter().any(|d| d.code == "P120"), "{why}");
     }
-    // A rigid body alone has no elements that could be in either.
+    // A rigid body alone has no elements, so that the precision has no effect.
     let output = revolve(&["run", "input/ogive.inp", "--precision", "single", "--out", "target/precision"]);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success() && told.contains("P120") && told.contains("solid elements"), "{told}");
+    let message_text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        output.status.success() && message_text.contains("P120") && message_text.contains("solid elements"),
+        "{message_text}"
+    );
     let output = revolve(&["run", "input/ogive.inp", "--precision", "half"]);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.code() == Some(2) && told.contains("double or single"), "{told}");
+    let message_text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && message_text.contains("double or single"), "{message_text}");
 }
 
-/// Bits of a run on so many threads.
+/// Returns the digest of a run on a number of threads.
 fn digest(prepared: &PreparedJob, threads: usize) -> String {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     let (outcome, _) = pool.install(|| job::run_in_memory(prepared));
@@ -115,7 +118,7 @@ const LAWS: [&str; 4] = [
 ];
 
 #[test]
-fn threads_change_no_bit() {
+fn thread_count_does_not_change_bits() {
     for law in LAWS {
         let prepared = single(&bar("", &steel(law)));
         let one = digest(&prepared, 1);
@@ -123,11 +126,11 @@ fn threads_change_no_bit() {
     }
 }
 
-/// Keeps states.
+/// Sink that stores checkpoints.
 #[derive(Default)]
-struct Keeper(Vec<Vec<u8>>);
+struct CheckpointRecorder(Vec<Vec<u8>>);
 
-impl Sink for Keeper {
+impl Sink for CheckpointRecorder {
     fn row(&mut self, _now: &Instant, _values: &[f64]) -> Result<(), SinkError> {
         Ok(())
     }
@@ -141,11 +144,11 @@ impl Sink for Keeper {
 }
 
 #[test]
-fn a_run_goes_on_to_the_same_bits() {
+fn resumed_run_has_the_same_bits() {
     for law in LAWS {
         let prepared = single(&bar("", &steel(law)));
         let run = |control: RunControl<'_>| {
-            let mut keeper = Keeper::default();
+            let mut keeper = CheckpointRecorder::default();
             let state = prepared.state.clone();
             let (outcome, _) = solve::run_with(&prepared.plan, state, &mut keeper, control).expect("it fits");
             (outcome, keeper.0)
@@ -159,13 +162,16 @@ fn a_run_goes_on_to_the_same_bits() {
         // A state in double precision does not fit.
         let double = job::prepare_text("test.inp", &bar("", &steel(law)), &[], &Routines::none());
         let control = RunControl { state: Some(&states[0]), ..RunControl::default() };
-        assert!(solve::run_with(&double.plan, double.state, &mut Keeper::default(), control).is_err(), "{law}");
+        assert!(
+            solve::run_with(&double.plan, double.state, &mut CheckpointRecorder::default(), control).is_err(),
+            "{law}"
+        );
     }
 }
 
-/// A checkpoint of a run that is interrupted behind its first increment is one of its precision alone.
+/// A checkpoint can be resumed in its own precision only.
 #[test]
-fn a_checkpoint_has_its_precision() {
+fn checkpoint_fits_its_own_precision_only() {
     let folder = tempfile::tempdir().expect("a folder");
     let text = bar("", &steel(""));
     let prepare = |precision| {
@@ -190,16 +196,16 @@ fn a_checkpoint_has_its_precision() {
 }
 
 #[test]
-fn precision_is_a_knob_of_studies() {
+fn precision_is_a_study_parameter() {
     let of = |text: &str| settings::axes(&[text.to_owned()], &[]);
     assert!(!of("precision=double,single").expect("choices")[0].is_refinement());
     assert!(of("precision=double,half").is_err_and(|e| e.to_string().contains("double or single")));
     let out = tempfile::tempdir().expect("a folder");
     let quantity = ["--quantity", "1000*final(COOR2@TIP)", "--exact", "21.42", "--repeat", "1"];
-    let asked =
+    let requested =
         ["study", "input/taylor_copper.inp", "--refine", "precision=double,single", "--set", "nr=4", "--set", "nz=20"];
     let folder = ["--out", out.path().to_str().expect("a name")];
-    let output = revolve(&[&asked[..], &quantity[..], &folder[..]].concat());
+    let output = revolve(&[&requested[..], &quantity[..], &folder[..]].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let record = std::fs::read_to_string(out.path().join("taylor_copper_study.json")).expect("a record");
     let record: serde_json::Value = serde_json::from_str(&record).expect("JSON");

@@ -1,7 +1,7 @@
-//! The Python package: built as a wheel, installed into a fresh environment, and used there as a user would.
+//! The Python package: built as a wheel, installed into a new environment, and used there as a user would.
 //!
-//! Source: `tests/python/test_revolve.py` and `examples/python.ipynb`. In CI the tools must be there; elsewhere, without maturin,
-//! these tests are left out. The wheel is built from what the tests are built from.
+//! Source: `tests/python/test_revolve.py` and `examples/python.ipynb`. CI requires the tools; elsewhere, without
+//! maturin, these tests are left out. The wheel is built from the same sources as the tests.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -9,18 +9,18 @@ use std::sync::OnceLock;
 
 use crate::common::project;
 
-/// Modules that the tests of the package and the notebook use beside it.
+/// Other modules that the tests of the package and the notebook use.
 const MODULES: &str =
     "maturin, numba, pandas, pyarrow, joblib, pytest, SALib, scipy, pyvista, nbclient, ipykernel, dask.distributed";
 
-/// A command's words and whether it went well.
+/// Runs a command; returns its output.
 fn run(command: &mut Command) -> Result<String, String> {
     let Output { status, stdout, stderr } = command.output().map_err(|e| format!("{command:?}: {e}"))?;
     let words = format!("{}{}", String::from_utf8_lossy(&stdout), String::from_utf8_lossy(&stderr));
     if status.success() { Ok(words) } else { Err(format!("{command:?}: {status}\n{words}")) }
 }
 
-/// The Python with all that is used beside the package, or `None` after saying so.
+/// Returns a Python with all these modules, or `None` with a printed note.
 fn python() -> Option<String> {
     let python = std::env::var("REVOLVE_PYTHON").unwrap_or_else(|_| "python3".into());
     let found = run(Command::new(&python).args(["-c", &format!("import {MODULES}")]));
@@ -31,13 +31,13 @@ fn python() -> Option<String> {
     found.is_ok().then_some(python)
 }
 
-/// Python of an environment that holds the wheel, and sees what the other holds.
+/// Returns the Python of an environment with the wheel, which also sees the packages of the other one.
 pub fn environment() -> Option<&'static Path> {
     static MADE: OnceLock<Option<PathBuf>> = OnceLock::new();
     MADE.get_or_init(|| python().map(|python| install(&python).unwrap_or_else(|why| panic!("{why}")))).as_deref()
 }
 
-/// `pip install .`, with what is installed elsewhere at hand: nothing is fetched.
+/// Runs `pip install .` without downloads.
 fn install(python: &str) -> Result<PathBuf, String> {
     let folder = project("target/wheel/environment");
     run(Command::new(python).args(["-m", "venv", "--clear", "--without-pip"]).arg(&folder))?;
@@ -47,7 +47,7 @@ fn install(python: &str) -> Result<PathBuf, String> {
     let packages = run(Command::new(&own).args(["-c", purelib]))?;
     std::fs::write(Path::new(packages.trim()).join("elsewhere.pth"), elsewhere).map_err(|e| e.to_string())?;
     let mut pip = Command::new(&own);
-    // What calls Cargo here must not make the wheel's build differ from that of a user, but for how long it takes.
+    // Variables of the calling Cargo must not change the build of the wheel, except those that shorten it.
     for (name, _) in std::env::vars_os().filter(|(n, _)| n.to_string_lossy().starts_with("CARGO_PROFILE")) {
         pip.env_remove(name);
     }
@@ -60,7 +60,7 @@ fn install(python: &str) -> Result<PathBuf, String> {
 }
 
 #[test]
-fn the_package_does_what_its_tests_ask() {
+fn package_passes_its_tests() {
     let Some(python) = environment() else { return };
     let tests = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/python"];
     if let Err(why) = run(Command::new(python).args(tests).current_dir(project(""))) {
@@ -69,7 +69,7 @@ fn the_package_does_what_its_tests_ask() {
 }
 
 #[test]
-fn the_notebook_runs_from_top_to_end() {
+fn notebook_runs_completely() {
     let Some(python) = environment() else { return };
     let script = "import sys, nbformat, nbclient\n\
                   book = nbformat.read('examples/python.ipynb', 4)\n\
@@ -84,7 +84,7 @@ fn the_notebook_runs_from_top_to_end() {
 }
 
 #[test]
-fn the_python_files_are_neat_and_their_types_agree() {
+fn python_files_pass_ruff_and_mypy() {
     let Some(python) = environment() else { return };
     let [neat, typed] = ["ruff", "mypy"].map(|tool| run(Command::new(python).args(["-m", tool, "--version"])).is_ok());
     assert!((neat && typed) || std::env::var_os("CI").is_none(), "in CI there must be ruff and mypy");

@@ -1,4 +1,4 @@
-//! `revolve report`: what it reads from a folder, what the page carries, and the page in a real browser.
+//! `revolve report`: the data read from a folder, the contents of the page, and the page in a browser.
 
 use std::path::Path;
 use std::process::Output;
@@ -10,11 +10,11 @@ use revolve::report::data::MeridianFrames;
 use serde_json::{Value, json};
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
-use crate::browser::{Browser, View};
+use crate::browser::{HeadlessBrowser, PageView};
 use crate::common::{self, revolve};
 
-/// A screen on a desk, by day.
-const DESK: View = View { width: 1400, dark: false };
+/// A desktop screen with a light theme.
+const DESK: PageView = PageView { width: 1400, dark: false };
 
 fn folder() -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().expect("a folder");
@@ -34,7 +34,7 @@ fn numbers(text: &str) -> Vec<u16> {
     bytes.as_chunks::<2>().0.iter().map(|b| u16::from_le_bytes(*b)).collect()
 }
 
-/// Smallest and largest z of a frame, as the page has it.
+/// Returns the smallest and largest z of a frame on the page.
 fn extent(meridian: &MeridianFrames, frame: usize) -> [f64; 2] {
     let [_, _, low, high] = meridian.bounds;
     let places = numbers(&meridian.places);
@@ -44,7 +44,7 @@ fn extent(meridian: &MeridianFrames, frame: usize) -> [f64; 2] {
 }
 
 #[test]
-fn a_rigid_run_brings_frames_histories_ledger_and_target() {
+fn rigid_run_shows_frames_histories_ledger_and_target() {
     let (folder, out) = folder();
     assert!(run("input/ogive.inp", &out, &[]).status.success());
     let page = report::gather(folder.path()).expect("a page");
@@ -53,7 +53,7 @@ fn a_rigid_run_brings_frames_histories_ledger_and_target() {
     let titles: Vec<&str> = run.charts.iter().map(|c| c.title.as_str()).collect();
     assert_eq!(titles, ["Energy balance", "Energy", "U2", "V2", "A2", "Increment"]);
     let energies: Vec<&str> = run.charts[1].series.iter().map(|s| s.name.as_str()).collect();
-    assert_eq!(energies, ["ALLKE", "ALLCAV", "ETOTAL"], "those that are not zero throughout");
+    assert_eq!(energies, ["ALLKE", "ALLCAV", "ETOTAL"], "those that are not always zero");
     let limits: Vec<&str> = run.charts[5].series.iter().map(|s| s.name.as_str()).collect();
     assert!(limits.contains(&"accuracy of the motion") && limits.contains(&"a body comes to rest"), "{limits:?}");
     assert!(run.summary.get("history").is_none() && run.summary["ledger"]["effects"].is_array());
@@ -61,18 +61,18 @@ fn a_rigid_run_brings_frames_histories_ledger_and_target() {
 
     let meridian = run.meridian.as_ref().expect("frames");
     assert_eq!((meridian.times.len(), meridian.cells, meridian.points), (21, 20, 21));
-    // The tip starts at the face and comes to rest at the depth that the summary tells; places have 65535 steps.
+    // The tip starts at the front face and stops at the depth in the summary; coordinates have 65535 levels.
     let depth = run.columns.iter().find(|c| c.name == "U2@REF").expect("a column").last;
     let step = (meridian.bounds[3] - meridian.bounds[2]) / 65534.0;
     assert!((extent(meridian, 0)[0]).abs() <= step, "{:?}", extent(meridian, 0));
     assert!((extent(meridian, 20)[0] - depth).abs() <= step, "{:?} {depth}", extent(meridian, 20));
     let pressure = meridian.fields.iter().find(|f| f.name == "PRESSURE").expect("a field");
     assert!(pressure.on_cells && numbers(&pressure.values).len() == 21 * 20);
-    assert!(pressure.high > 276e6 * 5.0394, "more than A Y at speed: {}", pressure.high);
+    assert!(pressure.high > 276e6 * 5.0394, "more than A Y at high velocity: {}", pressure.high);
 }
 
 #[test]
-fn a_deformable_run_brings_its_shape_and_the_element_that_limits() {
+fn deformable_run_shows_its_shape_and_limiting_element() {
     let (folder, out) = folder();
     assert!(run("input/taylor_copper.inp", &out, &["nr=5", "nz=25"]).status.success());
     let page = report::gather(folder.path()).expect("a page");
@@ -80,7 +80,7 @@ fn a_deformable_run_brings_its_shape_and_the_element_that_limits() {
     let meridian = run.meridian.as_ref().expect("frames");
     let final_length = run.columns.iter().find(|c| c.name == "COOR2@TIP").expect("a column").last;
     let [low, high] = extent(meridian, meridian.times.len() - 1);
-    // The rear face is flat within some micrometres; a step of the places is half a micrometre.
+    // The rear face is flat within some micrometres; a level of the coordinates is half a micrometre.
     assert!((high - low - final_length).abs() < 1e-5, "{low} {high} {final_length}");
     let names: Vec<&str> = meridian.fields.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(&names[..3], ["MISES", "PEEQ", "|V|"]);
@@ -93,9 +93,9 @@ fn a_deformable_run_brings_its_shape_and_the_element_that_limits() {
     assert!((velocity.low + 227.0).abs() < 23.0, "the bar starts at -227: {}", velocity.low);
 }
 
-/// The page leaves out cells below the middle of their range: nothing is deleted here, so nothing must be.
+/// The page hides elements with STATUS below half of its range; without deletion none may be hidden.
 #[test]
-fn status_is_told_apart_where_nothing_is_deleted() {
+fn no_element_is_hidden_without_deletion() {
     let (folder, out) = folder();
     let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck");
     let text = text.replace("*Element Output\n", "*Element Output\n STATUS\n");
@@ -106,14 +106,14 @@ fn status_is_told_apart_where_nothing_is_deleted() {
     let fields = &page.runs[0].meridian.as_ref().expect("frames").fields;
     let status = fields.iter().find(|f| f.name == "STATUS").expect("a field");
     assert_eq!([status.low, status.high], [0.0, 1.0]);
-    assert!(numbers(&status.values).iter().all(|v| *v == 65534), "all are there");
+    assert!(numbers(&status.values).iter().all(|v| *v == 65534), "all are shown");
 }
 
 #[test]
-fn a_large_run_stays_within_its_size_and_says_what_was_left_out() {
+fn large_run_stays_within_the_size_limit() {
     let (folder, out) = folder();
     let name = folder.path().join("large.inp");
-    // A hundred frames of 14 400 elements over some hundred increments.
+    // A hundred frames of 14 400 elements in some hundred increments.
     let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck");
     let text = text.replace(", 80.e-6", ", 1.e-6").replace("field, number interval=20", "field, number interval=100");
     std::fs::write(&name, text).expect("a deck");
@@ -131,11 +131,11 @@ fn a_large_run_stays_within_its_size_and_says_what_was_left_out() {
 }
 
 #[test]
-fn halted_and_frameless_runs_and_empty_folders() {
+fn halted_and_frameless_runs_and_empty_folders_are_reported() {
     let text = common::ogive();
     let (halted, out) = folder();
     let deck = halted.path().join("stuck.inp");
-    // A force that no number can hold once it is divided by the mass.
+    // A force for which the acceleration overflows.
     std::fs::write(&deck, text.replace("*Output, field", "*Cload\n REF, 2, -1.e308\n*Output, field")).expect("a deck");
     let output = run(deck.to_str().expect("a name"), &out, &[]);
     assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
@@ -146,7 +146,7 @@ fn halted_and_frameless_runs_and_empty_folders() {
     let (bare, out) = folder();
     let deck = bare.path().join("bare.inp");
     let field = text.find("*Output, field").expect("a card")..text.find("*Output, history").expect("a card");
-    // With a variable that is none, so that there is something to be told.
+    // With an unknown variable, so that there is a warning.
     std::fs::write(&deck, text.replace(&text[field], "").replace("U2, V2, A2", "U2, V2, A2, VV2")).expect("a deck");
     assert!(run(deck.to_str().expect("a name"), &out, &[]).status.success());
     let page = report::gather(bare.path()).expect("a page");
@@ -167,7 +167,7 @@ fn halted_and_frameless_runs_and_empty_folders() {
 }
 
 #[test]
-fn damaged_frames_are_refused_in_words() {
+fn damaged_frames_are_rejected_with_a_message() {
     let (folder, out) = folder();
     common::run_ogive(folder.path(), &[]);
     std::fs::write(folder.path().join("ogive_0003.vtu"), "<VTKFile>").expect("a file");
@@ -178,7 +178,7 @@ fn damaged_frames_are_refused_in_words() {
 }
 
 #[test]
-fn charts_and_pictures_on_the_command_line() {
+fn chart_command_writes_charts_and_pictures() {
     let (folder, out) = folder();
     assert!(run("input/ogive.inp", &out, &[]).status.success());
     let draw = |arguments: &[&str], file: &str| {
@@ -219,7 +219,8 @@ fn charts_and_pictures_on_the_command_line() {
     }
 }
 
-/// A curve that is the run itself, shifted, is told with just that deviation, in the chart's command and in the report.
+/// A reference curve that is the shifted result has exactly this shift as deviation, in the chart command and in the
+/// report.
 #[test]
 fn reference_curves_are_compared_by_their_rms() {
     let (folder, out) = folder();
@@ -239,9 +240,9 @@ fn reference_curves_are_compared_by_their_rms() {
     let arguments =
         ["chart", &out, "--column", "U2@REF", "--compare", file, "--out", picture.to_str().expect("a name")];
     let output = revolve(&arguments);
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(told.contains("rms deviation of U2@REF from the reference: 1.50000e-3"), "{told}");
-    assert!(told.contains("times outside the run: 1"), "{told}");
+    let message_text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(message_text.contains("rms deviation of U2@REF from the reference: 1.50000e-3"), "{message_text}");
+    assert!(message_text.contains("times outside the run: 1"), "{message_text}");
     assert!(std::fs::read_to_string(&picture).expect("a picture").contains("U2@REF, reference"));
     let label = ["--label", "U2@REF=depth"];
     let output = revolve(&[&["report", &out, "--compare", file][..], &label].concat());
@@ -250,30 +251,36 @@ fn reference_curves_are_compared_by_their_rms() {
     assert!(html.contains("U2@REF, reference") && html.contains("\"name\":\"depth\""));
     put("time,U2@TIPP", "");
     let output = revolve(&["report", &out, "--compare", file]);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.code() == Some(2) && told.contains("the history has no column `U2@TIPP`"), "{told}");
+    let message_text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        output.status.code() == Some(2) && message_text.contains("the history has no column `U2@TIPP`"),
+        "{message_text}"
+    );
 }
 
-/// Ten by ten elements under forces on single nodes live by their hourglass control: told where results are looked at.
+/// Ten by ten elements with nodal forces have a large hourglass energy, which is reported in all outputs.
 #[test]
-fn energies_out_of_bounds_are_told_in_output_summary_and_report() {
+fn energies_out_of_bounds_are_reported_everywhere() {
     let (folder, out) = folder();
     let output = revolve(&["run", "input/gauntlet/point_load.inp", "--out", &out]);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success() && message.contains("warning: ALLAE is "), "{message}");
     let page = report::gather(folder.path()).expect("a page");
-    let told = page.runs[0].summary["warnings"][0].as_str().expect("a warning").to_owned();
-    assert!(told.contains("since time") && told.contains("The largest hourglass distortion is in element"), "{told}");
-    assert!(message.contains(&told) && report::html(&page).expect("a page").contains("ALLAE is "));
+    let message_text = page.runs[0].summary["warnings"][0].as_str().expect("a warning").to_owned();
+    assert!(
+        message_text.contains("since time") && message_text.contains("The largest hourglass distortion is in element"),
+        "{message_text}"
+    );
+    assert!(message.contains(&message_text) && report::html(&page).expect("a page").contains("ALLAE is "));
 
-    let Some(mut browser) = Browser::start() else { return };
+    let Some(mut browser) = HeadlessBrowser::start() else { return };
     assert!(revolve(&["report", &out]).status.success());
     let result = browser.self_test(&folder.path().join("report.html"), DESK);
-    assert_eq!((&result["faults"], &result["warnings"]), (&json!([]), &json!([told])));
+    assert_eq!((&result["faults"], &result["warnings"]), (&json!([]), &json!([message_text])));
 }
 
 #[test]
-fn the_page_draws_itself_in_a_browser_and_fetches_nothing() {
+fn page_works_in_a_browser_without_network() {
     let (folder, out) = folder();
     let sweep = "V=569,821,1147";
     let quantity = "-1000*final(U2@REF)";
@@ -292,19 +299,19 @@ fn the_page_draws_itself_in_a_browser_and_fetches_nothing() {
     assert!(html.contains("default-src 'none'"));
     for reference in ["http:", "https:", " src=", "url(", "@import", "fetch(", "XMLHttpRequest"] {
         let found = html.matches(reference).count();
-        // The one address is the name of the SVG name space.
+        // The only address is the SVG namespace.
         assert_eq!(found, usize::from(reference == "http:"), "{reference}");
     }
 
-    let Some(mut browser) = Browser::start() else { return };
+    let Some(mut browser) = HeadlessBrowser::start() else { return };
     let result = browser.self_test(&page, DESK);
     assert_eq!(result["faults"], json!([]));
     assert_eq!((&result["requests"], &browser.requests[..]), (&json!([]), &[][..]), "nothing is fetched");
     assert!(browser.errors.is_empty(), "{:?}", browser.errors);
     assert_eq!(result["not_a_number"], false);
-    // Six charts of the ogive, seven of the bar, the sweep's and the study's two.
+    // Six charts of the ogive, seven of the bar, two of the sweep, one of the study.
     assert_eq!(result["charts"], 16);
-    assert_eq!(result["tips"], 16, "every chart answers to its cursor");
+    assert_eq!(result["tips"], 16, "every chart has a cursor");
     let list = |key: &str| result[key].as_array().expect("a list").clone();
     assert!(list("axes").iter().all(|n| *n == 2) && list("ticks").iter().all(|n| n.as_u64() >= Some(6)));
     for zoom in list("zooms") {
@@ -315,7 +322,7 @@ fn the_page_draws_itself_in_a_browser_and_fetches_nothing() {
     assert!(result["legends"].as_u64() >= Some(40), "{}", result["legends"]);
     let meridians = result["meridians"].as_array().expect("pictures");
     assert_eq!(meridians.len(), 2);
-    // The projectile rests from 221 microseconds on: frames 0 to 4 move, the fifth and all after it are the same.
+    // The projectile is at rest after 221 microseconds: frames 0 to 4 differ, all later frames equal the fifth.
     assert_eq!((&meridians[0]["frames"], &meridians[0]["different_frames"]), (&json!(21), &json!(6)));
     assert_eq!((&meridians[1]["frames"], &meridians[1]["different_frames"]), (&json!(21), &json!(21)));
     assert_eq!(
@@ -324,10 +331,10 @@ fn the_page_draws_itself_in_a_browser_and_fetches_nothing() {
     );
 }
 
-/// On a telephone and on a desk, by day and by night, with units: nothing is cut off, too small or too pale to read, lines can be
-/// switched off and taken away, and the body is there to be seen.
+/// On a phone and a desktop screen, light and dark, with units: nothing is cut off, too small or too low in contrast,
+/// curves can be hidden and removed, and the body is visible.
 #[test]
-fn the_page_is_readable_on_any_screen_and_names_units() {
+fn page_is_readable_on_any_screen_with_units() {
     let (folder, out) = folder();
     let deck = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck");
     let path = folder.path().join("bar.inp");
@@ -338,8 +345,8 @@ fn the_page_is_readable_on_any_screen_and_names_units() {
     assert!(revolve(&[&ablation[..], &["--quantity", "-1000*final(U2@REF)"]].concat()).status.success());
     assert!(revolve(&["report", &out]).status.success());
     let page = folder.path().join("report.html");
-    let Some(mut browser) = Browser::start() else { return };
-    for view in [420, 1000, 1400].into_iter().flat_map(|width| [false, true].map(|dark| View { width, dark })) {
+    let Some(mut browser) = HeadlessBrowser::start() else { return };
+    for view in [420, 1000, 1400].into_iter().flat_map(|width| [false, true].map(|dark| PageView { width, dark })) {
         let result = browser.self_test(&page, view);
         assert_eq!((&result["faults"], &result["width"]), (&json!([]), &json!(view.width)), "{view:?}");
         assert!(
@@ -352,7 +359,7 @@ fn the_page_is_readable_on_any_screen_and_names_units() {
         assert!(result["smallest_text"].as_f64().is_some_and(|s| s >= 11.0), "{view:?}: {}", result["smallest_text"]);
         // WCAG 2, level AA.
         assert!(result["contrast"][0].as_f64().is_some_and(|c| c >= 4.5), "{view:?}: {}", result["contrast"]);
-        assert_eq!(result["switched"], 1, "one line is switched off");
+        assert_eq!(result["switched"], 1, "one line is hidden");
         assert!(result["effects"].as_u64() >= Some(2), "{}", result["effects"]);
         let fields: Vec<u64> = result["csv"].as_array().expect("lines").iter().filter_map(Value::as_u64).collect();
         assert!(fields.len() > 20 && fields.iter().all(|n| *n == fields[0]), "{fields:?}");
@@ -362,13 +369,13 @@ fn the_page_is_readable_on_any_screen_and_names_units() {
     }
 }
 
-/// The picture of the page: its ground by day and by night, a body in colours, lines in theirs.
-fn look_at(browser: &mut Browser, page: &Path, view: View) {
+/// Checks the picture of the page: background of the theme, the coloured body, the coloured curves.
+fn look_at(browser: &mut HeadlessBrowser, page: &Path, view: PageView) {
     browser.open(page, "", view);
     let ground = browser.picture("header");
     let light = ground.pixels()[0].red() > 128;
     assert_eq!(light, !view.dark, "{view:?}");
-    // Colours of viridis and of lines are far from grey.
+    // Colours of viridis and of curves are far from grey.
     let coloured = |picture: &Pixmap| {
         let is_coloured = |p: &&PremultipliedColorU8| {
             let [low, high] = [u8::min, u8::max].map(|f| f(f(p.red(), p.green()), p.blue()));
@@ -377,7 +384,7 @@ fn look_at(browser: &mut Browser, page: &Path, view: View) {
         picture.pixels().iter().filter(is_coloured).count() as f64 / picture.pixels().len() as f64
     };
     let meridian = browser.picture("canvas");
-    assert!(coloured(&meridian) > 0.05, "{view:?}: the body is {} of its picture", coloured(&meridian));
+    assert!(coloured(&meridian) > 0.05, "{view:?}: the body covers {} of its picture", coloured(&meridian));
     for selector in [".charts .plot", ".charts .card:nth-child(2) .plot"] {
         let chart = browser.picture(selector);
         assert!(coloured(&chart) > 0.002 && chart.width() > 240, "{view:?}: {selector} {}", coloured(&chart));

@@ -1,8 +1,8 @@
-//! The same bits everywhere.
+//! Reproducibility: identical bits on all machines.
 //!
-//! Goal: a deck has one digest, on any number of threads and every instruction set of this machine. The digests are pinned,
-//! so that another machine or compiler that gives other bits is found out; a change of arithmetic changes them on purpose.
-//! Tolerance: none.
+//! Goal: a deck has one digest, for any number of threads and every instruction set of this machine. The digests are
+//! pinned, so that a machine or compiler with other bits is detected; a change of arithmetic updates them. Tolerance:
+//! none.
 
 use std::fs;
 
@@ -15,7 +15,7 @@ use crate::common;
 use crate::common::solid::{grid, material};
 use crate::common::{pairs, project};
 
-/// Digest of a deck on so many threads; `None` where the machine lacks the instruction set.
+/// Returns the digest of a deck on a number of threads; `None` if the machine lacks the instruction set.
 fn digest(
     text: &str,
     settings: &[(&str, &str)],
@@ -37,7 +37,7 @@ fn digest(
     })
 }
 
-/// A bar of 50 by 200 elements, more than it takes to spread them over threads.
+/// Returns a bar of 50 by 200 elements, enough for several threads.
 fn bar(material: &str, time: f64) -> String {
     grid(50, 200, false, |i, j| [0.064 * i as f64, 0.162 * j as f64])
         + material
@@ -47,9 +47,9 @@ fn bar(material: &str, time: f64) -> String {
         )
 }
 
-/// As a user forces it: the digest that is printed is that of the summary and of the run that is left to the machine.
+/// The printed digest is that of the summary, also with a forced instruction set.
 #[test]
-fn the_program_prints_the_digest() {
+fn program_prints_the_digest() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = |more: &[&str]| {
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_revolve"));
@@ -66,7 +66,8 @@ fn the_program_prints_the_digest() {
     assert_eq!(run(&[]), run(&["--threads", "3", "--instructions", "scalar", "--checkpoint-every", "100"]));
 }
 
-/// A line a deck; the digest on any instruction set and number of threads is that of plain arithmetic.
+/// Returns one line per deck, after asserting that every instruction set and number of threads gives the digest of
+/// scalar arithmetic.
 fn digests(decks: &[(&str, String, Option<&str>)]) -> String {
     let mut lines = String::new();
     for (name, text, user) in decks {

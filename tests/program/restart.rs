@@ -1,7 +1,7 @@
-//! Going on from a kept state.
+//! Restart from checkpoints.
 //!
-//! Goal: a run that goes on from any state that was kept comes to the same bits as one that was never interrupted: rows,
-//! frames, summaries and digest. Source: the uninterrupted run. Tolerance: none.
+//! Goal: a run resumed from any checkpoint has the bits of an uninterrupted run: rows, frames, summaries and digest.
+//! Source: the uninterrupted run. Tolerance: none.
 
 use std::fs;
 use std::path::Path;
@@ -22,16 +22,16 @@ use revolve::user::{
 use crate::common;
 use crate::common::bodies::{assembly, elastic, part, rigid_line};
 use crate::common::solid::{grid, in_six_node_triangles, material};
-use crate::common::{Memory, prepared, project};
+use crate::common::{RecordedOutput, prepared, project};
 
-/// Keeps what is shown, and states with the numbers of rows and frames before them.
+/// Sink that stores rows, frames and checkpoints, each with the numbers of rows and frames before it.
 #[derive(Default)]
-struct Keeper {
-    shown: Memory,
+struct CheckpointRecorder {
+    shown: RecordedOutput,
     states: Vec<(Vec<u8>, usize, usize)>,
 }
 
-impl Sink for Keeper {
+impl Sink for CheckpointRecorder {
     fn wants_frames(&self) -> bool {
         true
     }
@@ -50,12 +50,12 @@ impl Sink for Keeper {
     }
 }
 
-fn rows(memory: &Memory, from: usize) -> Vec<Vec<u64>> {
+fn rows(memory: &RecordedOutput, from: usize) -> Vec<Vec<u64>> {
     let bits = |(time, values): &(f64, Vec<f64>)| [*time].iter().chain(values).map(|v| v.to_bits()).collect();
     memory.rows[from..].iter().map(bits).collect()
 }
 
-fn frames(memory: &Memory, from: usize) -> Vec<(u64, Vec<u64>)> {
+fn frames(memory: &RecordedOutput, from: usize) -> Vec<(u64, Vec<u64>)> {
     let bits = |frame: &OutputFrame| {
         let fields = frame.point_fields.iter().chain(&frame.cell_fields).flat_map(|f| &f.values);
         let all = [frame.time].into_iter().chain(frame.points.iter().flatten().copied()).chain(fields.copied());
@@ -64,38 +64,38 @@ fn frames(memory: &Memory, from: usize) -> Vec<(u64, Vec<u64>)> {
     memory.frames[from..].iter().map(bits).collect()
 }
 
-/// What the end of a run is compared by.
+/// Returns the parts of an outcome that are compared.
 fn ending(outcome: &Outcome) -> String {
     let Outcome { halt, ended_by_user, steps, energy, rests, increments, digest, .. } = outcome;
     format!("{halt:?} {ended_by_user} {steps:?} {energy:?} {rests:?} {increments} {digest}")
 }
 
-fn run(text: &str, routines: &Routines, control: RunControl<'_>) -> (Outcome, Keeper) {
+fn run(text: &str, routines: &Routines, control: RunControl<'_>) -> (Outcome, CheckpointRecorder) {
     let prepared = prepared(text, &[], routines);
-    let mut keeper = Keeper::default();
+    let mut keeper = CheckpointRecorder::default();
     let (outcome, _) = solve::run_with(&prepared.plan, prepared.state, &mut keeper, control).expect("the state fits");
     (outcome, keeper)
 }
 
-/// Interrupts a deck at about six increments and goes on from each; other threads than before from every second.
-fn goes_on(name: &str, text: &str, routines: impl Fn() -> Routines) -> Outcome {
+/// Writes about six checkpoints of a deck and resumes from each.
+fn assert_resumes(name: &str, text: &str, routines: impl Fn() -> Routines) -> Outcome {
     let (whole, reference) = run(text, &routines(), RunControl::default());
     assert!(whole.increments > 12, "{name}: {whole:?}");
     let every = Some(CheckpointInterval::Increments(whole.increments / 6));
     let (kept, keeper) = run(text, &routines(), RunControl { every, ..RunControl::default() });
-    assert_eq!(ending(&kept), ending(&whole), "{name}: keeping states changes the run");
+    assert_eq!(ending(&kept), ending(&whole), "{name}: writing checkpoints changes the run");
     assert!(keeper.states.len() >= 4, "{name}: {} states", keeper.states.len());
     for (i, (state, row, frame)) in keeper.states.iter().enumerate() {
         let control = RunControl { state: Some(state), ..RunControl::default() };
         let (outcome, more) = run(text, &routines(), control);
         assert_eq!(ending(&outcome), ending(&whole), "{name}: state {i}");
-        assert!(rows(&more.shown, 0) == rows(&reference.shown, *row), "{name}: rows behind state {i}");
-        assert!(frames(&more.shown, 0) == frames(&reference.shown, *frame), "{name}: frames behind state {i}");
+        assert!(rows(&more.shown, 0) == rows(&reference.shown, *row), "{name}: rows after state {i}");
+        assert!(frames(&more.shown, 0) == frames(&reference.shown, *frame), "{name}: frames after state {i}");
     }
     whole
 }
 
-/// A bar of so many elements that flies against what holds its foot, with outputs of all that can be shown.
+/// Returns a bar of `n` by 4 `n` elements that flies against its fixed foot, with all output variables.
 fn bar(n: usize, material: &str, speed: f64, time: f64, cards: &str) -> String {
     let (width, height) = (3.2 / n as f64, 12.8 / (4 * n) as f64);
     grid(n, 4 * n, false, |i, j| [width * i as f64, height * j as f64])
@@ -120,39 +120,39 @@ fn bare(cards: &str) -> String {
 const JOHNSON_COOK: &str = "*Plastic, hardening=JOHNSON COOK\n 90., 292., 0.31, 1.09, 1058., 25.\n\
      *Rate Dependent, type=JOHNSON COOK\n 0.025, 1.\n*Specific Heat\n 3.83e8,\n*Inelastic Heat Fraction\n 0.9,\n";
 
-/// Temperatures of nodes with all that gives heat and takes it, plastic heat and thermal strain.
+/// Nodal temperatures with all heat sources and sinks, plastic heat and thermal strain.
 #[test]
-fn temperatures_of_nodes() {
+fn nodal_temperatures_resume() {
     let cards = format!("{JOHNSON_COOK}*Conductivity\n 5e4, 0.\n 9e4, 300.\n*Expansion\n 1.2e-5,\n");
     let heat = "*Boundary\n J0, 11, 11, 30.\n*Film\n EI1, F2, 10., 1e4\n*Dflux\n EJ1, S3, 1e6\n SOLID, BF, 1e7\n*Cflux\n 5, 11, 1e3\n";
     let text = bar(4, &steel(&cards), 2e5, 5e-6, heat)
         .replace("CAX4R", "CAX4RT")
         .replace("*Dynamic, Explicit", "*Dynamic Temperature-displacement, Explicit")
         .replace("U, V, A, RF", "U, V, A, RF, NT, RFL");
-    let outcome = goes_on("heat", &text, Routines::none);
+    let outcome = assert_resumes("heat", &text, Routines::none);
     assert!(outcome.energy.heat.is_some_and(|heat| heat != 0.0), "{:?}", outcome.energy);
 }
 
-/// Six degrees of freedom: off the face of a tilted target, and to rest in one, with yaw and friction.
+/// Six degrees of freedom: ricochet from an inclined target, and arrest in one, with yaw and friction.
 #[test]
-fn bodies_in_space() {
+fn bodies_with_six_degrees_of_freedom_resume() {
     let text = fs::read_to_string(project("input/oblique.inp")).expect("a deck");
     let text =
         text.replace("stations  = 64", "stations = 16").replace("n     = 20", "n = 8").replace("m     = 10", "m = 3");
     let ricochet = text.replace("V         = 500.", "V = 400.").replace("obliquity = 30.", "obliquity = 65.");
-    let outcome = goes_on("ricochet", &ricochet, Routines::none);
+    let outcome = assert_resumes("ricochet", &ricochet, Routines::none);
     assert_eq!(outcome.penetrations[0].end, "ricochet");
     let stuck = text
         .replace("V         = 500.", "V = 250.")
         .replace("shank = 0.0593", "shank = 0.002")
         .replace("friction = 0.", "friction = 0.05")
         .replace("yaw       = 0.", "yaw = 3.");
-    let outcome = goes_on("rest", &stuck, Routines::none);
+    let outcome = assert_resumes("rest", &stuck, Routines::none);
     assert_eq!(outcome.penetrations[0].end, "at rest");
 }
 
 #[test]
-fn every_law_of_material() {
+fn every_material_law_resumes() {
     let head = "*Density\n 2.785e-9,\n";
     let gas = "*Density\n 1.2e-12,\n*Eos, type=IDEAL GAS\n 2.87e8, 0.\n*Specific Heat\n 7.175e8,\n\
          *Initial Conditions, type=SPECIFIC ENERGY\n SOLID, 2.1e11\n";
@@ -195,21 +195,21 @@ fn every_law_of_material() {
     ] {
         let quadrilaterals = bar(4, &material, speed, time, "");
         let triangles = in_six_node_triangles(&quadrilaterals, [4, 16]);
-        // Without a shear modulus there are no six-node triangles.
+        // Six-node triangles need a shear modulus.
         let fluid = ["explosive", "linear Us-Up", "ideal gas"].contains(&name);
         let both = [("CAX4R", quadrilaterals), ("CAX6M", triangles)];
         for (elements, deck) in both.into_iter().take(if fluid { 1 } else { 2 }) {
-            let outcome = goes_on(&format!("{name}, {elements}"), &deck, Routines::none);
+            let outcome = assert_resumes(&format!("{name}, {elements}"), &deck, Routines::none);
             println!("{name}, {elements}: {} increments, drift {:.1e}", outcome.increments, outcome.energy.drift);
             assert_eq!(outcome.halt, None, "{name}, {elements}");
         }
     }
 }
 
-/// Single elements instead of the whole limit the increment; distortion control; area weighting; a target that is not
-/// meshed, with friction on faces that fail.
+/// The increment limited by single elements in place of the global estimate; distortion control; area weighting; an
+/// analytical target with friction on faces of elements that fail.
 #[test]
-fn controls_of_elements_and_a_target() {
+fn element_controls_and_a_target_resume() {
     let plastic = steel("*Plastic\n 400., 0.\n 500., 0.1\n*Shear Failure\n 0.05,\n");
     let controlled = |parameters: &str| {
         let cards = format!("material=M, controls=C\n*Section Controls, name=C, {parameters}\n*Material");
@@ -230,16 +230,16 @@ fn controls_of_elements_and_a_target() {
         ("area weighting", controlled("weighting=AREA")),
         ("target", shot.replace(" J0, 2, 2\n", "")),
     ] {
-        let outcome = goes_on(name, &deck, Routines::none);
+        let outcome = assert_resumes(name, &deck, Routines::none);
         assert_eq!(outcome.halt, None, "{name}");
         assert!(name != "target" || outcome.energy.cavity > 0.0 && outcome.energy.friction > 0.0);
     }
 }
 
-/// Elements that are deleted by more than their material: those that are gone, rates that are kept for the next decision, the books
-/// of what went, and points that meet nothing any more.
+/// Element deletion by several criteria: deleted elements, stored rates for the next decision, eroded mass and energy,
+/// and nodes without elements.
 #[test]
-fn erosion() {
+fn element_deletion_resumes() {
     let metal = "*Plastic\n 400., 0.\n 500., 0.1\n";
     let shock = "*Density\n 2.785e-9,\n*Eos, type=USUP\n 5.328e6, 1.338, 2.\n*Elastic, type=SHEAR\n 2.8e4,\n*Plastic\n 300., 0.\n";
     let shells = || {
@@ -293,21 +293,21 @@ fn erosion() {
         ("rates of a state", bar(4, &(bare(shock) + "*Erosion, increment=6.5e-8\n"), 2e5, 5e-6, "")),
         ("shells", shells()),
         ("a rod through a plate", shot()),
-        ("pressure on what comes to lie bare", pressed("P")),
-        ("the user's pressure on what comes to lie bare", pressed("PNU")),
-        ("a target that resists what comes to lie bare", pressed("CAVITY").replace("*Dsload", "*Dsload, target=T")),
+        ("pressure on newly exposed faces", pressed("P")),
+        ("user pressure on newly exposed faces", pressed("PNU")),
+        ("resistance of a target on newly exposed faces", pressed("CAVITY").replace("*Dsload", "*Dsload, target=T")),
     ] {
-        let outcome = goes_on(name, &deck, || Routines::none().with_load(Push));
+        let outcome = assert_resumes(name, &deck, || Routines::none().with_load(RampPressure));
         let removed = outcome.energy.removed.expect("books");
         println!("{name}: {removed:?}");
         assert!(outcome.halt.is_none() && removed.mass > 0.0, "{name}: {outcome:?}");
     }
 }
 
-/// Stresses of assumed strains, and the yield stress that each element knows of, are kept: HOURGLASS=ENHANCED on what flows, is
-/// damaged and goes, and is rubber.
+/// The stresses of assumed strains and the yield stress of each element are part of the state: HOURGLASS=ENHANCED with
+/// plasticity, damage, deletion, and rubber.
 #[test]
-fn enhanced_hourglass_control() {
+fn enhanced_hourglass_control_resumes() {
     let plastic = "*Plastic\n 400., 0.\n 500., 0.1\n";
     let damage = "*Damage Initiation, criterion=DUCTILE\n 0.05, 0., 0.\n*Damage Evolution, type=DISPLACEMENT\n 0.02,\n";
     let rubber = bare("*Density\n 1.e-9,\n*Hyperelastic, neo hooke\n 0.5, 0.1\n");
@@ -318,14 +318,14 @@ fn enhanced_hourglass_control() {
     ] {
         let cards = "material=M, controls=C\n*Section Controls, name=C, hourglass=ENHANCED\n*Material";
         let material = material.replacen("material=M\n*Material", cards, 1);
-        let outcome = goes_on(name, &bar(4, &material, speed, time, ""), Routines::none);
+        let outcome = assert_resumes(name, &bar(4, &material, speed, time, ""), Routines::none);
         assert!(outcome.halt.is_none() && outcome.energy.artificial > 0.0, "{name}: {outcome:?}");
     }
 }
 
-/// What is at rest sleeps, wakes as the wave comes, and is spread over threads.
+/// Regions at rest are skipped until the wave arrives; work is distributed over threads.
 #[test]
-fn a_large_body_on_any_number_of_threads() {
+fn large_body_resumes_on_any_number_of_threads() {
     let steel = steel("*Plastic\n 400., 0.\n 500., 0.1\n*Shear Failure\n 0.05,\n");
     let deck = bar(40, &steel, 2e5, 1e-6, "").replace(" ALL, 2,", " J1, 2,");
     let with = |threads: usize, control: RunControl<'_>| {
@@ -350,7 +350,7 @@ fn a_large_body_on_any_number_of_threads() {
 const WALL: &str = "*Node, nset=ANVIL\n 800, 0., 0.\n*Surface, type=SEGMENTS, name=WALL\n START, 0., 0.\n LINE, 100., 0.\n\
      *Rigid Body, ref node=800, analytical surface=WALL\n*Surface Interaction, name=ROUGH\n*Friction\n 0.2\n";
 
-/// Two steps over a scene with cards that bring all links and loads to life.
+/// Returns two steps of a model with all links and loads.
 fn linked() -> String {
     let step = |name: &str, more: &str| {
         format!(
@@ -378,15 +378,15 @@ fn linked() -> String {
 }
 
 #[test]
-fn links_and_loads_over_two_steps() {
-    let outcome = goes_on("links", &linked(), Routines::none);
+fn links_and_loads_over_two_steps_resume() {
+    let outcome = assert_resumes("links", &linked(), Routines::none);
     assert_eq!(outcome.halt, None);
     let energy = &outcome.energy;
     assert!(energy.contact != 0.0 && energy.friction > 0.0 && energy.plastic > 0.0, "{energy:?}");
 }
 
-/// A rigid nose, thrown, and two blocks that meet it and each other, with friction, a gap taken as none, and a law that gives way;
-/// over two steps, in the second of which one pair more is in force.
+/// Returns a rigid nose that hits two blocks, which are in contact with each other, with friction, an initial clearance
+/// and softened contact; the second of two steps adds a contact pair.
 fn meeting() -> String {
     let block = |name: &str, n: usize, from: f64| {
         part(name, [n, 5], |i, j| [i as f64 / n as f64, from + 0.1 * j as f64 * (1.0 + 0.02 * (i as f64 - 2.0))], "")
@@ -417,16 +417,16 @@ fn meeting() -> String {
 }
 
 #[test]
-fn bodies_that_meet() {
-    let outcome = goes_on("contact", &meeting(), Routines::none);
+fn contact_resumes() {
+    let outcome = assert_resumes("contact", &meeting(), Routines::none);
     assert_eq!(outcome.halt, None);
     let energy = &outcome.energy;
     assert!(energy.contact != 0.0 && energy.friction > 0.0 && energy.plastic > 0.0, "{energy:?}");
 }
 
-/// The same bodies with temperatures, penalty springs between them, and heat that crosses.
+/// The same bodies with temperatures, penalty contact, and heat conduction across contact.
 #[test]
-fn warm_bodies_that_meet() {
+fn thermal_contact_resumes() {
     let text = meeting()
         .replace("CAX4R", "CAX4RT")
         .replace("*Dynamic, Explicit", "*Dynamic Temperature-displacement, Explicit")
@@ -441,7 +441,7 @@ fn warm_bodies_that_meet() {
             "*Initial Conditions, type=TEMPERATURE\n UPPER.ALL, 10.\n*Initial Conditions, type=VELOCITY",
         )
         .replace("S, PEEQ", "S, PEEQ, TEMP");
-    let outcome = goes_on("warm contact", &text, Routines::none);
+    let outcome = assert_resumes("warm contact", &text, Routines::none);
     assert_eq!(outcome.halt, None);
     let energy = &outcome.energy;
     assert!(
@@ -450,9 +450,9 @@ fn warm_bodies_that_meet() {
     );
 }
 
-/// Reference nodes without mass, one that is moved and one that is loaded, and a surface tied to another.
+/// Massless reference nodes, one with a prescribed motion and one with a load, and a tied surface.
 #[test]
-fn reference_nodes_that_pull() {
+fn reference_nodes_resume() {
     let pad = "*Node\n 951, 0., 12.9\n 952, 3.2, 12.9\n 953, 3.2, 14.\n 954, 0., 14.\n*Element, type=CAX4R, elset=SOLID\n 951, 951, 952, 953, 954\n\
          *Elset, elset=PAD\n 951\n*Surface, name=UNDER\n PAD, S1\n*Surface, name=OVER\n PAD, S3\n*Tie, name=T, position tolerance=0.2\n J1, UNDER\n\
          *Node, nset=REF\n 900, 0., 14.\n 901, 0., 15.\n*Coupling, constraint name=C, ref node=900, surface=OVER\n*Kinematic\n\
@@ -460,14 +460,14 @@ fn reference_nodes_that_pull() {
     let cards = "*Boundary, type=VELOCITY\n 900, 2, 2, -2.e5\n*Cload\n 901, 2, 20.\n";
     let material = pad.to_owned() + &steel("*Plastic\n 400., 0.\n 500., 0.1\n");
     let text = bar(4, &material, 2e5, 5e-6, cards).replace("nset=J0\n RF2", "nset=REF\n RF2, U2");
-    let outcome = goes_on("reference nodes", &text, Routines::none);
+    let outcome = assert_resumes("reference nodes", &text, Routines::none);
     assert_eq!(outcome.halt, None);
     assert!(outcome.energy.plastic > 0.0 && outcome.energy.drift < 5e-2, "{:?}", outcome.energy);
 }
 
-/// A plate of shells that flows and heats, with scaled masses.
+/// A plate of plastic shells with heat and mass scaling.
 #[test]
-fn shells() {
+fn shells_resume() {
     let deck = "*Node, nset=ALL\n 1, 0., 0.\n 9, 4., 0.\n*Ngen, nset=ALL\n 1, 9\n*Element, type=SAX1, elset=E\n 1, 1, 2\n\
                 *Elgen, elset=E\n 1, 8\n*Shell Section, elset=E, material=M\n 0.2\n*Material, name=M\n*Density\n 1.,\n*Elastic\n 1.e3, 0.3\n\
                 *Plastic, hardening=JOHNSON COOK\n 1., 2., 0.5, 1., 900., 20.\n*Rate Dependent, type=JOHNSON COOK\n 0.02, 1.\n\
@@ -475,21 +475,22 @@ fn shells() {
                 *Boundary\n 9, ENCASTRE\n*Step\n*Dynamic, Explicit, adiabatic\n , 2.\n*Fixed Mass Scaling, factor=1.2\n\
                 *Dload\n E, P, 0.3\n*Output, history, frequency=1\n*Energy Output\n ALLPD, ETOTAL\n*Output, field, number interval=4\n\
                 *Node Output\n U, UR\n*Element Output\n S, LE, S_SPOS, PEEQ_SNEG, STH\n*End Step\n";
-    let outcome = goes_on("shells", deck, Routines::none);
+    let outcome = assert_resumes("shells", deck, Routines::none);
     assert!(outcome.halt.is_none() && outcome.energy.plastic > 0.0, "{:?}", outcome.energy);
 }
 
 #[test]
-fn scaled_masses() {
+fn scaled_masses_resume() {
     let cards =
         "*Fixed Mass Scaling, factor=2., elset=EJ0\n*Variable Mass Scaling, type=BELOW MIN, dt=3.e-8, frequency=9\n";
-    let outcome = goes_on("mass scaling", &bar(4, &steel("*Plastic\n 400., 0.\n"), 2e5, 5e-6, cards), Routines::none);
+    let outcome =
+        assert_resumes("mass scaling", &bar(4, &steel("*Plastic\n 400., 0.\n"), 2e5, 5e-6, cards), Routines::none);
     assert!(outcome.steps[0].added_mass.expect("mass") > 0.0);
 }
 
-struct Push;
+struct RampPressure;
 
-impl UserLoad for Push {
+impl UserLoad for RampPressure {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         for (p, v) in pressure.iter_mut().zip(points.velocity_z) {
             *p = 0.01 + 0.3 * points.now.total_time - 0.1 * v;
@@ -498,18 +499,18 @@ impl UserLoad for Push {
     }
 }
 
-struct Sway;
+struct SwayMotion;
 
-impl UserMotion for Sway {
+impl UserMotion for SwayMotion {
     fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure> {
         Ok(0.02 * call.now.total_time - 0.1 * call.state[0] + 0.01 * call.increments[0])
     }
 }
 
-/// Remembers its peak in the variables that the deck gives it.
-struct Peak;
+/// User amplitude that stores its peak in its state variables.
+struct PeakAmplitude;
 
-impl UserAmplitude for Peak {
+impl UserAmplitude for PeakAmplitude {
     fn amplitude(&mut self, call: &mut AmplitudeCall<'_>) -> Result<AmplitudeAnswer, LoadFailure> {
         let value = (7.0 * call.now.total_time).min(1.5) + 0.1 * call.old;
         call.variables[0] = call.variables[0].max(value);
@@ -517,11 +518,11 @@ impl UserAmplitude for Peak {
     }
 }
 
-/// The moments it is told of, with the increment; `R` where its state will be kept.
+/// Records the events with their increments, and `R` before a checkpoint.
 #[derive(Clone, Default)]
-struct Diary(std::sync::Arc<std::sync::Mutex<Vec<String>>>);
+struct EventLog(std::sync::Arc<std::sync::Mutex<Vec<String>>>);
 
-impl UserEvents for Diary {
+impl UserEvents for EventLog {
     fn moment(&mut self, moment: AnalysisMoment, now: &Instant, _increment: f64) -> Result<RunAction, LoadFailure> {
         self.0.lock().expect("a diary").push(format!("{} {}", moment as i32, now.increment));
         Ok(RunAction::Continue)
@@ -540,31 +541,31 @@ fn with_routines() -> String {
 }
 
 #[test]
-fn routines_of_the_user_without_memory_of_their_own() {
-    let routines = || Routines::none().with_load(Push).with_motion(Sway).with_amplitude(Peak);
-    let outcome = goes_on("routines", &with_routines(), routines);
+fn user_subroutines_without_internal_state_resume() {
+    let routines = || Routines::none().with_load(RampPressure).with_motion(SwayMotion).with_amplitude(PeakAmplitude);
+    let outcome = assert_resumes("routines", &with_routines(), routines);
     assert_eq!(outcome.halt, None);
 }
 
-/// A routine that is told of events learns which states are kept, and that the analysis starts in the middle.
+/// User events report which checkpoints are written, and that the analysis starts from a checkpoint.
 #[test]
-fn events_tell_of_states_that_are_kept() {
-    let diary = Diary::default();
-    let routines = |diary: &Diary| Routines::none().with_events(diary.clone());
+fn user_events_report_checkpoints() {
+    let diary = EventLog::default();
+    let routines = |diary: &EventLog| Routines::none().with_events(diary.clone());
     let every = Some(CheckpointInterval::Increments(10));
     let (_, keeper) = run(&linked(), &routines(&diary), RunControl { every, ..RunControl::default() });
-    let told = std::mem::take(&mut *diary.0.lock().expect("a diary"));
-    let at = told.iter().position(|t| t == "R").expect("a state");
-    assert_eq!(told[at..at + 4], ["R", "4 10", "2 10", "3 10"]);
+    let message_text = std::mem::take(&mut *diary.0.lock().expect("a diary"));
+    let at = message_text.iter().position(|t| t == "R").expect("a state");
+    assert_eq!(message_text[at..at + 4], ["R", "4 10", "2 10", "3 10"]);
     run(&linked(), &routines(&diary), RunControl { state: Some(&keeper.states[0].0), ..RunControl::default() });
     let again = std::mem::take(&mut *diary.0.lock().expect("a diary"));
     assert_eq!(again[..3], ["0 10", "2 10", "3 10"]);
-    assert_eq!(again[1..], told.iter().filter(|t| *t != "R").skip(at + 1).cloned().collect::<Vec<_>>());
+    assert_eq!(again[1..], message_text.iter().filter(|t| *t != "R").skip(at + 1).cloned().collect::<Vec<_>>());
 }
 
-/// Every deck in `input`, those of routines with the Fortran files that belong to them.
+/// Every deck in `input`, with its Fortran files.
 #[test]
-fn every_example() {
+fn every_example_resumes() {
     for (deck, user) in [
         ("ogive", None),
         ("ogive_user", Some("vdload_cavity.f")),
@@ -580,28 +581,29 @@ fn every_example() {
         let files: Vec<_> = user.iter().map(|f| project(&format!("input/{f}"))).collect();
         let compiled = (!files.is_empty()).then(|| compile(&files, false).expect("a library"));
         let routines = || compiled.as_ref().map_or(Routines::none(), |c| c.open().expect("routines"));
-        let outcome = goes_on(deck, &text, routines);
+        let outcome = assert_resumes(deck, &text, routines);
         assert_eq!(outcome.halt, None, "{deck}");
     }
 }
 
-/// The moduli that the routine told at the beginning are not asked for again; the bound of frequencies goes on.
+/// The moduli that the user subroutine gave at the start are not requested again; the frequency bound is restored.
 #[test]
-fn a_user_material_under_the_global_estimate() {
+fn user_material_with_the_global_estimate_resumes() {
     if !common::fortran("restart of a user material under the global estimate") {
         return;
     }
     let text =
         fs::read_to_string(project("input/taylor_vumat.inp")).expect("a deck").replace(", element by element", "");
     let compiled = compile(&[project("input/vumat_hardening.f90")], false).expect("a library");
-    let outcome = goes_on("taylor_vumat", &text, || compiled.open().expect("routines"));
+    let outcome = assert_resumes("taylor_vumat", &text, || compiled.open().expect("routines"));
     assert!(outcome.halt.is_none() && outcome.steps[0].global_estimates > Some(1), "{outcome:?}");
 }
 
-/// A yield stress that hardens, softens with heat and with the first field variable, and counts.
-struct Line;
+/// Yield stress with strain hardening, which falls with temperature and the first field variable; counts its calls in a
+/// state variable.
+struct SofteningMaterial;
 
-impl UserHardening for Line {
+impl UserHardening for SofteningMaterial {
     fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure> {
         for i in 0..call.count {
             let factor = call.field[1][i] * (1.0 - 1e-3 * call.temperature[1][i]);
@@ -613,8 +615,8 @@ impl UserHardening for Line {
     }
 }
 
-/// Keeps the plastic strain as it was, lets the field fall, and deletes.
-impl UserFields for Line {
+/// Stores the plastic strain, reduces the field variable, and deletes elements.
+impl UserFields for SofteningMaterial {
     fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure> {
         let n = call.count;
         call.values.give("PEEQ", &mut |_, i, strain| {
@@ -627,18 +629,20 @@ impl UserFields for Line {
 }
 
 #[test]
-fn hardening_and_fields_of_the_user() {
+fn user_hardening_and_fields_resume() {
     let cards = "*Plastic, hardening=USER\n*User Defined Field\n*Depvar, delete=3\n 3,\n*Specific Heat\n 3.83e8,\n*Inelastic \
                  Heat Fraction\n 0.9,\n";
     let text = bar(3, &steel(cards), 2e5, 5e-6, "").replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, adiabatic\n");
-    let outcome = goes_on("hardening", &text, || Routines::none().with_hardening(Line).with_fields(Line));
+    let outcome = assert_resumes("hardening", &text, || {
+        Routines::none().with_hardening(SofteningMaterial).with_fields(SofteningMaterial)
+    });
     assert!(outcome.halt.is_none() && outcome.energy.plastic > 0.0, "{outcome:?}");
 }
 
-/// Where a deformable body fails, the last frame is that of the last complete instant: as a run shows it that writes every
-/// instant. Near the start, and more increments behind it than lie between the states that are held.
+/// If a deformable body fails, the last frame is that of the last valid increment, as in a run that writes every
+/// increment: once near the start, and once after more increments than there are between internal checkpoints.
 #[test]
-fn the_last_good_instant_of_a_deformable_body_is_shown() {
+fn last_valid_increment_is_written_after_a_failure() {
     for control in ["", ", direct user control\n 2.e-7"] {
         let deck = |interval: &str| {
             let dynamic = if control.is_empty() { "\n , 1.".into() } else { format!("{control}, 1.") };
@@ -653,13 +657,13 @@ fn the_last_good_instant_of_a_deformable_body_is_shown() {
         let (every, all) = common::run(&deck("frequency=1"), &[], &Routines::none());
         let halt = outcome.halt.as_ref().expect("a halt");
         assert_eq!(every.halt, outcome.halt);
-        // The first and the last, which are one where the first increment fails.
+        // The first and the last frame, which are identical if the first increment fails.
         let increment = memory.frames.last().expect("a frame").increment;
         let count = if increment == 0 { 1 } else { 2 };
         assert_eq!((memory.frames.len(), memory.rows.len()), (count, count));
         assert!(frames(&memory, count - 1) == frames(&all, all.frames.len() - 1));
         assert!(rows(&memory, count - 1) == rows(&all, all.rows.len() - 1));
-        // It collapses at an instant that is complete, or turns inside out in the increment behind the last good one.
+        // The element collapses in a valid increment, or inverts in the increment after the last valid one.
         let failed = if halt.code == "R209" { increment } else { increment + 1 };
         assert!(halt.reason.contains(&format!("increment {failed},")), "{halt:?} {increment}");
         assert!(control.is_empty() || halt.code != "R209" && increment > 5000, "{halt:?} {increment}");
@@ -667,9 +671,9 @@ fn the_last_good_instant_of_a_deformable_body_is_shown() {
     }
 }
 
-/// The way back starts where a part of the body was still at rest, and all of it moves when it fails.
+/// The internal checkpoint is from a time when a part of the body was at rest; the whole body moves when it fails.
 #[test]
-fn the_way_back_leads_over_what_has_slept() {
+fn return_to_the_last_valid_increment_includes_sleeping_elements() {
     let deck = grid(4, 256, false, |i, j| [1.0 + i as f64, j as f64])
         + &material(1000.0, 0.3, 1.0, "*Plastic\n 100., 0.\n")
         + "*Step\n*Dynamic, Explicit, direct user control\n 0.01, 400.\n*Boundary, type=VELOCITY\n J1, 2, 2, -2.\n*Boundary\n J0, 2, 2\n\
@@ -677,12 +681,12 @@ fn the_way_back_leads_over_what_has_slept() {
     let (outcome, memory) = common::run(&deck, &[], &Routines::none());
     let halt = outcome.halt.expect("a halt");
     let increment = memory.frames.last().expect("a frame").increment;
-    // The wave needs some 700 increments from end to end.
+    // The wave needs about 700 increments from end to end.
     assert!(halt.code == "R206" && increment > 1000 && memory.frames.len() == 2, "{halt:?} {increment}");
     assert!(halt.reason.contains(&format!("increment {},", increment + 1)), "{} {increment}", halt.reason);
 }
 
-/// A run into files that is interrupted before its first increment.
+/// Runs a deck into files and interrupts it before its first increment.
 fn interrupted(deck: &str, folder: &Path, settings: &[(&str, &str)], user: &str) -> JobFiles {
     let prepared = prepared(deck, settings, &Routines::none());
     let (signal, job) = (AtomicUsize::new(15), JobFiles { folder: folder.into(), name: "test".into() });
@@ -692,9 +696,9 @@ fn interrupted(deck: &str, folder: &Path, settings: &[(&str, &str)], user: &str)
     job
 }
 
-/// Rows from before the interruption count as those behind it: the peak of the velocity is at the start.
+/// Quantities include the rows from before the interruption: the maximum of the velocity is at the start.
 #[test]
-fn quantities_of_a_run_that_went_on_are_those_of_the_whole() {
+fn quantities_of_a_resumed_run_match_the_whole_run() {
     let folder = tempfile::tempdir().expect("a folder");
     let prepared = prepared(&common::ogive(), &[], &Routines::none());
     let job = |name: &str| JobFiles { folder: folder.path().join(name), name: "test".into() };
@@ -721,7 +725,7 @@ fn quantities_of_a_run_that_went_on_are_those_of_the_whole() {
 }
 
 #[test]
-fn a_checkpoint_of_something_else_is_refused() {
+fn checkpoint_of_another_model_is_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let deck = common::ogive();
     let job = interrupted(&deck, folder.path(), &[("V", "600")], "a");
@@ -734,9 +738,9 @@ fn a_checkpoint_of_something_else_is_refused() {
     assert_eq!(code(&deck, &[("V", "601")], "a"), "K004");
     assert_eq!(code(&deck, &[("V", "600")], "b"), "K005");
     assert_eq!(code(&deck.replace(", 1.e-3", ", 2.e-3"), &[("V", "600")], "a"), "K003");
-    // Its only frame is gone, and routines have a memory of their own: both is said.
+    // Its only frame is deleted and user subroutines have internal state: both are reported.
     fs::remove_file(job.path("_0000.vtu")).expect("removed");
-    let routines = Routines::none().with_load(Push);
+    let routines = Routines::none().with_load(RampPressure);
     let (_, notes) =
         job::find_checkpoint(&prepared(&deck, &[("V", "600")], &routines), &job, "a", RestartRequirement::Whole)
             .expect("taken");
@@ -749,9 +753,9 @@ fn a_checkpoint_of_something_else_is_refused() {
     assert_eq!(code(&deck, &[("V", "600")], "a"), "none");
 }
 
-/// A state of another scene is refused by its shape even where nothing else tells them apart.
+/// A state of another model is rejected by its shape, even if its identity is the same.
 #[test]
-fn a_state_that_does_not_fit_is_refused() {
+fn state_of_another_shape_is_rejected() {
     let every = Some(CheckpointInterval::Increments(20));
     let (_, keeper) = run(&linked(), &Routines::none(), RunControl { every, ..RunControl::default() });
     for text in
@@ -759,17 +763,18 @@ fn a_state_that_does_not_fit_is_refused() {
     {
         let prepared = prepared(&text, &[], &Routines::none());
         let control = RunControl { state: Some(&keeper.states[0].0), ..RunControl::default() };
-        let refused = solve::run_with(&prepared.plan, prepared.state.clone(), &mut Keeper::default(), control);
+        let refused =
+            solve::run_with(&prepared.plan, prepared.state.clone(), &mut CheckpointRecorder::default(), control);
         assert!(refused.is_err(), "{:?}", refused.map(|(o, _)| o.digest));
     }
 }
 
-/// `*RESTART, WRITE`: at its marks, and at the end of a step that another follows.
+/// `*RESTART, WRITE` writes at its intervals and at the end of every step but the last.
 #[test]
-fn the_deck_asks_for_states() {
+fn restart_card_writes_checkpoints() {
     let deck = |card: &str| linked().replacen("*Boundary", &format!("{card}\n*Boundary"), 1);
     let count = |card: &str| run(&deck(card), &Routines::none(), RunControl::default()).1.states.len();
-    // Of the marks the last one of the second step is the end of the run.
+    // The last interval of the second step is the end of the run.
     assert_eq!(count("*Restart, write, number interval=4"), 7);
     assert_eq!(count("*Restart, write"), 1);
     assert_eq!(count("*Restart, write, frequency=0"), 0);

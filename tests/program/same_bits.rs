@@ -1,15 +1,14 @@
-//! The same bits on any number of threads, for every law of material.
+//! Identical bits on any number of threads, for every material law.
 //!
-//! Goal: no sum depends on how elements are spread over threads. Tolerance: none.
-//! Source: the run on one thread.
+//! Goal: no sum depends on the distribution of elements over threads. Tolerance: none. Source: the run on one thread.
 
 use crate::common::bodies::{assembly, elastic, part};
 use crate::common::solid::{grid, material, run};
 
 /// Increments of a run, and the bits of its rows and of the fields of its last frame.
-type Digest = (u64, Vec<u64>, Vec<u64>);
+type RunBits = (u64, Vec<u64>, Vec<u64>);
 
-fn digest(deck: &str, threads: usize) -> Digest {
+fn digest(deck: &str, threads: usize) -> RunBits {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     pool.install(|| {
         let (outcome, memory) = run(deck);
@@ -21,7 +20,7 @@ fn digest(deck: &str, threads: usize) -> Digest {
     })
 }
 
-/// A bar of 50 by 200 elements (more than it takes to spread them) hits a wall at `speed`.
+/// Returns a bar of 50 by 200 elements (enough for several threads) that hits a wall at `speed`.
 fn bar(material: &str, speed: f64, time: f64) -> String {
     grid(50, 200, false, |i, j| [0.064 * i as f64, 0.162 * j as f64])
         + material
@@ -45,13 +44,13 @@ fn steel(cards: &str) -> String {
 }
 
 #[test]
-fn kinematic_hardening() {
+fn kinematic_hardening_results_are_independent_of_threads() {
     agrees("kinematic", &bar(&steel("*Plastic, hardening=KINEMATIC\n 400., 0.\n 500., 0.1\n"), 2e5, 3e-7));
 }
 
-/// Elements are deleted at the foot within the run.
+/// Elements at the foot are deleted during the run.
 #[test]
-fn failure_with_deletion() {
+fn failure_with_deletion_is_independent_of_threads() {
     let deck = bar(&steel("*Plastic\n 400., 0.\n 500., 0.1\n*Shear Failure\n 0.05,\n"), 2e5, 3e-7);
     let deck = deck.replace(" S, PEEQ\n", " S, PEEQ, STATUS\n");
     let (_, memory) = run(&deck);
@@ -62,7 +61,7 @@ fn failure_with_deletion() {
 }
 
 #[test]
-fn rubber() {
+fn rubber_results_are_independent_of_threads() {
     let rubber = "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.e-9,\n*Hyperelastic, neo hooke\n 0.5, 0.1\n";
     agrees("neo-Hooke", &bar(rubber, 1e4, 3e-5));
     let others = ["mooney-rivlin\n 0.4, 0.1, 0.1\n*Damping, alpha=1.e4\n", "ogden\n 1., 1.3, 0.1\n"];
@@ -72,7 +71,7 @@ fn rubber() {
 }
 
 #[test]
-fn foam_and_explosive() {
+fn foam_and_explosive_results_are_independent_of_threads() {
     let head = "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n";
     let foam =
         " 3.2e-10,\n*Elastic\n 150., 0.\n*Crushable Foam\n 1.1, 0.1\n*Crushable Foam Hardening\n 6., 0.\n 20., 0.8\n";
@@ -83,7 +82,7 @@ fn foam_and_explosive() {
 }
 
 #[test]
-fn equations_of_state() {
+fn equation_of_state_results_are_independent_of_threads() {
     let head = "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n";
     let metal = format!("{head} 2.785e-9,\n*Eos, type=USUP\n 5.328e6, 1.338, 2.\n");
     agrees("linear Us-Up", &bar(&metal, 1e5, 3e-7));
@@ -94,9 +93,9 @@ fn equations_of_state() {
     agrees("ideal gas", &bar(&gas, 1e4, 5e-6));
 }
 
-/// Two blocks, of more nodes than it takes to spread them, meet with friction.
+/// Two blocks, with enough nodes for several threads, in contact with friction.
 #[test]
-fn contact() {
+fn contact_results_are_independent_of_threads() {
     let block = |name: &str, n: usize, from: f64| {
         part(
             name,

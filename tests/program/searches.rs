@@ -1,6 +1,7 @@
-//! Searches over many runs: limits of perforation, parameters fitted to shots, samples of distributions.
+//! Searches over many runs: perforation limits, identification of parameters from shots, Monte Carlo samples.
 //!
-//! Sources: parameters that made a table of shots, runs at the ends of a bracket, fractions that are counted, `sweep` for the same draws.
+//! Sources: parameters used to make a table of shots, runs at the ends of a bracket, counted fractions, `sweep` for the
+//! same samples.
 
 use std::fs;
 use std::path::Path;
@@ -22,13 +23,13 @@ const PLATE: &str = "input/plate_6061.inp";
 const RESIDUAL: &str = "-final(V2@REF)";
 const DEPTH: &str = "-1000*final(U2@REF)";
 
-fn said(output: &Output) -> String {
+fn rendered(output: &Output) -> String {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
 fn json(words: &[&str]) -> Value {
-    serde_json::from_str(&said(&revolve(&[words, &["--json"]].concat()))).expect("an object")
+    serde_json::from_str(&rendered(&revolve(&[words, &["--json"]].concat()))).expect("an object")
 }
 
 fn number(value: &Value) -> f64 {
@@ -42,12 +43,13 @@ fn evaluator(names: &[&str]) -> SampleEvaluator {
     SampleEvaluator::new(source, Vec::new(), names, vec![quantity], UserRoutines::Absent).expect("an evaluator")
 }
 
-/// Shots of the deck as it stands, with normal errors of 1.5 mm.
+/// Returns shots of the deck with its parameter values, with normal errors of 1.5 mm.
 fn shots(seed: u64) -> ShotTable {
     let velocities: Vec<f64> = (0..8).map(|i| 500.0 + 80.0 * f64::from(i)).collect();
     let mut measured = vec![0.0; velocities.len()];
-    let asked = SampleTable { values: &velocities, count: velocities.len() };
-    let failures = evaluator(&["V"]).run(asked, &mut measured, 2, &AtomicUsize::new(0), &mut |_| {}).expect("threads");
+    let requested = SampleTable { values: &velocities, count: velocities.len() };
+    let failures =
+        evaluator(&["V"]).run(requested, &mut measured, 2, &AtomicUsize::new(0), &mut |_| {}).expect("threads");
     assert!(failures.is_empty());
     let mut draws = ChaCha8Rng::seed_from_u64(seed);
     measured.iter_mut().for_each(|depth| *depth += 1.5 * normal::quantile(design::unit(draws.next_u64())));
@@ -64,9 +66,9 @@ fn fitted(seed: u64, unknown: &[&str], start: &[f64]) -> ParameterFit {
     identify::identify(&evaluator(&names), &shots(seed), start, 2).expect("a fit")
 }
 
-/// A 95 % interval holds the A that made the table in 19 of 20 tables.
+/// A 95 % interval contains the true A in 19 of 20 tables.
 #[test]
-fn the_resistance_that_made_a_table_is_recovered() {
+fn true_resistance_is_within_the_confidence_interval() {
     let inside = (1..=20).filter(|seed| {
         let fit = fitted(*seed, &["A"], &[4.0]);
         let found = fit.estimates()[0];
@@ -78,22 +80,23 @@ fn the_resistance_that_made_a_table_is_recovered() {
     assert!(inside >= 19, "{inside}");
 }
 
-/// A and friction both hold the body back: the shots tell little but their sum, and that is said.
+/// A and friction have nearly the same effect on the depth: the shots determine little but their sum, which is
+/// reported.
 #[test]
-fn what_shots_cannot_tell_apart_is_said() {
+fn unidentifiable_parameters_are_reported() {
     let names = ["A".to_owned(), "friction".to_owned()];
     let fit = fitted(3, &["A", "friction"], &[4.0, 0.02]);
     let correlation = fit.correlation(0, 1).expect("a covariance");
     assert!(correlation < -0.95, "{correlation}");
-    let told = identify::sentences(&fit, &names).join("\n");
-    assert!(told.contains("A and friction are hardly distinguishable"), "{told}");
+    let message_text = identify::sentences(&fit, &names).join("\n");
+    assert!(message_text.contains("A and friction are hardly distinguishable"), "{message_text}");
     let alone = fitted(3, &["A"], &[4.0]).estimates()[0];
     let both = fit.estimates()[0];
     assert!(both.high - both.low > 3.0 * (alone.high - alone.low), "{both:?} {alone:?}");
 }
 
 #[test]
-fn identify_reads_a_table_and_leaves_one() {
+fn identify_reads_and_writes_a_table() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
     let table: Vec<String> =
@@ -108,7 +111,7 @@ fn identify_reads_a_table_and_leaves_one() {
     for file in ["ogive_identify.csv", "ogive_identify.svg", "ogive_identify.png", "ogive_identify.sfv"] {
         assert!(Path::new(&out).join(file).exists(), "{file}");
     }
-    for (wrong, told) in [
+    for (wrong, message_text) in [
         (&["--unknown", "A=4"][..], "no parameter error"),
         (&["--unknown", "A=x", "--deviation", "error"], "NAME=NUMBER"),
         (&["--unknown", "V=500", "--deviation", "error"], "it is also a column"),
@@ -117,13 +120,14 @@ fn identify_reads_a_table_and_leaves_one() {
     ] {
         let output = revolve(&[&words[..], wrong].concat());
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.code() == Some(2) && message.contains(told), "{wrong:?}: {message}");
+        assert!(output.status.code() == Some(2) && message.contains(message_text), "{wrong:?}: {message}");
     }
 }
 
-/// A shot at the lower end of the bracket stays in the plates, one at the upper end leaves them; the curve goes through all.
+/// A shot at the lower end of the bracket is stopped, one at the upper end perforates; the fitted curve passes through
+/// all points.
 #[test]
-fn a_limit_lies_in_its_bracket() {
+fn limit_is_within_its_bracket() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().to_str().expect("a name");
     let words = ["limit", PLATE, "--velocity", "V", "--tolerance", "0.1", "--residual", RESIDUAL, "--out", out];
@@ -131,7 +135,7 @@ fn a_limit_lies_in_its_bracket() {
     let [low, high] = [0, 1].map(|i| number(&found["bracket"][i]));
     assert!(low < high && high - low <= 0.1, "{low} {high}");
     let ends = format!("V={low},{high}");
-    let table = said(&revolve(&["sweep", PLATE, "--set", &ends, "--quantity", RESIDUAL, "--out", out, "--json"]));
+    let table = rendered(&revolve(&["sweep", PLATE, "--set", &ends, "--quantity", RESIDUAL, "--out", out, "--json"]));
     let table: Value = serde_json::from_str(&table).expect("an object");
     let residual = |i: usize| number(&table["runs"][i]["values"][RESIDUAL]);
     assert!(residual(0) == 0.0 && residual(1) > 0.0, "{table}");
@@ -143,7 +147,7 @@ fn a_limit_lies_in_its_bracket() {
     for file in ["plate_6061_limit.csv", "plate_6061_limit.svg", "plate_6061_limit.png"] {
         assert!(folder.path().join(file).exists(), "{file}");
     }
-    for (between, more, told) in [
+    for (between, more, message_text) in [
         ("500,900", &[][..], "a shot at 500 perforates"),
         ("100,300", &[], "a shot at 300 does not perforate"),
         ("900,200", &[], "expected 0 <= LOW < HIGH"),
@@ -152,13 +156,13 @@ fn a_limit_lies_in_its_bracket() {
     ] {
         let output = revolve(&[&words[..], &["--between", between], more].concat());
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.code() == Some(2) && message.contains(told), "{between} {more:?}: {message}");
+        assert!(output.status.code() == Some(2) && message.contains(message_text), "{between} {more:?}: {message}");
     }
 }
 
-/// A run that is over while the body still moves in the plates says nothing of perforation.
+/// A run that ends while the body moves inside the plates gives no result.
 #[test]
-fn a_shot_that_is_not_over_is_no_shot() {
+fn unfinished_shot_is_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     let text = fs::read_to_string(project(PLATE)).expect("a deck").replace(" , 2.e-3\n", " , 2.e-5\n");
@@ -174,9 +178,9 @@ fn a_shot_that_is_not_over_is_no_shot() {
     assert!(message.contains("in 5 runs a body is still moving"), "{message}");
 }
 
-/// At V50 half of the shots perforate, and so do as many at the velocity one deviation above as a normal distribution says.
+/// At V50 half of the shots perforate; one standard deviation above V50 the fraction is that of a normal distribution.
 #[test]
-fn limits_of_draws_give_v50() {
+fn sampled_limits_give_v50() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().to_str().expect("a name");
     let drawn = ["-d", "THICK=normal(0.013, 0.0003)", "-d", "MASS=truncated(normal(0.021, 0.0004), 0.02, 0.022)"];
@@ -195,20 +199,20 @@ fn limits_of_draws_give_v50() {
         let table = folder.path().join("shots.csv");
         let file = table.to_str().expect("a name");
         let more = ["--set", &velocity, "--count", "400", "--quantity", RESIDUAL, "--table", file, "--out", out];
-        said(&revolve(&[&["scatter", PLATE][..], &drawn, &more].concat()));
+        rendered(&revolve(&[&["scatter", PLATE][..], &drawn, &more].concat()));
         let text = fs::read_to_string(&table).expect("a table");
         let residual =
             |line: &str| line.rsplit_once(',').and_then(|cells| cells.1.parse::<f64>().ok()).expect("a number");
         let through = text.lines().skip(1).filter(|line| residual(line) > 0.0).count() as f64 / 400.0;
-        // Three deviations of the count, and what 100 draws leave open.
+        // Three standard deviations of the count, plus the error of V50 from 100 samples.
         assert!((through - fraction).abs() < 0.12, "{velocity}: {through} perforate, not {fraction}");
     }
     assert!(folder.path().join("plate_6061_limit_scatter.svg").exists());
 }
 
-/// Samples depend on the seed alone: the same bytes on one thread and two, and the draws that `sweep --random` has.
+/// Samples depend on the seed alone: identical bytes on one and two threads, and the samples of `sweep --random`.
 #[test]
-fn samples_have_the_same_bytes_on_any_threads() {
+fn samples_do_not_depend_on_threads() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
     for sampling in ["random", "latin", "sobol"] {
@@ -217,16 +221,17 @@ fn samples_have_the_same_bytes_on_any_threads() {
             let words =
                 ["scatter", "input/ogive.inp", "-d", "V=600..900", "-d", "mass=lognormal(0.021, 0.001)", "--seed", "3"];
             let more = ["--sampling", sampling, "--count", "50", "--quantity", DEPTH, "--indices", "--table", &table];
-            let told = json(&[&words[..], &more, &["--threads", threads, "--out", &out]].concat());
-            assert_eq!((&told["runs"], &told["failed"]), (&Value::from(200), &Value::from(0)));
-            (told, fs::read(table).expect("a table"))
+            let message_text = json(&[&words[..], &more, &["--threads", threads, "--out", &out]].concat());
+            assert_eq!((&message_text["runs"], &message_text["failed"]), (&Value::from(200), &Value::from(0)));
+            (message_text, fs::read(table).expect("a table"))
         });
         assert!(tables[0] == tables[1], "{sampling}");
         assert_eq!(tables[0].1.iter().filter(|b| **b == b'\n').count(), 51);
     }
     let set = ["--set", "V=600..900", "--set", "mass=lognormal(0.021, 0.001)", "--quantity", DEPTH];
-    let plan =
-        said(&revolve(&[&["sweep", "input/ogive.inp", "--random", "50", "--seed", "3", "--plan"], &set[..]].concat()));
+    let plan = rendered(&revolve(
+        &[&["sweep", "input/ogive.inp", "--random", "50", "--seed", "3", "--plan"], &set[..]].concat(),
+    ));
     let table = fs::read_to_string(at("random1.csv")).expect("a table");
     for (drawn, planned) in table.lines().zip(plan.lines()).skip(1) {
         let both = drawn.rsplit_once(',').expect("a quantity").0;
@@ -234,9 +239,9 @@ fn samples_have_the_same_bytes_on_any_threads() {
     }
 }
 
-/// Runs that give nothing are counted and told, and their cells are empty.
+/// Failed runs are counted and reported, and their cells are empty.
 #[test]
-fn samples_that_fail_are_told_and_kept() {
+fn failed_samples_are_counted_and_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
     let (table, out) = (at("a.csv"), at("out"));
@@ -249,7 +254,7 @@ fn samples_that_fail_are_told_and_kept() {
         let (mass, depth) = line.split_once(',').expect("two cells");
         assert_eq!(depth.is_empty(), mass.starts_with('-'), "{line}");
     }
-    for (wrong, told) in [
+    for (wrong, message_text) in [
         (&["-d", "mass=0.01"][..], "is not a distribution"),
         (&["-d", "mas=0.01..0.02"], "did you mean mass?"),
         (&["-d", "mass=0.01..0.02", "--correlation", "mass:V=0.5"], "both parameters need"),
@@ -260,6 +265,6 @@ fn samples_that_fail_are_told_and_kept() {
         let words = ["scatter", "input/ogive.inp", "--quantity", DEPTH, "--out", &out];
         let output = revolve(&[&words[..], wrong].concat());
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.code() == Some(2) && message.contains(told), "{wrong:?}: {message}");
+        assert!(output.status.code() == Some(2) && message.contains(message_text), "{wrong:?}: {message}");
     }
 }

@@ -1,8 +1,9 @@
-//! A sweep as an array of jobs under Slurm: a controller and two nodes on this machine, one of them killed in the middle.
+//! A sweep as a job array under Slurm: a controller and two nodes on this machine, one of which is killed during the
+//! sweep.
 //!
-//! Source: Slurm's own programs (`slurmctld`, `slurmd`, `sbatch`, `munged`) with a configuration of this test, as any user. In CI
-//! they must be installed; elsewhere, without them, the test is left out. A part of a sweep is the same wherever it runs, so
-//! the gathered table has the bytes of one process.
+//! Source: Slurm's own programs (`slurmctld`, `slurmd`, `sbatch`, `munged`) with a configuration of this test, as an
+//! ordinary user. CI requires them; elsewhere, without them, the test is left out. A part of a sweep is identical on
+//! every node, so that the gathered table has the bytes of a single process.
 
 use std::fs;
 use std::net::TcpListener;
@@ -12,11 +13,11 @@ use std::time::{Duration, Instant};
 
 use crate::common::project;
 
-/// What is swept: eight cases in four parts.
+/// The sweep: eight cases in four parts.
 const SWEEP: [&str; 4] = ["--set", "V=560:910:50", "--quantity", "-1000*final(U2@REF)"];
 
-/// A controller with two nodes, ended with the test.
-struct Cluster {
+/// A controller with two nodes, stopped at the end of the test.
+struct SlurmCluster {
     folder: PathBuf,
     daemons: Vec<(&'static str, Child)>,
 }
@@ -28,9 +29,9 @@ fn is_there(program: &str) -> bool {
 }
 
 fn installed() -> bool {
-    // Slurm gives up groups of users at its start, which not every container lets it do.
+    // Slurm drops supplementary groups when it starts, which some containers do not allow.
     if fs::read_to_string("/proc/self/setgroups").is_ok_and(|word| word.trim() == "deny") {
-        println!("left out: a sweep under Slurm (this container lets nobody give up groups)");
+        println!("left out: a sweep under Slurm (this container does not allow changing groups)");
         return false;
     }
     let found = ["slurmctld", "slurmd", "sbatch", "munged"].iter().all(|program| is_there(program));
@@ -41,7 +42,7 @@ fn installed() -> bool {
     found
 }
 
-/// A port that nobody listens on.
+/// Returns a free port.
 fn port() -> u16 {
     TcpListener::bind("127.0.0.1:0").and_then(|own| own.local_addr()).expect("a port").port()
 }
@@ -51,15 +52,15 @@ fn user() -> String {
     String::from_utf8_lossy(&output.stdout).trim().to_owned()
 }
 
-/// The machine's short name, by which its nodes are found.
+/// Returns the short host name, which identifies the nodes.
 fn host() -> String {
     let output = Command::new("hostname").arg("-s").output().expect("hostname");
     String::from_utf8_lossy(&output.stdout).trim().to_owned()
 }
 
-impl Cluster {
-    fn start(folder: &Path) -> Cluster {
-        let mut cluster = Cluster { folder: folder.to_owned(), daemons: Vec::new() };
+impl SlurmCluster {
+    fn start(folder: &Path) -> SlurmCluster {
+        let mut cluster = SlurmCluster { folder: folder.to_owned(), daemons: Vec::new() };
         let at = folder.display();
         fs::create_dir(folder.join("state")).expect("a folder");
         fs::write(folder.join("munge.key"), [7_u8; 1024]).expect("a key");
@@ -102,7 +103,9 @@ impl Cluster {
         cluster.daemon("controller", "slurmctld", &["-D", "-i"]);
         cluster.daemon("one", "slurmd", &["-D", "-N", "one"]);
         cluster.daemon("two", "slurmd", &["-D", "-N", "two"]);
-        cluster.wait_for("two idle nodes", || cluster.said("sinfo", &["-h", "-t", "idle", "-o", "%D"]).trim() == "2");
+        cluster.wait_for("two idle nodes", || {
+            cluster.command_output("sinfo", &["-h", "-t", "idle", "-o", "%D"]).trim() == "2"
+        });
         cluster
     }
 
@@ -119,7 +122,7 @@ impl Cluster {
         command
     }
 
-    fn said(&self, program: &str, arguments: &[&str]) -> String {
+    fn command_output(&self, program: &str, arguments: &[&str]) -> String {
         let Output { stdout, .. } = self.command(program).args(arguments).output().expect("it runs");
         String::from_utf8_lossy(&stdout).into_owned()
     }
@@ -136,14 +139,14 @@ impl Cluster {
         }
     }
 
-    /// Hands a job in.
+    /// Submits a job.
     fn submit(&self, job: &[&str], words: &[&str]) {
         let log = format!("{}/job-%A_%a.log", self.folder.display());
-        let number = self.said("sbatch", &[&["--parsable", "--no-requeue", "-o", &log], job, words].concat());
+        let number = self.command_output("sbatch", &[&["--parsable", "--no-requeue", "-o", &log], job, words].concat());
         assert!(number.trim().parse::<u32>().is_ok(), "sbatch: {number}");
     }
 
-    /// A node with all that runs on it is no more.
+    /// Kills a node with all its processes.
     fn kill(&mut self, node: &str) {
         for (name, daemon) in &mut self.daemons {
             if *name == node {
@@ -154,7 +157,7 @@ impl Cluster {
         for process in fs::read_dir("/proc").expect("processes").flatten() {
             let read = |file: &str| fs::read_to_string(process.path().join(file)).unwrap_or_default();
             if read("environ").split('\0').any(|variable| variable == own) {
-                // What watches over the job dies with it.
+                // The job's supervising process is killed as well.
                 let parent = read("status").lines().find_map(|l| l.strip_prefix("PPid:").map(|p| p.trim().to_owned()));
                 let watches = |id: &str| {
                     fs::read_to_string(format!("/proc/{id}/comm")).is_ok_and(|comm| comm.starts_with("slurmstepd"))
@@ -167,7 +170,7 @@ impl Cluster {
     }
 }
 
-impl Drop for Cluster {
+impl Drop for SlurmCluster {
     fn drop(&mut self) {
         let _ = self.command("scancel").args(["--state=RUNNING,PENDING", "-u", &user()]).output();
         std::thread::sleep(Duration::from_millis(300));
@@ -184,16 +187,16 @@ fn sweep(more: &[&str]) -> Output {
 }
 
 #[test]
-fn a_sweep_survives_the_death_of_a_node() {
+fn sweep_survives_a_killed_node() {
     if !installed() {
         return;
     }
     let folder = tempfile::tempdir().expect("a folder");
     let (together, parts) = (folder.path().join("together"), folder.path().join("parts"));
-    let mut cluster = Cluster::start(folder.path());
+    let mut cluster = SlurmCluster::start(folder.path());
     let name = |path: &Path| path.to_str().expect("a name").to_owned();
     let (together, out) = (name(&together), name(&parts));
-    // The program as tasks find it. One of the node that is to die is in the middle of its work when that happens.
+    // The program, slowed down on the node that is to be killed so that it is killed during its work.
     let program = folder.path().join("bin/revolve");
     fs::create_dir(program.parent().expect("a folder")).expect("a folder");
     let waits = format!("[ \"$SLURMD_NODENAME\" != two ] || {{ touch '{out}.at_work'; sleep 600; }}");
@@ -212,10 +215,10 @@ fn a_sweep_survives_the_death_of_a_node() {
     };
     cluster.wait_for("three parts", || written() == 3);
     let gathered = sweep(&["--out", &out, "--gather"]);
-    let told = String::from_utf8_lossy(&gathered.stderr).into_owned();
-    assert!(!gathered.status.success() && told.contains(" are missing"), "{told}");
-    let missing = told.split("cases ").nth(1).and_then(|t| t.split(' ').next()).expect("which").to_owned();
-    // What was missing, by the words of the program itself, on the node that is left.
+    let message_text = String::from_utf8_lossy(&gathered.stderr).into_owned();
+    assert!(!gathered.status.success() && message_text.contains(" are missing"), "{message_text}");
+    let missing = message_text.split("cases ").nth(1).and_then(|t| t.split(' ').next()).expect("which").to_owned();
+    // The missing parts, as listed by the program, run on the remaining node.
     let words = SWEEP.map(|word| format!("'{word}'")).join(" ");
     let wrapped = format!("revolve sweep input/ogive.inp {words} --out '{out}' --cases {missing}");
     cluster.submit(&["-w", "one", "--wrap", &wrapped], &[]);

@@ -1,8 +1,7 @@
-//! Studies on scenes with known answers.
+//! Refinement studies of models with known results.
 //!
-//! Goal: the observed orders are those of the methods; the true error lies within the reported uncertainty; a target is
-//! met by a setting that is not much dearer than need be.
-//! Source: the answers of `study_cases.rs`, closed forms all.
+//! Goal: the observed orders are those of the methods; the true error is within the reported uncertainty; a target is
+//! met by a setting that is not much more expensive than necessary. Source: the closed forms in `study_cases.rs`.
 
 use revolve::study::quantity::Quantity;
 use revolve::study::refinement::{self, RefinementStudy};
@@ -11,26 +10,26 @@ use revolve::study::runner::StudyRunner;
 use revolve::study::settings;
 use revolve::study::target::{self, ErrorTarget};
 
-use crate::study_cases::{self as cases, Case};
+use crate::study_cases::{self as cases, StudyCase};
 
-/// A case refined; with its exact value told, or not.
-fn study(case: &Case, told: bool) -> RefinementStudy {
+/// Runs the refinement study of a case, with or without its exact value.
+fn study(case: &StudyCase, with_exact: bool) -> RefinementStudy {
     let measure = Quantity::parse(&case.quantity).expect("a quantity");
     let axes = settings::axes(&[case.refine.to_owned()], &["n".to_owned()]).expect("levels");
     let mut bench = StudyRunner::new(&*case.deck, &[], None, &measure, 1, &|| {});
-    let study = refinement::grid(&mut bench, &axes, told.then_some(case.exact)).expect("a study");
+    let study = refinement::grid(&mut bench, &axes, with_exact.then_some(case.exact)).expect("a study");
     for row in &study.rows {
         assert!(row.run.is_ok(), "{}: {:?}", case.name, row.run);
     }
     study
 }
 
-/// Bar: the order that the last two errors of each case show is that of the method, within 0.1.
+/// Bar: the order from the last two errors of each case is that of the method, within 0.1.
 #[test]
-fn orders_are_those_of_the_methods() {
+fn observed_orders_match_the_methods() {
     let lagged = cases::increments("LAGGED");
     let facets = cases::facets();
-    let expected: Vec<(Case, f64)> = facets
+    let expected: Vec<(StudyCase, f64)> = facets
         .into_iter()
         .take(4)
         .chain(cases::increments("PREDICTED"))
@@ -46,9 +45,9 @@ fn orders_are_those_of_the_methods() {
     }
 }
 
-/// Bar: in 19 of 20 cases the true error of the finest level lies within its grid convergence index.
+/// Bar: in 19 of 20 cases the true error of the finest level is within its grid convergence index.
 #[test]
-fn the_true_error_lies_within_the_uncertainty() {
+fn true_error_is_within_the_uncertainty() {
     let cases = cases::all();
     assert!(cases.len() >= 20);
     let mut outside = Vec::new();
@@ -72,16 +71,16 @@ fn the_true_error_lies_within_the_uncertainty() {
     assert!(20 * outside.len() <= cases.len(), "{outside:?}");
 }
 
-/// Error of a value against the exact one, relative where that is not zero.
-fn true_error(case: &Case, value: f64) -> f64 {
+/// Returns the relative error of a value, or the absolute one if the exact value is zero.
+fn true_error(case: &StudyCase, value: f64) -> f64 {
     if case.exact == 0.0 { value.abs() } else { (value / case.exact - 1.0).abs() }
 }
 
-/// Bar: `--target`, without the exact value, names a setting that holds it, in every case; at no more than twice the
-/// element-cycles of the cheapest of many finely spaced settings that would have held it too, where the series converges
-/// with a credible order. Where it does not (Noh's shock), the study says so, and pays for its doubt.
+/// Bar: `--target`, without the exact value, finds a setting that meets it in every case, with at most twice the
+/// element-cycles of the cheapest setting that meets it, if the series converges with a credible order. If it does not
+/// (Noh's shock), the study reports this and uses a larger margin.
 #[test]
-fn a_target_is_met_and_not_overpaid() {
+fn target_is_met_at_moderate_cost() {
     println!(
         "{:<32} {:>9} {:>9} {:>7} {:>10} {:>10} {:>6}",
         "case", "target", "error", "runs", "cycles", "least", "ratio"
@@ -100,7 +99,7 @@ fn a_target_is_met_and_not_overpaid() {
         let row = &reached.rows[named];
         let error = true_error(&case, row.value.expect("a value"));
         let cycles = row.run.as_ref().expect("a run").element_cycles();
-        // Coarser settings, closely spaced, up to the coarsest given.
+        // Coarser settings, closely spaced, up to the coarsest given one.
         let size = |value: &str| axes[0].size(value.parse().expect("a number"));
         let (mut least, mut coarser) = (cycles, size(&row.values[0]) * 1.15);
         while coarser <= axes[0].sizes[0] * 1.01 {
@@ -134,25 +133,25 @@ fn a_target_is_met_and_not_overpaid() {
     assert!(overpaid <= 2, "{overpaid}");
 }
 
-/// A field against the finest mesh, without an exact value: nodes and elements of the standing wave, order 2.
+/// A field compared with the finest mesh, without an exact value: nodes and elements of the standing wave, order 2.
 #[test]
 fn fields_converge_against_the_finest_mesh() {
     for quantity in ["norm(V2)", "norm(S22)"] {
-        let case = Case { quantity: quantity.into(), refine: "n=10,20,40,80", ..cases::wave_in_space() };
+        let case = StudyCase { quantity: quantity.into(), refine: "n=10,20,40,80", ..cases::wave_in_space() };
         let study = study(&case, false);
         let row = study.rows.last().expect("rows");
         let order = row.estimates.last().copied().flatten().and_then(|e| e.order).expect("an order");
         let error = row.error.expect("an error").abs();
         println!("{quantity}: order {order:.3}, error of the finest {error:.2e}");
         assert!((order - 2.0).abs() < 0.1, "{quantity}: {order}");
-        // The field against its expression has 5.2e-4 on 80: what the study says without knowing it.
+        // The true error of the field on 80 elements is 5.2e-4, which the study estimates without the exact solution.
         assert!(quantity != "norm(V2)" || (error / 5.2e-4 - 1.0).abs() < 0.05, "{error:e}");
     }
 }
 
-/// The files of a study, their keys, and the exit status where a target is out of reach.
+/// The files of a study, their keys, and the exit status if a target cannot be met.
 #[test]
-fn the_command_writes_table_record_and_pictures() {
+fn study_command_writes_all_files() {
     let folder = tempfile::tempdir().expect("a folder");
     let study = |more: &[&str]| {
         let output = std::process::Command::new(env!("CARGO_BIN_EXE_revolve"))
@@ -183,7 +182,7 @@ fn the_command_writes_table_record_and_pictures() {
     }
     assert_eq!(study(&["--target", "0.01%"]).0, Some(0));
     assert!(keys().contains(&"target".to_owned()));
-    // Far below what the increments leave.
+    // Far below the error of the increments.
     assert_eq!(study(&["--target", "1e-12%", "--quiet"]), (Some(1), String::new()));
     assert_eq!(study(&["--ablate"]).0, Some(0));
     assert_eq!(keys(), ["quantity", "ablation", "version"]);

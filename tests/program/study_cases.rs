@@ -1,4 +1,4 @@
-//! Scenes with known answers, each with levels to refine: for studies.
+//! Models with known results and levels of refinement, for studies.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -9,27 +9,27 @@ use revolve::job::ParameterOverrides;
 use crate::common::ogive;
 use crate::common::solid::{grid, material};
 
-/// Gives the deck for one level.
-pub type Source = Box<dyn Fn(&ParameterOverrides) -> (Deck, Diagnostics)>;
+/// Returns the deck for one level.
+pub type DeckFactory = Box<dyn Fn(&ParameterOverrides) -> (Deck, Diagnostics)>;
 
-/// A scene, what is refined, and the answer from outside the code.
-pub struct Case {
+/// A model, its refinement, and its independent exact result.
+pub struct StudyCase {
     pub name: String,
     /// The deck for one level.
-    pub deck: Source,
-    /// As after `--refine`.
+    pub deck: DeckFactory,
+    /// The argument of `--refine`.
     pub refine: &'static str,
     pub quantity: String,
     pub exact: f64,
 }
 
-/// A deck whose text has its parameters.
-fn with_parameters(text: String) -> Source {
+/// Returns the levels of a deck text with parameters.
+fn with_parameters(text: String) -> DeckFactory {
     Box::new(move |overrides| deck::read_text("case.inp", &text, overrides))
 }
 
-/// A deck whose text is made for each number of elements.
-fn with_elements(make: impl Fn(usize) -> String + 'static) -> Source {
+/// Returns the levels of a deck text that depends on the number of elements.
+fn with_elements(make: impl Fn(usize) -> String + 'static) -> DeckFactory {
     Box::new(move |overrides| {
         let n = overrides.iter().find(|o| o.0 == "n").and_then(|o| o.1.parse().ok()).expect("n");
         deck::read_text("case.inp", &make(n), &[])
@@ -41,7 +41,7 @@ const Y: f64 = 276e6;
 const RHO: f64 = 2710.0;
 const MASS: f64 = 0.021;
 
-/// The seed deck with other values of its parameters.
+/// Returns `ogive.inp` with other values of its parameters.
 fn shot(settings: &[(&str, f64)], dynamic: &str) -> String {
     let mut text = ogive().replace("*Dynamic, Explicit\n , 1.e-3\n", dynamic);
     for (name, value) in settings {
@@ -51,17 +51,18 @@ fn shot(settings: &[(&str, f64)], dynamic: &str) -> String {
     text
 }
 
-/// Increments so fine that what is left of them is far below what facets do.
+/// Increments so small that their error is far below that of the facets.
 const FINE: &str = "*Dynamic, Explicit, accuracy=1e-7\n , 1.e-3\n";
 
-fn depth(name: String, text: String, refine: &'static str, exact: f64) -> Case {
-    Case { name, deck: with_parameters(text), refine, quantity: "-final(U2@REF)".into(), exact }
+fn depth(name: String, text: String, refine: &'static str, exact: f64) -> StudyCase {
+    StudyCase { name, deck: with_parameters(text), refine, quantity: "-final(U2@REF)".into(), exact }
 }
 
-/// Facets of the six noses and speeds of `verification/rigid.rs`, with friction and with the three-term law.
-pub fn facets() -> Vec<Case> {
+/// Returns refinements of the facets of the six noses and velocities of `verification/rigid.rs`, with friction and with
+/// the three-term law.
+pub fn facets() -> Vec<StudyCase> {
     let mut cases = Vec::new();
-    // Reference, section 1: closed form embedded, quadrature of the entry integrals.
+    // Reference, section 1: closed form if embedded, quadrature of the entry integrals.
     for (v, front, exact) in [
         (569.0, 0.1, 59.612643939e-3),
         (1147.0, 0.1, 221.597433967e-3),
@@ -85,7 +86,7 @@ pub fn facets() -> Vec<Case> {
     cases
 }
 
-/// N0, N1 (not used), N2 of CRH 3 with friction (reference, section 1).
+/// Returns N0, N1 (unused), N2 of CRH 3 with friction (reference, section 1).
 fn with_friction(mu: f64) -> [f64; 3] {
     let psi: f64 = 3.0;
     let angle = 0.5 * PI - ((2.0 * psi - 1.0) / (2.0 * psi)).asin();
@@ -96,7 +97,8 @@ fn with_friction(mu: f64) -> [f64; 3] {
     [n0, 0.0, n2]
 }
 
-/// Depth of a nose fully embedded: integral of m V dV / (alpha + gamma V + beta V^2) from 0 to V, by Simpson's rule.
+/// Returns the depth of a fully embedded nose: integral of m V dV / (alpha + gamma V + beta V^2) from 0 to V, by
+/// Simpson's rule.
 fn closed_form(v: f64, [n0, n1, n2]: [f64; 3], b: f64) -> f64 {
     let area = PI * A * A;
     let alpha = area * 5.0394 * Y * n0;
@@ -116,8 +118,9 @@ fn closed_form(v: f64, [n0, n1, n2]: [f64; 3], b: f64) -> f64 {
     (0..=steps).map(|i| weight(i) * term(h * f64::from(i))).sum::<f64>() * h / 3.0
 }
 
-/// Increments of the seed deck under direct user control, facets so many that they do not show.
-pub fn increments(scheme: &str) -> Vec<Case> {
+/// Returns refinements of the increments of `ogive.inp` under direct user control, with so many facets that their error
+/// is negligible.
+pub fn increments(scheme: &str) -> Vec<StudyCase> {
     let of = |(v, exact): (f64, f64)| {
         let card = format!("*Dynamic, Explicit, direct user control, load velocity={scheme}\n 4.e-6, 1.e-3\n");
         let text = shot(&[("V", v), ("front", 0.1), ("n", 4000.0)], &card);
@@ -126,15 +129,16 @@ pub fn increments(scheme: &str) -> Vec<Case> {
     [(569.0, 59.612643939e-3), (1147.0, 221.597433967e-3)].map(of).into()
 }
 
-/// A hemisphere in equal angles has N2 = 1/2 for any number of facets: increments alone are left.
-pub fn hemisphere() -> Case {
+/// A hemisphere with equal angles has N2 = 1/2 for any number of facets, so that only the error of the increments
+/// remains.
+pub fn hemisphere() -> StudyCase {
     let card = "*Dynamic, Explicit, direct user control\n 4.e-6, 1.e-3\n";
     let text = shot(&[("V", 800.0), ("front", 0.1), ("CRH", 0.5)], card);
     depth("hemisphere, increments".into(), text, "increment=4,2,1", closed_form(800.0, [1.0, 0.0, 0.5], 0.0))
 }
 
-/// A flat face through a plate: the velocity behind it.
-pub fn flat_face() -> Case {
+/// Returns the case of a flat face through a plate: the residual velocity.
+pub fn flat_face() -> StudyCase {
     let text = "*Node\n 1, 0., 0.\n 2, 0.005, 0.\n 3, 0.005, 0.05\n 9, 0., 0.01\n*Element, type=RAX2, elset=E\n 1, 1, 2\n 2, 2, 3\n\
         *Element, type=MASS, elset=M\n 9, 9\n*Mass, elset=M\n 0.05\n*Rigid Body, ref node=9, elset=E\n*Nset, nset=REF\n 9\n*Surface, name=S\n E, SNEG\n\
         *Material, name=AL\n*Density\n 2710.,\n*Cavity Expansion, yield=276.e6\n 5., 0., 1.\n*Target, name=T, front=-0.01, direction=-1\n AL, 0.004\n\
@@ -144,7 +148,7 @@ pub fn flat_face() -> Case {
     let (alpha, beta) = (area * 5.0 * 276e6, area * 2710.0);
     let decay = (-2.0 * beta * 0.004 / 0.05_f64).exp();
     let exact = (decay * (500.0 * 500.0 + alpha / beta) - alpha / beta).sqrt();
-    Case {
+    StudyCase {
         name: "flat face through a plate".into(),
         deck: with_parameters(text.into()),
         refine: "increment=1,0.5,0.25",
@@ -153,8 +157,9 @@ pub fn flat_face() -> Case {
     }
 }
 
-/// Lame's sphere, a = 10 and b = 20 mm, pressed with 1 MPa: u(a) = 4.000e-5 mm, u(b) = 1.5e-5 mm.
-pub fn lame() -> Vec<Case> {
+/// Returns the cases of Lame's sphere, a = 10 and b = 20 mm, internal pressure 1 MPa: u(a) = 4.000e-5 mm, u(b) = 1.5e-5
+/// mm.
+pub fn lame() -> Vec<StudyCase> {
     let make = |n: usize| {
         let around = 2 * n;
         let place = |i: usize, j: usize| {
@@ -170,19 +175,19 @@ pub fn lame() -> Vec<Case> {
             + "*Step\n*Dynamic, Explicit, element by element\n , 3.e-4\n*Boundary\n J0, 2, 2\n*Dsload, amplitude=RAMP\n I0, P, 1.\n\
                *Output, history, frequency=1\n*Node Output, nset=INNER\n U1\n*Node Output, nset=OUTER\n U1\n*End Step\n"
     };
-    let case = |(node, exact): (&str, f64)| Case {
+    let case = |(node, exact): (&str, f64)| StudyCase {
         name: format!("Lame's sphere, {node}"),
         deck: with_elements(make),
         refine: "n=4,8,16",
-        // What is left of the vibration goes to and fro.
+        // The mean over a period removes the remaining vibration.
         quantity: format!("mean(U1@{node}, 2.2e-4, 3e-4)"),
         exact,
     };
     [("INNER", 4e-5), ("OUTER", 1.5e-5)].map(case).into()
 }
 
-/// Blake's cavity, wall after 100 microseconds.
-pub fn blake() -> Case {
+/// Returns the case of Blake's cavity, displacement of the wall after 100 microseconds.
+pub fn blake() -> StudyCase {
     let make = |per_radius: usize| {
         let around = per_radius;
         let place = |i: usize, j: usize| {
@@ -194,7 +199,7 @@ pub fn blake() -> Case {
             + "*Step\n*Dynamic, Explicit, element by element\n , 1.e-4\n*Bulk Viscosity\n 0., 0.\n*Boundary\n J0, 2, 2\n*Dsload\n I0, P, 1.e6\n\
                *Output, history, frequency=1\n*Node Output, nset=WALL\n U1\n*End Step\n"
     };
-    Case {
+    StudyCase {
         name: "Blake's cavity".into(),
         deck: with_elements(make),
         refine: "n=10,20,40",
@@ -206,8 +211,8 @@ pub fn blake() -> Case {
 /// Modulus of uniaxial strain 4, density 1, so c = 2; nu = 1/4.
 const WAVE_YOUNG: f64 = 4.0 * 1.25 * 0.5 / 0.75;
 
-/// A column in uniaxial strain, held at the foot, in its first mode: v = 1e-6 sin(k z) cos(k c t), k = pi/2. The
-/// elements are squares, so that the increment is the same part of what is stable on every mesh.
+/// Returns a column in uniaxial strain, fixed at the foot, in its first mode: v = 1e-6 sin(k z) cos(k c t), k = pi/2.
+/// The elements are squares, so that the increment is the same fraction of the stable one on every mesh.
 pub fn wave(n: usize, dynamic: &str) -> String {
     let columns = (n / 10).max(1);
     let mut deck = grid(columns, n, false, |i, j| [i as f64 / n as f64, j as f64 / n as f64])
@@ -221,9 +226,9 @@ pub fn wave(n: usize, dynamic: &str) -> String {
            *Node Output, nset=TOP\n U2, V2\n*End Step\n"
 }
 
-/// The whole field of the wave, mesh and increments together.
-pub fn wave_in_space() -> Case {
-    Case {
+/// Returns the case of the whole velocity field of the wave, with mesh and increments refined together.
+pub fn wave_in_space() -> StudyCase {
+    StudyCase {
         name: "standing wave, field".into(),
         deck: with_elements(|n| wave(n, "*Dynamic, Explicit, element by element, scale factor=0.8\n , 9.3\n")),
         refine: "n=10,20,40",
@@ -232,18 +237,18 @@ pub fn wave_in_space() -> Case {
     }
 }
 
-/// Its top at the end: a number.
-pub fn wave_top() -> Case {
+/// Returns the case of the final velocity of its top.
+pub fn wave_top() -> StudyCase {
     let exact = 1e-6 / PI * (PI * 9.3_f64).sin();
-    Case { quantity: "final(U2@TOP)".into(), name: "standing wave, top".into(), exact, ..wave_in_space() }
+    StudyCase { quantity: "final(U2@TOP)".into(), name: "standing wave, top".into(), exact, ..wave_in_space() }
 }
 
-/// Increments of the wave alone, on a mesh that stays: against the frequency of the mesh, 2 c/h sin(k h / 2) with the lumped
-/// mass.
-pub fn wave_in_time() -> Case {
+/// Refinement of the increments alone on a fixed mesh, compared with the frequency of the mesh, 2 c/h sin(k h / 2) with
+/// the lumped mass.
+pub fn wave_in_time() -> StudyCase {
     let h: f64 = 1.0 / 20.0;
     let omega = 2.0 * 2.0 / h * (0.25 * PI * h).sin();
-    Case {
+    StudyCase {
         name: "standing wave, increments".into(),
         deck: with_parameters(wave(20, "*Dynamic, Explicit, direct user control\n 0.015, 9.3\n")),
         refine: "increment=1,0.5,0.25",
@@ -252,17 +257,18 @@ pub fn wave_in_time() -> Case {
     }
 }
 
-/// A mass on a column of the same mass in its first mode, beta tan beta = 1: u = v sin(beta) / omega sin(omega t).
-pub fn mass_on_column() -> Case {
+/// Returns the case of a mass on a column of the same mass in its first mode, beta tan beta = 1: u = v sin(beta) /
+/// omega sin(omega t).
+pub fn mass_on_column() -> StudyCase {
     const BETA: f64 = 0.860_333_589_019_38;
     let make = |n: usize| {
         let mut deck = grid(1, n, false, |i, j| [i as f64 / n as f64, j as f64 / n as f64])
             + &material(WAVE_YOUNG, 0.25, 1.0, "*Node, nset=REF\n 900, 0., 1.\n*Initial Conditions, type=VELOCITY\n");
-        // The last row belongs to the rigid body.
+        // The last row of nodes belongs to the rigid body.
         for k in 0..2 * n {
             writeln!(deck, " {}, 2, {:.17e}", k + 1, 1e-6 * (BETA * (k / 2) as f64 / n as f64).sin()).expect("text");
         }
-        // The column has the radius of one element.
+        // The radius of the column is one element.
         let mass = PI / (n * n) as f64;
         deck + &format!(
             " 900, 2, {:.17e}\n*Element, type=MASS, elset=POINT\n 900, 900\n*Mass, elset=POINT\n {mass:.17e}\n\
@@ -271,7 +277,7 @@ pub fn mass_on_column() -> Case {
         ) + "*Bulk Viscosity\n 0., 0.\n*Boundary\n ALL, 1, 1\n J0, 2, 2\n*Output, history, number interval=10\n*Node Output, nset=REF\n U2\n*End Step\n"
     };
     let omega = 2.0 * BETA;
-    Case {
+    StudyCase {
         name: "mass on a column".into(),
         deck: with_elements(make),
         refine: "n=10,20,40",
@@ -280,9 +286,9 @@ pub fn mass_on_column() -> Case {
     }
 }
 
-/// Verney's shell stops at half its inner radius (cm, g, microseconds). The answer is that of a rigid-plastic shell, so it is
-/// ten times as stiff as beryllium, of which the elastic strain alone is 0.1 %.
-pub fn verney() -> Case {
+/// Verney's shell stops at half its inner radius (cm, g, microseconds). The exact result is that of a rigid-plastic
+/// shell, so the material is ten times as stiff as beryllium, whose elastic strain alone is 0.1 %.
+pub fn verney() -> StudyCase {
     let make = |n: usize| {
         let (bulk, shear): (f64, f64) = (11.80, 15.1);
         let young = 9.0 * bulk * shear / (3.0 * bulk + shear);
@@ -303,7 +309,7 @@ pub fn verney() -> Case {
         deck + "*Step\n*Dynamic, Explicit, element by element\n , 105.\n*Boundary\n J0, 2, 2\n J1, 1, 1\n*Output, history, time interval=0.1\n\
                 *Node Output, nset=INNER\n U1\n*End Step\n"
     };
-    Case {
+    StudyCase {
         name: "Verney's shell".into(),
         deck: with_elements(make),
         refine: "n=6,12,24",
@@ -312,8 +318,8 @@ pub fn verney() -> Case {
     }
 }
 
-/// Noh's planar gas: density 4 behind the shock, of the element that began at two fifths.
-pub fn noh() -> Case {
+/// Returns the case of Noh's planar gas: density 4 after the shock, of the element that was at two fifths.
+pub fn noh() -> StudyCase {
     let make = |n: usize| {
         let watched = 2 * n / 5;
         grid(1, n, false, |i, j| [i as f64 * 0.01, j as f64 / n as f64])
@@ -326,7 +332,7 @@ pub fn noh() -> Case {
             + "*Step\n*Dynamic, Explicit, element by element\n , 0.6\n*Boundary\n ALL, 1, 1\n J0, 2, 2\n*Output, history, number interval=60\n\
                *Element Output, elset=ONE\n DENSITY, PRESS\n*End Step\n"
     };
-    Case {
+    StudyCase {
         name: "Noh's gas, planar".into(),
         deck: with_elements(make),
         refine: "n=25,50,100,200",
@@ -335,8 +341,9 @@ pub fn noh() -> Case {
     }
 }
 
-/// An elastic-plastic piston: stress behind both shocks, after J. R. Asay's two-wave structure; small strains.
-pub fn piston() -> Case {
+/// Returns the case of an elastic-plastic piston: stress after both shocks, after J. R. Asay's two-wave structure;
+/// small strains.
+pub fn piston() -> StudyCase {
     let (length, speed) = (0.1, 0.5);
     let (e, density, limit, c_l, c_p) = (68.9e11, 2710e2, 552e6, 6175.478, 5042.257);
     let make = move |m: usize| {
@@ -354,7 +361,7 @@ pub fn piston() -> Case {
             + "*Output, history, number interval=1\n*Element Output, elset=BEHIND\n S22\n*End Step\n"
     };
     let elastic = limit / (density * c_l);
-    Case {
+    StudyCase {
         name: "elastic-plastic piston".into(),
         deck: with_elements(make),
         refine: "n=40,80,160",
@@ -363,8 +370,8 @@ pub fn piston() -> Case {
     }
 }
 
-/// All of them.
-pub fn all() -> Vec<Case> {
+/// Returns all cases.
+pub fn all() -> Vec<StudyCase> {
     let mut cases = facets();
     cases.extend(increments("PREDICTED"));
     cases.extend(increments("LAGGED"));

@@ -1,8 +1,8 @@
-//! Effects left out in turn.
+//! Studies that leave out one effect at a time.
 //!
-//! Goal: leaving an effect out is what a deck without its card does, to the last bit; what is known of the scene without it
-//! comes out; an effect below the error estimate is told.
-//! Source: the same decks without the card; closed forms (`verification/rigid.rs`).
+//! Goal: leaving out an effect gives the bits of a deck without its card; known results without the effect are
+//! reproduced; an effect below the error estimate is reported as such. Source: the same decks without the card; closed
+//! forms (`verification/rigid.rs`).
 
 use std::f64::consts::PI;
 
@@ -34,13 +34,13 @@ fn find<'a>(effects: &'a EffectAblation, name: &str) -> &'a AblatedEffect {
 }
 
 #[test]
-fn friction_entry_and_gravity_of_a_rigid_shot() {
+fn effects_of_a_rigid_shot_match_closed_forms() {
     let text = common::ogive()
         .replace("friction = 0.", "friction = 0.05")
         .replace("*Output, field", "*Dload\n , GRAV, 9.81, 0., -1.\n*Output, field");
     let effects = left_out(&text, "n=20,40", "-final(U2@REF)");
     effects.conclusions().iter().for_each(|line| println!("{line}"));
-    // Without friction: the quadrature of the entry integrals; gravity adds g t^2 / 2, less than a thousandth.
+    // Without friction: quadrature of the entry integrals; gravity adds g t^2 / 2, less than a thousandth.
     let frictionless = find(&effects, "friction").value.expect("a value");
     assert!((frictionless / 64.8475307e-3 - 1.0).abs() < 1e-3, "{frictionless}");
     assert!(find(&effects, "friction").matters && find(&effects, "entry phase").matters);
@@ -54,8 +54,8 @@ fn friction_entry_and_gravity_of_a_rigid_shot() {
     // Embedded from the start: the closed form.
     let embedded = find(&smooth, "entry phase").value.expect("a value");
     assert!((embedded / 59.612643939e-3 - 1.0).abs() < 1e-3, "{embedded}");
-    assert!(smooth.effects.iter().all(|e| e.effect != "friction" && e.effect != "gravity"), "only what is there");
-    // Static resistance alone: m V^2 / 2 over pi a^2 A Y, with the entry; without it, by hand.
+    assert!(smooth.effects.iter().all(|e| e.effect != "friction" && e.effect != "gravity"), "only existing effects");
+    // Static resistance only: m V^2 / 2 over pi a^2 A Y, with the entry phase; without it, by hand.
     let embedded = common::ogive().replace("front = 0.", "front = 0.1");
     let without = left_out(&embedded, "n=20,40", "-final(U2@REF)");
     let depth = find(&without, "resistance quadratic in velocity").value.expect("a value");
@@ -65,21 +65,21 @@ fn friction_entry_and_gravity_of_a_rigid_shot() {
 }
 
 #[test]
-fn layers_take_their_neighbours_place() {
+fn omitted_layer_is_replaced_by_its_neighbour() {
     let materials = "*Material, name=TWIN\n*Density\n 2710.,\n*Cavity Expansion, yield=276.e6\n 5.0394, 0., 0.9830\n\
         *Material, name=HARD\n*Density\n 7850.,\n*Cavity Expansion, yield=600.e6\n 4.2, 0.5, 1.1\n*Target";
     let stack = |layers: &str| common::ogive().replace("*Target", materials).replace(" AL6061, 0.5\n", layers);
     let effects = left_out(&stack(" AL6061, 0.02\n TWIN, 0.01\n HARD, 0.5\n"), "n=20,40", "-final(U2@REF)");
     effects.conclusions().iter().for_each(|line| println!("{line}"));
-    assert_eq!(find(&effects, "layer 1 of BLOCK").change, Some(0.0), "its neighbour is the same law");
+    assert_eq!(find(&effects, "layer 1 of BLOCK").change, Some(0.0), "its neighbour has the same law");
     assert!(!find(&effects, "layer 2 of BLOCK").matters);
     let soft = find(&effects, "layer 3 of BLOCK");
     let alone = left_out(&common::ogive().replace("AL6061, 0.5", "AL6061, 0.53"), "n=20,40", "-final(U2@REF)");
-    // The planes between layers are met by increments of their own: the accuracy asked for, 1e-4.
+    // Increments end at the planes between layers; the error is that of the requested accuracy, 1e-4.
     assert!(soft.matters && (soft.value.expect("a value") / alone.value - 1.0).abs() < 1e-5, "{soft:?}");
 }
 
-/// A hot bar of Johnson-Cook material that is pressed, with all that its law has.
+/// Returns a hot, compressed bar of Johnson-Cook material with all terms of the law.
 fn bar(plastic: &str, dynamic: &str, more: &str) -> String {
     grid(3, 6, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64])
         + &material(206e3, 0.3, 7.83e-9, plastic)
@@ -90,7 +90,7 @@ fn bar(plastic: &str, dynamic: &str, more: &str) -> String {
 }
 
 #[test]
-fn leaving_out_is_what_a_deck_without_the_card_does() {
+fn omitted_effect_matches_a_deck_without_the_card() {
     let (rate, heat) = (
         "*Rate Dependent, type=JOHNSON COOK\n 0.0089, 1.\n",
         "*Inelastic Heat Fraction\n 0.9,\n*Specific Heat\n 4.6e8,\n",
@@ -125,9 +125,9 @@ fn leaving_out_is_what_a_deck_without_the_card_does() {
     }
 }
 
-/// A gas that a piston presses through slanting elements.
+/// A gas compressed by a piston in skewed elements.
 #[test]
-fn subzonal_pressures_left_out() {
+fn omitted_subzonal_pressures_match_the_deck() {
     let gas = |section: &str| {
         grid(4, 10, false, |i, j| [0.01 * i as f64, 0.01 * j as f64 + 0.002 * (i * (j % 10).min(1)) as f64])
             + &format!("*Solid Section, elset=SOLID, material=GAS{section}\n")
@@ -144,13 +144,13 @@ fn subzonal_pressures_left_out() {
     let found = find(&effects, "subzonal pressures").value.expect("a value");
     assert_eq!(found.to_bits(), expected.value.to_bits(), "{found}");
     assert_ne!(found, effects.value, "it is felt");
-    assert!(expected.effects.iter().all(|e| e.effect != "subzonal pressures"), "it is not there");
+    assert!(expected.effects.iter().all(|e| e.effect != "subzonal pressures"), "it does not exist");
 }
 
-/// Blocks that slide on each other, in a pair and in general contact: without friction they are those of a coefficient of zero,
-/// without contact those of a deck that has none.
+/// Blocks that slide on each other, in a contact pair and in general contact: without friction equal to a coefficient
+/// of zero, without contact equal to a deck without it.
 #[test]
-fn contact_and_friction_of_surfaces_left_out() {
+fn omitted_contact_and_friction_match_the_deck() {
     use crate::common::bodies::{assembly, elastic, part};
     for contact in [
         "*Contact Pair, interaction=I\n LOWER.J1, UPPER.J0\n",
@@ -176,13 +176,13 @@ fn contact_and_friction_of_surfaces_left_out() {
         let [expected, apart] = [of(&blocks(0.0, contact)), of(&blocks(0.3, ""))];
         assert_eq!(found.to_bits(), expected.to_bits(), "{contact}: {found}");
         assert_eq!(passing.to_bits(), apart.to_bits(), "{contact}: {passing}");
-        assert!(found != effects.value && passing != effects.value, "they are felt");
+        assert!(found != effects.value && passing != effects.value, "they have an effect");
     }
 }
 
 /// A stiff disc driven into a target, made rigid: the closed form of m V' = -k0 - k2 V^2.
 #[test]
-fn a_body_made_rigid_follows_the_closed_form() {
+fn body_made_rigid_matches_closed_form() {
     let (a, thickness, density, v): (f64, f64, f64, f64) = (5.0, 5.0, 7.85e-9, 300e3);
     let text = grid(6, 6, false, |i, j| [a * i as f64 / 6.0, thickness * j as f64 / 6.0])
         + &material(200e3, 0.3, density, "")
@@ -200,13 +200,14 @@ fn a_body_made_rigid_follows_the_closed_form() {
     let rigid = find(&effects, "deformation of the body");
     let found = rigid.value.expect("a value");
     println!("{}", effects.conclusions().join("\n"));
-    // The accuracy asked for.
+    // The requested accuracy.
     assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
 }
 
-/// Without conduction what is not held keeps its temperature; with it the slab of the series, order 2 in the mesh.
+/// Without conduction, free nodes keep their temperature; with it, the series solution of the slab, order 2 in the
+/// mesh.
 #[test]
-fn conduction_left_out() {
+fn omitted_conduction_keeps_temperatures() {
     let text = grid(1, 8, false, |i, j| [1.0 + i as f64, j as f64 / 8.0]).replace("type=CAX4R", "type=CAX4RT")
         + &material(0.01, 0.3, 2.0, "*Conductivity\n 0.1,\n*Specific Heat\n 0.5,\n")
         + "*Nset, nset=LOW\n 1\n*Initial Conditions, type=TEMPERATURE\n ALL, 3.\n*Step\n\
@@ -218,9 +219,9 @@ fn conduction_left_out() {
     assert_eq!(conduction.value, Some(3.0));
 }
 
-/// Parts of the law of shells are left out as those of solids are.
+/// Terms of the material law of shells are left out like those of solids.
 #[test]
-fn plasticity_of_shells_left_out() {
+fn omitted_shell_plasticity_matches_the_deck() {
     let text = "*Node, nset=ALL\n 1, 1., 0.\n 2, 1., 1.\n*Nset, nset=A\n 1\n*Element, type=SAX1, elset=SHELL\n 1, 1, 2\n\
                 *Shell Section, elset=SHELL, material=M\n 0.01, 3\n*Material, name=M\n*Density\n 1.,\n*Elastic\n 100., 0.\n\
                 *Plastic\n 1., 0.\n*Initial Conditions, type=VELOCITY\n ALL, 1, 0.5\n*Step\n*Dynamic, Explicit\n , 0.1\n\
@@ -229,9 +230,9 @@ fn plasticity_of_shells_left_out() {
     assert!(find(&effects, "plasticity").matters, "{:?}", effects.conclusions());
 }
 
-/// A field on shells against that of the finest mesh: order 2.
+/// A field on shells compared with the finest mesh: order 2.
 #[test]
-fn norms_of_shells() {
+fn norms_on_shells_converge_with_order_two() {
     let text = "*Parameter\nn = 4\nlast = n + 1\n*Node\n 1, 0., 0.\n <last>, 0.1, 0.01\n*Ngen, nset=ALL\n 1, <last>\n\
                 *Element, type=SAX1\n 1, 1, 2\n*Elgen, elset=SHELL\n 1, <n>\n*Nset, nset=A\n 1\n*Nset, nset=B\n <last>\n\
                 *Shell Section, elset=SHELL, material=M\n 0.002, 5\n*Material, name=M\n*Density\n 7800.,\n*Elastic\n 2.e11, 0.3\n\

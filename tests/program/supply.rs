@@ -1,5 +1,6 @@
-//! Dependencies: each crate comes from crates.io, has a licence of `tests/deny.toml` and asks for no newer Rust than
-//! `Cargo.toml` names; the program has none that is banned there. Source: what cargo says of the locked crates of this platform.
+//! Dependencies: each crate comes from crates.io, has a licence of `tests/deny.toml` and needs no newer Rust than
+//! `Cargo.toml` states; the program contains none that is banned there. Source: the metadata of cargo for the locked
+//! crates of this platform.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
@@ -8,7 +9,7 @@ use serde_json::Value;
 
 use crate::common::project;
 
-/// The packages of the workspace, and the names of the crates that the program is made of.
+/// Returns the packages of the workspace, and the names of the crates in the program.
 fn packages() -> (Vec<Value>, BTreeSet<String>) {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
     let host = Command::new(&cargo).args(["version", "--verbose"]).output().expect("cargo runs");
@@ -34,21 +35,21 @@ fn packages() -> (Vec<Value>, BTreeSet<String>) {
     (packages, names)
 }
 
-/// First texts in quotes of the lines below a line of a file, up to the bracket that closes the list.
+/// Returns the first quoted text of each line of a list, from the line after `begin` to the closing bracket.
 fn listed(text: &str, begin: &str) -> Vec<String> {
     let (_, list) = text.split_once(begin).expect("a list");
     let list = list.split("\n]").next().expect("an end");
     list.lines().filter_map(|line| line.split('"').nth(1)).map(str::to_owned).collect()
 }
 
-/// The three numbers of a version; what is left out is zero.
+/// Returns the three numbers of a version; missing ones are zero.
 fn numbers(version: &str) -> [u64; 3] {
     let mut numbers = version.split('.').map(|n| n.parse().expect("a number"));
     [(); 3].map(|()| numbers.next().unwrap_or(0))
 }
 
 #[test]
-fn crates_are_what_they_may_be() {
+fn crates_have_allowed_sources_licences_and_versions() {
     let rules = std::fs::read_to_string(project("tests/deny.toml")).expect("rules");
     let (licences, banned) = (listed(&rules, "\nallow = ["), listed(&rules, "\ndeny = ["));
     assert!(licences.len() > 5 && banned.len() > 3);
@@ -73,7 +74,7 @@ fn crates_are_what_they_may_be() {
             newest = newest.max(numbers(version));
         }
     }
-    println!("{} crates, the newest Rust that one asks for is {newest:?}", packages.len() - 2);
-    // What the project's own code asks for is clippy's to find.
-    assert!(newest <= own, "a crate asks for Rust {newest:?}, Cargo.toml names {own:?}");
+    println!("{} crates, the newest Rust that one needs is {newest:?}", packages.len() - 2);
+    // Clippy checks the Rust version of the project's own code.
+    assert!(newest <= own, "a crate needs Rust {newest:?}, Cargo.toml names {own:?}");
 }

@@ -1,5 +1,5 @@
-//! The structure that `docs/architecture.md` describes: imports point downwards, import cycles within a folder are small,
-//! and files and tests that the documentation names exist.
+//! The structure that `docs/architecture.md` describes: imports point downwards, import cycles within a folder are
+//! small, and files and tests that the documentation names exist.
 //!
 //! Imports are read from the paths in `src/`, in `use` lines and elsewhere; unit tests are left out.
 
@@ -38,26 +38,26 @@ const DIAGNOSTICS: &[&str] =
 const LARGEST_CYCLE: usize = 3;
 
 /// Segments of a path from the root of the crate.
-pub type Module = Vec<String>;
+pub type ModulePath = Vec<String>;
 
 /// A module's file, the paths it names, and the names it re-exports.
-pub struct Source {
+pub struct ModuleSource {
     file: String,
-    named: Vec<Module>,
-    exported: BTreeMap<String, Module>,
+    named: Vec<ModulePath>,
+    exported: BTreeMap<String, ModulePath>,
 }
 
 /// All modules except the crate roots.
-pub struct SourceTree(BTreeMap<Module, Source>);
+pub struct SourceTree(BTreeMap<ModulePath, ModuleSource>);
 
 impl SourceTree {
     pub fn read() -> SourceTree {
         let mut files = Vec::new();
         collect(&project("src"), &mut Vec::new(), &mut files);
-        let modules: BTreeSet<Module> = files.iter().map(|f| f.0.clone()).collect();
-        let read = |(module, file): (Module, String)| {
+        let modules: BTreeSet<ModulePath> = files.iter().map(|f| f.0.clone()).collect();
+        let read = |(module, file): (ModulePath, String)| {
             let text = strip_comments(&fs::read_to_string(project(&file)).expect("a source"));
-            let mut source = Source { file, named: Vec::new(), exported: BTreeMap::new() };
+            let mut source = ModuleSource { file, named: Vec::new(), exported: BTreeMap::new() };
             source.record_paths(&text, &module, &modules);
             (module, source)
         };
@@ -65,7 +65,7 @@ impl SourceTree {
     }
 
     /// Returns the module that defines what a path names, and the name in it; `None` outside the crate.
-    fn definition(&self, path: &Module) -> Option<(Module, Option<String>)> {
+    fn definition(&self, path: &ModulePath) -> Option<(ModulePath, Option<String>)> {
         let mut path = path.clone();
         for _ in 0..8 {
             let depth = (1..=path.len()).rev().find(|&n| self.0.contains_key(&path[..n]))?;
@@ -79,17 +79,17 @@ impl SourceTree {
     }
 
     /// Returns the imports from module to module with the imported name.
-    pub fn imports(&self) -> Vec<(&Module, Module, Option<String>)> {
-        let of = |(module, source): (&'_ Module, &Source)| -> Vec<(Module, Option<String>)> {
+    pub fn imports(&self) -> Vec<(&ModulePath, ModulePath, Option<String>)> {
+        let of = |(module, source): (&'_ ModulePath, &ModuleSource)| -> Vec<(ModulePath, Option<String>)> {
             source.named.iter().filter_map(|path| self.definition(path)).filter(|(to, _)| to != module).collect()
         };
         self.0.iter().flat_map(|(m, s)| of((m, s)).into_iter().map(move |(to, name)| (m, to, name))).collect()
     }
 }
 
-impl Source {
+impl ModuleSource {
     /// Records every path that a text names.
-    fn record_paths(&mut self, text: &str, module: &Module, modules: &BTreeSet<Module>) {
+    fn record_paths(&mut self, text: &str, module: &ModulePath, modules: &BTreeSet<ModulePath>) {
         let mut rest = text;
         let mut code = String::new();
         while let Some((before, statement, after)) = next_use(rest) {
@@ -115,7 +115,7 @@ impl Source {
 }
 
 /// Collects the files below a folder as modules.
-fn collect(folder: &Path, above: &mut Module, files: &mut Vec<(Module, String)>) {
+fn collect(folder: &Path, above: &mut ModulePath, files: &mut Vec<(ModulePath, String)>) {
     for entry in fs::read_dir(folder).expect("a folder").map(|e| e.expect("a file").path()) {
         let name = entry.file_stem().expect("a name").to_string_lossy().into_owned();
         above.push(name.clone());
@@ -181,7 +181,7 @@ fn split_list(list: &str) -> Vec<&str> {
 }
 
 /// Returns a path from the crate root; `None` for other crates.
-fn absolute(path: &str, module: &Module, modules: &BTreeSet<Module>) -> Option<Module> {
+fn absolute(path: &str, module: &ModulePath, modules: &BTreeSet<ModulePath>) -> Option<ModulePath> {
     let mut words = path.split("::").filter(|w| !w.is_empty()).map(str::to_owned).peekable();
     let mut base = module.clone();
     match words.peek()?.as_str() {
@@ -233,11 +233,11 @@ fn imports_point_downwards() {
 #[test]
 fn import_cycles_are_small() {
     let tree = SourceTree::read();
-    let mut next: BTreeMap<&Module, BTreeSet<Module>> = BTreeMap::new();
+    let mut next: BTreeMap<&ModulePath, BTreeSet<ModulePath>> = BTreeMap::new();
     for (from, to, _) in tree.imports().into_iter().filter(|(from, to, _)| from[0] == to[0]) {
         next.entry(from).or_default().insert(to);
     }
-    let reached = |start: &Module| {
+    let reached = |start: &ModulePath| {
         let (mut seen, mut open) = (BTreeSet::new(), vec![start]);
         while let Some(module) = open.pop() {
             for to in next.get(module).into_iter().flatten() {
@@ -248,15 +248,16 @@ fn import_cycles_are_small() {
         }
         seen
     };
-    let all: BTreeMap<&Module, BTreeSet<&Module>> = tree.0.keys().map(|m| (m, reached(m))).collect();
-    let cycle = |m: &Module| -> BTreeSet<&str> {
+    let all: BTreeMap<&ModulePath, BTreeSet<&ModulePath>> = tree.0.keys().map(|m| (m, reached(m))).collect();
+    let cycle = |m: &ModulePath| -> BTreeSet<&str> {
         all[m].iter().filter(|to| all[*to].contains(m)).map(|to| tree.0[*to].file.as_str()).collect()
     };
     let large: BTreeSet<_> = tree.0.keys().map(cycle).filter(|files| files.len() > LARGEST_CYCLE).collect();
     assert!(large.is_empty(), "{large:#?}");
 }
 
-/// Folders that may know how a rigid body moves in space. Others see what all bodies have, and the motion of their points.
+/// Folders that may use the motion of rigid bodies in space. Others use what is common to all bodies, and the motion of
+/// points.
 const IN_SPACE: &[&str] = &["constraint", "load", "plan", "state"];
 
 #[test]
@@ -267,7 +268,7 @@ fn four_folders_know_how_bodies_move_in_space() {
     assert_eq!(folders, IN_SPACE.iter().map(|name| (*name).to_owned()).collect());
 }
 
-/// Names of a platform, and what they are allowed in.
+/// Names that belong to a platform.
 const OF_PLATFORMS: &[&str] = &[
     "std::os::",
     "libc::",
@@ -316,7 +317,7 @@ fn central_traits_have_few_methods() {
 }
 
 /// Returns the texts of all files below a folder with a file name ending, by path from the project.
-fn texts(folder: &str, end: &str) -> BTreeMap<String, String> {
+pub fn texts(folder: &str, end: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(project(folder)).expect("a folder").map(|e| e.expect("a file")) {
         let path = format!("{folder}/{}", entry.file_name().to_string_lossy());

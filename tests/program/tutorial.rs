@@ -60,10 +60,10 @@ fn every_command_of_the_tutorial_works() {
     }
     assert!(there("out/taylor_copper/report.html") && there("out/study/taylor_copper_study.png"));
     assert!(there("out/bar/report.html") && there("length.png") && there("energy.png"));
-    // OpenRadioss has 21.43 mm on this mesh.
+    // OpenRadioss gives 21.43 mm on this mesh.
     let copper = length("1000*(0.0324+final(U2@TIP))");
     assert!((copper - 21.43).abs() < 0.05, "{copper}");
-    // The bar of Johnson and Cook for this copper is a third shorter, and its foot more than half wider.
+    // Johnson and Cook's bar of this copper is a third shorter, and its foot more than half as wide again.
     let (long, wide) = (length("1000*final(COOR2@TIP)"), length("2000*final(COOR1@CORNER)"));
     assert!((15.0..18.5).contains(&long) && (11.5..15.5).contains(&wide), "{long} {wide}");
     let Some(python) = python() else { return };
@@ -78,7 +78,8 @@ fn every_command_of_the_tutorial_works() {
     assert!(largest("PEEQ") > 0.5 && largest("TEMP") > 298.0 + 50.0, "{printed}");
 }
 
-/// Returns the files that a page gives: a line that begins with "File `NAME`" and ends with a colon, then an indented block.
+/// Returns the files that a page gives: a line that begins with "File `NAME`" and ends with a colon, then an indented
+/// block.
 fn files(page: &str) -> Vec<(String, String)> {
     let given = page.split("\nFile `").skip(1).map(|rest| {
         let (name, rest) = rest.split_once('`').expect("a name");
@@ -106,7 +107,8 @@ fn program(line: &str, python: Option<&Path>) -> Option<Command> {
     Some(command)
 }
 
-/// Runs every page of `docs/tutorials` at the top of a copy of the decks; quantities in blocks marked `text` are those printed.
+/// Runs every page of `docs/tutorials` at the top of a copy of the decks; quantities in blocks marked `text` are those
+/// printed.
 #[test]
 fn tutorials_run_as_written() {
     let fortran = Command::new("gfortran").arg("--version").output().is_ok();

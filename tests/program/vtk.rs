@@ -1,4 +1,4 @@
-//! Result files as others read them: the real VTK library (where there is one) and vtkio.
+//! Result files read by other programs: the VTK library (if installed) and vtkio.
 
 use std::process::Command;
 
@@ -6,7 +6,7 @@ use vtkio::Vtk;
 
 use crate::common;
 
-/// Python with the vtk wheel, or `None` after saying so. In CI it must be there.
+/// Returns a Python with the vtk wheel, or `None` with a printed note. CI requires it.
 pub fn python() -> Option<String> {
     let python = std::env::var("REVOLVE_PYTHON").unwrap_or_else(|_| "python3".into());
     let found = Command::new(&python).args(["-c", "import vtkmodules"]).output().is_ok_and(|o| o.status.success());
@@ -18,7 +18,7 @@ pub fn python() -> Option<String> {
 }
 
 #[test]
-fn the_vtk_library_reads_the_series() {
+fn vtk_library_reads_the_series() {
     let folder = tempfile::tempdir().expect("a folder");
     common::run_ogive(folder.path(), &[("n", "8")]);
     let Some(python) = python() else { return };
@@ -60,10 +60,11 @@ fn vtkio_reads_a_frame_with_all_its_arrays() {
     assert_eq!(names(&piece.data.cell)[..5], ["PRESSURE", "NORMAL_VELOCITY", "LAYER", "ELEMENT", "MATERIAL"]);
 }
 
-/// Pictures of the same as pyvista draws them: of deleted elements not a pixel, deformed as warped, another than at the start; the
-/// body of revolution is as high and as wide as its meridian, and a tensor glyph as long as the largest eigenvalue.
+/// Pictures drawn by pyvista: no pixel of deleted elements, the deformed shape equals the warped one and differs from
+/// the initial one; the body of revolution is as high and as wide as its meridian, and a tensor glyph as long as the
+/// largest eigenvalue.
 #[test]
-fn pyvista_draws_what_is_there() {
+fn pyvista_pictures_match_the_results() {
     let Some(python) = python() else { return };
     if !Command::new(&python).args(["-c", "import pyvista"]).output().is_ok_and(|o| o.status.success()) {
         assert!(std::env::var_os("CI").is_none(), "in CI pyvista must be installed");
@@ -93,10 +94,10 @@ fn pyvista_draws_what_is_there() {
     assert!(number("glyph") < 0.01, "{found}");
 }
 
-/// A rod through a plate that fails: points at the start, warped by U, are the points of the deformed body; deleted elements are
-/// not shown; tensors are such as VTK knows.
+/// A rod through a plate with element deletion: initial points warped by U are the points of the deformed body; deleted
+/// elements are hidden; tensors have the form that VTK expects.
 #[test]
-fn the_vtk_library_warps_hides_and_knows_tensors() {
+fn vtk_library_warps_hides_and_reads_tensors() {
     let Some(python) = python() else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let out = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
@@ -114,7 +115,7 @@ fn the_vtk_library_warps_hides_and_knows_tensors() {
     assert!(number("deleted") >= 1.0);
     assert_eq!(number("hidden"), number("deleted"), "{found}");
     assert_eq!(number("shown"), number("cells") - number("deleted"), "the surface that VTK draws: {found}");
-    // Not all filters heed what is hidden: of deleted elements there is nothing that they could show.
+    // Some filters ignore hidden cells, so deleted elements must have no extent.
     assert_eq!(number("extent"), 0.0, "{found}");
     assert_eq!(found["stress"], serde_json::json!(["S11", "S22", "S33", "S12", "S23", "S13"]));
     assert_eq!(found["materials"], serde_json::json!([1, 2]));

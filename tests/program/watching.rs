@@ -1,4 +1,4 @@
-//! What stands before, around and behind a run: what a deck amounts to, how far a run is, its end, files to start from.
+//! Before, during and after a run: `check`, the status file, the end of the run, example decks.
 
 use std::io::Write as _;
 use std::process::{Command, Stdio};
@@ -22,9 +22,9 @@ fn near(value: &serde_json::Value, expected: f64) {
     assert!((number(value) / expected - 1.0).abs() < 1e-12, "{value} and not {expected}");
 }
 
-/// A cylinder: mass, centre, energy and waves by hand; and what holds at its foot.
+/// A cylinder: mass, centre, energy and wave times calculated by hand, and the conditions at its foot.
 #[test]
-fn check_says_what_a_deck_amounts_to() {
+fn check_summarises_a_deck() {
     let found = checked(&["input/taylor_copper.inp"]);
     let (density, radius, length, speed): (f64, f64, f64, f64) = (8930.0, 3.2e-3, 32.4e-3, 227.0);
     let overview = &found["overview"];
@@ -41,15 +41,15 @@ fn check_says_what_a_deck_amounts_to() {
     let wave = (modulus * (1.0 - ratio) / ((1.0 + ratio) * (1.0 - 2.0 * ratio) * density)).sqrt();
     near(&overview["waves"][0]["longitudinal"], wave);
     near(&overview["waves"][0]["shear"], (modulus / (2.0 * (1.0 + ratio)) / density).sqrt());
-    // The foot stands still from the start, and what is lumped there has no energy.
+    // The foot is fixed from the start, so its lumped mass has no kinetic energy.
     let energy = 0.5 * mass * speed * speed;
     let part = number(&overview["kinetic_energy"]) / energy;
     assert!((0.98..=1.0 + 1e-12).contains(&part), "{part}");
 }
 
-/// The look: a run that is over within it is told whole; of others the increment and its element.
+/// A short trial run: runs that end within it are reported completely, for others the increment and its element.
 #[test]
-fn check_says_what_a_run_will_take() {
+fn check_estimates_the_run_time() {
     let effort = |deck: &str| {
         let output = revolve(&["check", "--json", deck]);
         let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
@@ -71,9 +71,9 @@ fn path_in(folder: &tempfile::TempDir, name: &str) -> String {
     folder.path().join(name).to_str().expect("a name").to_owned()
 }
 
-/// Density and modulus of different systems: told by `check` with what would fit; not where they fit.
+/// Density and modulus from different systems of units: `check` reports this and proposes a consistent pair.
 #[test]
-fn units_of_no_solid_are_told() {
+fn inconsistent_units_are_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let deck = std::fs::read_to_string(project("input/taylor_copper.inp")).expect("a deck");
     let codes = |change: [&str; 2]| {
@@ -89,8 +89,8 @@ fn units_of_no_solid_are_told() {
             .collect();
         (codes, found["diagnostics"].clone())
     };
-    let (told, found) = codes(["117.e9", "117.e3"]);
-    assert!(told.contains(&"P119".into()), "{found}");
+    let (message_text, found) = codes(["117.e9", "117.e3"]);
+    assert!(message_text.contains(&"P119".into()), "{found}");
     let finding = found.as_array().and_then(|l| l.iter().find(|d| d["code"] == "P119")).expect("a finding").clone();
     assert!(finding["line"].is_u64() && finding["column"].is_u64() && finding["file"].is_string(), "{finding}");
     assert!(finding["help"].as_str().is_some_and(|h| h.contains("m, kg, s") && h.contains("2.1")), "{finding}");
@@ -99,7 +99,7 @@ fn units_of_no_solid_are_told() {
 }
 
 #[test]
-fn a_run_keeps_a_status_file() {
+fn run_writes_a_status_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = path_in(&folder, "status");
     let output =
@@ -111,7 +111,7 @@ fn a_run_keeps_a_status_file() {
         .map(|line| line.split_whitespace().collect::<Vec<_>>())
         .filter(|words| words.len() == 8 && words[0].parse::<u64>().is_ok())
         .collect();
-    assert!(rows.len() >= 21, "a line a frame at least: {status}");
+    assert!(rows.len() >= 21, "at least one line per frame: {status}");
     let increments: Vec<u64> = rows.iter().map(|row| row[0].parse().expect("a number")).collect();
     assert!(increments.is_sorted(), "{increments:?}");
     let times: Vec<f64> = rows.iter().map(|row| row[2].parse().expect("a time")).collect();
@@ -125,7 +125,7 @@ fn a_run_keeps_a_status_file() {
         .and_then(|value| value.parse().ok())
         .expect("a value");
     assert!((-0.0108..-0.006).contains(&value), "{value}");
-    // The same expression, the same number, from a sweep.
+    // The same expression gives the same number in a sweep.
     let swept =
         revolve(&["sweep", "input/taylor_copper.inp", "-s", "nr=10", "-o", &out, "--quantity", "at(U2@TIP, 4e-5)"]);
     let table = text(&swept.stdout);
@@ -133,7 +133,7 @@ fn a_run_keeps_a_status_file() {
 }
 
 #[test]
-fn a_run_without_frames_has_the_same_end() {
+fn run_without_frames_has_the_same_result() {
     let folder = tempfile::tempdir().expect("a folder");
     let (with, without) = (path_in(&folder, "frames"), path_in(&folder, "no-frames"));
     let json = |arguments: &[&str]| -> serde_json::Value {
@@ -150,9 +150,9 @@ fn a_run_without_frames_has_the_same_end() {
     assert!(names(&without).iter().all(|n| !n.ends_with(".vtu") && !n.ends_with(".pvd")), "{:?}", names(&without));
 }
 
-/// A shot that is cut short, and one through the back: both are told where a depth is read.
+/// A run that ends early and one that perforates: both are reported with the depth.
 #[test]
-fn depths_on_the_way_are_told() {
+fn depths_of_unfinished_shots_are_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let deck = std::fs::read_to_string(project("input/ogive.inp")).expect("a deck");
     let path = folder.path().join("ogive.inp");
@@ -162,16 +162,16 @@ fn depths_on_the_way_are_told() {
     assert!(text(&run.stdout).contains("NOSE still moves in the target"), "{}", text(&run.stdout));
     let arguments = ["-o", &out, "--quantity", "-1000*final(U2@REF)"];
     let sweep = revolve(&[&["sweep", "input/ogive.inp", "-s", "V=569,2000"], &arguments[..]].concat());
-    let told = text(&sweep.stderr);
-    assert!(told.contains("V = 2000: NOSE has left the target through its back"), "{told}");
-    assert!(!told.contains("V = 569"), "{told}");
+    let message_text = text(&sweep.stderr);
+    assert!(message_text.contains("V = 2000: NOSE has left the target through its back"), "{message_text}");
+    assert!(!message_text.contains("V = 569"), "{message_text}");
     let study = revolve(&[&["study", short, "--refine", "n=5,10,20"], &arguments[..]].concat());
     assert!(text(&study.stderr).contains("n = 20: NOSE still moves"), "{}", text(&study.stderr));
 }
 
-/// Any design of experiments: its rows in their order, a failing one named, the results of each kept.
+/// A user-defined design of experiments: rows in order, a failing one named, the results of each kept.
 #[test]
-fn samples_run_row_by_row_and_keep_their_results() {
+fn samples_are_run_in_order_with_their_own_results() {
     let folder = tempfile::tempdir().expect("a folder");
     let (design, out) = (folder.path().join("doe.csv"), folder.path().join("out"));
     std::fs::write(&design, "V, CRH\n821, 3\n569, 2\n700, 0\n").expect("a design");
@@ -194,7 +194,7 @@ fn samples_run_row_by_row_and_keep_their_results() {
 }
 
 #[test]
-fn a_deck_comes_from_standard_input() {
+fn deck_is_read_from_standard_input() {
     let folder = tempfile::tempdir().expect("a folder");
     let deck = std::fs::read(project("input/ogive.inp")).expect("a deck");
     let piped = |arguments: &[&str]| {
@@ -212,15 +212,15 @@ fn a_deck_comes_from_standard_input() {
     };
     piped(&["run", "-", "-q", "--no-frames"]);
     assert!(folder.path().join("out/job.json").is_file());
-    // A sweep reads its deck for each run.
+    // A sweep reads its deck again for each run.
     let swept = piped(&["sweep", "-", "-q", "--json", "-s", "V=569,821", "--quantity", "-1000*final(U2@REF)"]);
     let found: serde_json::Value = serde_json::from_str(&swept).expect("JSON");
     assert!(found["runs"].as_array().is_some_and(|runs| runs.iter().all(|run| run["error"].is_null())), "{found}");
 }
 
-/// Each deck to start from is accepted as it is written, with its routine beside it; nothing that is there is overwritten.
+/// Each example deck runs as it is written, with its user subroutine; existing files are not overwritten.
 #[test]
-fn decks_to_start_from_run() {
+fn example_decks_run_as_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().to_str().expect("a name");
     for template in ["taylor", "ogive", "plate"] {
@@ -238,8 +238,8 @@ fn decks_to_start_from_run() {
 }
 
 #[test]
-fn words_of_the_field_are_explained() {
-    for (word, said) in [
+fn technical_terms_are_explained() {
+    for (word, rendered) in [
         ("CAX4R", "quadrilateral"),
         ("c3d8r", "axisymmetric"),
         ("final", "last value"),
@@ -250,14 +250,14 @@ fn words_of_the_field_are_explained() {
         ("S", "Stress"),
     ] {
         let output = revolve(&["explain", word]);
-        assert!(output.status.success() && text(&output.stdout).contains(said), "{word}: {}", text(&output.stdout));
+        assert!(output.status.success() && text(&output.stdout).contains(rendered), "{word}: {}", text(&output.stdout));
     }
     let unknown = revolve(&["explain", "CAX4RR"]);
     assert!(text(&unknown.stderr).contains("did you mean CAX4R"), "{}", text(&unknown.stderr));
 }
 
 #[test]
-fn shells_find_completions_and_a_manual_page() {
+fn completions_and_manual_page_are_written() {
     let completions = text(&revolve(&["completions", "bash"]).stdout);
     assert!(completions.contains("--checkpoint-every") && completions.contains("complete -F"));
     let page = text(&revolve(&["man"]).stdout);
@@ -265,8 +265,9 @@ fn shells_find_completions_and_a_manual_page() {
     let version = text(&revolve(&["--version"]).stdout);
     assert!(version.contains("features: ") && version.contains("target: "), "{version}");
     assert!(version.contains("instructions "), "{version}");
-    // A checkout with its history tells the commit and the date, a source archive neither.
+    // A checkout with history prints commit and date, a source archive neither.
     let first = version.lines().next().unwrap_or_default();
-    let told = first.split_once('(').map(|(_, commit)| commit.trim_end_matches(')').split(' ').collect::<Vec<_>>());
-    assert!(told.is_none_or(|words| words.len() >= 2 && words[1].split('-').count() == 3), "{version}");
+    let message_text =
+        first.split_once('(').map(|(_, commit)| commit.trim_end_matches(')').split(' ').collect::<Vec<_>>());
+    assert!(message_text.is_none_or(|words| words.len() >= 2 && words[1].split('-').count() == 3), "{version}");
 }

@@ -1,4 +1,4 @@
-"""What the Python package costs: ``python tests/python/cost.py [SHOTS]`` from the checkout, on a machine that does nothing else.
+"""Run times of the Python package: ``python tests/python/cost.py [SHOTS]`` in the checkout, on an idle machine.
 
 Needs SALib and numba. The shots are those of ``docs/python.md``.
 """
@@ -19,18 +19,18 @@ from SALib.sample import sobol
 DEPTH = "-1000*final(U2@REF)"
 
 
-def best(work: Callable[[], Any], times: int, beside: Callable[[Any], float] = lambda _: 0.0) -> float:
-    """The shortest of some times, less what is not meant."""
+def best(work: Callable[[], Any], times: int, excluded: Callable[[Any], float] = lambda _: 0.0) -> float:
+    """Return the shortest of several run times, less the time given by ``excluded``."""
     shortest = float("inf")
     for _ in range(times):
         begin = time.perf_counter()
         result = work()
-        shortest = min(shortest, time.perf_counter() - begin - beside(result))
+        shortest = min(shortest, time.perf_counter() - begin - excluded(result))
     return shortest
 
 
 def tables(shots: int) -> None:
-    """Many shots on one thread and on two, and what memory they take."""
+    """Print the run time and memory of many shots on one thread and on two."""
     deck = rv.Deck("input/ogive.inp")
     rng = np.random.default_rng(1)
     samples = {"V": rng.uniform(500, 900, shots), "friction": rng.uniform(0, 0.05, shots)}
@@ -45,7 +45,7 @@ def tables(shots: int) -> None:
 
 
 def sobols() -> None:
-    """512 samples by SALib, deck and samples made as well."""
+    """Print the time of 512 SALib samples, including deck and samples."""
     for third, bounds in (("mass", [0.02, 0.022]), ("CRH", [2, 4])):
         problem = {"num_vars": 3, "names": ["V", "friction", third], "bounds": [[500, 900], [0, 0.05], bounds]}
 
@@ -57,7 +57,7 @@ def sobols() -> None:
 
 
 def calls() -> None:
-    """What a call takes beside its run."""
+    """Print the overhead of a call in addition to its run."""
     deck = rv.Deck("input/ogive.inp")
     table = {"V": np.full(40, 821.0)}
     alone = best(lambda: deck.evaluate(table, DEPTH, threads=1), 200) / 40
@@ -70,7 +70,7 @@ def calls() -> None:
 
 @numba.cfunc(rv.cfunc_signature())
 def constant_compiled(n, time, coordinates, velocities, normals, pressures):
-    """A constant pressure."""
+    """Apply a constant pressure."""
     p = numba.carray(pressures, n)
     for i in range(n):
         p[i] = 1e6
@@ -78,7 +78,7 @@ def constant_compiled(n, time, coordinates, velocities, normals, pressures):
 
 @numba.cfunc(rv.cfunc_signature())
 def compiled(n, time, coordinates, velocities, normals, pressures):
-    """The law of ``input/vdload_cavity.f``."""
+    """Apply the pressure of ``input/vdload_cavity.f``."""
     v, normal = numba.carray(velocities, (2, n)), numba.carray(normals, (2, n))
     p = numba.carray(pressures, n)
     for i in range(n):
@@ -87,12 +87,12 @@ def compiled(n, time, coordinates, velocities, normals, pressures):
 
 
 def constant(coordinates, velocities, normals, time, pressures):
-    """A constant pressure."""
+    """Apply a constant pressure."""
     pressures.fill(1e6)
 
 
 def loads() -> None:
-    """What an increment takes with loads of several kinds."""
+    """Print the run time of an increment for several kinds of loads."""
     deck = rv.Deck("input/ogive_user.inp")
     kinds = {
         "VDLOAD in Fortran": {"user": "input/vdload_cavity.f"},

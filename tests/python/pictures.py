@@ -1,5 +1,6 @@
-"""Pictures of the last frame of two series of one run, of points now and of points at the start, with pyvista, into a folder; what
-can be measured of them is printed as JSON.
+"""Draws the last frame of two series of a run, with deformed and with initial points, with pyvista into a folder.
+
+Prints measurements of the pictures as JSON.
 
     python tests/python/pictures.py NOW.pvd START.pvd FOLDER
 """
@@ -18,14 +19,14 @@ SIZE = 500
 
 
 def last(path):
-    """The last frame of a series."""
+    """Return the last frame of a series."""
     reader = pyvista.PVDReader(path)
     reader.set_active_time_value(reader.time_values[-1])
     return reader.read()[0]
 
 
 def picture(name, meshes, bounds=None):
-    """The pixels of a picture: each mesh with what add_mesh takes."""
+    """Return the pixels of a picture of meshes, each with arguments of add_mesh."""
     plotter = pyvista.Plotter(off_screen=True, window_size=(SIZE, SIZE))
     plotter.set_background("white")
     for mesh, how in meshes:
@@ -46,12 +47,12 @@ def picture(name, meshes, bounds=None):
 
 
 def drawn(pixels):
-    """Which pixels are not background."""
+    """Return a mask of the pixels that are not background."""
     return (pixels[:, :, :3] < 250).any(axis=2)
 
 
 def apart(first, second):
-    """How many pixels one picture has drawn and the other has not."""
+    """Return the number of pixels drawn in exactly one of two pictures."""
     return int((drawn(first) ^ drawn(second)).sum())
 
 
@@ -106,7 +107,7 @@ tensors.Update()
 shapes = pyvista.wrap(tensors.GetOutput())
 colours = {"scalars": shapes.point_data.keys()[0], "cmap": "turbo"}
 picture("tensors.png", [(solid, {"style": "wireframe", "color": "lightgrey"}), (shapes, colours)], solid.bounds)
-# A glyph of a sphere of diameter 1 is as long as its largest eigenvalue, by the scale.
+# The glyph of a sphere of diameter 1 is as long as the largest eigenvalue times the scale.
 each = shapes.points.reshape(solid.n_cells, -1, 3)
 across = each - each.mean(axis=1, keepdims=True)
 found["glyph"] = float(

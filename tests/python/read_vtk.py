@@ -1,4 +1,4 @@
-"""Reads a PVD series with the real VTK library and prints what it found as JSON."""
+"""Reads a PVD series with the VTK library and prints its contents as JSON."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Programs that hand out work to processes: the same table as one process, whatever dies on the way."""
+"""Programs that distribute work over processes give the table of a single process, even if a worker dies."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DEPTH = "-1000*final(U2@REF)"
 
 
-def test_dask_loses_a_worker_and_no_bit() -> None:
+def test_dask_gives_the_same_bits_after_losing_a_worker() -> None:
     distributed = pytest.importorskip("dask.distributed")
     deck = rv.Deck(ROOT / "input" / "ogive.inp")
     speeds = np.random.default_rng(3).uniform(569.0, 900.0, 20_000)
@@ -38,7 +38,7 @@ def test_dask_loses_a_worker_and_no_bit() -> None:
     assert table.tobytes() == alone.tobytes()
 
 
-def test_the_example_runs() -> None:
+def test_example_runs() -> None:
     pytest.importorskip("dask.distributed")
     script = ROOT / "examples" / "dask_sweep.py"
     said = subprocess.run([sys.executable, script, "4000"], check=True, capture_output=True, text=True).stdout

@@ -1,4 +1,4 @@
-"""The Python package: decks, runs, loads, evaluations, studies, as a user calls them."""
+"""The Python package as users call it: decks, runs, loads, evaluations, studies."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def deck() -> rv.Deck:
     return rv.Deck(OGIVE)
 
 
-def test_a_run_gives_what_the_program_gives(deck: rv.Deck, tmp_path: Path) -> None:
+def test_run_matches_the_program(deck: rv.Deck, tmp_path: Path) -> None:
     run = deck.run(V=821)
     subprocess.run(
         [sys.executable, "-m", "revolve", "run", OGIVE, "--set", "V=821", "--out", tmp_path, "-q"], check=True
@@ -44,7 +44,7 @@ def test_a_run_gives_what_the_program_gives(deck: rv.Deck, tmp_path: Path) -> No
         run.final("U3@REF")
 
 
-def test_histories_are_a_frame_of_pandas(deck: rv.Deck) -> None:
+def test_histories_are_a_pandas_data_frame(deck: rv.Deck) -> None:
     pandas = pytest.importorskip("pandas")
     history = deck.run().history
     assert isinstance(history, pandas.DataFrame)
@@ -52,7 +52,7 @@ def test_histories_are_a_frame_of_pandas(deck: rv.Deck) -> None:
     assert history["V2@REF"].iloc[0] == -569.0
 
 
-def test_frames_are_grids(deck: rv.Deck, tmp_path: Path) -> None:
+def test_frames_are_pyvista_grids(deck: rv.Deck, tmp_path: Path) -> None:
     pyvista = pytest.importorskip("pyvista")
     kept = deck.run(n=8)
     written = deck.run(n=8, out=tmp_path)
@@ -68,7 +68,7 @@ def test_frames_are_grids(deck: rv.Deck, tmp_path: Path) -> None:
     assert len(deck.run(frames=False).frames) == 0
 
 
-def test_findings_are_exceptions_and_lists() -> None:
+def test_diagnostics_are_exceptions_and_lists() -> None:
     text = OGIVE.read_text().replace("*Rigid Body", "*Rigid Bdy")
     broken = rv.Deck(text=text, name="broken.inp")
     with pytest.raises(rv.DeckError) as caught:
@@ -88,7 +88,7 @@ def test_findings_are_exceptions_and_lists() -> None:
         rv.Deck(OGIVE).evaluate({"V": 500.0}, "final(U2@RFE)")
 
 
-def test_a_halt_is_an_exception_with_the_run(deck: rv.Deck) -> None:
+def test_halt_is_an_exception_with_the_run(deck: rv.Deck) -> None:
     def fails(coordinates, velocities, normals, time, pressures):
         pressures[:] = 1e6 if time < 1e-4 else np.nan
 
@@ -101,13 +101,13 @@ def test_a_halt_is_an_exception_with_the_run(deck: rv.Deck) -> None:
 
 
 def cavity(coordinates, velocities, normals, time, pressures):
-    """The resistance of ``input/vdload_cavity.f``."""
+    """Apply the resistance of ``input/vdload_cavity.f``."""
     into = np.maximum(np.einsum("ij,ij->i", velocities, normals), 0.0)
     x = into * np.sqrt(2710.0 / 276e6)
     pressures[:] = np.where(into > 0.0, 276e6 * (5.0394 + 0.9830 * x * x), 0.0)
 
 
-def test_a_load_in_python_is_that_of_fortran() -> None:
+def test_python_load_matches_fortran() -> None:
     deck = rv.Deck(USER)
     fortran = deck.run(user=CAVITY, V=600)
     python = deck.run(load=cavity, V=600)
@@ -115,7 +115,7 @@ def test_a_load_in_python_is_that_of_fortran() -> None:
     assert len(python.arrays["time"]) == len(fortran.arrays["time"])
 
 
-def test_a_load_of_numba_is_that_of_python() -> None:
+def test_numba_load_matches_python() -> None:
     numba = pytest.importorskip("numba")
 
     @numba.cfunc(rv.cfunc_signature())
@@ -136,7 +136,7 @@ def test_a_load_of_numba_is_that_of_python() -> None:
     assert table.values[:, 0].tolist() == [deck.run(V=v, load=load).final("U2@REF") for v in speeds]
 
 
-def test_a_load_is_told_where_it_is_and_may_be_told_the_surface() -> None:
+def test_load_receives_coordinates_and_optionally_the_surface() -> None:
     seen = {}
 
     def load(coordinates, velocities, normals, time, pressures, surface):
@@ -155,7 +155,7 @@ def test_a_load_is_told_where_it_is_and_may_be_told_the_surface() -> None:
     assert np.isnan(pressures).all()
 
 
-def test_what_a_load_raises_is_raised() -> None:
+def test_exceptions_of_a_load_are_raised() -> None:
     def load(coordinates, velocities, normals, time, pressures):
         raise ZeroDivisionError("in the load")
 
@@ -168,7 +168,7 @@ def test_what_a_load_raises_is_raised() -> None:
             rv.Deck(USER).run(load=wrong)
 
 
-def test_host_routines_are_found_by_fortran(tmp_path: Path) -> None:
+def test_fortran_finds_host_routines(tmp_path: Path) -> None:
     source = tmp_path / "asks.f"
     source.write_text(
         """\
@@ -197,7 +197,7 @@ def _even(coordinates, velocities, normals, time, pressures):
     pressures[:] = 1e6
 
 
-def test_evaluate_is_runs_side_by_side(deck: rv.Deck) -> None:
+def test_evaluate_matches_single_runs(deck: rv.Deck) -> None:
     rng = np.random.default_rng(1)
     speeds, friction = rng.uniform(400, 900, 40), rng.uniform(0, 0.1, 40)
     quantities = ["-1000*final(U2@REF)", "min(V2@REF)"]
@@ -211,14 +211,14 @@ def test_evaluate_is_runs_side_by_side(deck: rv.Deck) -> None:
         assert np.array_equal(table, again)
     halves = [deck.evaluate({"V": speeds[s], "friction": friction[s]}, quantities) for s in (slice(7), slice(7, None))]
     assert np.array_equal(table, np.vstack(halves))
-    # Of geometry, too, and numbers for all samples alike.
+    # With parameters of the geometry, and with scalars for all samples.
     shapes = deck.evaluate({"CRH": [2.0, 3.0, 4.5], "V": 700, "n": 12}, quantities[0])
     assert shapes.values[:, 0].tolist() == [
         deck.run(CRH=c, V=700, n=12).quantity(quantities[0]) for c in (2.0, 3.0, 4.5)
     ]
 
 
-def test_what_fails_is_no_number_and_says_why(deck: rv.Deck) -> None:
+def test_failed_samples_are_nan_with_a_reason(deck: rv.Deck) -> None:
     table = deck.evaluate({"mass": [0.02, -1.0, np.nan, 0.03]}, "final(U2@REF)")
     assert np.isnan(table.values[:, 0]).tolist() == [False, True, True, False]
     assert sorted(table.reasons) == [1, 2]
@@ -230,13 +230,13 @@ def test_what_fails_is_no_number_and_says_why(deck: rv.Deck) -> None:
         deck.evaluate({"v": [1.0]}, "final(U2@REF)")
 
 
-def test_evaluate_with_fortran_is_runs(deck: rv.Deck) -> None:
+def test_evaluate_with_fortran_matches_single_runs(deck: rv.Deck) -> None:
     user = rv.Deck(USER)
     table = user.evaluate({"V": [500.0, 600.0]}, "final(U2@REF)", user=CAVITY)
     assert table.values[:, 0].tolist() == [user.run(V=v, user=CAVITY).final("U2@REF") for v in (500.0, 600.0)]
 
 
-def test_decks_and_samplers_go_to_other_processes(deck: rv.Deck) -> None:
+def test_decks_and_samplers_can_be_pickled(deck: rv.Deck) -> None:
     joblib = pytest.importorskip("joblib")
     copy = pickle.loads(pickle.dumps(deck))
     assert copy.text == deck.text
@@ -249,7 +249,7 @@ def test_decks_and_samplers_go_to_other_processes(deck: rv.Deck) -> None:
         function(samples[:, :1])
 
 
-def test_sobol_indices_of_salib(deck: rv.Deck) -> None:
+def test_salib_computes_sobol_indices(deck: rv.Deck) -> None:
     pytest.importorskip("SALib")
     from SALib.analyze import sobol
     from SALib.sample import sobol as sampling
@@ -261,7 +261,7 @@ def test_sobol_indices_of_salib(deck: rv.Deck) -> None:
     assert indices["S1"][0] > 0.5 > indices["S1"][1] > 0.0
 
 
-def test_quasi_random_samples_of_scipy(deck: rv.Deck) -> None:
+def test_scipy_gives_quasi_random_samples(deck: rv.Deck) -> None:
     qmc = pytest.importorskip("scipy.stats").qmc
     samples = qmc.scale(qmc.Sobol(2, seed=1).random(16), [500, 0.018], [900, 0.024])
     table = deck.evaluate({"V": samples[:, 0], "mass": samples[:, 1]}, "-1000*final(U2@REF)")
@@ -270,7 +270,7 @@ def test_quasi_random_samples_of_scipy(deck: rv.Deck) -> None:
     assert depth[next(s for s in depth if s[0] == fast)] > np.median(table.values)
 
 
-def test_a_study_knows_its_error(deck: rv.Deck) -> None:
+def test_study_reports_its_error(deck: rv.Deck) -> None:
     study = deck.study({"n": [10, 20, 40]}, "-1000*final(U2@REF)")
     assert len(study.table) == 3
     fine = deck.run(n=320).quantity("-1000*final(U2@REF)")
@@ -282,7 +282,7 @@ def test_a_study_knows_its_error(deck: rv.Deck) -> None:
         deck.study({"n": [10, 40, 20]}, "final(U2@REF)")
 
 
-def test_pages_of_a_notebook(deck: rv.Deck) -> None:
+def test_objects_have_notebook_representations(deck: rv.Deck) -> None:
     run = deck.run()
     page = run._repr_html_()
     assert page.count("<svg") == len(run.charts()) == 4
@@ -324,9 +324,9 @@ v = 1.
 
 
 @pytest.mark.parametrize("how", ["run", "evaluate", "many"])
-def test_the_keyboard_interrupts(how: str) -> None:
+def test_keyboard_interrupt_stops_the_call(how: str) -> None:
     slow = rv.Deck(text=SLOW)
-    # A shell ignores SIGINT in commands that it starts in the background; Python would never see it.
+    # A shell ignores SIGINT in background commands, so that Python would not receive it.
     previous = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
     timer.start()
@@ -342,7 +342,7 @@ def test_the_keyboard_interrupts(how: str) -> None:
     assert time.monotonic() - begin < 60
 
 
-def test_progress_is_told_and_may_stop_a_run() -> None:
+def test_progress_is_reported_and_may_stop_a_run() -> None:
     told = []
 
     def progress(fraction: float, words: str) -> None:
@@ -357,7 +357,7 @@ def test_progress_is_told_and_may_stop_a_run() -> None:
     assert "t = " in told[0][1]
 
 
-def test_the_command_line_comes_along() -> None:
+def test_command_line_is_installed() -> None:
     script = Path(sys.executable).with_name("revolve")
     found = subprocess.run([script, "check", OGIVE], capture_output=True, text=True, check=True)
     assert "cavity expansion" in found.stdout
@@ -370,13 +370,13 @@ def test_the_command_line_comes_along() -> None:
     )
 
 
-def test_samples_in_parquet_are_those_in_csv(tmp_path: Path) -> None:
+def test_parquet_samples_match_csv(tmp_path: Path) -> None:
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
     script = Path(sys.executable).with_name("revolve")
     tables = [tmp_path / name for name in ("samples.csv", "samples.parquet")]
     for table in tables:
-        # Negative masses give no result: their cells are empty.
+        # Negative masses give no result, and their cells are empty.
         draws = ["--distribution", "mass=-0.01..0.02", "--count", "40", "--quantity", "-1000*final(U2@REF)"]
         words = [script, "scatter", OGIVE, *draws, "--table", table, "--out", tmp_path, "--quiet"]
         assert subprocess.run(words, check=False).returncode == 1

@@ -1,4 +1,4 @@
-"""Warps the last frame of a series by U with the real VTK library, takes the eigenvalues of S, and prints what came of it as JSON."""
+"""Warps the last frame of a series by U with the VTK library and prints extents and eigenvalues of S as JSON."""
 
 import json
 import os
@@ -13,7 +13,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 
 def last(pvd):
-    """The reader of the last frame."""
+    """Return the reader of the last frame."""
     entry = list(ElementTree.parse(pvd).getroot().iter("DataSet"))[-1]
     reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(os.path.join(os.path.dirname(pvd), entry.get("file")))

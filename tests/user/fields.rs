@@ -1,47 +1,48 @@
-//! Field variables in tables (`DEPENDENCIES=`, `*FIELD`, VUSDFLD), characteristic lengths of the user (VUCHARLENGTH), and
-//! amplitudes that follow sensors on what deforms (VUAMP), against closed forms.
+//! Field variables in tables (`DEPENDENCIES=`, `*FIELD`, VUSDFLD), user-defined characteristic lengths (VUCHARLENGTH),
+//! and amplitudes that depend on sensors on deformable bodies (VUAMP), compared with closed forms.
 //!
-//! Goal: a field prescribed by history at nodes reaches the tables of its elements, and the same field by a routine gives the
-//! same figures; damage that takes twice the length dissipates what the closed form says; an amplitude stops a wave where its
-//! sensor says.
-//! Needs gfortran for the routines in Fortran; without it those tests say so and pass, except in CI.
+//! Goal: prescribed nodal fields reach the tables of the elements, and the same field from a user subroutine gives the
+//! same values; damage with twice the characteristic length dissipates the energy of the closed form; an amplitude
+//! stops a wave at the value of its sensor. Needs gfortran for Fortran files; without it those tests are left out,
+//! except in CI.
 
 use revolve::user::{FieldAnswer, FieldCall, LengthCall, LoadFailure, Routines, UserFields, UserLengths};
 
 use crate::common::solid::grid;
-use crate::common::{self, Memory};
+use crate::common::{self, RecordedOutput};
 use crate::material::{compiled, moving};
 
-/// Row by row of a column.
-fn column(text: &str, routines: &Routines, memory: &Memory, name: &str) -> Vec<f64> {
+/// Returns the values of a column.
+fn column(text: &str, routines: &Routines, memory: &RecordedOutput, name: &str) -> Vec<f64> {
     let prepared = common::prepared(text, &[], routines);
     let at = prepared.plan.columns.iter().position(|c| c.name == name).unwrap_or_else(|| panic!("no column {name}"));
     memory.rows.iter().map(|row| row.1[at]).collect()
 }
 
-/// A tube of 2 by 2 cells stretched along z at a rate of one length a time, nothing moving along r.
+/// Returns a tube of 2 by 2 elements stretched along z at a rate of one length per time, without radial motion.
 fn stretched(material: &str, outputs: &str) -> String {
     moving(|[_, z]| [0.0, z], material, outputs)
 }
 
-/// With a field that follows time on these nodes.
+/// Adds a field equal to the time at the given nodes.
 fn with_field(text: &str, cards: &str) -> String {
     text.replace("*Step\n", "*Amplitude, name=RISE\n 0., 0., 1., 1.\n*Step\n")
         .replace("*Output, history", &format!("{cards}*Output, history"))
 }
 
 const MODULI: &str = "*Elastic, dependencies=1\n 1000., 0.3, , 0.\n 400., 0.2, , 0.5\n 800., 0.1, , 1.\n";
-/// Young's modulus and Poisson's ratio of that table, linear between its rows, to the modulus of uniaxial strain.
+/// Returns the modulus of uniaxial strain from Young's modulus and Poisson's ratio of the table, linear between its
+/// rows.
 fn oedometric(field: f64) -> f64 {
     let (e, nu) =
         if field < 0.5 { (1000.0 - 1200.0 * field, 0.3 - 0.2 * field) } else { (800.0 * field, 0.3 - 0.2 * field) };
     e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
 }
 
-/// The field is the total time, at all points.
-struct TimeItself;
+/// User field equal to the total time at all points.
+struct TimeField;
 
-impl UserFields for TimeItself {
+impl UserFields for TimeField {
     fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure> {
         answer.field[..call.count].fill(call.now.total_time);
         Ok(())
@@ -61,10 +62,10 @@ subroutine vusdfld(nblock, nstatev, nfieldv, nprops, ndir, nshr, jElem, kIntPt, 
 end subroutine
 ";
 
-/// Uniaxial strain: the stress is E(f) (1 - nu(f)) / ((1 + nu(f)) (1 - 2 nu(f))) times the whole strain, in every increment;
-/// by `*FIELD`, by a routine in Rust and by one in Fortran alike.
+/// Uniaxial strain: the stress is E(f) (1 - nu(f)) / ((1 + nu(f)) (1 - 2 nu(f))) times the total strain, in every
+/// increment, for a field from `*FIELD`, from Rust and from Fortran.
 #[test]
-fn moduli_over_a_field_scale_the_whole_elastic_strain() {
+fn field_dependent_moduli_scale_the_total_elastic_strain() {
     let outputs = " S, LE22\n";
     let plain = stretched(MODULI, outputs).replace("number interval=10", "frequency=1");
     let by_history = with_field(&plain, "*Field, variable=1, amplitude=RISE\n ALL, 1.\n");
@@ -72,14 +73,14 @@ fn moduli_over_a_field_scale_the_whole_elastic_strain() {
     let (_, memory) = common::run(&by_history, &[], &Routines::none());
     let rows = |name: &str| column(&by_history, &Routines::none(), &memory, &format!("{name}@ONE"));
     let (stress, strain) = (rows("S22"), rows("LE22"));
-    assert!(strain.last().is_some_and(|e| (e - 2f64.ln()).abs() < 1e-6), "the strain is that of a doubled length");
+    assert!(strain.last().is_some_and(|e| (e - 2f64.ln()).abs() < 1e-6), "the final length is twice the initial one");
     let mut worst: f64 = 0.0;
     for ((time, _), (s, e)) in memory.rows.iter().zip(stress.iter().zip(&strain)).skip(1) {
         worst = worst.max((s / (oedometric(*time) * e) - 1.0).abs());
     }
     // Rounding of 1000 increments.
     assert!(worst < 1e-11, "{worst:e}");
-    let mut routines = vec![Routines::none().with_fields(TimeItself)];
+    let mut routines = vec![Routines::none().with_fields(TimeField)];
     if common::fortran("fields of the user in Fortran") {
         routines.push(compiled(TIME_IN_FORTRAN).expect("it compiles"));
     }
@@ -89,16 +90,16 @@ fn moduli_over_a_field_scale_the_whole_elastic_strain() {
         for name in ["S11", "S22", "S33"] {
             let got = column(&by_routine, &routines, &memory, &format!("{name}@ONE"));
             let far = got.iter().zip(rows(name)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            // The amplitude's time is the routine's, to rounding.
+            // The time of the amplitude equals that of the user subroutine, except for rounding.
             assert!(far < 1e-10, "{name}: {far:e}");
         }
     }
 }
 
-/// Yield stress over plastic strain and two fields, the first of which rises with time: (10 + 5 p)(1 - f1) + (4 + 2 p) f1, times
-/// what the second says; in every increment that flows.
+/// Yield stress as a function of plastic strain and two fields, the first of which increases with time: (10 + 5 p)(1 -
+/// f1) + (4 + 2 p) f1, times a factor from the second; checked in every plastic increment.
 #[test]
-fn a_yield_stress_over_fields_is_met_in_every_increment() {
+fn field_dependent_yield_stress_matches_the_table() {
     let table = |factor: f64, second: f64| {
         format!(
             " {}, 0., , 0., {second}\n {}, 1., , 0., {second}\n {}, 0., , 1., {second}\n {}, 1., , 1., {second}\n",
@@ -113,7 +114,7 @@ fn a_yield_stress_over_fields_is_met_in_every_increment() {
     let start = "*Initial Conditions, type=FIELD, variable=2\n ALL, 0.5\n*Step\n";
     let by_history = with_field(&text.replace("*Step\n", start), "*Field, amplitude=RISE\n ALL, 1.\n");
     let by_routine = text.replace("*Step\n", start).replace("*Density", "*User Defined Field\n*Density");
-    let routines = Routines::none().with_fields(TimeItself);
+    let routines = Routines::none().with_fields(TimeField);
     for (text, routines) in [(&by_history, &Routines::none()), (&by_routine, &routines)] {
         let (outcome, memory) = common::run(text, &[], routines);
         assert_eq!(outcome.halt, None);
@@ -123,24 +124,24 @@ fn a_yield_stress_over_fields_is_met_in_every_increment() {
         assert!(flows < 30 && strain.last().is_some_and(|p| *p > 0.4), "{flows} {:?}", strain.last());
         for i in flows..strain.len() {
             let (f, p) = (memory.rows[i].0, strain[i]);
-            // 0.5 lies a quarter of the way from factor 1 to factor 3.
+            // 0.5 is a quarter of the way from factor 1 to factor 3.
             let expected = 1.5 * ((1.0 - f) * (10.0 + 5.0 * p) + f * (4.0 + 2.0 * p));
             assert!((mises[i] / expected - 1.0).abs() < 1e-10, "{f}: {} {expected}", mises[i]);
-            // Flow along z without change of volume: the equivalent plastic strain is that along z.
+            // Isochoric plastic flow along z: the equivalent plastic strain is the axial one.
             assert!((axial[i] - p).abs() < 1e-10, "{} {p}", axial[i]);
         }
     }
 }
 
-/// Elements are given the mean of their nodes; a field holds what it came to over the steps, until OP=NEW, and what is not
-/// prescribed any more is what it was at the start.
+/// Elements use the mean of their nodes; a field keeps its value over the steps until OP=NEW, after which fields
+/// without a definition return to their initial value.
 #[test]
-fn fields_are_those_of_the_nodes_over_the_steps() {
+fn element_fields_average_nodal_fields_over_steps() {
     let moduli = "*Elastic, dependencies=1\n 100., 0., , 0.\n 1100., 0., , 1.\n";
     let text = stretched(moduli, " S22, LE22\n").replace("1.e-3, 1.", "1.e-3, 0.1");
     let text = text.replace("*Step\n", "*Elset, elset=TWO\n 3,\n*Amplitude, name=RISE\n 0., 0., 0.1, 1.\n*Step\n");
     let text = text.replace("*End Step\n", "*Element Output, elset=TWO\n S22, LE22\n*End Step\n");
-    // The upper row has two of its nodes on the middle line and two on the top line.
+    // The upper row of elements has two nodes on the middle line and two on the top line.
     let start = "*Initial Conditions, type=FIELD\n J0, 0.2\n J1, 0.4\n*Step\n";
     let text = text.replace("*Step\n", start);
     let first = text.replace("*Output", "*Field, amplitude=RISE\n J1, 0.8\n*Output");
@@ -153,7 +154,7 @@ fn fields_are_those_of_the_nodes_over_the_steps() {
         let of = |name: &str| column(&deck, &Routines::none(), &memory, &format!("{name}@{set}"))[i];
         of("S22") / of("LE22")
     };
-    // Modulus 100 + 1000 f, f the mean of two nodes of each line.
+    // Modulus 100 + 1000 f, where f is the mean of two nodes of each line.
     for (end, low, high) in [(0.1, 0.5 * 0.2, 0.5 * 0.8), (0.2, 0.5 * 0.2, 0.5 * 0.8), (0.3, 0.5 * 0.6, 0.5 * 0.4)] {
         for (set, f) in [("ONE", low), ("TWO", high)] {
             let expected = 100.0 + 1000.0 * f;
@@ -166,9 +167,9 @@ fn fields_are_those_of_the_nodes_over_the_steps() {
     }
 }
 
-/// Two rows of moduli over the temperature, half way between them: the moduli of the middle.
+/// Two rows of moduli over the temperature: halfway between them the mean moduli.
 #[test]
-fn moduli_over_temperature_are_linear_between_rows() {
+fn temperature_dependent_moduli_are_linear_between_rows() {
     let start = "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n*Step\n";
     let stress = |moduli: &str| {
         let text = stretched(&format!("*Elastic\n{moduli}"), " S22\n").replace("*Step\n", start);
@@ -177,13 +178,13 @@ fn moduli_over_temperature_are_linear_between_rows() {
         column(&text, &Routines::none(), &memory, "S22@ONE").pop().expect("a row")
     };
     let ratio = stress(" 1000., 0.2, 10.\n 2000., 0.3, 30.\n") / stress(" 1500., 0.25\n");
-    // Two ways to add up the same increments.
+    // The same increments summed in two ways.
     assert!((ratio - 1.0).abs() < 1e-11, "{ratio}");
 }
 
-/// What nothing depends on brings nothing to life, and the bits are those without it.
+/// Fields without dependent properties have no effect and leave the bits unchanged.
 #[test]
-fn fields_that_nothing_depends_on_are_told_and_change_nothing() {
+fn unused_fields_are_reported_and_change_nothing() {
     let plain = stretched("*Elastic\n 1000., 0.3\n*Plastic\n 10., 0.\n 15., 1.\n", " S\n");
     let other = with_field(&plain, "*Field, amplitude=RISE\n ALL, 1.\n");
     let (prepared, without) =
@@ -215,7 +216,8 @@ subroutine vucharlength(nblock, nfieldv, nprops, ncomp, ndim, nnode, nstatev, kS
 end subroutine
 ";
 
-/// Simple shear to the end of damage over a plastic displacement, with a card more of its material.
+/// Returns a deck of simple shear to complete damage over a plastic displacement, with an additional card of the
+/// material.
 pub fn sheared(card: &str) -> String {
     let damage = "*Elastic\n 26000., 0.3\n*Plastic\n 10., 0.\n*Damage Initiation, criterion=JOHNSON COOK\n \
                   0.1, 0., 0., 0., 0., 0., 0., 1.\n*Damage Evolution, type=DISPLACEMENT\n 0.2,\n";
@@ -225,11 +227,11 @@ pub fn sheared(card: &str) -> String {
         .replace("1.e-3, 1.", "1.e-4, 1.")
 }
 
-/// Simple shear g, which keeps the volume V: dp = dg / sqrt 3. Damage begins at the plastic strain p0 and is linear over a
-/// plastic displacement, so that the element is gone at p0 + u_f / L, and all that it took is dissipated:
-/// V Y (p0 + u_f / 2 L) and the elastic V Y^2 / 6 G.
+/// Simple shear g at constant volume V: dp = dg / sqrt 3. Damage starts at the plastic strain p0 and is linear over a
+/// plastic displacement, so that the element is deleted at p0 + u_f / L, and the dissipated energy is V Y (p0 + u_f / 2
+/// L) plus the elastic energy V Y^2 / 6 G.
 #[test]
-fn twice_the_length_in_fortran_halves_the_plastic_strain_of_damage() {
+fn doubled_characteristic_length_halves_the_damage_strain() {
     if !common::fortran("characteristic lengths of the user in Fortran") {
         return;
     }
@@ -248,20 +250,20 @@ fn twice_the_length_in_fortran_halves_the_plastic_strain_of_damage() {
         }
         let volume = std::f64::consts::PI * (9.0 - 1.0) * 2.0;
         let expected = volume * 10.0 * (0.1 + 0.2 / (2.0 * length) + 10.0 / (6.0 * 10_000.0));
-        // Gone within an increment of plastic strain behind p0 + u_f / L.
-        let behind = strain[gone] - (0.1 + 0.2 / length);
-        assert!(behind.abs() < 3e-4, "{behind}");
+        // Deleted within one increment of plastic strain after p0 + u_f / L.
+        let excess = strain[gone] - (0.1 + 0.2 / length);
+        assert!(excess.abs() < 3e-4, "{excess}");
         let got = column(text, routines, &memory, "ALLPD").pop().expect("a row");
         println!("length {length}: ALLPD {got}, closed form {expected}, ratio {}", got / expected);
-        // Increments of 1e-4 of strain.
+        // Increments of strain of 1e-4.
         assert!((got / expected - 1.0).abs() < 1e-3, "{got} {expected}");
     }
 }
 
-/// Twice the default.
-struct Twice;
+/// Returns twice the default length.
+struct DoubledLength;
 
-impl UserLengths for Twice {
+impl UserLengths for DoubledLength {
     fn lengths(&mut self, call: &LengthCall<'_>, lengths: &mut [f64]) -> Result<(), LoadFailure> {
         assert!(call.corners == 4 && call.nodes.len() == 8 * call.count && call.name == "M");
         lengths.iter_mut().for_each(|l| *l *= call.properties[0]);
@@ -269,10 +271,10 @@ impl UserLengths for Twice {
     }
 }
 
-/// Keeps the length that it is told.
-struct Keeps;
+/// User material that stores the length it receives.
+struct LengthRecorder;
 
-impl UserFields for Keeps {
+impl UserFields for LengthRecorder {
     fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure> {
         answer.state[..call.count].copy_from_slice(call.length);
         Ok(())
@@ -280,26 +282,26 @@ impl UserFields for Keeps {
 }
 
 #[test]
-fn routines_at_points_are_told_the_length_of_the_user_and_one_of_zero_halts() {
+fn user_length_reaches_materials_and_zero_halts() {
     let card = |factor: &str| {
         let cards = format!(
             "*Elastic\n 1000., 0.3\n*User Defined Field\n*Depvar\n 1,\n*Characteristic Length, definition=USER, properties=1\n {factor},\n"
         );
         stretched(&cards, " SDV1\n")
     };
-    let routines = || Routines::none().with_fields(Keeps).with_lengths(Twice);
+    let routines = || Routines::none().with_fields(LengthRecorder).with_lengths(DoubledLength);
     let text = card("2.");
     let (outcome, memory) = common::run(&text, &[], &routines());
     assert_eq!(outcome.halt, None);
     let got = column(&text, &routines(), &memory, "SDV1@ONE");
-    // Twice the root of the area, which grows from 1 to 2.
+    // Twice the square root of the area, which grows from 1 to 2.
     assert!((got.last().expect("a row") - 2.0 * 2f64.sqrt()).abs() < 2e-3, "{got:?}");
     let (outcome, _) = common::run(&card("0."), &[], &routines());
     let halt = outcome.halt.expect("a halt");
     assert!(halt.reason.contains("charLength(k, 1) = 0") && halt.reason.contains("element 1"), "{halt:?}");
-    let missing = revolve::job::prepare_text("test.inp", &text, &[], &Routines::none().with_fields(Keeps));
-    let told = missing.diagnostics.render(&missing.deck.sources);
-    assert!(told.contains("P004") && told.contains("vucharlength"), "{told}");
+    let missing = revolve::job::prepare_text("test.inp", &text, &[], &Routines::none().with_fields(LengthRecorder));
+    let message_text = missing.diagnostics.render(&missing.deck.sources);
+    assert!(message_text.contains("P004") && message_text.contains("vucharlength"), "{message_text}");
 }
 
 const STOPS: &str = "
@@ -316,13 +318,14 @@ subroutine vuamp(ampName, time, ampValueOld, dt, nprops, props, nSvars, svars, l
 end subroutine
 ";
 
-/// A bar that cannot widen, without Poisson's ratio, pushed at its end by a pressure p: until the wave comes back at 2 L / c its
-/// end moves at p / (rho c), and stands still from when the pressure ends. The routine ends it where the displacement of the
-/// end reaches -0.05, at t = 0.5; or where the velocity in the middle reaches half of p / (rho c), as the wave passes there at
-/// t = 0.5. Either way the end stands at -0.05. Two meshes: the first errs by an increment of time, the second by the width of a
-/// numerical front.
+/// A bar in uniaxial strain without Poisson's ratio, loaded at its end by a pressure p: until the reflected wave
+/// arrives at 2 L / c, the end moves at p / (rho c); it stops when the pressure is removed. The user amplitude removes
+/// the pressure when the displacement of the end reaches -0.05, at t = 0.5, or when the velocity at the centre reaches
+/// half of p / (rho c), as the wave passes at t = 0.5. In both cases the final displacement of the end is -0.05. Two
+/// meshes: the error of the first sensor is one time increment, that of the second the width of the numerical wave
+/// front.
 #[test]
-fn an_amplitude_stops_where_a_sensor_on_what_deforms_says() {
+fn amplitude_stops_at_the_value_of_a_sensor() {
     if !common::fortran("amplitudes of the user in Fortran") {
         return;
     }

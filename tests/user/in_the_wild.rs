@@ -1,8 +1,8 @@
-//! User files in the styles that are about: headers, Cray pointers, arrays that outlive a call, mutexes, MPI of one process,
-//! helpers of any name, routines for three dimensions, uncalled routines with holes.
+//! Styles of existing user files: headers, Cray pointers, persistent arrays, mutexes, MPI with one process, helpers
+//! with any name, subroutines for three dimensions, unused subroutines with undefined symbols.
 //!
-//! Goal: what ABAQUS's compile command takes is taken, and what cannot be called is told by its own name.
-//! Needs gfortran; without it these tests say so and pass, except in CI.
+//! Goal: files accepted by the compile command of ABAQUS are accepted, and unsupported ones are rejected by name. Needs
+//! gfortran; without it these tests are left out, except in CI.
 
 use std::path::PathBuf;
 
@@ -10,23 +10,23 @@ use revolve::job;
 use revolve::user::Routines;
 use revolve::user::compile::compile;
 
-use crate::common::{self, Memory};
+use crate::common::{self, RecordedOutput};
 use crate::material::{last, moving, taylor};
 
-/// Files of a user in a folder of their own; the first is compiled.
+/// Writes files into a new folder and compiles the first.
 fn opened(files: &[(&str, &str)]) -> Result<Routines, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let paths: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
     for (path, (_, text)) in paths.iter().zip(files) {
         std::fs::write(path, text).expect("a file");
     }
-    let said = |found: revolve::deck::Diagnostics| found.render(&revolve::deck::Sources::default());
-    let compiled = compile(&paths[..1], false).map_err(said)?;
+    let rendered = |found: revolve::deck::Diagnostics| found.render(&revolve::deck::Sources::default());
+    let compiled = compile(&paths[..1], false).map_err(rendered)?;
     compiled.open().map_err(|d| format!("{} {} {}", d.code, d.message, d.help.unwrap_or_default()))
 }
 
-/// A VUMAT in fixed form, elastic, with these lines before its loop and behind it; `info` names its seventh, `step` its tenth
-/// argument.
+/// Returns an elastic VUMAT in fixed form with additional lines before and inside its loop; `info` and `step` are the
+/// names of its seventh and tenth arguments.
 fn vumat((block, info, step): (&str, &str, &str), head: &str, declared: &str, inside: &str) -> String {
     format!(
         "{head}      subroutine vumat({block}, ndir, nshr, nstatev, nfieldv,\n     1 nprops, {info}, stepTime, totalTime, {step}, \
@@ -47,16 +47,16 @@ const DECLARED: &str = "      include 'vaba_param.inc'\n      character*80 cmnam
 
 const LAW: &str = "*User Material, constants=2\n 500., 800.\n*Depvar\n 2,\n";
 
-/// A tube sheared, with the material's elements numbered 1 to 4.
+/// Returns a sheared tube whose elements with the user material have the numbers 1 to 4.
 fn tube(outputs: &str) -> String {
     moving(|[r, z]| [0.1 * z, 0.1 * r], LAW, outputs)
 }
 
-/// Runs the tube with these files; value of the first state variable of element 1 at the end, and the routine's messages.
+/// Runs the tube with these files; returns the final value of the first state variable of element 1.
 fn state(files: &[(&str, &str)]) -> f64 {
-    let routines = opened(files).unwrap_or_else(|said| panic!("{said}\n{}", files[0].1));
+    let routines = opened(files).unwrap_or_else(|rendered| panic!("{rendered}\n{}", files[0].1));
     let text = tube(" S, SDV\n");
-    let mut memory = Memory::default();
+    let mut memory = RecordedOutput::default();
     let (outcome, _) = job::run_into(&common::prepared(&text, &[], &routines), &mut memory);
     assert_eq!(outcome.halt, None, "{}", files[0].1);
     last(&text, &routines, &memory, "SDV1@ONE")
@@ -67,7 +67,7 @@ fn fortran() -> bool {
 }
 
 #[test]
-fn element_numbers_come_with_the_block_and_by_pointer() {
+fn element_numbers_are_passed_in_block_and_pointer() {
     if !fortran() {
         return;
     }
@@ -82,7 +82,7 @@ fn element_numbers_come_with_the_block_and_by_pointer() {
 }
 
 #[test]
-fn what_is_left_out_of_the_state_stays_as_it_was() {
+fn unassigned_state_variables_keep_their_value() {
     if !fortran() {
         return;
     }
@@ -90,9 +90,9 @@ fn what_is_left_out_of_the_state_stays_as_it_was() {
     assert_eq!(state(&[("law.for", &text)]), 1000.0);
 }
 
-/// Rubber, as a rule: the routine knows no time zero, and its stress comes from the stretch alone.
+/// Typical for rubber: the subroutine has no special case for time zero, and its stress depends on the stretch only.
 #[test]
-fn a_stress_from_the_stretch_needs_no_branch_for_time_zero() {
+fn stress_from_stretch_is_valid_at_time_zero() {
     if !fortran() {
         return;
     }
@@ -101,36 +101,39 @@ fn a_stress_from_the_stretch_needs_no_branch_for_time_zero() {
                   = props(2)*(stretchNew(k,j) - one)\n        end do\n";
     let routines = opened(&[("law.f", &vumat(PLAIN, "", &declared, inside))]).expect("it compiles");
     let text = tube(" S\n");
-    let mut memory = Memory::default();
+    let mut memory = RecordedOutput::default();
     let (outcome, _) = job::run_into(&common::prepared(&text, &[], &routines), &mut memory);
     assert_eq!(outcome.halt, None);
-    // Velocities of 0.1 for a time of 1: the deformation gradient is symmetric, the stretch itself, with 0.1 beside the
+    // Velocities of 0.1 for a time of 1: the deformation gradient is symmetric, the stretch itself, with 0.1 off the
     // diagonal; rounding of 1000 increments.
     let shear = last(&text, &routines, &memory, "S12@ONE");
     assert!((shear - 80.0).abs() < 1e-9, "{shear}");
 }
 
-/// A triaxiality without stress, as a rule: ABAQUS/Explicit does not mind.
+/// Typical triaxiality at zero stress, a NaN that ABAQUS/Explicit accepts.
 #[test]
-fn state_variables_that_are_no_numbers_are_told_and_kept() {
+fn nan_state_variables_are_reported_and_kept() {
     if !fortran() {
         return;
     }
     let inside = "        stateNew(k,1) = 7.d0\n        zero = 0.d0*tr\n        stateNew(k,2) = zero/zero\n";
     let routines = opened(&[("law.f", &vumat(PLAIN, "", DECLARED, inside))]).expect("it compiles");
     let text = tube(" S, SDV\n");
-    let mut memory = Memory::default();
+    let mut memory = RecordedOutput::default();
     let (outcome, _) = job::run_into(&common::prepared(&text, &[], &routines), &mut memory);
     assert_eq!(outcome.halt, None);
     assert_eq!(last(&text, &routines, &memory, "SDV1@ONE"), 7.0);
     assert!(last(&text, &routines, &memory, "SDV2@ONE").is_nan());
-    let told = revolve::user::host::take_messages();
-    assert!(told.len() == 1 && told[0].text.contains("stateNew(k, 2) = NaN") && told[0].times == 1, "{told:?}");
+    let message_text = revolve::user::host::take_messages();
+    assert!(
+        message_text.len() == 1 && message_text[0].text.contains("stateNew(k, 2) = NaN") && message_text[0].times == 1,
+        "{message_text:?}"
+    );
 }
 
-/// What other compilers take as it stands.
+/// Constructs that other compilers accept.
 #[test]
-fn logicals_and_dec_fortran_are_taken() {
+fn logicals_and_dec_extensions_compile() {
     if !fortran() {
         return;
     }
@@ -142,7 +145,7 @@ fn logicals_and_dec_fortran_are_taken() {
 }
 
 #[test]
-fn arrays_mutexes_and_mpi_are_there() {
+fn persistent_arrays_mutexes_and_mpi_are_available() {
     if !fortran() {
         return;
     }
@@ -158,13 +161,13 @@ fn arrays_mutexes_and_mpi_are_there() {
     let text = vumat(PLAIN, "", &declared, inside);
     // Called once at time zero and in each of 1000 increments: 5 + 1001 + 0.25 + 1 + 10 + 1 + 0.
     assert_eq!(state(&[("law.f", &text)]), 1018.25);
-    // The header above all, as many write it.
+    // The header at the top of the file, a common style.
     let below = text.replace("#include <SMAAspUserSubroutines.hdr>\n", "");
     assert_eq!(state(&[("law.f", &("#include <SMAAspUserSubroutines.hdr>\n".to_owned() + &below))]), 1018.25);
 }
 
 #[test]
-fn includes_of_any_case_and_empty_arguments_are_taken() {
+fn includes_in_any_case_and_empty_arguments_compile() {
     if !fortran() {
         return;
     }
@@ -173,20 +176,20 @@ fn includes_of_any_case_and_empty_arguments_are_taken() {
                   .gt. 1.) call xplb_abqerr(1,'far',\n     1  ,,)\n";
     let text = vumat(PLAIN, "#include 'Helper.f'\n", &declared, inside);
     let helper = "      real*8 function seven()\n      seven = 7.d0\n      end\n";
-    // The function's type is that of implicit reals.
+    // The function has the type of implicit reals.
     assert_eq!(state(&[("law.f", &text), ("helper.f", helper)]), 7.0);
-    let told = text.replace(".gt. 1.) call xplb_abqerr(-3", ".gt. -1.) call xplb_abqerr(-3");
-    let routines = opened(&[("law.f", &told), ("helper.f", helper)]).expect("it compiles");
+    let message_text = text.replace(".gt. 1.) call xplb_abqerr(-3", ".gt. -1.) call xplb_abqerr(-3");
+    let routines = opened(&[("law.f", &message_text), ("helper.f", helper)]).expect("it compiles");
     let halt = common::run(&tube(" S\n"), &[], &routines).0.halt.expect("a halt");
     assert!(halt.reason.contains("too far (1)"), "{halt:?}");
 }
 
 #[test]
-fn free_form_modules_saved_data_and_own_helpers_run() {
+fn free_form_modules_saved_data_and_helpers_run() {
     if !fortran() {
         return;
     }
-    // A helper that bears the name of another routine of ABAQUS, with arguments of its own.
+    // A helper with the name of another ABAQUS subroutine but other arguments.
     let helper = "      subroutine vuhard(syield, hard, eqplas, table, n)\n      include 'vaba_param.inc'\n      dimension \
                   table(2,n)\n      syield = table(1,n)\n      hard = 0.d0\n      end\n      subroutine vsprinc(a)\n      real*8 a\n      \
                   a = 3.d0\n      end\n";
@@ -212,7 +215,7 @@ fn free_form_modules_saved_data_and_own_helpers_run() {
 }
 
 #[test]
-fn a_routine_for_three_dimensions_is_told() {
+fn three_dimensional_subroutine_is_reported() {
     if !fortran() {
         return;
     }
@@ -225,7 +228,7 @@ fn a_routine_for_three_dimensions_is_told() {
 }
 
 #[test]
-fn holes_of_uncalled_routines_do_not_matter() {
+fn undefined_symbols_of_unused_routines_are_accepted() {
     if !fortran() {
         return;
     }
@@ -234,12 +237,15 @@ fn holes_of_uncalled_routines_do_not_matter() {
     let text = vumat(PLAIN, "", DECLARED, inside) + hole;
     assert_eq!(state(&[("law.f", &text)]), 1.0);
     let called = vumat(PLAIN, "", DECLARED, "        call nowhere(tr)\n");
-    let said = opened(&[("law.f", &called)]).err().expect("it is refused");
-    assert!(said.contains("U005") && said.contains("vumat calls `nowhere`, which nothing defines"), "{said}");
+    let rendered = opened(&[("law.f", &called)]).err().expect("it is rejected");
+    assert!(
+        rendered.contains("U005") && rendered.contains("vumat calls `nowhere`, which nothing defines"),
+        "{rendered}"
+    );
 }
 
 #[test]
-fn what_is_never_called_is_told_by_its_name() {
+fn unused_subroutines_are_reported_by_name() {
     if !fortran() {
         return;
     }
@@ -251,21 +257,21 @@ fn what_is_never_called_is_told_by_its_name() {
         prepared.diagnostics.iter().filter(|d| d.code == "U009").map(|d| d.message.as_str()).collect();
     assert!(notes[0].contains("`vumat`") && notes[0].contains("*USER MATERIAL"), "{notes:?}");
     assert!(notes[1].contains("`vufield`") && notes[1].contains("does not support it"), "{notes:?}");
-    // A file that holds something else is named as the user named it.
-    let said = opened(&[("other.f", "      subroutine umat(a)\n      end\n")]).err().expect("it is refused");
-    assert!(said.contains("U006") && said.contains("other.f") && said.contains("umat"), "{said}");
-    assert!(!said.contains(".cache") && !said.contains(".so"), "{said}");
-    // One that holds a routine beside the one that is asked for.
+    // A file with another subroutine is reported with its name.
+    let rendered = opened(&[("other.f", "      subroutine umat(a)\n      end\n")]).err().expect("it is rejected");
+    assert!(rendered.contains("U006") && rendered.contains("other.f") && rendered.contains("umat"), "{rendered}");
+    assert!(!rendered.contains(".cache") && !rendered.contains(".so"), "{rendered}");
+    // A file with another subroutine in addition to the requested one.
     let routines = opened(&[("law.f", &vumat(PLAIN, "", DECLARED, ""))]).expect("it compiles");
     let loaded = plain.replace("*End Step", "*Dsload\n I1, PNU\n*End Step");
     let prepared = job::prepare_text("test.inp", &loaded, &[], &routines);
-    let said = prepared.diagnostics.render(&prepared.deck.sources);
-    assert!(said.contains("P004") && said.contains("do not define it"), "{said}");
+    let rendered = prepared.diagnostics.render(&prepared.deck.sources);
+    assert!(rendered.contains("P004") && rendered.contains("do not define it"), "{rendered}");
 }
 
-/// Users give each file that they have, those too that the first one includes.
+/// Users often pass all their files, including those that the first one includes.
 #[test]
-fn a_file_that_another_includes_is_compiled_once() {
+fn included_user_file_is_compiled_once() {
     if !fortran() {
         return;
     }
@@ -280,8 +286,9 @@ fn a_file_that_another_includes_is_compiled_once() {
     for files in [[law.clone(), inner.clone()], [inner, law]] {
         let compiled =
             compile(&files, false).unwrap_or_else(|d| panic!("{}", d.render(&revolve::deck::Sources::default())));
-        let told: Vec<_> = compiled.notes.iter().filter(|n| n.code == "U010").map(|n| n.message.clone()).collect();
-        assert!(told.len() == 1 && told[0].contains("inner.f` is included by"), "{told:?}");
+        let message_text: Vec<_> =
+            compiled.notes.iter().filter(|n| n.code == "U010").map(|n| n.message.clone()).collect();
+        assert!(message_text.len() == 1 && message_text[0].contains("inner.f` is included by"), "{message_text:?}");
         assert!(compiled.open().is_ok());
     }
 }

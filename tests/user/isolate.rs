@@ -1,17 +1,17 @@
-//! Routines in a process of their own (`--isolate`).
+//! User subroutines in a separate process (`--isolate`).
 //!
-//! Goal: the bits are those of routines in the process of the run, and whatever a routine does to its process the run ends in
-//! order, with words that say where. In C, which has the means.
+//! Goal: the bits are those of subroutines in the same process, and if a subroutine ends or damages its process, the
+//! run ends in order with a located message. The subroutines are in C.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use super::fields::{TWICE, sheared};
-use super::subroutines::{Desk, fortran, pushed_and_driven, told, user_deck, vdload};
+use super::subroutines::{UserFolder, fortran, message_text, pushed_and_driven, user_deck, vdload};
 use crate::common::project;
 
-/// A load that remembers and does something first.
-fn load(desk: &Desk, name: &str, before: &str) -> PathBuf {
+/// Writes a load with internal state that executes a statement first.
+fn load(user_dir: &UserFolder, name: &str, before: &str) -> PathBuf {
     let text = format!(
         "#define _GNU_SOURCE\n#include <fenv.h>\n#include <math.h>\n#include <signal.h>\n#include <stdlib.h>\n#include <stdio.h>\n\
          #include <unistd.h>\nvoid xplb_exit_(void);\nstatic int calls; static double path;\n\
@@ -20,20 +20,20 @@ fn load(desk: &Desk, name: &str, before: &str) -> PathBuf {
          int count = *nblock;\n  calls++; path += 1e-6*v[count];\n  \
          for (int k = 0; k < count; k++) value[k] = 1e8 + 1e6*v[count+k] - 1e9*path*fabs(d[2*count+k]) + x[k];\n  {before}\n}}\n"
     );
-    desk.write(&format!("{name}.c"), &text)
+    user_dir.write(&format!("{name}.c"), &text)
 }
 
-fn run(desk: &Desk, file: &Path, more: &[&str]) -> Output {
-    desk.run(&user_deck(), &[file], &[&["--isolate"], more].concat())
+fn run(user_dir: &UserFolder, file: &Path, more: &[&str]) -> Output {
+    user_dir.run(&user_deck(), &[file], &[&["--isolate"], more].concat())
 }
 
-/// The results but for times and shares of them.
-fn results(desk: &Desk) -> String {
-    results_of(desk, "ogive_user")
+/// Returns the results without times.
+fn results(user_dir: &UserFolder) -> String {
+    results_of(user_dir, "ogive_user")
 }
 
-fn results_of(desk: &Desk, job: &str) -> String {
-    let mut summary = desk.summary(job);
+fn results_of(user_dir: &UserFolder, job: &str) -> String {
+    let mut summary = user_dir.summary(job);
     summary["timing"] = serde_json::Value::Null;
     for row in summary["ledger"]["effects"].as_array_mut().expect("rows") {
         row.as_object_mut().expect("a row").remove("share");
@@ -42,27 +42,27 @@ fn results_of(desk: &Desk, job: &str) -> String {
 }
 
 #[test]
-fn the_bits_are_those_of_the_same_process() {
-    let desk = Desk::new();
-    let mut files = vec![load(&desk, "plain", ""), load(&desk, "rounds", "fesetround(FE_UPWARD);")];
+fn isolated_load_has_the_same_bits() {
+    let user_dir = UserFolder::new();
+    let mut files = vec![load(&user_dir, "plain", ""), load(&user_dir, "rounds", "fesetround(FE_UPWARD);")];
     if fortran() {
         files.push(project("input/vdload_cavity.f"));
     }
     for file in files {
         for facets in ["n=20", "n=700"] {
-            let output = desk.run(&user_deck(), &[&file], &["--set", facets]);
-            assert!(output.status.success(), "{}", told(&output));
-            let expected = results(&desk);
-            let output = run(&desk, &file, &["--set", facets]);
-            assert!(output.status.success(), "{}", told(&output));
-            assert_eq!(results(&desk), expected, "{} {facets}", file.display());
+            let output = user_dir.run(&user_deck(), &[&file], &["--set", facets]);
+            assert!(output.status.success(), "{}", message_text(&output));
+            let expected = results(&user_dir);
+            let output = run(&user_dir, &file, &["--set", facets]);
+            assert!(output.status.success(), "{}", message_text(&output));
+            assert_eq!(results(&user_dir), expected, "{} {facets}", file.display());
         }
     }
 }
 
-/// What a routine does to its own process costs that process: the run has its last frame, histories and summary.
+/// A subroutine that ends its own process: the run writes its last frame, histories and summary.
 #[test]
-fn a_routine_that_goes_leaves_the_run() {
+fn crashed_load_halts_the_run_with_results() {
     for (name, before, words) in [
         ("wild", "if (calls == 9) { volatile int *p = 0; *p = 1; }", "accessed invalid memory"),
         ("tramples", "if (calls == 9) for (long k = 0; ; k++) value[k] = 1e30;", "accessed invalid memory"),
@@ -75,54 +75,54 @@ fn a_routine_that_goes_leaves_the_run() {
         ("writes past", "if (calls == 9) value[count] = 1;", "wrote past the end of its argument value"),
         ("leaves out", "if (calls == 9) value[3] = NAN;", "at point 4"),
     ] {
-        let desk = Desk::new();
-        let output = run(&desk, &load(&desk, name, before), &[]);
-        assert_eq!(output.status.code(), Some(1), "{name}: {}", told(&output));
-        let summary = desk.summary("ogive_user");
+        let user_dir = UserFolder::new();
+        let output = run(&user_dir, &load(&user_dir, name, before), &[]);
+        assert_eq!(output.status.code(), Some(1), "{name}: {}", message_text(&output));
+        let summary = user_dir.summary("ogive_user");
         let reason = summary["reason"].as_str().expect("a reason");
         for word in ["R201", "NOSE", "step 1, increment 8", words] {
             assert!(reason.contains(word), "{name}: `{word}` in {reason}");
         }
-        assert!(summary["status"] == "halted" && desk.path("out/ogive_user_history.csv").exists(), "{name}");
+        assert!(summary["status"] == "halted" && user_dir.path("out/ogive_user_history.csv").exists(), "{name}");
         assert!(summary["digest"].as_str().is_some_and(|digest| digest.len() == 64), "{name}");
     }
 }
 
-/// A library that goes while it is opened.
+/// A library that ends the process while it is loaded.
 #[test]
-fn an_initialiser_that_goes_is_told() {
-    let desk = Desk::new();
-    let file = load(&desk, "begins", "");
+fn crashed_initialiser_is_reported() {
+    let user_dir = UserFolder::new();
+    let file = load(&user_dir, "begins", "");
     let mut text = std::fs::read_to_string(&file).expect("a source");
     text += "__attribute__((constructor)) static void begin(void) { if (getenv(\"GO\")) _exit(3); }\n";
     std::fs::write(&file, text).expect("a source");
-    let output = run(&desk, &file, &[]);
-    assert!(output.status.success(), "{}", told(&output));
-    let output = desk.run_with(&[("GO", PathBuf::from("1"))], &user_deck(), &[&file], &["--isolate"]);
-    assert!(output.status.code() == Some(2) && told(&output).contains("status 3"), "{}", told(&output));
+    let output = run(&user_dir, &file, &[]);
+    assert!(output.status.success(), "{}", message_text(&output));
+    let output = user_dir.run_with(&[("GO", PathBuf::from("1"))], &user_deck(), &[&file], &["--isolate"]);
+    assert!(output.status.code() == Some(2) && message_text(&output).contains("status 3"), "{}", message_text(&output));
 }
 
-/// Checkpoints hold what the routine keeps to itself, over there as here.
+/// Checkpoints contain the internal state of user subroutines in either process.
 #[test]
-fn a_run_goes_on_with_the_memory_of_the_other_process() {
-    let desk = Desk::new();
-    let file = load(&desk, "remembers", "if (*tt > 1e-4 && !getenv(\"GO\")) kill(getppid(), SIGTERM);");
+fn checkpoints_restore_state_in_either_process() {
+    let user_dir = UserFolder::new();
+    let file = load(&user_dir, "remembers", "if (*tt > 1e-4 && !getenv(\"GO\")) kill(getppid(), SIGTERM);");
     let go = [("GO", PathBuf::from("1"))];
-    let whole = desk.run_with(&go, &user_deck(), &[&file], &[]);
-    assert!(whole.status.success(), "{}", told(&whole));
-    let expected = results(&desk);
-    assert_eq!(run(&desk, &file, &[]).status.code(), Some(143));
-    let output = desk.run_with(&go, &user_deck(), &[&file], &["--isolate", "--resume"]);
-    assert!(output.status.success(), "{}", told(&output));
-    assert_eq!(results(&desk), expected);
-    assert_eq!(run(&desk, &file, &[]).status.code(), Some(143));
-    // The other way round: from there to here.
-    let output = desk.run_with(&go, &user_deck(), &[&file], &["--resume"]);
-    assert!(output.status.success(), "{}", told(&output));
-    assert_eq!(results(&desk), expected);
+    let whole = user_dir.run_with(&go, &user_deck(), &[&file], &[]);
+    assert!(whole.status.success(), "{}", message_text(&whole));
+    let expected = results(&user_dir);
+    assert_eq!(run(&user_dir, &file, &[]).status.code(), Some(143));
+    let output = user_dir.run_with(&go, &user_deck(), &[&file], &["--isolate", "--resume"]);
+    assert!(output.status.success(), "{}", message_text(&output));
+    assert_eq!(results(&user_dir), expected);
+    assert_eq!(run(&user_dir, &file, &[]).status.code(), Some(143));
+    // The reverse: from the separate process to the same one.
+    let output = user_dir.run_with(&go, &user_deck(), &[&file], &["--resume"]);
+    assert!(output.status.success(), "{}", message_text(&output));
+    assert_eq!(results(&user_dir), expected);
 }
 
-/// A Taylor bar whose flow is in a file of the user.
+/// Returns a Taylor bar whose plasticity is defined by `cards`.
 fn bar(cards: &str) -> String {
     let text =
         std::fs::read_to_string(project("input/taylor_vumat.inp")).expect("the deck").replace("nz = 25", "nz = 10");
@@ -130,36 +130,37 @@ fn bar(cards: &str) -> String {
     format!("{}{cards}{}", &text[..from], &text[to..])
 }
 
-/// Amplitude, motion, events, material, hardening, lengths: arguments are the same over there, state variables and answers too.
+/// Amplitude, motion, events, material, hardening, lengths: identical arguments, state variables and results in both
+/// processes.
 #[test]
-fn other_routines_have_the_same_bits() {
+fn other_isolated_subroutines_have_the_same_bits() {
     if !fortran() {
         return;
     }
-    let desk = Desk::new();
+    let user_dir = UserFolder::new();
     let hardening = bar("*Elastic\n 117.e9, 0.35\n*Plastic, hardening=USER, properties=8\n \
                          90.e6, 292.e6, 0.31, 0.025, 1.09, 1., 20., 1083.\n");
     let shear = sheared("*Characteristic Length, definition=USER, properties=1\n 2.,\n");
     let runs = [
-        ("two", pushed_and_driven(&desk)),
+        ("two", pushed_and_driven(&user_dir)),
         ("taylor_vumat", [project("input/taylor_vumat.inp"), project("input/vumat_hardening.f90")]),
-        ("hardens", [desk.write("hardens.inp", &hardening), project("input/vuhard_johnson_cook.f90")]),
-        ("shears", [desk.write("shears.inp", &shear), desk.write("twice.f90", TWICE)]),
+        ("hardens", [user_dir.write("hardens.inp", &hardening), project("input/vuhard_johnson_cook.f90")]),
+        ("shears", [user_dir.write("shears.inp", &shear), user_dir.write("twice.f90", TWICE)]),
     ];
     for (job, [deck, file]) in &runs {
-        let log = || std::fs::read_to_string(desk.path("out/log")).unwrap_or_default();
-        let output = desk.run(deck, &[file], &[]);
-        assert!(output.status.success(), "{job}: {}", told(&output));
-        let expected = (results_of(&desk, job), log());
-        let output = desk.run(deck, &[file], &["--isolate"]);
-        assert!(output.status.success(), "{job}: {}", told(&output));
-        assert_eq!((results_of(&desk, job), log()), expected, "{job}");
+        let log = || std::fs::read_to_string(user_dir.path("out/log")).unwrap_or_default();
+        let output = user_dir.run(deck, &[file], &[]);
+        assert!(output.status.success(), "{job}: {}", message_text(&output));
+        let expected = (results_of(&user_dir, job), log());
+        let output = user_dir.run(deck, &[file], &["--isolate"]);
+        assert!(output.status.success(), "{job}: {}", message_text(&output));
+        assert_eq!((results_of(&user_dir, job), log()), expected, "{job}");
     }
 }
 
-/// A material that goes, or writes past what it was given, leaves the run.
+/// A material that ends its process or writes beyond its arrays does not stop the output of the run.
 #[test]
-fn a_material_that_goes_leaves_the_run() {
+fn crashed_material_halts_the_run_with_results() {
     if !fortran() {
         return;
     }
@@ -173,11 +174,11 @@ fn a_material_that_goes_leaves_the_run() {
             "past the end of its argument stateNew",
         ),
     ] {
-        let desk = Desk::new();
-        let file = desk.write("goes.f90", &source.replacen(first, &format!("{statement}{first}"), 1));
-        let output = desk.run(&project("input/taylor_vumat.inp"), &[&file], &["--isolate"]);
-        assert_eq!(output.status.code(), Some(1), "{}", told(&output));
-        let reason = desk.summary("taylor_vumat")["reason"].to_string();
+        let user_dir = UserFolder::new();
+        let file = user_dir.write("goes.f90", &source.replacen(first, &format!("{statement}{first}"), 1));
+        let output = user_dir.run(&project("input/taylor_vumat.inp"), &[&file], &["--isolate"]);
+        assert_eq!(output.status.code(), Some(1), "{}", message_text(&output));
+        let reason = user_dir.summary("taylor_vumat")["reason"].to_string();
         for word in ["R201", "COPPER", "step 1", words] {
             assert!(reason.contains(word), "`{word}` in {reason}");
         }
@@ -185,34 +186,34 @@ fn a_material_that_goes_leaves_the_run() {
 }
 
 #[test]
-fn what_is_not_covered_is_refused_by_its_name() {
-    let desk = Desk::new();
-    let file = load(&desk, "fields", "");
+fn unsupported_subroutines_are_rejected_by_name() {
+    let user_dir = UserFolder::new();
+    let file = load(&user_dir, "fields", "");
     let mut text = std::fs::read_to_string(&file).expect("a source");
     text += "void vusdfld_(void) {}\n";
     std::fs::write(&file, text).expect("a source");
-    let output = run(&desk, &file, &[]);
-    assert_eq!(output.status.code(), Some(2), "{}", told(&output));
+    let output = run(&user_dir, &file, &[]);
+    assert_eq!(output.status.code(), Some(2), "{}", message_text(&output));
     for word in ["U012", "vusdfld"] {
-        assert!(told(&output).contains(word), "{}", told(&output));
+        assert!(message_text(&output).contains(word), "{}", message_text(&output));
     }
 }
 
-/// The job's name, messages and output of the routine arrive.
+/// The job name, messages and output of the subroutine are passed on.
 #[test]
-fn messages_and_output_arrive() {
+fn messages_and_output_are_passed_on() {
     if !fortran() {
         return;
     }
-    let desk = Desk::new();
+    let user_dir = UserFolder::new();
     let body = "      character*80 job\n      call vgetjobname(job, length)\n      write(*,*) 'said by ', job(1:length)\n      \
                 if (totalTime .eq. 0.) call xplb_abqerr(-1, 'job of %I letters', length, 0.d0, ' ')\n      \
                 value(1:nblock) = 1.d8\n";
-    let file = desk.write("tells.f", &vdload(body));
-    let output = run(&desk, &file, &[]);
-    assert!(output.status.success(), "{}", told(&output));
-    assert!(desk.summary("ogive_user")["messages"].to_string().contains("job of 10 letters"));
-    let said = String::from_utf8_lossy(&output.stdout);
-    let increments = desk.summary("ogive_user")["timing"]["increments"].as_u64().expect("a number");
-    assert_eq!(said.matches("said by ogive_user").count() as u64, increments + 1, "{said}");
+    let file = user_dir.write("tells.f", &vdload(body));
+    let output = run(&user_dir, &file, &[]);
+    assert!(output.status.success(), "{}", message_text(&output));
+    assert!(user_dir.summary("ogive_user")["messages"].to_string().contains("job of 10 letters"));
+    let rendered = String::from_utf8_lossy(&output.stdout);
+    let increments = user_dir.summary("ogive_user")["timing"]["increments"].as_u64().expect("a number");
+    assert_eq!(rendered.matches("said by ogive_user").count() as u64, increments + 1, "{rendered}");
 }

@@ -1,6 +1,6 @@
-//! Material laws of Rust programs (`MaterialLaw`) against the built-in law and closed forms.
+//! Material laws in Rust (`MaterialLaw`) compared with the built-in law and closed forms.
 //!
-//! Goal: such a law has what a built-in law has: its results, threads, deletion, restart, messages with a place.
+//! Goal: such a law supports all that a built-in law supports: results, threads, deletion, restart, located messages.
 
 use revolve::job;
 use revolve::user::{ElasticModuli, LoadFailure, MaterialLaw, MaterialPoint, Routines};
@@ -10,13 +10,13 @@ use crate::common::solid::{copper_bar, in_six_node_triangles};
 use crate::material::{last, moving, taylor};
 use crate::own_material;
 
-/// Linear hardening: Young's modulus, Poisson's ratio, yield stress and slope. State variable 1 is the plastic strain; the
-/// second becomes 0 beyond a plastic strain.
-struct Linear {
+/// Linear hardening with Young's modulus, Poisson's ratio, yield stress and slope. State variable 1 is the plastic
+/// strain; the second becomes 0 beyond a plastic strain.
+struct LinearHardeningLaw {
     limit: f64,
 }
 
-impl MaterialLaw for Linear {
+impl MaterialLaw for LinearHardeningLaw {
     fn moduli(&self, constants: &[f64]) -> Result<ElasticModuli, LoadFailure> {
         let &[young, ratio, _, _] = constants else {
             return Err(LoadFailure::new("constants: E, nu, yield stress, slope"));
@@ -55,14 +55,15 @@ const BUILT_IN: &str = "*Elastic\n 117.e9, 0.35\n*Plastic\n 400.e6, 0.\n 900.e6,
 const BY_LAW: &str = "*User Material, constants=4\n 117.e9, 0.35, 400.e6, 100.e6\n*Depvar\n 1,\n";
 
 fn routines(limit: f64) -> Routines {
-    Routines::none().with_law("Copper", Linear { limit }).with_law("M", Linear { limit })
+    Routines::none().with_law("Copper", LinearHardeningLaw { limit }).with_law("M", LinearHardeningLaw { limit })
 }
 
 #[test]
 fn voce_law_of_the_example_matches_closed_form() {
     let [p, exact] = own_material::plastic_strains().expect("a run");
-    // Proportional strains: the return is exact. Strains are taken in the middle of increments h of the length from 1 to 1.5: the
-    // sum of h^3/(12 length^3) is missing, 6e-9 of the logarithm for h = 5e-4, of which 2/3 is plastic strain: 1.5e-8 of it.
+    // The return is exact for proportional strains. Strain increments are evaluated at the middle of increments h of
+    // the length from 1 to 1.5, which neglects the sum of h^3/(12 length^3): 6e-9 of the logarithm for h = 5e-4, of
+    // which 2/3 is plastic strain, a relative error of 1.5e-8.
     assert!(p > 0.2 && (p / exact - 1.0).abs() < 2e-8, "{p} {exact}");
 }
 
@@ -76,7 +77,7 @@ fn taylor_bar_of_a_law_in_rust_matches_built_in_law() {
     for (one, other) in same.into_iter().chain([("PEEQ@FOOT", "SDV1@FOOT")]) {
         let expected = last(&built_in, &Routines::none(), &there, one);
         let ratio = last(&by_law, &routines(f64::INFINITY), &here, other) / expected;
-        // The same law with sums in another order; a wave of plastic flow carries rounding on over 1000 increments.
+        // The same law with sums in another order; plastic flow amplifies rounding over 1000 increments.
         assert!((ratio - 1.0).abs() < 1e-9, "{one}: {expected:e}, ratio {ratio:.15}");
     }
 }
@@ -93,13 +94,13 @@ fn six_node_triangles_of_a_law_match_those_of_the_built_in_law() {
     for name in ["COOR2@TIP", "COOR1@RIM"] {
         let expected = last(&built_in, &Routines::none(), &there, name);
         let ratio = last(&by_law, &routines(f64::INFINITY), &here, name) / expected;
-        // As of quadrilaterals: the same law with sums in another order.
+        // As for quadrilaterals: the same law with sums in another order.
         assert!((ratio - 1.0).abs() < 1e-9, "{name}: {expected:e}, ratio {ratio:.15}");
     }
 }
 
 #[test]
-fn the_state_variable_of_depvar_deletes_elements() {
+fn state_variable_of_depvar_deletes_elements() {
     let material = "*User Material, constants=4\n 1000., 0.3, 10., 5.\n*Depvar, delete=2\n 2,\n";
     let deck = moving(|[_, z]| [0.0, z], material, " S22, SDV1, STATUS\n");
     let (outcome, memory) = common::run(&deck, &[], &routines(0.1));
@@ -122,7 +123,7 @@ fn constants_and_state_variables_are_checked_with_a_place() {
         ("*User Material, constants=4\n 1., 0.3, 1., 1.\n", "needs 1 state variables, but *DEPVAR gives 0"),
     ] {
         let prepared = job::prepare_text("test.inp", &taylor(material, "S"), &[], &routines(1.0));
-        let said = prepared.diagnostics.render(&prepared.deck.sources);
-        assert!(said.contains("P041") && said.contains(words) && said.contains("test.inp:"), "{said}");
+        let rendered = prepared.diagnostics.render(&prepared.deck.sources);
+        assert!(rendered.contains("P041") && rendered.contains(words) && rendered.contains("test.inp:"), "{rendered}");
     }
 }

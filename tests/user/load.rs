@@ -1,13 +1,13 @@
-//! User loads through the library: agreement with the built-in resistance, state, and failures that are located.
+//! User loads in Rust: agreement with the built-in resistance, state, and located errors.
 
 use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
 use crate::common;
 
-/// A load made of a closure.
-struct Routine<F>(F);
+/// A load defined by a closure.
+struct ClosureLoad<F>(F);
 
-impl<F: FnMut(&LoadPoints<'_>, &mut [f64]) -> Result<(), LoadFailure> + Send> UserLoad for Routine<F> {
+impl<F: FnMut(&LoadPoints<'_>, &mut [f64]) -> Result<(), LoadFailure> + Send> UserLoad for ClosureLoad<F> {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         (self.0)(points, pressure)
     }
@@ -18,7 +18,7 @@ fn user_deck() -> String {
 }
 
 fn cavity() -> Routines {
-    Routines::none().with_load(Routine(|points: &LoadPoints<'_>, pressure: &mut [f64]| {
+    Routines::none().with_load(ClosureLoad(|points: &LoadPoints<'_>, pressure: &mut [f64]| {
         for (i, p) in pressure.iter_mut().enumerate() {
             let v_n = points.velocity_r[i] * points.normal_r[i] + points.velocity_z[i] * points.normal_z[i];
             *p = if v_n > 0.0 { 5.0394 * 276e6 + 0.983 * 2710.0 * v_n * v_n } else { 0.0 };
@@ -28,7 +28,7 @@ fn cavity() -> Routines {
 }
 
 #[test]
-fn a_user_load_reproduces_the_built_in_resistance() {
+fn user_load_matches_the_built_in_resistance() {
     for v in ["569", "1147"] {
         let settings = [("V", v), ("front", "0.1")];
         let (built_in, _) = common::run(&common::ogive(), &settings, &Routines::none());
@@ -38,15 +38,15 @@ fn a_user_load_reproduces_the_built_in_resistance() {
     }
 }
 
-fn halt(routines: Routines) -> (String, common::Memory) {
+fn halt(routines: Routines) -> (String, common::RecordedOutput) {
     let (outcome, memory) = common::run(&user_deck(), &[("front", "0.1")], &routines);
     (outcome.halt.expect("a halt").reason, memory)
 }
 
 #[test]
-fn nan_is_located_and_the_last_good_state_is_shown() {
+fn nan_is_located_and_the_last_valid_state_is_written() {
     let mut calls = 0;
-    let routine = Routines::none().with_load(Routine(move |_: &LoadPoints<'_>, pressure: &mut [f64]| {
+    let routine = Routines::none().with_load(ClosureLoad(move |_: &LoadPoints<'_>, pressure: &mut [f64]| {
         calls += 1;
         pressure.fill(1e8);
         if calls == 50 {
@@ -64,20 +64,20 @@ fn nan_is_located_and_the_last_good_state_is_shown() {
 }
 
 #[test]
-fn a_point_left_out_and_an_error_are_told() {
-    let (reason, _) = halt(Routines::none().with_load(Routine(|_: &LoadPoints<'_>, pressure: &mut [f64]| {
+fn missing_point_and_error_are_reported() {
+    let (reason, _) = halt(Routines::none().with_load(ClosureLoad(|_: &LoadPoints<'_>, pressure: &mut [f64]| {
         pressure[0] = 0.0;
         Ok(())
     })));
     assert!(reason.contains("point 2"), "{reason}");
-    let (reason, _) = halt(Routines::none().with_load(Routine(|_: &LoadPoints<'_>, _: &mut [f64]| {
+    let (reason, _) = halt(Routines::none().with_load(ClosureLoad(|_: &LoadPoints<'_>, _: &mut [f64]| {
         Err(LoadFailure { point: Some(1), reason: "table exhausted".into() })
     })));
     assert!(reason.contains("table exhausted") && reason.contains("point 2"), "{reason}");
 }
 
 #[test]
-fn pnu_without_a_routine_is_refused() {
+fn pnu_without_a_subroutine_is_rejected() {
     let prepared = revolve::job::prepare_text("t.inp", &user_deck(), &[], &Routines::none());
     assert!(prepared.diagnostics.iter().any(|d| d.code == "P004"));
 }

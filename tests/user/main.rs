@@ -1,4 +1,4 @@
-//! User routines: loads, motions and materials, through the library and from files in Fortran and C.
+//! User subroutines: loads, motions and materials, in Rust, Fortran and C.
 
 #[path = "../common/mod.rs"]
 mod common;

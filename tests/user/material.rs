@@ -1,7 +1,7 @@
-//! Materials of the user against the built-in ones and closed forms.
+//! User materials compared with built-in ones and closed forms.
 //!
-//! Goal: a VUMAT written for ABAQUS/Explicit gives what the same law gives when built in; faults are told with a place.
-//! Needs gfortran for the routines in Fortran; without it those tests say so and pass, except in CI.
+//! Goal: a VUMAT written for ABAQUS/Explicit gives the results of the same built-in law; errors are reported with a
+//! place. Needs gfortran for Fortran files; without it those tests are left out, except in CI.
 
 use std::fmt::Write as _;
 
@@ -11,20 +11,20 @@ use revolve::user::compile::compile;
 use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
 
 use crate::common;
-use crate::common::Memory;
+use crate::common::RecordedOutput;
 use crate::common::solid::grid;
 
 fn fortran() -> bool {
     common::fortran("user materials in Fortran")
 }
 
-/// The routines of a source in Fortran, or what is said against it.
+/// Compiles and loads a Fortran source; returns the error message otherwise.
 pub fn compiled(source: &str) -> Result<Routines, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("material.f90");
     std::fs::write(&file, source).expect("a file");
-    let said = |found: revolve::deck::Diagnostics| found.render(&revolve::deck::Sources::default());
-    let library = compile(&[file], false).map_err(said)?;
+    let rendered = |found: revolve::deck::Diagnostics| found.render(&revolve::deck::Sources::default());
+    let library = compile(&[file], false).map_err(rendered)?;
     library.open().map_err(|d| format!("{} {}", d.code, d.message))
 }
 
@@ -32,14 +32,14 @@ fn hardening() -> String {
     std::fs::read_to_string(common::project("input/vumat_hardening.f90")).expect("the example")
 }
 
-/// Value of a column at the end.
-pub fn last(text: &str, routines: &Routines, memory: &Memory, name: &str) -> f64 {
+/// Returns the last value of a column.
+pub fn last(text: &str, routines: &Routines, memory: &RecordedOutput, name: &str) -> f64 {
     let prepared = common::prepared(text, &[], routines);
     let at = prepared.plan.columns.iter().position(|c| c.name == name).expect("a column");
     memory.rows.last().expect("a row").1[at]
 }
 
-/// Taylor's copper bar, coarse.
+/// Returns a coarse Taylor bar of copper.
 pub fn taylor(material: &str, variable: &str) -> String {
     let (n, m) = (5, 25);
     grid(n, m, false, |i, j| [i as f64 * 3.2e-3 / n as f64, j as f64 * 32.4e-3 / m as f64])
@@ -59,7 +59,7 @@ const BUILT_IN: &str = "*Elastic\n 117.e9, 0.35\n*Plastic\n 400.e6, 0.\n 900.e6,
 const BY_USER: &str = "*User Material, constants=4\n 117.e9, 0.35, 400.e6, 100.e6\n*Depvar\n 1,\n";
 
 #[test]
-fn a_vumat_in_fortran_is_the_built_in_taylor_bar() {
+fn fortran_vumat_matches_the_built_in_taylor_bar() {
     if !fortran() {
         return;
     }
@@ -87,22 +87,22 @@ fn a_vumat_in_fortran_is_the_built_in_taylor_bar() {
         let expected = last(&built_in, &none, &there, there_name);
         let ratio = last(&by_user, &routines, &here, here_name) / expected;
         println!("{here_name}: {expected:e}, ratio - 1 = {:e}", ratio - 1.0);
-        // The same law with sums in another order; a wave of plastic flow carries rounding on over 1000 increments.
+        // The same law with sums in another order; plastic flow amplifies rounding over 1000 increments.
         assert!((ratio - 1.0).abs() < 1e-11, "{here_name}: {expected:e}, ratio {ratio:.15}");
     }
     let state = here.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "SDV1").expect("SDV1");
     let strain = there.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "PEEQ").expect("PEEQ");
     assert_eq!(state.values.len(), 125);
-    // Of a routine's material nobody but the routine knows a plastic strain.
+    // Only the user subroutine knows the plastic strain of its material.
     let fields = &here.frames.last().expect("a frame").cell_fields;
     assert!(fields.iter().all(|f| f.name != "PEEQ" && f.name != "PE"));
     assert!(state.values.iter().zip(&strain.values).all(|(a, b)| (a - b).abs() < 1e-11));
 }
 
-/// What the deck of the example says in words: the same bar as `taylor_copper.inp`, element by element and with the global
-/// estimate alike.
+/// The example deck equals `taylor_copper.inp`, as its text states, both with increments by elements and with the
+/// global estimate.
 #[test]
-fn the_example_deck_is_the_built_in_example() {
+fn example_deck_matches_the_built_in_example() {
     if !fortran() {
         return;
     }
@@ -129,13 +129,14 @@ fn the_example_deck_is_the_built_in_example() {
     assert!(counts[1] < counts[0], "{counts:?}");
 }
 
-/// Elastic, from a strain that it keeps as state: right only if its frame turns with the material. Behind the strain it
-/// keeps what it was shown: deformation gradient, stretch, density, length. Fails where its own strain exceeds a limit.
-struct Keeping {
+/// Elastic, with the stress computed from a strain in the state variables, which is correct only if they rotate with
+/// the material. The following state variables store the values received: deformation gradient, stretch, density,
+/// length. Fails if its strain exceeds a limit.
+struct StrainRecorder {
     limit: f64,
 }
 
-impl UserMaterial for Keeping {
+impl UserMaterial for StrainRecorder {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
         let n = call.count;
         let (bulk, shear2) = (call.properties[0], 2.0 * call.properties[1]);
@@ -160,7 +161,7 @@ impl UserMaterial for Keeping {
 
 const KEEPING: &str = "*User Material, constants=2\n 833.3333333333334, 384.6153846153846\n*Depvar, delete=16\n 16,\n";
 
-/// A grid of 2 by 2 cells from r = 1 to 3, z = 0 to 2, of which all velocities are given.
+/// Returns a grid of 2 by 2 elements from r = 1 to 3, z = 0 to 2, with prescribed velocities at all nodes.
 pub fn moving(velocity: impl Fn([f64; 2]) -> [f64; 2], material: &str, outputs: &str) -> String {
     let place = |i: usize, j: usize| [1.0 + i as f64, j as f64];
     let mut deck = grid(2, 2, false, place)
@@ -178,10 +179,10 @@ pub fn moving(velocity: impl Fn([f64; 2]) -> [f64; 2], material: &str, outputs: 
 }
 
 #[test]
-fn tensors_among_the_state_variables_turn_with_the_material() {
+fn tensor_state_variables_rotate_with_the_material() {
     let built_in = moving(|[r, _]| [0.0, r], "*Elastic\n 1000., 0.3\n", " S\n");
     let by_user = moving(|[r, _]| [0.0, r], KEEPING, " S, SDV\n*Energy Output\n ETOTAL\n");
-    let (none, routines) = (Routines::none(), Routines::none().with_material(Keeping { limit: f64::INFINITY }));
+    let (none, routines) = (Routines::none(), Routines::none().with_material(StrainRecorder { limit: f64::INFINITY }));
     let ((expected, there), (outcome, here)) =
         (common::run(&built_in, &[], &none), common::run(&by_user, &[], &routines));
     assert_eq!(outcome.halt, None);
@@ -201,23 +202,23 @@ fn tensors_among_the_state_variables_turn_with_the_material() {
         assert!((state(10 + k) - expected / 5_f64.sqrt()).abs() < 1e-12, "U{k} {}", state(10 + k));
     }
     assert!((state(14) - 2.0).abs() < 1e-12 && (state(15) - 1.0).abs() < 1e-12, "density and length");
-    // What the sudden start of the motion makes of the built-in material, too.
+    // The sudden start of the motion causes the same drift with the built-in material.
     let [drift, known] = [outcome.energy.drift, expected.energy.drift];
     assert!(drift < 1e-3 && (drift - known).abs() < 1e-9, "{drift:e} {known:e}");
 }
 
-/// Rows of a column.
-fn column(text: &str, routines: &Routines, memory: &Memory, name: &str) -> Vec<f64> {
+/// Returns the values of a column.
+fn column(text: &str, routines: &Routines, memory: &RecordedOutput, name: &str) -> Vec<f64> {
     let prepared = common::prepared(text, &[], routines);
     let at = prepared.plan.columns.iter().position(|c| c.name == name).expect("a column");
     memory.rows.iter().map(|row| row.1[at]).collect()
 }
 
 #[test]
-fn the_variable_that_deletes_takes_an_element_away_for_good() {
-    // A bar pulled: its strain reaches 0.2 at z-stretch exp(0.2), t = 0.2214 of 1 at a rate of one length a time.
+fn deletion_variable_deletes_an_element_permanently() {
+    // A stretched bar: its strain reaches 0.2 at the stretch exp(0.2), at t = 0.2214 for a rate of one length per time.
     let deck = moving(|[_, z]| [0.0, z], KEEPING, " S22, STATUS, SDV16, SENER\n*Energy Output\n ALLIE, ETOTAL\n");
-    let routines = Routines::none().with_material(Keeping { limit: 0.2 });
+    let routines = Routines::none().with_material(StrainRecorder { limit: 0.2 });
     let (outcome, memory) = common::run(&deck, &[], &routines);
     assert_eq!(outcome.halt, None);
     let rows = |name: &str| column(&deck, &routines, &memory, name);
@@ -226,20 +227,21 @@ fn the_variable_that_deletes_takes_an_element_away_for_good() {
     let expected: Vec<f64> = memory.rows.iter().map(|r| if r.0 < 0.2214 { 1.0 } else { 0.0 }).collect();
     assert_eq!(status, expected);
     assert!(stress[2] > 100.0 && stress[3..].iter().all(|s| *s == 0.0), "{stress:?}");
-    // The work that broke it stays in the books; forces vanish at once, between two increments of 1e-3.
+    // The internal energy of the deleted element stays in the energy balance; its forces vanish between two increments
+    // of 1e-3.
     let internal = rows("ALLIE");
     assert!(internal[3..].iter().all(|e| *e == internal[3]) && internal[3] > 0.0, "{internal:?}");
     assert!(outcome.energy.drift < 2e-3, "{:?}", outcome.energy);
 }
 
-/// A run with another material in Fortran, which halts.
+/// Runs a deck with a Fortran material that halts.
 fn halted(source: &str) -> Outcome {
     let routines = compiled(source).expect("it compiles");
     common::run(&taylor(BY_USER, "SDV1"), &[], &routines).0
 }
 
 #[test]
-fn faults_of_a_routine_are_located() {
+fn errors_of_a_subroutine_are_located() {
     if !fortran() {
         return;
     }
@@ -273,15 +275,18 @@ fn faults_of_a_routine_are_located() {
         }
     }
     let short = compiled(&good.replace("tempNew, stretchNew, ", "stretchNew, ").replace("tempNew(nblock), ", ""));
-    let said = short.err().expect("it is refused");
-    assert!(said.contains("U004") && said.contains("32 arguments") && said.contains("tempNew"), "{said}");
+    let rendered = short.err().expect("it is rejected");
+    assert!(
+        rendered.contains("U004") && rendered.contains("32 arguments") && rendered.contains("tempNew"),
+        "{rendered}"
+    );
     let single = compiled(&good.replace("include 'vaba_param.inc'", "implicit real (a-h,o-z)"));
     assert!(single.err().is_some_and(|s| s.contains("U004") && s.contains("single precision")));
 }
 
 #[test]
-fn faults_of_a_deck_are_refused_with_a_place() {
-    let routines = Routines::none().with_material(Keeping { limit: 1.0 });
+fn errors_of_a_deck_are_reported_with_a_place() {
+    let routines = Routines::none().with_material(StrainRecorder { limit: 1.0 });
     let refused = |material: &str, routines: &Routines| {
         let prepared = job::prepare_text("test.inp", &taylor(material, "SDV1"), &[], routines);
         assert!(prepared.diagnostics.has_errors(), "{material}");
@@ -292,14 +297,17 @@ fn faults_of_a_deck_are_refused_with_a_place() {
         ("*User Material\n 1.\n", "M101", "CONSTANTS"),
         ("*User Material, constants=1, type=THERMAL\n 1.\n", "M10", "THERMAL"),
         ("*User Material, constants=1, effmod\n 1.\n", "M10", "EFFMOD"),
-        ("*User Material, constants=1\n 1.\n*Depvar, delete=2\n 1,\n", "M103", "DELETE=2"),
+        ("*User Material, constants=1\n 1.\n*Depvar, delete=2\n 1,\n", "M103", "DELETE must be from 1 to 1, found 2"),
         ("*User Material, constants=1\n 1.\n*Depvar\n -1,\n", "M103", "state variables"),
-        ("*User Material, constants=1\n 1.\n*Elastic\n 1., 0.3\n", "P041", "beside"),
+        ("*User Material, constants=1\n 1.\n*Elastic\n 1., 0.3\n", "P041", "together with"),
     ];
     for (material, code, words) in cases {
-        let said = refused(material, &routines);
-        assert!(said.contains(code) && said.contains(words) && said.contains("test.inp:"), "{material}:\n{said}");
+        let rendered = refused(material, &routines);
+        assert!(
+            rendered.contains(code) && rendered.contains(words) && rendered.contains("test.inp:"),
+            "{material}:\n{rendered}"
+        );
     }
-    let said = refused(BY_USER, &Routines::none());
-    assert!(said.contains("P004") && said.contains("vumat"), "{said}");
+    let rendered = refused(BY_USER, &Routines::none());
+    assert!(rendered.contains("P004") && rendered.contains("vumat"), "{rendered}");
 }

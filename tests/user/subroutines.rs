@@ -1,7 +1,7 @@
 //! User subroutines in Fortran and C as a user runs them.
 //!
-//! Goal: a VDLOAD file written for ABAQUS/Explicit runs unchanged; one with a fault is answered with a located message.
-//! Needs gfortran and cc; without gfortran the tests say so and pass, except in CI.
+//! Goal: a VDLOAD file written for ABAQUS/Explicit runs unchanged; errors in a file give a located message. Needs
+//! gfortran and cc; without gfortran the tests are left out, except in CI.
 
 #[path = "../../examples/moving_blast.rs"]
 mod moving_blast;
@@ -17,18 +17,18 @@ use revolve::user::Routines;
 use revolve::user::compile::compile;
 
 use crate::common;
-use crate::common::routines::Cavity;
+use crate::common::routines::CavityResistance;
 
 pub fn fortran() -> bool {
     common::fortran("user subroutines in Fortran")
 }
 
-/// A folder with the user's files; compiled libraries go below it, too.
-pub struct Desk(tempfile::TempDir);
+/// A folder with the user's files and the cache of compiled libraries.
+pub struct UserFolder(tempfile::TempDir);
 
-impl Desk {
+impl UserFolder {
     pub fn new() -> Self {
-        Desk(tempfile::tempdir().expect("a folder"))
+        UserFolder(tempfile::tempdir().expect("a folder"))
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -40,19 +40,19 @@ impl Desk {
         self.path(name)
     }
 
-    /// `revolve run` on a deck with user files.
+    /// Runs `revolve run` on a deck with user files.
     pub fn run(&self, deck: &Path, files: &[&Path], more: &[&str]) -> Output {
         self.run_with(&[], deck, files, more)
     }
 
-    /// The same in an environment.
+    /// Runs `revolve run` with environment variables.
     pub fn run_with(&self, variables: &[(&str, PathBuf)], deck: &Path, files: &[&Path], more: &[&str]) -> Output {
         let mut command = self.command(deck, files);
         command.arg("--quiet").args(more).envs(variables.iter().map(|(name, value)| (*name, value)));
         command.output().expect("the program runs")
     }
 
-    /// The command alone, which prints its notes.
+    /// Returns the command, which prints its notes.
     pub fn command(&self, deck: &Path, files: &[&Path]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_revolve"));
         command.arg("run").arg(deck).arg("--out").arg(self.path("out"));
@@ -73,7 +73,7 @@ impl Desk {
     }
 }
 
-pub fn told(output: &Output) -> String {
+pub fn message_text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
@@ -81,7 +81,7 @@ pub fn user_deck() -> PathBuf {
     common::project("input/ogive_user.inp")
 }
 
-/// A VDLOAD in fixed form around these statements; `value` is filled where they do it.
+/// Returns a VDLOAD in fixed form with these statements, which assign `value`.
 pub fn vdload(statements: &str) -> String {
     format!(
         "      subroutine vdload(nblock, ndim, stepTime, totalTime, amplitude,\n     1 curCoords, velocity, dirCos, jltyp, \
@@ -93,29 +93,29 @@ pub fn vdload(statements: &str) -> String {
 pub const FILL: &str = "      do k = 1, nblock\n        value(k) = 1.d8\n      end do\n";
 
 #[test]
-fn the_seed_papers_shots_through_fortran_have_the_depth_of_the_built_in_load() {
+fn fortran_load_matches_built_in_depths() {
     if !fortran() {
         return;
     }
-    let desk = Desk::new();
+    let user_dir = UserFolder::new();
     let routine = common::project("input/vdload_cavity.f");
     for v in ["569", "570", "679", "821", "966", "1147"] {
         let speed = format!("V={v}");
         let settings = ["--set", &speed, "--set", "n=200"];
-        let output = desk.run(&user_deck(), &[&routine], &settings);
-        assert!(output.status.success(), "{}", told(&output));
+        let output = user_dir.run(&user_deck(), &[&routine], &settings);
+        assert!(output.status.success(), "{}", message_text(&output));
         let inside: Vec<&str> = settings.into_iter().chain(["--set", "front=0.1"]).collect();
-        let output = desk.run(&common::project("input/ogive.inp"), &[], &inside);
-        assert!(output.status.success(), "{}", told(&output));
-        let ratio = desk.depth("ogive_user") / desk.depth("ogive");
+        let output = user_dir.run(&common::project("input/ogive.inp"), &[], &inside);
+        assert!(output.status.success(), "{}", message_text(&output));
+        let ratio = user_dir.depth("ogive_user") / user_dir.depth("ogive");
         assert!((ratio - 1.0).abs() < 1e-12, "V = {v}: {ratio}");
     }
 }
 
-/// An include of an include is beside it or beside the file that is compiled, whatever its case; and may itself be one that is
-/// made ready.
+/// A nested include is searched in the folder of the including file and in that of the compiled file, in any letter
+/// case, and may itself be converted.
 #[test]
-fn includes_of_includes_are_found_from_both_folders() {
+fn nested_includes_are_found_in_both_folders() {
     if !fortran() {
         return;
     }
@@ -124,53 +124,53 @@ fn includes_of_includes_are_found_from_both_folders() {
         ("from the include's folder", "      include 'two.inc'\n"),
         ("in another case", "      include 'INC/Two.Inc'\n"),
         ("by the preprocessor", "#include 'inc/two.inc'\n"),
-        ("beside, by the preprocessor", "#include \"two.inc\"\n"),
+        ("same folder, by the preprocessor", "#include \"two.inc\"\n"),
         ("by its last part", "      include 'C:\\work\\TWO.INC'\n"),
     ] {
         for two in [
             "      parameter (p0 = 1.d8)\n",
             "      parameter (p0 = 1.d8)\n      logical is\n      is = .true. == .true.\n",
         ] {
-            let desk = Desk::new();
-            std::fs::create_dir(desk.path("inc")).expect("a folder");
-            desk.write("inc/one.inc", line);
-            desk.write("inc/two.inc", two);
-            let file = desk.write("load.f", &vdload("      include 'inc/one.inc'\n      value = p0"));
-            let output = desk.run(&user_deck(), &[&file], &[]);
-            assert!(output.status.success(), "{name}: {}", told(&output));
+            let user_dir = UserFolder::new();
+            std::fs::create_dir(user_dir.path("inc")).expect("a folder");
+            user_dir.write("inc/one.inc", line);
+            user_dir.write("inc/two.inc", two);
+            let file = user_dir.write("load.f", &vdload("      include 'inc/one.inc'\n      value = p0"));
+            let output = user_dir.run(&user_deck(), &[&file], &[]);
+            assert!(output.status.success(), "{name}: {}", message_text(&output));
         }
     }
 }
 
 #[test]
-fn files_beside_the_source_are_not_touched_and_the_second_build_is_the_first() {
+fn source_folder_is_unchanged_and_builds_are_reused() {
     if !fortran() {
         return;
     }
-    let desk = Desk::new();
-    desk.write("law.inc", "      parameter (p0 = 1.d8)\n");
-    let file = desk.write("load.f", &vdload("      include 'law.inc'\n      value = p0"));
+    let user_dir = UserFolder::new();
+    user_dir.write("law.inc", "      parameter (p0 = 1.d8)\n");
+    let file = user_dir.write("load.f", &vdload("      include 'law.inc'\n      value = p0"));
     let built = || {
-        let output = desk.run(&user_deck(), &[&file], &[]);
-        assert!(output.status.success(), "{}", told(&output));
-        let files = std::fs::read_dir(desk.path("cache/revolve/user")).expect("a cache").filter_map(Result::ok);
+        let output = user_dir.run(&user_deck(), &[&file], &[]);
+        assert!(output.status.success(), "{}", message_text(&output));
+        let files = std::fs::read_dir(user_dir.path("cache/revolve/user")).expect("a cache").filter_map(Result::ok);
         files.filter(|entry| entry.path().extension().is_some_and(|e| e == "so")).count()
     };
     assert_eq!((built(), built()), (1, 1));
-    let first = desk.depth("ogive_user");
-    desk.write("law.inc", "      parameter (p0 = 2.d8)\n");
-    assert_eq!(built(), 2, "a changed include makes another library");
+    let first = user_dir.depth("ogive_user");
+    user_dir.write("law.inc", "      parameter (p0 = 2.d8)\n");
+    assert_eq!(built(), 2, "a changed include gives another library");
     let slowed = |u: f64| u + 569e-3;
-    assert!((slowed(desk.depth("ogive_user")) / slowed(first) - 2.0).abs() < 1e-6, "twice the deceleration");
+    assert!((slowed(user_dir.depth("ogive_user")) / slowed(first) - 2.0).abs() < 1e-6, "twice the deceleration");
     let mut names: Vec<_> =
-        std::fs::read_dir(desk.0.path()).expect("a folder").map(|e| e.expect("an entry").file_name()).collect();
+        std::fs::read_dir(user_dir.0.path()).expect("a folder").map(|e| e.expect("an entry").file_name()).collect();
     names.sort();
     assert_eq!(names, ["cache", "law.inc", "load.f", "out"]);
 }
 
-/// Faults found before the run: exit status 2, and each of the words in the message.
+/// Errors found before the run: exit status 2, and each of the words in the message.
 #[test]
-fn faults_in_the_source_are_told_before_the_run() {
+fn errors_in_the_source_are_reported_before_the_run() {
     if !fortran() {
         return;
     }
@@ -191,25 +191,29 @@ fn faults_in_the_source_are_told_before_the_run() {
         ("no known routine", "      subroutine other\n      end\n".into(), &["U006", "vdload"]),
     ];
     for (name, source, words) in cases {
-        let desk = Desk::new();
-        let file = desk.write("load.f", source);
-        let output = desk.run(&user_deck(), &[&file], &[]);
-        let message = told(&output);
+        let user_dir = UserFolder::new();
+        let file = user_dir.write("load.f", source);
+        let output = user_dir.run(&user_deck(), &[&file], &[]);
+        let message = message_text(&output);
         assert_eq!(output.status.code(), Some(2), "{name}: {message}");
         for word in *words {
             assert!(message.contains(word), "{name}: `{word}` in\n{message}");
         }
-        assert!(!desk.path("out").exists(), "{name}: nothing ran");
+        assert!(!user_dir.path("out").exists(), "{name}: nothing ran");
     }
-    let desk = Desk::new();
-    let output = desk.run(&user_deck(), &[&desk.path("absent.f"), Path::new("load.txt")], &[]);
+    let user_dir = UserFolder::new();
+    let output = user_dir.run(&user_deck(), &[&user_dir.path("absent.f"), Path::new("load.txt")], &[]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(told(&output).contains("absent.f") && told(&output).contains("load.txt"), "{}", told(&output));
+    assert!(
+        message_text(&output).contains("absent.f") && message_text(&output).contains("load.txt"),
+        "{}",
+        message_text(&output)
+    );
 }
 
-/// Faults inside the run: exit status 1, a message that says where, and the last state on disk.
+/// Errors during the run: exit status 1, a located message, and the last state on disk.
 #[test]
-fn faults_in_the_run_are_located() {
+fn errors_in_the_run_are_located() {
     if !fortran() {
         return;
     }
@@ -254,22 +258,25 @@ fn faults_in_the_run_are_located() {
     ];
     let helper = "      subroutine long(s)\n      character*256 s\n      s(1:90) = 'OTHER'\n      end\n";
     for (name, statements, words) in cases {
-        let desk = Desk::new();
-        let file = desk.write("load.f", &(vdload(statements) + helper));
-        let output = desk.run(&user_deck(), &[&file], &[]);
-        let message = told(&output);
+        let user_dir = UserFolder::new();
+        let file = user_dir.write("load.f", &(vdload(statements) + helper));
+        let output = user_dir.run(&user_deck(), &[&file], &[]);
+        let message = message_text(&output);
         assert_eq!(output.status.code(), Some(1), "{name}: {message}");
         for word in words.iter().chain(&["NOSE", "step 1", "increment", "last valid state"]) {
             assert!(message.contains(word), "{name}: `{word}` in\n{message}");
         }
-        assert_eq!(desk.summary("ogive_user")["status"], "halted", "{name}");
-        assert!(desk.path("out/ogive_user.pvd").exists() && desk.path("out/ogive_user_history.csv").exists(), "{name}");
+        assert_eq!(user_dir.summary("ogive_user")["status"], "halted", "{name}");
+        assert!(
+            user_dir.path("out/ogive_user.pvd").exists() && user_dir.path("out/ogive_user_history.csv").exists(),
+            "{name}"
+        );
     }
 }
 
-/// What takes the whole process along: words, and no result that looks whole.
+/// Faults that end the whole process: a message, and no results that appear complete.
 #[test]
-fn what_kills_the_process_leaves_words_behind() {
+fn crashes_are_reported_with_a_message() {
     if !fortran() {
         return;
     }
@@ -279,15 +286,15 @@ fn what_kills_the_process_leaves_words_behind() {
         ("wild division", "      value = 7/jltyp", &["divided an integer by zero"]),
     ];
     for (name, statements, words) in cases {
-        let desk = Desk::new();
-        let file = desk.write("load.f", &vdload(statements));
-        let output = desk.run(&user_deck(), &[&file], &[]);
-        let message = told(&output);
+        let user_dir = UserFolder::new();
+        let file = user_dir.write("load.f", &vdload(statements));
+        let output = user_dir.run(&user_deck(), &[&file], &[]);
+        let message = message_text(&output);
         assert_eq!(output.status.code(), Some(1), "{name}: {message}");
         for word in words.iter().chain(&["vdload", "NOSE", "step 1", "increment"]) {
             assert!(message.contains(word), "{name}: `{word}` in\n{message}");
         }
-        assert!(!desk.path("out/ogive_user.json").exists(), "{name}");
+        assert!(!user_dir.path("out/ogive_user.json").exists(), "{name}");
     }
 }
 
@@ -296,41 +303,45 @@ fn a_checked_build_names_the_index() {
     if !fortran() {
         return;
     }
-    let desk = Desk::new();
-    let file = desk.write("load.f", &vdload(&format!("{FILL}      j = nblock + 1\n      value(j) = 0.d0")));
-    let output = desk.run(&user_deck(), &[&file], &["--check-user"]);
-    let message = told(&output);
+    let user_dir = UserFolder::new();
+    let file = user_dir.write("load.f", &vdload(&format!("{FILL}      j = nblock + 1\n      value(j) = 0.d0")));
+    let output = user_dir.run(&user_deck(), &[&file], &["--check-user"]);
+    let message = message_text(&output);
     assert_eq!(output.status.code(), Some(1), "{message}");
     for word in ["load.f", "Index '21'", "'value'", "NOSE"] {
         assert!(message.contains(word), "`{word}` in\n{message}");
     }
 }
 
-/// Code past column 72 counts, as with ABAQUS's own compile command; the user is told.
+/// Code beyond column 72 is compiled, as with the compile command of ABAQUS; the user is informed.
 #[test]
-fn code_past_column_72_counts_and_is_told() {
+fn code_beyond_column_72_is_compiled_and_reported() {
     if !fortran() {
         return;
     }
     let wide = format!("{:<71}*100.d0\n", "        value(k) = 1.d6");
-    let desk = Desk::new();
-    let file = desk.write("load.f", &vdload(&format!("      do k = 1, nblock\n{wide}      end do")));
-    let plain = desk.write("plain.f", &vdload(FILL));
-    let output = desk.run(&user_deck(), &[&plain], &[]);
-    assert!(output.status.success(), "{}", told(&output));
-    let expected = desk.depth("ogive_user");
+    let user_dir = UserFolder::new();
+    let file = user_dir.write("load.f", &vdload(&format!("      do k = 1, nblock\n{wide}      end do")));
+    let plain = user_dir.write("plain.f", &vdload(FILL));
+    let output = user_dir.run(&user_deck(), &[&plain], &[]);
+    assert!(output.status.success(), "{}", message_text(&output));
+    let expected = user_dir.depth("ogive_user");
     let output = Command::new(env!("CARGO_BIN_EXE_revolve"))
         .arg("run")
         .arg(user_deck())
         .arg("--user")
         .arg(&file)
         .arg("--out")
-        .arg(desk.path("out"))
-        .env("XDG_CACHE_HOME", desk.path("cache"))
+        .arg(user_dir.path("out"))
+        .env("XDG_CACHE_HOME", user_dir.path("cache"))
         .output()
         .expect("the program runs");
-    assert!(told(&output).contains("U007") && told(&output).contains("load.f:8"), "{}", told(&output));
-    assert_eq!(desk.depth("ogive_user"), expected);
+    assert!(
+        message_text(&output).contains("U007") && message_text(&output).contains("load.f:8"),
+        "{}",
+        message_text(&output)
+    );
+    assert_eq!(user_dir.depth("ogive_user"), expected);
 }
 
 #[test]
@@ -377,41 +388,41 @@ fn routines_of_all_styles_compile_and_run() {
     ];
     let mut depths = Vec::new();
     for (name, files) in cases {
-        let desk = Desk::new();
-        let paths: Vec<PathBuf> = files.iter().map(|(file, text)| desk.write(file, text)).collect();
+        let user_dir = UserFolder::new();
+        let paths: Vec<PathBuf> = files.iter().map(|(file, text)| user_dir.write(file, text)).collect();
         let paths: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
-        let output = desk.run(&user_deck(), &paths, &[]);
-        assert!(output.status.success(), "{name}: {}", told(&output));
-        depths.push(desk.depth("ogive_user"));
+        let output = user_dir.run(&user_deck(), &paths, &[]);
+        assert!(output.status.success(), "{name}: {}", message_text(&output));
+        depths.push(user_dir.depth("ogive_user"));
     }
     assert!(depths.iter().all(|d| *d == depths[0]), "{depths:?}");
 }
 
 #[test]
-fn a_ready_library_is_opened_as_it_is() {
+fn compiled_library_is_loaded() {
     if !fortran() {
         return;
     }
-    let desk = Desk::new();
-    let source = desk.write(
+    let user_dir = UserFolder::new();
+    let source = user_dir.write(
         "a.c",
         "void vdload_(int *n, int *a, double *b, double *c, double *d, double *e, double *f, double *g, int *h,\n \
                              char *s, double *value, long l)\n{ for (int k = 0; k < *n; k++) value[k] = 1e8; }\n",
     );
-    let library = desk.path("a.so");
+    let library = user_dir.path("a.so");
     let built = Command::new("cc").args(["-shared", "-fPIC", "-o"]).arg(&library).arg(&source).status();
     assert!(built.is_ok_and(|s| s.success()));
-    let output = desk.run(&user_deck(), &[&library], &[]);
-    assert!(output.status.success(), "{}", told(&output));
-    let deck = desk.write("no_library.so", "not a library");
-    let output = desk.run(&user_deck(), &[&deck], &[]);
+    let output = user_dir.run(&user_deck(), &[&library], &[]);
+    assert!(output.status.success(), "{}", message_text(&output));
+    let deck = user_dir.write("no_library.so", "not a library");
+    let output = user_dir.run(&user_deck(), &[&deck], &[]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(told(&output).contains("U005"), "{}", told(&output));
+    assert!(message_text(&output).contains("U005"), "{}", message_text(&output));
 }
 
-/// The host routines that real files call, and files of their own in the folder of results.
+/// Host routines that existing files call, and files of the subroutine in the folder of results.
 #[test]
-fn host_routines_answer() {
+fn host_routines_are_available() {
     if !fortran() {
         return;
     }
@@ -421,20 +432,20 @@ fn host_routines_answer() {
         call vgetpartinfo(nint, 0, part, nloc, nrc2)\n        open(unit=101, file=dir(1:ld)//'/'//job(1:lj)//'.own')\n        \
         write(101,'(A,6I6)') sname(1:4), ncpu, nrank, nrc, nloc, nrc2, jltyp\n        close(101)\n        \
         call xplb_abqerr(1, 'surface %S of %I points', nblock, 0.d0, 'NOSE    ')\n        call xplb_abqerr(-1, 'mind this', 0, 0.d0, ' ')\n      end if";
-    let desk = Desk::new();
-    let file = desk.write("load.f", &vdload(statements));
-    let output = desk.run(&user_deck(), &[&file], &[]);
-    assert!(output.status.success(), "{}", told(&output));
-    let own = std::fs::read_to_string(desk.path("out/ogive_user.own")).expect("the routine's own file");
+    let user_dir = UserFolder::new();
+    let file = user_dir.write("load.f", &vdload(statements));
+    let output = user_dir.run(&user_deck(), &[&file], &[]);
+    assert!(output.status.success(), "{}", message_text(&output));
+    let own = std::fs::read_to_string(user_dir.path("out/ogive_user.own")).expect("the subroutine's own file");
     let words: Vec<&str> = own.split_whitespace().collect();
     assert_eq!(words, ["NOSE", "1", "0", "0", "9999", "0", "0"]);
-    let messages = &desk.summary("ogive_user")["messages"];
+    let messages = &user_dir.summary("ogive_user")["messages"];
     assert_eq!(messages[0]["text"], "surface NOSE of 20 points");
     assert_eq!((&messages[0]["level"], &messages[1]["level"]), (&"note".into(), &"warning".into()));
 }
 
-/// Two bodies: one pushed by an amplitude of the user, one whose motion is the user's; and the routines, which write a log.
-pub fn pushed_and_driven(desk: &Desk) -> [PathBuf; 2] {
+/// Writes two bodies, one loaded with a user amplitude, one with a user motion; and the subroutines, which write a log.
+pub fn pushed_and_driven(user_dir: &UserFolder) -> [PathBuf; 2] {
     let source = "      subroutine vuamp(ampName, time, ampValueOld, dt, nprops, props, nSvars, svars, lFlagsInfo, nSensor,\n     \
         1 sensorValues, sensorNames, jSensorLookUpTable, ampValueNew, lFlagsDefine, ampDerivative, ampSecDerivative, ampIncIntegral)\n      \
         include 'vaba_param.inc'\n      dimension time(2), props(nprops), svars(nSvars), lFlagsInfo(*), sensorValues(nSensor), lFlagsDefine(*)\n      \
@@ -456,41 +467,41 @@ pub fn pushed_and_driven(desk: &Desk) -> [PathBuf; 2] {
         *Step, name=First\n*Dynamic, Explicit\n , 4.\n*Cload, amplitude=RISE\n FREE, 2, 1.\n*Boundary, user, type=VELOCITY\n DRIVEN, 2\n\
         *Output, history, sensor, name=SPEED, number interval=50\n*Node Output, nset=FREE\n V2\n\
         *Output, history, op=ADD, number interval=50\n*Node Output, nset=FREE\n U2, V2\n*Node Output, nset=DRIVEN\n U2, V2\n*End Step\n";
-    [desk.write("two.inp", deck), desk.write("all.f", source)]
+    [user_dir.write("two.inp", deck), user_dir.write("all.f", source)]
 }
 
-/// Amplitude, prescribed motion and events in one file; the motion is the closed form that they describe.
+/// Amplitude, prescribed motion and events in one file; the motion equals the closed form.
 #[test]
-fn vuamp_vdisp_and_vexternaldb_do_what_they_say() {
+fn vuamp_vdisp_and_vexternaldb_match_closed_forms() {
     if !fortran() {
         return;
     }
-    let desk = Desk::new();
-    let [deck, file] = pushed_and_driven(&desk);
-    let output = desk.run(&deck, &[&file], &[]);
-    assert!(output.status.success(), "{}", told(&output));
-    let summary = desk.summary("two");
+    let user_dir = UserFolder::new();
+    let [deck, file] = pushed_and_driven(&user_dir);
+    let output = user_dir.run(&deck, &[&file], &[]);
+    assert!(output.status.success(), "{}", message_text(&output));
+    let summary = user_dir.summary("two");
     let last = |name: &str| summary["history"][name]["final"].as_f64().expect("a value");
-    // F = 6 t on a mass of 2: v = 1.5 t^2 passes 3 at t = sqrt(2), where the routine ends the step.
+    // F = 6 t on a mass of 2: v = 1.5 t^2 reaches 3 at t = sqrt(2), when the subroutine ends the step.
     let end = summary["steps"][0]["time"].as_f64().expect("a time");
     assert!((end - 2f64.sqrt()).abs() < 0.05, "{end}");
     assert!((last("V2@FREE") / (1.5 * end * end) - 1.0).abs() < 1e-3, "{}", last("V2@FREE"));
     assert!((last("U2@FREE") / (0.5 * end.powi(3)) - 1.0).abs() < 1e-3);
     assert!((last("V2@DRIVEN") / (3.0 * end * end) - 1.0).abs() < 1e-9);
     assert!((last("U2@DRIVEN") / end.powi(3) - 1.0).abs() < 1e-3);
-    let log = std::fs::read_to_string(desk.path("out/log")).expect("the routine's own file");
+    let log = std::fs::read_to_string(user_dir.path("out/log")).expect("the subroutine's own file");
     let words: Vec<&str> = log.split_whitespace().collect();
     assert_eq!(words, ["0", "1", "1", "1", "5", "1", "6", "1"]);
 }
 
 #[test]
-fn a_sweep_gives_each_run_a_routine_of_its_own() {
+fn sweep_gives_each_run_its_own_subroutine_state() {
     if !fortran() {
         return;
     }
-    let desk = Desk::new();
-    // The pressure grows with every call, so a state carried over would show.
-    let file = desk.write(
+    let user_dir = UserFolder::new();
+    // The pressure grows with every call, so that a state shared between runs would be detected.
+    let file = user_dir.write(
         "load.f",
         &vdload("      save n\n      data n /0/\n      n = n + 1\n      value = 1.d8*(1.d0 + 1.d-3*n)"),
     );
@@ -508,13 +519,13 @@ fn a_sweep_gives_each_run_a_routine_of_its_own() {
             .arg("--user")
             .arg(&file)
             .arg("--out")
-            .arg(desk.path("out"))
+            .arg(user_dir.path("out"))
             .arg(user_deck())
-            .env("XDG_CACHE_HOME", desk.path("cache"))
+            .env("XDG_CACHE_HOME", user_dir.path("cache"))
             .output()
             .expect("the program runs");
-        assert!(output.status.success(), "{}", told(&output));
-        let csv = std::fs::read_dir(desk.path("out")).expect("files").filter_map(Result::ok);
+        assert!(output.status.success(), "{}", message_text(&output));
+        let csv = std::fs::read_dir(user_dir.path("out")).expect("files").filter_map(Result::ok);
         let csv = csv.map(|e| e.path()).find(|p| p.extension().is_some_and(|e| e == "csv")).expect("a table");
         std::fs::read_to_string(csv).expect("a table")
     };
@@ -524,9 +535,9 @@ fn a_sweep_gives_each_run_a_routine_of_its_own() {
     assert!(rows.len() == 6 && rows.iter().all(|r| *r == rows[0]), "{one}");
 }
 
-/// The examples: the same arithmetic in both languages gives the same bits.
+/// The examples in both languages have the same arithmetic and give the same bits.
 #[test]
-fn rust_and_fortran_agree_to_the_last_bit() {
+fn rust_and_fortran_give_the_same_bits() {
     if !fortran() {
         return;
     }
@@ -554,21 +565,21 @@ fn rust_and_fortran_agree_to_the_last_bit() {
     }
 }
 
-/// The impulse of the blast by quadrature, which knows nothing of increments: v = -I / (rho t pi R^2).
+/// The impulse of the blast by quadrature, independent of increments: v = -I / (rho t pi R^2).
 #[test]
-fn the_blasts_impulse_is_its_integral() {
+fn blast_impulse_matches_its_integral() {
     let load = Routines::none().with_load(moving_blast::Blast::default());
     let [_, velocity] = moving_blast::fly(&load).expect("a run");
-    // Every point gets the same impulse: the integral of peak (1 - s) exp(-decay s) duration over s from 0 to 1.
+    // Every point receives the same impulse: the integral of peak (1 - s) exp(-decay s) duration over s from 0 to 1.
     let n = 20_000;
     let sum: f64 = (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n)).map(|s| (1.0 - s) * (-1.5 * s).exp()).sum();
     let expected = -2e6 * 1e-3 * sum / f64::from(n) / (7850.0 * 0.02);
     assert!((velocity / expected - 1.0).abs() < 2e-3, "{velocity} against {expected}");
 }
 
-/// The resistance of the seed paper, too.
+/// The resistance of `input/vdload_cavity.f`.
 #[test]
-fn the_papers_resistance_has_the_same_bits_in_rust_and_fortran() {
+fn cavity_resistance_has_the_same_bits_in_rust_and_fortran() {
     if !fortran() {
         return;
     }
@@ -578,5 +589,5 @@ fn the_papers_resistance_has_the_same_bits_in_rust_and_fortran() {
         (outcome.increments, outcome.rests[0].displacement.to_bits())
     };
     let compiled = compile(&[common::project("input/vdload_cavity.f")], false).expect("a library");
-    assert_eq!(run(&Routines::none().with_load(Cavity)), run(&compiled.open().expect("routines")));
+    assert_eq!(run(&Routines::none().with_load(CavityResistance)), run(&compiled.open().expect("routines")));
 }

@@ -18,14 +18,14 @@ use crate::common::solid::{grid, material};
 const N: usize = 4;
 const DENSITY: f64 = 1000.0;
 
-/// Returns the mesh of a cone of radius 1 and height 1, pointing downwards.
+/// Returns the mesh of a downward-pointing cone shell of radius 1 with a thickness of 1 along z.
 fn cone() -> String {
     grid(N, N, false, |i, j| [i as f64 / N as f64, 0.5 * i as f64 / N as f64 + j as f64 / N as f64])
 }
 
 /// Returns the deck of a rigid or deformable cone with an initial axial velocity under a load.
 fn deck(rigid: bool, velocity: f64, step: &str) -> String {
-    // Volume of the region below z = 1 and above the cone (Pappus).
+    // Volume by the theorem of Pappus: a section of area 1 with its centroid at r = 1/2.
     let mass = DENSITY * PI;
     let body = if rigid {
         format!(
@@ -47,9 +47,9 @@ fn deck(rigid: bool, velocity: f64, step: &str) -> String {
 }
 
 /// Pressure that grows with time and opposes the motion, and a body force.
-struct Pushes;
+struct PressureAndBodyForce;
 
-impl UserLoad for Pushes {
+impl UserLoad for PressureAndBodyForce {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         for (p, v) in pressure.iter_mut().zip(points.velocity_z) {
             *p = points.amplitude * (1e5 - 1e4 * v);
@@ -59,11 +59,11 @@ impl UserLoad for Pushes {
 }
 
 fn routines() -> Routines {
-    Routines::none().with_load(Pushes)
+    Routines::none().with_load(PressureAndBodyForce)
 }
 
 /// Returns the ledger rows of the load with their counts.
-fn rows(text: &str) -> Vec<(String, usize)> {
+fn load_effects(text: &str) -> Vec<(String, usize)> {
     let prepared = common::prepared(text, &[], &routines());
     let loads =
         ["pressure", "concentrated force", "gravity", "user load", "user body force", "cavity expansion", "friction"];
@@ -74,7 +74,7 @@ fn rows(text: &str) -> Vec<(String, usize)> {
 }
 
 #[test]
-fn every_load_acts_on_what_is_rigid_and_on_what_deforms() {
+fn loads_act_alike_on_rigid_and_deformable_bodies() {
     let loads = [
         ("pressure", 0.0, "*Dsload, amplitude=KINK\n J0, P, 1.e5\n"),
         ("concentrated force", 0.0, "*Cload, amplitude=KINK\n BODY, 2, FORCE\n"),
@@ -89,7 +89,7 @@ fn every_load_acts_on_what_is_rigid_and_on_what_deforms() {
         let force = |rigid: bool| if rigid { 3e5 } else { 3e5 / ((N + 1) * (N + 1)) as f64 };
         let text = |rigid: bool| deck(rigid, velocity, &load.replace("FORCE", &force(rigid).to_string()));
         let (rigid, soft) = (text(true), text(false));
-        assert_eq!(rows(&rigid), rows(&soft), "{name}: rows of the ledger");
+        assert_eq!(load_effects(&rigid), load_effects(&soft), "{name}: rows of the ledger");
         let runs = [&rigid, &soft].map(|text| common::run(text, &[], &routines()));
         for (outcome, _) in &runs {
             assert_eq!(outcome.halt, None, "{name}");
@@ -123,7 +123,7 @@ fn every_load_acts_on_what_is_rigid_and_on_what_deforms() {
 
 /// Increments end at the kinks of an amplitude, so the impulse of a piecewise linear load is exact.
 #[test]
-fn increments_end_at_kinks() {
+fn increments_end_at_amplitude_kinks() {
     for rigid in [true, false] {
         let text = deck(rigid, 0.0, "*Dsload, amplitude=KINK\n J0, P, 1.e5\n")
             .replace("*Output, history, number interval=200\n", "*Output, history, frequency=1\n");
@@ -135,7 +135,7 @@ fn increments_end_at_kinks() {
 
 /// A facet parallel to the faces of the layers meets a layer at one instant, and an increment ends there.
 #[test]
-fn increments_end_where_a_level_face_meets_a_layer() {
+fn increments_end_when_a_flat_face_reaches_a_layer() {
     for rigid in [true, false] {
         let flat = deck(rigid, -10.0, "*Dsload, target=GROUND\n J0, CAVITY\n")
             .replace(&cone(), &grid(N, N, false, |i, j| [i as f64 / N as f64, j as f64 / N as f64]))
@@ -151,7 +151,7 @@ fn increments_end_where_a_level_face_meets_a_layer() {
 
 /// An infinite resistance stops the run with the same code for both bodies.
 #[test]
-fn a_resistance_that_is_not_finite_halts() {
+fn infinite_resistance_stops_the_run() {
     for rigid in [true, false] {
         let text = deck(rigid, -1e160, "*Dsload, target=GROUND\n J0, CAVITY\n").replace("front=-0.01", "front=10.");
         let (outcome, _) = common::run(&text, &[], &Routines::none());
@@ -161,7 +161,7 @@ fn a_resistance_that_is_not_finite_halts() {
 
 /// One plan and initial state run twice in sequence and twice in parallel with the same bits.
 #[test]
-fn a_plan_runs_again_and_beside_itself() {
+fn repeated_and_parallel_runs_of_a_plan_have_the_same_bits() {
     let text = deck(false, -10.0, "*Dsload, target=GROUND, friction=0.1\n J0, CAVITY\n");
     let prepared = &common::prepared(&text, &[], &Routines::none());
     let run = || job::run_in_memory(prepared).0.digest;

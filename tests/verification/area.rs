@@ -62,7 +62,7 @@ fn asymmetry(controls: &str) -> [f64; 2] {
 /// With equal angles, area weighting keeps a sphere symmetric to rounding (Caramana, Burton, Shashkov and Whalen 1998,
 /// J. Comput. Phys. 146, 227, section 5); volume weighting does not. Both radii agree within the mesh error.
 #[test]
-fn a_sphere_stays_a_sphere_to_rounding() {
+fn area_weighting_keeps_spherical_symmetry() {
     let by_area = asymmetry(", weighting=AREA");
     let by_volume = asymmetry(", weighting=VOLUME");
     assert!(by_area[0] < 1e-10, "{by_area:?}");
@@ -72,7 +72,7 @@ fn a_sphere_stays_a_sphere_to_rounding() {
 
 /// Other codes: length 21.26 to 21.51 mm, foot radius 6.80 to 7.24 mm.
 #[test]
-fn the_taylor_bar_weighted_by_area_is_that_of_other_codes() {
+fn taylor_bar_with_area_weighting_matches_other_codes() {
     let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
     let text = text.replace(
         "elset=BAR, material=COPPER\n",
@@ -88,7 +88,7 @@ fn the_taylor_bar_weighted_by_area_is_that_of_other_codes() {
 }
 
 #[test]
-fn what_cannot_be_weighted_by_area_is_refused() {
+fn unsupported_area_weighting_is_an_error() {
     let good = grid(1, 1, false, |i, j| [1.0 + i as f64, j as f64]) + &material(1.0, 0.3, 1.0, "");
     let good = good.replace("material=M\n", "material=M, controls=C\n")
         + "*Section Controls, name=C, weighting=AREA\n*Step\n*Dynamic, Explicit\n , 1.\n*End Step\n";

@@ -18,7 +18,7 @@ const STEEL: &str = "*Material, name=STEEL\n*Density\n 7.83e-9,\n*Elastic\n 206e
 /// 32.4 x 3.2 mm, 287 m/s, 5 x 50 elements, 80 microseconds. DynELA: length 26.52 mm, foot diameter 11.15 mm, and
 /// 582.34 degrees and plastic strain 1.78 in the element at the centre of the foot. ABAQUS: 26.56, 11.16, 590.96, 1.81.
 #[test]
-fn a_taylor_bar_of_steel_is_that_of_other_codes() {
+fn steel_taylor_bar_matches_other_codes() {
     let mut deck = grid(5, 50, false, |i, j| [0.64 * i as f64, 0.648 * j as f64]);
     deck += "*Nset, nset=CORNER\n 6,\n*Nset, nset=TIP\n 301,\n*Elset, elset=CENTRE\n 1,\n";
     deck += "*Solid Section, elset=SOLID, material=STEEL\n";
@@ -48,7 +48,7 @@ fn a_taylor_bar_of_steel_is_that_of_other_codes() {
 /// Returns the neck radius, and the plastic strain and temperature at the centre of the neck, of half a bar. The bar is
 /// 12.7 mm thick, its half is 53.34 mm long and 1 % thinner in the middle, with 10 x 40 `k` elements. It is pulled by 7
 /// mm in a millisecond and the run ends at an elongation of `longer`.
-fn neck(k: usize, longer: f64, more: &str) -> [f64; 3] {
+fn pull_bar(k: usize, longer: f64, more: &str) -> [f64; 3] {
     let (nr, rows, length) = (10, 40 * k, 26.67);
     // Half of the rows are in the third next to the neck.
     let height = |j: usize| {
@@ -79,8 +79,8 @@ fn neck(k: usize, longer: f64, more: &str) -> [f64; 3] {
 /// Elongation of 7 mm, 10 x 40 elements. DynELA: 642.78 degrees and plastic strain 2.07 in the element at the centre of
 /// the neck; ABAQUS: 658.91 and 2.12. Neck diameters: 2.71 and 2.35 mm.
 #[test]
-fn a_necking_bar_is_that_of_other_codes() {
-    let [radius, strain, temperature] = neck(1, 7.0, "");
+fn necking_bar_matches_other_codes() {
+    let [radius, strain, temperature] = pull_bar(1, 7.0, "");
     let diameter = 2.0 * radius;
     println!("necking bar: D {diameter:.2} mm, T {temperature:.1}, PEEQ {strain:.3}");
     // Between the two codes, which differ by 2.5 %.
@@ -93,8 +93,8 @@ fn a_necking_bar_is_that_of_other_codes() {
 
 /// Up to an elongation of 4.2 mm the neck is independent of the mesh; its radius falls from 6.35 to 4.46 mm.
 #[test]
-fn a_neck_converges_while_it_is_longer_than_an_element() {
-    let [coarse, fine] = [1, 2].map(|k| neck(k, 4.2, ""));
+fn neck_converges_while_longer_than_an_element() {
+    let [coarse, fine] = [1, 2].map(|k| pull_bar(k, 4.2, ""));
     println!("neck at 4.2 mm: radius and strain {coarse:.3?}, {fine:.3?}");
     // 40 x 160 and more elements give 4.460 mm and 0.810.
     assert!((fine[0] - 4.460).abs() < 0.01 && (fine[1] - 0.810).abs() < 0.01, "{fine:?}");
@@ -106,10 +106,10 @@ fn a_neck_converges_while_it_is_longer_than_an_element() {
 /// `cargo test --release --test verification bars -- --ignored --nocapture` prints the study (minutes).
 #[test]
 #[ignore = "minutes"]
-fn a_neck_drawn_to_a_point_takes_one_row_of_elements() {
+fn final_neck_localizes_in_one_row_of_elements() {
     for control in ["STIFFNESS", "VISCOUS", "ENHANCED"] {
         let more = format!("*Section Controls, name=C, hourglass={control}\n");
-        let levels = [1, 2, 4].map(|k| neck(k, 7.0, &more));
+        let levels = [1, 2, 4].map(|k| pull_bar(k, 7.0, &more));
         println!("neck at 7 mm, {control}: {levels:.3?}");
         assert!(levels[1][1] > 1.15 * levels[0][1] && levels[2][1] > 1.1 * levels[1][1], "{levels:?}");
     }

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use crate::common::solid::{column, grid, last, material, run};
 
 /// Returns the quarter section of a thick sphere with shells at `radii` and equal angles from the equator to the axis.
-fn shells(radii: &[f64], around: usize) -> String {
+fn quarter_sphere(radii: &[f64], around: usize) -> String {
     let place = |i: usize, j: usize| {
         let angle = 0.5 * PI * j as f64 / around as f64;
         // Nodes of the last ray have r = 0 exactly.
@@ -21,11 +21,11 @@ fn shells(radii: &[f64], around: usize) -> String {
 
 /// Returns the wall displacement of each ray, from the equator to the axis, over that of Blake at 20 and 100
 /// microseconds, and the drift of ETOTAL.
-fn blake(per_radius: usize, around: usize, controls: &str, viscosity: &str) -> (Vec<[f64; 2]>, f64) {
+fn run_blake(per_radius: usize, around: usize, controls: &str, viscosity: &str) -> (Vec<[f64; 2]>, f64) {
     let a = 0.1;
     let radii: Vec<f64> = (0..=3 * per_radius).map(|i| a + a * i as f64 / per_radius as f64).collect();
     let wall: Vec<String> = (0..=around).map(|j| format!(" {}\n", 1 + j * radii.len())).collect();
-    let deck = (shells(&radii, around)
+    let deck = (quarter_sphere(&radii, around)
         + &material(62.5e9, 0.25, 3000.0, &format!("*Nset, nset=WALL\n{}", wall.concat())))
         .replace("material=M\n", controls)
         + &format!(
@@ -44,7 +44,7 @@ fn blake(per_radius: usize, around: usize, controls: &str, viscosity: &str) -> (
 }
 
 /// Returns the largest error of all rays, and the error at the equator, at 100 microseconds.
-fn worst(rays: &[[f64; 2]]) -> [f64; 2] {
+fn largest_errors(rays: &[[f64; 2]]) -> [f64; 2] {
     let error = |ray: &[f64; 2]| (ray[1] - 1.0).abs();
     [rays.iter().map(error).fold(0.0, f64::max), error(&rays[0])]
 }
@@ -52,12 +52,12 @@ fn worst(rays: &[[f64; 2]]) -> [f64; 2] {
 /// Pressure step of 1 MPa in a cavity of radius 0.1 m, lambda = mu = 25 GPa, density 3000 kg/m3: u(a) = 0.992135379
 /// micrometres after 20 microseconds and 0.974715628 after 100 (Blake 1952, J. Acoust. Soc. Am. 24, 211).
 #[test]
-fn blakes_cavity() {
-    let levels = [(50, 40), (100, 80)].map(|(n, around)| blake(n, around, "material=M\n", "0., 0."));
+fn blake_cavity_displacement_matches_closed_form() {
+    let levels = [(50, 40), (100, 80)].map(|(n, around)| run_blake(n, around, "material=M\n", "0., 0."));
     // The load starts at full value, the motion half an increment later; this is the energy error.
     assert!(levels.iter().all(|level| level.1 < 1e-3), "{} {}", levels[0].1, levels[1].1);
     let errors = levels.map(|level| level.0[0].map(|ratio| (ratio - 1.0).abs()));
-    println!("Blake: equator off by {errors:?}");
+    println!("Blake: errors at the equator {errors:?}");
     // The front is a discontinuity; shells of thickness a/100 carry it with oscillations.
     assert!(errors[1].iter().all(|e| *e < 5e-3), "{errors:?}");
     assert!(errors[1][1] < 0.5 * errors[0][1], "{errors:?}");
@@ -66,16 +66,16 @@ fn blakes_cavity() {
 /// The axis has the largest error. With volume weighting this error is proportional to the square of the angle between
 /// rays; with area weighting all rays are equal to rounding.
 #[test]
-fn blakes_cavity_on_the_axis() {
-    let by_volume = [12, 24].map(|around| worst(&blake(50, around, "material=M\n", "0., 0.").0));
+fn blake_cavity_converges_on_the_axis() {
+    let by_volume = [12, 24].map(|around| largest_errors(&run_blake(50, around, "material=M\n", "0., 0.").0));
     println!("Blake by volume, worst ray and equator: {by_volume:?}");
     let order = (by_volume[0][0] / by_volume[1][0]).log2();
     assert!((1.6..2.2).contains(&order), "order {order} {by_volume:?}");
     assert!(by_volume[1][0] < 1e-2, "{by_volume:?}");
     let controls = "material=M, controls=C\n*Section Controls, name=C, weighting=AREA\n";
     for around in [12, 24] {
-        let (rays, drift) = blake(50, around, controls, "0.06, 1.2");
-        let [of_all, equator] = worst(&rays);
+        let (rays, drift) = run_blake(50, around, controls, "0.06, 1.2");
+        let [of_all, equator] = largest_errors(&rays);
         let spread = rays.iter().map(|ray| (ray[1] / rays[0][1] - 1.0).abs()).fold(0.0, f64::max);
         println!(
             "Blake by area, {around} rays: worst {of_all:.1e}, equator {equator:.1e}, spread {spread:.1e}, drift {drift:.1e}"
@@ -88,13 +88,13 @@ fn blakes_cavity_on_the_axis() {
 }
 
 /// Returns the wall pressure of a cavity that opens at 500 m/s, over the yield stress.
-fn opening(shells_per_decade: f64, around: usize) -> Vec<f64> {
+fn opening_pressures(shells_per_decade: f64, around: usize) -> Vec<f64> {
     let mut radii = vec![1e-3];
     while radii[radii.len() - 1] < 0.06 {
         radii.push(radii[radii.len() - 1] * 10f64.powf(1.0 / shells_per_decade));
     }
     let row = radii.len();
-    let mut deck = shells(&radii, around)
+    let mut deck = quarter_sphere(&radii, around)
         + &material(68.9e9, 1.0 / 3.0, 2710.0, "*Plastic\n 276.e6, 0.\n*Elset, elset=WALL, generate\n")
         + &format!(" 1, {}, {}\n", 1 + (around - 1) * (row - 1), row - 1)
         + "*Initial Conditions, type=VELOCITY\n";
@@ -131,8 +131,8 @@ fn opening(shells_per_decade: f64, around: usize) -> Vec<f64> {
 /// once the transient of its initial radius has decayed. The value is the compressible solution from which the
 /// constants of `*CAVITY EXPANSION` follow.
 #[test]
-fn a_cavity_opens_against_its_pressure() {
-    let levels = [(60.0, 10), (90.0, 14)].map(|(shells, around)| opening(shells, around));
+fn opening_cavity_has_the_cavity_expansion_pressure() {
+    let levels = [(60.0, 10), (90.0, 14)].map(|(shells, around)| opening_pressures(shells, around));
     println!("cavity at 500 m/s: pressure over yield stress {levels:.3?}, 6.824");
     for level in levels {
         // From three times the initial radius on. The volume is linear in the pressure in the closed form and
@@ -145,7 +145,7 @@ fn a_cavity_opens_against_its_pressure() {
 /// Piston above the elastic limit in uniaxial strain: an elastic shock at the Hugoniot elastic limit of 552 MPa and
 /// 6175.478 m/s, followed by a plastic shock at sqrt(K/rho) = 5042.257 m/s.
 #[test]
-fn a_piston_sends_two_shocks() {
+fn piston_drives_elastic_and_plastic_shocks() {
     let (m, length, speed) = (400, 0.1, 0.5);
     // Stiffness and density times 100: the same speeds, and strains as small as the closed form assumes.
     let (e, density, limit, c_l, c_p) = (68.9e11, 2710e2, 552e6, 6175.478, 5042.257);

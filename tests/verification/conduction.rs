@@ -1,24 +1,25 @@
-//! Conduction of heat.
+//! Heat conduction.
 //!
-//! Goal: temperatures in slab, cylinder and sphere over time, under held temperatures, fluxes and films; the stable increment at
-//! its limit; heat that is neither lost nor made. Source: closed forms (Carslaw and Jaeger 1959, Conduction of Heat in Solids:
-//! 3.3 slab, 3.11 film, 2.9 flux into a half-space, 7.6 cylinder, 9.4 hollow sphere), their series summed here. Tolerance: 0.5 %
-//! of the range of temperature at the worst node, the order in the mesh asserted first; forward differences of first order in
-//! time keep an increment of the second order in the mesh.
+//! Goal: transient temperatures in slab, cylinder and sphere with prescribed temperatures, fluxes and films; stability
+//! at the largest stable increment; conservation of heat.
+//! Source: closed forms (Carslaw and Jaeger 1959, Conduction of Heat in Solids: 3.3 slab, 3.11 film, 2.9 flux into a
+//! half-space, 7.6 cylinder, 9.4 hollow sphere) with their series summed here.
+//! Tolerance: 0.5 % of the temperature range at the worst node, after the order in the mesh is asserted. Forward
+//! differences are of first order in time, and the increment is proportional to the square of the element size.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use crate::common;
-use crate::common::Memory;
+use crate::common::RecordedOutput;
 use crate::common::solid::{grid, run};
 use revolve::user::Routines;
 
-/// Diffusivity of the material below.
+/// Thermal diffusivity of the material below.
 const ALPHA: f64 = 0.1;
 
-/// A grid of elements with temperatures, and a material that hardly resists: what conducts bounds the increment.
-fn conducting(n: usize, m: usize, triangles: bool, place: impl Fn(usize, usize) -> [f64; 2]) -> String {
+/// Returns a grid of thermally coupled elements of a very soft material, so that conduction limits the increment.
+fn conducting_grid(n: usize, m: usize, triangles: bool, place: impl Fn(usize, usize) -> [f64; 2]) -> String {
     grid(n, m, triangles, place).replace("type=CAX4R", "type=CAX4RT").replace("type=CAX3", "type=CAX3T")
         + "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.,\n*Elastic\n 0.01, 0.3\n\
            *Conductivity\n 0.1,\n*Specific Heat\n 0.5,\n"
@@ -31,23 +32,23 @@ fn step(duration: f64, cards: &str) -> String {
     )
 }
 
-/// Points and temperatures of the last frame.
-fn temperatures(memory: &Memory) -> Vec<([f64; 2], f64)> {
+/// Returns the nodes and temperatures of the last frame.
+fn temperatures(memory: &RecordedOutput) -> Vec<([f64; 2], f64)> {
     let frame = memory.frames.last().expect("a frame");
     let field = frame.point_fields.iter().find(|f| f.name == "NT11").expect("NT11");
     frame.points.iter().copied().zip(field.values.iter().copied()).collect()
 }
 
-/// Largest departure from an answer, over all nodes.
-fn worst(deck: &str, exact: impl Fn([f64; 2]) -> f64) -> f64 {
+/// Returns the largest nodal error of the final temperature.
+fn largest_error(deck: &str, exact: impl Fn([f64; 2]) -> f64) -> f64 {
     let (outcome, memory) = run(deck);
     assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
     temperatures(&memory).into_iter().map(|(place, t)| (t - exact(place)).abs()).fold(0.0, f64::max)
 }
 
-/// Errors on meshes twice as fine each: of second order, and small at the end.
+/// Asserts that errors on successively refined meshes decrease with second order and end below 0.5 %.
 #[track_caller]
-fn converges(name: &str, errors: &[f64], least: f64) {
+fn assert_convergence(name: &str, errors: &[f64], least: f64) {
     let [.., before, last] = errors else { panic!("two meshes") };
     let order = (before / last).log2();
     println!("{name}: errors {errors:?}, order {order:.2}");
@@ -55,8 +56,8 @@ fn converges(name: &str, errors: &[f64], least: f64) {
     assert!(*last < 5e-3, "{name}: {errors:?}");
 }
 
-/// Slab of thickness 1, insulated at z = 0 and held at 1 from t = 0 on at z = 1, after the time t.
-fn slab(z: f64, t: f64) -> f64 {
+/// Slab of thickness 1, insulated at z = 0, with T = 1 at z = 1 from t = 0 on.
+fn slab_temperature(z: f64, t: f64) -> f64 {
     let term = |n: usize| {
         let l = (n as f64 + 0.5) * PI;
         let sign = if n.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -66,18 +67,18 @@ fn slab(z: f64, t: f64) -> f64 {
 }
 
 #[test]
-fn a_slab() {
+fn slab_temperature_matches_series() {
     let held = step(2.0, "*Boundary\n J1, 11, 11, 1.\n");
     let errors = [8, 16, 32].map(|n| {
-        let deck = conducting(2, n, false, |i, j| [1.0 + i as f64 / n as f64, j as f64 / n as f64]) + &held;
-        worst(&deck, |[_, z]| slab(z, 2.0))
+        let deck = conducting_grid(2, n, false, |i, j| [1.0 + i as f64 / n as f64, j as f64 / n as f64]) + &held;
+        largest_error(&deck, |[_, z]| slab_temperature(z, 2.0))
     });
-    converges("slab", &errors, 1.6);
+    assert_convergence("slab", &errors, 1.6);
 }
 
-/// The same on quadrilaterals without a right angle, which reach the axis; and on triangles.
+/// The same slab on skewed quadrilaterals that reach the axis, and on triangles.
 #[test]
-fn a_slab_on_skewed_meshes() {
+fn slab_temperature_converges_on_skewed_meshes() {
     let held = step(2.0, "*Boundary\n J1, 11, 11, 1.\n");
     let errors = [8, 16, 32].map(|n| {
         let place = |i: usize, j: usize| {
@@ -86,21 +87,21 @@ fn a_slab_on_skewed_meshes() {
             let (wave_r, wave_z) = (((3 * i + 5 * j) % 7) as f64 / 3.0 - 1.0, ((5 * i + 2 * j) % 7) as f64 / 3.0 - 1.0);
             [r + inside(i) * wave_r, z + inside(j) * wave_z]
         };
-        worst(&(conducting(n, n, false, place) + &held), |[_, z]| slab(z, 2.0))
+        largest_error(&(conducting_grid(n, n, false, place) + &held), |[_, z]| slab_temperature(z, 2.0))
     });
-    converges("slab, skewed", &errors, 1.6);
+    assert_convergence("slab, skewed", &errors, 1.6);
     let errors = [8, 16, 32].map(|n| {
         let columns = n / 2;
         let top: String = (0..=columns).map(|i| format!(" {},\n", 1 + i + n * (columns + 1))).collect();
-        let deck = conducting(columns, n, true, |i, j| [i as f64 / columns as f64, j as f64 / n as f64]);
-        worst(&(deck + &format!("*Nset, nset=J1\n{top}") + &held), |[_, z]| slab(z, 2.0))
+        let deck = conducting_grid(columns, n, true, |i, j| [i as f64 / columns as f64, j as f64 / n as f64]);
+        largest_error(&(deck + &format!("*Nset, nset=J1\n{top}") + &held), |[_, z]| slab_temperature(z, 2.0))
     });
-    converges("slab, triangles", &errors, 1.5);
+    assert_convergence("slab, triangles", &errors, 1.5);
 }
 
-/// A cylinder of radius 1, 1 at the start, whose surface is held at 0.
+/// Cylinder of radius 1 with initial temperature 1 and surface temperature 0.
 #[test]
-fn a_cylinder_with_its_axis() {
+fn cylinder_temperature_matches_series() {
     let zero = |n: usize| {
         let mut x = (n as f64 + 0.75) * PI;
         (0..30).for_each(|_| x += libm::j0(x) / libm::j1(x));
@@ -116,15 +117,16 @@ fn a_cylinder_with_its_axis() {
     let held =
         "*Initial Conditions, type=TEMPERATURE\n ALL, 1.\n".to_owned() + &step(1.0, "*Boundary\n I1, 11, 11, 0.\n");
     let errors = [8, 16, 32].map(|n| {
-        let deck = conducting(n, 2, false, |i, j| [i as f64 / n as f64, j as f64 / n as f64]) + &held;
-        worst(&deck, |[r, _]| exact(r, 1.0))
+        let deck = conducting_grid(n, 2, false, |i, j| [i as f64 / n as f64, j as f64 / n as f64]) + &held;
+        largest_error(&deck, |[r, _]| exact(r, 1.0))
     });
-    converges("cylinder", &errors, 1.7);
+    assert_convergence("cylinder", &errors, 1.7);
 }
 
-/// A hollow sphere from 1 to 2, at 0; from t = 0 on held at 1 inside and at 0 outside: r T is that of a slab.
+/// Hollow sphere from radius 1 to 2 with initial temperature 0, inner temperature 1 and outer temperature 0. The
+/// product r T satisfies the equation of a slab.
 #[test]
-fn a_hollow_sphere() {
+fn hollow_sphere_temperature_matches_series() {
     let exact = |[r, z]: [f64; 2], t: f64| -> f64 {
         let s = r.hypot(z);
         let term = |n: usize| {
@@ -139,14 +141,15 @@ fn a_hollow_sphere() {
             let (s, angle) = (1.0 + i as f64 / n as f64, 0.5 * PI * j as f64 / (2 * n) as f64);
             if j == 2 * n { [0.0, s] } else { [s * angle.cos(), s * angle.sin()] }
         };
-        worst(&(conducting(n, 2 * n, false, place) + &held), |place| exact(place, 1.0))
+        largest_error(&(conducting_grid(n, 2 * n, false, place) + &held), |place| exact(place, 1.0))
     });
-    converges("sphere", &errors, 1.7);
+    assert_convergence("sphere", &errors, 1.7);
 }
 
-/// A slab that starts at 1, insulated at z = 0 and beside a fluid of 0 at z = 1, Biot number 2.
+/// Slab with initial temperature 1, insulated at z = 0, with a film to a fluid of temperature 0 at z = 1.
+/// Biot number 2.
 #[test]
-fn a_film() {
+fn slab_with_film_matches_series() {
     let root = |n: usize| {
         let (mut low, mut high) = (n as f64 * PI, (n as f64 + 0.5) * PI - 1e-12);
         for _ in 0..100 {
@@ -163,58 +166,58 @@ fn a_film() {
         (0..30).map(term).sum()
     };
     let with = |n: usize, film: &str| {
-        conducting(2, n, false, |i, j| [i as f64 / n as f64, j as f64 / n as f64])
+        conducting_grid(2, n, false, |i, j| [i as f64 / n as f64, j as f64 / n as f64])
             + "*Initial Conditions, type=TEMPERATURE\n ALL, 1.\n"
             + &step(2.0, film)
     };
-    let errors = [8, 16, 32].map(|n| worst(&with(n, "*Film\n EJ1, F3, 0., 0.2\n"), |[_, z]| exact(z, 2.0)));
-    converges("film", &errors, 1.7);
+    let errors = [8, 16, 32].map(|n| largest_error(&with(n, "*Film\n EJ1, F3, 0., 0.2\n"), |[_, z]| exact(z, 2.0)));
+    assert_convergence("film", &errors, 1.7);
     let by = |film: &str| temperatures(&run(&with(8, film)).1);
     assert_eq!(by("*Film\n EJ1, F3, 0., 0.2\n"), by("*Sfilm\n J1, F, 0., 0.2\n"));
-    // Amplitudes of the fluid and of the coefficient.
+    // Amplitudes of the sink temperature and of the film coefficient.
     let twice = "*Amplitude, name=TWICE\n 0., 2.\n*Step";
     let amplified =
         with(8, "*Film, film amplitude=TWICE, amplitude=TWICE\n EJ1, F3, 0.25, 0.1\n").replace("*Step", twice);
     assert_eq!(temperatures(&run(&amplified).1), by("*Film\n EJ1, F3, 0.5, 0.2\n"));
 }
 
-/// A constant flux into what is as good as a half-space: q/k (2 sqrt(at/pi) exp(-x^2/4at) - x erfc(x/2 sqrt(at))).
+/// Constant flux into a practically semi-infinite body: T = q/k (2 sqrt(at/pi) exp(-x^2/4at) - x erfc(x/2 sqrt(at))).
 #[test]
-fn a_flux_into_a_half_space() {
+fn half_space_with_flux_matches_closed_form() {
     let exact = |z: f64, t: f64| {
         let (x, at) = (1.0 - z, ALPHA * t);
         2.0 * (at / PI).sqrt() * (-x * x / (4.0 * at)).exp() - x * libm::erfc(x / (2.0 * at.sqrt()))
     };
     let with = |n: usize, flux: &str| {
-        conducting(2, n, false, |i, j| [i as f64 / n as f64, j as f64 / n as f64]) + &step(0.2, flux)
+        conducting_grid(2, n, false, |i, j| [i as f64 / n as f64, j as f64 / n as f64]) + &step(0.2, flux)
     };
-    let errors = [16, 32, 64].map(|n| worst(&with(n, "*Dflux\n EJ1, S3, 0.1\n"), |[_, z]| exact(z, 0.2)));
-    converges("flux", &errors, 1.7);
+    let errors = [16, 32, 64].map(|n| largest_error(&with(n, "*Dflux\n EJ1, S3, 0.1\n"), |[_, z]| exact(z, 0.2)));
+    assert_convergence("flux", &errors, 1.7);
     let by = |flux: &str| temperatures(&run(&with(16, flux)).1);
     assert_eq!(by("*Dflux\n EJ1, S3, 0.1\n"), by("*Dsflux\n J1, S, 0.1\n"));
 }
 
-/// What is heated evenly stays even to rounding, on a skewed mesh that reaches the axis: T = q t/(rho c). So does heat into
-/// nodes that is as large.
+/// Uniform heating of a skewed mesh that reaches the axis stays uniform to rounding: T = q t/(rho c). The same holds
+/// for concentrated fluxes.
 #[test]
-fn even_heat_stays_even() {
+fn uniform_heating_stays_uniform() {
     let place = |i: usize, j: usize| {
         let wave = |k: usize| (k % 5) as f64 * 0.05;
         [i as f64 + if i == 0 { 0.0 } else { wave(2 * i + 3 * j) }, j as f64 + wave(3 * i + j)]
     };
-    let deck = conducting(4, 4, false, place) + &step(3.0, "*Dflux\n SOLID, BF, 0.7\n");
-    let error = worst(&deck, |_| 0.7 * 3.0);
+    let deck = conducting_grid(4, 4, false, place) + &step(3.0, "*Dflux\n SOLID, BF, 0.7\n");
+    let error = largest_error(&deck, |_| 0.7 * 3.0);
     assert!(error < 1e-12, "{error}");
-    let one = conducting(1, 1, false, |i, j| [1.0 + i as f64, j as f64]) + &step(0.5, "*Cflux\n ALL, 11, 0.6\n");
+    let one = conducting_grid(1, 1, false, |i, j| [1.0 + i as f64, j as f64]) + &step(0.5, "*Cflux\n ALL, 11, 0.6\n");
     let (_, memory) = run(&one);
     let energies = memory.rows.last().expect("a row").1.clone();
     assert!(energies.iter().all(|e| (e / 1.2 - 1.0).abs() < 1e-12), "{energies:?}");
 }
 
-/// k = 0.1 (1 + T): with the heat function T + T^2/2 the steady slab between 0 and 1 is linear in it, and 0.15 flows through it.
+/// k = 0.1 (1 + T): the steady slab between 0 and 1 is linear in T + T^2/2, with a flux of 0.15.
 #[test]
-fn conductivity_over_temperature() {
-    let deck = conducting(1, 16, false, |i, j| [1.0 + i as f64 / 16.0, j as f64 / 16.0])
+fn temperature_dependent_conductivity_matches_closed_form() {
+    let deck = conducting_grid(1, 16, false, |i, j| [1.0 + i as f64 / 16.0, j as f64 / 16.0])
         .replace("*Conductivity\n 0.1,\n", "*Conductivity\n 0.1, 0.\n 0.2, 1.\n")
         + &step(30.0, "*Boundary\n J0, 11, 11, 0.\n J1, 11, 11, 1.\n");
     let (_, memory) = run(&deck);
@@ -226,28 +229,28 @@ fn conductivity_over_temperature() {
     assert_eq!(flux.component_names, ["HFL1", "HFL2"]);
     let axial = flux.values.chunks(2).map(|q| (q[1] / -0.15 - 1.0).abs()).fold(0.0, f64::max);
     assert!(axial < 2e-3, "{axial}");
-    // What is held at the top gives the flux times the area of the ring.
+    // The reaction flux at the fixed end is the flux times the area of the ring.
     let reaction = frame.point_fields.iter().find(|f| f.name == "RFL11").expect("RFL11");
     let top: f64 = frame.points.iter().zip(&reaction.values).filter(|(p, _)| p[1] == 1.0).map(|(_, q)| q).sum();
     let area = PI * ((17.0_f64 / 16.0).powi(2) - 1.0);
     assert!((top / (0.15 * area) - 1.0).abs() < 2e-3, "{top}");
 }
 
-/// c = 0.5 (1 + T): of the heat q t a volume T + T^2/2 = q t/0.5 rho.
+/// c = 0.5 (1 + T): T + T^2/2 = q t/(0.5 rho).
 #[test]
-fn specific_heat_over_temperature() {
-    let deck = conducting(2, 2, false, |i, j| [i as f64, j as f64])
+fn temperature_dependent_specific_heat_matches_closed_form() {
+    let deck = conducting_grid(2, 2, false, |i, j| [i as f64, j as f64])
         .replace("*Specific Heat\n 0.5,\n", "*Specific Heat\n 0.5, 0.\n 1., 1.\n")
         + &step(1.0, "*Dflux\n SOLID, BF, 1.2\n").replace(" , 1\n", " , 1, , 0.01\n");
-    let error = worst(&deck, |_| (1.0 + 2.0 * 1.2_f64).sqrt() - 1.0);
+    let error = largest_error(&deck, |_| (1.0 + 2.0 * 1.2_f64).sqrt() - 1.0);
     assert!(error < 1e-4, "{error}");
 }
 
-/// Heat given from outside is what is taken up, whatever gives it.
+/// The heat stored equals the heat supplied, for each kind of source.
 #[test]
-fn no_heat_is_lost() {
+fn heat_is_conserved() {
     let place = |i: usize, j: usize| [i as f64 * 0.2, j as f64 * 0.1 + 0.03 * (i % 2) as f64];
-    let deck = conducting(5, 10, false, place)
+    let deck = conducting_grid(5, 10, false, place)
         + "*Amplitude, name=RAMP\n 0., 0., 1., 1.\n"
         + &step(
             2.0,
@@ -259,9 +262,10 @@ fn no_heat_is_lost() {
     }
 }
 
-/// Two columns of rings from 1 to 2 that meet at z = `meet`, in `[below, above]` columns of cells, `rows` cells to a length 1,
-/// joined by cards; BASE and HEAD are the ends, FOOT and TOP the surfaces that meet.
-fn stacked(columns: [usize; 2], rows: usize, meet: f64, cards: &str) -> String {
+/// Returns two stacked columns of rings from r = 1 to 2 that meet at z = `meet` and are joined by `cards`. `columns`
+/// are the cells along r of the lower and upper body, `rows` the cells per unit length. BASE and HEAD are the end
+/// faces, FOOT and TOP the joined surfaces.
+fn stacked_columns(columns: [usize; 2], rows: usize, meet: f64, cards: &str) -> String {
     let mut text = String::new();
     let spans = [[0.0, meet], [meet, 1.0]];
     let names = [["LOW", "BASE", "TOP"], ["HIGH", "FOOT", "HEAD"]];
@@ -294,38 +298,40 @@ fn stacked(columns: [usize; 2], rows: usize, meet: f64, cards: &str) -> String {
 
 const TIED: &str = "*Tie, name=T\n FOOT, TOP\n";
 
-/// Through a tie of meshes that do not match, 3 cells beside 4, a slab conducts as one without. Nodes that follow by themselves
-/// take heat by their own shares of the area and hand it on by those of the master: at single nodes of the tie an error of the
-/// first order, which the mean over the tie does not see. No heat is lost.
+/// A slab conducts through a tie of nonmatching meshes (3 and 4 cells) like a slab without a tie. Slave nodes collect
+/// heat by their own share of the area and pass it on by the shape functions of the master, which causes a first-order
+/// error at single nodes of the tie but none in the mean. Heat is conserved.
 #[test]
-fn a_slab_through_a_tie_of_meshes_that_do_not_match() {
+fn slab_conducts_through_a_tie_of_nonmatching_meshes() {
     let held = step(2.0, "*Boundary\n NHEAD, 11, 11, 1.\n");
     let found = [1, 2, 4].map(|fine| {
-        let (outcome, memory) = run(&(stacked([3 * fine, 4 * fine], 8 * fine, 0.5, TIED) + &held));
+        let (outcome, memory) = run(&(stacked_columns([3 * fine, 4 * fine], 8 * fine, 0.5, TIED) + &held));
         assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
         for (_, row) in &memory.rows[1..] {
             assert!(row[0].abs() > 1e-6 && (row[0] / row[1] - 1.0).abs() < 1e-11, "{row:?}");
         }
-        let errors = temperatures(&memory).into_iter().map(|([_, z], t)| (z, t - slab(z, 2.0)));
+        let errors = temperatures(&memory).into_iter().map(|([_, z], t)| (z, t - slab_temperature(z, 2.0)));
         let tied: Vec<f64> = errors.clone().filter(|e| (e.0 - 0.5).abs() < 1e-9).map(|e| e.1).collect();
         let worst = errors.map(|e| e.1.abs()).fold(0.0, f64::max);
         [worst, (tied.iter().sum::<f64>() / tied.len() as f64).abs()]
     });
-    // 2.4 and 1.5: forward differences in increments that fit the step have their share, as in the slab of one piece (1.7).
-    converges("slab through a tie, mean at it", &found.map(|f| f[1]), 1.4);
+    // The orders are 2.4 and 1.5. The rounding of increments to the step time contributes, as in the slab without a tie
+    // (1.7).
+    assert_convergence("slab through a tie, mean at it", &found.map(|f| f[1]), 1.4);
     let worst = found.map(|f| f[0]);
     let order = (worst[1] / worst[2]).log2();
     println!("slab through a tie: errors {worst:?}, order {order:.2}");
     assert!(order > 0.95 && worst[2] < 5e-3, "{order} {worst:?}");
 }
 
-/// Across the tie also along it: the lower part is heated at its outer half alone, so that heat goes over unevenly and slaves
-/// lie on slopes. Slaves have the temperature of their point of the master to rounding, and what is taken up is what was given,
-/// with the capacity of either law.
+/// The temperature also varies along the tie: only the outer half of the lower body is heated, and some slaves are on
+/// slopes of the temperature. Slaves have the interpolated temperature of the master to rounding, and the stored heat
+/// equals the supplied heat, with constant and with temperature-dependent specific heat.
 #[test]
-fn a_tie_holds_where_the_temperature_varies_along_it() {
+fn tied_temperatures_agree_under_nonuniform_heating() {
     for varies in [false, true] {
-        let mut deck = stacked([3, 4], 8, 0.5, TIED) + &step(1.0, "*Cflux\n 4, 11, 0.3\n*Dflux\n SOLID, BF, 0.1\n");
+        let mut deck =
+            stacked_columns([3, 4], 8, 0.5, TIED) + &step(1.0, "*Cflux\n 4, 11, 0.3\n*Dflux\n SOLID, BF, 0.1\n");
         if varies {
             deck = deck.replace("*Specific Heat\n 0.5,\n", "*Specific Heat\n 0.5, 0.\n 1., 1.\n");
         }
@@ -343,7 +349,7 @@ fn a_tie_holds_where_the_temperature_varies_along_it() {
             (t - (1.0 - share) * master[i].1 - share * master[i + 1].1).abs()
         });
         let worst = worst.fold(0.0, f64::max);
-        // What the capacity over an increment curves is made good an increment later.
+        // The curvature of the specific heat over an increment is corrected in the next increment.
         assert!(worst < if varies { 1e-9 } else { 1e-12 }, "{worst:e}");
         for (_, row) in &memory.rows[1..] {
             assert!((row[0] / row[1] - 1.0).abs() < 1e-11, "{row:?}");
@@ -351,23 +357,24 @@ fn a_tie_holds_where_the_temperature_varies_along_it() {
     }
 }
 
-/// *EQUATION on 11: of meshes that match the slab of one piece to rounding; T1 = 2 T2 of two lumps that share 1 of heat.
+/// `*EQUATION` on degree of freedom 11: matching meshes give the results of one slab to rounding, and two lumps that
+/// share a unit of heat satisfy T1 = 2 T2.
 #[test]
-fn equations_between_temperatures() {
+fn temperature_equations_match_closed_forms() {
     let held = |set: &str| step(2.0, &format!("*Boundary\n {set}, 11, 11, 1.\n"));
-    let whole = conducting(2, 16, false, |i, j| [1.0 + 0.5 * i as f64, j as f64 / 16.0]) + &held("J1");
+    let whole = conducting_grid(2, 16, false, |i, j| [1.0 + 0.5 * i as f64, j as f64 / 16.0]) + &held("J1");
     let whole = temperatures(&run(&whole).1);
-    let joined = stacked([2, 2], 16, 0.5, "*Equation\n 2\n NFOOT, 11, 1., NTOP, 11, -1.\n") + &held("NHEAD");
+    let joined = stacked_columns([2, 2], 16, 0.5, "*Equation\n 2\n NFOOT, 11, 1., NTOP, 11, -1.\n") + &held("NHEAD");
     let found = temperatures(&run(&joined).1);
     assert_eq!(found.len(), whole.len() + 3);
     for ([r, z], t) in found {
         let one = whole.iter().find(|w| (w.0[0] - r).abs() + (w.0[1] - z).abs() < 1e-9).expect("a node").1;
         assert!((t - one).abs() < 1e-12, "{t} {one}");
     }
-    // Two elements apart, each of one temperature: capacity C = rho c V, volumes as 1 to 1; C T1 + C T2 is not kept, but
-    // T1 = 2 T2 and the multipliers' heat, C (T1 - 1) = -l and C (T2 - 0) = 2 l, give T2 = 2/5.
+    // Two separate elements, each at one temperature, with equal capacity C = rho c V. The sum C T1 + C T2 is not
+    // conserved, but T1 = 2 T2 and the heat of the multiplier, C (T1 - 1) = -l and C (T2 - 0) = 2 l, give T2 = 2/5.
     let all = "*Equation\n 2\n LOW, 11, 1., HIGH, 11, -2.\n*Initial Conditions, type=TEMPERATURE\n LOW, 1.\n";
-    let (_, memory) = run(&(stacked([1, 1], 2, 0.5, all) + &step(1.0, "")));
+    let (_, memory) = run(&(stacked_columns([1, 1], 2, 0.5, all) + &step(1.0, "")));
     for ([_, z], t) in temperatures(&memory) {
         assert!((t - if z < 0.5 { 0.8 } else { 0.4 }).abs() < 1e-12 || z == 0.5, "{z}: {t}");
     }
@@ -380,9 +387,9 @@ fn equations_between_temperatures() {
 }
 
 #[test]
-fn equations_between_temperatures_that_cannot_be_are_refused() {
+fn invalid_temperature_equations_are_errors() {
     let codes = |cards: &str, step: &str| -> Vec<&'static str> {
-        let text = stacked([2, 2], 4, 0.5, cards) + step;
+        let text = stacked_columns([2, 2], 4, 0.5, cards) + step;
         let found = revolve::job::prepare_text("case.inp", &text, &[], &Routines::none()).diagnostics;
         found.iter().filter(|d| d.severity == revolve::deck::Severity::Error).map(|d| d.code).collect()
     };
@@ -397,19 +404,20 @@ fn equations_between_temperatures_that_cannot_be_are_refused() {
     ] {
         assert_eq!(codes(&cards, &plain), [code], "{cards}");
     }
-    // Without a step that solves for temperatures they are told.
-    let told = step(1.0, "").replace("*Dynamic Temperature-displacement, Explicit", "*Dynamic, Explicit");
-    let text = stacked([2, 2], 4, 0.5, &format!("*Equation\n 2\n{same}"))
-        + &told.replace(" NT, RFL", " U").replace("TEMP, HFL", "S").replace("ALLHF, ALLIHE", "ALLKE");
-    let told = common::prepared(&text, &[], &Routines::none()).plan.ledger.unused;
-    assert!(told.iter().any(|u| u.what == "*EQUATION between temperatures"), "{told:?}");
+    // In a step that does not solve for temperatures the equation is listed as unused.
+    let unused = step(1.0, "").replace("*Dynamic Temperature-displacement, Explicit", "*Dynamic, Explicit");
+    let text = stacked_columns([2, 2], 4, 0.5, &format!("*Equation\n 2\n{same}"))
+        + &unused.replace(" NT, RFL", " U").replace("TEMP, HFL", "S").replace("ALLHF, ALLIHE", "ALLKE");
+    let unused = common::prepared(&text, &[], &Routines::none()).plan.ledger.unused;
+    assert!(unused.iter().any(|u| u.what == "*EQUATION between temperatures"), "{unused:?}");
 }
 
-/// Rows of temperatures that alternate: they stay bounded at the increment chosen, and grow 2 % above it.
+/// Temperatures that alternate from row to row remain bounded at the stable increment, and grow at 2 % above it.
 #[test]
-fn the_increment_is_stable_up_to_its_limit() {
+fn conduction_is_stable_up_to_the_largest_increment() {
     let grown = |factor: f64| {
-        let mut deck = conducting(2, 8, false, |i, j| [1e3 + i as f64, j as f64]).replace(" 0.01, 0.3", " 1e-5, 0.3");
+        let mut deck =
+            conducting_grid(2, 8, false, |i, j| [1e3 + i as f64, j as f64]).replace(" 0.01, 0.3", " 1e-5, 0.3");
         deck += "*Initial Conditions, type=TEMPERATURE\n";
         for node in 0..27 {
             let sign = if (node / 3) % 2 == 0 { 1.0 } else { -1.0 };
@@ -425,29 +433,29 @@ fn the_increment_is_stable_up_to_its_limit() {
     assert!(at <= 1.0 && above > 10.0, "{at} {above}");
 }
 
-/// A later step replaces what an earlier one gave, and what was held is free again.
+/// Conditions of a later step replace those of the previous step; removed prescribed temperatures are free again.
 #[test]
-fn conditions_over_steps() {
-    let mesh = conducting(1, 4, false, |i, j| [1.0 + i as f64, j as f64]);
+fn thermal_conditions_change_between_steps() {
+    let mesh = conducting_grid(1, 4, false, |i, j| [1.0 + i as f64, j as f64]);
     let second = step(5.0, "*Boundary, op=NEW\n I0, 1, 1\n*Dflux, op=NEW\n SOLID, BF, 0.3\n");
     let deck = mesh + &step(5.0, "*Boundary\n ALL, 11, 11, 2.\n*Dflux\n SOLID, BF, 0.9\n") + &second;
-    let error = worst(&deck, |_| 2.0 + 0.3 * 5.0);
+    let error = largest_error(&deck, |_| 2.0 + 0.3 * 5.0);
     assert!(error < 1e-12, "{error}");
 }
 
-/// Without a step that solves for temperatures the cards are told, and change no bit.
+/// In a step that does not solve for temperatures, thermal cards are listed as unused and change no bit.
 #[test]
-fn cards_of_heat_without_temperatures_are_told() {
+fn thermal_cards_without_a_thermal_step_are_reported() {
     let cards = "*Boundary\n J0, 11, 11, 3.\n*Cflux\n 1, 11, 2.\n*Film\n EJ1, F3, 5., 0.1\n";
     let with = |cards: &str| {
-        conducting(2, 2, false, |i, j| [i as f64, j as f64])
+        conducting_grid(2, 2, false, |i, j| [i as f64, j as f64])
             + "*Initial Conditions, type=VELOCITY\n ALL, 2, 0.01\n*Step\n*Dynamic, Explicit\n , 50.\n*Boundary\n J0, 2, 2\n"
             + cards
             + "*End Step\n"
     };
-    let told = common::prepared(&with(cards), &[], &Routines::none()).plan.ledger.unused;
+    let unused = common::prepared(&with(cards), &[], &Routines::none()).plan.ledger.unused;
     for what in ["*CONDUCTIVITY", "*BOUNDARY J0, 11", "*CFLUX", "*FILM"] {
-        assert!(told.iter().any(|u| u.what == what), "{what}: {told:?}");
+        assert!(unused.iter().any(|u| u.what == what), "{what}: {unused:?}");
     }
     assert_eq!(run(&with(cards)).0.digest, run(&with("")).0.digest);
     let plain = with("").replace("CAX4RT", "CAX4R").replace("*Conductivity\n 0.1,\n", "");
@@ -455,12 +463,12 @@ fn cards_of_heat_without_temperatures_are_told() {
 }
 
 #[test]
-fn what_has_no_temperature_is_refused() {
+fn heat_on_elements_without_temperatures_is_an_error() {
     let codes = |text: &str| -> Vec<&'static str> {
         let found = revolve::job::prepare_text("case.inp", text, &[], &Routines::none()).diagnostics;
         found.iter().filter(|d| d.severity == revolve::deck::Severity::Error).map(|d| d.code).collect()
     };
-    let deck = conducting(2, 2, false, |i, j| [i as f64, j as f64]) + &step(1.0, "*Dflux\n SOLID, BF, 1.\n");
+    let deck = conducting_grid(2, 2, false, |i, j| [i as f64, j as f64]) + &step(1.0, "*Dflux\n SOLID, BF, 1.\n");
     assert!(codes(&deck).is_empty());
     for (from, to, code) in [
         ("CAX4RT", "CAX4R", "P065"),
@@ -472,10 +480,10 @@ fn what_has_no_temperature_is_refused() {
     }
 }
 
-/// Threads share elements that are many: the same bits on 1, 2 and 5.
+/// Enough elements for several threads: the same bits on 1, 2 and 5 threads.
 #[test]
-fn the_number_of_threads_changes_no_bit() {
-    let deck = conducting(50, 50, false, |i, j| [i as f64, j as f64 + 0.1 * (i % 3) as f64])
+fn results_do_not_depend_on_the_number_of_threads() {
+    let deck = conducting_grid(50, 50, false, |i, j| [i as f64, j as f64 + 0.1 * (i % 3) as f64])
         + &step(60.0, "*Boundary\n J1, 11, 11, 1.\n*Film\n EI1, F2, 2., 0.1\n");
     let digest = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");

@@ -1,18 +1,19 @@
-//! Surfaces of elements that meet: bars and patches.
+//! Contact between element surfaces: bars and patches.
 //!
-//! Goal: time, momentum and energy of contact, and stresses that meshes do not show through, without a knob.
-//! Source: closed forms; each test says its tolerance and why.
+//! Goal: contact time, momentum, energy, and stresses that are independent of the meshes, with default parameters.
+//! Source: closed forms. The tolerance and its reason are stated at each test.
 
 use std::f64::consts::PI;
 
 use crate::common::bodies::{assembly, cell_field, elastic, part, rigid_line, run, short};
 
-/// Part of an element that a wave runs over in an increment of the bars.
+/// Courant number of the bars.
 const COURANT: f64 = 0.9;
-/// Velocity of the upper bar.
+/// Speed of the upper bar.
 pub const SPEED: f64 = 1e-5;
 
-/// Two elastic bars of length 1, radius 1 and so many columns, E = rho = c = 1; the upper one falls on the lower.
+/// Returns the deck of two elastic bars of length 1 and radius 1 with E = rho = c = 1; the upper bar falls on the lower
+/// one. `rows` are the elements of each bar along z, `columns` those along the radius of the lower and upper bar.
 pub fn bars(rows: usize, columns: [usize; 2], gap: f64, time: f64) -> String {
     let bar = |name: &str, n: usize, from: f64| {
         part(name, [n, rows], |i, j| [i as f64 / n as f64, from + j as f64 / rows as f64], "")
@@ -29,12 +30,13 @@ pub fn bars(rows: usize, columns: [usize; 2], gap: f64, time: f64) -> String {
            *Output, field, number interval=1000\n*Node Output\n V\n*End Step\n"
 }
 
-/// Contact lasts 2 L/c, velocities are exchanged, momentum and energy are kept to rounding. What is lost at the first touch is the
-/// energy of the nodes that meet, 1/(4 n) of all: where the gap closes within a part x of an increment,
-/// 1 + 2 C^2 x (1 - x) times that, with C the Courant number. For the first increment takes 1 - x^2 of it and leaves the velocity
-/// x v, over which the second stops what the row behind has pushed meanwhile.
+/// Contact lasts 2 L/c, the bars exchange their velocities, and momentum and energy are conserved to rounding. The
+/// energy lost at first contact is that of the nodes that meet, 1/(4 n) of the total. If the gap closes within a
+/// fraction x of an increment, the loss is 1 + 2 C^2 x (1 - x) times as large, where C is the Courant number. The first
+/// increment removes 1 - x^2 of this energy and leaves the velocity x v, and the second increment stops what the
+/// adjacent row has accelerated meanwhile.
 #[test]
-fn two_bars_exchange_their_velocities() {
+fn colliding_bars_exchange_their_velocities() {
     for (columns, gap) in [([1, 1], 1e-10), ([3, 4], 1e-10), ([1, 1], 3.3e-7), ([3, 4], 3.3e-7)] {
         for rows in [10, 20, 40] {
             let ran = run(&bars(rows, columns, gap, 3.0)).whole();
@@ -42,7 +44,7 @@ fn two_bars_exchange_their_velocities() {
             let given = |f| ran.momentum_of(&lower, f) / start;
             let pushes = ran.memory.frames.windows(2).map(|w| (given(&w[1]) - given(&w[0])) / (w[1].time - w[0].time));
             let dt = COURANT / rows as f64;
-            // The force is 1/2 of the momentum a unit of time.
+            // The force is 1/2 of the momentum per unit of time.
             let (time, given) = (pushes.filter(|p| *p > 0.25).count() as f64 * dt, given(ran.end()));
             let (loss, momentum) = (energy.contact / energy.initial * 4.0 * rows as f64, ran.momentum() / start - 1.0);
             let part = (gap / (SPEED * dt)).fract();
@@ -54,18 +56,19 @@ fn two_bars_exchange_their_velocities() {
             );
             assert!((loss - expected).abs() < 2e-3, "{loss} {expected}");
             assert!(momentum.abs() < 1e-13 && energy.drift < 1e-13, "{momentum} {energy:?}");
-            // The loss, by the velocity that goes with it, and half a row.
+            // The loss reduces the transferred momentum; the tolerance is that of half a row.
             assert!((1.0 - given).abs() < 0.5 / rows as f64, "{given}");
             assert!((time / 2.0 - 1.0).abs() < dt.max(0.02), "{time}");
         }
     }
 }
 
-/// A truss of steel, 2 m, .2 m2, 200 GPa, 7800 kg/m3, flies over 1 mm at 1.5 m/s against a rigid wall (ABAQUS Benchmarks Guide 1.3,
-/// "Rod impact", by its closed form): it touches after 6.667e-4 s, with rho c v A = 1.185256e7 N over 2 L/(c + v) = 7.897028e-4 s,
-/// 9360 kg m/s. First order in the length of the rows, by what is lost at the touch.
+/// Steel truss of 2 m, 0.2 m2, 200 GPa and 7800 kg/m3, 1 mm in front of a rigid wall at 1.5 m/s (ABAQUS Benchmarks
+/// Guide 1.3, "Rod impact", closed form). Contact begins after 6.667e-4 s, the force is rho c v A = 1.185256e7 N,
+/// contact lasts 2 L/(c + v) = 7.897028e-4 s, and the impulse is 9360 kg m/s. The error is of first order in the row
+/// height because of the energy loss at first contact.
 #[test]
-fn a_truss_hits_a_wall() {
+fn truss_impact_matches_closed_form() {
     let radius = (0.2 / PI).sqrt();
     let mut impulses = Vec::new();
     for rows in [20, 80] {
@@ -94,16 +97,17 @@ fn a_truss_hits_a_wall() {
     assert!(impulses[1] < 0.4 * impulses[0], "{impulses:?}");
 }
 
-/// Where the patch begins and ends along r, how its lower and its upper disc are divided, and which is named first in the pair.
-pub struct Patch {
+/// Radius at which the patch begins and ends, subdivisions of its lower and upper disc, and which disc the pair names
+/// first.
+pub struct ContactPatch {
     pub from: f64,
     pub columns: [usize; 2],
     pub random: bool,
     pub lower_first: bool,
 }
 
-impl Patch {
-    /// A place along the interface, of one disc: of equal lengths or of random ones.
+impl ContactPatch {
+    /// Returns the radius of a node on the interface of a disc, with uniform or random spacing.
     fn radius(&self, disc: usize, i: usize) -> f64 {
         let n = self.columns[disc];
         let shift = if self.random && i > 0 && i < n { 0.35 * libm::sin((12 * i * (disc + 2)) as f64) } else { 0.0 };
@@ -129,15 +133,16 @@ impl Patch {
     }
 }
 
-/// Two discs with meshes that do not match, pressed on each other: the stress is uniform, and components across it are none. What
-/// is left goes with the pressure over the modulus: the strains on the way (1.5e-8 at 1e-6), and with the sweeps.
+/// Two discs with nonmatching meshes pressed together have a uniform stress without shear. The error is proportional to
+/// the pressure over the modulus, that is, to the strain history (1.5e-8 at 1e-6), and depends on the number of contact
+/// sweeps.
 #[test]
-fn a_pressed_patch_has_one_stress() {
+fn contact_patch_has_uniform_stress() {
     let pressure = 1e-7;
     for (columns, random) in [([3, 4], false), ([6, 8], false), ([7, 9], true)] {
         for from in [0.0, 0.5] {
             let patches = [true, false].map(|lower_first| {
-                let ran = run(&Patch { from, columns, random, lower_first }.deck(pressure)).whole();
+                let ran = run(&ContactPatch { from, columns, random, lower_first }.deck(pressure)).whole();
                 let mut worst = [0.0_f64; 4];
                 for s in cell_field(ran.end(), "S").chunks(4) {
                     for ((worst, s), expected) in worst.iter_mut().zip(s).zip([0.0, -1.0, 0.0, 0.0]) {
@@ -147,7 +152,7 @@ fn a_pressed_patch_has_one_stress() {
                 worst
             });
             let way = if random { "random" } else { "even" };
-            println!("patch {columns:?}, {way}, r >= {from}: S11, S22, S33, S12 off by {}", short(&patches[0]));
+            println!("patch {columns:?}, {way}, r >= {from}: errors of S11, S22, S33, S12 {}", short(&patches[0]));
             assert!(patches.as_flattened().iter().all(|w| *w < 1e-8), "{patches:?}");
         }
     }

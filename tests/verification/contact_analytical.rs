@@ -1,17 +1,18 @@
-//! Laws of interaction, and what is shown of contact, in front of analytical rigid surfaces.
+//! Contact laws and contact output on analytical rigid surfaces.
 //!
-//! Goal: in front of lines the same as in front of the rigid elements that lie on them; in front of arcs what Hertz says.
-//! Source: rigid surfaces of elements, which other tests hold against closed forms; Hertz 1882 (Johnson, Contact Mechanics, 4.2).
-//! Each test says its tolerance and why.
+//! Goal: lines give the results of rigid elements on the same line; arcs give those of Hertz.
+//! Source: surfaces of rigid elements, which other tests compare with closed forms; Hertz 1882 (Johnson, Contact
+//! Mechanics, 4.2). The tolerance and its reason are stated at each test.
 
 use revolve::solve::Outcome;
 
-use crate::common::Memory;
+use crate::common::RecordedOutput;
 use crate::common::bodies::cell_field;
 use crate::common::solid::{column, grid, last, material, run};
 
-/// The tool from one place to another, its front to the left, its reference node 9000 in the set REF.
-fn tool(analytical: bool, [from, to]: [[f64; 2]; 2], facets: usize) -> String {
+/// Returns the cards of a straight tool whose contact side is on its left, with reference node 9000 in set REF, as an
+/// analytical surface or as rigid elements.
+fn straight_tool(analytical: bool, [from, to]: [[f64; 2]; 2], facets: usize) -> String {
     let reference = "*Node, nset=REF\n 9000, 0., 0.\n";
     if analytical {
         return format!(
@@ -30,30 +31,35 @@ fn tool(analytical: bool, [from, to]: [[f64; 2]; 2], facets: usize) -> String {
     )
 }
 
-/// Runs a deck in front of both tools, the analytical one first.
-fn both(deck: impl Fn(&str) -> String, line: [[f64; 2]; 2], facets: usize) -> [(String, Outcome, Memory); 2] {
+/// Runs a deck with both tools, the analytical one first.
+fn run_with_both_tools(
+    deck: impl Fn(&str) -> String,
+    line: [[f64; 2]; 2],
+    facets: usize,
+) -> [(String, Outcome, RecordedOutput); 2] {
     [true, false].map(|analytical| {
-        let deck = deck(&tool(analytical, line, facets));
+        let deck = deck(&straight_tool(analytical, line, facets));
         let (outcome, memory) = run(&deck);
         assert_eq!(outcome.halt, None);
         (deck, outcome, memory)
     })
 }
 
-/// How far a column of two runs differs, in parts of its largest value.
-fn apart([(deck, _, a), (other, _, b)]: &[(String, Outcome, Memory); 2], name: &str) -> f64 {
+/// Returns the difference of a history column between two runs, relative to its largest value.
+fn relative_difference([(deck, _, a), (other, _, b)]: &[(String, Outcome, RecordedOutput); 2], name: &str) -> f64 {
     let (a, b) = (column(deck, a, name), column(other, b, name));
     assert_eq!(a.len(), b.len());
     let largest = b.iter().map(|row| row.1.abs()).fold(0.0, f64::max);
-    assert!(largest > 0.0, "{name} shows nothing");
+    assert!(largest > 0.0, "{name} is zero");
     a.iter().zip(&b).map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max) / largest
 }
 
-/// A ring that a pressure from outside presses on a shaft slides along it: friction that decays, and that has a largest stress. All
-/// of the foot is closed and slides at once, so that pressures of hats and at points do the same on every node, and a coefficient
-/// does so too. The largest stress does not: it caps what hats share, and what the end of the foot carries differs by the mesh.
+/// A ring pressed on a shaft by external pressure slides along it, with decaying friction and with a shear stress
+/// limit. The whole inner face is in contact and slides at once. Node-to-segment and weighted pressures then agree at
+/// every node, and so does a constant coefficient. The shear stress limit differs by the mesh at the ends of the face,
+/// because it caps the share of each node.
 #[test]
-fn a_ring_slides_on_an_analytical_shaft_as_on_elements() {
+fn ring_slides_alike_on_analytical_and_meshed_shafts() {
     for (law, tolerance) in
         [("*Friction, exponential decay\n 0.1, 0.05, 800.\n", 1e-4), ("*Friction, taumax=4.e-6\n 0.1,\n", 1e-2)]
     {
@@ -67,19 +73,19 @@ fn a_ring_slides_on_an_analytical_shaft_as_on_elements() {
                    *Output, history, number interval=100\n*Energy Output\n ALLKE, ALLFD\n*Contact Output\n CFN, CFS, CAREA\n\
                    *Contact Output, nset=I0\n CSLIP\n*End Step\n"
         };
-        let runs = both(deck, [[1.0, 3.0], [1.0, -1.0]], 4 * cells);
+        let runs = run_with_both_tools(deck, [[1.0, 3.0], [1.0, -1.0]], 4 * cells);
         let names = ["ALLKE", "CFN1@I0_TOOL", "CFS2@I0_TOOL", "CAREA@I0_TOOL"];
-        let off = names.map(|name| apart(&runs, name));
-        println!("ring on an analytical shaft, {law:?}: kinetic energy, forces, area off by {off:?}");
+        let off = names.map(|name| relative_difference(&runs, name));
+        println!("ring on an analytical shaft, {law:?}: errors of kinetic energy, forces, area {off:?}");
         assert!(off.iter().all(|off| *off < tolerance), "{law}: {off:?}");
         assert!(runs[0].1.energy.drift < 1e-5, "{:?}", runs[0].1.energy);
     }
 }
 
-/// A disc pressed on a plane that gives way: its foot sinks in and widens as in front of elements, to the square of the mesh,
-/// for pressures at points stand for those of hats.
+/// A disc pressed on a compliant plane sinks in and widens as on rigid elements, with a difference of second order in
+/// the element size because pressures act at points instead of being distributed by shape functions.
 #[test]
-fn a_disc_sinks_into_an_analytical_plane_as_into_elements() {
+fn disc_sinks_alike_into_analytical_and_meshed_planes() {
     for (law, pair) in [
         ("*Surface Behavior, pressure-overclosure=EXPONENTIAL\n 0.01, 1e-3\n", ""),
         ("*Surface Behavior, pressure-overclosure=LINEAR\n 0.1,\n", ""),
@@ -97,29 +103,29 @@ fn a_disc_sinks_into_an_analytical_plane_as_into_elements() {
                     + "*Output, history, number interval=20\n*Node Output, nset=CENTRE\n U2\n*Node Output, nset=REF\n RF2\n\
                        *Contact Output\n CFN\n*Contact Output, nset=CENTRE\n CPRESS, COPEN\n*End Step\n"
             };
-            let runs = both(deck, [[0.0, 0.0], [2.0, 0.0]], 3);
+            let runs = run_with_both_tools(deck, [[0.0, 0.0], [2.0, 0.0]], 3);
             let [(deck, _, memory), _] = &runs;
-            // What the pair shows is what the reference node holds.
+            // The contact force shown by the pair equals the reaction force of the reference node.
             let [shown, held] = ["CFN2@TOOL_J0", "RF2@REF"].map(|name| last(deck, memory, name));
             assert!((shown / held + 1.0).abs() < 1e-9, "{shown} {held}");
             let pressure = last(deck, memory, "CPRESS@CENTRE");
             assert!((pressure / 1e-3 - 1.0).abs() < 0.05, "{pressure}");
             let names = ["RF2@REF", "U2@CENTRE"];
             let names = if pair.contains("adjust") { &names[..1] } else { &names[..] };
-            names.iter().map(|name| apart(&runs, name)).fold(0.0, f64::max)
+            names.iter().map(|name| relative_difference(&runs, name)).fold(0.0, f64::max)
         });
-        println!("disc on an analytical plane, {law:?}{pair}: off by {off:?}");
+        println!("disc on an analytical plane, {law:?}{pair}: errors {off:?}");
         assert!(off[1] < 0.01 && (off[1] < 0.5 * off[0] || off[1] < 1e-6), "{law}{pair}: {off:?}");
     }
 }
 
-/// On a rough plane the foot of a disc stays as wide as it is: as where it is held, to the tolerance of the impulses.
+/// On a rough plane the foot of the disc behaves as if it were fixed radially, to the tolerance of the impulses.
 #[test]
-fn a_foot_on_a_rough_analytical_plane_is_held() {
+fn rough_analytical_plane_fixes_the_foot() {
     let of = |friction: &str, foot: &str| {
         let deck = grid(6, 6, false, |i, j| [i as f64 / 6.0, j as f64 / 6.0])
             + &material(1.0, 0.3, 1.0, "*Damping, alpha=0.6\n")
-            + &tool(true, [[0.0, 0.0], [2.0, 0.0]], 1)
+            + &straight_tool(true, [[0.0, 0.0], [2.0, 0.0]], 1)
             + &format!("*Surface Interaction, name=LAW\n{friction}")
             + "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 40., 1.\n*Nset, nset=EDGE\n 49\n\
                *Step\n*Dynamic, Explicit\n , 80.\n*Boundary\n REF, 2, 2\n I0, 1, 1\n"
@@ -131,20 +137,20 @@ fn a_foot_on_a_rough_analytical_plane_is_held() {
     };
     let (rough, held, smooth) = (of("*Friction, rough\n", ""), of("", " J0, 1, 1\n"), of("", ""));
     let off = (0..2).map(|i| (rough[i] / held[i] - 1.0).abs()).fold(0.0, f64::max);
-    println!("rough analytical plane: displacements off by {off:.1e}");
+    println!("rough analytical plane: error of displacements {off:.1e}");
     assert!(off < 1e-7 && (smooth[0] / held[0] - 1.0).abs() > 0.05, "{rough:?} {held:?} {smooth:?}");
 }
 
-/// A spherical punch pressed into a block: pressures at nodes are those of Hertz under its force, the sum of them is that force, and
-/// the area is that of the circle. There are eight elements over the radius of contact: within three quarters of it pressures are
-/// met to 3 % of the largest, the area to one ring of half an element.
+/// The nodal pressures of a spherical punch in a block are those of Hertz for its force, their sum is that force, and
+/// the contact area matches. With eight elements over the contact radius, pressures agree to 3 % of the maximum within
+/// three quarters of the radius, and the area to half an element.
 #[test]
-fn a_spherical_punch_shows_the_pressure_of_hertz() {
+fn spherical_punch_pressure_matches_hertz() {
     let (depth, nu, cells) = (0.01_f64, 0.3, 8_usize);
     let contact = depth.sqrt();
     let place = |k: usize| {
-        let behind = k.saturating_sub(2 * cells) as i32;
-        contact / cells as f64 * (k.min(2 * cells) as f64 + (1.2_f64.powi(behind) - 1.0) / 0.2 * 1.2)
+        let outer = k.saturating_sub(2 * cells) as i32;
+        contact / cells as f64 * (k.min(2 * cells) as f64 + (1.2_f64.powi(outer) - 1.0) / 0.2 * 1.2)
     };
     let count = (0..).find(|&k| place(k) > 10.0 * contact).expect("it grows");
     let deck = grid(count, count, false, |i, j| [place(i), -place(count - j)])
@@ -178,20 +184,20 @@ fn a_spherical_punch_shows_the_pressure_of_hertz() {
         assert!(at(k, "COPEN").abs() < 1e-6 * depth, "{k}: {}", at(k, "COPEN"));
     }
     let ring = (last(&deck, &memory, "CAREA@BALL_J1") / std::f64::consts::PI).sqrt() / radius - 1.0;
-    println!("spherical punch: pressures off by {worst:.3} of the largest, radius by {ring:.3}");
+    println!("spherical punch: error of pressures {worst:.3} of the largest, of the radius {ring:.3}");
     assert!(worst < 0.03, "{worst}");
     assert!(ring.abs() < 0.5 / cells as f64, "{ring}");
 }
 
-/// A shell meets an analytical plane by half its thickness in front of its nodes, or with them where the card says so.
+/// A shell touches an analytical plane at half its thickness from its nodes, or at its nodes with NO THICKNESS.
 #[test]
-fn shells_meet_an_analytical_plane_in_front_of_their_middle() {
+fn shell_contact_accounts_for_half_the_thickness() {
     for (word, way) in [("", 0.075), (", no thickness", 0.1)] {
         let deck = "*Node, nset=ALL\n 1, 0., 0.1\n 2, 0.5, 0.1\n 3, 1., 0.1\n*Element, type=SAX1, elset=SHELL\n 1, 1, 2\n 2, 2, 3\n\
              *Surface, name=UNDER\n SHELL, SNEG\n*Shell Section, elset=SHELL, material=M\n 0.05,\n*Material, name=M\n\
              *Density\n 1.,\n*Elastic\n 1., 0.3\n"
             .to_owned()
-            + &tool(true, [[0.0, 0.0], [2.0, 0.0]], 1)
+            + &straight_tool(true, [[0.0, 0.0], [2.0, 0.0]], 1)
             + "*Nset, nset=RIM\n 3\n*Surface Interaction, name=DRY\n*Initial Conditions, type=VELOCITY\n ALL, 2, -0.1\n\
                *Step\n*Dynamic, Explicit\n , 1.5\n*Boundary\n REF, 2, 2\n 1, 1, 1\n 1, 6, 6\n"
             + &format!("*Contact Pair, interaction=DRY{word}\n UNDER, TOOL\n")
@@ -199,32 +205,32 @@ fn shells_meet_an_analytical_plane_in_front_of_their_middle() {
         let (outcome, memory) = run(&deck);
         assert_eq!(outcome.halt, None);
         let fallen = -last(&deck, &memory, "U2@RIM");
-        println!("shell on a plane{word}: fallen by {fallen:.12}");
+        println!("shell on a plane{word}: displacement {fallen:.12}");
         assert!((fallen - way).abs() < 1e-12, "{fallen}");
     }
 }
 
-/// A bar whose foot fails on an analytical plane: rows that deletion lays bare meet the plane, and nodes that no element has any more
-/// stay in front of it. Nothing is behind it by more than the rounding of places.
+/// A bar whose foot fails on an analytical plane: rows exposed by deletion meet the plane, and nodes without elements
+/// do not pass it. Penetration is limited to the rounding of coordinates.
 #[test]
-fn what_erosion_lays_bare_meets_an_analytical_plane() {
+fn eroded_bar_does_not_pass_an_analytical_plane() {
     let (n, m) = (4, 16);
     let deck = grid(n, m, false, |i, j| [3.2e-3 * i as f64 / n as f64, 12.8e-3 * j as f64 / m as f64])
         + &material(117e9, 0.35, 8930.0, "*Plastic\n 4.e8, 0.\n 5.e8, 1.\n*Shear Failure\n 0.4,\n")
-        + &tool(true, [[0.0, 0.0], [1.0, 0.0]], 1)
+        + &straight_tool(true, [[0.0, 0.0], [1.0, 0.0]], 1)
         + "*Surface Interaction, name=DRY\n*Initial Conditions, type=VELOCITY\n ALL, 2, -300.\n\
            *Step\n*Dynamic, Explicit\n , 2.5e-5\n*Boundary\n REF, 2, 2\n*Contact Pair, interaction=DRY\n J0, TOOL\n\
            *Output, history, number interval=50\n*Node Output, nset=ALL\n COOR2\n\
            *Output, field, number interval=2\n*Element Output\n STATUS\n*End Step\n";
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None);
-    let gone = cell_field(memory.frames.last().expect("a frame"), "STATUS").iter().filter(|s| **s == 0.0).count();
+    let deleted = cell_field(memory.frames.last().expect("a frame"), "STATUS").iter().filter(|s| **s == 0.0).count();
     let lowest = (1..=(n + 1) * (m + 1)).flat_map(|k| column(&deck, &memory, &format!("COOR2@{k}")));
     let lowest = lowest.map(|row| row.1).fold(f64::INFINITY, f64::min);
     println!(
-        "eroding bar on an analytical plane: {gone} deleted, lowest place {lowest:.1e}, drift {:.1e}",
+        "eroding bar on an analytical plane: {deleted} deleted, lowest position {lowest:.1e}, drift {:.1e}",
         outcome.energy.drift
     );
-    assert!(gone > n, "rows above the first have gone: {gone}");
+    assert!(deleted > n, "rows above the first are deleted: {deleted}");
     assert!(lowest > -1e-9, "{lowest}");
 }

@@ -1,23 +1,25 @@
-//! What cards say of contact: penalty springs, clearances, which pairs are shown.
+//! Contact options: penalty springs, clearances, reported pairs.
 //!
-//! Goal: springs as stiff as they should be, with their energy in the books; gaps at the start that are what a card says.
-//! Source: closed forms; each test says its tolerance and why.
+//! Goal: springs of the specified stiffness whose energy is in the energy balance; initial gaps equal to the specified
+//! clearance.
+//! Source: closed forms. The tolerance and its reason are stated at each test.
 
 use std::f64::consts::PI;
 
-use super::contact::{Patch, SPEED, bars};
+use super::contact::{ContactPatch, SPEED, bars};
 use crate::common::bodies::{assembly, cell_field, elastic, part, rigid_line, run, short};
 
 const PAIR: &str = "*Contact Pair, interaction=HARD\n";
 
-/// Two bars with springs as stiff as `factor` times an element: with h the length of an element and c = 1 the pressure rises with
-/// the time tau = h/(2 factor) to rho c v/2, at an overlap of h v/(2 factor); what comes back from the ends then lets it fall as
-/// 2 (1 + x) e^-x - 1 over x = (t - 2)/tau, to none at x = 1.678347. Pressure and overlap are met to 1 % where they have levelled
-/// out, the end of contact to half an element and two increments. Books close to rounding. Springs hold p^2/(2 k) of what they
-/// took. They press half an increment ahead, which loses k dt/2 times the integral of the square of the rate of the overlap: with
-/// the pressure above (1 + 1.304) C/(4 n) of the energy, C the Courant number, less where the pressure rises within few increments.
+/// Two bars with penalty springs of `factor` times the element stiffness. With element length h and c = 1, the pressure
+/// rises to rho c v/2 with the time constant tau = h/(2 factor), at an overclosure of h v/(2 factor). After the
+/// reflection from the ends it falls as 2 (1 + x) e^-x - 1 with x = (t - 2)/tau, and is zero at x = 1.678347.
+/// Pressure and overclosure agree to 1 % at the plateau, the end of contact to half an element and two increments. The
+/// springs store p^2/(2 k). They act half an increment early, which dissipates k dt/2 times the integral of the squared
+/// overclosure rate: with the pressure above (1 + 1.304) C/(4 n) of the energy (C is the Courant number), less if the
+/// pressure rises within few increments.
 #[test]
-fn bars_with_penalty_springs() {
+fn penalty_contact_of_bars_matches_closed_form() {
     for (rows, factor) in [(20, 1.0), (40, 1.0), (40, 0.25), (20, 10.0)] {
         let pair = "*Contact Pair, interaction=HARD, mechanical constraint=PENALTY, cpset=BOTH\n";
         let controls = format!("*Contact Controls, cpset=BOTH, scale penalty={factor}\n");
@@ -34,16 +36,16 @@ fn bars_with_penalty_springs() {
             let inside: Vec<f64> = list.iter().filter(|f| f[0] > 1.4 && f[0] < 1.9).map(|f| f[1]).collect();
             inside.iter().sum::<f64>() / inside.len() as f64
         };
-        let (pressed, kept) = (mean(&force) / -level, mean(&held));
+        let (pressed, stored) = (mean(&force) / -level, mean(&held));
         let opening = ran.prepared.plan.columns.iter().find(|c| c.name.starts_with("COPEN@")).expect("a column");
         let overlap = -mean(&ran.column(&opening.name)) / (h * SPEED / (2.0 * factor));
-        // p^2/(2 k), with k = factor/h.
+        // Stored energy p^2/(2 k) with k = factor/h.
         let exact = 0.25 * SPEED * SPEED * PI * h / (2.0 * factor);
         let lost = energy.penalty.expect("springs") / energy.initial;
         println!(
             "bars, {rows} rows, springs of {factor}: force {pressed:.5}, overlap {overlap:.5}, held {:.5}, ends at {:.4} of {end:.4}, lost {:.3}/(4n), \
              ALLCW {:.1e}, drift {:.1e}",
-            kept / exact,
+            stored / exact,
             last,
             lost * 4.0 * rows as f64,
             energy.contact / energy.initial,
@@ -52,16 +54,16 @@ fn bars_with_penalty_springs() {
         assert!((pressed - 1.0).abs() < 0.01 && (overlap - 1.0).abs() < 0.01, "{pressed} {overlap}");
         assert!((last - end).abs() < 0.5 * h + 2.0 * 0.9 * h, "{last} {end}");
         assert!(energy.drift < 1e-13 && energy.contact.abs() < 1e-13 * energy.initial, "{energy:?}");
-        assert!(kept > exact && lost >= 0.0 && lost < 2.304 * 0.9 * 0.25 * h, "{kept} {exact} {lost}");
+        assert!(stored > exact && lost >= 0.0 && lost < 2.304 * 0.9 * 0.25 * h, "{stored} {exact} {lost}");
     }
 }
 
-/// The patch of meshes that do not match has one stress with springs, too: they are the same everywhere, as the elements are.
+/// Nonmatching patches have a uniform stress with penalty springs as well, because springs and elements are uniform.
 #[test]
-fn a_patch_with_penalty_springs_has_one_stress() {
+fn penalty_contact_patch_has_uniform_stress() {
     let pressure = 1e-7;
     for (columns, from) in [([3, 4], 0.5), ([6, 8], 0.5)] {
-        let patch = Patch { from, columns, random: false, lower_first: true };
+        let patch = ContactPatch { from, columns, random: false, lower_first: true };
         let deck = patch.deck(pressure).replace("*Contact Pair,", "*Contact Pair, mechanical constraint=PENALTY,");
         let ran = run(&deck).whole();
         let mut worst = [0.0_f64; 4];
@@ -70,16 +72,16 @@ fn a_patch_with_penalty_springs_has_one_stress() {
                 *worst = worst.max((s / pressure - expected).abs());
             }
         }
-        println!("patch with springs {columns:?}: S11, S22, S33, S12 off by {}", short(&worst));
+        println!("patch with springs {columns:?}: errors of S11, S22, S33, S12 {}", short(&worst));
         assert!(worst.iter().all(|w| *w < 1e-8), "{worst:?}");
     }
 }
 
-/// Two bodies that lie .01 in each other at the start and are pressed: without a word the overlap stays and grows no deeper. A
-/// clearance takes it off: nothing happens until the bodies have come so much nearer, and the gap that is shown is the one of the
-/// card. So does one for bodies apart.
+/// Two bodies that overlap by 0.01 at the start are pressed together. By default the overclosure remains and does not
+/// increase. A specified clearance removes it: contact begins when the bodies have approached by the clearance, and the
+/// reported gap is the specified one. The same holds for bodies that are apart.
 #[test]
-fn gaps_begin_as_cards_say() {
+fn initial_gaps_equal_the_specified_clearance() {
     let card = |gap: f64| {
         format!(
             "*Contact Clearance, name=G, clearance={gap}, search above=0.02, search below=0.02\n*Contact\n*Contact Inclusions, all exterior\n\
@@ -123,7 +125,7 @@ fn gaps_begin_as_cards_say() {
         );
         let expected = gap.unwrap_or(apart);
         assert!((first - expected).abs() < 2.0 * SPEED * 0.09 + 1e-12, "{first} {expected}");
-        // What an increment goes on by rounding, and what chatter of sweeps leaves.
+        // Rounding of an increment, and changes of contact status in the sweeps.
         assert!(least > expected.min(0.0) - 1e-9 * SPEED, "{least}");
         match expected {
             gap if gap <= 0.0 => assert!(touch.expect("contact") < 0.2, "{touch:?}"),
@@ -133,30 +135,32 @@ fn gaps_begin_as_cards_say() {
     }
 }
 
-/// Bodies without contact that go through each other: told once, with when and where, and no bit is another. Bodies that may meet,
-/// that part, or that lay in each other from the start (which is told before the run) are not told of.
+/// Bodies without a contact definition that overlap during the run cause one warning with time and place, and the
+/// results keep their bits. There is no warning for bodies with contact, bodies that separate, or bodies that overlap
+/// from the start (reported before the run).
 #[test]
-fn bodies_that_go_through_each_other_are_told() {
+fn overlapping_bodies_without_contact_cause_one_warning() {
     let deck = bars(10, [3, 4], 0.01, 3.0).replace(&format!("{PAIR} LOWER.J1, UPPER.J0\n"), "");
-    let told = |deck: &str| run(deck).whole().outcome.warnings;
-    // So fast that it is in by a tenth of an element after a time of .4.
+    let warnings_of = |deck: &str| run(deck).whole().outcome.warnings;
+    // Fast enough to overlap by a tenth of an element after a time of 0.4.
     let fast = deck.replace("2, -1e-5", "2, -5e-2");
-    let warnings = told(&fast);
+    let warnings = warnings_of(&fast);
     println!("{warnings:?}");
     let [warning] = &warnings[..] else { panic!("{warnings:?}") };
     assert!(warning.contains("LOWER and UPPER overlap") && warning.contains("*CONTACT PAIR"), "{warning}");
-    assert_eq!(told(&deck.replace("2, -1e-5", "2, 5e-2")), [""; 0]);
+    assert_eq!(warnings_of(&deck.replace("2, -1e-5", "2, 5e-2")), [""; 0]);
     assert_eq!(
-        told(&fast.replace("*Bulk Viscosity", "*Contact\n*Contact Inclusions, all exterior\n*Bulk Viscosity")),
+        warnings_of(&fast.replace("*Bulk Viscosity", "*Contact\n*Contact Inclusions, all exterior\n*Bulk Viscosity")),
         [""; 0]
     );
     let inside = bars(10, [3, 4], -0.05, 1.0).replace(&format!("{PAIR} LOWER.J1, UPPER.J0\n"), "");
-    assert_eq!(told(&inside), [""; 0]);
+    assert_eq!(warnings_of(&inside), [""; 0]);
 }
 
-/// Faces that look the same way, or lie back to back; a plate of next to no mass; a rounding that faces do not see.
+/// Notes on faces with the same or opposite orientation and on a nearly massless plate, and none for gaps within
+/// rounding.
 #[test]
-fn pairs_that_can_hardly_be_meant_are_told() {
+fn suspicious_contact_pairs_are_reported() {
     let codes = |deck: &str| {
         let ran = run(deck);
         let codes = ran.prepared.diagnostics.iter().map(|d| d.code.to_owned()).filter(|c| c.starts_with("P11"));
@@ -175,7 +179,7 @@ fn pairs_that_can_hardly_be_meant_are_told() {
             + "*Surface Interaction, name=HARD\n*Step\n*Dynamic, Explicit\n , 0.1\n*Contact Pair, interaction=HARD\n BLOCK.J1, TOOL.SKIN\n\
                *End Step\n"
     };
-    // The nodes of the block weigh pi/10 under all of it.
+    // The nodes of the block have a mass of pi/10.
     let flat = [[1.0, 1e-3], [0.0, 1e-3]];
     assert_eq!(codes(&tool(&flat, 0.4)), [""; 0]);
     assert_eq!(codes(&tool(&flat, 0.2)), ["P117"]);
@@ -189,9 +193,9 @@ fn pairs_that_can_hardly_be_meant_are_told() {
     assert_eq!(codes(&tool(&blunt, 9.0)), [""; 0]);
 }
 
-/// General contact has penalty springs where a card gives them a factor: those of a pair, to the bit.
+/// General contact with a specified penalty factor has the springs of a contact pair, bit for bit.
 #[test]
-fn general_contact_has_the_springs_of_a_pair() {
+fn general_contact_and_pair_have_the_same_penalty_springs() {
     let pair = "*Contact Pair, interaction=HARD, mechanical constraint=PENALTY, cpset=P\n LOWER.J1, UPPER.J0\n";
     let controls = "*Contact Controls, cpset=P, scale penalty=2.\n";
     let general = "*Contact\n*Contact Inclusions\n LOWER.J1, UPPER.J0\n*Contact Property Assignment\n , , HARD\n\
@@ -205,7 +209,7 @@ fn general_contact_has_the_springs_of_a_pair() {
         [controls.to_owned() + pair, general.to_owned(), pair.to_owned()].map(|cards| end(&cards));
     assert_eq!(of_pair, of_general);
     assert!(of_pair.1.is_some() && of_pair.0 != other.0);
-    // Twice the pair would be twice the stiffness.
+    // The stiffness doubles if the pair is included twice.
     for repeated in [" LOWER.J1, UPPER.J0\n", " UPPER.J0, LOWER.J1\n"] {
         let inclusion = "*Contact Inclusions\n LOWER.J1, UPPER.J0\n";
         assert_eq!(end(&general.replace(inclusion, &(inclusion.to_owned() + repeated))), of_general, "{repeated}");

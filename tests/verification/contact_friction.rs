@@ -1,21 +1,22 @@
-//! How surfaces of elements act on each other where they meet: friction, and pressure over the closure.
+//! Contact laws of element surfaces: friction, and pressure-overclosure.
 //!
-//! Goal: what the laws of an interaction say, no more and no less, and energies that show it.
-//! Source: Newton's second law of a ring on a shaft with Lame's pressure; statics of a loaded block. Each test says its tolerance
-//! and why.
+//! Goal: forces and energies that agree with the specified laws.
+//! Source: Newton's second law for a ring on a shaft with Lame's pressure; statics of a loaded block. The tolerance and
+//! its reason are stated at each test.
 
 use revolve::output::OutputFrame;
 
-use crate::common::bodies::{Ran, assembly, elastic, part, point_field, rigid_line, run};
+use crate::common::bodies::{DeckRun, assembly, elastic, part, point_field, rigid_line, run};
 
 const PRESSURE: f64 = 1e-4;
-/// Pressure on the shaft, of a ring twice as wide, for that outside it, in plane stress: 2 b^2/(a^2 + b^2 + nu (b^2 - a^2)).
+/// Pressure on the shaft over the external pressure, for a ring in plane stress with b = 2 a: 2 b^2/(a^2 + b^2 + nu
+/// (b^2 - a^2)).
 const LAME: f64 = 8.0 / 5.9;
-/// How long the pressure takes to come, and the mean of the ramp.
+/// Duration of the pressure ramp.
 const RAMP: f64 = 60.0;
 
-/// A rigid line of so many facets.
-fn rigid(name: &str, from: [f64; 2], to: [f64; 2], facets: usize) -> String {
+/// Returns a straight rigid line of `facets` facets.
+fn straight_line(name: &str, from: [f64; 2], to: [f64; 2], facets: usize) -> String {
     let part = |i: usize| i as f64 / facets as f64;
     let corners: Vec<_> = (0..=facets).map(|i| [0, 1].map(|k| from[k] + part(i) * (to[k] - from[k]))).collect();
     rigid_line(name, &corners, "")
@@ -25,10 +26,11 @@ fn rigid_body(name: &str) -> String {
     format!("*Rigid Body, ref node={name}.REF, elset={name}.E\n")
 }
 
-/// A ring between 1 and 2, 1 long, pressed on a rigid shaft by a pressure from outside, with a velocity along it.
-fn ring(cells: usize, friction: &str, speed: f64, time: f64) -> Ran {
+/// Runs a ring from radius 1 to 2 and of length 1, pressed on a rigid shaft by an external pressure, with an initial
+/// axial velocity.
+fn run_ring(cells: usize, friction: &str, speed: f64, time: f64) -> DeckRun {
     let deck = part("RING", [cells; 2], |i, j| [1.0 + i as f64 / cells as f64, j as f64 / cells as f64], "")
-        + &rigid("SHAFT", [1.0, 3.0], [1.0, -1.0], 4 * cells)
+        + &straight_line("SHAFT", [1.0, 3.0], [1.0, -1.0], 4 * cells)
         + &assembly(&["RING", "SHAFT"], &rigid_body("SHAFT"))
         + &elastic("RING", [1.0, 0.3, 1.0], "")
         + &format!(
@@ -43,14 +45,14 @@ fn ring(cells: usize, friction: &str, speed: f64, time: f64) -> Ran {
     run(&deck).whole()
 }
 
-/// Mean axial velocity over time.
-fn speeds(ran: &Ran) -> Vec<[f64; 2]> {
+/// Returns the mean axial velocity over time.
+fn mean_velocities(ran: &DeckRun) -> Vec<[f64; 2]> {
     let nodes = ran.nodes("RING");
     let mass: f64 = nodes.iter().map(|n| ran.state.dofs.nodes.mass[n[1]]).sum();
     ran.memory.frames.iter().map(|f| [f.time, ran.momentum_of(&nodes, f) / mass]).collect()
 }
 
-/// Slope of a line through the points between two times.
+/// Returns the slope of a straight line through the points between two times.
 fn slope(points: &[[f64; 2]], from: f64, to: f64) -> f64 {
     let part: Vec<_> = points.iter().filter(|p| (from..=to).contains(&p[0])).collect();
     let mean = |i: usize| part.iter().map(|p| p[i]).sum::<f64>() / part.len() as f64;
@@ -59,18 +61,19 @@ fn slope(points: &[[f64; 2]], from: f64, to: f64) -> f64 {
     above / part.iter().map(|p| (p[0] - t) * (p[0] - t)).sum::<f64>()
 }
 
-/// Deceleration by a coefficient of 1: the ring weighs 3 pi and touches over 2 pi.
+/// Deceleration for a friction coefficient of 1: the ring has a mass of 3 pi and a contact area of 2 pi.
 const PER_COEFFICIENT: f64 = LAME * PRESSURE * 2.0 / 3.0;
 
-/// The deceleration is constant while the pressure is, then the foot stays where it is, and what the ring had is ALLFD.
+/// The deceleration is constant at constant pressure, then the contact face sticks, and ALLFD is the initial kinetic
+/// energy.
 #[test]
-fn a_ring_slides_on_a_shaft_and_comes_to_rest() {
+fn ring_deceleration_matches_coulomb_friction() {
     for (cells, mu) in [(4, 0.1), (8, 0.1), (16, 0.1), (8, 0.05)] {
         let fall = mu * PER_COEFFICIENT;
-        // The ramp is worth half of its time: rest after 200.
+        // The ramp counts for half of its duration: the ring is at rest after 200.
         let (speed, stop) = (170.0 * fall, 200.0);
-        let ran = ring(cells, &format!("*Friction\n {mu},\n"), speed, 300.0);
-        let speeds = speeds(&ran);
+        let ran = run_ring(cells, &format!("*Friction\n {mu},\n"), speed, 300.0);
+        let speeds = mean_velocities(&ran);
         let deceleration = -slope(&speeds, RAMP + 15.0, stop - 10.0) / fall;
         let foot = |frame: &OutputFrame| point_field(frame, "U")[1];
         let later: Vec<_> = ran.memory.frames.iter().filter(|f| f.time > stop + 10.0).map(foot).collect();
@@ -85,7 +88,7 @@ fn a_ring_slides_on_a_shaft_and_comes_to_rest() {
             energy.drift
         );
         assert!((deceleration - 1.0).abs() < 2e-3, "{deceleration}");
-        // At the ends of the foot the ring still swings over what is held.
+        // At the ends of the contact face the ring still vibrates.
         assert!(crept < 2e-5, "{crept}");
         assert!(
             (heat - 1.0).abs() < 1e-3 && energy.contact.abs() < 1e-8 * energy.initial && energy.drift < 1e-5,
@@ -94,14 +97,14 @@ fn a_ring_slides_on_a_shaft_and_comes_to_rest() {
     }
 }
 
-/// dv/dt = -(N/m) (mu + (rest - mu) exp(-d v)); u = exp(d v) obeys u' = -d (N/m) (mu u + rest - mu) over the time that the
-/// pressure is worth.
+/// dv/dt = -(N/m) (mu + (rest - mu) exp(-d v)). With u = exp(d v), u' = -d (N/m) (mu u + rest - mu) over the time
+/// weighted by the pressure.
 #[test]
-fn friction_decays_to_that_of_sliding() {
+fn friction_decays_exponentially_to_its_sliding_value() {
     let [at_rest, sliding, decay] = [0.1, 0.05, 800.0];
     let speed = 170.0 * 0.06 * PER_COEFFICIENT;
-    let ran = ring(8, &format!("*Friction, exponential decay\n {at_rest}, {sliding}, {decay}\n"), speed, 250.0);
-    let (speeds, more) = (speeds(&ran), (at_rest - sliding) / sliding);
+    let ran = run_ring(8, &format!("*Friction, exponential decay\n {at_rest}, {sliding}, {decay}\n"), speed, 250.0);
+    let (speeds, more) = (mean_velocities(&ran), (at_rest - sliding) / sliding);
     let mut worst = 0.0_f64;
     for s in speeds.iter().filter(|s| s[0] > RAMP + 15.0) {
         let time = s[0] - 0.5 * RAMP;
@@ -111,24 +114,24 @@ fn friction_decays_to_that_of_sliding() {
             worst = worst.max((s[1] - expected).abs() / speed);
         }
     }
-    println!("friction that decays: velocity off by {worst:.1e} of the first");
+    println!("friction that decays: error of the velocity {worst:.1e} of the initial one");
     assert!(worst < 2e-3, "{worst}");
 }
 
-/// The largest shear stress is less than friction gives.
+/// The shear stress limit is lower than the friction.
 #[test]
-fn shear_stress_has_its_largest() {
+fn friction_is_limited_by_the_largest_shear_stress() {
     let most = 0.06 * LAME * PRESSURE;
-    let ran = ring(8, &format!("*Friction, taumax={most:e}\n 0.1,\n"), 170.0 * 0.06 * PER_COEFFICIENT, 190.0);
-    let deceleration = -slope(&speeds(&ran), RAMP + 15.0, 190.0) / (0.06 * PER_COEFFICIENT);
+    let ran = run_ring(8, &format!("*Friction, taumax={most:e}\n 0.1,\n"), 170.0 * 0.06 * PER_COEFFICIENT, 190.0);
+    let deceleration = -slope(&mean_velocities(&ran), RAMP + 15.0, 190.0) / (0.06 * PER_COEFFICIENT);
     println!("largest shear stress: deceleration {deceleration:.5}");
     assert!((deceleration - 1.0).abs() < 2e-3, "{deceleration}");
 }
 
-/// A disc pressed on a rigid plane.
-fn disc(cells: usize, ratio: f64, interaction: &str, pressure: f64, foot: &str) -> Ran {
+/// Runs a disc pressed on a rigid plane.
+fn run_disc(cells: usize, ratio: f64, interaction: &str, pressure: f64, foot: &str) -> DeckRun {
     let deck = part("DISC", [cells; 2], |i, j| [i as f64 / cells as f64, j as f64 / cells as f64], "")
-        + &rigid("PLANE", [0.0, 0.0], [2.0, 0.0], 3)
+        + &straight_line("PLANE", [0.0, 0.0], [2.0, 0.0], 3)
         + &assembly(&["DISC", "PLANE"], &rigid_body("PLANE"))
         + &elastic("DISC", [1.0, ratio, 1.0], "*Damping, alpha=0.6\n")
         + &format!(
@@ -141,23 +144,23 @@ fn disc(cells: usize, ratio: f64, interaction: &str, pressure: f64, foot: &str) 
     run(&deck).whole()
 }
 
-/// On a rough plane the foot of a disc stays as wide as it is.
+/// On a rough plane the foot of a disc keeps its width.
 #[test]
-fn a_rough_foot_is_held() {
-    let rough = disc(6, 0.3, "*Friction, rough\n", 1e-4, "");
-    let held = disc(6, 0.3, "", 1e-4, " DISC.J0, 1, 1\n");
+fn rough_plane_fixes_the_foot() {
+    let rough = run_disc(6, 0.3, "*Friction, rough\n", 1e-4, "");
+    let held = run_disc(6, 0.3, "", 1e-4, " DISC.J0, 1, 1\n");
     let [rough, held] = [&rough, &held].map(|ran| point_field(ran.end(), "U"));
     let largest = held.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
     let off = rough.iter().zip(held).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / largest;
-    println!("rough foot: displacements off by {off:.1e}");
+    println!("rough foot: error of displacements {off:.1e}");
     assert!(off < 1e-7, "{off}");
 }
 
-/// A loaded block sinks in as deep as the law says for its pressure.
+/// The overclosure of a loaded block agrees with the law at its pressure.
 #[test]
-fn a_loaded_block_closes_the_gap_as_its_law_says() {
+fn overclosure_of_a_loaded_block_follows_its_law() {
     let (p, e) = (1e-3, std::f64::consts::E);
-    // p0/(e - 1) x (exp(x) - 1), x = h/c + 1.
+    // p0/(e - 1) x (exp(x) - 1) with x = h/c + 1.
     let exponential = |p0: f64, c: f64| {
         let mut x = 1.0_f64;
         for _ in 0..60 {
@@ -173,7 +176,7 @@ fn a_loaded_block_closes_the_gap_as_its_law_says() {
         ("tabular\n 0., 0.\n 5e-4, 0.004\n 2e-3, 0.006", 0.004 + 0.002 / 3.0),
         ("tabular\n 0., -0.01\n 5e-4, 0.\n 7e-4, 0.002", 0.005),
     ] {
-        let ran = disc(2, 0.0, &format!("*Surface Behavior, pressure-overclosure={law}\n"), p, "");
+        let ran = run_disc(2, 0.0, &format!("*Surface Behavior, pressure-overclosure={law}\n"), p, "");
         let foot = -point_field(ran.end(), "U")[1];
         println!("{law:?}: closed by {foot:.9} ({closed:.9}), drift {:.1e}", ran.outcome.energy.drift);
         assert!((foot / closed - 1.0).abs() < 5e-6, "{law}: {foot} {closed}");

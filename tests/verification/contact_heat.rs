@@ -1,20 +1,20 @@
-//! Heat where surfaces of elements meet: across gaps, and of friction.
+//! Heat transfer between contacting element surfaces: gap conductance and frictional heat.
 //!
-//! Goal: temperatures on both sides of a conductance, steady and over time, on meshes that do not match; heat that goes where a card
-//! says and is neither lost nor made. Source: closed forms; each test says its tolerance and why.
+//! Goal: steady and transient temperatures on both sides of a conductance with nonmatching meshes; distribution and
+//! conservation of heat. Source: closed forms. The tolerance and its reason are stated at each test.
 
-use crate::common::bodies::{Ran, assembly, part, point_field, run};
+use crate::common::bodies::{DeckRun, assembly, part, point_field, run};
 
-/// A material that takes up 1 a volume and temperature.
-fn conductor(name: &str, modulus: f64, conductivity: f64, more: &str) -> String {
+/// Returns a material with a heat capacity of 1 per volume.
+fn conductor_material(name: &str, modulus: f64, conductivity: f64, more: &str) -> String {
     format!(
         "*Material, name={name}\n*Density\n 2.,\n*Elastic\n {modulus:e}, 0.3\n{more}*Conductivity\n {conductivity},\n*Specific Heat\n 0.5,\n"
     )
 }
 
-/// Two rings between `from` and 1, each .5 high, one on the other, of so many columns and rows; 1 is the temperature of the upper
-/// one at the start.
-fn stack(columns: [usize; 2], rows: usize, from: f64, conductivity: f64, interaction: &str) -> String {
+/// Returns two stacked rings from radius `from` to 1, each of height 0.5, with `columns` and `rows` of elements. The
+/// upper ring has an initial temperature of 1.
+fn stacked_rings(columns: [usize; 2], rows: usize, from: f64, conductivity: f64, interaction: &str) -> String {
     let ring = |name: &str, n: usize, below: f64| {
         let place =
             |i: usize, j: usize| [from + (1.0 - from) * i as f64 / n as f64, below + 0.5 * j as f64 / rows as f64];
@@ -23,8 +23,8 @@ fn stack(columns: [usize; 2], rows: usize, from: f64, conductivity: f64, interac
     ring("LOWER", columns[0], -0.5)
         + &ring("UPPER", columns[1], 0.0)
         + &assembly(&["LOWER", "UPPER"], "")
-        + &conductor("LOWER", 0.01, conductivity, "*Damping, alpha=0.1\n")
-        + &conductor("UPPER", 0.01, conductivity, "*Damping, alpha=0.1\n")
+        + &conductor_material("LOWER", 0.01, conductivity, "*Damping, alpha=0.1\n")
+        + &conductor_material("UPPER", 0.01, conductivity, "*Damping, alpha=0.1\n")
         + &format!(
             "*Surface Interaction, name=GAP\n{interaction}*Initial Conditions, type=TEMPERATURE\n UPPER.ALL, 1.\n"
         )
@@ -38,18 +38,18 @@ fn step(time: f64, cards: &str) -> String {
     )
 }
 
-/// Places and temperatures at the end.
-fn temperatures(ran: &Ran, instance: &str) -> Vec<([f64; 2], f64)> {
+/// Returns coordinates and temperatures of an instance at the end.
+fn temperatures(ran: &DeckRun, instance: &str) -> Vec<([f64; 2], f64)> {
     let (frame, nodes) = (ran.end(), ran.nodes(instance));
     let field = point_field(frame, "NT11");
     nodes.iter().map(|n| (frame.points[n[0]], field[n[0]])).collect()
 }
 
-/// Held at 0 below and 1 above: q = 1/(2 L/k + 1/h), linear in each ring, with the jump q/h between them. What is left of the way
-/// there is e^-20; the pressure strains by 1e-6. The conductance is .4 in all: over the clearance, in between two rows; over
-/// the pressure, likewise.
+/// Temperatures of 0 below and 1 above: q = 1/(2 L/k + 1/h), linear in each ring, with a jump of q/h. The transient has
+/// decayed to e^-20; the pressure causes a strain of 1e-6. The conductance is 0.4 in all cases, tabulated by clearance
+/// or by pressure, at a row or between two rows.
 #[test]
-fn a_conductance_holds_two_temperatures_apart() {
+fn gap_conductance_matches_steady_closed_form() {
     let held = "*Boundary\n LOWER.J0, 11, 11, 0.\n UPPER.J1, 11, 11, 1.\n";
     let over_clearance = "*Gap Conductance\n 0.4, 0.\n 0.4, 0.1\n";
     let between = "*Gap Conductance\n 0.5, 0.\n 0.3, 0.02\n";
@@ -62,8 +62,8 @@ fn a_conductance_holds_two_temperatures_apart() {
         ("over the pressure", [3, 4], 0.5, over_pressure, pressed.as_str(), 600.0, 0.0, 2e-6),
     ] {
         let held = if pressed == cards { "" } else { " UPPER.J1, 2, 2\n" };
-        let deck = stack(columns, 4, from, 0.1, interaction) + &step(time, &(held.to_owned() + cards));
-        // Apart by a gap: the upper ring is moved.
+        let deck = stacked_rings(columns, 4, from, 0.1, interaction) + &step(time, &(held.to_owned() + cards));
+        // The upper ring is moved by the gap.
         let deck = match gap {
             0.0 => deck,
             gap => deck.replace(
@@ -77,25 +77,25 @@ fn a_conductance_holds_two_temperatures_apart() {
         let mut worst: f64 = 0.0;
         for (instance, sign) in [("LOWER", -1.0), ("UPPER", 1.0)] {
             for ([_, z], t) in temperatures(&ran, instance) {
-                // The way from the other end, on the ring as it was.
+                // Distance from the other end in the undeformed ring.
                 let way = if sign < 0.0 { (z + 0.5).min(0.5) } else { (z - gap).max(0.0) };
                 let exact = if sign < 0.0 { flow * way / k } else { flow * (0.5 / k + 1.0 / h + way / k) };
                 worst = worst.max((t - exact).abs());
             }
         }
-        println!("conductance {name}, {columns:?}, r >= {from}: temperatures off by {worst:.1e}");
+        println!("conductance {name}, {columns:?}, r >= {from}: error of temperatures {worst:.1e}");
         assert!(worst < tolerance, "{worst}");
     }
 }
 
-/// Rings that hardly have gradients of their own, left alone: the difference between them falls at 2/(C L (1/h + 2 L/(3 k))), with
-/// the way of heat within them to first order in h L/k = .0025; eight rows have 1/64 of that way too little, which is 3e-5.
-/// No heat is lost.
+/// Two nearly isothermal rings: their temperature difference decays with the rate 2/(C L (1/h + 2 L/(3 k))), which
+/// includes internal conduction to first order in h L/k = 0.0025. Eight rows underestimate the internal resistance by
+/// 1/64, an error of 3e-5. Heat is conserved.
 #[test]
-fn two_lumps_come_to_one_temperature() {
+fn temperatures_of_two_lumps_decay_to_their_mean() {
     let (h, k, time) = (0.05, 10.0, 5.0);
     let interaction = format!("*Gap Conductance\n {h}, 0.\n {h}, 1.\n");
-    let deck = stack([3, 4], 8, 0.5, k, &interaction) + &step(time, " UPPER.J1, 2, 2\n");
+    let deck = stacked_rings([3, 4], 8, 0.5, k, &interaction) + &step(time, " UPPER.J1, 2, 2\n");
     let ran = run(&deck).whole();
     let heat = |instance: &str| {
         let field = point_field(ran.end(), "NT11");
@@ -107,7 +107,7 @@ fn two_lumps_come_to_one_temperature() {
     let (lower, upper) = (heat("LOWER"), heat("UPPER"));
     let energy = ran.outcome.energy;
     println!(
-        "two lumps: difference {:.7} of {:.7}, sum {:.1e} off, ALLIHE {:.1e}",
+        "two lumps: difference {:.7} of {:.7}, error of the sum {:.1e}, ALLIHE {:.1e}",
         upper - lower,
         (-rate * time).exp(),
         upper + lower - 1.0,
@@ -117,26 +117,27 @@ fn two_lumps_come_to_one_temperature() {
     assert!((upper + lower - 1.0).abs() < 1e-12 && energy.internal_heat.is_some_and(|h| h.abs() < 1e-12), "{energy:?}");
 }
 
-/// A conductance far above that of the elements bounds the increment, and the rings come to one temperature where they meet, that
-/// in the middle of both: at the limit of what is stable swings of increments have gone.
+/// A conductance far above that of the elements limits the increment, and the contacting faces reach the mean
+/// temperature. At the largest stable increment, oscillations have decayed.
 #[test]
-fn a_great_conductance_is_stable() {
-    let deck =
-        stack([3, 4], 4, 0.5, 0.1, "*Gap Conductance\n 1.e4, 0.\n 1.e4, 0.001\n") + &step(0.02, " UPPER.J1, 2, 2\n");
+fn large_gap_conductance_is_stable() {
+    let deck = stacked_rings([3, 4], 4, 0.5, 0.1, "*Gap Conductance\n 1.e4, 0.\n 1.e4, 0.001\n")
+        + &step(0.02, " UPPER.J1, 2, 2\n");
     let ran = run(&deck).whole();
     let face = |instance: &str| {
         let all = temperatures(&ran, instance);
         all.into_iter().filter(|(p, _)| p[1] == 0.0).map(|(_, t)| (t - 0.5).abs()).fold(0.0, f64::max)
     };
     let (steps, worst) = (&ran.outcome.steps[0], face("LOWER").max(face("UPPER")));
-    println!("great conductance: {} increments, off by {worst:.1e}", steps.increments);
+    println!("great conductance: {} increments, error {worst:.1e}", steps.increments);
     assert!(steps.increments > 1000 && worst < 1e-3, "{worst}");
 }
 
-/// A ring slides on a shaft, both conduct: of the work of friction that ALLFD books the part that the card says is heat, and the
-/// first surface takes its share of that. To rounding; a hundred thousandth of a share goes to and fro by nothing.
+/// A ring slides on a shaft and both conduct. The specified fraction of the frictional work in ALLFD becomes heat, and
+/// the specified share of this heat enters the first surface, to rounding. Conduction between the bodies exchanges less
+/// than 1e-5 of a share.
 #[test]
-fn friction_heats_both_surfaces_as_told() {
+fn frictional_heat_is_distributed_as_specified() {
     let cells = 4;
     let block = |name: &str, [n, m]: [usize; 2], [a, b]: [f64; 2], [c, d]: [f64; 2]| {
         let place = |i: usize, j: usize| [a + (b - a) * i as f64 / n as f64, c + (d - c) * j as f64 / m as f64];
@@ -149,8 +150,8 @@ fn friction_heats_both_surfaces_as_told() {
             let deck = block("SHAFT", [2, 5 * cells], [0.5, 1.0], [-1.0, 3.0])
                 + &block("RING", [cells, cells], [1.0, 1.5], [0.0, 1.0])
                 + &assembly(&["SHAFT", "RING"], "")
-                + &conductor("SHAFT", 1.0, 1e-3, "")
-                + &conductor("RING", 1.0, 1e-3, "")
+                + &conductor_material("SHAFT", 1.0, 1e-3, "")
+                + &conductor_material("RING", 1.0, 1e-3, "")
                 + &format!("*Surface Interaction, name=DRY\n*Friction\n 0.1,\n{card}")
                 + "*Initial Conditions, type=VELOCITY\n RING.ALL, 2, 1.e-3\n*Step\n*Dynamic Temperature-displacement, Explicit\n , 20.\n\
                    *Boundary\n SHAFT.I0, 1, 2\n*Dsload\n RING.I1, P, 1.e-4\n"
@@ -169,7 +170,7 @@ fn friction_heats_both_surfaces_as_told() {
             let named = heat(&pair[..pair.find('.').expect("an instance")]);
             let all = heat("SHAFT") + heat("RING");
             println!(
-                "friction {:.4e}: heat {:.1e}, share of the first {:.1e}, ALLIHE {:.1e} off",
+                "friction {:.4e}: errors of heat {:.1e}, share of the first {:.1e}, ALLIHE {:.1e}",
                 energy.friction,
                 all / total - 1.0,
                 named / total - first,

@@ -1,19 +1,20 @@
-//! Hertz: a sphere on a rigid plane, pressed and thrown, and on an elastic plate.
+//! Hertzian contact: a sphere pressed and thrown on a rigid plane, and thrown on an elastic plate.
 //!
-//! Goal: pressure, force and time of contact of surfaces that are curved and small where they meet.
-//! Source: Hertz 1882 (Johnson, Contact Mechanics, 4.2 and 11.4), Huber 1904 for the stress inside; each test says its tolerance
-//! and why.
+//! Goal: pressure, force and duration of contact between curved surfaces with a small contact area.
+//! Source: Hertz 1882 (Johnson, Contact Mechanics, 4.2 and 11.4), Huber 1904 for the internal stress. The tolerance and
+//! its reason are stated at each test.
 
 use std::f64::consts::PI;
 
 use revolve::job;
 use revolve::user::Routines;
 
-use crate::common::bodies::{Ran, assembly, cell_field, elastic, part, point_field, rigid_line, run};
+use crate::common::bodies::{DeckRun, assembly, cell_field, elastic, part, point_field, rigid_line, run};
 use crate::common::{prepared, project};
 
-/// Lengths of even cells as far as `even`, each behind them longer by `growth`, up to `end`.
-fn graded(size: f64, even: f64, growth: f64, end: f64) -> Vec<f64> {
+/// Returns node positions with cells of length `size` up to `even` and cells that grow by the factor `growth` from
+/// there to `end`.
+fn graded_positions(size: f64, even: f64, growth: f64, end: f64) -> Vec<f64> {
     let (mut places, mut length) = (vec![0.0], size);
     while places[places.len() - 1] < end {
         let at = places[places.len() - 1];
@@ -22,28 +23,28 @@ fn graded(size: f64, even: f64, growth: f64, end: f64) -> Vec<f64> {
         }
         places.push(at + length);
     }
-    // The graded part is drawn in to its end.
+    // Scale the graded part to end exactly at `end`.
     let (last, from) = (places[places.len() - 1], even + size);
     let scale = (end - from) / (last - from);
     places.iter().map(|&p| if p <= from { p } else { from + (p - from) * scale }).collect()
 }
 
-/// A cap of a sphere of radius 1, E = rho = 1, nu = .3, pressed by a force on a rigid plane: so many elements over the contact
-/// radius, and the cap `wide` contact radii. Pressure in the middle over Hertz's, by the stress of the elements under the surface,
-/// and how much that of single elements leaves it.
-fn pressed(force: f64, cells: usize, wide: f64) -> [f64; 2] {
+/// Presses a cap of a sphere of radius 1 (E = rho = 1, nu = 0.3) on a rigid plane, with `cells` elements over the
+/// contact radius and a cap of `wide` contact radii. Returns the error of the pressure against Hertz, from the stress
+/// of the elements under the surface: mean and largest.
+fn pressed_cap(force: f64, cells: usize, wide: f64) -> [f64; 2] {
     let modulus = 1.0 / (1.0 - 0.09);
     let a = (0.75 * force / modulus).cbrt();
     let middle = 1.5 * force / (PI * a * a);
     let size = wide * a;
-    let along = graded(a / cells as f64, 1.5 * a, 1.2, size);
+    let along = graded_positions(a / cells as f64, 1.5 * a, 1.2, size);
     let n = along.len() - 1;
     let place = |i: usize, j: usize| {
         let r = along[i];
         let foot = 1.0 - (1.0 - r * r).sqrt();
         [r, foot + along[j] * (size - foot) / size]
     };
-    // The block on the spring of its contact.
+    // Frequency of the block on its contact stiffness.
     let rate = (2.0 * modulus * a / (PI * size.powi(3))).sqrt();
     let time = 18.0 / rate;
     let deck = part("CAP", [n, n], place, "")
@@ -71,18 +72,19 @@ fn pressed(force: f64, cells: usize, wide: f64) -> [f64; 2] {
             ratios.push(stress[4 * e + 1] / hertz - 1.0);
         }
     }
-    // The edge of the contact, a vertical tangent, shows in the elements next to it.
+    // At the edge of the contact the pressure has a vertical tangent, so the adjacent elements are left out.
     let inner = &ratios[..ratios.len() - cells / 6];
     let mean = inner.iter().sum::<f64>() / inner.len() as f64;
     [mean, inner.iter().fold(0.0_f64, |most, x| most.max(x.abs()))]
 }
 
-/// 1 and 10 kN on a sphere of 50 mm and 200 GPa: contact radii .554644 and 1.194944 mm, 1552.076 and 3343.846 MPa in the middle.
-fn pressures(levels: &[usize]) -> Vec<[f64; 2]> {
+/// Returns the errors for 1 and 10 kN on a sphere of 50 mm and 200 GPa: contact radii 0.554644 and 1.194944 mm, central
+/// pressures 1552.076 and 3343.846 MPa.
+fn pressure_errors(levels: &[usize]) -> Vec<[f64; 2]> {
     let mut all = Vec::new();
     for force in [2e-6, 2e-5] {
         for &cells in levels {
-            let [mean, worst] = pressed(force, cells, 8.0);
+            let [mean, worst] = pressed_cap(force, cells, 8.0);
             println!("sphere on a plane, {force:e}, {cells} elements: pressure {mean:+.4}, worst place {worst:.4}");
             all.push([mean, worst]);
         }
@@ -90,10 +92,10 @@ fn pressures(levels: &[usize]) -> Vec<[f64; 2]> {
     all
 }
 
-/// Within 1 % from six elements over the contact radius on.
+/// Error below 1 % from six elements over the contact radius on.
 #[test]
-fn a_sphere_pressed_on_a_plane_has_the_pressure_of_hertz() {
-    let levels = pressures(&[6, 12]);
+fn pressed_sphere_pressure_matches_hertz() {
+    let levels = pressure_errors(&[6, 12]);
     assert!(levels.iter().all(|l| l[0].abs() < 1e-2), "{levels:?}");
     assert!(levels[1][1] < 2e-2 && levels[3][1] < 2e-2, "{levels:?}");
 }
@@ -101,30 +103,30 @@ fn a_sphere_pressed_on_a_plane_has_the_pressure_of_hertz() {
 /// `cargo test --release --test verification contact_hertz -- --ignored --nocapture`
 #[test]
 #[ignore = "minutes"]
-fn a_sphere_pressed_on_a_plane_on_the_finest_mesh() {
-    let levels = pressures(&[24]);
+fn pressed_sphere_on_the_finest_mesh_matches_hertz() {
+    let levels = pressure_errors(&[24]);
     assert!(levels.iter().all(|l| l[0].abs() < 5e-3 && l[1] < 2e-2), "{levels:?}");
 }
 
-/// A sphere of R 10 mm, E 70 GPa, nu .3, 2700 kg/m3 against a rigid wall; so many elements over the largest contact radius. The
-/// middle, up to a fifth of R, is left out, and the density makes good for it. Over Hertz's: deepest approach of the centre,
-/// largest force, time; and the velocity after it, over that before.
-fn thrown(cells: usize, speed: f64) -> ([f64; 4], Ran) {
+/// Throws a sphere of R = 10 mm, E = 70 GPa, nu = 0.3, 2700 kg/m3 against a rigid wall, with `cells` elements over the
+/// largest contact radius. The core up to R/5 is left out and its mass is added to the density. Returns largest
+/// approach of the centre, largest force and duration over those of Hertz, and the rebound over the impact velocity.
+fn thrown_sphere(cells: usize, speed: f64) -> ([f64; 4], DeckRun) {
     let (radius, hole) = (10.0, 2.0_f64);
-    // By 10 m/s: .11369642 mm, 12434.14 N, 33.46399 microseconds.
+    // At 10 m/s: 0.11369642 mm, 12434.14 N, 33.46399 microseconds.
     let slower = speed / 1e4;
     let hertz = [0.11369642 * slower.powf(0.8), 12434.14 * slower.powf(1.2), 33.46399e-6 * slower.powf(-0.2)];
     let a = (radius * hertz[0]).sqrt();
     let growth = 1.0 + 0.9 / cells as f64;
-    let rays = graded(a / radius / cells as f64, 1.5 * a / radius, growth, PI);
-    let deep = graded(a / cells as f64, 1.5 * a, growth, radius - hole);
+    let rays = graded_positions(a / radius / cells as f64, 1.5 * a / radius, growth, PI);
+    let deep = graded_positions(a / cells as f64, 1.5 * a, growth, radius - hole);
     let (n, m) = (deep.len() - 1, rays.len() - 1);
     let place = |i: usize, j: usize| {
         let (s, part) = (radius - deep[n - i], deep[n - i] / (radius - hole));
         if j == 0 || j == m {
             return [0.0, if j == 0 { -s } else { s }];
         }
-        // Rays draw apart on their way to the middle.
+        // The angles between rays become more uniform towards the centre.
         let angle = rays[j] + 0.5 * part * (PI * j as f64 / m as f64 - rays[j]);
         [s * libm::sin(angle), -s * libm::cos(angle)]
     };
@@ -160,11 +162,10 @@ fn thrown(cells: usize, speed: f64) -> ([f64; 4], Ran) {
     (answer, ran)
 }
 
-/// Within 5 % of Hertz, and as near to the next finer mesh as a mesh can say: what is left is the sphere, which is not large over
-/// its contact (a/R = .107).
+/// Within 5 % of Hertz and within 1 % of the finer mesh. The rest is the finite size of the sphere (a/R = 0.107).
 #[test]
-fn a_sphere_thrown_at_a_wall_comes_back_as_hertz_says() {
-    let [(coarse, _), (fine, ran)] = [6, 12].map(|cells| thrown(cells, 1e4));
+fn sphere_impact_on_a_wall_matches_hertz() {
+    let [(coarse, _), (fine, ran)] = [6, 12].map(|cells| thrown_sphere(cells, 1e4));
     let energy = ran.outcome.energy;
     for (c, f) in coarse.iter().zip(fine) {
         assert!((f - 1.0).abs() < 0.05 && (f - c).abs() < 0.01, "{coarse:?} {fine:?}");
@@ -172,22 +173,23 @@ fn a_sphere_thrown_at_a_wall_comes_back_as_hertz_says() {
     assert!(fine[3] > 0.999 && energy.contact.abs() < 5e-5 * energy.initial && energy.drift < 1e-5, "{energy:?}");
 }
 
-/// Ever slower, the contact becomes ever smaller against the sphere, and approach, force and time go to Hertz's.
+/// With decreasing speed the contact area decreases relative to the sphere, and approach, force and duration converge
+/// to Hertz.
 /// `cargo test --release --test verification contact_hertz -- --ignored --nocapture`
 #[test]
 #[ignore = "minutes"]
-fn a_slow_sphere_is_nearer_to_hertz() {
-    let errors = [1e4, 1e3, 1e2].map(|speed| thrown(10, speed).0.map(|x| (x - 1.0).abs()));
+fn sphere_impact_converges_to_hertz_at_low_speed() {
+    let errors = [1e4, 1e3, 1e2].map(|speed| thrown_sphere(10, speed).0.map(|x| (x - 1.0).abs()));
     for k in 0..3 {
         assert!(errors[2][k] < errors[1][k] && errors[1][k] < errors[0][k], "{errors:?}");
     }
 }
 
-/// `input/sphere_on_plate.inp` as it stands in its head, on three elements over the contact radius: approach of the sphere's middle,
-/// force, time of contact and rebound. 2 %: finer meshes end at -.9, +.9 and -1 %, for the plate is 40 contact radii thick and no half
-/// space. The rebound keeps what vibrations do not take: 1 %.
+/// `input/sphere_on_plate.inp` with the values in its header, three elements over the contact radius: approach of the
+/// centre, force, duration and rebound, within 2 %. Finer meshes converge to -0.9, +0.9 and -1 %, because the plate of
+/// 40 contact radii is not a half-space. The rebound loses 1 % to vibrations.
 #[test]
-fn a_sphere_thrown_at_a_plate() {
+fn sphere_impact_on_a_plate_matches_hertz() {
     let text = std::fs::read_to_string(project("input/sphere_on_plate.inp")).expect("a deck");
     let prepared = prepared(&text, &[("k", "3")], &Routines::none());
     let (outcome, history) = job::run_in_memory(&prepared);
@@ -200,7 +202,7 @@ fn a_sphere_thrown_at_a_plate() {
         [-centre.min / approach - 1.0, force.max / most - 1.0, 2.0 * centre.time_min / (2.943 * approach / 1e3) - 1.0];
     let energy = outcome.energy;
     println!(
-        "sphere on plate: approach, force and time off {off:.4?}, lost {:.1e}, drift {:.1e}",
+        "sphere on plate: errors of approach, force and time {off:.4?}, lost {:.1e}, drift {:.1e}",
         energy.contact / energy.initial,
         energy.drift
     );

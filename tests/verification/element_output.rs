@@ -1,15 +1,16 @@
-//! Output variables of deformable elements against closed forms.
+//! Output variables of deformable elements, compared with closed forms.
 //!
-//! Goal: LE, PE, ER, SENER, PENER, EVOL, DENSITY, STATUS, DT mean what their names say, and asking changes nothing.
-//! Source: logarithmic strain of a stretched bar, simple shear with the Jaumann rate, the energies of the whole model.
+//! Goal: LE, PE, ER, SENER, PENER, EVOL, DENSITY, STATUS and DT have their documented values, and requesting them
+//! changes no result.
+//! Source: logarithmic strain of a stretched bar, simple shear with the Jaumann rate, energies of the whole model.
 
 use std::fmt::Write as _;
 
 use crate::common;
 use crate::common::solid::{column, grid, last, material, run};
 
-/// Velocities of all nodes of a grid of 2 by 2 cells that reaches from `r = 1` to 3 and from `z = 0` to 2.
-fn moving(velocity: impl Fn([f64; 2]) -> [f64; 2], duration: f64, outputs: &str, more: &str) -> String {
+/// Returns a grid of 2 by 2 cells from r = 1 to 3 and z = 0 to 2 with prescribed velocities at all nodes.
+fn moving_grid(velocity: impl Fn([f64; 2]) -> [f64; 2], duration: f64, outputs: &str, more: &str) -> String {
     let place = |i: usize, j: usize| [1.0 + i as f64, j as f64];
     let mut deck = grid(2, 2, false, place) + &material(1000.0, 0.3, 2.0, more);
     for node in 1..=9 {
@@ -25,41 +26,42 @@ fn moving(velocity: impl Fn([f64; 2]) -> [f64; 2], duration: f64, outputs: &str,
 }
 
 #[test]
-fn a_stretched_bar_has_the_logarithm_of_its_stretch() {
+fn stretched_bar_has_logarithmic_strain() {
     let outputs = "*Elset, elset=ONE\n 1,\n*Output, history, number interval=4\n*Element Output, elset=ONE\n LE, ER22, \
                    EVOL, DENSITY, STATUS, SENER, S22\n*Incrementation Output\n DT\n*Energy Output\n ALLSE\n";
-    let deck = moving(|[_, z]| [0.0, 0.5 * z], 1.0, outputs, "");
+    let deck = moving_grid(|[_, z]| [0.0, 0.5 * z], 1.0, outputs, "");
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None);
     let value = |name: &str| last(&deck, &memory, &format!("{name}@ONE"));
     let strain = 1.5_f64.ln();
-    // The middle of an increment is exact to second order: (5e-5)^2 / 3.
+    // The midpoint of an increment is exact to second order: (5e-5)^2 / 3.
     assert!((value("LE22") / strain - 1.0).abs() < 1e-8, "{}", value("LE22"));
     assert!(value("LE11").abs() + value("LE33").abs() + value("LE12").abs() < 1e-10);
-    // The rate at the middle of the last increment.
+    // Strain rate at the middle of the last increment.
     assert!((value("ER22") * (1.5 - 0.25e-4) / 0.5 - 1.0).abs() < 1e-8, "{}", value("ER22"));
     let volume = std::f64::consts::PI * 3.0 * 1.5;
     assert!((value("EVOL") / volume - 1.0).abs() < 1e-9 && (value("DENSITY") * 1.5 / 2.0 - 1.0).abs() < 1e-9);
     assert_eq!(value("STATUS"), 1.0);
     assert!((last(&deck, &memory, "DT") / 1e-4 - 1.0).abs() < 1e-9);
-    // E (1 - nu) / ((1 + nu) (1 - 2 nu)) = 1346.15: the work of its stress over the changing volume.
+    // E (1 - nu) / ((1 + nu) (1 - 2 nu)) = 1346.15; the energy is the work of this stress over the changing volume.
     let modulus = 1000.0 * 0.7 / (1.3 * 0.4);
     assert!((value("S22") / (modulus * strain) - 1.0).abs() < 1e-8);
-    // int s dV = V0 m int ln(x) dx = V0 m (x ln x - x + 1), divided by the volume at the end.
+    // int s dV = V0 m int ln(x) dx = V0 m (x ln x - x + 1), divided by the final volume.
     let work = modulus * (1.5 * strain - 0.5) / 1.5;
     assert!((value("SENER") / work - 1.0).abs() < 1e-7, "{} {work}", value("SENER"));
 }
 
 #[test]
-fn simple_shear_turns_the_strain_with_the_spin_of_the_material() {
+fn strain_in_simple_shear_follows_the_jaumann_rate() {
     let outputs = "*Elset, elset=ONE\n 1,\n*Output, history, number interval=4\n*Element Output, elset=ONE\n LE\n";
-    let deck = moving(|[r, _]| [0.0, r], 1.0, outputs, "");
+    let deck = moving_grid(|[r, _]| [0.0, r], 1.0, outputs, "");
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None);
     // Jaumann rate with constant D and W: E12 = sin(g)/2, E11 = -E22 = (cos(g) - 1)/2 at the shear g = 1.
     let expected = [("LE12", 1_f64.sin()), ("LE11", 0.5 * (1_f64.cos() - 1.0)), ("LE22", 0.5 * (1.0 - 1_f64.cos()))];
     for (name, expected) in expected {
-        // An increment of 1e-4 turns by its angle to third order, but adds a strain that is half an increment behind.
+        // The rotation of an increment of 1e-4 is exact to third order, but the strain increment is half an increment
+        // late.
         let got = last(&deck, &memory, &format!("{name}@ONE"));
         assert!((got - expected).abs() < 2e-4 * expected.abs().max(0.3), "{name} {got} {expected}");
     }
@@ -67,11 +69,11 @@ fn simple_shear_turns_the_strain_with_the_spin_of_the_material() {
 }
 
 #[test]
-fn plastic_strain_and_energies_agree_with_stress_and_with_the_whole_model() {
+fn element_energies_add_up_to_the_model_energies() {
     let plastic = "*Plastic\n 10., 0.\n 30., 0.1\n";
     let outputs = "*Output, history, number interval=10\n*Element Output, elset=SOLID\n LE, PE, PEEQ, S, SENER, PENER, EVOL\n\
                    *Energy Output\n ALLSE, ALLPD\n*Output, field, number interval=2, variable=PRESELECT\n";
-    let deck = moving(|[r, z]| [-0.02 * r, 0.1 * z], 1.0, outputs, plastic);
+    let deck = moving_grid(|[r, z]| [-0.02 * r, 0.1 * z], 1.0, outputs, plastic);
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None);
     let value = |name: &str, e: usize| last(&deck, &memory, &format!("{name}@{e}"));
@@ -84,16 +86,16 @@ fn plastic_strain_and_energies_agree_with_stress_and_with_the_whole_model() {
         assert!(flow.iter().sum::<f64>().abs() < 1e-12, "flow keeps the volume: {flow:?}");
         for i in 0..3 {
             let hooke = bulk * dilation + 2.0 * shear * (total[i] - flow[i] - dilation / 3.0);
-            // Without spin the law is exact; rounding of 10^4 additions.
+            // The law is exact without spin; the rest is rounding of 1e4 additions.
             assert!((hooke - stress[i]).abs() < 1e-8, "{hooke} {}", stress[i]);
         }
-        // Proportional from the start: the equivalent of the components is PEEQ.
+        // Loading is proportional, so the equivalent plastic strain of the components is PEEQ.
         let equivalent = (2.0 / 3.0 * flow.iter().map(|x| x * x).sum::<f64>()).sqrt();
         assert!(equivalent > 0.05 && (equivalent / value("PEEQ", e) - 1.0).abs() < 1e-9, "{equivalent}");
         elastic_energy += value("SENER", e) * value("EVOL", e);
         plastic_energy += value("PENER", e) * value("EVOL", e);
     }
-    // The same sums in another order.
+    // Sums of the same terms in another order.
     assert!((elastic_energy / last(&deck, &memory, "ALLSE") - 1.0).abs() < 1e-9, "{elastic_energy}");
     assert!((plastic_energy / last(&deck, &memory, "ALLPD") - 1.0).abs() < 1e-9, "{plastic_energy}");
     let frame = memory.frames.last().expect("a frame");
@@ -105,28 +107,28 @@ fn plastic_strain_and_energies_agree_with_stress_and_with_the_whole_model() {
 }
 
 #[test]
-fn asking_for_strains_changes_no_bit_of_the_motion() {
+fn requested_strains_change_no_bit_of_the_motion() {
     let deck = |more: &str| {
         let outputs = format!("*Output, history, number interval=10\n*Energy Output\n ALLIE, ALLPD\n{more}");
-        moving(|[r, z]| [-0.03 * r * z, 0.1 * z * r], 0.5, &outputs, "*Plastic\n 10., 0.\n 30., 0.1\n")
+        moving_grid(|[r, z]| [-0.03 * r * z, 0.1 * z * r], 0.5, &outputs, "*Plastic\n 10., 0.\n 30., 0.1\n")
     };
     let (plain, asked) = (deck(""), deck("*Element Output, elset=SOLID\n LE, PE\n"));
-    let ((_, quiet), (_, told)) = (run(&plain), run(&asked));
+    let ((_, quiet), (_, recorded)) = (run(&plain), run(&asked));
     for name in ["ALLIE", "ALLPD"] {
-        assert_eq!(column(&plain, &quiet, name), column(&asked, &told, name), "{name}");
+        assert_eq!(column(&plain, &quiet, name), column(&asked, &recorded, name), "{name}");
     }
 }
 
-/// Of two materials one flows: the other has no plastic strain, and nothing here follows a temperature.
+/// One of two materials is plastic: the other has no plastic strain, and neither has temperatures.
 #[test]
-fn what_a_group_does_not_have_is_not_shown() {
+fn absent_element_variables_are_not_written() {
     let outputs = "*Output, history, number interval=2\n*Element Output, elset=SOLID\n PEEQ, S22\n\
                    *Output, field, number interval=2\n*Element Output\n PEEQ, PE, MISES, TEMP\n";
     let flows = "*Plastic\n 10., 0.\n 30., 0.1\n";
     let sets = "*Elset, elset=HARD\n 2, 4\n*Elset, elset=SOFT\n 1, 3\n*Solid Section, elset=SOFT";
     let second = "*Solid Section, elset=HARD, material=E\n\
                   *Material, name=E\n*Density\n 2.,\n*Elastic\n 1000., 0.3\n";
-    let deck = moving(|[_, z]| [0.0, 0.1 * z], 0.5, outputs, flows)
+    let deck = moving_grid(|[_, z]| [0.0, 0.1 * z], 0.5, outputs, flows)
         .replace("*Solid Section, elset=SOLID", sets)
         .replace("*Step\n", &format!("{second}*Step\n"));
     let (outcome, memory) = run(&deck);
@@ -147,10 +149,10 @@ fn what_a_group_does_not_have_is_not_shown() {
     }
 }
 
-/// Principal strains and rates have the invariants of the tensors that they are of, which for LE12, PE12 and ER12 means half of
-/// them.
+/// Principal strains and rates have the invariants of their tensors; LE12, PE12 and ER12 are engineering shears and
+/// enter with half their values.
 #[test]
-fn principal_values_have_the_invariants_of_their_tensors() {
+fn principal_values_match_tensor_invariants() {
     let deck = grid(2, 2, false, |i, j| [1.0 + i as f64 + 0.2 * j as f64, j as f64])
         + &material(1000.0, 0.3, 2.0, "*Plastic\n 1., 0.\n 2., 1.\n")
         + "*Initial Conditions, type=VELOCITY\n J1, 1, 1.\n J1, 2, -1.\n*Step\n*Dynamic, Explicit\n , 0.05\n*Boundary\n J0, 1, 2\n\

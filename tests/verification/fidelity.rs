@@ -1,4 +1,4 @@
-//! The kept scenes of the ladder of fidelity against each other (`docs/fidelity.md`).
+//! Pinned scenes of `docs/fidelity.md`, which compares models of different fidelity.
 
 use revolve::job;
 use revolve::output::HistorySummary;
@@ -6,7 +6,7 @@ use revolve::user::Routines;
 
 use crate::common;
 
-fn shoot(deck: &str, settings: &[(&str, &str)]) -> HistorySummary {
+fn run_shot(deck: &str, settings: &[(&str, &str)]) -> HistorySummary {
     let prepared = job::prepare(&common::project(deck), &common::pairs(settings), &Routines::none());
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
     let (outcome, history) = job::run_in_memory(&prepared);
@@ -15,20 +15,19 @@ fn shoot(deck: &str, settings: &[(&str, &str)]) -> HistorySummary {
     history
 }
 
-/// A projectile of steel that cannot yield is nearly rigid: the strain at the stresses of its deceleration, 1.4 GPa over
-/// 200 GPa, shortens it by some tenths of a millimetre while it is stopped. Both have eight facets along the nose, so
-/// that their noses are the same. Reached: 0.02 %.
+/// An elastic steel projectile is nearly rigid: the stresses of its deceleration, 1.4 GPa over 200 GPa, shorten it by
+/// some tenths of a millimetre. Both models have eight facets along the nose. Reached: 0.02 %.
 #[test]
-fn an_elastic_projectile_goes_as_deep_as_a_rigid_one() {
+fn elastic_projectile_reaches_the_rigid_depth() {
     let law = [("V", "821."), ("B", "0.9830"), ("C", "0.9402")];
-    let rigid = shoot("input/ogive.inp", &[&law[..], &[("n", "8")]].concat()).0["U2@REF"].last;
+    let rigid = run_shot("input/ogive.inp", &[&law[..], &[("n", "8")]].concat()).0["U2@REF"].last;
     let elastic = [("nn", "8"), ("ns", "20"), ("JCA", "1.e12"), ("JCB", "0."), ("JCC", "0.")];
-    let history = shoot("input/ogive_steel.inp", &[&law[..], &elastic].concat());
+    let history = run_shot("input/ogive_steel.inp", &[&law[..], &elastic].concat());
     let depth = history.0["U2@TIP"].min;
     assert!((depth / rigid - 1.0).abs() < 3e-3, "{depth} {rigid}");
     assert_eq!(history.0["ALLPD"].last, 0.0);
 
-    // Steel of hardness Rc 30 yields under a resistance above its yield stress, and stops earlier.
-    let soft = shoot("input/ogive_steel.inp", &[&law[..], &[("nn", "8"), ("ns", "20")]].concat());
+    // Steel of hardness Rc 30 yields, because the resistance exceeds its yield stress, and stops earlier.
+    let soft = run_shot("input/ogive_steel.inp", &[&law[..], &[("nn", "8"), ("ns", "20")]].concat());
     assert!(soft.0["U2@TIP"].min > 0.97 * depth && soft.0["ALLPD"].last > 10.0, "{:?}", soft.0["U2@TIP"]);
 }

@@ -1,19 +1,20 @@
-//! What joins deformable bodies with each other and with what does not deform: rigid bodies tied to them, equations,
-//! springs and dashpots, walls, scaled masses.
+//! Links between bodies: rigid bodies with tied nodes, equations, springs, dashpots, walls.
 //!
-//! Goal: periods, momenta, contact times and energies of scenes with such links.
-//! Source: closed forms of vibrating columns, oscillators and bars; each test says its tolerance and why.
+//! Goal: periods, momenta, contact times and energies of linked bodies.
+//! Source: closed forms of vibrating columns, oscillators and bars. The tolerance and its reason are stated at each
+//! test.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use crate::common::solid::{column, grid, last, material, run};
 
-/// Modulus of uniaxial strain and density of the columns: speed of the wave 2, for the height 1 and the radius 0.1.
+/// Modulus of uniaxial strain of the columns, of density 1: wave speed 2 for height 1 and radius 0.1.
 const MODULUS: f64 = 4.0;
 const ROWS: usize = 20;
 
-/// A column along z in uniaxial strain, its last row tied to a rigid body of a mass, node 900 its reference.
+/// Returns a column along z in uniaxial strain with its last row tied to a rigid body of this mass whose reference
+/// node is 900.
 fn column_with_mass(mass: f64, more: &str) -> String {
     let nu: f64 = 0.25;
     let e = MODULUS * (1.0 + nu) * (1.0 - 2.0 * nu) / (1.0 - nu);
@@ -25,19 +26,19 @@ fn column_with_mass(mass: f64, more: &str) -> String {
         )
 }
 
-/// First zero crossings of a history, from below, by straight lines between rows.
+/// Returns the rising zero crossings of a history by linear interpolation.
 fn rising_zeros(history: &[(f64, f64)]) -> Vec<f64> {
     let rising = history.windows(2).filter(|w| w[0].1 < 0.0 && w[1].1 >= 0.0);
     rising.map(|w| w[0].0 - w[0].1 * (w[1].0 - w[0].0) / (w[1].1 - w[0].1)).collect()
 }
 
-/// beta tan beta = mass of the column over the mass on it; omega = beta c / L.
+/// beta tan beta = mass of the column over the attached mass; omega = beta c / L.
 #[test]
-fn a_rigid_mass_on_an_elastic_column_has_its_period() {
+fn rigid_mass_on_a_column_has_the_period_of_theory() {
     let column_mass = PI * 0.01;
     let beta: f64 = 0.860_333_589_019_38; // beta tan beta = 1
     let omega = 2.0 * beta;
-    // The first mode and nothing else; so slow that the motion is linear.
+    // First mode only, with an amplitude small enough for linear motion.
     let velocity = |z: f64| 1e-6 * (beta * z).sin();
     let mut start = String::from("*Initial Conditions, type=VELOCITY\n");
     for n in 0..3 * ROWS {
@@ -52,25 +53,25 @@ fn a_rigid_mass_on_an_elastic_column_has_its_period() {
     let motion = column(&deck, &memory, "U2@REF");
     let zeros = rising_zeros(&motion);
     let period = (zeros[zeros.len() - 1] - zeros[0]) / (zeros.len() - 1) as f64;
-    // Of second order: 1.1e-4 on 20 rows, 2e-5 on 40.
+    // Second order: 1.1e-4 with 20 rows, 2e-5 with 40.
     let error = period * omega / (2.0 * PI) - 1.0;
-    assert!(error.abs() < 2e-4, "period off by {error:e}");
-    // Tied nodes are where their body is.
+    assert!(error.abs() < 2e-4, "period error {error:e}");
+    // Tied nodes move with their body exactly.
     assert_eq!(last(&deck, &memory, &format!("U2@{}", 3 * ROWS + 3)), motion.last().expect("a row").1);
     let drift = outcome.energy.drift;
-    println!("mass on a column: period off by {error:.1e}, drift {drift:.1e}");
+    println!("mass on a column: period error {error:.1e}, drift {drift:.1e}");
     assert!(drift < 2e-3, "{drift:e}");
 }
 
 #[test]
-fn a_rigid_mass_and_a_free_column_keep_their_momentum_and_energy() {
+fn rigid_mass_and_free_column_conserve_momentum_and_energy() {
     let mass = 0.02;
     let deck = column_with_mass(mass, "*Initial Conditions, type=VELOCITY\n 900, 2, -1.e-3\n")
         + "*Step\n*Dynamic, Explicit, element by element\n , 3.\n*Bulk Viscosity\n 0., 0.\n*Boundary\n ALL, 1, 1\n*Output, history, number interval=50\n\
            *Node Output, nset=REF\n V2\n*Node Output, nset=ALL\n V2\n*Energy Output\n ETOTAL\n*End Step\n";
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None);
-    // Masses by row sums: integrals of N r dr over the two rings, halves at the ends.
+    // Lumped masses by row sums: integrals of N r dr over the two rings, half at the ends.
     let (h, row) = (0.05, 2.0 * PI / ROWS as f64);
     let share = [h * h / 6.0, h * h / 3.0 + h * (0.5 * h + h / 6.0), h * (0.5 * h + h / 3.0)];
     let start = -1e-3 * (mass + 0.25 * PI * 0.01 * 2.0 / ROWS as f64);
@@ -87,22 +88,22 @@ fn a_rigid_mass_and_a_free_column_keep_their_momentum_and_energy() {
     assert!(outcome.energy.drift < 2e-3, "{:e}", outcome.energy.drift);
 }
 
-/// Gravity on everything and a force on a tied node reach the body; the whole falls as one.
+/// Gravity on all nodes and a force on a tied node accelerate the assembly as one body.
 #[test]
-fn a_tied_scene_falls_as_one() {
+fn tied_bodies_fall_as_one() {
     let deck = column_with_mass(0.02, "*Nset, nset=TIED\n 62\n")
         + "*Step\n*Dynamic, Explicit\n , 1.\n*Dload\n , GRAV, 9.81, 0., -1.\n*Boundary\n ALL, 1, 1\n\
            *Output, history, number interval=5\n*Node Output, nset=REF\n V2\n*Node Output, nset=TIED\n V2\n*End Step\n";
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None);
-    // Nothing strains: rounding alone.
+    // No strain except rounding.
     assert!((last(&deck, &memory, "V2@REF") / -9.81 - 1.0).abs() < 1e-11);
     assert!((last(&deck, &memory, "V2@TIED") / -9.81 - 1.0).abs() < 1e-11);
 }
 
-/// A bar whose upper half is a copy tied to the lower one by equations moves as the whole bar does.
+/// A bar whose upper half is a copy joined by equations moves like the whole bar.
 #[test]
-fn equations_join_two_bars_as_shared_nodes_do() {
+fn bars_joined_by_equations_match_shared_nodes() {
     let (n, m) = (2, 8);
     let ends = "*Step\n*Dynamic, Explicit, direct user control\n 0.01, 4.\n*Boundary\n J0, 2, 2\n";
     let asks = "*Output, history, number interval=20\n*Node Output, nset=TOP\n U2, U1\n*Energy Output\n ALLKE, ETOTAL\n*End Step\n";
@@ -138,9 +139,9 @@ fn equations_join_two_bars_as_shared_nodes_do() {
     }
 }
 
-/// A node that an equation ties to one of given motion moves by the ratio, and the balance holds.
+/// A node that follows a prescribed motion by an equation moves in the given ratio, and the energy balance closes.
 #[test]
-fn an_equation_follows_a_motion_that_is_given() {
+fn equation_follows_a_prescribed_motion() {
     let deck = grid(2, 4, false, |i, j| [i as f64, j as f64])
         + &material(
             100.0,
@@ -157,13 +158,13 @@ fn an_equation_follows_a_motion_that_is_given() {
     assert!((last(&deck, &memory, "U2@FOLLOWER") - 0.02).abs() < 1e-12);
     let mean = 0.5 * (last(&deck, &memory, "U2@FOLLOWER") + last(&deck, &memory, "U2@13"));
     assert!((last(&deck, &memory, "U2@OTHER") - mean).abs() < 1e-12);
-    // What the given motion has done is all the work there is; the follower takes its part through the equation.
+    // The prescribed motion does all work, including that on the dependent node.
     println!("given motion through an equation: drift {:.1e}", outcome.energy.drift);
     assert!(outcome.energy.work > 0.0 && outcome.energy.drift < 2e-3, "{:?}", outcome.energy);
 }
 
-/// Changes of a deck, each with the code it is refused with; empty where the deck is good.
-fn refused(good: &str, cases: &[(&str, &str, &str)]) {
+/// Asserts the error code of each change of a valid deck; the code is empty if the deck is valid.
+fn assert_errors(good: &str, cases: &[(&str, &str, &str)]) {
     for (code, from, to) in cases {
         let text = good.replacen(from, to, 1);
         let prepared = revolve::job::prepare_text("bad.inp", &text, &[], &revolve::user::Routines::none());
@@ -175,7 +176,7 @@ fn refused(good: &str, cases: &[(&str, &str, &str)]) {
 }
 
 #[test]
-fn faulty_equations_are_refused_with_a_reason() {
+fn invalid_equations_are_errors() {
     let good = column_with_mass(1.0, "*Equation\n 2\n 1, 2, 1., 2, 2, -1.\n")
         + "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary\n 1, 2, 2\n*End Step\n";
     let cases = [
@@ -188,11 +189,11 @@ fn faulty_equations_are_refused_with_a_reason() {
         ("M103", " 2, 2, -1.", " 2, 6, -1."),
         ("M103", " 2\n 1, 2", " 1\n 1, 2"),
     ];
-    refused(&good, &cases);
+    assert_errors(&good, &cases);
 }
 
-/// A stiff block of the mass pi 1^2 0.5 on springs and dashpots.
-fn block_on(e: f64, more: &str, step: &str) -> String {
+/// Returns a stiff block of mass pi 1^2 0.5 on springs and dashpots.
+fn block_on_springs(e: f64, more: &str, step: &str) -> String {
     grid(2, 2, false, |i, j| [0.5 * i as f64, 2.0 + 0.25 * j as f64])
         + more
         + &material(e, 0.0, 1.0, "*Nset, nset=ONE\n 1\n")
@@ -201,14 +202,14 @@ fn block_on(e: f64, more: &str, step: &str) -> String {
 }
 
 #[test]
-fn a_mass_between_spring_and_dashpot_has_period_and_decay() {
+fn mass_on_spring_and_dashpot_matches_closed_form() {
     let mass = 0.5 * PI;
     let (k, c): (f64, f64) = (2.0, 0.1);
     let links = format!(
         "*Element, type=SPRING1, elset=K\n 101, 1\n*Spring, elset=K\n 2\n {k}\n*Element, type=DASHPOT1, elset=C\n 102, 1\n*Dashpot, elset=C\n 2\n {c}\n\
          *Initial Conditions, type=VELOCITY\n ALL, 2, 0.01\n"
     );
-    let deck = block_on(1e5, &links, "*Step\n*Dynamic, Explicit\n , 30.\n");
+    let deck = block_on_springs(1e5, &links, "*Step\n*Dynamic, Explicit\n , 30.\n");
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None);
     let motion = column(&deck, &memory, "U2@ONE");
@@ -217,8 +218,8 @@ fn a_mass_between_spring_and_dashpot_has_period_and_decay() {
     let decay = c / (2.0 * mass);
     let omega = (k / mass - decay * decay).sqrt();
     let error = period * omega / (2.0 * PI) - 1.0;
-    // The block gives way at its middle, 1.2e-4; less by the increments.
-    assert!(error.abs() < 3e-4, "period off by {error:e}");
+    // Local compliance of the block in its middle, 1.2e-4, and a smaller effect of the increment.
+    assert!(error.abs() < 3e-4, "period error {error:e}");
     let peak = |a: f64, b: f64| motion.iter().filter(|m| (a..b).contains(&m.0)).fold(0.0, |p: f64, m| p.max(m.1));
     let measured = (peak(0.0, period) / peak(4.0 * period, 5.0 * period)).ln() / (4.0 * period);
     assert!((measured / decay - 1.0).abs() < 1e-2, "decay {measured} {decay}");
@@ -232,10 +233,10 @@ fn a_mass_between_spring_and_dashpot_has_period_and_decay() {
     assert!(energy.viscous > 0.5 * energy.initial && energy.strain >= 0.0, "{energy:?}");
 }
 
-/// A spring between two free blocks, far stiffer than they are, sets the increment: run at 0.98 of it, energy stays, and
-/// the two swing about their common centre.
+/// A spring far stiffer than the two free blocks it joins limits the increment: at 0.98 of the stable increment energy
+/// is conserved and the blocks vibrate about their common centre.
 #[test]
-fn a_line_spring_between_two_blocks_limits_the_increment() {
+fn stiff_spring_limits_the_increment() {
     let other: String = (0..9)
         .map(|n| format!("*Node, nset=UP\n {}, {}, {}\n", 201 + n, 0.5 * (n % 3) as f64, 4.0 + 0.25 * (n / 3) as f64))
         .collect();
@@ -250,7 +251,7 @@ fn a_line_spring_between_two_blocks_limits_the_increment() {
             "{other}{elements}*Element, type=SPRINGA, elset=K\n 301, 7, 201\n*Spring, elset=K{spring}\n\
              *Initial Conditions, type=VELOCITY\n UP, 2, 0.001\n"
         );
-        run(&block_on(
+        run(&block_on_springs(
             1e3,
             &links,
             &format!("*Step\n*Dynamic, Explicit, element by element, scale factor={factor}\n , 20.\n"),
@@ -261,22 +262,23 @@ fn a_line_spring_between_two_blocks_limits_the_increment() {
     assert_eq!((&soft.halt, &stiff.halt), (&None, &None));
     assert!(stiff.increments > 3 * soft.increments, "{} {}", stiff.increments, soft.increments);
     assert!(soft.energy.drift < 1e-3 && stiff.energy.drift < 1e-2, "{:e} {:e}", soft.energy.drift, stiff.energy.drift);
-    // A table of the same slope is the same spring; it takes other increments.
+    // A table of the same slope is the same spring with other increments.
     let (table, _) = run_with(", nonlinear\n\n -1., -10.\n 1., 10.", "1.");
     assert!((table.energy.strain / soft.energy.strain - 1.0).abs() < 1e-3, "{:?}", table.energy);
-    // Above the limit the spring blows up.
+    // Above the limit the motion grows without bound.
     let (beyond, _) = run_with("\n\n 100000.", "1.6");
     assert!(beyond.halt.is_some() || beyond.energy.kinetic > 10.0 * beyond.energy.initial, "{:?}", beyond.energy);
 }
 
-/// A plane at z = 0 that reaches over every deck here, its reference node 800, and the foot of a grid as its partner.
+/// Rigid wall at z = 0 with reference node 800.
 const WALL: &str = "*Node\n 800, 0., 0.\n*Surface, type=SEGMENTS, name=WALL\n START, 0., 0.\n LINE, 100., 0.\n\
      *Rigid Body, ref node=800, analytical surface=WALL\n*Surface Interaction, name=SMOOTH\n";
 const PAIR: &str = "*Contact Pair, interaction=SMOOTH\n J0, WALL\n";
 
-/// A bar in uniaxial strain against a wall: contact over 2 L/c, force rho c v A, rebound with the velocity it came with.
+/// Elastic bar in uniaxial strain against a wall: contact lasts 2 L/c with the force rho c v A, and the bar rebounds
+/// with its initial speed.
 #[test]
-fn an_elastic_bar_rebounds_from_a_wall_after_its_contact_time() {
+fn bar_rebounds_from_a_wall_after_two_wave_transits() {
     let (rows, v, nu): (usize, f64, f64) = (200, 1e-3, 0.25);
     let e = MODULUS * (1.0 + nu) * (1.0 - 2.0 * nu) / (1.0 - nu);
     let deck = grid(1, rows, false, |i, j| [1.0 + 0.02 * i as f64, 0.001 + j as f64 / rows as f64])
@@ -293,9 +295,9 @@ fn an_elastic_bar_rebounds_from_a_wall_after_its_contact_time() {
     let plateau = speed * v * area;
     let pressed: Vec<f64> = force.iter().filter(|f| f.1.abs() > 0.5 * plateau).map(|f| f.0).collect();
     let contact = pressed[pressed.len() - 1] - pressed[0];
-    // The bar is 1 long, 0.001 / v = 1 away; the front is two elements wide.
+    // The bar has length 1 and a distance of 0.001 / v = 1 in time; the front is two elements wide.
     assert!((contact - 1.0).abs() < 0.02 && (pressed[0] - 1.0).abs() < 0.01, "{contact} from {}", pressed[0]);
-    // The impulse turns all of the bar around; nodes that meet the wall lose what half a row carries.
+    // The impulse reverses the momentum of the bar, except for that of half a row lost at first contact.
     let restitution = held / (area * v) - 1.0;
     let energy = outcome.energy;
     println!("bar and wall: contact {contact:.4}, rebound {restitution:.4} v, drift {:.1e}", energy.drift);
@@ -303,9 +305,9 @@ fn an_elastic_bar_rebounds_from_a_wall_after_its_contact_time() {
     assert!(energy.drift < 2e-3 && energy.contact > 0.0 && energy.contact < 0.02 * energy.initial, "{energy:?}");
 }
 
-/// A contact pair may name a surface interaction that comes later, and must name one that comes at all.
+/// A contact pair may refer to a surface interaction defined after it, and an undefined one is an error.
 #[test]
-fn a_surface_interaction_may_come_after_its_pair() {
+fn surface_interaction_may_follow_its_pair() {
     let interaction = "*Surface Interaction, name=ROUGH\n*Friction\n 0.25\n";
     let deck = |before: &str, after: &str| {
         grid(2, 4, false, |i, j| [i as f64, j as f64])
@@ -325,9 +327,9 @@ fn a_surface_interaction_may_come_after_its_pair() {
     assert!(prepared.diagnostics.has_errors() && shown.contains("M114") && shown.contains("ROUGH"), "{shown}");
 }
 
-/// The copper bar of Taylor's test against a wall is the one whose foot is held; friction keeps its foot narrower.
+/// The copper Taylor bar against a wall is close to one with a fixed foot; friction reduces the foot radius.
 #[test]
-fn a_taylor_bar_against_a_wall_is_the_one_whose_foot_is_held() {
+fn taylor_bar_on_a_wall_matches_one_with_a_fixed_foot() {
     let bar = |boundary: &str, pair: &str| {
         let deck = grid(6, 30, false, |i, j| [3.2e-3 * i as f64 / 6.0, 32.4e-3 * j as f64 / 30.0])
             + &material(
@@ -357,16 +359,16 @@ fn a_taylor_bar_against_a_wall_is_the_one_whose_foot_is_held() {
     println!("foot and head: held {held:?}, wall {smooth:?}, friction 0.2 {rough:?}");
     let size = |bar: (f64, f64, f64)| (3.2e-3 + bar.0, 32.4e-3 + bar.1);
     let ((radius, length), (held_radius, held_length)) = (size(smooth), size(held));
-    // The rim of the foot lifts from a wall and flares, which one that is held cannot: 2.7 % in radius on this mesh, and
-    // 0.1 % in length.
+    // The rim of the foot lifts off a wall, which a fixed foot cannot: 2.7 % in radius and 0.1 % in length on this
+    // mesh.
     assert!((length / held_length - 1.0).abs() < 3e-3, "{length} {held_length}");
     assert!((0.0..0.04).contains(&(radius / held_radius - 1.0)), "{radius} {held_radius}");
     assert!(smooth.2 == 0.0 && rough.2 > 0.0 && rough.0 < smooth.0, "{smooth:?} {rough:?}");
 }
 
-/// A wall that moves pushes a bar before it: in the end the bar has gained the work that the motion has done.
+/// A moving wall pushes a bar; the energy of the bar is the work of the prescribed motion.
 #[test]
-fn a_moving_wall_does_its_work() {
+fn moving_wall_does_the_work_of_its_force() {
     let deck = grid(1, 10, false, |i, j| [1.0 + 0.1 * i as f64, 0.1 * j as f64])
         + &material(4.0, 0.0, 1.0, &format!("{WALL}*Nset, nset=REF\n 800\n"))
         + "*Step\n*Dynamic, Explicit\n , 2.\n*Boundary, type=VELOCITY\n 800, 2, 2, 0.001\n"
@@ -383,7 +385,7 @@ fn a_moving_wall_does_its_work() {
 }
 
 #[test]
-fn faulty_contact_is_refused_with_a_reason() {
+fn invalid_wall_contact_is_an_error() {
     let good = grid(1, 1, false, |i, j| [1.0 + i as f64, j as f64])
         + &material(1.0, 0.0, 1.0, WALL)
         + "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary\n 800, 2, 2\n"
@@ -404,5 +406,5 @@ fn faulty_contact_is_refused_with_a_reason() {
         ("M103", "interaction=SMOOTH", "interaction=SMOOTH, mechanical constraint=SPRINGS"),
         ("M103", "name=SMOOTH\n", "name=SMOOTH\n*Friction\n -1.\n"),
     ];
-    refused(&good, &cases);
+    assert_errors(&good, &cases);
 }

@@ -1,7 +1,8 @@
-//! Loads on the faces of what deforms.
+//! Loads on faces of deformable elements.
 //!
-//! Goal: a user load is a pressure; a deformable body in a target is slowed as a rigid one is, and friction is booked as such.
-//! Source: the built-in pressure; closed forms of the resistance. Each test says its tolerance and why.
+//! Goal: a user load acts as a pressure; a deformable body in a target decelerates like a rigid one, and frictional
+//! work is reported in ALLFD.
+//! Source: the built-in pressure; closed forms of the resistance. The tolerance and its reason are stated at each test.
 
 use std::f64::consts::PI;
 
@@ -11,11 +12,11 @@ use super::vessels::sphere;
 use crate::common;
 use crate::common::solid::{grid, last, material, run};
 
-struct Constant;
+struct ConstantPressure;
 
-impl UserLoad for Constant {
+impl UserLoad for ConstantPressure {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
-        // The normal is shown outward in `normal_r`, and into the solid in `directions`.
+        // `normal_r` is the outward normal, `directions` point into the solid.
         let n = pressure.len();
         assert!(points.normal_r.iter().zip(&points.directions[..n]).all(|(a, b)| *a == -b));
         pressure.fill(100.0 * points.amplitude);
@@ -24,19 +25,19 @@ impl UserLoad for Constant {
 }
 
 #[test]
-fn a_user_load_on_faces_is_a_pressure() {
+fn user_load_on_faces_equals_pressure() {
     let deck = sphere(5, 10, 100.0, "");
     let user = deck.replace("I0, P, 100", "I0, PNU");
     let (a, _) = run(&deck);
-    let (b, _) = common::run(&user, &[], &Routines::none().with_load(Constant));
+    let (b, _) = common::run(&user, &[], &Routines::none().with_load(ConstantPressure));
     assert_eq!((a.halt, b.halt), (None, None));
     assert_eq!(a.energy.work.to_bits(), b.energy.work.to_bits());
 }
 
-/// A stiff disc that deforms, driven into a target that is not meshed, goes as deep as a rigid one: the closed form of
-/// m dV/dt = -pi a^2 (A Y + C rho V^2).
+/// A stiff deformable disc in a target without mesh has the velocity of a rigid one: closed form of m dV/dt = -pi a^2
+/// (A Y + C rho V^2).
 #[test]
-fn a_deformable_projectile_enters_the_same_target() {
+fn deformable_disc_in_a_target_matches_rigid_closed_form() {
     let (a, thickness, density, v): (f64, f64, f64, f64) = (5.0, 5.0, 7.85e-9, 300e3);
     let deck = grid(6, 6, false, |i, j| [a * i as f64 / 6.0, thickness * j as f64 / 6.0])
         + &material(200e3, 0.3, density, "")
@@ -53,10 +54,10 @@ fn a_deformable_projectile_enters_the_same_target() {
     let root = (k0 * k2).sqrt();
     let start = (v * (k2 / k0).sqrt()).atan();
     let expected = (k0 / k2).sqrt() * (start - root / m * 1e-5).tan();
-    // The speed of the whole, from its kinetic energy; the disc rings a little.
+    // Mean speed from the kinetic energy; the disc vibrates slightly.
     let got = (2.0 * last(&deck, &memory, "ALLKE") / (PI * a * a * m)).sqrt();
     assert!((got - expected).abs() < 0.01 * (v - expected), "{got} {expected}");
-    // Nothing is done from outside: what is lost opens the cavity, but for what the disc stores.
+    // No external work: the lost energy is the cavity work, except for the energy stored in the disc.
     let energy = outcome.energy;
     let lost = 0.5 * PI * a * a * m * (v * v - expected * expected);
     assert_eq!(energy.friction, 0.0);
@@ -64,12 +65,13 @@ fn a_deformable_projectile_enters_the_same_target() {
     assert!((energy.cavity / lost - 1.0).abs() < 0.01 && energy.drift < 2e-3, "{energy:?} {lost}");
 }
 
-/// A cone that deforms, driven by a given velocity into a target with friction: the work of the cavity and of friction
-/// are those of the pressure and of mu times it along the sides, F_n V and F_t V with F_t / F_n = mu / tan(half angle).
+/// A deformable cone is driven with prescribed velocity into a target with friction. The work of cavity and friction is
+/// that of the pressure and of mu times the pressure on the sides, F_n V and F_t V with F_t / F_n = mu / tan(half
+/// angle).
 #[test]
-fn friction_in_a_target_is_booked_as_friction() {
+fn friction_in_a_target_appears_as_frictional_work() {
     let (n, mu, v) = (8, 0.3, 300e3);
-    // A frustum of the half angle 45 degrees, its flat faces loaded by nothing.
+    // A frustum with a half angle of 45 degrees and unloaded flat faces.
     let deck = grid(n, n, false, |i, j| {
         let z = 10.0 * j as f64 / n as f64;
         [(2.0 + z) * i as f64 / n as f64, z]
@@ -82,13 +84,13 @@ fn friction_in_a_target_is_booked_as_friction() {
         );
     let (outcome, _) = run(&deck);
     assert_eq!(outcome.halt, None);
-    // Moved without a change of shape: sigma = 4 Y + rho (V/sqrt 2)^2 on the sides, whose projected area is pi (12^2 - 2^2).
+    // Motion without deformation: sigma = 4 Y + rho (V/sqrt 2)^2 on the sides, whose projected area is pi (12^2 - 2^2).
     let sigma = 400.0 + 2.7e-9 * 0.5 * v * v;
     let cavity = sigma * PI * (144.0 - 4.0) * v * 4e-6;
     let energy = outcome.energy;
     println!("cone: ALLCAV {:e} of {cavity:e}, ALLFD over it {:.6}", energy.cavity, energy.friction / energy.cavity);
     assert!((energy.cavity / cavity - 1.0).abs() < 1e-6, "{energy:?} {cavity}");
     assert!((energy.friction / energy.cavity / mu - 1.0).abs() < 1e-6, "{energy:?}");
-    // What moves the cone does all of it.
+    // All work is done by the prescribed motion.
     assert!((energy.work / (energy.cavity + energy.friction) - 1.0).abs() < 1e-6 && energy.drift < 1e-6, "{energy:?}");
 }

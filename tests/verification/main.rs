@@ -1,5 +1,5 @@
-//! Verification: answers of the solver against answers from outside the code. One file a subject; the rows of
-//! `docs/verification.md` name them.
+//! Verification: results of the solver compared with independent results, one file per subject. The tables of
+//! `docs/verification.md` list them.
 
 #[path = "../common/mod.rs"]
 mod common;

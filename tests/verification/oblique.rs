@@ -1,27 +1,28 @@
-//! Oblique impact of rigid bodies of revolution, with six degrees of freedom.
-//! Goal: forces and moments against a quadrature of its own over the surface in space, the order in stations, the limit of normal
-//! impact, books of momentum and energy, free motion in closed form, a sphere in any attitude; each where it is worst: large yaw,
-//! grazing impact, blunt edges, spin, coarse meridians.
-//! Sources: Goldstein, Poole and Safko, Classical Mechanics, 5.6 (symmetric top); the law is that of `cavities.rs`.
+//! Oblique impact of rigid bodies of revolution with six degrees of freedom.
+//!
+//! Goal: forces and moments compared with an independent quadrature over the surface in space, order of convergence in
+//! stations, limit of normal impact, balances of momentum and energy, torque-free motion, attitude independence of a
+//! sphere. Difficult cases are included: large yaw, grazing impact, blunt edges, spin, coarse meridians.
+//! Source: Goldstein, Poole and Safko, Classical Mechanics, 5.6 (symmetric top).
 
 use std::f64::consts::PI;
 
 use revolve::user::Routines;
 
-use crate::common::{self, Memory};
+use crate::common::{self, RecordedOutput};
 
 const SPEED: f64 = 500.0;
-/// A step of one increment, to look at its first instant.
+/// Duration of a step of one increment, for the initial forces.
 const INSTANT: f64 = 1e-9;
-/// Resistance: c0, c1, c2 of `deck`.
+/// Coefficients c0, c1, c2 of the resistance of `deck`.
 const LAW: [f64; 3] = [1.4e9, 2.6e5, 2700.0];
 
-/// A body and how it flies.
+/// Rigid body with its initial motion and target.
 #[derive(Clone)]
-struct Shot {
+struct ObliqueShot {
     /// Meridian from the tip on.
     points: Vec<[f64; 2]>,
-    /// Height of the centre of mass, where the reference node is.
+    /// Height of the centre of mass, at the reference node.
     height: f64,
     inertia: [f64; 2],
     stations: usize,
@@ -30,7 +31,7 @@ struct Shot {
     front: f64,
     thickness: f64,
     friction: f64,
-    /// Velocities along and about 1, 2, 3.
+    /// Initial translational and angular velocities, components 1, 2, 3.
     starts: [f64; 6],
     time: f64,
     accuracy: f64,
@@ -39,9 +40,9 @@ struct Shot {
 
 const MASS: f64 = 0.05;
 
-impl Shot {
-    fn new(points: Vec<[f64; 2]>, height: f64) -> Shot {
-        Shot {
+impl ObliqueShot {
+    fn new(points: Vec<[f64; 2]>, height: f64) -> ObliqueShot {
+        ObliqueShot {
             points,
             height,
             inertia: [4e-7, 3e-6],
@@ -63,7 +64,7 @@ impl Shot {
         let elements = (1..self.points.len()).map(|i| format!(" {i}, {i}, {}\n", i + 1));
         let starts = (1..=6).map(|dof| format!(" REF, {dof}, {:e}\n", self.starts[dof - 1]));
         let [a, b, c] = [LAW[0] / 276e6, LAW[1] / (2710.0_f64 * 276e6).sqrt(), LAW[2] / 2710.0];
-        let Shot { height, inertia: [axial, across], angles, .. } = self;
+        let ObliqueShot { height, inertia: [axial, across], angles, .. } = self;
         format!(
             "*Node\n{}*Node, nset=REF\n 9999, 0., {height:e}\n*Element, type=RAX2, elset=SKIN\n{}\
              *Element, type=MASS, elset=M\n 9998, 9999\n*Mass, elset=M\n {MASS}\n\
@@ -94,17 +95,17 @@ impl Shot {
         )
     }
 
-    fn run(&self) -> Run {
+    fn run(&self) -> RunHistory {
         let prepared = common::prepared(&self.deck(), &[], &Routines::none());
         let names = prepared.plan.column_names();
-        let mut memory = Memory::default();
+        let mut memory = RecordedOutput::default();
         let (outcome, state) = revolve::solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
         assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
         let six = state.dofs.bodies.iter().filter(|b| b.is_spatial()).count();
-        Run { names, memory, outcome, six }
+        RunHistory { names, memory, outcome, six }
     }
 
-    /// Force and moment about the reference node in the first instant, by the program.
+    /// Returns the computed initial force and moment about the reference node.
     fn wrench(&self) -> [[f64; 3]; 2] {
         let run = self.run();
         let force = run.vector("A", 0).map(|a| MASS * a);
@@ -120,7 +121,8 @@ impl Shot {
         [force, moment]
     }
 
-    /// The same by a quadrature over the surface, with so many points along each facet and around.
+    /// Returns the same force and moment by quadrature over the surface, with `along` points per facet and `around`
+    /// points around.
     fn quadrature(&self, along: usize, around: usize) -> [[f64; 3]; 2] {
         let size = self.points.iter().map(|p| p[0].hypot(p[1] - self.height)).fold(0.0, f64::max);
         let [v, w] = [[0, 1, 2], [3, 4, 5]].map(|i| i.map(|i: usize| self.starts[i]));
@@ -138,8 +140,8 @@ impl Shot {
                 let area = 2.0 * PI * r * length / (along * around) as f64;
                 for k in 0..around {
                     let angle = 2.0 * PI * (k as f64 + 0.5) / around as f64;
-                    let place = turned(self.angles, [r * angle.cos(), z, r * angle.sin()]);
-                    let n = turned(self.angles, [normal[0] * angle.cos(), normal[1], normal[0] * angle.sin()]);
+                    let place = rotated(self.angles, [r * angle.cos(), z, r * angle.sin()]);
+                    let n = rotated(self.angles, [normal[0] * angle.cos(), normal[1], normal[0] * angle.sin()]);
                     let world = [place[0], place[1] + self.height - self.front, place[2]];
                     let height = dot(world, up);
                     let velocity: [f64; 3] = {
@@ -166,14 +168,14 @@ impl Shot {
     }
 }
 
-struct Run {
+struct RunHistory {
     names: Vec<String>,
-    memory: Memory,
+    memory: RecordedOutput,
     outcome: revolve::solve::Outcome,
     six: usize,
 }
 
-impl Run {
+impl RunHistory {
     fn column(&self, name: &str) -> usize {
         self.names.iter().position(|n| n == name).unwrap_or_else(|| panic!("no {name} in {:?}", self.names))
     }
@@ -203,19 +205,19 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// By an angle in degrees about 3, then by one about 1.
-fn turned(angles: [f64; 2], [x, y, z]: [f64; 3]) -> [f64; 3] {
+/// Rotates a vector by an angle in degrees about axis 3, then by one about axis 1.
+fn rotated(angles: [f64; 2], [x, y, z]: [f64; 3]) -> [f64; 3] {
     let [a, b] = angles.map(f64::to_radians);
     let (x, y) = (x * a.cos() - y * a.sin(), x * a.sin() + y * a.cos());
     [x, y * b.cos() - z * b.sin(), y * b.sin() + z * b.cos()]
 }
 
 fn axis(angles: [f64; 2]) -> [f64; 3] {
-    turned(angles, [0.0, 1.0, 0.0])
+    rotated(angles, [0.0, 1.0, 0.0])
 }
 
-/// A straight way in so many parts through these points.
-fn line(points: &[[f64; 2]], parts: usize) -> Vec<[f64; 2]> {
+/// Returns a polyline through `points` with each segment divided into `parts`.
+fn polyline(points: &[[f64; 2]], parts: usize) -> Vec<[f64; 2]> {
     let mut all = vec![points[0]];
     for ends in points.windows(2) {
         for i in 1..=parts {
@@ -226,12 +228,12 @@ fn line(points: &[[f64; 2]], parts: usize) -> Vec<[f64; 2]> {
     all
 }
 
-/// A blunt cone with a shank and a flat back.
-fn blunt(parts: usize) -> Vec<[f64; 2]> {
-    line(&[[0.0, 0.0], [0.003, 0.0], [0.006, 0.008], [0.006, 0.04], [0.0, 0.04]], parts)
+/// Returns the meridian of a blunt cone with a shank and a flat back.
+fn blunt_cone(parts: usize) -> Vec<[f64; 2]> {
+    polyline(&[[0.0, 0.0], [0.003, 0.0], [0.006, 0.008], [0.006, 0.04], [0.0, 0.04]], parts)
 }
 
-fn sphere(facets: usize, radius: f64) -> Vec<[f64; 2]> {
+fn sphere_meridian(facets: usize, radius: f64) -> Vec<[f64; 2]> {
     (0..=facets)
         .map(|i| PI * i as f64 / facets as f64)
         .map(|t| [if t == PI { 0.0 } else { radius * t.sin() }, radius * (1.0 - t.cos())])
@@ -244,11 +246,11 @@ fn difference([f, m]: [[f64; 3]; 2], [g, n]: [[f64; 3]; 2], lever: f64) -> f64 {
     (far(f, g) + far(m, n) / lever) / norm(g)
 }
 
-/// Poses that are hard: entry of a blunt edge, large yaw out of the plane with spin and friction, grazing, a thin plate across.
-fn poses() -> Vec<Shot> {
-    let shot = |parts| Shot::new(blunt(parts), 0.022);
-    let edge = Shot { angles: [8.0, 3.0], obliquity: 25.0, front: 0.0025, ..shot(40) };
-    let yawed = Shot {
+/// Returns difficult poses: entry of a blunt edge, large yaw with spin and friction, grazing impact, a thin plate.
+fn difficult_poses() -> Vec<ObliqueShot> {
+    let shot = |parts| ObliqueShot::new(blunt_cone(parts), 0.022);
+    let edge = ObliqueShot { angles: [8.0, 3.0], obliquity: 25.0, front: 0.0025, ..shot(40) };
+    let yawed = ObliqueShot {
         angles: [-35.0, 20.0],
         obliquity: 15.0,
         front: 0.022,
@@ -256,31 +258,31 @@ fn poses() -> Vec<Shot> {
         starts: [40.0, -SPEED, -70.0, 300.0, 9000.0, -2500.0],
         ..shot(40)
     };
-    let grazing = Shot { angles: [78.0, 0.0], obliquity: 80.0, front: 0.021, friction: 0.05, ..shot(40) };
-    let plate = Shot { angles: [30.0, 0.0], obliquity: -40.0, front: 0.018, thickness: 0.004, ..shot(40) };
+    let grazing = ObliqueShot { angles: [78.0, 0.0], obliquity: 80.0, front: 0.021, friction: 0.05, ..shot(40) };
+    let plate = ObliqueShot { angles: [30.0, 0.0], obliquity: -40.0, front: 0.018, thickness: 0.004, ..shot(40) };
     vec![edge, yawed, grazing, plate]
 }
 
-/// A plane oblique entry, and three worse poses, against a quadrature over the surface in space.
+/// Four poses compared with a quadrature over the surface in space.
 #[test]
-fn forces_and_moments_are_those_of_a_quadrature_over_the_surface() {
-    for (pose, shot) in poses().into_iter().enumerate() {
+fn oblique_forces_and_moments_match_surface_quadrature() {
+    for (pose, shot) in difficult_poses().into_iter().enumerate() {
         let expected = shot.quadrature(25, 2000);
-        let shot = Shot { stations: 512, ..shot };
+        let shot = ObliqueShot { stations: 512, ..shot };
         let error = difference(shot.wrench(), expected, 0.02);
         println!("pose {pose}: error {error:.2e}");
-        assert!(error < 1e-3, "pose {pose}: {error:e}, {:?} for {expected:?}", shot.wrench());
+        assert!(error < 1e-3, "pose {pose}: {error:e}, {:?}, expected {expected:?}", shot.wrench());
     }
 }
 
-/// Against many stations on the same facets: the observed order first, then the error at 64.
+/// Comparison with many stations on the same facets: observed order, then the error at 64 stations.
 #[test]
-fn the_order_in_stations_is_two() {
-    for (pose, shot) in poses().into_iter().enumerate() {
-        let at = |stations: usize| Shot { stations, ..shot.clone() }.wrench();
+fn stations_converge_with_second_order() {
+    for (pose, shot) in difficult_poses().into_iter().enumerate() {
+        let at = |stations: usize| ObliqueShot { stations, ..shot.clone() }.wrench();
         let exact = at(4096);
         let errors = [16, 32, 64, 128, 256].map(|n| difference(at(n), exact, 0.02));
-        // Where edges cross planes errors scatter from one number to the next: the slope over all of them.
+        // Where edges cross planes the errors scatter, so the order is the slope of a fit.
         let slope = {
             let x: Vec<f64> = (0..5).map(f64::from).collect();
             let y: Vec<f64> = errors.iter().map(|e| -e.log2()).collect();
@@ -295,9 +297,9 @@ fn the_order_in_stations_is_two() {
     }
 }
 
-/// Where nothing is oblique the axisymmetric path is what is compiled: the same bits.
+/// Without any angle the axisymmetric formulation is used, with the same bits.
 #[test]
-fn without_an_angle_the_axisymmetric_path_keeps_its_bits() {
+fn zero_angle_uses_the_axisymmetric_formulation() {
     let plain = common::run(&common::ogive(), &[], &Routines::none()).0;
     let text = common::ogive()
         .replace("*Surface, name=NOSE", "*Attitude, ref node=REF, stations=32\n 0., 0.\n*Surface, name=NOSE")
@@ -309,13 +311,14 @@ fn without_an_angle_the_axisymmetric_path_keeps_its_bits() {
     assert_eq!((outcome.digest, outcome.increments), (plain.digest, plain.increments));
 }
 
-/// An angle that goes to nothing comes to normal impact, with friction, a shank that slides and a blunt tip; and rest is found.
+/// A vanishing angle converges to normal impact, with friction, a sliding shank and a blunt tip; the time of rest is
+/// detected.
 #[test]
-fn a_vanishing_angle_comes_to_normal_impact() {
+fn vanishing_angle_converges_to_normal_impact() {
     for friction in [0.0, 0.1] {
-        let points = line(&[[0.0, 0.0], [0.002, 0.0], [0.004, 0.006], [0.004, 0.02]], 4);
-        let flat = Shot { friction, time: 4e-4, every: "number interval=10", ..Shot::new(points, 0.012) };
-        let tilted = Shot { obliquity: 1e-7, ..flat.clone() };
+        let points = polyline(&[[0.0, 0.0], [0.002, 0.0], [0.004, 0.006], [0.004, 0.02]], 4);
+        let flat = ObliqueShot { friction, time: 4e-4, every: "number interval=10", ..ObliqueShot::new(points, 0.012) };
+        let tilted = ObliqueShot { obliquity: 1e-7, ..flat.clone() };
         let (flat, tilted) = (flat.run(), tilted.run());
         assert_eq!((flat.six, tilted.six), (0, 1));
         let [a, b] = [&flat, &tilted].map(|run| run.outcome.rests.first().expect("it rests").clone());
@@ -330,11 +333,12 @@ fn a_vanishing_angle_comes_to_normal_impact() {
     }
 }
 
-/// Large yaw and grazing impact with friction and spin: energy is kept, more so with accuracy, and impulse is change of momentum.
+/// Large yaw and grazing impact with friction and spin: the energy drift decreases with `accuracy`, and the impulse is
+/// the change of momentum.
 #[test]
-fn books_of_energy_and_momentum_are_kept() {
-    let blunt = Shot::new(blunt(3), 0.022);
-    let yawed = Shot {
+fn oblique_impact_conserves_energy_and_momentum() {
+    let blunt = ObliqueShot::new(blunt_cone(3), 0.022);
+    let yawed = ObliqueShot {
         angles: [-12.0, 4.0],
         obliquity: 20.0,
         front: -0.02,
@@ -344,16 +348,16 @@ fn books_of_energy_and_momentum_are_kept() {
         time: 6e-5,
         ..blunt.clone()
     };
-    let grazing = Shot { angles: [0.0; 2], obliquity: 75.0, front: -0.02, time: 3e-4, ..blunt };
+    let grazing = ObliqueShot { angles: [0.0; 2], obliquity: 75.0, front: -0.02, time: 3e-4, ..blunt };
     for (name, shot) in [("yawed", yawed), ("grazing", grazing)] {
         let drift = [1e-3, 1e-4, 1e-5].map(|accuracy| {
-            let run = Shot { accuracy, ..shot.clone() }.run();
+            let run = ObliqueShot { accuracy, ..shot.clone() }.run();
             println!(
                 "{name} {accuracy:e}: drift {:.2e}, {} increments, {:?}",
                 run.outcome.energy.drift, run.outcome.increments, run.outcome.penetrations
             );
             if accuracy == 1e-4 {
-                momentum(&shot, &run);
+                assert_momentum(&shot, &run);
             }
             let (first, last) = (run.value("ETOTAL", 0), run.value("ETOTAL", run.last()));
             assert!((last / first - 1.0).abs() <= run.outcome.energy.drift * 1.01 + 1e-12);
@@ -364,10 +368,11 @@ fn books_of_energy_and_momentum_are_kept() {
     }
 }
 
-/// By rows of each increment: impulse of forces, and of moments by the angular acceleration, against the change of velocities.
-fn momentum(shot: &Shot, run: &Run) {
+/// Asserts that the trapezoidal impulse of forces, and of moments through the angular acceleration, is the change of
+/// velocity.
+fn assert_momentum(shot: &ObliqueShot, run: &RunHistory) {
     let rows = &run.memory.rows;
-    // The last increment of a step ends with the force at its beginning, as of bodies along z.
+    // The last row of a step has the force at the start of its increment, as for axisymmetric bodies.
     let end = run.last() - 1;
     for (rate, state) in [("A", "V"), ("AR", "VR")] {
         let mut sum = [0.0; 3];
@@ -389,17 +394,17 @@ fn momentum(shot: &Shot, run: &Run) {
     }
 }
 
-/// Torque-free: the axis goes around the angular momentum at L/I_t, as the closed form says; energy and momentum stay.
+/// Torque-free motion: the axis precesses about the angular momentum at L/I_t; energy and momentum are constant.
 #[test]
-fn torque_free_spin_is_the_closed_form() {
+fn torque_free_spin_matches_closed_form() {
     let starts = [30.0, -SPEED, 5.0, 800.0, 12000.0, 300.0];
-    let far = Shot {
+    let far = ObliqueShot {
         front: -10.0,
         starts,
         time: 5e-3,
         angles: [5.0, 0.0],
         every: "number interval=50",
-        ..Shot::new(blunt(2), 0.022)
+        ..ObliqueShot::new(blunt_cone(2), 0.022)
     };
     let run = far.run();
     let [axial, across] = far.inertia;
@@ -409,7 +414,7 @@ fn torque_free_spin_is_the_closed_form() {
     let rate = norm(momentum) / across;
     let unit = momentum.map(|l| l / norm(momentum));
     for row in 0..=run.last() {
-        // Rodrigues' formula for the axis about the angular momentum.
+        // Rodrigues' formula for the rotation of the axis about the angular momentum.
         let angle = rate * run.memory.rows[row].0;
         let side = cross(unit, e);
         let along = dot(unit, e);
@@ -426,11 +431,11 @@ fn torque_free_spin_is_the_closed_form() {
     assert_eq!(run.outcome.penetrations[0].end, "not met");
 }
 
-/// A sphere goes the same way whatever its attitude and its spin where nothing rubs; the facets of its meridian are what is left. A
-/// facet that turns away from the motion loses A Y as a whole, so that this goes with their size.
+/// Without friction the motion of a sphere is independent of attitude and spin, up to the facets of its meridian. A
+/// facet that turns away from the motion loses A Y at once, so the error is proportional to the facet size.
 #[test]
-fn a_sphere_is_indifferent_to_its_attitude() {
-    let shot = |facets: usize, angles: [f64; 2], starts: [f64; 6]| Shot {
+fn sphere_motion_does_not_depend_on_attitude() {
+    let shot = |facets: usize, angles: [f64; 2], starts: [f64; 6]| ObliqueShot {
         angles,
         starts,
         obliquity: 35.0,
@@ -439,7 +444,7 @@ fn a_sphere_is_indifferent_to_its_attitude() {
         time: 2e-4,
         inertia: [2e-6, 2e-6],
         every: "number interval=4",
-        ..Shot::new(sphere(facets, 0.01), 0.01)
+        ..ObliqueShot::new(sphere_meridian(facets, 0.01), 0.01)
     };
     let still = [0.0, -SPEED, 0.0, 0.0, 0.0, 0.0];
     let spinning = [0.0, -SPEED, 0.0, 4000.0, 20000.0, -9000.0];

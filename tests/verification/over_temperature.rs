@@ -1,10 +1,11 @@
-//! Tables of materials over temperature, and controls of sections that a deck may give.
+//! Temperature-dependent material tables, and section controls.
 //!
-//! Goal: density, specific heat, rate factors and yield stresses are those of the temperature; nothing is read and ignored.
-//! Source: closed forms for one element in uniaxial compression (stress = -yield stress, plastic strain = PEEQ); rules from the
-//! ABAQUS Analysis User's Guide 21.2.1 "Density", 26.2.3 "Specific heat", 23.2.1 "Classical metal plasticity", 23.2.3
-//! "Rate-dependent yield", 27.1.4 "Section controls", and the Keywords Reference Guide.
-//! Tolerance: 1e-3 of the value (inertia of the element: rho v^2 is 1e-5 of the yield stress), 1e-2 where the rate counts.
+//! Goal: density, specific heat, rate factors and yield stresses are taken at the temperature; no input is silently
+//! ignored.
+//! Source: closed forms for one element in uniaxial compression (stress = -yield stress, plastic strain = PEEQ); rules
+//! of the ABAQUS Analysis User's Guide 21.2.1 "Density", 26.2.3 "Specific heat", 23.2.1 "Classical metal plasticity",
+//! 23.2.3 "Rate-dependent yield", 27.1.4 "Section controls", and the Keywords Reference Guide.
+//! Tolerance: 1e-3 of the value (inertia: rho v^2 is 1e-5 of the yield stress), 1e-2 with rate dependence.
 
 use std::f64::consts::PI;
 
@@ -13,8 +14,8 @@ use crate::common::solid;
 use revolve::job;
 use revolve::user::Routines;
 
-/// One element of 1 mm squeezed at 1 m/s for 0.3 ms: r free, uniaxial stress.
-fn squeezed(material: &str, temperature: f64) -> String {
+/// Returns an element of 1 mm compressed uniaxially at 1 m/s for 0.3 ms.
+fn compressed_element(material: &str, temperature: f64) -> String {
     solid::grid(1, 1, false, |i, j| [i as f64 * 1e-3, j as f64 * 1e-3])
         + &format!(
             "*Elset, elset=ONE\n 1\n*Solid section, elset=SOLID, material=M\n*Material, name=M\n{material}\
@@ -26,25 +27,25 @@ fn squeezed(material: &str, temperature: f64) -> String {
 
 const STEEL: &str = "*Density\n 7800.,\n*Elastic\n 200.e9, 0.3\n";
 
-/// Plastic strain and axial stress at the end.
-fn lasts(text: &str) -> [f64; 2] {
+/// Returns the final plastic strain and axial stress.
+fn final_values(text: &str) -> [f64; 2] {
     let (_, memory) = solid::run(text);
     ["PEEQ@ONE", "S22@ONE"].map(|name| solid::last(text, &memory, name))
 }
 
-fn codes(text: &str) -> Vec<&'static str> {
+fn error_codes(text: &str) -> Vec<&'static str> {
     job::prepare_text("case.inp", text, &[], &Routines::none()).diagnostics.iter().map(|d| d.code).collect()
 }
 
 #[track_caller]
-fn close(what: &str, found: f64, expected: f64, tolerance: f64) {
-    assert!((found / expected - 1.0).abs() < tolerance, "{what}: {found} and not {expected}");
+fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
+    assert!((found / expected - 1.0).abs() < tolerance, "{what}: {found}, expected {expected}");
 }
 
-/// rho c(T) dT = 0.9 dW: of 500 J/kgK at 300 K and 1000 J/kgK from 301 K on, the first kelvin takes 750 J/kg.
+/// rho c(T) dT = 0.9 dW with c = 500 J/kgK at 300 K and 1000 J/kgK from 301 K on: the first kelvin takes 750 J/kg.
 #[test]
-fn specific_heat_over_temperature() {
-    let text = squeezed(
+fn temperature_dependent_specific_heat_matches_closed_form() {
+    let text = compressed_element(
         &format!(
             "{STEEL}*Plastic\n 500.e6, 0.\n*Specific heat\n 500., 300.\n 1000., 301.\n*Inelastic heat fraction\n 0.9\n"
         ),
@@ -53,12 +54,13 @@ fn specific_heat_over_temperature() {
     let (_, memory) = solid::run(&text);
     let [temperature, strain] = ["TEMP@ONE", "PEEQ@ONE"].map(|name| solid::last(&text, &memory, name));
     let heat = 0.9 * 500e6 * strain / 7800.0;
-    close("rise", temperature - 300.0, 1.0 + (heat - 750.0) / 1000.0, 1e-3);
+    assert_close("rise", temperature - 300.0, 1.0 + (heat - 750.0) / 1000.0, 1e-3);
 }
 
-/// The density of the initial temperature: a cylinder at 1 m/s has the kinetic energy of that mass.
+/// The density is that of the initial temperature: the kinetic energy of a cylinder at 1 m/s has the corresponding
+/// mass.
 #[test]
-fn density_is_that_of_the_initial_temperature() {
+fn density_is_taken_at_the_initial_temperature() {
     let of = |temperatures: &str| {
         solid::grid(1, 1, false, |i, j| [i as f64, j as f64])
             + "*Solid section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1., 0.\n 3., 100.\n*Elastic\n 1.e3, 0.\n"
@@ -73,49 +75,50 @@ fn density_is_that_of_the_initial_temperature() {
     ] {
         let text = of(temperatures);
         let (_, memory) = solid::run(&text);
-        close(temperatures, solid::last(&text, &memory, "ALLKE"), 0.5 * density * PI, 1e-12);
+        assert_close(temperatures, solid::last(&text, &memory, "ALLKE"), 0.5 * density * PI, 1e-12);
     }
-    assert_eq!(codes(&of("*Initial conditions, type=TEMPERATURE\n J0, 50.\n J1, 60.\n")), ["M104"]);
+    assert_eq!(error_codes(&of("*Initial conditions, type=TEMPERATURE\n J0, 50.\n J1, 60.\n")), ["M104"]);
 }
 
-/// Yield stress ratios and the power law at the temperature between those of their rows.
+/// Yield stress ratios and the power law at a temperature between those of the table.
 #[test]
-fn rate_factors_over_temperature() {
+fn rate_factors_depend_on_temperature() {
     let ratios = "*Plastic\n 500.e6, 0.\n*Rate dependent, type=YIELD RATIO\n 1., 0., 0.\n 1., 1.e9, 0.\n 0.5, 0., 100.\n 0.5, 1.e9, 100.\n";
-    let [_, stress] = lasts(&squeezed(&format!("{STEEL}{ratios}"), 50.0));
-    close("ratio of 0.75", stress, -0.75 * 500e6, 1e-3);
+    let [_, stress] = final_values(&compressed_element(&format!("{STEEL}{ratios}"), 50.0));
+    assert_close("ratio of 0.75", stress, -0.75 * 500e6, 1e-3);
     let power = "*Plastic\n 500.e6, 0.\n*Rate dependent\n 1000., 1., 0.\n 3000., 1., 100.\n";
-    let [_, stress] = lasts(&squeezed(&format!("{STEEL}{power}"), 50.0));
-    // The height is 0.7 mm at the end, the rate 1/0.7e-3 a second, D = 2000.
-    close("1 + rate/D", stress, -500e6 * (1.0 + 1.0 / 0.7e-3 / 2000.0), 1e-2);
+    let [_, stress] = final_values(&compressed_element(&format!("{STEEL}{power}"), 50.0));
+    // The final height is 0.7 mm, the rate 1/0.7e-3 per second, D = 2000.
+    assert_close("1 + rate/D", stress, -500e6 * (1.0 + 1.0 / 0.7e-3 / 2000.0), 1e-2);
 }
 
-/// EXTRAPOLATION=LINEAR: over the plastic strain; constant over temperature; CONSTANT is the default.
+/// EXTRAPOLATION=LINEAR applies to the plastic strain; the temperature is extrapolated as constant. CONSTANT is the
+/// default.
 #[test]
-fn extrapolation_of_the_yield_stress() {
+fn yield_stress_extrapolates_as_specified() {
     let table = " 500.e6, 0.\n 510.e6, 0.01\n";
     for (name, parameter) in [("default", ""), ("constant", ", extrapolation=CONSTANT")] {
-        let [_, stress] = lasts(&squeezed(&format!("{STEEL}*Plastic{parameter}\n{table}"), 300.0));
-        close(name, stress, -510e6, 1e-3);
+        let [_, stress] = final_values(&compressed_element(&format!("{STEEL}*Plastic{parameter}\n{table}"), 300.0));
+        assert_close(name, stress, -510e6, 1e-3);
     }
-    // Rates whose factor is one take the way of general laws.
+    // A rate table with factor 1 selects the general hardening law.
     for rate in ["", "*Rate dependent, type=YIELD RATIO\n 1., 0.\n 1., 1.e9\n"] {
         let [strain, stress] =
-            lasts(&squeezed(&format!("{STEEL}*Plastic, extrapolation=LINEAR\n{table}{rate}"), 300.0));
-        close("linear", stress, -(500e6 + 1e9 * strain), 1e-3);
+            final_values(&compressed_element(&format!("{STEEL}*Plastic, extrapolation=LINEAR\n{table}{rate}"), 300.0));
+        assert_close("linear", stress, -(500e6 + 1e9 * strain), 1e-3);
     }
     let hot =
         "*Plastic, extrapolation=LINEAR\n 500.e6, 0., 0.\n 510.e6, 0.01, 0.\n 250.e6, 0., 100.\n 255.e6, 0.01, 100.\n";
-    let [strain, stress] = lasts(&squeezed(&format!("{STEEL}{hot}"), 900.0));
-    close("beyond the last temperature", stress, -(250e6 + 0.5e9 * strain), 1e-3);
+    let [strain, stress] = final_values(&compressed_element(&format!("{STEEL}{hot}"), 900.0));
+    assert_close("beyond the last temperature", stress, -(250e6 + 0.5e9 * strain), 1e-3);
     let soft = "*Plastic, extrapolation=LINEAR\n 500.e6, 0.\n 400.e6, 0.1\n";
-    let [strain, stress] = lasts(&squeezed(&format!("{STEEL}{soft}"), 300.0));
-    close("a slope that falls", stress, -(500e6 - 1e9 * strain), 2e-3);
+    let [strain, stress] = final_values(&compressed_element(&format!("{STEEL}{soft}"), 300.0));
+    assert_close("negative slope", stress, -(500e6 - 1e9 * strain), 2e-3);
 }
 
-/// What is not done is refused; what means nothing here is told.
+/// Unsupported input is an error, input without effect is reported.
 #[test]
-fn nothing_is_read_and_ignored() {
+fn no_material_input_is_silently_ignored() {
     let jc = "*Plastic, hardening=JOHNSON COOK\n 5.e8, 1.e8, 0.2, 1., 1500., 300.\n";
     for (cards, code) in [
         (format!("{STEEL}{jc} 5.e8, 1.e8, 0.2, 1., 1500., 300.\n"), "M162"),
@@ -126,25 +129,30 @@ fn nothing_is_read_and_ignored() {
         (format!("{STEEL}*Plastic\n 5.e8, 0.\n*Specific heat\n 500., 300.\n 600.\n"), "M103"),
         ("*Density\n 7800., 20.\n 7700., 10.\n*Elastic\n 200.e9, 0.3\n".into(), "M103"),
     ] {
-        assert!(codes(&squeezed(&cards, 300.0)).contains(&code), "{cards}: {:?}", codes(&squeezed(&cards, 300.0)));
+        assert!(
+            error_codes(&compressed_element(&cards, 300.0)).contains(&code),
+            "{cards}: {:?}",
+            error_codes(&compressed_element(&cards, 300.0))
+        );
     }
     let controlled = |parameter: &str, more: &str| {
-        let text = squeezed(&format!("{STEEL}*Plastic\n 5.e8, 0.\n{more}"), 300.0);
+        let text = compressed_element(&format!("{STEEL}*Plastic\n 5.e8, 0.\n{more}"), 300.0);
         text.replace("material=M\n", &format!("material=M, controls=C\n*Section controls, name=C{parameter}\n"))
     };
     let fails = "*Shear failure, element deletion=YES\n 0.3,\n";
-    assert!(codes(&controlled(", element deletion=NO", fails)).contains(&"M104"));
-    assert!(codes(&controlled(", element deletion=NO", "")).is_empty(), "nothing fails");
-    assert!(codes(&controlled(", element deletion=YES", fails)).is_empty());
-    assert!(codes(&controlled(", second order accuracy=YES", "")).contains(&"M104"));
-    assert!(codes(&controlled(", second order accuracy=NO", "")).is_empty());
+    assert!(error_codes(&controlled(", element deletion=NO", fails)).contains(&"M104"));
+    assert!(error_codes(&controlled(", element deletion=NO", "")).is_empty(), "no failure criterion");
+    assert!(error_codes(&controlled(", element deletion=YES", fails)).is_empty());
+    assert!(error_codes(&controlled(", second order accuracy=YES", "")).contains(&"M104"));
+    assert!(error_codes(&controlled(", second order accuracy=NO", "")).is_empty());
     let prepared = common::prepared(&controlled(", ramp initial stress=NO", ""), &[], &Routines::none());
     assert!(prepared.plan.ledger.unused.iter().any(|u| u.why.contains("membranes")));
 }
 
-/// *BULK VISCOSITY (Analysis User's Guide 6.3.3): before *DYNAMIC as after it, and in later steps until another is given.
+/// `*BULK VISCOSITY` (Analysis User's Guide 6.3.3) is valid before and after `*DYNAMIC`, and in later steps until it is
+/// redefined.
 #[test]
-fn bulk_viscosity_stays() {
+fn bulk_viscosity_persists_over_steps() {
     let of = |first: &str, second: &str| {
         solid::grid(1, 4, false, |i, j| [i as f64, j as f64])
             + &solid::material(1e6, 0.3, 1.0, "")
@@ -156,7 +164,7 @@ fn bulk_viscosity_stays() {
     let (viscosity, dynamic) = ("*Bulk viscosity\n 0., 0.\n", "*Dynamic, explicit\n , 0.01\n");
     let lost = |text: &str| solid::last(text, &solid::run(text).1, "ALLVD");
     let before = of(&format!("{viscosity}{dynamic}"), dynamic);
-    assert_eq!(lost(&before), 0.0, "before *DYNAMIC, and then in the next step");
+    assert_eq!(lost(&before), 0.0, "before *DYNAMIC, also in the next step");
     assert_eq!(lost(&of(&format!("{dynamic}{viscosity}"), dynamic)), 0.0);
     assert!(lost(&of(dynamic, dynamic)) > 0.0);
 }

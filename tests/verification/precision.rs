@@ -1,8 +1,8 @@
 //! Elements in single precision.
 //!
-//! Goal: what single precision costs in accuracy is what its digits cost, whatever the units, the size of the elements, their
-//! distance from the origin and how fast all of it moves. Source: the same run in double precision; closed forms where they
-//! are named. Each test says its tolerance and why.
+//! Goal: the error of single precision is that of its rounding, for any units, element sizes, distances from the origin
+//! and velocities. Source: the same run in double precision; closed forms where named. The tolerance and its reason are
+//! stated at each test.
 
 use std::f64::consts::PI;
 
@@ -12,35 +12,35 @@ use crate::common::solid::{copper_bar, grid, last, material};
 use crate::common::spheres::EVEN;
 use crate::common::{prepared_in_single, project, run_in_both};
 
-/// Last values of columns in double precision and in single.
-fn both(deck: &str, names: &[&str]) -> Vec<[f64; 2]> {
+/// Returns final column values in double and in single precision.
+fn run_both(deck: &str, names: &[&str]) -> Vec<[f64; 2]> {
     let [double, single] = run_in_both(deck, &[], &Routines::none());
     assert_eq!((&double.0.halt, &single.0.halt), (&None, &None));
-    assert_ne!(double.0.digest, single.0.digest, "nothing was in single precision");
+    assert_ne!(double.0.digest, single.0.digest, "no element in single precision");
     names.iter().map(|name| [&double.1, &single.1].map(|memory| last(deck, memory, name))).collect()
 }
 
-fn apart([a, b]: [f64; 2]) -> f64 {
+fn relative_difference([a, b]: [f64; 2]) -> f64 {
     (b / a - 1.0).abs()
 }
 
-/// Bar: length and foot within 1e-4. Flow is stable: rounding does not grow.
+/// Copper bar: length and foot radius within 1e-4; rounding does not grow in plastic flow.
 #[test]
-fn the_copper_taylor_bar_is_that_of_double_precision() {
+fn copper_taylor_bar_matches_double_precision() {
     for (mesh, triangles) in [([13, 61], false), ([10, 50], false), ([9, 40], true)] {
         let deck = copper_bar(mesh, triangles, EVEN);
-        for (name, pair) in ["COOR2@TIP", "COOR1@RIM"].iter().zip(both(&deck, &["COOR2@TIP", "COOR1@RIM"])) {
-            println!("{mesh:?} {name}: {:.1e}", apart(pair));
-            assert!(apart(pair) < 1e-4, "{mesh:?} {name}: {pair:?}");
+        for (name, pair) in ["COOR2@TIP", "COOR1@RIM"].iter().zip(run_both(&deck, &["COOR2@TIP", "COOR1@RIM"])) {
+            println!("{mesh:?} {name}: {:.1e}", relative_difference(pair));
+            assert!(relative_difference(pair) < 1e-4, "{mesh:?} {name}: {pair:?}");
         }
     }
 }
 
-/// The copper bar of the decks in other units and sizes: `length` is the unit of lengths in metres, `pressure` that of stresses
-/// in pascals, and `size` its size over the one of the decks.
-fn bar(length: f64, pressure: f64, size: f64) -> String {
+/// Returns the copper bar of the decks in other units and sizes: `length` is the unit of length in metres, `pressure`
+/// that of stress in pascals, `size` the scale of the bar.
+fn scaled_bar(length: f64, pressure: f64, size: f64) -> String {
     let deck = std::fs::read_to_string(project("input/taylor_copper.inp")).expect("the deck");
-    // Velocities in lengths a second: densities follow.
+    // Velocities keep their value in metres per second, so densities follow from the units.
     let density = 8930.0 * length * length / pressure;
     let scaled = [
         ("radius = 3.2e-3", format!("radius = {:e}", 3.2e-3 * size / length)),
@@ -60,28 +60,29 @@ fn bar(length: f64, pressure: f64, size: f64) -> String {
     })
 }
 
-/// Elements of 10 and of 0.3 micrometres in metres, of 300 metres in metres, of micrometres in millimetres and tonnes: the third
-/// power of their volumes is from 1e-69 to 1e24. Time goes with the size, so all of them are the same bar.
+/// Elements of 10 and 0.3 micrometres and of 300 metres in metres, and of micrometres in millimetres and tonnes: the
+/// cube of their volume is between 1e-69 and 1e24. Time scales with the size, so the result is the same.
 #[test]
-fn units_and_sizes_cost_no_digit() {
+fn single_precision_does_not_depend_on_units_and_sizes() {
     for (length, pressure, size) in [(1.0, 1.0, 0.03), (1.0, 1.0, 1e-3), (1.0, 1.0, 1e6), (1e-3, 1e6, 3e-3)] {
-        let deck = bar(length, pressure, size);
+        let deck = scaled_bar(length, pressure, size);
         let names = ["COOR2@TIP", "COOR1@CORNER", "ALLPD", "ALLAE"];
-        let found = both(&deck, &names);
+        let found = run_both(&deck, &names);
         for (name, pair) in names.iter().zip(&found) {
-            println!("unit {length}, size {size}, {name}: {:.1e}", apart(*pair));
-            assert!(apart(*pair) < 1e-5, "unit {length}, size {size}, {name}: {pair:?}");
+            println!("unit {length}, size {size}, {name}: {:.1e}", relative_difference(*pair));
+            assert!(relative_difference(*pair) < 1e-5, "unit {length}, size {size}, {name}: {pair:?}");
         }
-        // The bar of the deck, 21.47 mm long.
+        // Length of the bar of the deck, 21.47 mm.
         let ratio = found[0][1] * length / (21.46669e-3 * size);
         assert!((ratio - 1.0).abs() < 1e-4, "{ratio}");
     }
 }
 
-/// A bar that rings, 1e6 elements away from the origin and at 50 times the speed of what rings in it: differences of coordinates
-/// are formed in double precision. 500 increments round stresses and strains to 6e-8 of them each; far away it is no more.
+/// A vibrating bar 1e6 elements away from the origin, moving at 50 times its vibration velocity: coordinate differences
+/// are computed in double precision. Each of the 500 increments rounds stresses and strains to 6e-8; distance and speed
+/// add nothing.
 #[test]
-fn distance_and_speed_cost_no_digit() {
+fn single_precision_does_not_depend_on_distance_and_speed() {
     let deck = |away: f64, speed: f64| {
         grid(3, 12, false, |i, j| [0.1 * i as f64, away + 0.1 * j as f64])
             + &material(1.0, 0.3, 1.0, "")
@@ -94,7 +95,7 @@ fn distance_and_speed_cost_no_digit() {
     let relative = |away: f64, speed: f64| {
         let deck = deck(away, speed);
         let names = ["U2@TOP", "U2@FOOT", "U1@TOP"];
-        let pairs = both(&deck, &names);
+        let pairs = run_both(&deck, &names);
         [0, 1].map(|precision| [pairs[0][precision] - pairs[1][precision], pairs[2][precision]])
     };
     let [here, single] = relative(0.0, 0.0);
@@ -106,13 +107,13 @@ fn distance_and_speed_cost_no_digit() {
     }
 }
 
-/// Turns a block about a point in the (r, z) plane at a constant rate; far from the axis nothing else is strained.
-struct Turning {
+/// Rotation of a block in the (r, z) plane at a constant rate; the large radius makes the hoop strain negligible.
+struct BlockRotation {
     middle: [f64; 2],
     rate: f64,
 }
 
-impl UserMotion for Turning {
+impl UserMotion for BlockRotation {
     fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure> {
         let node = call.node as usize - 1;
         let arm = [(node % 3) as f64 - 1.0, (node / 3) as f64 - self.middle[1]];
@@ -122,10 +123,10 @@ impl UserMotion for Turning {
     }
 }
 
-/// Ten turns at a radius of 1e6 elements: the stress turns with the block, which strains no more than its rings do (1e-6).
-/// Each of the 2000 increments rounds the stress to 6e-8 of it.
+/// Ten turns at a radius of 1e6 elements: the stress rotates with the block, and the strain is that of the rings
+/// (1e-6). Each of the 2000 increments rounds the stress to 6e-8.
 #[test]
-fn a_rigid_rotation_far_out_turns_the_stress() {
+fn distant_rigid_rotation_rotates_the_stress() {
     let (radius, turns) = (1e6, 10.25);
     let deck = grid(2, 2, false, |i, j| [radius - 1.0 + i as f64, j as f64])
         + &material(1.0, 0.3, 1.0, "*Elset, elset=ONE\n 1,\n")
@@ -133,7 +134,7 @@ fn a_rigid_rotation_far_out_turns_the_stress() {
         + &format!("*Step\n*Dynamic, Explicit, direct user control\n 5.e-3, {turns}\n")
         + "*Bulk Viscosity\n 0., 0.\n*Boundary, user\n ALL, 1, 2\n*Output, history, number interval=1\n\
            *Element Output, elset=ONE\n S, LE\n*End Step\n";
-    let routines = || Routines::none().with_motion(Turning { middle: [radius, 0.5], rate: 2.0 * PI });
+    let routines = || Routines::none().with_motion(BlockRotation { middle: [radius, 0.5], rate: 2.0 * PI });
     let [_, (outcome, memory)] = run_in_both(&deck, &[], &routines());
     assert_eq!(outcome.halt, None);
     let prepared = prepared_in_single(&deck, &[], &routines());
@@ -141,7 +142,7 @@ fn a_rigid_rotation_far_out_turns_the_stress() {
         let at = prepared.plan.columns.iter().position(|c| c.name == format!("{name}@ONE")).expect("a column");
         memory.rows.last().expect("a row").1[at]
     };
-    // A quarter turn beyond whole ones: rr and zz change places, the shear its sign.
+    // A quarter turn in addition to whole turns exchanges rr and zz and changes the sign of the shear.
     for (name, expected) in [("S11", -0.5), ("S22", 1.0), ("S33", 0.25), ("S12", -0.3), ("LE11", 0.0), ("LE12", 0.0)] {
         println!("{name}: {:.1e}", value(name) - expected);
         assert!((value(name) - expected).abs() < 2e-5, "{name} {} {expected}", value(name));

@@ -1,5 +1,5 @@
-//! Properties of random valid scenes: energy and momentum are kept, a shift along z and other numbers of nodes and elements
-//! change nothing but rounding, and a run that completes holds no number that is not finite.
+//! Properties of random valid scenes: energy and momentum are conserved, a shift along z and other node and element
+//! numbers change results by rounding only, and all results of a completed run are finite.
 
 use std::fmt::Write as _;
 
@@ -9,9 +9,9 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use crate::common;
 use crate::common::solid::run;
 
-/// A free block of quadrilaterals with uneven corners, thrown and torn by velocities at its nodes.
+/// Free block of irregular quadrilaterals with random nodal velocities.
 #[derive(Clone, Debug)]
-struct Scene {
+struct RandomBlock {
     columns: usize,
     rows: usize,
     inner: f64,
@@ -23,12 +23,12 @@ struct Scene {
     speed: f64,
 }
 
-fn scenes() -> impl Strategy<Value = Scene> {
+fn random_blocks() -> impl Strategy<Value = RandomBlock> {
     let shape = (1_usize..5, 1_usize..5, prop::sample::select(vec![0.0, 0.01, 1.0, 30.0]));
     let material = (0.5_f64..2.0, 0.0_f64..0.49, 0.5_f64..2.0, any::<bool>());
     let wobble = prop::collection::vec(-0.2_f64..0.2, 100);
     (shape, material, wobble, -5.0_f64..-2.0).prop_map(
-        |((columns, rows, inner), (young, nu, density, yields), wobble, power)| Scene {
+        |((columns, rows, inner), (young, nu, density, yields), wobble, power)| RandomBlock {
             columns,
             rows,
             inner,
@@ -42,12 +42,12 @@ fn scenes() -> impl Strategy<Value = Scene> {
     )
 }
 
-impl Scene {
+impl RandomBlock {
     fn count(&self) -> usize {
         (self.columns + 1) * (self.rows + 1)
     }
 
-    /// The deck, shifted along z; node n gets the label `label(n)`, and elements come in the order of `backwards`.
+    /// Returns the deck, shifted along z, with label `label(n)` of node n and elements in reverse order if `backwards`.
     fn deck(&self, shift: f64, label: impl Fn(usize) -> usize, backwards: bool) -> String {
         let (c, mut text) = (self.columns, String::from("*Node, nset=ALL\n"));
         let mut nodes: Vec<usize> = (0..self.count()).collect();
@@ -87,14 +87,15 @@ impl Scene {
     }
 }
 
-/// What a deck came to: displacements and velocities by node of the scene, the momentum along z before and after, drift.
-struct Answer {
+/// Results of a deck: displacements and velocities by node of the scene, initial and final axial momentum, energy
+/// drift.
+struct SceneResult {
     fields: Vec<f64>,
     momentum: [f64; 2],
     drift: f64,
 }
 
-fn answer(scene: &Scene, deck: &str, label: impl Fn(usize) -> usize) -> Answer {
+fn run_scene(scene: &RandomBlock, deck: &str, label: impl Fn(usize) -> usize) -> SceneResult {
     let prepared = common::prepared(deck, &[], &revolve::user::Routines::none());
     let nodes = &prepared.state.dofs.nodes;
     let node = |n: usize| {
@@ -105,10 +106,10 @@ fn answer(scene: &Scene, deck: &str, label: impl Fn(usize) -> usize) -> Answer {
     assert_eq!(outcome.halt, None);
     let frame = memory.frames.last().expect("a frame");
     let all = frame.point_fields.iter().chain(&frame.cell_fields);
-    assert!(all.into_iter().all(|f| f.values.iter().all(|v| v.is_finite())), "a number that is not finite");
+    assert!(all.into_iter().all(|f| f.values.iter().all(|v| v.is_finite())), "non-finite value");
     let field = |name: &str| &frame.point_fields.iter().find(|f| f.name == name).expect("a field").values;
     let [moved, speed] = ["U", "V"].map(|name| common::at_nodes(&prepared, field(name)));
-    let mut answer = Answer { fields: Vec::new(), momentum: [0.0; 2], drift: outcome.energy.drift };
+    let mut answer = SceneResult { fields: Vec::new(), momentum: [0.0; 2], drift: outcome.energy.drift };
     for n in 0..scene.count() {
         let at = node(n);
         for axis in 0..2 {
@@ -121,28 +122,29 @@ fn answer(scene: &Scene, deck: &str, label: impl Fn(usize) -> usize) -> Answer {
     answer
 }
 
-fn largest(values: impl Iterator<Item = f64>) -> f64 {
+fn largest_value(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |a, b| a.max(b.abs()))
 }
 
 #[test]
-fn random_scenes_keep_energy_momentum_and_their_answer() {
+fn random_scenes_conserve_energy_and_momentum() {
     let config = Config { cases: 400, failure_persistence: None, ..Config::default() };
     let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
-    let checked = runner.run(&scenes(), |scene| {
-        let plain = answer(&scene, &scene.deck(0.0, |n| n + 1, false), |n| n + 1);
-        // The bulk viscosity is booked over the increment behind: first order in it, 1 % of the highest period or so.
+    let checked = runner.run(&random_blocks(), |scene| {
+        let plain = run_scene(&scene, &scene.deck(0.0, |n| n + 1, false), |n| n + 1);
+        // The work of the bulk viscosity is that of the previous increment: an error of first order in the increment,
+        // which is about 1 % of the shortest period.
         prop_assert!(plain.drift < 5e-3, "drift {:e}", plain.drift);
-        let scale = largest(plain.fields.iter().copied()) * scene.density * (scene.inner + 5.0) * 200.0;
+        let scale = largest_value(plain.fields.iter().copied()) * scene.density * (scene.inner + 5.0) * 200.0;
         let lost = (plain.momentum[1] - plain.momentum[0]).abs();
         prop_assert!(lost < 1e-12 * scale, "momentum {:?}", plain.momentum);
-        // Sums in another order, coordinates with another rounding: after some hundred increments.
+        // Sums in another order and coordinates with other rounding, after some hundred increments.
         let label = |n: usize| 7 * n + 3;
         for (shift, backwards) in [(16.0, false), (0.0, true)] {
-            let other = answer(&scene, &scene.deck(shift, label, backwards), label);
-            let off = largest(plain.fields.iter().zip(&other.fields).map(|(a, b)| a - b));
-            let size = largest(plain.fields.iter().copied());
-            prop_assert!(off < 1e-8 * size + 1e-13, "shift {shift}, backwards {backwards}: off by {off:e} of {size:e}");
+            let other = run_scene(&scene, &scene.deck(shift, label, backwards), label);
+            let off = largest_value(plain.fields.iter().zip(&other.fields).map(|(a, b)| a - b));
+            let size = largest_value(plain.fields.iter().copied());
+            prop_assert!(off < 1e-8 * size + 1e-13, "shift {shift}, backwards {backwards}: error {off:e} of {size:e}");
         }
         Ok(())
     });

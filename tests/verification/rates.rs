@@ -1,17 +1,18 @@
-//! Laws of single elements that depend on rate and temperature, against the same laws by hand.
+//! Rate- and temperature-dependent laws on single elements, compared with the laws evaluated by hand.
 //!
-//! Goal: kinematic hardening over rate and temperature, failure strains over rate, pressure and temperature, dashpots by
-//! tables mean what their cards say.
-//! Source: one-dimensional return mapping and ordinary differential equations, integrated here. Each test says its tolerance.
+//! Goal: kinematic hardening by rate and temperature, failure strains by rate, pressure and temperature, and tabular
+//! dashpots agree with their definitions.
+//! Source: one-dimensional return mapping and ordinary differential equations, integrated here. The tolerance is stated
+//! at each test.
 
 use std::f64::consts::PI;
 
 use revolve::solve::Outcome;
 
-use crate::common::Memory;
+use crate::common::RecordedOutput;
 use crate::common::solid::{column, grid, last, material, run};
 
-/// A tiny cylinder, so that inertia does not matter, whose top follows an amplitude times `displacement` in `time`.
+/// Returns a cylinder small enough for negligible inertia, whose top is displaced by `displacement` times an amplitude.
 fn cylinder(cards: &str, amplitude: &str, displacement: f64, time: f64) -> String {
     grid(1, 1, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64])
         + &material(200e3, 0.3, 7.85e-9, cards)
@@ -23,21 +24,21 @@ fn cylinder(cards: &str, amplitude: &str, displacement: f64, time: f64) -> Strin
         )
 }
 
-fn whole(deck: &str) -> (Outcome, Memory) {
+fn run_complete(deck: &str) -> (Outcome, RecordedOutput) {
     let (outcome, memory) = run(deck);
     assert_eq!(outcome.halt, None);
-    // The balance holds within 0.2 % of the work.
+    // The energy balance closes within 0.2 % of the work.
     assert!(outcome.energy.drift < 2e-3, "drift {:e}", outcome.energy.drift);
     (outcome, memory)
 }
 
-/// Kinematic hardening with the rate factor 1 + (rate/D)^(1/n), in tension, compression and tension again.
+/// Kinematic hardening with the rate factor 1 + (rate/D)^(1/n), in tension, compression and tension.
 #[test]
-fn kinematic_hardening_with_rate_by_hand() {
+fn kinematic_hardening_with_rate_matches_return_mapping() {
     let (young, radius, slope) = (200e3, 300.0, 5000.0);
     let cards = "*Plastic, hardening=KINEMATIC\n 300., 0.\n 800., 0.1\n*Rate Dependent\n 4.e4, 5.\n";
     let deck = cylinder(cards, "0., 0., 1.e-5, 1., 3.e-5, -1., 5.e-5, 1.", 2e-5, 5e-5);
-    let (_, memory) = whole(&deck);
+    let (_, memory) = run_complete(&deck);
     let (motion, stress) = (column(&deck, &memory, "U2@3"), column(&deck, &memory, "S22@SOLID"));
     let (mut plastic, mut before, mut worst) = (0.0, (0.0, 0.0), 0.0_f64);
     for (u, found) in motion.iter().zip(&stress) {
@@ -60,30 +61,30 @@ fn kinematic_hardening_with_rate_by_hand() {
         worst = worst.max((found.1 - young * (strain - plastic)).abs());
     }
     println!("kinematic with rate: worst {worst:.2} MPa");
-    // The bar still swings a little, and corners of the path fall between rows.
+    // The bar vibrates slightly, and reversals occur between rows.
     assert!(worst < 6.0, "{worst}");
 }
 
 const WARM: &str =
     "*Plastic, hardening=KINEMATIC\n 400., 0., 20.\n 800., 0.1, 20.\n 200., 0., 220.\n 300., 0.1, 220.\n";
 
-/// Between two temperatures yield stress and slope are linear.
+/// Yield stress and hardening slope are linear between two temperatures.
 #[test]
-fn kinematic_hardening_between_two_temperatures() {
+fn kinematic_hardening_is_linear_between_temperatures() {
     let deck = cylinder(WARM, "0., 0., 1.e-5, 1.", 5e-5, 1e-5).replace("ALL, 20.", "ALL, 120.");
-    let (_, memory) = whole(&deck);
+    let (_, memory) = run_complete(&deck);
     let (stress, strain) = (last(&deck, &memory, "S22@SOLID"), last(&deck, &memory, "PEEQ@SOLID"));
     let expected = 300.0 + 2500.0 * strain;
     println!("kinematic at 120 degrees: {stress:.3} against {expected:.3}");
     assert!(strain > 0.04 && (stress / expected - 1.0).abs() < 2e-3, "{stress} {expected}");
 }
 
-/// Heated by its plastic work: with a back stress that follows C the stress is s0(T) + C(T) p, and dT = k s dp.
+/// Heated by plastic work, with a back stress that follows C(T): the stress is s0(T) + C(T) p, and dT = k s dp.
 #[test]
-fn kinematic_hardening_that_heats_itself() {
+fn kinematic_hardening_with_heating_matches_quadrature() {
     let cards = format!("{WARM}*Inelastic Heat Fraction\n 0.9,\n*Specific Heat\n 2.e7,\n");
     let deck = cylinder(&cards, "0., 0., 1.e-5, 1.", 5e-5, 1e-5);
-    let (_, memory) = whole(&deck);
+    let (_, memory) = run_complete(&deck);
     let [stress, strain, temperature] =
         ["S22@SOLID", "PEEQ@SOLID", "TEMP@SOLID"].map(|name| last(&deck, &memory, name));
     let at = |p: f64, t: f64| (400.0 - (t - 20.0)) + (4000.0 - 15.0 * (t - 20.0)) * p;
@@ -102,8 +103,9 @@ fn kinematic_hardening_that_heats_itself() {
     assert!((stress / at(strain, t) - 1.0).abs() < 5e-3, "{stress} {}", at(strain, t));
 }
 
-/// The strain at which a perfectly plastic cylinder fails, whose end moves at a constant speed: the rate is 2e4 exp(-p).
-fn fails_at(cards: &str, temperature: f64) -> f64 {
+/// Returns the failure strain of a perfectly plastic cylinder whose end moves at constant velocity; the strain rate is
+/// 2e4 exp(-p).
+fn failure_strain(cards: &str, temperature: f64) -> f64 {
     let deck = cylinder(&format!("*Plastic\n 400., 0.\n{cards}"), "0., 0., 1.e-5, 1.", 2e-4, 1e-5)
         .replace("ALL, 20.", &format!("ALL, {temperature}"));
     let (outcome, memory) = run(&deck);
@@ -112,8 +114,8 @@ fn fails_at(cards: &str, temperature: f64) -> f64 {
     last(&deck, &memory, "PEEQ@SOLID")
 }
 
-/// Where the sum of dp over the strain at failure, a function of the rate, reaches 1.
-fn expected(at: impl Fn(f64) -> f64) -> f64 {
+/// Returns the strain at which the integral of dp over the rate-dependent failure strain reaches 1.
+fn expected_failure_strain(at: impl Fn(f64) -> f64) -> f64 {
     let (mut p, mut sum, dp) = (0.0_f64, 0.0, 1e-6);
     while sum < 1.0 {
         sum += dp / at(2e4 * (-p).exp());
@@ -122,10 +124,10 @@ fn expected(at: impl Fn(f64) -> f64) -> f64 {
     p
 }
 
-/// Failure strains over triaxiality (1/3 in tension) or its negative, rate and temperature.
+/// Failure strains by triaxiality (1/3 in tension) or its negative, rate and temperature.
 #[test]
-fn strains_at_failure_over_rate_and_temperature() {
-    // 0.05 + rate/4e5 at the triaxiality 0 and 20 degrees; half of it at 2/3; twice as much at 220 degrees.
+fn failure_strain_depends_on_rate_and_temperature() {
+    // 0.05 + rate/4e5 at triaxiality 0 and 20 degrees; half as much at 2/3; twice as much at 220 degrees.
     let f = |x: f64, rate: f64, t: f64| (0.05 + rate / 4e5) * (1.0 - 0.75 * x) * (1.0 + (t - 20.0) / 200.0);
     let mut ductile = String::from("*Damage Initiation, criterion=DUCTILE\n");
     let mut shear = String::from("*Shear Failure\n");
@@ -143,24 +145,24 @@ fn strains_at_failure_over_rate_and_temperature() {
     }
     ductile += "*Damage Evolution, type=DISPLACEMENT\n 0.,\n";
     for t in [20.0_f64, 120.0, 300.0] {
-        let wanted = expected(|rate| f(1.0 / 3.0, rate, t.min(220.0)));
+        let wanted = expected_failure_strain(|rate| f(1.0 / 3.0, rate, t.min(220.0)));
         for (name, cards) in [("ductile", &ductile), ("shear", &shear)] {
-            let found = fails_at(cards, t);
+            let found = failure_strain(cards, t);
             println!("{name} at {t} degrees: fails at {found:.5}, expected {wanted:.5}");
-            // The rate is that of a cylinder which swings a little.
+            // The cylinder vibrates slightly, which changes the rate.
             assert!((found / wanted - 1.0).abs() < 5e-3, "{name} {t}: {found} {wanted}");
         }
     }
 }
 
-/// A block on a dashpot whose force grows by a table: m v' = -F(v), and all that it loses is dissipated.
+/// A block on a dashpot with a tabular force: m v' = -F(v), and the lost energy is dissipated.
 #[test]
-fn a_dashpot_by_a_table_slows_a_block() {
+fn tabular_dashpot_decelerates_a_block() {
     let rows = [[-2.0, -3.0], [-1.0, -1.0], [0.0, 0.0], [1.0, 0.5], [2.0, 2.0]];
     let force = |v: f64| {
         let i = rows.partition_point(|r| r[0] <= v).clamp(1, rows.len() - 1);
         let ([a, f], [b, g]) = (rows[i - 1], rows[i]);
-        // Constant beyond the ends.
+        // Constant force beyond the ends of the table.
         f + (g - f) * (v.clamp(rows[0][0], rows[4][0]) - a) / (b - a)
     };
     let table: String = rows.iter().map(|[v, f]| format!(" {f}, {v}\n")).collect();
@@ -173,7 +175,7 @@ fn a_dashpot_by_a_table_slows_a_block() {
             + &material(1e5, 0.0, 1.0, "*Nset, nset=ONE\n 1\n")
             + "*Step\n*Dynamic, Explicit\n , 3.\n*Bulk Viscosity\n 0., 0.\n*Output, history, number interval=10\n\
                *Energy Output\n ALLKE, ALLVD\n*End Step\n";
-        let (outcome, memory) = whole(&deck);
+        let (outcome, memory) = run_complete(&deck);
         let (steps, mut v) = (100_000, start);
         let h = 3.0 / f64::from(steps) / (0.5 * PI);
         for _ in 0..steps {
@@ -184,7 +186,7 @@ fn a_dashpot_by_a_table_slows_a_block() {
         let lost = 0.25 * PI * (start * start - v * v);
         let viscous = last(&deck, &memory, "ALLVD");
         println!("dashpot from {start}: {found:.5} against {:.5}, dissipated {viscous:.5} of {lost:.5}", v.abs());
-        // The block gives way where the dashpot holds it.
+        // The block deforms where the dashpot is attached.
         assert!((found - v.abs()).abs() < 2e-3 * start.abs(), "{found} {v}");
         assert!((viscous / lost - 1.0).abs() < 2e-3, "{viscous} {lost}");
         assert!(outcome.increments > 1000);

@@ -1,20 +1,21 @@
-//! Reference nodes that pull bodies, and surfaces that are tied: `*MPC`, `*COUPLING`, `*EQUATION` with a bare node, `*TIE`,
+//! Reference nodes and tied surfaces: `*MPC`, `*COUPLING`, `*EQUATION` with a reference node without elements, `*TIE`,
 //! `*RIGID BODY` with TIE NSET and with elements of a deformable type.
 //!
-//! Goal: frequencies, momenta, reactions and waves of what hangs on other things.
-//! Source: closed forms of vibrating columns and of bars; momentum and the centre of mass; each test says its tolerance and why.
+//! Goal: frequencies, momenta, reactions and waves of constrained bodies.
+//! Source: closed forms of vibrating columns and bars; momentum and centre of mass. The tolerance and its reason are
+//! stated at each test.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use crate::common::solid::{column, grid, last, material, run};
 
-/// Modulus of uniaxial strain and density 1: speed of the wave 2, for the height 1 and the radius 0.1.
+/// Modulus of uniaxial strain; density 1 gives wave speed 2 for height 1 and radius 0.1.
 const MODULUS: f64 = 4.0;
 const ROWS: usize = 20;
 const AREA: f64 = PI * 0.01;
 
-/// How the top of a column hangs on node 900.
+/// Constraints between the top of a column and node 900.
 const HANGING: [(&str, &str); 8] = [
     ("MPC BEAM", "*Mpc\n BEAM, J1, REF\n"),
     ("MPC TIE", "*Mpc\n TIE, J1, 900\n"),
@@ -26,8 +27,8 @@ const HANGING: [(&str, &str); 8] = [
     ("rigid body", "*Rigid Body, ref node=900, tie nset=J1\n"),
 ];
 
-/// A column along z in uniaxial strain that hangs on node 900.
-fn hung(link: &str, more: &str) -> String {
+/// Returns a column along z in uniaxial strain whose top is constrained to node 900.
+fn constrained_column(link: &str, more: &str) -> String {
     let nu: f64 = 0.25;
     let e = MODULUS * (1.0 + nu) * (1.0 - 2.0 * nu) / (1.0 - nu);
     grid(2, ROWS, false, |i, j| [0.05 * i as f64, j as f64 / ROWS as f64])
@@ -40,16 +41,16 @@ fn mass_on_reference(mass: f64) -> String {
     format!("*Element, type=MASS, elset=POINT\n 900, 900\n*Mass, elset=POINT\n {mass:e}\n")
 }
 
-/// Shares of a row of nodes in the mass of a ring of cells of the radial width 0.05, by row sums, times 2 pi.
-fn share(i: usize) -> f64 {
+/// Returns the nodal share of the mass of rings of radial width 0.05, by row sums, times 2 pi.
+fn row_share(i: usize) -> f64 {
     let h = 0.05;
     2.0 * PI * [h * h / 6.0, h * h / 3.0 + h * (0.5 * h + h / 6.0), h * (0.5 * h + h / 3.0)][i]
 }
 
-/// Mass of node n (from 0) of the column.
-fn mass_of(n: usize) -> f64 {
+/// Returns the mass of node n of the column, counted from 0.
+fn node_mass(n: usize) -> f64 {
     let half = if n / 3 == 0 || n / 3 == ROWS { 0.5 } else { 1.0 };
-    half * share(n % 3) / ROWS as f64
+    half * row_share(n % 3) / ROWS as f64
 }
 
 fn rising_zeros(history: &[(f64, f64)]) -> Vec<f64> {
@@ -57,9 +58,9 @@ fn rising_zeros(history: &[(f64, f64)]) -> Vec<f64> {
     rising.map(|w| w[0].0 - w[0].1 * (w[1].0 - w[0].0) / (w[1].1 - w[0].1)).collect()
 }
 
-/// beta tan beta = mass of the column over the mass on it; omega = beta c / L.
+/// beta tan beta = mass of the column over the attached mass; omega = beta c / L.
 #[test]
-fn a_mass_on_a_reference_node_has_the_period_of_a_column_with_it() {
+fn mass_on_a_reference_node_has_the_period_of_theory() {
     let beta: f64 = 0.860_333_589_019_38; // beta tan beta = 1
     let velocity = |z: f64| 1e-6 * (beta * z).sin();
     let mut start = mass_on_reference(AREA) + "*Initial Conditions, type=VELOCITY\n";
@@ -68,7 +69,7 @@ fn a_mass_on_a_reference_node_has_the_period_of_a_column_with_it() {
     }
     writeln!(start, " 900, 2, {:e}", velocity(1.0)).expect("text");
     for (name, link) in HANGING {
-        let deck = hung(link, &start)
+        let deck = constrained_column(link, &start)
             + "*Step\n*Dynamic, Explicit\n , 40.\n*Bulk Viscosity\n 0., 0.\n*Boundary\n ALL, 1, 1\n J0, 2, 2\n\
                *Output, history, frequency=1\n*Node Output, nset=REF\n U2\n*Node Output, nset=J1\n U2\n*End Step\n";
         let (outcome, memory) = run(&deck);
@@ -76,48 +77,49 @@ fn a_mass_on_a_reference_node_has_the_period_of_a_column_with_it() {
         let motion = column(&deck, &memory, "U2@REF");
         let zeros = rising_zeros(&motion);
         let period = (zeros[zeros.len() - 1] - zeros[0]) / (zeros.len() - 1) as f64;
-        // Of second order: 1.1e-4 on 20 rows, 2e-5 on 40, as for a mass that is part of the mesh.
+        // Second order: 1.1e-4 with 20 rows, 2e-5 with 40, as for a mass in the mesh.
         let error = period * 2.0 * beta / (2.0 * PI) - 1.0;
-        println!("{name}: period off by {error:.1e}, drift {:.1e}", outcome.energy.drift);
-        assert!(error.abs() < 2e-4, "{name}: period off by {error:e}");
+        println!("{name}: period error {error:.1e}, drift {:.1e}", outcome.energy.drift);
+        assert!(error.abs() < 2e-4, "{name}: period error {error:e}");
         assert!(outcome.energy.drift < 2e-3, "{name}: {:e}", outcome.energy.drift);
-        // What follows is where its reference node is; that of a distributing coupling is the mean.
+        // Constrained nodes move with their reference node; that of a distributing coupling moves with their mean.
         if !name.starts_with("distributing") {
             let (node, reference) =
                 (last(&deck, &memory, &format!("U2@{}", 3 * ROWS + 3)), motion.last().expect("a row").1);
-            // Rounding of places of the size 1.
+            // Rounding of coordinates of size 1.
             assert!((node - reference).abs() < 1e-14, "{name}: {node:e} {reference:e}");
         }
     }
 }
 
-/// A force on a reference node without mass moves the centre of mass of all that hangs on it, to rounding.
+/// A force on a massless reference node accelerates the centre of mass of the column, to rounding.
 #[test]
-fn a_force_on_a_bare_reference_node_is_the_momentum_of_what_hangs_on_it() {
+fn force_on_a_massless_reference_node_moves_the_centre_of_mass() {
     for (name, link) in HANGING {
-        let deck = hung(link, "")
+        let deck = constrained_column(link, "")
             + "*Step\n*Dynamic, Explicit\n , 3.\n*Bulk Viscosity\n 0., 0.\n*Boundary\n ALL, 1, 1\n*Cload\n 900, 2, 1.e-4\n\
                *Output, history, number interval=20\n*Node Output, nset=ALL\n V2\n*End Step\n";
         let (outcome, memory) = run(&deck);
         assert_eq!(outcome.halt, None);
         let mut worst = 0.0_f64;
         for (time, values) in &memory.rows {
-            let momentum: f64 = (0..3 * ROWS + 3).map(|n| mass_of(n) * values[n]).sum();
+            let momentum: f64 = (0..3 * ROWS + 3).map(|n| node_mass(n) * values[n]).sum();
             worst = worst.max((momentum - 1e-4 * time).abs() / (1e-4 * 3.0));
         }
-        println!("{name}: momentum off by {worst:.1e}, drift {:.1e}", outcome.energy.drift);
-        // Sums of a few hundred numbers over a few hundred increments.
-        assert!(worst < 1e-11, "{name}: momentum off by {worst:e}");
-        // The force begins with a jump, which the trapezoid books to first order in the increment.
+        println!("{name}: momentum error {worst:.1e}, drift {:.1e}", outcome.energy.drift);
+        // Sums of some hundred terms over some hundred increments.
+        assert!(worst < 1e-11, "{name}: momentum error {worst:e}");
+        // The force starts at full value, whose trapezoidal work is of first order in the increment.
         assert!(outcome.energy.drift < 5e-3, "{name}: {:e}", outcome.energy.drift);
     }
 }
 
-/// A bare reference node that is drawn: its reaction is the force in the column, E A u / L, and what is held at the foot.
+/// Prescribed motion of a massless reference node: its reaction is the force E A u / L in the column, and opposite to
+/// that of the foot.
 #[test]
-fn the_reaction_of_a_reference_node_is_the_sum_of_the_forces_on_what_follows() {
+fn reference_node_reaction_is_the_column_force() {
     for (name, link) in HANGING {
-        let deck = hung(link, "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 100., 1.\n")
+        let deck = constrained_column(link, "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 100., 1.\n")
             + "*Step\n*Dynamic, Explicit\n , 100.\n*Boundary\n ALL, 1, 1\n J0, 2, 2\n*Boundary, amplitude=RAMP\n 900, 2, 2, 1.e-6\n\
                *Output, history, number interval=50\n*Node Output, nset=REF\n U2, RF2\n*Node Output, nset=J0\n RF2\n*End Step\n";
         let (outcome, memory) = run(&deck);
@@ -125,16 +127,17 @@ fn the_reaction_of_a_reference_node_is_the_sum_of_the_forces_on_what_follows() {
         let force = last(&deck, &memory, "RF2@REF");
         let foot: f64 = (1..=3).map(|n| last(&deck, &memory, &format!("RF2@{n}"))).sum();
         let expected = MODULUS * AREA * 1e-6;
-        println!("{name}: reaction off by {:.1e}, foot {:.1e}", force / expected - 1.0, foot / expected + 1.0);
-        // What vibrates is left of a pull over 50 periods of the wave.
+        println!("{name}: reaction error {:.1e}, foot {:.1e}", force / expected - 1.0, foot / expected + 1.0);
+        // Residual vibration of a motion prescribed over 50 wave periods.
         assert!((force / expected - 1.0).abs() < 5e-3, "{name}: {force:e} {expected:e}");
         assert!((foot / expected + 1.0).abs() < 5e-3, "{name}: {foot:e} {expected:e}");
         assert!(outcome.energy.drift < 1e-3, "{name}: {:e}", outcome.energy.drift);
     }
 }
 
-/// Two columns one upon the other along z, of `below` and `above` cells over the radius 1 and rows of the height 0.1 / `fine`.
-fn stack(below: usize, above: usize, fine: usize, gap: f64, tie: &str) -> String {
+/// Returns two stacked columns of radius 1 with `below` and `above` cells along the radius, rows of height 0.1 /
+/// `fine`, and an initial gap.
+fn stacked_columns(below: usize, above: usize, fine: usize, gap: f64, tie: &str) -> String {
     let rows = 10 * fine;
     let mut text = String::new();
     for (name, base, columns, foot) in [("LOW", 0, below, 0.0), ("HIGH", 100_000, above, 1.0 + gap)] {
@@ -172,7 +175,7 @@ fn stack(below: usize, above: usize, fine: usize, gap: f64, tie: &str) -> String
     text + &material(e, nu, 1.0, "")
 }
 
-/// Share of a node in the mass of a disc of the radius 1 in so many rings, by row sums, over that of the disc.
+/// Returns the nodal share of the mass of a disc of radius 1 divided into `columns` rings, by row sums.
 fn ring_share(columns: usize, i: usize) -> f64 {
     let (h, r) = (1.0 / columns as f64, i as f64 / columns as f64);
     let inside = if i > 0 { h * (0.5 * r - h / 6.0) } else { 0.0 };
@@ -180,13 +183,13 @@ fn ring_share(columns: usize, i: usize) -> f64 {
     2.0 * (inside + outside)
 }
 
-/// A pulse along z that passes from one mesh to another that is tied to it: what comes back, as a plane wave (the mean over a
-/// section) and anywhere in the section.
+/// A pulse along z passes a tie between nonmatching meshes. Measured is its reflection, as a plane wave (mean over a
+/// section) and at any node.
 #[test]
-fn a_wave_passes_a_tie_between_meshes_that_do_not_match() {
+fn wave_passes_a_tie_of_nonmatching_meshes() {
     let back = |below: usize, above: usize, fine: usize| {
-        // A pulse of velocity of the length 0.8 in space and 0.4 in time; the gauges stand in the middle of the lower column.
-        let mut text = stack(below * fine, above * fine, fine, 0.0, "*Tie, name=T\n FOOT, TOP\n");
+        // Velocity pulse of length 0.8 and duration 0.4; the gauges are in the middle of the lower column.
+        let mut text = stacked_columns(below * fine, above * fine, fine, 0.0, "*Tie, name=T\n FOOT, TOP\n");
         text += "*Amplitude, name=PULSE\n";
         for i in 0..=80 {
             let t = 0.005 * f64::from(i);
@@ -197,9 +200,9 @@ fn a_wave_passes_a_tie_between_meshes_that_do_not_match() {
                  *Output, history, frequency=1\n*Node Output, nset=GAUGES\n V2\n*End Step\n";
         let (outcome, memory) = run(&text);
         assert_eq!(outcome.halt, None);
-        // Work of the given motion by the trapezoid, of second order; meshes that match have the same.
+        // Trapezoidal work of the prescribed motion, of second order; the same for matching meshes.
         assert!(outcome.energy.drift < 3e-2 / (fine * fine) as f64, "{:e}", outcome.energy.drift);
-        // The pulse is past the gauges at 0.25 + 0.4; what the tie sends back is there from 0.75 on.
+        // The pulse leaves the gauges at 0.25 + 0.4; its reflection from the tie arrives at 0.75.
         let rows = memory.rows.iter().filter(|r| r.0 > 0.75);
         rows.fold([0.0_f64; 2], |[plane, any], (_, v)| {
             let mean: f64 = v.iter().enumerate().map(|(i, v)| ring_share(below * fine, i) * v).sum();
@@ -207,31 +210,32 @@ fn a_wave_passes_a_tie_between_meshes_that_do_not_match() {
             [plane.max(mean.abs() / 1e-6), any.max(largest / 1e-6)]
         })
     };
-    // A column whose meshes match has a tail of the pulse's dispersion alone.
+    // Matching meshes show only the numerical dispersion of the pulse.
     let alike: Vec<[f64; 2]> = [2, 4, 8].map(|fine| back(3, 3, fine)).to_vec();
     let found: Vec<[f64; 2]> = [2, 4, 8].map(|fine| back(3, 4, fine)).to_vec();
     let orders: Vec<f64> = found.windows(2).map(|w| (w[0][0] / w[1][0]).log2()).collect();
-    println!("tie of meshes that do not match: echo {found:?}, orders {orders:.2?}; of those that match: {alike:?}");
-    // Nodes that follow by themselves stiffen one row: an echo of the first order, 5.3e-3, 1.9e-3 and 6.9e-4 here.
+    println!("tie of nonmatching meshes: reflection {found:?}, orders {orders:.2?}; matching: {alike:?}");
+    // Independent slave nodes stiffen one row: a reflection of first order, 5.3e-3, 1.9e-3 and 6.9e-4.
     assert!(orders.iter().all(|o| *o > 1.0), "{found:?} {orders:?}");
     assert!(found[2][0] < 1e-3 && found[2][1] < 3e-3, "{found:?}");
 }
 
-/// Slave nodes at a distance are put on the master surface, without strain, or not; momentum stays either way.
+/// Slave nodes with an initial distance are moved to the master surface without strain, or remain in place; momentum is
+/// conserved in both cases.
 #[test]
-fn tied_nodes_are_put_on_their_surface_and_keep_momentum() {
+fn tied_nodes_are_adjusted_and_conserve_momentum() {
     for (gap, tie, place) in [
         (0.005, "*Tie, name=T\n FOOT, TOP\n", 1.0),
         (0.005, "*Tie, name=T, adjust=NO\n FOOT, TOP\n", 1.005),
         (0.02, "*Tie, name=T, adjust=YES, position tolerance=0.03\n FOOT, TOP\n", 1.0),
     ] {
-        let text = stack(3, 4, 1, gap, &format!("{tie}*Nset, nset=ONE\n 100002\n"))
+        let text = stacked_columns(3, 4, 1, gap, &format!("{tie}*Nset, nset=ONE\n 100002\n"))
             + "*Initial Conditions, type=VELOCITY\n HIGH, 2, -1.e-3\n HIGH, 1, 1.e-4\n*Step\n*Dynamic, Explicit\n , 5.\n\
                *Bulk Viscosity\n 0., 0.\n*Output, history, number interval=10\n*Node Output, nset=ONE\n COOR2\n\
                *Node Output, nset=LOW\n V2\n*Node Output, nset=HIGH\n V2\n*Energy Output\n ALLSE\n*End Step\n";
         let (outcome, memory) = run(&text);
         assert_eq!(outcome.halt, None);
-        // The lowest row of the upper column is as high as its nodes have been put.
+        // The height of the lowest row of the upper column follows from the adjusted nodes.
         let height = |j: usize, foot: f64| if j == 0 { foot } else { 0.1 };
         let weight = |columns: usize, n: usize, foot: f64| {
             let (i, j) = (n % (columns + 1), n / (columns + 1));
@@ -246,18 +250,18 @@ fn tied_nodes_are_put_on_their_surface_and_keep_momentum() {
         assert!((first[0] - place).abs() < 1e-12, "{} {place}", first[0]);
         let all: Vec<f64> = memory.rows.iter().map(|r| momentum(&r.1)).collect();
         let worst = all.iter().fold(0.0_f64, |m, p| m.max((p / all[0] - 1.0).abs()));
-        println!("gap {gap}: momentum off by {worst:.1e}, drift {:.1e}", outcome.energy.drift);
+        println!("gap {gap}: momentum error {worst:.1e}, drift {:.1e}", outcome.energy.drift);
         assert!(worst < 1e-11, "{worst:e}");
-        // The impact is a jump over one row, with the increment at its limit.
+        // The impact velocity is discontinuous over one row, and the increment is the largest stable one.
         assert!(outcome.energy.drift < 1.5e-2 && outcome.energy.strain > 0.0, "{:?}", outcome.energy);
     }
 }
 
-/// A punch of elements of a deformable type that is rigid, with a mass on its reference node and a pad tied to it, falls: the
-/// centre of mass follows gravity and a force, whatever the pad does.
+/// A rigid punch made of deformable element types, with a mass on its reference node and a pad tied to it, falls: the
+/// centre of mass follows gravity and an applied force.
 #[test]
-fn a_dropped_punch_with_a_pad_tied_to_it_keeps_its_momentum() {
-    let text = stack(4, 3, 1, 0.0, "")
+fn dropped_punch_with_tied_pad_conserves_momentum() {
+    let text = stacked_columns(4, 3, 1, 0.0, "")
         + "*Node, nset=REF\n 900000, 0., 3.\n*Element, type=MASS, elset=POINT\n 900000, 900000\n*Mass, elset=POINT\n 2.\n\
            *Rigid Body, ref node=900000, elset=HIGH\n*Tie, name=T\n TOP, FOOT\n\
            *Initial Conditions, type=VELOCITY\n 900000, 2, -0.01\n LOW, 2, -0.01\n*Step\n*Dynamic, Explicit\n , 5.\n\
@@ -265,7 +269,7 @@ fn a_dropped_punch_with_a_pad_tied_to_it_keeps_its_momentum() {
            *Output, history, number interval=20\n*Node Output, nset=REF\n V2\n*Node Output, nset=LOW\n V2\n*End Step\n";
     let (outcome, memory) = run(&text);
     assert_eq!(outcome.halt, None);
-    // The upper column has the volume pi; of the lower one the top row is the body's.
+    // The upper column has volume pi; the top row of nodes of the lower column belongs to the rigid body.
     let weight = |n: usize| PI * ring_share(4, n % 5) * 0.1 * if n / 5 == 0 || n / 5 == 10 { 0.5 } else { 1.0 };
     let mass = 2.0 + 2.0 * PI;
     let mut worst = 0.0_f64;
@@ -274,18 +278,18 @@ fn a_dropped_punch_with_a_pad_tied_to_it_keeps_its_momentum() {
         let expected = -0.01 * mass - (0.001 * mass + 0.002) * time;
         worst = worst.max((momentum / expected - 1.0).abs());
     }
-    println!("dropped punch: momentum off by {worst:.1e}, drift {:.1e}", outcome.energy.drift);
+    println!("dropped punch: momentum error {worst:.1e}, drift {:.1e}", outcome.energy.drift);
     assert!(worst < 1e-11, "{worst:e}");
     assert!(outcome.energy.drift < 1e-3, "{:e}", outcome.energy.drift);
-    // Rigid elements limit no increment and hold no stress: only those of the pad are there.
+    // Rigid elements limit no increment and store no energy; the strain energy is that of the pad.
     assert!(outcome.energy.strain > 0.0);
 }
 
-/// Scaled masses leave nodes alone that follow others: what is added is the mass of the rest.
+/// Mass scaling leaves constrained nodes unchanged: the added mass is that of the other nodes.
 #[test]
-fn mass_scaling_leaves_alone_what_follows() {
+fn mass_scaling_skips_constrained_nodes() {
     for (name, link) in HANGING {
-        let deck = hung(link, &mass_on_reference(AREA))
+        let deck = constrained_column(link, &mass_on_reference(AREA))
             + "*Initial Conditions, type=VELOCITY\n ALL, 2, 1.e-3\n 900, 2, 1.e-3\n*Step\n*Dynamic, Explicit, element by element\n , 1.\n\
                *Fixed Mass Scaling, factor=4.\n*Boundary\n ALL, 1, 1\n*Output, history, number interval=4\n*Node Output, nset=ALL\n V2\n*End Step\n";
         let (outcome, _) = run(&deck);
@@ -297,9 +301,9 @@ fn mass_scaling_leaves_alone_what_follows() {
     }
 }
 
-/// What cannot be is refused, with the way out; what is left out is told.
+/// Invalid links are errors whose message names the remedy, and omitted slave nodes cause a note.
 #[test]
-fn links_that_cannot_be_are_refused_with_a_way_out() {
+fn invalid_links_are_errors_with_a_remedy() {
     let step =
         "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary\n J0, 2, 2\n*Boundary, type=VELOCITY\n 900, 2, 2, 1.\n*End Step\n";
     let shown = |text: &str| {
@@ -326,15 +330,15 @@ fn links_that_cannot_be_are_refused_with_a_way_out() {
             "P062",
         ),
     ] {
-        let text = (hung(link, "*Node\n 901, 5., 5.\n") + step).replacen(from, to, 1);
-        let (errors, told) = shown(&text);
-        assert_eq!(errors, !words.is_empty(), "{link}: {told}");
-        assert!(told.contains(words), "{link}: {told}");
+        let text = (constrained_column(link, "*Node\n 901, 5., 5.\n") + step).replacen(from, to, 1);
+        let (errors, diagnostics) = shown(&text);
+        assert_eq!(errors, !words.is_empty(), "{link}: {diagnostics}");
+        assert!(diagnostics.contains(words), "{link}: {diagnostics}");
     }
-    // A slave surface that reaches beyond its master.
-    let text = stack(3, 4, 1, 0.0, "*Tie, name=T\n TOP, FOOT\n")
+    // A slave surface that extends beyond its master.
+    let text = stacked_columns(3, 4, 1, 0.0, "*Tie, name=T\n TOP, FOOT\n")
         .replace("EFOOT, generate\n 100001, 100004", "EFOOT, generate\n 100001, 100002")
         + "*Step\n*Dynamic, Explicit\n , 1.\n*End Step\n";
-    let (errors, told) = shown(&text);
-    assert!(!errors && told.contains("P061") && told.contains("2 of 4 nodes"), "{told}");
+    let (errors, diagnostics) = shown(&text);
+    assert!(!errors && diagnostics.contains("P061") && diagnostics.contains("2 of 4 nodes"), "{diagnostics}");
 }

@@ -1,8 +1,9 @@
-//! Pressures on an expanding cavity, and the constants fitted to them, against closed forms and published values.
+//! Pressure on an expanding cavity and the constants fitted to it, compared with closed forms and published values.
 //!
-//! Goal: A, B, C from a target's own curve. Sources: Hopkins 1960 (incompressible, perfectly plastic), Luk, Forrestal and Amos
-//! 1991 (hardening), Warren and Forrestal 1998 (rates), Forrestal and Tzou 1997 (cracks); compressible values from an
-//! independent integration along labels with another solver. Material: aluminium 6061 unless said.
+//! Goal: constants A, B, C derived from the stress-strain curve of a target. Sources: Hopkins 1960 (incompressible,
+//! perfectly plastic), Luk, Forrestal and Amos 1991 (hardening), Warren and Forrestal 1998 (rates), Forrestal and Tzou
+//! 1997 (cracks); compressible values from an independent integration in Lagrangian coordinates. Material: aluminium
+//! 6061 unless stated.
 
 use std::f64::consts::PI;
 
@@ -17,7 +18,7 @@ const YOUNG: f64 = 68.9e9;
 const Y: f64 = 276e6;
 const DENSITY: f64 = 2710.0;
 
-fn aluminium(curve: YieldCurve, poisson: f64) -> TargetMaterial {
+fn aluminium_target(curve: YieldCurve, poisson: f64) -> TargetMaterial {
     let (young, density, yield_stress) = (YOUNG, DENSITY, Y);
     TargetMaterial { young, poisson, density, yield_stress, curve, pressure_slope: 0.0, tension: None, rate: None }
 }
@@ -26,23 +27,23 @@ fn pressure(target: &ScaledTarget, velocity: f64) -> Result<CavityPressure, Resi
     ExpandingCavity::new(target)?.pressure(velocity)
 }
 
-fn point(material: &TargetMaterial, velocity: f64) -> CavityPressure {
+fn cavity_point(material: &TargetMaterial, velocity: f64) -> CavityPressure {
     pressure(&ScaledTarget::new(material).expect("a target"), velocity).expect("a pressure")
 }
 
-fn fitted(material: &TargetMaterial, to: f64, linear: bool) -> DerivedResistance {
+fn fit_constants(material: &TargetMaterial, to: f64, linear: bool) -> DerivedResistance {
     let request = FitRequest { linear, ..FitRequest::over([0.0, to]) };
     derive(&ScaledTarget::new(material).expect("a target"), &request).expect("a fit")
 }
 
-/// The integral of a function over 0..1 whose slope may be infinite at the ends: the tanh-sinh rule, which knows nothing of the
-/// solver's steps.
+/// Integrates a function over 0..1 by the tanh-sinh rule, which allows infinite slopes at the ends and is independent
+/// of the solver.
 fn quadrature(f: impl Fn(f64) -> f64) -> f64 {
     let h = 1.0 / 64.0;
     let term = |i: i32| {
         let t = h * f64::from(i);
         let s = 0.5 * PI * t.sinh();
-        // x near 0 keeps its digits.
+        // Keep the digits of x near 0.
         let x = 1.0 / (1.0 + (-2.0 * s).exp());
         let weight = 0.25 * PI * t.cosh() / s.cosh().powi(2);
         if x > 0.0 && x < 1.0 { weight * f(x) } else { 0.0 }
@@ -58,18 +59,19 @@ fn incompressible_at_rest(young: f64, y: f64, n: f64) -> f64 {
 }
 
 #[test]
-fn incompressible_perfectly_plastic_closed_form() {
+fn incompressible_perfectly_plastic_pressure_matches_closed_form() {
     for velocity in [0.0, 1e-3, 1.0, 300.0, 2000.0] {
         let exact = 2.0 / 3.0 * (1.0 + (2.0 * YOUNG / (3.0 * Y)).ln()) + 1.5 * velocity * velocity * DENSITY / Y;
-        let off = point(&aluminium(YieldCurve::Perfect, 0.5), velocity).stress / exact - 1.0;
+        let off = cavity_point(&aluminium_target(YieldCurve::Perfect, 0.5), velocity).stress / exact - 1.0;
         assert!(off.abs() < 1e-10, "{velocity}: {off:e}");
     }
 }
 
-/// The elastic zone ends at c_d t, so the limit is reached with 1/c_d: with the root of 1/2 - nu.
+/// The elastic zone ends at c_d t, so the deviation from the incompressible limit is proportional to 1/c_d, that is, to
+/// the root of 1/2 - nu.
 #[test]
-fn compressibility_goes_to_its_limit() {
-    let at = |poisson: f64| point(&aluminium(YieldCurve::Power(0.051), poisson), 600.0).stress;
+fn compressible_pressure_converges_to_the_incompressible_limit() {
+    let at = |poisson: f64| cavity_point(&aluminium_target(YieldCurve::Power(0.051), poisson), 600.0).stress;
     let limit = at(0.5);
     let slopes = [1e-5, 1e-7, 1e-9].map(|below: f64| (limit - at(0.5 - below)) / below.sqrt());
     println!("slopes over the root of 1/2 - nu: {slopes:?}");
@@ -77,24 +79,25 @@ fn compressibility_goes_to_its_limit() {
 }
 
 #[test]
-fn incompressible_hardening_closed_form() {
+fn incompressible_hardening_pressure_matches_closed_form() {
     for (young, y, n) in [(73.1e9, 448e6, 0.089), (YOUNG, Y, 0.051), (200e9, 400e6, 0.4)] {
         let exact = incompressible_at_rest(young, y, n);
-        let material = TargetMaterial { young, yield_stress: y, ..aluminium(YieldCurve::Power(n), 0.5) };
-        let got = point(&material, 0.0).stress;
+        let material = TargetMaterial { young, yield_stress: y, ..aluminium_target(YieldCurve::Power(n), 0.5) };
+        let got = cavity_point(&material, 0.0).stress;
         println!("n = {n}: {got} {exact}");
         assert!((got / exact - 1.0).abs() < 1e-8, "{n}: {got} {exact}");
     }
 }
 
-/// Linear hardening, H the slope over total strain: (2/3)(1 + the integral of 1/(1-x) and of (2/3) H (-ln x)/(1-x)), whose last
-/// part is pi^2/6 but for the front's (Hill 1950, The Mathematical Theory of Plasticity, V.2).
+/// Linear hardening with slope H over total strain: (2/3)(1 + integral of 1/(1-x) + integral of (2/3) H (-ln x)/(1-x)),
+/// whose last term is pi^2/6 up to the contribution of the front (Hill 1950, The Mathematical Theory of Plasticity,
+/// V.2).
 #[test]
-fn linear_hardening_of_a_table() {
+fn tabular_linear_hardening_matches_closed_form() {
     let modulus = 1e9;
     let tangent = YOUNG * modulus / (YOUNG + modulus);
     let rows = vec![[Y, 0.0], [Y + 0.3 * modulus, 0.3], [Y + 30.0 * modulus, 30.0]];
-    let got = point(&aluminium(YieldCurve::Table { rows, extrapolates: true }, 0.5), 0.0).stress;
+    let got = cavity_point(&aluminium_target(YieldCurve::Table { rows, extrapolates: true }, 0.5), 0.0).stress;
     let top = 1.0 - 1.5 * Y / YOUNG;
     let flow = |x: f64| 1.0 + tangent / Y * (-2.0 / 3.0 * x.ln() - Y / YOUNG);
     let exact = 2.0 / 3.0 * (1.0 + quadrature(|s| top * flow(top * s) / (1.0 - top * s)));
@@ -102,9 +105,9 @@ fn linear_hardening_of_a_table() {
     assert!((got / exact - 1.0).abs() < 1e-8, "{got} {exact}");
 }
 
-/// A table with many kinks that follows a power law is the power law.
+/// A fine table of a power law has the pressure of the power law.
 #[test]
-fn a_table_is_the_law_that_it_follows() {
+fn fine_table_matches_its_power_law() {
     let rows = |count: usize| {
         let strain = |i: usize| if i == 0 { Y / YOUNG } else { Y / YOUNG * 1e5_f64.powf(i as f64 / count as f64) };
         let row = |e: f64| {
@@ -114,20 +117,22 @@ fn a_table_is_the_law_that_it_follows() {
         (0..=count).map(|i| row(strain(i))).collect::<Vec<_>>()
     };
     for velocity in [0.0, 700.0] {
-        let exact = point(&aluminium(YieldCurve::Power(0.051), 1.0 / 3.0), velocity).stress;
+        let exact = cavity_point(&aluminium_target(YieldCurve::Power(0.051), 1.0 / 3.0), velocity).stress;
         let off = [20, 40].map(|n| {
             let rows = rows(n);
-            point(&aluminium(YieldCurve::Table { rows, extrapolates: false }, 1.0 / 3.0), velocity).stress / exact - 1.0
+            cavity_point(&aluminium_target(YieldCurve::Table { rows, extrapolates: false }, 1.0 / 3.0), velocity).stress
+                / exact
+                - 1.0
         });
-        println!("tables of 20 and 40 rows at {velocity}: {off:?}");
-        // Chords of a concave curve: below it, by the square of their length.
+        println!("tables of 20 and 40 rows at {velocity} m/s: errors {off:?}");
+        // Chords of a concave curve are below it, with an error of second order in their length.
         assert!(off[0] < 0.0 && off[0].abs() < 2e-3 && (3.0..5.0).contains(&(off[0] / off[1])), "{off:?}");
     }
 }
 
 /// Compressible pressures at velocities from 50 to 1500 m/s, without hardening and with n = 0.051.
 #[test]
-fn compressible_pressures() {
+fn compressible_pressures_match_independent_solver() {
     let table = [
         (50.0, 3.924_730, 4.433_285),
         (100.0, 4.016_608, 4.524_825),
@@ -144,56 +149,57 @@ fn compressible_pressures() {
     let mut worst: f64 = 0.0;
     for (velocity, perfect, hardening) in table {
         for (exact, curve) in [(perfect, YieldCurve::Perfect), (hardening, YieldCurve::Power(0.051))] {
-            let off = point(&aluminium(curve, 1.0 / 3.0), velocity).stress / exact - 1.0;
+            let off = cavity_point(&aluminium_target(curve, 1.0 / 3.0), velocity).stress / exact - 1.0;
             worst = worst.max(off.abs());
-            // The table's elastic zone leaves out the convective acceleration, rho v^2 / 2 at the plastic front.
+            // The elastic zone of the reference values neglects the convective acceleration, rho v^2 / 2 at the plastic
+            // front.
             assert!(off.abs() < 2e-4, "{velocity}: {off:e}");
         }
     }
-    println!("compressible pressures: at most {worst:.1e} off");
+    println!("compressible pressures: largest error {worst:.1e}");
 }
 
-/// 7075-T651, E = 73.1 GPa, Y = 448 MPa, n = 0.089: A = 4.418 (Forrestal, Luk, Rosenberg and Brar 1992, Int. J. Solids Struct. 29,
-/// 1729), between the pressure at rest and fits in two terms over more and more.
+/// 7075-T651, E = 73.1 GPa, Y = 448 MPa, n = 0.089: A = 4.418 (Forrestal, Luk, Rosenberg and Brar 1992, Int. J. Solids
+/// Struct. 29, 1729). It is between the quasi-static pressure and two-term fits over increasing velocity ranges.
 #[test]
-fn the_constant_of_7075() {
+fn constant_of_7075_matches_publication() {
     let material =
-        TargetMaterial { young: 73.1e9, yield_stress: 448e6, ..aluminium(YieldCurve::Power(0.089), 1.0 / 3.0) };
-    let still = point(&material, 0.0).stress;
-    let fits = [200.0, 300.0, 320.0, 340.0, 400.0].map(|to| fitted(&material, to, false).constants[0]);
+        TargetMaterial { young: 73.1e9, yield_stress: 448e6, ..aluminium_target(YieldCurve::Power(0.089), 1.0 / 3.0) };
+    let still = cavity_point(&material, 0.0).stress;
+    let fits = [200.0, 300.0, 320.0, 340.0, 400.0].map(|to| fit_constants(&material, to, false).constants[0]);
     println!("7075 at rest {still}, fits {fits:?}");
     assert!((still / 4.418 - 1.0).abs() < 5e-4, "{still}");
     assert!((fits[1] / 4.418 - 1.0).abs() < 1e-4, "{fits:?}");
     assert!(still < fits[0] && fits.windows(2).all(|w| w[0] < w[1]), "{fits:?}");
 }
 
-/// A and C of the literature's fits in two terms, and what a third one leaves over.
+/// A and C of published two-term fits, and the residual of three-term fits.
 #[test]
-fn constants_of_6061() {
+fn constants_of_6061_match_publications() {
     for (n, to, a, c) in [(0.0, 400.0, 3.90, 1.21), (0.051, 400.0, 4.41, 1.21), (0.051, 1000.0, 4.48, 1.13)] {
-        let derived = fitted(&aluminium(YieldCurve::Power(n), 1.0 / 3.0), to, false);
+        let derived = fit_constants(&aluminium_target(YieldCurve::Power(n), 1.0 / 3.0), to, false);
         let got = derived.constants;
         assert!((got[0] - a).abs() < 5.5e-3 && got[1] == 0.0 && (got[2] - c).abs() < 5.5e-3, "{n} {to}: {got:?}");
     }
-    let material = aluminium(YieldCurve::Power(0.051), 1.0 / 3.0);
-    let [two, three] = [false, true].map(|linear| fitted(&material, 1000.0, linear));
+    let material = aluminium_target(YieldCurve::Power(0.051), 1.0 / 3.0);
+    let [two, three] = [false, true].map(|linear| fit_constants(&material, 1000.0, linear));
     assert!(three.fit.residual < 0.4 * two.fit.residual && three.constants[1] > 0.0, "{three:?}");
     let half = three.fit.half_widths.map(|h| h.expect("fitted"));
     assert!(half.iter().all(|h| *h > 0.0 && *h < 0.05), "{half:?}");
-    // Six digits, as a card shows them.
+    // Six digits, as a data line shows them.
     assert!(three.constants.iter().zip(three.fit.constants).all(|(card, fit)| (card / fit - 1.0).abs() < 1e-5));
 }
 
 #[test]
-fn weights_and_the_pressure_at_rest() {
-    let target = ScaledTarget::new(&aluminium(YieldCurve::Power(0.051), 1.0 / 3.0)).expect("a target");
+fn fit_weights_favour_their_velocities() {
+    let target = ScaledTarget::new(&aluminium_target(YieldCurve::Power(0.051), 1.0 / 3.0)).expect("a target");
     let with = |request: FitRequest| derive(&target, &request).expect("a fit");
     let plain = FitRequest::over([0.0, 1000.0]);
     let pinned = with(FitRequest { pinned: true, ..plain });
     assert!((pinned.constants[0] / pinned.static_pressure - 1.0).abs() < 1e-5 && pinned.fit.half_widths[0].is_none());
     let [even, relative, fast] =
         [FitWeight::Even, FitWeight::Relative, FitWeight::Velocity].map(|weight| with(FitRequest { weight, ..plain }));
-    // Relative weights look at low pressures, those by velocity at high ones.
+    // Relative weights favour low pressures, velocity weights favour high ones.
     let at = |d: &DerivedResistance, v: f64| {
         (d.fit.at(v / target.velocity) / pressure(&target, v).expect("a pressure").stress - 1.0).abs()
     };
@@ -201,31 +207,33 @@ fn weights_and_the_pressure_at_rest() {
     assert!(at(&fast, 1000.0) < at(&even, 1000.0));
 }
 
-/// The growth with rate of an incompressible target against quadrature, and constants near those of the literature (A = 5.035,
-/// B = 0.961, C = 0.946), which fitted another choice of velocities.
+/// The increase by strain rate in an incompressible target agrees with quadrature, and the constants are close to
+/// published ones (A = 5.035, B = 0.961, C = 0.946), which were fitted at other velocities.
 #[test]
-fn strain_rates_raise_the_pressure() {
+fn strain_rate_pressure_matches_quadrature() {
     let rate =
         |radius: f64| StrainRateEffect { factor: StrainRateFactor::Power { reference: 8e5, exponent: 0.3 }, radius };
-    let with =
-        |radius: f64| TargetMaterial { rate: Some(rate(radius)), ..aluminium(YieldCurve::Power(0.051), 1.0 / 3.0) };
-    let still = aluminium(YieldCurve::Power(0.051), 1.0 / 3.0);
+    let with = |radius: f64| TargetMaterial {
+        rate: Some(rate(radius)),
+        ..aluminium_target(YieldCurve::Power(0.051), 1.0 / 3.0)
+    };
+    let still = aluminium_target(YieldCurve::Power(0.051), 1.0 / 3.0);
     for (velocity, radius) in [(100.0, 3.555e-3), (1000.0, 3.555e-3), (500.0, 35.55e-3)] {
-        let gain = point(&with(radius), velocity).stress - point(&still, velocity).stress;
+        let gain = cavity_point(&with(radius), velocity).stress - cavity_point(&still, velocity).stress;
         let top = 1.0 - 1.5 * Y / YOUNG;
         let scale = 2.0 / 3.0 * (2.0 * YOUNG / (3.0 * Y)).powf(0.051) * (2.0 * velocity / radius / 8e5_f64).powf(0.3);
         let exact = scale * quadrature(|s| top * (-(top * s).ln()).powf(0.051) * (1.0 - top * s).powf(-0.7));
         println!("{velocity} m/s, {radius} m: rates add {gain} {exact}");
         assert!((gain / exact - 1.0).abs() < 1e-7, "{gain} {exact}");
     }
-    assert_eq!(point(&with(3.555e-3), 0.0), point(&still, 0.0));
+    assert_eq!(cavity_point(&with(3.555e-3), 0.0), cavity_point(&still, 0.0));
     let target = ScaledTarget::new(&with(3.555e-3)).expect("a target");
     let derived = derive(&target, &FitRequest::over([50.0, 1500.0])).expect("a fit");
     println!("with rates A, B, C = {:?}", derived.constants);
     assert!((derived.constants[0] - 5.035).abs() < 0.01 && (derived.constants[2] - 0.946).abs() < 0.02, "{derived:?}");
 }
 
-fn concrete(tension: Option<f64>, poisson: f64, pressure_slope: f64) -> TargetMaterial {
+fn concrete_target(tension: Option<f64>, poisson: f64, pressure_slope: f64) -> TargetMaterial {
     let (young, density, yield_stress) = (11.3e9, 2340.0, 130e6);
     TargetMaterial {
         young,
@@ -239,10 +247,11 @@ fn concrete(tension: Option<f64>, poisson: f64, pressure_slope: f64) -> TargetMa
     }
 }
 
-/// An incompressible target at rest that cracks: columns carry Y c^2/r^2 from the plastic front c to the cracks at
-/// c sqrt(Y/2T), where the elastic zone bears the tension T; what they shorten is what the cavity takes.
+/// Incompressible target with cracks at zero velocity: radial columns carry Y c^2/r^2 from the plastic front c to the
+/// cracks at c sqrt(Y/2T), where the tension in the elastic zone is T. The shortening of the columns is the cavity
+/// opening.
 #[test]
-fn cracks_at_rest_closed_form() {
+fn quasi_static_cracks_match_closed_form() {
     for tension in [5e6, 13e6, 40e6] {
         let (young, y) = (11.3e9, 130e6);
         let eta = f64::sqrt(y / (2.0 * tension));
@@ -250,50 +259,52 @@ fn cracks_at_rest_closed_form() {
         let displacement = 2.0 * tension * 3.0 / (4.0 * young) * eta + y / young * (1.0 - 1.0 / eta);
         let opened = 1.0 - (1.0 - displacement).powi(3);
         let exact = 1.0 - 2.0 / 3.0 * opened.ln();
-        let got = point(&concrete(Some(tension), 0.5, 0.0), 0.0);
+        let got = cavity_point(&concrete_target(Some(tension), 0.5, 0.0), 0.0);
         println!("cracks: T = {tension:e}: {got:?} {exact}");
         assert!((got.stress / exact - 1.0).abs() < 1e-9, "{got:?} {exact}");
         assert!((got.cracked.expect("cracks") / got.plastic / eta - 1.0).abs() < 1e-9, "{got:?}");
     }
 }
 
-/// Tension that is never reached changes nothing; cracks weaken a target at rest, slow down with velocity against the plastic
-/// front, and end where it overtakes them, without a jump that matters.
+/// A tensile strength that is never reached changes nothing. Cracks reduce the quasi-static pressure, grow more slowly
+/// than the plastic front with increasing velocity, and vanish where the front overtakes them, with a negligible jump
+/// of the pressure.
 #[test]
-fn cracks_end_with_tension_and_with_velocity() {
+fn cracks_vanish_with_strength_and_velocity() {
     for slope in [0.0, 0.67] {
-        let [whole, strong, brittle] = [None, Some(60e6), Some(13e6)].map(|t| concrete(t, 0.22, slope));
-        assert_eq!(point(&strong, 100.0), point(&whole, 100.0));
-        assert!(point(&brittle, 0.0).stress < point(&whole, 0.0).stress);
-        let ratio = |v: f64| point(&brittle, v).cracked.map(|c| c / point(&brittle, v).plastic);
+        let [whole, strong, brittle] = [None, Some(60e6), Some(13e6)].map(|t| concrete_target(t, 0.22, slope));
+        assert_eq!(cavity_point(&strong, 100.0), cavity_point(&whole, 100.0));
+        assert!(cavity_point(&brittle, 0.0).stress < cavity_point(&whole, 0.0).stress);
+        let ratio = |v: f64| cavity_point(&brittle, v).cracked.map(|c| c / cavity_point(&brittle, v).plastic);
         let ratios: Vec<Option<f64>> = (0..=20).map(|i| ratio(40.0 * f64::from(i))).collect();
         let (open, closed): (Vec<Option<f64>>, Vec<Option<f64>>) = ratios.iter().copied().partition(Option::is_some);
         assert!(open.len() > 5 && closed.len() > 5 && open.windows(2).all(|w| w[1] < w[0]), "{ratios:?}");
-        let [brittle_fast, whole_fast] = [&brittle, &whole].map(|m| point(m, 800.0));
+        let [brittle_fast, whole_fast] = [&brittle, &whole].map(|m| cavity_point(m, 800.0));
         assert!(brittle_fast.cracked.is_none() && (brittle_fast.stress / whole_fast.stress - 1.0).abs() < 1e-10);
-        let jump =
-            (1..800).map(|i| f64::from(i) - 0.5).map(|v| point(&brittle, v + 1.0).stress / point(&brittle, v).stress);
+        let jump = (1..800)
+            .map(|i| f64::from(i) - 0.5)
+            .map(|v| cavity_point(&brittle, v + 1.0).stress / cavity_point(&brittle, v).stress);
         let jump = jump.fold((f64::INFINITY, 0.0_f64), |m, r| (m.0.min(r), m.1.max(r)));
-        println!("slope {slope}: pressures a metre a second apart grow by {jump:?}");
+        println!("slope {slope}: increase of pressure per 1 m/s {jump:?}");
         assert!(jump.0 > 0.99 && jump.1 < 1.01, "{jump:?}");
     }
 }
 
-/// A strength that grows with pressure, incompressible and at rest: d s/d ln r = -2 tau with tau = (Y + k s)/(1 + 2k/3) has the
-/// solution (s + Y/k) r^(2k/(1 + 2k/3)) = const from s = 2Y/3 at the front.
+/// Pressure-dependent strength, incompressible and quasi-static: d s/d ln r = -2 tau with tau = (Y + k s)/(1 + 2k/3),
+/// whose solution is (s + Y/k) r^(2k/(1 + 2k/3)) = const with s = 2Y/3 at the front.
 #[test]
-fn strength_that_grows_with_pressure() {
+fn pressure_dependent_strength_matches_closed_form() {
     let (young, y, k) = (11.3e9_f64, 130e6_f64, 0.67);
     let radius = (1.5 * y / young).cbrt();
     let exact = (2.0 / 3.0 + 1.0 / k) * radius.powf(-2.0 * k / (1.0 + 2.0 * k / 3.0)) - 1.0 / k;
-    let got = point(&concrete(None, 0.5, k), 0.0).stress;
+    let got = cavity_point(&concrete_target(None, 0.5, k), 0.0).stress;
     println!("Mohr-Coulomb at rest {got} {exact}");
     assert!((got / exact - 1.0).abs() < 1e-9, "{got} {exact}");
 }
 
-/// Wherever there is an answer it is a number that grows with velocity; elsewhere the reason is said.
+/// For extreme parameters the pressure is finite and increases with velocity, or the error states the reason.
 #[test]
-fn the_worst_places_have_an_answer_or_a_reason() {
+fn extreme_parameters_give_a_pressure_or_a_reason() {
     let curves = [
         YieldCurve::Perfect,
         YieldCurve::Power(0.4),
@@ -311,7 +322,8 @@ fn the_worst_places_have_an_answer_or_a_reason() {
                     }
                     other => other.clone(),
                 };
-                let material = TargetMaterial { yield_stress: strength * Y, ..aluminium(scale(&curve), poisson) };
+                let material =
+                    TargetMaterial { yield_stress: strength * Y, ..aluminium_target(scale(&curve), poisson) };
                 let target = ScaledTarget::new(&material).expect("a target");
                 let mut before = 0.0;
                 for velocity in [0.0, 1e-6, 1.0, 100.0, 1000.0, 4000.0, 1e4, 1e6] {
@@ -341,8 +353,8 @@ fn the_worst_places_have_an_answer_or_a_reason() {
 }
 
 #[test]
-fn targets_that_cannot_be_are_refused() {
-    let good = aluminium(YieldCurve::Perfect, 1.0 / 3.0);
+fn invalid_target_materials_are_errors() {
+    let good = aluminium_target(YieldCurve::Perfect, 1.0 / 3.0);
     let rows = |rows: &[[f64; 2]]| YieldCurve::Table { rows: rows.to_vec(), extrapolates: true };
     let bad = [
         TargetMaterial { young: 0.0, ..good.clone() },
@@ -380,8 +392,8 @@ fn targets_that_cannot_be_are_refused() {
     assert_eq!(derive(&target, &FitRequest::over([0.0, 2e4])).expect_err("too fast").code(), "C002");
 }
 
-/// A rigid cone into soil whose resistance a card gives, or derives.
-fn shot(cards: &str) -> String {
+/// Returns the deck of a rigid cone into soil whose resistance is given by a card or derived.
+fn cone_deck(cards: &str) -> String {
     format!(
         "*Node\n 1, 0., 0.\n 2, 0.5, 0.5\n*Node, nset=REF\n 99, 0., 0.\n*Element, type=RAX2, elset=HULL\n 1, 2, 1\n\
          *Element, type=MASS, elset=POINT\n 3, 99\n*Mass, elset=POINT\n 5000.,\n*Rigid Body, ref node=REF, elset=HULL\n\
@@ -394,19 +406,19 @@ fn shot(cards: &str) -> String {
 const PLASTIC: &str = "*Plastic\n 276.e6, 0.\n 310.e6, 0.1\n 330.e6, 1.\n";
 
 fn derived_card(above: &str, card: &str) -> String {
-    shot(&format!("*Material, name=AL\n{card}*Density\n 2710.,\n*Elastic\n 68.9e9, 0.3333\n{above}"))
+    cone_deck(&format!("*Material, name=AL\n{card}*Density\n 2710.,\n*Elastic\n 68.9e9, 0.3333\n{above}"))
 }
 
-/// `DERIVE` in a deck comes to what the card of the same constants comes to, bit by bit, wherever it stands in its material; and
-/// the ledger says what was derived, over what range, and how well it fits.
+/// `DERIVE` gives the same bits as a card with the derived constants, at any place in the material, and the ledger
+/// lists the constants, their velocity range and the residual.
 #[test]
-fn a_deck_derives_the_card_that_it_could_have() {
+fn derived_resistance_equals_an_explicit_card() {
     let deck = derived_card(PLASTIC, "*Cavity Expansion, derive\n 0., 800.\n");
     let (model, diagnostics) = revolve::model::build(&revolve::deck::read_text("derived", &deck, &[]).0);
     assert!(!diagnostics.has_errors(), "{}", diagnostics.render(&model.origin.sources));
     let law = model.materials[0].cavity.expect("a resistance");
     let [a, b, c] = [law.a, law.b, law.c];
-    let given = shot(&format!(
+    let given = cone_deck(&format!(
         "*Material, name=AL\n*Density\n 2710.,\n*Cavity Expansion, yield={:?}\n {a:?}, {b:?}, {c:?}\n",
         law.yield_stress
     ));
@@ -416,7 +428,7 @@ fn a_deck_derives_the_card_that_it_could_have() {
     });
     assert_eq!(derived, given);
     let rows = vec![[276e6, 0.0], [310e6, 0.1], [330e6, 1.0]];
-    let same = fitted(&aluminium(YieldCurve::Table { rows, extrapolates: false }, 0.3333), 800.0, true);
+    let same = fit_constants(&aluminium_target(YieldCurve::Table { rows, extrapolates: false }, 0.3333), 800.0, true);
     assert_eq!(same.constants, [a, b, c]);
     let ledger = crate::common::prepared(&deck, &[], &revolve::user::Routines::none()).plan.ledger;
     let row = ledger.effects.iter().find(|r| r.effect == "derived resistance").expect("a row");
@@ -426,12 +438,12 @@ fn a_deck_derives_the_card_that_it_could_have() {
 }
 
 #[test]
-fn decks_that_cannot_derive_say_why() {
+fn invalid_derivations_are_errors() {
     let card = "*Cavity Expansion, derive\n 0., 800.\n";
     let rated = format!("{PLASTIC}*Rate Dependent, type=power law\n 8.e5, 3.\n");
     for (deck, code) in [
         (derived_card("", card), "M101"),
-        (shot(&format!("*Material, name=AL\n*Density\n 2710.,\n{PLASTIC}{card}")), "M101"),
+        (cone_deck(&format!("*Material, name=AL\n*Density\n 2710.,\n{PLASTIC}{card}")), "M101"),
         (derived_card(PLASTIC, "*Cavity Expansion, derive\n 800., 0.\n"), "C003"),
         (derived_card(PLASTIC, "*Cavity Expansion, derive\n 0., 20000.\n"), "C002"),
         (derived_card(PLASTIC, "*Cavity Expansion, derive\n 0., 800., 2\n"), "C003"),
@@ -452,17 +464,17 @@ fn decks_that_cannot_derive_say_why() {
     }
 }
 
-/// The pressure on a meshed cavity against the similarity solution, with hardening, at two velocities: three meshes show an order,
-/// and Richardson's value lies within 0.1 % (0.02 %).
+/// Pressure on a meshed cavity with hardening at two velocities, compared with the similarity solution: three meshes
+/// converge, and the Richardson limit agrees within 0.1 % (0.02 %).
 #[test]
-fn a_meshed_cavity_presses_as_the_similar_one() {
-    let material = aluminium(YieldCurve::Power(0.051), 1.0 / 3.0);
+fn meshed_cavity_pressure_matches_similarity_solution() {
+    let material = aluminium_target(YieldCurve::Power(0.051), 1.0 / 3.0);
     let measured = revolve::study::expansion::measure(&material, &[500.0, 1000.0]).expect("runs");
     for m in &measured {
-        let exact = point(&material, m.velocity).stress;
+        let exact = cavity_point(&material, m.velocity).stress;
         let off = m.estimate.limit / exact - 1.0;
         println!(
-            "{} m/s: {:?} limit {} order {:?} drift {:e}: {off:e} off {exact}",
+            "{} m/s: {:?} limit {} order {:?} drift {:e}: error {off:e}, similarity solution {exact}",
             m.velocity, m.levels, m.estimate.limit, m.estimate.order, m.drift
         );
         assert!(off.abs() < 1e-3, "{m:?} {exact}");

@@ -1,28 +1,30 @@
 //! Contact of oblique rigid bodies with analytical walls, and loads on them.
-//! Goal: the plastic bounce of a tilted body in closed form, a ball that slides until it rolls, bodies at rest with the weight as
-//! reaction, a ball in a bowl as a pendulum, gravity, forces, moments and pressures in any direction; momentum and energy closed.
-//! Sources: Routh, Dynamics of a System of Rigid Bodies, I, 179 (impulse at a point); Lamb, Dynamics, 64 (rolling at 5/7 v0).
+//!
+//! Goal: plastic bounce of a tilted body, transition of a ball from sliding to rolling, reaction to the weight at rest,
+//! pendulum motion in a bowl, gravity, forces, moments and pressures in any direction; balances of momentum and energy.
+//! Sources: Routh, Dynamics of a System of Rigid Bodies, I, 179 (impulse at a point); Lamb, Dynamics, 64 (rolling at
+//! 5/7 v0).
 
 use std::f64::consts::PI;
 
 use revolve::solve::Outcome;
 use revolve::user::{LoadPoints, Routines};
 
-use crate::common::{self, Memory};
+use crate::common::{self, RecordedOutput};
 
 const MASS: f64 = 0.05;
 const GRAVITY: f64 = 9.81;
 
-/// A body, its wall and what acts on it.
+/// Rigid body with its wall and loads.
 #[derive(Clone)]
-struct Scene {
+struct WallScene {
     points: Vec<[f64; 2]>,
     height: f64,
-    /// About the axis and across it.
+    /// Moments of inertia about the axis and about a transverse axis.
     inertia: [f64; 2],
     angles: [f64; 2],
     starts: [f64; 6],
-    /// Data lines of the wall's surface.
+    /// Data lines of the wall surface.
     wall: String,
     friction: f64,
     loads: String,
@@ -30,15 +32,15 @@ struct Scene {
     accuracy: f64,
 }
 
-impl Scene {
-    fn new(points: Vec<[f64; 2]>, height: f64) -> Scene {
-        Scene {
+impl WallScene {
+    fn new(points: Vec<[f64; 2]>, height: f64) -> WallScene {
+        WallScene {
             points,
             height,
             inertia: [1e-6, 8e-6],
             angles: [0.0; 2],
             starts: [0.0; 6],
-            wall: floor(-1.0),
+            wall: floor_plane(-1.0),
             friction: 0.0,
             loads: String::new(),
             time: 1e-3,
@@ -50,8 +52,9 @@ impl Scene {
         let nodes = self.points.iter().enumerate().map(|(i, [r, z])| format!(" {}, {r:e}, {z:e}\n", i + 1));
         let elements = (1..self.points.len()).map(|i| format!(" {i}, {i}, {}\n", i + 1));
         let starts = (1..=6).map(|dof| format!(" REF, {dof}, {:e}\n", self.starts[dof - 1]));
-        let Scene { height, inertia: [axial, across], angles: [a, b], wall, friction, loads, time, accuracy, .. } =
-            self;
+        let WallScene {
+            height, inertia: [axial, across], angles: [a, b], wall, friction, loads, time, accuracy, ..
+        } = self;
         format!(
             "*Node\n{}*Node, nset=REF\n 9999, 0., {height:e}\n*Node, nset=WREF\n 9000, 0., 0.\n\
              *Element, type=RAX2, elset=SKIN\n{}*Element, type=MASS, elset=M\n 9998, 9999\n*Mass, elset=M\n {MASS}\n\
@@ -69,27 +72,27 @@ impl Scene {
         )
     }
 
-    fn run(&self) -> Run {
+    fn run(&self) -> WallRun {
         self.run_with(&Routines::none())
     }
 
-    fn run_with(&self, routines: &Routines) -> Run {
+    fn run_with(&self, routines: &Routines) -> WallRun {
         let prepared = common::prepared(&self.deck(), &[], routines);
         let names = prepared.plan.column_names();
-        let mut memory = Memory::default();
+        let mut memory = RecordedOutput::default();
         let (outcome, _) = revolve::solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
         assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
-        Run { names, memory, outcome }
+        WallRun { names, memory, outcome }
     }
 }
 
-struct Run {
+struct WallRun {
     names: Vec<String>,
-    memory: Memory,
+    memory: RecordedOutput,
     outcome: Outcome,
 }
 
-impl Run {
+impl WallRun {
     fn column(&self, name: &str) -> Vec<f64> {
         let at = self.names.iter().position(|n| n == name).unwrap_or_else(|| panic!("no {name} in {:?}", self.names));
         self.memory.rows.iter().map(|row| row.1[at]).collect()
@@ -104,8 +107,8 @@ impl Run {
     }
 }
 
-/// A plane that faces +z.
-fn floor(z: f64) -> String {
+/// Returns the data lines of a plane that faces +z.
+fn floor_plane(z: f64) -> String {
     format!(" START, 0., {z:e}\n LINE, 9., {z:e}\n")
 }
 
@@ -124,23 +127,28 @@ fn sphere(facets: usize, radius: f64) -> Vec<[f64; 2]> {
     (0..=facets).map(|i| [place(i), radius * (1.0 - angle(i).cos())]).collect()
 }
 
-/// A ball whose axis lies along 3, with its lowest point at z = 0.
-fn ball(radius: f64) -> Scene {
+/// Returns a ball with its axis along 3 and its lowest point at z = 0.
+fn ball(radius: f64) -> WallScene {
     let inertia = 0.4 * MASS * radius * radius;
-    Scene { inertia: [inertia; 2], angles: [0.0, 90.0], wall: floor(0.0), ..Scene::new(sphere(24, radius), radius) }
+    WallScene {
+        inertia: [inertia; 2],
+        angles: [0.0, 90.0],
+        wall: floor_plane(0.0),
+        ..WallScene::new(sphere(24, radius), radius)
+    }
 }
 
-/// A tilted cylinder falls on an edge: J = v / (1/m + x^2/I), V = -v + J/m, w = x J/I.
+/// A tilted cylinder falls on its edge: J = v / (1/m + x^2/I), V = -v + J/m, w = x J/I.
 #[test]
-fn plastic_bounce_of_a_tilted_body_is_that_of_the_closed_form() {
+fn plastic_bounce_of_a_tilted_body_matches_closed_form() {
     let (radius, length, tilt, speed) = (0.006, 0.04, 30.0_f64, 10.0);
     let (sine, cosine) = tilt.to_radians().sin_cos();
-    // The edge of the foot at angle 0 on the side to which it is turned.
+    // Edge of the foot at angle 0 on the side towards which the body is tilted.
     let (x, y) = (-radius * cosine + 0.5 * length * sine, -radius * sine - 0.5 * length * cosine);
-    let base = Scene::new(cylinder(radius, length), 0.5 * length);
-    let scene = Scene {
+    let base = WallScene::new(cylinder(radius, length), 0.5 * length);
+    let scene = WallScene {
         angles: [tilt, 0.0],
-        wall: floor(0.5 * length + y - 1e-4),
+        wall: floor_plane(0.5 * length + y - 1e-4),
         starts: [0.0, -speed, 0.0, 0.0, 0.0, 0.0],
         time: 4e-5,
         accuracy: 1e-8,
@@ -151,22 +159,22 @@ fn plastic_bounce_of_a_tilted_body_is_that_of_the_closed_form() {
     let impulse = speed / (1.0 / MASS + x * x / across);
     let expected = [-speed + impulse / MASS, x * impulse / across, 0.5 * speed * impulse];
     let found = [run.last("V2@REF"), run.last("VR3@REF"), run.last("ALLCW")];
-    println!("bounce: {found:?} for {expected:?}, drift {:e}", run.outcome.energy.drift);
+    println!("bounce: {found:?}, expected {expected:?}, drift {:e}", run.outcome.energy.drift);
     for (found, expected) in found.iter().zip(expected) {
-        assert!((found / expected - 1.0).abs() < 2e-3, "{found} for {expected}");
+        assert!((found / expected - 1.0).abs() < 2e-3, "{found}, expected {expected}");
     }
     assert!(run.last("V1@REF").abs() < 1e-9 && run.outcome.energy.drift < 1e-9);
-    // Momentum: forces of contact times the time over which they act.
+    // Momentum: contact forces times their duration.
     let (times, forces) = (run.times(), run.column("CFN2@SKIN_WALL"));
     let given: f64 = (1..times.len()).map(|i| forces[i] * (times[i] - times[i - 1])).sum();
-    assert!((given / impulse - 1.0).abs() < 2e-3, "{given} for {impulse}");
+    assert!((given / impulse - 1.0).abs() < 2e-3, "{given}, expected {impulse}");
 }
 
-/// A ball that slides on a floor rolls at 5/7 of its speed; friction takes 2/7 of its energy.
+/// A sliding ball reaches rolling at 5/7 of its speed; friction dissipates 2/7 of its energy.
 #[test]
-fn a_sliding_ball_comes_to_roll() {
+fn sliding_ball_reaches_rolling_speed() {
     let (radius, speed) = (0.01, 1.0);
-    let scene = Scene {
+    let scene = WallScene {
         starts: [speed, 0.0, 0.0, 0.0, 0.0, 0.0],
         friction: 0.3,
         loads: gravity([0.0, -1.0, 0.0]),
@@ -188,16 +196,17 @@ fn a_sliding_ball_comes_to_roll() {
     assert!((run.last("U2@REF")).abs() < 1e-3 * radius);
 }
 
-/// A cylinder on its side: the floor bears its weight, friction holds it on a slope below the coefficient and not above it.
+/// A cylinder on its side: the reaction of the floor is its weight; friction holds it on a slope below the coefficient
+/// of friction and not above it.
 #[test]
-fn a_body_at_rest_weighs_on_the_floor() {
-    let scene = |across: f64| Scene {
+fn body_at_rest_has_its_weight_as_reaction() {
+    let scene = |across: f64| WallScene {
         angles: [90.0, 0.0],
-        wall: floor(0.02 - 0.006),
+        wall: floor_plane(0.02 - 0.006),
         friction: 0.3,
         loads: gravity([across, -1.0, 0.0]),
         time: 0.05,
-        ..Scene::new(cylinder(0.006, 0.04), 0.02)
+        ..WallScene::new(cylinder(0.006, 0.04), 0.02)
     };
     let down = |across: f64| MASS * GRAVITY / across.hypot(1.0);
     let still = scene(0.2).run();
@@ -210,18 +219,18 @@ fn a_body_at_rest_weighs_on_the_floor() {
     );
     let slides = scene(0.5).run();
     let expected = 0.05 * GRAVITY * (0.5 - 0.3) / 0.5_f64.hypot(1.0);
-    println!("on a slope: {} for {expected}", slides.last("V1@REF"));
+    println!("on a slope: {}, expected {expected}", slides.last("V1@REF"));
     assert!((slides.last("V1@REF") / expected - 1.0).abs() < 5e-3 && slides.outcome.energy.drift < 1e-3);
 }
 
-/// Without friction a ball in a bowl is a pendulum as long as the difference of both radii.
+/// A frictionless ball in a bowl is a pendulum whose length is the difference of the radii.
 #[test]
-fn a_ball_in_a_bowl_is_a_pendulum() {
+fn ball_in_a_bowl_moves_as_a_pendulum() {
     let (radius, bowl, angle) = (0.01, 0.11, 0.5_f64);
     let arm = bowl - radius;
     let wall = format!(" START, 0., 0.\n CIRCL, {bowl:e}, {bowl:e}, 0., {bowl:e}\n");
     let speed = (2.0 * GRAVITY * arm * (1.0 - angle.cos())).sqrt();
-    let scene = Scene {
+    let scene = WallScene {
         wall,
         starts: [speed, 0.0, 0.0, 0.0, 0.0, 0.0],
         loads: gravity([0.0, -1.0, 0.0]),
@@ -236,15 +245,15 @@ fn a_ball_in_a_bowl_is_a_pendulum() {
     assert!((highest / expected - 1.0).abs() < 5e-3 && loss.abs() < 1e-2 && run.outcome.energy.drift < 1e-2);
 }
 
-/// Gravity along 3, a force along 1 off the centre and a moment about 1, over a time in which nothing turns far.
+/// Gravity along 3, an eccentric force along 1 and a moment about 1, over a time with small rotations.
 #[test]
-fn forces_and_moments_act_in_all_directions() {
+fn forces_and_moments_accelerate_in_all_directions() {
     let time = 1e-3;
     let loads = format!("{}*Cload\n 3, 1, 2.\n 9999, 4, 1e-3\n", gravity([0.0, 0.0, 1.0]));
-    let scene = Scene { angles: [0.0, 30.0], loads, time, ..Scene::new(cylinder(0.006, 0.04), 0.01) };
+    let scene = WallScene { angles: [0.0, 30.0], loads, time, ..WallScene::new(cylinder(0.006, 0.04), 0.01) };
     let run = scene.run();
     let (sine, cosine) = 30.0_f64.to_radians().sin_cos();
-    // Node 3 lies 0.01 above the centre of mass, on the axis (0, cos, sin).
+    // Node 3 is 0.01 above the centre of mass, on the axis (0, cos, sin).
     let [axial, across] = scene.inertia;
     let moment = [1e-3, 2.0 * 0.01 * sine, -2.0 * 0.01 * cosine];
     let along = moment[1] * cosine + moment[2] * sine;
@@ -255,7 +264,7 @@ fn forces_and_moments_act_in_all_directions() {
     }
     for (i, expected) in angular.into_iter().enumerate() {
         let found = run.last(&format!("VR{}@REF", i + 1));
-        assert!((found - expected * time).abs() < 2e-2 * norm(angular) * time, "{found} for {}", expected * time);
+        assert!((found - expected * time).abs() < 2e-2 * norm(angular) * time, "{found}, expected {}", expected * time);
     }
     assert!(run.outcome.energy.drift < 1e-6, "{}", run.outcome.energy.drift);
 }
@@ -264,39 +273,39 @@ fn norm([a, b, c]: [f64; 3]) -> f64 {
     a.hypot(b).hypot(c)
 }
 
-/// A pressure all over a tilted body's foot pushes along its axis, as a prescribed one and as one of the user's routine.
+/// A uniform pressure on the foot of a tilted body acts along its axis, as a prescribed pressure and as a user load.
 #[test]
-fn pressures_push_along_the_axis_of_a_tilted_body() {
+fn pressure_acts_along_the_axis_of_a_tilted_body() {
     let (radius, pressure, time) = (0.006, 1e5, 1e-4);
-    let scene = |loads: &str| Scene {
+    let scene = |loads: &str| WallScene {
         angles: [20.0, 35.0],
         loads: format!("*Dsload\n FOOT, {loads}\n"),
         time,
-        ..Scene::new(cylinder(radius, 0.04), 0.02)
+        ..WallScene::new(cylinder(radius, 0.04), 0.02)
     };
-    let run = |scene: &Scene, routines: &Routines| {
-        let scene = Scene { wall: scene.wall.clone(), ..scene.clone() };
+    let run = |scene: &WallScene, routines: &Routines| {
+        let scene = WallScene { wall: scene.wall.clone(), ..scene.clone() };
         let deck = scene.deck().replace(
             "*Surface, name=SKIN\n",
             "*Elset, elset=FOOT\n 1\n*Surface, name=FOOT\n FOOT, SNEG\n*Surface, name=SKIN\n",
         );
         let prepared = common::prepared(&deck, &[], routines);
         let names = prepared.plan.column_names();
-        let mut memory = Memory::default();
+        let mut memory = RecordedOutput::default();
         let (outcome, _) = revolve::solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
-        Run { names, memory, outcome }
+        WallRun { names, memory, outcome }
     };
     let uniform = run(&scene(&format!("P, {pressure:e}")), &Routines::none());
     let routine = Routines::none().with_pressure(move |_: &LoadPoints<'_>, _| pressure);
     let own = run(&scene("PNU"), &routine);
     let expected = pressure * PI * radius * radius / MASS * time;
-    let velocity = |run: &Run| [1, 2, 3].map(|i| run.last(&format!("V{i}@REF")));
+    let velocity = |run: &WallRun| [1, 2, 3].map(|i| run.last(&format!("V{i}@REF")));
     let (a, b) = (velocity(&uniform), velocity(&own));
-    println!("pressure: {a:?} and {b:?}, {} for {expected}", norm(a));
+    println!("pressure: {a:?} and {b:?}, {}, expected {expected}", norm(a));
     assert!((norm(a) / expected - 1.0).abs() < 1e-9 && (norm(b) / expected - 1.0).abs() < 1e-9);
     assert!((0..3).all(|i| (a[i] - b[i]).abs() < 1e-9 * expected));
     assert!(own.column("VR3@REF").iter().all(|w| w.abs() < 1e-6));
-    // A routine sees the normal velocity in space: of a foot that moves along its axis all of it.
+    // A user load receives the spatial normal velocity, which is the full velocity of a foot that moves along its axis.
     let seen = std::sync::Arc::new(std::sync::Mutex::new(0.0_f64));
     let noted = seen.clone();
     let routine = Routines::none().with_pressure(move |points: &LoadPoints<'_>, i| {
@@ -307,12 +316,12 @@ fn pressures_push_along_the_axis_of_a_tilted_body() {
     });
     run(&scene("PNU"), &routine);
     let most = *seen.lock().expect("one thread");
-    assert!((most / expected - 1.0).abs() < 1e-6, "{most} for {expected}");
+    assert!((most / expected - 1.0).abs() < 1e-6, "{most}, expected {expected}");
 }
 
-/// What cannot be is refused with a reason.
+/// Unsupported contact options are errors with a reason.
 #[test]
-fn unsupported_contact_is_refused() {
+fn unsupported_wall_contact_is_an_error() {
     let scene = ball(0.01);
     let moving =
         scene.deck().replace(" WREF, 2, 2\n", " WREF, 2, 2, 1.\n").replace("*Boundary\n", "*Boundary, type=VELOCITY\n");

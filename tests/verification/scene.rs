@@ -1,10 +1,10 @@
-//! Only what the scene calls for: cards that cannot matter change no bit; deleting a card deletes its effect.
+//! Only requested effects exist: cards without influence change no bit, and deleting a card deletes its ledger row.
 
 use revolve::job;
 use revolve::solve::{self, Outcome};
 use revolve::user::Routines;
 
-use crate::common::{self, Memory};
+use crate::common::{self, RecordedOutput};
 
 fn digest(outcome: &Outcome) -> (u64, u64, u64) {
     let rest = &outcome.rests[0];
@@ -12,7 +12,7 @@ fn digest(outcome: &Outcome) -> (u64, u64, u64) {
 }
 
 #[test]
-fn cards_that_cannot_matter_change_no_bit() {
+fn cards_without_influence_change_no_bit() {
     let plain = digest(&common::run(&common::ogive(), &[], &Routines::none()).0);
     let without_output = common::ogive().split("*Output, field").next().expect("a deck").to_owned() + "*End Step\n";
     let more_output =
@@ -26,7 +26,7 @@ fn cards_that_cannot_matter_change_no_bit() {
 }
 
 #[test]
-fn deleting_a_card_deletes_its_row() {
+fn deleting_a_card_deletes_its_ledger_row() {
     let rows = |text: &str, settings: &[(&str, &str)]| {
         let ledger = common::prepared(text, settings, &Routines::none()).plan.ledger;
         ledger.effects.iter().map(|r| r.effect.clone()).collect::<Vec<_>>()
@@ -36,13 +36,13 @@ fn deleting_a_card_deletes_its_row() {
     let smooth = rows(&common::ogive(), &[]);
     assert_eq!(full.iter().filter(|r| *r != "friction").cloned().collect::<Vec<_>>(), smooth);
     let free = common::ogive().replace("*Dsload, target=BLOCK, friction=<friction>\n NOSE, CAVITY\n", "");
-    for gone in ["cavity expansion", "target", "friction", "load velocity"] {
-        assert!(!rows(&free, &[]).contains(&gone.to_owned()), "{gone}");
+    for effect in ["cavity expansion", "target", "friction", "load velocity"] {
+        assert!(!rows(&free, &[]).contains(&effect.to_owned()), "{effect}");
     }
 }
 
 #[test]
-fn the_same_scene_in_other_units_is_the_same_scene() {
+fn results_do_not_depend_on_units() {
     // mm, t, s: lengths x 1e3, masses x 1e-3, stresses x 1e-6, densities x 1e-12.
     let settings = [("V", "569e3"), ("a", "3.555"), ("mass", "0.021e-3"), ("Y", "276."), ("rho", "2710e-12")];
     let text = common::ogive().replace("AL6061, 0.5", "AL6061, 500.");
@@ -53,23 +53,24 @@ fn the_same_scene_in_other_units_is_the_same_scene() {
 }
 
 #[test]
-fn steps_carry_loads_on_and_replace_them() {
+fn steps_continue_and_replace_loads() {
     let second = "*End Step\n*Step\n*Dynamic, Explicit\n , 1.e-4\n*Cload\n REF, 2, 100.\n*End Step\n";
     let text = common::ogive()
         .replace("*End Step\n", second)
         .replace(" NOSE, CAVITY\n", " NOSE, CAVITY\n*Cload\n REF, 2, 50.\n");
     let at_end = |text: &str| {
         let prepared = common::prepared(text, &[], &Routines::none());
-        solve::run(&prepared.plan, prepared.state, &mut Memory::default()).1.loads.len()
+        solve::run(&prepared.plan, prepared.state, &mut RecordedOutput::default()).1.loads.len()
     };
-    assert_eq!(at_end(&text), 2, "the resistance stays, the force is replaced");
+    assert_eq!(at_end(&text), 2, "the resistance remains, the force is replaced");
     let cleared = text.replace("*Cload\n REF, 2, 100.", "*Dsload, op=NEW\n NOSE, P, 1.\n*Cload, op=NEW\n REF, 2, 100.");
     assert_eq!(at_end(&cleared), 2, "pressure and force only");
 }
 
-/// `*NFILL` pairs nodes by their numbers, whatever came first in the deck; an increment that never ends a step is refused.
+/// `*NFILL` pairs nodes by number, independent of their order in the deck; an increment too short to complete a step is
+/// an error.
 #[test]
-fn nodes_are_paired_by_number_and_endless_steps_refused() {
+fn nodes_are_paired_by_number_and_endless_steps_are_errors() {
     let text = common::ogive()
         + "*Node, nset=LOW\n 901, 0., 1.\n 902, 1., 1.\n*Node, nset=HIGH\n 922, 1., 3.\n 921, 0., 3.\n*Nfill, nset=BETWEEN\n LOW, HIGH, 2, 10\n";
     let prepared = common::prepared(&text, &[], &Routines::none());

@@ -1,17 +1,17 @@
-//! Shocks in gases across meshes that mislead: skewed elements, and squares around the centre of a sphere.
+//! Shocks in gases on unfavourable meshes: skewed elements, and squares around the centre of a sphere.
 //!
-//! Goal: no pattern of the mesh in the density, at the worst element, in the plane limit, on the axis and towards the centre.
-//! Source: Saltzman's piston (Dukowicz and Meltz 1992, J. Comput. Phys. 99, 115) and Noh 1987 (J. Comput. Phys. 72, 78), the
-//! jump conditions. Each test says its mesh, its tolerance and why.
+//! Goal: no mesh pattern in the density at the worst element, in the plane limit, on the axis and near the centre.
+//! Source: Saltzman's piston (Dukowicz and Meltz 1992, J. Comput. Phys. 99, 115), Noh 1987 (J. Comput. Phys. 72, 78),
+//! jump conditions. Mesh, tolerance and its reason are stated at each test.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use crate::common::solid::{grid, run};
-use crate::shock::{Cells, FRAME, cells, gas};
+use crate::shock::{CellValues, FRAME, cells, gas};
 
-/// Saltzman's piston on 10x100 skewed elements up to a time, from this radius outwards: its elements.
-fn saltzman(inside: f64, time: f64) -> Cells {
+/// Runs Saltzman's piston on 10x100 skewed elements with inner radius `inside` and returns its elements.
+fn run_saltzman(inside: f64, time: f64) -> CellValues {
     let (nr, nz) = (10, 100);
     let skewed = |i: usize, j: usize| {
         let (r, z) = (0.01 * i as f64, 0.01 * j as f64);
@@ -31,8 +31,8 @@ fn saltzman(inside: f64, time: f64) -> Cells {
     cells(&deck, &memory, 1.0)
 }
 
-/// Mean density, its standard deviation and the worst error over elements whose middles lie in a range along z.
-fn scatter(cells: &Cells, from: f64, to: f64, exact: f64) -> [f64; 3] {
+/// Returns mean density, standard deviation and largest error over elements with centres in a range along z.
+fn density_scatter(cells: &CellValues, from: f64, to: f64, exact: f64) -> [f64; 3] {
     let inside = cells.place.iter().zip(&cells.density).filter(|c| (from..to).contains(&c.0[1]));
     let list: Vec<f64> = inside.map(|c| *c.1).collect();
     let mean = list.iter().sum::<f64>() / list.len() as f64;
@@ -42,8 +42,8 @@ fn scatter(cells: &Cells, from: f64, to: f64, exact: f64) -> [f64; 3] {
     [mean, deviation, worst]
 }
 
-/// Where the mean density of rows of ten elements falls through the middle of 4 and 1.
-fn front(cells: &Cells) -> f64 {
+/// Returns the position at which the mean density of rows of ten elements falls through the mean of 4 and 1.
+fn front(cells: &CellValues) -> f64 {
     let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
     let rows = cells.place.chunks(10).zip(cells.density.chunks(10));
     let rows: Vec<[f64; 2]> =
@@ -52,25 +52,25 @@ fn front(cells: &Cells) -> f64 {
     last[0][0] + (last[1][0] - last[0][0]) * (last[0][1] - 2.5) / (last[0][1] - last[1][1])
 }
 
-/// A shock of density 4 along 100 skewed rows of elements, far from the axis and on it, between the heating of the piston and
-/// the width of the shock.
+/// A shock of density 4 along 100 skewed rows of elements, far from the axis and on it, evaluated between the wall
+/// heating at the piston and the shock width.
 #[test]
-fn saltzmans_piston_scatters_little() {
+fn saltzman_piston_density_is_nearly_uniform() {
     for inside in [100.0, 0.0] {
-        let gone = saltzman(inside, 0.6);
-        let [mean, _, worst] = scatter(&gone, 0.62, 0.77, 4.0);
-        let found = front(&gone) / 0.8;
+        let elements = run_saltzman(inside, 0.6);
+        let [mean, _, worst] = density_scatter(&elements, 0.62, 0.77, 4.0);
+        let found = front(&elements) / 0.8;
         println!("from {inside}: front {found:.4}");
         assert!((mean / 4.0 - 1.0).abs() < 0.02 && worst < 0.1 && (found - 1.0).abs() < 6e-3, "{mean} {worst} {found}");
-        // From 0.75 on the shock comes back from the wall and leaves the density 10 behind.
-        let [mean, _, worst] = scatter(&saltzman(inside, 0.8), 0.83, 0.93, 4.0);
+        // From 0.75 on the shock is reflected by the wall and leaves a density of 10.
+        let [mean, _, worst] = density_scatter(&run_saltzman(inside, 0.8), 0.83, 0.93, 4.0);
         assert!((mean / 4.0 - 1.0).abs() < 0.015 && worst < 0.1, "{mean} {worst}");
     }
 }
 
-/// Noh's sphere on `n` x `n` squares: mean density between 0.08 and 0.16, the largest of all, and over their means the largest
-/// differences between three sectors, of the density and of the shock's place.
-fn noh(n: usize) -> [f64; 4] {
+/// Runs Noh's sphere on `n` x `n` squares. Returns the mean density between 0.08 and 0.16, its maximum, and the
+/// relative differences of density and shock position between three sectors.
+fn run_noh_on_squares(n: usize) -> [f64; 4] {
     let place = |i: usize| i as f64 / n as f64;
     let mut deck = grid(n, n, false, |i, j| [place(i), place(j)]) + &gas(5.0 / 3.0, 1e-6);
     deck += "*Initial Conditions, type=VELOCITY\n";
@@ -114,19 +114,20 @@ fn noh(n: usize) -> [f64; 4] {
     [mean, largest, apart(sectors), apart(fronts)]
 }
 
-/// Behind the shock the density is 64. The error is of first order: the gas is heated where the shock springs up and by its
-/// width while it converges.
+/// After the shock the density is 64. The error is of first order, because of heating where the shock forms and within
+/// the shock width.
 #[test]
-fn nohs_sphere_on_squares() {
-    let [mean, largest, uneven, apart] = noh(80);
+fn noh_sphere_on_squares_is_nearly_symmetric() {
+    let [mean, largest, uneven, apart] = run_noh_on_squares(80);
     assert!(mean > 49.0 && largest < 60.0 && uneven < 0.05 && apart < 0.02, "{mean} {largest} {uneven} {apart}");
 }
 
-/// The same on finer meshes, some minutes: `cargo test --release --test verification nohs_sphere -- --ignored --show-output`.
+/// The same on finer meshes (minutes):
+/// `cargo test --release --test verification noh_sphere -- --ignored --show-output`.
 #[test]
 #[ignore = "some minutes"]
-fn nohs_sphere_on_finer_squares() {
-    let [coarse, middle, fine] = [50, 100, 200].map(noh);
+fn noh_sphere_on_finer_squares() {
+    let [coarse, middle, fine] = [50, 100, 200].map(run_noh_on_squares);
     assert!(middle[0] > 52.0 && fine[0] > 56.0, "{} {}", middle[0], fine[0]);
     let order = ((64.0 - coarse[0]) / (64.0 - fine[0])).log2() / 2.0;
     println!("order {order:.2}");

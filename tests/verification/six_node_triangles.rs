@@ -1,9 +1,10 @@
 //! Six-node triangles (CAX6M).
 //!
-//! Goal: uniform stress on any mesh, Lame's vessels with their order, limit loads without locking, the Taylor bar of
-//! quadrilaterals, contact on faces of two parts, deletion, the same bits on any number of threads.
-//! Source: closed forms (Lame; Hill 1950, The Mathematical Theory of Plasticity, chapter V), balances, and the same scenes in
-//! quadrilaterals. Each test says its tolerance and why.
+//! Goal: uniform stress on any mesh, convergence for Lame's vessels, limit loads without locking, agreement with
+//! quadrilaterals for the Taylor bar, contact on faces of two segments, element deletion, identical bits on any number
+//! of threads.
+//! Source: closed forms (Lame; Hill 1950, The Mathematical Theory of Plasticity, chapter V), balances, the same scenes
+//! with quadrilaterals. The tolerance and its reason are stated at each test.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -15,19 +16,19 @@ use revolve::user::Routines;
 use crate::common::bodies::{self, assembly, cell_field, elastic, part, point_field, rigid_line};
 use crate::common::solid::{column, copper_bar, grid, in_six_node_triangles, last, material, run};
 use crate::common::spheres;
-use crate::common::{Memory, at_nodes};
-use crate::vessels::{settled, sphere};
+use crate::common::{RecordedOutput, at_nodes};
+use crate::vessels::{mean_of_last_fifth, sphere};
 
-fn ran(deck: &str) -> (Outcome, Memory) {
+fn run_complete(deck: &str) -> (Outcome, RecordedOutput) {
     let (outcome, memory) = run(deck);
     assert_eq!(outcome.halt, None, "{:?}", outcome.halt);
     (outcome, memory)
 }
 
-/// A ring whose nodes are moved about, its boundary driven by a motion that is linear in r and z, its inside free: every point has the
-/// stress of the uniform strain, and no node leaves the motion. Without bulk viscosity, which is not uniform where elements differ.
+/// A ring with irregular nodes whose boundary has a velocity linear in r and z: every point has the uniform stress, and
+/// the free inner nodes follow the linear motion. Without bulk viscosity, which depends on element size.
 #[test]
-fn a_linear_motion_has_a_uniform_stress_on_any_mesh() {
+fn linear_motion_gives_uniform_stress_on_any_mesh() {
     let (n, m, rates) = (6, 8, [2e-3, -3e-3]);
     let wobble = |i: usize| 0.2 * (((i * 7919) % 101) as f64 / 101.0 - 0.5);
     let place = |i: usize, j: usize| {
@@ -63,23 +64,23 @@ fn a_linear_motion_has_a_uniform_stress_on_any_mesh() {
     let off =
         start.iter().zip(&moved).flat_map(|(p, u)| [0, 1].map(|axis| (u[axis] - 5.0 * rates[axis] * p[axis]).abs()));
     let off = off.fold(0.0, f64::max);
-    println!("uniform strain: stress off by {worst:.1e} of {:.1e}, nodes by {off:.1e}", expected[1]);
-    // Strains of increments add up to logarithms but for their square; nodes by rounding.
+    println!("uniform strain: error of the stress {worst:.1e} of {:.1e}, of nodes {off:.1e}", expected[1]);
+    // Increment strains add up to logarithmic strains to second order; node positions are exact to rounding.
     assert!(worst < 1e-5 * expected[1].abs(), "{worst:e} {expected:?}");
     assert!(off < 1e-12, "{off:e}");
 }
 
-/// The thick sphere of `vessels.rs`: displacements of second order, as of quadrilaterals on the same nodes.
+/// Thick sphere of `vessels.rs`: displacements of second order, as with quadrilaterals on the same nodes.
 #[test]
-fn a_thick_sphere_converges_to_lame_with_order_two() {
+fn thick_sphere_converges_to_lame_with_second_order() {
     let mut errors = Vec::new();
     for n in [4, 8, 16] {
         let deck = in_six_node_triangles(&sphere(n, 2 * n, 1.0, ""), [n, 2 * n]);
-        let (outcome, memory) = ran(&deck);
+        let (outcome, memory) = run_complete(&deck);
         assert!(outcome.energy.drift < 2e-3, "{}", outcome.energy.drift);
         errors.push([
-            settled(&deck, &memory, "U1@INNER") / 4e-5 - 1.0,
-            settled(&deck, &memory, "U1@OUTER") / 1.5e-5 - 1.0,
+            mean_of_last_fifth(&deck, &memory, "U1@INNER") / 4e-5 - 1.0,
+            mean_of_last_fifth(&deck, &memory, "U1@OUTER") / 1.5e-5 - 1.0,
         ]);
     }
     let order = (errors[1][0] / errors[2][0]).abs().log2();
@@ -88,9 +89,9 @@ fn a_thick_sphere_converges_to_lame_with_order_two() {
     assert!(errors[2].iter().all(|e| e.abs() < 5e-3), "{errors:?}");
 }
 
-/// A thick cylinder in plane strain, nearly incompressible: u(a) = (1 + nu) p a / E (b^2 + (1 - 2 nu) a^2) / (b^2 - a^2).
+/// Nearly incompressible thick cylinder in plane strain: u(a) = (1 + nu) p a / E (b^2 + (1 - 2 nu) a^2) / (b^2 - a^2).
 #[test]
-fn a_nearly_incompressible_cylinder_does_not_lock() {
+fn nearly_incompressible_cylinder_does_not_lock() {
     let nu = 0.499;
     let exact = (1.0 + nu) * 10.0 / 200e3 * (400.0 + (1.0 - 2.0 * nu) * 100.0) / 300.0;
     let mut errors = Vec::new();
@@ -100,8 +101,8 @@ fn a_nearly_incompressible_cylinder_does_not_lock() {
             + "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 3.e-4, 1.\n*Nset, nset=INNER\n 1,\n*Step\n*Dynamic, Explicit\n , 4.e-4\n\
                *Boundary\n ALL, 2, 2\n*Dsload, amplitude=RAMP\n I0, P, 1.\n*Output, history, number interval=100\n*Node Output, nset=INNER\n U1\n*End Step\n";
         let deck = in_six_node_triangles(&deck, [n, 2]);
-        let (_, memory) = ran(&deck);
-        errors.push(settled(&deck, &memory, "U1@INNER") / exact - 1.0);
+        let (_, memory) = run_complete(&deck);
+        errors.push(mean_of_last_fifth(&deck, &memory, "U1@INNER") / exact - 1.0);
     }
     let order = (errors[1] / errors[2]).abs().log2();
     println!("nearly incompressible cylinder of CAX6M: errors {errors:?}, order {order:.2}");
@@ -109,8 +110,8 @@ fn a_nearly_incompressible_cylinder_does_not_lock() {
     assert!(errors[2].abs() < 2e-3, "{errors:?}");
 }
 
-/// Work of the pressure in a thick sphere from 1 to 2 that is all plastic while its wall moves out by 3 %, over that of
-/// 2 Y ln(b/a); Poisson's ratio .4999.
+/// Returns the work of the pressure over that of 2 Y ln(b/a) in a fully plastic thick sphere from 1 to 2 whose wall
+/// moves outward by 3 %; Poisson's ratio 0.4999.
 fn limit_load_of_sphere(n: usize) -> f64 {
     let (m, out) = (2 * n, 0.03);
     let place = |i: usize, j: usize| {
@@ -131,7 +132,7 @@ fn limit_load_of_sphere(n: usize) -> f64 {
         }
     }
     deck += "*Output, history, number interval=2\n*Energy Output\n ALLWK\n*End Step\n";
-    let (outcome, memory) = ran(&deck);
+    let (outcome, memory) = run_complete(&deck);
     let work = column(&deck, &memory, "ALLWK");
     let [middle, end] = [0.5 * out, out].map(|u| 1.0 + u);
     let volume = 2.0 / 3.0 * PI * (end.powi(3) - middle.powi(3));
@@ -143,40 +144,40 @@ fn limit_load_of_sphere(n: usize) -> f64 {
 }
 
 #[test]
-fn a_plastic_sphere_has_its_limit_load() {
+fn plastic_sphere_converges_to_its_limit_load() {
     let over = [6, 10].map(|n| limit_load_of_sphere(n) - 1.0);
-    // An upper bound of the load that falls with the mesh; what locks is many times over it.
+    // The load is an upper bound that decreases with the mesh; with locking it would be many times larger.
     assert!(over[0].abs() < 0.1 && over[1].abs() < 0.8 * over[0].abs(), "{over:?}");
 }
 
-/// The bar of ten by fifty quadrilaterals and of half as many six-node triangles on the same nodes.
+/// Copper bar with 10x50 quadrilaterals, and with half as many cells of six-node triangles on the same nodes.
 #[test]
-fn a_taylor_bar_spreads_as_one_of_quadrilaterals() {
+fn taylor_bar_of_six_node_triangles_matches_quadrilaterals() {
     let quadrilaterals = copper_bar([10, 50], false, spheres::EVEN);
     let triangles = in_six_node_triangles(&quadrilaterals, [10, 50]);
     let [quads, triangles] = [quadrilaterals, triangles].map(|deck| {
-        let (outcome, memory) = ran(&deck);
+        let (outcome, memory) = run_complete(&deck);
         let found = ["COOR2@TIP", "COOR1@RIM"].map(|name| last(&deck, &memory, name));
         println!("bar: {found:?}, {} increments, drift {:.1e}", outcome.increments, outcome.energy.drift);
         assert!(outcome.energy.drift < 5e-3, "{}", outcome.energy.drift);
         found
     });
-    // Half as many elements, and one diagonal everywhere: what three-node triangles are granted in `triangles.rs`.
+    // Coarser cells with one diagonal direction: the same bound as for three-node triangles in `triangles.rs`.
     for (q, t) in quads.iter().zip(triangles) {
         assert!((t / q - 1.0).abs() < 0.03, "{quads:?} {triangles:?}");
     }
 }
 
-/// A bar of six-node triangles thrown at a rigid wall, and at a bar of quadrilaterals at rest: momentum to rounding, energy to what
-/// increments cost.
+/// A bar of six-node triangles thrown at a rigid wall, and at a bar at rest: momentum is conserved to rounding, energy
+/// to the error of the increments.
 #[test]
-fn contact_on_faces_keeps_momentum_and_energy() {
+fn contact_of_six_node_triangles_conserves_momentum_and_energy() {
     let block = |name: &str, from: f64| part(name, [4, 8], |i, j| [0.25 * i as f64, from + 0.25 * j as f64], "");
     let bar = in_six_node_triangles(&block("BAR", 0.0), [4, 8]);
     let speed = -1e-2;
     let step = "*Step\n*Dynamic, Explicit\n , 8.\n";
     let output = |request: &str| format!("*Output, history, frequency=1\n{request}\n*End Step\n");
-    let least = |ran: &bodies::Ran, variable: &str| {
+    let least = |ran: &bodies::DeckRun, variable: &str| {
         let columns = ran.prepared.plan.columns.iter().filter(|c| c.name.starts_with(variable));
         let values: Vec<f64> = columns.flat_map(|c| ran.column(&c.name)).map(|row| row[1]).collect();
         assert!(!values.is_empty(), "{variable}");
@@ -203,9 +204,9 @@ fn contact_on_faces_keeps_momentum_and_energy() {
         wall.outcome.energy.drift,
         quads.outcome.energy.drift
     );
-    // Sharp contact lets nodes in by what an increment's acceleration does: not further than those of quadrilaterals.
+    // Contact allows the penetration of one increment's acceleration: smaller than that of quadrilaterals.
     assert!(depth < depth_of_quads, "{depth:e} {depth_of_quads:e}");
-    assert!(wall.momentum() > -0.5 * before, "it is thrown back: {}", wall.momentum());
+    assert!(wall.momentum() > -0.5 * before, "no rebound: {}", wall.momentum());
     assert!(wall.outcome.energy.drift < 2e-3, "{}", wall.outcome.energy.drift);
     let at_bar = bar.clone()
         + &block("REST", -2.002)
@@ -220,7 +221,7 @@ fn contact_on_faces_keeps_momentum_and_energy() {
     let of_quads = bodies::run(&at_bar.replace(&bar, &block("BAR", 0.0))).whole();
     let halved = bodies::run(&at_bar.replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, scale factor=0.5\n")).whole();
     let [gap, gap_of_quads] = [&both, &of_quads].map(|ran| least(ran, "COPEN@"));
-    // Sharp contact closes the gap in the mean over the hat of a point: a thousandth of the way of an increment is left.
+    // Contact closes the weighted mean gap of each node; 1e-3 of the displacement of an increment remains.
     let way = -speed * 8.0 / both.outcome.increments as f64;
     let [drift, drift_of_quads, halved] = [both, of_quads, halved].map(|ran| {
         assert!((ran.momentum() / before - 1.0).abs() < 1e-10, "{}", ran.momentum() / before);
@@ -231,37 +232,37 @@ fn contact_on_faces_keeps_momentum_and_energy() {
          least gap {gap:.1e}, {gap_of_quads:.1e} of quadrilaterals"
     );
     assert!(gap > -1e-3 * way, "{gap:e} {way:e}");
-    // Second order in the increment, and not above what quadrilaterals of the same nodes drift by.
+    // Second order in the increment, and less than with quadrilaterals on the same nodes.
     assert!(halved < 0.4 * drift && drift < drift_of_quads, "{halved} {drift} {drift_of_quads}");
     let general = at_bar.replace("*Contact Pair\n BAR.J0, REST.J1\n", "*Contact\n*Contact Inclusions, all exterior\n");
     let all = bodies::run(&general).whole();
     assert!((all.momentum() / before - 1.0).abs() < 1e-10, "{}", all.momentum() / before);
 }
 
-/// A bar that fails at its foot, and one of scaled masses.
+/// A bar that fails at its foot, and a bar with mass scaling.
 #[test]
-fn failed_elements_are_deleted_and_masses_are_scaled() {
+fn six_node_triangles_support_deletion_and_mass_scaling() {
     let failing =
         copper_bar([8, 40], false, spheres::EVEN).replace(" 700., 3.\n", " 700., 3.\n*Shear Failure\n 0.5,\n");
-    let (outcome, _) = ran(&in_six_node_triangles(&failing, [8, 40]));
+    let (outcome, _) = run_complete(&in_six_node_triangles(&failing, [8, 40]));
     println!("failing bar: {} deleted, drift {:.1e}", outcome.deleted, outcome.energy.drift);
     assert!(outcome.deleted > 0 && outcome.energy.drift < 1e-2, "{}", outcome.energy.drift);
     let scaled = copper_bar([8, 40], false, spheres::EVEN)
         .replace("*Boundary\n AXIS", "*Fixed Mass Scaling, type=BELOW MIN, dt=1.e-7\n*Boundary\n AXIS");
-    let (outcome, _) = ran(&in_six_node_triangles(&scaled, [8, 40]));
+    let (outcome, _) = run_complete(&in_six_node_triangles(&scaled, [8, 40]));
     println!("scaled bar: {} increments, added {:?}", outcome.increments, outcome.steps[0].added_mass);
     assert!(outcome.steps[0].added_mass.is_some_and(|mass| mass > 0.0));
 }
 
-/// More elements than it takes to spread them over threads, and a step cut in two.
+/// Enough elements for several threads, and a step split in two.
 #[test]
-fn threads_and_steps_change_nothing() {
+fn threads_and_steps_change_no_bit() {
     let deck = in_six_node_triangles(&copper_bar([40, 120], false, spheres::EVEN), [40, 120])
         .replace(" , 80.e-6", " , 0.4e-6");
     let bits = |deck: &str, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {
-            let (outcome, memory) = ran(deck);
+            let (outcome, memory) = run_complete(deck);
             assert!(outcome.increments > 20, "{}", outcome.increments);
             memory.rows.iter().flat_map(|row| row.1.iter().map(|v| v.to_bits())).collect::<Vec<u64>>()
         })
@@ -272,9 +273,9 @@ fn threads_and_steps_change_nothing() {
     }
 }
 
-/// Materials without a shear modulus, user subroutines at points, control of hourglass patterns that the element does not have.
+/// Materials without a shear modulus, user subroutines, hourglass controls that the element does not have.
 #[test]
-fn unsupported_sections_are_refused_with_a_code_and_a_place() {
+fn unsupported_sections_are_errors_with_a_place() {
     let mesh = in_six_node_triangles(&grid(2, 2, false, |i, j| [1.0 + i as f64, j as f64]), [2, 2]);
     let step = "*Step\n*Dynamic, Explicit\n , 1.\n*End Step\n";
     let elastic = "*Elastic\n 1., 0.3\n*Section Controls, name=C";

@@ -1,7 +1,7 @@
-//! Deformable bodies in small: patches, hourglass patterns, what is refused and what halts.
+//! Small solid models: patch tests, hourglass modes, errors, halted runs.
 //!
-//! Goal: stress and motion of some elements, equilibrium of patches.
-//! Source: closed forms of elasticity. Each test says its tolerance and why.
+//! Goal: stress and motion of few elements, equilibrium of patches.
+//! Source: closed forms of elasticity. The tolerance and its reason are stated at each test.
 
 use std::fmt::Write as _;
 
@@ -10,20 +10,20 @@ use revolve::solve;
 use revolve::user::Routines;
 
 use crate::common;
-use crate::common::Memory;
+use crate::common::RecordedOutput;
 use crate::common::solid::{column, grid, last, material, run};
 
-/// A distorted patch that touches the axis.
-fn distorted(i: usize, j: usize) -> [f64; 2] {
+/// Returns a node of a distorted patch that touches the axis.
+fn distorted_node(i: usize, j: usize) -> [f64; 2] {
     let shift = |a: usize, b: usize| if (1..3).contains(&a) && (1..3).contains(&b) { 0.2 } else { 0.0 };
     let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
     [i as f64 + shift(i, j) * sign(i + j), 0.7 * j as f64 + shift(i, j) * sign(i)]
 }
 
 #[test]
-fn a_distorted_patch_under_uniform_pressure_is_in_equilibrium() {
+fn distorted_patch_under_pressure_is_in_equilibrium() {
     let pressure = |surfaces: &[&str]| surfaces.iter().map(|s| format!(" {s}, P, 3.\n")).collect::<String>();
-    let deck = grid(3, 3, false, distorted)
+    let deck = grid(3, 3, false, distorted_node)
         + &material(1000.0, 0.3, 1.0, "")
         + "*Initial Conditions, type=STRESS\n SOLID, -3., -3., -3., 0.\n*Step\n*Dynamic, Explicit\n , 1.\n*Dsload\n"
         + &pressure(&["I1", "J0", "J1"])
@@ -41,14 +41,14 @@ fn a_distorted_patch_under_uniform_pressure_is_in_equilibrium() {
     }
 }
 
-/// Linear velocity fields give uniform strain rates, in quadrilaterals and in triangles: v_r = a r, v_z = b z.
+/// Linear velocity fields give uniform strain rates in quadrilaterals and triangles: v_r = a r, v_z = b z.
 #[test]
-fn a_distorted_patch_stretches_uniformly() {
+fn distorted_patch_has_uniform_strain() {
     for triangles in [false, true] {
-        let mut deck = grid(3, 3, triangles, distorted) + &material(1000.0, 0.25, 1.0, "");
+        let mut deck = grid(3, 3, triangles, distorted_node) + &material(1000.0, 0.25, 1.0, "");
         deck += "*Initial Conditions, type=VELOCITY\n";
         for n in 0..16 {
-            let [r, z] = distorted(n % 4, n / 4);
+            let [r, z] = distorted_node(n % 4, n / 4);
             write!(deck, " {}, 1, {:e}\n {}, 2, {:e}\n", n + 1, 1e-3 * r, n + 1, 2e-3 * z).expect("text");
         }
         deck += "*Step\n*Dynamic, Explicit, direct user control\n 1.e-4, 1.e-4\n*Bulk Viscosity\n 0., 0.\n\
@@ -56,7 +56,7 @@ fn a_distorted_patch_stretches_uniformly() {
         let (outcome, memory) = run(&deck);
         assert!(outcome.halt.is_none());
         let stress = &memory.frames.last().expect("a frame").cell_fields[0].values;
-        // lambda = 400, mu = 400: strains 1e-7 in r and hoop, 2e-7 in z, from rates at the middle of the increment.
+        // lambda = 400, mu = 400: strains 1e-7 in r and hoop, 2e-7 in z, with rates at the middle of the increment.
         let (lambda, mu) = (400.0, 400.0);
         let trace = 4e-7;
         for s in stress.chunks(4) {
@@ -69,9 +69,10 @@ fn a_distorted_patch_stretches_uniformly() {
     }
 }
 
-/// A displacement counts from the start of its step: what one step moved, the next may hold where it is, or move on.
+/// A prescribed displacement counts from the start of its step: the next step can hold the position or continue from
+/// it.
 #[test]
-fn a_displacement_counts_from_the_start_of_its_step() {
+fn displacement_counts_from_the_start_of_its_step() {
     let step = |cards: &str| {
         format!(
             "*Step\n*Dynamic, Explicit, element by element\n , 1.\n*Boundary, {cards}\n*Output, history, frequency=1\n\
@@ -93,16 +94,17 @@ fn a_displacement_counts_from_the_start_of_its_step() {
     let u = column(&deck, &memory, "U2@ONE");
     for (time, expected) in [(1.0, 0.5), (1.5, 0.5), (2.0, 0.5), (3.0, 0.75)] {
         let at = u.iter().rfind(|row| row.0 <= time + 1e-12).expect("a row").1;
-        assert!((at - expected).abs() < 1e-12, "U2 = {at} at {time}, not {expected}");
+        assert!((at - expected).abs() < 1e-12, "U2 = {at} at {time}, expected {expected}");
     }
     let energy = outcome.energy;
-    // Four elements under ramps of some ten increments: the balance is of second order.
+    // Four elements under ramps of some ten increments: the energy error is of second order.
     assert!(energy.drift < 2e-2, "drift {:e}", energy.drift);
 }
 
-/// With a fixed increment it turns inside out; an automatic one adapts until nothing is left of the element, if that comes first.
+/// A fixed increment inverts the element; automatic increments decrease until the element inverts or the increment is
+/// too small.
 #[test]
-fn an_element_that_turns_inside_out_halts_the_run_with_its_name() {
+fn inverted_element_stops_the_run_and_is_named() {
     for (card, codes) in [("\n , 1.", &["R209", "R206"][..]), (", direct user control\n 1.e-3, 1.", &["R206"])] {
         let deck = grid(3, 3, false, |i, j| [1.0 + i as f64, j as f64])
             + &material(1000.0, 0.3, 1.0, "*Plastic\n 1., 0.\n")
@@ -114,7 +116,7 @@ fn an_element_that_turns_inside_out_halts_the_run_with_its_name() {
         for part in ["element ", "increment", "time"] {
             assert!(halt.reason.contains(part), "{}", halt.reason);
         }
-        // The node is too fast, not the increment too long.
+        // The node velocity is the cause, not the increment.
         assert!(!halt.reason.contains("times the stable time increment"), "{}", halt.reason);
         let frame = memory.frames.last().expect("a frame");
         assert!(frame.point_fields.iter().all(|f| f.values.iter().all(|v| v.is_finite())));
@@ -122,7 +124,7 @@ fn an_element_that_turns_inside_out_halts_the_run_with_its_name() {
 }
 
 #[test]
-fn bad_solids_are_refused_with_a_reason() {
+fn invalid_solids_are_errors() {
     let good = grid(1, 1, false, |i, j| [i as f64, j as f64])
         + &material(1000.0, 0.3, 1.0, "")
         + "*Step\n*Dynamic, Explicit\n , 1.\n*End Step\n";
@@ -144,9 +146,9 @@ fn bad_solids_are_refused_with_a_reason() {
     }
 }
 
-/// Hourglass controls keep a bar that is excited in its hourglass pattern together.
+/// Hourglass controls limit the motion of a bar excited in its hourglass mode.
 #[test]
-fn every_hourglass_control_keeps_the_pattern_small() {
+fn every_hourglass_control_limits_the_hourglass_mode() {
     for control in ["STIFFNESS", "VISCOUS", "COMBINED", "ENHANCED"] {
         let mut deck = grid(4, 8, false, |i, j| [10.0 + i as f64, j as f64]) + &material(1000.0, 0.3, 1.0, "");
         deck = deck.replace("material=M\n", "material=M, controls=C\n");
@@ -158,19 +160,19 @@ fn every_hourglass_control_keeps_the_pattern_small() {
         }
         deck += "*Step\n*Dynamic, Explicit\n , 20.\n*Output, history, number interval=100\n*Node Output, nset=ALL\n U2\n*Energy Output\n ALLAE\n*End Step\n";
         let prepared = common::prepared(&deck, &[], &Routines::none());
-        let mut memory = Memory::default();
+        let mut memory = RecordedOutput::default();
         let (outcome, _) = solve::run(&prepared.plan, prepared.state, &mut memory);
         assert!(outcome.halt.is_none(), "{control}: {:?}", outcome.halt);
         let largest = memory.rows.iter().flat_map(|r| r.1.iter().take(45)).fold(0.0f64, |m, u| m.max(u.abs()));
-        // Without control the pattern would reach v t = 0.2.
+        // Without control the displacement would reach v t = 0.2.
         assert!(largest < 0.05, "{control}: {largest}");
         assert!(outcome.energy.artificial > 0.0, "{control}");
     }
 }
 
-/// Gravity on a set of elements acts on triangles, too.
+/// Gravity on an element set acts on triangles.
 #[test]
-fn gravity_on_a_set_of_triangles_is_gravity() {
+fn gravity_acts_on_a_set_of_triangles() {
     let fall = |elements: &str| {
         let deck = grid(2, 2, true, |i, j| [i as f64, j as f64])
             + &material(100.0, 0.3, 1.0, "*Nset, nset=ONE\n 5\n")

@@ -1,10 +1,10 @@
-//! Steps that change nothing, and those that change one thing among others that have a memory.
+//! Steps without changes, and changes of single conditions.
 //!
-//! Goal: an analysis split into steps that change nothing has the same rows, frames, energies and warnings as the one step, to the
-//! last bit; so has one that goes on from a checkpoint in a later step; what a later step replaces keeps its memory.
-//! Source: the one step. Tolerance: none where increments are the same. They are with `DIRECT USER CONTROL` where the increment is a
-//! power of two and steps are whole numbers of them: sums are then exact. Where increments follow error control, those at a boundary
-//! are others, and the tolerance is that of the error control.
+//! Goal: an analysis split into steps without changes has the same rows, frames, energies and warnings as one step, to
+//! the last bit. This includes a restart in a later step. A condition that a later step replaces keeps its history.
+//! Source: the analysis in one step. Tolerance: none with identical increments, which `DIRECT USER CONTROL` gives for
+//! an increment that is a power of two and steps that are integer multiples of that increment (all sums are exact).
+//! With error control the increments at step boundaries differ, and the tolerance is that of the error control.
 
 use std::fs;
 
@@ -16,28 +16,28 @@ use revolve::solve::{self, CheckpointInterval, Instant, Outcome, RunControl, Sin
 use revolve::user::{LoadFailure, MotionCall, Routines, UserMotion};
 
 use crate::common::bodies::{assembly, elastic, part, rigid_line};
-use crate::common::{Memory, project};
+use crate::common::{RecordedOutput, project};
 
-/// A deck of one step, taken apart.
-struct Deck {
-    /// Name of the file for which it stands.
+/// Deck of one step, divided into its parts.
+struct SplitDeck {
+    /// Path of the deck, used for messages and relative files.
     name: String,
-    /// What comes before the step.
+    /// Text before the step.
     head: String,
-    /// Keyword and parameters of the procedure without those of the increment.
+    /// Keyword line of the procedure without the increment parameters.
     procedure: String,
     conditions: String,
-    /// Output requests every so many increments.
+    /// Output requests with an interval in increments.
     output: String,
 }
 
-/// Increments between rows, and increments of each analysis: a multiple of that times 2 and 5.
+/// Increments between rows, and increments of each analysis: a multiple of `EVERY` times 2 and 5.
 const EVERY: u64 = 12;
 const ALL: u64 = 240;
 
-impl Deck {
-    /// Amplitudes in step time would end with the first of several steps: they become those in total time.
-    fn new(name: &str, text: &str) -> Deck {
+impl SplitDeck {
+    /// Amplitudes in step time would end with the first step, so they are changed to total time.
+    fn new(name: &str, text: &str) -> SplitDeck {
         let lower = text.to_lowercase();
         let at =
             |from: usize, word: &str| from + lower[from..].find(word).unwrap_or_else(|| panic!("{name}: no {word}"));
@@ -58,7 +58,7 @@ impl Deck {
             kept.join(",") + &if is_request { format!(", frequency={EVERY}\n") } else { "\n".into() }
         };
         let keyword = lower[procedure..data].split(',').next().expect("a keyword").trim().to_owned();
-        Deck {
+        SplitDeck {
             name: name.to_owned(),
             head: text[..step].lines().map(in_total_time).collect(),
             procedure: keyword + ", explicit",
@@ -67,16 +67,17 @@ impl Deck {
         }
     }
 
-    fn of_file(name: &str) -> Deck {
-        Deck::new(name, &fs::read_to_string(project(name)).expect("a deck"))
+    fn of_file(name: &str) -> SplitDeck {
+        SplitDeck::new(name, &fs::read_to_string(project(name)).expect("a deck"))
     }
 
-    /// Automatic increments over a time.
+    /// Returns the deck with automatic increments and this duration.
     fn automatic(&self, time: f64) -> String {
         format!("{}*Step\n{}\n , {time:e}\n{}*End Step\n", self.head, self.procedure, self.conditions)
     }
 
-    /// So many steps of [`ALL`] increments together. Later ones repeat the conditions, or say nothing of them.
+    /// Returns the deck with [`ALL`] increments divided into `steps` steps. Later steps repeat the conditions or omit
+    /// them.
     fn split(&self, steps: u64, increment: f64, repeats: bool) -> String {
         let mut text = self.head.clone();
         for index in 0..steps {
@@ -96,7 +97,8 @@ impl Deck {
         prepared
     }
 
-    /// A power of two that elements bear well; of what is rigid the part of the time that all increments make.
+    /// Returns a power of two well below the stable increment of the elements; for a rigid model, below the duration
+    /// over [`ALL`].
     fn increment(&self, settings: &[(&str, &str)], time: f64, routines: &Routines) -> f64 {
         let prepared = self.prepare(&self.automatic(0.005 * time), settings, routines);
         let rigid = prepared.state.dofs.nodes.is_empty();
@@ -106,14 +108,14 @@ impl Deck {
     }
 }
 
-/// Rows and frames in memory, and the states that were kept.
+/// Rows and frames in memory, and the checkpoints.
 #[derive(Default)]
-struct Keeper {
-    shown: Memory,
+struct StepRecorder {
+    shown: RecordedOutput,
     states: Vec<(Vec<u8>, usize, usize)>,
 }
 
-impl Sink for Keeper {
+impl Sink for StepRecorder {
     fn wants_frames(&self) -> bool {
         true
     }
@@ -132,19 +134,19 @@ impl Sink for Keeper {
     }
 }
 
-fn run(prepared: &PreparedJob, control: RunControl<'_>) -> (Outcome, Keeper) {
-    let mut keeper = Keeper::default();
+fn run(prepared: &PreparedJob, control: RunControl<'_>) -> (Outcome, StepRecorder) {
+    let mut keeper = StepRecorder::default();
     let (outcome, _) = solve::run_with(&prepared.plan, prepared.state.clone(), &mut keeper, control).expect("it fits");
     (outcome, keeper)
 }
 
-/// Bits of rows, with the names of columns that differ first for a message.
-fn rows(memory: &Memory) -> Vec<Vec<u64>> {
+/// Returns the bits of all rows, including their times.
+fn row_bits(memory: &RecordedOutput) -> Vec<Vec<u64>> {
     let bits = |(time, values): &(f64, Vec<f64>)| [*time].iter().chain(values).map(|v| v.to_bits()).collect();
     memory.rows.iter().map(bits).collect()
 }
 
-fn frames(memory: &Memory) -> Vec<(u64, Vec<u64>)> {
+fn frame_bits(memory: &RecordedOutput) -> Vec<(u64, Vec<u64>)> {
     let bits = |frame: &OutputFrame| {
         let fields = frame.point_fields.iter().chain(&frame.cell_fields).flat_map(|f| &f.values);
         let all = [frame.time].into_iter().chain(frame.points.iter().flatten().copied()).chain(fields.copied());
@@ -153,8 +155,8 @@ fn frames(memory: &Memory) -> Vec<(u64, Vec<u64>)> {
     memory.frames.iter().map(bits).collect()
 }
 
-/// What the end of an analysis is compared by, but for what counts steps.
-fn ending(outcome: &Outcome) -> String {
+/// Returns the final results that are compared, without counts of steps.
+fn final_results(outcome: &Outcome) -> String {
     let Outcome { halt, energy, rests, penetrations, unfinished, exits, deleted, warnings, increments, .. } = outcome;
     format!(
         "{halt:?} {energy:?} {rests:?} {penetrations:?} {unfinished:?} {exits:?} {deleted} {warnings:?} {increments}"
@@ -162,8 +164,13 @@ fn ending(outcome: &Outcome) -> String {
 }
 
 #[track_caller]
-fn same(what: &str, prepared: &PreparedJob, found: &(Outcome, Memory), expected: &(Outcome, Memory)) {
-    let (own, others) = (rows(&found.1), rows(&expected.1));
+fn assert_same_results(
+    what: &str,
+    prepared: &PreparedJob,
+    found: &(Outcome, RecordedOutput),
+    expected: &(Outcome, RecordedOutput),
+) {
+    let (own, others) = (row_bits(&found.1), row_bits(&expected.1));
     assert_eq!(own.len(), others.len(), "{what}: rows");
     for ((row, other), at) in own.iter().zip(&others).zip(0..) {
         if let Some(column) = (0..row.len()).find(|&i| row[i] != other[i]) {
@@ -173,12 +180,18 @@ fn same(what: &str, prepared: &PreparedJob, found: &(Outcome, Memory), expected:
             panic!("{what}: row {at}, {name}: {values:?}");
         }
     }
-    assert!(frames(&found.1) == frames(&expected.1), "{what}: frames");
-    assert_eq!(ending(&found.0), ending(&expected.0), "{what}");
+    assert!(frame_bits(&found.1) == frame_bits(&expected.1), "{what}: frames");
+    assert_eq!(final_results(&found.0), final_results(&expected.0), "{what}");
 }
 
-/// Runs a deck in one step, and in 2 and 5 that change nothing; then from checkpoints in the second of two.
-fn goes_on(deck: &Deck, settings: &[(&str, &str)], increment: f64, routines: &dyn Fn() -> Routines) -> Outcome {
+/// Asserts equal results of a deck in one step, in 2 and 5 steps without changes, and from a checkpoint in the second
+/// of two steps.
+fn assert_steps_change_nothing(
+    deck: &SplitDeck,
+    settings: &[(&str, &str)],
+    increment: f64,
+    routines: &dyn Fn() -> Routines,
+) -> Outcome {
     let ran = |steps: u64, repeats: bool, control: RunControl<'_>| {
         let prepared = deck.prepare(&deck.split(steps, increment, repeats), settings, &routines());
         let (outcome, keeper) = run(&prepared, control);
@@ -187,37 +200,38 @@ fn goes_on(deck: &Deck, settings: &[(&str, &str)], increment: f64, routines: &dy
     let (_, outcome, whole) = ran(1, false, RunControl::default());
     assert_eq!(outcome.increments, ALL, "{}: {:?}", deck.name, outcome.halt);
     let whole = (outcome, whole.shown);
-    // Where a later step puts anything in force, a load on nodes that reads velocities reads those of the step's start with the
-    // acceleration there, not the one before.
+    // If a later step changes conditions, nodal loads that depend on velocity are evaluated at its start with the
+    // acceleration there instead of the previous one.
     let reads_velocity = deck.conditions.contains("PNU") || deck.conditions.to_lowercase().contains("cavity");
-    // A displacement that is given again counts from where its nodes are: the same but for rounding.
+    // A repeated displacement counts from the current positions: equal only to rounding.
     let counts_anew = deck.conditions.contains("*Boundary, amplitude");
     let repeated = if reads_velocity || counts_anew { None } else { Some((2, true)) };
     for (steps, repeats) in [(2, false), (5, false)].into_iter().chain(repeated) {
         let (prepared, outcome, keeper) = ran(steps, repeats, RunControl::default());
         let changed = prepared.plan.steps[1..].iter().filter(|step| !step.changes.is_empty()).count();
         let what = format!("{} in {steps} steps ({changed} with changes)", deck.name);
-        same(&what, &prepared, &(outcome, keeper.shown), &whole);
+        assert_same_results(&what, &prepared, &(outcome, keeper.shown), &whole);
     }
     let every = Some(CheckpointInterval::Increments(3 * ALL / 4));
-    let (prepared, _, kept) = ran(2, false, RunControl { every, ..RunControl::default() });
-    let (state, row, frame) = &kept.states[0];
+    let (prepared, _, checkpointed) = ran(2, false, RunControl { every, ..RunControl::default() });
+    let (state, row, frame) = &checkpointed.states[0];
     let (outcome, rest) = run(&prepared, RunControl { state: Some(state), ..RunControl::default() });
-    let mut shown = kept.shown;
+    let mut shown = checkpointed.shown;
     shown.rows.truncate(*row);
     shown.frames.truncate(*frame);
     shown.rows.extend(rest.shown.rows);
     shown.frames.extend(rest.shown.frames);
-    same(&format!("{} from a checkpoint", deck.name), &prepared, &(outcome, shown), &whole);
+    assert_same_results(&format!("{} from a checkpoint", deck.name), &prepared, &(outcome, shown), &whole);
     whole.0
 }
 
-fn example(name: &str, settings: &[(&str, &str)]) -> Outcome {
+fn check_example(name: &str, settings: &[(&str, &str)]) -> Outcome {
     let routines = || Routines::none().with_pressure(|points, i| 1e6 * points.amplitude * (2.0 - points.r[i]));
-    let deck = Deck::of_file(name);
+    let deck = SplitDeck::of_file(name);
     let time =
         deck.prepare(&fs::read_to_string(project(name)).expect("a deck"), settings, &routines()).plan.steps[0].duration;
-    // Where a body comes to rest or a force jumps, an increment ends earlier: the analysis ends before.
+    // An increment ends early when a body comes to rest or a force is discontinuous, so the analysis has fewer complete
+    // increments.
     let mut increment = deck.increment(settings, time, &routines());
     let increments = |dt: f64| {
         run(&deck.prepare(&deck.split(1, dt, false), settings, &routines()), RunControl::default()).0.increments
@@ -225,22 +239,22 @@ fn example(name: &str, settings: &[(&str, &str)]) -> Outcome {
     while increments(increment) != ALL {
         increment *= 0.5;
     }
-    goes_on(&deck, settings, increment, &routines)
+    assert_steps_change_nothing(&deck, settings, increment, &routines)
 }
 
 #[test]
-fn rigid_examples_do_not_see_steps() {
+fn rigid_examples_do_not_depend_on_steps() {
     for name in
         ["ogive", "oblique", "ogive_steel", "ogive_rod", "plate_6061", "plates_derived", "ogive_user", "gauntlet/disc"]
     {
-        example(&format!("input/{name}.inp"), &[]);
+        check_example(&format!("input/{name}.inp"), &[]);
     }
-    let outcome = example("input/oblique.inp", &[("friction", "0.1")]);
+    let outcome = check_example("input/oblique.inp", &[("friction", "0.1")]);
     assert_eq!(outcome.penetrations.len(), 1);
 }
 
 #[test]
-fn deformable_examples_do_not_see_steps() {
+fn deformable_examples_do_not_depend_on_steps() {
     for name in [
         "blast_disk",
         "long_rod",
@@ -253,12 +267,12 @@ fn deformable_examples_do_not_see_steps() {
         "taylor_copper",
         "tube_crush",
     ] {
-        example(&format!("input/{name}.inp"), &[]);
+        check_example(&format!("input/{name}.inp"), &[]);
     }
 }
 
 #[test]
-fn scenes_of_the_gauntlet_do_not_see_steps() {
+fn gauntlet_scenes_do_not_depend_on_steps() {
     for name in [
         "bending",
         "cylinder",
@@ -274,22 +288,22 @@ fn scenes_of_the_gauntlet_do_not_see_steps() {
         "units",
         "void",
     ] {
-        example(&format!("input/gauntlet/{name}.inp"), &[]);
+        check_example(&format!("input/gauntlet/{name}.inp"), &[]);
     }
 }
 
-/// Follows a sine.
-struct Sway;
+/// Sinusoidal user motion.
+struct SineMotion;
 
-impl UserMotion for Sway {
+impl UserMotion for SineMotion {
     fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure> {
         Ok(0.01 * call.now.total_time)
     }
 }
 
-/// A block that slides along another, and a light rigid plate that is pushed against it, with one of each kind of load and constraint
-/// that a bit of `kinds` asks for.
-fn scene(kinds: u32) -> Deck {
+/// Returns a block that slides along another one and a light rigid plate pushed against it, with the loads and
+/// constraints selected by the bits of `kinds`.
+fn scene(kinds: u32) -> SplitDeck {
     let has = |bit: u32| kinds >> bit & 1 == 1;
     let either = |bit: u32, yes: &str, no: &str| if has(bit) { yes.to_owned() } else { no.to_owned() };
     let corner = "*Nset, nset=INNER\n 8\n*Nset, nset=BESIDE\n 9\n";
@@ -341,17 +355,17 @@ fn scene(kinds: u32) -> Deck {
     } else {
         text
     };
-    Deck::new(&format!("scene {kinds:#b}"), &text)
+    SplitDeck::new(&format!("scene {kinds:#b}"), &text)
 }
 
-fn of_scene() -> Routines {
-    Routines::none().with_motion(Sway).with_pressure(|points, i| 1e-3 * (1.0 - 0.5 * points.velocity_r[i]))
+fn scene_routines() -> Routines {
+    Routines::none().with_motion(SineMotion).with_pressure(|points, i| 1e-3 * (1.0 - 0.5 * points.velocity_r[i]))
 }
 
-/// Each kind of load and constraint alone beside contact, all of them, and any of them.
+/// Each kind of load and constraint alone with contact, all kinds together, and random combinations.
 #[test]
-fn no_kind_of_load_or_constraint_sees_steps() {
-    let check = |kinds: u32| goes_on(&scene(kinds), &[], 1.0 / 64.0, &of_scene);
+fn loads_and_constraints_do_not_depend_on_steps() {
+    let check = |kinds: u32| assert_steps_change_nothing(&scene(kinds), &[], 1.0 / 64.0, &scene_routines);
     (0..16).for_each(|bit| {
         check(1 << bit);
     });
@@ -364,5 +378,5 @@ fn no_kind_of_load_or_constraint_sees_steps() {
             check(u32::from(kinds));
             Ok(())
         })
-        .expect("no step is seen");
+        .expect("equal results with several steps");
 }

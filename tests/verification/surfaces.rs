@@ -1,16 +1,16 @@
-//! Analytical rigid surfaces on bodies that are held, moved or move freely, and integrals over surfaces that deform.
+//! Analytical rigid surfaces on fixed, moving and free bodies, and section forces of deformable bodies.
 //!
-//! Goal: momentum, energy, forces and times of contact.
-//! Source: closed forms of bars, of Hertz and of rigid bodies; each test says its tolerance and why. What a node alone does
-//! on arcs, slopes and corners stands with the constraint (`src/constraint/contact/analytical.rs`).
+//! Goal: momentum, energy, forces and contact times.
+//! Source: closed forms of bars, of Hertz and of rigid bodies. The tolerance and its reason are stated at each test.
+//! Tests of a single node on arcs, slopes and corners are in `src/constraint/contact/analytical.rs`.
 
 use revolve::solve;
 use revolve::user::Routines;
 
 use crate::common::solid::{column, grid, last, material, run};
-use crate::common::{Memory, prepared};
+use crate::common::{RecordedOutput, prepared};
 
-/// A flat punch, node 800 its reference, with a mass of its own and a velocity.
+/// Returns a flat punch with reference node 800, a mass and an initial velocity.
 fn flat_punch(z: f64, mass: f64, velocity: f64) -> String {
     format!(
         "*Node, nset=REF\n 800, 0., {z}\n*Element, type=MASS, elset=POINT\n 800, 800\n*Mass, elset=POINT\n {mass:e}\n\
@@ -20,10 +20,11 @@ fn flat_punch(z: f64, mass: f64, velocity: f64) -> String {
     )
 }
 
-/// A rigid mass falls on the end of an elastic bar: V = v exp(-rho c A t/M) until the wave comes back after 2 L/c (St. Venant;
-/// Graff, Wave Motion in Elastic Solids, 2.5). First order in the length of the rows, for the front is a jump.
+/// A rigid mass falls on the end of an elastic bar: V = v exp(-rho c A t/M) until the reflected wave returns after 2
+/// L/c (St. Venant; Graff, Wave Motion in Elastic Solids, 2.5). The error is of first order in the row height because
+/// the front is discontinuous.
 #[test]
-fn a_mass_that_falls_on_a_bar_is_slowed_exponentially() {
+fn mass_on_a_bar_decelerates_exponentially() {
     let area = std::f64::consts::PI * 0.01;
     let mass = 0.5 * area;
     let error = |rows: usize| {
@@ -36,18 +37,18 @@ fn a_mass_that_falls_on_a_bar_is_slowed_exponentially() {
         assert!(outcome.energy.drift < 2e-2 && outcome.energy.contact >= 0.0, "{:?}", outcome.energy);
         let velocity = column(&deck, &memory, "V2@REF");
         let off = |&(t, v): &(f64, f64)| (v / -1e-3 - (-2.0 * t).exp()).abs();
-        // Away from the jump at the start.
+        // After the initial discontinuity.
         velocity.iter().filter(|row| row.0 > 0.2).map(off).fold(0.0, f64::max)
     };
     let [coarse, fine] = [20, 80].map(error);
-    println!("mass on a bar: worst velocity off by {coarse:.2e}, {fine:.2e} of the first");
+    println!("mass on a bar: velocity errors {coarse:.2e}, {fine:.2e} of the first");
     assert!(fine < 0.5 * coarse, "{coarse} {fine}");
     assert!(fine < 0.01, "{fine}");
 }
 
-/// A hemisphere with friction that moves freely falls on a block that is free: momentum stays to rounding, energy is only lost.
+/// A free hemisphere with friction falls on a free block: momentum is conserved to rounding, energy only decreases.
 #[test]
-fn a_free_punch_and_a_free_block_keep_their_momentum() {
+fn free_punch_and_block_conserve_momentum() {
     let punch = "*Node, nset=REF\n 800, 0., 2.5\n*Element, type=MASS, elset=POINT\n 800, 800\n*Mass, elset=POINT\n 5.\n\
          *Surface, type=SEGMENTS, name=PUNCH, fillet radius=0.05\n START, 0.9, 3.\n LINE, 0.8, 2.\n CIRCL, 0., 1.05, 0., 2.\n\
          *Rigid Body, ref node=800, analytical surface=PUNCH\n*Surface Interaction, name=DRY\n*Friction\n 0.3\n\
@@ -64,34 +65,34 @@ fn a_free_punch_and_a_free_block_keep_their_momentum() {
         let body = &state.dofs.bodies[0];
         (0..nodes.len()).map(of).sum::<f64>() + body.mass * body.velocity_half
     };
-    let (outcome, state) = solve::run(&prepared.plan, prepared.state.clone(), &mut Memory::default());
+    let (outcome, state) = solve::run(&prepared.plan, prepared.state.clone(), &mut RecordedOutput::default());
     assert_eq!(outcome.halt, None);
     let off = (momentum(&state) / (5.0 * -0.2) - 1.0).abs();
     let energy = outcome.energy;
-    println!("free punch: momentum off by {off:.1e}, lost {:.2e}, friction {:.2e}", energy.contact, energy.friction);
+    println!("free punch: momentum error {off:.1e}, lost {:.2e}, friction {:.2e}", energy.contact, energy.friction);
     assert!(off < 1e-11, "{off}");
-    assert!(state.dofs.bodies[0].velocity > -0.1, "the block has been met");
+    assert!(state.dofs.bodies[0].velocity > -0.1, "no contact with the block");
     assert!(energy.friction > 0.0 && energy.contact > -1e-4 * energy.initial && energy.drift < 5e-3, "{energy:?}");
 }
 
-/// A rigid sphere pressed into an elastic block: F = 4/3 E* sqrt(R) d^1.5 (Hertz 1882; Johnson, Contact Mechanics, 4.2). The
-/// block is held 12, 24 and 48 contact radii away, by which it is stiffer than a half space; that goes with the first power
-/// of its size (the far field of a point force), and what is extrapolated from the two largest is the half space.
+/// Rigid sphere pressed into an elastic block: F = 4/3 E* sqrt(R) d^1.5 (Hertz 1882; Johnson, Contact Mechanics, 4.2).
+/// The block ends at 12, 24 and 48 contact radii and is stiffer than a half-space. This deviation is inversely
+/// proportional to its size (far field of a point force), and the limit of the two largest blocks is the half-space.
 #[test]
-fn a_sphere_pressed_into_a_block_is_hertz() {
+fn pressed_rigid_sphere_converges_to_hertz() {
     let (depth, radius, nu, cells) = (0.01_f64, 1.0_f64, 0.3, 6_usize);
     let contact = (radius * depth).sqrt();
     let force = 4.0 / 3.0 / (1.0 - nu * nu) * radius.sqrt() * depth.powf(1.5);
-    // Even over two contact radii, then each cell a fifth longer than the one before.
+    // Uniform cells over two contact radii, then each cell is a fifth longer than the previous one.
     let place = |k: usize| {
         let (even, growth) = (2 * cells, 1.2_f64);
-        let behind = k.saturating_sub(even) as i32;
-        contact / cells as f64 * (k.min(even) as f64 + (growth.powi(behind) - 1.0) / (growth - 1.0) * growth)
+        let outer = k.saturating_sub(even) as i32;
+        contact / cells as f64 * (k.min(even) as f64 + (growth.powi(outer) - 1.0) / (growth - 1.0) * growth)
     };
     let excess = |size: f64| {
         let count = (0..).find(|&k| place(k) > size * contact).expect("it grows");
         let scale = place(count) / (size * contact);
-        // The cells far away are drawn in, so that sizes are as two to one.
+        // Outer cells are scaled so that block sizes have a ratio of two.
         let place =
             |k: usize| if k <= 2 * cells { place(k) } else { place(2 * cells) + (place(k) - place(2 * cells)) / scale };
         let time = 16.0_f64.max(16.0 / 24.0 * size);
@@ -118,16 +119,16 @@ fn a_sphere_pressed_into_a_block_is_hertz() {
     let [small, middle, large] = [12.0, 24.0, 48.0].map(excess);
     let order = ((small - middle) / (middle - large)).log2();
     let half_space = 2.0 * large - middle;
-    println!("Hertz: {small:.4}, {middle:.4}, {large:.4} above, order {order:.2}, half space {half_space:.4}");
+    println!("Hertz: {small:.4}, {middle:.4}, {large:.4} above Hertz, order {order:.2}, half space {half_space:.4}");
     assert!((order - 1.0).abs() < 0.3, "{order}: {small} {middle} {large}");
-    // Contact is six cells wide, and a tenth of the radius.
+    // Six cells resolve the contact radius to a tenth.
     assert!(half_space.abs() < 0.02, "{half_space}");
 }
 
-/// The force that a bar hands on to a wall is that of its lowest elements, of the reaction, and of a cut in its middle: a bar
-/// pulled slowly, to what vibrates.
+/// The force of a slowly stretched bar on a wall equals that of its lowest elements, the reaction and the section force
+/// in its middle, up to residual vibration.
 #[test]
-fn forces_through_sections_are_the_reaction() {
+fn section_forces_equal_the_reaction() {
     let deck = grid(3, 12, false, |i, j| [1.0 + i as f64 / 3.0, j as f64 / 4.0])
         + &material(
             1.0,
@@ -149,9 +150,9 @@ fn forces_through_sections_are_the_reaction() {
     assert!((last(&deck, &memory, "SOAREA@J0") / area - 1.0).abs() < 1e-3);
 }
 
-/// What is said at `check` of surfaces that face away and of arcs that do not quite close.
+/// Diagnostics of `check` for surfaces with reversed sides and for arcs that are not quite circular.
 #[test]
-fn slips_of_surfaces_are_told_with_a_place() {
+fn faulty_surfaces_are_reported_with_a_place() {
     let deck = |surface: &str| {
         grid(2, 2, false, |i, j| [i as f64, j as f64])
             + &material(1.0, 0.0, 1.0, "")
@@ -176,7 +177,7 @@ fn slips_of_surfaces_are_told_with_a_place() {
         let prepared = revolve::job::prepare_text("slip.inp", &deck(surface), &[], &Routines::none());
         let shown = prepared.diagnostics.render(&prepared.deck.sources);
         assert_eq!(prepared.diagnostics.has_errors(), error, "{surface}{shown}");
-        let told = prepared.diagnostics.iter().any(|d| d.code == code);
-        assert_eq!(told, !code.is_empty(), "{surface}{code}: {shown}");
+        let reported = prepared.diagnostics.iter().any(|d| d.code == code);
+        assert_eq!(reported, !code.is_empty(), "{surface}{code}: {shown}");
     }
 }

@@ -1,7 +1,7 @@
-//! The copper Taylor bar.
+//! Copper Taylor bar.
 //!
-//! Goal: its length and foot; the same bar with the global estimate of the increment and on any number of threads.
-//! Source: the results of other codes. Each test says its tolerance and why.
+//! Goal: length and foot radius; results with the global estimate of the increment and on any number of threads.
+//! Source: results of other codes. The tolerance and its reason are stated at each test.
 
 use revolve::job;
 use revolve::solve::Outcome;
@@ -10,20 +10,21 @@ use revolve::user::Routines;
 use crate::common;
 use crate::common::solid::{grid, last, material, run};
 
-fn taylor(settings: &[(&str, &str)]) -> (Outcome, revolve::output::HistorySummary) {
+fn run_taylor_bar(settings: &[(&str, &str)]) -> (Outcome, revolve::output::HistorySummary) {
     let prepared =
         job::prepare(&common::project("input/taylor_copper.inp"), &common::pairs(settings), &Routines::none());
     assert!(!prepared.diagnostics.has_errors());
     job::run_in_memory(&prepared)
 }
 
-/// Other codes: length 21.26 to 21.51 mm, foot radius 6.80 to 7.24 mm; OpenRadioss on 20x100: 21.428 and 7.169 mm. The foot
-/// of a coarser mesh follows each code's hourglass control; here it is within 1 % of the finer one's.
+/// Other codes: length 21.26 to 21.51 mm, foot radius 6.80 to 7.24 mm; OpenRadioss with 20x100: 21.428 and 7.169 mm. On
+/// coarse meshes the foot radius depends on the hourglass control of each code; here it is within 1 % of that on the
+/// finer mesh.
 #[test]
-fn the_copper_taylor_bar_is_that_of_other_codes() {
+fn copper_taylor_bar_matches_other_codes() {
     let mut feet = Vec::new();
     for (nr, nz, length) in [("10", "50", 21.46), ("20", "100", 21.428)] {
-        let (outcome, history) = taylor(&[("nr", nr), ("nz", nz)]);
+        let (outcome, history) = run_taylor_bar(&[("nr", nr), ("nz", nz)]);
         assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
         let got = [history.0["COOR2@TIP"].last * 1e3, history.0["COOR1@CORNER"].last * 1e3];
         println!("Taylor {nr}x{nz}: L {:.3} mm, R {:.3} mm, drift {:.1e}", got[0], got[1], outcome.energy.drift);
@@ -37,10 +38,10 @@ fn the_copper_taylor_bar_is_that_of_other_codes() {
     assert!((fine - 7.169).abs() < 0.05 && (coarse / fine - 1.0).abs() < 0.01, "{feet:?}");
 }
 
-/// ABAQUS's default, the global estimate, takes fewer increments than going element by element and comes to the same bar.
-/// Elastic vibration, in which an estimate holds for good, needs one.
+/// The global estimate, the default of ABAQUS, takes fewer increments than the element-by-element estimate and gives
+/// the same results. Linear elastic vibration needs only one estimate.
 #[test]
-fn the_global_estimate_saves_increments_and_changes_no_answer() {
+fn global_estimate_saves_increments_with_equal_results() {
     let deck = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
     let by_elements = deck.replace("*Dynamic, Explicit", "*Dynamic, Explicit, element by element");
     let [(global, a), (local, b)] = [&deck, &by_elements].map(|text| common::run(text, &[], &Routines::none()));
@@ -48,12 +49,12 @@ fn the_global_estimate_saves_increments_and_changes_no_answer() {
     let ratio = global.increments as f64 / local.increments as f64;
     let estimates = global.steps[0].global_estimates.expect("a count");
     println!("Taylor 10x50: {ratio:.3} of the increments, {estimates} estimates");
-    // sqrt(1/2) would be squares at all times; elements start twice as long as wide and end flattened.
+    // sqrt(1/2) holds for squares; the elements have an initial aspect ratio of two and end flattened.
     assert!((0.71..0.93).contains(&ratio), "{ratio}");
     assert!((2..100).contains(&estimates) && local.steps[0].global_estimates.is_none());
     for name in ["COOR2@TIP", "COOR1@CORNER"] {
         let [x, y] = [(&by_elements, &b), (&deck, &a)].map(|(deck, memory)| last(deck, memory, name));
-        // The error of the increments, second order, of a flow that is smooth in time.
+        // Second-order error of the increments in a smooth flow.
         assert!((x / y - 1.0).abs() < 1e-3, "{name}: {x} {y}");
     }
     let elastic = grid(6, 6, false, |i, j| [1.0 + i as f64, j as f64])
@@ -64,14 +65,14 @@ fn the_global_estimate_saves_increments_and_changes_no_answer() {
     assert_eq!((global.halt, global.steps[0].global_estimates), (None, Some(1)));
     let ratio = global.increments as f64 / local.increments as f64;
     println!("elastic squares: {ratio:.3} of the increments, drift {:.1e}", global.energy.drift);
-    // sqrt(1/2) for the squares of a plane.
+    // sqrt(1/2) for plane squares.
     assert!((0.7..0.76).contains(&ratio), "{ratio}");
     assert!(global.energy.drift < 2e-3, "{:e}", global.energy.drift);
 }
 
 #[test]
-fn the_number_of_threads_changes_no_bit() {
-    // More elements than it takes to spread them.
+fn results_do_not_depend_on_the_number_of_threads() {
+    // Enough elements for several threads.
     let digest = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {

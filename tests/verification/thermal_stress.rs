@@ -1,8 +1,9 @@
-//! Thermal strain and the heat of plastic work.
+//! Thermal strain and heating by plastic work.
 //!
-//! Goal: stresses of what expands and is held, of a thick cylinder between two temperatures, and temperatures of what yields.
-//! Source: closed forms (Timoshenko and Goodier 1970, Theory of Elasticity, art. 151; ABAQUS Analysis User's Guide 26.1.2
-//! "Thermal expansion" and 6.5.4 "Adiabatic analysis"). Each test says its tolerance and why.
+//! Goal: stresses of constrained thermal expansion and of a thick cylinder between two temperatures; temperatures of
+//! plastic elements.
+//! Source: closed forms (Timoshenko and Goodier 1970, Theory of Elasticity, art. 151; ABAQUS Analysis User's Guide
+//! 26.1.2 "Thermal expansion" and 6.5.4 "Adiabatic analysis"). The tolerance and its reason are stated at each test.
 
 use crate::common;
 use crate::common::solid::{column, grid, last, run};
@@ -10,14 +11,14 @@ use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMat
 
 const ELASTIC: &str = "*Density\n 1.,\n*Elastic\n 1., 0.3\n*Conductivity\n 0.05,\n*Specific Heat\n 1.,\n";
 
-fn body(n: usize, m: usize, place: impl Fn(usize, usize) -> [f64; 2], cards: &str) -> String {
+fn thermal_body(n: usize, m: usize, place: impl Fn(usize, usize) -> [f64; 2], cards: &str) -> String {
     grid(n, m, false, place).replace("CAX4R", "CAX4RT")
         + "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n"
         + ELASTIC
         + cards
 }
 
-fn coupled(duration: f64, cards: &str) -> String {
+fn coupled_step(duration: f64, cards: &str) -> String {
     format!(
         "*Step\n*Dynamic Temperature-displacement, Explicit\n , {duration}\n{cards}*Output, field, number interval=1\n\
          *Node Output\n U, NT\n*Element Output\n S, TEMP, LE\n*Output, history, number interval=40\n*Energy Output\n\
@@ -25,16 +26,19 @@ fn coupled(duration: f64, cards: &str) -> String {
     )
 }
 
-/// What is held on all sides has the stress -E alpha dT/(1 - 2 nu), to rounding; over a table with ZERO by the manual's formula.
+/// Fully constrained expansion has the stress -E alpha dT/(1 - 2 nu) to rounding; with a table and ZERO by the formula
+/// of the manual.
 #[test]
-fn what_is_held_is_pressed() {
+fn constrained_expansion_stress_matches_closed_form() {
     let place = |i: usize, j: usize| [i as f64 + 0.1 * (j % 2) as f64 * (i as f64), j as f64];
     let held = "*Boundary\n ALL, 1, 2\n*Dflux\n SOLID, BF, 10.\n";
     for (rows, strain) in [
         ("*Expansion\n 1e-5,\n", 1e-5 * 60.0),
         ("*Expansion, zero=50.\n 1e-5, 0.\n 2e-5, 100.\n", 1.8e-5 * 30.0 - 1.2e-5 * -30.0),
     ] {
-        let deck = body(3, 3, place, rows) + "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n" + &coupled(6.0, held);
+        let deck = thermal_body(3, 3, place, rows)
+            + "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n"
+            + &coupled_step(6.0, held);
         let (outcome, memory) = run(&deck);
         assert!(outcome.halt.is_none());
         let frame = memory.frames.last().expect("a frame");
@@ -50,13 +54,13 @@ fn what_is_held_is_pressed() {
     }
 }
 
-/// What is free grows by alpha dT in every direction, without stress once the waves are gone.
+/// Free expansion is alpha dT in every direction, without stress after the waves have decayed.
 #[test]
-fn what_is_free_grows() {
+fn free_expansion_is_stress_free() {
     let ramp = "*Amplitude, name=SLOW, definition=SMOOTH STEP\n 0., 0., 100., 1., 200., 0.\n";
-    let deck = body(4, 4, |i, j| [0.25 * i as f64, 0.25 * j as f64], "*Expansion\n 1e-5,\n")
+    let deck = thermal_body(4, 4, |i, j| [0.25 * i as f64, 0.25 * j as f64], "*Expansion\n 1e-5,\n")
         + ramp
-        + &coupled(400.0, "*Boundary\n J0, 2, 2\n*Dflux, amplitude=SLOW\n SOLID, BF, 0.5\n");
+        + &coupled_step(400.0, "*Boundary\n J0, 2, 2\n*Dflux, amplitude=SLOW\n SOLID, BF, 0.5\n");
     let (outcome, memory) = run(&deck);
     assert!(outcome.energy.drift < 2e-3, "{}", outcome.energy.drift);
     let frame = memory.frames.last().expect("a frame");
@@ -74,9 +78,10 @@ fn what_is_free_grows() {
     }
 }
 
-/// A thick cylinder from 1 to 2 with 1 inside and 0 outside, held along z: every stress of every element, over E alpha dT.
+/// Thick cylinder from 1 to 2 with temperature 1 inside and 0 outside and no axial strain: all stresses of all elements
+/// over E alpha dT.
 #[test]
-fn a_thick_cylinder() {
+fn thick_cylinder_thermal_stress_matches_closed_form() {
     let (nu, alpha, ln2) = (0.3, 1e-6, 2.0_f64.ln());
     let exact = |r: f64| {
         let factor = alpha / (2.0 * (1.0 - nu) * ln2);
@@ -87,9 +92,12 @@ fn a_thick_cylinder() {
     };
     let errors = [8, 16, 32].map(|n| {
         let ramp = "*Amplitude, name=SLOW, definition=SMOOTH STEP\n 0., 0., 200., 1.\n";
-        let deck = body(n, 1, |i, j| [1.0 + i as f64 / n as f64, j as f64 / n as f64], "*Expansion\n 1e-6,\n")
+        let deck = thermal_body(n, 1, |i, j| [1.0 + i as f64 / n as f64, j as f64 / n as f64], "*Expansion\n 1e-6,\n")
             + ramp
-            + &coupled(320.0, "*Boundary\n ALL, 2, 2\n I1, 11, 11, 0.\n*Boundary, amplitude=SLOW\n I0, 11, 11, 1.\n");
+            + &coupled_step(
+                320.0,
+                "*Boundary\n ALL, 2, 2\n I1, 11, 11, 0.\n*Boundary, amplitude=SLOW\n I0, 11, 11, 1.\n",
+            );
         let (outcome, memory) = run(&deck);
         assert!(outcome.halt.is_none());
         let frame = memory.frames.last().expect("a frame");
@@ -111,8 +119,8 @@ fn a_thick_cylinder() {
 const METAL: &str = "*Density\n 7800.,\n*Elastic\n 200.e9, 0.3\n*Plastic\n 500.e6, 0.\n 600.e6, 1.\n*Specific Heat\n 500.,\n\
      *Inelastic Heat Fraction\n 0.9\n";
 
-/// One element of 1 mm squeezed at 10 m/s for 30 us, r free.
-fn squeezed(dynamic: &str, kind: &str, cards: &str) -> String {
+/// Returns an element of 1 mm compressed uniaxially at 10 m/s for 30 microseconds.
+fn compressed_element(dynamic: &str, kind: &str, cards: &str) -> String {
     grid(1, 1, false, |i, j| [i as f64 * 1e-3, j as f64 * 1e-3]).replace("CAX4R", kind)
         + "*Elset, elset=ONE\n 1\n*Solid section, elset=SOLID, material=M\n*Material, name=M\n"
         + METAL
@@ -125,13 +133,13 @@ fn squeezed(dynamic: &str, kind: &str, cards: &str) -> String {
 
 const COUPLED: &str = "*Dynamic Temperature-displacement, Explicit";
 
-/// Plastic work heats by its fraction: of the element without conduction, and of the same in a step that conducts. (1.5e-3:
-/// heat a mass by work a volume, which the elastic dilation, Y/3K = 1e-3, changes.)
+/// The inelastic heat fraction of the plastic work heats an adiabatic element and an element of a coupled step.
+/// Tolerance 1.5e-3: heat is per mass and work per volume, and the elastic volume change is Y/3K = 1e-3.
 #[test]
-fn plastic_work_heats_by_its_fraction() {
+fn plastic_work_heats_by_the_specified_fraction() {
     let mass = 7800.0 * std::f64::consts::PI * 1e-9;
     let rises = [("*Dynamic, Explicit, adiabatic", "CAX4R"), (COUPLED, "CAX4RT")].map(|(dynamic, kind)| {
-        let deck = squeezed(dynamic, kind, "*Conductivity\n 50.,\n");
+        let deck = compressed_element(dynamic, kind, "*Conductivity\n 50.,\n");
         let (_, memory) = run(&deck);
         let rise = last(&deck, &memory, "TEMP@ONE") - 20.0;
         let expected = 0.9 * last(&deck, &memory, "ALLPD") / (mass * 500.0);
@@ -141,9 +149,9 @@ fn plastic_work_heats_by_its_fraction() {
     assert!((rises[0] / rises[1] - 1.0).abs() < 1e-9, "{rises:?}");
 }
 
-/// ALLIHE is ALLHF and the fraction of ALLPD, in a bar that yields, conducts and is cooled.
+/// ALLIHE is ALLHF plus the inelastic heat fraction of ALLPD in a plastic, conducting, cooled bar.
 #[test]
-fn the_books_of_heat_are_closed() {
+fn heat_balance_closes() {
     let deck = grid(4, 8, false, |i, j| [i as f64 * 1e-3, j as f64 * 1e-3]).replace("CAX4R", "CAX4RT")
         + "*Solid section, elset=SOLID, material=M\n*Material, name=M\n"
         + METAL
@@ -153,19 +161,20 @@ fn the_books_of_heat_are_closed() {
         + "\n , 2.e-5\n*Boundary\n J0, 2, 2\n J0, 11, 11, 20.\n*Film\n EI1, F2, 0., 1e6\n*Output, history, number interval=20\n\
            *Energy output\n ALLHF, ALLIHE, ALLPD, ETOTAL\n*End step\n";
     let (outcome, memory) = run(&deck);
-    // A foot that is held at once rings: the same without heat.
+    // A foot fixed suddenly vibrates, with and without heat.
     assert!(outcome.halt.is_none() && outcome.energy.drift < 1e-2, "{}", outcome.energy.drift);
-    let [outside, taken, plastic] = ["ALLHF", "ALLIHE", "ALLPD"].map(|name| last(&deck, &memory, name));
-    assert!(outside < -0.01 * taken, "{outside} {taken}");
-    assert!(((taken - outside) / (0.9 * plastic) - 1.0).abs() < 3e-3, "{taken} {outside} {plastic}");
+    let [outside, internal_heat, plastic] = ["ALLHF", "ALLIHE", "ALLPD"].map(|name| last(&deck, &memory, name));
+    assert!(outside < -0.01 * internal_heat, "{outside} {internal_heat}");
+    assert!(((internal_heat - outside) / (0.9 * plastic) - 1.0).abs() < 3e-3, "{internal_heat} {outside} {plastic}");
 }
 
-/// In an adiabatic step temperatures are a state of elements; what expands there, too: a uniaxial test is without axial stress
-/// but that of yield, and the body is larger by 3 alpha dT.
+/// Thermal expansion with element temperatures in an adiabatic step: a uniaxial test has only the axial yield stress,
+/// and the volume grows by 3 alpha dT.
 #[test]
-fn adiabatic_elements_expand() {
+fn adiabatic_elements_expand_thermally() {
     let volume = |cards: &str| {
-        let deck = squeezed("*Dynamic, Explicit, adiabatic", "CAX4R", cards).replace("TEMP, PEEQ", "TEMP, PEEQ, EVOL");
+        let deck = compressed_element("*Dynamic, Explicit, adiabatic", "CAX4R", cards)
+            .replace("TEMP, PEEQ", "TEMP, PEEQ, EVOL");
         let (outcome, memory) = run(&deck);
         assert!(outcome.energy.drift < 2e-2);
         [last(&deck, &memory, "EVOL@ONE"), last(&deck, &memory, "TEMP@ONE") - 20.0]
@@ -173,19 +182,19 @@ fn adiabatic_elements_expand() {
     let ([cold, _], [warm, rise]) = (volume(""), volume("*Expansion\n 1.2e-5,\n"));
     let expected = 3.0 * 1.2e-5 * rise;
     assert!(((warm / cold - 1.0) / expected - 1.0).abs() < 2e-2, "{} {expected}", warm / cold - 1.0);
-    let told = |cards: &str, dynamic: &str| {
-        let prepared = common::prepared(&squeezed(dynamic, "CAX4R", cards), &[], &Routines::none());
+    let expansion_is_unused = |cards: &str, dynamic: &str| {
+        let prepared = common::prepared(&compressed_element(dynamic, "CAX4R", cards), &[], &Routines::none());
         prepared.plan.ledger.unused.iter().any(|u| u.what == "*EXPANSION")
     };
-    assert!(told("*Expansion\n 1.2e-5,\n", "*Dynamic, Explicit"));
-    assert!(!told("*Expansion\n 1.2e-5,\n", "*Dynamic, Explicit, adiabatic"));
+    assert!(expansion_is_unused("*Expansion\n 1.2e-5,\n", "*Dynamic, Explicit"));
+    assert!(!expansion_is_unused("*Expansion\n 1.2e-5,\n", "*Dynamic, Explicit, adiabatic"));
 }
 
-/// Johnson-Cook sees the temperatures of nodes: at half of the way to melting the yield stress of m = 1 is half.
+/// Johnson-Cook uses nodal temperatures: halfway to melting, with m = 1, the yield stress is halved.
 #[test]
-fn johnson_cook_sees_the_temperatures_of_nodes() {
+fn johnson_cook_uses_nodal_temperatures() {
     let stress = |temperature: f64| {
-        let deck = squeezed(COUPLED, "CAX4RT", "*Conductivity\n 50.,\n")
+        let deck = compressed_element(COUPLED, "CAX4RT", "*Conductivity\n 50.,\n")
             .replace(
                 "*Plastic\n 500.e6, 0.\n 600.e6, 1.\n",
                 "*Plastic, hardening=JOHNSON COOK\n 500.e6, 0., 1., 1., 1020., 20.\n",
@@ -198,20 +207,21 @@ fn johnson_cook_sees_the_temperatures_of_nodes() {
     };
     for (temperature, expected) in [(20.0, -500e6), (520.0, -250e6), (770.0, -125e6)] {
         let found = stress(temperature);
-        // Inertia: rho v^2.
+        // Inertia, rho v^2.
         assert!((found - expected).abs() < 0.8e6, "{temperature}: {found}");
     }
 }
 
-/// Hooke's law with E = 1 and nu = 0.3, which dissipates 0.02 a mass and time beside, and looks at its temperatures.
-struct Hooke;
+/// Hooke's law with E = 1 and nu = 0.3, inelastic energy of 0.02 per mass and time, and a check of the temperatures it
+/// receives.
+struct HookeMaterial;
 
-impl UserMaterial for Hooke {
+impl UserMaterial for HookeMaterial {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
         let (n, lame, shear2) = (call.count, 0.3 / (1.3 * 0.4), 1.0 / 1.3);
         let [old, new] = call.temperature;
         if call.now.increment > 1 && !old.iter().zip(new).all(|(old, new)| new > old) {
-            return Err(LoadFailure::new("its temperatures do not grow"));
+            return Err(LoadFailure::new("the temperatures do not increase"));
         }
         for i in 0..n {
             let trace: f64 = (0..3).map(|k| call.strain[k * n + i]).sum();
@@ -225,21 +235,21 @@ impl UserMaterial for Hooke {
     }
 }
 
-/// A user's material that is held: it is shown the strain without the thermal one, and temperatures of nodes that its inelastic
-/// energy and a flux raise.
+/// A constrained user material receives the strain without the thermal part, and nodal temperatures raised by its
+/// inelastic energy and by a flux.
 #[test]
-fn a_users_material_is_held_and_heated() {
-    let deck = body(3, 3, |i, j| [i as f64, j as f64], "*Expansion\n 1e-5,\n*Inelastic Heat Fraction\n 0.5\n")
+fn user_material_receives_mechanical_strain_and_temperature() {
+    let deck = thermal_body(3, 3, |i, j| [i as f64, j as f64], "*Expansion\n 1e-5,\n*Inelastic Heat Fraction\n 0.5\n")
         .replace("*Elastic\n 1., 0.3\n", "*User Material, constants=1\n 1.,\n")
         + "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n"
-        + &coupled(20.0, "*Boundary\n ALL, 1, 2\n*Dflux\n SOLID, BF, 3.\n");
-    let (outcome, memory) = common::run(&deck, &[], &Routines::none().with_material(Hooke));
+        + &coupled_step(20.0, "*Boundary\n ALL, 1, 2\n*Dflux\n SOLID, BF, 3.\n");
+    let (outcome, memory) = common::run(&deck, &[], &Routines::none().with_material(HookeMaterial));
     assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
     let frame = memory.frames.last().expect("a frame");
     let field = |name: &str| &frame.cell_fields.iter().find(|f| f.name == name).expect("a field").values;
     let rise = 3.0 * 20.0 + 0.5 * 0.02 * 20.0;
     assert!(field("TEMP").iter().all(|t| ((t - 20.0) / rise - 1.0).abs() < 1e-12), "{:?}", field("TEMP"));
-    // The heat of the last increment is in the temperature, and in no strain yet.
+    // The heat of the last increment is in the temperature but not yet in the strain.
     for s in field("S").chunks(4) {
         let expected = -1e-5 * rise / (1.0 - 0.6);
         assert!(s[..3].iter().all(|s| (s / expected - 1.0).abs() < 1e-3), "{s:?} {expected}");

@@ -1,9 +1,10 @@
-//! Shock tubes and an elastic-plastic piston against exact solutions.
+//! Shock tubes and an elastic-plastic piston, compared with exact solutions.
 //!
-//! Goal: order of convergence and conservation of energy where gases of any pressure ratio meet; stress and deviator behind a
-//! strong shock in a metal. Source: the Riemann problem of an ideal gas and its tests 1 to 5 (Toro 2009, Riemann Solvers and
-//! Numerical Methods for Fluid Dynamics, chapter 4), Sod 1978 (J. Comput. Phys. 27, 1), LeBlanc's tube (Benson 1992, Comput.
-//! Meth. Appl. Mech. Eng. 99, 235), the jump conditions. Each test says its mesh, its tolerance and why.
+//! Goal: order of convergence and conservation of energy for gases of any pressure ratio; stress and deviator after a
+//! strong shock in a metal.
+//! Source: the Riemann problem of an ideal gas and its tests 1 to 5 (Toro 2009, Riemann Solvers and Numerical Methods
+//! for Fluid Dynamics, chapter 4), Sod 1978 (J. Comput. Phys. 27, 1), LeBlanc's tube (Benson 1992, Comput. Meth. Appl.
+//! Mech. Eng. 99, 235), jump conditions. Mesh, tolerance and its reason are stated at each test.
 
 use std::fmt::Write as _;
 
@@ -11,33 +12,51 @@ use crate::common::solid::{grid, run};
 use crate::shock::{FRAME, cells};
 
 /// Density, velocity and pressure.
-type State = [f64; 3];
+type GasState = [f64; 3];
 
-/// Two gases that meet.
-struct Riemann {
+/// Riemann problem of two gases.
+struct RiemannProblem {
     name: &'static str,
     gamma: f64,
-    left: State,
-    right: State,
-    /// Length of the tube, place of the diaphragm, time.
+    left: GasState,
+    right: GasState,
+    /// Length of the tube, position of the diaphragm, final time.
     tube: [f64; 3],
 }
 
-const SOD: Riemann =
-    Riemann { name: "Sod", gamma: 1.4, left: [1.0, 0.0, 1.0], right: [0.125, 0.0, 0.1], tube: [1.0, 0.5, 0.2] };
+const SOD: RiemannProblem =
+    RiemannProblem { name: "Sod", gamma: 1.4, left: [1.0, 0.0, 1.0], right: [0.125, 0.0, 0.1], tube: [1.0, 0.5, 0.2] };
 
-const TORO: [Riemann; 5] = [
-    Riemann { name: "Toro 1", gamma: 1.4, left: [1.0, 0.75, 1.0], right: [0.125, 0.0, 0.1], tube: [1.0, 0.3, 0.2] },
-    Riemann { name: "Toro 2", gamma: 1.4, left: [1.0, -2.0, 0.4], right: [1.0, 2.0, 0.4], tube: [1.0, 0.5, 0.15] },
-    Riemann { name: "Toro 3", gamma: 1.4, left: [1.0, 0.0, 1e3], right: [1.0, 0.0, 0.01], tube: [1.0, 0.5, 0.012] },
-    Riemann {
+const TORO: [RiemannProblem; 5] = [
+    RiemannProblem {
+        name: "Toro 1",
+        gamma: 1.4,
+        left: [1.0, 0.75, 1.0],
+        right: [0.125, 0.0, 0.1],
+        tube: [1.0, 0.3, 0.2],
+    },
+    RiemannProblem {
+        name: "Toro 2",
+        gamma: 1.4,
+        left: [1.0, -2.0, 0.4],
+        right: [1.0, 2.0, 0.4],
+        tube: [1.0, 0.5, 0.15],
+    },
+    RiemannProblem {
+        name: "Toro 3",
+        gamma: 1.4,
+        left: [1.0, 0.0, 1e3],
+        right: [1.0, 0.0, 0.01],
+        tube: [1.0, 0.5, 0.012],
+    },
+    RiemannProblem {
         name: "Toro 4",
         gamma: 1.4,
         left: [5.99924, 19.5975, 460.894],
         right: [5.99242, -6.19633, 46.0950],
         tube: [2.0, 1.2, 0.035],
     },
-    Riemann {
+    RiemannProblem {
         name: "Toro 5",
         gamma: 1.4,
         left: [1.0, -19.59745, 1e3],
@@ -46,7 +65,7 @@ const TORO: [Riemann; 5] = [
     },
 ];
 
-const LEBLANC: Riemann = Riemann {
+const LEBLANC: RiemannProblem = RiemannProblem {
     name: "LeBlanc",
     gamma: 5.0 / 3.0,
     left: [1.0, 0.0, 0.2 / 3.0],
@@ -54,11 +73,11 @@ const LEBLANC: Riemann = Riemann {
     tube: [9.0, 3.0, 6.0],
 };
 
-impl Riemann {
-    /// Pressure and velocity between both waves (Toro, equations 4.5 to 4.9), by bisection.
-    fn middle(&self) -> [f64; 2] {
+impl RiemannProblem {
+    /// Returns pressure and velocity between the two waves (Toro, equations 4.5 to 4.9) by bisection.
+    fn middle_state(&self) -> [f64; 2] {
         let gamma = self.gamma;
-        let change = |p: f64, [density, _, before]: State| {
+        let change = |p: f64, [density, _, before]: GasState| {
             let c = (gamma * before / density).sqrt();
             if p > before {
                 let (a, b) = (2.0 / ((gamma + 1.0) * density), (gamma - 1.0) / (gamma + 1.0) * before);
@@ -80,7 +99,7 @@ impl Riemann {
         [p, 0.5 * (self.left[1] + self.right[1] + change(p, self.right) - change(p, self.left))]
     }
 
-    /// Density where x/t from the diaphragm is `speed` (Toro, section 4.5).
+    /// Returns the density where x/t from the diaphragm is `shock_speed` (Toro, section 4.5).
     fn density(&self, [p, u]: [f64; 2], speed: f64) -> f64 {
         let gamma = self.gamma;
         let (side, [density, velocity, before]) = if speed < u { (1.0, self.left) } else { (-1.0, self.right) };
@@ -92,18 +111,18 @@ impl Riemann {
             let k = (gamma - 1.0) / (gamma + 1.0);
             return if speed < shock { density } else { density * (ratio + k) / (k * ratio + 1.0) };
         }
-        let behind = density * ratio.powf(1.0 / gamma);
+        let after = density * ratio.powf(1.0 / gamma);
         if speed < velocity - c {
             density
         } else if speed > u - c * ratio.powf((gamma - 1.0) / (2.0 * gamma)) {
-            behind
+            after
         } else {
             let part = 2.0 + (gamma - 1.0) / c * (velocity - speed);
             density * (part / (gamma + 1.0)).powf(2.0 / (gamma - 1.0))
         }
     }
 
-    /// A tube of `n` squares whose ends move with their gases.
+    /// Returns a tube of `n` squares whose ends move with their gases.
     fn deck(&self, n: usize) -> String {
         let [length, diaphragm, time] = self.tube;
         let width = length / n as f64;
@@ -126,7 +145,7 @@ impl Riemann {
         deck += "*Initial Conditions, type=VELOCITY\n";
         let ([a, u, _], [b, v, _]) = (self.left, self.right);
         for j in 0..=n {
-            // The node between both has the momentum of both.
+            // The node between the gases has the momentum of both.
             let speed = match j.cmp(&first) {
                 std::cmp::Ordering::Less => u,
                 std::cmp::Ordering::Equal => (a * u + b * v) / (a + b),
@@ -139,18 +158,19 @@ impl Riemann {
         ) + FRAME
     }
 
-    /// Error of the density, constant over elements, integrated over the tube; and the drift of ETOTAL.
+    /// Returns the integral of the density error with constant element densities, and the drift of ETOTAL.
     fn error(&self, n: usize) -> [f64; 2] {
         let deck = self.deck(n);
         let (outcome, memory) = run(&deck);
         assert_eq!(outcome.halt, None, "{}", self.name);
         let cells = cells(&deck, &memory, 1.0);
-        let ([length, diaphragm, time], middle) = (self.tube, self.middle());
+        let ([length, diaphragm, time], middle) = (self.tube, self.middle_state());
         let first = (diaphragm / length * n as f64).round() as usize;
         let mut error = 0.0;
         for (e, ([_, z], ratio)) in cells.place.iter().zip(&cells.density).enumerate() {
             let found = ratio * if e < first { self.left[0] } else { self.right[0] };
-            // Elements beside a contact may be many times as long as the others: the exact density varies within them.
+            // Elements next to a contact discontinuity may be much longer than others, so the exact density varies
+            // within them.
             let part = length / n as f64 / ratio / 50.0;
             for i in 0..50 {
                 let x = z + part * (f64::from(i) - 24.5);
@@ -160,7 +180,8 @@ impl Riemann {
         [error, outcome.energy.drift]
     }
 
-    /// Order of the error from the first to the last of three meshes, each of twice the elements, and the largest drift.
+    /// Returns the order of the error between the first and the last of three successively doubled meshes, and the
+    /// largest drift.
     fn order(&self, elements: usize) -> [f64; 2] {
         let errors = [1, 2, 4].map(|times| self.error(times * elements));
         let order = 0.5 * (errors[0][0] / errors[2][0]).log2();
@@ -170,17 +191,17 @@ impl Riemann {
     }
 }
 
-/// The exact solution itself: pressures and velocities between the waves as printed (Toro, table 4.2).
+/// Exact solution: pressures and velocities between the waves as printed (Toro, table 4.2).
 #[test]
-fn the_middle_states_are_those_of_the_book() {
+fn riemann_middle_states_match_toro() {
     let book = [[0.46632, 1.36117], [0.00189, 0.0], [460.894, 19.5975], [1691.64, 8.68975], [460.894, 0.0]];
     for (case, [p, u]) in TORO.iter().zip(book) {
-        let [found, speed] = case.middle();
+        let [found, speed] = case.middle_state();
         assert!((found / p - 1.0).abs() < 3e-3 && (speed - u).abs() < 1e-3 * u.abs().max(1.0), "{}", case.name);
     }
 }
 
-/// A strong elastic-plastic shock in a metal: stress, deviator.
+/// Strong elastic-plastic shock in a metal: stress and deviator.
 mod piston {
     use super::{FRAME, cells, grid, run};
 
@@ -191,51 +212,52 @@ mod piston {
     const SHEAR: f64 = 28.6e9;
     const YIELD: f64 = 260e6;
 
-    /// Velocity, density, stress (compression positive) and energy a mass.
+    /// State after a shock: velocity, density, stress (compression positive), energy per mass.
     #[derive(Clone, Copy)]
-    struct Behind {
+    struct ShockState {
         velocity: f64,
         density: f64,
         stress: f64,
         energy: f64,
     }
 
-    /// Behind a jump to this density, with the deviator 2 Y/3: momentum and energy with p = a + b e, which makes it linear.
-    fn jump(before: Behind, density: f64) -> Behind {
+    /// Returns the state after a shock to this density with the deviator 2 Y/3. With p = a + b e the conservation of
+    /// momentum and energy is linear in e.
+    fn state_after_shock(before: ShockState, density: f64) -> ShockState {
         let eta = 1.0 - DENSITY / density;
         let cold = DENSITY * C0 * C0 * eta * (1.0 - 0.5 * GAMMA0 * eta) / (1.0 - S * eta).powi(2);
         let (a, b) = (cold + 2.0 / 3.0 * YIELD, GAMMA0 * DENSITY);
         let change = 1.0 / before.density - 1.0 / density;
         let energy = (before.energy + 0.5 * (a + before.stress) * change) / (1.0 - 0.5 * b * change);
         let stress = a + b * energy;
-        Behind { velocity: before.velocity + ((stress - before.stress) * change).sqrt(), density, stress, energy }
+        ShockState { velocity: before.velocity + ((stress - before.stress) * change).sqrt(), density, stress, energy }
     }
 
-    fn speed(before: Behind, behind: Behind) -> f64 {
-        before.velocity + (behind.stress - before.stress) / (before.density * (behind.velocity - before.velocity))
+    fn shock_speed(before: ShockState, after: ShockState) -> f64 {
+        before.velocity + (after.stress - before.stress) / (before.density * (after.velocity - before.velocity))
     }
 
-    /// Behind the piston, and the speed of the plastic shock. Ahead of it runs the elastic one to the yield stress, which
-    /// logarithmic strain reaches at Y/(2 G), unless the plastic one is faster.
-    fn exact(velocity: f64) -> (Behind, f64) {
-        let rest = Behind { velocity: 0.0, density: DENSITY, stress: 0.0, energy: 0.0 };
-        let elastic = jump(rest, DENSITY * (YIELD / (2.0 * SHEAR)).exp());
-        let plastic = |before: Behind| {
+    /// Returns the state at the piston and the speed of the plastic shock. The elastic shock precedes it up to the
+    /// yield stress, at the logarithmic strain Y/(2 G), unless the plastic shock is faster.
+    fn exact_solution(velocity: f64) -> (ShockState, f64) {
+        let rest = ShockState { velocity: 0.0, density: DENSITY, stress: 0.0, energy: 0.0 };
+        let elastic = state_after_shock(rest, DENSITY * (YIELD / (2.0 * SHEAR)).exp());
+        let plastic = |before: ShockState| {
             let (mut low, mut high) = (before.density, 1.6 * before.density);
             for _ in 0..200 {
                 let middle = 0.5 * (low + high);
-                if jump(before, middle).velocity < velocity { low = middle } else { high = middle }
+                if state_after_shock(before, middle).velocity < velocity { low = middle } else { high = middle }
             }
-            let behind = jump(before, low);
-            (behind, speed(before, behind))
+            let after = state_after_shock(before, low);
+            (after, shock_speed(before, after))
         };
         let two = plastic(elastic);
-        if two.1 > speed(rest, elastic) { plastic(rest) } else { two }
+        if two.1 > shock_speed(rest, elastic) { plastic(rest) } else { two }
     }
 
-    /// Worst error of the stress, and the least and the greatest deviator over 2 Y/3, of all elements in the middle half between
-    /// the piston and the plastic shock.
-    fn piston(velocity: f64, viscosity: &str) -> [f64; 3] {
+    /// Returns the largest stress error, and the least and largest deviator over 2 Y/3, of elements in the middle half
+    /// between piston and plastic shock.
+    fn run_piston(velocity: f64, viscosity: &str) -> [f64; 3] {
         let (h, n, time) = (1.25e-4, 400, 6e-6);
         let deck = grid(1, n, false, |i, j| [0.01 + h * i as f64, h * j as f64])
             + &format!(
@@ -247,7 +269,7 @@ mod piston {
         let (outcome, memory) = run(&deck);
         assert_eq!(outcome.halt, None, "{velocity}");
         assert!(outcome.energy.drift < 1e-4, "{velocity}: drift {:e}", outcome.energy.drift);
-        let (behind, shock) = exact(velocity);
+        let (after, shock) = exact_solution(velocity);
         let (from, to) = (velocity * time, shock * time);
         let cells = cells(&deck, &memory, DENSITY);
         let axial = memory.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "S").expect("S");
@@ -258,30 +280,30 @@ mod piston {
             }
             let stress = axial.values[4 * e + 1];
             let deviator = (cells.mean[e] - stress) / (2.0 / 3.0 * YIELD);
-            error = error.max((stress / -behind.stress - 1.0).abs());
+            error = error.max((stress / -after.stress - 1.0).abs());
             (least, most) = (least.min(deviator), most.max(deviator));
         }
         println!("piston {velocity} {}: stress {error:.1e}, deviator {least:.4} to {most:.4}", viscosity.trim());
         [error, least, most]
     }
 
-    /// Elements in the middle half of what the plastic shock has passed, of 400 in all: the pressure overshoots in the shock,
-    /// and what unloads of it takes some of the deviator. With `.2, 1.2` next to nothing overshoots.
+    /// Elements in the middle half between piston and plastic shock, of 400: the pressure overshoots in the shock, and
+    /// unloading reduces the deviator. With the viscosity `.2, 1.2` the overshoot is negligible.
     #[test]
-    fn a_strong_plastic_shock_leaves_its_deviator() {
+    fn strong_plastic_shock_keeps_its_deviator() {
         for velocity in [100.0, 300.0, 500.0, 1000.0] {
-            let [error, least, most] = piston(velocity, "");
+            let [error, least, most] = run_piston(velocity, "");
             assert!(error < 2e-3 && least > 0.85 && most < 1.0 + 1e-6, "{velocity}: {error:e}, {least}, {most}");
-            let [error, least, most] = piston(velocity, "*Bulk Viscosity\n 0.2, 1.2\n");
+            let [error, least, most] = run_piston(velocity, "*Bulk Viscosity\n 0.2, 1.2\n");
             assert!(error < 2e-3 && least > 0.99 && most < 1.0 + 1e-6, "{velocity}: {error:e}, {least}, {most}");
         }
     }
 }
 
-/// Shock tubes of 100, 200 and 400 squares: the density converges with the first order that a viscous shock and contacts allow.
-/// ETOTAL holds to rounding.
+/// Shock tubes of 100, 200 and 400 squares: the density converges with first order, as expected for viscous shocks and
+/// contacts. ETOTAL is constant to rounding.
 #[test]
-fn shock_tubes_converge_and_keep_their_energy() {
+fn shock_tubes_converge_and_conserve_energy() {
     for case in [SOD].iter().chain(&TORO) {
         let [order, drift] = case.order(100);
         assert!(order > 0.9, "{}: order {order}", case.name);
@@ -289,20 +311,20 @@ fn shock_tubes_converge_and_keep_their_energy() {
     }
 }
 
-/// LeBlanc's tube, 240, 480 and 960 squares: 1e9 between the pressures. Nearly all of the error lies in the dense gas that opens
-/// to twenty times its length: element k from the contact keeps what it erred by while the fan was k elements wide, which
-/// makes h log(1/h) of it, 0.85 in place of one on these meshes (`leblancs_order_by_order`).
+/// LeBlanc's tube with a pressure ratio of 1e9 on 240, 480 and 960 squares. Most of the error is in the dense gas,
+/// which expands twentyfold: element k from the contact keeps the error from the time when the fan had a width of k
+/// elements. The sum is of order h log(1/h), or 0.85 on these meshes (`leblanc_tube_order_on_finer_meshes`).
 #[test]
-fn leblancs_tube_converges_and_keeps_its_energy() {
+fn leblanc_tube_converges_and_conserves_energy() {
     let [order, drift] = LEBLANC.order(240);
     assert!(order > 0.85, "order {order}");
     assert!(drift < 1e-12, "drift {drift:e}");
 }
 
-/// The same on finer meshes, half a minute.
+/// The same on finer meshes (half a minute).
 #[test]
 #[ignore = "half a minute"]
-fn leblancs_order_by_order() {
+fn leblanc_tube_order_on_finer_meshes() {
     let errors = [240, 480, 960, 1920, 3840].map(|n| LEBLANC.error(n)[0]);
     println!("LeBlanc, 240 to 3840: {errors:?}, orders {:?}", [0, 1, 2, 3].map(|i| (errors[i] / errors[i + 1]).log2()));
 }

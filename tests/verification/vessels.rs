@@ -1,20 +1,20 @@
 //! Pressure vessels.
 //!
-//! Goal: displacements of thick spheres and cylinders, elastic and plastic, and their order in the mesh.
-//! Source: closed forms (Lame; Hill 1950). Each test says its tolerance and why.
+//! Goal: displacements of elastic and plastic thick spheres and cylinders, and their order in the mesh.
+//! Source: closed forms (Lame; Hill 1950). The tolerance and its reason are stated at each test.
 
 use std::f64::consts::PI;
 
-use crate::common::Memory;
+use crate::common::RecordedOutput;
 use crate::common::solid::{column, grid, material, run};
 
-/// A thick sphere between a = 10 and b = 20 mm, a quarter of its section, pressed from inside by a slow ramp.
+/// Returns a quarter section of a thick sphere from a = 10 to b = 20 mm under slowly increasing internal pressure.
 pub fn sphere(radial: usize, around: usize, pressure: f64, plastic: &str) -> String {
     let place = |i: usize, j: usize| {
         let radius = 10.0 * (1.0 + i as f64 / radial as f64);
         let angle = 0.5 * PI * j as f64 / around as f64;
         let [r, z] = [radius * angle.cos(), radius * angle.sin()];
-        // The last ray lies on the axis, to the last bit.
+        // Nodes of the last ray have r = 0 exactly.
         if j == around { [0.0, radius] } else { [r, z] }
     };
     grid(radial, around, false, place)
@@ -26,25 +26,26 @@ pub fn sphere(radial: usize, around: usize, pressure: f64, plastic: &str) -> Str
         + "*Output, history, number interval=100\n*Node Output, nset=INNER\n U1\n*Node Output, nset=OUTER\n U1\n*Energy Output\n ALLKE\n*End Step\n"
 }
 
-/// Mean of a column over its last fifth: what is left of the vibration goes to and fro.
-pub fn settled(text: &str, memory: &Memory, name: &str) -> f64 {
+/// Returns the mean of a column over its last fifth, which averages the remaining vibration.
+pub fn mean_of_last_fifth(text: &str, memory: &RecordedOutput, name: &str) -> f64 {
     let values = column(text, memory, name);
     let tail = &values[values.len() - values.len() / 5..];
     tail.iter().map(|v| v.1).sum::<f64>() / tail.len() as f64
 }
 
 #[test]
-fn a_thick_sphere_converges_to_lame_with_order_two() {
+fn thick_sphere_converges_to_lame_with_second_order() {
     let mut errors = Vec::new();
     for n in [5, 10, 20] {
         let deck = sphere(n, 2 * n, 1.0, "");
         let (outcome, memory) = run(&deck);
         assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
         assert!(outcome.energy.drift < 2e-3, "{}", outcome.energy.drift);
-        // u(a) = 4.000 um, u(b) = 1.5 um for 100 MPa; pressed with 1 MPa, for the closed form is that of small strains.
+        // u(a) = 4.000 um and u(b) = 1.5 um at 100 MPa; the pressure is 1 MPa because the closed form assumes small
+        // strains.
         errors.push([
-            settled(&deck, &memory, "U1@INNER") / 4e-5 - 1.0,
-            settled(&deck, &memory, "U1@OUTER") / 1.5e-5 - 1.0,
+            mean_of_last_fifth(&deck, &memory, "U1@INNER") / 4e-5 - 1.0,
+            mean_of_last_fifth(&deck, &memory, "U1@OUTER") / 1.5e-5 - 1.0,
         ]);
     }
     let order = (errors[1][0] / errors[2][0]).abs().log2();
@@ -53,26 +54,26 @@ fn a_thick_sphere_converges_to_lame_with_order_two() {
     assert!(errors[2].iter().all(|e| e.abs() < 3e-3), "{errors:?}");
 }
 
-/// Hill's sphere: perfectly plastic, the plastic front at c = 15 mm for p = 358.90406 MPa, outer displacement 8.859375 um.
+/// Hill's sphere, perfectly plastic: plastic front at c = 15 mm for p = 358.90406 MPa, outer displacement 8.859375 um.
 #[test]
-fn hills_sphere_yields_to_its_radius() {
-    // A hundred times as stiff and as dense: the same wave speeds and stresses, and strains as small as the theory's.
+fn hill_sphere_matches_closed_form() {
+    // Stiffness and density times 100: the same wave speeds and stresses, and strains as small as the theory assumes.
     let deck = sphere(20, 30, 358.90406, "*Plastic\n 300., 0.\n")
         .replace("2e5, 0.3", "2e7, 0.3")
         .replace("7.85e-9", "7.85e-7");
     assert!(deck.contains("2e7, 0.3") && deck.contains("7.85e-7"));
     let (outcome, memory) = run(&deck);
     assert!(outcome.halt.is_none());
-    let outer = settled(&deck, &memory, "U1@OUTER");
+    let outer = mean_of_last_fifth(&deck, &memory, "U1@OUTER");
     println!("Hill sphere: u(b) = {:.4} um (8.8594)", outer * 1e5);
-    // Mesh of h = 0.5 mm: the front is known to half an element, and u(b) goes with c^3.
+    // On a mesh of h = 0.5 mm the front is resolved to half an element, and u(b) is proportional to c^3.
     assert!((outer / 8.859375e-5 - 1.0).abs() < 1e-2, "{outer}");
 }
 
-/// A thick cylinder in plane strain, a = 10 and b = 20 mm: u(a) = 9.53333 um for 100 MPa. Pressed with 1 MPa, for the closed
-/// form is that of small strains.
+/// Thick cylinder in plane strain, a = 10 and b = 20 mm: u(a) = 9.53333 um at 100 MPa. The pressure is 1 MPa because
+/// the closed form assumes small strains.
 #[test]
-fn a_thick_cylinder_is_lames_on_every_mesh() {
+fn thick_cylinder_matches_lame_on_every_mesh() {
     let mut errors = Vec::new();
     for n in [10, 20] {
         let deck = grid(n, 1, false, |i, j| [10.0 + 10.0 * i as f64 / n as f64, j as f64])
@@ -81,9 +82,9 @@ fn a_thick_cylinder_is_lames_on_every_mesh() {
                *Boundary\n ALL, 2, 2\n*Dsload, amplitude=RAMP\n I0, P, 1.\n*Output, history, number interval=100\n*Node Output, nset=INNER\n U1\n*End Step\n";
         let (outcome, memory) = run(&deck);
         assert!(outcome.halt.is_none());
-        errors.push(settled(&deck, &memory, "U1@INNER") / 9.53333e-5 - 1.0);
+        errors.push(mean_of_last_fifth(&deck, &memory, "U1@INNER") / 9.53333e-5 - 1.0);
     }
     println!("Lame cylinder: errors {errors:?}");
-    // Mean quadrature meets this solution, A r + B/r, at the nodes on every mesh; what is left is the strain of 1e-5.
+    // Mean quadrature reproduces this solution, A r + B/r, at the nodes of any mesh; the rest is the strain of 1e-5.
     assert!(errors.iter().all(|e| e.abs() < 3e-5), "{errors:?}");
 }

@@ -1,8 +1,8 @@
-//! Forces on walls: reactions of reference nodes and of sets of nodes that are held, forces of pairs in contact.
+//! Forces on walls: reactions of reference nodes and of fixed node sets, forces of contact pairs.
 //!
-//! Goal: what a history shows as the force on a wall is what the momentum of the bodies in front of it asks for, and at rest
-//! their weight. Source: the balance of momentum. Central differences hold it to rounding: the trapezoid of a force over
-//! the rows of all increments is the change of momentum.
+//! Goal: the reported wall force balances the momentum of the bodies, and their weight at rest. Source: balance of
+//! momentum. For central differences it holds to rounding: the trapezoidal integral of a force over all increments is
+//! the change of momentum.
 
 use std::f64::consts::PI;
 
@@ -11,9 +11,9 @@ use crate::common::solid::{grid, material};
 
 const SPEED: f64 = 1e-3;
 
-/// A disc or ring (r from `inner` to 1, length 1, its ends cones of this slope) of modulus and density 1 that flies at a wall
-/// 0.002 below it.
-fn thrown([inner, slope]: [f64; 2], wall: &str, more: &str, step: &str, pair: &str) -> String {
+/// Returns a disc or ring (r from `inner` to 1, length 1, conical ends of this slope) with modulus and density 1,
+/// moving towards a wall at a distance of 0.002.
+fn thrown_disc([inner, slope]: [f64; 2], wall: &str, more: &str, step: &str, pair: &str) -> String {
     let place = |i: usize, j: usize| {
         let r = inner + (1.0 - inner) * i as f64 / 3.0;
         [r, slope * (r - 1.0) + j as f64 / 8.0]
@@ -33,20 +33,20 @@ fn thrown([inner, slope]: [f64; 2], wall: &str, more: &str, step: &str, pair: &s
            *Output Expression\n UNBALANCED = RF2@WALL.REF - CFT2@BAR.J0_WALL.SKIN\n*End Step\n"
 }
 
-/// Trapezoid of a column over time.
+/// Returns the trapezoidal integral of a column over time.
 fn impulse(rows: &[[f64; 2]]) -> f64 {
     rows.windows(2).map(|w| 0.5 * (w[1][0] - w[0][0]) * (w[0][1] + w[1][1])).sum()
 }
 
-fn largest(rows: &[[f64; 2]]) -> f64 {
+fn largest_value(rows: &[[f64; 2]]) -> f64 {
     rows.iter().map(|row| row[1].abs()).fold(0.0, f64::max)
 }
 
-/// Thrown at a rigid wall that its reference node holds, flat or a cone, with contact at once or penalty springs, with and
-/// without friction, in increments of one length and of many: the impulse of the wall is the change of momentum, and what the
-/// pair shows is what the wall holds in each row.
+/// Impact on a rigid wall, flat or conical, with direct or penalty contact, with and without friction, with fixed and
+/// variable increments. The impulse of the wall is the change of momentum. In each row the contact force equals the
+/// reaction force.
 #[test]
-fn the_impulse_of_a_rigid_wall_is_the_change_of_momentum() {
+fn rigid_wall_impulse_is_the_change_of_momentum() {
     let flat = rigid_line("WALL", &[[0.0, -0.002], [2.0, -0.002]], "");
     let cone = rigid_line("WALL", &[[0.0, -0.302], [3.0, 0.598]], "");
     let friction = "*Friction\n 0.3,\n";
@@ -57,28 +57,28 @@ fn the_impulse_of_a_rigid_wall_is_the_change_of_momentum() {
         ("cone, friction", [0.5, 0.3], &cone, friction, "\n , 8.", ""),
         ("cone, friction, penalty", [0.5, 0.3], &cone, friction, "\n , 8.", ", mechanical constraint=PENALTY"),
     ] {
-        let ran = run(&thrown(shape, wall, more, step, pair)).whole();
+        let ran = run(&thrown_disc(shape, wall, more, step, pair)).whole();
         let before = -SPEED * PI * (1.0 - shape[0] * shape[0]);
         let change = ran.momentum() - before;
         let [held, shown, unbalanced] = ["RF2@WALL.REF", "CFT2@BAR.J0_WALL.SKIN", "UNBALANCED"].map(|c| ran.column(c));
         let by = [impulse(&held), impulse(&shown)].map(|i| i / change - 1.0);
         println!(
-            "{name}: change of momentum {change:.6e}, impulses {} off, in a row {:.1e}",
+            "{name}: change of momentum {change:.6e}, errors of the impulses {}, in a row {:.1e}",
             short(&by),
-            largest(&unbalanced) / largest(&held)
+            largest_value(&unbalanced) / largest_value(&held)
         );
-        assert_eq!(held.last().map(|row| row[1]), Some(0.0), "{name}: it has left the wall");
-        let sideways = largest(&ran.column("CFS2@BAR.J0_WALL.SKIN"));
+        assert_eq!(held.last().map(|row| row[1]), Some(0.0), "{name}: still in contact with the wall");
+        let sideways = largest_value(&ran.column("CFS2@BAR.J0_WALL.SKIN"));
         assert_eq!(sideways > 0.0, name.contains("friction"), "{name}: {sideways}");
-        assert!(change > 1.2 * -before, "{name}: it is thrown back");
+        assert!(change > 1.2 * -before, "{name}: no rebound");
         assert!(by[0].abs() < 1e-10 && by[1].abs() < 1e-10, "{name}: {by:?}");
-        assert!(largest(&unbalanced) < 1e-12 * largest(&held), "{name}");
+        assert!(largest_value(&unbalanced) < 1e-12 * largest_value(&held), "{name}");
     }
 }
 
-/// Nodes that are held are a wall, too: the sum of their reactions.
+/// The impulse of fixed nodes is the sum of their reactions.
 #[test]
-fn the_impulse_of_nodes_that_are_held() {
+fn fixed_node_impulse_is_the_change_of_momentum() {
     let deck = grid(3, 8, false, |i, j| [1.0 + i as f64 / 3.0, j as f64 / 8.0])
         + &material(1.0, 0.3, 1.0, &format!("*Initial Conditions, type=VELOCITY\n ALL, 2, {:e}\n", -SPEED))
         + "*Step\n*Dynamic, Explicit, direct user control\n 0.02, 1.7\n*Boundary\n J0, 2, 2\n\
@@ -91,19 +91,19 @@ fn the_impulse_of_nodes_that_are_held() {
     // The momentum is that of half an increment before the end.
     let change = ran.momentum() - before;
     let off = (impulse(&rows) - 0.01 * last) / change - 1.0;
-    println!("held nodes: change of momentum {change:.6e}, impulse {off:.1e} off");
+    println!("held nodes: change of momentum {change:.6e}, error of the impulse {off:.1e}");
     assert!(off.abs() < 1e-12, "{off}");
     let each: Vec<_> = (1..=4).map(|n| ran.column(&format!("RF2@{n}"))).collect();
     for (i, row) in rows.iter().enumerate() {
         let sum: f64 = each.iter().map(|column| column[i][1]).sum();
-        assert!((sum - row[1]).abs() <= 1e-15 * largest(&rows), "{sum} {}", row[1]);
+        assert!((sum - row[1]).abs() <= 1e-15 * largest_value(&rows), "{sum} {}", row[1]);
     }
 }
 
-/// At rest on a rigid wall, and on nodes that are held, a body weighs what it should; of two bodies on one wall each pair
-/// shows its own.
+/// At rest on a rigid wall and on fixed nodes the reaction is the weight; with two bodies on one wall each pair reports
+/// its own force.
 #[test]
-fn weights_at_rest() {
+fn reactions_at_rest_equal_the_weight() {
     let damped = |name: &str, density: f64| elastic(name, [100.0, 0.3, density], "*Damping, alpha=3.\n");
     let disc = |name: &str, from: f64, to: f64| {
         part(name, [2, 3], move |i, j| [from + (to - from) * i as f64 / 2.0, 0.2 * j as f64], "")
@@ -135,8 +135,8 @@ fn weights_at_rest() {
         last("RF2_SUM@HELD.J0") / held,
     ]
     .map(|ratio| ratio - 1.0);
-    println!("weights: {} off", short(&off));
-    // What still vibrates.
+    println!("weights: errors {}", short(&off));
+    // Residual vibration.
     assert!(off.iter().all(|o| o.abs() < 1e-6), "{off:?}");
     assert_eq!(last("CFTM@INNER.J0_WALL.SKIN"), last("CFT2@INNER.J0_WALL.SKIN").abs());
 }

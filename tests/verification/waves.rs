@@ -1,13 +1,13 @@
 //! Elastic waves and vibrations.
 //!
-//! Goal: stress and speed of a plane wave; an undamped bar keeps its energy for a million increments.
-//! Source: closed forms of elasticity. Each test says its tolerance and why.
+//! Goal: stress and speed of a plane wave; an undamped bar conserves energy over a million increments.
+//! Source: closed forms of elasticity. The tolerance and its reason are stated at each test.
 
 use crate::common::solid::{column, grid, last, material, run};
 
-/// Uniaxial strain: every node moves along z only; stress behind the front and speed of the front.
+/// Uniaxial strain with motion along z only: stress after the front, and speed of the front.
 #[test]
-fn a_strain_wave_has_its_stress_and_its_speed() {
+fn strain_wave_matches_closed_form() {
     let (e, nu, rho, v) = (68.9e9, 1.0 / 3.0, 2710.0, 10.0);
     let m = 200;
     let deck = grid(2, m, false, |i, j| [i as f64 * 5e-3, j as f64 * 5e-3])
@@ -18,7 +18,7 @@ fn a_strain_wave_has_its_stress_and_its_speed() {
         );
     let (outcome, memory) = run(&deck);
     assert!(outcome.halt.is_none());
-    // c_L = 6175.478 m/s, stress 167.3555 MPa, lateral stress nu/(1 - nu) of it.
+    // c_L = 6175.478 m/s, stress 167.3555 MPa, lateral stress nu/(1 - nu) times that.
     let stress = column(&deck, &memory, "S22@MIDDLE");
     let plateau: Vec<f64> =
         stress.iter().filter(|s| (1.0e-4..1.15e-4).contains(&s.0)).map(|s| -s.1 / 167.3555e6).collect();
@@ -32,10 +32,10 @@ fn a_strain_wave_has_its_stress_and_its_speed() {
     assert!(outcome.energy.drift < 2e-3, "{}", outcome.energy.drift);
 }
 
-/// Energies of an elastic bar without damping, over a million increments. The motion is so small that it is linear: what
-/// the change of geometry does to the balance goes with the strain, here 1e-11.
+/// Energy of an undamped elastic bar over a million increments. The motion is small enough to be linear: changes of
+/// geometry affect the balance in proportion to the strain, 1e-11.
 #[test]
-fn an_undamped_elastic_bar_keeps_its_energy() {
+fn undamped_elastic_bar_conserves_energy() {
     let mut deck = grid(2, 4, false, |i, j| [i as f64, j as f64]) + &material(1.0, 0.3, 1.0, "");
     deck += "*Initial Conditions, type=VELOCITY\n J1, 2, 1.e-11\n";
     deck += "*Step\n*Dynamic, Explicit, direct user control\n 0.2, 200000.\n*Bulk Viscosity\n 0., 0.\n*Boundary\n J0, 2, 2\n\
@@ -43,7 +43,7 @@ fn an_undamped_elastic_bar_keeps_its_energy() {
     let (outcome, memory) = run(&deck);
     assert_eq!((outcome.halt, outcome.increments), (None, 1_000_000));
     let internal = column(&deck, &memory, "ALLIE");
-    assert!(internal.iter().any(|e| e.1 > 0.1 * outcome.energy.initial), "energy goes to and fro");
+    assert!(internal.iter().any(|e| e.1 > 0.1 * outcome.energy.initial), "no exchange of kinetic and internal energy");
     println!("elastic bar, 1e6 increments: drift {:.1e}", outcome.energy.drift);
     assert!(outcome.energy.drift < 1e-10, "{:e}", outcome.energy.drift);
 }

@@ -1,5 +1,5 @@
-//! Checkpoints: the file where its checksum is right, and states of any content and length. What is changed inside of a state that
-//! fits is for the checksum to find (docs/SECURITY.md).
+//! Checkpoints: files with a correct checksum, and states of any content and length. Changed values inside a state of
+//! the correct length are detected by the checksum only (docs/SECURITY.md).
 use std::sync::OnceLock;
 
 use hmac_sha256::Hash;
@@ -7,17 +7,17 @@ use revolve::job::{self, PreparedJob};
 use revolve::output::checkpoint::{Checkpoint, JobIdentity};
 use revolve::user::Routines;
 
-/// Bytes of the head that stand before what the checksum is about.
+/// Bytes of the file head that precede the data of the checksum.
 const HEAD: usize = 40;
 
-struct Scene {
+struct CheckpointSample {
     prepared: PreparedJob,
     state: Vec<u8>,
     file: Vec<u8>,
 }
 
-fn scene() -> &'static Scene {
-    static SCENE: OnceLock<Scene> = OnceLock::new();
+fn scene() -> &'static CheckpointSample {
+    static SCENE: OnceLock<CheckpointSample> = OnceLock::new();
     SCENE.get_or_init(|| {
         let deck = include_str!("../../../input/taylor_copper.inp");
         let few = [("nr".to_owned(), "2".to_owned()), ("nz".to_owned(), "4".to_owned())];
@@ -26,11 +26,11 @@ fn scene() -> &'static Scene {
         let state = super::one_increment(&prepared, None).1;
         let path = super::folder().join("whole.checkpoint");
         whole(state.clone()).write(&path).expect("a file");
-        Scene { prepared, state, file: std::fs::read(path).expect("bytes") }
+        CheckpointSample { prepared, state, file: std::fs::read(path).expect("bytes") }
     })
 }
 
-/// A checkpoint of nobody's with this state.
+/// Returns a checkpoint with this state and otherwise arbitrary contents.
 pub fn whole(state: Vec<u8>) -> Checkpoint {
     let identity = JobIdentity {
         deck: "d".into(),
@@ -43,7 +43,7 @@ pub fn whole(state: Vec<u8>) -> Checkpoint {
     Checkpoint { version, identity, shown, state, ..Default::default() }
 }
 
-/// Bytes with some put in place of others: place (two bytes), value.
+/// Returns the bytes with replacements, each given as place (two bytes) and value.
 fn changed(bytes: &[u8], changes: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for change in changes.chunks_exact(3) {
@@ -53,13 +53,13 @@ fn changed(bytes: &[u8], changes: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Reads it; nothing may panic, hang or grow.
+/// Reads the data as a checkpoint; must not panic, hang or use much memory.
 pub fn read(data: &[u8]) {
     let Some((kind, rest)) = data.split_first() else { return };
     let scene = scene();
     match kind % 4 {
         0 => drop(super::one_increment(&scene.prepared, Some(rest))),
-        // As much of the state as the first two bytes say, and the rest behind it.
+        // The first two bytes give the length of the kept part of the state; the rest is appended.
         1 if rest.len() > 2 => {
             let kept = usize::from(u16::from_le_bytes([rest[0], rest[1]])) % scene.state.len();
             let state = [&scene.state[..kept], &rest[2..]].concat();

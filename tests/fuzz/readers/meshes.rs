@@ -1,4 +1,4 @@
-//! Mesh files by their first byte: VTK (XML and legacy), Gmsh, decks as meshes.
+//! Mesh files, selected by the first byte: VTK (XML and legacy), Gmsh, decks as meshes.
 use std::sync::Once;
 
 use revolve::job;
@@ -6,9 +6,9 @@ use revolve::user::Routines;
 
 static BEGIN: Once = Once::new();
 
-/// Reads it; nothing may panic, hang or grow.
+/// Reads the data as a mesh file; must not panic, hang or use much memory.
 pub fn read(data: &[u8]) {
-    // Panics of vtkio, which the program turns into errors, are none here.
+    // Panics of vtkio are converted to errors by the program and do not count here.
     BEGIN.call_once(revolve::model::silence_caught_panics);
     let Some((first, content)) = data.split_first() else { return };
     let ending = ["vtu", "vtk", "vtp", "msh", "inp"][usize::from(*first) % 5];

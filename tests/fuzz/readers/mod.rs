@@ -1,5 +1,5 @@
-//! What is fuzzed: a function from bytes to a reading for each target. The tests of the project build them too, and read the corpus.
-//! Here: what several share, a folder in memory and a run of one increment.
+//! Fuzz targets: each is a function that reads bytes. The tests of the project compile them as well and run the corpus.
+//! Shared by the targets: a folder in memory and a run of one increment.
 #![allow(dead_code)] // Each target uses a part.
 
 pub mod checkpoints;
@@ -16,7 +16,7 @@ use revolve::job::PreparedJob;
 use revolve::output::OutputFrame;
 use revolve::solve::{self, CheckpointInterval, RunControl, Sink, SinkError, UnfitState};
 
-/// A folder of this process where files cost no disk.
+/// Returns a folder of this process on a memory file system if there is one.
 pub fn folder() -> PathBuf {
     let memory = PathBuf::from("/dev/shm");
     let parent = if memory.is_dir() { memory } else { std::env::temp_dir() };
@@ -25,11 +25,11 @@ pub fn folder() -> PathBuf {
     folder
 }
 
-/// Keeps the first state.
+/// Sink that stores the first state.
 #[derive(Default)]
-pub struct First(pub Vec<u8>);
+pub struct FirstState(pub Vec<u8>);
 
-impl Sink for First {
+impl Sink for FirstState {
     fn wants_frames(&self) -> bool {
         true
     }
@@ -48,9 +48,10 @@ impl Sink for First {
     }
 }
 
-/// Ends a run behind its first increment; its increments or why the state does not fit, and the state then.
+/// Runs one increment, from a given state if there is one. Returns the number of increments or the reason why the state
+/// does not fit, and the resulting state.
 pub fn one_increment(prepared: &PreparedJob, state: Option<&[u8]>) -> (Result<u64, UnfitState>, Vec<u8>) {
-    let mut first = First::default();
+    let mut first = FirstState::default();
     let signal = AtomicUsize::new(15);
     let control = RunControl { every: Some(CheckpointInterval::Increments(1)), interrupt: Some(&signal), state };
     let outcome = solve::run_with(&prepared.plan, prepared.state.clone(), &mut first, control);

@@ -1,4 +1,4 @@
-//! Expressions: of `*PARAMETER`, of `--set`, of quantities of studies and sweeps.
+//! Expressions of `*PARAMETER`, of `--set`, and of quantities of studies and sweeps.
 use revolve::deck::expression::Expression;
 use revolve::job;
 use revolve::study::grid::CaseGrid;
@@ -6,7 +6,7 @@ use revolve::study::quantity::Quantity;
 use revolve::study::target::ErrorTarget;
 use revolve::user::Routines;
 
-/// Reads it; nothing may panic, hang or grow.
+/// Reads the data as an expression; must not panic, hang or use much memory.
 pub fn read(data: &[u8]) {
     let text = String::from_utf8_lossy(data);
     let (first, rest) = text.split_once('\n').unwrap_or((&text, ""));

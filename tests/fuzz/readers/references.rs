@@ -1,11 +1,11 @@
-//! Tables of `--compare`, and the sheet and chart that they come into.
+//! Tables of `--compare`, and the sheet and chart that show them.
 use revolve::output::csv;
 use revolve::study::compare::ReferenceTable;
 use revolve::study::grid::CaseGrid;
 use revolve::study::quantity::Quantity;
 use revolve::study::sweep;
 
-/// Reads it; nothing may panic, hang or grow.
+/// Reads the data as a table; must not panic, hang or use much memory.
 pub fn read(data: &[u8]) {
     let path = super::folder().join("reference.csv");
     std::fs::write(&path, data).expect("a file");

@@ -1,4 +1,4 @@
-//! Folders of results that `report` and `chart` read: one file of a whole run is another.
+//! Folders of results read by `report` and `chart`, in which one file of a complete run is replaced.
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -9,7 +9,7 @@ use revolve::user::Routines;
 
 const ENDINGS: [&str; 6] = [".json", ".pvd", "_history.csv", "_0001.vtu", "_sweep.csv", "_study.json"];
 
-/// A folder with the results of a short run.
+/// Returns a folder with the results of a short run.
 fn folder() -> &'static PathBuf {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
@@ -20,7 +20,7 @@ fn folder() -> &'static PathBuf {
         let prepared = job::prepare_text("fuzz.inp", &deck, &few, &Routines::none());
         let job = JobFiles { folder: folder.clone(), name: "job".into() };
         job::run_to_files(&prepared, &job, &mut |_| {}).expect("files");
-        // A few frames will do.
+        // Keep a few frames only.
         for entry in std::fs::read_dir(&folder).expect("a folder").flatten() {
             let name = entry.file_name().into_string().unwrap_or_default();
             if name.ends_with(".vtu") && !name.ends_with("_0000.vtu") && !name.ends_with("_0001.vtu") {
@@ -35,7 +35,7 @@ fn folder() -> &'static PathBuf {
     })
 }
 
-/// Reads it; nothing may panic, hang or grow.
+/// Reads the data as a file of results; must not panic, hang or use much memory.
 pub fn read(data: &[u8]) {
     let Some((which, content)) = data.split_first() else { return };
     let folder = folder();

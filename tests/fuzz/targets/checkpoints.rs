@@ -1,4 +1,4 @@
-//! The target `checkpoints`: see `readers/checkpoints.rs`.
+//! Fuzz target `checkpoints`: see `readers/checkpoints.rs`.
 #![no_main]
 
 #[path = "../readers/mod.rs"]

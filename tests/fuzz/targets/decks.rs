@@ -1,4 +1,4 @@
-//! The target `decks`: see `readers/decks.rs`.
+//! Fuzz target `decks`: see `readers/decks.rs`.
 #![no_main]
 
 #[path = "../readers/mod.rs"]

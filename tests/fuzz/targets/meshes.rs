@@ -1,4 +1,4 @@
-//! The target `meshes`: see `readers/meshes.rs`.
+//! Fuzz target `meshes`: see `readers/meshes.rs`.
 #![no_main]
 
 #[path = "../readers/mod.rs"]

@@ -1,4 +1,4 @@
-//! The target `parameters`: see `readers/parameters.rs`.
+//! Fuzz target `parameters`: see `readers/parameters.rs`.
 #![no_main]
 
 #[path = "../readers/mod.rs"]

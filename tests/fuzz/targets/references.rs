@@ -1,4 +1,4 @@
-//! The target `references`: see `readers/references.rs`.
+//! Fuzz target `references`: see `readers/references.rs`.
 #![no_main]
 
 #[path = "../readers/mod.rs"]

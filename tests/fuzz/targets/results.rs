@@ -1,4 +1,4 @@
-//! The target `results`: see `readers/results.rs`.
+//! Fuzz target `results`: see `readers/results.rs`.
 #![no_main]
 
 #[path = "../readers/mod.rs"]

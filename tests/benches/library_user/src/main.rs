@@ -1,4 +1,4 @@
-//! The copper bar of 2000 elements on one thread, without files.
+//! Runs the copper bar of 2000 elements on one thread without files.
 
 use std::path::Path;
 
@@ -6,9 +6,9 @@ use revolve::job;
 use revolve::solve::{self, Sink, SinkError};
 use revolve::user::Routines;
 
-struct Nothing;
+struct DiscardingSink;
 
-impl Sink for Nothing {
+impl Sink for DiscardingSink {
     fn row(&mut self, _now: &solve::Instant, _values: &[f64]) -> Result<(), SinkError> {
         Ok(())
     }
@@ -17,7 +17,7 @@ impl Sink for Nothing {
 fn main() {
     let overrides = [("nr".to_owned(), "20".to_owned()), ("nz".to_owned(), "100".to_owned())];
     let prepared = job::prepare(Path::new("input/taylor_copper.inp"), &overrides, &Routines::none());
-    let (outcome, _) = solve::run(&prepared.plan, prepared.state, &mut Nothing);
+    let (outcome, _) = solve::run(&prepared.plan, prepared.state, &mut DiscardingSink);
     assert!(outcome.halt.is_none());
     println!("{} increments", outcome.increments);
 }
