@@ -32,7 +32,7 @@ const LANGUAGE: &[&str] = &["model", "deck"];
 const SHARED: &[&str] = &["kernel", "platform", "variables", "resistance"];
 /// the types of diagnostics, and helpers for text and files.
 const DIAGNOSTICS: &[&str] =
-    &["Code", "Diagnostic", "Diagnostics", "Severity", "Sources", "Span", "nearest", "files", "lists", "printable"];
+    &["DiagnosticCode", "Diagnostic", "Diagnostics", "Severity", "Sources", "Span", "nearest", "files", "lists", "printable"];
 
 /// Largest number of files in an import cycle.
 const LARGEST_CYCLE: usize = 3;
