@@ -299,7 +299,7 @@ fn errors_of_a_deck_are_reported_with_a_place() {
         ("*User Material, constants=1, effmod\n 1.\n", "M10", "EFFMOD"),
         ("*User Material, constants=1\n 1.\n*Depvar, delete=2\n 1,\n", "M103", "DELETE must be from 1 to 1, found 2"),
         ("*User Material, constants=1\n 1.\n*Depvar\n -1,\n", "M103", "state variables"),
-        ("*User Material, constants=1\n 1.\n*Elastic\n 1., 0.3\n", "P041", "together with"),
+        ("*User Material, constants=1\n 1.\n*Elastic\n 1., 0.3\n", "P041", "in addition to"),
     ];
     for (material, code, words) in cases {
         let rendered = refused(material, &routines);
