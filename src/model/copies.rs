@@ -332,7 +332,7 @@ impl ModelBuilder<'_> {
     }
 
     /// Converts a point of the system set by `*SYSTEM` to r and z.
-    pub(super) fn from_local_system(&self, p: [f64; 2]) -> [f64; 2] {
+    pub(super) fn global_coordinates(&self, p: [f64; 2]) -> [f64; 2] {
         match &self.system {
             Some((origin, [e1, e2])) => [0, 1].map(|i| origin[i] + p[0] * e1[i] + p[1] * e2[i]),
             None => p,

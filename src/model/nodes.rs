@@ -22,7 +22,7 @@ impl ModelBuilder<'_> {
                 again.note(label, row.span());
             }
             let given = if polar { polar_point(r, z) } else { [r, z] };
-            let node = self.add_node(label, self.from_local_system(given));
+            let node = self.add_node(label, self.global_coordinates(given));
             if made.capacity() > 0 {
                 made.push(node);
             }

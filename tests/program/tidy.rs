@@ -31,8 +31,18 @@ const LANGUAGE: &[&str] = &["model", "deck"];
 /// except for what both may import: arithmetic, the operating system, the table of output variables, cavity expansion,
 const SHARED: &[&str] = &["kernel", "platform", "variables", "resistance"];
 /// the types of diagnostics, and helpers for text and files.
-const DIAGNOSTICS: &[&str] =
-    &["DiagnosticCode", "Diagnostic", "Diagnostics", "Severity", "Sources", "Span", "nearest", "files", "lists", "printable"];
+const DIAGNOSTICS: &[&str] = &[
+    "DiagnosticCode",
+    "Diagnostic",
+    "Diagnostics",
+    "Severity",
+    "Sources",
+    "Span",
+    "nearest",
+    "files",
+    "lists",
+    "printable",
+];
 
 /// Largest number of files in an import cycle.
 const LARGEST_CYCLE: usize = 3;

@@ -38,11 +38,11 @@ impl StackTilt {
 
     /// Returns the height in the stack of a point in global coordinates.
     fn height(&self, point: SpatialVector) -> f64 {
-        self.pivot + dot(self.from_pivot(point), self.up)
+        self.pivot + dot(self.relative_to_pivot(point), self.up)
     }
 
     /// Returns the vector from the pivot to a point.
-    fn from_pivot(&self, [x, y, z]: SpatialVector) -> SpatialVector {
+    fn relative_to_pivot(&self, [x, y, z]: SpatialVector) -> SpatialVector {
         [x, y - self.pivot, z]
     }
 }
@@ -100,7 +100,7 @@ impl ObliqueResistance {
             turning: own(motion.turning),
             up: own(self.tilt.up),
             height: self.tilt.height(body.centre),
-            from_pivot: own(self.tilt.from_pivot(body.centre)),
+            relative_to_pivot: own(self.tilt.relative_to_pivot(body.centre)),
             onset: (ONSET * self.travel * speed).max(f64::MIN_POSITIVE),
             friction: self.friction,
         }

@@ -102,7 +102,7 @@ pub struct RingKinematics {
     /// Height of the centre of mass in the stack.
     pub height: f64,
     /// Vector from the pivot of the stack to the centre of mass.
-    pub from_pivot: SpatialVector,
+    pub relative_to_pivot: SpatialVector,
     /// Regularisation speed: below it, pressure and friction are proportional to the speed.
     pub onset: f64,
     /// Coulomb coefficient.
@@ -428,7 +428,7 @@ fn bound(
         let z = around.height + (around.rise[0] * c[l] + around.rise[1] * s[l]);
         let normal = [n_r * c[l], n_z, n_r * s[l]];
         let radial = [ring.radius * c[l], ring.height, ring.radius * s[l]];
-        let place = inline_from_fn(|i| scene.from_pivot[i] + radial[i]);
+        let place = inline_from_fn(|i| scene.relative_to_pivot[i] + radial[i]);
         pressure[l] *= match across(place, normal, up, finite.layers[layer].radius) {
             Some(distance) => finite.share(layer, z, dot(normal, up), distance, ring.radius),
             None => 0.0,
