@@ -38,6 +38,7 @@ mod same_bits;
 pub mod shell;
 mod shock;
 pub mod six_node;
+pub mod solid_groups;
 mod subzonal;
 pub mod values;
 pub mod volume_guard;

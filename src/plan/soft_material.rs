@@ -1,10 +1,10 @@
-//! Element groups of rubber, crushable foam and explosives.
+//! Laws of rubber, crushable foam and explosives.
 
 use super::Compiler;
-use super::solid_material::{GroupBuilder, rate_factor};
+use super::solid_material::{SolidProperties, rate_factor};
 use crate::deck::{Diagnostic, Span};
 use crate::element::constants::ElementConstants;
-use crate::element::group::ElementGroup;
+use crate::element::solid_groups::SolidMaterial;
 use crate::kernel::hardening::LinearTable;
 use crate::material::explosive::{DetonationPoint, HighExplosive, JwlProducts};
 use crate::material::foam::{FoamHardening, FoamMaterial};
@@ -20,9 +20,9 @@ impl Compiler<'_> {
     pub(super) fn rubber(
         &mut self,
         material: &MaterialDefinition,
-        _span: Span,
-        builder: GroupBuilder<'_, false>,
-    ) -> Option<Box<dyn ElementGroup>> {
+        _: Span,
+        _: &SolidProperties,
+    ) -> Option<SolidMaterial> {
         let HyperelasticLaw { shape, compressibility, span } = material.hyperelastic.as_ref()?;
         let shear = shape.shear();
         let given = compressibility.first().is_some_and(|d1| *d1 > 0.0);
@@ -40,15 +40,15 @@ impl Compiler<'_> {
         Some(match shape {
             DeviatoricEnergy::NeoHooke(c10) => {
                 let d1 = if given { compressibility[0] } else { 2.0 / (BULK_OVER_SHEAR * shear) };
-                builder.group(NeoHooke { c10: *c10, d1 })
+                SolidMaterial::NeoHooke(NeoHooke { c10: *c10, d1 })
             }
             DeviatoricEnergy::Polynomial(terms) => {
                 let terms = terms.iter().copied().filter(|t| t.0 != 0.0).collect();
-                builder.group(HyperelasticMaterial { shape: PolynomialEnergy { terms }, volume, shear })
+                SolidMaterial::Polynomial(HyperelasticMaterial { shape: PolynomialEnergy { terms }, volume, shear })
             }
             DeviatoricEnergy::Ogden(terms) => {
                 let terms = terms.iter().copied().filter(|t| t[0] != 0.0).collect();
-                builder.group(HyperelasticMaterial { shape: OgdenEnergy { terms }, volume, shear })
+                SolidMaterial::Ogden(HyperelasticMaterial { shape: OgdenEnergy { terms }, volume, shear })
             }
         })
     }
@@ -57,8 +57,8 @@ impl Compiler<'_> {
         &mut self,
         material: &MaterialDefinition,
         span: Span,
-        builder: GroupBuilder<'_, false>,
-    ) -> Option<Box<dyn ElementGroup>> {
+        properties: &SolidProperties,
+    ) -> Option<SolidMaterial> {
         let name = &material.name;
         let Some((shape, card)) = material.foam.shape else {
             return self
@@ -95,8 +95,8 @@ impl Compiler<'_> {
         let rates = if rate.is_some() { ", rate dependent" } else { "" };
         self.ledger_row(card, "crushable foam", 1, "material", format!("{how}{rates}"));
         let hardening = LinearTable { rows: material.foam.hardening.clone() };
-        let ElementConstants { bulk, shear, .. } = builder.constants;
-        Some(builder.group(FoamMaterial { growth, hardening, rate, moduli: [bulk, shear] }))
+        let ElementConstants { bulk, shear, .. } = properties.constants;
+        Some(SolidMaterial::Foam(FoamMaterial { growth, hardening, rate, moduli: [bulk, shear] }))
     }
 
     pub(super) fn explosive(

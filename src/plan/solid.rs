@@ -10,7 +10,8 @@ use crate::element::frequency::HighestFrequency;
 use crate::element::group::ElementGroup;
 use crate::element::lengths::UserLengthElements;
 use crate::element::rings::RingFactors;
-use crate::kernel::quad::{self, corner_masses};
+use crate::element::solid_groups::Connectivity;
+use crate::kernel::quad;
 use crate::kernel::topology::ElementTopology;
 use crate::mesh::gather::NodalAssembly;
 use crate::model::{FailureCriterion, IncrementControl, InitialKind, SolidSection, Step};
@@ -337,56 +338,6 @@ impl Compiler<'_> {
                     }
                 }
             }
-        }
-    }
-}
-
-/// Connectivity of an element group, in solver nodes.
-pub(super) enum Connectivity {
-    /// Corners; the last two of a triangle are the same node.
-    Quadrilaterals(Vec<[u32; 4]>),
-    /// Six nodes around the boundary.
-    SixNodeTriangles(Vec<[u32; 6]>),
-}
-
-impl Connectivity {
-    /// Returns the number of elements.
-    pub(super) fn count(&self) -> usize {
-        match self {
-            Connectivity::Quadrilaterals(list) => list.len(),
-            Connectivity::SixNodeTriangles(list) => list.len(),
-        }
-    }
-
-    /// Returns the element type for reports.
-    pub(super) fn element_type(&self) -> &'static str {
-        match self {
-            Connectivity::Quadrilaterals(_) => "CAX4R",
-            Connectivity::SixNodeTriangles(_) => "CAX6M",
-        }
-    }
-
-    /// Returns the corners of quadrilaterals and triangles; empty for six-node triangles.
-    pub(super) fn quadrilaterals(&self) -> &[[u32; 4]] {
-        if let Connectivity::Quadrilaterals(list) = self { list } else { &[] }
-    }
-
-    /// Returns the corners of the quadrilateral cells that make up the elements.
-    pub(super) fn cells(&self) -> Vec<[u32; 4]> {
-        match self {
-            Connectivity::Quadrilaterals(list) => list.clone(),
-            Connectivity::SixNodeTriangles(list) => {
-                let cells = ElementTopology::SixNodeTriangle.cells();
-                list.iter().flat_map(|e| cells.iter().map(|cell| cell.map(|i| e[i]))).collect()
-            }
-        }
-    }
-}
-
-pub(super) fn add_masses(connectivity: &Connectivity, nodes: &[Node], density: f64, mass: &mut [f64]) {
-    for cell in connectivity.cells() {
-        for (n, m) in cell.iter().zip(corner_masses(cell.map(|n| nodes[n as usize].place()), density)) {
-            mass[*n as usize] += m;
         }
     }
 }

@@ -1,21 +1,17 @@
 //! Materials of deformable solids: selects the material laws of an element group from the cards of its material.
 
-use std::marker::PhantomData;
 use std::sync::Arc;
 
 use super::Compiler;
-use super::solid::{Connectivity, add_masses};
 use super::user_material::calls_routines_at_points;
 use crate::deck::{Diagnostic, Span};
 use crate::element::constants::{ElementConstants, HourglassControl};
-use crate::element::group::{ElementGroup, QuadGroup};
-use crate::element::numbers::ElementPrecision;
-use crate::element::six_node::SixNodeTriangles;
+use crate::element::group::ElementGroup;
+use crate::element::solid_groups::{Connectivity, GroupOptions, HardeningLaw, SolidMaterial, create_group};
 use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, RateFactor, StaticYield, TableOverTemperature};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::levels::NestedTable;
 use crate::kernel::moduli::ElasticModuli;
-use crate::material::Material as Law;
 use crate::material::eos::{IdealGas, Tabulated, UsUp};
 use crate::material::equation_of_state::EquationOfState;
 use crate::material::failure::{
@@ -23,9 +19,7 @@ use crate::material::failure::{
 };
 use crate::material::kinematic::KinematicHardening;
 use crate::material::kinematic_rate::RateKinematicHardening;
-use crate::material::plasticity::{ElasticOnly, PiecewiseLinearHardening, RateDependentHardening};
-use crate::material::volumetric::{ConstantBulkModulus, VolumetricLaw};
-use crate::material::von_mises::VonMises;
+use crate::material::plasticity::{PiecewiseLinearHardening, RateDependentHardening};
 use crate::model::{
     DamageEvolution, EosKind, FailureCriterion, HourglassMethod, MaterialDefinition, PlasticityModel, RateDependence,
     SectionControls, SolidSection, StrainAtFailure,
@@ -40,79 +34,36 @@ const HOURGLASS_VISCOSITY: f64 = 0.05;
 /// overshoots after the shock (docs/verification.md).
 const FLUID_VISCOSITY: f64 = 0.15;
 
-/// Function that creates the element group of a material; `None` if an error was reported.
-type GroupFactory =
-    fn(&mut Compiler<'_>, &MaterialDefinition, Span, GroupBuilder<'_, false>) -> Option<Box<dyn ElementGroup>>;
+/// Function that selects the law of a material; `None` if an error was reported.
+type LawSelection = fn(&mut Compiler<'_>, &MaterialDefinition, Span, &SolidProperties) -> Option<SolidMaterial>;
 
-/// A family of materials: the condition under which it applies, and the constructor of its element group.
+/// A family of materials: the condition under which it applies, and the selection of its law.
 struct MaterialRow {
     applies: fn(&MaterialDefinition) -> bool,
-    group: GroupFactory,
+    law: LawSelection,
 }
 
-/// Material families; the first row that applies is used. A new material is a file in `material` and a row here.
+/// Material families; the first row that applies is used. A new material is a file in `material`, a variant of
+/// [`SolidMaterial`] and a row here.
 const MATERIALS: &[MaterialRow] = &[
-    MaterialRow { applies: |m| m.hyperelastic.is_some(), group: |c, m, span, builder| c.rubber(m, span, builder) },
+    MaterialRow { applies: |m| m.hyperelastic.is_some(), law: |c, m, span, solid| c.rubber(m, span, solid) },
     MaterialRow {
         applies: |m| m.foam.shape.is_some() || !m.foam.hardening.is_empty(),
-        group: |c, m, span, builder| c.foam(m, span, builder),
+        law: |c, m, span, solid| c.foam(m, span, solid),
     },
-    MaterialRow { applies: |m| m.eos.is_some(), group: |c, m, span, builder| c.equation_of_state(m, span, builder) },
-    MaterialRow {
-        applies: |_| true,
-        group: |c, m, span, builder| c.with_volumetric(m, span, ConstantBulkModulus, builder),
-    },
+    MaterialRow { applies: |m| m.eos.is_some(), law: |c, m, span, solid| c.equation_of_state(m, span, solid) },
+    MaterialRow { applies: |_| true, law: |c, m, span, solid| c.von_mises(m, span, None, solid) },
 ];
 
-/// Data of an element group except for its material.
-#[derive(Clone, Copy)]
-pub(super) struct GroupBuilder<'a, const AREA: bool, T = f64> {
+/// Properties of a solid section that the selection of its law takes into account.
+pub(super) struct SolidProperties {
     pub(super) constants: ElementConstants,
     density: f64,
-    connectivity: &'a Connectivity,
-    nodes: &'a [Node],
     heats: bool,
     /// 1 - MAX DEGRADATION: remaining stiffness fraction at which an element is deleted.
     spared: f64,
     /// Whether failed elements are kept.
     kept: bool,
-    /// Whether elements have subzonal pressures.
-    subzonal: bool,
-    /// Number type of the elements.
-    numbers: PhantomData<T>,
-}
-
-impl<'a> GroupBuilder<'a, false> {
-    /// Creates a builder without options.
-    pub(super) fn new(
-        constants: ElementConstants,
-        density: f64,
-        connectivity: &'a Connectivity,
-        nodes: &'a [Node],
-    ) -> GroupBuilder<'a, false> {
-        let (heats, kept, subzonal, numbers) = (false, false, false, PhantomData);
-        GroupBuilder { constants, density, connectivity, nodes, heats, spared: 0.0, kept, subzonal, numbers }
-    }
-}
-
-impl<'a, const AREA: bool, T: ElementPrecision> GroupBuilder<'a, AREA, T> {
-    pub(super) fn group(self, material: impl Law<T> + Law) -> Box<dyn ElementGroup> {
-        let GroupBuilder { constants, density, connectivity, nodes, subzonal, .. } = self;
-        let corners = match connectivity {
-            Connectivity::SixNodeTriangles(list) => {
-                return Box::new(SixNodeTriangles::new(material, constants, density, list, nodes));
-            }
-            Connectivity::Quadrilaterals(list) => list,
-        };
-        let quads = QuadGroup::<_, AREA, T>::weighted(material, constants, density, corners, nodes);
-        Box::new(if subzonal { quads.with_subzones(corners, nodes) } else { quads })
-    }
-
-    /// Converts to another weighting and number type.
-    fn with_types<const BY_AREA: bool, U>(self) -> GroupBuilder<'a, BY_AREA, U> {
-        let GroupBuilder { constants, density, connectivity, nodes, heats, spared, kept, subzonal, numbers: _ } = self;
-        GroupBuilder { constants, density, connectivity, nodes, heats, spared, kept, subzonal, numbers: PhantomData }
-    }
 }
 
 impl Compiler<'_> {
@@ -147,7 +98,7 @@ impl Compiler<'_> {
         self.require_length_routine(section, material, evolves)?;
         let moduli = self.moduli(material, section.span)?;
         let density = material.density.unwrap_or(0.0);
-        add_masses(connectivity, nodes, density, mass);
+        connectivity.add_masses(nodes, density, mass);
         let hourglass = self.control(section, material, moduli, connectivity)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
         let constants = ElementConstants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
@@ -155,22 +106,36 @@ impl Compiler<'_> {
         self.solid_rows(section, (elements.len(), connectivity.element_type()), &constants, (material, heats));
         let (spared, kept) = self.damage_limits(section, material);
         let subzonal = self.subzonal(section, material, elements.len())?;
-        let make = GroupBuilder::new(constants, density, connectivity, nodes);
-        let make = GroupBuilder { heats, spared, kept, subzonal, ..make };
+        let solid = SolidProperties { constants, density, heats, spared, kept };
+        let mut options = GroupOptions { subzonal, ..GroupOptions::new(constants, density) };
         if triangles {
             self.note_double_precision(section.span, elements.len(), "CAX6M");
-        } else if self.is_single(section, material, &constants) {
-            return self.with_volumetric(material, section.span, ConstantBulkModulus, make.with_types::<false, f32>());
+        } else {
+            options.single_precision = self.is_single(section, material, &constants);
         }
-        if section.controls.by_area {
-            return self.by_area(section, material, make.with_types());
-        }
+        options.by_area = section.controls.by_area && !options.single_precision;
+        let law = if options.by_area {
+            self.check_by_area(section, material, connectivity)?;
+            self.von_mises(material, section.span, None, &solid)?
+        } else {
+            self.solid_law(material, section.span, &solid)?
+        };
+        Some(create_group(law, options, connectivity, nodes))
+    }
+
+    /// Selects the law of a material.
+    fn solid_law(
+        &mut self,
+        material: &MaterialDefinition,
+        span: Span,
+        solid: &SolidProperties,
+    ) -> Option<SolidMaterial> {
         let burns = matches!(&material.eos, Some(eos) if matches!(eos.kind, EosKind::Jwl(_)));
         if !burns && !material.detonation.is_empty() {
             self.add_unused_card(material.span, "*DETONATION POINT", "it applies only to *EOS, TYPE=JWL");
         }
         let row = MATERIALS.iter().find(|row| (row.applies)(material))?;
-        (row.group)(self, material, section.span, make)
+        (row.law)(self, material, span, solid)
     }
 
     fn refuse_six_nodes(&mut self, section: &SolidSection, with: &str) {
@@ -249,21 +214,21 @@ impl Compiler<'_> {
         self.diagnostics.refuse(Diagnostic::error("P013", refusal).at(span, "these elements are deformable"))
     }
 
-    /// Creates the element group of a material with an equation of state.
+    /// Selects the law of a material with an equation of state.
     fn equation_of_state(
         &mut self,
         material: &MaterialDefinition,
         span: Span,
-        builder: GroupBuilder<'_, false>,
-    ) -> Option<Box<dyn ElementGroup>> {
-        let (eos, density) = (material.eos.as_ref()?, builder.density);
+        solid: &SolidProperties,
+    ) -> Option<SolidMaterial> {
+        let (eos, density) = (material.eos.as_ref()?, solid.density);
         let mut row = |detail| self.ledger_row(eos.span, "equation of state", 1, "material", detail);
         match (eos.kind.clone(), material.thermal.specific_heat.as_deref()) {
             (EosKind::IdealGas([gas_constant, ambient]), Some(&[[specific_heat, _]])) => {
                 row(format!("ideal gas, gamma = {}", 1.0 + gas_constant / specific_heat));
                 let absolute_zero = self.model.settings.absolute_zero;
                 let law = IdealGas { gas_constant, specific_heat, ambient, absolute_zero };
-                self.with_volumetric(material, span, EquationOfState::IdealGas(law), builder)
+                self.von_mises(material, span, Some(EquationOfState::IdealGas(law)), solid)
             }
             (EosKind::IdealGas(_), rows) => {
                 let why = if rows.is_none() { "without *SPECIFIC HEAT" } else { "whose specific heat is not constant" };
@@ -272,38 +237,44 @@ impl Compiler<'_> {
             }
             (EosKind::UsUp([c0, s, gamma0]), _) => {
                 row(format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}"));
-                self.with_volumetric(material, span, EquationOfState::UsUp(UsUp { density, c0, s, gamma0 }), builder)
+                self.von_mises(material, span, Some(EquationOfState::UsUp(UsUp { density, c0, s, gamma0 })), solid)
             }
             (EosKind::Tabular(rows), _) => {
                 row(format!("table of {} rows", rows.len()));
-                self.with_volumetric(material, span, EquationOfState::Tabulated(Tabulated { density, rows }), builder)
+                self.von_mises(material, span, Some(EquationOfState::Tabulated(Tabulated { density, rows })), solid)
             }
             (EosKind::Jwl(values), _) => {
                 let law = self.explosive(material, eos.span, &values, span)?;
-                self.with_volumetric(material, span, EquationOfState::Explosive(law), builder)
+                self.von_mises(material, span, Some(EquationOfState::Explosive(law)), solid)
             }
         }
     }
 
-    /// Creates the element group of a volumetric law with the plasticity and failure of the material.
-    fn with_volumetric<V: VolumetricLaw, const AREA: bool, T: ElementPrecision>(
+    /// Selects the plasticity and failure of a material with a constant bulk modulus or an equation of state.
+    fn von_mises(
         &mut self,
         material: &MaterialDefinition,
         span: Span,
-        volumetric: V,
-        make: GroupBuilder<'_, AREA, T>,
-    ) -> Option<Box<dyn ElementGroup>> {
-        let heating = if make.heats { heating(material, make.density) } else { PlasticHeating::None };
+        equation: Option<EquationOfState>,
+        solid: &SolidProperties,
+    ) -> Option<SolidMaterial> {
+        Some(SolidMaterial::VonMises(self.hardening_law(material, span, solid)?, equation))
+    }
+
+    fn hardening_law(
+        &mut self,
+        material: &MaterialDefinition,
+        span: Span,
+        solid: &SolidProperties,
+    ) -> Option<HardeningLaw> {
+        let heating = if solid.heats { heating(material, solid.density) } else { PlasticHeating::None };
         let failing = self.failing(material)?.map(|failing| MaterialFailure {
-            deletion_margin: make.spared,
-            keep_elements: make.kept,
+            deletion_margin: solid.spared,
+            keep_elements: solid.kept,
             ..failing
         });
         let Some(plastic) = &material.plastic else {
-            return Some(match failing {
-                Some(failure) => make.group(VonMises { hardening: ElasticOnly, volumetric, failure }),
-                None => make.group(VonMises::new(ElasticOnly, volumetric)),
-            });
+            return Some(HardeningLaw::Elastic(failing));
         };
         if let PlasticityModel::Kinematic(lines) = plastic {
             if failing.is_some() {
@@ -315,15 +286,14 @@ impl Compiler<'_> {
             }
             if let ([[yield_stress, slope, _]], None, PlasticHeating::None) = (&lines[..], &material.rate, &heating) {
                 let law = KinematicHardening { yield_stress: *yield_stress, slope: *slope };
-                return Some(make.group(VonMises::new(law, volumetric)));
+                return Some(HardeningLaw::Kinematic(law));
             }
             let law = kinematic_hardening(lines, material.rate.as_ref(), heating);
-            return Some(make.group(VonMises::new(law, volumetric)));
+            return Some(HardeningLaw::RateKinematic(law));
         }
         let law = self.yield_stress(plastic, material, span)?;
-        if let Some(failure) = failing {
-            let hardening = RateDependentHardening { law, heating };
-            return Some(make.group(VonMises { hardening, volumetric, failure }));
+        if failing.is_some() {
+            return Some(HardeningLaw::RateDependent(RateDependentHardening { law, heating }, failing));
         }
         let cold = |rows: &[[f64; 3]]| rows.iter().all(|r| r[2].is_nan());
         if let (PlasticityModel::Tabular(rows), None, PlasticHeating::None) = (plastic, &material.rate, &heating)
@@ -331,11 +301,11 @@ impl Compiler<'_> {
         {
             let mut rows: Vec<[f64; 2]> = rows.iter().map(|r| [r[0], r[1]]).collect();
             extrapolate(&mut rows, material);
-            if let Some(lines) = PiecewiseLinearHardening::new(&rows, make.constants.shear) {
-                return Some(make.group(VonMises::new(lines, volumetric)));
+            if let Some(lines) = PiecewiseLinearHardening::new(&rows, solid.constants.shear) {
+                return Some(HardeningLaw::PiecewiseLinear(lines));
             }
         }
-        Some(make.group(VonMises::new(RateDependentHardening { law, heating }, volumetric)))
+        Some(HardeningLaw::RateDependent(RateDependentHardening { law, heating }, None))
     }
 
     /// Returns 1 - MAX DEGRADATION, and whether elements that reach this damage are kept.
@@ -373,15 +343,15 @@ impl Compiler<'_> {
         Some(subzonal)
     }
 
-    /// Creates the element group of a section with WEIGHTING=AREA. Unsupported combinations are errors.
-    fn by_area(
+    /// Checks that a section supports WEIGHTING=AREA; `None` if an error was reported.
+    fn check_by_area(
         &mut self,
         section: &SolidSection,
         material: &MaterialDefinition,
-        make: GroupBuilder<'_, true>,
-    ) -> Option<Box<dyn ElementGroup>> {
+        connectivity: &Connectivity,
+    ) -> Option<()> {
         let model = self.model;
-        let triangles = matches!(make.connectivity, Connectivity::SixNodeTriangles(_));
+        let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
         let refusal = if triangles {
             Some("WEIGHTING=AREA of CAX6M is not supported")
         } else if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.shape.is_some() {
@@ -401,8 +371,8 @@ impl Compiler<'_> {
             return self.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
         }
         let detail = "equations of motion over the plane section; energy is conserved approximately";
-        self.ledger_row(section.span, "area weighting", make.connectivity.count(), "elements", detail.into());
-        self.with_volumetric(material, section.span, ConstantBulkModulus, make)
+        self.ledger_row(section.span, "area weighting", connectivity.count(), "elements", detail.into());
+        Some(())
     }
 
     /// Returns the hourglass control of a section. The default is VISCOUS without a shear modulus, ENHANCED for rubber,

@@ -4,11 +4,11 @@
 use std::sync::Arc;
 
 use super::Compiler;
-use super::solid::{Connectivity, add_masses};
-use super::solid_material::{GroupBuilder, heating};
+use super::solid_material::heating;
 use crate::deck::Diagnostic;
 use crate::element::constants::ElementConstants;
-use crate::element::group::{ElementGroup, QuadGroup};
+use crate::element::group::ElementGroup;
+use crate::element::solid_groups::{Connectivity, GroupOptions, SolidMaterial, create_group};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::moduli::ElasticModuli;
 use crate::material::point_law::PointLaw;
@@ -57,7 +57,7 @@ impl Compiler<'_> {
         self.require_field_routine(section, material)?;
         let takes_lengths = material.user.material.is_some() || material.user.fields.is_some();
         self.require_length_routine(section, material, takes_lengths)?;
-        add_masses(connectivity, nodes, density, mass);
+        connectivity.add_masses(nodes, density, mass);
         let hourglass = self.hourglass(section, material, moduli)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
         // The moduli of a user material are computed from its first call.
@@ -90,13 +90,12 @@ impl Compiler<'_> {
         let names = elements.iter().map(|&e| self.model.mesh.elements[e].name.to_string()).collect();
         let corners = connectivity.quadrilaterals();
         let triangles = corners.iter().all(|c| c[2] == c[3]);
-        let mut group: Box<dyn ElementGroup> = if description.flow.is_some() {
-            let law = SubroutineMaterial::<true> { description, names, triangles };
-            Box::new(QuadGroup::new(law, constants, density, corners, nodes))
+        let law = if description.flow.is_some() {
+            SolidMaterial::UserFlow(SubroutineMaterial { description, names, triangles })
         } else {
-            let law = SubroutineMaterial::<false> { description, names, triangles };
-            Box::new(QuadGroup::new(law, constants, density, corners, nodes))
+            SolidMaterial::UserStress(SubroutineMaterial { description, names, triangles })
         };
+        let mut group = create_group(law, GroupOptions::new(constants, density), connectivity, nodes);
         if material.user.fields.is_some() {
             // VUSDFLD may request strains.
             group.extensions().settings().follow();
@@ -128,14 +127,14 @@ impl Compiler<'_> {
             (Some(density), Ok(moduli)) => {
                 let (count, kind) = (connectivity.count(), connectivity.element_type());
                 self.note_double_precision(section.span, count, "user subroutines");
-                add_masses(connectivity, nodes, density, mass);
+                connectivity.add_masses(nodes, density, mass);
                 let hourglass = self.control(section, material, moduli, connectivity)?;
                 let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
                 let group = ElementConstants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
                 let stress = UserLaw::Stress(constants, "in Rust");
                 self.user_rows(section, material, &stress, (count, kind, &group), &PlasticHeating::None);
-                let law = PointLaw { law, constants: constants.to_vec(), variables, delete };
-                return Some(GroupBuilder::new(group, density, connectivity, nodes).group(law));
+                let law = SolidMaterial::Point(PointLaw { law, constants: constants.to_vec(), variables, delete });
+                return Some(create_group(law, GroupOptions::new(group, density), connectivity, nodes));
             }
         };
         self.diagnostics.refuse(Diagnostic::error("P041", refusal).at(section.span, "these elements deform"))
