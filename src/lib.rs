@@ -55,54 +55,26 @@
 //!
 //! Without the default feature `cli`, the program, its charts and its reports are not compiled.
 #![warn(missing_docs)]
-#[cfg(feature = "cli")]
-mod command;
-#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
-mod constraint;
-#[macro_use]
-pub mod deck;
-#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
-mod element;
-pub mod explain;
-pub mod generate;
-#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
-mod heat;
-pub mod job;
-#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
-mod kernel;
-#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
-mod load;
-#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
-mod material;
-#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
-mod mesh;
-pub mod model;
-pub mod output;
-pub mod overview;
-pub mod plan;
-mod platform;
-#[cfg(feature = "cli")]
-#[doc(hidden)]
-pub mod report;
-#[cfg(feature = "resistance")]
-pub mod resistance;
-#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
-pub mod solve;
-#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
-mod state;
-pub mod study;
-pub mod user;
-pub mod variables;
+
+pub use revolve_analysis::{explain, study};
+pub use revolve_language::resistance;
+pub use revolve_language::{deck, generate, model, output, user};
+pub use revolve_numerics::variables;
+pub use revolve_solver::{job, overview, plan, solve};
 
 #[cfg(feature = "cli")]
-pub use command::{CommandStatus, line::command_line, threads::default as default_threads};
+#[doc(hidden)]
+pub use revolve_analysis::report;
+
+#[cfg(feature = "cli")]
+pub use revolve_analysis::command::{CommandStatus, line::command_line, threads::default as default_threads};
 
 /// Internal modules for the tests and benchmarks of the project; not part of the public API.
 #[doc(hidden)]
 pub mod internals {
-    pub use crate::element::{constants, group, values};
-    pub use crate::kernel::{lanes, quad, rotation};
-    pub use crate::material::{plasticity, volumetric, von_mises};
-    pub use crate::mesh::corner_forces;
-    pub use crate::state::nodes;
+    pub use revolve_numerics::element::{constants, group, values};
+    pub use revolve_numerics::kernel::{lanes, quad, rotation};
+    pub use revolve_numerics::material::{plasticity, volumetric, von_mises};
+    pub use revolve_numerics::mesh::corner_forces;
+    pub use revolve_numerics::state::nodes;
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadwriteArray1, PyReadwriteArray2};
 use pyo3::prelude::*;
 use pyo3::types::PySlice;
-use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
+use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad, load_at};
 
 /// Load given in Python.
 #[derive(FromPyObject)]
@@ -23,7 +23,9 @@ impl PythonLoad {
     /// Returns user subroutines with this load; an exception of the function is stored in `raised`.
     pub fn routines(&self, raised: &RaisedException) -> Routines {
         match self {
-            PythonLoad::Address(address) => Routines::none().with_load_at(*address).unwrap_or_default(),
+            PythonLoad::Address(address) => {
+                load_at(*address).map_or_else(Routines::none, |load| Routines::none().with_load(load))
+            }
             PythonLoad::Function(function, named) => {
                 let function = Python::attach(|py| function.clone_ref(py));
                 Routines::none().with_load(PythonFunction {

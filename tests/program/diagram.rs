@@ -1,4 +1,4 @@
-//! The diagram of `docs/architecture.md`: one box per folder of `src`, one arrow per import, made from the `use` lines.
+//! The diagram of `docs/architecture.md`: one box per folder of a crate in `src`, one arrow per import, made from the `use` lines.
 //! An arrow that follows from others (a -> b -> c implies a -> c) is left out.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -46,7 +46,7 @@ fn reaches_indirectly(imports: &FolderImports, from: &str, to: &str) -> bool {
 /// Returns the centre of the box of each folder.
 fn centres() -> BTreeMap<&'static str, [f64; 2]> {
     let mut centres = BTreeMap::new();
-    for (layer, folders) in LAYERS.iter().enumerate() {
+    for (layer, (_, folders)) in LAYERS.iter().enumerate() {
         let length = folders.len() as f64 * (BOX[0] + GAP) - GAP;
         for (place, folder) in folders.iter().enumerate() {
             let x = 0.5 * (WIDTH - length + BOX[0]) + place as f64 * (BOX[0] + GAP);
@@ -87,6 +87,12 @@ fn draw(imports: &FolderImports) -> String {
     for (from, list) in imports {
         for to in list.iter().filter(|to| !reaches_indirectly(imports, from, to)) {
             draw_arrow(&mut svg, centres[from.as_str()], centres[to.as_str()]);
+        }
+    }
+    svg += "</g>\n<g font-size=\"11\" fill=\"#6b7686\">\n";
+    for (layer, (name, _)) in LAYERS.iter().enumerate() {
+        if layer == 0 || LAYERS[layer - 1].0 != *name {
+            let _ = writeln!(svg, "<text x=\"8\" y=\"{}\">{name}</text>", 34.0 + layer as f64 * LAYER);
         }
     }
     svg += "</g>\n<g text-anchor=\"middle\" fill=\"#16202c\">\n";

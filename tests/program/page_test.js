@@ -1,4 +1,4 @@
-// Tests of a report page, evaluated in it by the browser: it reads the top-level names of src/report/page.js.
+// Tests of a report page, evaluated in it by the browser: it reads the top-level names of src/analysis/report/page.js.
 /** Returns the contrast of a text with its background as defined by WCAG 2; opacity is taken into account. */
 function contrastOf(node) {
   const parse = text => text.match(/[\d.]+/g).map(Number).map((v, i) => text.startsWith('color(srgb') && i < 3 ? 255 * v : v);

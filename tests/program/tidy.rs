@@ -9,39 +9,23 @@ use std::path::Path;
 
 use crate::common::project;
 
-/// Folders of `src` by layer, top first. A folder may import from lower layers and from folders to its right.
-pub const LAYERS: &[&[&str]] = &[
-    &["command"],
-    &["report", "study"],
-    &["job", "explain", "overview", "generate"],
-    &["solve"],
-    &["plan"],
-    &["heat", "constraint", "load", "element", "material"],
-    &["user", "mesh"],
-    &["model", "output"],
-    &["variables", "state"],
-    &["resistance"],
-    &["deck"],
-    &["kernel"],
-    &["platform"],
-];
-
-/// Below `plan` the folders of the input language and those of the numerics do not import each other,
-const LANGUAGE: &[&str] = &["model", "deck"];
-/// except for what both may import: arithmetic, the operating system, the table of output variables, cavity expansion,
-const SHARED: &[&str] = &["kernel", "platform", "variables", "resistance"];
-/// the types of diagnostics, and helpers for text and files.
-const DIAGNOSTICS: &[&str] = &[
-    "DiagnosticCode",
-    "Diagnostic",
-    "Diagnostics",
-    "Severity",
-    "Sources",
-    "Span",
-    "nearest",
-    "files",
-    "lists",
-    "printable",
+/// Folders of `src` by layer, top first, with their crate. A folder may import from lower layers and from folders to its
+/// right. Cargo keeps the crates apart: `numerics` knows nothing of decks and models.
+pub const LAYERS: &[(&str, &[&str])] = &[
+    ("analysis", &["command"]),
+    ("analysis", &["report", "study"]),
+    ("analysis", &["explain"]),
+    ("solver", &["job", "overview"]),
+    ("solver", &["solve"]),
+    ("solver", &["plan"]),
+    ("language", &["user", "generate", "model"]),
+    ("language", &["output", "resistance"]),
+    ("language", &["deck", "probability"]),
+    ("numerics", &["heat", "constraint", "load", "element", "material"]),
+    ("numerics", &["mesh", "routines", "variables"]),
+    ("numerics", &["state", "names"]),
+    ("numerics", &["kernel"]),
+    ("numerics", &["platform"]),
 ];
 
 /// Largest number of files in an import cycle.
@@ -57,13 +41,14 @@ pub struct ModuleSource {
     exported: BTreeMap<String, ModulePath>,
 }
 
-/// All modules except the crate roots.
+/// All modules except the crate roots. A path begins with the folder in its crate.
 pub struct SourceTree(BTreeMap<ModulePath, ModuleSource>);
 
 impl SourceTree {
     pub fn read() -> SourceTree {
         let mut files = Vec::new();
-        collect(&project("src"), &mut Vec::new(), &mut files);
+        let crates: BTreeSet<&str> = LAYERS.iter().map(|layer| layer.0).collect();
+        crates.iter().for_each(|name| collect(&project("src").join(name), &mut Vec::new(), &mut files));
         let modules: BTreeSet<ModulePath> = files.iter().map(|f| f.0.clone()).collect();
         let read = |(module, file): (ModulePath, String)| {
             let text = strip_comments(&fs::read_to_string(project(&file)).expect("a source"));
@@ -118,7 +103,7 @@ impl ModuleSource {
         code += rest;
         let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
         let words = code.split(|c| !is_path(c)).map(|w| w.trim_matches(':'));
-        for word in words.filter(|w| ["crate::", "super::", "revolve::"].iter().any(|head| w.starts_with(head))) {
+        for word in words.filter(|w| ["crate::", "super::", "revolve_"].iter().any(|head| w.starts_with(head))) {
             self.named.extend(absolute(word, module, modules));
         }
     }
@@ -130,14 +115,11 @@ fn collect(folder: &Path, above: &mut ModulePath, files: &mut Vec<(ModulePath, S
         let name = entry.file_stem().expect("a name").to_string_lossy().into_owned();
         above.push(name.clone());
         if entry.is_dir() {
-            // A folder with its own manifest is another crate, which sees public modules only.
-            if !entry.join("Cargo.toml").exists() {
-                collect(&entry, above, files);
-            }
+            collect(&entry, above, files);
         } else if entry.extension().is_some_and(|e| e == "rs") {
             let module = &above[..above.len() - usize::from(name == "mod")];
             let file = entry.strip_prefix(project("")).expect("of the project").to_string_lossy().into_owned();
-            if !["lib", "main"].contains(&module[0].as_str()) {
+            if !["lib", "build"].contains(&module[0].as_str()) {
                 files.push((module.to_vec(), file));
             }
         }
@@ -190,19 +172,24 @@ fn split_list(list: &str) -> Vec<&str> {
     parts
 }
 
-/// Returns a path from the crate root; `None` for other crates.
+/// Returns whether a word names a crate of the project.
+fn is_crate(word: &str) -> bool {
+    word == "crate" || word.strip_prefix("revolve_").is_some_and(|name| LAYERS.iter().any(|layer| layer.0 == name))
+}
+
+/// Returns a path from the root of its crate; `None` for crates of others.
 fn absolute(path: &str, module: &ModulePath, modules: &BTreeSet<ModulePath>) -> Option<ModulePath> {
     let mut words = path.split("::").filter(|w| !w.is_empty()).map(str::to_owned).peekable();
     let mut base = module.clone();
     match words.peek()?.as_str() {
-        "crate" | "revolve" => base.clear(),
+        word if is_crate(word) => base.clear(),
         "super" | "self" => {}
         child if modules.contains(&[&module[..], &[child.to_owned()]].concat()) => {}
         _ => return None,
     }
     for word in words {
         match word.as_str() {
-            "crate" | "revolve" | "self" => {}
+            word if word == "self" || is_crate(word) => {}
             "super" => {
                 base.pop()?;
             }
@@ -214,16 +201,9 @@ fn absolute(path: &str, module: &ModulePath, modules: &BTreeSet<ModulePath>) -> 
 
 /// Returns the layer of a folder and its place there.
 fn place(folder: &str) -> (usize, usize) {
-    let in_layer = |(layer, folders): (usize, &&[&str])| Some((layer, folders.iter().position(|f| *f == folder)?));
+    let in_layer =
+        |(layer, (_, folders)): (usize, &(_, &[&str]))| Some((layer, folders.iter().position(|f| *f == folder)?));
     LAYERS.iter().enumerate().find_map(in_layer).unwrap_or_else(|| panic!("`{folder}` is in no layer"))
-}
-
-/// Returns whether one folder may import a name from another.
-fn allowed(from: &str, to: &str, name: Option<&str>) -> bool {
-    let below_plan = place(from) > place("plan");
-    let crosses = LANGUAGE.contains(&from) != LANGUAGE.contains(&to) && !SHARED.contains(&to);
-    let diagnostic = to == "deck" && name.is_some_and(|n| DIAGNOSTICS.contains(&n));
-    place(from) < place(to) && (!below_plan || !crosses || diagnostic)
 }
 
 #[test]
@@ -231,9 +211,7 @@ fn imports_point_downwards() {
     let tree = SourceTree::read();
     let mut wrong = BTreeSet::new();
     for (from, to, name) in tree.imports().into_iter().filter(|(from, to, _)| from[0] != to[0]) {
-        // The name of a whole file is that of its module.
-        let name = name.or_else(|| to.last().cloned());
-        if !allowed(&from[0], &to[0], name.as_deref()) {
+        if place(&from[0]) >= place(&to[0]) {
             wrong.insert(format!("{} imports {} {}", tree.0[from].file, tree.0[&to].file, name.unwrap_or_default()));
         }
     }
@@ -274,7 +252,7 @@ const IN_SPACE: &[&str] = &["constraint", "load", "plan", "state"];
 fn four_folders_know_how_bodies_move_in_space() {
     let knows = |text: &str| text.contains("RigidBody3d") || text.contains("spatial") || text.contains("Wrench");
     let sources = texts("src", ".rs").into_iter().filter(|(_, text)| knows(text));
-    let folders: BTreeSet<String> = sources.filter_map(|(path, _)| Some(path.split('/').nth(1)?.to_owned())).collect();
+    let folders: BTreeSet<String> = sources.filter_map(|(path, _)| Some(path.split('/').nth(2)?.to_owned())).collect();
     assert_eq!(folders, IN_SPACE.iter().map(|name| (*name).to_owned()).collect());
 }
 
@@ -291,7 +269,7 @@ const OF_PLATFORMS: &[&str] = &[
     "target_os",
     "\"/proc",
 ];
-const PLATFORM: &[&str] = &["src/platform/", "src/user/native/"];
+const PLATFORM: &[&str] = &["src/numerics/platform/", "src/language/user/native/"];
 
 /// Other platforms compile because nothing else names an operating system; the release workflow compiles for them.
 #[test]
@@ -310,9 +288,9 @@ fn two_folders_know_the_operating_system() {
 
 /// The central traits, with the most methods that each may have.
 const TRAITS: &[(&str, &str, usize)] = &[
-    ("src/load/mod.rs", "pub trait Load:", 8),
-    ("src/constraint/mod.rs", "pub trait Constraint:", 9),
-    ("src/element/group.rs", "pub trait ElementGroup:", 12),
+    ("src/numerics/load/mod.rs", "pub trait Load:", 8),
+    ("src/numerics/constraint/mod.rs", "pub trait Constraint:", 9),
+    ("src/numerics/element/group.rs", "pub trait ElementGroup:", 12),
 ];
 
 #[test]

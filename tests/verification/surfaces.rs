@@ -2,7 +2,7 @@
 //!
 //! Goal: momentum, energy, forces and contact times.
 //! Source: closed forms of bars, of Hertz and of rigid bodies. The tolerance and its reason are stated at each test.
-//! Tests of a single node on arcs, slopes and corners are in `src/constraint/contact/analytical.rs`.
+//! Tests of a single node on arcs, slopes and corners are in `src/numerics/constraint/contact/analytical.rs`.
 
 use revolve::solve;
 use revolve::user::Routines;

@@ -1,0 +1,19 @@
+//! Analysis of Revolve: many runs of a deck, pages about results, and the command line. The public interface is in the
+//! crate `revolve`.
+#![warn(missing_docs)]
+
+use revolve_language::resistance;
+use revolve_language::{deck, generate, model, output, probability, user};
+use revolve_numerics::{element, kernel, platform, state, variables};
+#[cfg(feature = "cli")]
+use revolve_solver::overview;
+use revolve_solver::{job, plan, solve};
+
+#[cfg(feature = "cli")]
+#[allow(missing_docs)]
+pub mod command;
+pub mod explain;
+#[cfg(feature = "cli")]
+#[allow(missing_docs)]
+pub mod report;
+pub mod study;

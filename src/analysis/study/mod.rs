@@ -1,0 +1,45 @@
+//! Many runs of a deck: sweeps, convergence and ablation studies, ballistic limits, identification, Monte Carlo,
+//! charts.
+
+mod ablation;
+#[cfg(feature = "cli")]
+pub(crate) mod axis;
+#[cfg(feature = "cli")]
+pub(crate) mod cases;
+pub mod chart;
+#[cfg(feature = "cli")]
+pub(crate) mod columns;
+pub mod compare;
+pub mod convergence;
+#[cfg(feature = "cli")]
+pub(crate) mod dakota;
+#[cfg(feature = "cli")]
+mod draw;
+pub mod effects;
+mod error;
+pub mod evaluate;
+pub mod expansion;
+mod field;
+pub mod grid;
+pub mod identify;
+#[cfg(feature = "cli")]
+pub(crate) mod inputs;
+#[cfg(feature = "cli")]
+pub(crate) mod law;
+#[cfg(feature = "cli")]
+pub(crate) mod limit;
+mod price;
+pub mod quantity;
+pub mod record;
+pub mod refinement;
+pub mod richardson;
+pub mod runner;
+#[cfg(feature = "cli")]
+pub(crate) mod scatter;
+pub mod settings;
+pub mod statistics;
+pub mod sweep;
+pub mod table;
+pub mod target;
+
+pub use error::StudyError;

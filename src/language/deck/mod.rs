@@ -1,0 +1,67 @@
+//! Input decks: source files, spans, lexer, parser, keyword table and diagnostics. The result of reading is a syntax
+//! tree ([`Deck`]); names are resolved and physics is checked in `model`.
+
+#[macro_use] // Exports `codes!` to the other folders that define codes.
+pub mod codes;
+pub mod diagnostic;
+pub mod expression;
+pub mod files;
+pub mod finding;
+mod findings;
+pub mod keywords;
+mod lexer;
+pub mod lists;
+pub mod manual;
+pub use revolve_numerics::names;
+pub mod number;
+mod parameters;
+mod parser;
+mod printable;
+pub mod read;
+mod render;
+pub mod rows;
+pub mod rule;
+pub mod source;
+pub mod syntax;
+pub mod table;
+pub mod template;
+pub mod value;
+pub mod ways;
+
+use std::path::Path;
+
+pub use codes::{CODES, find_code};
+pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use finding::Finding;
+pub use findings::tier_findings;
+pub use parameters::{ParameterDefinition, is_unresolved};
+pub use printable::printable;
+pub use source::{Sources, Span};
+pub use syntax::{Card, DataLine, Deck, Parameter, ParseGaps, Word};
+
+/// Explanation of a diagnostic code, as `revolve explain CODE` prints it.
+#[derive(Debug)]
+pub struct DiagnosticCode {
+    /// The code, for example `D101`; it does not change between versions.
+    pub code: &'static str,
+    /// Title of one line.
+    pub title: &'static str,
+    /// Cause of the diagnostic and how to fix the deck.
+    pub text: &'static str,
+}
+
+/// Reads a deck file and the files that it includes. Returns a tree even if the deck has errors, which are in the
+/// diagnostics. `overrides` are pairs (name, expression) of `--set NAME=VALUE`; each replaces the `*PARAMETER`
+/// definition of that name.
+pub fn read(path: &Path, overrides: &[(String, String)]) -> (Deck, Diagnostics) {
+    let mut parser = parser::Parser::new(overrides);
+    parser.main_file(path);
+    parser.finish()
+}
+
+/// Reads a deck from `text`. `name` is the file name in messages; `*INCLUDE` paths are relative to its folder.
+pub fn read_text(name: &str, text: &str, overrides: &[(String, String)]) -> (Deck, Diagnostics) {
+    let mut parser = parser::Parser::new(overrides);
+    parser.text(Path::new(name), source::normalise(text.to_owned()), None);
+    parser.finish()
+}

@@ -1,0 +1,14 @@
+//! Language of Revolve: input decks, the model, output files, mesh generation, the resistance of targets, and compiled
+//! user subroutines. The public interface is in the crate `revolve`.
+#![warn(missing_docs)]
+
+use revolve_numerics::{kernel, platform, state, variables};
+
+#[macro_use]
+pub mod deck;
+pub mod generate;
+pub mod model;
+pub mod output;
+pub mod probability;
+pub mod resistance;
+pub mod user;

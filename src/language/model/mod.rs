@@ -1,0 +1,97 @@
+//! The model: a deck with resolved names, flattened parts and instances, and checked values.
+
+mod amplitudes;
+mod bodies;
+mod boundary;
+mod budget;
+mod builder;
+mod check;
+mod check_values;
+mod clearance;
+pub mod codes;
+mod completion;
+mod compose;
+mod connectors;
+mod consistency;
+mod consistent_material;
+mod contact;
+mod contact_controls;
+mod controls;
+mod copies;
+mod coupling;
+mod degrees;
+mod derivation;
+pub mod derive;
+mod element_nodes;
+mod elements;
+mod energy_limit;
+mod eos;
+mod equations;
+mod erosion;
+mod expressions;
+mod failure;
+mod fields;
+mod general_contact;
+mod gmsh_file;
+mod heading;
+mod heat_loads;
+mod history;
+mod inp_file;
+mod interactions;
+mod links;
+mod load_history;
+mod loads;
+mod lost;
+mod mass_scaling;
+mod materials;
+pub mod mesh_data;
+mod mesh_file;
+mod name;
+mod named_clearances;
+mod names;
+mod nodes;
+mod order;
+mod outputs;
+mod parts;
+pub mod revise;
+mod rubber;
+pub mod scene;
+mod sets;
+mod shared;
+mod shells;
+mod steps;
+mod surface_contact;
+mod surfaces;
+mod targets;
+pub mod types;
+mod units;
+mod user_material;
+#[cfg(feature = "mesh-files")]
+pub mod vtk_file;
+#[cfg(not(feature = "mesh-files"))]
+#[path = "no_vtk_file.rs"]
+mod vtk_file;
+#[cfg(feature = "mesh-files")]
+mod xml_limits;
+
+pub use element_nodes::NodeIndices;
+pub use name::EntityName;
+pub use shared::CopyOnWrite;
+pub use steps::DEFAULT_ACCURACY;
+pub use types::*;
+pub use units::{DeckUnits, SYSTEMS, UnitSystem, is_without_units};
+pub use vtk_file::silence_caught_panics;
+
+use crate::deck::{Deck, Diagnostics};
+
+/// Builds the model of a deck. A model is always returned; it can be run only if the diagnostics have no error.
+pub fn build(deck: &Deck) -> (Model, Diagnostics) {
+    let mut builder = builder::ModelBuilder::new(deck);
+    (builder.model.origin.inert, builder.faulty) = check::check(deck, &mut builder.diagnostics);
+    for card in order::ordered(&deck.cards.iter().collect::<Vec<_>>(), &deck.sources) {
+        builder.card(card);
+    }
+    let (model, mut diagnostics) = builder.finish();
+    lost::drop_consequential_diagnostics(&mut diagnostics);
+    (model, diagnostics)
+}

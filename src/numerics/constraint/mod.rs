@@ -1,0 +1,184 @@
+//! Constraints: prescribed motions, linear equations, ties and contact, one kind per file. The integrator uses them
+//! only through [`Constraint`].
+
+pub mod bonds;
+pub mod contact;
+pub mod equation;
+pub mod motion;
+pub mod overlaps;
+pub mod rigid_wall_contact;
+pub mod system;
+pub mod tie;
+pub mod user_motion;
+
+use std::any::Any;
+
+use self::contact::curve::PointCarrier;
+use crate::kernel::lists::MemoryUse;
+use crate::kernel::topology::ElementNodes;
+use crate::state::EffectId;
+use crate::state::archive::Persist;
+use crate::state::dofs::{Dof, Dofs};
+use crate::state::limit::IncrementLimit;
+use crate::state::magnitude::AmplitudeClock;
+use crate::variables::VariableComponent;
+
+/// A constraint in force. In each increment the integrator adds the forces on tied nodes to their bodies
+/// ([`ConstraintView::carried`]), calls [`Constraint::accelerations`] and [`Constraint::velocities`], and after the
+/// motion [`Constraint::motion`]. Constraints are called in the order of the plan: prescribed motions, equations,
+/// contact, ties.
+pub trait Constraint: StoredConstraint + Send + Sync {
+    /// Returns the ledger row that its run time and memory are charged to.
+    fn effect(&self) -> EffectId;
+
+    /// Called at each step start at which the constraints in force change, for new and for continued constraints.
+    fn begin(&mut self, _dofs: &mut Dofs) {}
+
+    /// Corrects accelerations at the current instant.
+    fn accelerations(&mut self, _dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {}
+
+    /// Corrects velocities of rigid bodies at the current instant.
+    fn velocities(&mut self, _dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {}
+
+    /// Corrects the unconstrained motion over an increment of length `dt`, which the integrator has just made, and adds
+    /// the work of the constraint to the energies. `clock` is at the start of the increment.
+    fn motion(&mut self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>, dt: f64);
+
+    /// Returns the largest length that the constraint allows for the next increment.
+    fn max_increment(&self, _clock: &AmplitudeClock<'_>) -> IncrementLimit {
+        IncrementLimit::NONE
+    }
+
+    /// Returns the properties that the integrator and other constraints read.
+    fn view(&self) -> ConstraintView<'_> {
+        ConstraintView::default()
+    }
+
+    /// Returns the interface to element deletion, changed masses and warnings, if the constraint uses it.
+    fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
+        None
+    }
+}
+
+/// A constraint as part of the state: it can be saved, copied and measured, and continued by the constraint that
+/// replaces it.
+pub trait StoredConstraint: Persist + CopyConstraint + Any {
+    /// Takes the history of the constraint that it replaces.
+    fn continue_from(&mut self, _previous: &dyn Constraint) {}
+
+    /// Returns the memory of its arrays.
+    fn memory(&self) -> MemoryUse;
+}
+
+/// Copies of a constraint trait object.
+pub trait CopyConstraint {
+    /// Returns a copy in the same state.
+    fn copy(&self) -> Box<dyn Constraint>;
+}
+
+impl<C: Constraint + Clone> CopyConstraint for C {
+    fn copy(&self) -> Box<dyn Constraint> {
+        Box::new(self.clone())
+    }
+}
+
+/// Properties of a constraint that other code reads.
+#[derive(Clone, Copy, Default)]
+pub struct ConstraintView<'a> {
+    /// Nodes that a rigid body carries, if this is a tie.
+    pub carried: Option<CarriedNodes<'a>>,
+    /// Whether it moves nodes after the integrator's passes over them; then no node is skipped as quiescent.
+    /// Constraint forces on degrees of freedom.
+    pub moves_nodes: bool,
+    /// Contact output variables.
+    pub forces: Option<&'a dyn ConstraintForces>,
+    /// Heat exchange across contact surfaces.
+    pub contact: Option<&'a dyn ContactResults>,
+    pub heat: Option<&'a dyn HeatExchange>,
+}
+
+/// Nodes that a rigid body carries. The body takes the sum of their forces along z; forces along r balance around the
+/// ring.
+#[derive(Clone, Copy)]
+pub struct CarriedNodes<'a> {
+    /// Index of the rigid body.
+    pub body: usize,
+    /// Indices of the nodes.
+    pub nodes: &'a [usize],
+}
+
+impl CarriedNodes<'_> {
+    /// Returns the sum of the forces along z; `of_node` gives the force of elements and loads on a node.
+    pub fn force(&self, of_node: impl Fn(usize) -> [f64; 2]) -> f64 {
+        self.nodes.iter().map(|&n| of_node(n)[1]).sum()
+    }
+}
+
+/// Forces of a constraint on degrees of freedom of nodes.
+pub trait ConstraintForces {
+    /// Returns node and axis of each motion that it prescribes.
+    fn prescribed(&self) -> Vec<(usize, usize)> {
+        Vec::new()
+    }
+
+    /// Returns the force of elements and loads on a degree of freedom whose motion it prescribes.
+    fn free_force(&self, _dof: Dof) -> Option<f64> {
+        None
+    }
+
+    /// Returns the force that it exerts on a degree of freedom; prescribed motions excluded.
+    fn constraint_force(&self, _dof: Dof) -> f64 {
+        0.0
+    }
+}
+
+/// Output variables of surfaces in contact.
+pub trait ContactResults {
+    /// Returns the value at a point of a surface; `None` if the point belongs to no contact surface.
+    fn value_at_point(&self, carrier: PointCarrier, part: VariableComponent) -> Option<f64>;
+
+    /// Returns the value of a contact pair; `None` if the pair is not in force.
+    fn value_of_pair(&self, pair: usize, part: VariableComponent) -> Option<f64>;
+}
+
+/// Heat exchange of nodes across contact surfaces.
+pub trait HeatExchange {
+    /// Passes to `into` the heat rate of each node over the increment `dt` that has just been made. Temperatures are
+    /// those at its start. Returns the part generated by friction.
+    fn exchange(&self, temperature: &[f64], dt: f64, into: &mut dyn FnMut(usize, f64)) -> f64;
+
+    /// Passes to `into` an upper bound of each node's conductance in the next increment, heat rate per temperature
+    /// difference.
+    fn largest_exchange(&self, into: &mut dyn FnMut(usize, f64));
+}
+
+/// Changes of the model that a constraint follows, and its warnings.
+pub trait ConstraintUpkeep {
+    /// Informs it that elements with these corner nodes have been deleted.
+    fn remove_elements(&mut self, _deleted: &[ElementNodes]) {}
+
+    /// Informs it that the mass of a node has changed; `gained` is the increase of kinetic energy along r and z.
+    fn masses_changed(&mut self, _node: usize, _gained: [f64; 2]) {}
+
+    fn warnings(&mut self, _dofs: &Dofs, _clock: &AmplitudeClock<'_>) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+impl Clone for Box<dyn Constraint> {
+    fn clone(&self) -> Self {
+        (**self).copy()
+    }
+}
+
+/// Returns the reaction force on a degree of freedom whose motion is prescribed; 0 if it is not prescribed. A rigid
+/// body stores its own reaction.
+pub fn reaction(constraints: &[Box<dyn Constraint>], dofs: &Dofs, dof: Dof) -> f64 {
+    if let Dof::Body(b) = dof {
+        return dofs.bodies[b].reaction;
+    }
+    let forces = || constraints.iter().filter_map(|c| c.view().forces);
+    let Some(free) = forces().find_map(|f| f.free_force(dof)) else { return 0.0 };
+    let others: f64 = forces().map(|f| f.constraint_force(dof)).sum();
+    dofs.mass(dof) * dofs.acceleration(dof) - free - others
+}

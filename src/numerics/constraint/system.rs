@@ -1,0 +1,335 @@
+//! Systems of equations that share degrees of freedom: factorisation and solution.
+
+use std::collections::HashMap;
+
+use super::bonds::DependentEquation;
+use crate::kernel::lists::heap_bytes;
+use crate::state::archive::persist_struct;
+use crate::state::dofs::Dofs;
+
+/// Unknown of the equations: a degree of freedom, or several with equal motion.
+#[derive(Clone, Debug, Default)]
+pub(super) struct EquationUnknown {
+    /// Nodes; the first one leads. If one has a prescribed motion, it is the first.
+    pub members: Vec<usize>,
+    /// 0 along r, 1 along z.
+    pub axis: usize,
+    /// One over the mass of all members; 0 if the motion is prescribed.
+    pub inverse_mass: f64,
+    /// Force of the equations.
+    pub constraint_force: f64,
+    /// Impulse of the equations, before it is applied.
+    pub change: f64,
+    /// Value before the equations are applied.
+    pub value: f64,
+    /// For a prescribed motion, the inertial force of the other members from the change of velocity over the previous
+    /// increment. It acts on the reaction one increment late.
+    pub inertia: f64,
+}
+
+impl EquationUnknown {
+    pub fn is_shared(&self) -> bool {
+        self.members.len() > 1
+    }
+
+    /// Returns the force on a member: mass times acceleration, or the load on a node without mass.
+    pub fn force(&self, member: usize, dofs: &Dofs) -> f64 {
+        let mass = dofs.nodes.mass[member];
+        if mass > 0.0 { mass * dofs.nodes.acceleration[member][self.axis] } else { load(dofs, member, self.axis) }
+    }
+}
+
+pub(super) fn load(dofs: &Dofs, node: usize, axis: usize) -> f64 {
+    dofs.nodes.forces[0].get(node).map_or(0.0, |f| f[axis])
+}
+
+/// Row of a lower triangular matrix, from its first nonzero column.
+#[derive(Clone, Debug, Default)]
+struct FactorRow {
+    first: usize,
+    values: Vec<f64>,
+}
+
+impl FactorRow {
+    fn at(&self, column: usize) -> f64 {
+        self.values[column - self.first]
+    }
+}
+
+/// Factorised equations that share degrees of freedom.
+#[derive(Clone, Debug, Default)]
+pub struct EquationSystem {
+    pub(super) unknowns: Vec<EquationUnknown>,
+    /// Terms of each equation: index of the unknown, coefficient.
+    rows: Vec<Vec<(usize, f64)>>,
+    /// Whether an equation is dropped, instead of an error, if it depends linearly on others.
+    spare: Vec<bool>,
+    /// Lower triangle of the Cholesky factor of C M^-1 C^T.
+    factor: Vec<FactorRow>,
+    /// Last row with an entry in each column.
+    last: Vec<usize>,
+    lambda: Vec<f64>,
+}
+
+impl EquationSystem {
+    /// A system of one unknown without equations: nodes with equal motion.
+    pub(super) fn without_equations(unknown: EquationUnknown) -> EquationSystem {
+        EquationSystem { unknowns: vec![unknown], ..EquationSystem::default() }
+    }
+
+    /// Factorises the equations. `members` are the indices of the equations for messages; `spare` marks those that are
+    /// dropped if they depend on previous ones.
+    pub(super) fn new(
+        unknowns: Vec<EquationUnknown>,
+        rows: Vec<Vec<(usize, f64)>>,
+        members: &[usize],
+        spare: Vec<bool>,
+    ) -> Result<EquationSystem, DependentEquation> {
+        let n = rows.len();
+        let mut system =
+            EquationSystem { unknowns, rows, spare, factor: Vec::new(), last: (0..n).collect(), lambda: vec![0.0; n] };
+        for row in system.matrix() {
+            system.factor.push(row);
+        }
+        for i in 0..n {
+            if !system.eliminate(i) {
+                let follows_from = system.sources(i).into_iter().map(|i| members[i]).collect();
+                return Err(DependentEquation { equation: members[i], follows_from });
+            }
+        }
+        for (i, row) in system.factor.iter().enumerate() {
+            system.last[row.first..=i].iter_mut().for_each(|last| *last = i);
+        }
+        Ok(system)
+    }
+
+    /// Returns the lower triangle of C M^-1 C^T; each row starts at its first nonzero column.
+    fn matrix(&self) -> Vec<FactorRow> {
+        let mut first_of: HashMap<usize, usize> = HashMap::new();
+        let mut matrix = Vec::with_capacity(self.rows.len());
+        for (i, row) in self.rows.iter().enumerate() {
+            let soft = row.iter().filter(|t| self.unknowns[t.0].inverse_mass > 0.0);
+            let first = soft.map(|t| *first_of.entry(t.0).or_insert(i)).min().unwrap_or(i);
+            matrix.push(FactorRow { first, values: (first..=i).map(|j| self.product(i, j)).collect() });
+        }
+        matrix
+    }
+
+    /// Returns one entry of C M^-1 C^T.
+    fn product(&self, i: usize, j: usize) -> f64 {
+        let other = |f: usize| self.rows[j].iter().filter(|t| t.0 == f).map(|t| t.1).sum::<f64>();
+        self.rows[i].iter().map(|&(f, c)| c * self.unknowns[f].inverse_mass * other(f)).sum()
+    }
+
+    /// Replaces a row of the matrix with the row of its Cholesky factor; previous rows are complete. Returns `false` if
+    /// the row depends on previous rows.
+    fn eliminate(&mut self, i: usize) -> bool {
+        let mut row = std::mem::take(&mut self.factor[i]);
+        let diagonal = row.at(i);
+        for j in row.first..i {
+            let known = &self.factor[j];
+            let sum: f64 = (row.first.max(known.first)..j).map(|k| row.at(k) * known.at(k)).sum();
+            let at = j - row.first;
+            row.values[at] = (row.values[at] - sum) / known.at(j);
+        }
+        let sum: f64 = (row.first..i).map(|k| row.at(k) * row.at(k)).sum();
+        let rest = diagonal - sum;
+        // The remainder of a dependent row is rounding error.
+        if rest.is_nan() || rest <= 1e-10 * diagonal {
+            if !self.spare[i] {
+                self.factor[i] = row;
+                return false;
+            }
+            row = FactorRow { first: i, values: vec![1.0] };
+            self.rows[i].clear();
+        } else if let Some(last) = row.values.last_mut() {
+            *last = rest.sqrt();
+        }
+        self.factor[i] = row;
+        true
+    }
+
+    /// Returns the previous rows whose linear combination is a row that [`EquationSystem::eliminate`] found dependent.
+    /// With the factor L of the previous rows and the eliminated row l, the coefficients x solve L^T x = l.
+    fn sources(&self, row: usize) -> Vec<usize> {
+        let (first, own) = (self.factor[row].first, &self.factor[row].values);
+        let mut parts = vec![0.0; row];
+        parts[first..].copy_from_slice(&own[..row - first]);
+        for j in (0..row).rev() {
+            let known = &self.factor[j];
+            parts[j] /= known.at(j);
+            for k in known.first..j {
+                parts[k] -= known.at(k) * parts[j];
+            }
+        }
+        let largest = parts.iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
+        (0..row).filter(|&i| parts[i].abs() > 1e-8 * largest).collect()
+    }
+
+    /// Computes the impulse on each unknown that makes `value` satisfy the equations, and stores it in `change`. The
+    /// value of a shared unknown is the mass-weighted mean of its members; `forced` adds the forces on members without
+    /// mass.
+    pub(super) fn solve(&mut self, dofs: &Dofs, value: impl Fn(usize, usize) -> f64, forced: bool) {
+        for f in &mut self.unknowns {
+            f.value = value(f.members[0], f.axis);
+            if f.is_shared() && f.inverse_mass > 0.0 {
+                let own = |&n: &usize| match dofs.nodes.mass[n] {
+                    mass if mass > 0.0 => mass * value(n, f.axis),
+                    _ if forced => load(dofs, n, f.axis),
+                    _ => 0.0,
+                };
+                f.value = f.inverse_mass * f.members.iter().map(own).sum::<f64>();
+            }
+        }
+        self.multiply();
+    }
+
+    /// Computes the same for scalar unknowns without loads, such as nodal temperatures with heat capacities as masses.
+    pub fn balance(&mut self, value: impl Fn(usize) -> f64) {
+        self.unknowns.iter_mut().for_each(|f| f.value = value(f.members[0]));
+        self.multiply();
+    }
+
+    /// Returns node and change of each unknown after [`EquationSystem::balance`].
+    pub fn changes(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.unknowns.iter().map(|f| (f.members[0], f.change))
+    }
+
+    /// Updates the masses and factorises again without allocation.
+    pub fn update_masses(&mut self, mass: impl Fn(usize) -> f64) {
+        let free = self.unknowns.iter_mut().filter(|f| f.inverse_mass > 0.0);
+        free.for_each(|f| f.inverse_mass = 1.0 / mass(f.members[0]));
+        for i in 0..self.rows.len() {
+            if self.rows[i].is_empty() {
+                continue;
+            }
+            let mut row = std::mem::take(&mut self.factor[i]);
+            let first = row.first;
+            row.values.iter_mut().enumerate().for_each(|(at, value)| *value = self.product(i, first + at));
+            self.factor[i] = row;
+            // Independent rows stay independent for any masses.
+            self.eliminate(i);
+        }
+    }
+
+    /// Solves for the multipliers of the equations and for the impulse on each unknown.
+    fn multiply(&mut self) {
+        let n = self.rows.len();
+        for i in 0..n {
+            let residual: f64 = self.rows[i].iter().map(|&(f, c)| c * self.unknowns[f].value).sum();
+            let row = &self.factor[i];
+            let done: f64 = (row.first..i).map(|j| row.at(j) * self.lambda[j]).sum();
+            self.lambda[i] = (residual - done) / row.at(i);
+        }
+        for i in (0..n).rev() {
+            let below = (i + 1..=self.last[i]).filter(|&j| self.factor[j].first <= i);
+            let done: f64 = below.map(|j| self.factor[j].at(i) * self.lambda[j]).sum();
+            self.lambda[i] = (self.lambda[i] - done) / self.factor[i].at(i);
+        }
+        self.unknowns.iter_mut().for_each(|f| f.change = 0.0);
+        for (row, lambda) in self.rows.iter().zip(&self.lambda) {
+            for &(f, c) in row {
+                self.unknowns[f].change -= c * lambda;
+            }
+        }
+    }
+
+    /// Adds the changes to accelerations; members of shared unknowns get the common acceleration.
+    pub(super) fn accelerate(&mut self, dofs: &mut Dofs) {
+        for f in &mut self.unknowns {
+            f.constraint_force = f.change;
+            if !f.is_shared() {
+                dofs.nodes.acceleration[f.members[0]][f.axis] += f.change * f.inverse_mass;
+                continue;
+            }
+            let new = f.value + f.change * f.inverse_mass;
+            let behind = 0.5 * dofs.nodes.previous_dt;
+            for (i, &n) in f.members.iter().enumerate() {
+                let (force, mass) = (f.force(n, dofs), dofs.nodes.mass[n]);
+                if mass == 0.0 {
+                    // The pass over nodes added no kinetic energy of this force, because the node has no mass.
+                    dofs.energies.kinetic += behind * *dofs.nodes[n].velocity(f.axis) * force;
+                }
+                if f.inverse_mass == 0.0 && (i > 0 || mass == 0.0) {
+                    f.constraint_force += force - mass * new;
+                }
+                dofs.nodes.acceleration[n][f.axis] = new;
+            }
+        }
+    }
+
+    /// Corrects velocities by the equations, and positions with them over the increment `dt`. An impulse acts over the
+    /// time `half`. The work on free unknowns is that of prescribed motions, because the constraint forces together do
+    /// no work.
+    pub(super) fn hold_velocities(&mut self, dofs: &mut Dofs, dt: f64, half: f64) {
+        let nodes = &dofs.nodes;
+        self.solve(dofs, |node, axis| *nodes[node].clone().velocity(axis), false);
+        for f in &mut self.unknowns {
+            if f.is_shared() {
+                f.hold_members(dofs, dt, half);
+            } else if f.inverse_mass > 0.0 {
+                let change = f.change * f.inverse_mass;
+                change_velocity(dofs, f.members[0], f.axis, change, dt, half);
+                f.add_work(dofs, half, half * f.constraint_force + f.change);
+            }
+        }
+    }
+
+    /// Returns the force of the equations on a degree of freedom.
+    pub(super) fn constraint_force(&self, node: usize, axis: usize) -> Option<f64> {
+        let f = self.unknowns.iter().find(|f| f.axis == axis && f.members.contains(&node))?;
+        Some(if f.members[0] == node { f.constraint_force + f.inertia } else { 0.0 })
+    }
+
+    pub fn bytes(&self) -> usize {
+        let rows: usize = self.rows.iter().map(|r| size_of_val(r) + heap_bytes(r)).sum();
+        let factor: usize = self.factor.iter().map(|r| size_of_val(r) + 8 * r.values.capacity()).sum();
+        let members: usize = self.unknowns.iter().map(|f| heap_bytes(&f.members)).sum();
+        let own = heap_bytes(&self.unknowns) + self.spare.capacity();
+        rows + factor + members + own + 8 * (self.lambda.capacity() + self.last.capacity())
+    }
+}
+
+impl EquationUnknown {
+    fn hold_members(&mut self, dofs: &mut Dofs, dt: f64, half: f64) {
+        let new = self.value + self.change * self.inverse_mass;
+        let given = self.inverse_mass == 0.0;
+        let mut impulse = 0.0;
+        for &n in &self.members[usize::from(given)..] {
+            let change = new - *dofs.nodes[n].velocity(self.axis);
+            impulse += dofs.nodes.mass[n] * change;
+            change_velocity(dofs, n, self.axis, change, dt, half);
+        }
+        if given {
+            // The prescribed motion accelerates the members and takes the loads of members without mass.
+            self.add_work(dofs, half, impulse - half * (self.constraint_force - self.change));
+            self.inertia = if half > 0.0 { -impulse / half } else { 0.0 };
+        } else {
+            self.add_work(dofs, half, half * self.constraint_force + self.change);
+        }
+    }
+
+    fn add_work(&self, dofs: &mut Dofs, half: f64, impulse: f64) {
+        if half > 0.0 {
+            let n = self.members[0];
+            let new = *dofs.nodes[n].velocity(self.axis);
+            let old = new - half * dofs.nodes.acceleration[n][self.axis];
+            dofs.energies.external += 0.5 * (old + new) * impulse;
+        }
+    }
+}
+
+/// Changes the velocity of a node, and its position accordingly.
+pub(super) fn change_velocity(dofs: &mut Dofs, node: usize, axis: usize, change: f64, dt: f64, half: f64) {
+    let n = &mut dofs.nodes[node];
+    *n.velocity(axis) += change;
+    *n.coordinate(axis) += dt * change;
+    if half > 0.0 {
+        dofs.nodes.acceleration[node][axis] += change / half;
+    }
+}
+
+persist_struct!(EquationUnknown { constraint_force, inertia } derived { members, axis, inverse_mass, change, value });
+
+// The factor follows from the masses at the start of the step; multipliers are solved for in each increment.
+persist_struct!(EquationSystem { unknowns: fixed } derived { rows, spare, factor, last, lambda });

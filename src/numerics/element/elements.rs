@@ -1,0 +1,385 @@
+//! All elements of a model: groups, corner forces, springs and dashpots, damping, deletion, and the stable time
+//! increment.
+
+use std::ops::Range;
+
+use super::averaging::DilationAveraging;
+use super::block::is_larger;
+use super::connector::Connectors;
+use super::damping::MassDamping;
+use super::distortion::DistortionControl;
+use super::erosion::ErosionControl;
+use super::frequency::HighestFrequency;
+use super::group::{ElementGroup, ElementPass, GroupTotals};
+use super::lengths::UserLengthElements;
+use super::mass_scaling::ScaledMasses;
+use super::pattern::{self, FoldedElement, HourglassMotion};
+use super::predefined::PredefinedFields;
+use super::quiescent::ActiveNodes;
+use super::removed::DeletionRecord;
+use super::rings::RingFactors;
+use crate::kernel::lanes::{InlineMap, LANES};
+use crate::kernel::lists::heap_bytes;
+use crate::kernel::topology::ElementNodes;
+use crate::mesh::corner_forces::CornerForces;
+use crate::mesh::gather::NodalAssembly;
+use crate::state::archive::{StateArchive, persist_struct};
+use crate::state::dofs::Dofs;
+use crate::state::energies::EnergyTotals;
+use crate::state::halt::HaltReason;
+use crate::state::magnitude::AmplitudeClock;
+use crate::state::nodes::{NodeAccelerations, Nodes};
+use crate::state::{EffectId, Instant};
+use crate::routines::PointRoutines;
+
+/// Deformable elements of a model, and everything that acts through them; nodes are stored separately.
+#[derive(Clone, Default)]
+pub struct Elements {
+    pub groups: Vec<Box<dyn ElementGroup>>,
+    /// Ledger row of each group.
+    pub ids: Vec<EffectId>,
+    /// Totals of the group that limits the time increment in the last pass, and the index of the group.
+    pub limit: (GroupTotals, usize),
+    /// Bound of the relative increase of frequencies in that pass, if it is computed.
+    pub(super) deformed: f64,
+    /// Estimate of the highest frequency of the whole model; `None` if not used or not possible.
+    pub frequency: Option<Box<HighestFrequency>>,
+    /// Whether the current step uses the estimate.
+    pub(super) uses_frequency: bool,
+    /// For each group, the triangles whose dilation is averaged over their nodes; empty without such triangles.
+    pub averagings: Vec<Option<DilationAveraging>>,
+    /// Factors from plane sections to rings at nodes; `None` without area weighting.
+    pub rings: Option<Box<RingFactors>>,
+    /// Springs and dashpots; `None` without any.
+    pub connectors: Option<Box<Connectors>>,
+    /// Mass proportional damping; `None` without any.
+    pub damping: Option<Box<MassDamping>>,
+    /// Elements whose characteristic length a user subroutine defines.
+    pub lengths: Vec<UserLengthElements>,
+    /// Field variables prescribed at nodes; `None` without any.
+    pub fields: Option<Box<PredefinedFields>>,
+    /// Elements under distortion control; `None` without any.
+    pub distortion: Option<Box<DistortionControl>>,
+    /// Elements with deletion criteria of `*EROSION`; `None` without any.
+    pub(super) erosion: Option<Box<ErosionControl>>,
+    /// Masses and energies of deleted elements; `None` unless requested.
+    pub removed: Option<Box<DeletionRecord>>,
+    /// Unscaled masses and mass factors; `None` without mass scaling.
+    pub(super) masses: Option<Box<ScaledMasses>>,
+    corners: CornerForces,
+    gather: NodalAssembly,
+    active_nodes: ActiveNodes,
+    /// Whether the strains of the previous increment have not been computed yet.
+    pending: bool,
+    /// Boundaries of deleted elements, and the number that the loads of this step have processed.
+    pub(super) deleted: (Vec<ElementNodes>, usize),
+    /// Failure of a user subroutine in the last update.
+    pub failure: Option<HaltReason>,
+}
+
+/// Failure of an element: its group and index, and its volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CollapsedElement {
+    pub group: usize,
+    pub element: usize,
+    pub volume: f64,
+}
+
+impl Elements {
+    /// Creates the elements from groups with their ledger rows, for nodes in the initial configuration.
+    pub fn new(groups: Vec<Box<dyn ElementGroup>>, ids: Vec<EffectId>, gather: NodalAssembly, nodes: usize) -> Self {
+        let blocks: usize = groups.iter().map(|g| g.force_blocks()).sum();
+        let mut elements = Elements {
+            active_nodes: ActiveNodes::new(nodes, &groups),
+            // One additional block, which stays zero.
+            corners: CornerForces::new(blocks + 1, groups.iter().all(|g| g.properties().single)),
+            groups,
+            ids,
+            gather,
+            pending: true,
+            ..Elements::default()
+        };
+        elements.reserve_deletions();
+        elements
+    }
+
+    /// Reserves memory for all elements that may be deleted, so that nothing allocates inside an increment.
+    pub(super) fn reserve_deletions(&mut self) {
+        let fragile: usize = self.groups.iter().filter(|g| g.properties().deletable).map(|g| g.len()).sum();
+        self.deleted.0.reserve_exact(fragile.saturating_sub(self.deleted.0.len()));
+        if let Some(removed) = &mut self.removed {
+            removed.make_room();
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    pub fn count(&self) -> usize {
+        self.groups.iter().map(|g| g.len()).sum()
+    }
+
+    /// Calls the user subroutines that are needed at the start of the analysis: characteristic lengths and moduli.
+    ///
+    /// # Errors
+    /// The failure of a subroutine.
+    pub fn probe(&mut self, nodes: &Nodes, now: &Instant, mut user: PointRoutines<'_>) -> Result<(), HaltReason> {
+        if let Some(routine) = user.lend().lengths {
+            for entry in &self.lengths {
+                entry.ask(&mut *self.groups[entry.group], nodes.as_slice(), now, routine)?;
+            }
+        }
+        let mut calling = self.groups.iter_mut().filter_map(|group| group.extensions().user());
+        calling.try_for_each(|group| group.probe(nodes.as_slice(), now, user.lend()))
+    }
+
+    /// Begins a step. `moved_otherwise`: constraints move nodes outside the nodal update, so that no node may be
+    /// skipped.
+    pub fn begin(&mut self, moved_otherwise: bool) {
+        if moved_otherwise {
+            self.active_nodes.wake();
+        }
+        self.deleted.1 = 0;
+        // A cloned state has no reserved memory.
+        self.reserve_deletions();
+    }
+
+    /// Returns whether connectors, damping or distortion control add forces to nodes.
+    pub fn has_links(&self) -> bool {
+        self.connectors.is_some() || self.damping.is_some() || self.distortion.is_some()
+    }
+
+    /// Marks that the nodes have moved and strains must be updated.
+    pub fn mark_moved(&mut self) {
+        self.pending = true;
+    }
+
+    /// Sets the field variables prescribed at this instant.
+    pub fn give_fields(&mut self, clock: &AmplitudeClock<'_>) {
+        if let Some(fields) = &mut self.fields {
+            fields.give(&mut self.groups, clock);
+        }
+    }
+
+    /// Returns whether the strains of the previous increment have not been computed yet.
+    pub fn is_pending(&self) -> bool {
+        self.pending
+    }
+
+    /// Updates stresses and corner forces to this instant. Adds the wall-clock seconds of each group to `timed`, by
+    /// ledger row.
+    pub fn update(
+        &mut self,
+        dofs: &mut Dofs,
+        now: &Instant,
+        threads: bool,
+        mut user: PointRoutines<'_>,
+        timed: Option<&mut [f64]>,
+    ) {
+        if !std::mem::take(&mut self.pending) {
+            return;
+        }
+        if self.erosion.is_some() {
+            self.erode(dofs, threads);
+        }
+        let mut first = 0;
+        self.limit = (GroupTotals::default(), 0);
+        self.deformed = 0.0;
+        let mut seconds = timed;
+        for (i, group) in self.groups.iter_mut().enumerate() {
+            let clock = seconds.as_ref().map(|_| std::time::Instant::now());
+            let blocks = group.force_blocks();
+            let corners = self.corners.slots(first..first + blocks);
+            let nodes = dofs.nodes.as_slice();
+            let user = user.lend();
+            let before = NodeAccelerations { accelerations: &dofs.nodes.acceleration, half: dofs.nodes.half };
+            let averaging = self.averagings.get_mut(i).and_then(Option::as_mut);
+            let dilation_correction = averaging.map(|a| a.measure(&**group, &dofs.nodes));
+            let totals = group.update(ElementPass {
+                nodes,
+                dt: dofs.nodes.previous_dt,
+                before,
+                now,
+                threads,
+                user,
+                corners,
+                dilation_correction,
+            });
+            first += blocks;
+            group.extensions().deletion().newly_deleted(&mut self.deleted.0);
+            if totals.rate.is_nan() {
+                self.failure = group.extensions().user().and_then(|user| user.failure());
+            }
+            self.deformed = self.deformed.max(totals.deformed);
+            add(&totals, &mut dofs.energies);
+            if is_larger(totals.rate, self.limit.0.rate) {
+                self.limit = (totals, i);
+            }
+            if let (Some(clock), Some(seconds)) = (clock, &mut seconds) {
+                seconds[self.ids[i]] += clock.elapsed().as_secs_f64();
+            }
+        }
+        self.count_removed();
+        if let Some(rings) = &mut self.rings {
+            rings.measure(&self.groups, &dofs.nodes);
+        }
+        self.bound_frequency(&dofs.nodes);
+    }
+
+    /// Returns the number of deleted elements.
+    pub fn deleted(&self) -> usize {
+        self.deleted.0.len()
+    }
+
+    /// Returns the boundaries of elements deleted since the last call in this step.
+    pub fn newly_deleted(&mut self) -> &[ElementNodes] {
+        let processed = std::mem::replace(&mut self.deleted.1, self.deleted.0.len());
+        &self.deleted.0[processed..]
+    }
+
+    /// Adds the forces of connectors, damping and distortion control, then determines the nodes that need an update in
+    /// this increment.
+    pub fn add_link_forces(&mut self, dofs: &mut Dofs) {
+        if let Some(connectors) = &mut self.connectors {
+            connectors.add_forces(dofs);
+        }
+        if let Some(damping) = &mut self.damping {
+            damping.add_forces(dofs);
+        }
+        if let Some(distortion) = &mut self.distortion {
+            let alive = |(group, element): (usize, usize)| !self.groups[group].is_deleted(element);
+            distortion.add_forces(dofs, alive, &mut self.limit.0.rate);
+        }
+        self.active_nodes.update(&self.groups, &dofs.nodes.forces[0]);
+    }
+
+    /// Checks that the last pass gave finite forces.
+    ///
+    /// # Errors
+    /// The element with a rate that is not finite.
+    pub fn check(&self, nodes: &Nodes) -> Result<(), CollapsedElement> {
+        let (totals, group) = self.limit;
+        if totals.rate.is_finite() {
+            return Ok(());
+        }
+        let element = totals.limiting;
+        Err(CollapsedElement { group, element, volume: self.groups[group].volume(element, nodes.as_slice()) })
+    }
+
+    /// Sums the corner forces of the nodes from `first` on; with area weighting, scales them from plane sections to
+    /// rings.
+    #[inline(always)]
+    pub fn nodal_forces(&self, first: usize, forces: &mut [[f64; 2]]) {
+        self.gather.sum(first, &self.corners, forces);
+        if let Some(rings) = &self.rings {
+            for (force, ring) in forces.iter_mut().zip(&rings.factors[first..]) {
+                *force = [ring * force[0], ring * force[1]];
+            }
+        }
+    }
+
+    /// Returns the quadrilateral with the largest hourglass displacement.
+    pub fn most_folded(&self, nodes: &Nodes) -> Option<FoldedElement> {
+        pattern::most_folded(&self.groups, nodes)
+    }
+
+    /// Returns the kinetic energy in the hourglass pattern.
+    pub fn hourglass_motion(&self, nodes: &Nodes) -> HourglassMotion {
+        pattern::hourglass_motion(&self.groups, nodes)
+    }
+
+    /// Returns the factors from plane sections to rings at the nodes; `None` without area weighting.
+    pub fn ring_factors(&self) -> Option<&[f64]> {
+        self.rings.as_ref().map(|rings| &*rings.factors)
+    }
+
+    fn blocks_of(&self, group: usize, element: usize) -> Range<usize> {
+        let before: usize = self.groups[..group].iter().map(|g| g.force_blocks()).sum();
+        let per = self.groups[group].topology().force_blocks();
+        let first = before + per * (element / LANES);
+        first..first + per
+    }
+
+    /// Returns the force of an element on one of its nodes, counted in the order of its topology.
+    pub fn corner_force(&self, group: usize, element: usize, corner: usize) -> [f64; 2] {
+        let block = self.blocks_of(group, element).start + corner / 4;
+        let force = self.corners.of(block, element % LANES, corner % 4);
+        let Some(rings) = &self.rings else { return force };
+        let node = self.groups[group].nodes(element)[corner] as usize;
+        force.inline_map(|f| rings.factors[node] * f)
+    }
+
+    /// Sets the forces of an element to zero.
+    pub(super) fn clear_corners(&mut self, group: usize, element: usize) {
+        self.blocks_of(group, element).for_each(|block| self.corners.clear(block, element % LANES));
+    }
+
+    /// Returns the sum of the corner forces of a node, without the factors of area weighting.
+    pub fn nodal_force(&self, node: usize) -> [f64; 2] {
+        self.gather.node_force(node, &self.corners)
+    }
+
+    /// Returns whether any of the [`super::quiescent::FEW`] nodes from `first` on needs an update.
+    #[inline(always)]
+    pub fn has_work(&self, first: usize) -> bool {
+        self.active_nodes.has_work(first)
+    }
+
+    /// Limits the time increment by the rate of an element, until the next update.
+    pub(super) fn raise_limit(&mut self, group: usize, element: usize, rate: f64) {
+        if rate > self.limit.0.rate {
+            (self.limit.0.rate, self.limit.0.limiting, self.limit.1) = (rate, element, group);
+        }
+    }
+
+    /// Returns group and element that limit the time increment.
+    pub fn limiting(&self) -> (usize, usize) {
+        (self.limit.1, self.limit.0.limiting)
+    }
+
+    /// Returns the stable time increment.
+    pub fn stable_increment(&self) -> f64 {
+        let elements = self.limit.0.rate;
+        let linked = self.connectors.as_ref().map_or(elements, |c| c.rate(elements));
+        1.0 / self.damping.as_ref().map_or(linked, |d| d.rate(linked))
+    }
+
+    /// Returns the bytes of the lists of deletion criteria.
+    pub fn bytes_of_erosion(&self) -> usize {
+        self.erosion.as_ref().map_or(0, |e| e.bytes())
+    }
+
+    /// Returns the bytes of the lists of mass scaling.
+    pub fn bytes_of_masses(&self) -> usize {
+        self.masses.as_ref().map_or(0, |m| m.bytes())
+    }
+
+    /// Returns the bytes that belong to no single group: corner forces, and the connectivity from corners to nodes.
+    pub fn bytes_of_gather(&self) -> usize {
+        let deleted = heap_bytes(&self.deleted.0);
+        self.corners.bytes() + self.gather.bytes() + self.active_nodes.bytes() + deleted
+    }
+}
+
+fn add(totals: &GroupTotals, energies: &mut EnergyTotals) {
+    energies.internal += totals.internal;
+    energies.plastic += totals.plastic;
+    energies.viscous += totals.viscous;
+    energies.artificial += totals.artificial;
+}
+
+// Characteristic lengths are stored in the groups; fields depend on the time only. Corner forces of quiescent elements
+// are saved because their zeros have signs, which affect the accelerations.
+persist_struct!(Elements {
+    limit, active_nodes, pending, deleted, uses_frequency, connectors: present, damping: present, distortion: present, erosion: present,
+    removed: present, masses: present, frequency: present, rings: present, groups: each, corners
+} derived { ids, deformed, averagings, lengths, fields, gather, failure } then Elements::check_deleted);
+
+impl Elements {
+    fn check_deleted(&mut self, archive: &mut StateArchive<'_>) {
+        if self.deleted.1 > self.deleted.0.len() {
+            archive.reject(|| "more deleted elements are marked as processed than exist".into());
+        }
+    }
+}

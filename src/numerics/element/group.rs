@@ -1,0 +1,1012 @@
+//! Interface of element groups, and the group of quadrilaterals: its blocks, dispatched to the instruction set of the
+//! machine and distributed over threads.
+
+use std::sync::Arc;
+
+use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
+
+use crate::element::block::{CornerNodes, ElementBlock, LaneSums, TaskWorkspace, across, is_larger};
+use crate::element::calls::UserCallBuffers;
+use crate::element::constants::{ElementConstants, damped};
+use crate::element::numbers::{BlockForces, ElementPrecision, IncrementInput, widen};
+use crate::element::quiescent::TaskQuiescence;
+use crate::element::record::{BlockRecord, ElementRecord};
+use crate::element::subzonal::SubzonalPressures;
+use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::{BlockCornerForces, InlineMap};
+use crate::kernel::lanes::{Lanes, wide};
+use crate::kernel::quad;
+use crate::kernel::real::Real;
+use crate::kernel::shell::ShellFrame;
+use crate::kernel::topology::{ElementNodes, ElementTopology, MOST_NODES, PerNode};
+use crate::material::{BlockStart, Material, PlasticFlow, PointValue};
+use crate::mesh::corner_forces::CornerForceSlots;
+use crate::state::Instant;
+use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use crate::state::halt::HaltReason;
+use crate::state::nodes::{Node, NodeAccelerations};
+use crate::routines::PointRoutines;
+use crate::variables::{Variable, VariableComponent};
+
+/// Blocks of one task of a thread. The number is fixed, so that sums do not depend on the number of threads.
+pub const TASK: usize = 16;
+
+/// Energy increments and limits of a group from one update.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GroupTotals {
+    /// Work of the stress.
+    pub internal: f64,
+    /// Plastic dissipation.
+    pub plastic: f64,
+    /// Work of the bulk viscosity.
+    pub viscous: f64,
+    /// Work of the hourglass control.
+    pub artificial: f64,
+    /// One over the stable time increment.
+    pub rate: f64,
+    /// Index in the group of the element that limits it.
+    pub limiting: usize,
+    /// Bound of the relative increase of a frequency by the deformation in this increment: gradients by the largest
+    /// strain (norm of the tensor), the root of the volume by half its largest change. 0 unless frequencies are capped.
+    pub deformed: f64,
+}
+
+/// Properties that all elements of a group share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GroupProperties {
+    /// Shape of the elements.
+    pub topology: ElementTopology,
+    /// Whether the group computes in single precision.
+    pub single: bool,
+    /// Whether elements can be deleted.
+    pub deletable: bool,
+    /// Whether bulk viscosity damps the highest modes.
+    pub damped: bool,
+    /// Whether the pressure follows from density, energy or the total deformation, so that no initial stress can be
+    /// prescribed.
+    pub holds_pressure: bool,
+    /// Number of field variables that elements store.
+    pub fields: usize,
+}
+
+/// Elements of one topology and one material.
+#[allow(clippy::len_without_is_empty)] // `is_empty` is a method of `dyn ElementGroup`.
+pub trait ElementGroup: Persist + Send + Sync {
+    /// Returns the number of elements.
+    fn len(&self) -> usize;
+    /// Returns the properties that all elements share.
+    fn properties(&self) -> GroupProperties;
+    /// Returns the nodes of an element in the order of the topology; for shells also the companion nodes of the
+    /// rotations.
+    fn nodes(&self, element: usize) -> ElementNodes;
+    /// Returns the lumped masses of an element at its nodes; rotary inertias at companion nodes.
+    fn masses(&self, element: usize) -> PerNode<f64>;
+    /// Updates the stresses to the end of an increment, and the corner forces.
+    fn update(&mut self, pass: ElementPass<'_>) -> GroupTotals;
+    /// Returns the value of a variable that the group stores for an element; `None` if the element does not have it or
+    /// a formula computes it.
+    fn value(&self, element: usize, part: VariableComponent) -> Option<f64>;
+    /// Returns one over the stable time increment of an element at the current positions, by the bound of the inner
+    /// loop with linear bulk viscosity only and without a bound of the whole model. Uses `masses` instead of the
+    /// element's own masses if given; `None` if the masses cannot be scaled.
+    fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64>;
+    /// Returns the elastic stiffness of an element at the current positions; `None` for an element that is not linear
+    /// elastic at small strain, which has no highest frequency in this sense.
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<ElementStiffness>;
+    /// Returns whether a task of elements is skipped because all its elements are at rest and free of stress.
+    fn is_quiescent(&self, _task: usize) -> bool {
+        false
+    }
+    /// Returns the bytes of the arrays of the group.
+    fn bytes(&self) -> usize;
+    /// Returns a copy of the group in the same state.
+    fn copy(&self) -> Box<dyn ElementGroup>;
+    /// Returns the functions of the group apart from updates.
+    fn extensions(&mut self) -> &mut dyn GroupExtensions;
+}
+
+impl dyn ElementGroup + '_ {
+    /// Returns whether the group has no elements.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Returns the shape of the elements.
+    pub fn topology(&self) -> ElementTopology {
+        self.properties().topology
+    }
+
+    /// Returns whether the boundary of an element encloses its volume.
+    pub fn is_solid(&self) -> bool {
+        self.topology().is_solid()
+    }
+
+    /// Returns the number of blocks of corner forces of all elements.
+    pub fn force_blocks(&self) -> usize {
+        self.len().div_ceil(LANES) * self.topology().force_blocks()
+    }
+
+    /// Returns the nodes on the boundary of an element, without rotations.
+    pub fn boundary(&self, element: usize) -> ElementNodes {
+        self.nodes(element).first(self.topology().boundary())
+    }
+
+    /// Returns the corner nodes of the quadrilateral cells of a solid element.
+    pub fn cells(&self, element: usize) -> impl Iterator<Item = [u32; 4]> {
+        let nodes = self.nodes(element);
+        self.topology().cells().iter().map(move |cell| cell.inline_map(|i| nodes[i]))
+    }
+
+    /// Returns whether an element is deleted.
+    pub fn is_deleted(&self, element: usize) -> bool {
+        self.value(element, Variable::Status.into()) == Some(0.0)
+    }
+
+    /// Returns the volume of an element at the current positions.
+    pub fn volume(&self, element: usize, nodes: &[Node]) -> f64 {
+        self.volume_at(element, |n| nodes[n as usize].place())
+    }
+
+    /// Returns the volume of an element for given node positions.
+    pub fn volume_at(&self, element: usize, place: impl Fn(u32) -> [f64; 2]) -> f64 {
+        if self.is_solid() {
+            return self.cells(element).map(|cell| quad::volume(cell.inline_map(&place))).sum();
+        }
+        let (nodes, thickness) = (self.nodes(element), self.value(element, Variable::Thickness.into()));
+        ShellFrame::new([0, 1].inline_map(|i| place(nodes[i]))).area() * thickness.unwrap_or(0.0)
+    }
+}
+
+/// Elastic stiffness of an element, rows and columns `[r, z]` of each node in turn.
+#[derive(Clone, Copy, Debug)]
+pub struct ElementStiffness(pub [[f64; 2 * MOST_NODES]; 2 * MOST_NODES]);
+
+impl<const N: usize> From<[[f64; N]; N]> for ElementStiffness {
+    fn from(list: [[f64; N]; N]) -> Self {
+        let mut matrix = [[0.0; 2 * MOST_NODES]; 2 * MOST_NODES];
+        matrix.iter_mut().zip(list).for_each(|(row, own)| row[..N].copy_from_slice(&own));
+        ElementStiffness(matrix)
+    }
+}
+
+/// Functions of a group apart from updates; optional ones return `None` if not available.
+pub trait GroupExtensions {
+    /// Returns the settings of the run.
+    fn settings(&mut self) -> &mut dyn GroupSettings;
+    /// Returns the deletion of elements.
+    fn deletion(&mut self) -> &mut dyn GroupDeletion;
+    /// Returns access to the initial state.
+    fn initial_state(&mut self) -> &mut dyn InitialState;
+    /// Returns the interface for prescribed temperatures.
+    fn temperatures(&mut self) -> Option<&mut dyn ElementTemperatures> {
+        None
+    }
+    /// Returns the interface for field variables.
+    fn fields(&mut self) -> Option<&mut dyn ElementFields> {
+        None
+    }
+    /// Returns the interface for user subroutines.
+    fn user(&mut self) -> Option<&mut dyn UserCalls> {
+        None
+    }
+}
+
+/// Settings of a run that affect a group.
+pub trait GroupSettings {
+    /// Sets the masses of an element at its nodes.
+    fn set_masses(&mut self, element: usize, masses: &[f64]);
+    /// Starts to record strains and energies for output.
+    fn follow(&mut self);
+    /// Sets the bound of the highest frequency of the whole model, radians per time; infinite if unknown.
+    fn limit_frequency(&mut self, _frequency: f64) {}
+    /// Selects another instruction set; results have the same bits.
+    fn use_instructions(&mut self, _arch: Arch) {}
+}
+
+/// Deletion of elements.
+pub trait GroupDeletion {
+    /// Allocates what [`GroupDeletion::erode`] needs.
+    fn make_erodible(&mut self);
+    /// Deletes an element; `volume` is its initial volume if it is solid. [`GroupDeletion::newly_deleted`] does not
+    /// list it.
+    fn erode(&mut self, element: usize, volume: f64);
+    /// Appends the boundaries of elements that the last update deleted.
+    fn newly_deleted(&mut self, _deleted: &mut Vec<ElementNodes>) {}
+}
+
+/// Initial state of elements. Values that an element does not store are ignored.
+pub trait InitialState {
+    /// Sets stress and temperature.
+    fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
+    /// Sets a solution-dependent state variable, counted from 0. Returns whether the element stores it.
+    fn set_state(&mut self, _element: usize, _variable: usize, _value: f64) -> bool {
+        false
+    }
+    /// Sets the equivalent plastic strain. Returns whether the material hardens by this variable only.
+    fn set_plastic_strain(&mut self, _element: usize, _strain: f64) -> bool {
+        false
+    }
+    /// Sets the specific energy, energy per mass.
+    fn set_energy(&mut self, _element: usize, _energy: f64) {}
+    /// Sets the characteristic length, which is otherwise the square root of the section area.
+    fn set_length(&mut self, _element: usize, _length: f64) {}
+}
+
+/// Temperatures of elements.
+pub trait ElementTemperatures {
+    /// Sets the temperatures of all elements.
+    fn set_temperatures(&mut self, temperatures: &[f64]);
+    /// Writes the temperatures of the elements, including the rise by plastic work, to `out`; entries of elements
+    /// without temperature are unchanged.
+    fn temperatures(&self, out: &mut [f64]);
+    /// Subtracts increments of the thermal strain from the strains of the next update, which covers the increment `dt`
+    /// that ends at these nodes. Returns the stress work that the update will omit.
+    fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64;
+}
+
+/// Field variables of elements, counted from 0 and below [`GroupProperties::fields`].
+pub trait ElementFields {
+    /// Sets the initial value of a field variable of an element.
+    fn set_field(&mut self, element: usize, variable: usize, value: f64);
+    /// Sets a field variable of all elements.
+    fn set_fields(&mut self, variable: usize, values: &[f64]);
+}
+
+/// User subroutines that a group calls.
+pub trait UserCalls {
+    /// Calls the user material at the start of the analysis to determine its moduli, before mass scaling and the
+    /// estimate of the highest frequency.
+    ///
+    /// # Errors
+    /// The failure of the subroutine, or an inelastic response.
+    fn probe(&mut self, nodes: &[Node], now: &Instant, user: PointRoutines<'_>) -> Result<(), HaltReason>;
+    /// Returns the failure of the subroutine in the last update.
+    fn failure(&self) -> Option<HaltReason>;
+}
+
+/// Input of the update of a group.
+pub struct ElementPass<'a> {
+    /// All nodes, at current positions.
+    pub nodes: &'a [Node],
+    /// Length of the previous increment.
+    pub dt: f64,
+    /// Accelerations that moved the nodes over it.
+    pub before: NodeAccelerations<'a>,
+    /// Current instant.
+    pub now: &'a Instant,
+    /// Whether the update may use several threads.
+    pub threads: bool,
+    /// User subroutines that are called at points.
+    pub user: PointRoutines<'a>,
+    /// Destination of the corner forces of the group.
+    pub corners: CornerForceSlots<'a>,
+    /// Averaged minus own volumetric strain increment of each element, block by block; `None` without averaging.
+    pub dilation_correction: Option<&'a [Lanes]>,
+}
+
+impl Clone for Box<dyn ElementGroup> {
+    fn clone(&self) -> Self {
+        self.copy()
+    }
+}
+
+/// Number of elements above which parallel updates are faster.
+pub(super) const PARALLEL: usize = 1000;
+
+/// Quadrilaterals of one material, with volume or area weighting, in double or single precision.
+pub struct QuadGroup<M: Material<T>, const AREA: bool = false, T: ElementPrecision = f64> {
+    pub(super) material: Arc<M>,
+    pub(super) constants: ElementConstants,
+    pub(super) count: usize,
+    pub(super) blocks: Vec<ElementBlock<M::State, T>>,
+    pub(super) tasks: Vec<TaskWorkspace<T>>,
+    /// Buffers of user subroutines; `None` without user subroutines.
+    pub(super) calls: Option<Box<UserCallBuffers<T>>>,
+    /// Unit of lengths and times of blocks and tasks.
+    length: f64,
+    /// Magnitude, a power of two near the speed of sound, at which velocities are rounded; 0 in double precision.
+    sound: f64,
+    pub(super) arch: Arch,
+    /// Elements that [`GroupDeletion::newly_deleted`] has already listed.
+    listed: Vec<bool>,
+    quiescence: Vec<TaskQuiescence>,
+    /// Bound of the highest frequency of the whole model.
+    pub(super) cap: f64,
+}
+
+impl<M: Material> QuadGroup<M> {
+    /// Creates a group from the corner nodes of its elements in the initial configuration.
+    pub fn new(material: M, constants: ElementConstants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
+        QuadGroup::weighted(material, constants, density, elements, nodes)
+    }
+}
+
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T> {
+    /// Selects another instruction set; results have the same bits.
+    #[must_use]
+    pub fn on(mut self, arch: Arch) -> Self {
+        self.arch = arch;
+        self
+    }
+
+    /// Adds subzonal pressures for elements in the initial configuration.
+    #[must_use]
+    pub fn with_subzones(mut self, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
+        for (scratch, part) in self.tasks.iter_mut().zip(elements.chunks(TASK * LANES)) {
+            scratch.task.subzones = part.chunks(LANES).map(|block| SubzonalPressures::of(block, nodes)).collect();
+        }
+        self
+    }
+
+    /// Creates a group with the weighting (by volume or area) of its type.
+    pub fn weighted(
+        material: M,
+        constants: ElementConstants,
+        density: f64,
+        elements: &[[u32; 4]],
+        nodes: &[Node],
+    ) -> Self {
+        let length = T::length(extremes(elements, nodes));
+        let fresh = |(index, part): (usize, &[_])| {
+            let state = material.initial_state(&block_start(index * LANES, part, nodes));
+            let mut block = block(state, (density, length), part, nodes);
+            if AREA {
+                block.inverse_mass = [
+                    block.mass.inline_map(|mass| T::of(16.0) / mass),
+                    [T::ZERO; LANES],
+                    [T::ZERO; LANES],
+                    [T::ZERO; LANES],
+                ];
+            }
+            block
+        };
+        let blocks: Vec<_> = elements.chunks(LANES).enumerate().map(fresh).collect();
+        QuadGroup {
+            calls: material.calls().map(|calls| Box::new(UserCallBuffers::new(calls, &constants, elements.len()))),
+            material: Arc::new(material),
+            constants,
+            count: elements.len(),
+            tasks: blocks.chunks(TASK).map(|part| TaskWorkspace::new(&constants, length, part.len())).collect(),
+            blocks,
+            length,
+            sound: T::sound((constants.bulk + 4.0 / 3.0 * constants.shear) / density),
+            arch: Arch::new(),
+            quiescence: TaskQuiescence::of_tasks(elements),
+            listed: if M::FAILS { vec![false; elements.len()] } else { Vec::new() },
+            cap: f64::INFINITY,
+        }
+    }
+}
+
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> Clone for QuadGroup<M, AREA, T> {
+    fn clone(&self) -> Self {
+        QuadGroup {
+            material: Arc::clone(&self.material),
+            calls: self.calls.clone(),
+            constants: self.constants,
+            count: self.count,
+            blocks: self.blocks.clone(),
+            tasks: self.tasks.clone(),
+            length: self.length,
+            sound: self.sound,
+            arch: self.arch,
+            listed: self.listed.clone(),
+            quiescence: self.quiescence.clone(),
+            cap: self.cap,
+        }
+    }
+}
+
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T> {
+    /// Returns the recorded values of an element; `None` without a record.
+    fn followed(&self, element: usize) -> Option<ElementRecord> {
+        let block = element / LANES;
+        Some(self.tasks[block / TASK].task.records.get(block % TASK)?.of(element % LANES))
+    }
+
+    /// Whether the pressure, and therefore the mass, is part of the material state.
+    const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled);
+
+    /// Sets a value of an element. Returns whether its material uses it.
+    fn set_value(&mut self, element: usize, value: PointValue) -> bool {
+        self.material.set(&mut self.blocks[element / LANES].state, element % LANES, value)
+    }
+
+    fn corners(&self, element: usize) -> [u32; 4] {
+        [0, 1, 2, 3].inline_map(|c| self.blocks[element / LANES].nodes[c][element % LANES])
+    }
+
+    fn corner_masses(&self, element: usize) -> [f64; 4] {
+        self.blocks[element / LANES].corner_masses(element % LANES).inline_map(|mass| self.unit() * mass)
+    }
+
+    fn is_deleted(&self, element: usize) -> bool {
+        let status = self.material.value(&self.blocks[element / LANES].state, element % LANES, Variable::Status.into());
+        status == Some(0.0) || self.is_eroded(element)
+    }
+
+    pub(super) fn totals(&self) -> GroupTotals {
+        let ElementConstants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
+        let still = self.cap * damped(xi);
+        let totals = totals(self.tasks.iter().map(TaskWorkspace::parts), |task| {
+            if self.quiescence[task].quiescent { still } else { f64::INFINITY }
+        });
+        GroupTotals { rate: self.constants.with_assumed(totals.rate, self.cap), ..totals }
+    }
+
+    /// Returns the unit of energies and masses of the blocks.
+    fn unit(&self) -> f64 {
+        self.length * self.length * self.length
+    }
+
+    /// Returns whether an element was deleted by `*EROSION`.
+    fn is_eroded(&self, element: usize) -> bool {
+        let block = element / LANES;
+        self.tasks[block / TASK].task.eroded.get(block % TASK).is_some_and(|e| e.has(element % LANES))
+    }
+}
+
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T> {
+    /// Keeps all tasks active, by adding a moving node to each; for tests of single increments.
+    pub fn keep_awake(&mut self, node: u32) {
+        self.quiescence.iter_mut().for_each(|resting| resting.nodes.push(node));
+    }
+}
+
+/// Returns initial geometry of the elements of a block. Lanes after the last element repeat it.
+fn block_start(first: usize, elements: &[[u32; 4]], nodes: &[Node]) -> BlockStart {
+    let (area, volume, centre) = ([1.0; LANES], [1.0; LANES], [[0.0; LANES]; 2]);
+    let corners = [[[0.0; 4]; 2]; LANES];
+    let mut start = BlockStart { count: elements.len(), area, volume, centre, corners, first };
+    for l in 0..LANES {
+        let corners = elements[l.min(elements.len() - 1)].inline_map(|n| nodes[n as usize].place());
+        let [a, b, c, d] = corners;
+        start.area[l] = quad::section(corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
+        start.volume[l] = quad::volume(corners);
+        start.corners[l] = [corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1])];
+        for i in 0..2 {
+            start.centre[i][l] = 0.25 * ((a[i] + b[i]) + (c[i] + d[i]));
+        }
+    }
+    start
+}
+
+/// Returns the smallest and the largest volume of elements.
+fn extremes(elements: &[[u32; 4]], nodes: &[Node]) -> [f64; 2] {
+    let volumes = elements.iter().map(|corners| quad::volume(corners.inline_map(|n| nodes[n as usize].place())));
+    volumes.fold([f64::INFINITY, 0.0], |[least, largest], volume| [least.min(volume), largest.max(volume)])
+}
+
+/// Creates a block of at most [`LANES`] elements at rest, in units of `length`.
+fn block<S, T: Real>(
+    state: S,
+    (density, length): (f64, f64),
+    elements: &[[u32; 4]],
+    nodes: &[Node],
+) -> ElementBlock<S, T> {
+    let unit = length * length * length;
+    let mut block = ElementBlock {
+        nodes: [[0; LANES]; 4],
+        stress: [[T::ZERO; LANES]; 4],
+        mass: [T::ZERO; LANES],
+        inverse_mass: [[T::ZERO; LANES]; 4],
+        state,
+    };
+    for l in 0..LANES {
+        // Lanes after the last element repeat it; their results are not used.
+        let element = elements[l.min(elements.len() - 1)];
+        let corners = element.inline_map(|n| nodes[n as usize].place());
+        let inverse_mass = quad::sums(quad::corner_masses(corners, density).inline_map(|mass| 1.0 / mass));
+        for i in 0..4 {
+            block.nodes[i][l] = element[i];
+            block.inverse_mass[i][l] = T::of(unit * inverse_mass[i]);
+        }
+        block.mass[l] = T::of(density * quad::volume(corners) / unit);
+    }
+    block
+}
+
+/// Creates a block of integration points of other elements, at rest, with the given masses.
+pub(super) fn block_of_points<S>(state: S, mass: Lanes) -> ElementBlock<S> {
+    let (nodes, zeros) = ([[0; LANES]; 4], [[0.0; LANES]; 4]);
+    ElementBlock { nodes, stress: zeros, mass, inverse_mass: zeros, state }
+}
+
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementGroup for QuadGroup<M, AREA, T> {
+    fn len(&self) -> usize {
+        self.count
+    }
+
+    fn properties(&self) -> GroupProperties {
+        GroupProperties {
+            topology: ElementTopology::Quadrilateral,
+            single: T::SINGLE,
+            deletable: self.material.can_delete() || self.tasks.iter().any(|scratch| !scratch.task.eroded.is_empty()),
+            damped: self.constants.damps(),
+            holds_pressure: Self::HOLDS_PRESSURE,
+            fields: self.material.calls().map_or(0, |calls| calls.fields()),
+        }
+    }
+
+    fn nodes(&self, element: usize) -> ElementNodes {
+        self.corners(element).into()
+    }
+
+    fn masses(&self, element: usize) -> PerNode<f64> {
+        self.corner_masses(element).into()
+    }
+
+    fn update(&mut self, pass: ElementPass<'_>) -> GroupTotals {
+        if M::CALLS {
+            return self.update_with_calls(pass);
+        }
+        let ElementPass { nodes, dt, before, now, threads, corners, dilation_correction, .. } = pass;
+        let pass = PassContext {
+            material: &*self.material,
+            constants: &self.constants,
+            count: self.count,
+            nodes,
+            increment: IncrementInput { dt, before },
+            sound: self.sound,
+            time: now.total_time,
+            cap: self.cap,
+            dilation_correction,
+        };
+        let arch = self.arch;
+        let run = |index,
+                   blocks: &mut [ElementBlock<M::State, T>],
+                   mut corners: BlockForces<'_, T>,
+                   scratch: &mut TaskWorkspace<T>,
+                   resting: &mut TaskQuiescence| {
+            if resting.quiescent && dilation_correction.is_none() && resting.is_still(nodes) {
+                return;
+            }
+            let task = QuadTask::<M, AREA, T> {
+                pass: &pass,
+                arch,
+                index,
+                blocks: &mut *blocks,
+                corners: &mut corners,
+                scratch,
+            };
+            arch.dispatch(task);
+            // With dt = 0 nothing has been added to the sums, so they stay valid while the task is quiescent. The
+            // pressure of an equation of state is not part of the stress that is checked here.
+            resting.quiescent = dt == 0.0
+                && dilation_correction.is_none()
+                && !M::MODULI_VARY
+                && corners.are_zero()
+                && blocks.iter().all(|b| b.stress.as_flattened().iter().all(|x| *x == T::ZERO))
+                && resting.is_still(nodes);
+        };
+        if !threads || self.count < PARALLEL {
+            let parts = self.blocks.chunks_mut(TASK).zip(self.tasks.iter_mut().zip(&mut self.quiescence)).enumerate();
+            let each = |((i, (blocks, (own, resting))), corners)| run(i, blocks, corners, own, resting);
+            match T::forces(corners) {
+                BlockForces::Own(list) => parts.zip(list.chunks_mut(TASK).map(BlockForces::Own)).for_each(each),
+                // Not compiled for double precision.
+                BlockForces::Wider(list) if T::SINGLE => {
+                    parts.zip(list.chunks_mut(TASK).map(BlockForces::Wider)).for_each(each);
+                }
+                BlockForces::Wider(_) => {}
+            }
+        } else {
+            let parts = self.tasks.par_iter_mut().zip(&mut self.quiescence);
+            let parts = self.blocks.par_chunks_mut(TASK).zip(parts).enumerate();
+            let each = |((i, (blocks, (own, resting))), corners): ((_, (&mut [_], (&mut _, &mut _))), _)| {
+                run(i, blocks, corners, own, resting);
+            };
+            match T::forces(corners) {
+                BlockForces::Own(list) => parts.zip(list.par_chunks_mut(TASK).map(BlockForces::Own)).for_each(each),
+                BlockForces::Wider(list) if T::SINGLE => {
+                    parts.zip(list.par_chunks_mut(TASK).map(BlockForces::Wider)).for_each(each);
+                }
+                BlockForces::Wider(_) => {}
+            }
+        }
+        self.totals()
+    }
+
+    fn value(&self, element: usize, part: VariableComponent) -> Option<f64> {
+        let (block, lane) = (&self.blocks[element / LANES], element % LANES);
+        match part.variable {
+            Variable::Stress => Some(block.stress.get(part.component)?[lane].wide()),
+            Variable::Mass => Some(self.unit() * block.mass[lane].wide()),
+            Variable::Status => Some(f64::from(u8::from(!self.is_deleted(element)))),
+            Variable::PlasticComponents if matches!(M::FLOW, PlasticFlow::None | PlasticFlow::Unknown) => None,
+            // For user materials, the recorded energy includes the dissipation that only the material knows.
+            Variable::ElementStrainEnergy if M::FLOW == PlasticFlow::Unknown => {
+                let dissipated = self.value(element, Variable::ElementPlasticEnergy.into())?;
+                Some(self.followed(element)?.value(part)? - dissipated)
+            }
+            _ => {
+                let own = self.material.value(&block.state, lane, part);
+                own.or_else(|| self.followed(element)?.value(part))
+            }
+        }
+    }
+
+    fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
+        let (block, lane) = (element / LANES, element % LANES);
+        let masses = match masses {
+            // If the pressure follows from density or specific energy, the mass is part of the material state.
+            Some(_) if Self::HOLDS_PRESSURE || AREA => return None,
+            None if Self::HOLDS_PRESSURE => {
+                let rates = self.tasks[block / TASK].task.own_rates.get(block % TASK);
+                return Some(rates.map_or(0.0, |rates| 0.5 * rates[lane].wide()));
+            }
+            Some(masses) => *masses.first_chunk()?,
+            None => self.corner_masses(element),
+        };
+        let corners = self.corners(element).inline_map(|n| nodes[n as usize].place());
+        Some(self.constants.own_rate(corners, &masses))
+    }
+
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<ElementStiffness> {
+        if Self::HOLDS_PRESSURE || AREA {
+            return None;
+        }
+        let corners = self.corners(element).inline_map(|n| nodes[n as usize].place());
+        Some(self.constants.stiffness(corners, self.is_deleted(element)).into())
+    }
+
+    fn is_quiescent(&self, task: usize) -> bool {
+        self.quiescence[task].quiescent
+    }
+
+    fn bytes(&self) -> usize {
+        let kept: usize = self.tasks.iter().map(TaskWorkspace::bytes).sum();
+        let quiescence: usize = self.quiescence.iter().map(TaskQuiescence::bytes).sum();
+        let states: usize = self.blocks.iter().map(|block| self.material.bytes(&block.state)).sum();
+        let calls = self.calls.as_ref().map_or(0, |calls| calls.bytes());
+        let names = self.material.calls().map_or(0, |calls| calls.bytes());
+        let arrays = size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + self.listed.capacity();
+        arrays + kept + quiescence + states + calls + names
+    }
+
+    fn copy(&self) -> Box<dyn ElementGroup> {
+        Box::new(self.clone())
+    }
+
+    fn extensions(&mut self) -> &mut dyn GroupExtensions {
+        self
+    }
+}
+
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupExtensions for QuadGroup<M, AREA, T> {
+    fn settings(&mut self) -> &mut dyn GroupSettings {
+        self
+    }
+
+    fn deletion(&mut self) -> &mut dyn GroupDeletion {
+        self
+    }
+
+    fn initial_state(&mut self) -> &mut dyn InitialState {
+        self
+    }
+
+    fn temperatures(&mut self) -> Option<&mut dyn ElementTemperatures> {
+        Some(self)
+    }
+
+    fn fields(&mut self) -> Option<&mut dyn ElementFields> {
+        if M::CALLS { Some(self) } else { None }
+    }
+
+    fn user(&mut self) -> Option<&mut dyn UserCalls> {
+        if M::CALLS { Some(self) } else { None }
+    }
+}
+
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementFields for QuadGroup<M, AREA, T> {
+    fn set_field(&mut self, element: usize, variable: usize, value: f64) {
+        self.set_value(element, PointValue::Field(variable, value));
+    }
+
+    fn set_fields(&mut self, variable: usize, values: &[f64]) {
+        for (element, value) in values.iter().enumerate() {
+            self.set_value(element, PointValue::NodalField(variable, *value));
+        }
+    }
+}
+
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupSettings for QuadGroup<M, AREA, T> {
+    fn set_masses(&mut self, element: usize, masses: &[f64]) {
+        let Some(masses) = masses.first_chunk::<4>() else { return };
+        // The stable time increment of a quiescent task has changed.
+        self.quiescence[element / (TASK * LANES)].quiescent = false;
+        let masses = masses.inline_map(|mass| mass / self.unit());
+        self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
+    }
+
+    fn follow(&mut self) {
+        for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+            scratch.task.records = vec![BlockRecord::default(); blocks.len()];
+        }
+    }
+
+    fn limit_frequency(&mut self, frequency: f64) {
+        self.cap = self.constants.cap(frequency);
+    }
+
+    fn use_instructions(&mut self, arch: Arch) {
+        self.arch = arch;
+    }
+}
+
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupDeletion for QuadGroup<M, AREA, T> {
+    fn make_erodible(&mut self) {
+        for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+            scratch.make_erodible(blocks.len(), Self::HOLDS_PRESSURE);
+        }
+    }
+
+    fn erode(&mut self, element: usize, volume: f64) {
+        let (block, lane) = (element / LANES, element % LANES);
+        self.quiescence[block / TASK].quiescent = false;
+        // Lanes after the last element repeat it.
+        let end = if element + 1 == self.count { LANES } else { lane + 1 };
+        (lane..end).for_each(|l| self.tasks[block / TASK].task.eroded[block % TASK].take(l, volume));
+        if let Some(listed) = self.listed.get_mut(element) {
+            *listed = true;
+        }
+    }
+
+    fn newly_deleted(&mut self, deleted: &mut Vec<ElementNodes>) {
+        if !M::FAILS || self.tasks.iter().all(|scratch| scratch.stress.deleted == 0) {
+            return;
+        }
+        let mut listed = std::mem::take(&mut self.listed);
+        list_deleted(self, &mut listed, deleted);
+        self.listed = listed;
+    }
+}
+
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> InitialState for QuadGroup<M, AREA, T> {
+    fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
+        let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
+        for (list, value) in block.stress.iter_mut().zip(stress.into_iter().flatten()) {
+            list[lane] = T::of(value);
+        }
+        if let Some(stress) = stress {
+            self.set_value(element, PointValue::Stress(stress));
+        }
+        if let Some(temperature) = temperature {
+            self.set_value(element, PointValue::Temperature(temperature));
+        }
+    }
+
+    fn set_state(&mut self, element: usize, variable: usize, value: f64) -> bool {
+        self.set_value(element, PointValue::StateVariable(variable, value))
+    }
+
+    fn set_plastic_strain(&mut self, element: usize, strain: f64) -> bool {
+        self.set_value(element, PointValue::PlasticStrain(strain))
+    }
+
+    fn set_energy(&mut self, element: usize, energy: f64) {
+        self.set_value(element, PointValue::SpecificEnergy(energy));
+    }
+
+    fn set_length(&mut self, element: usize, length: f64) {
+        self.set_value(element, PointValue::Length(length));
+    }
+}
+
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementTemperatures for QuadGroup<M, AREA, T> {
+    fn set_temperatures(&mut self, temperatures: &[f64]) {
+        for (e, temperature) in temperatures.iter().enumerate() {
+            self.set_value(e, PointValue::NodalTemperature(*temperature));
+        }
+    }
+
+    fn temperatures(&self, out: &mut [f64]) {
+        for (e, out) in out.iter_mut().enumerate() {
+            let held = self.material.value(&self.blocks[e / LANES].state, e % LANES, Variable::Temperature.into());
+            *out = held.unwrap_or(*out);
+        }
+    }
+
+    /// For isotropic expansion, the thermal strain is equivalent to a pressure that is subtracted from the stress
+    /// beforehand: the trial stress is identical. The returned work corrects the trapezoidal rule, which uses the
+    /// reduced stress.
+    fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
+        let mut work = 0.0;
+        for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
+            if self.is_eroded(e) || self.set_value(e, PointValue::ThermalStrain(*strain)) {
+                continue;
+            }
+            self.quiescence[e / (TASK * LANES)].quiescent = false;
+            let (block, lane) = (&mut self.blocks[e / LANES], e % LANES);
+            let share = self.material.share(&block.state, lane);
+            let pressure = share * 3.0 * self.constants.bulk * strain;
+            block.stress[..3].iter_mut().for_each(|list| list[lane] = T::of(list[lane].wide() - pressure));
+            let corners = [0, 1, 2, 3].inline_map(|c| nodes[block.nodes[c][lane] as usize]);
+            work += 0.5 * pressure * quad::volume_change::<AREA>(corners.inline_map(|n| n.as_array()), dt);
+        }
+        work
+    }
+}
+
+/// Input that all blocks of a pass share.
+struct PassContext<'a, M> {
+    material: &'a M,
+    constants: &'a ElementConstants,
+    count: usize,
+    nodes: &'a [Node],
+    increment: IncrementInput<'a>,
+    /// Speed of sound; 0 in double precision, which does not use it.
+    sound: f64,
+    time: f64,
+    cap: f64,
+    dilation_correction: Option<&'a [Lanes]>,
+}
+
+/// Update of the blocks of one task.
+struct QuadTask<'a, 'c, M: Material<T>, const AREA: bool, T: ElementPrecision> {
+    pass: &'a PassContext<'a, M>,
+    arch: Arch,
+    index: usize,
+    blocks: &'a mut [ElementBlock<M::State, T>],
+    corners: &'a mut BlockForces<'c, T>,
+    scratch: &'a mut TaskWorkspace<T>,
+}
+
+impl<M: Material<T>, const AREA: bool, T: ElementPrecision> NullaryFnOnce for QuadTask<'_, '_, M, AREA, T> {
+    type Output = ();
+
+    /// Inlined into a function compiled for the selected instruction set.
+    #[inline(always)]
+    fn call(self) {
+        let scratch = self.scratch;
+        let pass = self.pass;
+        scratch.begin(self.arch, pass.cap, pass.increment.dt, pass.constants);
+        let mut places = CornerNodes::default();
+        let mut own = BlockCornerForces::default();
+        for (i, block) in self.blocks.iter_mut().enumerate() {
+            let index = self.index * TASK + i;
+            scratch.prepare(index, i, pass.count - index * LANES);
+            places.collect(pass.nodes, &block.nodes, pass.sound);
+            scratch.strain.averaging = pass.dilation_correction.map(|list| list[index]);
+            pass.material.begin(&mut block.state, pass.time);
+            let corners = match self.corners {
+                BlockForces::Own(list) => &mut list[i],
+                BlockForces::Wider(_) => &mut own,
+            };
+            let increment = &pass.increment;
+            T::update::<M, AREA>(block, pass.material, pass.constants, increment, &mut places, scratch, corners);
+            if let BlockForces::Wider(list) = self.corners {
+                widen(&own, &mut list[i]);
+            }
+            if !scratch.task.records.is_empty() {
+                let increment = (wide(&scratch.strain.spin), increment.dt);
+                scratch.update_record(self.arch, i, &block.stress, M::FLOW, increment);
+            }
+        }
+    }
+}
+
+/// Appends the boundaries of elements whose deletion has not been listed, and marks them as listed.
+pub(super) fn list_deleted(group: &dyn ElementGroup, listed: &mut [bool], deleted: &mut Vec<ElementNodes>) {
+    for (element, listed) in listed.iter_mut().enumerate() {
+        if !*listed && group.is_deleted(element) {
+            *listed = true;
+            deleted.push(group.boundary(element));
+        }
+    }
+}
+
+/// Combines the sums and the largest deformations of tasks, in their order; rates of a task are limited to `most`.
+pub(super) fn totals(tasks: impl Iterator<Item = (LaneSums, [Lanes; 2])>, most: impl Fn(usize) -> f64) -> GroupTotals {
+    let mut totals = GroupTotals::default();
+    let mut largest = 0.0;
+    for (task, (sums, deformed)) in tasks.enumerate() {
+        let most = most(task);
+        let [strain, dilation] = deformed.inline_map(|list| list.iter().fold(0.0, |most: f64, x| most.max(*x)).sqrt());
+        totals.deformed = totals.deformed.max(strain + 0.5 * dilation);
+        totals.internal += across(&sums.internal);
+        totals.plastic += across(&sums.plastic);
+        totals.viscous += across(&sums.viscous);
+        totals.artificial += across(&sums.artificial);
+        for (l, (&rate, &block)) in sums.rate.iter().zip(&sums.limiting).enumerate() {
+            let rate = if rate > most { most } else { rate };
+            if is_larger(rate, largest) {
+                largest = rate;
+                totals.limiting = block as usize * LANES + l;
+            }
+        }
+    }
+    totals.rate = 0.5 * largest;
+    totals
+}
+
+persist_struct!(QuadGroup<M, AREA, T> [M: Material<T>, const AREA: bool, T: ElementPrecision] {
+    cap, blocks: fixed, tasks: fixed, listed: fixed, quiescence: fixed
+} derived {
+    material, constants, calls, count, length, sound, arch
+} then persist_called_moduli);
+
+/// Saves the moduli of a user material, which are determined only at time zero.
+fn persist_called_moduli<M: Material<T>, const AREA: bool, T: ElementPrecision>(
+    quads: &mut QuadGroup<M, AREA, T>,
+    archive: &mut StateArchive<'_>,
+) {
+    if M::CALLS {
+        persist_fields!(archive; &mut quads.constants.bulk, &mut quads.constants.shear);
+    }
+}
+
+persist_struct!(GroupTotals { internal, plastic, viscous, artificial, rate, limiting, deformed });
+
+#[cfg(test)]
+mod tests {
+    use pulp::Arch;
+
+    use super::{ElementGroup, ElementPass, NodeAccelerations, QuadGroup};
+    use crate::element::constants::{ElementConstants, HourglassControl};
+    use crate::kernel::lanes::BlockCornerForces;
+    use crate::kernel::lanes::LANES;
+    use crate::material::plasticity::PiecewiseLinearHardening;
+    use crate::material::volumetric::ConstantBulkModulus;
+    use crate::material::von_mises::VonMises;
+    use crate::mesh::corner_forces::CornerForceSlots;
+    use crate::state::Instant;
+    use crate::state::nodes::Node;
+    use crate::routines::PointRoutines;
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let (columns, rows) = (5, 4);
+        let wobble = |i: usize| ((i * 7919) % 101) as f64 * 1e-3;
+        let node = |n: usize| {
+            let (i, j) = (n % (columns + 1), n / (columns + 1));
+            Node { r: i as f64 + wobble(n), z: j as f64 - wobble(n + 3), v_r: wobble(n + 5), v_z: wobble(n + 9) }
+        };
+        let nodes: Vec<Node> = (0..(columns + 1) * (rows + 1)).map(node).collect();
+        let corner = |e: usize| {
+            let first = (e / columns * (columns + 1) + e % columns) as u32;
+            let row = columns as u32 + 1;
+            [first, first + 1, first + row + 1, first + row]
+        };
+        let elements: Vec<[u32; 4]> = (0..columns * rows).map(corner).collect();
+        let constants = ElementConstants {
+            bulk: 3.0,
+            shear: 1.0,
+            hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true, enhanced: 0.0 },
+            bulk_viscosity: [0.06, 1.2],
+        };
+        let run = |arch: Arch| {
+            let lines = PiecewiseLinearHardening::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");
+            let mut quads =
+                QuadGroup::new(VonMises::new(lines, ConstantBulkModulus), constants, 2.0, &elements, &nodes).on(arch);
+            let mut corners = vec![BlockCornerForces::default(); elements.len().div_ceil(LANES)];
+            let totals = (0..3).map(|_| {
+                let now = &Instant::default();
+                quads.update(ElementPass {
+                    nodes: &nodes,
+                    dt: 0.3,
+                    before: NodeAccelerations::default(),
+                    now,
+                    threads: false,
+                    user: PointRoutines::default(),
+                    corners: CornerForceSlots::Double(&mut corners),
+                    dilation_correction: None,
+                })
+            });
+            let totals = totals.last().expect("totals");
+            let corners: Vec<u64> =
+                corners.iter().flat_map(|c| c.0.as_flattened().as_flattened()).map(|f| f.to_bits()).collect();
+            assert!(totals.plastic > 0.0 && totals.rate > 0.0);
+            (corners, totals)
+        };
+        let plain = run(Arch::Scalar);
+        assert_eq!(plain, run(Arch::new()));
+        #[cfg(target_arch = "x86_64")]
+        if let Some(v3) = pulp::x86::V3::try_new() {
+            assert_eq!(plain, run(Arch::V3(v3)));
+        }
+    }
+}

@@ -1,0 +1,310 @@
+//! Tests that every combination of material laws gives the same bits on every instruction set.
+
+use pulp::Arch;
+
+use crate::element::constants::{ElementConstants, HourglassControl};
+use crate::element::group::{ElementGroup, ElementPass, QuadGroup};
+use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, RateFactor, StaticYield};
+use crate::kernel::heating::PlasticHeating;
+use crate::kernel::lanes::LANES;
+use crate::material::eos::{IdealGas, Tabulated, UsUp};
+use crate::material::equation_of_state::EquationOfState;
+use crate::material::explosive::{DetonationPoint, HighExplosive, JwlProducts};
+use crate::material::failure::{
+    EvolutionLaw, FailureLaw, FailureStrain, MaterialFailure, NoDamage, StrainCriterion, TensionCutoff,
+};
+use crate::material::foam::{FoamHardening, FoamMaterial};
+use crate::material::hyperelastic::{HyperelasticMaterial, NeoHooke};
+use crate::material::kinematic::KinematicHardening;
+use crate::material::kinematic_rate::RateKinematicHardening;
+use crate::material::plasticity::{ElasticOnly, HardeningLaw, PiecewiseLinearHardening, RateDependentHardening};
+use crate::material::strain_energy::{OgdenEnergy, PolynomialEnergy, VolumetricEnergy};
+use crate::material::volumetric::ConstantBulkModulus;
+use crate::material::von_mises::VonMises;
+use crate::material::{Material, PlasticFlow};
+use crate::mesh::corner_forces::CornerForces;
+use crate::state::Instant;
+use crate::state::nodes::{Node, NodeAccelerations};
+use crate::routines::PointRoutines;
+use crate::variables::Variable;
+
+const COLUMNS: usize = 5;
+const ROWS: usize = 4;
+const DT: f64 = 0.02;
+
+/// Returns a distorted mesh of twenty elements (the last block is not full) with irregular velocities.
+fn nodes() -> Vec<Node> {
+    let wobble = |i: usize| ((i * 7919) % 101) as f64 * 1e-3;
+    let node = |n: usize| {
+        let (i, j) = (n % (COLUMNS + 1), n / (COLUMNS + 1));
+        let (v_r, v_z) = (wobble(n + 5) - 0.03, wobble(n + 9) - 0.06);
+        Node { r: i as f64 + wobble(n), z: j as f64 - wobble(n + 3), v_r, v_z }
+    };
+    (0..(COLUMNS + 1) * (ROWS + 1)).map(node).collect()
+}
+
+fn elements() -> Vec<[u32; 4]> {
+    let row = COLUMNS as u32 + 1;
+    let corner = |e: usize| (e / COLUMNS * (COLUMNS + 1) + e % COLUMNS) as u32;
+    (0..COLUMNS * ROWS).map(corner).map(|n| [n, n + 1, n + row + 1, n + row]).collect()
+}
+
+/// Results of a combination of laws after some increments of a given motion.
+#[derive(Debug, PartialEq)]
+struct CompositionResult {
+    bits: Vec<u64>,
+    plastic: f64,
+    deleted: usize,
+}
+
+fn run<M: Material>(material: M, arch: Arch, enhanced: f64) -> CompositionResult {
+    let (nodes, elements) = (nodes(), elements());
+    let mut quads = QuadGroup::new(material, constants(enhanced), 2.0, &elements, &nodes).on(arch);
+    if M::EQUATION_OF_STATE {
+        quads = quads.with_subzones(&elements, &nodes);
+    }
+    moved(quads, nodes, &mut CornerForces::new(elements.len().div_ceil(LANES), false))
+}
+
+/// Runs in single precision, with corner forces of single or double precision.
+fn run_single<M: Material<f32>>(material: M, arch: Arch, single: bool) -> CompositionResult {
+    let (nodes, elements) = (nodes(), elements());
+    let quads = QuadGroup::<_, false, f32>::weighted(material, constants(0.0), 2.0, &elements, &nodes).on(arch);
+    moved(quads, nodes, &mut CornerForces::new(elements.len().div_ceil(LANES), single))
+}
+
+fn constants(enhanced: f64) -> ElementConstants {
+    ElementConstants {
+        bulk: 3.0,
+        shear: 1.0,
+        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true, enhanced },
+        bulk_viscosity: [0.06, 1.2],
+    }
+}
+
+fn moved(mut quads: impl ElementGroup, mut nodes: Vec<Node>, corners: &mut CornerForces) -> CompositionResult {
+    let (elements, blocks) = (quads.len(), quads.len().div_ceil(LANES));
+    for e in 0..elements {
+        let state = quads.extensions().initial_state();
+        state.set(e, None, Some(25.0 + e as f64));
+        state.set_energy(e, 1e-3 * (1 + e) as f64);
+    }
+    quads.extensions().settings().follow();
+    let (mut bits, mut plastic) = (Vec::new(), 0.0);
+    for _ in 0..20 {
+        nodes.iter_mut().for_each(|n| (n.r, n.z) = (n.r + DT * n.v_r, n.z + DT * n.v_z));
+        let totals = quads.update(ElementPass {
+            nodes: &nodes,
+            dt: DT,
+            before: NodeAccelerations::default(),
+            now: &Instant::default(),
+            threads: false,
+            user: PointRoutines::default(),
+            corners: corners.slots(0..blocks),
+            dilation_correction: None,
+        });
+        plastic += totals.plastic;
+        let sums = [totals.internal, totals.plastic, totals.viscous, totals.artificial, totals.rate];
+        assert!(sums.iter().all(|x| x.is_finite()) && totals.rate > 0.0, "{totals:?}");
+        let corners = &*corners;
+        let forces = (0..elements).flat_map(|e| (0..4).flat_map(move |c| corners.of(e / LANES, e % LANES, c)));
+        bits.extend(forces.chain(sums).map(f64::to_bits));
+    }
+    let mut deleted = 0;
+    for e in 0..elements {
+        deleted += usize::from(quads.value(e, Variable::Status.into()) == Some(0.0));
+        let held = Variable::ALL.iter().flat_map(|v| v.parts()).filter_map(|part| quads.value(e, part));
+        bits.extend(held.map(f64::to_bits));
+    }
+    CompositionResult { bits, plastic, deleted }
+}
+
+/// Compares a combination on all available instruction sets, without and with assumed strains.
+fn agrees<M: Material>(name: &str, material: impl Fn() -> M) {
+    agrees_under(name, &material, 0.0);
+    agrees_under(name, &material, 1.0);
+}
+
+fn agrees_under<M: Material>(name: &str, material: &impl Fn() -> M, enhanced: f64) {
+    let run = |material, arch| run(material, arch, enhanced);
+    let plain = run(material(), Arch::Scalar);
+    // Energy stored in a deleted element counts as dissipated.
+    assert_eq!(M::FLOW != PlasticFlow::None || M::FAILS, plain.plastic > 0.0, "{name}: {}", plain.plastic);
+    assert_eq!(M::FAILS, plain.deleted > 0, "{name}: {} deleted", plain.deleted);
+    assert!(plain.deleted < elements().len(), "{name}: all elements are deleted");
+    #[cfg(target_arch = "x86_64")]
+    {
+        if let Some(v3) = pulp::x86::V3::try_new() {
+            assert!(plain == run(material(), Arch::V3(v3)), "{name}: AVX2");
+        }
+        if let Some(v4) = pulp::x86::V4::try_new() {
+            assert!(plain == run(material(), Arch::V4(v4)), "{name}: AVX-512");
+        }
+    }
+    assert!(plain == run(material(), Arch::new()), "{name}: default instruction set");
+}
+
+fn lines() -> PiecewiseLinearHardening {
+    PiecewiseLinearHardening::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall")
+}
+
+fn johnson_cook() -> FlowStress {
+    let base = JohnsonCook { a: 0.02, b: 0.01, n: 0.3, m: 1.1, melt: 500.0, transition: 20.0 };
+    let factor = Some(RateFactor::JohnsonCook { c: 0.02, reference: 1e-3 });
+    FlowStress { base: StaticYield::JohnsonCook(base), factor }
+}
+
+fn general() -> RateDependentHardening {
+    RateDependentHardening { law: johnson_cook(), heating: PlasticHeating::Constant(50.0) }
+}
+
+fn kinematic() -> KinematicHardening {
+    KinematicHardening { yield_stress: 0.02, slope: 0.1 }
+}
+
+fn moving() -> RateKinematicHardening {
+    let slope = LinearTable { rows: vec![[0.1, 20.0], [0.05, 200.0]] };
+    RateKinematicHardening { size: johnson_cook(), slope, heating: PlasticHeating::Constant(50.0) }
+}
+
+fn gas() -> EquationOfState {
+    EquationOfState::IdealGas(IdealGas { gas_constant: 0.4, specific_heat: 1.0, ambient: 0.01, absolute_zero: -273.0 })
+}
+
+fn us_up() -> EquationOfState {
+    EquationOfState::UsUp(UsUp { density: 2.0, c0: 1.2, s: 1.5, gamma0: 2.0 })
+}
+
+fn table() -> EquationOfState {
+    let rows = vec![[-0.4, 1.8, 0.2], [0.0, 2.0, 0.0], [0.5, 2.1, -0.1], [3.0, 2.5, -0.5]];
+    EquationOfState::Tabulated(Tabulated { density: 2.0, rows })
+}
+
+/// Some elements burn, others have not been reached.
+fn explosive() -> EquationOfState {
+    let products = JwlProducts { density: 2.0, pressures: [3.0, 0.1], exponents: [4.0, 1.0], omega: 0.3 };
+    let points =
+        vec![DetonationPoint { place: [0.0, 0.0], time: -1.0 }, DetonationPoint { place: [5.0, 4.0], time: -0.5 }];
+    EquationOfState::Explosive(HighExplosive { products, speed: 2.0, energy: 0.1, unburnt: 0.4, points })
+}
+
+fn mooney() -> HyperelasticMaterial<PolynomialEnergy> {
+    let terms = vec![(0.4, 1, 0), (0.1, 0, 1), (0.02, 3, 0), (0.01, 1, 1)];
+    HyperelasticMaterial {
+        shape: PolynomialEnergy { terms },
+        volume: VolumetricEnergy { inverse: vec![2.0, 0.5] },
+        shear: 1.0,
+    }
+}
+
+fn ogden() -> HyperelasticMaterial<OgdenEnergy> {
+    let terms = vec![[0.7, 1.3], [0.3, -2.0]];
+    HyperelasticMaterial { shape: OgdenEnergy { terms }, volume: VolumetricEnergy { inverse: vec![2.0] }, shear: 1.0 }
+}
+
+fn foam(growth: FoamHardening) -> FoamMaterial {
+    let hardening = LinearTable { rows: vec![[0.02, 0.0], [0.03, 0.1]] };
+    let rate =
+        RateFactor::PowerLaw { d: LinearTable { rows: vec![[10.0, 0.0]] }, n: LinearTable { rows: vec![[2.0, 0.0]] } };
+    FoamMaterial { growth, hardening, rate: Some(rate), moduli: [3.0, 1.0] }
+}
+
+fn compacted() -> FoamMaterial {
+    foam(FoamHardening::Volumetric { compression: 1.1, tension: 0.1 })
+}
+
+fn crushed() -> FoamMaterial {
+    foam(FoamHardening::Isotropic { compression: 1.1, ratio: 0.1 })
+}
+
+/// Displacement-based damage that some elements complete, with the Johnson-Cook failure strain.
+fn failing() -> MaterialFailure {
+    let strain =
+        FailureStrain::JohnsonCook { d: [5e-4, 1e-3, 1.5, 0.01, 1.0], melt: 500.0, transition: 20.0, reference: 1e-3 };
+    MaterialFailure {
+        criteria: vec![StrainCriterion { strain, evolution: EvolutionLaw::Displacement(0.002) }],
+        ..MaterialFailure::default()
+    }
+}
+
+/// A tensile cutoff that some elements reach.
+fn tearing() -> MaterialFailure {
+    MaterialFailure { cutoff: Some(TensionCutoff { stress: 0.005, deletes: true }), ..MaterialFailure::default() }
+}
+
+/// Calls [`agrees`] for each hardening law with each volumetric law and each failure law.
+macro_rules! table {
+    ($($hardening:ident: $volumetrics:tt x $failures:tt;)*) => {
+        $(table!(@row $hardening $volumetrics $failures);)*
+    };
+    (@row $hardening:ident [$($volumetric:expr),*] $failures:tt) => {
+        $(table!(@cell $hardening ($volumetric) $failures);)*
+    };
+    (@cell $hardening:ident $volumetric:tt [$($failure:expr),*]) => {
+        $(agrees(
+            concat!(stringify!($hardening), ", ", stringify!($volumetric), ", ", stringify!($failure)),
+            || VonMises { hardening: $hardening(), volumetric: $volumetric, failure: $failure },
+        );)*
+    };
+}
+
+fn elastic() -> ElasticOnly {
+    ElasticOnly
+}
+
+#[test]
+fn every_composition_of_laws_gives_the_same_bits_on_every_instruction_set() {
+    table! {
+        elastic: [ConstantBulkModulus, gas(), us_up()] x [NoDamage, tearing()];
+        elastic: [table(), explosive()] x [NoDamage];
+        lines: [table()] x [NoDamage];
+        lines: [ConstantBulkModulus, gas(), us_up()] x [NoDamage];
+        general: [ConstantBulkModulus, gas(), us_up()] x [NoDamage, failing()];
+        kinematic: [ConstantBulkModulus, gas(), us_up()] x [NoDamage];
+        moving: [ConstantBulkModulus, gas(), us_up()] x [NoDamage];
+    }
+    agrees("neo-Hooke", || NeoHooke { c10: 0.5, d1: 0.7 });
+    agrees("Mooney-Rivlin", mooney);
+    agrees("Ogden", ogden);
+    agrees("volumetric foam", compacted);
+    agrees("isotropic foam", crushed);
+}
+
+/// Compares single precision: the same bits on every instruction set and for either precision of the corner forces, and
+/// agreement with double precision within the accuracy of single precision.
+fn agrees_in_single<H: HardeningLaw, F: FailureLaw>(name: &str, laws: impl Fn() -> (H, F)) {
+    let laws = || {
+        let (hardening, failure) = laws();
+        VonMises { hardening, volumetric: ConstantBulkModulus, failure }
+    };
+    let plain = run_single(laws(), Arch::Scalar, true);
+    assert_eq!((H::PLASTIC || F::FAILS, F::FAILS), (plain.plastic > 0.0, plain.deleted > 0), "{name}");
+    assert!(plain == run_single(laws(), Arch::Scalar, false), "{name}: wider corner forces");
+    #[cfg(target_arch = "x86_64")]
+    {
+        if let Some(v3) = pulp::x86::V3::try_new() {
+            assert!(plain == run_single(laws(), Arch::V3(v3), true), "{name}: AVX2");
+        }
+        if let Some(v4) = pulp::x86::V4::try_new() {
+            assert!(plain == run_single(laws(), Arch::V4(v4), true), "{name}: AVX-512");
+        }
+    }
+    let double = run(laws(), Arch::Scalar, 0.0);
+    assert_eq!((plain.deleted, plain.bits.len()), (double.deleted, double.bits.len()), "{name}");
+    // Twenty increments with trial stresses near 1, each rounded to a relative 6e-8.
+    let largest = double.bits.iter().map(|b| f64::from_bits(*b).abs()).fold(0.0, f64::max);
+    for (a, b) in plain.bits.iter().zip(&double.bits).map(|(a, b)| (f64::from_bits(*a), f64::from_bits(*b))) {
+        assert!((a - b).abs() <= 1e-5 * b.abs() + 2e-7 * largest, "{name}: {a:e} {b:e}");
+    }
+}
+
+#[test]
+fn single_precision_gives_the_same_bits_on_every_instruction_set() {
+    agrees_in_single("elastic", || (elastic(), NoDamage));
+    agrees_in_single("elastic with cutoff", || (elastic(), tearing()));
+    agrees_in_single("lines", || (lines(), NoDamage));
+    agrees_in_single("Johnson-Cook", || (general(), NoDamage));
+    agrees_in_single("Johnson-Cook with failure", || (general(), failing()));
+    agrees_in_single("kinematic", || (kinematic(), NoDamage));
+    agrees_in_single("rate-dependent kinematic", || (moving(), NoDamage));
+}

@@ -1,0 +1,212 @@
+//! Element groups of solids: the combinations of material laws that element groups are compiled for, and the function
+//! that creates a group. Nothing else names a composition of laws, so that each is compiled once, in this crate.
+
+use super::constants::ElementConstants;
+use super::group::{ElementGroup, QuadGroup};
+use super::numbers::ElementPrecision;
+use super::six_node::SixNodeTriangles;
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::quad::corner_masses;
+use crate::kernel::topology::ElementTopology;
+use crate::material::Material;
+use crate::material::equation_of_state::EquationOfState;
+use crate::material::failure::MaterialFailure;
+use crate::material::foam::FoamMaterial;
+use crate::material::hyperelastic::{HyperelasticMaterial, NeoHooke};
+use crate::material::kinematic::KinematicHardening;
+use crate::material::kinematic_rate::RateKinematicHardening;
+use crate::material::plasticity::{ElasticOnly, PiecewiseLinearHardening, RateDependentHardening};
+use crate::material::point_law::PointLaw;
+use crate::material::strain_energy::{OgdenEnergy, PolynomialEnergy};
+use crate::material::user::SubroutineMaterial;
+use crate::material::volumetric::{ConstantBulkModulus, VolumetricLaw};
+use crate::material::von_mises::VonMises;
+use crate::state::nodes::Node;
+
+/// Connectivity of an element group, in solver nodes.
+pub enum Connectivity {
+    /// Corners; the last two of a triangle are the same node.
+    Quadrilaterals(Vec<[u32; 4]>),
+    /// Six nodes around the boundary.
+    SixNodeTriangles(Vec<[u32; 6]>),
+}
+
+impl Connectivity {
+    /// Returns the number of elements.
+    pub fn count(&self) -> usize {
+        match self {
+            Connectivity::Quadrilaterals(list) => list.len(),
+            Connectivity::SixNodeTriangles(list) => list.len(),
+        }
+    }
+
+    /// Returns the element type for reports.
+    pub fn element_type(&self) -> &'static str {
+        match self {
+            Connectivity::Quadrilaterals(_) => "CAX4R",
+            Connectivity::SixNodeTriangles(_) => "CAX6M",
+        }
+    }
+
+    /// Returns the corners of quadrilaterals and triangles; empty for six-node triangles.
+    pub fn quadrilaterals(&self) -> &[[u32; 4]] {
+        if let Connectivity::Quadrilaterals(list) = self { list } else { &[] }
+    }
+
+    /// Returns the corners of the quadrilateral cells that make up the elements.
+    pub fn cells(&self) -> Vec<[u32; 4]> {
+        match self {
+            Connectivity::Quadrilaterals(list) => list.clone(),
+            Connectivity::SixNodeTriangles(list) => {
+                let cells = ElementTopology::SixNodeTriangle.cells();
+                list.iter().flat_map(|e| cells.iter().map(|cell| cell.inline_map(|i| e[i]))).collect()
+            }
+        }
+    }
+
+    /// Adds the nodal masses of the elements.
+    pub fn add_masses(&self, nodes: &[Node], density: f64, mass: &mut [f64]) {
+        for cell in self.cells() {
+            for (n, m) in cell.iter().zip(corner_masses(cell.inline_map(|n| nodes[n as usize].place()), density)) {
+                mass[*n as usize] += m;
+            }
+        }
+    }
+}
+
+/// Deviatoric law of a von Mises material. Only the laws that support failure have one.
+pub enum HardeningLaw {
+    /// No plasticity.
+    Elastic(Option<MaterialFailure>),
+    /// Table of yield stress over plastic strain, without rate, heat and failure.
+    PiecewiseLinear(PiecewiseLinearHardening),
+    /// Isotropic hardening that may depend on rate and temperature.
+    RateDependent(RateDependentHardening, Option<MaterialFailure>),
+    /// Linear kinematic hardening.
+    Kinematic(KinematicHardening),
+    /// Linear kinematic hardening that depends on rate or temperature.
+    RateKinematic(RateKinematicHardening),
+}
+
+/// Material of a group of solid elements.
+pub enum SolidMaterial {
+    /// Deviatoric law with a constant bulk modulus or an equation of state.
+    VonMises(HardeningLaw, Option<EquationOfState>),
+    /// Neo-Hooke rubber.
+    NeoHooke(NeoHooke),
+    /// Rubber with a polynomial strain energy.
+    Polynomial(HyperelasticMaterial<PolynomialEnergy>),
+    /// Rubber with an Ogden strain energy.
+    Ogden(HyperelasticMaterial<OgdenEnergy>),
+    /// Crushable foam.
+    Foam(FoamMaterial),
+    /// Law in Rust, evaluated point by point.
+    Point(PointLaw),
+    /// User subroutine that computes the stress.
+    UserStress(SubroutineMaterial<false>),
+    /// User subroutine that computes the yield stress, or built-in plasticity that is evaluated point by point.
+    UserFlow(SubroutineMaterial<true>),
+}
+
+/// Properties of an element group in addition to its material.
+#[derive(Clone, Copy, Debug)]
+pub struct GroupOptions {
+    /// Moduli, hourglass control and bulk viscosity.
+    pub constants: ElementConstants,
+    /// Mass per volume.
+    pub density: f64,
+    /// Whether the equations of motion are weighted by area (`WEIGHTING=AREA`); supported by [`SolidMaterial::VonMises`]
+    /// without equation of state.
+    pub by_area: bool,
+    /// Whether stresses and forces are in single precision; supported as `by_area`, and not together with it.
+    pub single_precision: bool,
+    /// Whether elements have subzonal pressures.
+    pub subzonal: bool,
+}
+
+impl GroupOptions {
+    /// Returns options with double precision, volume weighting and without subzonal pressures.
+    pub fn new(constants: ElementConstants, density: f64) -> GroupOptions {
+        GroupOptions { constants, density, by_area: false, single_precision: false, subzonal: false }
+    }
+}
+
+/// Elements of a group without their material.
+#[derive(Clone, Copy)]
+struct GroupShape<'a> {
+    options: GroupOptions,
+    connectivity: &'a Connectivity,
+    nodes: &'a [Node],
+}
+
+/// Creates the element group of a material.
+pub fn create_group(
+    material: SolidMaterial,
+    options: GroupOptions,
+    connectivity: &Connectivity,
+    nodes: &[Node],
+) -> Box<dyn ElementGroup> {
+    let shape = GroupShape { options, connectivity, nodes };
+    match material {
+        SolidMaterial::VonMises(law, Some(equation)) => shape.von_mises::<_, false, f64>(law, equation),
+        SolidMaterial::VonMises(law, None) if options.by_area => {
+            shape.von_mises::<_, true, f64>(law, ConstantBulkModulus)
+        }
+        SolidMaterial::VonMises(law, None) if options.single_precision => {
+            shape.von_mises::<_, false, f32>(law, ConstantBulkModulus)
+        }
+        SolidMaterial::VonMises(law, None) => shape.von_mises::<_, false, f64>(law, ConstantBulkModulus),
+        SolidMaterial::NeoHooke(law) => shape.group::<false, f64>(law),
+        SolidMaterial::Polynomial(law) => shape.group::<false, f64>(law),
+        SolidMaterial::Ogden(law) => shape.group::<false, f64>(law),
+        SolidMaterial::Foam(law) => shape.group::<false, f64>(law),
+        SolidMaterial::Point(law) => shape.group::<false, f64>(law),
+        SolidMaterial::UserStress(law) => shape.quadrilaterals::<_, false, f64>(law),
+        SolidMaterial::UserFlow(law) => shape.quadrilaterals::<_, false, f64>(law),
+    }
+}
+
+impl GroupShape<'_> {
+    fn von_mises<V: VolumetricLaw, const AREA: bool, T: ElementPrecision>(
+        self,
+        law: HardeningLaw,
+        volumetric: V,
+    ) -> Box<dyn ElementGroup> {
+        match law {
+            HardeningLaw::Elastic(None) => self.group::<AREA, T>(VonMises::new(ElasticOnly, volumetric)),
+            HardeningLaw::Elastic(Some(failure)) => {
+                self.group::<AREA, T>(VonMises { hardening: ElasticOnly, volumetric, failure })
+            }
+            HardeningLaw::PiecewiseLinear(law) => self.group::<AREA, T>(VonMises::new(law, volumetric)),
+            HardeningLaw::RateDependent(law, None) => self.group::<AREA, T>(VonMises::new(law, volumetric)),
+            HardeningLaw::RateDependent(hardening, Some(failure)) => {
+                self.group::<AREA, T>(VonMises { hardening, volumetric, failure })
+            }
+            HardeningLaw::Kinematic(law) => self.group::<AREA, T>(VonMises::new(law, volumetric)),
+            HardeningLaw::RateKinematic(law) => self.group::<AREA, T>(VonMises::new(law, volumetric)),
+        }
+    }
+
+    fn group<const AREA: bool, T: ElementPrecision>(
+        self,
+        material: impl Material<T> + Material,
+    ) -> Box<dyn ElementGroup> {
+        let GroupOptions { constants, density, .. } = self.options;
+        match self.connectivity {
+            Connectivity::SixNodeTriangles(list) => {
+                Box::new(SixNodeTriangles::new(material, constants, density, list, self.nodes))
+            }
+            Connectivity::Quadrilaterals(_) => self.quadrilaterals::<_, AREA, T>(material),
+        }
+    }
+
+    fn quadrilaterals<M: Material<T>, const AREA: bool, T: ElementPrecision>(
+        self,
+        material: M,
+    ) -> Box<dyn ElementGroup> {
+        let GroupOptions { constants, density, subzonal, .. } = self.options;
+        let corners = self.connectivity.quadrilaterals();
+        let group = QuadGroup::<M, AREA, T>::weighted(material, constants, density, corners, self.nodes);
+        Box::new(if subzonal { group.with_subzones(corners, self.nodes) } else { group })
+    }
+}

@@ -1,0 +1,33 @@
+//! Numerics of Revolve: arithmetic, degrees of freedom, surfaces, material laws, elements, loads, constraints, heat, and
+//! the interface of user subroutines. The layers above it, and the public interface, are in the crate `revolve`.
+#![warn(missing_docs)]
+
+#[allow(missing_docs)]
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
+pub mod constraint;
+#[allow(missing_docs)]
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
+pub mod element;
+#[allow(missing_docs)]
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
+pub mod heat;
+#[allow(missing_docs)]
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
+pub mod kernel;
+#[allow(missing_docs)]
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
+pub mod load;
+#[allow(missing_docs)]
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
+pub mod material;
+#[allow(missing_docs)]
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
+pub mod mesh;
+pub mod names;
+#[allow(missing_docs)]
+pub mod platform;
+pub mod routines;
+#[allow(missing_docs)]
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
+pub mod state;
+pub mod variables;

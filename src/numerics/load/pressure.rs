@@ -1,0 +1,144 @@
+//! Prescribed pressure on a surface (`P`).
+
+use super::{
+    EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView,
+    TargetDissipation,
+};
+use crate::kernel::attitude::times;
+use crate::kernel::facet::{ring_pressure, section_pressure, shell_pressure};
+use crate::kernel::lanes::InlineMap;
+use crate::load::fields::FacetFields;
+use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
+use crate::state::EffectId;
+use crate::state::archive::{Persist, StateArchive, persist_fields};
+use crate::state::dofs::Dofs;
+use crate::state::halt::HaltReason;
+use crate::state::limit::IncrementLimit;
+use crate::state::magnitude::Magnitude;
+use crate::routines::LockedRoutines;
+
+/// A uniform pressure, positive against the outward normal. On a rigid body the resultant acts along the axis, so only
+/// the sum of the facets' axial areas is needed.
+#[derive(Clone, Debug)]
+pub struct PressureLoad {
+    id: EffectId,
+    surface: SurfaceGeometry,
+    /// Sum of area times n_z of each patch, and whether its body has six degrees of freedom.
+    axial_areas: Vec<(f64, bool)>,
+    magnitude: Magnitude,
+    /// Pressure at the last evaluation, for frame output.
+    current: f64,
+}
+
+impl PressureLoad {
+    pub fn new(id: EffectId, surface: SurfaceGeometry, magnitude: Magnitude, dofs: &Dofs) -> Self {
+        let axial =
+            |facets: &[(usize, crate::kernel::facet::Facet)]| facets.iter().map(|(_, f)| f.area * f.normal[1]).sum();
+        let patches = surface.patches.iter();
+        let axial_areas = patches.map(|p| (axial(&p.facets), dofs.bodies[p.body].is_spatial())).collect();
+        PressureLoad { id, surface, axial_areas, magnitude, current: 0.0 }
+    }
+
+    fn on_bodies(&self, dofs: &Dofs, mut forces: &mut [f64]) {
+        for (patch, &(area, in_space)) in self.surface.patches.iter().zip(&self.axial_areas) {
+            let (own, others) = forces.split_at_mut(if in_space { 3 } else { 1 });
+            let force = -self.current * area;
+            match &dofs.bodies[patch.body].spatial {
+                None => own[0] = force,
+                Some(body) => own.copy_from_slice(&times(force, body.attitude.axis())),
+            }
+            forces = others;
+        }
+    }
+}
+
+impl Load for PressureLoad {
+    fn effect(&self) -> EffectId {
+        self.id
+    }
+
+    fn targets(&self) -> LoadTargets {
+        let mut bodies = Vec::new();
+        for (patch, &(_, in_space)) in self.surface.patches.iter().zip(&self.axial_areas) {
+            match in_space {
+                true => bodies.extend(GeneralizedForce::in_space(patch.body, EnergyAccount::Work).take(3)),
+                false => bodies.push(GeneralizedForce::along_z(patch.body, EnergyAccount::Work)),
+            }
+        }
+        LoadTargets { bodies, nodes: self.surface.skin.max_faces() > 0 }
+    }
+
+    fn apply(
+        &mut self,
+        scene: &SceneView<'_>,
+        _: &mut LockedRoutines<'_>,
+        forces: &mut LoadForces<'_>,
+    ) -> Result<TargetDissipation, HaltReason> {
+        self.current = self.magnitude.at(&scene.clock);
+        match forces {
+            LoadForces::OnNodes(forces) => {
+                for (face, shell) in self.surface.skin.active_faces_with_shells() {
+                    add_pressure(&CurrentFace::new(face, &scene.dofs.nodes), shell, self.current, scene.rings, forces);
+                }
+            }
+            LoadForces::OnBodies(forces) => self.on_bodies(scene.dofs, forces),
+        }
+        Ok(TargetDissipation::default())
+    }
+
+    fn max_increment(&self, scene: &SceneView<'_>) -> IncrementLimit {
+        self.magnitude.limit(&scene.clock)
+    }
+
+    fn scene_changed(&mut self, change: &SceneChange<'_>) {
+        if let SceneChange::DeletedElements(deleted) = change {
+            self.surface.skin.remove_elements(deleted);
+        }
+    }
+}
+
+impl LoadOutput for PressureLoad {
+    fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {
+        Some(FacetFields::uniform(&self.surface, self.current, dofs))
+    }
+
+    fn arrays(&self) -> Vec<(&'static str, usize)> {
+        vec![("surface", self.surface.bytes()), ("amplitude", self.magnitude.bytes())]
+    }
+}
+
+/// Adds the nodal forces of a pressure on a face of a solid or shell.
+#[inline]
+pub(super) fn add_pressure(
+    face: &CurrentFace,
+    shell: bool,
+    pressure: f64,
+    rings: Option<&[f64]>,
+    forces: &mut [[f64; 2]],
+) {
+    for (node, force) in face.nodes.into_iter().zip(face_forces(face, shell, pressure, rings)) {
+        forces[node] = [forces[node][0] + force[0], forces[node][1] + force[1]];
+    }
+}
+
+/// Returns the nodal forces of a pressure on a face of a solid or shell.
+#[inline]
+pub(super) fn face_forces(face: &CurrentFace, shell: bool, pressure: f64, rings: Option<&[f64]>) -> [[f64; 2]; 2] {
+    if shell { shell_pressure(face.ends, pressure) } else { solid_face_forces(face, pressure, rings) }
+}
+
+/// Returns the nodal forces of a pressure on a face of a solid. With area weighting, `rings` holds the factors from the
+/// plane section to the rings of the nodes.
+#[inline]
+pub(super) fn solid_face_forces(face: &CurrentFace, pressure: f64, rings: Option<&[f64]>) -> [[f64; 2]; 2] {
+    let Some(rings) = rings else { return ring_pressure(face.ends, pressure) };
+    let half = section_pressure(face.ends, pressure);
+    face.nodes.inline_map(|node| half.inline_map(|f| rings[node] * f))
+}
+
+impl Persist for PressureLoad {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let PressureLoad { id: _, surface, axial_areas: _, magnitude: _, current } = self;
+        persist_fields!(archive; &mut surface.skin, current);
+    }
+}

@@ -1,0 +1,501 @@
+//! Materials whose stress, yield stress or fields are computed by user subroutines (VUMAT, VUHARD, VUSDFLD): the state
+//! of their elements and its conversion to the arguments of a call.
+#![allow(clippy::needless_range_loop)] // Loops over lanes, with one array per quantity.
+
+pub mod description;
+pub mod flow;
+pub mod lengths;
+pub mod points;
+
+use super::increment::{StrainIncrement, StressUpdate};
+use super::{BlockStart, Material, PlasticFlow, PointValue};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, dot, inline_from_fn};
+use crate::kernel::quad::{CornerGradient, gradient};
+use crate::kernel::rotation::{rotate, rotation_of_spin};
+use crate::kernel::stress::mises;
+use crate::state::Instant;
+use crate::state::archive::persist_struct;
+use crate::routines::{LoadFailure, MAX_MATERIAL_BLOCK, PointRoutines};
+use crate::variables::{Variable, VariableComponent};
+use description::UserMaterialData;
+use flow::{PointContext, ReturnScratch};
+use points::{PointAccess, PointArguments, stretch};
+
+/// Number of element blocks per call.
+pub const CALL_BLOCKS: usize = MAX_MATERIAL_BLOCK / LANES;
+
+/// A material that calls user subroutines at its points. With `FLOWS` the return to the yield surface is built in.
+pub struct SubroutineMaterial<const FLOWS: bool> {
+    /// Data of the deck.
+    pub description: UserMaterialData,
+    /// Names of the elements, for messages.
+    pub names: Vec<String>,
+    pub triangles: bool,
+}
+
+/// State of a block. Tensors have the components rr, zz, hoop, rz in axes that rotate with the material.
+#[derive(Clone, Debug)]
+pub struct UserState {
+    /// The user's numbers of the elements.
+    numbers: [i32; LANES],
+    /// Initial geometry and masses. Densities and specific energies are those of the material, regardless of mass
+    /// scaling.
+    start: [CornerGradient; LANES],
+    mass: Lanes,
+    /// Cosine and sine of the rotation angle of the axes.
+    turn: [Lanes; 2],
+    deleted: [bool; LANES],
+    /// Thermal strain that the next increment subtracts.
+    thermal: Lanes,
+    /// Centre `[r, z]`, characteristic length, density.
+    place: [Lanes; 4],
+    /// Values at the end of the increment.
+    stress: [Lanes; 4],
+    stretch: [Lanes; 4],
+    gradient: [Lanes; 5],
+    /// Temperatures, and nodal temperatures at the end of the increment where prescribed.
+    temperature: [Lanes; 2],
+    has_nodal_temperature: bool,
+    variables: Vec<Lanes>,
+    /// Field variables, and their nodal values.
+    field: Vec<Lanes>,
+    nodal_field: Vec<Lanes>,
+    /// Bulk and shear modulus: NaN before the first increment, empty if they are constant.
+    moduli: Vec<Lanes>,
+    /// Equivalent plastic strain and its increment; empty if the subroutine computes the stress.
+    plastic: Vec<Lanes>,
+    flowed: Lanes,
+    internal: Lanes,
+    inelastic: Lanes,
+    /// Inelastic energy per mass in this increment.
+    dissipated: Lanes,
+}
+
+/// Kinematics of a block, as arguments of a call.
+pub struct BlockKinematics<'a> {
+    /// Strain increments rr, zz, hoop, rz (tensor shear), and spin increments.
+    pub strain: [Lanes; 4],
+    /// See [`BlockKinematics::strain`].
+    pub spin: Lanes,
+    /// Volumes in the middle of the increment; 0 for lanes without element.
+    pub volume: Lanes,
+    /// Returns the corners `[r, z]` of a lane.
+    pub corners: &'a dyn Fn(usize) -> [[f64; 4]; 2],
+}
+
+/// Time of a call.
+#[derive(Clone, Copy)]
+pub struct CallTime<'a> {
+    /// Time, step and increment.
+    pub now: &'a Instant,
+    pub dt: f64,
+}
+
+/// Materials with calls of user subroutines between the kinematics and the stresses of their elements.
+pub trait PointCalls<S>: Send + Sync {
+    /// Creates the arguments of a call for `count` points.
+    fn arguments(&self, count: usize) -> PointArguments;
+
+    /// Creates the work arrays of the calls.
+    fn scratch(&self) -> ReturnScratch;
+
+    /// Copies the state of block number `block` of the call to the arguments.
+    fn gather(&self, points: &mut PointArguments, block: usize, state: &mut S, kinematics: &BlockKinematics<'_>);
+
+    /// Calls the subroutines. An increment of zero length changes nothing.
+    ///
+    /// # Errors
+    /// Errors of the subroutines, and invalid results.
+    fn call(
+        &self,
+        points: &mut PointArguments,
+        user: PointRoutines<'_>,
+        time: CallTime<'_>,
+        access: &dyn PointAccess,
+        returning: &mut ReturnScratch,
+    ) -> Result<(), LoadFailure>;
+
+    /// Calls the subroutine with small fictitious strains. Returns the bulk and shear modulus of its response, the
+    /// maximum over all points; `None` if the moduli are known.
+    ///
+    /// # Errors
+    /// Errors of the subroutine, and a response that is not elastic.
+    fn probe(
+        &self,
+        points: &mut PointArguments,
+        user: PointRoutines<'_>,
+        now: &Instant,
+    ) -> Result<Option<[f64; 2]>, LoadFailure>;
+
+    /// Copies the results to the state of a block.
+    fn scatter(&self, points: &PointArguments, block: usize, state: &mut S);
+
+    /// Returns the name of the material, and of an element by its index in the group.
+    fn names(&self, element: Option<usize>) -> (&str, Option<&str>);
+
+    fn fields(&self) -> usize;
+
+    fn bytes(&self) -> usize;
+}
+
+impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
+    type State = UserState;
+    const FLOW: PlasticFlow = if FLOWS { PlasticFlow::Deviatoric } else { PlasticFlow::Unknown };
+    const FAILS: bool = true;
+    const USES_SPIN: bool = true;
+    const CALLS: bool = true;
+
+    fn initial_state(&self, start: &BlockStart) -> UserState {
+        let material = &self.description;
+        let (zero, one) = ([0.0; LANES], [1.0; LANES]);
+        let varies = material.flow.as_ref().is_some_and(|flow| flow.elasticity.is_some());
+        let mut state = UserState {
+            numbers: inline_from_fn(|l| {
+                let name = self.names.get(start.first + l.min(start.count - 1));
+                name.map_or(0, |name| lengths::user_number(name))
+            }),
+            start: inline_from_fn(|l| {
+                let [r, z] = start.corners[l];
+                gradient(r, z)
+            }),
+            mass: start.volume.inline_map(|volume| material.density * volume),
+            turn: [one, zero],
+            deleted: [false; LANES],
+            thermal: zero,
+            place: [zero; 4],
+            stress: [zero; 4],
+            stretch: [one, one, one, zero],
+            gradient: [one, one, one, zero, zero],
+            temperature: [zero; 2],
+            has_nodal_temperature: false,
+            variables: vec![zero; material.variables],
+            field: vec![zero; material.fields],
+            nodal_field: vec![zero; material.fields],
+            moduli: vec![[f64::NAN; LANES]; if varies { 2 } else { 0 }],
+            plastic: vec![zero; usize::from(FLOWS)],
+            flowed: zero,
+            internal: zero,
+            inelastic: zero,
+            dissipated: zero,
+        };
+        if let Some(delete) = material.delete {
+            state.variables[delete] = one;
+        }
+        state
+    }
+
+    /// Sets the stress to that of the subroutine, and adds its work.
+    fn update(
+        &self,
+        state: &mut UserState,
+        stress: &mut [Lanes; 4],
+        strain: &StrainIncrement,
+        update: &mut StressUpdate,
+    ) {
+        for l in 0..strain.count {
+            self.delete(state, update, l);
+            let new = components(column(&state.stress, l), [state.turn[0][l], state.turn[1][l]]);
+            let double = |k: usize| strain.strain[k][l] * (strain.carried[k][l] + new[k]);
+            let work = 0.5 * strain.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+            if strain.volume[l] != 0.0 {
+                update.internal[l] += work;
+                update.dissipated[l] += state.mass[l] * state.dissipated[l];
+            }
+            stress.iter_mut().zip(new).for_each(|(list, value)| list[l] = value);
+        }
+        if !state.moduli.is_empty() {
+            // With varying moduli, the direction of plastic flow is that of the stress, not of a trial with the largest
+            // moduli.
+            for l in 0..LANES {
+                let stress = column(stress, l);
+                let mean = (stress[0] + stress[1] + stress[2]) * (1.0 / 3.0);
+                for (k, list) in update.deviator.iter_mut().enumerate() {
+                    list[l] = if k < 3 { stress[k] - mean } else { stress[k] };
+                }
+            }
+        }
+        for l in 0..LANES {
+            let trial = mises(column(&update.deviator, l));
+            update.trial[l] = trial;
+            update.flow[l] = if FLOWS && !state.deleted[l] { state.flowed[l] } else { 0.0 };
+            // A ratio within rounding of 1 is set to 1.
+            let left = mises(column(stress, l)) / trial;
+            update.returned[l] = if left < 1.0 - 1e-12 { left } else { 1.0 };
+        }
+    }
+
+    fn share(&self, state: &UserState, lane: usize) -> f64 {
+        if state.deleted[lane] { 0.0 } else { 1.0 }
+    }
+
+    fn can_delete(&self) -> bool {
+        self.description.delete.is_some()
+    }
+
+    fn initial_volume(&self, state: &UserState, lane: usize) -> f64 {
+        state.mass[lane] / self.description.density
+    }
+
+    fn value(&self, state: &UserState, lane: usize, part: VariableComponent) -> Option<f64> {
+        match part.variable {
+            Variable::Temperature => Some(state.temperature[0][lane]),
+            Variable::State => Some(state.variables.get(part.component)?[lane]),
+            Variable::Status => Some(self.share(state, lane)),
+            Variable::PlasticStrain => Some(state.plastic.first()?[lane]),
+            Variable::ElementPlasticEnergy if !FLOWS => Some(state.mass[lane] * state.inelastic[lane]),
+            _ => None,
+        }
+    }
+
+    fn set(&self, state: &mut UserState, lane: usize, value: PointValue) -> bool {
+        let put = |list: Option<&mut Lanes>, value: f64| list.map(|list| list[lane] = value).is_some();
+        match value {
+            PointValue::Stress(stress) => {
+                state.stress.iter_mut().zip(stress).for_each(|(list, value)| list[lane] = value);
+                true
+            }
+            PointValue::Temperature(value) => {
+                state.temperature.iter_mut().for_each(|list| list[lane] = value);
+                true
+            }
+            PointValue::NodalTemperature(value) => {
+                state.has_nodal_temperature = true;
+                put(state.temperature.last_mut(), value)
+            }
+            PointValue::PlasticStrain(value) => put(state.plastic.first_mut(), value),
+            PointValue::StateVariable(variable, value) => put(state.variables.get_mut(variable), value),
+            PointValue::Field(variable, value) => {
+                put(state.field.get_mut(variable), value) && put(state.nodal_field.get_mut(variable), value)
+            }
+            PointValue::NodalField(variable, value) => put(state.nodal_field.get_mut(variable), value),
+            PointValue::ThermalStrain(strain) => {
+                state.thermal[lane] += strain;
+                true
+            }
+            PointValue::SpecificEnergy(_) | PointValue::Length(_) => false,
+        }
+    }
+
+    fn calls(&self) -> Option<&dyn PointCalls<UserState>> {
+        Some(self)
+    }
+
+    fn bytes(&self, state: &UserState) -> usize {
+        let UserState { variables, field, nodal_field: given, moduli, plastic, .. } = state;
+        [variables, field, given, moduli, plastic].inline_map(|lists| size_of_val(&**lists)).iter().sum()
+    }
+}
+
+impl<const FLOWS: bool> SubroutineMaterial<FLOWS> {
+    /// Deletes a point whose deletion variable is zero.
+    fn delete(&self, state: &mut UserState, update: &mut StressUpdate, l: usize) {
+        let Some(variable) = self.description.delete else { return };
+        if state.variables[variable][l] == 0.0 && !state.deleted[l] {
+            state.deleted[l] = true;
+            update.deleted += 1;
+        }
+        if state.deleted[l] {
+            state.variables[variable][l] = 0.0;
+            state.stress.iter_mut().for_each(|list| list[l] = 0.0);
+        }
+    }
+}
+
+impl UserState {
+    /// Updates the geometry of a lane with an element; returns its corners.
+    fn take_geometry(&mut self, l: usize, kinematics: &BlockKinematics<'_>) -> [[f64; 4]; 2] {
+        let [r, z] = (kinematics.corners)(l);
+        let per = 1.0 / self.start[l].volume;
+        let CornerGradient { r: by_r, z: by_z, hoop, .. } = self.start[l];
+        let gradient = [dot(by_r, r), dot(by_z, z), dot(hoop, r), dot(by_z, r), dot(by_r, z)].inline_map(|x| per * x);
+        let mean = |x: [f64; 4]| 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
+        let place = [mean(r), mean(z), lengths::by_default(r, z), self.mass[l] / kinematics.volume[l]];
+        self.place.iter_mut().zip(place).for_each(|(list, value)| list[l] = value);
+        self.gradient.iter_mut().zip(gradient).for_each(|(list, value)| list[l] = value);
+        self.stretch.iter_mut().zip(stretch(gradient)).for_each(|(list, value)| list[l] = value);
+        [r, z]
+    }
+
+    /// Returns the strain increments in the axes that rotate with the material, without thermal strain.
+    fn rotate_strains(&mut self, kinematics: &BlockKinematics<'_>) -> [Lanes; 4] {
+        let mut rotated = [[0.0; LANES]; 4];
+        for l in 0..LANES {
+            let [c, s] = rotation_of_spin(kinematics.spin[l]);
+            let (cosine, sine) = (self.turn[0][l], self.turn[1][l]);
+            (self.turn[0][l], self.turn[1][l]) = (cosine * c - sine * s, sine * c + cosine * s);
+            let mut increment = column(&kinematics.strain, l);
+            increment[..3].iter_mut().for_each(|strain| *strain -= self.thermal[l]);
+            self.thermal[l] = 0.0;
+            let turned = components(increment, [self.turn[0][l], -self.turn[1][l]]);
+            rotated.iter_mut().zip(turned).for_each(|(list, value)| list[l] = value);
+        }
+        rotated
+    }
+}
+
+/// Returns the components of a tensor in rotated axes. A rotation of zero changes nothing, not even the sign of zeros.
+fn components(tensor: [f64; 4], [cosine, sine]: [f64; 2]) -> [f64; 4] {
+    rotate(tensor, if sine == 0.0 { [1.0, 0.0] } else { [cosine, sine] })
+}
+
+/// Copies the lanes of a block to arrays of one component each, for the points that exist.
+fn put(list: &mut [f64], (count, first): (usize, usize), lanes: &[Lanes]) {
+    let points = LANES.min(count - first);
+    for (list, lanes) in list.chunks_mut(count).zip(lanes) {
+        list[first..first + points].copy_from_slice(&lanes[..points]);
+    }
+}
+
+/// Copies the points of a block from such arrays.
+fn take(list: &[f64], (count, first): (usize, usize), lanes: &mut [Lanes]) {
+    let points = LANES.min(count - first);
+    for (list, lanes) in list.chunks(count).zip(lanes) {
+        lanes[..points].copy_from_slice(&list[first..first + points]);
+    }
+}
+
+impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
+    fn arguments(&self, count: usize) -> PointArguments {
+        PointArguments::new(&self.description, count, self.triangles)
+    }
+
+    fn scratch(&self) -> ReturnScratch {
+        ReturnScratch::new(&self.description)
+    }
+
+    fn gather(
+        &self,
+        points: &mut PointArguments,
+        block: usize,
+        state: &mut UserState,
+        kinematics: &BlockKinematics<'_>,
+    ) {
+        let (first, count) = (block * LANES, points.count);
+        let at = (count, first);
+        // Values before the increment.
+        put(&mut points.stretch[0], at, &state.stretch);
+        put(&mut points.gradient[0], at, &state.gradient);
+        for l in 0..LANES.min(count - first) {
+            points.elements[first + l] = state.numbers[l];
+            // A lane whose element was deleted by another criterion (`*EROSION`) has no volume.
+            state.deleted[l] |= kinematics.volume[l] == 0.0;
+            if !state.deleted[l] {
+                let [r, z] = state.take_geometry(l, kinematics);
+                points.show_corners(first + l, r, z);
+            }
+        }
+        let strain = state.rotate_strains(kinematics);
+        put(&mut points.strain, at, &strain);
+        put(&mut points.coordinates, at, &state.place[..2]);
+        put(&mut points.length, at, &state.place[2..3]);
+        put(&mut points.density, at, &state.place[3..]);
+        put(&mut points.stretch[1], at, &state.stretch);
+        put(&mut points.gradient[1], at, &state.gradient);
+        put(&mut points.stress[0], at, &state.stress);
+        put(&mut points.state[0], at, &state.variables);
+        put(&mut points.internal[0], at, std::slice::from_ref(&state.internal));
+        put(&mut points.inelastic[0], at, std::slice::from_ref(&state.inelastic));
+        put(&mut points.field[0], at, &state.field);
+        put(&mut points.field[1], at, &state.nodal_field);
+        for (list, moduli) in points.moduli.iter_mut().zip(&state.moduli) {
+            put(list, at, std::slice::from_ref(moduli));
+        }
+        put(&mut points.plastic[0], at, &state.plastic);
+        let [old, nodal] = &state.temperature;
+        put(&mut points.temperature[0], at, std::slice::from_ref(old));
+        put(
+            &mut points.temperature[1],
+            at,
+            std::slice::from_ref(if state.has_nodal_temperature { nodal } else { old }),
+        );
+        state.has_nodal_temperature = false;
+    }
+
+    fn call(
+        &self,
+        points: &mut PointArguments,
+        user: PointRoutines<'_>,
+        CallTime { now, dt }: CallTime<'_>,
+        access: &dyn PointAccess,
+        returning: &mut ReturnScratch,
+    ) -> Result<(), LoadFailure> {
+        let material = &self.description;
+        if dt == 0.0 {
+            points.keep();
+            return Ok(());
+        }
+        if let (Some(properties), Some(routine)) = (&material.length_constants, user.lengths) {
+            points.call_lengths(material, properties, routine, (now, dt))?;
+        }
+        if let (Some(properties), Some(routine)) = (&material.field_constants, user.fields) {
+            points.call_fields(material, properties, routine, access, (now, dt))?;
+        }
+        if let Some(flow) = &material.flow {
+            let context = PointContext { material, flow, heating: &material.heating, now, dt };
+            return points.flow(context, user.hardening, returning);
+        }
+        let Some(routine) = user.material else { return Ok(()) };
+        points.call(material, routine, now, dt)?;
+        if !material.heating.is_none() {
+            points.heat(&material.heating);
+        }
+        Ok(())
+    }
+
+    fn probe(
+        &self,
+        points: &mut PointArguments,
+        user: PointRoutines<'_>,
+        now: &Instant,
+    ) -> Result<Option<[f64; 2]>, LoadFailure> {
+        let material = &self.description;
+        if FLOWS {
+            return Ok(None);
+        }
+        if let (Some(properties), Some(routine)) = (&material.length_constants, user.lengths) {
+            points.call_lengths(material, properties, routine, (now, 0.0))?;
+        }
+        let Some(routine) = user.material else { return Ok(None) };
+        points.show_fictitious();
+        points.call(material, routine, now, 1.0)?;
+        points.moduli().map(Some)
+    }
+
+    fn scatter(&self, points: &PointArguments, block: usize, state: &mut UserState) {
+        let (first, count) = (block * LANES, points.count);
+        let at = (count, first);
+        for l in 0..LANES.min(count - first) {
+            state.dissipated[l] = points.dissipated(first + l);
+            state.flowed[l] = if FLOWS { points.plastic[1][first + l] - points.plastic[0][first + l] } else { 0.0 };
+        }
+        take(&points.stress[1], at, &mut state.stress);
+        take(&points.state[1], at, &mut state.variables);
+        take(&points.internal[1], at, std::slice::from_mut(&mut state.internal));
+        take(&points.inelastic[1], at, std::slice::from_mut(&mut state.inelastic));
+        take(&points.field[1], at, &mut state.field);
+        for (list, moduli) in points.moduli.iter().zip(&mut state.moduli) {
+            take(list, at, std::slice::from_mut(moduli));
+        }
+        take(&points.plastic[1], at, &mut state.plastic);
+        take(&points.temperature[1], at, &mut state.temperature[..1]);
+    }
+
+    fn names(&self, element: Option<usize>) -> (&str, Option<&str>) {
+        (&self.description.name, element.and_then(|e| self.names.get(e)).map(String::as_str))
+    }
+
+    fn fields(&self) -> usize {
+        self.description.fields
+    }
+
+    fn bytes(&self) -> usize {
+        self.names.iter().map(|name| size_of_val(name) + name.capacity()).sum()
+    }
+}
+
+persist_struct!(UserState {
+    turn, deleted, thermal, place, stress, stretch, gradient, temperature, variables: fixed, field: fixed, moduli: fixed,
+    plastic: fixed, internal, inelastic
+} derived {
+    numbers, start, mass, has_nodal_temperature, nodal_field, flowed, dissipated
+});

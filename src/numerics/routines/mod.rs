@@ -1,0 +1,657 @@
+//! Interface of user subroutines: the traits that Rust plug-ins implement, with the arguments of the ABAQUS
+//! subroutines. Compiled Fortran and C subroutines implement the same traits (`user` in the crate of the language).
+
+pub mod host;
+pub mod law;
+mod saved_memory;
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use crate::state::Instant;
+use crate::state::halt::HaltReason;
+pub use law::{ElasticModuli, MaterialLaw, MaterialPoint};
+pub use saved_memory::{PersistentMemory, SavedMemory};
+
+/// Largest number of points of one call: `maxblk` of `vaba_param.inc`. Larger surfaces are divided into blocks.
+pub const MAX_BLOCK: usize = 512;
+
+/// Arguments of a user load for a block of points of one surface (ABAQUS 6.6 User Subroutines Reference, 1.2.1
+/// "VDLOAD"). Slices have one entry per point unless stated otherwise.
+#[derive(Debug)]
+pub struct LoadPoints<'a> {
+    /// Surface or element-set name, upper case (`sname` of a surface load; VDLOAD gets blanks for an element load).
+    pub surface: &'a str,
+    /// Kind of load (`jltyp`): 0 on a surface; 20 PNU, 21 to 24 P1NU to P4NU, 1 BRNU, 2 BZNU on elements.
+    pub load_type: i32,
+    /// Clock, step and increment.
+    pub now: Instant,
+    /// Current value of the load's amplitude (1 without one); the subroutine applies it.
+    pub amplitude: f64,
+    /// Magnitude on the data line (not an argument of VDLOAD).
+    pub magnitude: f64,
+    /// Current r of each point, length.
+    pub r: &'a [f64],
+    /// Current z of each point, length.
+    pub z: &'a [f64],
+    /// Velocity of each point, r component.
+    pub velocity_r: &'a [f64],
+    /// Velocity of each point, z component.
+    pub velocity_z: &'a [f64],
+    /// Outward unit normal of each point, r component (zero for a body force).
+    pub normal_r: &'a [f64],
+    /// Outward unit normal of each point, z component (zero for a body force).
+    pub normal_z: &'a [f64],
+    /// `curCoords`: r of all points, z of all points, then NaN in place of a third coordinate.
+    pub coordinates: &'a [f64],
+    /// `velocity`: velocity, displacement and acceleration, each r of all points, then z of all points. Displacement
+    /// and acceleration are set only if [`UserLoad::reads_motion`].
+    pub motion: &'a [f64],
+    /// `dirCos`: normal r, tangent r, normal z, tangent z of all points, then NaN for a third direction. The tangent is
+    /// the normal turned 90 degrees counter-clockwise; the normal points out of the loaded side of a surface element,
+    /// and into a solid element.
+    pub directions: &'a [f64],
+}
+
+/// Failure of a user subroutine.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{reason}")]
+pub struct LoadFailure {
+    /// Index in the block of the point that caused it, if known.
+    pub point: Option<usize>,
+    /// Description of the failure.
+    pub reason: String,
+}
+
+impl LoadFailure {
+    /// Creates a failure that is not related to a point.
+    pub fn new(reason: impl Into<String>) -> Self {
+        LoadFailure { point: None, reason: reason.into() }
+    }
+
+    /// Returns the halt caused by the failure; `what` names subroutine and place.
+    pub fn halt(&self, what: &str, now: &Instant) -> HaltReason {
+        let reason = format!(
+            "{what} failed in step {}, increment {}, total time {:e}: {}",
+            now.step, now.increment, now.total_time, self.reason
+        );
+        HaltReason { code: "R201", reason }
+    }
+}
+
+/// A user load: the pressure at each point. It may keep its own state between calls. It is called once per increment,
+/// surface and block of at most [`MAX_BLOCK`] points.
+///
+/// ```
+/// use revolve::job;
+/// use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
+///
+/// /// A drag that grows with the square of the normal velocity.
+/// struct Drag {
+///     density: f64,
+/// }
+///
+/// impl UserLoad for Drag {
+///     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+///         for (i, p) in pressure.iter_mut().enumerate() {
+///             let v = points.velocity_r[i] * points.normal_r[i] + points.velocity_z[i] * points.normal_z[i];
+///             *p = if v > 0.0 { 0.5 * self.density * v * v } else { 0.0 };
+///         }
+///         Ok(())
+///     }
+/// }
+///
+/// let routines = Routines::none().with_load(Drag { density: 1000.0 });
+/// let prepared = job::prepare("input/ogive_user.inp".as_ref(), &[], &routines);
+/// let (outcome, history) = job::run_in_memory(&prepared);
+/// assert!(outcome.halt.is_none() && history.0["V2@REF"].last < 0.0);
+/// ```
+pub trait UserLoad: Send {
+    /// Sets `pressure`: one entry per point, positive against the outward normal, NaN on entry. For a body force it is
+    /// the force per volume along r (BRNU) or z (BZNU).
+    ///
+    /// # Errors
+    /// Any failure; the run halts and writes the last good state.
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure>;
+
+    /// Returns whether the load reads displacements and accelerations; if not, they are not updated.
+    fn reads_motion(&self) -> bool {
+        false
+    }
+}
+
+/// A user load defined by a function of the points and the index of one point.
+struct PointwiseLoad<F>(F);
+
+impl<F: FnMut(&LoadPoints<'_>, usize) -> f64 + Send> UserLoad for PointwiseLoad<F> {
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        pressure.iter_mut().enumerate().for_each(|(i, p)| *p = (self.0)(points, i));
+        Ok(())
+    }
+}
+
+/// Arguments of a user amplitude (ABAQUS 6.11 User Subroutines Reference, 1.2.7 "VUAMP").
+#[derive(Debug)]
+pub struct AmplitudeCall<'a> {
+    /// Name of the amplitude, upper case.
+    pub name: &'a str,
+    /// Time, step and increment of the value.
+    pub now: Instant,
+    /// Whether this is the first call of a step.
+    pub begins: bool,
+    /// Length of the previous increment; 0 at the start.
+    pub increment: f64,
+    /// Value of the previous call; 0 at the start.
+    pub old: f64,
+    /// Constants on the data lines (`PROPERTIES=`).
+    pub properties: &'a [f64],
+    /// State variables of the routine (`VARIABLES=`).
+    pub variables: &'a mut [f64],
+    /// Names of the sensors, upper case.
+    pub sensor_names: &'a [String],
+    /// Their values at the previous instant.
+    pub sensor_values: &'a [f64],
+}
+
+/// Result of a user amplitude.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AmplitudeAnswer {
+    /// Value of the amplitude.
+    pub value: f64,
+    /// Its time derivative, if the routine sets it.
+    pub derivative: Option<f64>,
+    /// Whether to stop the analysis (`iStopAnalysis`).
+    pub stop: bool,
+    /// Whether to end the step (`iConcludeStep`).
+    pub conclude_step: bool,
+}
+
+/// A user amplitude (`*AMPLITUDE, DEFINITION=USER`).
+pub trait UserAmplitude: Send {
+    /// Returns the current value of the amplitude.
+    ///
+    /// # Errors
+    /// Any failure; the run halts.
+    fn amplitude(&mut self, call: &mut AmplitudeCall<'_>) -> Result<AmplitudeAnswer, LoadFailure>;
+}
+
+/// Arguments of a user motion for one node (ABAQUS 6.11 User Subroutines Reference, 1.2.1 "VDISP").
+#[derive(Clone, Copy, Debug)]
+pub struct MotionCall<'a> {
+    /// Name of the node set (`cbname`), upper case.
+    pub set: &'a str,
+    /// 0 displacement, 1 velocity, 2 acceleration (`jBCType`).
+    pub kind: i32,
+    /// Node number of the user.
+    pub node: i32,
+    /// Degree of freedom, 1 for r (deformable nodes), 2 for z.
+    pub dof: usize,
+    /// Time, step and increment of the value.
+    pub now: Instant,
+    /// Lengths of the previous and the next increment (equal if the next is unknown).
+    pub increments: [f64; 2],
+    /// Current value of the amplitude; 1 without one.
+    pub amplitude: f64,
+    /// Current coordinates `[r, z]`.
+    pub coordinates: [f64; 2],
+    /// Displacement, velocity, acceleration and reaction along that degree of freedom.
+    pub state: [f64; 4],
+    /// The same quantities along the other axis; zero for a rigid body.
+    pub across: [f64; 4],
+    /// Mass of the body or node.
+    pub mass: f64,
+}
+
+/// A user motion (`*BOUNDARY, USER`).
+pub trait UserMotion: Send {
+    /// Returns the displacement, velocity or acceleration along the degree of freedom.
+    ///
+    /// # Errors
+    /// Any failure; the run halts.
+    fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure>;
+}
+
+/// Points of the analysis at which VEXTERNALDB is called, with its `lOp` (ABAQUS 6.14 User Subroutines Reference,
+/// 1.2.5).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum AnalysisMoment {
+    /// Before the first increment of the first step.
+    StartAnalysis = 0,
+    /// Before a step.
+    StartStep = 1,
+    /// Before the length of the next increment is chosen.
+    SetupIncrement = 2,
+    /// At the start of an increment.
+    StartIncrement = 3,
+    /// At the end of an increment.
+    EndIncrement = 4,
+    /// After a step.
+    EndStep = 5,
+    /// After the last step.
+    EndAnalysis = 6,
+}
+
+impl AnalysisMoment {
+    /// All moments, in the order of `lOp`.
+    pub const ALL: [AnalysisMoment; 7] = [
+        AnalysisMoment::StartAnalysis,
+        AnalysisMoment::StartStep,
+        AnalysisMoment::SetupIncrement,
+        AnalysisMoment::StartIncrement,
+        AnalysisMoment::EndIncrement,
+        AnalysisMoment::EndStep,
+        AnalysisMoment::EndAnalysis,
+    ];
+}
+
+/// Action of the run after a call of VEXTERNALDB (`i_Array(i_int_iStatus)`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum RunAction {
+    /// Continue.
+    #[default]
+    Continue,
+    /// End the step.
+    EndStep,
+    /// End the analysis.
+    EndAnalysis,
+}
+
+/// A subroutine called at fixed points of the analysis (VEXTERNALDB), for example to open and close its own files.
+pub trait UserEvents: Send {
+    /// Is called at each moment; `increment` is the length of the increment.
+    ///
+    /// # Errors
+    /// Any failure; the run halts.
+    fn moment(&mut self, moment: AnalysisMoment, now: &Instant, increment: f64) -> Result<RunAction, LoadFailure>;
+
+    /// Is called before an [`AnalysisMoment::EndIncrement`] whose state will be saved (`lWriteRestart`).
+    fn restart_follows(&mut self) {}
+}
+
+/// Largest number of material points of one call.
+pub const MAX_MATERIAL_BLOCK: usize = 136;
+
+/// Arguments of a user material for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.17 "VUMAT"). Arrays
+/// hold all points of one component, then of the next; symmetric tensors have the components rr, zz, hoop, rz (tensor
+/// shear). Stresses and strains are in axes that rotate with the material spin, so tensors among the state variables
+/// need no rotation.
+#[derive(Debug)]
+pub struct MaterialCall<'a> {
+    /// Name of the material, upper case (`cmname`).
+    pub name: &'a str,
+    /// Time, step and increment at the end of the increment. In the first call, with small fictitious strains from
+    /// which the elastic moduli are determined, step and total time are 0.
+    pub now: Instant,
+    /// Length of the increment.
+    pub dt: f64,
+    /// Points (`nblock`).
+    pub count: usize,
+    /// State variables of a point (`nstatev`).
+    pub variables: usize,
+    /// Constants of the material (`props`).
+    pub properties: &'a [f64],
+    /// `coordMp`: r, z, then NaN in place of a third coordinate.
+    pub coordinates: &'a [f64],
+    /// `charLength`: square root of the element's area in the (r, z) plane, or the value of VUCHARLENGTH; length.
+    pub length: &'a [f64],
+    /// Mass per volume at the middle of the increment.
+    pub density: &'a [f64],
+    /// `strainInc`.
+    pub strain: &'a [f64],
+    /// `relSpinInc`: spin relative to the frame, zero.
+    pub spin: &'a [f64],
+    /// Element numbers of the user.
+    pub elements: &'a [i32],
+    /// `tempOld` and `tempNew`.
+    pub temperature: [&'a [f64]; 2],
+    /// Field variables (`nfieldv`).
+    pub fields: usize,
+    /// `fieldOld` and `fieldNew`.
+    pub field: [&'a [f64]; 2],
+    /// `stretchOld` and `stretchNew`.
+    pub stretch: [&'a [f64]; 2],
+    /// `defgradOld` and `defgradNew`: rr, zz, hoop, rz, zr.
+    pub gradient: [&'a [f64]; 2],
+    /// `stressOld`.
+    pub stress: &'a [f64],
+    /// `stateOld`.
+    pub state: &'a [f64],
+    /// `enerInternOld`, energy per mass.
+    pub internal: &'a [f64],
+    /// `enerInelasOld`, energy per mass.
+    pub inelastic: &'a [f64],
+}
+
+/// Result of a user material. On entry, stresses are NaN, state variables and energies the previous ones.
+#[derive(Debug)]
+pub struct MaterialAnswer<'a> {
+    /// `stressNew`.
+    pub stress: &'a mut [f64],
+    /// `stateNew`.
+    pub state: &'a mut [f64],
+    /// `enerInternNew`.
+    pub internal: &'a mut [f64],
+    /// `enerInelasNew`: plastic dissipation.
+    pub inelastic: &'a mut [f64],
+}
+
+/// A user material (`*USER MATERIAL`). It may keep its own state between calls. It is called from one thread, once per
+/// increment and block of at most [`MAX_MATERIAL_BLOCK`] points.
+pub trait UserMaterial: Send {
+    /// Computes stresses and state variables at the end of the increment.
+    ///
+    /// # Errors
+    /// Any failure; the run halts.
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure>;
+}
+
+/// Arguments of a user hardening for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.15 "VUHARD").
+#[derive(Debug)]
+pub struct HardeningCall<'a> {
+    /// Name of the material, upper case (`cmname`).
+    pub name: &'a str,
+    /// Clock, step and increment at the end of the increment.
+    pub now: Instant,
+    /// Length of the increment.
+    pub dt: f64,
+    /// Points (`nblock`).
+    pub count: usize,
+    /// State variables of a point (`nstatev`).
+    pub variables: usize,
+    /// Field variables (`nfieldv`).
+    pub fields: usize,
+    /// Constants of the hardening (`props`).
+    pub properties: &'a [f64],
+    /// Element numbers of the user (`jElem`).
+    pub elements: &'a [i32],
+    /// `tempOld` and `tempNew`: both at the beginning of the increment, as for built-in laws.
+    pub temperature: [&'a [f64]; 2],
+    /// `fieldOld` and `fieldNew`.
+    pub field: [&'a [f64]; 2],
+    /// `stateOld`.
+    pub state: &'a [f64],
+    /// Trial equivalent plastic strain (`eqps`).
+    pub strain: &'a [f64],
+    /// Trial equivalent plastic strain rate, 1/time (`eqpsRate`).
+    pub rate: &'a [f64],
+}
+
+/// Result of a user hardening. On entry, yield stresses are NaN, slopes zero, state variables the previous ones.
+#[derive(Debug)]
+pub struct HardeningAnswer<'a> {
+    /// `yield`.
+    pub stress: &'a mut [f64],
+    /// `dyieldDtemp`.
+    pub by_temperature: &'a mut [f64],
+    /// `dyieldDeqps`: derivatives with respect to the plastic strain of all points, then to its rate.
+    pub slopes: &'a mut [f64],
+    /// `stateNew`.
+    pub state: &'a mut [f64],
+}
+
+/// Isotropic user hardening (`*PLASTIC, HARDENING=USER`): yield stress over plastic strain, rate and temperature. It is
+/// called several times per increment and block: first for all points, then for yielding points until the stress equals
+/// the yield stress. The state variables of the last call for a point are kept.
+pub trait UserHardening: Send {
+    /// Computes yield stresses and their slopes.
+    ///
+    /// # Errors
+    /// Any failure; the run halts.
+    fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure>;
+}
+
+/// Values of material points at the beginning of an increment, by output variable (`vgetvrm`).
+pub trait PointValues {
+    /// Calls `to(component, point, value)` for all components and points. Returns the number of components; `None` if
+    /// the variable is not available.
+    fn give(&self, variable: &str, to: &mut dyn FnMut(usize, usize, f64)) -> Option<usize>;
+}
+
+/// Arguments of user-defined fields for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.20 "VUSDFLD").
+pub struct FieldCall<'a> {
+    /// Name of the material, upper case (`cmname`).
+    pub name: &'a str,
+    /// Clock, step and increment at the end of the increment that begins.
+    pub now: Instant,
+    /// Length of the increment.
+    pub dt: f64,
+    /// Points (`nblock`).
+    pub count: usize,
+    /// State variables of a point (`nstatev`).
+    pub variables: usize,
+    /// Field variables (`nfieldv`).
+    pub fields: usize,
+    /// Constants (`props`).
+    pub properties: &'a [f64],
+    /// Element numbers of the user (`jElem`).
+    pub elements: &'a [i32],
+    /// `coordMp`: r, z, then NaN in place of a third coordinate.
+    pub coordinates: &'a [f64],
+    /// `charLength`: square root of the element's area in the (r, z) plane, or the value of VUCHARLENGTH; length.
+    pub length: &'a [f64],
+    /// `stateOld`.
+    pub state: &'a [f64],
+    /// Values of the points (`vgetvrm`).
+    pub values: &'a dyn PointValues,
+}
+
+/// Result of user-defined fields; on entry the previous values.
+#[derive(Debug)]
+pub struct FieldAnswer<'a> {
+    /// `stateNew`: the previous state of the other subroutines.
+    pub state: &'a mut [f64],
+    /// `field`.
+    pub field: &'a mut [f64],
+}
+
+/// User-defined fields (`*USER DEFINED FIELD`), called at the beginning of each increment.
+pub trait UserFields: Send {
+    /// Computes field and state variables.
+    ///
+    /// # Errors
+    /// Any failure; the run halts.
+    fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure>;
+}
+
+/// Arguments of user characteristic lengths for a block of points (ABAQUS 2016 User Subroutines Reference, 1.2.11
+/// "VUCHARLENGTH").
+pub struct LengthCall<'a> {
+    /// Name of the material, upper case (`cmname`).
+    pub name: &'a str,
+    /// Clock, step and increment.
+    pub now: Instant,
+    /// Length of the increment; 0 when the analysis begins.
+    pub dt: f64,
+    /// Points (`nblock`).
+    pub count: usize,
+    /// State variables of a point (`nstatev`).
+    pub variables: usize,
+    /// Field variables (`nfieldv`).
+    pub fields: usize,
+    /// Corners of an element (`nnode`): 3 or 4; a triangle among quadrilaterals has its last node twice.
+    pub corners: usize,
+    /// Constants (`props`).
+    pub properties: &'a [f64],
+    /// Element numbers of the user (`jElem`).
+    pub elements: &'a [i32],
+    /// `coordMp`: r, and then z, of each point.
+    pub coordinates: &'a [f64],
+    /// `coordNode`: r of the first corner of each element, then of the second, and so on; then z.
+    pub nodes: &'a [f64],
+    /// `field`.
+    pub field: &'a [f64],
+    /// `stateOld`.
+    pub state: &'a [f64],
+}
+
+/// User characteristic lengths (`*CHARACTERISTIC LENGTH, DEFINITION=USER`).
+pub trait UserLengths: Send {
+    /// Sets the length of each point; on entry the square root of the element's area in the (r, z) plane.
+    ///
+    /// # Errors
+    /// Any failure; the run halts.
+    fn lengths(&mut self, call: &LengthCall<'_>, lengths: &mut [f64]) -> Result<(), LoadFailure>;
+}
+
+/// A user subroutine with one state for all callers, as one VDLOAD serves a whole ABAQUS job. A run locks its
+/// subroutines for its whole duration; another run of the same subroutines waits.
+pub struct SharedRoutine<T: ?Sized>(Arc<Mutex<T>>);
+
+impl<T: ?Sized> Clone for SharedRoutine<T> {
+    fn clone(&self) -> Self {
+        SharedRoutine(Arc::clone(&self.0))
+    }
+}
+
+impl<T: ?Sized> SharedRoutine<T> {
+    /// Locks the subroutine, even if it panicked in an earlier run.
+    pub fn lock(&self) -> MutexGuard<'_, T> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A subroutine of the user's files that cannot be called.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct UncallableRoutine {
+    /// Name of the subroutine.
+    pub routine: String,
+    /// Diagnostic code (`U…`).
+    pub code: String,
+    /// Reason.
+    pub message: String,
+}
+
+/// Declares the user subroutines of a job: field, trait, name in ABAQUS, and method that adds one.
+macro_rules! routines {
+    ($($(#[$doc:meta])* $field:ident: $routine:ident, $name:literal, $with:ident;)*) => {
+        /// Names of the supported user subroutines.
+        pub const ROUTINES: &[&str] = &[$($name),*];
+
+        /// The user subroutines of a job; each at most once, as in ABAQUS.
+        #[derive(Clone, Default)]
+                pub struct Routines {
+            $($(#[$doc])* pub $field: Option<SharedRoutine<dyn $routine>>,)*
+            /// Material laws in Rust, by the upper-case name of their material.
+            pub laws: Vec<(String, Arc<dyn MaterialLaw>)>,
+            /// Subroutines of the user's files that cannot be called.
+            pub uncallable: Vec<UncallableRoutine>,
+            /// ABAQUS subroutines in these files that Revolve does not support.
+            pub unsupported: Vec<&'static str>,
+            /// Variables of compiled subroutines.
+            pub memory: Option<Arc<dyn PersistentMemory>>,
+        }
+
+        /// The user subroutines of a job, locked by a run; fields as in [`Routines`].
+        #[allow(missing_docs)]
+        pub struct LockedRoutines<'a> {
+            $(pub $field: Option<MutexGuard<'a, dyn $routine + 'static>>,)*
+        }
+
+        impl Routines {
+            /// Locks all subroutines for a run.
+            pub fn lock(&self) -> LockedRoutines<'_> {
+                LockedRoutines { $($field: self.$field.as_ref().map(SharedRoutine::lock),)* }
+            }
+
+            /// Returns the names of the defined subroutines.
+            pub fn names(&self) -> Vec<&'static str> {
+                [$(self.$field.is_some().then_some($name)),*].into_iter().flatten().collect()
+            }
+
+            $(
+                /// Adds a subroutine of this kind, or replaces it.
+                #[must_use]
+                pub fn $with(mut self, routine: impl $routine + 'static) -> Self {
+                    self.$field = Some(SharedRoutine(Arc::new(Mutex::new(routine))));
+                    self
+                }
+            )*
+        }
+    };
+}
+
+routines! {
+    /// `PNU`, `P1NU` to `P4NU`, `BRNU`, `BZNU` (VDLOAD).
+    load: UserLoad, "vdload", with_load;
+    /// `*AMPLITUDE, DEFINITION=USER` (VUAMP).
+    amplitude: UserAmplitude, "vuamp", with_amplitude;
+    /// `*BOUNDARY, USER` (VDISP).
+    motion: UserMotion, "vdisp", with_motion;
+    /// `*USER MATERIAL` (VUMAT).
+    material: UserMaterial, "vumat", with_material;
+    /// `*PLASTIC, HARDENING=USER` (VUHARD).
+    hardening: UserHardening, "vuhard", with_hardening;
+    /// `*USER DEFINED FIELD` (VUSDFLD).
+    fields: UserFields, "vusdfld", with_fields;
+    /// `*CHARACTERISTIC LENGTH, DEFINITION=USER` (VUCHARLENGTH).
+    lengths: UserLengths, "vucharlength", with_lengths;
+    /// VEXTERNALDB.
+    events: UserEvents, "vexternaldb", with_events;
+}
+
+impl LockedRoutines<'_> {
+    /// Returns the subroutines that elements call at their points.
+    pub fn at_points(&mut self) -> PointRoutines<'_> {
+        PointRoutines {
+            material: self.material.as_deref_mut(),
+            hardening: self.hardening.as_deref_mut(),
+            fields: self.fields.as_deref_mut(),
+            lengths: self.lengths.as_deref_mut(),
+        }
+    }
+}
+
+/// The user subroutines that elements call at their points, locked by a run.
+#[derive(Default)]
+pub struct PointRoutines<'a> {
+    /// As [`Routines::material`].
+    pub material: Option<&'a mut (dyn UserMaterial + 'static)>,
+    /// As [`Routines::hardening`].
+    pub hardening: Option<&'a mut (dyn UserHardening + 'static)>,
+    /// As [`Routines::fields`].
+    pub fields: Option<&'a mut (dyn UserFields + 'static)>,
+    /// As [`Routines::lengths`].
+    pub lengths: Option<&'a mut (dyn UserLengths + 'static)>,
+}
+
+impl PointRoutines<'_> {
+    /// Returns the same references with a shorter lifetime.
+    pub fn lend(&mut self) -> PointRoutines<'_> {
+        PointRoutines {
+            material: self.material.as_deref_mut(),
+            hardening: self.hardening.as_deref_mut(),
+            fields: self.fields.as_deref_mut(),
+            lengths: self.lengths.as_deref_mut(),
+        }
+    }
+}
+
+impl Routines {
+    /// Returns an empty set of user subroutines.
+    pub fn none() -> Self {
+        Routines::default()
+    }
+
+    /// Returns whether any subroutine is defined.
+    pub fn any(&self) -> bool {
+        !self.names().is_empty()
+    }
+
+    /// Adds a material law in Rust for the `*USER MATERIAL` of this name.
+    #[must_use]
+    pub fn with_law(mut self, material: &str, law: impl MaterialLaw + 'static) -> Self {
+        self.laws.push((material.to_uppercase(), Arc::new(law)));
+        self
+    }
+
+    /// Returns the material law in Rust of a material.
+    pub fn law(&self, material: &str) -> Option<&Arc<dyn MaterialLaw>> {
+        self.laws.iter().find(|(name, _)| name == material).map(|(_, law)| law)
+    }
+
+    /// Adds a user load by a function that returns the pressure at one point, by its index.
+    #[must_use]
+    pub fn with_pressure(self, pressure: impl FnMut(&LoadPoints<'_>, usize) -> f64 + Send + 'static) -> Self {
+        self.with_load(PointwiseLoad(pressure))
+    }
+}

@@ -1,0 +1,342 @@
+//! Serialization of the state. One function visits all fields in a fixed order for writing and reading, so that nothing
+//! can be saved without being restored. Each type lists its own fields.
+//!
+//! [`persist_struct`] destructures a type without `..`: a new field does not compile until it is listed as state or as
+//! derived. Data that follow from the plan are not state; reading requires an object created from the same plan.
+
+/// Error: bytes that are not a state of the plan for which they are read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{reason}")]
+pub struct UnfitState {
+    /// First difference from the plan.
+    pub reason: String,
+}
+
+/// Bytes that are written or read. Numbers are little-endian.
+#[derive(Debug)]
+pub struct StateArchive<'a> {
+    mode: ArchiveMode<'a>,
+    /// Reason why the bytes read so far are not a state of this plan.
+    fault: Option<String>,
+}
+
+#[derive(Debug)]
+enum ArchiveMode<'a> {
+    Write(&'a mut Vec<u8>),
+    Read(&'a [u8]),
+}
+
+impl<'a> StateArchive<'a> {
+    /// Creates an archive that appends to a buffer.
+    pub fn writer(buffer: &'a mut Vec<u8>) -> Self {
+        StateArchive { mode: ArchiveMode::Write(buffer), fault: None }
+    }
+
+    /// Creates an archive that reads from bytes.
+    pub fn reader(bytes: &'a [u8]) -> Self {
+        StateArchive { mode: ArchiveMode::Read(bytes), fault: None }
+    }
+
+    /// Returns whether the archive reads.
+    pub fn reads(&self) -> bool {
+        matches!(self.mode, ArchiveMode::Read(_))
+    }
+
+    /// Reports that the bytes do not fit the plan; the first reason is kept.
+    pub fn reject(&mut self, reason: impl FnOnce() -> String) {
+        self.fault.get_or_insert_with(reason);
+    }
+
+    /// Writes a name, or checks that it was written here, so that errors can be located.
+    pub fn mark(&mut self, name: &str) {
+        let mut found = name.to_owned();
+        found.persist(self);
+        if found != name {
+            self.reject(|| format!("the data of `{name}` are missing"));
+        }
+    }
+
+    /// Writes or reads raw bytes, preceded by their length.
+    pub fn blob(&mut self, bytes: &mut Vec<u8>) {
+        let length = self.free_length(bytes.len());
+        match &mut self.mode {
+            ArchiveMode::Write(buffer) => buffer.extend_from_slice(bytes),
+            ArchiveMode::Read(rest) => {
+                let (blob, tail) = rest.split_at(length.min(rest.len()));
+                (*bytes, *rest) = (blob.to_vec(), tail);
+            }
+        }
+    }
+
+    /// Ends reading.
+    ///
+    /// # Errors
+    /// Why the bytes are not a state of the plan.
+    pub fn finish(mut self) -> Result<(), UnfitState> {
+        if let ArchiveMode::Read(rest) = self.mode
+            && !rest.is_empty()
+        {
+            self.reject(|| format!("{} unexpected bytes at the end", rest.len()));
+        }
+        self.fault.map_or(Ok(()), |reason| Err(UnfitState { reason }))
+    }
+
+    /// Returns the number of bytes left to read; unlimited for writing.
+    fn remaining(&self) -> usize {
+        match &self.mode {
+            ArchiveMode::Write(_) => usize::MAX,
+            ArchiveMode::Read(rest) => rest.len(),
+        }
+    }
+
+    #[inline]
+    fn raw<const N: usize>(&mut self, value: [u8; N]) -> [u8; N] {
+        match &mut self.mode {
+            ArchiveMode::Write(buffer) => buffer.extend_from_slice(&value),
+            ArchiveMode::Read(rest) => match rest.split_first_chunk() {
+                Some((read, tail)) => {
+                    *rest = tail;
+                    return *read;
+                }
+                None => self.reject(|| "unexpected end of data".into()),
+            },
+        }
+        value
+    }
+
+    /// Writes or checks the length of a list whose length the plan determines.
+    fn fixed_length(&mut self, length: usize) -> bool {
+        let mut found = length;
+        found.persist(self);
+        if found != length {
+            self.reject(|| format!("a list has {found} entries, the deck requires {length}"));
+        }
+        found == length
+    }
+
+    /// Writes or reads the length of a list whose length varies during the run.
+    fn free_length(&mut self, length: usize) -> usize {
+        let mut found = length;
+        found.persist(self);
+        if self.reads() && found > self.remaining() {
+            self.reject(|| format!("a list of {found} entries exceeds the remaining data"));
+            return 0;
+        }
+        found
+    }
+}
+
+/// State that can be written to an archive and read back.
+pub trait Persist {
+    /// Visits the state in a fixed order: writes it, or replaces it by the bytes read.
+    fn persist(&mut self, archive: &mut StateArchive<'_>);
+}
+
+/// Visits a list of boxed objects whose length the plan determines.
+pub fn persist_all<T: Persist + ?Sized>(items: &mut [Box<T>], archive: &mut StateArchive<'_>) {
+    if archive.fixed_length(items.len()) {
+        items.iter_mut().for_each(|item| item.persist(archive));
+    }
+}
+
+macro_rules! numbers {
+    ($($number:ty),*) => {$(
+        impl Persist for $number {
+            #[inline]
+            fn persist(&mut self, archive: &mut StateArchive<'_>) {
+                *self = <$number>::from_le_bytes(archive.raw(self.to_le_bytes()));
+            }
+        }
+    )*};
+}
+numbers!(f64, f32, u64, u32, i32, u8);
+
+impl Persist for usize {
+    #[inline]
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let mut wide = *self as u64;
+        wide.persist(archive);
+        *self = wide as usize;
+    }
+}
+
+impl Persist for bool {
+    #[inline]
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let mut byte = u8::from(*self);
+        byte.persist(archive);
+        *self = byte != 0;
+    }
+}
+
+impl<T: Persist + ?Sized> Persist for Box<T> {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        (**self).persist(archive);
+    }
+}
+
+impl Persist for () {
+    fn persist(&mut self, _archive: &mut StateArchive<'_>) {}
+}
+
+impl<T: Persist, const N: usize> Persist for [T; N] {
+    #[inline]
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        self.iter_mut().for_each(|item| item.persist(archive));
+    }
+}
+
+/// A list whose length the plan determines.
+impl<T: Persist> Persist for [T] {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        if archive.fixed_length(self.len()) {
+            self.iter_mut().for_each(|item| item.persist(archive));
+        }
+    }
+}
+
+/// A list whose length varies during the run.
+impl<T: Persist + Default + Clone> Persist for Vec<T> {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let length = archive.free_length(self.len());
+        self.resize(length, T::default());
+        self.iter_mut().for_each(|item| item.persist(archive));
+    }
+}
+
+impl<T: Persist + Default> Persist for Option<T> {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let mut there = self.is_some();
+        there.persist(archive);
+        match (there, self.is_some()) {
+            (true, false) => *self = Some(T::default()),
+            (false, true) => *self = None,
+            _ => {}
+        }
+        if let Some(value) = self {
+            value.persist(archive);
+        }
+    }
+}
+
+impl Persist for String {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let mut bytes = std::mem::take(self).into_bytes();
+        archive.blob(&mut bytes);
+        *self = String::from_utf8_lossy(&bytes).into_owned();
+    }
+}
+
+impl<A: Persist, B: Persist> Persist for (A, B) {
+    #[inline]
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        self.0.persist(archive);
+        self.1.persist(archive);
+    }
+}
+
+/// Visits fields in the given order.
+#[macro_export]
+macro_rules! persist_fields {
+    ($archive:expr; $($field:expr),* $(,)?) => {{ $($crate::state::archive::Persist::persist($field, $archive);)* }};
+}
+pub use persist_fields;
+
+/// Implements [`Persist`] from lists of a type's fields: first those of its state, in the order of their visits, then
+/// the derived ones, which follow from plan and step.
+///
+/// - `name` is visited by its type
+/// - `name: fixed` is a list whose length the plan determines
+/// - `name: fixed_lists` is a list of such lists
+/// - `name: each` is a list of boxed objects
+/// - `name: present` is an `Option` that the plan determines
+///
+/// `then` is a function that is called last.
+#[macro_export]
+macro_rules! persist_struct {
+    ($name:ident $(<$($argument:ident),+>)? $([$($bound:tt)+])? { $($field:ident $(: $how:ident)?),* $(,)? }
+        $(derived { $($derived:ident),+ $(,)? })? $(then $then:path)?) => {
+        impl $(<$($bound)+>)? $crate::state::archive::Persist for $name $(<$($argument),+>)? {
+            #[allow(unused_variables)] // For types without state.
+            #[inline]
+            fn persist(&mut self, archive: &mut $crate::state::archive::StateArchive<'_>) {
+                let $name { $($field,)* $($($derived: _,)+)? } = self;
+                $($crate::state::archive::persist_field!(archive, $field $(, $how)?);)*
+                $($then(self, archive);)?
+            }
+        }
+    };
+}
+pub use persist_struct;
+
+/// Visits one field as specified in [`persist_struct`].
+#[doc(hidden)]
+#[macro_export]
+macro_rules! persist_field {
+    ($archive:ident, $field:ident) => {
+        $crate::state::archive::Persist::persist($field, $archive)
+    };
+    ($archive:ident, $field:ident, fixed) => {
+        $crate::state::archive::Persist::persist(&mut $field[..], $archive)
+    };
+    ($archive:ident, $field:ident, fixed_lists) => {
+        for list in $field.iter_mut() {
+            $crate::state::archive::Persist::persist(&mut list[..], $archive);
+        }
+    };
+    ($archive:ident, $field:ident, each) => {{
+        $archive.mark(stringify!($field));
+        $crate::state::archive::persist_all(&mut $field[..], $archive);
+    }};
+    ($archive:ident, $field:ident, present) => {
+        if let Some(field) = $field {
+            $crate::state::archive::Persist::persist(field, $archive);
+        }
+    };
+}
+#[doc(hidden)]
+pub use persist_field;
+
+#[cfg(test)]
+mod tests {
+    use super::{Persist, StateArchive};
+
+    fn written<T: Persist>(value: &mut T) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        value.persist(&mut StateArchive::writer(&mut bytes));
+        bytes
+    }
+
+    #[test]
+    fn written_state_is_read_back() {
+        let mut state = (vec![1.5, -0.0, f64::NAN], (Some("r\u{e4}dius".to_owned()), [true, false]));
+        let bytes = written(&mut state);
+        let mut read = (vec![0.0; 7], (None::<String>, [false; 2]));
+        let mut archive = StateArchive::reader(&bytes);
+        read.persist(&mut archive);
+        assert_eq!(archive.finish(), Ok(()));
+        let bits = |list: &[f64]| list.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&read.0), bits(&state.0));
+        assert_eq!(read.1, state.1);
+    }
+
+    #[test]
+    fn invalid_data_are_rejected_without_panic() {
+        let bytes = written(&mut vec![1_u64, 2, 3]);
+        for end in 0..bytes.len() {
+            let mut archive = StateArchive::reader(&bytes[..end]);
+            Vec::<u64>::new().persist(&mut archive);
+            assert!(archive.finish().is_err(), "{end} bytes");
+        }
+        let mut archive = StateArchive::reader(&bytes);
+        [0_u64; 2][..].persist(&mut archive);
+        assert_eq!(archive.finish().map_err(|e| e.reason), Err("a list has 3 entries, the deck requires 2".into()));
+        let mut archive = StateArchive::reader(&bytes);
+        0_u64.persist(&mut archive);
+        assert_eq!(archive.finish().map_err(|e| e.reason), Err("24 unexpected bytes at the end".into()));
+        let huge = u64::MAX.to_le_bytes();
+        let mut archive = StateArchive::reader(&huge);
+        Vec::<u8>::new().persist(&mut archive);
+        assert!(archive.finish().is_err());
+    }
+}

@@ -1,0 +1,12 @@
+//! Solver of Revolve: the plan of a model, the time loop, and the pipeline from text to result files. The public
+//! interface is in the crate `revolve`.
+#![warn(missing_docs)]
+
+use revolve_language::{deck, model, output, user};
+use revolve_numerics::{constraint, element, heat, kernel, load, material, mesh, platform, state, variables};
+
+pub mod job;
+pub mod overview;
+pub mod plan;
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
+pub mod solve;

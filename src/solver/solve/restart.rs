@@ -1,0 +1,395 @@
+//! Checkpoints: their schedule, continuing a run from one, and the return to the last complete instant before a halt. A
+//! [`Sink`] stores the bytes; `state::archive` defines the format.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant as Stopwatch};
+
+use super::body_forces::BodyForces;
+use super::increment::IncrementController;
+use super::observe::{OutputSchedule, RunOutput, output_failure};
+use super::routines::UserSession;
+use super::{BodyRest, Outcome, Sink, SinkError, SolverRun, StepSummary};
+use crate::plan::StepPlan;
+use crate::state::Instant;
+use crate::state::archive::{Persist, StateArchive, UnfitState, persist_fields, persist_struct};
+use crate::state::halt::HaltReason;
+use crate::user::{AnalysisMoment, SavedMemory};
+
+/// Interval of checkpoints, in addition to the deck's `*RESTART, WRITE`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CheckpointInterval {
+    /// Wall-clock time.
+    Elapsed(Duration),
+    /// Number of increments.
+    Increments(u64),
+}
+
+/// Control of a run in addition to its plan.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RunControl<'a> {
+    /// Interval of checkpoints.
+    pub every: Option<CheckpointInterval>,
+    /// Number of the signal that has arrived, else 0; the run then ends after the current increment.
+    pub interrupt: Option<&'a AtomicUsize>,
+    /// Saved state to continue from.
+    pub state: Option<&'a [u8]>,
+}
+
+/// Increments between states that are stored in memory for [`Checkpointer::rewind`]; storing one costs about ten
+/// increments.
+const HELD_EVERY: u64 = 4096;
+/// Approximate time between two readings of the clock; one reading costs as much as an increment of a small model.
+const LOOK: Duration = Duration::from_millis(5);
+
+/// Checkpoints of a run.
+pub(super) struct Checkpointer<'a> {
+    control: RunControl<'a>,
+    /// Schedule of `*RESTART, WRITE`.
+    asked: OutputSchedule,
+    /// Whether the previous step requested a checkpoint at its end, where this step begins.
+    due_at_start: bool,
+    /// Times of the last checkpoint and of the last reading of the clock.
+    kept: Stopwatch,
+    looked: Stopwatch,
+    /// Increments between readings of the clock, and the increment of the next one.
+    stride: u64,
+    next_look: u64,
+    /// Whether states are stored in memory for the return to the last complete instant, and the increment of the next
+    /// one.
+    holds: bool,
+    next_held: u64,
+    /// Nothing is due before both of these.
+    next_time: f64,
+    next_increment: u64,
+    state: Vec<u8>,
+    /// Whether the state in memory is one of this step.
+    has_state: bool,
+}
+
+impl<'a> Checkpointer<'a> {
+    /// `holds`: whether states are stored in memory. This requires frames and deformable bodies, and excludes user
+    /// subroutines, which would be called twice.
+    pub(super) fn new(control: RunControl<'a>, holds: bool) -> Self {
+        let now = Stopwatch::now();
+        Checkpointer {
+            control,
+            asked: OutputSchedule::default(),
+            due_at_start: false,
+            kept: now,
+            looked: now,
+            stride: 1,
+            next_look: 0,
+            holds,
+            next_held: 0,
+            next_time: 0.0,
+            next_increment: 0,
+            state: Vec::new(),
+            has_state: false,
+        }
+    }
+
+    /// Begins, or continues, a step at this instant.
+    pub(super) fn begin(&mut self, step: &StepPlan, now: &Instant) {
+        self.due_at_start = !self.asked.is_empty();
+        self.asked.begin(&step.outputs.restart, now.increment);
+        self.asked.advance(now.step_time, now.increment);
+        self.has_state = false;
+        self.next_held = 0;
+        self.plan_ahead(now);
+    }
+
+    fn plan_ahead(&mut self, now: &Instant) {
+        self.next_time = self.asked.next_time;
+        let every = match self.control.every {
+            None => u64::MAX,
+            Some(CheckpointInterval::Increments(n)) => (now.increment / n + 1) * n,
+            Some(CheckpointInterval::Elapsed(_)) => self.next_look,
+        };
+        let held = if self.holds { self.next_held } else { u64::MAX };
+        self.next_increment = if self.due_at_start { 0 } else { self.asked.next_increment.min(every).min(held) };
+    }
+
+    /// Writes a checkpoint between two increments if one is due, and ends the run after a signal.
+    #[inline]
+    pub(super) fn write_if_due(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
+        let now = &at.run.now;
+        let signal = self.control.interrupt.map_or(0, |signal| signal.load(Ordering::Relaxed));
+        if signal == 0 && now.increment < self.next_increment && now.step_time < self.next_time {
+            return Ok(());
+        }
+        self.write_now(at, sink, signal)
+    }
+
+    #[cold]
+    fn write_now(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink, signal: usize) -> Result<(), HaltReason> {
+        let now = at.run.now;
+        let due = (self.is_due(&now) || signal != 0) && sink.keeps();
+        let begin = Stopwatch::now();
+        if due {
+            at.run.announce_checkpoint()?;
+        }
+        if due || self.holds && now.increment >= self.next_held {
+            self.state.clear();
+            at.write(&mut self.state);
+            self.has_state = true;
+            self.next_held = now.increment + HELD_EVERY;
+        }
+        if due {
+            sink.keep(&self.state, &now).map_err(output_failure)?;
+            at.run.warn_of_lost_memory(sink);
+            self.kept = Stopwatch::now();
+            at.run.outcome.checkpoint_seconds += begin.elapsed().as_secs_f64();
+        }
+        self.plan_ahead(&now);
+        if signal == 0 { Ok(()) } else { Err(interrupted(signal, &now)) }
+    }
+
+    fn is_due(&mut self, now: &Instant) -> bool {
+        let asked = self.asked.due(now.step_time, now.increment) | std::mem::take(&mut self.due_at_start);
+        if asked {
+            self.asked.advance(now.step_time, now.increment);
+        }
+        asked
+            || match self.control.every {
+                None => false,
+                Some(CheckpointInterval::Increments(n)) => now.increment > 0 && now.increment.is_multiple_of(n),
+                Some(CheckpointInterval::Elapsed(time)) => self.clock_is_due(now, time),
+            }
+    }
+
+    /// Reads the clock only every `stride` increments, so that its cost is negligible.
+    fn clock_is_due(&mut self, now: &Instant, time: Duration) -> bool {
+        if now.increment < self.next_look {
+            return false;
+        }
+        let passed = self.looked.elapsed();
+        self.looked = Stopwatch::now();
+        self.stride = if passed < LOOK { 2 * self.stride } else { (self.stride / 2).max(1) };
+        self.next_look = now.increment + self.stride;
+        self.kept.elapsed() >= time
+    }
+
+    /// Returns to the last complete instant after a halt within an increment: restores the state in memory and repeats
+    /// the increments since then.
+    pub(super) fn rewind(&mut self, at: &mut RunCursor<'_, '_>) {
+        if at.run.complete || !self.has_state || !self.holds {
+            return;
+        }
+        let last = at.run.now.increment - 1;
+        let mut archive = StateArchive::reader(&self.state);
+        CheckpointHead::default().persist(&mut archive);
+        at.visit(&mut archive);
+        // The state was written by this run, so it fits.
+        let mut fits = archive.finish().is_ok();
+        while fits && at.run.now.increment < last {
+            fits = at.repeat().is_ok();
+        }
+        at.run.complete = fits;
+    }
+}
+
+fn interrupted(signal: usize, now: &Instant) -> HaltReason {
+    let name = match signal {
+        2 => "SIGINT".into(),
+        15 => "SIGTERM".into(),
+        other => format!("signal {other}"),
+    };
+    let reason = format!("interrupted by {name} at increment {}, time {:e}", now.increment, now.total_time);
+    HaltReason { code: "R207", reason }
+}
+
+/// Message for a checkpoint without all memory of the user subroutines.
+pub const LOST: &str = "the checkpoint does not contain all memory of the user subroutines";
+
+/// Sink that discards output, because repeated increments have been written before.
+struct DiscardingSink;
+
+impl Sink for DiscardingSink {
+    fn wants_frames(&self) -> bool {
+        true
+    }
+    fn row(&mut self, _now: &Instant, _values: &[f64]) -> Result<(), SinkError> {
+        Ok(())
+    }
+}
+
+/// State of a run between the output of an instant and the choice of the next increment.
+pub(super) struct RunCursor<'r, 'p> {
+    pub run: &'r mut SolverRun<'p>,
+    pub observing: &'r mut RunOutput,
+    pub control: &'r mut IncrementController,
+}
+
+/// Header of a saved state: index of the step, and memory of the user subroutines.
+#[derive(Default)]
+struct CheckpointHead {
+    step: usize,
+    routines: SavedMemory,
+}
+
+persist_struct!(CheckpointHead { step, routines });
+
+/// Returns descriptions of the user memory that a saved state does not contain; empty if it is complete.
+pub fn lost(state: &[u8]) -> Vec<String> {
+    let mut head = CheckpointHead::default();
+    head.persist(&mut StateArchive::reader(state));
+    head.routines.lost
+}
+
+impl RunCursor<'_, '_> {
+    /// Writes header and state.
+    fn write(&mut self, bytes: &mut Vec<u8>) {
+        let mut archive = StateArchive::writer(bytes);
+        let routines = self.run.plan.routines.memory.as_ref().map(|memory| memory.save()).unwrap_or_default();
+        let mut head = CheckpointHead { step: self.run.now.step as usize - 1, routines };
+        head.persist(&mut archive);
+        self.run.outcome.lost = head.routines.lost;
+        self.visit(&mut archive);
+    }
+
+    /// Visits everything that changes in a run. The rest follows from the plan and the start of the step.
+    fn visit(&mut self, archive: &mut StateArchive<'_>) {
+        let RunCursor { run, observing, control } = self;
+        archive.mark("run");
+        run.persist(archive);
+        persist_fields!(archive; &mut **observing, &mut **control);
+        archive.mark("end");
+    }
+
+    /// Repeats the next increment, which has succeeded before, without output.
+    fn repeat(&mut self) -> Result<(), HaltReason> {
+        let RunCursor { run, observing, control } = self;
+        run.advance(control)?;
+        run.evaluate()?;
+        observing.show(run, &mut DiscardingSink)
+    }
+}
+
+impl Persist for SolverRun<'_> {
+    /// Visits the state of a step that has begun; the effects in force are those of the step.
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let SolverRun {
+            plan: _,
+            step: _,
+            state,
+            now,
+            previous_instant,
+            previous_dt,
+            last_increment,
+            velocity_extrapolation: _,
+            previous_stable_increment: _,
+            complete,
+            forces_may_differ: _,
+            user,
+            body_forces,
+            limiting,
+            balance,
+            watch,
+            threads: _,
+            kinetic: _,
+            timing: _,
+            outcome,
+        } = self;
+        persist_fields!(archive; now, previous_instant, previous_dt, last_increment, complete, user);
+        persist_fields!(archive; body_forces, limiting, balance, watch, state, outcome);
+    }
+}
+
+impl Persist for UserSession<'_> {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let UserSession { routines: _, requested_action, increment_reported, loss_reported: _, restored_memory: _ } =
+            self;
+        persist_fields!(archive; requested_action, increment_reported);
+    }
+}
+
+// The list of forces follows from the effects in force.
+persist_struct!(BodyForces { values: fixed } derived { slots, order_by_body, load_ends, tied, first_resistance });
+
+// Halts and results at the end do not exist yet; run times belong to this process.
+persist_struct!(Outcome { steps, rests, increments, warnings } derived {
+    halt, ended_by_user, energy, penetrations, unfinished, still_moving, exits, deleted, seconds, checkpoint_seconds, digest, lost,
+    effect_seconds
+});
+
+persist_struct!(StepSummary {
+    name,
+    increments,
+    time,
+    smallest_increment,
+    largest_increment,
+    limiting_element,
+    global_estimates,
+    added_mass,
+    limits
+});
+
+persist_struct!(BodyRest { body, time, displacement });
+
+impl SolverRun<'_> {
+    /// Warns once of memory that the checkpoint does not contain.
+    fn warn_of_lost_memory(&mut self, sink: &mut dyn Sink) {
+        if !self.outcome.lost.is_empty() && !std::mem::replace(&mut self.user.loss_reported, true) {
+            sink.warning(&format!("{LOST}: {}", self.outcome.lost.join("; ")));
+        }
+    }
+
+    /// Informs the user subroutine that the increment is complete and that a checkpoint follows.
+    fn announce_checkpoint(&mut self) -> Result<(), HaltReason> {
+        let due = self.now.step_time > 0.0 && !self.user.increment_reported;
+        if let Some(events) = self.user.routines.events.as_deref_mut().filter(|_| due) {
+            events.restart_follows();
+            self.report_moment(AnalysisMoment::EndIncrement, self.last_increment)?;
+            self.user.increment_reported = true;
+        }
+        Ok(())
+    }
+}
+
+/// Begins a step. The increment controller continues if the step changes no effects. Returns whether it changes any.
+pub(super) fn begin_step(
+    run: &mut SolverRun<'_>,
+    index: usize,
+    observing: &mut RunOutput,
+    control: &mut Option<IncrementController>,
+) -> bool {
+    let control_before = run.step.control;
+    let changes = run.begin(index) || run.step.control != control_before;
+    observing.begin(run.step, run.now.increment == 0, run.now.increment);
+    match control {
+        Some(control) if !changes => control.continue_in(run.step, &run.state.dofs.bodies),
+        _ => *control = Some(IncrementController::new(run.step, &run.state.dofs.bodies)),
+    }
+    changes
+}
+
+/// Restores a saved state; returns the index of its step and the increment controller.
+///
+/// # Errors
+/// If the state does not belong to this plan.
+pub(super) fn restore(
+    run: &mut SolverRun<'_>,
+    observing: &mut RunOutput,
+    state: &[u8],
+) -> Result<(usize, IncrementController), UnfitState> {
+    let mut archive = StateArchive::reader(state);
+    let mut head = CheckpointHead::default();
+    head.persist(&mut archive);
+    let CheckpointHead { step: index, routines } = head;
+    if index >= run.plan.steps.len() {
+        return Err(UnfitState { reason: "it is incomplete".into() });
+    }
+    // The effects in force follow from the changes of all steps up to this one.
+    let mut begun = None;
+    (0..=index).for_each(|i| {
+        begin_step(run, i, observing, &mut begun);
+    });
+    let mut control = begun.unwrap_or_else(|| IncrementController::new(run.step, &run.state.dofs.bodies));
+    RunCursor { run, observing, control: &mut control }.visit(&mut archive);
+    archive.finish()?;
+    if let Some(memory) = &run.plan.routines.memory {
+        memory.restore(&routines)?;
+    }
+    run.user.restored_memory = routines;
+    Ok((index, control))
+}
