@@ -56,10 +56,13 @@
 //! Without the default feature `cli`, the program, its charts and its reports are not compiled.
 #![warn(missing_docs)]
 
+#[doc(inline)]
 pub use revolve_analysis::{explain, study};
-pub use revolve_language::resistance;
-pub use revolve_language::{deck, generate, model, output, user};
+#[doc(inline)]
+pub use revolve_language::{deck, generate, model, output, resistance, user};
+#[doc(inline)]
 pub use revolve_numerics::variables;
+#[doc(inline)]
 pub use revolve_solver::{job, overview, plan, solve};
 
 #[cfg(feature = "cli")]
@@ -67,6 +70,7 @@ pub use revolve_solver::{job, overview, plan, solve};
 pub use revolve_analysis::report;
 
 #[cfg(feature = "cli")]
+#[doc(inline)]
 pub use revolve_analysis::command::{CommandStatus, line::command_line, threads::default as default_threads};
 
 /// Internal modules for the tests and benchmarks of the project; not part of the public API.

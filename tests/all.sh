@@ -12,9 +12,9 @@ else
     spelling="left out: spelling, typos is not installed"
 fi
 # With the features of the Python package, whose wheel is built from the same library.
-cargo test --release --features parquet --locked -- --show-output 2>&1 | tee target/tests.log
+cargo test --release --workspace --exclude revolve-python --features parquet --locked -- --show-output 2>&1 | tee target/tests.log
 [ -z "$spelling" ] || echo "$spelling" >>target/tests.log
-RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --locked --quiet
+RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --exclude revolve-python --no-deps --locked --quiet
 grep -E "^on this machine:" target/tests.log | sort -u || true
 if grep -qE "^(left out|skipped):" target/tests.log; then
     echo "Some tests left something out:"

@@ -10,10 +10,12 @@ use revolve_solver::overview;
 use revolve_solver::{job, plan, solve};
 
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 #[allow(missing_docs)]
 pub mod command;
 pub mod explain;
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 #[allow(missing_docs)]
 pub mod report;
 pub mod study;

@@ -5,8 +5,20 @@
 use std::process::Command;
 
 /// Functions that 2.28 has under an earlier version.
-const MOVED: &[&str] =
-    &["__libc_start_main", "exp", "fstat64", "fstatat64", "hypot", "hypotf", "log", "log2", "lstat64", "pow", "stat64"];
+const MOVED: &[&str] = &[
+    "__libc_start_main",
+    "exp",
+    "exp2",
+    "fstat64",
+    "fstatat64",
+    "hypot",
+    "hypotf",
+    "log",
+    "log2",
+    "lstat64",
+    "pow",
+    "stat64",
+];
 /// Functions of libpthread and libdl, which are part of libc since 2.34.
 const MERGED: &[&str] = &["pthread_", "dladdr", "dlclose", "dlerror", "dlopen", "dlsym", "sem_"];
 

@@ -56,10 +56,7 @@ pub fn version() -> &'static str {
 fn long_version() -> String {
     let commit = env!("REVOLVE_COMMIT");
     let commit = if commit.is_empty() { String::new() } else { format!(" ({commit})") };
-    let features = [
-        ("mesh-files", cfg!(feature = "mesh-files")),
-        ("parquet", cfg!(feature = "parquet")),
-    ];
+    let features = [("mesh-files", cfg!(feature = "mesh-files")), ("parquet", cfg!(feature = "parquet"))];
     let features: Vec<&str> = features.iter().filter(|f| f.1).map(|f| f.0).collect();
     let has = |set: &Instructions| set.arch().is_some();
     let sets = [("avx512", Instructions::Avx512), ("avx2", Instructions::Avx2), ("scalar", Instructions::Scalar)];

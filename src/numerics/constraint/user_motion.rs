@@ -4,12 +4,12 @@
 use super::motion::PrescribedQuantity;
 use crate::kernel::amplitude::SampledAmplitude;
 use crate::kernel::lists::heap_bytes;
+use crate::routines::{LoadFailure, LockedRoutines, MotionCall};
 use crate::state::Instant;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::HaltReason;
 use crate::state::magnitude::{AmplitudeClock, Magnitude};
-use crate::routines::{LoadFailure, LockedRoutines, MotionCall};
 
 /// Prescribed motion of a node set along one axis.
 #[derive(Clone, Debug)]

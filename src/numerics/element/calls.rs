@@ -15,10 +15,10 @@ use crate::material::Material;
 use crate::material::user::flow::ReturnScratch;
 use crate::material::user::points::{PointAccess, PointArguments};
 use crate::material::user::{BlockKinematics, CALL_BLOCKS, CallTime, PointCalls};
+use crate::routines::{LoadFailure, PointRoutines};
 use crate::state::Instant;
 use crate::state::halt::HaltReason;
 use crate::state::nodes::Node;
-use crate::routines::{LoadFailure, PointRoutines};
 use crate::variables::{Variable, VariableComponent};
 
 /// Number of tasks of a batch; its subroutine calls are made between two parallel phases.

@@ -23,6 +23,7 @@ use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::mesh::corner_forces::CornerForces;
 use crate::mesh::gather::NodalAssembly;
+use crate::routines::PointRoutines;
 use crate::state::archive::{StateArchive, persist_struct};
 use crate::state::dofs::Dofs;
 use crate::state::energies::EnergyTotals;
@@ -30,7 +31,6 @@ use crate::state::halt::HaltReason;
 use crate::state::magnitude::AmplitudeClock;
 use crate::state::nodes::{NodeAccelerations, Nodes};
 use crate::state::{EffectId, Instant};
-use crate::routines::PointRoutines;
 
 /// Deformable elements of a model, and everything that acts through them; nodes are stored separately.
 #[derive(Clone, Default)]

@@ -22,11 +22,11 @@ use crate::kernel::shell::ShellFrame;
 use crate::kernel::topology::{ElementNodes, ElementTopology, MOST_NODES, PerNode};
 use crate::material::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::mesh::corner_forces::CornerForceSlots;
+use crate::routines::PointRoutines;
 use crate::state::Instant;
 use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
 use crate::state::halt::HaltReason;
 use crate::state::nodes::{Node, NodeAccelerations};
-use crate::routines::PointRoutines;
 use crate::variables::{Variable, VariableComponent};
 
 /// Blocks of one task of a thread. The number is fixed, so that sums do not depend on the number of threads.
@@ -953,9 +953,9 @@ mod tests {
     use crate::material::volumetric::ConstantBulkModulus;
     use crate::material::von_mises::VonMises;
     use crate::mesh::corner_forces::CornerForceSlots;
+    use crate::routines::PointRoutines;
     use crate::state::Instant;
     use crate::state::nodes::Node;
-    use crate::routines::PointRoutines;
 
     #[test]
     fn every_instruction_set_gives_the_same_bits() {

@@ -4,10 +4,10 @@
 use super::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::material::user::lengths::{ShownElements, above_zero, by_default, user_number};
+use crate::routines::{LengthCall, LoadFailure, MAX_MATERIAL_BLOCK, UserLengths};
 use crate::state::Instant;
 use crate::state::halt::HaltReason;
 use crate::state::nodes::Node;
-use crate::routines::{LengthCall, LoadFailure, MAX_MATERIAL_BLOCK, UserLengths};
 
 /// Elements of a group whose characteristic length a user subroutine defines.
 #[derive(Clone, Debug)]

@@ -23,9 +23,9 @@ use crate::material::volumetric::ConstantBulkModulus;
 use crate::material::von_mises::VonMises;
 use crate::material::{Material, PlasticFlow};
 use crate::mesh::corner_forces::CornerForces;
+use crate::routines::PointRoutines;
 use crate::state::Instant;
 use crate::state::nodes::{Node, NodeAccelerations};
-use crate::routines::PointRoutines;
 use crate::variables::Variable;
 
 const COLUMNS: usize = 5;

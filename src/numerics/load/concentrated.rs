@@ -2,6 +2,7 @@
 
 use super::{EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneView, TargetDissipation};
 use crate::kernel::lists::heap_bytes;
+use crate::routines::LockedRoutines;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
@@ -9,7 +10,6 @@ use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
 use crate::state::rigid_body_3d::Wrench;
-use crate::routines::LockedRoutines;
 
 /// A force or moment on one degree of freedom of each listed body and node.
 #[derive(Clone, Debug)]

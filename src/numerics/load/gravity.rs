@@ -2,12 +2,12 @@
 
 use super::{GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView, TargetDissipation};
 use crate::kernel::lists::heap_bytes;
+use crate::routines::LockedRoutines;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
-use crate::routines::LockedRoutines;
 
 /// Gravity on a set of bodies and nodes.
 #[derive(Clone, Debug)]

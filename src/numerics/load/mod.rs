@@ -15,13 +15,13 @@ use std::any::Any;
 
 use crate::kernel::attitude::SpatialVector;
 use crate::kernel::topology::ElementNodes;
+use crate::routines::LockedRoutines;
 use crate::state::EffectId;
 use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
 use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
-use crate::routines::LockedRoutines;
 use fields::FacetFields;
 use stiffness::LoadStiffness;
 

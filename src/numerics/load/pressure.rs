@@ -9,13 +9,13 @@ use crate::kernel::facet::{ring_pressure, section_pressure, shell_pressure};
 use crate::kernel::lanes::InlineMap;
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
+use crate::routines::LockedRoutines;
 use crate::state::EffectId;
 use crate::state::archive::{Persist, StateArchive, persist_fields};
 use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
-use crate::routines::LockedRoutines;
 
 /// A uniform pressure, positive against the outward normal. On a rigid body the resultant acts along the axis, so only
 /// the sum of the facets' axial areas is needed.

@@ -2,11 +2,11 @@
 
 use crate::kernel::amplitude::SampledAmplitude;
 use crate::kernel::lists::heap_bytes;
+use crate::routines::{AmplitudeCall, LoadFailure, LockedRoutines, RunAction};
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::HaltReason;
 use crate::state::{EffectId, Instant};
-use crate::routines::{AmplitudeCall, LoadFailure, LockedRoutines, RunAction};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SensorQuantity {

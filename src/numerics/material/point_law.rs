@@ -6,8 +6,8 @@ use super::increment::{StrainIncrement, StressUpdate};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::kernel::lanes::{LANES, Lanes, column};
 use crate::kernel::stress::mises;
-use crate::state::archive::persist_struct;
 use crate::routines::law::{MaterialLaw, MaterialPoint};
+use crate::state::archive::persist_struct;
 use crate::variables::{Variable, VariableComponent};
 
 /// A material law in Rust with the constants of the deck.

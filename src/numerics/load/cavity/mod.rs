@@ -22,6 +22,7 @@ use super::{
 use crate::kernel::lists::heap_bytes;
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{RigidFacets, SurfaceGeometry};
+use crate::routines::LockedRoutines;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
@@ -29,7 +30,6 @@ use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::nodes::Nodes;
 use crate::state::rigid_body_3d::RigidBody3d;
-use crate::routines::LockedRoutines;
 pub use finite::{EntryCrater, LayerBounds, StackBounds};
 use nose::NoseResistance;
 use oblique::ObliqueResistance;

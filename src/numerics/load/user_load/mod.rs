@@ -16,6 +16,7 @@ use crate::load::stations::stations;
 use crate::load::stiffness::LoadStiffness;
 use crate::mesh::hidden::InteriorFaces;
 use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
+use crate::routines::{LockedRoutines, MAX_BLOCK};
 use crate::state::EffectId;
 use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::Dofs;
@@ -23,7 +24,6 @@ use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
-use crate::routines::{LockedRoutines, MAX_BLOCK};
 use surface_map::{PointBlock, SurfaceMap};
 
 /// Data that all points of a load share.

@@ -14,13 +14,13 @@ use crate::load::stations::SurfaceStation;
 use crate::load::stiffness::{FaceSample, LoadStiffness, StiffnessMonitor};
 use crate::mesh::surface::{CurrentFace, DeformableFaces};
 use crate::platform::PortableMath as _;
+use crate::routines::{LoadFailure, MAX_BLOCK};
 use crate::state::BodyState;
 use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
 use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::nodes::Nodes;
 use crate::state::rigid_body_3d::{RigidBody3d, Wrench};
-use crate::routines::{LoadFailure, MAX_BLOCK};
 
 /// Points of one call, at most [`MAX_BLOCK`].
 #[derive(Clone, Debug)]

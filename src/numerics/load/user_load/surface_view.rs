@@ -2,11 +2,11 @@
 
 use super::UserLoadData;
 use crate::kernel::lists::heap_bytes;
+use crate::routines::{LoadFailure, LoadPoints, MAX_BLOCK, UserLoad};
 use crate::state::Instant;
 use crate::state::archive::persist_struct;
 use crate::state::halt::HaltReason;
 use crate::state::magnitude::AmplitudeClock;
-use crate::routines::{LoadFailure, LoadPoints, MAX_BLOCK, UserLoad};
 
 /// Arrays of one call, for at most [`MAX_BLOCK`] points; [`LoadPoints`] describes their layout.
 #[derive(Clone, Debug)]

@@ -8,8 +8,8 @@ use super::points::{PointArguments, check_guards, check_values, guard_values};
 use crate::kernel::hardening::{YieldStress, plastic_increment};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::InlineMap;
-use crate::state::Instant;
 use crate::routines::{HardeningAnswer, HardeningCall, LoadFailure, MAX_MATERIAL_BLOCK, UserHardening};
+use crate::state::Instant;
 
 /// Largest number of calls per increment; points that have not converged by then stop the run.
 const ITERATIONS: usize = 80;

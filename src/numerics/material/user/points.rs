@@ -5,11 +5,11 @@ use super::description::UserMaterialData;
 use super::lengths::{ShownElements, above_zero};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::InlineMap;
-use crate::state::Instant;
 use crate::routines::{
     FieldAnswer, FieldCall, LengthCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields,
     UserLengths, UserMaterial, host,
 };
+use crate::state::Instant;
 use crate::variables::{Variable, VariableComponent};
 
 /// Number of guard values after each result, which a subroutine must not change.
