@@ -32,6 +32,7 @@ pub struct SweepResults {
 /// folder. The results do not depend on the number of threads: user subroutines are loaded again for each run.
 ///
 /// ```
+/// # std::env::set_current_dir("../..").expect("the folder of the project");
 /// use revolve::model::Precision;
 /// use revolve::study::{StudyError, grid::CaseGrid, quantity::Quantity, sweep};
 ///

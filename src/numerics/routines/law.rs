@@ -28,15 +28,15 @@ pub struct MaterialPoint<'a> {
 /// those of `*USER MATERIAL`. Several threads may use it at once.
 ///
 /// ```
-/// use revolve::user::{LoadFailure, MaterialLaw, MaterialPoint, Moduli, Routines};
+/// use revolve::user::{LoadFailure, MaterialLaw, MaterialPoint, ElasticModuli, Routines};
 ///
 /// /// Linear elasticity with the constants K and G.
 /// struct Hooke;
 ///
 /// impl MaterialLaw for Hooke {
-///     fn moduli(&self, constants: &[f64]) -> Result<Moduli, LoadFailure> {
+///     fn moduli(&self, constants: &[f64]) -> Result<ElasticModuli, LoadFailure> {
 ///         let &[bulk, shear] = constants else { return Err(LoadFailure::new("constants: K, G")) };
-///         Ok(Moduli { bulk, shear })
+///         Ok(ElasticModuli { bulk, shear })
 ///     }
 ///
 ///     fn update(&self, point: &mut MaterialPoint<'_>) {

@@ -82,6 +82,7 @@ impl LoadFailure {
 /// surface and block of at most [`MAX_BLOCK`] points.
 ///
 /// ```
+/// # std::env::set_current_dir("../..").expect("the folder of the project");
 /// use revolve::job;
 /// use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 ///

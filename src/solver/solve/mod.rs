@@ -39,6 +39,7 @@ use run::SolverRun;
 /// Runs a plan from its initial state to the end; rows and frames are passed to `sink`.
 ///
 /// ```
+/// # std::env::set_current_dir("../..").expect("the folder of the project");
 /// use revolve::solve::{self, Instant, Sink, SinkError};
 /// use revolve::{deck, model, plan, user::Routines};
 ///
