@@ -10,7 +10,7 @@ use std::path::Path;
 use crate::common::project;
 
 /// Folders of `src` by layer, top first, with their crate. A folder may import from lower layers and from folders to its
-/// right. Cargo keeps the crates apart: `numerics` knows nothing of decks and models.
+/// right. Cargo keeps the crates apart: `numerics` does not depend on decks and models.
 pub const LAYERS: &[(&str, &[&str])] = &[
     ("analysis", &["command"]),
     ("analysis", &["report", "study"]),

@@ -12,7 +12,7 @@ pub struct ReferenceCurve {
     /// Name of the history column.
     pub column: String,
     pub points: Vec<(f64, f64)>,
-    /// Rms deviation of the run at the times of the curve; `None` if all of them are outside the run.
+    /// Rms deviation of the run at the times of the curve; `None` if all these times are outside the run.
     pub rms: Option<f64>,
     /// Number of times of the curve outside the run.
     pub outside: usize,

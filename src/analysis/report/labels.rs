@@ -93,7 +93,7 @@ mod tests {
         let labels = QuantityLabels::parse(&["u2@ref = depth, m".into()]).expect("labels");
         assert_eq!([labels.of("U2@REF"), labels.of("V2@REF")], ["depth, m", "V2@REF"]);
         assert!(labels.check(&["U2@REF".into()]).is_ok());
-        let message = labels.check(&["U2@REFF".into()]).expect_err("nothing of this name");
+        let message = labels.check(&["U2@REFF".into()]).expect_err("unknown label");
         assert!(message.contains("did you mean `U2@REFF`?"), "{message}");
         for wrong in ["depth", "=depth", "U2@REF="] {
             assert!(QuantityLabels::parse(&[wrong.into()]).is_err(), "{wrong}");

@@ -22,11 +22,11 @@ pub struct HeatSource {
 /// Region and type of a heat source.
 #[derive(Clone, Debug)]
 pub enum HeatSourceKind {
-    /// Into each of these nodes (`*CFLUX`).
+    /// Concentrated flux into each listed node (`*CFLUX`).
     Nodes(Vec<usize>),
     /// Through faces (`*DFLUX S`, `*DSFLUX`), positive into the body.
     Faces(DeformableFaces),
-    /// Into the volumes of these elements (`*DFLUX BF`).
+    /// Body flux into the volumes of the listed elements (`*DFLUX BF`).
     Volumes(Vec<usize>),
     /// Through faces: film coefficient times the temperature difference from the face to the fluid (`*FILM`, `*SFILM`).
     Film(DeformableFaces, Magnitude),

@@ -195,7 +195,7 @@ impl Compiler<'_> {
         if let Some(span) = request.or(erosion) {
             let count = state.elements.groups.iter().filter(|g| g.properties().deletable).map(|g| g.len()).sum();
             let detail = "eroded mass and energy, and nodes of deleted elements";
-            self.ledger_row(span, "books of deletion", count, "elements", detail.into());
+            self.ledger_row(span, "record of deleted elements", count, "elements", detail.into());
         }
     }
 

@@ -159,13 +159,13 @@ impl ProgressTimer {
     }
 }
 
-/// Output of a run: schedules and what has been shown.
+/// Output of a run: schedules of fields and history, the current row, and the time of the last progress message.
 pub(super) struct RunOutput {
     field: OutputSchedule,
     history: OutputSchedule,
     row: Vec<f64>,
     pace: ProgressTimer,
-    /// No output is due before both of these.
+    /// Time before which no output is due, unless `next_increment` is reached.
     next_time: f64,
     next_increment: u64,
     first: bool,

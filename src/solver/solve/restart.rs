@@ -58,7 +58,7 @@ pub(super) struct Checkpointer<'a> {
     /// one.
     holds: bool,
     next_held: u64,
-    /// Nothing is due before both of these.
+    /// Time before which no checkpoint is due, unless `next_increment` is reached.
     next_time: f64,
     next_increment: u64,
     state: Vec<u8>,
