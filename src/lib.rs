@@ -53,9 +53,11 @@
 //! | run a deck many times, estimate its error and run time | [`study`] |
 //! | explain a keyword, a variable or a diagnostic code | [`explain`] |
 //!
-//! Without the default feature `cli`, the program, its charts and its reports are not compiled.
+//! Without the default feature `cli`, the program, its charts and its reports are not compiled. The feature `study`, part of
+//! `cli`, compiles [`study`] and [`explain`].
 #![warn(missing_docs)]
 
+#[cfg(feature = "study")]
 #[doc(inline)]
 pub use revolve_analysis::{explain, study};
 #[doc(inline)]
