@@ -130,6 +130,48 @@ fn balance_errors(seed: u64, factor: f64) -> (f64, f64, Energy) {
     (created, momentum, energy)
 }
 
+/// Returns the deck of a random scene with soft contact: penalty springs or one of the pressure-overclosure
+/// relationships, of a stiffness between a third of that of the elements and 30 times as much.
+fn soft_scene(seed: u64) -> String {
+    let deck = random_scene(seed, 1.0).0;
+    let mut dice = RandomSequence(seed ^ 0x50f7);
+    let stiffness = 10_f64.powf(dice.between(-0.5, 1.5));
+    let behavior = match dice.count(0, 3) {
+        0 => {
+            return deck.replace("interaction=DRY", "interaction=DRY, cpset=P, mechanical constraint=PENALTY").replace(
+                "*Contact Pair",
+                &format!("*Contact Controls, cpset=P, scale penalty={stiffness}\n*Contact Pair"),
+            );
+        }
+        1 => format!("LINEAR\n {},\n", 5.0 * stiffness),
+        2 => format!("EXPONENTIAL\n 0.003, {}\n", 0.01 * dice.between(0.4, 2.0)),
+        _ => format!("TABULAR\n 0., 0.\n {}, 0.01\n {}, 0.03\n", 0.02 * stiffness, 0.2 * stiffness),
+    };
+    deck.replace("name=DRY\n", &format!("name=DRY\n*Surface Behavior, pressure-overclosure={behavior}"))
+}
+
+/// In 200 scenes with soft contact at corners, edges and slopes, the energy that contact has absorbed is never below
+/// -1e-6 of the largest energy, and momentum is conserved.
+#[test]
+fn soft_contact_in_random_scenes_creates_no_energy() {
+    let (mut worst, mut met) = (0.0_f64, 0);
+    for seed in 0..200 {
+        let ran = run(&soft_scene(seed).replace("ALLCW, ALLKE", "ALLCW, ALLKE, ALLPW"));
+        assert_eq!(ran.outcome.halt, None, "scene {seed}");
+        let has_springs = ran.prepared.plan.columns.iter().any(|c| c.name == "ALLPW");
+        let penalty = if has_springs { ran.column("ALLPW") } else { Vec::new() };
+        let (contact, energy) = (ran.column("ALLCW"), ran.outcome.energy);
+        let absorbed = contact.iter().enumerate().map(|(at, c)| c[1] + penalty.get(at).map_or(0.0, |p| p[1]));
+        let least = absorbed.fold(0.0_f64, f64::min) / energy.initial;
+        let momentum = (ran.momentum() - momentum_at_start(&ran)).abs() / (2.0 * energy.initial).sqrt();
+        assert!(least > -1e-6 && momentum < 1e-13, "scene {seed}: {least:e} {momentum:e}");
+        worst = worst.min(least);
+        met += usize::from(energy.contact + energy.penalty.unwrap_or(0.0) > 1e-6 * energy.initial);
+    }
+    println!("200 scenes with soft contact, {met} meet: at worst {worst:.1e} of the energy");
+    assert!(met > 150, "{met}");
+}
+
 /// In 200 scenes contact creates no energy and the centre of mass keeps its motion, with the stable increment and with
 /// a quarter of that increment. The drift of the energy balance decreases with the increment, because strains are large
 /// and meshes coarse.
@@ -217,18 +259,20 @@ fn largest_penetration(ran: &DeckRun, corners: &[[f64; 2]], cells: usize, frame:
 }
 
 /// A pointed cone and a chamfered flat plug: the contact force is one pulse (its total variation over twice its
-/// maximum), the corners penetrate by a fraction of an element, and the energy balance closes. A cell of 0.5 mm that
-/// slips over a corner of the plug at once increases the variation.
+/// maximum), corners and tip penetrate by a few increments' approach at most, and the energy balance closes. Corners
+/// of the plug have contact as points: on cells of 0.25 mm the variation is 1.57 when a node passes a corner. The drift
+/// comes from the integration of plastic strains and decreases with the square of the increment. It is largest for the
+/// plug on cells of 0.5 mm (1.05e-4), because its corners deform single cells instead of entering them.
 #[test]
 fn rigid_nose_enters_a_block_with_one_force_pulse() {
     let cone: &[[f64; 2]] = &[[3.0, 8.0], [3.0, 3.0], [0.0, 0.0]];
     let plug: &[[f64; 2]] = &[[3.0, 8.0], [3.0, 1.0], [2.0, 0.0], [0.0, 0.0]];
     let cases = [
-        ("cone", 4e-6, cone, 20, [1.5, 0.4]),
-        ("plug", 1.2e-5, plug, 20, [2.0, 0.31]),
-        ("plug", 1.2e-5, plug, 40, [1.5, 0.31]),
+        ("cone", 4e-6, cone, 20, [1.5, 0.01, 1e-4]),
+        ("plug", 1.2e-5, plug, 20, [1.5, 0.01, 1.1e-4]),
+        ("plug", 1.2e-5, plug, 40, [1.6, 0.04, 1e-4]),
     ];
-    for (name, mass, corners, cells, [most, deep]) in cases {
+    for (name, mass, corners, cells, [most, deep, drift]) in cases {
         let ran = run_nose(mass, corners, cells);
         let of = |what: &str| ran.column(&format!("{what}@NOSE.REF"));
         let force = of("A2");
@@ -253,7 +297,7 @@ fn rigid_nose_enters_a_block_with_one_force_pulse() {
             energy.drift
         );
         assert!(pulse < most && inside < deep, "{name}: {pulse} {inside}");
-        assert!(energy.drift < 1e-4 && created < 1e-6 && energy.contact < 1e-2 * energy.initial, "{name}: {energy:?}");
+        assert!(energy.drift < drift && created < 1e-6 && energy.contact < 1e-2 * energy.initial, "{name}: {energy:?}");
     }
 }
 

@@ -13,6 +13,7 @@ mod contact;
 mod contact_analytical;
 mod contact_cards;
 mod contact_curved;
+mod contact_edges;
 mod contact_friction;
 mod contact_heat;
 mod contact_hertz;

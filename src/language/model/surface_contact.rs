@@ -43,6 +43,7 @@ impl ModelBuilder<'_> {
             }
             return;
         }
+        let weight = card.read::<f64>("WEIGHT");
         let interaction = card.value("INTERACTION").and_then(|word| self.interaction(word));
         self.state().surface_contacts.push(SurfaceContact {
             sides,
@@ -51,6 +52,7 @@ impl ModelBuilder<'_> {
             no_thickness: card.has("NO THICKNESS"),
             clearance,
             penalty,
+            secondary: [(0.0, 0), (1.0, 1)].into_iter().find(|w| w.0 == weight).map(|w| w.1),
             cpset: card.value("CPSET").map(|w| upper(&w.text)),
             interaction,
             law: InteractionLaw::default(),

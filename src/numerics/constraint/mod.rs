@@ -139,6 +139,10 @@ pub trait ContactResults {
 
     /// Returns the value of a contact pair; `None` if the pair is not in force.
     fn value_of_pair(&self, pair: usize, part: VariableComponent) -> Option<f64>;
+
+    /// Returns the pair that has absorbed the least energy: its name, this energy, and the coordinates of the largest
+    /// release in an increment.
+    fn lowest_energy(&self) -> Option<(&str, f64, [f64; 2])>;
 }
 
 /// Heat exchange of nodes across contact surfaces.

@@ -1,4 +1,4 @@
-//! Monitor for overlaps of bodies between which no contact is defined. It issues warnings and changes no result.
+//! Monitor for overlaps of bodies, with or without contact between them. It issues warnings and changes no result.
 
 use super::contact::curve::PointCarrier;
 use super::{Constraint, ConstraintUpkeep, StoredConstraint};
@@ -28,11 +28,13 @@ pub struct BodyOutline {
     pub faces: Vec<[u32; 2]>,
 }
 
-/// Two bodies without contact between them.
+/// Two bodies that should not overlap.
 #[derive(Clone, Debug)]
 struct BodyPair {
     bodies: [usize; 2],
-    /// Whether their overlap has been reported, or existed at the start of the step.
+    /// Whether contact is defined between them.
+    in_contact: bool,
+    /// Whether their overlap has been reported, or existed at the start.
     is_reported: bool,
 }
 
@@ -41,7 +43,7 @@ struct BodyPair {
 pub struct OverlapMonitor {
     id: EffectId,
     outlines: Vec<BodyOutline>,
-    /// Pairs of bodies without contact.
+    /// Pairs of bodies.
     pairs: Vec<BodyPair>,
     /// Current coordinates of the points of each body.
     places: Vec<Vec<[f64; 2]>>,
@@ -49,27 +51,34 @@ pub struct OverlapMonitor {
     boxes: Vec<[[f64; 2]; 2]>,
     /// Faces sorted by their lower ends.
     order: Vec<(f64, u32)>,
-    /// Overlaps that were found: index of the pair, total time and coordinates.
-    found: Vec<(u32, [f64; 3])>,
+    /// Whether the first step has begun.
+    has_begun: bool,
+    /// Overlaps that were found: index of the pair, total time, coordinates, depth and length of the nearest face.
+    found: Vec<(u32, [f64; 5])>,
 }
 
 impl OverlapMonitor {
-    /// Monitors these pairs of bodies.
-    pub fn new(id: EffectId, outlines: Vec<BodyOutline>, pairs: Vec<[usize; 2]>) -> OverlapMonitor {
+    /// Monitors these pairs of bodies, each with whether contact is defined between them.
+    pub fn new(id: EffectId, outlines: Vec<BodyOutline>, pairs: Vec<([usize; 2], bool)>) -> OverlapMonitor {
         let faces = outlines.iter().map(|o| o.faces.len()).max().unwrap_or(0);
         OverlapMonitor {
             id,
             places: outlines.iter().map(|o| vec![[0.0; 2]; o.points.len()]).collect(),
             boxes: vec![[[0.0; 2]; 2]; outlines.len()],
             order: Vec::with_capacity(faces),
+            has_begun: false,
             found: Vec::with_capacity(pairs.len()),
-            pairs: pairs.into_iter().map(|bodies| BodyPair { bodies, is_reported: false }).collect(),
+            pairs: pairs
+                .into_iter()
+                .map(|(bodies, in_contact)| BodyPair { bodies, in_contact, is_reported: false })
+                .collect(),
             outlines,
         }
     }
 
-    /// Calls `report` with index and coordinates for each pair that overlaps and is not settled, and settles it.
-    fn find_overlaps(&mut self, dofs: &Dofs, mut report: impl FnMut(u32, [f64; 2])) {
+    /// Calls `report` for each pair that overlaps and is not settled, and settles it. The values are the coordinates of
+    /// a point, its depth, and the length of the nearest face.
+    fn find_overlaps(&mut self, dofs: &Dofs, mut report: impl FnMut(u32, [f64; 4])) {
         let OverlapMonitor { outlines, places, boxes, .. } = self;
         for ((outline, places), corners) in outlines.iter().zip(places).zip(boxes) {
             *corners = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
@@ -84,21 +93,22 @@ impl OverlapMonitor {
             }
         }
         for at in 0..self.pairs.len() {
-            let BodyPair { bodies: [a, b], is_reported: is_settled } = self.pairs[at];
+            let BodyPair { bodies: [a, b], is_reported: is_settled, .. } = self.pairs[at];
             let meets =
                 (0..2).all(|i| self.boxes[a][0][i] < self.boxes[b][1][i] && self.boxes[b][0][i] < self.boxes[a][1][i]);
             if is_settled || !meets {
                 continue;
             }
-            if let Some(place) = self.inside(a, b).or_else(|| self.inside(b, a)) {
+            if let Some(found) = self.inside(a, b).or_else(|| self.inside(b, a)) {
                 self.pairs[at].is_reported = true;
-                report(at as u32, place);
+                report(at as u32, found);
             }
         }
     }
 
-    /// Returns a point of one body that is inside another one, deeper than the tolerance.
-    fn inside(&mut self, of: usize, within: usize) -> Option<[f64; 2]> {
+    /// Returns a point of one body that is inside another one, deeper than the tolerance, with its depth and the length
+    /// of the nearest face.
+    fn inside(&mut self, of: usize, within: usize) -> Option<[f64; 4]> {
         let OverlapMonitor { outlines, places, boxes, order, .. } = self;
         let ([low, high], at) = (boxes[within], &places[within]);
         let faces = &outlines[within].faces;
@@ -115,7 +125,7 @@ impl OverlapMonitor {
             longest = longest.max(libm::hypot(b[0] - a[0], b[1] - a[1]));
         }
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        points.copied().find(|p| {
+        points.find_map(|p| {
             let from = order.partition_point(|o| o.0 < p[1] - 2.0 * longest);
             let near = order[from..].iter().take_while(|o| o.0 <= p[1] + longest);
             // Even-odd rule along r.
@@ -123,11 +133,12 @@ impl OverlapMonitor {
                 let [a, b] = ends(face);
                 (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
             };
-            let deep = |face: u32| {
-                let (distance, length) = distance(*p, ends(face));
-                distance > FIT * length
-            };
-            near.clone().filter(|o| crosses(o.1)).count() % 2 == 1 && near.clone().all(|o| deep(o.1))
+            if near.clone().filter(|o| crosses(o.1)).count() % 2 == 0 {
+                return None;
+            }
+            let depths = near.map(|o| distance(*p, ends(o.1)));
+            let (depth, length) = depths.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            (depth > FIT * length).then_some([p[0], p[1], depth, length])
         })
     }
 }
@@ -145,15 +156,17 @@ impl Constraint for OverlapMonitor {
         self.id
     }
 
-    /// An overlap at the start of the step has been reported before the run, or is intended.
+    /// An overlap at the start of the analysis has been reported before the run, or is intended.
     fn begin(&mut self, dofs: &mut Dofs) {
-        self.find_overlaps(dofs, |_, _| {});
+        if !std::mem::replace(&mut self.has_begun, true) {
+            self.find_overlaps(dofs, |_, _| {});
+        }
     }
 
     fn motion(&mut self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>, dt: f64) {
         if clock.now.increment.is_multiple_of(EVERY) {
             let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time + dt);
-            self.find_overlaps(dofs, |pair, [r, z]| found.push((pair, [time, r, z])));
+            self.find_overlaps(dofs, |pair, [r, z, depth, length]| found.push((pair, [time, r, z, depth, length])));
             self.found = found;
         }
     }
@@ -166,12 +179,22 @@ impl Constraint for OverlapMonitor {
 impl ConstraintUpkeep for OverlapMonitor {
     fn warnings(&mut self, dofs: &Dofs, clock: &AmplitudeClock<'_>) -> Vec<String> {
         let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time);
-        self.find_overlaps(dofs, |pair, [r, z]| found.push((pair, [time, r, z])));
-        let warnings = found.iter().map(|&(pair, [time, r, z])| {
-            let [a, b] = self.pairs[pair as usize].bodies.inline_map(|body| &self.outlines[body].name);
+        self.find_overlaps(dofs, |pair, [r, z, depth, length]| found.push((pair, [time, r, z, depth, length])));
+        let warnings = found.iter().map(|&(pair, [time, r, z, depth, length])| {
+            let BodyPair { bodies, in_contact, .. } = self.pairs[pair as usize];
+            let [a, b] = bodies.inline_map(|body| &self.outlines[body].name);
+            let cause = match in_contact {
+                true => {
+                    "although contact is defined between them: use smaller facets there, a stiffer pressure-overclosure \
+                     relationship, or smaller increments"
+                }
+                false => {
+                    "and no contact is defined between them: define it (*CONTACT PAIR, or general contact with *CONTACT)"
+                }
+            };
             format!(
-                "{a} and {b} overlap at time {time:.4e} near (r = {r:.4e}, z = {z:.4e}), and no contact is defined between them: \
-                 define it (*CONTACT PAIR, or general contact with *CONTACT)"
+                "{a} and {b} overlap by {depth:.2e} ({:.0} % of a face) at time {time:.4e} near (r = {r:.4e}, z = {z:.4e}), {cause}",
+                100.0 * depth / length
             )
         });
         let warnings = warnings.collect();
@@ -193,9 +216,9 @@ impl StoredConstraint for OverlapMonitor {
     }
 }
 
-persist_struct!(OverlapMonitor { pairs: fixed, found } derived { id, outlines, places, boxes, order } then OverlapMonitor::check_found);
+persist_struct!(OverlapMonitor { pairs: fixed, has_begun, found } derived { id, outlines, places, boxes, order } then OverlapMonitor::check_found);
 
-persist_struct!(BodyPair { is_reported } derived { bodies });
+persist_struct!(BodyPair { is_reported } derived { bodies, in_contact });
 
 impl OverlapMonitor {
     fn check_found(&mut self, archive: &mut StateArchive<'_>) {

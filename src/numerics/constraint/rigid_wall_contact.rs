@@ -389,6 +389,10 @@ impl ContactResults for RigidWallContact {
         None
     }
 
+    fn lowest_energy(&self) -> Option<(&str, f64, [f64; 2])> {
+        None
+    }
+
     fn value_of_pair(&self, pair: usize, part: VariableComponent) -> Option<f64> {
         if pair != self.pair.number {
             return None;

@@ -17,6 +17,12 @@ pub enum PressureOverclosure {
     Table(Vec<[f64; 2]>),
 }
 
+/// Exponent above which the exponential relationship continues along its tangent, so that trial values of an iteration
+/// are finite.
+const LARGEST_EXPONENT: f64 = 100.0;
+/// Number of bisections for the overclosure of an energy.
+const BISECTIONS: usize = 52;
+
 impl PressureOverclosure {
     /// Returns the fraction t of the next increment at whose end the overclosure is evaluated. With t = 1, no slope
     /// limits the increment and oscillations are damped most. t = 1/2 is the smallest value that is stable for any
@@ -53,6 +59,47 @@ impl PressureOverclosure {
         [slope * (overlap + self.onset_gap()), slope]
     }
 
+    /// Returns the energy per area at an overclosure: the integral of the pressure over the overclosure.
+    pub fn energy(&self, overlap: f64) -> f64 {
+        match self {
+            PressureOverclosure::Hard => 0.0,
+            PressureOverclosure::Linear(stiffness) | PressureOverclosure::Spring(stiffness) => {
+                0.5 * stiffness * overlap.max(0.0) * overlap.max(0.0)
+            }
+            PressureOverclosure::Exponential([at_zero, gap]) => {
+                let x = (overlap / gap + 1.0).max(0.0);
+                let factor = at_zero * gap / (std::f64::consts::E - 1.0);
+                factor * ((x - 1.0) * libm::exp(x) + 1.0 - 0.5 * x * x)
+            }
+            PressureOverclosure::Table(rows) => {
+                let ends = rows.windows(2).enumerate().map(|(at, row)| (at + 2 == rows.len(), row[0][1], row[1][1]));
+                let parts = ends.map(|(is_last, from, to)| {
+                    let to = if is_last { overlap } else { to.min(overlap) };
+                    let pressures = self.pressure(from)[0] + self.pressure(to)[0];
+                    0.5 * pressures * (to - from).max(0.0)
+                });
+                parts.sum()
+            }
+        }
+    }
+
+    /// Returns the overclosure of an energy per area that is at most that of the overclosure `most`.
+    pub fn overlap_of_energy(&self, energy: f64, most: f64) -> f64 {
+        if let PressureOverclosure::Linear(stiffness) | PressureOverclosure::Spring(stiffness) = self {
+            return (2.0 * energy / stiffness).sqrt().min(most);
+        }
+        let (mut low, mut high) = (-self.onset_gap(), most);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if self.energy(middle) > energy {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        low
+    }
+
     /// Returns the pressure at an overclosure, and its derivative.
     pub fn pressure(&self, overlap: f64) -> [f64; 2] {
         match self {
@@ -66,8 +113,10 @@ impl PressureOverclosure {
                 if x <= 0.0 {
                     return [0.0, 0.0];
                 }
-                let (factor, grown) = (at_zero / (std::f64::consts::E - 1.0), libm::exp(x));
-                [factor * x * (grown - 1.0), factor * (grown - 1.0 + x * grown) / gap]
+                let (factor, within) = (at_zero / (std::f64::consts::E - 1.0), x.min(LARGEST_EXPONENT));
+                let grown = libm::exp(within);
+                let slope = factor * (grown - 1.0 + within * grown) / gap;
+                [factor * within * (grown - 1.0) + slope * gap * (x - within), slope]
             }
             PressureOverclosure::Table(rows) => tabulated(rows, overlap),
         }

@@ -24,6 +24,8 @@ pub struct EnergyTotals {
     pub contact: f64,
     /// Energy stored and dissipated by contact penalty springs.
     pub penalty: f64,
+    /// Energy of the overlaps with which soft contact began. Contact may release it; it is not part of the sum.
+    pub initial_overlap: f64,
     /// Energy dissipated by friction, in contact and in an unmeshed target.
     pub friction: f64,
     /// Energy dissipated by cavity expansion in an unmeshed target.
@@ -49,5 +51,6 @@ persist_struct!(EnergyTotals {
     friction,
     cavity,
     distortion,
-    penalty
+    penalty,
+    initial_overlap
 });

@@ -49,6 +49,7 @@ impl Compiler<'_> {
             let Some([law, of_points]) = law else { continue };
             (pair.law, pair.of_points, pair.springs) = (law, of_points, has_springs(contact));
             pair.initial_clearance = initial_clearance(contact, length);
+            pair.name = pair_name(contact);
             if state.thermal.as_ref().is_some_and(|t| t.heat.is_some()) {
                 self.heat_row(contact);
             }
@@ -99,7 +100,7 @@ impl Compiler<'_> {
         if general.is_some_and(|g| g.excludes_detached_nodes) {
             [first, second].into_iter().for_each(|curve| found.curves[curve].drop_orphans());
         }
-        let curves = found.order(first, second);
+        let curves = found.order(first, second, contact.secondary);
         let length = found.lengths[first][0].min(found.lengths[second][0]);
         let id = match general {
             Some(general) => self.general_row(general, step),
@@ -112,6 +113,10 @@ impl Compiler<'_> {
             length: found.lengths[curves[0]][1],
         };
         self.check_pair(contact, step, met, state);
+        let sides = if curves[0] == first { [0, 1] } else { [1, 0] };
+        if step == 0 {
+            self.check_sizes(contact, curves, sides, found);
+        }
         let mut pair = ContactPair::new(id, self.pair_number(contact), curves, length);
         pair.first = curves[0] == first;
         Some((pair, length))
@@ -258,7 +263,11 @@ impl Compiler<'_> {
         let Some(SurfaceOverlap { depth, place: [r, z] }) = overlap.filter(|o| o.depth > FIT * length) else { return };
         let [a, b] = [0, 1].map(|i| &contact.sides[i].name);
         let message = format!("`{a}` and `{b}` overlap at the start by up to {depth:.3e}");
-        let label = format!("largest near ({r:.4e}, {z:.4e}); the overlap is kept and does not grow");
+        let effect = match contact.law.overclosure == PressureOverclosure::Hard && contact.penalty.is_none() {
+            true => "the overlap is kept and does not grow",
+            false => "its pressure acts from the start",
+        };
+        let label = format!("largest near ({r:.4e}, {z:.4e}); {effect}");
         let finding = Diagnostic::warning("P111", message).at(contact.span, label);
         self.diagnostics
             .push(finding.help("move the bodies apart, or use *CONTACT CLEARANCE or *CONTACT INITIALIZATION DATA"));

@@ -282,11 +282,14 @@ impl ContactGeometry {
         self.curves.len() - 1
     }
 
-    /// Orders two curves: the first one carries the contact pressures. It is the finer one of two deformable curves,
-    /// never a rigid one.
-    pub(super) fn order(&self, first: usize, second: usize) -> [usize; 2] {
+    /// Orders two curves: the first one carries the contact pressures. It is the `secondary` surface that the deck
+    /// gives, else the finer one of two deformable curves, never a rigid one.
+    pub(super) fn order(&self, first: usize, second: usize, secondary: Option<usize>) -> [usize; 2] {
         let swaps = match (self.deforms[first], self.deforms[second]) {
-            (true, true) => self.lengths[second][1] < self.lengths[first][1],
+            (true, true) => match secondary {
+                Some(given) => given == 1,
+                None => self.lengths[second][1] < self.lengths[first][1],
+            },
             (deforms, _) => !deforms,
         };
         if swaps { [second, first] } else { [first, second] }

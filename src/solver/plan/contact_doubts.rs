@@ -1,6 +1,7 @@
 //! Warnings for questionable contact pairs: surfaces that face away from each other, rigid bodies lighter than the
 //! contact nodes, rigid surfaces finer than the deformable mesh.
 
+use super::contact_curves::ContactGeometry;
 use super::{Compiler, State};
 use crate::constraint::contact::curve::{FacetCurve, FacetNeighbor, FacetShape, PointCarrier, SurfacePoint};
 use crate::deck::Diagnostic;
@@ -11,6 +12,11 @@ const FACING: f64 = -0.1;
 /// Accepted change of direction of a rigid surface within one deformable facet, in addition to its sharpest corner,
 /// radians.
 const TURN: f64 = 0.5;
+
+/// Ratios of facet lengths and of moduli above which a finer and stiffer surface must not carry the pressures: the
+/// coarse facets cannot follow its hat functions.
+const FINER: f64 = 2.0;
+const STIFFER: f64 = 1.5;
 
 /// Two curves in contact. The first one carries the contact pressures.
 #[derive(Clone, Copy)]
@@ -116,6 +122,41 @@ impl Compiler<'_> {
             let finding = Diagnostic::warning("P118", message).at(contact.span, format!("near ({r:.4e}, {z:.4e})"));
             self.diagnostics.push(finding.help("use deformable elements as small as the roundings"));
         }
+    }
+
+    /// Warns if the surface that carries the pressures, of these `sides` the first, is much finer and stiffer than the
+    /// other one.
+    pub(super) fn check_sizes(
+        &mut self,
+        contact: &SurfaceContact,
+        [own, other]: [usize; 2],
+        sides: [usize; 2],
+        found: &ContactGeometry,
+    ) {
+        let finer = found.lengths[other][1] / found.lengths[own][1];
+        if contact.is_self_contact() || !found.deforms[other] || finer <= FINER {
+            return;
+        }
+        let mean = |curve: usize| {
+            let all = found.facet_elements[curve].iter().map(|&(element, _)| self.modulus_of(element));
+            let (sum, count) = all.flatten().fold((0.0, 0), |(sum, count), m| (sum + m, count + 1));
+            sum / f64::from(count.max(1))
+        };
+        let stiffer = mean(own) / mean(other);
+        if stiffer.is_nan() || stiffer <= STIFFER {
+            return;
+        }
+        let [a, b] = sides.map(|side| &contact.sides[side].name);
+        let message = format!(
+            "`{a}` carries the contact pressures; it is {finer:.1} times finer and {stiffer:.1} times stiffer than `{b}`"
+        );
+        let finding =
+            Diagnostic::warning("P121", message).at(contact.span, "pressures will oscillate from node to node");
+        let cure = match contact.general {
+            true => format!("use smaller facets on `{b}`, or *CONTACT PAIR with WEIGHT"),
+            false => format!("use smaller facets on `{b}`, or WEIGHT={} so that `{b}` carries the pressures", sides[1]),
+        };
+        self.diagnostics.push(finding.help(cure));
     }
 
     /// Warns if a free rigid body is lighter than the contact nodes.

@@ -69,6 +69,7 @@ impl Compiler<'_> {
                 no_thickness: false,
                 clearance: clearance.map(|index| general.clearances[index].1),
                 penalty: penalty.map(|index| general.penalties[index].1),
+                secondary: None,
                 cpset: None,
                 span: m.span,
             }

@@ -1,5 +1,5 @@
-//! Overlaps of bodies without contact between them: a warning for overlaps at the start, and a check of the other
-//! bodies during the run.
+//! Overlaps of bodies: a warning for overlaps at the start of bodies without contact, and a check of all bodies during
+//! the run.
 
 use std::collections::HashMap;
 
@@ -79,8 +79,8 @@ impl Compiler<'_> {
         self.pieces_of(ElementKind::is_solid)
     }
 
-    /// Creates the check of bodies without contact between them; `None` if there are no such bodies.
-    pub(super) fn unpaired_bodies(&mut self, state: &State) -> Option<Box<dyn Constraint>> {
+    /// Creates the check of bodies for overlaps; `None` if there are fewer than two.
+    pub(super) fn overlapping_bodies(&mut self, state: &State) -> Option<Box<dyn Constraint>> {
         let lines = self.pieces_of(|kind| kind == ElementKind::Rax2);
         let solids = self.pieces();
         let count = solids.len();
@@ -89,19 +89,19 @@ impl Compiler<'_> {
         let mut pairs = Vec::new();
         for a in 0..count {
             for b in a + 1..all.len() {
-                if (deforms(&all[a]) || deforms(&all[b])) && !self.may_meet([&all[a], &all[b]]) {
-                    pairs.push([a, b]);
+                if deforms(&all[a]) || deforms(&all[b]) {
+                    pairs.push(([a, b], self.may_meet([&all[a], &all[b]])));
                 }
             }
         }
         let step = self.model.steps.first().filter(|_| !pairs.is_empty())?;
         let outside = self.model.mesh.exterior_faces();
         let outlines: Vec<BodyOutline> = all.iter().map(|piece| self.outline(piece, &outside, state)).collect();
-        pairs.retain(|pair| pair.iter().any(|&body| !outlines[body].faces.is_empty()));
+        pairs.retain(|(pair, _)| pair.iter().any(|&body| !outlines[body].faces.is_empty()));
         if pairs.is_empty() {
             return None;
         }
-        let detail = "check for overlap of bodies without contact";
+        let detail = "check for overlap of bodies";
         let id = self.ledger_row(step.span, "look at bodies", pairs.len(), "pairs", detail.into());
         Some(Box::new(OverlapMonitor::new(id, outlines, pairs)))
     }

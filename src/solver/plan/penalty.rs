@@ -23,8 +23,7 @@ impl Compiler<'_> {
         let places = nodes.map(|n| self.places.nodes.get(&n).copied());
         let matrix = state.elements.groups[group].stiffness(index, state.dofs.nodes.as_slice());
         let Some(ElementStiffness(matrix)) = matrix else {
-            let section = self.model.sections.iter().find(|s| s.elements.contains(&element))?;
-            return Some(height(of, &mesh.points, length) / self.modulus(section.material)?);
+            return Some(height(of, &mesh.points, length) / self.modulus_of(element)?);
         };
         // Stiffness of the element for a displacement of the facet along its normal, per area.
         let (corners, normal) = (state.elements.groups[group].nodes(index), [dz / length, -dr / length]);
@@ -40,6 +39,11 @@ impl Compiler<'_> {
         let force: f64 = (0..size).map(|i| way[i] * (0..size).map(|j| matrix[i][j] * way[j]).sum::<f64>()).sum();
         let area = std::f64::consts::PI * (a[0] + b[0]) * length;
         (force > 0.0).then(|| area / force)
+    }
+
+    /// Returns the longitudinal modulus of an element; `None` if it cannot be determined.
+    pub(super) fn modulus_of(&self, element: usize) -> Option<f64> {
+        self.modulus(self.model.sections.iter().find(|s| s.elements.contains(&element))?.material)
     }
 
     /// Returns the longitudinal modulus: density times the square of the longitudinal wave speed.

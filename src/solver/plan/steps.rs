@@ -274,7 +274,7 @@ impl<'a> Compiler<'a> {
             }
         }
         if let Err(origin) = list.keep(ConstraintOrigin::Overlaps)
-            && let Some(overlaps) = self.unpaired_bodies(state).filter(|_| index == 0)
+            && let Some(overlaps) = self.overlapping_bodies(state).filter(|_| index == 0)
         {
             list.add(origin, overlaps);
         }

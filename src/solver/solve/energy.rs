@@ -193,6 +193,13 @@ impl EnergyBalance {
         self.solid.internal + self.solid.artificial
     }
 
+    /// Returns the energy that contact has stored and dissipated in its normal direction. It is negative if contact has
+    /// created energy.
+    #[inline(always)]
+    pub fn absorbed_by_contact(&self) -> f64 {
+        self.solid.contact + self.solid.penalty + self.solid.initial_overlap
+    }
+
     /// Begins a step with these forces and prescribed motions of bodies; sums continue if they are the same as before.
     pub fn begin(&mut self, forces: &[GeneralizedForce], bodies: &[BodyState]) {
         let prescribed = || (0..bodies.len()).filter(|&b| bodies[b].prescribed);

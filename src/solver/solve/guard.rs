@@ -21,7 +21,9 @@ const FLOOR: f64 = 1e-10;
 const EARLY: u64 = 500;
 /// Drift of ETOTAL, relative to the largest energy, above which every run halts.
 const LARGEST_DRIFT: f64 = 0.2;
-/// Number of successive increments above this drift that halt a run.
+/// Energy created by contact, as a fraction of the largest energy, above which every run halts.
+const LARGEST_CREATED: f64 = 0.2;
+/// Number of successive increments above these limits that halt a run.
 const LASTING: u64 = 10;
 
 /// Returns the first value above its limit that has not been reported: index, value and limit.
@@ -101,6 +103,7 @@ impl SolverRun<'_> {
         }
         self.check_energy_limits()?;
         self.check_drift()?;
+        self.check_contact()?;
         self.watch();
         Ok(())
     }
@@ -137,6 +140,17 @@ impl SolverRun<'_> {
         let passes =
             self.watch.successive_drifts < LASTING || self.now.increment < EARLY || self.step.has_drift_limit();
         if passes || self.is_noise() { Ok(()) } else { Err(self.drift_halt(drift)) }
+    }
+
+    /// Checks the energy of contact, which is a term of ETOTAL, so that its drift does not show it.
+    fn check_contact(&mut self) -> Result<(), HaltReason> {
+        let is_met = self.balance.absorbed_by_contact() < -LARGEST_CREATED * self.balance.largest();
+        let [_, count] = &mut self.watch.contact_below_zero;
+        *count = if is_met { *count + 1 } else { 0 };
+        if *count < LASTING || self.step.has_drift_limit() || self.is_noise() {
+            return Ok(());
+        }
+        Err(HaltReason { code: "R208", reason: self.name_created_energy() })
     }
 
     /// Checks the drift at the end of an analysis that was too short for the limit, so that its results are not used.

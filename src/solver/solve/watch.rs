@@ -3,6 +3,7 @@
 
 use super::energy::{Energy, EnergyBalance};
 use super::run::SolverRun;
+use crate::constraint::ContactResults;
 use crate::kernel::lanes::InlineMap;
 use crate::model::IncrementControl;
 use crate::state::archive::persist_struct;
@@ -60,6 +61,8 @@ pub(super) struct RunMonitor {
     pub(super) drift_count: u64,
     /// Increments with negative kinetic and negative internal energy, up to the warning.
     below_zero: [u64; 2],
+    /// Increments with a negative energy of contact, up to the warning, and successive ones with an energy that halts.
+    pub(super) contact_below_zero: [u64; 2],
     /// Whether warnings of a pattern and of small increments have been issued.
     pattern_reported: bool,
     slow_reported: bool,
@@ -90,7 +93,7 @@ impl RunMonitor {
             }
         }
         let lowest = balance.kinetic_of_solid().min(balance.internal_of_solid());
-        let below = lowest < -BELOW_ZERO * balance.largest();
+        let below = lowest.min(balance.absorbed_by_contact()) < -BELOW_ZERO * balance.largest();
         !unsound[0] && !below && now.increment < self.next_look
     }
 }
@@ -99,6 +102,7 @@ impl SolverRun<'_> {
     /// Makes the checks that are due.
     pub(super) fn watch(&mut self) {
         self.watch_sign();
+        self.watch_contact();
         if self.now.increment >= self.watch.next_look {
             self.watch.next_look = self.now.increment + self.now.increment.clamp(LOOK_EVERY[0], LOOK_EVERY[1]);
             self.watch_pattern();
@@ -130,6 +134,39 @@ impl SolverRun<'_> {
                 self.name_folded()
             ));
         }
+    }
+
+    /// Checks for energy that contact has created.
+    fn watch_contact(&mut self) {
+        let [count, _] = &mut self.watch.contact_below_zero;
+        if *count > SEEN || self.balance.absorbed_by_contact() >= -BELOW_ZERO * self.balance.largest() {
+            return;
+        }
+        *count += 1;
+        if *count < SEEN || self.is_noise() {
+            return;
+        }
+        self.watch.contact_below_zero[0] = SEEN + 1;
+        let warning = self.name_created_energy();
+        self.outcome.warnings.push(warning);
+    }
+
+    /// Returns how much energy contact has created, the pair, and the place of the largest release.
+    pub(super) fn name_created_energy(&self) -> String {
+        let energy = self.balance.absorbed_by_contact();
+        let contacts = self.state.constraints.iter().filter_map(|c| c.view().contact);
+        let lowest = contacts.filter_map(ContactResults::lowest_energy).min_by(|a, b| a.1.total_cmp(&b.1));
+        let place = lowest.map_or_else(String::new, |(pair, _, [r, z])| {
+            format!(", most in pair {pair}, with the largest release near (r = {r:.4e}, z = {z:.4e})")
+        });
+        format!(
+            "contact has created energy: ALLCW + ALLPW is {energy:.3e}, {:.1} % of the largest energy below zero, at increment {}, \
+             time {:e}{place}. Use smaller facets there, SCALE FACTOR=0.5 on *DYNAMIC, or hard contact instead of a \
+             pressure-overclosure relationship",
+            -100.0 * energy / self.balance.largest(),
+            self.now.increment,
+            self.now.total_time
+        )
     }
 
     /// Checks for growing hourglass patterns.
@@ -283,7 +320,7 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 }
 
 persist_struct!(RunMonitor {
-    unsound, successive_drifts, drift_count, below_zero, pattern_reported, slow_reported, slow, pattern, next_look, limits_reported
+    unsound, successive_drifts, drift_count, below_zero, contact_below_zero, pattern_reported, slow_reported, slow, pattern, next_look, limits_reported
 } derived {
     shown
 });

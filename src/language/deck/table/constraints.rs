@@ -253,7 +253,7 @@ pub const CARDS: &[Keyword] = &[
         "TYPE" inert "the formulation depends on the surfaces: nodes against analytical surfaces, facets against others",
         "MECHANICAL CONSTRAINT" (word(&["KINEMATIC", "PENALTY"]).or(0.0)) "KINEMATIC: hard contact; PENALTY: springs with the stiffness of the underlying elements, which do not reduce the stable time increment",
         "CPSET" read "Name of a set of pairs, for *CONTACT CONTROLS, *CLEARANCE and *CONTACT OUTPUT",
-        "WEIGHT" inert "pressures are computed on the finer of two deformable surfaces, never on a rigid one",
+        "WEIGHT" (NUMBER.from(0.0).to(1.0).or(0.5)) "1: the first surface is the main surface, and the second one carries the contact pressures; 0: the other way round; other values: automatic choice. A rigid surface never carries pressures",
         "SMALL SLIDING" inert "finite sliding is always used, which includes small sliding",
         "OP" (word(&["DELETE", "ADD"]).or(1.0)),
         "ADJUST" read "Initial gaps up to this value are set to zero",

@@ -63,6 +63,9 @@ pub struct SurfaceContact {
     pub clearance: Option<PrescribedClearance>,
     /// Scale factor of the penalty stiffness; `None` for kinematic contact, which allows no penetration.
     pub penalty: Option<f64>,
+    /// Index (0 or 1) of the surface that carries the contact pressures, the secondary surface (`WEIGHT`,
+    /// `*CONTACT FORMULATION`); `None` for an automatic choice.
+    pub secondary: Option<usize>,
     /// Upper-case name of the contact pair set (`CPSET`).
     pub cpset: Option<String>,
     /// Surface interaction.

@@ -35,6 +35,8 @@ impl ContactConstraint {
         for at in 0..self.pairs.len() {
             let (number, first) = (self.pairs[at].number, self.pairs[at].first);
             if let Some(pair) = previous.pairs.iter().find(|p| (p.number, p.first) == (number, first)) {
+                self.pairs[at].absorbed = pair.absorbed;
+                self.pairs[at].largest_release = pair.largest_release;
                 let known: HashMap<_, _> = previous.key_owners(pair).into_iter().collect();
                 for (owner, key) in self.key_owners(&self.pairs[at]) {
                     known.get(&owner).into_iter().for_each(|&other| self.take_over_key(key, previous, other));
@@ -51,6 +53,7 @@ impl ContactConstraint {
 
     fn take_over_key(&mut self, key: usize, previous: &ContactConstraint, other: usize) {
         self.pressures[key] = previous.pressures[other];
+        self.stored_energy.take_over(key, &previous.stored_energy, other);
         self.shown.take_over(key, &previous.shown, other);
         let fit = previous.gap_offsets.get(other).copied().unwrap_or(0.0);
         if fit != 0.0 && self.gap_offsets.is_empty() {

@@ -64,6 +64,8 @@ pub struct FacetCurve {
     drops_orphans: bool,
     /// Indices in `own` of tips: points on the axis at which the curve ends in a sharp angle.
     tips: Vec<u32>,
+    /// Indices in `own` of convex corners: points at which the outline of the body turns sharply.
+    corners: Vec<u32>,
     /// Shape of each exposed facet at the start of the increment.
     pub shapes: Vec<FacetShape>,
     /// Work array: items that have been sorted.
@@ -102,7 +104,8 @@ impl FacetShape {
     }
 }
 
-/// Sine of the angle to the plane normal to the axis above which a point on the axis is a tip.
+/// Sine of the angle to the plane normal to the axis above which a point on the axis is a tip. A convex point with a
+/// larger sine of the change of direction is a corner.
 const SHARP: f64 = 0.29;
 
 impl FacetCurve {
@@ -129,6 +132,7 @@ impl FacetCurve {
             exposed_points: Vec::with_capacity(own.len()),
             orphans: Vec::with_capacity(if bare < count { own.len() } else { 0 }),
             tips: Vec::new(),
+            corners: Vec::new(),
             drops_orphans: false,
             own,
             around,
@@ -139,6 +143,7 @@ impl FacetCurve {
         curve.list();
         curve.find_neighbors(places);
         curve.find_tips(places);
+        curve.find_corners(places);
         curve
     }
 
@@ -172,16 +177,36 @@ impl FacetCurve {
         }
     }
 
-    /// Returns whether some of its points may be in contact by themselves.
-    pub fn has_single_points(&self) -> bool {
-        self.exposed.len() < self.facets.len() || !self.tips.is_empty()
+    /// Finds convex corners. The weighted gap of an opposite facet that a corner slides onto begins with an overlap, so
+    /// a corner has point contact.
+    fn find_corners(&mut self, places: &[[f64; 2]]) {
+        for &k in &self.exposed {
+            let FacetNeighbor::Facet(next) = self.neighbors[k as usize][1] else { continue };
+            let [a, b] = [k, next].inline_map(|j| {
+                let [from, to] = self.facets[j as usize].inline_map(|p| places[p as usize]);
+                FacetShape::new(from, to)
+            });
+            let size = a.length * b.length;
+            let turn = (a.along[0] * b.along[1] - a.along[1] * b.along[0]) / size;
+            let turns_back = a.along[0] * b.along[0] + a.along[1] * b.along[1] < 0.0;
+            if turn > SHARP || (turns_back && turn > 0.0) {
+                self.corners.extend(self.own.binary_search(&self.facets[next as usize][0]).map(|at| at as u32));
+            }
+        }
     }
 
-    /// Returns the points that are in contact by themselves, as indices in `own`: points without elements, then tips
-    /// with an exposed facet.
-    pub fn single_points(&self) -> impl Iterator<Item = u32> + '_ {
-        let there = |i: &&u32| self.around[**i as usize].iter().any(|f| self.is_exposed[f.0 as usize]);
-        self.orphans.iter().chain(self.tips.iter().filter(there)).copied()
+    /// Returns whether some of its points may be in contact by themselves.
+    pub fn has_single_points(&self) -> bool {
+        self.exposed.len() < self.facets.len() || !self.tips.is_empty() || !self.corners.is_empty()
+    }
+
+    /// Returns the points that are in contact by themselves, as indices in `own`, and whether each is a corner: points
+    /// without elements, then tips and corners with an exposed facet.
+    pub fn single_points(&self) -> impl Iterator<Item = (u32, bool)> + '_ {
+        let there = |i: &u32| self.around[*i as usize].iter().any(|f| self.is_exposed[f.0 as usize]);
+        let tips = self.tips.iter().copied().filter(there).map(|i| (i, false));
+        let corners = self.corners.iter().copied().filter(there).map(|i| (i, true));
+        self.orphans.iter().map(|&i| (i, false)).chain(tips).chain(corners)
     }
 
     /// Excludes points without elements from contact.
@@ -339,6 +364,20 @@ impl FacetCurve {
         &self.around[index]
     }
 
+    /// Returns whether the surface ends or turns sharply at an end of a facet.
+    pub fn turns_at(&self, facet: usize, end: usize) -> bool {
+        let FacetNeighbor::Facet(next) = self.neighbors[facet][end] else { return true };
+        let [a, b] = [facet, next as usize].inline_map(|k| self.shapes[k].normal);
+        (a[0] * b[1] - a[1] * b[0]).abs() > SHARP || a[0] * b[0] + a[1] * b[1] < 0.0
+    }
+
+    /// Returns the normals of two exposed facets at an own point; `None` if there are fewer.
+    pub fn normals_around(&self, index: usize) -> Option<[[f64; 2]; 2]> {
+        let mut exposed = self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize]);
+        let mut next = || exposed.next().map(|f| self.shapes[f.0 as usize].normal);
+        Some([next()?, next()?])
+    }
+
     /// Updates the shapes of exposed facets from the coordinates of the points.
     pub fn shape(&mut self, places: &[[f64; 2]]) {
         for &k in &self.exposed {
@@ -378,7 +417,7 @@ impl FacetCurve {
             + MemoryUse::of(&self.ordered);
         let of_points = MemoryUse::of(&self.own) + MemoryUse::of(&self.exposed_points) + MemoryUse::of(&self.orphans);
         let around = MemoryUse::of(&self.around) + self.around.iter().map(MemoryUse::of).sum();
-        of_facets + of_points + around + MemoryUse::of(&self.tips)
+        of_facets + of_points + around + MemoryUse::of(&self.tips) + MemoryUse::of(&self.corners)
     }
 }
 
@@ -399,7 +438,7 @@ impl Persist for FacetNeighbor {
 }
 
 persist_struct!(FacetCurve { is_exposed: fixed, has_element: fixed, neighbors: fixed } derived {
-    facets, lift, depth, own, around, exposed, exposed_points, orphans, drops_orphans, tips, shapes, ordered
+    facets, lift, depth, own, around, exposed, exposed_points, orphans, drops_orphans, tips, corners, shapes, ordered
 } then FacetCurve::list_again);
 
 impl FacetCurve {

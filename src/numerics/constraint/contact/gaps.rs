@@ -27,6 +27,8 @@ pub struct GapDerivative {
 pub struct FacetGap {
     /// Range of its derivatives in [`GapIntegrator::shares`].
     pub shares: [u32; 2],
+    /// Range of its derivatives in [`GapIntegrator::edges`].
+    pub edges: [u32; 2],
     /// Area of the surface of revolution that is opposite another facet, weighted with the hat function of each point.
     pub area: [f64; 2],
     /// Integral of gap times hat function, for each point.
@@ -86,6 +88,8 @@ impl NearestFacet {
 pub struct GapIntegrator {
     /// Derivatives for all facets, in their order.
     pub shares: Vec<GapDerivative>,
+    /// Derivatives by the motion of corners along facets, for soft contact.
+    pub edges: Vec<GapDerivative>,
     facing: Vec<FacingFacet>,
     cuts: Vec<f64>,
 }
@@ -96,6 +100,9 @@ const FACING: f64 = -0.1;
 const SHORTEST: f64 = 1e-12;
 /// Distance from a corner, as a fraction of the facet length, below which the normal of the opposite facet is used.
 const AT_CORNER: f64 = 1e-9;
+/// Distance of a corner from an edge of the own surface, as a fraction of the facet, at which both edges coincide: a
+/// motion of the corner does not change the covered area.
+const COINCIDENT: f64 = 1e-3;
 /// Coordinate of the two Gauss points on the interval from -1 to 1.
 const GAUSS: f64 = 0.577_350_269_189_625_8;
 
@@ -103,34 +110,51 @@ impl GapIntegrator {
     pub fn new(facets: usize) -> GapIntegrator {
         GapIntegrator {
             shares: Vec::with_capacity(16 * facets),
+            edges: Vec::with_capacity(6 * facets),
             facing: Vec::with_capacity(64),
             cuts: Vec::with_capacity(256),
         }
     }
 
-    /// Computes the gaps of facet `k` of one curve to the `candidates` of another one within the distance `reach`.
+    /// Clears the derivatives of the previous increment.
+    pub fn clear(&mut self) {
+        self.shares.clear();
+        self.edges.clear();
+    }
+
+    /// Computes the gaps of facet `k` of one curve to the `candidates` of another one within the distance `reach`. For
+    /// soft contact, the derivatives by the motion of the corners at which the opposite surface ends are added.
     pub fn facet_gap(
         &mut self,
-        own: &FacetCurve,
-        k: usize,
+        (own, k): (&FacetCurve, usize),
         other: &FacetCurve,
         candidates: &[u32],
         reach: f64,
+        is_soft: bool,
     ) -> FacetGap {
-        let begin = self.shares.len() as u32;
-        let mut seen = FacetGap { shares: [begin; 2], ..FacetGap::default() };
+        let (begin, first_edge) = (self.shares.len() as u32, self.edges.len() as u32);
+        let mut seen = FacetGap { shares: [begin; 2], edges: [first_edge; 2], ..FacetGap::default() };
         self.find_facing(own, k, other, candidates, reach);
         if self.facing.is_empty() {
             return seen;
         }
         self.cut(other);
+        let mut before: Option<Option<FacingFacet>> = None;
         for piece in 0..self.cuts.len() - 1 {
             let (from, to) = (self.cuts[piece], self.cuts[piece + 1]);
-            if to - from > SHORTEST {
-                self.piece([from, to], own, k, other, reach, &mut seen);
+            if to - from <= SHORTEST {
+                continue;
             }
+            let here = self.piece([from, to], own, k, other, reach, &mut seen);
+            match (before, here) {
+                (Some(Some(ends)), None) if is_soft => self.edge((own, k), other, ends, [from, 1.0]),
+                (Some(None), Some(begins)) if is_soft => self.edge((own, k), other, begins, [from, -1.0]),
+                _ => {}
+            }
+            before = Some(here);
         }
         seen.shares[1] = self.shares.len() as u32;
+        seen.edges[1] = self.edges.len() as u32;
         seen
     }
 
@@ -139,19 +163,32 @@ impl GapIntegrator {
         &self.shares[seen.shares[0] as usize..seen.shares[1] as usize]
     }
 
-    /// Computes the gap of a single point without facets, with a unit area. Returns `None` if no facet is near.
+    #[inline]
+    pub fn edges_of(&self, seen: &FacetGap) -> &[GapDerivative] {
+        &self.edges[seen.edges[0] as usize..seen.edges[1] as usize]
+    }
+
+    /// Computes the gap of a single point without facets, with a unit area. A corner has the `normals` of its facets,
+    /// and its gap is that in front of a facet opposite to one of them. Returns the gap and the facet; `None` if no facet is near.
     pub fn point_gap(
         &mut self,
         (point, place): (u32, [f64; 2]),
+        normals: Option<[[f64; 2]; 2]>,
         other: &FacetCurve,
         candidates: &[u32],
         reach: f64,
-    ) -> Option<FacetGap> {
+    ) -> Option<(FacetGap, u32)> {
         let begin = self.shares.len() as u32;
         self.facing.clear();
         let own = FacetShape { from: place, ..FacetShape::default() };
-        self.facing.extend(candidates.iter().map(|&j| FacingFacet::new(j, &own, &other.shapes[j as usize])));
+        let faces =
+            |j: u32| normals.is_none_or(|all| all.iter().any(|n| cosine(n, &other.shapes[j as usize]) < FACING));
+        let facing = candidates.iter().filter(|j| faces(**j));
+        self.facing.extend(facing.map(|&j| FacingFacet::new(j, &own, &other.shapes[j as usize])));
         let nearest = self.nearest(&own, 0.0, other)?;
+        if normals.is_some() && nearest.corner.is_some() {
+            return None;
+        }
         let j = nearest.facing.facet as usize;
         let (gap, normal, part) = nearest.distance(place, 0.0, &other.shapes[j], other.shapes[j].length);
         let gap = gap - other.lift[j];
@@ -164,7 +201,9 @@ impl GapIntegrator {
                 self.shares.push(GapDerivative { point, of: [[share * normal[0], share * normal[1]], [0.0; 2]] });
             }
         }
-        Some(FacetGap { shares: [begin, self.shares.len() as u32], area: [1.0, 0.0], gap: [gap, 0.0] })
+        let (shares, edges) = ([begin, self.shares.len() as u32], [0; 2]);
+        let seen = FacetGap { shares, edges, area: [1.0, 0.0], gap: [gap, 0.0] };
+        Some((seen, j as u32))
     }
 
     /// Selects the candidates that are opposite and near at present.
@@ -175,8 +214,7 @@ impl GapIntegrator {
         let near_enough = |j: u32| reach + own.lift[k] + other.lift[j as usize];
         for &j in candidates {
             let near = &other.shapes[j as usize];
-            let cosine = shape.normal[0] * near.normal[0] + shape.normal[1] * near.normal[1];
-            if cosine >= FACING {
+            if cosine(&shape.normal, near) >= FACING {
                 continue;
             }
             let [l, h] = near.bounds();
@@ -202,6 +240,11 @@ impl GapIntegrator {
             let inverse = 1.0 / f.along[1];
             add(-f.along[0] * inverse);
             add((1.0 - f.along[0]) * inverse);
+            // Beyond the ends of the facet, the sign of the distance changes in its plane.
+            let crossing = -f.distance[0] / f.distance[1];
+            if !(0.0..=1.0).contains(&f.at(crossing)) {
+                add(crossing);
+            }
             let FacetNeighbor::Facet(next) = other.neighbors[f.facet as usize][1] else { continue };
             if let Some(g) = facing.iter().find(|g| g.facet == next) {
                 add((g.distance[0] - f.distance[0]) / (f.distance[1] - g.distance[1]));
@@ -210,7 +253,30 @@ impl GapIntegrator {
         cuts.sort_unstable_by(f64::total_cmp);
     }
 
-    /// Integrates over a piece of the facet with one nearest facet.
+    /// Adds the derivatives by the motion of a corner of the opposite surface at the coordinate `s` of the own facet; the
+    /// covered part is before it (`side` 1) or after it (-1). A corner that moves by dl over the facet and overlaps by
+    /// `o` covers more of a linear spring of the stiffness `k` per area: the energy increases by `k o^2/2 2 pi r dl` and
+    /// the pressure is `k o`, so that the gap changes by `-o/2 2 pi r dl`.
+    fn edge(&mut self, (own, k): (&FacetCurve, usize), other: &FacetCurve, facing: FacingFacet, [s, side]: [f64; 2]) {
+        let (shape, opposite) = (own.shapes[k], other.shapes[facing.facet as usize]);
+        let overlap = own.lift[k] + other.lift[facing.facet as usize] - facing.apart(s);
+        let at = facing.at(s);
+        let end = usize::from(at > 0.5);
+        let coincides = [s, 1.0 - s].iter().zip(0..2).any(|(apart, end)| *apart < COINCIDENT && own.turns_at(k, end));
+        if overlap <= 0.0 || (at - end as f64).abs() > AT_CORNER || coincides {
+            return;
+        }
+        let r = shape.from[0] + s * shape.along[0];
+        let inverse = side * shape.length / (facing.along[1] * opposite.length * opposite.length);
+        let along = [0, 1].inline_map(|i| opposite.along[i] * (-0.5 * overlap * std::f64::consts::TAU * r * inverse));
+        let ([a, b], corner) = (own.facets[k], other.facets[facing.facet as usize][end]);
+        for (point, share) in [(a, s - 1.0), (b, -s), (corner, 1.0)] {
+            let of = [1.0 - s, s].inline_map(|hat| [hat * share * along[0], hat * share * along[1]]);
+            self.edges.push(GapDerivative { point, of });
+        }
+    }
+
+    /// Integrates over a piece of the facet with one nearest facet. Returns this facet if the piece is opposite it.
     fn piece(
         &mut self,
         [from, to]: [f64; 2],
@@ -219,10 +285,10 @@ impl GapIntegrator {
         other: &FacetCurve,
         reach: f64,
         seen: &mut FacetGap,
-    ) {
+    ) -> Option<FacingFacet> {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let shape = own.shapes[k];
-        let Some(nearest) = self.nearest(&shape, middle, other) else { return };
+        let nearest = self.nearest(&shape, middle, other)?;
         let j = nearest.facing.facet as usize;
         let opposite = &other.shapes[j];
         let mut shares = [[[0.0; 2]; 2]; 4];
@@ -253,6 +319,7 @@ impl GapIntegrator {
             let ([a, b], [c, d]) = (own.facets[k], other.facets[j]);
             [a, b, c, d].into_iter().zip(shares).for_each(|(point, of)| self.add(seen, point, of));
         }
+        any.then_some(nearest.facing)
     }
 
     /// Returns the nearest part of the opposite surface. Returns `None` beyond the free end of a surface, and around a
@@ -298,8 +365,16 @@ impl GapIntegrator {
 
     /// Returns the memory of the arrays.
     pub fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.shares) + MemoryUse::of(&self.facing) + MemoryUse::of(&self.cuts)
+        MemoryUse::of(&self.shares)
+            + MemoryUse::of(&self.edges)
+            + MemoryUse::of(&self.facing)
+            + MemoryUse::of(&self.cuts)
     }
+}
+
+/// Returns the cosine between a normal and that of a facet.
+fn cosine(normal: &[f64; 2], facet: &FacetShape) -> f64 {
+    normal[0] * facet.normal[0] + normal[1] * facet.normal[1]
 }
 
 /// Returns the signed distance from a corner at one end of a facet and its gradient; `apart` is the distance from the
@@ -340,7 +415,7 @@ mod tests {
         for below in [other, flat] {
             let (a, b) = (curve(&own, 0), curve(&below, 2));
             let mut gaps = GapIntegrator::new(4);
-            let seen: FacetGap = gaps.facet_gap(&a, 0, &b, &[0, 1], 10.0);
+            let seen: FacetGap = gaps.facet_gap((&a, 0), &b, &[0, 1], 10.0, false);
             let sum = |i: usize| {
                 let own: f64 = gaps.shares.iter().filter(|c| c.point < 2).map(|c| c.of[0][i] + c.of[1][i]).sum();
                 let other: f64 = gaps.shares.iter().filter(|c| c.point >= 2).map(|c| c.of[0][i] + c.of[1][i]).sum();
@@ -354,7 +429,7 @@ mod tests {
         }
         let (a, b) = (curve(&own, 0), curve(&flat, 2));
         let mut gaps = GapIntegrator::new(4);
-        let seen = gaps.facet_gap(&a, 0, &b, &[0, 1], 10.0);
+        let seen = gaps.facet_gap((&a, 0), &b, &[0, 1], 10.0, false);
         let rise: f64 = gaps.shares.iter().filter(|c| c.point < 2).map(|c| c.of[0][1] + c.of[1][1]).sum();
         assert!((rise / (seen.area[0] + seen.area[1]) - 1.0).abs() < 1e-14);
     }
@@ -366,14 +441,14 @@ mod tests {
         let own = curve(&[[2.5, 0.1], [3.0, 0.1]], 0);
         let mut gaps = GapIntegrator::new(4);
         let ending = curve(&[[2.0, 0.0], [0.0, 0.0]], 2);
-        assert_eq!(gaps.facet_gap(&own, 0, &ending, &[0], 10.0).area, [0.0; 2]);
+        assert_eq!(gaps.facet_gap((&own, 0), &ending, &[0], 10.0, false).area, [0.0; 2]);
         let around = curve(&[[2.0, -1.0], [2.0, 0.0], [0.0, 0.0]], 2);
-        let seen = gaps.facet_gap(&own, 0, &around, &[0, 1], 10.0);
+        let seen = gaps.facet_gap((&own, 0), &around, &[0, 1], 10.0, false);
         assert!(seen.gap[0] / seen.area[0] > 0.5 && seen.gap[1] / seen.area[1] > 0.5, "{seen:?}");
         let beside = curve(&[[2.5, -0.1], [3.0, -0.1]], 0);
-        assert_eq!(gaps.facet_gap(&beside, 0, &around, &[1], 10.0).area, [0.0; 2]);
+        assert_eq!(gaps.facet_gap((&beside, 0), &around, &[1], 10.0, false).area, [0.0; 2]);
         let within = curve(&[[1.0, -0.1], [1.5, -0.1]], 0);
-        let seen = gaps.facet_gap(&within, 0, &around, &[1], 10.0);
+        let seen = gaps.facet_gap((&within, 0), &around, &[1], 10.0, false);
         assert!(seen.gap.iter().zip(seen.area).all(|(gap, area)| area > 0.0 && *gap < 0.0), "{seen:?}");
     }
 }

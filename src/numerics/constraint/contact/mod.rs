@@ -16,6 +16,7 @@ mod heat;
 mod light;
 mod search;
 mod shown;
+mod stored_energy;
 mod sweeps;
 
 use crate::kernel::lanes::InlineMap;
@@ -27,9 +28,10 @@ use self::gaps::{FacetGap, GapIntegrator};
 use self::heat::ContactHeat;
 use self::search::ContactSearch;
 use self::shown::ContactOutput;
+use self::stored_energy::StoredEnergy;
 use self::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, NONE};
 use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, HeatExchange, StoredConstraint};
-use crate::kernel::interaction::InteractionLaw;
+use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
@@ -44,6 +46,8 @@ pub struct ContactPair {
     pub id: EffectId,
     /// Number among the pairs of all steps.
     pub number: usize,
+    /// Name in warnings.
+    pub name: String,
     /// Index of the curve whose points carry pressures.
     pub own: usize,
     /// Index of the other curve; `None` for self-contact and for an analytical surface.
@@ -62,6 +66,10 @@ pub struct ContactPair {
     pub first: bool,
     /// Clearance at the start, if the deck gives one.
     pub initial_clearance: Option<InitialClearance>,
+    /// Energy that the pair has stored and dissipated in its normal direction.
+    absorbed: f64,
+    /// Largest energy that a row has released in an increment, and its coordinates.
+    largest_release: (f64, [f64; 2]),
     search: ContactSearch,
     facet_gaps: Vec<FacetGap>,
     /// First key of the pair; each point of the own curve has one.
@@ -77,6 +85,7 @@ impl ContactPair {
         ContactPair {
             id,
             number,
+            name: String::new(),
             own,
             other,
             analytical: None,
@@ -85,6 +94,8 @@ impl ContactPair {
             of_points: 0,
             first: true,
             initial_clearance: None,
+            absorbed: 0.0,
+            largest_release: (0.0, [0.0; 2]),
             search,
             facet_gaps: Vec::new(),
             first_key: 0,
@@ -128,14 +139,15 @@ pub struct ContactConstraint {
     dofs: Vec<(Dof, bool)>,
     /// Pressure and shear stress of each key over the previous increment.
     pressures: Vec<[f64; 2]>,
+    /// Energy of each key with a soft law.
+    stored_energy: StoredEnergy,
     /// Difference that is subtracted from the gap of each key; empty if all are zero.
     gap_offsets: Vec<f64>,
     /// Index of the first law of penalty springs; all later laws are springs. `None` without springs.
     springs: Option<u32>,
     /// Heat exchange; `None` if no temperatures are solved for.
     contact_heat: Option<Box<ContactHeat>>,
-    /// Mean velocity of each degree of freedom during the impulses of the increment; empty if no work of single rows is
-    /// needed.
+    /// Mean velocity of each degree of freedom during the impulses of the increment.
     means: Vec<f64>,
     places: Vec<[f64; 2]>,
     /// Points to update: those of exposed facets and those without elements.
@@ -202,6 +214,9 @@ impl ContactConstraint {
         }
         let facets: usize = pairs.iter().map(|p| p.facet_gaps.len()).sum();
         contact.pressures = vec![[0.0; 2]; keys as usize];
+        if contact.laws.iter().any(|law| law.overclosure != PressureOverclosure::Hard) {
+            contact.stored_energy = StoredEnergy::new(keys as usize);
+        }
         contact.shown = ContactOutput::new(keys as usize, &points);
         contact.places = vec![[0.0; 2]; points.len()];
         contact.listed = Vec::with_capacity(points.len());
@@ -219,7 +234,6 @@ impl ContactConstraint {
     /// Returns the contact with penalty springs from the law with index `first` on.
     pub fn with_springs(mut self, first: usize) -> ContactConstraint {
         self.springs = Some(first as u32);
-        self.means = vec![0.0; self.dofs.len()];
         self
     }
 
@@ -237,7 +251,6 @@ impl ContactConstraint {
         }
         let exchange = ContactHeat::new((&self.points, &self.dofs_of), self.dofs.len(), keys, has);
         self.contact_heat = Some(Box::new(exchange));
-        self.means = vec![0.0; self.dofs.len()];
         self
     }
 
@@ -251,7 +264,7 @@ impl ContactConstraint {
         let mut deepest: Vec<Option<SurfaceOverlap>> = vec![None; self.pairs.len()];
         let mut fits = vec![0.0; self.pressures.len()];
         for row in &mut self.rows.rows {
-            let at = self.pairs.partition_point(|p| p.first_key <= row.key) - 1;
+            let at = pair_of(&self.pairs, row.key);
             let (pair, mut gap) = (&self.pairs[at], row.gap / row.area);
             if let Some(begins) = pair.initial_clearance.filter(|b| (b.range[0]..=b.range[1]).contains(&gap)) {
                 fits[row.key as usize] = gap - begins.gap;
@@ -293,6 +306,7 @@ impl ContactConstraint {
             });
         }
         let count = self.dofs.len();
+        self.means = vec![0.0; count];
         self.motion = ContactVelocities { velocity: vec![0.0; count], inverse_mass: vec![0.0; count] };
         self.impulses = vec![[0.0; 2]; count];
     }
@@ -360,7 +374,7 @@ impl ContactConstraint {
 
     /// Measures the gaps of all pairs as rows, for an increment of length `dt`.
     fn measure(&mut self, dt: f64) {
-        self.gaps.shares.clear();
+        self.gaps.clear();
         self.rows.clear();
         self.feet.clear();
         self.shown.clear();
@@ -371,16 +385,19 @@ impl ContactConstraint {
     }
 
     fn measure_curves(&mut self) {
-        let ContactConstraint { curves, pairs, gaps, rows, dofs_of, gap_offsets: fits, places, .. } = self;
+        let ContactConstraint {
+            curves, pairs, gaps, rows, dofs_of, gap_offsets: fits, places, pressures, laws, ..
+        } = self;
         for pair in pairs.iter_mut().filter(|p| p.analytical.is_none()) {
             let own = &curves[pair.own];
             let other = pair.other.map_or(own, |o| &curves[o]);
             let (mut any, reach) = (false, pair.search.reach());
+            let is_soft = laws[pair.law_of(0) as usize].overclosure != PressureOverclosure::Hard;
             for (at, &k) in own.exposed.iter().enumerate() {
                 let candidates = pair.search.facets.of(at);
                 pair.facet_gaps[k as usize] = match candidates.is_empty() {
                     true => FacetGap::default(),
-                    false => gaps.facet_gap(own, k as usize, other, candidates, reach),
+                    false => gaps.facet_gap((own, k as usize), other, candidates, reach, is_soft),
                 };
                 any |= pair.facet_gaps[k as usize].area != [0.0; 2];
             }
@@ -395,6 +412,7 @@ impl ContactConstraint {
                     rows,
                     gaps,
                     (own, index, key),
+                    None,
                     other,
                     pair.search.orphans.of(at),
                     (pair, places, dofs_of),
@@ -402,9 +420,15 @@ impl ContactConstraint {
             }
             // In self-contact the single points have been added above.
             let others = pair.other.map(|o| &curves[o]);
-            for (at, index) in others.into_iter().flat_map(|o| o.single_points()).enumerate() {
+            for (at, (index, is_corner)) in others.into_iter().flat_map(|o| o.single_points()).enumerate() {
                 let key = pair.first_key + own.own.len() as u32 + index;
-                add_point_row(rows, gaps, (other, index, key), own, pair.search.others.of(at), (pair, places, dofs_of));
+                let candidates = pair.search.others.of(at);
+                // The area that a corner covers is part of the energy of soft contact.
+                if is_corner && is_soft {
+                    continue;
+                }
+                let corner = is_corner.then(|| CornerRow { pressed: pressures[key as usize][0] > 0.0, fits });
+                add_point_row(rows, gaps, (other, index, key), corner, own, candidates, (pair, places, dofs_of));
             }
         }
     }
@@ -461,16 +485,14 @@ impl ContactConstraint {
                     0.5 * (before + body.velocity_half)
                 }
             };
-            if let Some(kept) = self.means.get_mut(i) {
-                *kept = mean;
-            }
+            self.means[i] = mean;
             if prescribed {
                 energies.external -= (normal + slip) * mean;
             }
             work[0] += normal * mean;
             work[1] += slip * mean;
         }
-        let springs = self.work_of_springs();
+        let springs = self.add_row_work();
         if let Some(exchange) = &mut self.contact_heat {
             let (rows, means) = (&self.rows, &self.means);
             let rate =
@@ -482,11 +504,25 @@ impl ContactConstraint {
         energies.friction -= work[1];
     }
 
-    fn work_of_springs(&self) -> f64 {
-        let Some(first) = self.springs else { return 0.0 };
-        let own = self.rows.rows.iter().filter(|row| row.law >= first && row.normal_impulse > 0.0);
-        let terms = |row: &ContactRow| self.rows.terms_of(row).iter();
-        own.map(|row| row.normal_impulse * terms(row).map(|t| t.normal * self.means[t.dof as usize]).sum::<f64>()).sum()
+    /// Adds the work of each row to the energy of its pair. Returns the work of penalty springs.
+    fn add_row_work(&mut self) -> f64 {
+        let ContactConstraint { rows, pairs, curves, places, means, springs, .. } = self;
+        let mut of_springs = 0.0;
+        for row in rows.rows.iter().filter(|row| row.normal_impulse > 0.0) {
+            let at = pair_of(pairs, row.key);
+            let rate: f64 = rows.terms_of(row).iter().map(|t| t.normal * means[t.dof as usize]).sum();
+            let (pair, work) = (&mut pairs[at], row.normal_impulse * rate);
+            pair.absorbed -= work;
+            if springs.is_some_and(|first| row.law >= first) {
+                of_springs += work;
+            }
+            if work > pair.largest_release.0 {
+                let own = &curves[pair.own].own;
+                let point = own[(row.key - pair.first_key) as usize % own.len()];
+                pair.largest_release = (work, places[point as usize]);
+            }
+        }
+        of_springs
     }
 
     /// Updates heat exchange before any row is left out.
@@ -507,6 +543,11 @@ impl ContactConstraint {
             body.contact += carried.contact_acceleration;
         }
     }
+}
+
+/// Returns the index of the pair that a key belongs to.
+fn pair_of(pairs: &[ContactPair], key: u32) -> usize {
+    pairs.partition_point(|pair| pair.first_key <= key) - 1
 }
 
 /// Adds the row of one point from the gaps of the facets around it.
@@ -537,15 +578,43 @@ fn add_row(
         for share in gaps.shares_of(&pair.facet_gaps[facet as usize]) {
             rows.add_share(dofs_of[share.point as usize], share.of[end as usize]);
         }
+        for share in gaps.edges_of(&pair.facet_gaps[facet as usize]) {
+            rows.add_normal_share(dofs_of[share.point as usize], share.of[end as usize]);
+        }
     }
     rows.close(row);
 }
 
-/// Adds the row of a single point: its area is one, its multiplier an impulse.
+/// Overlap of a corner at which its row begins to act, as a fraction of the facet length of the pair. Less is left to
+/// the weighted gaps, which are equivalent where the edges of both surfaces coincide.
+const CORNER_OVERLAP: f64 = 1e-9;
+
+/// Data that the row of a corner depends on.
+struct CornerRow<'a> {
+    /// Whether it pressed in the previous increment.
+    pressed: bool,
+    fits: &'a [f64],
+}
+
+impl CornerRow<'_> {
+    /// Returns the overlap that the initial clearances of an own facet accept.
+    fn accepted_overlap(&self, pair: &ContactPair, own: &FacetCurve, facet: u32) -> f64 {
+        let fit = |point: u32| {
+            let at = own.own.binary_search(&point).ok()?;
+            self.fits.get(pair.first_key as usize + at).copied()
+        };
+        own.facets[facet as usize].into_iter().filter_map(fit).fold(0.0, |accepted, fit| accepted.max(-fit))
+    }
+}
+
+/// Adds the row of a single point: its area is one, its multiplier an impulse. `corner` is `None` for points that are
+/// not corners. The row of a corner acts if it pressed in the previous increment, or if its overlap is larger than
+/// [`CORNER_OVERLAP`].
 fn add_point_row(
     rows: &mut ContactRows,
     gaps: &mut GapIntegrator,
     (of, index, key): (&FacetCurve, u32, u32),
+    corner: Option<CornerRow<'_>>,
     against: &FacetCurve,
     candidates: &[u32],
     (pair, places, dofs_of): (&ContactPair, &[[f64; 2]], &[[u32; 2]]),
@@ -554,8 +623,19 @@ fn add_point_row(
         return;
     }
     let point = of.own[index as usize];
-    let seen = gaps.point_gap((point, places[point as usize]), against, candidates, pair.search.reach());
-    let Some(seen) = seen else { return };
+    let normals = corner.as_ref().and_then(|_| of.normals_around(index as usize));
+    if corner.is_some() && normals.is_none() {
+        return;
+    }
+    let place = (point, places[point as usize]);
+    let seen = gaps.point_gap(place, normals, against, candidates, pair.search.reach());
+    let Some((mut seen, facet)) = seen else { return };
+    if let Some(corner) = corner {
+        seen.gap[0] += corner.accepted_overlap(pair, against, facet);
+        if !corner.pressed && seen.gap[0] > -CORNER_OVERLAP * pair.search.length {
+            return;
+        }
+    }
     rows.open();
     for share in gaps.shares_of(&seen) {
         rows.add_share(dofs_of[share.point as usize], share.of[0]);
@@ -611,10 +691,12 @@ impl Constraint for ContactConstraint {
         self.show_openings();
         self.update_heat_rows();
         let span = ContactInterval { dt, half: self.half };
+        dofs.energies.initial_overlap += self.limit_soft_overlaps();
         let given = ContactStep { laws: &self.laws, before: &self.pressures, span };
         if let Some(reference) = self.rows.solve(&mut self.motion, given) {
             self.correct_arc_gaps(reference, span);
         }
+        self.store_energy(span);
         self.gather_impulses();
         self.apply_impulses(dofs, dt);
         self.push_bodies(dofs);
@@ -669,6 +751,7 @@ impl StoredConstraint for ContactConstraint {
             + self.curves.iter().map(FacetCurve::memory).sum()
             + self.gaps.memory()
             + self.shown.memory()
+            + self.stored_energy.memory()
             + self.rows.memory()
             + MemoryUse::of(&self.points)
             + MemoryUse::of(&self.analyticals)
@@ -693,7 +776,7 @@ impl StoredConstraint for ContactConstraint {
 persist_struct!(ContactBody { contact_acceleration } derived { dof, body, prescribed });
 
 persist_struct!(ContactConstraint {
-    curves: fixed, pressures: fixed, impulses: fixed, bodies: fixed, half, shown, uncovered, contact_heat: present
+    curves: fixed, pressures: fixed, stored_energy, impulses: fixed, bodies: fixed, half, shown, uncovered, contact_heat: present
 } derived {
     points, pairs, analyticals, feet, laws, dofs_of, dofs, gap_offsets, springs, means, places, near, listed, gaps, rows, motion
 } then ContactConstraint::list_again);

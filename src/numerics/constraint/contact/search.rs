@@ -145,7 +145,7 @@ impl ContactSearch {
         list_points(orphans, (own, own.orphans.iter().copied()), against, order, places, margin);
         if let Some(other) = other.filter(|o| o.single_points().next().is_some()) {
             order.sort(own);
-            list_points(others, (other, other.single_points()), own, order, places, margin);
+            list_points(others, (other, other.single_points().map(|point| point.0)), own, order, places, margin);
         }
     }
 

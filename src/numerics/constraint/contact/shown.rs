@@ -6,6 +6,7 @@ use crate::constraint::ContactResults;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::persist_struct;
+use crate::state::dofs::Dof;
 use crate::variables::{Variable, VariableComponent};
 
 /// Values kept for output only.
@@ -115,7 +116,24 @@ impl ContactConstraint {
                 }
             }
         }
+        self.add_forces_of_points(pair, &mut sum);
         sum
+    }
+
+    /// Adds the forces on the own surface of a pair from single points of the other surface.
+    fn add_forces_of_points(&self, pair: &ContactPair, sum: &mut [f64; 5]) {
+        let own = &self.curves[pair.own].own;
+        let keys = pair.first_key + own.len() as u32..pair.first_key + self.keys_of(pair);
+        for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.normal_impulse > 0.0) {
+            let [force, shear] = self.pressures[row.key as usize];
+            let point = self.curves[pair.other.unwrap_or(pair.own)].own[(row.key - keys.start) as usize];
+            let of_point = self.dofs_of[point as usize];
+            for term in self.rows.terms_of(row).iter().filter(|t| !of_point.contains(&t.dof)) {
+                let axis = if let Dof::Node(_, axis) = self.dofs[term.dof as usize].0 { axis } else { 1 };
+                sum[axis] += force * term.normal;
+                sum[2 + axis] += shear * term.slip;
+            }
+        }
     }
 }
 
@@ -142,6 +160,11 @@ impl ContactResults for ContactConstraint {
             found = Some(value);
         }
         found
+    }
+
+    fn lowest_energy(&self) -> Option<(&str, f64, [f64; 2])> {
+        let lowest = self.pairs.iter().min_by(|a, b| a.absorbed.total_cmp(&b.absorbed))?;
+        Some((&lowest.name, lowest.absorbed, lowest.largest_release.1))
     }
 
     fn value_of_pair(&self, number: usize, part: VariableComponent) -> Option<f64> {

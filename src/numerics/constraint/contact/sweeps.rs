@@ -34,7 +34,8 @@ pub struct ContactRow {
     pub closest_point: Option<u32>,
     /// Area of the hat function.
     pub area: f64,
-    /// Gap times area, corrected by the initial clearance.
+    /// Gap times area, corrected by the initial clearance. For a soft law without the overlap that no work was done
+    /// for.
     pub gap: f64,
     /// Rate at which the gap times area may close in this increment.
     pub(super) bias: f64,
@@ -184,6 +185,12 @@ impl ContactRows {
     pub(super) fn add_share(&mut self, [r, z]: [u32; 2], of: [f64; 2]) {
         self.add_term(r, of[0], -of[1]);
         self.add_term(z, of[1], of[0]);
+    }
+
+    /// Adds derivatives of a gap that belong to no slip.
+    pub(super) fn add_normal_share(&mut self, [r, z]: [u32; 2], of: [f64; 2]) {
+        self.add_term(r, of[0], 0.0);
+        self.add_term(z, of[1], 0.0);
     }
 
     #[inline]

@@ -1,0 +1,87 @@
+//! Energy that soft contact has stored.
+//!
+//! The pressure of a soft law belongs to the overlap up to which work has been done: with the energy `E` that the
+//! impulses of a row have absorbed, its area `A`, and the energy `W(o)` per area of the law, the overlap is limited to
+//! `A W(o) <= E`. Contact therefore releases at most what it has stored, for any change of area or geometry.
+
+use super::ContactConstraint;
+use super::sweeps::ContactInterval;
+use crate::kernel::interaction::PressureOverclosure;
+use crate::kernel::lists::MemoryUse;
+use crate::state::archive::persist_struct;
+
+/// Energy of each key.
+#[derive(Clone, Debug, Default)]
+pub(super) struct StoredEnergy {
+    /// Energy that a soft law has absorbed and not released; NaN before the first increment. Empty without soft laws.
+    stored: Vec<f64>,
+    /// Work array: the same at the end of the increment.
+    next: Vec<f64>,
+}
+
+impl StoredEnergy {
+    /// Energy of this number of keys.
+    pub(super) fn new(keys: usize) -> StoredEnergy {
+        StoredEnergy { stored: vec![f64::NAN; keys], next: vec![0.0; keys] }
+    }
+
+    /// Takes the energy of a key from the previous contact.
+    pub(super) fn take_over(&mut self, key: usize, previous: &StoredEnergy, other: usize) {
+        if let (Some(own), Some(before)) = (self.stored.get_mut(key), previous.stored.get(other)) {
+            *own = *before;
+        }
+    }
+
+    pub(super) fn memory(&self) -> MemoryUse {
+        MemoryUse::of(&self.stored) + MemoryUse::of(&self.next)
+    }
+
+    /// Returns the overlap of a soft row that work has been done for. The overlap at the start is given, and its energy
+    /// is added to `initial`.
+    fn paid(&mut self, key: usize, law: &PressureOverclosure, [area, overlap]: [f64; 2], initial: &mut f64) -> f64 {
+        let closed = overlap > -law.onset_gap();
+        let needed = if closed { area * law.energy(overlap) } else { 0.0 };
+        let begins = self.stored[key].is_nan();
+        *initial += if begins { needed } else { 0.0 };
+        let stored = if begins { needed } else { self.stored[key] };
+        self.next[key] = if closed { stored } else { 0.0 };
+        if needed <= stored { overlap } else { law.overlap_of_energy(stored / area, overlap) }
+    }
+}
+
+impl ContactConstraint {
+    /// Limits the overlaps of soft rows to those that work has been done for. Returns the energy of the overlaps with
+    /// which soft contact begins.
+    pub(super) fn limit_soft_overlaps(&mut self) -> f64 {
+        let ContactConstraint { rows, stored_energy, laws, .. } = self;
+        if stored_energy.stored.is_empty() {
+            return 0.0;
+        }
+        stored_energy.next.fill(0.0);
+        let mut initial = 0.0;
+        for row in &mut rows.rows {
+            let law = &laws[row.law as usize].overclosure;
+            if *law != PressureOverclosure::Hard {
+                let overlap = -row.gap / row.area;
+                let paid = stored_energy.paid(row.key as usize, law, [row.area, overlap], &mut initial);
+                if paid < overlap {
+                    row.gap = -paid * row.area;
+                }
+            }
+        }
+        initial
+    }
+
+    /// Adds the work that the impulses of soft rows have absorbed over the displacement of the increment.
+    pub(super) fn store_energy(&mut self, span: ContactInterval) {
+        let ContactConstraint { rows, stored_energy, laws, motion, .. } = self;
+        for row in rows.rows.iter().filter(|row| laws[row.law as usize].overclosure != PressureOverclosure::Hard) {
+            let work = -row.normal_impulse * (span.dt / span.half) * motion.rate(rows.terms_of(row));
+            let stored = &mut stored_energy.next[row.key as usize];
+            *stored = (*stored + work).max(0.0);
+        }
+        std::mem::swap(&mut stored_energy.stored, &mut stored_energy.next);
+    }
+}
+
+persist_struct!(StoredEnergy { stored: fixed } derived { next });
