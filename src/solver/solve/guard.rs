@@ -142,18 +142,18 @@ impl SolverRun<'_> {
         if passes || self.is_noise() { Ok(()) } else { Err(self.drift_halt(drift)) }
     }
 
-    /// Checks the energy of contact, which is a term of ETOTAL, so that its drift does not show it.
+    /// Checks the energy of contact, which is a term of ETOTAL, so that its drift does not show it. The first increments
+    /// are excluded as for the drift; the end of a short analysis is not.
     fn check_contact(&mut self) -> Result<(), HaltReason> {
         let is_met = self.balance.absorbed_by_contact() < -LARGEST_CREATED * self.balance.largest();
         let [_, count] = &mut self.watch.contact_below_zero;
         *count = if is_met { *count + 1 } else { 0 };
-        if *count < LASTING || self.step.has_drift_limit() || self.is_noise() {
-            return Ok(());
-        }
-        Err(HaltReason { code: "R208", reason: self.name_created_energy() })
+        let passes = *count < LASTING || self.now.increment < EARLY || self.step.has_drift_limit();
+        if passes || self.is_noise() { Ok(()) } else { Err(self.contact_halt()) }
     }
 
-    /// Checks the drift at the end of an analysis that was too short for the limit, so that its results are not used.
+    /// Checks the drift and the energy of contact at the end of an analysis that was too short for the limits, so that its
+    /// results are not used.
     /// In a very short analysis one increment above the limit is sufficient.
     ///
     /// # Errors
@@ -163,7 +163,19 @@ impl SolverRun<'_> {
         let drift = self.balance.drift();
         let is_met = drift > LARGEST_DRIFT && self.watch.drift_count > u64::from(self.now.increment > LASTING);
         let own = self.plan.steps.iter().any(StepPlan::has_drift_limit);
-        if !is_early || !is_met || own || self.is_noise() { Ok(()) } else { Err(self.drift_halt(drift)) }
+        if !is_early || own || self.is_noise() {
+            Ok(())
+        } else if self.watch.contact_below_zero[1] >= LASTING {
+            Err(self.contact_halt())
+        } else if is_met {
+            Err(self.drift_halt(drift))
+        } else {
+            Ok(())
+        }
+    }
+
+    fn contact_halt(&self) -> HaltReason {
+        HaltReason { code: "R208", reason: self.name_created_energy() }
     }
 
     fn drift_halt(&self, drift: f64) -> HaltReason {

@@ -12,6 +12,7 @@ use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 
 use super::curve::{FacetCurve, FacetNeighbor, FacetShape};
+use super::sweeps::{most_rows, reserve_total};
 
 /// Derivatives of the weighted gaps of a facet's two points by the position of one point.
 #[derive(Clone, Copy, Debug)]
@@ -110,10 +111,15 @@ impl GapIntegrator {
     pub fn new(facets: usize) -> GapIntegrator {
         GapIntegrator {
             shares: Vec::with_capacity(16 * facets),
-            edges: Vec::with_capacity(6 * facets),
+            edges: Vec::new(),
             facing: Vec::with_capacity(64),
             cuts: Vec::with_capacity(256),
         }
+    }
+
+    /// Allocates the derivatives of soft contact by the motion of corners, for this number of keys.
+    pub fn reserve_edges(&mut self, keys: usize) {
+        reserve_total(&mut self.edges, 8 * most_rows(keys));
     }
 
     /// Clears the derivatives of the previous increment.

@@ -664,6 +664,9 @@ impl Constraint for ContactConstraint {
             }
         }
         self.rows.reserve(self.pressures.len(), self.dofs.len());
+        if self.laws.iter().any(|law| law.overclosure != PressureOverclosure::Hard) {
+            self.gaps.reserve_edges(self.pressures.len());
+        }
     }
 
     fn accelerations(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {
@@ -691,12 +694,12 @@ impl Constraint for ContactConstraint {
         self.show_openings();
         self.update_heat_rows();
         let span = ContactInterval { dt, half: self.half };
-        dofs.energies.initial_overlap += self.limit_soft_overlaps();
+        dofs.energies.initial_overlap += self.stored_energy.limit_overlaps(&mut self.rows, &self.laws);
         let given = ContactStep { laws: &self.laws, before: &self.pressures, span };
         if let Some(reference) = self.rows.solve(&mut self.motion, given) {
             self.correct_arc_gaps(reference, span);
         }
-        self.store_energy(span);
+        self.stored_energy.add_work(&self.rows, &self.laws, &self.motion, span);
         self.gather_impulses();
         self.apply_impulses(dofs, dt);
         self.push_bodies(dofs);

@@ -4,9 +4,8 @@
 //! impulses of a row have absorbed, its area `A`, and the energy `W(o)` per area of the law, the overlap is limited to
 //! `A W(o) <= E`. Contact therefore releases at most what it has stored, for any change of area or geometry.
 
-use super::ContactConstraint;
-use super::sweeps::ContactInterval;
-use crate::kernel::interaction::PressureOverclosure;
+use super::sweeps::{ContactInterval, ContactRows, ContactVelocities};
+use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lists::MemoryUse;
 use crate::state::archive::persist_struct;
 
@@ -36,6 +35,46 @@ impl StoredEnergy {
         MemoryUse::of(&self.stored) + MemoryUse::of(&self.next)
     }
 
+    /// Limits the overlaps of soft rows to those that work has been done for. Returns the energy of the overlaps with
+    /// which soft contact begins.
+    pub(super) fn limit_overlaps(&mut self, rows: &mut ContactRows, laws: &[InteractionLaw]) -> f64 {
+        if self.stored.is_empty() {
+            return 0.0;
+        }
+        self.next.fill(0.0);
+        let mut initial = 0.0;
+        for row in &mut rows.rows {
+            let law = &laws[row.law as usize].overclosure;
+            if *law != PressureOverclosure::Hard {
+                let overlap = -row.gap / row.area;
+                let paid = self.paid(row.key as usize, law, [row.area, overlap], &mut initial);
+                if paid < overlap {
+                    row.gap = -paid * row.area;
+                }
+            }
+        }
+        initial
+    }
+
+    /// Adds the work that the impulses of soft rows have absorbed over the displacement of the increment.
+    pub(super) fn add_work(
+        &mut self,
+        rows: &ContactRows,
+        laws: &[InteractionLaw],
+        motion: &ContactVelocities,
+        span: ContactInterval,
+    ) {
+        if self.stored.is_empty() {
+            return;
+        }
+        for row in rows.rows.iter().filter(|row| laws[row.law as usize].overclosure != PressureOverclosure::Hard) {
+            let work = -row.normal_impulse * (span.dt / span.half) * motion.rate(rows.terms_of(row));
+            let stored = &mut self.next[row.key as usize];
+            *stored = (*stored + work).max(0.0);
+        }
+        std::mem::swap(&mut self.stored, &mut self.next);
+    }
+
     /// Returns the overlap of a soft row that work has been done for. The overlap at the start is given, and its energy
     /// is added to `initial`.
     fn paid(&mut self, key: usize, law: &PressureOverclosure, [area, overlap]: [f64; 2], initial: &mut f64) -> f64 {
@@ -46,41 +85,6 @@ impl StoredEnergy {
         let stored = if begins { needed } else { self.stored[key] };
         self.next[key] = if closed { stored } else { 0.0 };
         if needed <= stored { overlap } else { law.overlap_of_energy(stored / area, overlap) }
-    }
-}
-
-impl ContactConstraint {
-    /// Limits the overlaps of soft rows to those that work has been done for. Returns the energy of the overlaps with
-    /// which soft contact begins.
-    pub(super) fn limit_soft_overlaps(&mut self) -> f64 {
-        let ContactConstraint { rows, stored_energy, laws, .. } = self;
-        if stored_energy.stored.is_empty() {
-            return 0.0;
-        }
-        stored_energy.next.fill(0.0);
-        let mut initial = 0.0;
-        for row in &mut rows.rows {
-            let law = &laws[row.law as usize].overclosure;
-            if *law != PressureOverclosure::Hard {
-                let overlap = -row.gap / row.area;
-                let paid = stored_energy.paid(row.key as usize, law, [row.area, overlap], &mut initial);
-                if paid < overlap {
-                    row.gap = -paid * row.area;
-                }
-            }
-        }
-        initial
-    }
-
-    /// Adds the work that the impulses of soft rows have absorbed over the displacement of the increment.
-    pub(super) fn store_energy(&mut self, span: ContactInterval) {
-        let ContactConstraint { rows, stored_energy, laws, motion, .. } = self;
-        for row in rows.rows.iter().filter(|row| laws[row.law as usize].overclosure != PressureOverclosure::Hard) {
-            let work = -row.normal_impulse * (span.dt / span.half) * motion.rate(rows.terms_of(row));
-            let stored = &mut stored_energy.next[row.key as usize];
-            *stored = (*stored + work).max(0.0);
-        }
-        std::mem::swap(&mut stored_energy.stored, &mut stored_energy.next);
     }
 }
 

@@ -159,10 +159,9 @@ pub const MOST_SWEEPS: u32 = 200;
 const ROUNDS: usize = 30;
 
 impl ContactRows {
-    /// Allocates for this number of keys and degrees of freedom. If element deletion can expose inner facets, keys are
-    /// many, but rows in contact at a time about as many as on the initial surface.
+    /// Allocates for this number of keys and degrees of freedom.
     pub(super) fn reserve(&mut self, keys: usize, dofs: usize) {
-        let rows = keys.min(1000 + 16 * keys.isqrt());
+        let rows = most_rows(keys);
         reserve_total(&mut self.terms, 32 * rows);
         reserve_total(&mut self.rows, rows);
         reserve_total(&mut self.light, self.bodies.len());
@@ -381,8 +380,14 @@ impl ContactRows {
     }
 }
 
+/// Returns the largest number of rows that are in contact at a time. If element deletion can expose inner facets, keys
+/// are many, but rows in contact about as many as on the initial surface.
+pub(super) fn most_rows(keys: usize) -> usize {
+    keys.min(1000 + 16 * keys.isqrt())
+}
+
 /// Reserves a total capacity of `entries`.
-fn reserve_total<T>(list: &mut Vec<T>, entries: usize) {
+pub(super) fn reserve_total<T>(list: &mut Vec<T>, entries: usize) {
     list.reserve_exact(entries.saturating_sub(list.len()));
 }
 
