@@ -42,7 +42,7 @@ fn price(price: &Value) -> Option<(String, String)> {
     Some((format!("error below {tolerance:e}"), format!("{} s", shorten(seconds))))
 }
 
-/// Collects single values, and those of records one level down.
+/// Collects single values, and the values of objects one level deeper.
 fn facts(key: &str, value: &Value, into: &mut Vec<(String, String)>) {
     match value {
         Value::Object(record) => {

@@ -15,7 +15,7 @@ const ARC_ROUNDING: f64 = 1e-6;
 /// Largest relative difference of the radii that is corrected; beyond it the arc is invalid.
 const ARC_LIMIT: f64 = 1e-2;
 
-/// Returns the point nearest to a centre that has equal distances to two points.
+/// Returns the point on the perpendicular bisector of `a` and `b` that is nearest to `centre`.
 fn equidistant_centre(a: [f64; 2], b: [f64; 2], centre: [f64; 2]) -> [f64; 2] {
     let chord = [b[0] - a[0], b[1] - a[1]];
     let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];

@@ -2,7 +2,7 @@
 //! atomically, with a checksum.
 //!
 //! Contents: magic bytes and format number, SHA-256 of the rest, version of the program, [`JobIdentity`], current
-//! instant, data of the job, state of the run. The last two have a length.
+//! instant, data of the job, state of the run. The last two are preceded by their length.
 
 use std::io;
 use std::path::Path;

@@ -24,7 +24,7 @@ const AHEAD: f64 = 5.0;
 /// An element under distortion control.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlledElement {
-    /// Group and element of the group.
+    /// Index of the element group, and of the element in it.
     pub place: (usize, usize),
     /// Corner nodes of one of its quadrilateral cells.
     corners: [u32; 4],

@@ -72,7 +72,7 @@ struct IncrementSpan {
     time: f64,
     shortest: f64,
     by: IncrementLimiter,
-    /// Group and element, if elements or conduction are the reason.
+    /// Group and element that limit the increment, if elements or conduction do.
     place: (usize, usize),
 }
 

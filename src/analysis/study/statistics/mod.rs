@@ -14,7 +14,7 @@ use serde::Serialize;
 pub use crate::probability::normal;
 use crate::probability::students_t;
 
-/// Probability below, and above, a confidence interval; intervals are 95 %.
+/// Probability on each side of a 95 % confidence interval.
 const TAIL: f64 = 0.025;
 
 /// Estimate with its 95 % confidence interval.

@@ -22,7 +22,7 @@ const CELL: usize = 4;
 /// Largest number of findings of one kind that are listed.
 const MOST: usize = 4;
 
-/// Libraries of the system, of compilers and for linear algebra: their variables affect no result.
+/// System, compiler and linear algebra libraries. Their variables are not saved because they affect no result.
 const RUNTIMES: &[&str] = &[
     "ld-linux",
     "libblas",

@@ -134,7 +134,7 @@ impl SharedMemory {
         unsafe { &raw mut (*self.layout().content.get()).failure }
     }
 
-    /// Accesses the content, during one's own turn or after the other process has ended.
+    /// Accesses the content. It is called when this process has the turn, or after the other process has ended.
     pub fn with<R>(&self, look: impl FnOnce(&mut CallExchange) -> R) -> R {
         // SAFETY: the other side waits for its turn or has ended; all bit patterns are valid.
         look(unsafe { &mut *self.layout().content.get() })
