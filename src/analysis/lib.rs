@@ -1,6 +1,8 @@
 //! Analysis of Revolve: many runs of a deck, pages about results, and the command line. The public interface is in the
 //! crate `revolve`.
 #![warn(missing_docs)]
+// Links to private items serve readers of the sources.
+#![allow(rustdoc::private_intra_doc_links)]
 
 use revolve_language::resistance;
 use revolve_language::{deck, generate, model, output, probability, user};

@@ -1,6 +1,8 @@
 //! Language of Revolve: input decks, the model, output files, mesh generation, the resistance of targets, and compiled
 //! user subroutines. The public interface is in the crate `revolve`.
 #![warn(missing_docs)]
+// Links to private items serve readers of the sources.
+#![allow(rustdoc::private_intra_doc_links)]
 
 use revolve_numerics::{kernel, platform, state, variables};
 

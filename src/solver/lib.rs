@@ -1,6 +1,8 @@
 //! Solver of Revolve: the plan of a model, the time loop, and the pipeline from text to result files. The public
 //! interface is in the crate `revolve`.
 #![warn(missing_docs)]
+// Links to private items serve readers of the sources.
+#![allow(rustdoc::private_intra_doc_links)]
 
 use revolve_language::{deck, model, output, user};
 use revolve_numerics::{constraint, element, heat, kernel, load, material, mesh, platform, state, variables};

@@ -18,9 +18,9 @@ use crate::variables::{Variable, VariableComponent};
 /// A material composed of three laws.
 #[derive(Clone, Debug)]
 pub struct VonMises<H, V, F = NoDamage> {
-    /// Hardening law; [`super::plasticity::Elastic`] without yield.
+    /// Hardening law; [`super::plasticity::ElasticOnly`] without yield.
     pub hardening: H,
-    /// Pressure law; [`super::volumetric::Linear`] for a constant bulk modulus.
+    /// Pressure law; [`super::volumetric::ConstantBulkModulus`] for a constant bulk modulus.
     pub volumetric: V,
     /// Failure model; [`NoDamage`] if elements do not fail.
     pub failure: F,
