@@ -40,7 +40,7 @@ def test_run_matches_the_program(deck: rv.Deck, tmp_path: Path) -> None:
     assert run.min("U2@REF") <= run.final("U2@REF") <= run.max("U2@REF")
     assert len(run.arrays["time"]) == len(lines) - 1
     assert run.arrays["U2@REF"][-1] == written["U2@REF"]
-    with pytest.raises(KeyError, match="there are U2@REF"):
+    with pytest.raises(KeyError, match="the columns are U2@REF"):
         run.final("U3@REF")
 
 
