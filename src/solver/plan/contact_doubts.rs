@@ -124,8 +124,8 @@ impl Compiler<'_> {
         }
     }
 
-    /// Warns if the surface that carries the pressures, of these `sides` the first, is much finer and stiffer than the
-    /// other one.
+    /// Warns if the surface that carries the pressures is much finer and stiffer than the other one. `sides` has the
+    /// carrying surface first.
     pub(super) fn check_sizes(
         &mut self,
         contact: &SurfaceContact,

@@ -175,7 +175,8 @@ impl GapIntegrator {
     }
 
     /// Computes the gap of a single point without facets, with a unit area. A corner has the `normals` of its facets,
-    /// and its gap is that in front of a facet opposite to one of them. Returns the gap and the facet; `None` if no facet is near.
+    /// and only opposite facets that face one of the normals are considered. Returns the gap and the facet; `None` if no
+    /// facet is near.
     pub fn point_gap(
         &mut self,
         (point, place): (u32, [f64; 2]),
