@@ -79,7 +79,7 @@ pub use revolve_analysis::command::{CommandStatus, line::command_line, threads::
 #[doc(hidden)]
 pub mod internals {
     pub use revolve_numerics::element::{constants, group, values};
-    pub use revolve_numerics::kernel::{lanes, quad, rotation};
+    pub use revolve_numerics::kernel::{bulk_viscosity, lanes, quad, rotation};
     pub use revolve_numerics::material::{plasticity, volumetric, von_mises};
     pub use revolve_numerics::mesh::corner_forces;
     pub use revolve_numerics::state::nodes;

@@ -3,6 +3,7 @@
 
 use std::time::Instant as Stopwatch;
 
+use revolve::internals::bulk_viscosity::BulkViscosity;
 use revolve::internals::constants::{ElementConstants, HourglassControl};
 use revolve::internals::corner_forces::CornerForces;
 use revolve::internals::group::{ElementGroup, ElementPass, QuadGroup};
@@ -56,7 +57,7 @@ pub fn run() {
         bulk,
         shear,
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
-        bulk_viscosity: [0.06, 1.2],
+        bulk_viscosity: BulkViscosity::default(),
     };
     let mut without_plasticity =
         QuadGroup::new(VonMises::new(NoPlasticity, ConstantBulkModulus), constants, 7.85e-9, &elements, nodes);

@@ -62,7 +62,10 @@ fn prepared_bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -
     let time = DT * increments as f64;
     let text = text.replace(
         "*Dynamic, Explicit\n , 80.e-6",
-        &format!("*Dynamic, Explicit, direct user control\n {DT:e}, {time:e}"),
+        &format!(
+            "*Dynamic, Explicit, direct user control\n {DT:e}, {time:e}\n\
+             *Bulk viscosity, linear term=unfiltered\n 0.06, 1.2"
+        ),
     );
     let text = text.split("*Output, field").next().expect("text").to_owned()
         + "*Output, history, number interval=1\n*Energy Output\n ETOTAL\n*End Step\n";

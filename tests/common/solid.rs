@@ -95,6 +95,9 @@ pub fn material(e: f64, nu: f64, density: f64, more: &str) -> String {
     )
 }
 
+/// Card of a step whose linear bulk viscosity acts on the whole rate: stresses settle sooner after a front.
+pub const WHOLE_VISCOSITY: &str = "*Bulk Viscosity, linear term=UNFILTERED\n 0.06, 1.2\n";
+
 /// Returns the deck of a copper bar (3.2 by 32.4 mm) that hits a rigid wall at 227 m/s, for 80 microseconds, with
 /// history rows of its tip and of the rim of its foot.
 pub fn copper_bar([n, m]: [usize; 2], triangles: bool, warp: MeshMap) -> String {

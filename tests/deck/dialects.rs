@@ -181,7 +181,7 @@ fn abaqus_cae_deck_is_read_without_errors() {
     );
     assert!(matches!(steel.rate, Some(model::RateDependence::JohnsonCook([0.0089, 1.0]))));
     assert_eq!(model.steps[0].duration, 8e-5);
-    assert_eq!(model.steps[0].bulk_viscosity, [0.06, 1.2]);
+    assert_eq!(model.steps[0].bulk_viscosity, model::BulkViscosity::default());
     assert_eq!(model.initial_conditions.len(), 3);
     assert_eq!(model.node_sets["AXIS"].members, [0, 2, 4]);
 }

@@ -4,6 +4,7 @@
 //! allocator; the size of a loop compiled for a law without plasticity.
 
 use revolve::deck;
+use revolve::internals::bulk_viscosity::BulkViscosity;
 use revolve::internals::constants::{ElementConstants, HourglassControl};
 use revolve::internals::group::{ElementGroup, QuadGroup};
 use revolve::internals::volumetric::ConstantBulkModulus;
@@ -203,7 +204,7 @@ fn elastic_deck_allocates_nothing_for_plasticity() {
         bulk,
         shear,
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
-        bulk_viscosity: [0.06, 1.2],
+        bulk_viscosity: BulkViscosity::default(),
     };
     let bare = QuadGroup::new(
         VonMises::new(NoPlasticity, ConstantBulkModulus),

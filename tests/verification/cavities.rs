@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-use crate::common::solid::{column, grid, last, material, run};
+use crate::common::solid::{WHOLE_VISCOSITY, column, grid, last, material, run};
 
 /// Returns the quarter section of a thick sphere with shells at `radii` and equal angles from the equator to the axis.
 fn quarter_sphere(radii: &[f64], around: usize) -> String {
@@ -109,7 +109,7 @@ fn opening_pressures(shells_per_decade: f64, around: usize) -> Vec<f64> {
             writeln!(deck, " {node}, 1, {:e}", v[0]).expect("text");
         }
     }
-    deck += &format!("*Step\n*Dynamic, Explicit\n , 6.e-6\n{held}*Boundary\n J0, 2, 2\n");
+    deck += &format!("*Step\n*Dynamic, Explicit\n , 6.e-6\n{WHOLE_VISCOSITY}{held}*Boundary\n J0, 2, 2\n");
     deck += "*Elset, elset=FIRST\n 1,\n*Elset, elset=SECOND\n 2,\n*Nset, nset=A\n 1,\n*Nset, nset=B\n 2,\n*Nset, nset=C\n 3,\n";
     deck += "*Output, history, number interval=8\n*Element Output, elset=FIRST\n S11\n*Element Output, elset=SECOND\n S11\n\
              *Node Output, nset=A\n COOR1\n*Node Output, nset=B\n COOR1\n*Node Output, nset=C\n COOR1\n*End Step\n";
@@ -156,7 +156,9 @@ fn piston_drives_elastic_and_plastic_shocks() {
             density,
             "*Plastic\n 276.e6, 0.\n*Elset, elset=BEHIND\n 150,\n*Elset, elset=BETWEEN\n 282,\n",
         )
-        + &format!("*Initial Conditions, type=VELOCITY\n J0, 2, {speed}\n*Step\n*Dynamic, Explicit\n , 1.3e-5\n")
+        + &format!(
+            "*Initial Conditions, type=VELOCITY\n J0, 2, {speed}\n*Step\n*Dynamic, Explicit\n , 1.3e-5\n{WHOLE_VISCOSITY}"
+        )
         + &format!("*Boundary\n ALL, 1, 1\n*Boundary, type=VELOCITY\n J0, 2, 2, {speed}\n")
         + "*Output, history, number interval=1\n*Element Output, elset=BEHIND\n S22\n*Element Output, elset=BETWEEN\n S22\n*End Step\n";
     let (outcome, memory) = run(&deck);

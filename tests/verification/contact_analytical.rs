@@ -8,7 +8,7 @@ use revolve::solve::Outcome;
 
 use crate::common::RecordedOutput;
 use crate::common::bodies::cell_field;
-use crate::common::solid::{column, grid, last, material, run};
+use crate::common::solid::{WHOLE_VISCOSITY, column, grid, last, material, run};
 
 /// Returns the cards of a straight tool whose contact side is on its left, with reference node 9000 in set REF, as an
 /// analytical surface or as rigid elements.
@@ -98,7 +98,9 @@ fn disc_sinks_alike_into_analytical_and_meshed_planes() {
                 grid(cells, cells, false, |i, j| [i as f64 / cells as f64, lifted + j as f64 / cells as f64])
                     + &material(1.0, 0.3, 1.0, &format!("*Damping, alpha=0.6\n{tool}*Surface Interaction, name=LAW\n{law}"))
                     + "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 40., 1.\n*Nset, nset=CENTRE\n 1\n\
-                       *Step\n*Dynamic, Explicit\n , 80.\n*Boundary\n REF, 2, 2\n I0, 1, 1\n*Dsload, amplitude=RAMP\n J1, P, 1.e-3\n"
+                       *Step\n*Dynamic, Explicit\n , 80.\n"
+                    + WHOLE_VISCOSITY
+                    + "*Boundary\n REF, 2, 2\n I0, 1, 1\n*Dsload, amplitude=RAMP\n J1, P, 1.e-3\n"
                     + &format!("*Contact Pair, interaction=LAW{pair}\n TOOL, J0\n")
                     + "*Output, history, number interval=20\n*Node Output, nset=CENTRE\n U2\n*Node Output, nset=REF\n RF2\n\
                        *Contact Output\n CFN\n*Contact Output, nset=CENTRE\n CPRESS, COPEN\n*End Step\n"

@@ -9,6 +9,7 @@ use revolve::output::OutputFrame;
 use revolve::solve::Energy;
 
 use crate::common::bodies::{DeckRun, assembly, cell_field, elastic, part, point_field, rigid_line, run};
+use crate::common::solid::WHOLE_VISCOSITY;
 
 /// Reproducible random numbers (splitmix64).
 struct RandomSequence(u64);
@@ -230,8 +231,9 @@ fn run_nose(mass: f64, corners: &[[f64; 2]], cells: usize) -> DeckRun {
         + &rigid_line("NOSE", corners, &point)
         + &assembly(&["BLOCK", "NOSE"], "*Rigid Body, ref node=NOSE.REF, elset=NOSE.E\n")
         + &elastic("BLOCK", [70e3, 0.3, 2.7e-9], "*Plastic\n 300., 0.\n 400., 1.\n")
-        + "*Surface Interaction, name=DRY\n*Initial Conditions, type=VELOCITY\n NOSE.REF, 2, -6e4\n*Step\n*Dynamic, Explicit\n , 5e-5\n\
-           *Boundary\n BLOCK.J0, 2, 2\n*Contact Pair, interaction=DRY\n NOSE.SKIN, BLOCK.J1\n\
+        + "*Surface Interaction, name=DRY\n*Initial Conditions, type=VELOCITY\n NOSE.REF, 2, -6e4\n*Step\n*Dynamic, Explicit\n , 5e-5\n"
+        + WHOLE_VISCOSITY
+        + "*Boundary\n BLOCK.J0, 2, 2\n*Contact Pair, interaction=DRY\n NOSE.SKIN, BLOCK.J1\n\
            *Output, field, number interval=20\n*Node Output\n U\n*Output, history, frequency=1\n*Node Output, nset=NOSE.REF\n A2, V2, U2\n\
            *Energy Output\n ALLCW\n*End Step\n";
     run(&deck).whole()

@@ -265,11 +265,12 @@ fn verneys_time_to_five(speed: f64) -> f64 {
     time
 }
 
-/// Runs an imploding shell of beryllium from 8 to 10 cm. Returns inner and outer radius at rest, the time of rest, and
+/// Runs an imploding shell from 8 to 10 cm, ten times as stiff as beryllium: the closed form is rigid-plastic, and the
+/// elastic strains of beryllium move the radius at rest by 0.011 (on 48x48 elements without bulk viscosity). Returns inner and outer radius at rest, the time of rest, and
 /// the time at inner radius 5. cm, g, microseconds, Mbar.
 fn run_verney(n: usize) -> [f64; 4] {
     let around = n;
-    let (bulk, shear): (f64, f64) = (1.180, 1.51);
+    let (bulk, shear): (f64, f64) = (11.80, 15.1);
     let young = 9.0 * bulk * shear / (3.0 * bulk + shear);
     let nu = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
     let speed = VERNEY;

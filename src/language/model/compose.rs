@@ -1,7 +1,7 @@
 //! Construction of models in Rust, without a deck. [`Model::check`] validates them.
 
 use super::name::EntityName;
-use super::steps::{BULK_VISCOSITY, DEFAULT_ACCURACY};
+use super::steps::DEFAULT_ACCURACY;
 use super::types::{
     Amplitude, AmplitudeDefinition, AmplitudeId, BoundaryCondition, Element, ElementKind, ElementSetId, ElementSide,
     IncrementControl, InitialCondition, InitialKind, Load, LoadKind, LoadVelocity, MaterialDefinition, MaterialId,
@@ -10,6 +10,7 @@ use super::types::{
     SolidSection, Step,
 };
 use crate::deck::Span;
+use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::lists::sorted_unique;
 use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
@@ -168,7 +169,7 @@ impl Step {
             increment: IncrementControl::default(),
             scale_factor: 1.0,
             load_velocity: LoadVelocity::Predicted,
-            bulk_viscosity: BULK_VISCOSITY,
+            bulk_viscosity: BulkViscosity::default(),
             adiabatic: false,
             coupled: false,
             boundaries: Vec::new(),

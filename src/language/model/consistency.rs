@@ -376,9 +376,11 @@ impl ConsistencyCheck<'_> {
             IncrementControl::Fixed(increment) => increment > 0.0 && increment <= step.duration,
         };
         self.value(increment, step.span, || format!("invalid increment control {:?}", step.increment));
-        self.value(step.bulk_viscosity.iter().all(|b| is_non_negative(*b)), step.span, || {
-            "bulk viscosity must not be negative".into()
-        });
+        self.value(
+            is_non_negative(step.bulk_viscosity.linear) && is_non_negative(step.bulk_viscosity.quadratic),
+            step.span,
+            || "bulk viscosity must not be negative".into(),
+        );
         step.boundaries.iter().for_each(|b| self.boundary(b));
         step.loads.iter().for_each(|l| self.load(l));
         for field in &step.fields {
@@ -406,8 +408,8 @@ impl ConsistencyCheck<'_> {
             let interaction = contact.interaction.map(InteractionId::index);
             let count = self.model.interactions.len();
             self.indices("M114", contact.span, "surface interaction", interaction.as_slice(), count);
-            let CoulombFriction { at_rest, sliding, decay, largest } = contact.law.friction;
-            let good = [at_rest, sliding, decay, largest].iter().all(|x| *x >= 0.0);
+            let CoulombFriction { at_rest, sliding, decay, largest, damping } = contact.law.friction;
+            let good = [at_rest, sliding, decay, largest, damping].iter().all(|x| *x >= 0.0);
             self.value(good, contact.span, || "friction parameters must not be negative".into());
             if let Some(PrescribedClearance { gap, above, below }) = contact.clearance {
                 let good = [Some(gap), above, below].into_iter().flatten().all(|x| x >= 0.0);

@@ -33,7 +33,7 @@ impl ModelBuilder<'_> {
     }
 
     fn friction_law(&mut self, card: &Card) -> Option<CoulombFriction> {
-        let cards::Friction { largest, rough, decays, values: [at_rest, sliding, decay] } = self.values(card);
+        let cards::Friction { largest, rough, decays, damping, values: [at_rest, sliding, decay] } = self.values(card);
         let mut friction = if rough {
             CoulombFriction::of(f64::INFINITY)
         } else if decays {
@@ -42,6 +42,7 @@ impl ModelBuilder<'_> {
             self.first_line(card)?;
             CoulombFriction::of(at_rest)
         };
+        friction.damping = damping;
         friction.largest = largest.unwrap_or(friction.largest);
         Some(friction)
     }

@@ -8,6 +8,7 @@ use super::types::{
 };
 use crate::deck::table::steps as cards;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
+use crate::kernel::bulk_viscosity::BulkViscosity;
 
 /// Largest number of increments of a fixed size in a step: four months of computing at ten nanoseconds each.
 const MOST_INCREMENTS: f64 = 1e15;
@@ -24,7 +25,7 @@ pub(super) struct StepState {
     /// Whether conditions without amplitude increase linearly over the step (`AMPLITUDE=RAMP`).
     pub ramp: bool,
     /// Linear and quadratic bulk viscosity coefficients.
-    pub bulk_viscosity: Option<[f64; 2]>,
+    pub bulk_viscosity: Option<BulkViscosity>,
     /// Conditions of earlier steps.
     pub history: StepHistory,
     /// Boundary conditions defined in this step.
@@ -49,9 +50,6 @@ pub(super) struct StepState {
     /// Whether the `*BOUNDARY` cards of this step have OP=NEW; `None` before the first one.
     pub new_boundaries: Option<bool>,
 }
-
-/// Default bulk viscosity coefficients (ABAQUS Analysis User's Guide 6.3.3, "Bulk viscosity").
-pub const BULK_VISCOSITY: [f64; 2] = [0.06, 1.2];
 
 impl ModelBuilder<'_> {
     pub(super) fn end_step(&mut self, card: &Card) {
@@ -104,7 +102,7 @@ impl ModelBuilder<'_> {
         self.carried = state.clone();
         self.model.steps.push(Step {
             name: state.name,
-            bulk_viscosity: state.bulk_viscosity.unwrap_or(BULK_VISCOSITY),
+            bulk_viscosity: state.bulk_viscosity.unwrap_or_default(),
             boundaries,
             loads,
             fields,
@@ -191,8 +189,8 @@ impl ModelBuilder<'_> {
         if self.first_line(card).is_none() {
             return;
         }
-        let cards::BulkViscosity { factors } = self.values(card);
-        self.state().bulk_viscosity = Some(factors);
+        let cards::BulkViscosity { whole_rate, factors: [linear, quadratic] } = self.values(card);
+        self.state().bulk_viscosity = Some(BulkViscosity { linear, quadratic, filtered: !whole_rate });
         if !self.model.mesh.elements.iter().any(|e| e.kind.is_solid() || e.kind == super::ElementKind::Sax1) {
             self.inert(card, "the model has no deformable elements".into());
         }

@@ -138,6 +138,8 @@ pub(super) struct HourglassState<T = f64> {
     pub(super) hourglass: [Lanes<T>; 2],
     /// Stress of the bulk viscosity.
     pub(super) viscous: Lanes<T>,
+    /// Slow part of the volumetric strain rate.
+    pub(super) slow_dilation: Lanes<T>,
 }
 
 /// Current geometry of the elements of a block: their [`QuadOperators`] and derived quantities.
@@ -217,6 +219,8 @@ pub struct TaskState<T = f64> {
     pub(super) enhanced: Vec<AssumedStresses>,
     /// Stresses of the bulk viscosity; empty without bulk viscosity.
     pub(super) viscous: Vec<Lanes<T>>,
+    /// Slow parts of volumetric strain rates; empty if the linear bulk viscosity acts on the whole rate.
+    pub(super) slow_dilation: Vec<Lanes<T>>,
     /// Subzonal pressures; empty if off.
     pub(super) subzones: Vec<SubzonalPressures>,
     /// Strains and energies for output; empty if not requested.
@@ -561,7 +565,7 @@ impl<T: Real> TaskWorkspace<T> {
     pub fn new(constants: &ElementConstants, length: f64, blocks: usize) -> Self {
         let stiff = constants.hourglass.stiffness != 0.0;
         let enhanced = constants.hourglass.enhanced != 0.0;
-        let viscous = constants.bulk_viscosity != [0.0; 2];
+        let (viscous, filtered) = (!constants.bulk_viscosity.is_none(), constants.bulk_viscosity.filters());
         TaskWorkspace {
             cap: T::of(f64::INFINITY),
             length,
@@ -569,6 +573,7 @@ impl<T: Real> TaskWorkspace<T> {
                 hourglass: if stiff { vec![[[T::ZERO; LANES]; 2]; blocks] } else { Vec::new() },
                 enhanced: if enhanced { vec![AssumedStresses::default(); blocks] } else { Vec::new() },
                 viscous: if viscous { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() },
+                slow_dilation: if filtered { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() },
                 ..TaskState::default()
             },
             ..TaskWorkspace::default()
@@ -576,10 +581,12 @@ impl<T: Real> TaskWorkspace<T> {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        let TaskState { hourglass, enhanced, viscous, subzones, records, eroded, own_rates } = &self.task;
+        let TaskState { hourglass, enhanced, viscous, slow_dilation, subzones, records, eroded, own_rates } =
+            &self.task;
         heap_bytes(hourglass)
             + heap_bytes(enhanced)
             + heap_bytes(viscous)
+            + heap_bytes(slow_dilation)
             + heap_bytes(subzones)
             + heap_bytes(records)
             + heap_bytes(eroded)
@@ -621,6 +628,7 @@ impl<T: Real> TaskWorkspace<T> {
         HourglassState {
             hourglass: self.task.hourglass.get(self.at).copied().unwrap_or_default(),
             viscous: self.task.viscous.get(self.at).copied().unwrap_or_default(),
+            slow_dilation: self.task.slow_dilation.get(self.at).copied().unwrap_or_default(),
         }
     }
 
@@ -632,6 +640,9 @@ impl<T: Real> TaskWorkspace<T> {
         }
         if let Some(place) = self.task.viscous.get_mut(self.at) {
             *place = kept.viscous;
+        }
+        if let Some(place) = self.task.slow_dilation.get_mut(self.at) {
+            *place = kept.slow_dilation;
         }
     }
 
@@ -781,7 +792,7 @@ persist_struct!(LaneSums<T> [T: Persist] { internal, plastic, viscous, artificia
 
 persist_struct!(TaskState<T> [T: Persist] {
     eroded: fixed, own_rates: fixed, records: fixed, hourglass: fixed, enhanced: fixed, viscous: fixed,
-    subzones: fixed
+    slow_dilation: fixed, subzones: fixed
 });
 
 // The other fields are scratch memory of one pass; the sums stay valid while a task is quiescent.

@@ -1,5 +1,6 @@
 //! Constants that all elements of a group share, and derived quantities of one linear elastic element.
 
+use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::real::Real;
 use crate::kernel::{assumed, quad};
@@ -23,8 +24,8 @@ pub struct ElementConstants {
     pub shear: f64,
     /// Hourglass control.
     pub hourglass: HourglassControl,
-    /// Linear and quadratic bulk viscosity.
-    pub bulk_viscosity: [f64; 2],
+    /// Bulk viscosity.
+    pub bulk_viscosity: BulkViscosity,
 }
 
 /// Hourglass control of elements with one integration point.
@@ -61,7 +62,7 @@ impl ElementConstants {
         let corner = |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) / masses[i];
         let modulus = self.bulk + 4.0 / 3.0 * self.shear;
         let sum = modulus * quad::UNIT * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
-        0.5 * (sum / g.volume).sqrt() * damped(self.bulk_viscosity[0]) * self.raises()
+        0.5 * (sum / g.volume).sqrt() * damped(self.bulk_viscosity.linear) * self.raises()
     }
 
     /// Returns the elastic stiffness of an element, rows and columns `[r, z]` of each corner in turn; zero for a
@@ -98,13 +99,13 @@ impl ElementConstants {
         if self.hourglass.enhanced == 0.0 {
             return rate;
         }
-        let (raised, most) = (rate * self.raises(), 0.5 * cap * damped(self.bulk_viscosity[0]));
+        let (raised, most) = (rate * self.raises(), 0.5 * cap * damped(self.bulk_viscosity.linear));
         if raised > most { most.max(rate) } else { raised }
     }
 
     /// Returns whether bulk viscosity damps the highest modes.
     pub(super) fn damps(&self) -> bool {
-        self.bulk_viscosity[0] >= DAMPED
+        self.bulk_viscosity.linear >= DAMPED
     }
 
     /// Returns the highest frequency of the model increased by hourglass viscosity, which also damps the highest modes.
@@ -118,6 +119,7 @@ mod tests {
     use faer::{Mat, Side};
 
     use super::{ElementConstants, HourglassControl};
+    use crate::kernel::bulk_viscosity::BulkViscosity;
     use crate::kernel::quad;
 
     /// Returns the highest frequency of one element from its stiffness (dense eigenvalues, faer).
@@ -134,7 +136,7 @@ mod tests {
         let mut largest: f64 = 0.0;
         for (bulk, shear) in [(1.0, 1.5), (2.0, 0.9), (100.0, 1.0)] {
             let hourglass = HourglassControl { stiffness: 0.0, viscosity: 0.0, relaxes: true, enhanced: 1.0 };
-            let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity: [0.0, 0.0] };
+            let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity: BulkViscosity::NONE };
             for shape in 0..20_000_usize {
                 let noise = |i: usize| ((shape * 7919 + i * 104_729) % 9973) as f64 / 9973.0 - 0.5;
                 let inner = [0.0, 0.3, 2.0, 50.0][shape % 4];

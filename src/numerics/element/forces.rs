@@ -7,6 +7,7 @@ use super::block::{HourglassState, TaskWorkspace, is_larger};
 use super::constants::{CHANGE, ElementConstants, damped};
 use super::control::{HourglassScheme, LaneKinematics};
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
+use crate::kernel::bulk_viscosity::slow_rate;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column};
 use crate::kernel::quad::{QuadOperators, UNIT, at_corners, dot3, squares};
 use crate::kernel::real::Real;
@@ -153,7 +154,7 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
         lane: &LaneMotion<T>,
         (kept, scratch): (&mut HourglassState<T>, &mut TaskWorkspace<T>),
         l: usize,
-    ) -> BulkViscosity<T> {
+    ) -> LaneViscosity<T> {
         let (zero, half, two, g) = (T::ZERO, T::of(0.5), T::of(2.0), &lane.g);
         let ([along_r, along_z], ring) = (lane.along, [lane.v_r[0], lane.v_r[1], lane.v_r[2]]);
         let (modulus, period, quadratic2) = (lane.modulus, lane.period, factors.quadratic2);
@@ -179,20 +180,25 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
             let viscosity = if dilation_rate < zero { factors.directed * modulus * period * fraction } else { zero };
             sided = by_direction(rates, dilation_rate, viscosity);
         }
-        let damping = two * modulus * period * dilation_rate * fraction;
+        let mut slow = slow_rate(kept.slow_dilation[l], dilation_rate, factors.dt * lane.omega, factors.filter);
+        if factors.begins_filter {
+            slow = (dot3(g.r, along_r) + dot3(g.z, along_z) + dot3(g.hoop, ring)) / g.volume;
+        }
+        kept.slow_dilation[l] = slow;
+        let damping = two * modulus * period * (dilation_rate * fraction - slow * factors.linear);
         let work = scratch.strain.volume[l] * half * (kept.viscous[l] + damping) * dilation;
         scratch.sums.viscous[l] += work;
         if EOS {
             scratch.stress.heat[l] = work - scratch.stress.heat[l];
         }
         kept.viscous[l] = damping;
-        BulkViscosity { dilation_rate, fraction, damping, sided }
+        LaneViscosity { dilation_rate, fraction, damping, sided }
     }
 
     /// Returns the stress of a lane with its bulk viscosity, in the unit of forces.
     #[inline(always)]
-    fn viscous_stress(&self, viscosity: &BulkViscosity<T>, l: usize) -> [T; 4] {
-        let (unit, BulkViscosity { damping, sided, .. }) = (T::of(UNIT), viscosity);
+    fn viscous_stress(&self, viscosity: &LaneViscosity<T>, l: usize) -> [T; 4] {
+        let (unit, LaneViscosity { damping, sided, .. }) = (T::of(UNIT), viscosity);
         // The compatible energy update adds the work of viscosity by direction to the heat.
         let viscous = if EOS { [0, 1, 2].inline_map(|i: usize| *damping + sided[i]) } else { [*damping; 3] };
         let [rr, zz, hoop] = [0, 1, 2].inline_map(|i: usize| unit * (self.stress[i][l] + viscous[i]));
@@ -219,6 +225,8 @@ struct ForceFactors<T> {
     quadratic2: T,
     /// Factor on bulk viscosity by direction.
     directed: T,
+    /// Filter of the rate in the linear term; 0 without.
+    filter: T,
     /// Hourglass control: stiffness, twice the fraction of critical damping, largest squared frequency ratio.
     stiffness: T,
     viscosity2: T,
@@ -228,13 +236,16 @@ struct ForceFactors<T> {
     block: T,
     /// Whether the analysis starts, so that the rate of volume follows from the current velocities.
     starts: bool,
+    /// Whether the filter begins, with the rate at the start.
+    begins_filter: bool,
 }
 
 impl<T: Real> ForceFactors<T> {
     #[inline(always)]
     fn new<const VARY: bool>((constants, dt): (&ElementConstants, T), scratch: &TaskWorkspace<T>) -> Self {
         let [shear43, modulus] = wave::<T>(constants);
-        let [linear, quadratic] = constants.bulk_viscosity.inline_map(T::of);
+        let [linear, quadratic] =
+            [constants.bulk_viscosity.linear, constants.bulk_viscosity.quadratic].inline_map(T::of);
         let per_dt = if dt > T::ZERO { T::ONE / dt } else { T::ZERO };
         let unit = T::of(UNIT);
         ForceFactors {
@@ -248,12 +259,14 @@ impl<T: Real> ForceFactors<T> {
             linear,
             quadratic2: quadratic * quadratic,
             directed: T::of(if constants.shear == 0.0 { 2.0 * BY_DIRECTION } else { 0.0 }),
+            filter: T::of(constants.bulk_viscosity.filter()),
             stiffness: dt * unit * T::of(constants.hourglass.stiffness) * T::of(constants.shear),
             viscosity2: T::of(2.0 * constants.hourglass.viscosity),
             slow: T::of(SLOW),
             cap: scratch.cap,
             block: scratch.block,
             starts: VARY && per_dt == T::ZERO,
+            begins_filter: constants.bulk_viscosity.filters() && per_dt == T::ZERO,
         }
     }
 }
@@ -281,7 +294,7 @@ struct LaneMotion<T> {
 }
 
 /// Bulk viscosity of a lane.
-struct BulkViscosity<T> {
+struct LaneViscosity<T> {
     dilation_rate: T,
     /// Fraction of critical damping.
     fraction: T,
@@ -364,10 +377,10 @@ impl<T: Real> TaskWorkspace<T> {
         &mut self,
         factors: &ForceFactors<T>,
         lane: &LaneMotion<T>,
-        viscosity: &BulkViscosity<T>,
+        viscosity: &LaneViscosity<T>,
         l: usize,
     ) {
-        let BulkViscosity { dilation_rate, fraction, .. } = *viscosity;
+        let LaneViscosity { dilation_rate, fraction, .. } = *viscosity;
         // In a mode of the whole mesh, bulk viscosity is at most 2 ξ/ω times the stiffness against uniform pressure.
         let share = factors.cap * lane.period;
         let capped = share < T::ONE;

@@ -357,6 +357,7 @@ mod tests {
     use crate::element::constants::{ElementConstants, HourglassControl};
     use crate::element::elements::Elements;
     use crate::element::group::QuadGroup;
+    use crate::kernel::bulk_viscosity::BulkViscosity;
     use crate::kernel::quad;
     use crate::material::plasticity::ElasticOnly;
     use crate::material::volumetric::ConstantBulkModulus;
@@ -369,7 +370,7 @@ mod tests {
         bulk: 3.0,
         shear: 1.0,
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
-        bulk_viscosity: [0.0, 0.0],
+        bulk_viscosity: BulkViscosity::NONE,
     };
 
     /// Returns a ring of squares whose nodes are displaced by a fraction of the side.

@@ -427,8 +427,8 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
     }
 
     pub(super) fn totals(&self) -> GroupTotals {
-        let ElementConstants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
-        let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
+        let ElementConstants { bulk, shear, bulk_viscosity, .. } = self.constants;
+        let xi = bulk_viscosity.linear * (bulk + 4.0 / 3.0 * shear) / bulk;
         let still = self.cap * damped(xi);
         let totals = totals(self.tasks.iter().map(TaskWorkspace::parts), |task| {
             if self.quiescence[task].quiescent { still } else { f64::INFINITY }
@@ -948,6 +948,7 @@ mod tests {
 
     use super::{ElementGroup, ElementPass, NodeAccelerations, QuadGroup};
     use crate::element::constants::{ElementConstants, HourglassControl};
+    use crate::kernel::bulk_viscosity::BulkViscosity;
     use crate::kernel::lanes::BlockCornerForces;
     use crate::kernel::lanes::LANES;
     use crate::material::plasticity::PiecewiseLinearHardening;
@@ -977,7 +978,7 @@ mod tests {
             bulk: 3.0,
             shear: 1.0,
             hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true, enhanced: 0.0 },
-            bulk_viscosity: [0.06, 1.2],
+            bulk_viscosity: BulkViscosity::default(),
         };
         let run = |arch: Arch| {
             let lines = PiecewiseLinearHardening::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");

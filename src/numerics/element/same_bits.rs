@@ -4,6 +4,7 @@ use pulp::Arch;
 
 use crate::element::constants::{ElementConstants, HourglassControl};
 use crate::element::group::{ElementGroup, ElementPass, QuadGroup};
+use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, RateFactor, StaticYield};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::LANES;
@@ -78,7 +79,7 @@ fn constants(enhanced: f64) -> ElementConstants {
         bulk: 3.0,
         shear: 1.0,
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true, enhanced },
-        bulk_viscosity: [0.06, 1.2],
+        bulk_viscosity: BulkViscosity::default(),
     }
 }
 

@@ -4,6 +4,7 @@
 pub mod amplitude;
 pub mod assumed;
 pub mod attitude;
+pub mod bulk_viscosity;
 pub mod cavity;
 pub mod conduction;
 pub mod corners;

@@ -113,10 +113,9 @@ impl<'a> Compiler<'a> {
             material.name, section.thickness, section.points
         );
         self.ledger_row(section.span, "shells", count, "SAX1", detail);
-        let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
-        let [linear, quadratic] = bulk_viscosity;
-        if linear != 0.0 || quadratic != 0.0 {
-            self.ledger_row(section.span, "bulk viscosity", count, "elements", format!("{linear}, {quadratic}"));
+        let bulk_viscosity = self.bulk_viscosity(false);
+        if !bulk_viscosity.is_none() {
+            self.ledger_row(section.span, "bulk viscosity", count, "elements", bulk_viscosity.detail());
         }
         Some(ShellProperties {
             elastic: PlaneElastic { young, ratio },

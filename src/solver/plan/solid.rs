@@ -103,7 +103,7 @@ impl Compiler<'_> {
             elements.averagings = averagings;
         }
         if damped.iter().any(|factor| *factor > 0.0) {
-            let linear = self.model.steps.iter().map(|s| s.bulk_viscosity[0]).fold(0.0, f64::max);
+            let linear = self.model.steps.iter().map(|s| s.bulk_viscosity.linear).fold(0.0, f64::max);
             elements.damping = Some(Box::new(MassDamping::new(damped, linear, &elements.groups, nodes.len())));
         }
         if sections.iter().any(|(s, _)| s.controls.by_area) {

@@ -8,6 +8,7 @@ use crate::deck::{Diagnostic, Span};
 use crate::element::constants::{ElementConstants, HourglassControl};
 use crate::element::group::ElementGroup;
 use crate::element::solid_groups::{Connectivity, GroupOptions, HardeningLaw, SolidMaterial, create_group};
+use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, RateFactor, StaticYield, TableOverTemperature};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::levels::NestedTable;
@@ -100,7 +101,7 @@ impl Compiler<'_> {
         let density = material.density.unwrap_or(0.0);
         connectivity.add_masses(nodes, density, mass);
         let hourglass = self.control(section, material, moduli, connectivity)?;
-        let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
+        let bulk_viscosity = self.bulk_viscosity(material.eos.is_some() || section.controls.by_area);
         let constants = ElementConstants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
         let heats = self.adiabatic() || self.conducts(section);
         self.solid_rows(section, (elements.len(), connectivity.element_type()), &constants, (material, heats));
@@ -356,7 +357,7 @@ impl Compiler<'_> {
             Some("WEIGHTING=AREA of CAX6M is not supported")
         } else if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.shape.is_some() {
             Some("WEIGHTING=AREA needs *ELASTIC, and no foam")
-        } else if model.steps.iter().any(|s| s.bulk_viscosity[0] <= 0.0) {
+        } else if model.steps.iter().any(|s| s.bulk_viscosity.linear <= 0.0) {
             Some("WEIGHTING=AREA needs linear bulk viscosity: without it some modes are unstable")
         } else if model.sections.iter().any(|s| !s.controls.by_area) {
             Some("WEIGHTING=AREA in one section needs it in all")
@@ -409,6 +410,12 @@ impl Compiler<'_> {
         Some(HourglassControl { stiffness, viscosity, relaxes, enhanced })
     }
 
+    /// Returns the bulk viscosity, which all steps share; `whole_rate` if the linear term needs the whole rate.
+    pub(super) fn bulk_viscosity(&self, whole_rate: bool) -> BulkViscosity {
+        let given = self.model.steps.first().map(|s| s.bulk_viscosity).unwrap_or_default();
+        if whole_rate { given.unfiltered() } else { given }
+    }
+
     fn solid_rows(
         &mut self,
         section: &SolidSection,
@@ -456,9 +463,8 @@ impl Compiler<'_> {
             };
             self.ledger_row(section.span, "hourglass control", count, "elements", detail);
         }
-        let [linear, quadratic] = constants.bulk_viscosity;
-        if linear != 0.0 || quadratic != 0.0 {
-            self.ledger_row(section.span, "bulk viscosity", count, "elements", format!("{linear}, {quadratic}"));
+        if !constants.bulk_viscosity.is_none() {
+            self.ledger_row(section.span, "bulk viscosity", count, "elements", constants.bulk_viscosity.detail());
         }
     }
 

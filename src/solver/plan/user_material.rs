@@ -59,7 +59,7 @@ impl Compiler<'_> {
         self.require_length_routine(section, material, takes_lengths)?;
         connectivity.add_masses(nodes, density, mass);
         let hourglass = self.hourglass(section, material, moduli)?;
-        let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
+        let bulk_viscosity = self.bulk_viscosity(false);
         // The moduli of a user material are computed from its first call.
         let user_stress = matches!(law, UserLaw::Stress(..));
         let [bulk, shear] = if user_stress { [0.0; 2] } else { [moduli.bulk, moduli.shear] };
@@ -129,7 +129,7 @@ impl Compiler<'_> {
                 self.note_double_precision(section.span, count, "user subroutines");
                 connectivity.add_masses(nodes, density, mass);
                 let hourglass = self.control(section, material, moduli, connectivity)?;
-                let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
+                let bulk_viscosity = self.bulk_viscosity(false);
                 let group = ElementConstants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
                 let stress = UserLaw::Stress(constants, "in Rust");
                 self.user_rows(section, material, &stress, (count, kind, &group), &PlasticHeating::None);

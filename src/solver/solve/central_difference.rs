@@ -136,6 +136,7 @@ mod tests {
     use crate::element::elements::Elements;
     use crate::element::frequency::{ConstrainedNodes, HighestFrequency};
     use crate::element::group::QuadGroup;
+    use crate::kernel::bulk_viscosity::BulkViscosity;
     use crate::kernel::quad;
     use crate::material::plasticity::ElasticOnly;
     use crate::material::volumetric::ConstantBulkModulus;
@@ -164,7 +165,7 @@ mod tests {
             GridMesh { nodes, elements }
         }
 
-        fn free(&self, bulk_viscosity: [f64; 2], awake: bool) -> FreeBody {
+        fn free(&self, bulk_viscosity: BulkViscosity, awake: bool) -> FreeBody {
             let constants = ElementConstants {
                 bulk: 3.0,
                 shear: 1.0,
@@ -227,7 +228,7 @@ mod tests {
         let count = mesh.nodes.len() - 1;
         mesh.nodes[count].v_r = 1.0;
         let run = |awake: bool| {
-            let mut free = mesh.free([0.06, 1.2], awake);
+            let mut free = mesh.free(BulkViscosity::default(), awake);
             let mut quiescent = Vec::new();
             for _ in 0..600 {
                 free.evaluate();
@@ -259,7 +260,7 @@ mod tests {
             node.v_z = 1e-8 * (((n * 7901) % 97) as f64 / 97.0 - 0.5);
         }
         let run = |factor: f64| {
-            let mut free = mesh.free([0.0, 0.0], false);
+            let mut free = mesh.free(BulkViscosity::NONE, false);
             free.elements.frequency = HighestFrequency::new(&free.elements.groups, &free.dofs.nodes).map(Box::new);
             free.elements.begin_frequency(true, &free.dofs.nodes, &ConstrainedNodes { prescribed: &[], carried: &[] });
             let (mut largest, mut stable): (f64, f64) = (0.0, 0.0);

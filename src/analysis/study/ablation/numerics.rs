@@ -2,14 +2,15 @@
 
 use super::super::settings::{control, control_hourglass, deforms};
 use super::EffectRemoval;
+use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::model::{HourglassMethod, Model};
 
 pub(super) const LIST: &[EffectRemoval] = &[
     EffectRemoval::new(
         "bulk viscosity",
         "0, 0",
-        |model| deforms(model) && model.steps.iter().any(|s| s.bulk_viscosity != [0.0; 2]),
-        |model| model.steps.iter_mut().for_each(|s| s.bulk_viscosity = [0.0; 2]),
+        |model| deforms(model) && model.steps.iter().any(|s| !s.bulk_viscosity.is_none()),
+        |model| model.steps.iter_mut().for_each(|s| s.bulk_viscosity = BulkViscosity::NONE),
     ),
     EffectRemoval::new(
         "hourglass control",

@@ -60,6 +60,7 @@ card!(SurfaceBehavior: "SURFACE BEHAVIOR", "Pressure-overclosure relationship", 
 card!(Friction: "FRICTION", "Friction between surfaces", (once below "SURFACE INTERACTION"), {
     largest: Option<f64> = "TAUMAX" (POSITIVE) "Limit of the shear stress",
     rough: bool = "ROUGH" read "No slip",
+    damping: f64 = "SLIP DAMPING" extension (NOT_NEGATIVE.to(1.0).or(0.5)) "Share of a quick change of the slip rate that damping removes in an increment; 0: no damping of flutter",
     decays: bool = "EXPONENTIAL DECAY" read "The coefficient decreases with the slip rate",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
     "TEST DATA" refused "applies only to EXPONENTIAL DECAY",

@@ -49,7 +49,9 @@ const COUPLED_DYNAMIC: Keyword = Keyword {
     ..Dynamic::ROW
 };
 
-card!(BulkViscosity: "BULK VISCOSITY", "Linear and quadratic bulk viscosity", (once step), {}, factors: [f64; 2] = [
+card!(BulkViscosity: "BULK VISCOSITY", "Linear and quadratic bulk viscosity", (once step), {
+    whole_rate: bool = "LINEAR TERM" extension (word(&["FILTERED", "UNFILTERED"]).or(0.0)) "FILTERED: the linear term acts on quick changes of the volumetric strain rate; UNFILTERED: on the whole rate, as in ABAQUS, and always for materials with *EOS and for WEIGHTING=AREA",
+}, factors: [f64; 2] = [
     (lines ["linear factor" (NUMBER.or(0.06)), "quadratic factor" (NUMBER.or(1.2))]),
 ]);
 

@@ -2,6 +2,7 @@
 
 use super::{BoundaryCondition, GeneralContact, Load, OutputInterval, OutputRequest, PrescribedField, SurfaceContact};
 use crate::deck::Span;
+use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::interaction::CoulombFriction;
 
 /// An analysis step.
@@ -19,8 +20,8 @@ pub struct Step {
     pub scale_factor: f64,
     /// Velocity passed to loads.
     pub load_velocity: LoadVelocity,
-    /// Linear and quadratic bulk viscosity coefficients.
-    pub bulk_viscosity: [f64; 2],
+    /// Bulk viscosity.
+    pub bulk_viscosity: BulkViscosity,
     /// Whether heat conduction is neglected and plastic work heats the material locally (`ADIABATIC`).
     pub adiabatic: bool,
     /// Whether nodal temperatures are solved for (`*DYNAMIC TEMPERATURE-DISPLACEMENT`).

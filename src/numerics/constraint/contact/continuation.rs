@@ -54,6 +54,7 @@ impl ContactConstraint {
     fn take_over_key(&mut self, key: usize, previous: &ContactConstraint, other: usize) {
         self.pressures[key] = previous.pressures[other];
         self.stored_energy.take_over(key, &previous.stored_energy, other);
+        self.slip_damping.take_over(key, &previous.slip_damping, other);
         self.shown.take_over(key, &previous.shown, other);
         let fit = previous.gap_offsets.get(other).copied().unwrap_or(0.0);
         if fit != 0.0 && self.gap_offsets.is_empty() {

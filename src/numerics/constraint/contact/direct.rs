@@ -637,7 +637,9 @@ mod tests {
                         let (mut rows, mut motion) = scene(&mut numbers, count, body);
                         let before = vec![[0.0; 2]; count as usize];
                         let given = ContactStep { laws: std::slice::from_ref(&law), before: &before, span };
-                        rows.solve(&mut motion, given);
+                        if let Some(reference) = rows.begin(&motion, given) {
+                            rows.solve(&mut motion, reference, given);
+                        }
                         scenes += 1;
                         swept += usize::from(rows.sweeps > 0);
                         holds(&rows, &motion, &law);

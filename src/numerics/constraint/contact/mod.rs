@@ -16,6 +16,7 @@ mod heat;
 mod light;
 mod search;
 mod shown;
+mod slip_damping;
 mod stored_energy;
 mod sweeps;
 
@@ -28,6 +29,7 @@ use self::gaps::{FacetGap, GapIntegrator};
 use self::heat::ContactHeat;
 use self::search::ContactSearch;
 use self::shown::ContactOutput;
+use self::slip_damping::SlipDamping;
 use self::stored_energy::StoredEnergy;
 use self::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, NONE};
 use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, HeatExchange, StoredConstraint};
@@ -141,6 +143,8 @@ pub struct ContactConstraint {
     pressures: Vec<[f64; 2]>,
     /// Energy of each key with a soft law.
     stored_energy: StoredEnergy,
+    /// Damping of frictional flutter.
+    slip_damping: SlipDamping,
     /// Difference that is subtracted from the gap of each key; empty if all are zero.
     gap_offsets: Vec<f64>,
     /// Index of the first law of penalty springs; all later laws are springs. `None` without springs.
@@ -216,6 +220,9 @@ impl ContactConstraint {
         contact.pressures = vec![[0.0; 2]; keys as usize];
         if contact.laws.iter().any(|law| law.overclosure != PressureOverclosure::Hard) {
             contact.stored_energy = StoredEnergy::new(keys as usize);
+        }
+        if contact.laws.iter().any(|law| law.friction.damps()) {
+            contact.slip_damping = SlipDamping::new(keys as usize);
         }
         contact.shown = ContactOutput::new(keys as usize, &points);
         contact.places = vec![[0.0; 2]; points.len()];
@@ -443,7 +450,7 @@ impl ContactConstraint {
             for term in rows.terms_of(row) {
                 let on = &mut impulses[term.dof as usize];
                 on[0] += term.normal * row.normal_impulse;
-                on[1] += term.slip * row.shear_impulse;
+                on[1] += term.slip * (row.shear_impulse + row.damping);
             }
         }
     }
@@ -497,7 +504,7 @@ impl ContactConstraint {
             let (rows, means) = (&self.rows, &self.means);
             let rate =
                 |row: &ContactRow| rows.terms_of(row).iter().map(|t| t.slip * means[t.dof as usize]).sum::<f64>();
-            exchange.add_friction_heat(rows, &self.laws, |row| row.shear_impulse * rate(row));
+            exchange.add_friction_heat(rows, &self.laws, |row| (row.shear_impulse + row.damping) * rate(row));
         }
         energies.penalty -= springs;
         energies.contact -= work[0] - springs;
@@ -696,9 +703,12 @@ impl Constraint for ContactConstraint {
         let span = ContactInterval { dt, half: self.half };
         dofs.energies.initial_overlap += self.stored_energy.limit_overlaps(&mut self.rows, &self.laws);
         let given = ContactStep { laws: &self.laws, before: &self.pressures, span };
-        if let Some(reference) = self.rows.solve(&mut self.motion, given) {
+        if let Some(reference) = self.rows.begin(&self.motion, given) {
+            self.slip_damping.apply(&mut self.rows, &mut self.motion, given);
+            self.rows.solve(&mut self.motion, reference, given);
             self.correct_arc_gaps(reference, span);
         }
+        self.slip_damping.update(&self.rows, &self.motion, &self.laws);
         self.stored_energy.add_work(&self.rows, &self.laws, &self.motion, span);
         self.gather_impulses();
         self.apply_impulses(dofs, dt);
@@ -755,6 +765,7 @@ impl StoredConstraint for ContactConstraint {
             + self.gaps.memory()
             + self.shown.memory()
             + self.stored_energy.memory()
+            + self.slip_damping.memory()
             + self.rows.memory()
             + MemoryUse::of(&self.points)
             + MemoryUse::of(&self.analyticals)
@@ -779,7 +790,7 @@ impl StoredConstraint for ContactConstraint {
 persist_struct!(ContactBody { contact_acceleration } derived { dof, body, prescribed });
 
 persist_struct!(ContactConstraint {
-    curves: fixed, pressures: fixed, stored_energy, impulses: fixed, bodies: fixed, half, shown, uncovered, contact_heat: present
+    curves: fixed, pressures: fixed, stored_energy, slip_damping, impulses: fixed, bodies: fixed, half, shown, uncovered, contact_heat: present
 } derived {
     points, pairs, analyticals, feet, laws, dofs_of, dofs, gap_offsets, springs, means, places, near, listed, gaps, rows, motion
 } then ContactConstraint::list_again);

@@ -46,6 +46,8 @@ pub struct ContactRow {
     /// Impulse per unit of area, along the surface.
     pub shear_impulse: f64,
     pub(super) sticks: bool,
+    /// Impulse per unit of area of [`super::slip_damping`], along the surface.
+    pub damping: f64,
     pub(super) coefficient: f64,
 }
 
@@ -215,14 +217,11 @@ impl ContactRows {
         self.rows.push(row);
     }
 
-    /// Solves for the impulses; `motion` then holds the velocities after them. Sweeps are used if the direct solver
-    /// fails. Returns the velocity that errors are relative to; `None` if no gap closes.
-    pub fn solve(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) -> Option<f64> {
-        self.sweeps = 0;
-        let reference = self.begin(motion, given)?;
+    /// Solves for the impulses after [`ContactRows::begin`], which returned the `reference` velocity; `motion` then
+    /// holds the velocities after them. Sweeps are used if the direct solver fails.
+    pub fn solve(&mut self, motion: &mut ContactVelocities, reference: f64, given: ContactStep<'_>) {
         self.begin_warm(motion, given);
         self.find(motion, reference, given);
-        Some(reference)
     }
 
     /// Solves again from the current impulses, after gaps have changed.
@@ -241,6 +240,7 @@ impl ContactRows {
     /// Keeps the rows that may close in this increment. Returns the velocity that errors are relative to; `None` if no
     /// gap closes.
     pub(super) fn begin(&mut self, motion: &ContactVelocities, given: ContactStep<'_>) -> Option<f64> {
+        self.sweeps = 0;
         let approach = self.prepare(motion, given);
         if approach <= 0.0 {
             self.rows.clear();

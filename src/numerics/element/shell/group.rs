@@ -48,6 +48,8 @@ struct ShellState {
     thickness: f64,
     /// Transverse shear force per length.
     shear: f64,
+    /// Slow parts of the rates of area and curvature.
+    slow_rates: [f64; 2],
 }
 
 /// Splits a variable at the bottom, middle or top of the shell into the plain variable and the position.
@@ -88,7 +90,7 @@ impl ShellGroup {
         let points = ends.len() * section.points.len();
         ShellGroup {
             masses: ends.iter().zip(&frames).map(masses).collect(),
-            state: vec![ShellState { thickness: section.thickness, shear: 0.0 }; ends.len()],
+            state: vec![ShellState { thickness: section.thickness, ..ShellState::default() }; ends.len()],
             stress: vec![[0.0; 2]; points],
             flow: if section.flowing.is_some() { vec![ShellPointState::default(); points] } else { Vec::new() },
             section: Arc::new(section),
@@ -172,7 +174,10 @@ impl ShellGroup {
         let mut resultants = self.resultants(element);
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let sums = [strains[0] + strains[1], strains[2] + strains[3]];
-        let [force, moment] = self.section.viscosity(&frame, &masses, thickness, sums.inline_map(|s| per_dt * s));
+        let (rates, before) = (sums.inline_map(|s| per_dt * s), self.state[element].slow_rates);
+        let slow = self.section.slow_rates(&frame, &masses, (before, thickness), rates, dt);
+        self.state[element].slow_rates = slow;
+        let [force, moment] = self.section.viscosity(&frame, &masses, thickness, rates, slow);
         for i in 0..2 {
             resultants[i] += force;
             resultants[2 + i] += moment;
@@ -360,7 +365,7 @@ impl InitialState for ShellGroup {
     }
 }
 
-persist_struct!(ShellState { thickness, shear });
+persist_struct!(ShellState { thickness, shear, slow_rates });
 
 persist_struct!(ShellGroup {
     deleted: fixed, masses: fixed, state: fixed, stress: fixed, flow: fixed, record: present

@@ -2,8 +2,10 @@
 //! viscosity.
 
 use crate::element::constants::damped;
+use crate::kernel::bulk_viscosity::{BulkViscosity, slow_rate};
 use crate::kernel::hardening::FlowStress;
 use crate::kernel::heating::PlasticHeating;
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::ShellFrame;
 
@@ -35,8 +37,8 @@ pub struct ShellProperties {
     /// Plasticity; `None` for an elastic section.
     pub flowing: Option<SectionPlasticity>,
     pub thinning: ThicknessRule,
-    /// Linear and quadratic bulk viscosity.
-    pub bulk_viscosity: [f64; 2],
+    /// Bulk viscosity.
+    pub bulk_viscosity: BulkViscosity,
 }
 
 impl ShellProperties {
@@ -49,7 +51,7 @@ impl ShellProperties {
     pub fn rate(&self, frame: &ShellFrame, masses: &[f64; 4], thickness: f64, area_rate: f64) -> f64 {
         let frequency = frame.frequency(masses, thickness, self.shear_stiffness(), &self.elastic);
         let speed = self.wave_speed(frame, masses, thickness);
-        let [linear, quadratic] = self.bulk_viscosity;
+        let BulkViscosity { linear, quadratic, .. } = self.bulk_viscosity;
         let closing = (-area_rate).max(0.0) * frame.length / speed;
         let viscosity = (linear + quadratic * quadratic * closing) / (1.0 + self.elastic.ratio);
         let xi = viscosity * frame.length * frequency / speed;
@@ -66,24 +68,39 @@ impl ShellProperties {
         (self.elastic.modulus() * frame.area() * thickness / (masses[0] + masses[1])).sqrt()
     }
 
+    /// Returns the slow parts of the rates of area and curvature after an increment `dt`.
+    pub fn slow_rates(
+        &self,
+        frame: &ShellFrame,
+        masses: &[f64; 4],
+        (before, thickness): ([f64; 2], f64),
+        rates: [f64; 2],
+        dt: f64,
+    ) -> [f64; 2] {
+        let turn = 2.0 * dt * self.wave_speed(frame, masses, thickness) / frame.length;
+        let filter = self.bulk_viscosity.filter();
+        [0, 1].inline_map(|i| slow_rate(before[i], rates[i], turn, filter))
+    }
+
     /// Returns force and moment per length of the bulk viscosity, equal in both directions, for the rates of area and
-    /// of curvature (sums over both directions). The force is linear, and also quadratic if the area shrinks (ABAQUS
-    /// Theory Guide 2.4.5); the moment is linear only (ABAQUS Theory Guide 3.6.5, "Rotational bulk viscosity for
-    /// explicit dynamics").
+    /// of curvature (sums over both directions) and their slow parts. The force is linear, and also quadratic if the
+    /// area shrinks (ABAQUS Theory Guide 2.4.5); the moment is linear only (ABAQUS Theory Guide 3.6.5, "Rotational bulk
+    /// viscosity for explicit dynamics").
     pub fn viscosity(
         &self,
         frame: &ShellFrame,
         masses: &[f64; 4],
         thickness: f64,
         [area, curvature]: [f64; 2],
+        slow: [f64; 2],
     ) -> [f64; 2] {
-        let [linear, quadratic] = self.bulk_viscosity;
+        let BulkViscosity { linear, quadratic, .. } = self.bulk_viscosity;
         // Density times thickness.
         let per_area = (masses[0] + masses[1]) / frame.area();
         let (l, speed) = (frame.length, self.wave_speed(frame, masses, thickness));
         let closing = area.min(0.0) * l * quadratic;
-        let force = per_area * (linear * speed * l * area - closing * closing);
-        let moment = self.thickness * self.thickness / 12.0 * per_area * linear * speed * l * curvature;
+        let force = per_area * (linear * speed * l * (area - slow[0]) - closing * closing);
+        let moment = self.thickness * self.thickness / 12.0 * per_area * linear * speed * l * (curvature - slow[1]);
         [force, moment]
     }
 }

@@ -15,6 +15,7 @@ use crate::element::group::{
 };
 use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::BlockRecord;
+use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators, frequency_squared, stiffness};
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
@@ -221,7 +222,7 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
             let parts = self.blocks.chunks_mut(TASK).zip(list.chunks_mut(TASK * FORCE_BLOCKS));
             parts.zip(&mut self.tasks).enumerate().for_each(run);
         }
-        let ElementConstants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        let ElementConstants { bulk, shear, bulk_viscosity: BulkViscosity { linear, .. }, .. } = self.constants;
         let still = self.cap * damped(linear * (bulk + 4.0 / 3.0 * shear) / bulk);
         totals(self.tasks.iter().map(|task| task.scratch.parts()), |task| {
             if self.tasks[task].quiescence.quiescent { still } else { f64::INFINITY }
@@ -261,7 +262,7 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
             Some(masses) => masses.first_chunk::<NODES>()?.inline_map(|mass| 1.0 / mass),
             None => block.triangles.inverse_masses(lane),
         };
-        let ElementConstants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        let ElementConstants { bulk, shear, bulk_viscosity: BulkViscosity { linear, .. }, .. } = self.constants;
         Some(0.5 * frequency_squared(&self.operators(element, nodes), [bulk, shear], &inverse).sqrt() * damped(linear))
     }
 

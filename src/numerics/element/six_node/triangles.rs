@@ -8,6 +8,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 use crate::element::block::{TaskWorkspace, is_larger};
 use crate::element::constants::{CHANGE, ElementConstants, damped};
+use crate::kernel::bulk_viscosity::{BulkViscosity, slow_rate};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::quad::UNIT;
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators, frequency_squared, masses};
@@ -245,7 +246,8 @@ impl NullaryFnOnce for TriangleAssembly<'_> {
     fn call(self) {
         let TriangleAssembly { triangles, constants, varies, dt, stress: own, scratch, work, corners } = self;
         let first = scratch.at + 1 - POINTS;
-        let [linear, quadratic] = constants.bulk_viscosity;
+        let BulkViscosity { linear, quadratic, .. } = constants.bulk_viscosity;
+        let filter = constants.bulk_viscosity.filter();
         let cap = scratch.cap;
         for l in 0..LANES {
             let (now, done) = (&work.now[l], &mut work.points);
@@ -256,7 +258,12 @@ impl NullaryFnOnce for TriangleAssembly<'_> {
             // If moduli vary, the velocities at the start of the analysis determine the rate of volume.
             let rate = if dt > 0.0 || varies { work.dilation_rate[l] } else { 0.0 };
             let fraction = linear - quadratic * quadratic * 2.0 * period * rate.min(0.0);
-            let damping = 2.0 * modulus * period * rate * fraction;
+            let mut slow = 0.0;
+            if let Some(stored) = scratch.task.slow_dilation.get_mut(first) {
+                slow = if dt > 0.0 { slow_rate(stored[l], rate, dt * omega, filter) } else { work.dilation_rate[l] };
+                stored[l] = slow;
+            }
+            let damping = 2.0 * modulus * period * (rate * fraction - slow * linear);
             let mut stress = [[0.0; 4]; POINTS];
             for p in 0..POINTS {
                 stress[p] = column(&own[p], l);
