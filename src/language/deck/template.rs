@@ -25,7 +25,7 @@ pub struct DeckTemplate {
 pub struct ParametricWord {
     /// Index of its card.
     pub card: usize,
-    /// Position in the card.
+    /// Position of the word in the card.
     pub at: WordPosition,
     pieces: WordPieces,
 }

@@ -2,7 +2,7 @@
 
 use crate::deck::DiagnosticCode;
 
-/// All codes of this folder.
+/// Diagnostic codes of mesh generation.
 pub const CODES: &[DiagnosticCode] = codes! {
     "G001" "invalid size" "Radius, length, element size and all other lengths of `revolve mesh` must be positive, finite numbers in one unit of length. The element size must not exceed the radius, and the mesh may have at most ten million elements."
     "G002" "invalid nose" "An ogive has a calibre-radius-head of at least 1/2 (a hemisphere); with a smaller value its arc does not reach the shank. A cone has a half angle between 0 and 90 degrees, or a positive height."

@@ -12,7 +12,7 @@ use crate::deck::Diagnostic;
 /// Parameters of a projectile mesh. All lengths have the length unit of the deck.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshRequest {
-    /// Nose shape.
+    /// Shape of the nose, with its dimensions.
     pub nose: NoseShape,
     /// Radius of the shank; ignored for a polyline, which defines it.
     pub radius: f64,
@@ -31,7 +31,7 @@ pub struct MeshRequest {
 /// A cylindrical cavity about the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CaseCavity {
-    /// Wall thickness.
+    /// Thickness of the lateral wall between cavity and outer surface.
     pub wall: f64,
     /// Number of elements through the wall; by default from the element size, at least two.
     pub through: Option<usize>,
@@ -47,7 +47,7 @@ pub struct CaseCavity {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum CavityFill {
-    /// Empty.
+    /// Empty cavity.
     None,
     /// Fill that shares nodes with the case.
     Bonded,
@@ -64,16 +64,16 @@ pub struct DeckLabels {
     pub prefix: String,
     /// Material of the projectile or of its case.
     pub material: String,
-    /// Material of the fill.
+    /// Name of the fill's material.
     pub fill: String,
 }
 
-/// Part of an element.
+/// Part of the projectile to which an element belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshPart {
     /// The projectile, or its case.
     Case,
-    /// The fill.
+    /// The fill of the cavity.
     Fill,
 }
 
@@ -97,7 +97,7 @@ pub enum SurfacePart {
 pub struct ProjectileMesh {
     /// Nodes and elements.
     pub(super) sheet: QuadMesh,
-    /// Part of each element.
+    /// Part to which each element belongs.
     pub(super) parts: Vec<MeshPart>,
     /// Number of nose elements, which come first.
     pub(super) in_nose: usize,

@@ -27,7 +27,7 @@ pub(super) const MAX_GENERATED: usize = 20_000_000;
 /// Number of unknown names for which similar names are suggested.
 const SUGGESTIONS: usize = 20;
 
-/// An open block.
+/// A block without its end card yet, such as `*PART` without `*END PART`.
 #[derive(Debug)]
 pub(super) struct OpenBlock {
     /// `PART`, `ASSEMBLY`, `INSTANCE` or `STEP`.

@@ -73,7 +73,7 @@ struct OpenBlocks {
     parents: usize,
     /// Number of steps so far; 0 before the first.
     step: usize,
-    /// Whether a step is open.
+    /// Whether a `*STEP` has been read without its `*END STEP`.
     in_step: bool,
     /// Open part or instance.
     scope: String,

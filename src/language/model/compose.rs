@@ -247,7 +247,7 @@ impl Load {
         Load::new(LoadKind::User { sides, load_type: 0 }, 1.0)
     }
 
-    /// Sets the amplitude.
+    /// Multiplies the load with an amplitude over time.
     #[must_use]
     pub fn with_amplitude(mut self, amplitude: AmplitudeId) -> Load {
         self.amplitude = Some(amplitude);
@@ -291,7 +291,7 @@ impl OutputRequest {
         self
     }
 
-    /// Sets the output interval.
+    /// Requests output at this interval instead of the default.
     #[must_use]
     pub fn every(mut self, interval: OutputInterval) -> OutputRequest {
         self.interval = interval;

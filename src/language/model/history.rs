@@ -80,7 +80,7 @@ impl StepHistory {
         self.boundaries = merge_boundaries(Vec::new(), given, diagnostics);
     }
 
-    /// Ends a step.
+    /// Advances the total time by the duration of a step that has been read.
     pub fn end(&mut self, step: &StepTiming) {
         self.time += step.duration;
         self.begun = true;

@@ -67,7 +67,7 @@ pub struct SurfaceOutline {
 }
 
 impl SceneOutline {
-    /// Returns the outlines of a model.
+    /// Returns the outlines of the targets and rigid surfaces of a model.
     pub fn of(model: &Model) -> SceneOutline {
         SceneOutline {
             targets: model.targets.iter().map(|t| target(model, t)).collect(),

@@ -116,7 +116,7 @@ pub struct ColumnSummary {
     pub time_max: f64,
 }
 
-/// Summaries of all columns by name.
+/// Summary of each history column, by the name of the column.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct HistorySummary(pub IndexMap<String, ColumnSummary>);

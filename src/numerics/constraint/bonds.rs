@@ -21,7 +21,7 @@ pub struct NodalEquation {
     pub is_redundant: bool,
 }
 
-/// Nodes with equal motion along an axis; the first one leads.
+/// Nodes with equal motion along an axis. The motion is computed at the first node and copied to the others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MergedDofs {
     pub nodes: Vec<usize>,
@@ -32,9 +32,9 @@ pub struct MergedDofs {
 /// Degrees of freedom with a prescribed motion, as node and axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PrescribedDofs {
-    /// All of them.
+    /// Degrees of freedom whose motion is prescribed, zero or not.
     pub all: HashSet<(usize, usize)>,
-    /// Those whose prescribed motion is zero.
+    /// Degrees of freedom whose prescribed motion is zero.
     pub held: HashSet<(usize, usize)>,
 }
 

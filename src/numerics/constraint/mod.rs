@@ -66,7 +66,7 @@ pub trait StoredConstraint: Persist + CopyConstraint + Any {
     /// Takes the history of the constraint that it replaces.
     fn continue_from(&mut self, _previous: &dyn Constraint) {}
 
-    /// Returns the memory of its arrays.
+    /// Returns the number of bytes of the constraint's arrays.
     fn memory(&self) -> MemoryUse;
 }
 

@@ -20,9 +20,9 @@ const FIT: f64 = 0.1;
 /// Boundary of a body: points and faces.
 #[derive(Clone, Debug)]
 pub struct BodyOutline {
-    /// Name in warnings.
+    /// Name of the body in warnings.
     pub name: String,
-    /// Points of the surface.
+    /// Points of the boundary, each on a node or on a rigid body.
     pub points: Vec<PointCarrier>,
     /// Faces, as indices of two points, that enclose the body; empty if the surface changes or is not closed.
     pub faces: Vec<[u32; 2]>,
@@ -43,7 +43,7 @@ struct BodyPair {
 pub struct OverlapMonitor {
     id: EffectId,
     outlines: Vec<BodyOutline>,
-    /// Pairs of bodies.
+    /// Pairs of bodies that are checked.
     pairs: Vec<BodyPair>,
     /// Current coordinates of the points of each body.
     places: Vec<Vec<[f64; 2]>>,

@@ -29,7 +29,7 @@ pub fn most_folded(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Option<Fo
     groups.iter().map(|g| &**g).enumerate().filter_map(of_group).max_by(|a, b| a.fold.total_cmp(&b.fold))
 }
 
-/// Returns the corners of an element if it is a quadrilateral.
+/// Returns the node indices of an element if it is a quadrilateral.
 fn quadrilateral(group: &dyn ElementGroup, element: usize) -> Option<[usize; 4]> {
     (group.topology() == ElementTopology::Quadrilateral)
         .then(|| group.cells(element).next())?

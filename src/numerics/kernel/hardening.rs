@@ -88,7 +88,7 @@ pub enum RateFactor {
     /// Johnson and Cook: 1 + C ln(rate/reference), not below 1.
     JohnsonCook {
         c: f64,
-        /// Reference rate.
+        /// Reference strain rate, 1/time.
         reference: f64,
     },
     /// Cowper and Symonds: 1 + (rate/D)^(1/n).

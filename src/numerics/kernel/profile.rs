@@ -50,7 +50,7 @@ impl ProfileSegment {
         ProfileSegment::Arc([from, to], centre, 0.5 * (length(u) + length(v)), turn)
     }
 
-    /// Returns the end points.
+    /// Returns the start and the end of the segment, `[r, z]` each.
     pub fn ends(&self) -> [[f64; 2]; 2] {
         match *self {
             ProfileSegment::Line(ends) | ProfileSegment::Arc(ends, ..) => ends,

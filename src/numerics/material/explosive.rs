@@ -47,7 +47,7 @@ impl EosLaw for JwlProducts {
     }
 }
 
-/// A detonation point.
+/// Point at which the detonation starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetonationPoint {
     /// Position `[r, z]`.
@@ -60,17 +60,17 @@ pub struct DetonationPoint {
 #[derive(Clone, Debug)]
 pub struct HighExplosive {
     pub products: JwlProducts,
-    /// Detonation speed.
+    /// Speed of the detonation front, length per time.
     pub speed: f64,
-    /// Initial specific energy, energy per mass.
+    /// Initial internal energy per mass.
     pub energy: f64,
     /// Bulk modulus of the unburnt explosive.
     pub unburnt: f64,
-    /// Detonation points.
+    /// Points at which the detonation starts; the earliest front reaches an element first.
     pub points: Vec<DetonationPoint>,
 }
 
-/// Burn state of a block.
+/// Burn fraction, arrival time of the detonation front and burn rate of the elements of a block.
 #[derive(Clone, Debug)]
 pub struct BurnState {
     /// Burn fraction, 0 to 1.

@@ -40,9 +40,9 @@ pub enum PlasticFlow {
 pub struct BlockStart {
     /// Elements of the block.
     pub count: usize,
-    /// Areas of the sections.
+    /// Areas of the meridional sections of the elements.
     pub area: Lanes,
-    /// Volumes.
+    /// Volumes of the elements.
     pub volume: Lanes,
     /// Centres, `[r, z]`.
     pub centre: [Lanes; 2],

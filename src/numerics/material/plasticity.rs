@@ -54,7 +54,7 @@ pub trait HardeningLaw: Send + Sync + 'static {
         None
     }
 
-    /// Sets the temperature of a lane.
+    /// Sets the initial temperature of a lane, if the law computes temperatures.
     fn set_temperature(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
 }
 
@@ -161,7 +161,7 @@ impl HardeningLaw for PiecewiseLinearHardening {
 
 /// Hardening law with a yield stress over plastic strain, rate and temperature, and optional heating by plastic work.
 pub struct RateDependentHardening {
-    /// The yield stress.
+    /// Yield stress as a function of plastic strain, rate and temperature.
     pub law: FlowStress,
     /// Temperature rise by plastic work.
     pub heating: PlasticHeating,

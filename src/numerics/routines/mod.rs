@@ -222,7 +222,7 @@ pub enum AnalysisMoment {
     StartStep = 1,
     /// Before the length of the next increment is chosen.
     SetupIncrement = 2,
-    /// At the start of an increment.
+    /// After the length of the increment is chosen, before its forces.
     StartIncrement = 3,
     /// At the end of an increment.
     EndIncrement = 4,
@@ -248,12 +248,12 @@ impl AnalysisMoment {
 /// Action of the run after a call of VEXTERNALDB (`i_Array(i_int_iStatus)`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum RunAction {
-    /// Continue.
+    /// The run continues.
     #[default]
     Continue,
-    /// End the step.
+    /// The current step ends after this increment; the next step follows.
     EndStep,
-    /// End the analysis.
+    /// The run ends after this increment.
     EndAnalysis,
 }
 
@@ -518,7 +518,7 @@ pub struct UncallableRoutine {
     pub routine: String,
     /// Diagnostic code (`U…`).
     pub code: String,
-    /// Reason.
+    /// Description of the failure.
     pub message: String,
 }
 

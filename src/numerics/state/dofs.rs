@@ -26,7 +26,7 @@ pub struct Dofs {
 }
 
 impl Dofs {
-    /// Returns the displacement.
+    /// Returns the displacement (length) or rotation (radians) of a degree of freedom.
     pub fn displacement(&self, dof: Dof) -> f64 {
         match dof {
             Dof::Body(b) => self.bodies[b].displacement,

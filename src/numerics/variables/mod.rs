@@ -18,13 +18,13 @@ pub enum VariablePlace {
     Node,
     /// At the integration point of an element.
     Point,
-    /// In a whole element.
+    /// One value per element.
     Element,
     /// On facets of loaded surfaces.
     Facet,
     /// An energy of the whole model.
     Energy,
-    /// For an increment.
+    /// One value per increment, such as the time increment.
     Increment,
     /// For a surface over which integrals are taken.
     Section,
@@ -35,11 +35,11 @@ pub enum VariablePlace {
 /// Condition under which a variable is written without a request by name (`PRESELECT`, or no request at all).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreselectRule {
-    /// Never.
+    /// Only by request.
     Never,
     /// In every model.
     Always,
-    /// With deformable bodies.
+    /// In models with deformable bodies.
     Deformable,
     /// If elements can be deleted.
     ElementDeletion,
@@ -60,7 +60,7 @@ pub struct VariableRow {
     pub name: &'static str,
     /// Names of the components; empty for a scalar and for numbered variables.
     pub labels: &'static [&'static str],
-    /// Location.
+    /// Nodes, integration points, elements or another location of the values.
     pub place: VariablePlace,
     /// Description for the manual.
     pub words: &'static str,
@@ -80,7 +80,7 @@ pub struct VariableRow {
     pub formula: Option<VariableFormula>,
     /// Combines the values of several loads on one facet: the result so far and the next value.
     pub combined: fn(f64, f64) -> f64,
-    /// Physical dimension.
+    /// Physical dimension of the values, as powers of the base dimensions.
     pub dimension: DimensionPowers,
 }
 
@@ -327,7 +327,7 @@ impl VariableRow {
         VariableRow { preselected: PreselectRule::SixDofBody, extension: true, ..self }
     }
 
-    /// For contact.
+    /// Variable of contact pairs, preselected in models with contact of surfaces.
     const fn with_contact(self) -> VariableRow {
         VariableRow { preselected: PreselectRule::SurfaceContact, deforming: true, ..self }
     }
@@ -358,12 +358,12 @@ impl Variable {
         &ROWS[self as usize]
     }
 
-    /// Returns its name.
+    /// Returns the upper-case name, as in output requests and columns.
     pub fn name(self) -> &'static str {
         self.row().name
     }
 
-    /// Returns its location.
+    /// Returns the location: node, integration point, element, facet or the whole model.
     pub fn place(self) -> VariablePlace {
         self.row().place
     }
@@ -412,9 +412,9 @@ impl Variable {
 /// One component of a variable. For a numbered variable the component is its number, counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct VariableComponent {
-    /// The variable.
+    /// Variable to which the component belongs.
     pub variable: Variable,
-    /// Index of the component.
+    /// Index of the component, from 0.
     pub component: usize,
 }
 

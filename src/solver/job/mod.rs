@@ -239,7 +239,7 @@ pub struct RunSummary {
     pub units: Option<DeckUnits>,
     /// Number of increments, and wall-clock times.
     pub timing: RunTiming,
-    /// The deck and its parameters.
+    /// Title, files and parameters of the deck.
     pub deck: DeckSummary,
     /// Version of the program that wrote the summary.
     pub version: &'static str,
@@ -276,7 +276,7 @@ pub struct RunTiming {
     pub checkpoint_seconds: Option<f64>,
 }
 
-/// The deck and its parameters.
+/// Title, files and parameters of a deck.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct DeckSummary {
     /// Text of `*HEADING`; empty without one.

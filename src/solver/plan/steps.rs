@@ -199,7 +199,7 @@ impl<'a> Compiler<'a> {
         StepChanges { loads, constraints, user_motions, scaling }
     }
 
-    /// Returns the previous step.
+    /// Returns the step before the one at `index`; `None` for the first step.
     fn step_before(&self, index: usize) -> Option<&'a Step> {
         Some(&self.model.steps[index.checked_sub(1)?])
     }

@@ -12,7 +12,7 @@ use crate::platform::PortableMath as _;
 pub(super) struct TiedNode {
     /// Index of its tie in the model.
     pub tie: usize,
-    /// Mesh node.
+    /// Index of the tied mesh node.
     pub node: usize,
     /// Element of the master facet.
     pub element: usize,

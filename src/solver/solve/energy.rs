@@ -59,7 +59,7 @@ pub struct Energy {
     /// Mass and energy of deleted elements; `None` if they are not recorded.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub removed: Option<DeletionTotals>,
-    /// Total energy.
+    /// Total energy ETOTAL, constant up to integration errors.
     #[serde(rename = "ETOTAL")]
     pub total: f64,
     /// Total energy at the start.

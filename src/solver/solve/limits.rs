@@ -18,7 +18,7 @@ pub enum IncrementLimiter {
     Given,
     /// Error control of the motion of rigid bodies.
     Accuracy,
-    /// Stability of elements.
+    /// Stability of the elements.
     Elements,
     /// Stability of heat conduction.
     Conduction,
@@ -65,10 +65,10 @@ impl Persist for IncrementLimiter {
     }
 }
 
-/// A time interval.
+/// Interval of total time, with its smallest increment and the reason for that increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct IncrementSpan {
-    /// Total time at its start.
+    /// Total time at the start of the interval.
     time: f64,
     shortest: f64,
     by: IncrementLimiter,
@@ -172,7 +172,7 @@ pub struct LimitsOverTime {
     pub increment: Vec<f64>,
     /// Reason for each of these increments, as an index of `names`.
     pub by: Vec<usize>,
-    /// Reasons.
+    /// Names of the reasons.
     pub names: Vec<String>,
 }
 

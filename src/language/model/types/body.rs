@@ -80,7 +80,7 @@ pub struct ConnectorProperty {
     pub elements: Vec<usize>,
     /// Degree of freedom (1 = r, 2 = z) of springs and dashpots to ground.
     pub dof: u8,
-    /// Force law.
+    /// Force as a function of the relative displacement or velocity.
     pub law: ConnectorLaw,
     /// Source position of the keyword line.
     pub span: Span,

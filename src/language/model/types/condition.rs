@@ -119,9 +119,9 @@ pub struct PrescribedField {
 pub enum MotionKind {
     /// Displacement relative to the start of the step: displacements never jump.
     Displacement,
-    /// Velocity.
+    /// The amplitude gives the velocity.
     Velocity,
-    /// Acceleration.
+    /// The amplitude gives the acceleration.
     Acceleration,
     /// Temperature (degree of freedom 11).
     Temperature,

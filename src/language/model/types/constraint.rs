@@ -35,7 +35,7 @@ impl LinearEquation {
 pub struct NodeLink {
     /// Name used in messages.
     pub name: String,
-    /// Kind of the link.
+    /// Degrees of freedom that the link couples.
     pub kind: LinkKind,
     /// Index of the reference node.
     pub reference: usize,

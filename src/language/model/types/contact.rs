@@ -13,7 +13,7 @@ use crate::kernel::profile::SurfaceProfile;
 pub struct SurfaceDefinitions {
     /// Element-based surfaces.
     pub faces: IndexMap<String, ElementSurface>,
-    /// Analytical rigid surfaces.
+    /// Analytical rigid surfaces by name.
     pub analytical: IndexMap<String, RigidSurface>,
     /// Node-based surfaces: node indices.
     pub nodes: IndexMap<String, Vec<usize>>,
@@ -70,7 +70,7 @@ pub struct SurfaceContact {
     pub cpset: Option<String>,
     /// Surface interaction.
     pub interaction: Option<InteractionId>,
-    /// Law of the interaction.
+    /// Friction and heat conduction of the interaction.
     pub law: InteractionLaw,
     /// Source position of the data line.
     pub span: Span,
@@ -139,10 +139,10 @@ pub struct GeneralContact {
 /// An assignment of a surface interaction in general contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AssignedInteraction {
-    /// The pair of surfaces.
+    /// Both sides of the pair: surfaces, or the whole exterior.
     pub domains: [ContactDomain; 2],
     /// Surface interaction.
     pub interaction: Option<InteractionId>,
-    /// Law of the interaction.
+    /// Friction and heat conduction of the interaction.
     pub law: InteractionLaw,
 }

@@ -40,7 +40,7 @@ pub enum LoadKind {
     Pressure(SideSelection),
     /// `PNU`, `P1NU` to `P4NU`: a pressure given by the user subroutine VDLOAD.
     User {
-        /// Loaded sides.
+        /// Faces on which the pressure acts.
         sides: SideSelection,
         /// Load type code `jltyp` of VDLOAD.
         load_type: i32,
@@ -56,9 +56,9 @@ pub enum LoadKind {
     },
     /// `CAVITY` (extension): the resistance of a target without mesh.
     Cavity {
-        /// Loaded sides.
+        /// Faces on which the resistance acts.
         sides: SideSelection,
-        /// Target that resists.
+        /// Target whose resistance acts on the faces.
         target: TargetId,
         /// Coulomb friction coefficient.
         friction: f64,

@@ -22,7 +22,7 @@ pub struct MaterialDefinition {
     pub shear_modulus: Option<f64>,
     /// Rubber elasticity (`*HYPERELASTIC`).
     pub hyperelastic: Option<HyperelasticLaw>,
-    /// Equation of state.
+    /// Relation of pressure, density and internal energy (`*EOS`).
     pub eos: Option<EquationOfState>,
     /// Detonation points (`*DETONATION POINT`): `[r, z, total time]` of each.
     pub detonation: Vec<[f64; 3]>,
@@ -36,11 +36,11 @@ pub struct MaterialDefinition {
     pub extrapolates: bool,
     /// Strain rate dependence of the yield stress.
     pub rate: Option<RateDependence>,
-    /// Thermal properties.
+    /// Properties for heat generation, heat conduction and thermal expansion.
     pub thermal: ThermalProperties,
     /// Failure criteria based on plastic strain, in deck order.
     pub failures: Vec<FailureCriterion>,
-    /// Tensile failure (`*TENSILE FAILURE`).
+    /// Failure at a limit of the tensile hydrostatic stress (`*TENSILE FAILURE`).
     pub tensile_failure: Option<TensileFailure>,
     /// Resistance to cavity expansion (`*CAVITY EXPANSION`, extension).
     pub cavity: Option<CavityExpansion>,
@@ -48,7 +48,7 @@ pub struct MaterialDefinition {
     pub user: UserDefinitions,
 }
 
-/// Thermal properties.
+/// Properties of a material for heat generation, heat conduction and thermal expansion.
 #[derive(Clone, Debug, Default)]
 pub struct ThermalProperties {
     /// Inelastic heat fraction: the fraction of plastic work that is converted to heat.
@@ -58,7 +58,7 @@ pub struct ThermalProperties {
     /// Rows of conductivity (power per length and temperature) and temperature (NaN where absent), with the source
     /// position.
     pub conductivity: Option<(Vec<[f64; 2]>, Span)>,
-    /// Thermal expansion (`*EXPANSION`).
+    /// Expansion coefficients and their reference temperature (`*EXPANSION`).
     pub expansion: Option<ThermalExpansion>,
 }
 

@@ -103,7 +103,7 @@ pub struct Model {
     pub output: OutputDefinitions,
 }
 
-/// Source of a model.
+/// Files and cards from which a model was built.
 #[derive(Clone, Debug, Default)]
 pub struct ModelOrigin {
     /// Text of the deck and its included files; empty for a model composed in Rust.
@@ -117,7 +117,7 @@ pub struct ModelOrigin {
     pub inert: Vec<IgnoredCard>,
 }
 
-/// Settings of the whole analysis.
+/// Settings that hold in all steps.
 #[derive(Clone, Debug, Default)]
 pub struct AnalysisSettings {
     /// The `*HEADING` text.

@@ -21,15 +21,15 @@ pub struct OutputDefinitions {
 pub struct OutputRequest {
     /// Field output or history output.
     pub kind: OutputKind,
-    /// Output interval.
+    /// Times or increments at which the request writes.
     pub interval: OutputInterval,
     /// Card of the request; it limits the variables that `PRESELECT` and `ALL` select.
     pub card: OutputCard,
-    /// Requested variables.
+    /// Variables to write, as in the data lines of the request.
     pub variables: Vec<VariableRequest>,
     /// Location at which field output of elements is written.
     pub position: OutputPosition,
-    /// Region of the variables.
+    /// Nodes, elements, surfaces or contact pairs whose values are written.
     pub region: OutputRegion,
     /// Statistics over the set (`STATISTICS`); if empty, history output has one column per member.
     pub statistics: Vec<Statistic>,
@@ -113,7 +113,7 @@ pub enum OutputPosition {
     Nodes,
 }
 
-/// Output interval.
+/// Times or increments at which output is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OutputInterval {
     /// Constant time interval.
@@ -142,15 +142,15 @@ pub struct TimePoints {
 /// Region of the model for an output request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OutputRegion {
-    /// The whole model.
+    /// All nodes and elements of the model.
     Whole,
-    /// A node set.
+    /// The nodes of a set.
     Nodes(NodeSetId),
-    /// An element set.
+    /// The elements of a set.
     Elements(ElementSetId),
     /// An element-based surface, and the name prefix of its columns.
     Surface(SurfaceId, String),
-    /// Contact pairs.
+    /// The contact pairs that match a filter.
     Pairs(ContactPairFilter),
 }
 

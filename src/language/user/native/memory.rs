@@ -73,7 +73,7 @@ pub struct RoutineMemory {
 
 /// Variables of one library: that of the user, or one that it needs.
 pub struct LibraryMemory {
-    /// Name in messages.
+    /// Name of the library in messages.
     name: String,
     base: usize,
     symbols: LibrarySymbols,

@@ -16,7 +16,7 @@ pub enum PointCarrier {
     Body(usize, [f64; 2]),
 }
 
-/// A point of contact surfaces.
+/// A point of a contact surface, with its carrier and the directions in which it is free.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     pub carrier: PointCarrier,
@@ -358,7 +358,7 @@ impl FacetCurve {
         at.into_iter().flat_map(|at| self.around[at].iter().copied())
     }
 
-    /// Returns the same for an index in `own`.
+    /// Returns the facets around the point at an index of `own`, as [`FacetCurve::around`] does for a point.
     #[inline]
     pub fn around_own(&self, index: usize) -> &[(u32, u8)] {
         &self.around[index]
@@ -404,7 +404,7 @@ impl FacetCurve {
         sum / around.len().max(1) as f64
     }
 
-    /// Returns the memory of the arrays.
+    /// Returns the number of bytes of the arrays, in use and in reserve.
     pub fn memory(&self) -> MemoryUse {
         let of_facets = MemoryUse::of(&self.facets)
             + MemoryUse::of(&self.neighbors)

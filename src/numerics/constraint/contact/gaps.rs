@@ -370,7 +370,7 @@ impl GapIntegrator {
         }
     }
 
-    /// Returns the memory of the arrays.
+    /// Returns the number of bytes of the arrays, in use and in reserve.
     pub fn memory(&self) -> MemoryUse {
         MemoryUse::of(&self.shares)
             + MemoryUse::of(&self.edges)

@@ -11,12 +11,12 @@
 use super::sweeps::{ContactRows, ContactVelocities, GapTerm};
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 
-/// A light body in this increment.
+/// A body that is lighter than the nodes that it touches; its velocity is held during the sweeps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightBody {
     dof: u32,
     inverse_mass: f64,
-    /// Its velocity without contact.
+    /// Velocity of the body without contact.
     predicted: f64,
 }
 

@@ -46,7 +46,7 @@ pub struct ContactPair {
     pub id: EffectId,
     /// Number among the pairs of all steps.
     pub number: usize,
-    /// Name in warnings.
+    /// Name of the pair in warnings.
     pub name: String,
     /// Index of the curve whose points carry pressures.
     pub own: usize,
@@ -117,9 +117,9 @@ impl ContactPair {
 /// analysis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InitialClearance {
-    /// Gap that is used.
+    /// Clearance that replaces the geometric gap; negative for an overlap.
     pub gap: f64,
-    /// From the deepest overlap to the largest gap.
+    /// Smallest and largest geometric gap that is replaced; overlaps are negative.
     pub range: [f64; 2],
 }
 
@@ -167,7 +167,7 @@ pub struct ContactConstraint {
     shown: ContactOutput,
 }
 
-/// A rigid body in contact.
+/// A rigid body that takes part in the contact.
 #[derive(Clone, Copy, Debug)]
 struct ContactBody {
     /// Index of its degree of freedom.

@@ -21,7 +21,7 @@ pub struct GapTerm {
 /// The weighted gap of one point.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ContactRow {
-    /// Range of its terms.
+    /// Start and end of the row's terms in the list of all terms.
     pub terms: [u32; 2],
     /// Index of the multiplier.
     pub key: u32,
@@ -369,7 +369,7 @@ impl ContactRows {
         row.own(&self.terms)
     }
 
-    /// Returns the memory of the arrays.
+    /// Returns the number of bytes of the arrays, in use and in reserve.
     pub fn memory(&self) -> MemoryUse {
         MemoryUse::of(&self.terms)
             + MemoryUse::of(&self.rows)

@@ -22,7 +22,7 @@ use crate::state::archive::persist_struct;
 use crate::state::nodes::Node;
 use crate::variables::{Variable, VariableComponent};
 
-/// Shells of one section.
+/// Group of shell elements with the same section.
 #[derive(Clone)]
 pub struct ShellGroup {
     section: Arc<ShellProperties>,

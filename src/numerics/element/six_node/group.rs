@@ -23,7 +23,7 @@ use crate::state::archive::{Persist, StateArchive, persist_fields};
 use crate::state::nodes::Node;
 use crate::variables::{Variable, VariableComponent};
 
-/// Six-node triangles of one material.
+/// Group of six-node triangles with the same material.
 pub struct SixNodeTriangles<M: Material> {
     material: Arc<M>,
     constants: ElementConstants,

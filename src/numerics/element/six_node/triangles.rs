@@ -63,7 +63,7 @@ pub struct PointIncrement {
     pub heat: Lanes,
 }
 
-/// Work arrays of one block.
+/// Work arrays for the update of one block of elements.
 #[derive(Clone, Default)]
 pub struct WorkArrays {
     motion: [TriangleMotion; LANES],
@@ -79,7 +79,7 @@ pub struct TriangleIncrement<'a> {
     pub nodes: &'a [Node],
     pub dt: f64,
     pub before: NodeAccelerations<'a>,
-    /// Total time.
+    /// Total time at the end of the increment.
     pub time: f64,
     pub arch: Arch,
     /// Number of elements of the group.
@@ -107,12 +107,12 @@ impl TriangleLanes {
         }
     }
 
-    /// Returns the nodes of a lane.
+    /// Returns the node indices of the element in a lane.
     pub fn element(&self, lane: usize) -> [u32; NODES] {
         self.nodes.inline_map(|list| list[lane])
     }
 
-    /// Returns the inverse masses of the nodes of a lane.
+    /// Returns the inverse masses of the six nodes of the element in a lane.
     pub fn inverse_masses(&self, lane: usize) -> [f64; NODES] {
         self.inverse_mass.inline_map(|list| list[lane])
     }

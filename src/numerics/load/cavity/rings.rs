@@ -20,7 +20,7 @@ use crate::state::rigid_body_3d::Wrench;
 
 /// Number of stations per array, large enough that compilers vectorise loops over them.
 const LANES: usize = 16;
-/// One value per station.
+/// Values of one quantity at a block of stations.
 type StationLanes = [f64; LANES];
 
 /// Surface of revolution of one facet.
@@ -158,7 +158,7 @@ impl RingHarmonics {
     }
 }
 
-/// The rings of one body.
+/// Rings of stations that cover the surface of one body.
 #[derive(Clone, Debug)]
 pub struct RingSet {
     rings: Vec<FacetRing>,

@@ -12,7 +12,7 @@ use crate::kernel::levels::NestedTable;
 pub struct UserMaterialData {
     /// Name, upper case (`cmname`).
     pub name: String,
-    /// Constants.
+    /// Constants of `*USER MATERIAL`, in deck order.
     pub properties: Vec<f64>,
     /// Number of state variables per element.
     pub variables: usize,

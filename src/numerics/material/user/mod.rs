@@ -26,7 +26,7 @@ pub const CALL_BLOCKS: usize = MAX_MATERIAL_BLOCK / LANES;
 
 /// A material that calls user subroutines at its points. With `FLOWS` the return to the yield surface is built in.
 pub struct SubroutineMaterial<const FLOWS: bool> {
-    /// Data of the deck.
+    /// Data that the deck defines for the subroutine.
     pub description: UserMaterialData,
     /// Names of the elements, for messages.
     pub names: Vec<String>,
@@ -83,7 +83,7 @@ pub struct BlockKinematics<'a> {
     pub corners: &'a dyn Fn(usize) -> [[f64; 4]; 2],
 }
 
-/// Time of a call.
+/// Instant and increment length, as arguments of a call.
 #[derive(Clone, Copy)]
 pub struct CallTime<'a> {
     /// Time, step and increment.

@@ -43,7 +43,7 @@ pub struct OpeningReport {
 }
 
 impl OpeningReport {
-    /// Creates the report of a result.
+    /// Creates the report that the process of the subroutines sends after it has loaded them.
     pub fn of(opened: &Result<Routines, Diagnostic>) -> OpeningReport {
         let routines = match opened {
             Ok(routines) => routines,
