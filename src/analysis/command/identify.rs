@@ -110,7 +110,7 @@ impl IdentifyCommand {
     }
 }
 
-/// Table of the parameters with their confidence intervals and correlations.
+/// Returns the table of the parameters with their confidence intervals and correlations.
 fn table(names: &[String], found: &ParameterFit) -> TextTable {
     let mut header = search::header("parameter");
     header.extend(names.iter().map(|name| format!("correlation with {name}")));

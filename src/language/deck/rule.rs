@@ -39,7 +39,7 @@ pub struct InputRule {
     pub usage: InputUsage,
     /// One line for the keyword manual; empty if the name or the reason of `usage` is enough.
     pub help: &'static str,
-    /// Whether it is an extension that ABAQUS does not have.
+    /// Whether the parameter or field is an extension that ABAQUS does not have.
     pub extension: bool,
     /// Allowed values and default.
     pub value: ValueSpec,
@@ -104,7 +104,7 @@ pub struct Keyword {
     pub name: &'static str,
     /// Level of support.
     pub tier: KeywordTier,
-    /// Whether it is an extension that ABAQUS does not have.
+    /// Whether the keyword is an extension that ABAQUS does not have.
     pub extension: bool,
     /// Description of one line for the manual.
     pub summary: &'static str,

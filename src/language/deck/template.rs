@@ -23,7 +23,7 @@ pub struct DeckTemplate {
 /// A word that depends on parameters.
 #[derive(Debug)]
 pub struct ParametricWord {
-    /// Index of its card.
+    /// Index of the card that contains the word.
     pub card: usize,
     /// Position of the word in the card.
     pub at: WordPosition,

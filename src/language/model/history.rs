@@ -285,7 +285,7 @@ pub(super) fn ramp(from: f64, to: f64, span: Span, step: &StepTiming, model: &mu
     (value, Some(add_amplitude(Amplitude { name: RAMP.into(), definition, absolute: false, span }, model)))
 }
 
-/// Returns whether two boundary conditions prescribe the same.
+/// Returns whether two boundary conditions prescribe the same motion or both hold the node.
 fn same_condition(a: &BoundaryCondition, b: &BoundaryCondition) -> bool {
     let holds = |b: &BoundaryCondition| {
         let ignored = b.kind == MotionKind::Displacement && b.amplitude.is_none();

@@ -109,7 +109,7 @@ pub enum TextAnchor {
 }
 
 impl Drawing {
-    /// An empty drawing of this width and height, in points.
+    /// Creates an empty drawing of this width and height, in points.
     pub fn new(size: [f64; 2]) -> Drawing {
         Drawing { size, shapes: Vec::new() }
     }
@@ -179,12 +179,12 @@ impl DrawingShape {
 }
 
 impl ShapePaint {
-    /// A fill of this opacity without a stroke.
+    /// Creates a fill of this opacity without an outline.
     pub fn fill(colour: Colour, opacity: f64) -> ShapePaint {
         ShapePaint { fill: Some((colour, opacity)), stroke: None }
     }
 
-    /// A solid stroke without a fill.
+    /// Creates a solid outline without a fill.
     pub fn stroke(colour: Colour, width: f64) -> ShapePaint {
         ShapePaint { fill: None, stroke: Some(LineStroke::new(colour, width)) }
     }
@@ -210,14 +210,14 @@ impl Display for ShapePaint {
 }
 
 impl LineStroke {
-    /// A solid line with flat ends.
+    /// Creates a solid line with flat ends.
     pub fn new(colour: Colour, width: f64) -> LineStroke {
         LineStroke { colour, width, dashes: &[], round: false }
     }
 }
 
 impl TextLabel {
-    /// Black horizontal text with the default letter height.
+    /// Creates black horizontal text with the default letter height.
     pub fn new(at: [f64; 2], anchor: TextAnchor, text: impl Into<String>) -> TextLabel {
         TextLabel { at, text: text.into(), anchor, size: LETTERS, colour: 0, upright: false }
     }

@@ -78,7 +78,7 @@ struct FollowerTerm {
     node: usize,
     axis: usize,
     weight: f64,
-    /// Whether its motion is prescribed.
+    /// Whether the motion is prescribed.
     given: bool,
 }
 
@@ -334,14 +334,14 @@ impl MasslessFollower {
         dofs.energies.kinetic += 0.5 * dofs.nodes.previous_dt * velocity * self.load;
     }
 
-    /// Sets its acceleration from those of the nodes that it follows.
+    /// Sets the acceleration of the node from those of the nodes that it follows.
     pub fn accelerate(&self, dofs: &mut Dofs) {
         let own = self.terms.iter().map(|t| t.weight * dofs.nodes.acceleration[t.node][t.axis]).sum();
         self.members.iter().for_each(|&n| dofs.nodes.acceleration[n][self.axis] = own);
     }
 
-    /// Sets its velocity from those of the nodes that it follows, and adds the work of prescribed motions against its
-    /// load.
+    /// Sets the velocity of the node from those of the nodes that it follows, and adds the work of prescribed motions
+    /// against its load.
     pub fn follow_velocity(&self, dofs: &mut Dofs, dt: f64, half: f64) {
         let own: f64 = self.terms.iter().map(|t| t.weight * *dofs.nodes[t.node].velocity(t.axis)).sum();
         for &n in &self.members {

@@ -31,7 +31,8 @@ pub trait Constraint: StoredConstraint + Send + Sync {
     /// Returns the ledger row that its run time and memory are charged to.
     fn effect(&self) -> EffectId;
 
-    /// Called at each step start at which the constraints in force change, for new and for continued constraints.
+    /// Prepares the constraint. It is called for new and continued constraints at the start of each step in which any
+    /// constraint changes.
     fn begin(&mut self, _dofs: &mut Dofs) {}
 
     /// Corrects accelerations at the current instant.
@@ -87,7 +88,7 @@ impl<C: Constraint + Clone> CopyConstraint for C {
 pub struct ConstraintView<'a> {
     /// Nodes that a rigid body carries, if this is a tie.
     pub carried: Option<CarriedNodes<'a>>,
-    /// Whether it moves nodes after the integrator's passes over them; then no node is skipped as quiescent.
+    /// Whether the constraint moves nodes after the integrator has updated them; then no node is skipped as quiescent.
     /// Constraint forces on degrees of freedom.
     pub moves_nodes: bool,
     /// Contact output variables.

@@ -32,9 +32,9 @@ pub struct BodyOutline {
 #[derive(Clone, Debug)]
 struct BodyPair {
     bodies: [usize; 2],
-    /// Whether contact is defined between them.
+    /// Whether contact is defined between the two bodies.
     in_contact: bool,
-    /// Whether their overlap has been reported, or existed at the start.
+    /// Whether the overlap has been reported, or existed at the start.
     is_reported: bool,
 }
 
@@ -156,7 +156,8 @@ impl Constraint for OverlapMonitor {
         self.id
     }
 
-    /// An overlap at the start of the analysis has been reported before the run, or is intended.
+    /// Marks overlaps that exist now as reported: an overlap at the start of the analysis has been reported before the
+    /// run, or is intended.
     fn begin(&mut self, dofs: &mut Dofs) {
         if !std::mem::replace(&mut self.has_begun, true) {
             self.find_overlaps(dofs, |_, _| {});

@@ -73,7 +73,7 @@ pub struct EquationSystem {
 }
 
 impl EquationSystem {
-    /// A system of one unknown without equations: nodes with equal motion.
+    /// Creates a system of one unknown without equations, for nodes with equal motion.
     pub(super) fn without_equations(unknown: EquationUnknown) -> EquationSystem {
         EquationSystem { unknowns: vec![unknown], ..EquationSystem::default() }
     }
@@ -185,7 +185,8 @@ impl EquationSystem {
         self.multiply();
     }
 
-    /// Computes the same for scalar unknowns without loads, such as nodal temperatures with heat capacities as masses.
+    /// Computes the changes that satisfy the equations for scalar unknowns without loads, such as nodal temperatures
+    /// with heat capacities as masses.
     pub fn balance(&mut self, value: impl Fn(usize) -> f64) {
         self.unknowns.iter_mut().for_each(|f| f.value = value(f.members[0]));
         self.multiply();

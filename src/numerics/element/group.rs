@@ -810,9 +810,9 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementTemperatures 
         }
     }
 
-    /// For isotropic expansion, the thermal strain is equivalent to a pressure that is subtracted from the stress
-    /// beforehand: the trial stress is identical. The returned work corrects the trapezoidal rule, which uses the
-    /// reduced stress.
+    /// Subtracts the thermal strain. For isotropic expansion, it is equivalent to a pressure that is subtracted from
+    /// the stress beforehand: the trial stress is identical. The returned work corrects the trapezoidal rule, which
+    /// uses the reduced stress.
     fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
         let mut work = 0.0;
         for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
@@ -858,7 +858,7 @@ struct QuadTask<'a, 'c, M: Material<T>, const AREA: bool, T: ElementPrecision> {
 impl<M: Material<T>, const AREA: bool, T: ElementPrecision> NullaryFnOnce for QuadTask<'_, '_, M, AREA, T> {
     type Output = ();
 
-    /// Inlined into a function compiled for the selected instruction set.
+    /// Updates the blocks of the task. It is inlined into a function compiled for the selected instruction set.
     #[inline(always)]
     fn call(self) {
         let scratch = self.scratch;

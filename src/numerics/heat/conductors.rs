@@ -27,7 +27,7 @@ pub struct ConductionProperties {
 #[derive(Clone, Debug)]
 pub struct ConductorGroup {
     pub group: usize,
-    /// Index of its first element among all conducting elements, and end of its range.
+    /// Start and end of the group's range in the list of all conducting elements.
     pub first: usize,
     pub end: usize,
     pub properties: ConductionProperties,

@@ -34,7 +34,8 @@ impl YieldStress for LinearTable {
     }
 }
 
-/// Tables at ascending temperatures, with linear interpolation, constant beyond the ends (the same section).
+/// Tables at ascending temperatures, with linear interpolation, constant beyond the ends (ABAQUS Analysis User's Guide,
+/// "Classical metal plasticity").
 #[derive(Clone, Debug)]
 pub struct TableOverTemperature {
     /// Temperature and the table at that temperature, ascending.

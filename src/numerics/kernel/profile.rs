@@ -154,7 +154,7 @@ pub struct SurfaceProfile {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestPlace {
     pub segment: usize,
-    /// Signed distance.
+    /// Signed distance of the given point from the profile; positive in front.
     pub gap: f64,
     /// Whether the closest point is an end of the chain, beyond which the given point is.
     pub beyond: bool,

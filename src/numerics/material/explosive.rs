@@ -8,7 +8,7 @@ use crate::material::BlockStart;
 use crate::material::volumetric::PressureUpdate;
 use crate::state::archive::persist_struct;
 
-/// Width of the burn front in elements (the same section).
+/// Width of the burn front in elements (ABAQUS Analysis User's Guide, "Equation of state", JWL).
 const WIDTH: f64 = 2.5;
 
 /// JWL pressure of the products: p = A (1 - omega rho/(R1 rho0)) exp(-R1 rho0/rho) + B (1 - omega rho/(R2 rho0))

@@ -138,7 +138,8 @@ impl<E: StrainEnergy> Material for HyperelasticMaterial<E> {
         DeformationState::fresh()
     }
 
-    /// The principal directions are those of B: two in the (r, z) plane and the hoop direction.
+    /// Computes the stress from the left Cauchy-Green tensor B. The principal directions are those of B: two in the (r,
+    /// z) plane and the hoop direction.
     #[inline(always)]
     fn update(
         &self,

@@ -132,8 +132,8 @@ impl HardeningLaw for PiecewiseLinearHardening {
         [0.0; LANES]
     }
 
-    /// Radial return: the trial stress minus 3 G dp equals the minimum of the lines at p + dp, so dp is the maximum
-    /// over the lines.
+    /// Computes the plastic increment by radial return: the trial stress minus 3 G dp equals the minimum of the lines
+    /// at p + dp, so dp is the maximum over the lines.
     #[inline(always)]
     fn flow(&self, strain: &mut Lanes, flow: &mut FlowUpdate<'_>) {
         let mut increment = [0.0; LANES];

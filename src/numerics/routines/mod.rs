@@ -149,7 +149,7 @@ pub struct AmplitudeCall<'a> {
     pub variables: &'a mut [f64],
     /// Names of the sensors, upper case.
     pub sensor_names: &'a [String],
-    /// Their values at the previous instant.
+    /// Values of the sensors at the previous instant.
     pub sensor_values: &'a [f64],
 }
 
@@ -158,7 +158,7 @@ pub struct AmplitudeCall<'a> {
 pub struct AmplitudeAnswer {
     /// Value of the amplitude.
     pub value: f64,
-    /// Its time derivative, if the routine sets it.
+    /// Time derivative of the amplitude, if the subroutine sets it.
     pub derivative: Option<f64>,
     /// Whether to stop the analysis (`iStopAnalysis`).
     pub stop: bool,
@@ -196,7 +196,7 @@ pub struct MotionCall<'a> {
     pub coordinates: [f64; 2],
     /// Displacement, velocity, acceleration and reaction along that degree of freedom.
     pub state: [f64; 4],
-    /// The same quantities along the other axis; zero for a rigid body.
+    /// Displacement, velocity, acceleration and reaction along the other axis; zero for a rigid body.
     pub across: [f64; 4],
     /// Mass of the body or node.
     pub mass: f64,
@@ -259,13 +259,13 @@ pub enum RunAction {
 
 /// A subroutine called at fixed points of the analysis (VEXTERNALDB), for example to open and close its own files.
 pub trait UserEvents: Send {
-    /// Is called at each moment; `increment` is the length of the increment.
+    /// Performs the actions of the subroutine at a moment of the analysis; `increment` is the length of the increment.
     ///
     /// # Errors
     /// Any failure; the run halts.
     fn moment(&mut self, moment: AnalysisMoment, now: &Instant, increment: f64) -> Result<RunAction, LoadFailure>;
 
-    /// Is called before an [`AnalysisMoment::EndIncrement`] whose state will be saved (`lWriteRestart`).
+    /// Announces an [`AnalysisMoment::EndIncrement`] whose state will be saved (`lWriteRestart`).
     fn restart_follows(&mut self) {}
 }
 
@@ -605,13 +605,13 @@ impl LockedRoutines<'_> {
 /// The user subroutines that elements call at their points, locked by a run.
 #[derive(Default)]
 pub struct PointRoutines<'a> {
-    /// As [`Routines::material`].
+    /// VUMAT subroutine, as in [`Routines::material`].
     pub material: Option<&'a mut (dyn UserMaterial + 'static)>,
-    /// As [`Routines::hardening`].
+    /// VUHARD subroutine, as in [`Routines::hardening`].
     pub hardening: Option<&'a mut (dyn UserHardening + 'static)>,
-    /// As [`Routines::fields`].
+    /// VUSDFLD subroutine, as in [`Routines::fields`].
     pub fields: Option<&'a mut (dyn UserFields + 'static)>,
-    /// As [`Routines::lengths`].
+    /// VUCHARLENGTH subroutine, as in [`Routines::lengths`].
     pub lengths: Option<&'a mut (dyn UserLengths + 'static)>,
 }
 

@@ -74,7 +74,7 @@ pub struct BodyState {
     pub reads_velocity: bool,
     /// Whether the motion of the body is prescribed.
     pub prescribed: bool,
-    /// Whether it is tied to nodes of deformable elements, whose stable time increment then also applies to it.
+    /// Whether the body is tied to nodes of deformable elements, whose stable time increment then also applies to it.
     pub tied: bool,
 }
 

@@ -132,7 +132,7 @@ pub struct RigidBody3d {
     /// Kinetic energy minus half the work of the forces at the start of the increment: reference for the energy lost in
     /// contact.
     pub energy_before: f64,
-    /// Whether it is at rest and kept at rest by resistances.
+    /// Whether the body is at rest and resistances keep it at rest.
     pub rests: bool,
     /// Whether a resistance acts on it in this step.
     pub resisted: bool,

@@ -66,7 +66,7 @@ pub struct VariableRow {
     pub words: &'static str,
     /// Condition under which frames contain it without a request by name.
     pub preselected: PreselectRule,
-    /// Whether it exists only with deformable bodies.
+    /// Whether the variable exists only with deformable bodies.
     pub deforming: bool,
     /// Whether a number follows its name (`SDV1`).
     pub numbered: bool,
@@ -74,7 +74,7 @@ pub struct VariableRow {
     pub followed: bool,
     /// Variable that an element must have to compute this one, for variables computed on request.
     pub needs: Option<Variable>,
-    /// Whether it does not exist in ABAQUS.
+    /// Whether the variable is an extension that ABAQUS does not have.
     pub extension: bool,
     /// Formula from other variables of the element; `None` if its owner returns it.
     pub formula: Option<VariableFormula>,
@@ -322,12 +322,12 @@ impl VariableRow {
         VariableRow { preselected: PreselectRule::PenaltyContact, deforming: true, ..self }
     }
 
-    /// For rigid bodies with six degrees of freedom.
+    /// Marks a variable of rigid bodies with six degrees of freedom.
     const fn with_six_dofs(self) -> VariableRow {
         VariableRow { preselected: PreselectRule::SixDofBody, extension: true, ..self }
     }
 
-    /// Variable of contact pairs, preselected in models with contact of surfaces.
+    /// Marks a variable that is preselected in models with contact of surfaces.
     const fn with_contact(self) -> VariableRow {
         VariableRow { preselected: PreselectRule::SurfaceContact, deforming: true, ..self }
     }
@@ -353,7 +353,7 @@ fn volume(element: &dyn ElementValues) -> f64 {
 }
 
 impl Variable {
-    /// Returns its entry in the table.
+    /// Returns the row of the variable in the table of variables.
     pub fn row(self) -> &'static VariableRow {
         &ROWS[self as usize]
     }
@@ -395,7 +395,8 @@ impl Variable {
         matches!(self.place(), VariablePlace::Point | VariablePlace::Element)
     }
 
-    /// Returns its components; one for a scalar. The number of components of a numbered variable is unknown.
+    /// Returns the components of the variable; one for a scalar. The number of components of a numbered variable is
+    /// unknown.
     pub fn parts(self) -> impl Iterator<Item = VariableComponent> {
         (0..self.row().labels.len().max(1)).map(move |component| VariableComponent { variable: self, component })
     }
@@ -419,7 +420,7 @@ pub struct VariableComponent {
 }
 
 impl VariableComponent {
-    /// Returns its label in histories and frames: `S11`, `PEEQ`, `SDV2`.
+    /// Returns the label of the component in histories and frames: `S11`, `PEEQ`, `SDV2`.
     pub fn label(self) -> String {
         let row = self.variable.row();
         match row.labels.get(self.component) {

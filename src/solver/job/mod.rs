@@ -72,7 +72,7 @@ pub struct PreparedJob {
     composed: Option<String>,
 }
 
-/// Reads, validates and plans a deck file.
+/// Reads a deck file, validates it and plans the analysis.
 pub fn prepare(path: &Path, overrides: &ParameterOverrides, routines: &Routines) -> PreparedJob {
     resolve(deck::read(path, overrides), routines)
 }
@@ -101,7 +101,8 @@ pub fn examine(
     (prepared, overview)
 }
 
-/// Reads, validates and plans a deck text; `name` is used as its file name in messages and for relative paths.
+/// Reads a deck text, validates it and plans the analysis; `name` is used as its file name in messages and for relative
+/// paths.
 pub fn prepare_text(name: &str, text: &str, overrides: &ParameterOverrides, routines: &Routines) -> PreparedJob {
     resolve(deck::read_text(name, text, overrides), routines)
 }
@@ -147,7 +148,7 @@ pub fn prepare_edited(read: (Deck, Diagnostics), edit: &mut dyn FnMut(&mut Model
     prepared_model(read, edit, routines).0
 }
 
-/// Like [`prepare_edited`], and also returns the model.
+/// Prepares a job like [`prepare_edited`], and also returns the model.
 fn prepared_model(
     (mut deck, mut diagnostics): (Deck, Diagnostics),
     edit: &mut dyn FnMut(&mut Model),
@@ -513,7 +514,7 @@ pub fn run_into(prepared: &PreparedJob, sink: &mut dyn Sink) -> (Outcome, State)
     solve::run(&prepared.plan, prepared.state.clone(), sink)
 }
 
-/// Like [`run_into`]; a nonzero `interrupt` ends the run.
+/// Runs like [`run_into`]; a nonzero `interrupt` ends the run.
 pub fn run_until(prepared: &PreparedJob, sink: &mut dyn Sink, interrupt: &AtomicUsize) -> (Outcome, State) {
     announce_to_user(prepared, &JobFiles { folder: PathBuf::from("."), name: "job".into() });
     let control = RunControl { interrupt: Some(interrupt), ..RunControl::default() };
@@ -549,7 +550,7 @@ pub fn run_to_files<'a>(
     run_with(prepared, job, JobOptions::default(), progress)
 }
 
-/// Like [`run_to_files`], with options.
+/// Runs like [`run_to_files`], with options.
 ///
 /// # Errors
 /// If the folder cannot be written or the checkpoint does not fit the deck.

@@ -128,7 +128,7 @@ struct PrescribedBody {
 }
 
 impl EnergyBalance {
-    /// The balance at the start of an analysis.
+    /// Creates the balance at the start of an analysis.
     pub fn start(dofs: &Dofs) -> Self {
         let kinetic = kinetic(dofs);
         EnergyBalance {

@@ -149,7 +149,7 @@ pub struct IncrementController {
 }
 
 impl IncrementController {
-    /// The controller at the start of a step.
+    /// Creates the controller at the start of a step.
     pub fn new(step: &StepPlan, bodies: &[BodyState]) -> Self {
         let (fixed, accuracy, most) = match step.control {
             IncrementControl::Fixed(length) => (Some(length), 1.0, f64::INFINITY),

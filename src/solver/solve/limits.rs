@@ -77,7 +77,8 @@ struct IncrementSpan {
 }
 
 impl IncrementSpan {
-    /// The end of the step is replaced by any other reason, because it says nothing about the model.
+    /// Takes the other interval if its smallest increment is shorter. The end of the step is replaced by any other
+    /// reason, because it says nothing about the model.
     fn take(&mut self, other: &IncrementSpan) {
         let (ends, other_ends) = (self.by == IncrementLimiter::Step, other.by == IncrementLimiter::Step);
         if ends && !other_ends || ends == other_ends && other.shortest < self.shortest {

@@ -67,8 +67,8 @@ pub(super) struct Checkpointer<'a> {
 }
 
 impl<'a> Checkpointer<'a> {
-    /// `holds`: whether states are stored in memory. This requires frames and deformable bodies, and excludes user
-    /// subroutines, which would be called twice.
+    /// Creates the checkpointer of a run. `holds` states whether states are stored in memory, which requires frames and
+    /// deformable bodies, and excludes user subroutines, which would be called twice.
     pub(super) fn new(control: RunControl<'a>, holds: bool) -> Self {
         let now = Stopwatch::now();
         Checkpointer {
@@ -88,7 +88,7 @@ impl<'a> Checkpointer<'a> {
         }
     }
 
-    /// Begins, or continues, a step at this instant.
+    /// Begins a step, or continues one, at this instant.
     pub(super) fn begin(&mut self, step: &StepPlan, now: &Instant) {
         self.due_at_start = !self.asked.is_empty();
         self.asked.begin(&step.outputs.restart, now.increment);

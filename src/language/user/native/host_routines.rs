@@ -62,7 +62,7 @@ macro_rules! symbols {
     };
 }
 
-/// As `symbols`, for shared libraries, which export only Rust functions.
+/// Defines symbols like `symbols`, but as Rust functions, the only functions that shared libraries export.
 macro_rules! host_symbols {
     ($($name:expr => $function:path),+ $(,)?) => {
         $(const _: () = {
@@ -367,8 +367,8 @@ host_routines! {
     }
 }
 
-/// Communication between processes with one process: copies its own values. The last two digits of a type are its size
-/// in bytes.
+/// Replaces communication between processes, of which there is one: copies its values to the result. The last two
+/// digits of a type are its size in bytes.
 ///
 /// # Safety
 /// `from` and `to` hold `count` values of the type and may be equal; the other pointers are to integers.

@@ -374,7 +374,7 @@ struct LoadedObject {
     /// Offset and length of writable memory, and of the part that is read-only after loading (RELRO).
     written: Vec<(usize, usize)>,
     read_only: Option<(usize, usize)>,
-    /// As [`LibraryMemory::of_thread`], and the address of the variables of this thread, if used.
+    /// Thread-local variables as in [`LibraryMemory::of_thread`], and their address in this thread, if used.
     of_thread: Option<[usize; 3]>,
     threads_own: Option<usize>,
 }

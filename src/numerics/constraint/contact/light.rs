@@ -116,7 +116,7 @@ mod tests {
     };
     use crate::kernel::interaction::InteractionLaw;
 
-    /// A plate of this mass with velocity -1 against twelve nodes of mass 1.
+    /// Returns a plate of this mass with velocity -1 against twelve nodes of mass 1.
     fn plate(mass: f64) -> (ContactRows, ContactVelocities) {
         let count = 12_u32;
         let mut rows = ContactRows::default();

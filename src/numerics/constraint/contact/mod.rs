@@ -77,8 +77,8 @@ pub struct ContactPair {
 }
 
 impl ContactPair {
-    /// A pair of two curves, or of one curve with itself, with the first law of the contact. `length` is the smaller of
-    /// the longest facets of both.
+    /// Creates a pair of two curves, or of one curve with itself, with the first law of the contact. `length` is the
+    /// smaller of the longest facets of both.
     pub fn new(id: EffectId, number: usize, [own, other]: [usize; 2], length: f64) -> ContactPair {
         let other = (own != other).then_some(other);
         let search = ContactSearch::new(length, 0.0, 0, 0);
@@ -102,7 +102,7 @@ impl ContactPair {
         }
     }
 
-    /// A pair of a curve and an analytical surface.
+    /// Creates a pair of a curve and an analytical surface.
     pub fn in_front_of(id: EffectId, number: usize, own: usize, analytical: usize, length: f64) -> ContactPair {
         ContactPair { analytical: Some(analytical), ..ContactPair::new(id, number, [own, own], length) }
     }
@@ -170,7 +170,7 @@ pub struct ContactConstraint {
 /// A rigid body that takes part in the contact.
 #[derive(Clone, Copy, Debug)]
 struct ContactBody {
-    /// Index of its degree of freedom.
+    /// Index of the body's degree of freedom.
     dof: usize,
     body: usize,
     prescribed: bool,
@@ -188,7 +188,7 @@ pub struct SurfaceOverlap {
 }
 
 impl ContactConstraint {
-    /// Contact of pairs of curves over points, and with analytical surfaces.
+    /// Creates contact of pairs of curves, and of curves with analytical surfaces.
     pub fn new(
         points: Vec<SurfacePoint>,
         curves: Vec<FacetCurve>,
@@ -591,7 +591,7 @@ const CORNER_OVERLAP: f64 = 1e-9;
 
 /// Data that the row of a corner depends on.
 struct CornerRow<'a> {
-    /// Whether it pressed in the previous increment.
+    /// Whether the row had a positive pressure in the previous increment.
     pressed: bool,
     fits: &'a [f64],
 }

@@ -14,7 +14,7 @@ use crate::state::archive::persist_struct;
 pub(super) struct StoredEnergy {
     /// Energy that a soft law has absorbed and not released; NaN before the first increment. Empty without soft laws.
     stored: Vec<f64>,
-    /// Work array: the same at the end of the increment.
+    /// Work array: stored energy at the end of the increment.
     next: Vec<f64>,
 }
 

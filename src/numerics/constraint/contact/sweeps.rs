@@ -27,7 +27,7 @@ pub struct ContactRow {
     pub key: u32,
     /// Index of the contact law.
     pub law: u32,
-    /// Whether it belongs to a single point: its area is one, its multiplier an impulse.
+    /// Whether the row belongs to a single point: its area is then 1 and its multiplier an impulse.
     pub is_single_point: bool,
     /// Index of the row's point on an analytical surface, if it has one. The gap is then that at the end of an
     /// increment without contact minus its change, and may be negative.
@@ -50,7 +50,7 @@ pub struct ContactRow {
 }
 
 impl ContactRow {
-    /// A row without gap or area.
+    /// Creates a row without gap and area.
     pub fn of(key: u32, law: u32) -> ContactRow {
         ContactRow { key, law, ..ContactRow::default() }
     }
@@ -86,12 +86,12 @@ pub struct ContactVelocities {
 }
 
 impl ContactVelocities {
-    /// Rate of a gap times its area.
+    /// Returns the rate of a gap times its area.
     pub(super) fn rate(&self, terms: &[GapTerm]) -> f64 {
         terms.iter().map(|t| t.normal * self.velocity[t.dof as usize]).sum()
     }
 
-    /// Rate of the slip times the area.
+    /// Returns the slip rate times the area.
     pub fn slip(&self, terms: &[GapTerm]) -> f64 {
         terms.iter().map(|t| t.slip * self.velocity[t.dof as usize]).sum()
     }

@@ -339,7 +339,7 @@ impl GroupDeletion for ShellGroup {
         self.deleted = vec![false; self.ends.len()];
     }
 
-    /// The stress of a deleted shell is zero.
+    /// Deletes a shell and sets its stress to zero.
     fn erode(&mut self, element: usize, _volume: f64) {
         self.deleted[element] = true;
         self.state[element].shear = 0.0;

@@ -158,7 +158,7 @@ type NumberedTask<'a, S> = (usize, ((&'a mut [TriangleBlock<S>], &'a mut [BlockC
 impl<M: Material> NullaryFnOnce for TaskPass<'_, M> {
     type Output = ();
 
-    /// Inlined into a function compiled for the selected instruction set.
+    /// Updates the blocks of the task. It is inlined into a function compiled for the selected instruction set.
     #[inline(always)]
     fn call(self) {
         let TaskPass { material, constants, increment, cap, index, blocks, corners, task } = self;
@@ -420,7 +420,7 @@ impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
         }
     }
 
-    /// As for quadrilaterals: a pressure that is subtracted from the stress beforehand.
+    /// Subtracts the thermal strain as a pressure, as for quadrilaterals.
     fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
         let mut work = 0.0;
         for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {

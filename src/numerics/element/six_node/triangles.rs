@@ -202,7 +202,7 @@ struct TriangleMeasurement<'a> {
 impl NullaryFnOnce for TriangleMeasurement<'_> {
     type Output = ();
 
-    /// Inlined into a function compiled for the selected instruction set.
+    /// Executes the operation. It is inlined into a function compiled for the selected instruction set.
     #[inline(always)]
     fn call(self) {
         let TriangleMeasurement { triangles, increment, work } = self;

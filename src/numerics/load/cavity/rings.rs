@@ -285,8 +285,9 @@ struct LoadedStations {
 }
 
 impl LoadedStations {
-    /// The normal velocity of a station is nearly linear in the angle. The mean of the regularisation factor min(v/c,
-    /// 1), 0 for v < 0, is therefore the difference of its integral at the edges over the difference of the velocities.
+    /// Computes the loads of a ring with regularisation. The normal velocity of a station is nearly linear in the
+    /// angle. The mean of the regularisation factor min(v/c, 1), 0 for v < 0, is therefore the difference of its
+    /// integral at the edges over the difference of the velocities.
     #[inline(always)]
     fn new(around: &RingHarmonics, stations: &StationAngles, block: usize, onset: f64) -> LoadedStations {
         let RingHarmonics { mean, cosine, sine, .. } = *around;
@@ -314,8 +315,8 @@ impl LoadedStations {
         LoadedStations { middle, speed, share, growth }
     }
 
-    /// As [`LoadedStations::new`], for a ring that moves into the material everywhere at more than the regularisation
-    /// speed.
+    /// Computes the same as [`LoadedStations::new`] for a ring that moves into the material everywhere at more than the
+    /// regularisation speed.
     #[inline(always)]
     fn whole(around: &RingHarmonics, stations: &StationAngles, block: usize) -> LoadedStations {
         let RingHarmonics { mean, cosine, sine, .. } = *around;

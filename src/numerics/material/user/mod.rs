@@ -73,9 +73,9 @@ pub struct UserState {
 
 /// Kinematics of a block, as arguments of a call.
 pub struct BlockKinematics<'a> {
-    /// Strain increments rr, zz, hoop, rz (tensor shear), and spin increments.
+    /// Strain increments rr, zz, hoop, rz (tensor shear).
     pub strain: [Lanes; 4],
-    /// See [`BlockKinematics::strain`].
+    /// Spin increments in the (r, z) plane.
     pub spin: Lanes,
     /// Volumes in the middle of the increment; 0 for lanes without element.
     pub volume: Lanes,
@@ -346,7 +346,7 @@ fn put(list: &mut [f64], (count, first): (usize, usize), lanes: &[Lanes]) {
     }
 }
 
-/// Copies the points of a block from such arrays.
+/// Copies arrays of one component each back to the lanes of a block, for the points that exist.
 fn take(list: &[f64], (count, first): (usize, usize), lanes: &mut [Lanes]) {
     let points = LANES.min(count - first);
     for (list, lanes) in list.chunks(count).zip(lanes) {

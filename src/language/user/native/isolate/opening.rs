@@ -36,9 +36,9 @@ pub struct OpeningReport {
     pub fault: Option<[String; 3]>,
     /// Subroutines that can be called.
     pub routines: Vec<String>,
-    /// As [`Routines::uncallable`].
+    /// Subroutines that cannot be called, as in [`Routines::uncallable`].
     pub uncallable: Vec<UncallableRoutine>,
-    /// As [`Routines::unsupported`].
+    /// Names of unsupported subroutines, as in [`Routines::unsupported`].
     pub unsupported: Vec<String>,
 }
 
