@@ -360,7 +360,10 @@ impl<'a> ModelBuilder<'a> {
             if twice.len() > 1 { format!(" and {} more already have", twice.len() - 1) } else { " already has".into() };
         let diagnostic = Diagnostic::error("M165", format!("element {name}{more} a {kind}"));
         self.diagnostics.push(
-            diagnostic.at(span, "second definition").at(first, "first definition").help("an element can have one only"),
+            diagnostic
+                .at(span, "second definition")
+                .at(first, "first definition")
+                .help("remove one of the definitions, or limit them to different elements"),
         );
     }
 

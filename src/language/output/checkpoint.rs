@@ -151,8 +151,8 @@ impl Checkpoint {
         }
         if *user != identity.user {
             let why = match (user.is_empty(), identity.user.is_empty()) {
-                (false, true) => "that run had --user files",
-                (true, false) => "that run had no --user files",
+                (false, true) => "it was run with --user files, this run has none",
+                (true, false) => "it was run without --user files",
                 _ => "the sources, compiler or its flags have changed",
             };
             return refused("K005", format!("the checkpoint belongs to a run with different user subroutines: {why}"));

@@ -13,12 +13,12 @@ use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struc
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MessageLevel {
-    /// `LOP = 1`.
+    /// Information, from `LOP = 1`.
     #[default]
     Note,
-    /// `LOP = -1`.
+    /// Warning, from `LOP = -1`.
     Warning,
-    /// `LOP = -2` or `-3`.
+    /// Error, from `LOP = -2` or `-3`.
     Error,
 }
 

@@ -297,25 +297,25 @@ pub struct MaterialCall<'a> {
     pub length: &'a [f64],
     /// Mass per volume at the middle of the increment.
     pub density: &'a [f64],
-    /// `strainInc`.
+    /// Strain increments (`strainInc`).
     pub strain: &'a [f64],
     /// `relSpinInc`: spin relative to the frame, zero.
     pub spin: &'a [f64],
     /// Element numbers of the user.
     pub elements: &'a [i32],
-    /// `tempOld` and `tempNew`.
+    /// Temperatures at the start and at the end of the increment (`tempOld`, `tempNew`).
     pub temperature: [&'a [f64]; 2],
     /// Field variables (`nfieldv`).
     pub fields: usize,
-    /// `fieldOld` and `fieldNew`.
+    /// Field variables at the start and at the end of the increment (`fieldOld`, `fieldNew`).
     pub field: [&'a [f64]; 2],
-    /// `stretchOld` and `stretchNew`.
+    /// Stretch tensors at the start and at the end of the increment (`stretchOld`, `stretchNew`).
     pub stretch: [&'a [f64]; 2],
     /// `defgradOld` and `defgradNew`: rr, zz, hoop, rz, zr.
     pub gradient: [&'a [f64]; 2],
-    /// `stressOld`.
+    /// Stresses at the start of the increment (`stressOld`).
     pub stress: &'a [f64],
-    /// `stateOld`.
+    /// State variables at the start of the increment (`stateOld`).
     pub state: &'a [f64],
     /// `enerInternOld`, energy per mass.
     pub internal: &'a [f64],
@@ -326,11 +326,11 @@ pub struct MaterialCall<'a> {
 /// Result of a user material. On entry, stresses are NaN, state variables and energies the previous ones.
 #[derive(Debug)]
 pub struct MaterialAnswer<'a> {
-    /// `stressNew`.
+    /// Stresses at the end of the increment (`stressNew`).
     pub stress: &'a mut [f64],
-    /// `stateNew`.
+    /// State variables at the end of the increment (`stateNew`).
     pub state: &'a mut [f64],
-    /// `enerInternNew`.
+    /// Internal energies per mass at the end of the increment (`enerInternNew`).
     pub internal: &'a mut [f64],
     /// `enerInelasNew`: plastic dissipation.
     pub inelastic: &'a mut [f64],
@@ -367,9 +367,9 @@ pub struct HardeningCall<'a> {
     pub elements: &'a [i32],
     /// `tempOld` and `tempNew`: both at the beginning of the increment, as for built-in laws.
     pub temperature: [&'a [f64]; 2],
-    /// `fieldOld` and `fieldNew`.
+    /// Field variables at the start and at the end of the increment (`fieldOld`, `fieldNew`).
     pub field: [&'a [f64]; 2],
-    /// `stateOld`.
+    /// State variables at the start of the increment (`stateOld`).
     pub state: &'a [f64],
     /// Trial equivalent plastic strain (`eqps`).
     pub strain: &'a [f64],
@@ -380,13 +380,13 @@ pub struct HardeningCall<'a> {
 /// Result of a user hardening. On entry, yield stresses are NaN, slopes zero, state variables the previous ones.
 #[derive(Debug)]
 pub struct HardeningAnswer<'a> {
-    /// `yield`.
+    /// Yield stresses (`yield`).
     pub stress: &'a mut [f64],
-    /// `dyieldDtemp`.
+    /// Derivatives of the yield stresses by temperature (`dyieldDtemp`).
     pub by_temperature: &'a mut [f64],
     /// `dyieldDeqps`: derivatives with respect to the plastic strain of all points, then to its rate.
     pub slopes: &'a mut [f64],
-    /// `stateNew`.
+    /// State variables at the end of the increment (`stateNew`).
     pub state: &'a mut [f64],
 }
 
@@ -430,7 +430,7 @@ pub struct FieldCall<'a> {
     pub coordinates: &'a [f64],
     /// `charLength`: square root of the element's area in the (r, z) plane, or the value of VUCHARLENGTH; length.
     pub length: &'a [f64],
-    /// `stateOld`.
+    /// State variables at the start of the increment (`stateOld`).
     pub state: &'a [f64],
     /// Values of the points (`vgetvrm`).
     pub values: &'a dyn PointValues,
@@ -441,7 +441,7 @@ pub struct FieldCall<'a> {
 pub struct FieldAnswer<'a> {
     /// `stateNew`: the previous state of the other subroutines.
     pub state: &'a mut [f64],
-    /// `field`.
+    /// Field variables, which the subroutine updates (`field`).
     pub field: &'a mut [f64],
 }
 
@@ -479,9 +479,9 @@ pub struct LengthCall<'a> {
     pub coordinates: &'a [f64],
     /// `coordNode`: r of the first corner of each element, then of the second, and so on; then z.
     pub nodes: &'a [f64],
-    /// `field`.
+    /// Field variables (`field`).
     pub field: &'a [f64],
-    /// `stateOld`.
+    /// State variables at the start of the increment (`stateOld`).
     pub state: &'a [f64],
 }
 

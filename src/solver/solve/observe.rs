@@ -169,7 +169,7 @@ pub(super) struct RunOutput {
     next_time: f64,
     next_increment: u64,
     first: bool,
-    /// Increments of the last row and of the last frame.
+    /// Increment numbers of the last row and of the last frame.
     shown: [Option<u64>; 2],
 }
 

@@ -55,28 +55,28 @@ pub struct OutputExpression {
 /// Field output (frames) or history output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputKind {
-    /// `*OUTPUT, FIELD`.
+    /// Frames, requested by `*OUTPUT, FIELD`.
     Field,
-    /// `*OUTPUT, HISTORY`.
+    /// Rows of the history, requested by `*OUTPUT, HISTORY`.
     History,
 }
 
 /// Keyword of an output request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputCard {
-    /// `*OUTPUT, VARIABLE=`.
+    /// Word of `*OUTPUT, VARIABLE=`.
     Output,
-    /// `*NODE OUTPUT`.
+    /// Nodal variables (`*NODE OUTPUT`).
     Node,
-    /// `*ELEMENT OUTPUT`.
+    /// Element variables (`*ELEMENT OUTPUT`).
     Element,
-    /// `*ENERGY OUTPUT`.
+    /// Energies of the whole model (`*ENERGY OUTPUT`).
     Energy,
-    /// `*INCREMENTATION OUTPUT`.
+    /// Increment data such as DT (`*INCREMENTATION OUTPUT`).
     Incrementation,
-    /// `*INTEGRATED OUTPUT`.
+    /// Integrals over surfaces (`*INTEGRATED OUTPUT`).
     Integrated,
-    /// `*CONTACT OUTPUT`.
+    /// Contact variables (`*CONTACT OUTPUT`).
     Contact,
 }
 

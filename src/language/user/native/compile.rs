@@ -596,7 +596,7 @@ impl LibraryBuilder<'_> {
         let plain = missing.trim_end_matches('_');
         for routine in super::ROUTINES {
             if self.calls.reaches(&format!("{routine}_"), missing) || self.calls.reaches(routine, missing) {
-                let message = format!("{routine} calls `{plain}`, which nothing defines");
+                let message = format!("{routine} calls `{plain}`, which is not defined");
                 self.uncallable.push(UncallableRoutine {
                     routine: (*routine).to_owned(),
                     code: "U005".into(),

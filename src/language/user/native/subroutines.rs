@@ -12,11 +12,11 @@ use super::{
 /// Kind of an argument, and whether the subroutine writes a result there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArgumentKind {
-    /// `integer*4`.
+    /// `integer*4` that the subroutine reads.
     Integer,
-    /// `real*8`.
+    /// `real*8` that the subroutine reads.
     Real,
-    /// `character*80`.
+    /// `character*80` that the subroutine reads.
     Character,
     /// `integer*4` that the subroutine sets.
     IntegerResult,
@@ -307,11 +307,11 @@ pub struct AmplitudeArrays {
     pub info: [i32; 3],
     /// Names of the sensors, [`NAME`] characters each.
     pub sensors: Vec<u8>,
-    /// `ampValueNew`.
+    /// Value of the amplitude, set by the subroutine (`ampValueNew`).
     pub value: f64,
     /// Flags of the results that VUAMP sets, and of its requests.
     pub define: [i32; 8],
-    /// `ampDerivative`.
+    /// Time derivative of the amplitude, set by the subroutine (`ampDerivative`).
     pub derivative: f64,
 }
 
