@@ -226,8 +226,8 @@ impl SolverRun<'_> {
         )
     }
 
-    /// Returns whether all energies so far are negligible: less than the kinetic energy of the model at one rounding
-    /// error of coordinates per increment, or than the energy that contact takes from bodies at rest.
+    /// Returns whether all energies so far are negligible: less than the kinetic energy of the model at 100 rounding
+    /// errors of coordinates per increment, or than the energy that contact takes from bodies at rest.
     pub(super) fn is_noise(&self) -> bool {
         const ROUNDINGS: f64 = 100.0;
         let nodes = &self.state.dofs.nodes;
