@@ -20,7 +20,7 @@ pub struct StudyRecord<'a> {
     /// Exact value of the quantity, if given by `--exact` or known to be zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exact: Option<f64>,
-    /// Reference value of the errors.
+    /// Reference value from which errors are measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<ErrorReference>,
     /// Value by which errors are divided to make them relative; absent if the reference is zero.

@@ -27,7 +27,8 @@ pub fn open(path: &Path) -> io::Result<File> {
 
 /// Reads the bytes of a regular file.
 ///
-/// # Errors Fails like [`open`], and if there is not enough memory, or if the file is longer than its reported length.
+/// # Errors
+/// Fails like [`open`], and if there is not enough memory, or if the file is longer than its reported length.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     let length = file.metadata()?.len();
@@ -64,7 +65,8 @@ pub fn read_standard_input(most: u64) -> io::Result<Vec<u8>> {
 
 /// Reads the text of a regular file.
 ///
-/// # Errors Fails like [`read`], and if the file is not UTF-8.
+/// # Errors
+/// Fails like [`read`], and if the file is not UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
     String::from_utf8(read(path)?).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "the file is not UTF-8 text"))
 }

@@ -76,8 +76,8 @@ impl OverlapMonitor {
         }
     }
 
-    /// Calls `report` for each pair that overlaps and is not settled, and settles it. The values are the coordinates of
-    /// a point, its depth, and the length of the nearest face.
+    /// Calls `report` for each pair that overlaps and has not been reported yet, and marks the pair as reported. The
+    /// values are the coordinates of a point, its depth, and the length of the nearest face.
     fn find_overlaps(&mut self, dofs: &Dofs, mut report: impl FnMut(u32, [f64; 4])) {
         let OverlapMonitor { outlines, places, boxes, .. } = self;
         for ((outline, places), corners) in outlines.iter().zip(places).zip(boxes) {

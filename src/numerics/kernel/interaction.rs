@@ -138,7 +138,7 @@ fn tabulated(rows: &[[f64; 2]], overlap: f64) -> [f64; 2] {
 /// behavior").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoulombFriction {
-    /// Static coefficient; the only one without decay.
+    /// Static coefficient, and the only coefficient if there is no decay.
     pub at_rest: f64,
     /// Kinetic coefficient, at high slip rates.
     pub sliding: f64,

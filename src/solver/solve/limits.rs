@@ -87,7 +87,7 @@ impl IncrementSpan {
     }
 }
 
-/// Intervals of a step.
+/// Smallest increments of a step, in intervals with equal numbers of increments.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct IncrementLimits {
     spans: Vec<IncrementSpan>,

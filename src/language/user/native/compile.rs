@@ -87,14 +87,16 @@ impl Compiled {
 
     /// Opens the libraries in a separate process, forked from this one, which must not have other threads yet.
     ///
-    /// # Errors The errors of [`Compiled::open`]; U012 for subroutines that cannot be isolated.
+    /// # Errors
+    /// The errors of [`Compiled::open`]; U012 for subroutines that cannot be isolated.
     pub fn open_isolated(&self) -> Result<Routines, Diagnostic> {
         isolate::open(|| self.open())
     }
 
     /// Opens the libraries, if there are any.
     ///
-    /// # Errors The errors of [`Compiled::open`].
+    /// # Errors
+    /// The errors of [`Compiled::open`].
     pub fn open_any(compiled: Option<&Compiled>) -> Result<Routines, Diagnostic> {
         compiled.map_or(Ok(Routines::none()), Compiled::open)
     }

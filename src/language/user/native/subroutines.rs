@@ -336,7 +336,7 @@ impl Default for MaterialArrays {
 }
 
 impl MaterialArrays {
-    /// Sets the values of a call.
+    /// Copies the number of points, the element numbers and the increment length of a call to the arrays.
     pub fn set(&mut self, call: &MaterialCall<'_>) {
         self.block[0] = int(call.count);
         self.block[4..4 + call.count].copy_from_slice(call.elements);

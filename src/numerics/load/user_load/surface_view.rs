@@ -110,7 +110,8 @@ impl SurfaceView {
 
     /// Calls the subroutine; its pressures must then be checked with [`SurfaceView::accept`].
     ///
-    /// # Errors The errors of the subroutine.
+    /// # Errors
+    /// The errors of the subroutine.
     #[inline(always)]
     pub(super) fn call(
         &mut self,
