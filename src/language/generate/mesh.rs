@@ -166,7 +166,7 @@ fn check_cavity(cavity: &CaseCavity, outline: &ProjectileOutline) -> Result<(), 
     if cavity.front.is_nan() || cavity.front <= height {
         let message =
             format!("the cavity starts at {}, in front of the shoulder of the nose at {height}", cavity.front);
-        return refuse(message, "the nose is solid: the cavity must start behind the shoulder");
+        return refuse(message, "the nose is solid: the cavity must start after the shoulder");
     }
     if !(cavity.base >= 0.0 && end - cavity.base > cavity.front) {
         let message =
@@ -258,7 +258,7 @@ impl<'a> MeshBuilder<'a> {
         ProjectileMesh { sheet, parts, in_nose, walls, corners, outline: outline.clone(), request: request.clone() }
     }
 
-    /// Meshes the body behind the shoulder row by row, and returns the nodes of the base.
+    /// Meshes the body after the shoulder row by row, and returns the nodes of the base.
     fn body(&mut self, shoulder: Vec<usize>) -> Vec<usize> {
         let heights = self.heights();
         let hollow = |z: f64| self.request.cavity.is_some_and(|c| z >= c.front && z < self.outline.rim()[1] - c.base);
@@ -304,7 +304,7 @@ impl<'a> MeshBuilder<'a> {
         rows(&breaks, self.request.size, self.request.along)
     }
 
-    /// Returns the outer radius at a height behind the shoulder.
+    /// Returns the outer radius at a height after the shoulder.
     fn radius(&self, z: f64) -> f64 {
         let piece = self.outline.body.iter().find(|piece| z <= piece.ends()[1][1]);
         piece.map_or(self.outline.rim()[0], |piece| {

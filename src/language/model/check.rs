@@ -159,7 +159,7 @@ impl CardChecker<'_> {
         };
         let diagnostic =
             Diagnostic::error("M160", message).at(card.span, "second definition").at(first, "first definition");
-        self.diagnostics.push(diagnostic.help("remove one of them"));
+        self.diagnostics.push(diagnostic.help("remove one definition"));
     }
 
     fn parameters(&mut self, card: &Card) {

@@ -237,8 +237,8 @@ variables! {
     RemovedMass: energy("EROMASS", "Mass of deleted elements").with_deletion().dimension(MASS),
     RemovedEnergy: energy("EROIE", "Internal energy of deleted elements, part of ALLIE").with_deletion(),
     PointMass: energy("EROPMASS", "Mass of nodes whose elements are all deleted; they remain as point masses").with_deletion().dimension(MASS),
-    PointKineticEnergy: energy("EROPKE", "Kinetic energy of these point masses, part of ALLKE").with_deletion(),
-    PointMomentum: energy("EROPMOM", "Momentum of these point masses along z").with_deletion().dimension([1, 1, -1, 0]),
+    PointKineticEnergy: energy("EROPKE", "Kinetic energy of the point masses, part of ALLKE").with_deletion(),
+    PointMomentum: energy("EROPMOM", "Momentum of the point masses along z").with_deletion().dimension([1, 1, -1, 0]),
     TotalEnergy: energy("ETOTAL", "Energy balance, constant: ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLCAV - ALLWK"),
     TimeIncrement: VariableRow { place: VariablePlace::Increment, ..energy("DT", "Time increment") }.dimension(TIME),
 }
