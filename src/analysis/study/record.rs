@@ -133,7 +133,7 @@ pub struct RunRecord<'a> {
     pub element_cycles: Option<f64>,
     /// Run time in seconds: median, shortest, longest.
     pub seconds: Option<TimeSpread>,
-    /// Seconds in the time loop.
+    /// Time in the time loop in seconds: median, shortest, longest.
     pub loop_seconds: Option<TimeSpread>,
     /// Warnings of the run, and notes on bodies that are still moving in a target.
     #[serde(skip_serializing_if = "<[String]>::is_empty")]

@@ -60,7 +60,7 @@ impl Iterator for LineIterator<'_> {
     }
 }
 
-/// Returns the kind of a line.
+/// Determines whether a line is a keyword, comment, data or blank line.
 pub fn kind(line: &str) -> LineKind {
     let line = line.trim_start();
     match () {

@@ -84,7 +84,7 @@ pub enum SurfacePart {
     Nose,
     /// From the shoulder to the base.
     Shank,
-    /// The base.
+    /// The rear face.
     Base,
     /// The wall of the cavity.
     Inner,

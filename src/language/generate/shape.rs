@@ -11,9 +11,9 @@ pub enum NoseShape {
         /// Calibre-radius-head: radius of the arc over shank diameter, at least 1/2.
         crh: f64,
     },
-    /// Hemisphere.
+    /// Hemisphere of the shank radius.
     Sphere,
-    /// Cone.
+    /// Cone that ends at the shank.
     Cone {
         /// Angle between axis and flank, degrees.
         half_angle: f64,

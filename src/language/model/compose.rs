@@ -190,7 +190,7 @@ impl Step {
         self
     }
 
-    /// Adds a load.
+    /// Adds a load that acts in the step.
     #[must_use]
     pub fn with_load(mut self, load: Load) -> Step {
         self.loads.push(load);

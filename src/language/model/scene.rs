@@ -7,7 +7,7 @@ use super::types::{Model, RigidSurface, TargetStack};
 /// Targets and analytical surfaces of a deck.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SceneOutline {
-    /// Targets (`*TARGET`).
+    /// Targets of the model, from `*TARGET`.
     pub targets: Vec<TargetOutline>,
     /// Analytical planes z = constant.
     pub planes: Vec<PlaneOutline>,

@@ -127,7 +127,7 @@ impl Drawing {
         self.shapes.push(DrawingShape::Rectangle { corner, size, paint });
     }
 
-    /// Adds a dot.
+    /// Adds a filled circle of the standard size.
     pub fn dot(&mut self, centre: [f64; 2], colour: Colour) {
         self.shapes.push(DrawingShape::Dot { centre, colour });
     }

@@ -60,9 +60,9 @@ pub struct OutputFrame {
     pub cells: Vec<Vec<usize>>,
     /// Whether the element of each cell is deleted; empty if none is.
     pub deleted: Vec<bool>,
-    /// Arrays over points.
+    /// Arrays with one value or vector per point.
     pub point_fields: Vec<FieldArray>,
-    /// Arrays over cells.
+    /// Arrays with one value or vector per cell.
     pub cell_fields: Vec<FieldArray>,
     /// Initial coordinates `[r, z]` of points.
     pub start: Vec<[f64; 2]>,

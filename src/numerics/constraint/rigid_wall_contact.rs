@@ -46,7 +46,7 @@ pub struct WallPair {
     pub first: bool,
     /// Indices of the moving body and of the body of the wall.
     pub bodies: [usize; 2],
-    /// Friction law.
+    /// Friction between body and wall.
     pub friction: CoulombFriction,
 }
 

@@ -270,7 +270,7 @@ struct LaneMotion<T> {
     /// Sum of the squares of all operators over the corner masses, and the sum of squares without the hoop operator.
     squares: T,
     square: T,
-    /// Highest frequency times the volume, and the common inverse.
+    /// Highest frequency times the volume, and a common inverse: 1/V and 1/ω follow from it without another division.
     root: T,
     inverse: T,
     /// One over the volume.

@@ -37,7 +37,7 @@ pub const TASK: usize = 16;
 pub struct GroupTotals {
     /// Work of the stress.
     pub internal: f64,
-    /// Plastic dissipation.
+    /// Energy dissipated by plastic flow.
     pub plastic: f64,
     /// Work of the bulk viscosity.
     pub viscous: f64,
@@ -273,7 +273,7 @@ pub struct ElementPass<'a> {
     pub dt: f64,
     /// Accelerations that moved the nodes over it.
     pub before: NodeAccelerations<'a>,
-    /// Current instant.
+    /// Instant at which the nodes have their current positions.
     pub now: &'a Instant,
     /// Whether the update may use several threads.
     pub threads: bool,

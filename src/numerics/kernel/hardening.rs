@@ -61,9 +61,9 @@ impl YieldStress for TableOverTemperature {
 /// (ABAQUS Analysis User's Guide, "Johnson-Cook plasticity").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JohnsonCook {
-    /// A, stress.
+    /// Constant A, the yield stress without plastic strain, stress.
     pub a: f64,
-    /// B, stress.
+    /// Constant B of the hardening term, stress.
     pub b: f64,
     pub n: f64,
     pub m: f64,

@@ -177,7 +177,7 @@ pub struct FinalMotion {
     pub exit_time: Option<f64>,
     /// Velocity of the centre of mass.
     pub velocity: SpatialVector,
-    /// Angular velocity.
+    /// Angular velocity of the body in the global frame, 1/time.
     pub rotational_velocity: SpatialVector,
     /// Speed of the centre of mass.
     pub speed: f64,

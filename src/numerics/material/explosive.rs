@@ -16,7 +16,7 @@ const WIDTH: f64 = 2.5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JwlProducts {
     pub density: f64,
-    /// A and B.
+    /// Constants A and B, stress.
     pub pressures: [f64; 2],
     /// R1 and R2.
     pub exponents: [f64; 2],

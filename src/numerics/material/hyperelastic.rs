@@ -123,7 +123,7 @@ impl Material for NeoHooke {
 pub struct HyperelasticMaterial<E> {
     /// Deviatoric strain energy.
     pub shape: E,
-    /// Volumetric strain energy.
+    /// Volumetric part of the strain energy.
     pub volume: VolumetricEnergy,
     /// Initial shear modulus.
     pub shear: f64,

@@ -62,11 +62,11 @@ pub enum PointValue {
     NodalTemperature(f64),
     /// Thermal strain that the next increment subtracts.
     ThermalStrain(f64),
-    /// Energy per mass.
+    /// Initial internal energy per mass.
     SpecificEnergy(f64),
-    /// Equivalent plastic strain.
+    /// Initial equivalent plastic strain.
     PlasticStrain(f64),
-    /// Characteristic length.
+    /// Characteristic length of the element.
     Length(f64),
     /// State variable of the user, by its index.
     StateVariable(usize, f64),

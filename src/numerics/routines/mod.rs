@@ -218,15 +218,15 @@ pub trait UserMotion: Send {
 pub enum AnalysisMoment {
     /// Before the first increment of the first step.
     StartAnalysis = 0,
-    /// Before a step.
+    /// Before the first increment of a step.
     StartStep = 1,
     /// Before the length of the next increment is chosen.
     SetupIncrement = 2,
     /// After the length of the increment is chosen, before its forces.
     StartIncrement = 3,
-    /// At the end of an increment.
+    /// After an increment is completed.
     EndIncrement = 4,
-    /// After a step.
+    /// After the last increment of a step.
     EndStep = 5,
     /// After the last step.
     EndAnalysis = 6,
@@ -576,9 +576,9 @@ routines! {
     load: UserLoad, "vdload", with_load;
     /// `*AMPLITUDE, DEFINITION=USER` (VUAMP).
     amplitude: UserAmplitude, "vuamp", with_amplitude;
-    /// `*BOUNDARY, USER` (VDISP).
+    /// Subroutine VDISP of `*BOUNDARY, USER`.
     motion: UserMotion, "vdisp", with_motion;
-    /// `*USER MATERIAL` (VUMAT).
+    /// Subroutine VUMAT of `*USER MATERIAL`.
     material: UserMaterial, "vumat", with_material;
     /// `*PLASTIC, HARDENING=USER` (VUHARD).
     hardening: UserHardening, "vuhard", with_hardening;
@@ -586,7 +586,7 @@ routines! {
     fields: UserFields, "vusdfld", with_fields;
     /// `*CHARACTERISTIC LENGTH, DEFINITION=USER` (VUCHARLENGTH).
     lengths: UserLengths, "vucharlength", with_lengths;
-    /// VEXTERNALDB.
+    /// Subroutine VEXTERNALDB, called at fixed moments of the analysis.
     events: UserEvents, "vexternaldb", with_events;
 }
 

@@ -63,7 +63,7 @@ pub struct RigidMotion {
 /// Position, attitude, velocity and angular momentum at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
-    /// Centre of mass.
+    /// Position of the centre of mass.
     pub centre: SpatialVector,
     pub attitude: Attitude,
     /// Velocity and angular momentum.
@@ -105,7 +105,7 @@ pub struct RigidBody3d {
     pub start: Pose,
     /// Number of stations around its axis, for loads, contact and frames.
     pub stations: usize,
-    /// Centre of mass.
+    /// Position of the centre of mass.
     pub centre: SpatialVector,
     pub attitude: Attitude,
     /// Velocity of the centre of mass at the current instant.

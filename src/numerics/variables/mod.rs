@@ -14,7 +14,7 @@ use dimension::*;
 /// Location of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VariablePlace {
-    /// At nodes.
+    /// One value per node.
     Node,
     /// At the integration point of an element.
     Point,

@@ -319,7 +319,7 @@ pub struct JobOptions<'a> {
     pub frames: FrameOutput,
 }
 
-/// Output of frames.
+/// Whether frames are written, and with which coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameOutput {
     /// Frames are written with their points at current or reference coordinates.

@@ -14,7 +14,7 @@ use crate::state::energies::EnergyTotals;
 /// - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
-    /// Kinetic energy.
+    /// Kinetic energy ALLKE of nodes and rigid bodies.
     #[serde(rename = "ALLKE")]
     pub kinetic: f64,
     /// Work of prescribed loads and motions.

@@ -28,7 +28,7 @@ pub enum IncrementEnd {
 /// Length of the next increment and the event at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increment {
-    /// Length, time.
+    /// Length of the increment, time.
     pub length: f64,
     /// Event at the end of the increment.
     pub end: IncrementEnd,

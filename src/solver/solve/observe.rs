@@ -32,7 +32,7 @@ pub struct Progress<'a> {
     pub step: &'a str,
     /// Fraction of the total time of all steps that is complete.
     pub fraction: f64,
-    /// Current instant.
+    /// Instant of the report.
     pub now: Instant,
     /// Length of the previous increment; 0 at the start.
     pub increment: f64,

@@ -71,7 +71,7 @@ pub struct BodyExit {
 pub struct StepSummary {
     /// Name of the step, from `*STEP, NAME=`.
     pub name: String,
-    /// Number of increments.
+    /// Number of increments of the step.
     pub increments: u64,
     /// Time reached in the step.
     pub time: f64,

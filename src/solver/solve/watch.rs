@@ -47,7 +47,7 @@ const LOOK_EVERY: [u64; 2] = [17, 511];
 const PATTERN: f64 = 0.75;
 /// Growth of the pattern's kinetic energy since the last check that is needed for a warning.
 const GROWTH: f64 = 4.0;
-/// Fraction of the largest energy that the pattern must have for a warning.
+/// Fraction of the largest energy that the hourglass pattern must have before it is reported.
 const WORTH: f64 = 0.01;
 
 /// History of the monitored values.

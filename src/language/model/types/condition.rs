@@ -38,7 +38,7 @@ pub enum AmplitudeDefinition {
     },
 }
 
-/// An initial condition (`*INITIAL CONDITIONS`).
+/// Initial value of a quantity at nodes or elements (`*INITIAL CONDITIONS`).
 #[derive(Clone, Debug)]
 pub struct InitialCondition {
     /// Quantity and value.

@@ -10,7 +10,7 @@ pub struct NodeConstraints {
     pub equations: Vec<LinearEquation>,
     /// `*MPC` and `*COUPLING` cards.
     pub links: Vec<NodeLink>,
-    /// `*TIE` cards.
+    /// Ties of two surfaces (`*TIE`).
     pub ties: Vec<SurfaceTie>,
 }
 

@@ -47,7 +47,7 @@ pub enum LoadKind {
     },
     /// `BRNU`, `BZNU`: a body force per volume along r or z, given by the user subroutine VDLOAD.
     UserBody {
-        /// Element indices.
+        /// Indices of the elements on which the load acts.
         elements: Vec<usize>,
         /// Name of the element set, or the element, as written in the deck.
         set: String,
@@ -74,7 +74,7 @@ pub enum LoadKind {
     SurfaceHeat(SideSelection),
     /// `*DFLUX BF`: a heat source per volume.
     BodyHeat {
-        /// Element indices.
+        /// Indices of the elements on which the load acts.
         elements: Vec<usize>,
         /// Name of the element set, or the element, as written in the deck.
         set: String,

@@ -120,7 +120,7 @@ pub struct HyperelasticLaw {
 /// Deviatoric strain energy of rubber, with its constants.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DeviatoricEnergy {
-    /// Neo-Hooke: C10.
+    /// Neo-Hooke form with the constant C10, stress.
     NeoHooke(f64),
     /// Polynomial: each C_ij with i and j.
     Polynomial(Vec<(f64, usize, usize)>),
@@ -196,7 +196,7 @@ impl FailureCriterion {
 /// Plastic strain at failure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StrainAtFailure {
-    /// Constant strain.
+    /// Failure strain that does not depend on the state.
     Constant(f64),
     /// Johnson-Cook: d1 to d5; then melting temperature, transition temperature and reference strain rate. `*SHEAR
     /// FAILURE` takes these three from `*PLASTIC` and `*RATE DEPENDENT` (`None`).
@@ -221,7 +221,7 @@ pub enum DamageEvolution {
     Energy(f64),
 }
 
-/// Tensile failure (`*TENSILE FAILURE`).
+/// Failure at a tensile hydrostatic stress, and its effect on the stress (`*TENSILE FAILURE`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TensileFailure {
     /// Hydrostatic cutoff stress: largest tensile mean stress.
@@ -262,13 +262,13 @@ pub enum RateDependence {
 /// Resistance of a material to the expansion of a cavity: `σ_n = Y (A + B x + C x²)` with `x = v_n √(ρ / Y)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CavityExpansion {
-    /// Y, stress.
+    /// Yield stress Y by which pressures are scaled, stress.
     pub yield_stress: f64,
-    /// A, dimensionless.
+    /// Constant A of the resistance law, dimensionless.
     pub a: f64,
-    /// B, dimensionless.
+    /// Constant B of the resistance law, dimensionless.
     pub b: f64,
-    /// C, dimensionless.
+    /// Constant C of the resistance law, dimensionless.
     pub c: f64,
     /// Data of the fit if the constants were derived from the material (`DERIVE`); `None` if given.
     pub derived: Option<ResistanceDerivation>,

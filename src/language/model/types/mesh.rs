@@ -148,7 +148,7 @@ pub enum ElementSide {
     Face(u8),
 }
 
-/// An element-based surface.
+/// Faces of elements under a name (`*SURFACE, TYPE=ELEMENT`).
 #[derive(Clone, Debug, Default)]
 pub struct ElementSurface {
     /// Name as written in the deck.

@@ -120,7 +120,7 @@ pub enum OutputInterval {
     Time(f64),
     /// Number of equal intervals of the step.
     Number(u32),
-    /// Number of increments.
+    /// After each time this number of increments is completed.
     Increments(u32),
     /// Given times (`*TIME POINTS`).
     Points(TimePointsId),
@@ -159,7 +159,7 @@ pub enum OutputRegion {
 pub struct ContactPairFilter {
     /// Upper-case name of the contact pair set.
     pub cpset: Option<String>,
-    /// Surface interaction.
+    /// Only pairs with this surface interaction; `None` for any.
     pub interaction: Option<InteractionId>,
     /// Whether only pairs of general contact are selected.
     pub general: bool,

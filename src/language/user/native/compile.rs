@@ -55,7 +55,7 @@ pub struct Compiled {
 /// A shared library in memory, so that exactly the checked bytes are loaded.
 #[derive(Debug)]
 pub(super) struct SharedLibrary {
-    /// Name in messages.
+    /// Path of the source file, as shown in messages.
     pub name: PathBuf,
     /// Content of the library.
     pub bytes: Vec<u8>,

@@ -6,7 +6,7 @@
 pub struct LibraryVariable {
     /// Offset from the base of the library, or from the start of the thread-local variables.
     pub at: usize,
-    /// Size in bytes.
+    /// Size of the variable in bytes.
     pub size: usize,
     /// Whether each thread has its own copy.
     pub of_thread: bool,

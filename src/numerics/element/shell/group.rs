@@ -44,7 +44,7 @@ pub struct ShellGroup {
 /// State of an element apart from its section points.
 #[derive(Clone, Copy, Debug, Default)]
 struct ShellState {
-    /// Current thickness.
+    /// Current thickness, length.
     thickness: f64,
     /// Transverse shear force per length.
     shear: f64,

@@ -192,7 +192,7 @@ impl TriangleLanes {
     }
 }
 
-/// Operation of [`TriangleLanes::measure`].
+/// Arguments of [`TriangleLanes::measure`], as an operation for the selected instruction set.
 struct TriangleMeasurement<'a> {
     triangles: &'a TriangleLanes,
     increment: &'a TriangleIncrement<'a>,
@@ -226,7 +226,7 @@ impl NullaryFnOnce for TriangleMeasurement<'_> {
     }
 }
 
-/// Operation of [`TriangleLanes::assemble`].
+/// Arguments of [`TriangleLanes::assemble`], as an operation for the selected instruction set.
 struct TriangleAssembly<'a> {
     triangles: &'a mut TriangleLanes,
     constants: &'a ElementConstants,
