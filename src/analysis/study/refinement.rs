@@ -67,7 +67,7 @@ pub struct RefinementStudy {
     pub rows: Vec<StudyRow>,
     /// Series of settings that differ only in the level of refinement along one axis.
     pub series: Vec<RefinementSeries>,
-    /// Reference value of the errors; `None` in a study with too few results.
+    /// Reference value from which errors are measured; `None` in a study with too few results.
     pub reference: Option<ErrorReference>,
     /// Value by which errors are divided to make them relative; `None` if the reference is zero.
     pub scale: Option<f64>,
