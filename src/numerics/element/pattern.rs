@@ -86,7 +86,8 @@ pub fn hourglass_motion(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Hour
     sum
 }
 
-/// Returns the kinetic energy of one element in the pattern, and that of its corners relative to their mean velocity.
+/// Returns the kinetic energy that one element has in the hourglass pattern, and the kinetic energy of its corners
+/// relative to their mean velocity.
 fn rates(corners: [usize; 4], nodes: &Nodes) -> [f64; 2] {
     let quarter = 0.125 * corners.iter().map(|&n| 0.25 * nodes.mass[n]).sum::<f64>();
     let velocity = [corners.inline_map(|n| nodes[n].v_r), corners.inline_map(|n| nodes[n].v_z)];
