@@ -89,12 +89,12 @@ pub struct ConstraintView<'a> {
     /// Nodes that a rigid body carries, if this is a tie.
     pub carried: Option<CarriedNodes<'a>>,
     /// Whether the constraint moves nodes after the integrator has updated them; then no node is skipped as quiescent.
-    /// Constraint forces on degrees of freedom.
     pub moves_nodes: bool,
-    /// Contact output variables.
+    /// Constraint forces on degrees of freedom.
     pub forces: Option<&'a dyn ConstraintForces>,
-    /// Heat exchange across contact surfaces.
+    /// Contact output variables.
     pub contact: Option<&'a dyn ContactResults>,
+    /// Heat exchange across contact surfaces.
     pub heat: Option<&'a dyn HeatExchange>,
 }
 

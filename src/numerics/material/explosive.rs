@@ -66,7 +66,7 @@ pub struct HighExplosive {
     pub energy: f64,
     /// Bulk modulus of the unburnt explosive.
     pub unburnt: f64,
-    /// Points at which the detonation starts; the earliest front reaches an element first.
+    /// Points at which the detonation starts; the earliest arrival of a front ignites an element.
     pub points: Vec<DetonationPoint>,
 }
 

@@ -42,10 +42,10 @@ pub trait VolumetricLaw: Send + Sync + 'static {
         None
     }
 
-    /// Returns the number of bytes that the state of a block needs in addition to its own size.
+    /// Sets the specific energy of a lane from its initial temperature.
     fn set_temperature(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
 
-    /// Returns the bytes that the state of a block holds in addition to its own size.
+    /// Returns the number of bytes that the state of a block needs in addition to its own size.
     fn bytes(&self, _state: &Self::State) -> usize {
         0
     }

@@ -112,7 +112,7 @@ pub const FAMILIES: &[VariableFamily] = &[
 pub struct UnsimulatedVariable {
     /// Upper-case name in ABAQUS.
     pub name: &'static str,
-    /// Location of the variable in ABAQUS: node, element or whole model.
+    /// Location of the variable in ABAQUS.
     pub place: VariablePlace,
     /// Description in the manual.
     pub words: &'static str,

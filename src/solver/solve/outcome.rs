@@ -66,7 +66,7 @@ pub struct BodyExit {
     pub velocity: f64,
 }
 
-/// Increments and run time of a completed step.
+/// Time that a step reached, and its increments.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct StepSummary {
     /// Name of the step, from `*STEP, NAME=`.

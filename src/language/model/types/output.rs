@@ -64,7 +64,7 @@ pub enum OutputKind {
 /// Keyword of an output request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputCard {
-    /// Word of `*OUTPUT, VARIABLE=`.
+    /// Set of variables given by `*OUTPUT, VARIABLE=`.
     Output,
     /// Nodal variables (`*NODE OUTPUT`).
     Node,

@@ -178,7 +178,7 @@ pub unsafe extern "C" fn fchdir(folder: c_int) -> c_int {
 }
 
 unsafe extern "C" {
-    /// Replaces `sigaction` of the C library under its internal name.
+    /// Function `sigaction` of the C library, by its internal name, which is not replaced.
     fn __sigaction(signal: c_int, new: *const libc::sigaction, old: *mut libc::sigaction) -> c_int;
 }
 

@@ -102,7 +102,7 @@ fn int(count: usize) -> i32 {
 // ABAQUS User Subroutines Reference: 1.2.1 "VDLOAD" (6.6), "VUAMP", "VDISP" (6.11), "VUMAT", "VUHARD", "VUSDFLD",
 // "VEXTERNALDB" (6.14), "VUCHARLENGTH" (2016).
 subroutines! {
-    /// Calls VDLOAD for the pressures at points.
+    /// Subroutine VDLOAD, which returns the pressures of a load.
     vdload: Vdload(points: &LoadPoints<'_>, name: *const c_char, pressure: &mut [f64]) [NAME] {
         nblock: Integer = &int(points.r.len()),
         ndim: Integer = &2,
@@ -116,7 +116,7 @@ subroutines! {
         sname: Character = name,
         value: RealResult = pressure.as_mut_ptr(),
     }
-    /// Calls VUAMP for the value of an amplitude.
+    /// Subroutine VUAMP, which returns the value of an amplitude.
     vuamp: Vuamp(call: &mut AmplitudeCall<'_>, name: *const c_char, more: &mut AmplitudeArrays) [NAME, NAME] {
         ampName: Character = name,
         time: Real = [call.now.step_time, call.now.total_time].as_ptr(),
@@ -137,7 +137,7 @@ subroutines! {
         ampSecDerivative: RealResult = &mut 0.0,
         ampIncIntegral: RealResult = &mut 0.0,
     }
-    /// Calls VDISP for the motion of a node.
+    /// Subroutine VDISP, which returns the motion of a node.
     vdisp: Vdisp(call: &MotionCall<'_>, name: *const c_char, values: &mut [f64; DOFS]) [NAME] {
         nblock: Integer = &1,
         nDof: Integer = &int(DOFS),

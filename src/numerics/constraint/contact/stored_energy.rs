@@ -9,7 +9,7 @@ use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lists::MemoryUse;
 use crate::state::archive::persist_struct;
 
-/// Energy stored in penalty springs, by the key of the spring.
+/// Energy that soft contact has stored, by the key of the contact row.
 #[derive(Clone, Debug, Default)]
 pub(super) struct StoredEnergy {
     /// Energy that a soft law has absorbed and not released; NaN before the first increment. Empty without soft laws.
@@ -19,7 +19,7 @@ pub(super) struct StoredEnergy {
 }
 
 impl StoredEnergy {
-    /// Creates the store for a number of keys, with no energy.
+    /// Creates the store for a number of keys; the energies are determined in the first increment.
     pub(super) fn new(keys: usize) -> StoredEnergy {
         StoredEnergy { stored: vec![f64::NAN; keys], next: vec![0.0; keys] }
     }

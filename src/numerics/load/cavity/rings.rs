@@ -285,7 +285,7 @@ struct LoadedStations {
 }
 
 impl LoadedStations {
-    /// Computes the loads of a ring with regularisation. The normal velocity of a station is nearly linear in the
+    /// Evaluates a block of stations with regularisation. The normal velocity of a station is nearly linear in the
     /// angle. The mean of the regularisation factor min(v/c, 1), 0 for v < 0, is therefore the difference of its
     /// integral at the edges over the difference of the velocities.
     #[inline(always)]
@@ -315,7 +315,7 @@ impl LoadedStations {
         LoadedStations { middle, speed, share, growth }
     }
 
-    /// Computes the same as [`LoadedStations::new`] for a ring that moves into the material everywhere at more than the
+    /// Evaluates a block like [`LoadedStations::new`] for a ring that moves into the material everywhere at more than the
     /// regularisation speed.
     #[inline(always)]
     fn whole(around: &RingHarmonics, stations: &StationAngles, block: usize) -> LoadedStations {
