@@ -162,8 +162,9 @@ subroutines! {
         rotaryI: Real = [0.0; 9].as_ptr(),
         rval: RealResult = values.as_mut_ptr(),
     }
-    /// Stresses of a material. ABAQUS passes arrays where older subroutines declare one number: `jblock` begins with
-    /// nblock, `jInfoArray` with lanneal, `dtArray` with dt ("Variables passed in for information").
+    /// Subroutine VUMAT, which returns the stresses of a material. ABAQUS passes arrays where older subroutines declare
+    /// one number: `jblock` begins with nblock, `jInfoArray` with lanneal, `dtArray` with dt ("Variables passed in for
+    /// information").
     vumat: Vumat(call: &MaterialCall<'_>, name: *const c_char, numbers: &MaterialArrays, answer: &mut MaterialAnswer<'_>) [NAME] {
         jblock: Integer = numbers.block.as_ptr(),
         ndir: Integer = &3,
@@ -199,7 +200,7 @@ subroutines! {
         enerInternNew: RealResult = answer.internal.as_mut_ptr(),
         enerInelasNew: RealResult = answer.inelastic.as_mut_ptr(),
     }
-    /// Yield stresses.
+    /// Subroutine VUHARD, which returns yield stresses.
     vuhard: Vuhard(call: &HardeningCall<'_>, name: *const c_char, answer: &mut HardeningAnswer<'_>) [NAME] {
         nblock: Integer = &int(call.count),
         jElem: Integer = call.elements.as_ptr(),
@@ -227,7 +228,8 @@ subroutines! {
         dyieldDeqps: RealResult = answer.slopes.as_mut_ptr(),
         stateNew: RealResult = answer.state.as_mut_ptr(),
     }
-    /// Field variables. `direct` and `T` are identities: the axes of the material are those of the model.
+    /// Subroutine VUSDFLD, which returns field variables. `direct` and `T` are identities: the axes of the material are
+    /// those of the model.
     vusdfld: Vusdfld(call: &FieldCall<'_>, name: *const c_char, axes: *const f64, answer: &mut FieldAnswer<'_>) [NAME] {
         nblock: Integer = &int(call.count),
         nstatev: Integer = &int(call.variables),
@@ -252,7 +254,8 @@ subroutines! {
         stateNew: RealResult = answer.state.as_mut_ptr(),
         field: RealResult = answer.field.as_mut_ptr(),
     }
-    /// Characteristic lengths. `jElType` begins with the shape: 2 is a triangle, 3 a quadrilateral.
+    /// Subroutine VUCHARLENGTH, which returns characteristic lengths. `jElType` begins with the shape: 2 is a triangle,
+    /// 3 a quadrilateral.
     vucharlength: Vucharlength(call: &LengthCall<'_>, name: *const c_char, axes: *const f64, lengths: &mut [f64]) [NAME] {
         nblock: Integer = &int(call.count),
         nfieldv: Integer = &int(call.fields),
@@ -279,7 +282,8 @@ subroutines! {
         stateOld: Real = call.state.as_ptr(),
         charLength: RealResult = lengths.as_mut_ptr(),
     }
-    /// Events of the analysis. Both arrays are longer than the counts, for subroutines that read further.
+    /// Subroutine VEXTERNALDB, called at events of the analysis. Both arrays are longer than the counts, for
+    /// subroutines that read further.
     vexternaldb: Vexternaldb(operation: i32, integers: &mut [i32; 8], reals: &mut [f64; 4]) [] {
         lOp: Integer = &operation,
         i_Array: IntegerResult = integers.as_mut_ptr(),
