@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::block::larger;
 use super::elements::Elements;
 use super::group::{ElementGroup, PARALLEL, TASK};
-use crate::kernel::corners::{largest_shell_strain, largest_strain, scaled_jacobian};
+use crate::kernel::corners::{is_distorted, largest_shell_strain, largest_strain};
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
@@ -50,7 +50,7 @@ impl DeletionCriteria {
         let plastic = || group.value(element, Variable::PlasticStrain.into());
         let rate = || group.stable_rate(element, None, nodes.as_slice()).unwrap_or(0.0);
         // Shells have no cells that can invert.
-        let folds = |least| group.cells(element).any(|cell| scaled_jacobian(cell.inline_map(place)) <= least);
+        let folds = |least| group.cells(element).any(|cell| is_distorted(cell.inline_map(place), least));
         self.distortion.is_some_and(folds)
             || self.plastic.is_some_and(|most| plastic().is_some_and(|p| p >= most))
             || self.strain.is_some_and(|most| strain() >= most)

@@ -523,7 +523,8 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementGroup for Qua
         GroupProperties {
             topology: ElementTopology::Quadrilateral,
             single: T::SINGLE,
-            deletable: self.material.can_delete() || self.tasks.iter().any(|scratch| !scratch.task.eroded.is_empty()),
+            // `make_erodible` allocates in all tasks or in none; this function runs once per element in places.
+            deletable: self.material.can_delete() || self.tasks.first().is_some_and(|t| !t.task.eroded.is_empty()),
             damped: self.constants.damps(),
             holds_pressure: Self::HOLDS_PRESSURE,
             fields: self.material.calls().map_or(0, |calls| calls.fields()),

@@ -28,6 +28,21 @@ pub fn scaled_jacobian(places: [[f64; 2]; 4]) -> f64 {
     (0..count).map(sine).fold(f64::INFINITY, f64::min) / best
 }
 
+/// Returns whether the scaled Jacobian of an element is at most `least`, mostly without roots and divisions.
+#[inline]
+pub fn is_distorted(places: [[f64; 2]; 4], least: f64) -> bool {
+    // With a margin for rounding.
+    let limit = 1.0001 * least.max(0.0);
+    let clear = |i: usize| {
+        let [at, next, before] = [i, (i + 1) % 4, (i + 3) % 4].inline_map(|k| places[k]);
+        let (a, b) = ([next[0] - at[0], next[1] - at[1]], [before[0] - at[0], before[1] - at[1]]);
+        let area = a[0] * b[1] - a[1] * b[0];
+        area > 0.0 && area * area > limit * limit * ((a[0] * a[0] + a[1] * a[1]) * (b[0] * b[0] + b[1] * b[1]))
+    };
+    // Corners that coincide are not clear.
+    !(clear(0) && clear(1) && clear(2) && clear(3)) && scaled_jacobian(places) <= least
+}
+
 /// Returns the derivatives of the coordinates with respect to those of the unit square at its centre, times 2: `[r, z]`
 /// along each direction.
 fn spans(places: [[f64; 2]; 4]) -> [[f64; 2]; 2] {
@@ -74,7 +89,7 @@ fn larger(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{largest_shell_strain, largest_strain, scaled_jacobian};
+    use super::{is_distorted, largest_shell_strain, largest_strain, scaled_jacobian};
 
     const SQUARE: [[f64; 2]; 4] = [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]];
 
@@ -100,6 +115,30 @@ mod tests {
         // Sheared by the angle whose tangent is 2.
         let sheared = SQUARE.map(|[r, z]| [r + 2.0 * z, z]);
         assert!((scaled_jacobian(sheared) - 0.2_f64.sqrt()).abs() < 1e-15);
+    }
+
+    /// Random quadrilaterals, folded ones and triangles among them, at limits of both signs and at their own values.
+    #[test]
+    fn distortion_limit_agrees_with_the_scaled_jacobian() {
+        let mut seed = 1_u64;
+        let mut noise = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) as f64 / (1_u64 << 31) as f64 - 0.5
+        };
+        let mut distorted = 0;
+        for shape in 0..4000 {
+            let mut places = SQUARE.map(|[r, z]| [r + 1.5 * noise(), z + 1.5 * noise()]);
+            if shape % 5 == 0 {
+                places[3] = places[2];
+            }
+            let own = scaled_jacobian(places);
+            for least in [-0.5, 0.0, 0.05, 0.4, own] {
+                assert_eq!(is_distorted(places, least), own <= least, "{places:?} {least}");
+                distorted += usize::from(own <= least);
+            }
+        }
+        assert!(distorted > 4000);
+        assert!(!is_distorted([[f64::NAN; 2]; 4], 0.5));
     }
 
     /// Rotated, and stretched by 1.5 along one direction of the plane.
