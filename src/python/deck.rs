@@ -55,7 +55,7 @@ pub struct Deck {
     known: Mutex<CachedPlan>,
 }
 
-/// Options of a run.
+/// Options of one run, as passed from Python.
 struct RunRequest {
     threads: usize,
     frames: bool,

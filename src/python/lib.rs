@@ -25,7 +25,7 @@ fn default_threads() -> usize {
     revolve::default_threads()
 }
 
-/// The extension module.
+/// Extension module `_revolve`, on which the package `revolve` is built.
 #[pymodule]
 fn _revolve(module: &Bound<'_, PyModule>) -> PyResult<()> {
     // User subroutines resolve their host routines among the symbols of the process.

@@ -36,7 +36,7 @@ impl Run {
         self.summary.status
     }
 
-    /// Reason of a halt.
+    /// Reason why the run stopped early; `None` if it completed.
     #[getter]
     fn reason(&self) -> Option<&str> {
         self.summary.reason.as_deref()

@@ -29,7 +29,7 @@ pub fn chart(py: Python<'_>, title: String, x: String, y: String, series: Vec<Na
     Chart::new(&title, [&x, &y], series).svg().map_err(|why| errors::study(py, &why))
 }
 
-/// Options of a study.
+/// Options of a study, as passed from Python.
 struct StudyRequest {
     settings: ParameterSettings,
     refine: Vec<String>,

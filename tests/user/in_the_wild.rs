@@ -239,7 +239,7 @@ fn undefined_symbols_of_unused_routines_are_accepted() {
     let called = vumat(PLAIN, "", DECLARED, "        call nowhere(tr)\n");
     let rendered = opened(&[("law.f", &called)]).err().expect("it is rejected");
     assert!(
-        rendered.contains("U005") && rendered.contains("vumat calls `nowhere`, which nothing defines"),
+        rendered.contains("U005") && rendered.contains("vumat calls `nowhere`, which is not defined"),
         "{rendered}"
     );
 }

@@ -186,7 +186,7 @@ fn errors_in_the_source_are_reported_before_the_run() {
             good.replace("dirCos, jltyp, sname", "dirCos, sname"),
             &["U004", "10 arguments", "missing: jltyp"],
         ),
-        ("an undefined helper", vdload("      call helper(value)"), &["U005", "helper", "nothing defines"]),
+        ("an undefined helper", vdload("      call helper(value)"), &["U005", "helper", "is not defined"]),
         ("a syntax error", vdload("      value(1 = 2"), &["U003", "load.f:", "Error"]),
         ("no known routine", "      subroutine other\n      end\n".into(), &["U006", "vdload"]),
     ];

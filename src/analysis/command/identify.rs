@@ -25,8 +25,8 @@ pub struct IdentifyCommand {
     /// Column of the measured value.
     #[arg(long, value_name = "COLUMN")]
     measured: String,
-    /// Column with the standard deviation of each measurement; residuals are divided by it (default: all shots weigh
-    /// the same).
+    /// Column with the standard deviation of each measurement; residuals are divided by it (default: equal
+    /// weights).
     #[arg(long, value_name = "COLUMN")]
     deviation: Option<String>,
     /// Computed counterpart of the measured value: an expression over history columns, for example
@@ -110,7 +110,7 @@ impl IdentifyCommand {
     }
 }
 
-/// Table of the parameters with their confidence intervals and correlations.
+/// Returns the table of the parameters with their confidence intervals and correlations.
 fn table(names: &[String], found: &ParameterFit) -> TextTable {
     let mut header = search::header("parameter");
     header.extend(names.iter().map(|name| format!("correlation with {name}")));

@@ -163,7 +163,7 @@ impl LimitCommand {
     }
 }
 
-/// Table of the limit velocity, the parameters of the curve and the scatter.
+/// Returns the table of the limit velocity, the parameters of the curve and the scatter.
 fn table(found: &LimitVelocity, scattered: Option<&LimitScatter>) -> TextTable {
     let mut rows = vec![vec![
         "limit velocity (bracket)".to_owned(),

@@ -103,7 +103,7 @@ struct MeshArguments {
     /// Thickness of the base plate; 0 leaves the cavity open at the base.
     #[arg(long, requires = "wall", default_value = "0", value_name = "LENGTH")]
     cavity_base: f64,
-    /// Fill of the cavity.
+    /// Contents of the cavity: empty, a fill that shares nodes with the case, or a separate fill for contact.
     #[arg(long, requires = "wall", default_value = "none")]
     fill: CavityFill,
     /// Mesh file to write.
@@ -118,13 +118,13 @@ struct MeshArguments {
     /// Required total mass; the density that gives this mass on the mesh is printed.
     #[arg(long, value_name = "MASS")]
     target_mass: Option<f64>,
-    /// Density of the fill.
+    /// Density of the fill; its mass is printed.
     #[arg(long, requires = "wall")]
     fill_density: Option<f64>,
     /// Material name of the projectile or its case; the deck must define it.
     #[arg(long, default_value = "STEEL", value_name = "NAME")]
     material: String,
-    /// Material name of the fill.
+    /// Material name of the fill; the deck must define it.
     #[arg(long, default_value = "FILL", value_name = "NAME")]
     fill_material: String,
     /// First node and element number.
@@ -230,7 +230,7 @@ fn volume_line(what: &str, part: &PartVolume, order: Option<f64>) -> String {
     format!("{what} {:.8e}, {error}{order}", part.meshed)
 }
 
-/// Returns the request as a title.
+/// Returns a title for the picture: nose shape, dimensions and element size.
 fn request_title(wanted: &MeshRequest) -> String {
     let MeshRequest { radius, length, size, along, across, .. } = wanted;
     let shape = match &wanted.nose {

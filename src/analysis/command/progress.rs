@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::words;
 
-/// Number of positions of a bar.
+/// Number of positions of a progress bar.
 const PARTS: u64 = 1000;
 /// Refresh rate in 1/s.
 const RATE: u8 = 4;

@@ -91,7 +91,7 @@ impl ScatterCommand {
         Ok(if results.failed == 0 { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
     }
 
-    /// Table with one row per quantity and statistic or Sobol index.
+    /// Returns a table with one row per quantity and statistic or Sobol index.
     fn table(&self, inputs: &RandomInputs, results: &ScatterResults) -> TextTable {
         let mut rows = Vec::new();
         let mut statistics =

@@ -32,7 +32,7 @@ impl CaseRange {
         CaseRange::parse_with(text, &|name| std::env::var(name).ok())
     }
 
-    /// Like [`CaseRange::parse`], with the environment given by `variable`.
+    /// Parses like [`CaseRange::parse`], but reads environment variables with `variable`.
     fn parse_with(text: &str, variable: &dyn Fn(&str) -> Option<String>) -> Result<CaseRange, String> {
         let wrong = || format!("--cases {text}: expected A-B, A, K/N, task or task/N, counted from 1");
         let number = |t: &str| {

@@ -47,7 +47,7 @@ pub enum AxisScale {
     LogLog,
 }
 
-/// Form of a series.
+/// Way in which the points of a series are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SeriesForm {

@@ -310,7 +310,7 @@ fn local_coordinates(cell: &[[f64; 2]; 4], place: [f64; 2]) -> Option<[f64; 2]> 
 mod tests {
     use super::*;
 
-    /// Unit square of n by n elements with values at nodes or element centres.
+    /// Returns a unit square of n by n elements with values at nodes or element centres.
     fn square(n: usize, on_elements: bool, law: impl Fn([f64; 2]) -> f64) -> NormField {
         let at = |i: usize, j: usize| [1.0 + i as f64 / n as f64, j as f64 / n as f64];
         let node = |i: usize, j: usize| (i + j * (n + 1)) as u32;

@@ -131,7 +131,7 @@ impl CaseGrid {
         Ok(grid)
     }
 
-    /// Like [`parse`](Self::parse); errors are texts that name the option `--set`.
+    /// Parses like [`parse`](Self::parse), but returns errors as texts that name the option `--set`.
     pub(super) fn read(settings: &[String]) -> Result<CaseGrid, String> {
         let mut grid = CaseGrid::default();
         for setting in settings {

@@ -37,7 +37,7 @@ impl LimitRequest {
         Ok(LimitRequest { between: [low, high], tolerance, least, shots })
     }
 
-    /// Returns the number of bisections that reach the tolerance.
+    /// Returns the number of bisections needed to reach the tolerance.
     fn rounds(&self) -> usize {
         libm::log2((self.between[1] - self.between[0]) / self.tolerance).ceil().max(0.0) as usize
     }

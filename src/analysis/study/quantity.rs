@@ -119,7 +119,7 @@ impl Quantity {
         Ok(())
     }
 
-    /// Evaluates the quantity for a run.
+    /// Computes the quantity, a number or a field, from the results of a run.
     pub fn evaluate(&self, run: FinishedRun<'_>) -> Result<QuantityValue, StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
         match &self.kind {

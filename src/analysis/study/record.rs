@@ -20,7 +20,7 @@ pub struct StudyRecord<'a> {
     /// Exact value of the quantity, if given by `--exact` or known to be zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exact: Option<f64>,
-    /// Reference value of the errors.
+    /// Reference value from which errors are measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<ErrorReference>,
     /// Value by which errors are divided to make them relative; absent if the reference is zero.
@@ -133,7 +133,7 @@ pub struct RunRecord<'a> {
     pub element_cycles: Option<f64>,
     /// Run time in seconds: median, shortest, longest.
     pub seconds: Option<TimeSpread>,
-    /// Seconds in the time loop.
+    /// Time in the time loop in seconds: median, shortest, longest.
     pub loop_seconds: Option<TimeSpread>,
     /// Warnings of the run, and notes on bodies that are still moving in a target.
     #[serde(skip_serializing_if = "<[String]>::is_empty")]

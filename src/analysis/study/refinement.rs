@@ -14,7 +14,7 @@ const MOST: usize = 10_000;
 pub struct StudyRow {
     /// Value of each axis, as written.
     pub values: Vec<String>,
-    /// Result of the run or its error.
+    /// Result of the run, or the reason why the setting has none.
     pub run: Result<StudyRun, StudyError>,
     /// Index of the family; settings of a family differ only in levels of refinement.
     pub family: usize,
@@ -65,9 +65,9 @@ pub struct RefinementStudy {
     pub axes: Vec<String>,
     /// Settings with their results.
     pub rows: Vec<StudyRow>,
-    /// Series of refinement.
+    /// Series of settings that differ only in the level of refinement along one axis.
     pub series: Vec<RefinementSeries>,
-    /// Reference value of the errors; `None` in a study with too few results.
+    /// Reference value from which errors are measured; `None` in a study with too few results.
     pub reference: Option<ErrorReference>,
     /// Value by which errors are divided to make them relative; `None` if the reference is zero.
     pub scale: Option<f64>,

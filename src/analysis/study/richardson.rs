@@ -48,7 +48,7 @@ pub enum ConvergenceBehaviour {
 }
 
 impl ConvergenceBehaviour {
-    /// Returns a word for tables.
+    /// Returns the word by which tables show the behaviour.
     pub fn word(self) -> &'static str {
         match self {
             ConvergenceBehaviour::Asymptotic => "",

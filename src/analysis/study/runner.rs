@@ -41,7 +41,7 @@ pub struct StudyRun {
     pub increments: u64,
     /// Run time in seconds, from reading the deck to the last increment.
     pub seconds: TimeSpread,
-    /// Time in the time loop, in seconds.
+    /// Run time of the time loop alone, in seconds.
     pub loop_seconds: TimeSpread,
 }
 

@@ -58,7 +58,7 @@ impl StudyAxis {
         if self.rises() { 1.0 / value } else { value }
     }
 
-    /// Returns the value for a size.
+    /// Returns the axis value that corresponds to an element size: the inverse of the size if the axis counts elements.
     pub fn value(&self, size: f64) -> f64 {
         if self.rises() { 1.0 / size } else { size }
     }

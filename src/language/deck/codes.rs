@@ -10,7 +10,7 @@ macro_rules! codes {
     };
 }
 
-/// All diagnostic codes of this folder.
+/// Diagnostic codes of reading a deck.
 pub static CODES: &[DiagnosticCode] = codes! {
     "D001" "The deck cannot be read" "The file named on the command line does not exist or may not be read."
     "D002" "An included file cannot be read" "The file of *INCLUDE, INPUT= (or of a card's INPUT=) does not exist, may not be read or is encrypted. Names are relative to the file that includes; backslashes and quotes are understood."

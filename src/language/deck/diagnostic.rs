@@ -21,7 +21,7 @@ pub enum Severity {
 /// A place in a file with its text.
 #[derive(Clone, Debug)]
 pub struct SourceLabel {
-    /// The place.
+    /// Range of the text in its file.
     pub span: Span,
     /// Text next to the carets that mark the span.
     pub text: String,
@@ -32,7 +32,7 @@ pub struct SourceLabel {
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{code}: {message}")]
 pub struct Diagnostic {
-    /// Level.
+    /// Whether the message is an error, a warning or a note.
     pub severity: Severity,
     /// Code (`D…` deck, `M…` model, `P…` plan), explained by `revolve explain CODE`.
     pub code: &'static str,
@@ -50,17 +50,17 @@ impl Diagnostic {
         Diagnostic { severity, code, message: message.into(), labels: Vec::new(), help: None }
     }
 
-    /// Creates an error.
+    /// Creates an error: invalid or unsupported input, which prevents the run.
     pub fn error(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Severity::Error, code, message)
     }
 
-    /// Creates a warning.
+    /// Creates a warning: input that is probably a mistake; the run continues.
     pub fn warning(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Severity::Warning, code, message)
     }
 
-    /// Creates a note.
+    /// Creates a note: information that does not affect the result.
     pub fn note(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Severity::Note, code, message)
     }
@@ -87,7 +87,7 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Adds a diagnostic.
+    /// Adds a diagnostic to the list.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         self.list.push(diagnostic);
     }
@@ -103,7 +103,7 @@ impl Diagnostics {
         self.list.iter()
     }
 
-    /// Returns whether there is an error.
+    /// Returns whether the list contains an error.
     pub fn has_errors(&self) -> bool {
         self.list.iter().any(|d| d.severity == Severity::Error)
     }
@@ -156,12 +156,12 @@ impl Diagnostics {
         self.list.retain(|d| d.severity == Severity::Error);
     }
 
-    /// Appends the diagnostics of `other`.
+    /// Appends the diagnostics of `other` after the existing ones.
     pub fn append(&mut self, mut other: Diagnostics) {
         self.list.append(&mut other.list);
     }
 
-    /// Returns the number of errors.
+    /// Returns the number of errors in the list.
     pub fn error_count(&self) -> usize {
         self.list.iter().filter(|d| d.severity == Severity::Error).count()
     }

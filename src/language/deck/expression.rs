@@ -28,7 +28,7 @@ pub struct ExpressionError {
 /// Argument of a function of the caller.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FunctionArgument {
-    /// A value.
+    /// Value of an expression.
     Number(f64),
     /// The text between the parentheses, for functions that take names.
     Raw(String),
@@ -38,7 +38,7 @@ pub enum FunctionArgument {
 /// function.
 pub type CallerFunctions<'a> = dyn Fn(&str, &[FunctionArgument]) -> Option<Result<f64, String>> + 'a;
 
-/// A parsed expression.
+/// An expression that has been parsed and can be evaluated for different values of its names.
 #[derive(Clone, Debug)]
 pub struct Expression {
     operations: Vec<LocatedOperation>,

@@ -28,7 +28,7 @@ pub fn open(path: &Path) -> io::Result<File> {
 /// Reads the bytes of a regular file.
 ///
 /// # Errors
-/// As [`open`]; also if there is not enough memory, or if the file is longer than its reported length.
+/// Fails like [`open`], and if there is not enough memory, or if the file is longer than its reported length.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     let length = file.metadata()?.len();
@@ -66,7 +66,7 @@ pub fn read_standard_input(most: u64) -> io::Result<Vec<u8>> {
 /// Reads the text of a regular file.
 ///
 /// # Errors
-/// As [`read`]; also if the file is not UTF-8.
+/// Fails like [`read`], and if the file is not UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
     String::from_utf8(read(path)?).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "the file is not UTF-8 text"))
 }

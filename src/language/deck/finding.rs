@@ -25,7 +25,7 @@ pub struct Finding {
     pub help: Option<String>,
 }
 
-/// A place in a file.
+/// Line and column in a named file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FilePosition {
     /// Name of the file.

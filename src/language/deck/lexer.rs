@@ -8,7 +8,7 @@ use super::syntax::Word;
 /// Byte range of a physical line in its file, without the line end.
 pub type LineRange = Range<usize>;
 
-/// Returns the kind of a line.
+/// Meaning of a line, determined from its first characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineKind {
     /// A line of blanks only.
@@ -60,7 +60,7 @@ impl Iterator for LineIterator<'_> {
     }
 }
 
-/// Returns the kind of a line.
+/// Determines whether a line is a keyword, comment, data or blank line.
 pub fn kind(line: &str) -> LineKind {
     let line = line.trim_start();
     match () {

@@ -44,7 +44,7 @@ pub use syntax::{Card, DataLine, Deck, Parameter, ParseGaps, Word};
 pub struct DiagnosticCode {
     /// The code, for example `D101`; it does not change between versions.
     pub code: &'static str,
-    /// Title of one line.
+    /// Description in one line.
     pub title: &'static str,
     /// Cause of the diagnostic and how to fix the deck.
     pub text: &'static str,

@@ -9,10 +9,10 @@ use super::number::format_number;
 use super::source::Span;
 use super::syntax::Word;
 
-/// Value of a parameter.
+/// Value that a `*PARAMETER` substitutes into the deck.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterValue {
-    /// A number.
+    /// A number, the result of an expression.
     Number(f64),
     /// A text that was given in quotes.
     Text(String),

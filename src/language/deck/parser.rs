@@ -56,7 +56,7 @@ impl Parser {
         }
     }
 
-    /// Returns the deck and its diagnostics.
+    /// Completes the last card and returns the deck with the diagnostics of all its files.
     pub fn finish(mut self) -> (Deck, Diagnostics) {
         self.parameters.check_overrides(&mut self.diagnostics);
         self.deck.parameters = self.parameters.numbers();

@@ -91,7 +91,7 @@ impl<const N: usize> FromLines for [f64; N] {
     }
 }
 
-/// All data lines.
+/// Reads every data line as N numbers.
 impl<const N: usize> FromLines for Vec<[f64; N]> {
     fn from_lines(card: &Card) -> Vec<[f64; N]> {
         (0..card.lines.len()).map(|line| row(card, line)).collect()
@@ -143,6 +143,6 @@ impl Card {
 
 /// Type that holds the parameters and data lines of a checked card.
 pub trait ReadCard: Sized {
-    /// Converts a card.
+    /// Converts the parameters and data lines of a card.
     fn read(card: &Card) -> Self;
 }

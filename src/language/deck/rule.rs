@@ -5,7 +5,7 @@ use super::value::{self, ValueSpec};
 /// Level of support of a keyword.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeywordTier {
-    /// Supported.
+    /// Supported without restrictions.
     Used,
     /// Checked and ignored, because it cannot change a result here; the text is the reason in the ledger.
     Inert(&'static str),
@@ -20,7 +20,7 @@ pub enum KeywordTier {
 /// Level of support of a parameter or of a field of a data line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InputUsage {
-    /// Supported.
+    /// Supported without restrictions.
     Read,
     /// Only these values are supported; any other is an error with this reason.
     Only(&'static [&'static str], &'static str),
@@ -39,7 +39,7 @@ pub struct InputRule {
     pub usage: InputUsage,
     /// One line for the keyword manual; empty if the name or the reason of `usage` is enough.
     pub help: &'static str,
-    /// Whether it is an extension that ABAQUS does not have.
+    /// Whether the parameter or field is an extension that ABAQUS does not have.
     pub extension: bool,
     /// Allowed values and default.
     pub value: ValueSpec,
@@ -69,7 +69,7 @@ pub enum DataShape {
 pub struct ConditionalShape {
     /// Parameter and its required value (empty: any value); `None` applies in all other cases.
     pub when: Option<(&'static str, &'static str)>,
-    /// The layout.
+    /// Layout that applies under this condition.
     pub shape: DataShape,
 }
 
@@ -87,9 +87,9 @@ pub enum CardMultiplicity {
 /// Position at which a card is allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CardPlace {
-    /// Anywhere.
+    /// Before the first step and within steps.
     Anywhere,
-    /// Within a step.
+    /// Only within a step.
     Step,
     /// Within a step, or before the first step, where it applies to all steps.
     EachStep,
@@ -104,7 +104,7 @@ pub struct Keyword {
     pub name: &'static str,
     /// Level of support.
     pub tier: KeywordTier,
-    /// Whether it is an extension that ABAQUS does not have.
+    /// Whether the keyword is an extension that ABAQUS does not have.
     pub extension: bool,
     /// Description of one line for the manual.
     pub summary: &'static str,

@@ -48,10 +48,10 @@ impl std::fmt::Debug for Span {
     }
 }
 
-/// A file of a deck.
+/// Name and text of one file of the deck: the deck itself or an included file.
 #[derive(Clone, Debug)]
 pub struct SourceFile {
-    /// Name in messages.
+    /// Name of the file in messages.
     pub name: String,
     /// Path of the file. Relative paths of included files start at its folder.
     pub path: PathBuf,
@@ -89,12 +89,12 @@ impl Sources {
         &self.files
     }
 
-    /// Returns the file of a span.
+    /// Returns the file that contains a span.
     pub fn file(&self, span: Span) -> Option<&SourceFile> {
         self.files.get(span.file as usize)
     }
 
-    /// Returns the text of a span.
+    /// Returns the characters of a span, as written in its file.
     pub fn text(&self, span: Span) -> &str {
         self.file(span).and_then(|f| f.text.get(span.start as usize..span.end as usize)).unwrap_or("")
     }

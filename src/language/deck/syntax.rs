@@ -73,7 +73,7 @@ pub struct Word {
     pub quoted: bool,
 }
 
-/// A data line.
+/// A data line, split at its commas.
 #[derive(Clone, Debug)]
 pub struct DataLine {
     /// Comma-separated fields; an empty field is a [`Word`] with empty text. A trailing comma adds no field.

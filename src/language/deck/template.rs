@@ -23,9 +23,9 @@ pub struct DeckTemplate {
 /// A word that depends on parameters.
 #[derive(Debug)]
 pub struct ParametricWord {
-    /// Index of its card.
+    /// Index of the card that contains the word.
     pub card: usize,
-    /// Position in the card.
+    /// Position of the word in the card.
     pub at: WordPosition,
     pieces: WordPieces,
 }

@@ -31,7 +31,7 @@ pub enum ValueKind {
     Number,
     /// A whole number.
     Integer,
-    /// A word of this list.
+    /// One of these words.
     Word(&'static [&'static str]),
     /// A word of this list of supported variants. ABAQUS has other variants.
     Variant(&'static [&'static str]),
@@ -43,7 +43,7 @@ const fn value(kind: ValueKind) -> ValueSpec {
 
 /// Any text, for example a name.
 pub const TEXT: ValueSpec = value(ValueKind::Text);
-/// A finite number.
+/// Any finite number.
 pub const NUMBER: ValueSpec = value(ValueKind::Number);
 /// A finite number above zero.
 pub const POSITIVE: ValueSpec = NUMBER.above(0.0);
@@ -55,7 +55,7 @@ pub const INTEGER: ValueSpec = value(ValueKind::Integer);
 pub const COUNT: ValueSpec = INTEGER.from(1.0);
 /// A finite number with the default 0.
 pub const ZERO: ValueSpec = NUMBER.or(0.0);
-/// NO or YES.
+/// The word NO or YES.
 pub const YES_NO: ValueSpec = word(&["NO", "YES"]);
 /// A temperature that must ascend from row to row of a table.
 pub const TEMPERATURE: ValueSpec = NUMBER.ascending();

@@ -34,12 +34,12 @@ pub struct MeshMeasure {
     pub height: (f64, MeridianPoint),
     /// Volume of the projectile without fill, or of its case.
     pub case: PartVolume,
-    /// Volume of the fill.
+    /// Volume of the fill of the cavity; zero without one.
     pub fill: PartVolume,
 }
 
 impl ProjectileMesh {
-    /// Measures the mesh.
+    /// Computes the number of nodes and elements, the quality of the elements and the volumes.
     pub fn measure(&self) -> MeshMeasure {
         let (mut jacobian, mut stretched, mut low) =
             ((f64::INFINITY, [0.0; 2]), (0.0, [0.0; 2]), (f64::INFINITY, [0.0; 2]));

@@ -12,7 +12,7 @@ use crate::deck::Diagnostic;
 /// Parameters of a projectile mesh. All lengths have the length unit of the deck.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshRequest {
-    /// Nose shape.
+    /// Shape of the nose, with its dimensions.
     pub nose: NoseShape,
     /// Radius of the shank; ignored for a polyline, which defines it.
     pub radius: f64,
@@ -31,7 +31,7 @@ pub struct MeshRequest {
 /// A cylindrical cavity about the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CaseCavity {
-    /// Wall thickness.
+    /// Thickness of the lateral wall between cavity and outer surface.
     pub wall: f64,
     /// Number of elements through the wall; by default from the element size, at least two.
     pub through: Option<usize>,
@@ -47,7 +47,7 @@ pub struct CaseCavity {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum CavityFill {
-    /// Empty.
+    /// Empty cavity.
     None,
     /// Fill that shares nodes with the case.
     Bonded,
@@ -64,16 +64,16 @@ pub struct DeckLabels {
     pub prefix: String,
     /// Material of the projectile or of its case.
     pub material: String,
-    /// Material of the fill.
+    /// Name of the fill's material.
     pub fill: String,
 }
 
-/// Part of an element.
+/// Part of the projectile to which an element belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshPart {
     /// The projectile, or its case.
     Case,
-    /// The fill.
+    /// The fill of the cavity.
     Fill,
 }
 
@@ -84,7 +84,7 @@ pub enum SurfacePart {
     Nose,
     /// From the shoulder to the base.
     Shank,
-    /// The base.
+    /// The rear face.
     Base,
     /// The wall of the cavity.
     Inner,
@@ -97,7 +97,7 @@ pub enum SurfacePart {
 pub struct ProjectileMesh {
     /// Nodes and elements.
     pub(super) sheet: QuadMesh,
-    /// Part of each element.
+    /// Part to which each element belongs.
     pub(super) parts: Vec<MeshPart>,
     /// Number of nose elements, which come first.
     pub(super) in_nose: usize,
@@ -166,7 +166,7 @@ fn check_cavity(cavity: &CaseCavity, outline: &ProjectileOutline) -> Result<(), 
     if cavity.front.is_nan() || cavity.front <= height {
         let message =
             format!("the cavity starts at {}, in front of the shoulder of the nose at {height}", cavity.front);
-        return refuse(message, "the nose is solid: the cavity must start behind the shoulder");
+        return refuse(message, "the nose is solid: the cavity must start after the shoulder");
     }
     if !(cavity.base >= 0.0 && end - cavity.base > cavity.front) {
         let message =
@@ -258,7 +258,7 @@ impl<'a> MeshBuilder<'a> {
         ProjectileMesh { sheet, parts, in_nose, walls, corners, outline: outline.clone(), request: request.clone() }
     }
 
-    /// Meshes the body behind the shoulder row by row, and returns the nodes of the base.
+    /// Meshes the body after the shoulder row by row, and returns the nodes of the base.
     fn body(&mut self, shoulder: Vec<usize>) -> Vec<usize> {
         let heights = self.heights();
         let hollow = |z: f64| self.request.cavity.is_some_and(|c| z >= c.front && z < self.outline.rim()[1] - c.base);
@@ -304,7 +304,7 @@ impl<'a> MeshBuilder<'a> {
         rows(&breaks, self.request.size, self.request.along)
     }
 
-    /// Returns the outer radius at a height behind the shoulder.
+    /// Returns the outer radius at a height after the shoulder.
     fn radius(&self, z: f64) -> f64 {
         let piece = self.outline.body.iter().find(|piece| z <= piece.ends()[1][1]);
         piece.map_or(self.outline.rim()[0], |piece| {

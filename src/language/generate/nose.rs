@@ -201,8 +201,8 @@ impl NoseBlocks<'_> {
     }
 }
 
-/// Returns the inner divisions of a line as index and fraction, uniform on both sides of division `at`, which is at
-/// `share`.
+/// Returns index and position (as a fraction of the length) of the inner points of a line. Point `at` is at `share`,
+/// and the spacing is uniform on either side of it.
 fn split(count: usize, at: usize, share: f64) -> impl Iterator<Item = (usize, f64)> {
     let rear = (count - at) as f64;
     (1..count).map(move |n| {

@@ -3,7 +3,7 @@
 use super::profile::{MeridianPoint, ProfilePiece};
 use crate::deck::Diagnostic;
 
-/// Shape of a nose.
+/// Shape of the front end of a projectile.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoseShape {
     /// Arc tangent to the shank; its radius is `crh` times the calibre.
@@ -11,9 +11,9 @@ pub enum NoseShape {
         /// Calibre-radius-head: radius of the arc over shank diameter, at least 1/2.
         crh: f64,
     },
-    /// Hemisphere.
+    /// Hemisphere of the shank radius.
     Sphere,
-    /// Cone.
+    /// Cone that ends at the shank.
     Cone {
         /// Angle between axis and flank, degrees.
         half_angle: f64,
@@ -167,7 +167,7 @@ fn polyline(points: &[MeridianPoint]) -> Result<ProjectileOutline, Diagnostic> {
     Ok(ProjectileOutline { nose: nose.to_vec(), body: body.to_vec() })
 }
 
-/// Returns the total length of pieces.
+/// Returns the arc length of a chain of pieces.
 pub fn length(pieces: &[ProfilePiece]) -> f64 {
     pieces.iter().map(ProfilePiece::length).sum()
 }

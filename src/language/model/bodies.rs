@@ -1,4 +1,5 @@
-//! `*RIGID BODY`, `*ATTITUDE`, `*MASS`, `*ROTARY INERTIA` and `*INITIAL CONDITIONS`.
+//! Reads rigid bodies and their masses and motion: `*RIGID BODY`, `*ATTITUDE`, `*MASS`, `*ROTARY INERTIA` and `*INITIAL
+//! CONDITIONS`.
 
 use super::builder::ModelBuilder;
 use super::names::{qualified, upper};

@@ -2,7 +2,7 @@
 
 use crate::platform::memory_of_machine;
 
-/// Counted items.
+/// Items whose total number in a model is limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BudgetedItem {
     Nodes,

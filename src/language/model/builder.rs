@@ -27,7 +27,7 @@ pub(super) const MAX_GENERATED: usize = 20_000_000;
 /// Number of unknown names for which similar names are suggested.
 const SUGGESTIONS: usize = 20;
 
-/// An open block.
+/// A block without its end card yet, such as `*PART` without `*END PART`.
 #[derive(Debug)]
 pub(super) struct OpenBlock {
     /// `PART`, `ASSEMBLY`, `INSTANCE` or `STEP`.
@@ -360,7 +360,10 @@ impl<'a> ModelBuilder<'a> {
             if twice.len() > 1 { format!(" and {} more already have", twice.len() - 1) } else { " already has".into() };
         let diagnostic = Diagnostic::error("M165", format!("element {name}{more} a {kind}"));
         self.diagnostics.push(
-            diagnostic.at(span, "second definition").at(first, "first definition").help("an element can have one only"),
+            diagnostic
+                .at(span, "second definition")
+                .at(first, "first definition")
+                .help("remove one of the definitions, or limit them to different elements"),
         );
     }
 

@@ -73,7 +73,7 @@ struct OpenBlocks {
     parents: usize,
     /// Number of steps so far; 0 before the first.
     step: usize,
-    /// Whether a step is open.
+    /// Whether a `*STEP` has been read without its `*END STEP`.
     in_step: bool,
     /// Open part or instance.
     scope: String,
@@ -159,7 +159,7 @@ impl CardChecker<'_> {
         };
         let diagnostic =
             Diagnostic::error("M160", message).at(card.span, "second definition").at(first, "first definition");
-        self.diagnostics.push(diagnostic.help("remove one of them"));
+        self.diagnostics.push(diagnostic.help("remove one definition"));
     }
 
     fn parameters(&mut self, card: &Card) {

@@ -2,7 +2,7 @@
 
 use crate::deck::DiagnosticCode;
 
-/// All codes of this folder.
+/// Diagnostic codes of building a model.
 pub const CODES: &[DiagnosticCode] = codes! {
     "M101" "required parameter is missing" "The keyword line requires this parameter."
     "M102" "required value is missing" "The data line has fewer fields than the card requires."

@@ -191,7 +191,7 @@ impl Step {
         self
     }
 
-    /// Adds a load.
+    /// Adds a load that acts in the step.
     #[must_use]
     pub fn with_load(mut self, load: Load) -> Step {
         self.loads.push(load);
@@ -248,7 +248,7 @@ impl Load {
         Load::new(LoadKind::User { sides, load_type: 0 }, 1.0)
     }
 
-    /// Sets the amplitude.
+    /// Multiplies the load with an amplitude over time.
     #[must_use]
     pub fn with_amplitude(mut self, amplitude: AmplitudeId) -> Load {
         self.amplitude = Some(amplitude);
@@ -292,7 +292,7 @@ impl OutputRequest {
         self
     }
 
-    /// Sets the output interval.
+    /// Requests output at this interval instead of the default.
     #[must_use]
     pub fn every(mut self, interval: OutputInterval) -> OutputRequest {
         self.interval = interval;

@@ -1,4 +1,4 @@
-//! `*SECTION CONTROLS`.
+//! Reads `*SECTION CONTROLS`: hourglass control, distortion control, weighting, degradation and element deletion.
 
 use super::builder::ModelBuilder;
 use super::types::{HourglassMethod, SectionControls};

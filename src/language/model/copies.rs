@@ -62,10 +62,7 @@ impl ModelBuilder<'_> {
         let word = self.required(card, name)?;
         let change = word.integer(&mut self.diagnostics)?;
         if change == 0 {
-            self.out_of_range(
-                word.span,
-                format!("{name} must not be zero, because the copies need labels of their own"),
-            );
+            self.out_of_range(word.span, format!("{name} must not be zero, because the copies need their own labels"));
         }
         (change != 0).then_some(change)
     }

@@ -15,6 +15,6 @@ pub(super) struct RotationalCondition {
     pub nodes: Vec<usize>,
     /// Intended effect, for the message: `nothing {lost} by this line`.
     pub lost: &'static str,
-    /// Magnitude.
+    /// Prescribed value; it is multiplied with the amplitude.
     pub value: f64,
 }

@@ -5,7 +5,7 @@ use crate::resistance::FitRequest;
 
 /// A request to derive cavity expansion constants.
 pub(super) struct DerivationRequest {
-    /// Index of the material.
+    /// Index of the material whose resistance is derived.
     pub material: usize,
     /// Range and form of the fit.
     pub request: FitRequest,

@@ -15,7 +15,7 @@ use crate::deck::syntax::ListingRow;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 use crate::kernel::topology::ElementTopology;
 
-/// Supported element types.
+/// Names and kinds of the supported element types.
 const SUPPORTED: &[(&str, ElementKind)] = &[
     ("RAX2", ElementKind::Rax2),
     ("SAX1", ElementKind::Sax1),

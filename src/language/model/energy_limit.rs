@@ -1,4 +1,4 @@
-//! `*ENERGY LIMIT`.
+//! Reads `*ENERGY LIMIT`: limits of the energy balance for warnings and halts.
 
 use super::builder::ModelBuilder;
 use super::types::EnergyLimit;

@@ -1,4 +1,4 @@
-//! `*EROSION`.
+//! Reads `*EROSION`: criteria for the deletion of elements.
 
 use super::builder::ModelBuilder;
 use super::types::ErosionCriteria;

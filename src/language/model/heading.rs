@@ -1,4 +1,4 @@
-//! `*HEADING` and `*UNITS`.
+//! Reads `*HEADING` and `*UNITS`: title of the analysis and names of the units.
 
 use super::builder::ModelBuilder;
 use super::units::DeckUnits;

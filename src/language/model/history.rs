@@ -80,7 +80,7 @@ impl StepHistory {
         self.boundaries = merge_boundaries(Vec::new(), given, diagnostics);
     }
 
-    /// Ends a step.
+    /// Advances the total time by the duration of a step that has been read.
     pub fn end(&mut self, step: &StepTiming) {
         self.time += step.duration;
         self.begun = true;
@@ -285,7 +285,7 @@ pub(super) fn ramp(from: f64, to: f64, span: Span, step: &StepTiming, model: &mu
     (value, Some(add_amplitude(Amplitude { name: RAMP.into(), definition, absolute: false, span }, model)))
 }
 
-/// Returns whether two boundary conditions prescribe the same.
+/// Returns whether two boundary conditions prescribe the same motion or both hold the node.
 fn same_condition(a: &BoundaryCondition, b: &BoundaryCondition) -> bool {
     let holds = |b: &BoundaryCondition| {
         let ignored = b.kind == MotionKind::Displacement && b.amplitude.is_none();

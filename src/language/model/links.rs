@@ -178,7 +178,7 @@ impl ModelBuilder<'_> {
     pub(super) fn end_coupling(&mut self) {
         if let Some(coupling) = self.coupling.take() {
             let message = format!("the coupling {} has neither *KINEMATIC nor *DISTRIBUTING", coupling.name);
-            let diagnostic = Diagnostic::error("M101", message).at(coupling.span, "one of them must follow");
+            let diagnostic = Diagnostic::error("M101", message).at(coupling.span, "one of the two cards must follow");
             self.diagnostics.push(diagnostic);
         }
     }

@@ -1,4 +1,4 @@
-//! `*FIXED MASS SCALING` and `*VARIABLE MASS SCALING`.
+//! Reads mass scaling: `*FIXED MASS SCALING` and `*VARIABLE MASS SCALING`.
 
 use super::builder::ModelBuilder;
 use super::types::{MassScaling, ScalingSchedule, ScalingType};

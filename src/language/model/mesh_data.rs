@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use indexmap::IndexMap;
 
-/// A mesh read from a file.
+/// Points, cells and arrays of a mesh file.
 #[derive(Debug, Default)]
 pub struct MeshFile {
     /// Coordinates of the points.

@@ -1,4 +1,4 @@
-//! `*NODE`, `*NGEN` and `*NFILL`.
+//! Reads nodes: `*NODE`, and the generators `*NGEN` and `*NFILL`.
 
 use super::budget::BudgetedItem;
 use super::builder::ModelBuilder;

@@ -261,10 +261,7 @@ impl ModelBuilder<'_> {
         let words: Vec<&str> = word.text.split([',', ' ']).filter(|w| !w.is_empty()).collect();
         let found: Option<Vec<Statistic>> = words.iter().map(|w| Statistic::parse(w)).collect();
         let Some(mut found) = found.filter(|found| !found.is_empty()) else {
-            self.out_of_range(
-                word.span,
-                "STATISTICS must be MIN, MAX, MEAN or SUM, or several of them as in \"MIN, MAX\"",
-            );
+            self.out_of_range(word.span, "STATISTICS must be MIN, MAX, MEAN or SUM, or several, as in \"MIN, MAX\"");
             return Vec::new();
         };
         found.sort_by_key(|statistic| *statistic as usize);

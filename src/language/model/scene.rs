@@ -7,7 +7,7 @@ use super::types::{Model, RigidSurface, TargetStack};
 /// Targets and analytical surfaces of a deck.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SceneOutline {
-    /// Targets (`*TARGET`).
+    /// Targets of the model, from `*TARGET`.
     pub targets: Vec<TargetOutline>,
     /// Analytical planes z = constant.
     pub planes: Vec<PlaneOutline>,
@@ -67,7 +67,7 @@ pub struct SurfaceOutline {
 }
 
 impl SceneOutline {
-    /// Returns the outlines of a model.
+    /// Returns the outlines of the targets and rigid surfaces of a model.
     pub fn of(model: &Model) -> SceneOutline {
         SceneOutline {
             targets: model.targets.iter().map(|t| target(model, t)).collect(),

@@ -1,4 +1,4 @@
-//! `*SHELL SECTION`.
+//! Reads `*SHELL SECTION`: thickness, section points and the material of shells.
 
 use super::builder::ModelBuilder;
 use super::types::{ElementKind, ShellSection, ShellThinning};

@@ -31,7 +31,7 @@ pub struct JobIdentity {
     pub mesh: String,
     /// User subroutines; empty without any.
     pub user: String,
-    /// Requested precision.
+    /// Floating-point precision of the elements, as requested.
     pub precision: String,
 }
 
@@ -40,13 +40,13 @@ pub struct JobIdentity {
 pub struct Checkpoint {
     /// Version of the program that wrote it.
     pub version: String,
-    /// Identity of the job.
+    /// Hashes of the deck, mesh and subroutines; they must match those of the run that continues.
     pub identity: JobIdentity,
-    /// Instant of the state.
+    /// Step, time and increment of the saved state.
     pub now: Instant,
     /// Output of the job so far.
     pub shown: Vec<u8>,
-    /// State of the run.
+    /// State of the solver, in the format of the state archive.
     pub state: Vec<u8>,
 }
 
@@ -151,8 +151,8 @@ impl Checkpoint {
         }
         if *user != identity.user {
             let why = match (user.is_empty(), identity.user.is_empty()) {
-                (false, true) => "that run had --user files",
-                (true, false) => "that run had no --user files",
+                (false, true) => "it was run with --user files, this run has none",
+                (true, false) => "it was run without --user files",
                 _ => "the sources, compiler or its flags have changed",
             };
             return refused("K005", format!("the checkpoint belongs to a run with different user subroutines: {why}"));

@@ -16,7 +16,7 @@ pub fn span(time: Duration) -> String {
     }
 }
 
-/// Returns the same for a number of seconds; an invalid or too large number becomes the longest time.
+/// Formats a number of seconds like [`span`]; an invalid or too large number becomes the longest time.
 pub fn seconds(seconds: f64) -> String {
     span(Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX))
 }

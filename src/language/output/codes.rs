@@ -2,7 +2,7 @@
 
 use crate::deck::DiagnosticCode;
 
-/// All codes of this module.
+/// Diagnostic codes of writing results.
 pub const CODES: &[DiagnosticCode] = codes! {
     "K001" "damaged checkpoint" "`--resume` reads `<job>.checkpoint` in the folder of the results. The file is not a checkpoint, is incomplete, or has changed, so that its SHA-256 checksum does not match. The program writes checkpoints atomically and never leaves an incomplete one."
     "K002" "checkpoint of another version" "Versions may differ in the format of the state and in the last bits of results. Continue a run with the version that started it."

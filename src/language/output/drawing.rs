@@ -27,14 +27,14 @@ pub struct Drawing {
 pub enum DrawingShape {
     /// Straight lines through points.
     Path {
-        /// Coordinates of the points.
+        /// Corners of the line in drawing coordinates, in points.
         points: Vec<[f64; 2]>,
         /// Whether the last point is connected to the first.
         closed: bool,
         /// Fill and stroke.
         paint: ShapePaint,
     },
-    /// A rectangle.
+    /// An axis-parallel rectangle.
     Rectangle {
         /// Upper left corner.
         corner: [f64; 2],
@@ -45,7 +45,7 @@ pub enum DrawingShape {
     },
     /// A filled circle.
     Dot {
-        /// Centre, in points.
+        /// Centre in drawing coordinates, in points.
         centre: [f64; 2],
         /// Colour of the fill.
         colour: Colour,
@@ -54,7 +54,7 @@ pub enum DrawingShape {
     Label(TextLabel),
     /// Clips the following shapes to a rectangle with this upper left corner, width and height.
     BeginClip([f64; 2], [f64; 2]),
-    /// Ends the clipping.
+    /// Ends the last clipping rectangle.
     EndClip,
 }
 
@@ -63,7 +63,7 @@ pub enum DrawingShape {
 pub struct ShapePaint {
     /// Colour and opacity (0 to 1) of the inside.
     pub fill: Option<(Colour, f64)>,
-    /// Outline.
+    /// Line along the outline; `None` for a fill only.
     pub stroke: Option<LineStroke>,
 }
 
@@ -85,9 +85,9 @@ pub struct LineStroke {
 pub struct TextLabel {
     /// Position of the anchor on the base line.
     pub at: [f64; 2],
-    /// The text.
+    /// The characters, without line breaks.
     pub text: String,
-    /// Part of the text at this position.
+    /// Part of the text that is placed at `at`.
     pub anchor: TextAnchor,
     /// Height of the letters.
     pub size: f64,
@@ -97,19 +97,19 @@ pub struct TextLabel {
     pub upright: bool,
 }
 
-/// Part of a text at its position.
+/// Part of a text that is placed at the position of its label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TextAnchor {
-    /// Its start.
+    /// The text begins at the position.
     Start,
-    /// Its middle.
+    /// The text is centred on the position.
     Middle,
-    /// Its end.
+    /// The text ends at the position.
     End,
 }
 
 impl Drawing {
-    /// An empty drawing of this width and height, in points.
+    /// Creates an empty drawing of this width and height, in points.
     pub fn new(size: [f64; 2]) -> Drawing {
         Drawing { size, shapes: Vec::new() }
     }
@@ -127,7 +127,7 @@ impl Drawing {
         self.shapes.push(DrawingShape::Rectangle { corner, size, paint });
     }
 
-    /// Adds a dot.
+    /// Adds a filled circle of the standard size.
     pub fn dot(&mut self, centre: [f64; 2], colour: Colour) {
         self.shapes.push(DrawingShape::Dot { centre, colour });
     }
@@ -179,12 +179,12 @@ impl DrawingShape {
 }
 
 impl ShapePaint {
-    /// A fill of this opacity without a stroke.
+    /// Creates a fill of this opacity without an outline.
     pub fn fill(colour: Colour, opacity: f64) -> ShapePaint {
         ShapePaint { fill: Some((colour, opacity)), stroke: None }
     }
 
-    /// A solid stroke without a fill.
+    /// Creates a solid outline without a fill.
     pub fn stroke(colour: Colour, width: f64) -> ShapePaint {
         ShapePaint { fill: None, stroke: Some(LineStroke::new(colour, width)) }
     }
@@ -210,14 +210,14 @@ impl Display for ShapePaint {
 }
 
 impl LineStroke {
-    /// A solid line with flat ends.
+    /// Creates a solid line with flat ends.
     pub fn new(colour: Colour, width: f64) -> LineStroke {
         LineStroke { colour, width, dashes: &[], round: false }
     }
 }
 
 impl TextLabel {
-    /// Black horizontal text with the default letter height.
+    /// Creates black horizontal text with the default letter height.
     pub fn new(at: [f64; 2], anchor: TextAnchor, text: impl Into<String>) -> TextLabel {
         TextLabel { at, text: text.into(), anchor, size: LETTERS, colour: 0, upright: false }
     }

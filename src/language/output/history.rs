@@ -29,12 +29,12 @@ pub struct RunHistory {
 }
 
 impl RunHistory {
-    /// A history that stores all rows.
+    /// Creates a history that stores all rows.
     pub fn of_rows(columns: Vec<String>) -> Self {
         RunHistory { columns, keeps_rows: true, ..RunHistory::default() }
     }
 
-    /// A history that stores only summaries; its memory does not grow with the run.
+    /// Creates a history that stores only summaries; its memory does not grow with the run.
     pub fn of_sums(columns: Vec<String>) -> Self {
         RunHistory { columns, ..RunHistory::default() }
     }
@@ -116,7 +116,7 @@ pub struct ColumnSummary {
     pub time_max: f64,
 }
 
-/// Summaries of all columns by name.
+/// Summary of each history column, by the name of the column.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct HistorySummary(pub IndexMap<String, ColumnSummary>);

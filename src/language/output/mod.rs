@@ -45,9 +45,9 @@ pub struct FieldArray {
 /// Model at one time: geometry and fields.
 #[derive(Clone, Debug, Default)]
 pub struct OutputFrame {
-    /// Total time.
+    /// Total time of the frame.
     pub time: f64,
-    /// Increment number.
+    /// Number of completed increments at the time of the frame.
     pub increment: u64,
     /// Current coordinates `[r, z]` of points.
     pub points: Vec<[f64; 2]>,
@@ -60,9 +60,9 @@ pub struct OutputFrame {
     pub cells: Vec<Vec<usize>>,
     /// Whether the element of each cell is deleted; empty if none is.
     pub deleted: Vec<bool>,
-    /// Arrays over points.
+    /// Arrays with one value or vector per point.
     pub point_fields: Vec<FieldArray>,
-    /// Arrays over cells.
+    /// Arrays with one value or vector per cell.
     pub cell_fields: Vec<FieldArray>,
     /// Initial coordinates `[r, z]` of points.
     pub start: Vec<[f64; 2]>,
@@ -102,7 +102,7 @@ pub enum FramePoints {
 /// Folder and name of a job's files.
 #[derive(Clone, Debug)]
 pub struct JobFiles {
-    /// Results folder.
+    /// Folder to which the results are written.
     pub folder: PathBuf,
     /// Name: the file name of the deck without its suffix.
     pub name: String,

@@ -52,7 +52,7 @@ impl FrameWriter {
         Ok(writer)
     }
 
-    /// The frames so far.
+    /// Returns the frames written so far.
     pub fn frames(&self) -> &[WrittenFrame] {
         &self.frames
     }

@@ -26,7 +26,7 @@ impl Drawing {
 struct PixelCanvas<'a> {
     pixels: Pixmap,
     font: Face<'a>,
-    /// Clipping mask.
+    /// Region to which shapes are clipped; `None` for the whole picture.
     clip: Option<Mask>,
 }
 

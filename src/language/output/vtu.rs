@@ -41,7 +41,7 @@ impl Default for VtuWriter {
 }
 
 impl VtuWriter {
-    /// A writer of current or of initial coordinates.
+    /// Creates a writer of current or of initial coordinates.
     pub fn new(points: FramePoints) -> Self {
         let compressor = Compress::new(Compression::fast(), true);
         VtuWriter { points, compressor, text: String::new(), bytes: Vec::new(), packed: Vec::new() }

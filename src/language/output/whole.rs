@@ -22,7 +22,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write(path, bytes, false)
 }
 
-/// Writes the same way and waits until the file is on the disk, so that it survives a power failure.
+/// Writes like [`write_whole`] and waits until the file is on the disk, so that it survives a power failure.
 ///
 /// # Errors
 /// If it cannot be written; the message contains the path.

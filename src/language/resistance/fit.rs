@@ -51,7 +51,7 @@ impl ResistanceFit {
     }
 }
 
-/// Returns A + B x + C x^2.
+/// Returns the fitted pressure A + B x + C x² at the dimensionless velocity `x`.
 pub fn law([a, b, c]: [f64; 3], x: f64) -> f64 {
     a + x * (b + x * c)
 }

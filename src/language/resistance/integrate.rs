@@ -96,7 +96,8 @@ fn extrapolated_step<const N: usize>(
     (last, error)
 }
 
-/// Gragg's midpoint rule, whose error expansion has only even powers of the substep; `first` is the slope at the start.
+/// Integrates with Gragg's midpoint rule, whose error expansion has only even powers of the substep; `first` is the
+/// slope at the start.
 fn midpoint_rule<const N: usize>(
     slope: &impl Fn(f64, &[f64; N]) -> [f64; N],
     [x, step]: [f64; 2],

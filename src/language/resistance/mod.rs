@@ -1,5 +1,5 @@
 //! Resistance of a target from its stress-strain curve: spherical cavity expansion, and the fit of A, B, C to its
-//! pressure (`docs/resistance.md`). (`docs/resistance.md`).
+//! pressure (`docs/resistance.md`).
 
 pub mod codes;
 mod cracked;

@@ -14,7 +14,7 @@ pub struct StrainRateEffect {
 /// Factor on the yield stress at a strain rate e'.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StrainRateFactor {
-    /// `1 + (e' / reference)^exponent`.
+    /// Power law: `1 + (e' / reference)^exponent`.
     Power {
         /// Reference strain rate, 1/time.
         reference: f64,

@@ -43,7 +43,7 @@ pub fn bracketed(
     [low, high]
 }
 
-/// Like [`bracketed`], evaluates the function at the ends first.
+/// Finds a root like [`bracketed`], but evaluates the function at the ends first.
 pub fn between(mut f: impl FnMut(f64) -> Option<f64>, ends: [f64; 2], enough: f64) -> [f64; 2] {
     let ends = ends.map(|x| (x, f(x)));
     bracketed(f, ends, enough)

@@ -127,7 +127,7 @@ impl ScaledTarget {
         self.shear_strain_of(q, self.flow(q))
     }
 
-    /// Like [`shear_strain`](Self::shear_strain), for a known result of [`ScaledTarget::flow`].
+    /// Returns the same as [`shear_strain`](Self::shear_strain) for a known result of [`ScaledTarget::flow`].
     pub fn shear_strain_of(&self, q: f64, [stress, slope]: [f64; 2]) -> [f64; 2] {
         let scale = 1.5 / self.young;
         [scale * (q - self.lateral * stress), scale * (1.0 - self.lateral * slope)]

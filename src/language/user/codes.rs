@@ -2,7 +2,7 @@
 
 use crate::deck::DiagnosticCode;
 
-/// All codes of this folder.
+/// Diagnostic codes of user subroutines.
 pub const CODES: &[DiagnosticCode] = codes! {
     "U001" "user file cannot be read" "`--user` takes Fortran (.f .for .f90 .F .F90), C (.c) or a ready shared library (.so)."
     "U002" "no compiler" "Fortran needs gfortran, C needs cc. On Debian or Ubuntu: apt install gfortran; on Fedora: dnf install gcc-gfortran. Other compilers can be set in the environment variables FC and CC."

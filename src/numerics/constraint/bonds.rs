@@ -21,7 +21,7 @@ pub struct NodalEquation {
     pub is_redundant: bool,
 }
 
-/// Nodes with equal motion along an axis; the first one leads.
+/// Nodes with equal motion along an axis. The motion is computed at the first node and copied to the others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MergedDofs {
     pub nodes: Vec<usize>,
@@ -32,9 +32,9 @@ pub struct MergedDofs {
 /// Degrees of freedom with a prescribed motion, as node and axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PrescribedDofs {
-    /// All of them.
+    /// Degrees of freedom whose motion is prescribed, zero or not.
     pub all: HashSet<(usize, usize)>,
-    /// Those whose prescribed motion is zero.
+    /// Degrees of freedom whose prescribed motion is zero.
     pub held: HashSet<(usize, usize)>,
 }
 
@@ -78,7 +78,7 @@ struct FollowerTerm {
     node: usize,
     axis: usize,
     weight: f64,
-    /// Whether its motion is prescribed.
+    /// Whether the motion is prescribed.
     given: bool,
 }
 
@@ -334,14 +334,14 @@ impl MasslessFollower {
         dofs.energies.kinetic += 0.5 * dofs.nodes.previous_dt * velocity * self.load;
     }
 
-    /// Sets its acceleration from those of the nodes that it follows.
+    /// Sets the acceleration of the node from those of the nodes that it follows.
     pub fn accelerate(&self, dofs: &mut Dofs) {
         let own = self.terms.iter().map(|t| t.weight * dofs.nodes.acceleration[t.node][t.axis]).sum();
         self.members.iter().for_each(|&n| dofs.nodes.acceleration[n][self.axis] = own);
     }
 
-    /// Sets its velocity from those of the nodes that it follows, and adds the work of prescribed motions against its
-    /// load.
+    /// Sets the velocity of the node from those of the nodes that it follows, and adds the work of prescribed motions
+    /// against its load.
     pub fn follow_velocity(&self, dofs: &mut Dofs, dt: f64, half: f64) {
         let own: f64 = self.terms.iter().map(|t| t.weight * *dofs.nodes[t.node].velocity(t.axis)).sum();
         for &n in &self.members {

@@ -43,8 +43,8 @@ impl Constraint for EquationConstraint {
         }
     }
 
-    /// The kinetic energy needs no correction: velocities satisfy the equations, so that the constraint forces do no
-    /// work.
+    /// Corrects accelerations. The kinetic energy needs no correction: velocities satisfy the equations, so that the
+    /// constraint forces do no work.
     fn accelerations(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {
         self.bonds.followers.iter_mut().for_each(|f| f.transfer_load(dofs));
         for system in &mut self.bonds.systems {

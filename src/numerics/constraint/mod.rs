@@ -31,7 +31,8 @@ pub trait Constraint: StoredConstraint + Send + Sync {
     /// Returns the ledger row that its run time and memory are charged to.
     fn effect(&self) -> EffectId;
 
-    /// Called at each step start at which the constraints in force change, for new and for continued constraints.
+    /// Prepares the constraint. It is called for new and continued constraints at the start of each step in which any
+    /// constraint changes.
     fn begin(&mut self, _dofs: &mut Dofs) {}
 
     /// Corrects accelerations at the current instant.
@@ -66,7 +67,7 @@ pub trait StoredConstraint: Persist + CopyConstraint + Any {
     /// Takes the history of the constraint that it replaces.
     fn continue_from(&mut self, _previous: &dyn Constraint) {}
 
-    /// Returns the memory of its arrays.
+    /// Returns the number of bytes of the constraint's arrays.
     fn memory(&self) -> MemoryUse;
 }
 
@@ -87,13 +88,13 @@ impl<C: Constraint + Clone> CopyConstraint for C {
 pub struct ConstraintView<'a> {
     /// Nodes that a rigid body carries, if this is a tie.
     pub carried: Option<CarriedNodes<'a>>,
-    /// Whether it moves nodes after the integrator's passes over them; then no node is skipped as quiescent.
-    /// Constraint forces on degrees of freedom.
+    /// Whether the constraint moves nodes after the integrator has updated them; then no node is skipped as quiescent.
     pub moves_nodes: bool,
-    /// Contact output variables.
+    /// Constraint forces on degrees of freedom.
     pub forces: Option<&'a dyn ConstraintForces>,
-    /// Heat exchange across contact surfaces.
+    /// Contact output variables.
     pub contact: Option<&'a dyn ContactResults>,
+    /// Heat exchange across contact surfaces.
     pub heat: Option<&'a dyn HeatExchange>,
 }
 

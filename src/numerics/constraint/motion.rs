@@ -66,7 +66,7 @@ pub struct PrescribedMotion {
     magnitudes: Vec<Magnitude>,
     bodies: Vec<BodyMotion>,
     nodes: Vec<NodeMotion>,
-    /// Whether it was in force before, so that the origins of displacements are known.
+    /// Whether the motion was in force in a previous step, so that the origins of its displacements are known.
     has_begun: bool,
 }
 

@@ -20,9 +20,9 @@ const FIT: f64 = 0.1;
 /// Boundary of a body: points and faces.
 #[derive(Clone, Debug)]
 pub struct BodyOutline {
-    /// Name in warnings.
+    /// Name of the body in warnings.
     pub name: String,
-    /// Points of the surface.
+    /// Points of the boundary, each on a node or on a rigid body.
     pub points: Vec<PointCarrier>,
     /// Faces, as indices of two points, that enclose the body; empty if the surface changes or is not closed.
     pub faces: Vec<[u32; 2]>,
@@ -32,9 +32,9 @@ pub struct BodyOutline {
 #[derive(Clone, Debug)]
 struct BodyPair {
     bodies: [usize; 2],
-    /// Whether contact is defined between them.
+    /// Whether contact is defined between the two bodies.
     in_contact: bool,
-    /// Whether their overlap has been reported, or existed at the start.
+    /// Whether the overlap has been reported, or existed at the start.
     is_reported: bool,
 }
 
@@ -43,7 +43,7 @@ struct BodyPair {
 pub struct OverlapMonitor {
     id: EffectId,
     outlines: Vec<BodyOutline>,
-    /// Pairs of bodies.
+    /// Pairs of bodies that are checked.
     pairs: Vec<BodyPair>,
     /// Current coordinates of the points of each body.
     places: Vec<Vec<[f64; 2]>>,
@@ -76,8 +76,8 @@ impl OverlapMonitor {
         }
     }
 
-    /// Calls `report` for each pair that overlaps and is not settled, and settles it. The values are the coordinates of
-    /// a point, its depth, and the length of the nearest face.
+    /// Calls `report` for each pair that overlaps and has not been reported yet, and marks the pair as reported. The
+    /// values are the coordinates of a point, its depth, and the length of the nearest face.
     fn find_overlaps(&mut self, dofs: &Dofs, mut report: impl FnMut(u32, [f64; 4])) {
         let OverlapMonitor { outlines, places, boxes, .. } = self;
         for ((outline, places), corners) in outlines.iter().zip(places).zip(boxes) {
@@ -156,7 +156,8 @@ impl Constraint for OverlapMonitor {
         self.id
     }
 
-    /// An overlap at the start of the analysis has been reported before the run, or is intended.
+    /// Marks overlaps that exist now as reported: an overlap at the start of the analysis has been reported before the
+    /// run, or is intended.
     fn begin(&mut self, dofs: &mut Dofs) {
         if !std::mem::replace(&mut self.has_begun, true) {
             self.find_overlaps(dofs, |_, _| {});

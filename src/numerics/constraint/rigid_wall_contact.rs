@@ -46,7 +46,7 @@ pub struct WallPair {
     pub first: bool,
     /// Indices of the moving body and of the body of the wall.
     pub bodies: [usize; 2],
-    /// Friction law.
+    /// Friction between body and wall.
     pub friction: CoulombFriction,
 }
 
@@ -77,7 +77,7 @@ struct ContactPoint {
     rate: f64,
     /// Inverse effective mass along each axis.
     inverse_mass: [f64; 3],
-    /// Impulses along the axes.
+    /// Contact impulses on the body along axes 1, 2 and 3.
     impulse: [f64; 3],
 }
 

@@ -10,13 +10,14 @@ use crate::state::dofs::Dofs;
 /// Unknown of the equations: a degree of freedom, or several with equal motion.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EquationUnknown {
-    /// Nodes; the first one leads. If one has a prescribed motion, it is the first.
+    /// Nodes with equal motion. The motion is computed at the first node and copied to the others; a node with a
+    /// prescribed motion is always the first.
     pub members: Vec<usize>,
     /// 0 along r, 1 along z.
     pub axis: usize,
     /// One over the mass of all members; 0 if the motion is prescribed.
     pub inverse_mass: f64,
-    /// Force of the equations.
+    /// Force that satisfies the equations, on all members together.
     pub constraint_force: f64,
     /// Impulse of the equations, before it is applied.
     pub change: f64,
@@ -72,7 +73,7 @@ pub struct EquationSystem {
 }
 
 impl EquationSystem {
-    /// A system of one unknown without equations: nodes with equal motion.
+    /// Creates a system of one unknown without equations, for nodes with equal motion.
     pub(super) fn without_equations(unknown: EquationUnknown) -> EquationSystem {
         EquationSystem { unknowns: vec![unknown], ..EquationSystem::default() }
     }
@@ -184,7 +185,8 @@ impl EquationSystem {
         self.multiply();
     }
 
-    /// Computes the same for scalar unknowns without loads, such as nodal temperatures with heat capacities as masses.
+    /// Computes the changes that satisfy the equations for scalar unknowns without loads, such as nodal temperatures
+    /// with heat capacities as masses.
     pub fn balance(&mut self, value: impl Fn(usize) -> f64) {
         self.unknowns.iter_mut().for_each(|f| f.value = value(f.members[0]));
         self.multiply();

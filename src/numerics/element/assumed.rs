@@ -14,7 +14,7 @@ pub struct AssumedStresses {
 }
 
 impl AssumedStresses {
-    /// Clears the stresses of a lane.
+    /// Sets the assumed stresses of a lane to zero.
     pub(super) fn clear(&mut self, lane: usize) {
         self.stress.as_flattened_mut().iter_mut().for_each(|s| s[lane] = 0.0);
     }

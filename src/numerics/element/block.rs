@@ -41,7 +41,7 @@ pub struct ElementBlock<S, T = f64> {
 pub struct LaneSums<T = f64> {
     /// Work of the stress.
     pub internal: Lanes<T>,
-    /// Plastic dissipation.
+    /// Plastic dissipation in the increment, energy.
     pub plastic: Lanes<T>,
     /// Work of the bulk viscosity.
     pub viscous: Lanes<T>,
@@ -84,7 +84,7 @@ impl<T: Real> CornerNodes<T> {
         }
     }
 
-    /// Sets the corners of a lane.
+    /// Sets the corner coordinates and velocities of the element in a lane.
     #[inline(always)]
     fn put(&mut self, l: usize, corners: [[f64; 4]; 4], sound: f64) {
         if !T::SINGLE {

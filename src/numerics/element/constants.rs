@@ -18,11 +18,11 @@ const DAMPED: f64 = 0.05;
 /// Elastic moduli, hourglass control and bulk viscosity of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElementConstants {
-    /// Bulk modulus.
+    /// Bulk modulus, stress.
     pub bulk: f64,
-    /// Shear modulus.
+    /// Shear modulus, stress.
     pub shear: f64,
-    /// Hourglass control.
+    /// Form and coefficients of the hourglass control.
     pub hourglass: HourglassControl,
     /// Bulk viscosity.
     pub bulk_viscosity: BulkViscosity,

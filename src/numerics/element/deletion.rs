@@ -23,7 +23,8 @@ impl<T: Real> TaskWorkspace<T> {
 }
 
 impl<S: Clone, T: Real> ElementBlock<S, T> {
-    /// Before an increment: replaces elements deleted by `*EROSION` by rings of their volume at rest, with weight 0.
+    /// Replaces elements deleted by `*EROSION` by rings of the same volume at rest, with weight 0. Called before an
+    /// increment.
     #[inline(never)]
     pub(super) fn mask_eroded(
         &mut self,
@@ -37,8 +38,8 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
         }
     }
 
-    /// After an increment: clears stress and forces of elements deleted by `*EROSION`. Materials that compute stress from
-    /// the total deformation have set it again.
+    /// Clears the stress and forces of elements deleted by `*EROSION`. Called after an increment, because materials
+    /// that compute the stress from the total deformation have set it again.
     #[inline(never)]
     pub(super) fn clear_eroded(&mut self, eroded: &ErodedLanes, corners: &mut BlockCornerForces<T>) {
         for l in (0..LANES).filter(|l| eroded.has(*l)) {
@@ -47,8 +48,8 @@ impl<S: Clone, T: Real> ElementBlock<S, T> {
         }
     }
 
-    /// Before an increment: restores the stress of the undamaged material, and replaces elements deleted by their
-    /// material by rings of their volume at rest, with weight 0.
+    /// Restores the stress of the undamaged material, and replaces elements deleted by their material by rings of the
+    /// same volume at rest, with weight 0. Called before an increment.
     #[inline(always)]
     pub(super) fn mask_deleted<M: Material<T, State = S>>(
         &mut self,

@@ -26,7 +26,7 @@ const AHEAD: f64 = 5.0;
 pub struct ControlledElement {
     /// Index of the element group, and of the element in it.
     pub place: (usize, usize),
-    /// Corner nodes of one of its quadrilateral cells.
+    /// Corner nodes of one quadrilateral cell of the element.
     corners: [u32; 4],
     /// Inverse masses of the corner nodes.
     inverse_mass: [f64; 4],

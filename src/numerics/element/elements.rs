@@ -338,7 +338,7 @@ impl Elements {
         (self.limit.1, self.limit.0.limiting)
     }
 
-    /// Returns the stable time increment.
+    /// Returns the smallest stable time increment of all elements, from the last pass.
     pub fn stable_increment(&self) -> f64 {
         let elements = self.limit.0.rate;
         let linked = self.connectors.as_ref().map_or(elements, |c| c.rate(elements));

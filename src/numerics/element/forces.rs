@@ -283,7 +283,7 @@ struct LaneMotion<T> {
     /// Sum of the squares of all operators over the corner masses, and the sum of squares without the hoop operator.
     squares: T,
     square: T,
-    /// Highest frequency times the volume, and the common inverse.
+    /// Highest frequency times the volume, and a common inverse: 1/V and 1/ω follow from it without another division.
     root: T,
     inverse: T,
     /// One over the volume.
@@ -371,7 +371,8 @@ fn wave<T: Real>(constants: &ElementConstants) -> [T; 2] {
 
 impl<T: Real> TaskWorkspace<T> {
     /// Updates the largest rate (two over the stable time increment) with that of a lane. With damping 1/dt = ω/2
-    /// (sqrt(1 + ξ²) + ξ) (the same section of the guide); 1 + ξ²/2 replaces the root and is never smaller.
+    /// (sqrt(1 + ξ²) + ξ) (ABAQUS Analysis User's Guide 6.3.3, "Explicit dynamic analysis"); 1 + ξ²/2 replaces the root
+    /// and is never smaller.
     #[inline(always)]
     fn add_rate<const VARY: bool>(
         &mut self,

@@ -263,8 +263,8 @@ fn pattern(groups: &[Box<dyn ElementGroup>], count: usize) -> SparseOperator {
 }
 
 impl EstimateState {
-    /// Returns the bound for the next pass: the estimate, increased by the growth since then and the growth assumed for
-    /// the pass.
+    /// Returns the frequency bound for the next pass: the last estimate, increased by the growth since that estimate
+    /// and by the growth assumed for the pass.
     pub(super) fn cap(&mut self, deformed: f64) -> f64 {
         self.predicted_growth = 2.0 * deformed;
         let (mut grown, mut foreseen) = (self.growth, self.predicted_growth);
@@ -323,7 +323,7 @@ fn rate_by_elements(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> f64 {
     groups.iter().map(|group| of_group(&**group)).fold(0.0, f64::max)
 }
 
-/// Constraints on nodes.
+/// Nodes whose motion is not free; they do not take part in the highest mode.
 pub struct ConstrainedNodes<'a> {
     /// Node and axis of prescribed motions.
     pub prescribed: &'a [(usize, usize)],

@@ -37,7 +37,7 @@ pub const TASK: usize = 16;
 pub struct GroupTotals {
     /// Work of the stress.
     pub internal: f64,
-    /// Plastic dissipation.
+    /// Energy dissipated by plastic flow.
     pub plastic: f64,
     /// Work of the bulk viscosity.
     pub viscous: f64,
@@ -138,7 +138,7 @@ impl dyn ElementGroup + '_ {
         self.topology().cells().iter().map(move |cell| cell.inline_map(|i| nodes[i]))
     }
 
-    /// Returns whether an element is deleted.
+    /// Returns whether an element of the group is deleted.
     pub fn is_deleted(&self, element: usize) -> bool {
         self.value(element, Variable::Status.into()) == Some(0.0)
     }
@@ -172,11 +172,11 @@ impl<const N: usize> From<[[f64; N]; N]> for ElementStiffness {
 
 /// Functions of a group apart from updates; optional ones return `None` if not available.
 pub trait GroupExtensions {
-    /// Returns the settings of the run.
+    /// Returns the interface for settings that hold during the whole run.
     fn settings(&mut self) -> &mut dyn GroupSettings;
-    /// Returns the deletion of elements.
+    /// Returns the interface for element deletion.
     fn deletion(&mut self) -> &mut dyn GroupDeletion;
-    /// Returns access to the initial state.
+    /// Returns the interface that sets the initial state.
     fn initial_state(&mut self) -> &mut dyn InitialState;
     /// Returns the interface for prescribed temperatures.
     fn temperatures(&mut self) -> Option<&mut dyn ElementTemperatures> {
@@ -204,7 +204,7 @@ pub trait GroupSettings {
     fn use_instructions(&mut self, _arch: Arch) {}
 }
 
-/// Deletion of elements.
+/// Interface that deletes elements and lists the deleted ones.
 pub trait GroupDeletion {
     /// Allocates what [`GroupDeletion::erode`] needs.
     fn make_erodible(&mut self);
@@ -217,7 +217,7 @@ pub trait GroupDeletion {
 
 /// Initial state of elements. Values that an element does not store are ignored.
 pub trait InitialState {
-    /// Sets stress and temperature.
+    /// Sets the initial stress (rr, zz, hoop, rz) and temperature of an element; `None` leaves the value unchanged.
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
     /// Sets a solution-dependent state variable, counted from 0. Returns whether the element stores it.
     fn set_state(&mut self, _element: usize, _variable: usize, _value: f64) -> bool {
@@ -233,7 +233,7 @@ pub trait InitialState {
     fn set_length(&mut self, _element: usize, _length: f64) {}
 }
 
-/// Temperatures of elements.
+/// Interface for elements whose temperatures are prescribed or solved for.
 pub trait ElementTemperatures {
     /// Sets the temperatures of all elements.
     fn set_temperatures(&mut self, temperatures: &[f64]);
@@ -273,7 +273,7 @@ pub struct ElementPass<'a> {
     pub dt: f64,
     /// Accelerations that moved the nodes over it.
     pub before: NodeAccelerations<'a>,
-    /// Current instant.
+    /// Instant at which the nodes have their current positions.
     pub now: &'a Instant,
     /// Whether the update may use several threads.
     pub threads: bool,
@@ -811,9 +811,9 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementTemperatures 
         }
     }
 
-    /// For isotropic expansion, the thermal strain is equivalent to a pressure that is subtracted from the stress
-    /// beforehand: the trial stress is identical. The returned work corrects the trapezoidal rule, which uses the
-    /// reduced stress.
+    /// Subtracts the thermal strain. For isotropic expansion, it is equivalent to a pressure that is subtracted from
+    /// the stress beforehand: the trial stress is identical. The returned work corrects the trapezoidal rule, which
+    /// uses the reduced stress.
     fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
         let mut work = 0.0;
         for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
@@ -859,7 +859,7 @@ struct QuadTask<'a, 'c, M: Material<T>, const AREA: bool, T: ElementPrecision> {
 impl<M: Material<T>, const AREA: bool, T: ElementPrecision> NullaryFnOnce for QuadTask<'_, '_, M, AREA, T> {
     type Output = ();
 
-    /// Inlined into a function compiled for the selected instruction set.
+    /// Updates the blocks of the task. It is inlined into a function compiled for the selected instruction set.
     #[inline(always)]
     fn call(self) {
         let scratch = self.scratch;

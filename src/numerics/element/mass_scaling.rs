@@ -64,7 +64,7 @@ impl VariableScaling {
     }
 }
 
-/// Mass scaling of a step.
+/// Requests of fixed and variable mass scaling of one step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepMassScaling {
     /// Requests evaluated once, at the start of the step; `None` if those of an earlier step continue.

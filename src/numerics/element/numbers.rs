@@ -109,8 +109,8 @@ fn exponent(value: f64) -> i32 {
 }
 
 impl ElementPrecision for f32 {
-    /// A power of two, so that scaling is exact. It keeps products of volumes in the range of the type: in metres, the
-    /// third power of the volume of a 10 µm element would underflow.
+    /// Returns a power of two, so that scaling is exact. This unit keeps products of volumes in the range of the type:
+    /// in metres, the third power of the volume of a 10 µm element would underflow.
     fn length([least, largest]: [f64; 2]) -> f64 {
         2f64.powi((exponent(least / UNIT) + exponent(largest / UNIT)).div_euclid(6))
     }

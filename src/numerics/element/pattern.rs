@@ -29,7 +29,7 @@ pub fn most_folded(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Option<Fo
     groups.iter().map(|g| &**g).enumerate().filter_map(of_group).max_by(|a, b| a.fold.total_cmp(&b.fold))
 }
 
-/// Returns the corners of an element if it is a quadrilateral.
+/// Returns the node indices of an element if it is a quadrilateral.
 fn quadrilateral(group: &dyn ElementGroup, element: usize) -> Option<[usize; 4]> {
     (group.topology() == ElementTopology::Quadrilateral)
         .then(|| group.cells(element).next())?
@@ -86,7 +86,8 @@ pub fn hourglass_motion(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Hour
     sum
 }
 
-/// Returns the kinetic energy of one element in the pattern, and that of its corners relative to their mean velocity.
+/// Returns the kinetic energy that one element has in the hourglass pattern, and the kinetic energy of its corners
+/// relative to their mean velocity.
 fn rates(corners: [usize; 4], nodes: &Nodes) -> [f64; 2] {
     let quarter = 0.125 * corners.iter().map(|&n| 0.25 * nodes.mass[n]).sum::<f64>();
     let velocity = [corners.inline_map(|n| nodes[n].v_r), corners.inline_map(|n| nodes[n].v_z)];

@@ -10,7 +10,7 @@ use crate::state::magnitude::{AmplitudeClock, Magnitude};
 /// Prescribed value of a field variable at some nodes in a step.
 #[derive(Clone, Debug)]
 pub struct NodalFieldValue {
-    /// Index of the variable, from 0.
+    /// Index of the field variable, from 0.
     pub variable: usize,
     pub nodes: Vec<usize>,
     /// Value over time.

@@ -65,7 +65,7 @@ pub(super) struct RecordUpdate<'a, T> {
     pub flow: PlasticFlow,
     pub spins: Lanes,
     pub dt: f64,
-    /// Unit of volumes.
+    /// Factor that converts the volumes of the block to volumes in the units of the deck.
     pub unit: f64,
     pub increment: &'a StrainIncrement<T>,
     pub update: &'a StressUpdate<T>,

@@ -8,7 +8,7 @@ use crate::state::archive::persist_struct;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
-/// Totals at an instant.
+/// Mass and energies of the deleted elements and free nodes at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct DeletionTotals {
     /// Mass of deleted elements.

@@ -181,7 +181,7 @@ fn table() -> EquationOfState {
     EquationOfState::Tabulated(Tabulated { density: 2.0, rows })
 }
 
-/// Some elements burn, others have not been reached.
+/// Returns an explosive: some elements burn, the front has not reached the others.
 fn explosive() -> EquationOfState {
     let products = JwlProducts { density: 2.0, pressures: [3.0, 0.1], exponents: [4.0, 1.0], omega: 0.3 };
     let points =
@@ -218,7 +218,7 @@ fn crushed() -> FoamMaterial {
     foam(FoamHardening::Isotropic { compression: 1.1, ratio: 0.1 })
 }
 
-/// Displacement-based damage that some elements complete, with the Johnson-Cook failure strain.
+/// Returns displacement-based damage that some elements complete, with the Johnson-Cook failure strain.
 fn failing() -> MaterialFailure {
     let strain =
         FailureStrain::JohnsonCook { d: [5e-4, 1e-3, 1.5, 0.01, 1.0], melt: 500.0, transition: 20.0, reference: 1e-3 };
@@ -228,7 +228,7 @@ fn failing() -> MaterialFailure {
     }
 }
 
-/// A tensile cutoff that some elements reach.
+/// Returns a tensile cutoff that some elements reach.
 fn tearing() -> MaterialFailure {
     MaterialFailure { cutoff: Some(TensionCutoff { stress: 0.005, deletes: true }), ..MaterialFailure::default() }
 }

@@ -82,7 +82,7 @@ pub enum HardeningLaw {
     PiecewiseLinear(PiecewiseLinearHardening),
     /// Isotropic hardening that may depend on rate and temperature.
     RateDependent(RateDependentHardening, Option<MaterialFailure>),
-    /// Linear kinematic hardening.
+    /// J2 plasticity with linear kinematic hardening.
     Kinematic(KinematicHardening),
     /// Linear kinematic hardening that depends on rate or temperature.
     RateKinematic(RateKinematicHardening),
@@ -92,17 +92,17 @@ pub enum HardeningLaw {
 pub enum SolidMaterial {
     /// Deviatoric law with a constant bulk modulus or an equation of state.
     VonMises(HardeningLaw, Option<EquationOfState>),
-    /// Neo-Hooke rubber.
+    /// Rubber with the neo-Hooke energy.
     NeoHooke(NeoHooke),
     /// Rubber with a polynomial strain energy.
     Polynomial(HyperelasticMaterial<PolynomialEnergy>),
     /// Rubber with an Ogden strain energy.
     Ogden(HyperelasticMaterial<OgdenEnergy>),
-    /// Crushable foam.
+    /// Crushable foam with a strain-dependent yield surface.
     Foam(FoamMaterial),
     /// Law in Rust, evaluated point by point.
     Point(PointLaw),
-    /// User subroutine that computes the stress.
+    /// VUMAT user subroutine, which computes the stress.
     UserStress(SubroutineMaterial<false>),
     /// User subroutine that computes the yield stress, or built-in plasticity that is evaluated point by point.
     UserFlow(SubroutineMaterial<true>),

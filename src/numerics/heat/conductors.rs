@@ -27,7 +27,7 @@ pub struct ConductionProperties {
 #[derive(Clone, Debug)]
 pub struct ConductorGroup {
     pub group: usize,
-    /// Index of its first element among all conducting elements, and end of its range.
+    /// Start and end of the group's range in the list of all conducting elements.
     pub first: usize,
     pub end: usize,
     pub properties: ConductionProperties,
@@ -67,7 +67,7 @@ impl ConductingElement {
         ((m[0] * t[0] + m[1] * t[1]) + (m[2] * t[2] + m[3] * t[3])) / self.mass()
     }
 
-    /// Returns the mass.
+    /// Returns the mass of the element, the sum over its corners.
     pub fn mass(&self) -> f64 {
         let m = self.masses;
         (m[0] + m[1]) + (m[2] + m[3])
@@ -100,7 +100,7 @@ impl ConductingElement {
 /// All conducting elements, with the connectivity from their corners to nodes.
 #[derive(Clone, Debug)]
 pub struct ConductingElements {
-    /// Groups.
+    /// Groups of elements with the same conductivity and heat capacity.
     pub parts: Vec<ConductorGroup>,
     /// Elements, group by group.
     pub list: Vec<ConductingElement>,

@@ -20,13 +20,13 @@ pub fn norm(a: SpatialVector) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Returns `a + factor b`.
+/// Returns the sum of a vector and a multiple of another one, `a + factor b`.
 #[inline]
 pub fn plus(a: SpatialVector, factor: f64, b: SpatialVector) -> SpatialVector {
     [a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]]
 }
 
-/// Returns `factor a`.
+/// Returns a multiple of a vector, `factor a`.
 #[inline]
 pub fn times(factor: f64, a: SpatialVector) -> SpatialVector {
     a.inline_map(|x| factor * x)

@@ -13,7 +13,7 @@ pub struct CavityResistance {
 }
 
 impl CavityResistance {
-    /// No resistance.
+    /// No resistance: all coefficients are zero.
     pub const NONE: CavityResistance = CavityResistance { c0: 0.0, c1: 0.0, c2: 0.0 };
 
     /// Creates the resistance from yield stress Y, density ρ and the dimensionless A, B, C.
@@ -21,7 +21,7 @@ impl CavityResistance {
         CavityResistance { c0: a * yield_stress, c1: b * (density * yield_stress).sqrt(), c2: c * density }
     }
 
-    /// Returns the normal stress at a normal velocity ≥ 0.
+    /// Returns the normal stress c0 + c1 v + c2 v² at a normal velocity v ≥ 0.
     #[inline]
     pub fn stress(&self, normal_velocity: f64) -> f64 {
         self.c0 + normal_velocity * (self.c1 + normal_velocity * self.c2)

@@ -34,7 +34,8 @@ impl YieldStress for LinearTable {
     }
 }
 
-/// Tables at ascending temperatures, with linear interpolation, constant beyond the ends (the same section).
+/// Tables at ascending temperatures, with linear interpolation, constant beyond the ends (ABAQUS Analysis User's Guide,
+/// "Classical metal plasticity").
 #[derive(Clone, Debug)]
 pub struct TableOverTemperature {
     /// Temperature and the table at that temperature, ascending.
@@ -60,9 +61,9 @@ impl YieldStress for TableOverTemperature {
 /// (ABAQUS Analysis User's Guide, "Johnson-Cook plasticity").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JohnsonCook {
-    /// A, stress.
+    /// Constant A, the yield stress without plastic strain, stress.
     pub a: f64,
-    /// B, stress.
+    /// Constant B of the hardening term, stress.
     pub b: f64,
     pub n: f64,
     pub m: f64,
@@ -88,7 +89,7 @@ pub enum RateFactor {
     /// Johnson and Cook: 1 + C ln(rate/reference), not below 1.
     JohnsonCook {
         c: f64,
-        /// Reference rate.
+        /// Reference strain rate, 1/time.
         reference: f64,
     },
     /// Cowper and Symonds: 1 + (rate/D)^(1/n).

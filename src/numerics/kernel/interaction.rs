@@ -8,7 +8,7 @@ pub enum PressureOverclosure {
     Hard,
     /// Pressure per length of overclosure.
     Linear(f64),
-    /// As `Linear`, for a penalty spring whose pressure follows the overclosure at mid-increment.
+    /// Pressure per length of overclosure of a penalty spring; the overclosure is taken at mid-increment.
     Spring(f64),
     /// Pressure p0 at zero gap, and gap c at which pressure begins: p = p0/(e - 1) ((h/c + 1)(exp(h/c + 1) - 1)) for
     /// overclosures h above -c.
@@ -138,7 +138,7 @@ fn tabulated(rows: &[[f64; 2]], overlap: f64) -> [f64; 2] {
 /// behavior").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoulombFriction {
-    /// Static coefficient; the only one without decay.
+    /// Static coefficient, and the only coefficient if there is no decay.
     pub at_rest: f64,
     /// Kinetic coefficient, at high slip rates.
     pub sliding: f64,

@@ -11,7 +11,7 @@ pub fn sorted_unique<T: Ord>(members: impl IntoIterator<Item = T>) -> Vec<T> {
     sorted
 }
 
-/// Returns the bytes allocated by a list.
+/// Returns the number of bytes that a list has allocated, used or not.
 pub fn heap_bytes<T>(list: &Vec<T>) -> usize {
     size_of::<T>() * list.capacity()
 }
@@ -26,7 +26,7 @@ pub struct MemoryUse {
 }
 
 impl MemoryUse {
-    /// Returns the memory of a list.
+    /// Returns the bytes in use and in reserve of a list.
     pub fn of<T>(list: &Vec<T>) -> MemoryUse {
         MemoryUse { used: size_of::<T>() * list.len(), reserved: size_of::<T>() * (list.capacity() - list.len()) }
     }

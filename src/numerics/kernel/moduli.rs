@@ -3,9 +3,9 @@
 /// Bulk and shear modulus.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ElasticModuli {
-    /// Bulk modulus.
+    /// Bulk modulus, stress.
     pub bulk: f64,
-    /// Shear modulus.
+    /// Shear modulus, stress.
     pub shear: f64,
 }
 

@@ -35,7 +35,7 @@ impl PlaneElastic {
         self.young / (1.0 - self.ratio * self.ratio)
     }
 
-    /// Returns the shear modulus.
+    /// Returns the shear modulus E/(2(1 + ν)).
     pub fn shear(&self) -> f64 {
         0.5 * self.young / (1.0 + self.ratio)
     }

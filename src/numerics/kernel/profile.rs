@@ -50,7 +50,7 @@ impl ProfileSegment {
         ProfileSegment::Arc([from, to], centre, 0.5 * (length(u) + length(v)), turn)
     }
 
-    /// Returns the end points.
+    /// Returns the start and the end of the segment, `[r, z]` each.
     pub fn ends(&self) -> [[f64; 2]; 2] {
         match *self {
             ProfileSegment::Line(ends) | ProfileSegment::Arc(ends, ..) => ends,
@@ -154,7 +154,7 @@ pub struct SurfaceProfile {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestPlace {
     pub segment: usize,
-    /// Signed distance.
+    /// Signed distance of the given point from the profile; positive in front.
     pub gap: f64,
     /// Whether the closest point is an end of the chain, beyond which the given point is.
     pub beyond: bool,

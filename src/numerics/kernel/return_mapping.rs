@@ -285,7 +285,7 @@ mod tests {
         LinearTable { rows: rows.iter().map(|r| [r[0] * factor, r[1]]).collect() }
     }
 
-    /// Every law with every rate factor, in MPa, at 20 to 900 degrees.
+    /// Returns every law with every rate factor, in MPa, at 20 to 900 degrees.
     fn laws() -> Vec<FlowStress> {
         let rows = [[400.0, 0.0], [480.0, 0.02], [520.0, 0.1], [600.0, 0.4]];
         let over = |a: f64, b: f64| LinearTable { rows: vec![[a, 20.0], [b, 600.0]] };

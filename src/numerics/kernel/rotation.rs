@@ -24,7 +24,7 @@ pub struct SpinQuotient<T = f64> {
     pub dividend: T,
     /// Divisor, a volume.
     pub divisor: T,
-    /// Common inverse.
+    /// Value from which the rotation and the inverse of the divisor follow by multiplications.
     pub inverse: T,
 }
 

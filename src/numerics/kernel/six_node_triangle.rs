@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 
 use super::topology::ElementTopology;
 
-/// Number of nodes.
+/// Number of nodes of the element.
 pub const NODES: usize = 6;
 /// Number of integration points.
 pub const POINTS: usize = 3;

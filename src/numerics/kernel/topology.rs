@@ -12,7 +12,7 @@ pub struct PerNode<T> {
     count: u8,
 }
 
-/// Nodes of one element.
+/// Node indices of one element, as many as its topology has.
 pub type ElementNodes = PerNode<u32>;
 
 impl<T: Copy + Default> PerNode<T> {

@@ -45,7 +45,7 @@ pub struct GeneralizedForce {
     pub body: usize,
     /// Force along (0 to 2) or moment about (3 to 5) axis 1, 2, 3. Always 1 for a body that moves along z only.
     pub coordinate: u32,
-    /// Energy account of its work.
+    /// Energy account that receives the work of the load.
     pub account: EnergyAccount,
 }
 
@@ -81,9 +81,9 @@ pub enum LoadForces<'a> {
 /// Energy dissipated in a target: the work of the nodal forces over the previous increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TargetDissipation {
-    /// Dissipated by cavity expansion.
+    /// Energy dissipated by cavity expansion.
     pub cavity: f64,
-    /// Dissipated by friction.
+    /// Energy dissipated by friction.
     pub friction: f64,
 }
 
@@ -137,7 +137,7 @@ impl SceneView<'_> {
 /// Outcome of a rigid body's impact on a target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PenetrationOutcome {
-    /// At rest in the target.
+    /// The body has come to rest in the target.
     AtRest,
     Moving,
     /// Left the target through the rear face.
@@ -177,7 +177,7 @@ pub struct FinalMotion {
     pub exit_time: Option<f64>,
     /// Velocity of the centre of mass.
     pub velocity: SpatialVector,
-    /// Angular velocity.
+    /// Angular velocity of the body in the global frame, 1/time.
     pub rotational_velocity: SpatialVector,
     /// Speed of the centre of mass.
     pub speed: f64,

@@ -13,7 +13,7 @@ use crate::state::rigid_body_3d::{RigidBody3d, Wrench};
 /// One station: position and outward normal in the body frame.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceStation {
-    /// Index of its element in the mesh.
+    /// Mesh index of the element to which the station belongs.
     pub element: usize,
     /// Position relative to the centre of mass.
     pub arm: SpatialVector,

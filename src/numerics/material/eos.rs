@@ -61,7 +61,8 @@ impl EosLaw for IdealGas {
 }
 
 /// Mie and Grueneisen with a linear Hugoniot U_s = c0 + s U_p: p = rho0 c0^2 eta (1 - Gamma0 eta/2)/(1 - s eta)^2 +
-/// Gamma0 rho0 e with eta = 1 - rho0/rho (the same section, linear U_s - U_p Hugoniot form).
+/// Gamma0 rho0 e with eta = 1 - rho0/rho (ABAQUS Analysis User's Guide, "Equation of state", linear U_s - U_p Hugoniot
+/// form).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UsUp {
     /// Reference density rho0, at zero pressure and energy.
@@ -99,7 +100,8 @@ impl EosLaw for UsUp {
 }
 
 /// Tabulated equation of state: p = f1 + rho0 f2 e, both functions linear in the volumetric strain ln(rho0/rho),
-/// extrapolated with the slopes at the ends (the same section, tabulated equation of state).
+/// extrapolated with the slopes at the ends (ABAQUS Analysis User's Guide, "Equation of state", tabulated equation of
+/// state).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tabulated {
     /// Reference density rho0.

@@ -8,7 +8,7 @@ use crate::material::BlockStart;
 use crate::material::volumetric::PressureUpdate;
 use crate::state::archive::persist_struct;
 
-/// Width of the burn front in elements (the same section).
+/// Width of the burn front in elements (ABAQUS Analysis User's Guide, "Equation of state", JWL).
 const WIDTH: f64 = 2.5;
 
 /// JWL pressure of the products: p = A (1 - omega rho/(R1 rho0)) exp(-R1 rho0/rho) + B (1 - omega rho/(R2 rho0))
@@ -16,7 +16,7 @@ const WIDTH: f64 = 2.5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JwlProducts {
     pub density: f64,
-    /// A and B.
+    /// Constants A and B, stress.
     pub pressures: [f64; 2],
     /// R1 and R2.
     pub exponents: [f64; 2],
@@ -47,7 +47,7 @@ impl EosLaw for JwlProducts {
     }
 }
 
-/// A detonation point.
+/// Point at which the detonation starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetonationPoint {
     /// Position `[r, z]`.
@@ -60,17 +60,17 @@ pub struct DetonationPoint {
 #[derive(Clone, Debug)]
 pub struct HighExplosive {
     pub products: JwlProducts,
-    /// Detonation speed.
+    /// Speed of the detonation front, length per time.
     pub speed: f64,
-    /// Initial specific energy, energy per mass.
+    /// Initial internal energy per mass.
     pub energy: f64,
     /// Bulk modulus of the unburnt explosive.
     pub unburnt: f64,
-    /// Detonation points.
+    /// Points at which the detonation starts; the earliest arrival of a front ignites an element.
     pub points: Vec<DetonationPoint>,
 }
 
-/// Burn state of a block.
+/// Burn fraction, arrival time of the detonation front and burn rate of the elements of a block.
 #[derive(Clone, Debug)]
 pub struct BurnState {
     /// Burn fraction, 0 to 1.

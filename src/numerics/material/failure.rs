@@ -119,7 +119,7 @@ pub enum FailureStrain {
     /// Johnson-Cook: (d1 + d2 exp(-d3 x)) (1 + d4 ln(rate/reference)) (1 + d5 theta) with the triaxiality x (Johnson
     /// and Cook 1985, Eng. Fract. Mech. 21, 31; sign of d3 as in ABAQUS).
     JohnsonCook {
-        /// d1 to d5.
+        /// Constants d1 to d5 of the failure strain, dimensionless.
         d: [f64; 5],
         melt: f64,
         transition: f64,

@@ -123,7 +123,7 @@ impl Material for NeoHooke {
 pub struct HyperelasticMaterial<E> {
     /// Deviatoric strain energy.
     pub shape: E,
-    /// Volumetric strain energy.
+    /// Volumetric part of the strain energy.
     pub volume: VolumetricEnergy,
     /// Initial shear modulus.
     pub shear: f64,
@@ -138,7 +138,8 @@ impl<E: StrainEnergy> Material for HyperelasticMaterial<E> {
         DeformationState::fresh()
     }
 
-    /// The principal directions are those of B: two in the (r, z) plane and the hoop direction.
+    /// Computes the stress from the left Cauchy-Green tensor B. The principal directions are those of B: two in the (r,
+    /// z) plane and the hoop direction.
     #[inline(always)]
     fn update(
         &self,

@@ -19,12 +19,11 @@ pub struct StrainIncrement<T = f64> {
     pub spin: Lanes<T>,
     /// Volumes in the middle of the increment; 0 for lanes without element.
     pub volume: Lanes<T>,
-    /// Current volumes and masses, and previous stress of the bulk viscosity, where
-    /// [`super::Material::EQUATION_OF_STATE`].
+    /// Current volumes; only for materials with [`super::Material::EQUATION_OF_STATE`], as the next two fields.
     pub current_volume: Lanes,
-    /// See [`StrainIncrement::current_volume`].
+    /// Masses of the elements.
     pub mass: Lanes,
-    /// See [`StrainIncrement::current_volume`].
+    /// Stress of the bulk viscosity in the previous increment.
     pub viscous: Lanes,
     /// Length of the increment.
     pub dt: f64,
@@ -56,9 +55,9 @@ pub struct StressUpdate<T = f64> {
     pub returned: Lanes<T>,
     /// Factor on the trial deviator; in single precision the part that the return subtracts.
     left: Lanes<T>,
-    /// Result for varying moduli: bulk modulus, and shear modulus unless the law has an equation of state.
+    /// Result for varying moduli: bulk modulus.
     pub bulk: Lanes<T>,
-    /// See [`StressUpdate::bulk`].
+    /// Result for varying moduli without equation of state: shear modulus.
     pub shear: Lanes<T>,
     /// Result of an equation of state: estimated work of the bulk viscosity.
     pub heat: Lanes<T>,

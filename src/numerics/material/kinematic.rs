@@ -34,7 +34,8 @@ impl HardeningLaw for KinematicHardening {
         BackStress { strain: [0.0; LANES], back: [[0.0; LANES]; 4] }
     }
 
-    /// Radial return: the trial stress relative to the back stress minus (3 G + C) dp equals the yield stress.
+    /// Computes the plastic increment by radial return: the trial stress relative to the back stress minus (3 G + C) dp
+    /// equals the yield stress.
     #[inline(always)]
     fn flow(&self, state: &mut BackStress, flow: &mut FlowUpdate<'_>) {
         let per = 1.0 / (flow.shear3 + self.slope);
@@ -51,7 +52,8 @@ impl HardeningLaw for KinematicHardening {
         state.back
     }
 
-    /// The plastic strain increment is 3/2 dp times the direction of the relative stress.
+    /// Adds the increment of the back stress, along the plastic strain increment. The plastic strain increment is 3/2
+    /// dp times the direction of the relative stress.
     #[inline(always)]
     fn update_back_stress(
         &self,

@@ -41,8 +41,8 @@ impl HardeningLaw for RateKinematicHardening {
         RateBackStress { strain: zero, temperature: zero, slope: zero, back: [zero; 4] }
     }
 
-    /// Radial return: the trial stress relative to the back stress minus (3 G + C) dp equals the yield stress at the
-    /// rate dp/dt.
+    /// Computes the plastic increment by radial return: the trial stress relative to the back stress minus (3 G + C) dp
+    /// equals the yield stress at the rate dp/dt.
     fn flow(&self, state: &mut RateBackStress, flow: &mut FlowUpdate<'_>) {
         for l in 0..flow.count {
             let temperature = state.temperature[l];
@@ -60,8 +60,8 @@ impl HardeningLaw for RateKinematicHardening {
         state.back
     }
 
-    /// The plastic strain increment is 3/2 dp times the direction of the relative stress. The work against the back
-    /// stress also heats the material.
+    /// Adds the increment of the back stress, along the plastic strain increment. The plastic strain increment is 3/2
+    /// dp times the direction of the relative stress. The work against the back stress also heats the material.
     fn update_back_stress(
         &self,
         state: &mut RateBackStress,

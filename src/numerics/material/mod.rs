@@ -40,9 +40,9 @@ pub enum PlasticFlow {
 pub struct BlockStart {
     /// Elements of the block.
     pub count: usize,
-    /// Areas of the sections.
+    /// Areas of the meridional sections of the elements.
     pub area: Lanes,
-    /// Volumes.
+    /// Volumes of the elements.
     pub volume: Lanes,
     /// Centres, `[r, z]`.
     pub centre: [Lanes; 2],
@@ -62,11 +62,11 @@ pub enum PointValue {
     NodalTemperature(f64),
     /// Thermal strain that the next increment subtracts.
     ThermalStrain(f64),
-    /// Energy per mass.
+    /// Initial internal energy per mass.
     SpecificEnergy(f64),
-    /// Equivalent plastic strain.
+    /// Initial equivalent plastic strain.
     PlasticStrain(f64),
-    /// Characteristic length.
+    /// Characteristic length of the element.
     Length(f64),
     /// State variable of the user, by its index.
     StateVariable(usize, f64),

@@ -54,7 +54,7 @@ pub trait HardeningLaw: Send + Sync + 'static {
         None
     }
 
-    /// Sets the temperature of a lane.
+    /// Sets the initial temperature of a lane, if the law computes temperatures.
     fn set_temperature(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
 }
 
@@ -132,8 +132,8 @@ impl HardeningLaw for PiecewiseLinearHardening {
         [0.0; LANES]
     }
 
-    /// Radial return: the trial stress minus 3 G dp equals the minimum of the lines at p + dp, so dp is the maximum
-    /// over the lines.
+    /// Computes the plastic increment by radial return: the trial stress minus 3 G dp equals the minimum of the lines
+    /// at p + dp, so dp is the maximum over the lines.
     #[inline(always)]
     fn flow(&self, strain: &mut Lanes, flow: &mut FlowUpdate<'_>) {
         let mut increment = [0.0; LANES];
@@ -161,7 +161,7 @@ impl HardeningLaw for PiecewiseLinearHardening {
 
 /// Hardening law with a yield stress over plastic strain, rate and temperature, and optional heating by plastic work.
 pub struct RateDependentHardening {
-    /// The yield stress.
+    /// Yield stress as a function of plastic strain, rate and temperature.
     pub law: FlowStress,
     /// Temperature rise by plastic work.
     pub heating: PlasticHeating,

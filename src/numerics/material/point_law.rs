@@ -47,7 +47,7 @@ impl Material for PointLaw {
         state.total_time = total_time;
     }
 
-    /// An increment of zero length changes nothing.
+    /// Calls the law for each point of a block; an increment of zero length changes nothing.
     fn update(
         &self,
         state: &mut PointState,

@@ -45,7 +45,7 @@ pub trait VolumetricLaw: Send + Sync + 'static {
     /// Sets the specific energy of a lane from its initial temperature.
     fn set_temperature(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
 
-    /// Returns the bytes that the state of a block holds in addition to its own size.
+    /// Returns the number of bytes that the state of a block needs in addition to its own size.
     fn bytes(&self, _state: &Self::State) -> usize {
         0
     }
@@ -69,11 +69,11 @@ pub struct PressureUpdate<'a> {
     pub middle: &'a Lanes,
     /// Current volume.
     pub volume: &'a Lanes,
-    /// Mass.
+    /// Mass of the element of each lane.
     pub mass: &'a Lanes,
 }
 
-/// A constant bulk modulus.
+/// Volumetric law without equation of state: the pressure follows from a constant bulk modulus.
 #[derive(Clone, Copy, Debug)]
 pub struct ConstantBulkModulus;
 

@@ -189,7 +189,7 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw, T: Real> Material<T> for 
     }
 }
 
-/// As [`as_type`], for a shared reference.
+/// Casts a shared reference, as [`as_type`] does for other references; `None` if the type differs.
 #[inline(always)]
 fn as_same<T: Real>(strain: &StrainIncrement<T>) -> Option<&StrainIncrement> {
     (strain as &dyn std::any::Any).downcast_ref()

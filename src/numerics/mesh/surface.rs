@@ -15,7 +15,7 @@ use crate::state::nodes::Nodes;
 pub struct SurfaceGeometry {
     /// Rigid parts, one per rigid body.
     pub patches: Vec<RigidFacets>,
-    /// Deformable part.
+    /// Faces of deformable elements in the surface.
     pub skin: DeformableFaces,
 }
 
@@ -42,7 +42,7 @@ pub struct DeformableFaces {
     hidden: Option<Box<InteriorFaces>>,
 }
 
-/// A face in its current position.
+/// A face with the current coordinates of its end points.
 #[derive(Clone, Copy, Debug)]
 pub struct CurrentFace {
     pub nodes: [usize; 2],

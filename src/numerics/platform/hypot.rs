@@ -5,7 +5,7 @@
 /// Beyond the two limits, squares overflow or lose digits, and both numbers are scaled.
 const LARGE: f64 = 1e150;
 const SMALL: f64 = 1e-140;
-/// 2^600.
+/// Scale factor 2^600 for arguments that would underflow or overflow when squared.
 const SCALE: f64 = f64::from_bits((1023 + 600) << 52);
 
 /// Functions whose bits are the same with every C library.

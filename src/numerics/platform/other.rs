@@ -4,12 +4,12 @@ use std::fs::{File, FileType, OpenOptions};
 use std::io;
 use std::path::Path;
 
-/// Returns options for opening a file.
+/// Returns default options: only Unix has a flag for opening a file without waiting.
 pub fn without_waiting() -> OpenOptions {
     OpenOptions::new()
 }
 
-/// Returns options for opening a file.
+/// Returns default options: only Unix has a flag that rejects symbolic links.
 pub fn without_links() -> OpenOptions {
     OpenOptions::new()
 }

@@ -13,21 +13,21 @@ use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struc
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MessageLevel {
-    /// `LOP = 1`.
+    /// Information, from `LOP = 1`.
     #[default]
     Note,
-    /// `LOP = -1`.
+    /// Warning, from `LOP = -1`.
     Warning,
-    /// `LOP = -2` or `-3`.
+    /// Error, from `LOP = -2` or `-3`.
     Error,
 }
 
 /// A message of a user subroutine (`xplb_abqerr`).
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RoutineMessage {
-    /// Severity.
+    /// Whether the message is a note, a warning or an error.
     pub level: MessageLevel,
-    /// Text of the message.
+    /// Text of the message, as it is printed.
     pub text: String,
     /// Number of repetitions.
     pub times: u64,
@@ -99,7 +99,7 @@ pub fn add_messages(messages: Vec<RoutineMessage>) {
 }
 
 impl JobInfo {
-    /// Returns the names of the nodes (0) or elements.
+    /// Returns the names of the nodes (kind 0) or of the elements (any other kind).
     pub fn names(&self, kind: i32) -> &[String] {
         if kind == 0 { &self.nodes } else { &self.elements }
     }
@@ -168,7 +168,7 @@ pub fn array(key: (u8, i32)) -> Option<(*mut u64, i32)> {
     ARRAYS.with_borrow_mut(|arrays| arrays.get_mut(&key).map(|array| (array.0.as_mut_ptr(), array.1)))
 }
 
-/// Deletes an array.
+/// Deletes the user array with this key; nothing happens if it does not exist.
 pub fn delete_array(key: (u8, i32)) {
     ARRAYS.with_borrow_mut(|arrays| arrays.remove(&key));
 }

@@ -149,7 +149,7 @@ pub struct AmplitudeCall<'a> {
     pub variables: &'a mut [f64],
     /// Names of the sensors, upper case.
     pub sensor_names: &'a [String],
-    /// Their values at the previous instant.
+    /// Values of the sensors at the previous instant.
     pub sensor_values: &'a [f64],
 }
 
@@ -158,7 +158,7 @@ pub struct AmplitudeCall<'a> {
 pub struct AmplitudeAnswer {
     /// Value of the amplitude.
     pub value: f64,
-    /// Its time derivative, if the routine sets it.
+    /// Time derivative of the amplitude, if the subroutine sets it.
     pub derivative: Option<f64>,
     /// Whether to stop the analysis (`iStopAnalysis`).
     pub stop: bool,
@@ -196,7 +196,7 @@ pub struct MotionCall<'a> {
     pub coordinates: [f64; 2],
     /// Displacement, velocity, acceleration and reaction along that degree of freedom.
     pub state: [f64; 4],
-    /// The same quantities along the other axis; zero for a rigid body.
+    /// Displacement, velocity, acceleration and reaction along the other axis; zero for a rigid body.
     pub across: [f64; 4],
     /// Mass of the body or node.
     pub mass: f64,
@@ -218,15 +218,15 @@ pub trait UserMotion: Send {
 pub enum AnalysisMoment {
     /// Before the first increment of the first step.
     StartAnalysis = 0,
-    /// Before a step.
+    /// Before the first increment of a step.
     StartStep = 1,
     /// Before the length of the next increment is chosen.
     SetupIncrement = 2,
-    /// At the start of an increment.
+    /// After the length of the increment is chosen, before its forces.
     StartIncrement = 3,
-    /// At the end of an increment.
+    /// After an increment is completed.
     EndIncrement = 4,
-    /// After a step.
+    /// After the last increment of a step.
     EndStep = 5,
     /// After the last step.
     EndAnalysis = 6,
@@ -248,24 +248,24 @@ impl AnalysisMoment {
 /// Action of the run after a call of VEXTERNALDB (`i_Array(i_int_iStatus)`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum RunAction {
-    /// Continue.
+    /// The run continues.
     #[default]
     Continue,
-    /// End the step.
+    /// The current step ends after this increment; the next step follows.
     EndStep,
-    /// End the analysis.
+    /// The run ends after this increment.
     EndAnalysis,
 }
 
 /// A subroutine called at fixed points of the analysis (VEXTERNALDB), for example to open and close its own files.
 pub trait UserEvents: Send {
-    /// Is called at each moment; `increment` is the length of the increment.
+    /// Performs the actions of the subroutine at a moment of the analysis; `increment` is the length of the increment.
     ///
     /// # Errors
     /// Any failure; the run halts.
     fn moment(&mut self, moment: AnalysisMoment, now: &Instant, increment: f64) -> Result<RunAction, LoadFailure>;
 
-    /// Is called before an [`AnalysisMoment::EndIncrement`] whose state will be saved (`lWriteRestart`).
+    /// Announces an [`AnalysisMoment::EndIncrement`] whose state will be saved (`lWriteRestart`).
     fn restart_follows(&mut self) {}
 }
 
@@ -297,25 +297,25 @@ pub struct MaterialCall<'a> {
     pub length: &'a [f64],
     /// Mass per volume at the middle of the increment.
     pub density: &'a [f64],
-    /// `strainInc`.
+    /// Strain increments (`strainInc`).
     pub strain: &'a [f64],
     /// `relSpinInc`: spin relative to the frame, zero.
     pub spin: &'a [f64],
     /// Element numbers of the user.
     pub elements: &'a [i32],
-    /// `tempOld` and `tempNew`.
+    /// Temperatures at the start and at the end of the increment (`tempOld`, `tempNew`).
     pub temperature: [&'a [f64]; 2],
     /// Field variables (`nfieldv`).
     pub fields: usize,
-    /// `fieldOld` and `fieldNew`.
+    /// Field variables at the start and at the end of the increment (`fieldOld`, `fieldNew`).
     pub field: [&'a [f64]; 2],
-    /// `stretchOld` and `stretchNew`.
+    /// Stretch tensors at the start and at the end of the increment (`stretchOld`, `stretchNew`).
     pub stretch: [&'a [f64]; 2],
     /// `defgradOld` and `defgradNew`: rr, zz, hoop, rz, zr.
     pub gradient: [&'a [f64]; 2],
-    /// `stressOld`.
+    /// Stresses at the start of the increment (`stressOld`).
     pub stress: &'a [f64],
-    /// `stateOld`.
+    /// State variables at the start of the increment (`stateOld`).
     pub state: &'a [f64],
     /// `enerInternOld`, energy per mass.
     pub internal: &'a [f64],
@@ -326,11 +326,11 @@ pub struct MaterialCall<'a> {
 /// Result of a user material. On entry, stresses are NaN, state variables and energies the previous ones.
 #[derive(Debug)]
 pub struct MaterialAnswer<'a> {
-    /// `stressNew`.
+    /// Stresses at the end of the increment (`stressNew`).
     pub stress: &'a mut [f64],
-    /// `stateNew`.
+    /// State variables at the end of the increment (`stateNew`).
     pub state: &'a mut [f64],
-    /// `enerInternNew`.
+    /// Internal energies per mass at the end of the increment (`enerInternNew`).
     pub internal: &'a mut [f64],
     /// `enerInelasNew`: plastic dissipation.
     pub inelastic: &'a mut [f64],
@@ -367,9 +367,9 @@ pub struct HardeningCall<'a> {
     pub elements: &'a [i32],
     /// `tempOld` and `tempNew`: both at the beginning of the increment, as for built-in laws.
     pub temperature: [&'a [f64]; 2],
-    /// `fieldOld` and `fieldNew`.
+    /// Field variables at the start and at the end of the increment (`fieldOld`, `fieldNew`).
     pub field: [&'a [f64]; 2],
-    /// `stateOld`.
+    /// State variables at the start of the increment (`stateOld`).
     pub state: &'a [f64],
     /// Trial equivalent plastic strain (`eqps`).
     pub strain: &'a [f64],
@@ -380,13 +380,13 @@ pub struct HardeningCall<'a> {
 /// Result of a user hardening. On entry, yield stresses are NaN, slopes zero, state variables the previous ones.
 #[derive(Debug)]
 pub struct HardeningAnswer<'a> {
-    /// `yield`.
+    /// Yield stresses (`yield`).
     pub stress: &'a mut [f64],
-    /// `dyieldDtemp`.
+    /// Derivatives of the yield stresses by temperature (`dyieldDtemp`).
     pub by_temperature: &'a mut [f64],
     /// `dyieldDeqps`: derivatives with respect to the plastic strain of all points, then to its rate.
     pub slopes: &'a mut [f64],
-    /// `stateNew`.
+    /// State variables at the end of the increment (`stateNew`).
     pub state: &'a mut [f64],
 }
 
@@ -430,7 +430,7 @@ pub struct FieldCall<'a> {
     pub coordinates: &'a [f64],
     /// `charLength`: square root of the element's area in the (r, z) plane, or the value of VUCHARLENGTH; length.
     pub length: &'a [f64],
-    /// `stateOld`.
+    /// State variables at the start of the increment (`stateOld`).
     pub state: &'a [f64],
     /// Values of the points (`vgetvrm`).
     pub values: &'a dyn PointValues,
@@ -441,7 +441,7 @@ pub struct FieldCall<'a> {
 pub struct FieldAnswer<'a> {
     /// `stateNew`: the previous state of the other subroutines.
     pub state: &'a mut [f64],
-    /// `field`.
+    /// Field variables, which the subroutine updates (`field`).
     pub field: &'a mut [f64],
 }
 
@@ -479,9 +479,9 @@ pub struct LengthCall<'a> {
     pub coordinates: &'a [f64],
     /// `coordNode`: r of the first corner of each element, then of the second, and so on; then z.
     pub nodes: &'a [f64],
-    /// `field`.
+    /// Field variables (`field`).
     pub field: &'a [f64],
-    /// `stateOld`.
+    /// State variables at the start of the increment (`stateOld`).
     pub state: &'a [f64],
 }
 
@@ -518,7 +518,7 @@ pub struct UncallableRoutine {
     pub routine: String,
     /// Diagnostic code (`U…`).
     pub code: String,
-    /// Reason.
+    /// Description of the failure.
     pub message: String,
 }
 
@@ -576,9 +576,9 @@ routines! {
     load: UserLoad, "vdload", with_load;
     /// `*AMPLITUDE, DEFINITION=USER` (VUAMP).
     amplitude: UserAmplitude, "vuamp", with_amplitude;
-    /// `*BOUNDARY, USER` (VDISP).
+    /// Subroutine VDISP of `*BOUNDARY, USER`.
     motion: UserMotion, "vdisp", with_motion;
-    /// `*USER MATERIAL` (VUMAT).
+    /// Subroutine VUMAT of `*USER MATERIAL`.
     material: UserMaterial, "vumat", with_material;
     /// `*PLASTIC, HARDENING=USER` (VUHARD).
     hardening: UserHardening, "vuhard", with_hardening;
@@ -586,7 +586,7 @@ routines! {
     fields: UserFields, "vusdfld", with_fields;
     /// `*CHARACTERISTIC LENGTH, DEFINITION=USER` (VUCHARLENGTH).
     lengths: UserLengths, "vucharlength", with_lengths;
-    /// VEXTERNALDB.
+    /// Subroutine VEXTERNALDB, called at fixed moments of the analysis.
     events: UserEvents, "vexternaldb", with_events;
 }
 
@@ -605,13 +605,13 @@ impl LockedRoutines<'_> {
 /// The user subroutines that elements call at their points, locked by a run.
 #[derive(Default)]
 pub struct PointRoutines<'a> {
-    /// As [`Routines::material`].
+    /// VUMAT subroutine, as in [`Routines::material`].
     pub material: Option<&'a mut (dyn UserMaterial + 'static)>,
-    /// As [`Routines::hardening`].
+    /// VUHARD subroutine, as in [`Routines::hardening`].
     pub hardening: Option<&'a mut (dyn UserHardening + 'static)>,
-    /// As [`Routines::fields`].
+    /// VUSDFLD subroutine, as in [`Routines::fields`].
     pub fields: Option<&'a mut (dyn UserFields + 'static)>,
-    /// As [`Routines::lengths`].
+    /// VUCHARLENGTH subroutine, as in [`Routines::lengths`].
     pub lengths: Option<&'a mut (dyn UserLengths + 'static)>,
 }
 

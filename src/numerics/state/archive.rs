@@ -37,7 +37,7 @@ impl<'a> StateArchive<'a> {
         StateArchive { mode: ArchiveMode::Read(bytes), fault: None }
     }
 
-    /// Returns whether the archive reads.
+    /// Returns whether values are restored from the archive; otherwise they are saved to it.
     pub fn reads(&self) -> bool {
         matches!(self.mode, ArchiveMode::Read(_))
     }

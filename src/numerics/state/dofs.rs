@@ -17,7 +17,7 @@ pub enum Dof {
 /// Degrees of freedom of a model, and the energies of deformable bodies.
 #[derive(Clone, Debug, Default)]
 pub struct Dofs {
-    /// Rigid bodies.
+    /// State of the rigid bodies, in the order of the model.
     pub bodies: Vec<BodyState>,
     /// Nodes of deformable bodies.
     pub nodes: Nodes,
@@ -26,7 +26,7 @@ pub struct Dofs {
 }
 
 impl Dofs {
-    /// Returns the displacement.
+    /// Returns the displacement along a degree of freedom since the start of the analysis.
     pub fn displacement(&self, dof: Dof) -> f64 {
         match dof {
             Dof::Body(b) => self.bodies[b].displacement,
@@ -53,7 +53,7 @@ impl Dofs {
         }
     }
 
-    /// Returns the mass.
+    /// Returns the mass of the node or rigid body of a degree of freedom.
     pub fn mass(&self, dof: Dof) -> f64 {
         match dof {
             Dof::Body(b) => self.bodies[b].mass,

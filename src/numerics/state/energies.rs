@@ -10,7 +10,7 @@ pub struct EnergyTotals {
     pub kinetic: f64,
     /// Work of the stress.
     pub internal: f64,
-    /// Plastic dissipation.
+    /// Energy dissipated by plastic flow.
     pub plastic: f64,
     /// Work of the bulk viscosity.
     pub viscous: f64,

@@ -1,6 +1,6 @@
 //! Limit of the time increment by loads and motions.
 
-/// Limit of the next increment.
+/// Limit of the next increment by an event: it must not extend beyond this time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IncrementLimit {
     /// Time from the current instant.

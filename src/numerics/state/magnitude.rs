@@ -37,7 +37,7 @@ pub enum TimeFunction {
 pub struct Magnitude {
     /// Value at amplitude 1.
     pub value: f64,
-    /// Amplitude.
+    /// Amplitude: factor of the value as a function of time.
     pub shape: TimeFunction,
 }
 

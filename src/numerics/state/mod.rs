@@ -72,9 +72,9 @@ pub struct BodyState {
     pub slots: u32,
     /// Whether a load depends on its velocity.
     pub reads_velocity: bool,
-    /// Whether its motion is prescribed.
+    /// Whether the motion of the body is prescribed.
     pub prescribed: bool,
-    /// Whether it is tied to nodes of deformable elements, whose stable time increment then also applies to it.
+    /// Whether the body is tied to nodes of deformable elements, whose stable time increment then also applies to it.
     pub tied: bool,
 }
 

@@ -9,9 +9,9 @@ use crate::kernel::lists::heap_bytes;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
 pub struct Node {
-    /// Current r.
+    /// Current coordinate r, length.
     pub r: f64,
-    /// Current z.
+    /// Current coordinate z, length.
     pub z: f64,
     /// Velocity along r at the middle of the previous increment.
     pub v_r: f64,
@@ -137,7 +137,7 @@ impl Nodes {
         self.velocity_after(node, 0.5)
     }
 
-    /// Returns the displacement of a node.
+    /// Returns the displacement `[r, z]` of a node from its initial position.
     pub fn displacement(&self, node: usize) -> [f64; 2] {
         [self.list[node].r - self.start[node][0], self.list[node].z - self.start[node][1]]
     }
@@ -151,7 +151,7 @@ impl Nodes {
         [0.5 * added * n.v_r * n.v_r, 0.5 * added * n.v_z * n.v_z]
     }
 
-    /// Returns the bytes of the forces.
+    /// Returns the number of bytes that the nodal forces occupy.
     pub fn bytes_of_forces(&self) -> usize {
         self.forces.len() * size_of::<[f64; 2]>() * self.list.len()
     }

@@ -63,7 +63,7 @@ pub struct RigidMotion {
 /// Position, attitude, velocity and angular momentum at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
-    /// Centre of mass.
+    /// Position of the centre of mass.
     pub centre: SpatialVector,
     pub attitude: Attitude,
     /// Velocity and angular momentum.
@@ -105,7 +105,7 @@ pub struct RigidBody3d {
     pub start: Pose,
     /// Number of stations around its axis, for loads, contact and frames.
     pub stations: usize,
-    /// Centre of mass.
+    /// Position of the centre of mass.
     pub centre: SpatialVector,
     pub attitude: Attitude,
     /// Velocity of the centre of mass at the current instant.
@@ -132,7 +132,7 @@ pub struct RigidBody3d {
     /// Kinetic energy minus half the work of the forces at the start of the increment: reference for the energy lost in
     /// contact.
     pub energy_before: f64,
-    /// Whether it is at rest and kept at rest by resistances.
+    /// Whether the body is at rest and resistances keep it at rest.
     pub rests: bool,
     /// Whether a resistance acts on it in this step.
     pub resisted: bool,

@@ -14,17 +14,17 @@ use dimension::*;
 /// Location of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VariablePlace {
-    /// At nodes.
+    /// One value per node.
     Node,
     /// At the integration point of an element.
     Point,
-    /// In a whole element.
+    /// One value per element.
     Element,
     /// On facets of loaded surfaces.
     Facet,
     /// An energy of the whole model.
     Energy,
-    /// For an increment.
+    /// One value per increment, such as the time increment.
     Increment,
     /// For a surface over which integrals are taken.
     Section,
@@ -35,11 +35,11 @@ pub enum VariablePlace {
 /// Condition under which a variable is written without a request by name (`PRESELECT`, or no request at all).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreselectRule {
-    /// Never.
+    /// Only by request.
     Never,
     /// In every model.
     Always,
-    /// With deformable bodies.
+    /// In models with deformable bodies.
     Deformable,
     /// If elements can be deleted.
     ElementDeletion,
@@ -60,13 +60,13 @@ pub struct VariableRow {
     pub name: &'static str,
     /// Names of the components; empty for a scalar and for numbered variables.
     pub labels: &'static [&'static str],
-    /// Location.
+    /// Nodes, integration points, elements or another location of the values.
     pub place: VariablePlace,
     /// Description for the manual.
     pub words: &'static str,
     /// Condition under which frames contain it without a request by name.
     pub preselected: PreselectRule,
-    /// Whether it exists only with deformable bodies.
+    /// Whether the variable exists only with deformable bodies.
     pub deforming: bool,
     /// Whether a number follows its name (`SDV1`).
     pub numbered: bool,
@@ -74,13 +74,13 @@ pub struct VariableRow {
     pub followed: bool,
     /// Variable that an element must have to compute this one, for variables computed on request.
     pub needs: Option<Variable>,
-    /// Whether it does not exist in ABAQUS.
+    /// Whether the variable is an extension that ABAQUS does not have.
     pub extension: bool,
     /// Formula from other variables of the element; `None` if its owner returns it.
     pub formula: Option<VariableFormula>,
     /// Combines the values of several loads on one facet: the result so far and the next value.
     pub combined: fn(f64, f64) -> f64,
-    /// Physical dimension.
+    /// Physical dimension of the values, as powers of the base dimensions.
     pub dimension: DimensionPowers,
 }
 
@@ -237,8 +237,8 @@ variables! {
     RemovedMass: energy("EROMASS", "Mass of deleted elements").with_deletion().dimension(MASS),
     RemovedEnergy: energy("EROIE", "Internal energy of deleted elements, part of ALLIE").with_deletion(),
     PointMass: energy("EROPMASS", "Mass of nodes whose elements are all deleted; they remain as point masses").with_deletion().dimension(MASS),
-    PointKineticEnergy: energy("EROPKE", "Kinetic energy of these point masses, part of ALLKE").with_deletion(),
-    PointMomentum: energy("EROPMOM", "Momentum of these point masses along z").with_deletion().dimension([1, 1, -1, 0]),
+    PointKineticEnergy: energy("EROPKE", "Kinetic energy of the point masses, part of ALLKE").with_deletion(),
+    PointMomentum: energy("EROPMOM", "Momentum of the point masses along z").with_deletion().dimension([1, 1, -1, 0]),
     TotalEnergy: energy("ETOTAL", "Energy balance, constant: ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLCAV - ALLWK"),
     TimeIncrement: VariableRow { place: VariablePlace::Increment, ..energy("DT", "Time increment") }.dimension(TIME),
 }
@@ -322,12 +322,12 @@ impl VariableRow {
         VariableRow { preselected: PreselectRule::PenaltyContact, deforming: true, ..self }
     }
 
-    /// For rigid bodies with six degrees of freedom.
+    /// Marks a variable of rigid bodies with six degrees of freedom.
     const fn with_six_dofs(self) -> VariableRow {
         VariableRow { preselected: PreselectRule::SixDofBody, extension: true, ..self }
     }
 
-    /// For contact.
+    /// Marks a variable that is preselected in models with contact of surfaces.
     const fn with_contact(self) -> VariableRow {
         VariableRow { preselected: PreselectRule::SurfaceContact, deforming: true, ..self }
     }
@@ -353,17 +353,17 @@ fn volume(element: &dyn ElementValues) -> f64 {
 }
 
 impl Variable {
-    /// Returns its entry in the table.
+    /// Returns the row of the variable in the table of variables.
     pub fn row(self) -> &'static VariableRow {
         &ROWS[self as usize]
     }
 
-    /// Returns its name.
+    /// Returns the upper-case name, as in output requests and columns.
     pub fn name(self) -> &'static str {
         self.row().name
     }
 
-    /// Returns its location.
+    /// Returns the location: node, integration point, element, facet or the whole model.
     pub fn place(self) -> VariablePlace {
         self.row().place
     }
@@ -395,7 +395,8 @@ impl Variable {
         matches!(self.place(), VariablePlace::Point | VariablePlace::Element)
     }
 
-    /// Returns its components; one for a scalar. The number of components of a numbered variable is unknown.
+    /// Returns the components of the variable; one for a scalar. The number of components of a numbered variable is
+    /// unknown.
     pub fn parts(self) -> impl Iterator<Item = VariableComponent> {
         (0..self.row().labels.len().max(1)).map(move |component| VariableComponent { variable: self, component })
     }
@@ -412,14 +413,14 @@ impl Variable {
 /// One component of a variable. For a numbered variable the component is its number, counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct VariableComponent {
-    /// The variable.
+    /// Variable to which the component belongs.
     pub variable: Variable,
-    /// Index of the component.
+    /// Index of the component, from 0.
     pub component: usize,
 }
 
 impl VariableComponent {
-    /// Returns its label in histories and frames: `S11`, `PEEQ`, `SDV2`.
+    /// Returns the label of the component in histories and frames: `S11`, `PEEQ`, `SDV2`.
     pub fn label(self) -> String {
         let row = self.variable.row();
         match row.labels.get(self.component) {

@@ -26,7 +26,7 @@ pub enum VariableRequest {
 pub enum SectionPoint {
     /// The first one, on the side SNEG.
     Bottom,
-    /// The middle one.
+    /// The middle one of an odd number of section points.
     Middle,
     /// The last one, on the side SPOS.
     Top,
@@ -69,11 +69,11 @@ impl VariableRequest {
 /// A name of several variables.
 #[derive(Debug, PartialEq)]
 pub struct VariableFamily {
-    /// Name.
+    /// Upper-case name, as in output requests.
     pub name: &'static str,
-    /// The variables.
+    /// Variables that a request by this name selects.
     pub members: &'static [Variable],
-    /// Description.
+    /// Description in the manual.
     pub words: &'static str,
 }
 
@@ -110,11 +110,11 @@ pub const FAMILIES: &[VariableFamily] = &[
 /// A variable of ABAQUS that is not simulated.
 #[derive(Debug, PartialEq)]
 pub struct UnsimulatedVariable {
-    /// Name.
+    /// Upper-case name in ABAQUS.
     pub name: &'static str,
-    /// Location of the variable.
+    /// Location of the variable in ABAQUS.
     pub place: VariablePlace,
-    /// Description.
+    /// Description in the manual.
     pub words: &'static str,
 }
 
@@ -218,8 +218,8 @@ pub const NOT_SIMULATED: &[UnsimulatedVariable] = &[
     known("LEV", VariablePlace::Point, "volumetric logarithmic strain"),
     known("FV", VariablePlace::Point, "field variables"),
     known("MFR", VariablePlace::Point, "mass flow rates"),
-    known("UVARM", VariablePlace::Point, "variables of a user routine"),
-    known("VUVARM", VariablePlace::Point, "variables of a user routine"),
+    known("UVARM", VariablePlace::Point, "variables of a user subroutine"),
+    known("VUVARM", VariablePlace::Point, "variables of a user subroutine"),
     known("VVF", VariablePlace::Point, "void volume fraction"),
     known("VVFG", VariablePlace::Point, "growth of voids"),
     known("VVFN", VariablePlace::Point, "nucleation of voids"),
@@ -357,7 +357,7 @@ impl VariableRequest {
             .or_else(|| NOT_SIMULATED.iter().find(|k| is_name(word, k.name)).map(VariableRequest::NotSimulated))
     }
 
-    /// Returns the word.
+    /// Returns the word of the request, as in the deck.
     pub fn name(self) -> String {
         match self {
             VariableRequest::Preselect => "PRESELECT".into(),
@@ -369,7 +369,7 @@ impl VariableRequest {
         }
     }
 
-    /// Returns the variables of the request.
+    /// Returns the variables that the request selects.
     pub fn variables(self) -> Vec<Variable> {
         match self {
             VariableRequest::Whole(variable) => vec![variable],

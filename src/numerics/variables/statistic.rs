@@ -3,13 +3,13 @@
 /// Statistic of a list of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Statistic {
-    /// The smallest.
+    /// The smallest value.
     Min,
-    /// The largest.
+    /// The largest value.
     Max,
     /// The mean, weighted by the current volumes of elements for variables at integration points, else not weighted.
     Mean,
-    /// The sum.
+    /// The sum of all values, without weights.
     Sum,
 }
 
@@ -17,7 +17,7 @@ impl Statistic {
     /// All statistics, in the order of columns.
     pub const ALL: [Statistic; 4] = [Statistic::Min, Statistic::Max, Statistic::Mean, Statistic::Sum];
 
-    /// Its name.
+    /// Returns the upper-case name in column names.
     pub fn name(self) -> &'static str {
         match self {
             Statistic::Min => "MIN",

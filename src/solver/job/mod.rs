@@ -72,7 +72,7 @@ pub struct PreparedJob {
     composed: Option<String>,
 }
 
-/// Reads, validates and plans a deck file.
+/// Reads a deck file, validates it and plans the analysis.
 pub fn prepare(path: &Path, overrides: &ParameterOverrides, routines: &Routines) -> PreparedJob {
     resolve(deck::read(path, overrides), routines)
 }
@@ -101,7 +101,8 @@ pub fn examine(
     (prepared, overview)
 }
 
-/// Reads, validates and plans a deck text; `name` is used as its file name in messages and for relative paths.
+/// Reads a deck text, validates it and plans the analysis; `name` is used as its file name in messages and for relative
+/// paths.
 pub fn prepare_text(name: &str, text: &str, overrides: &ParameterOverrides, routines: &Routines) -> PreparedJob {
     resolve(deck::read_text(name, text, overrides), routines)
 }
@@ -147,7 +148,7 @@ pub fn prepare_edited(read: (Deck, Diagnostics), edit: &mut dyn FnMut(&mut Model
     prepared_model(read, edit, routines).0
 }
 
-/// Like [`prepare_edited`], and also returns the model.
+/// Prepares a job like [`prepare_edited`], and also returns the model.
 fn prepared_model(
     (mut deck, mut diagnostics): (Deck, Diagnostics),
     edit: &mut dyn FnMut(&mut Model),
@@ -239,7 +240,7 @@ pub struct RunSummary {
     pub units: Option<DeckUnits>,
     /// Number of increments, and wall-clock times.
     pub timing: RunTiming,
-    /// The deck and its parameters.
+    /// Title, files and parameters of the deck.
     pub deck: DeckSummary,
     /// Version of the program that wrote the summary.
     pub version: &'static str,
@@ -276,7 +277,7 @@ pub struct RunTiming {
     pub checkpoint_seconds: Option<f64>,
 }
 
-/// The deck and its parameters.
+/// Title, files and parameters of a deck.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct DeckSummary {
     /// Text of `*HEADING`; empty without one.
@@ -318,7 +319,7 @@ pub struct JobOptions<'a> {
     pub frames: FrameOutput,
 }
 
-/// Output of frames.
+/// Whether frames are written, and with which coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameOutput {
     /// Frames are written with their points at current or reference coordinates.
@@ -513,7 +514,7 @@ pub fn run_into(prepared: &PreparedJob, sink: &mut dyn Sink) -> (Outcome, State)
     solve::run(&prepared.plan, prepared.state.clone(), sink)
 }
 
-/// Like [`run_into`]; a nonzero `interrupt` ends the run.
+/// Runs like [`run_into`]; a nonzero `interrupt` ends the run.
 pub fn run_until(prepared: &PreparedJob, sink: &mut dyn Sink, interrupt: &AtomicUsize) -> (Outcome, State) {
     announce_to_user(prepared, &JobFiles { folder: PathBuf::from("."), name: "job".into() });
     let control = RunControl { interrupt: Some(interrupt), ..RunControl::default() };
@@ -549,7 +550,7 @@ pub fn run_to_files<'a>(
     run_with(prepared, job, JobOptions::default(), progress)
 }
 
-/// Like [`run_to_files`], with options.
+/// Runs like [`run_to_files`], with options.
 ///
 /// # Errors
 /// If the folder cannot be written or the checkpoint does not fit the deck.

@@ -13,7 +13,7 @@ use crate::state::BodyState;
 pub struct PartOverview {
     /// Material of the section, or name of the rigid body.
     pub name: String,
-    /// Whether it is a rigid body.
+    /// Whether the body is rigid.
     pub rigid: bool,
     /// Number of elements by type.
     pub elements: IndexMap<String, usize>,

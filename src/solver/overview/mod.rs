@@ -40,7 +40,7 @@ pub struct DeckOverview {
 pub struct WaveSpeeds {
     /// Name of the material in the deck.
     pub material: String,
-    /// Initial density.
+    /// Initial density, mass per length³.
     pub density: f64,
     /// Speed of longitudinal waves, sqrt((K + 4/3 G)/rho).
     pub longitudinal: f64,

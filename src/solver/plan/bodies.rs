@@ -17,7 +17,7 @@ const ALONG: [&str; 6] = ["v_1", "v_2", "v_3", "w_1", "w_2", "w_3"];
 pub struct PlannedRigidBody {
     /// Name in messages and results.
     pub name: String,
-    /// Reference node.
+    /// Index of the reference node.
     pub reference: usize,
     /// Nodes with lumped mass: `(node, mass)`, in ascending order.
     pub lumped_mass: Vec<(usize, f64)>,

@@ -6,7 +6,7 @@ use crate::element::mass_scaling::StepMassScaling;
 use crate::kernel::lists::heap_bytes;
 use crate::load::Load;
 
-/// An effect of a list from a step on.
+/// Entry of the list of effects that are active from a step on.
 pub enum ListEntry<T: ?Sized> {
     /// The effect at this index of the previous list remains active unchanged.
     Kept(usize),
@@ -19,7 +19,7 @@ pub enum ListEntry<T: ?Sized> {
     },
 }
 
-/// The list of effects from a step on. Effects of the previous list without an entry end.
+/// List of effects that replaces the list of the previous step. Previous effects without an entry end.
 pub struct ListChange<T: ?Sized>(Vec<ListEntry<T>>);
 
 impl<T: ?Sized> ListChange<T>

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::output::columns::wrapped;
 
-/// An effect in the ledger.
+/// An effect of the simulation, with the cards that request it, its memory and its share of the run time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LedgerRow {
     /// Name of the effect.
@@ -35,14 +35,14 @@ pub struct UnusedCard {
     pub what: String,
     /// `file:line`.
     pub asked_by: String,
-    /// Reason.
+    /// Reason why the card has no effect.
     pub why: String,
 }
 
 /// The list of effects of an analysis, and of cards without effect.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Ledger {
-    /// Effects of the analysis.
+    /// Effects that the analysis includes.
     pub effects: Vec<LedgerRow>,
     /// Cards without effect.
     pub unused: Vec<UnusedCard>,

@@ -18,7 +18,7 @@ pub(super) struct LinkSet {
     pub spans: Vec<Span>,
     /// Sets of nodes with equal motion along an axis.
     pub merged: Vec<MergedDofs>,
-    /// Index of the set of each node and axis.
+    /// Index in `merged` of the set that contains a node and axis.
     group: IndexMap<(usize, usize), usize>,
     /// First card with an equation or link.
     pub first: Option<Span>,

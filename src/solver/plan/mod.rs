@@ -125,11 +125,11 @@ pub struct GeneralLedgerRows {
 /// A step of the plan: its increment control and the changes to the active effects of the previous step. The effects of
 /// the first step are in the initial [`State`].
 pub struct StepPlan {
-    /// Name of the step.
+    /// Name of the step, from `*STEP, NAME=`.
     pub name: String,
-    /// Duration, time.
+    /// Duration of the step, time.
     pub duration: f64,
-    /// Control of the time increment.
+    /// Method that determines the time increment.
     pub control: IncrementControl,
     /// Factor on an automatic time increment.
     pub scale_factor: f64,

@@ -73,7 +73,8 @@ impl<'a> Compiler<'a> {
                 if (other.1, other.2) != (kind, value) {
                     let message =
                         format!("body `{}` has two different prescribed motions along z", self.bodies[body].name);
-                    self.diagnostics.push(Diagnostic::error("P008", message).at(boundary.span, "the second one"));
+                    self.diagnostics
+                        .push(Diagnostic::error("P008", message).at(boundary.span, "second prescribed motion"));
                 }
             } else {
                 taken.push((Dof::Body(body), kind, value));

@@ -39,7 +39,7 @@ pub enum ColumnSource {
     Set(Statistic, usize),
     /// An expression of other columns, by index in [`Plan::expressions`](super::Plan::expressions).
     Expression(usize),
-    /// The whole model.
+    /// The whole model, for energies and increment data.
     Model,
 }
 
@@ -53,23 +53,23 @@ pub struct IntegratedSection {
     pub faces: Vec<[usize; 2]>,
 }
 
-/// A history column.
+/// A column of the history file, with the source of its values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HistoryColumn {
     /// `<VARIABLE>@<SET or node>`, or only the variable for the whole model.
     pub name: String,
     /// Variable and component; `None` for an expression.
     pub part: Option<VariableComponent>,
-    /// Source of the values.
+    /// Node, element, surface, set or expression that gives the values.
     pub source: ColumnSource,
 }
 
 /// An output array of frames.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameField {
-    /// Name of the array.
+    /// Name of the array in the result files.
     pub name: String,
-    /// Variable and components.
+    /// Components that the array contains, all of one variable.
     pub parts: Vec<VariableComponent>,
     /// Position at which a variable of integration points is shown.
     pub position: OutputPosition,
@@ -86,7 +86,7 @@ impl FrameField {
         self.name.capacity() + heap_bytes(&self.parts)
     }
 
-    /// Returns the variable.
+    /// Returns the variable of all components of the array.
     pub fn variable(&self) -> Variable {
         self.parts[0].variable
     }
@@ -110,12 +110,12 @@ impl FrameField {
     }
 }
 
-/// Output schedules of a step.
+/// Times at which a step writes frames, history rows and restart files.
 #[derive(Clone, Debug, Default)]
 pub struct StepOutputs {
-    /// Frames.
+    /// Schedules of the frames.
     pub field: Vec<WriteSchedule>,
-    /// History rows.
+    /// Schedules of the history rows.
     pub history: Vec<WriteSchedule>,
     /// Restart files (`*RESTART, WRITE`).
     pub restart: Vec<WriteSchedule>,
@@ -124,9 +124,9 @@ pub struct StepOutputs {
 /// Schedule of an output, relative to the start of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WriteSchedule {
-    /// At this time interval.
+    /// At multiples of this time.
     Time(f64),
-    /// At this interval of increments.
+    /// After each time this number of increments is completed.
     Increments(u64),
     /// At these times, ascending.
     Points(Arc<[f64]>),

@@ -119,7 +119,8 @@ pub(super) struct ConstraintList<'a> {
 }
 
 impl<'a> ConstraintList<'a> {
-    /// Keeps the constraint of the previous step with the same origin. Returns the origin as an error if there is none.
+    /// Keeps the constraint of the previous step with the same origin. Returns the origin as an error if no constraint
+    /// has it.
     pub(super) fn keep(&mut self, origin: ConstraintOrigin<'a>) -> Result<(), ConstraintOrigin<'a>> {
         let Some(place) = self.before.iter().position(|b| b.is_same(&origin)) else { return Err(origin) };
         if origin.is_users() {
@@ -199,7 +200,7 @@ impl<'a> Compiler<'a> {
         StepChanges { loads, constraints, user_motions, scaling }
     }
 
-    /// Returns the previous step.
+    /// Returns the step before the one at `index`; `None` for the first step.
     fn step_before(&self, index: usize) -> Option<&'a Step> {
         Some(&self.model.steps[index.checked_sub(1)?])
     }

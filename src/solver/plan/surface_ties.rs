@@ -10,9 +10,9 @@ use crate::platform::PortableMath as _;
 /// constraints", node-to-surface approach).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TiedNode {
-    /// Index of its tie in the model.
+    /// Index of the tie in the model.
     pub tie: usize,
-    /// Mesh node.
+    /// Index of the tied mesh node.
     pub node: usize,
     /// Element of the master facet.
     pub element: usize,

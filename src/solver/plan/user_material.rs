@@ -33,7 +33,7 @@ fn flows_at_points(material: &MaterialDefinition) -> bool {
 enum UserLaw<'m> {
     /// The stress: material constants, and the name of the subroutine.
     Stress(&'m [f64], &'static str),
-    /// The yield stress.
+    /// The yield stress only; elasticity and flow are built in.
     Flow(YieldSource),
 }
 

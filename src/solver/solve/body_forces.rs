@@ -58,7 +58,7 @@ impl BodyForces {
         }
     }
 
-    /// Index of the first force of a load.
+    /// Returns the index of the first force of a load.
     #[inline]
     pub fn start_of(&self, load: usize) -> usize {
         load.checked_sub(1).map_or(self.tied, |previous| self.load_ends[previous])

@@ -10,7 +10,8 @@ use crate::model::ElementSide;
 use crate::state::BodyState;
 use crate::variables::{Variable, VariableComponent};
 
-/// A point of such a body: the body, its node and the angle around the axis in radians.
+/// A point on the surface of a body with six degrees of freedom: the body, its node and the angle around the axis in
+/// radians.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpatialPoint {
     pub(super) body: usize,

@@ -6,7 +6,7 @@ use super::run::SolverRun;
 use crate::element::group::ElementGroup;
 use crate::variables::{Variable, VariableComponent};
 
-/// Hash of numbers by their bits.
+/// Hash of floating-point numbers by their bit patterns.
 struct BitHasher(Hash);
 
 impl BitHasher {

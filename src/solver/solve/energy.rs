@@ -14,7 +14,7 @@ use crate::state::energies::EnergyTotals;
 /// - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
-    /// Kinetic energy.
+    /// Kinetic energy ALLKE of nodes and rigid bodies.
     #[serde(rename = "ALLKE")]
     pub kinetic: f64,
     /// Work of prescribed loads and motions.
@@ -59,7 +59,7 @@ pub struct Energy {
     /// Mass and energy of deleted elements; `None` if they are not recorded.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub removed: Option<DeletionTotals>,
-    /// Total energy.
+    /// Total energy ETOTAL, constant up to integration errors.
     #[serde(rename = "ETOTAL")]
     pub total: f64,
     /// Total energy at the start.
@@ -128,7 +128,7 @@ struct PrescribedBody {
 }
 
 impl EnergyBalance {
-    /// The balance at the start of an analysis.
+    /// Creates the balance at the start of an analysis.
     pub fn start(dofs: &Dofs) -> Self {
         let kinetic = kinetic(dofs);
         EnergyBalance {

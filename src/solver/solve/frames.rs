@@ -296,7 +296,7 @@ fn in_space(run: &SolverRun<'_>, field: &FrameField) -> bool {
         && third(field.variable()).is_some()
 }
 
-/// Returns a vector over points with its third component.
+/// Returns an array of vectors over points, with the component along direction 3 added.
 fn array_in_space(
     field: &FrameField,
     values: Vec<f64>,

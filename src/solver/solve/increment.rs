@@ -12,25 +12,25 @@ use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::{BodyState, Instant};
 
-/// Event at the end of an increment.
+/// Event that determines the end of an increment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IncrementEnd {
     /// No event.
     Plain,
-    /// The end of the step.
+    /// The step ends.
     Step,
-    /// A force jumps.
+    /// A force jumps, for example at the interface of two layers.
     Jump,
     /// The body with this index comes to rest.
     Rest(usize),
 }
 
-/// The next increment.
+/// Length of the next increment and the event at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increment {
-    /// Length, time.
+    /// Length of the increment, time.
     pub length: f64,
-    /// Event at its end.
+    /// Event at the end of the increment.
     pub end: IncrementEnd,
     /// Reason for its length.
     pub by: IncrementLimiter,
@@ -100,13 +100,13 @@ const SLIVER: f64 = 1e-3;
 pub struct IncrementContext<'a> {
     /// Model as loads read it.
     pub view: SceneView<'a>,
-    /// Elements.
+    /// Deformable elements, for their stable time increment.
     pub elements: &'a Elements,
     /// Nodal temperatures, if they are solved for.
     pub heat: Option<&'a TemperatureField>,
-    /// Loads of the step.
+    /// Loads that are active in the step.
     pub loads: &'a [Box<dyn Load>],
-    /// Constraints of the step.
+    /// Constraints that are active in the step.
     pub constraints: &'a [Box<dyn Constraint>],
     /// Length of the previous increment; 0 if central differences of bodies start again.
     pub previous_dt: f64,
@@ -149,7 +149,7 @@ pub struct IncrementController {
 }
 
 impl IncrementController {
-    /// The controller at the start of a step.
+    /// Creates the controller at the start of a step.
     pub fn new(step: &StepPlan, bodies: &[BodyState]) -> Self {
         let (fixed, accuracy, most) = match step.control {
             IncrementControl::Fixed(length) => (Some(length), 1.0, f64::INFINITY),

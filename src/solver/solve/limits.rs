@@ -18,7 +18,7 @@ pub enum IncrementLimiter {
     Given,
     /// Error control of the motion of rigid bodies.
     Accuracy,
-    /// Stability of elements.
+    /// Stability of the elements.
     Elements,
     /// Stability of heat conduction.
     Conduction,
@@ -65,10 +65,10 @@ impl Persist for IncrementLimiter {
     }
 }
 
-/// A time interval.
+/// Interval of total time, with its smallest increment and the reason for that increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct IncrementSpan {
-    /// Total time at its start.
+    /// Total time at the start of the interval.
     time: f64,
     shortest: f64,
     by: IncrementLimiter,
@@ -77,7 +77,8 @@ struct IncrementSpan {
 }
 
 impl IncrementSpan {
-    /// The end of the step is replaced by any other reason, because it says nothing about the model.
+    /// Takes the other interval if its smallest increment is shorter. The end of the step is replaced by any other
+    /// reason, because it says nothing about the model.
     fn take(&mut self, other: &IncrementSpan) {
         let (ends, other_ends) = (self.by == IncrementLimiter::Step, other.by == IncrementLimiter::Step);
         if ends && !other_ends || ends == other_ends && other.shortest < self.shortest {
@@ -86,7 +87,7 @@ impl IncrementSpan {
     }
 }
 
-/// Intervals of a step.
+/// Smallest increments of a step, in intervals with equal numbers of increments.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct IncrementLimits {
     spans: Vec<IncrementSpan>,
@@ -172,7 +173,7 @@ pub struct LimitsOverTime {
     pub increment: Vec<f64>,
     /// Reason for each of these increments, as an index of `names`.
     pub by: Vec<usize>,
-    /// Reasons.
+    /// Names of the reasons.
     pub names: Vec<String>,
 }
 

@@ -131,7 +131,7 @@ fn show_warnings(run: &mut SolverRun<'_>, sink: &mut dyn Sink) {
     }
 }
 
-/// Start of a step.
+/// Way in which a step begins.
 #[derive(Clone, Copy)]
 enum StepStart {
     /// At its beginning; index from 0.

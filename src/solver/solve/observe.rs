@@ -20,7 +20,7 @@ pub enum SinkError {
     /// A file could not be written.
     #[error(transparent)]
     File(#[from] std::io::Error),
-    /// Any other reason.
+    /// Any other error of the sink.
     #[error(transparent)]
     Other(#[from] Box<dyn std::error::Error + Send + Sync>),
 }
@@ -32,7 +32,7 @@ pub struct Progress<'a> {
     pub step: &'a str,
     /// Fraction of the total time of all steps that is complete.
     pub fraction: f64,
-    /// Current instant.
+    /// Instant of the report.
     pub now: Instant,
     /// Length of the previous increment; 0 at the start.
     pub increment: f64,
@@ -48,7 +48,7 @@ pub struct Progress<'a> {
 
 /// Receiver of the output of a run.
 pub trait Sink {
-    /// Returns whether frames are needed.
+    /// Returns whether the sink uses frames; if not, they are not computed.
     fn wants_frames(&self) -> bool {
         false
     }
@@ -169,7 +169,7 @@ pub(super) struct RunOutput {
     next_time: f64,
     next_increment: u64,
     first: bool,
-    /// Increments of the last row and of the last frame.
+    /// Increment numbers of the last row and of the last frame.
     shown: [Option<u64>; 2],
 }
 
@@ -264,7 +264,7 @@ impl RunOutput {
     }
 }
 
-/// Reports progress to the sink.
+/// Passes step, time, energies and the limiting element to the sink.
 fn report_progress(run: &SolverRun<'_>, frame: bool, sink: &mut dyn Sink) {
     let total: f64 = run.plan.steps.iter().map(|s| s.duration).sum();
     let limiting = if run.state.elements.is_empty() { (0, 0) } else { run.limits() };

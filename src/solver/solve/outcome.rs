@@ -31,7 +31,7 @@ pub struct Outcome {
     pub exits: Vec<BodyExit>,
     /// Number of deleted elements.
     pub deleted: usize,
-    /// Warnings of the run.
+    /// Warnings issued during the run.
     pub warnings: Vec<String>,
     /// Increments over all steps.
     pub increments: u64,
@@ -66,18 +66,18 @@ pub struct BodyExit {
     pub velocity: f64,
 }
 
-/// Summary of a step.
+/// Time that a step reached, and its increments.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct StepSummary {
-    /// Name.
+    /// Name of the step, from `*STEP, NAME=`.
     pub name: String,
-    /// Number of increments.
+    /// Number of increments of the step.
     pub increments: u64,
     /// Time reached in the step.
     pub time: f64,
-    /// Smallest increment.
+    /// Smallest time increment of the step.
     pub smallest_increment: f64,
-    /// Largest increment.
+    /// Largest time increment of the step.
     pub largest_increment: f64,
     /// Element that limited the smallest increment, if one did.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -117,12 +117,12 @@ pub struct PenetrationSummary {
     pub tilt: f64,
 }
 
-/// A body that came to rest.
+/// A body that came to rest, with the time and the displacement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct BodyRest {
     /// Name of the body.
     pub body: String,
-    /// Total time.
+    /// Total time at which the body came to rest.
     pub time: f64,
     /// Displacement along z.
     pub displacement: f64,

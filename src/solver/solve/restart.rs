@@ -20,14 +20,14 @@ use crate::user::{AnalysisMoment, SavedMemory};
 pub enum CheckpointInterval {
     /// Wall-clock time.
     Elapsed(Duration),
-    /// Number of increments.
+    /// A number of increments.
     Increments(u64),
 }
 
 /// Control of a run in addition to its plan.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunControl<'a> {
-    /// Interval of checkpoints.
+    /// Interval of checkpoints; `None` writes only those of the deck.
     pub every: Option<CheckpointInterval>,
     /// Number of the signal that has arrived, else 0; the run then ends after the current increment.
     pub interrupt: Option<&'a AtomicUsize>,
@@ -41,7 +41,7 @@ const HELD_EVERY: u64 = 4096;
 /// Approximate time between two readings of the clock; one reading costs as much as an increment of a small model.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// Checkpoints of a run.
+/// Writer of checkpoints during a run, with the stored states for a return to an earlier instant.
 pub(super) struct Checkpointer<'a> {
     control: RunControl<'a>,
     /// Schedule of `*RESTART, WRITE`.
@@ -67,8 +67,8 @@ pub(super) struct Checkpointer<'a> {
 }
 
 impl<'a> Checkpointer<'a> {
-    /// `holds`: whether states are stored in memory. This requires frames and deformable bodies, and excludes user
-    /// subroutines, which would be called twice.
+    /// Creates the checkpointer of a run. `holds` states whether states are stored in memory, which requires frames and
+    /// deformable bodies, and excludes user subroutines, which would be called twice.
     pub(super) fn new(control: RunControl<'a>, holds: bool) -> Self {
         let now = Stopwatch::now();
         Checkpointer {
@@ -88,7 +88,7 @@ impl<'a> Checkpointer<'a> {
         }
     }
 
-    /// Begins, or continues, a step at this instant.
+    /// Begins a step, or continues one, at this instant.
     pub(super) fn begin(&mut self, step: &StepPlan, now: &Instant) {
         self.due_at_start = !self.asked.is_empty();
         self.asked.begin(&step.outputs.restart, now.increment);

@@ -26,7 +26,7 @@ use crate::user::RunAction;
 #[repr(align(64))]
 pub(super) struct SolverRun<'a> {
     pub(super) plan: &'a Plan,
-    /// The current step.
+    /// Plan of the current step.
     pub(super) step: &'a StepPlan,
     /// Degrees of freedom, elements, and the effects in force.
     pub(super) state: State,

@@ -19,7 +19,7 @@ const SOUND: [f64; 2] = [0.01, 0.05];
 /// Size of a negative kinetic or internal energy, as a fraction of the largest energy, above which it is counted.
 const BELOW_ZERO: f64 = 0.01;
 
-/// Number of such increments before the warning, because a sudden release causes a few.
+/// Number of increments with a negative energy before the warning, because a sudden release causes a few.
 const SEEN: u64 = 10;
 
 /// Explanations for kinetic and for internal energy below zero.
@@ -47,7 +47,7 @@ const LOOK_EVERY: [u64; 2] = [17, 511];
 const PATTERN: f64 = 0.75;
 /// Growth of the pattern's kinetic energy since the last check that is needed for a warning.
 const GROWTH: f64 = 4.0;
-/// Fraction of the largest energy that the pattern must have for a warning.
+/// Fraction of the largest energy that the hourglass pattern must have before it is reported.
 const WORTH: f64 = 0.01;
 
 /// History of the monitored values.
@@ -55,9 +55,9 @@ const WORTH: f64 = 0.01;
 pub(super) struct RunMonitor {
     /// Total times since which the drift of ETOTAL and ALLAE have been out of bounds.
     unsound: [Option<f64>; 2],
-    /// Successive increments up to this one with a drift that halts.
+    /// Number of successive increments, up to the current one, whose drift of ETOTAL is large enough to halt the run.
     pub(super) successive_drifts: u64,
-    /// All increments with such a drift.
+    /// Number of all increments with such a drift.
     pub(super) drift_count: u64,
     /// Increments with negative kinetic and negative internal energy, up to the warning.
     below_zero: [u64; 2],
@@ -226,8 +226,8 @@ impl SolverRun<'_> {
         )
     }
 
-    /// Returns whether all energies so far are negligible: less than the kinetic energy of the model at one rounding
-    /// error of coordinates per increment, or than the energy that contact takes from bodies at rest.
+    /// Returns whether all energies so far are negligible: less than the kinetic energy of the model at 100 rounding
+    /// errors of coordinates per increment, or than the energy that contact takes from bodies at rest.
     pub(super) fn is_noise(&self) -> bool {
         const ROUNDINGS: f64 = 100.0;
         let nodes = &self.state.dofs.nodes;

@@ -103,7 +103,7 @@ impl SampleDesign {
         Ok(SampleDesign { sampling, dimensions, seed, sets, next: 0, first: 0, set: SetState::None })
     }
 
-    /// Start index of each set, followed by the end of the last set.
+    /// Returns the start index of each set, followed by the end of the last set.
     pub fn sets(sampling: SamplingScheme, count: usize) -> Vec<usize> {
         match sampling {
             SamplingScheme::Random => vec![0, count],
@@ -171,8 +171,8 @@ fn permutation(size: usize, draws: &mut ChaCha8Rng) -> Vec<u32> {
 /// Number of scrambled leading binary digits; the digits below are random.
 const SCRAMBLED: u32 = 32;
 
-/// Owen scrambling of binary digits (in Monte Carlo and Quasi-Monte Carlo Methods, Springer 1995, 299): a random bit
-/// that depends on the preceding digits flips each digit or not.
+/// Scrambles binary digits as Owen does (in Monte Carlo and Quasi-Monte Carlo Methods, Springer 1995, 299): a random
+/// bit that depends on the preceding digits flips each digit or not.
 fn scrambled(digits: u64, key: u64) -> u64 {
     let mut turned = digits;
     for place in 0..SCRAMBLED {
@@ -183,7 +183,7 @@ fn scrambled(digits: u64, key: u64) -> u64 {
     turned & !low | mix(key.wrapping_add(turned & !low)) & low
 }
 
-/// Bit mixing function of SplitMix (Steele, Lea and Flood, OOPSLA 2014).
+/// Mixes bits with the function of SplitMix (Steele, Lea and Flood, OOPSLA 2014).
 fn mix(bits: u64) -> u64 {
     let bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -15,9 +15,9 @@ pub enum ParameterDistribution {
     },
     /// Normal distribution, without limits.
     Normal {
-        /// Mean.
+        /// Mean of the parameter.
         mean: f64,
-        /// Standard deviation.
+        /// Standard deviation of the parameter.
         deviation: f64,
     },
     /// Lognormal distribution of values above zero.

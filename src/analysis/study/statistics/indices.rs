@@ -105,7 +105,7 @@ mod tests {
         indices(&points.chunks(6).flat_map(row).collect::<Vec<_>>(), 3, seed).expect("indices")
     }
 
-    /// Source: the closed form of Ishigami and Homma (1990) with a = 7, b = 0.1.
+    /// Returns the closed form of Ishigami and Homma (1990) with a = 7, b = 0.1.
     fn exact() -> [f64; 6] {
         let (a, b) = (7.0, 0.1);
         let v1 = 0.5 * (1.0 + b * PI.powi(4) / 5.0).powi(2);

@@ -243,7 +243,7 @@ mod tests {
     use crate::study::statistics::normal;
     use rand_chacha::rand_core::RngCore as _;
 
-    /// y = a exp(-b x) with errors of deviation 0.05.
+    /// Returns points of y = a exp(-b x) with normal errors of deviation 0.05.
     fn table(seed: u64) -> Vec<(f64, f64)> {
         let mut draws = draws(seed, 0);
         let x = (0..20).map(|i| 0.2 * f64::from(i));

@@ -5,7 +5,7 @@ use super::{IntervalEstimate, TAIL, normal};
 /// Statistic that is estimated from a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SampleStatistic {
-    /// Arithmetic mean.
+    /// Arithmetic mean of the sample.
     Mean,
     /// Standard deviation of the population (divisor n - 1).
     Deviation,

@@ -140,7 +140,7 @@ card!(ContactControls: "CONTACT CONTROLS", "Controls of sets of contact pairs", 
     "applies only to implicit analyses: give CPSET": "MASTER", "SLAVE";
 }, []);
 
-/// Rows of this family.
+/// Keywords of rigid bodies, masses, springs, targets, constraints, contact and initial conditions.
 pub const CARDS: &[Keyword] = &[
     Mass::ROW,
     RotaryInertia::ROW,

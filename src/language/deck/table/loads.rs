@@ -4,7 +4,7 @@ use super::row;
 use crate::deck::keywords::Keyword;
 use crate::deck::value::{INTEGER, NOT_NEGATIVE, NUMBER, TEXT, variant, word};
 
-/// Rows of this family.
+/// Keywords of loads, prescribed motions and predefined fields.
 pub const CARDS: &[Keyword] = &[
     row!("BOUNDARY", "Prescribed motion", (), {
         "OP" (word(&["MOD", "NEW"]).or(0.0)),

@@ -295,7 +295,7 @@ card!(SectionControls: "SECTION CONTROLS", "Hourglass, distortion and viscosity 
     "factor on quadratic bulk viscosity" only ["1"] "give *BULK VISCOSITY in the step",
 ])]);
 
-/// Rows of this family.
+/// Keywords of materials, sections and element controls.
 pub const CARDS: &[Keyword] = &[
     row!("MATERIAL", "Begins a material", (unique "NAME"), {
         "NAME" read "Name of the material",

@@ -11,7 +11,7 @@ const ONE: ValueSpec = COUNT.or(1.0);
 /// Increment of node or element numbers; 1 by default.
 const STEP: ValueSpec = INTEGER.or(1.0);
 
-/// Rows of this family.
+/// Keywords of the mesh, sets and surfaces, and of title, units, includes and parameters.
 pub const CARDS: &[Keyword] = &[
     row!("HEADING", "Title of the analysis", (), {}, [(text "title" read "Any number of lines")]),
     row!(extension "UNITS", "Units shown in reports, pictures and tables; values are not converted", (once), {}, [

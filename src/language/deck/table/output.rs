@@ -4,7 +4,7 @@ use super::row;
 use crate::deck::keywords::Keyword;
 use crate::deck::value::{COUNT, INTEGER, NUMBER, POSITIVE, ZERO, word};
 
-/// Rows of this family.
+/// Keywords that request output and restart files.
 pub const CARDS: &[Keyword] = &[
     row!("OUTPUT", "Requests results", (step), {
         "FIELD" read "Frames of the whole model",

@@ -100,7 +100,7 @@ card!(Amplitude: "AMPLITUDE", "A function of time", (unique "NAME"), {
     (stream ["time" (NUMBER), "value" (NUMBER)]),
 ]);
 
-/// Rows of this family.
+/// Keywords of steps, increments, mass scaling and amplitudes.
 pub const CARDS: &[Keyword] = &[
     Amplitude::ROW,
     row!("STEP", "Begins a step", (), {

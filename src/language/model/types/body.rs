@@ -13,7 +13,7 @@ pub struct DiscreteElements {
     pub connectors: Vec<ConnectorProperty>,
 }
 
-/// A rigid body (`*RIGID BODY`).
+/// A rigid body, defined by `*RIGID BODY`: reference node, elements and analytical surface.
 #[derive(Clone, Debug)]
 pub struct RigidBody {
     /// Name of the element set, used in messages.
@@ -54,7 +54,7 @@ pub const STATIONS: usize = 64;
 /// The rotary inertia of a node (`*ROTARY INERTIA`).
 #[derive(Clone, Copy, Debug)]
 pub struct RotaryInertia {
-    /// Node index.
+    /// Index of the node.
     pub node: usize,
     /// Moment of inertia about the axis of symmetry, and about any transverse axis through the node.
     pub axial_transverse: [f64; 2],
@@ -65,7 +65,7 @@ pub struct RotaryInertia {
 /// The point mass of a node (`*MASS`).
 #[derive(Clone, Copy, Debug)]
 pub struct PointMass {
-    /// Node index.
+    /// Index of the node.
     pub node: usize,
     /// Mass of the whole ring or point, in the mass unit of the deck.
     pub mass: f64,
@@ -76,11 +76,11 @@ pub struct PointMass {
 /// Force law of the springs or dashpots of an element set.
 #[derive(Clone, Debug)]
 pub struct ConnectorProperty {
-    /// Element indices.
+    /// Indices of the elements with this property.
     pub elements: Vec<usize>,
     /// Degree of freedom (1 = r, 2 = z) of springs and dashpots to ground.
     pub dof: u8,
-    /// Force law.
+    /// Force as a function of the relative displacement or velocity.
     pub law: ConnectorLaw,
     /// Source position of the keyword line.
     pub span: Span,

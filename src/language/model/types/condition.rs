@@ -38,7 +38,7 @@ pub enum AmplitudeDefinition {
     },
 }
 
-/// An initial condition (`*INITIAL CONDITIONS`).
+/// Initial value of a quantity at nodes or elements (`*INITIAL CONDITIONS`).
 #[derive(Clone, Debug)]
 pub struct InitialCondition {
     /// Quantity and value.
@@ -119,9 +119,9 @@ pub struct PrescribedField {
 pub enum MotionKind {
     /// Displacement relative to the start of the step: displacements never jump.
     Displacement,
-    /// Velocity.
+    /// The amplitude gives the velocity.
     Velocity,
-    /// Acceleration.
+    /// The amplitude gives the acceleration.
     Acceleration,
     /// Temperature (degree of freedom 11).
     Temperature,

@@ -10,7 +10,7 @@ pub struct NodeConstraints {
     pub equations: Vec<LinearEquation>,
     /// `*MPC` and `*COUPLING` cards.
     pub links: Vec<NodeLink>,
-    /// `*TIE` cards.
+    /// Ties of two surfaces (`*TIE`).
     pub ties: Vec<SurfaceTie>,
 }
 
@@ -35,7 +35,7 @@ impl LinearEquation {
 pub struct NodeLink {
     /// Name used in messages.
     pub name: String,
-    /// Kind of the link.
+    /// Degrees of freedom that the link couples.
     pub kind: LinkKind,
     /// Index of the reference node.
     pub reference: usize,

@@ -11,9 +11,9 @@ use crate::kernel::profile::SurfaceProfile;
 /// Surface definitions by upper-case name.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceDefinitions {
-    /// Element-based surfaces.
+    /// Element-based surfaces by name.
     pub faces: IndexMap<String, ElementSurface>,
-    /// Analytical rigid surfaces.
+    /// Analytical rigid surfaces by name.
     pub analytical: IndexMap<String, RigidSurface>,
     /// Node-based surfaces: node indices.
     pub nodes: IndexMap<String, Vec<usize>>,
@@ -37,12 +37,12 @@ pub struct RigidSurface {
     pub span: Span,
 }
 
-/// A surface interaction (`*SURFACE INTERACTION`).
+/// Contact properties under a name (`*SURFACE INTERACTION`).
 #[derive(Clone, Debug)]
 pub struct SurfaceInteraction {
     /// Upper-case name.
     pub name: String,
-    /// Contact law.
+    /// Friction, pressure-overclosure relationship and heat conduction.
     pub law: InteractionLaw,
     /// Keyword and source position of the thermal cards of the interaction.
     pub heat_cards: Vec<(&'static str, Span)>,
@@ -68,9 +68,9 @@ pub struct SurfaceContact {
     pub secondary: Option<usize>,
     /// Upper-case name of the contact pair set (`CPSET`).
     pub cpset: Option<String>,
-    /// Surface interaction.
+    /// Surface interaction of the pair, if one is given.
     pub interaction: Option<InteractionId>,
-    /// Law of the interaction.
+    /// Normal behaviour, friction and heat exchange of the interaction.
     pub law: InteractionLaw,
     /// Source position of the data line.
     pub span: Span,
@@ -110,7 +110,7 @@ pub struct PrescribedClearance {
 pub enum ContactDomain {
     /// All exterior faces of the model.
     All,
-    /// A named surface.
+    /// A surface of the model, given by its name.
     Surface(SideSelection),
 }
 
@@ -139,10 +139,10 @@ pub struct GeneralContact {
 /// An assignment of a surface interaction in general contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AssignedInteraction {
-    /// The pair of surfaces.
+    /// Both sides of the pair: surfaces, or the whole exterior.
     pub domains: [ContactDomain; 2],
-    /// Surface interaction.
+    /// Surface interaction that is assigned, if one is given.
     pub interaction: Option<InteractionId>,
-    /// Law of the interaction.
+    /// Normal behaviour, friction and heat exchange of the interaction.
     pub law: InteractionLaw,
 }

@@ -40,14 +40,14 @@ pub enum LoadKind {
     Pressure(SideSelection),
     /// `PNU`, `P1NU` to `P4NU`: a pressure given by the user subroutine VDLOAD.
     User {
-        /// Loaded sides.
+        /// Faces on which the pressure acts.
         sides: SideSelection,
         /// Load type code `jltyp` of VDLOAD.
         load_type: i32,
     },
     /// `BRNU`, `BZNU`: a body force per volume along r or z, given by the user subroutine VDLOAD.
     UserBody {
-        /// Element indices.
+        /// Indices of the elements on which the load acts.
         elements: Vec<usize>,
         /// Name of the element set, or the element, as written in the deck.
         set: String,
@@ -56,9 +56,9 @@ pub enum LoadKind {
     },
     /// `CAVITY` (extension): the resistance of a target without mesh.
     Cavity {
-        /// Loaded sides.
+        /// Faces on which the resistance acts.
         sides: SideSelection,
-        /// Target that resists.
+        /// Target whose resistance acts on the faces.
         target: TargetId,
         /// Coulomb friction coefficient.
         friction: f64,
@@ -74,7 +74,7 @@ pub enum LoadKind {
     SurfaceHeat(SideSelection),
     /// `*DFLUX BF`: a heat source per volume.
     BodyHeat {
-        /// Element indices.
+        /// Indices of the elements on which the load acts.
         elements: Vec<usize>,
         /// Name of the element set, or the element, as written in the deck.
         set: String,

@@ -22,7 +22,7 @@ pub struct MaterialDefinition {
     pub shear_modulus: Option<f64>,
     /// Rubber elasticity (`*HYPERELASTIC`).
     pub hyperelastic: Option<HyperelasticLaw>,
-    /// Equation of state.
+    /// Relation of pressure, density and internal energy (`*EOS`).
     pub eos: Option<EquationOfState>,
     /// Detonation points (`*DETONATION POINT`): `[r, z, total time]` of each.
     pub detonation: Vec<[f64; 3]>,
@@ -36,11 +36,11 @@ pub struct MaterialDefinition {
     pub extrapolates: bool,
     /// Strain rate dependence of the yield stress.
     pub rate: Option<RateDependence>,
-    /// Thermal properties.
+    /// Properties for heat generation, heat conduction and thermal expansion.
     pub thermal: ThermalProperties,
     /// Failure criteria based on plastic strain, in deck order.
     pub failures: Vec<FailureCriterion>,
-    /// Tensile failure (`*TENSILE FAILURE`).
+    /// Failure at a limit of the tensile hydrostatic stress (`*TENSILE FAILURE`).
     pub tensile_failure: Option<TensileFailure>,
     /// Resistance to cavity expansion (`*CAVITY EXPANSION`, extension).
     pub cavity: Option<CavityExpansion>,
@@ -48,7 +48,7 @@ pub struct MaterialDefinition {
     pub user: UserDefinitions,
 }
 
-/// Thermal properties.
+/// Properties of a material for heat generation, heat conduction and thermal expansion.
 #[derive(Clone, Debug, Default)]
 pub struct ThermalProperties {
     /// Inelastic heat fraction: the fraction of plastic work that is converted to heat.
@@ -58,7 +58,7 @@ pub struct ThermalProperties {
     /// Rows of conductivity (power per length and temperature) and temperature (NaN where absent), with the source
     /// position.
     pub conductivity: Option<(Vec<[f64; 2]>, Span)>,
-    /// Thermal expansion (`*EXPANSION`).
+    /// Expansion coefficients and their reference temperature (`*EXPANSION`).
     pub expansion: Option<ThermalExpansion>,
 }
 
@@ -120,7 +120,7 @@ pub struct HyperelasticLaw {
 /// Deviatoric strain energy of rubber, with its constants.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DeviatoricEnergy {
-    /// Neo-Hooke: C10.
+    /// Neo-Hooke form with the constant C10, stress.
     NeoHooke(f64),
     /// Polynomial: each C_ij with i and j.
     Polynomial(Vec<(f64, usize, usize)>),
@@ -196,7 +196,7 @@ impl FailureCriterion {
 /// Plastic strain at failure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StrainAtFailure {
-    /// Constant strain.
+    /// Failure strain that does not depend on the state.
     Constant(f64),
     /// Johnson-Cook: d1 to d5; then melting temperature, transition temperature and reference strain rate. `*SHEAR
     /// FAILURE` takes these three from `*PLASTIC` and `*RATE DEPENDENT` (`None`).
@@ -221,7 +221,7 @@ pub enum DamageEvolution {
     Energy(f64),
 }
 
-/// Tensile failure (`*TENSILE FAILURE`).
+/// Failure at a tensile hydrostatic stress, and its effect on the stress (`*TENSILE FAILURE`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TensileFailure {
     /// Hydrostatic cutoff stress: largest tensile mean stress.
@@ -262,13 +262,13 @@ pub enum RateDependence {
 /// Resistance of a material to the expansion of a cavity: `σ_n = Y (A + B x + C x²)` with `x = v_n √(ρ / Y)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CavityExpansion {
-    /// Y, stress.
+    /// Yield stress Y by which pressures are scaled, stress.
     pub yield_stress: f64,
-    /// A, dimensionless.
+    /// Constant A of the resistance law, dimensionless.
     pub a: f64,
-    /// B, dimensionless.
+    /// Constant B of the resistance law, dimensionless.
     pub b: f64,
-    /// C, dimensionless.
+    /// Constant C of the resistance law, dimensionless.
     pub c: f64,
     /// Data of the fit if the constants were derived from the material (`DERIVE`); `None` if given.
     pub derived: Option<ResistanceDerivation>,

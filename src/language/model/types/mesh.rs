@@ -81,7 +81,7 @@ impl Mesh {
     }
 }
 
-/// Element type.
+/// Type of an element, with its number of nodes and integration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ElementKind {
     /// Two-node axisymmetric rigid surface element.
@@ -112,12 +112,12 @@ pub enum ElementKind {
     Dashpot1,
 }
 
-/// An element of the mesh.
+/// An element of the mesh: type, label and nodes.
 #[derive(Clone, Debug)]
 pub struct Element {
     /// Element name: the label, or `INSTANCE.label` for an element of an instance.
     pub name: EntityName,
-    /// Element type.
+    /// Type, for example CAX4R.
     pub kind: ElementKind,
     /// Indices into [`Mesh::points`], as many as the type requires. Nodes of solids are listed around the boundary
     /// ([`ElementKind::around`]).
@@ -148,7 +148,7 @@ pub enum ElementSide {
     Face(u8),
 }
 
-/// An element-based surface.
+/// Faces of elements under a name (`*SURFACE, TYPE=ELEMENT`).
 #[derive(Clone, Debug, Default)]
 pub struct ElementSurface {
     /// Name as written in the deck.

@@ -75,27 +75,27 @@ pub struct Model {
     pub surfaces: SurfaceDefinitions,
     /// Materials in deck order.
     pub materials: Vec<MaterialDefinition>,
-    /// `*SOLID SECTION` assignments.
+    /// Materials assigned to solid elements (`*SOLID SECTION`).
     pub sections: Vec<SolidSection>,
-    /// `*SHELL SECTION` assignments.
+    /// Materials and thicknesses assigned to shells (`*SHELL SECTION`).
     pub shell_sections: Vec<ShellSection>,
-    /// `*EROSION` cards.
+    /// Criteria for element deletion (`*EROSION`).
     pub erosions: Vec<ErosionCriteria>,
     /// Amplitudes in deck order.
     pub amplitudes: Vec<Amplitude>,
     /// Rigid bodies in deck order.
     pub rigid_bodies: Vec<RigidBody>,
-    /// `*ATTITUDE` cards.
+    /// Initial rotations of rigid bodies (`*ATTITUDE`).
     pub attitudes: Vec<InitialAttitude>,
     /// Point masses, rotary inertias, springs and dashpots.
     pub discrete: DiscreteElements,
-    /// `*SURFACE INTERACTION` cards.
+    /// Contact properties by name (`*SURFACE INTERACTION`).
     pub interactions: Vec<SurfaceInteraction>,
     /// Equations, couplings and ties.
     pub constraints: NodeConstraints,
     /// `*INITIAL CONDITIONS` data lines.
     pub initial_conditions: Vec<InitialCondition>,
-    /// `*TARGET` cards.
+    /// Targets that are not meshed (`*TARGET`).
     pub targets: Vec<TargetStack>,
     /// Steps. Each lists everything in force during the step: propagation between steps and `OP=NEW` are already
     /// resolved.
@@ -104,7 +104,7 @@ pub struct Model {
     pub output: OutputDefinitions,
 }
 
-/// Source of a model.
+/// Files and cards from which a model was built.
 #[derive(Clone, Debug, Default)]
 pub struct ModelOrigin {
     /// Text of the deck and its included files; empty for a model composed in Rust.
@@ -118,7 +118,7 @@ pub struct ModelOrigin {
     pub inert: Vec<IgnoredCard>,
 }
 
-/// Settings of the whole analysis.
+/// Settings that hold in all steps.
 #[derive(Clone, Debug, Default)]
 pub struct AnalysisSettings {
     /// The `*HEADING` text.

@@ -21,15 +21,15 @@ pub struct OutputDefinitions {
 pub struct OutputRequest {
     /// Field output or history output.
     pub kind: OutputKind,
-    /// Output interval.
+    /// Times or increments at which the request writes.
     pub interval: OutputInterval,
     /// Card of the request; it limits the variables that `PRESELECT` and `ALL` select.
     pub card: OutputCard,
-    /// Requested variables.
+    /// Variables to write, as in the data lines of the request.
     pub variables: Vec<VariableRequest>,
     /// Location at which field output of elements is written.
     pub position: OutputPosition,
-    /// Region of the variables.
+    /// Nodes, elements, surfaces or contact pairs whose values are written.
     pub region: OutputRegion,
     /// Statistics over the set (`STATISTICS`); if empty, history output has one column per member.
     pub statistics: Vec<Statistic>,
@@ -55,28 +55,28 @@ pub struct OutputExpression {
 /// Field output (frames) or history output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputKind {
-    /// `*OUTPUT, FIELD`.
+    /// Frames, requested by `*OUTPUT, FIELD`.
     Field,
-    /// `*OUTPUT, HISTORY`.
+    /// Rows of the history, requested by `*OUTPUT, HISTORY`.
     History,
 }
 
 /// Keyword of an output request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputCard {
-    /// `*OUTPUT, VARIABLE=`.
+    /// Set of variables given by `*OUTPUT, VARIABLE=`.
     Output,
-    /// `*NODE OUTPUT`.
+    /// Nodal variables (`*NODE OUTPUT`).
     Node,
-    /// `*ELEMENT OUTPUT`.
+    /// Element variables (`*ELEMENT OUTPUT`).
     Element,
-    /// `*ENERGY OUTPUT`.
+    /// Energies of the whole model (`*ENERGY OUTPUT`).
     Energy,
-    /// `*INCREMENTATION OUTPUT`.
+    /// Increment data such as DT (`*INCREMENTATION OUTPUT`).
     Incrementation,
-    /// `*INTEGRATED OUTPUT`.
+    /// Integrals over surfaces (`*INTEGRATED OUTPUT`).
     Integrated,
-    /// `*CONTACT OUTPUT`.
+    /// Contact variables (`*CONTACT OUTPUT`).
     Contact,
 }
 
@@ -113,14 +113,14 @@ pub enum OutputPosition {
     Nodes,
 }
 
-/// Output interval.
+/// Times or increments at which output is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OutputInterval {
     /// Constant time interval.
     Time(f64),
     /// Number of equal intervals of the step.
     Number(u32),
-    /// Number of increments.
+    /// After each time this number of increments is completed.
     Increments(u32),
     /// Given times (`*TIME POINTS`).
     Points(TimePointsId),
@@ -142,15 +142,15 @@ pub struct TimePoints {
 /// Region of the model for an output request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OutputRegion {
-    /// The whole model.
+    /// All nodes and elements of the model.
     Whole,
-    /// A node set.
+    /// The nodes of a set.
     Nodes(NodeSetId),
-    /// An element set.
+    /// The elements of a set.
     Elements(ElementSetId),
     /// An element-based surface, and the name prefix of its columns.
     Surface(SurfaceId, String),
-    /// Contact pairs.
+    /// The contact pairs that match a filter.
     Pairs(ContactPairFilter),
 }
 
@@ -159,7 +159,7 @@ pub enum OutputRegion {
 pub struct ContactPairFilter {
     /// Upper-case name of the contact pair set.
     pub cpset: Option<String>,
-    /// Surface interaction.
+    /// Only pairs with this surface interaction; `None` for any.
     pub interaction: Option<InteractionId>,
     /// Whether only pairs of general contact are selected.
     pub general: bool,

@@ -3,10 +3,10 @@
 use super::handle::MaterialId;
 use crate::deck::Span;
 
-/// A solid section (`*SOLID SECTION`).
+/// Material and elements of a solid section (`*SOLID SECTION`).
 #[derive(Clone, Debug)]
 pub struct SolidSection {
-    /// Element indices.
+    /// Indices of the elements of the section.
     pub elements: Vec<usize>,
     /// Material of the section.
     pub material: MaterialId,
@@ -16,14 +16,14 @@ pub struct SolidSection {
     pub span: Span,
 }
 
-/// A shell section (`*SHELL SECTION`).
+/// Material, thickness and elements of a shell section (`*SHELL SECTION`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShellSection {
-    /// Element indices.
+    /// Indices of the elements of the section.
     pub elements: Vec<usize>,
     /// Material of the section.
     pub material: MaterialId,
-    /// Thickness, length.
+    /// Initial thickness of the shells, length.
     pub thickness: f64,
     /// Number of Simpson integration points through the thickness, odd and at least 3.
     pub points: usize,
@@ -64,7 +64,7 @@ pub struct ErosionCriteria {
     pub increment: Option<f64>,
 }
 
-/// Section controls (`*SECTION CONTROLS`).
+/// Element controls under a name (`*SECTION CONTROLS`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionControls {
     /// Hourglass control method; `None` uses the default of the material.
@@ -86,14 +86,14 @@ pub struct SectionControls {
     pub keep_failed_elements: Option<Span>,
 }
 
-/// Hourglass control method.
+/// Form of the hourglass control (`HOURGLASS`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HourglassMethod {
     /// Stiffness whose force relaxes with plastic flow (default).
     RelaxStiffness,
-    /// Stiffness form.
+    /// Elastic hourglass forces, proportional to the hourglass displacement.
     Stiffness,
-    /// Viscous form.
+    /// Viscous hourglass forces, proportional to the hourglass velocity.
     Viscous,
     /// Combined form: this weight for the stiffness, the remainder for the viscosity.
     Combined(f64),

@@ -5,7 +5,7 @@ use crate::deck::Span;
 use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::interaction::CoulombFriction;
 
-/// An analysis step.
+/// An analysis step, with its loads, contacts and output requests.
 #[derive(Clone, Debug)]
 pub struct Step {
     /// Name; `Step-1`, `Step-2`, … if the deck gives none.
@@ -68,7 +68,7 @@ impl Step {
 /// Restart output request (`*RESTART, WRITE`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestartRequest {
-    /// Output interval.
+    /// Times or increments at which restart files are written.
     pub interval: OutputInterval,
     /// Source position of the keyword line.
     pub span: Span,

@@ -20,7 +20,7 @@ const KEPT: usize = 64;
 /// Environment variables with search paths of compilers.
 const SEARCH: &[&str] = &["CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX"];
 
-/// A compiled library.
+/// A shared library that the compiler built.
 #[derive(Debug)]
 pub struct BuiltLibrary {
     /// Bytes of the shared library.
@@ -81,7 +81,7 @@ impl LibraryCache {
         }
     }
 
-    /// Returns a disabled cache.
+    /// Returns a cache that stores and finds nothing, so that each source is compiled.
     pub fn none() -> LibraryCache {
         LibraryCache(None)
     }

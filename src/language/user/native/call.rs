@@ -46,7 +46,7 @@ thread_local! {
     static CURRENT: Cell<*const ActiveCall<'static>> = const { Cell::new(std::ptr::null()) };
 }
 
-/// Ends the call.
+/// Marks the user subroutine of this thread as returned; later crashes are not attributed to it.
 #[inline]
 pub fn end() {
     CURRENT.set(std::ptr::null());
@@ -90,7 +90,7 @@ impl FailureText {
         self.length = length as u32;
     }
 
-    /// Returns the reason.
+    /// Returns the text of the reason; empty if none was set.
     pub fn get(&self) -> String {
         let length = (self.length as usize).min(self.text.len());
         String::from_utf8_lossy(&self.text[..length]).into_owned()

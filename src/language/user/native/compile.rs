@@ -55,7 +55,7 @@ pub struct Compiled {
 /// A shared library in memory, so that exactly the checked bytes are loaded.
 #[derive(Debug)]
 pub(super) struct SharedLibrary {
-    /// Name in messages.
+    /// Path of the source file, as shown in messages.
     pub name: PathBuf,
     /// Content of the library.
     pub bytes: Vec<u8>,
@@ -88,7 +88,7 @@ impl Compiled {
     /// Opens the libraries in a separate process, forked from this one, which must not have other threads yet.
     ///
     /// # Errors
-    /// As [`Compiled::open`]; U012 for subroutines that cannot be isolated.
+    /// The errors of [`Compiled::open`]; U012 for subroutines that cannot be isolated.
     pub fn open_isolated(&self) -> Result<Routines, Diagnostic> {
         isolate::open(|| self.open())
     }
@@ -96,7 +96,7 @@ impl Compiled {
     /// Opens the libraries, if there are any.
     ///
     /// # Errors
-    /// As [`Compiled::open`].
+    /// The errors of [`Compiled::open`].
     pub fn open_any(compiled: Option<&Compiled>) -> Result<Routines, Diagnostic> {
         compiled.map_or(Ok(Routines::none()), Compiled::open)
     }
@@ -598,7 +598,7 @@ impl LibraryBuilder<'_> {
         let plain = missing.trim_end_matches('_');
         for routine in super::ROUTINES {
             if self.calls.reaches(&format!("{routine}_"), missing) || self.calls.reaches(routine, missing) {
-                let message = format!("{routine} calls `{plain}`, which nothing defines");
+                let message = format!("{routine} calls `{plain}`, which is not defined");
                 self.uncallable.push(UncallableRoutine {
                     routine: (*routine).to_owned(),
                     code: "U005".into(),

@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::call::report_failure;
 use super::guard;
 
-/// Installs the exit and signal handlers that report the call, once per process.
+/// Installs the exit and signal handlers, which name the user subroutine that was running. Only the first call has an
+/// effect.
 pub fn watch() {
     static WATCH: Once = Once::new();
     WATCH.call_once(|| {

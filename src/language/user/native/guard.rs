@@ -141,7 +141,7 @@ fn make_arithmetic_plain() {
     unsafe { core::arch::asm!("msr fpcr, {}", in(reg) 0_u64, options(nostack, preserves_flags)) };
 }
 
-/// Not checked on other processors.
+/// Returns true: the register is not checked on other processors.
 #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
 fn arithmetic_is_plain() -> bool {
     true
@@ -178,7 +178,7 @@ pub unsafe extern "C" fn fchdir(folder: c_int) -> c_int {
 }
 
 unsafe extern "C" {
-    /// `sigaction` of the C library under its internal name.
+    /// Function `sigaction` of the C library, by its internal name, which is not replaced.
     fn __sigaction(signal: c_int, new: *const libc::sigaction, old: *mut libc::sigaction) -> c_int;
 }
 

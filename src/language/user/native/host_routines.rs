@@ -62,7 +62,7 @@ macro_rules! symbols {
     };
 }
 
-/// As `symbols`, for shared libraries, which export only Rust functions.
+/// Defines symbols like `symbols`, but as Rust functions, the only functions that shared libraries export.
 macro_rules! host_symbols {
     ($($name:expr => $function:path),+ $(,)?) => {
         $(const _: () = {
@@ -140,7 +140,7 @@ host_routines! {
 
     /// Replacement of an undefined function.
     "rvmissing_" => fn missing_symbol(name: *const c_char, length: usize) -> ! {
-        end(format!("it calls `{}`, which nothing defines", words(name, length)))
+        end(format!("it calls `{}`, which is not defined", words(name, length)))
     }
 
     /// Number of threads: 1.
@@ -213,12 +213,12 @@ host_routines! {
         }
     }
 
-    /// `call vgetjobname(jobname, lenjobname)`.
+    /// Returns the name of the job: `call vgetjobname(jobname, lenjobname)`.
     "vgetjobname_", "getjobname_" => fn vgetjobname(name: *mut c_char, length: *mut i32, capacity: usize) {
         host::with_job(|job| write_text(&job.name, name, length, capacity));
     }
 
-    /// `call vgetoutdir(outdir, lenoutdir)`.
+    /// Returns the output folder: `call vgetoutdir(outdir, lenoutdir)`.
     "vgetoutdir_", "getoutdir_" => fn vgetoutdir(folder: *mut c_char, length: *mut i32, capacity: usize) {
         host::with_job(|job| write_text(&job.folder, folder, length, capacity));
     }
@@ -237,7 +237,8 @@ host_routines! {
         *code = i32::from(*internal == 0);
     }
 
-    /// `call vgetpartinfo(intnum, jtyp, cpname, locnum, jrcd)`.
+    /// Returns the instance and local number of a node or element: `call vgetpartinfo(intnum, jtyp, cpname, locnum,
+    /// jrcd)`.
     "vgetpartinfo_" => fn vgetpartinfo(
         internal: *const i32, kind: *const i32, part: *mut c_char, local: *mut i32, code: *mut i32, capacity: usize
     ) {
@@ -317,7 +318,7 @@ host_routines! {
         })
     }
 
-    /// `vGetSensorValue(sensorName, jSensorLookUpTable, sensorValues)`.
+    /// Returns the value of a sensor: `vGetSensorValue(sensorName, jSensorLookUpTable, sensorValues)`.
     "vgetsensorvalue_", "getsensorvalue_" => fn sensor_value(
         name: *const c_char, table: *const i32, _values: *const f64, length: usize
     ) -> f64 {
@@ -367,8 +368,8 @@ host_routines! {
     }
 }
 
-/// Communication between processes with one process: copies its own values. The last two digits of a type are its size
-/// in bytes.
+/// Replaces communication between processes, of which there is one: copies its values to the result. The last two
+/// digits of a type are its size in bytes.
 ///
 /// # Safety
 /// `from` and `to` hold `count` values of the type and may be equal; the other pointers are to integers.

@@ -194,7 +194,7 @@ fn undefined(words: String) -> String {
     match words.split("undefined symbol: ").nth(1) {
         Some(symbol) => {
             let symbol: String = symbol.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            format!("it calls `{}`, which nothing defines ({words})", symbol.trim_end_matches('_'))
+            format!("it calls `{}`, which is not defined ({words})", symbol.trim_end_matches('_'))
         }
         None => words,
     }

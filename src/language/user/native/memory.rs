@@ -73,7 +73,7 @@ pub struct RoutineMemory {
 
 /// Variables of one library: that of the user, or one that it needs.
 pub struct LibraryMemory {
-    /// Name in messages.
+    /// Name of the library in messages.
     name: String,
     base: usize,
     symbols: LibrarySymbols,
@@ -374,7 +374,7 @@ struct LoadedObject {
     /// Offset and length of writable memory, and of the part that is read-only after loading (RELRO).
     written: Vec<(usize, usize)>,
     read_only: Option<(usize, usize)>,
-    /// As [`LibraryMemory::of_thread`], and the address of the variables of this thread, if used.
+    /// Thread-local variables as in [`LibraryMemory::of_thread`], and their address in this thread, if used.
     of_thread: Option<[usize; 3]>,
     threads_own: Option<usize>,
 }

@@ -38,7 +38,7 @@ impl PreparedSource {
         source
     }
 
-    /// Returns the changed texts.
+    /// Returns the texts of the files that were changed for compilation.
     pub fn texts(&self) -> impl Iterator<Item = &str> {
         self.changed.values().map(String::as_str)
     }
@@ -97,7 +97,7 @@ fn folder_of(file: &Path) -> &Path {
     file.parent().unwrap_or(Path::new(""))
 }
 
-/// Returns the prepared text.
+/// Returns the text of a file as it is passed to the compiler.
 fn ready(text: &str, file: &Path, place: IncludePlace<'_>) -> String {
     let mut lines: Vec<String> = text.lines().map(|line| logical(include_line(line, place))).collect();
     bring_header_inside(&mut lines, file);

@@ -12,11 +12,11 @@ use super::{
 /// Kind of an argument, and whether the subroutine writes a result there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArgumentKind {
-    /// `integer*4`.
+    /// `integer*4` that the subroutine reads.
     Integer,
-    /// `real*8`.
+    /// `real*8` that the subroutine reads.
     Real,
-    /// `character*80`.
+    /// `character*80` that the subroutine reads.
     Character,
     /// `integer*4` that the subroutine sets.
     IntegerResult,
@@ -72,7 +72,7 @@ macro_rules! subroutines {
     ($($(#[$doc:meta])* $name:ident: $function:ident($($parameter:ident: $type:ty),*) [$($length:ident),*] {
         $($argument:ident: $kind:ident = $value:expr,)*
     })*) => {
-        /// All supported subroutines.
+        /// Interfaces of all supported subroutines.
         const INTERFACES: &[SubroutineInterface] = &[$(SubroutineInterface {
             name: stringify!($name),
             arguments: &[$((stringify!($argument), ArgumentKind::$kind),)*],
@@ -102,7 +102,7 @@ fn int(count: usize) -> i32 {
 // ABAQUS User Subroutines Reference: 1.2.1 "VDLOAD" (6.6), "VUAMP", "VDISP" (6.11), "VUMAT", "VUHARD", "VUSDFLD",
 // "VEXTERNALDB" (6.14), "VUCHARLENGTH" (2016).
 subroutines! {
-    /// Pressures of a load.
+    /// Subroutine VDLOAD, which returns the pressures of a load.
     vdload: Vdload(points: &LoadPoints<'_>, name: *const c_char, pressure: &mut [f64]) [NAME] {
         nblock: Integer = &int(points.r.len()),
         ndim: Integer = &2,
@@ -116,7 +116,7 @@ subroutines! {
         sname: Character = name,
         value: RealResult = pressure.as_mut_ptr(),
     }
-    /// Value of an amplitude.
+    /// Subroutine VUAMP, which returns the value of an amplitude.
     vuamp: Vuamp(call: &mut AmplitudeCall<'_>, name: *const c_char, more: &mut AmplitudeArrays) [NAME, NAME] {
         ampName: Character = name,
         time: Real = [call.now.step_time, call.now.total_time].as_ptr(),
@@ -137,7 +137,7 @@ subroutines! {
         ampSecDerivative: RealResult = &mut 0.0,
         ampIncIntegral: RealResult = &mut 0.0,
     }
-    /// Motion of a node.
+    /// Subroutine VDISP, which returns the motion of a node.
     vdisp: Vdisp(call: &MotionCall<'_>, name: *const c_char, values: &mut [f64; DOFS]) [NAME] {
         nblock: Integer = &1,
         nDof: Integer = &int(DOFS),
@@ -162,8 +162,9 @@ subroutines! {
         rotaryI: Real = [0.0; 9].as_ptr(),
         rval: RealResult = values.as_mut_ptr(),
     }
-    /// Stresses of a material. ABAQUS passes arrays where older subroutines declare one number: `jblock` begins with
-    /// nblock, `jInfoArray` with lanneal, `dtArray` with dt ("Variables passed in for information").
+    /// Subroutine VUMAT, which returns the stresses of a material. ABAQUS passes arrays where older subroutines declare
+    /// one number: `jblock` begins with nblock, `jInfoArray` with lanneal, `dtArray` with dt ("Variables passed in for
+    /// information").
     vumat: Vumat(call: &MaterialCall<'_>, name: *const c_char, numbers: &MaterialArrays, answer: &mut MaterialAnswer<'_>) [NAME] {
         jblock: Integer = numbers.block.as_ptr(),
         ndir: Integer = &3,
@@ -199,7 +200,7 @@ subroutines! {
         enerInternNew: RealResult = answer.internal.as_mut_ptr(),
         enerInelasNew: RealResult = answer.inelastic.as_mut_ptr(),
     }
-    /// Yield stresses.
+    /// Subroutine VUHARD, which returns yield stresses.
     vuhard: Vuhard(call: &HardeningCall<'_>, name: *const c_char, answer: &mut HardeningAnswer<'_>) [NAME] {
         nblock: Integer = &int(call.count),
         jElem: Integer = call.elements.as_ptr(),
@@ -227,7 +228,8 @@ subroutines! {
         dyieldDeqps: RealResult = answer.slopes.as_mut_ptr(),
         stateNew: RealResult = answer.state.as_mut_ptr(),
     }
-    /// Field variables. `direct` and `T` are identities: the axes of the material are those of the model.
+    /// Subroutine VUSDFLD, which returns field variables. `direct` and `T` are identities: the axes of the material are
+    /// those of the model.
     vusdfld: Vusdfld(call: &FieldCall<'_>, name: *const c_char, axes: *const f64, answer: &mut FieldAnswer<'_>) [NAME] {
         nblock: Integer = &int(call.count),
         nstatev: Integer = &int(call.variables),
@@ -252,7 +254,8 @@ subroutines! {
         stateNew: RealResult = answer.state.as_mut_ptr(),
         field: RealResult = answer.field.as_mut_ptr(),
     }
-    /// Characteristic lengths. `jElType` begins with the shape: 2 is a triangle, 3 a quadrilateral.
+    /// Subroutine VUCHARLENGTH, which returns characteristic lengths. `jElType` begins with the shape: 2 is a triangle,
+    /// 3 a quadrilateral.
     vucharlength: Vucharlength(call: &LengthCall<'_>, name: *const c_char, axes: *const f64, lengths: &mut [f64]) [NAME] {
         nblock: Integer = &int(call.count),
         nfieldv: Integer = &int(call.fields),
@@ -279,7 +282,8 @@ subroutines! {
         stateOld: Real = call.state.as_ptr(),
         charLength: RealResult = lengths.as_mut_ptr(),
     }
-    /// Events of the analysis. Both arrays are longer than the counts, for subroutines that read further.
+    /// Subroutine VEXTERNALDB, called at events of the analysis. Both arrays are longer than the counts, for
+    /// subroutines that read further.
     vexternaldb: Vexternaldb(operation: i32, integers: &mut [i32; 8], reals: &mut [f64; 4]) [] {
         lOp: Integer = &operation,
         i_Array: IntegerResult = integers.as_mut_ptr(),
@@ -307,11 +311,11 @@ pub struct AmplitudeArrays {
     pub info: [i32; 3],
     /// Names of the sensors, [`NAME`] characters each.
     pub sensors: Vec<u8>,
-    /// `ampValueNew`.
+    /// Value of the amplitude, set by the subroutine (`ampValueNew`).
     pub value: f64,
     /// Flags of the results that VUAMP sets, and of its requests.
     pub define: [i32; 8],
-    /// `ampDerivative`.
+    /// Time derivative of the amplitude, set by the subroutine (`ampDerivative`).
     pub derivative: f64,
 }
 
@@ -336,7 +340,7 @@ impl Default for MaterialArrays {
 }
 
 impl MaterialArrays {
-    /// Sets the values of a call.
+    /// Copies the number of points, the element numbers and the increment length of a call to the arrays.
     pub fn set(&mut self, call: &MaterialCall<'_>) {
         self.block[0] = int(call.count);
         self.block[4..4 + call.count].copy_from_slice(call.elements);

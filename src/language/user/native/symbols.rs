@@ -6,22 +6,22 @@
 pub struct LibraryVariable {
     /// Offset from the base of the library, or from the start of the thread-local variables.
     pub at: usize,
-    /// Size in bytes.
+    /// Size of the variable in bytes.
     pub size: usize,
-    /// Whether it is thread-local.
+    /// Whether each thread has its own copy.
     pub of_thread: bool,
-    /// Linker symbol.
+    /// Name of the symbol, as the linker uses it.
     pub symbol: String,
 }
 
-/// Symbols of a file.
+/// Variables, imported symbols and dependencies of a library.
 #[derive(Clone, Debug, Default)]
 pub struct LibrarySymbols {
     /// Variables in ascending order of their offset.
     pub variables: Vec<LibraryVariable>,
     /// Imported functions and variables.
     pub imported: Vec<String>,
-    /// Needed libraries.
+    /// Names of the libraries that this one depends on.
     pub needed: Vec<String>,
 }
 

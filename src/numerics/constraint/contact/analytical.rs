@@ -57,7 +57,7 @@ const LEAST_SHARE: f64 = 1e-3;
 const ROUNDS: usize = 12;
 
 impl AnalyticalSurface {
-    /// A surface on the body that `point` represents.
+    /// Creates a surface on the body that `point` represents.
     pub fn new(profile: SurfaceProfile, point: u32) -> AnalyticalSurface {
         let [low, high] = profile.bounds();
         let rounding = 1e-9 * low[1].abs().max(high[1].abs()).max(high[0] - low[0]);
@@ -292,7 +292,8 @@ mod tests {
     }
 
     impl ContactScene {
-        /// `body`: mass and velocity, `None` if it is fixed; `nodes`: coordinates, velocity and mass.
+        /// Creates a scene from the mass and velocity of the body (`None` if it is fixed), and coordinates, velocity
+        /// and mass of each node.
         fn new(
             profile: SurfaceProfile,
             friction: f64,
@@ -355,7 +356,7 @@ mod tests {
         SurfaceProfile { segments: points.windows(2).map(|w| ProfileSegment::Line([w[0], w[1]])).collect() }
     }
 
-    /// A bowl of radius 1 around (2, 1), counter-clockwise, so that its inside is the contact side.
+    /// Returns a bowl of radius 1 around (2, 1), counter-clockwise, so that its inside is the contact side.
     fn bowl() -> SurfaceProfile {
         let (c, points) = ([2.0, 1.0], [[1.0, 1.0], [2.0, 0.0], [3.0, 1.0]]);
         SurfaceProfile { segments: points.windows(2).map(|w| ProfileSegment::arc(w[0], w[1], c)).collect() }

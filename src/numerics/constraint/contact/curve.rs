@@ -16,11 +16,11 @@ pub enum PointCarrier {
     Body(usize, [f64; 2]),
 }
 
-/// A point of contact surfaces.
+/// A point of a contact surface, with its carrier and the directions in which it is free.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     pub carrier: PointCarrier,
-    /// Whether its motion along r and z is not prescribed.
+    /// Whether the motion of the point along r and z is free, that is, not prescribed.
     pub free: [bool; 2],
 }
 
@@ -51,7 +51,7 @@ pub struct FacetCurve {
     pub is_exposed: Vec<bool>,
     /// Whether the element of each facet exists.
     has_element: Vec<bool>,
-    /// The points, each once.
+    /// Points of the facets, each once.
     pub own: Vec<u32>,
     /// Facets around each point, and which end of the facet the point is.
     around: Vec<Vec<(u32, u8)>>,
@@ -109,8 +109,8 @@ impl FacetShape {
 const SHARP: f64 = 0.29;
 
 impl FacetCurve {
-    /// A curve of facets between points with the coordinates `places`; a point with r = 0 is on the axis. The facets
-    /// from index `bare` on are not exposed at the start.
+    /// Creates a curve of facets between points with the coordinates `places`; a point with r = 0 is on the axis. The
+    /// facets from index `bare` on are not exposed at the start.
     pub fn new(facets: Vec<[u32; 2]>, depth: Vec<f64>, bare: usize, places: &[[f64; 2]]) -> FacetCurve {
         let own: Vec<u32> = sorted_unique(facets.iter().flatten().copied());
         let mut around = vec![Vec::new(); own.len()];
@@ -147,7 +147,7 @@ impl FacetCurve {
         curve
     }
 
-    /// A curve of points without facets, in ascending order.
+    /// Creates a curve of points without facets, in ascending order.
     pub fn of_points(points: Vec<u32>) -> FacetCurve {
         let mut curve = FacetCurve::new(Vec::new(), Vec::new(), 0, &[]);
         (curve.around, curve.own) = (vec![Vec::new(); points.len()], points);
@@ -358,7 +358,7 @@ impl FacetCurve {
         at.into_iter().flat_map(|at| self.around[at].iter().copied())
     }
 
-    /// Returns the same for an index in `own`.
+    /// Returns the facets around the point at an index of `own`, as [`FacetCurve::around`] does for a point.
     #[inline]
     pub fn around_own(&self, index: usize) -> &[(u32, u8)] {
         &self.around[index]
@@ -404,7 +404,7 @@ impl FacetCurve {
         sum / around.len().max(1) as f64
     }
 
-    /// Returns the memory of the arrays.
+    /// Returns the number of bytes of the arrays, in use and in reserve.
     pub fn memory(&self) -> MemoryUse {
         let of_facets = MemoryUse::of(&self.facets)
             + MemoryUse::of(&self.neighbors)

@@ -60,9 +60,9 @@ struct UnknownLink {
 pub(super) struct DirectSolver {
     status: Vec<ContactStatus>,
     unknowns: Vec<ContactUnknown>,
-    /// For each degree of freedom, the first unknown that moves it.
+    /// For each degree of freedom, the first of the unknowns that move it.
     first: Vec<u32>,
-    /// For each degree of freedom, its last link.
+    /// For each degree of freedom, the last entry of its chain in `links`.
     last: Vec<u32>,
     links: Vec<UnknownLink>,
     /// Banded matrix, row by row; a row has twice the half width plus one entries.

@@ -26,9 +26,9 @@ pub struct GapDerivative {
 /// Weighted gaps of one facet.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FacetGap {
-    /// Range of its derivatives in [`GapIntegrator::shares`].
+    /// Range of the derivatives of the gaps in [`GapIntegrator::shares`].
     pub shares: [u32; 2],
-    /// Range of its derivatives in [`GapIntegrator::edges`].
+    /// Range of the derivatives of the gaps in [`GapIntegrator::edges`].
     pub edges: [u32; 2],
     /// Area of the surface of revolution that is opposite another facet, weighted with the hat function of each point.
     pub area: [f64; 2],
@@ -370,7 +370,7 @@ impl GapIntegrator {
         }
     }
 
-    /// Returns the memory of the arrays.
+    /// Returns the number of bytes of the arrays, in use and in reserve.
     pub fn memory(&self) -> MemoryUse {
         MemoryUse::of(&self.shares)
             + MemoryUse::of(&self.edges)

@@ -116,7 +116,7 @@ impl ContactHeat {
         &mut self.most
     }
 
-    /// Returns the same, read-only.
+    /// Returns the upper bound of the conductance of each point, read-only.
     pub(super) fn exchange_bounds(&self) -> &[f64] {
         &self.most
     }

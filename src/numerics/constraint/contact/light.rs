@@ -11,12 +11,12 @@
 use super::sweeps::{ContactRows, ContactVelocities, GapTerm};
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 
-/// A light body in this increment.
+/// A body that is lighter than the nodes that it touches; its velocity is held during the sweeps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightBody {
     dof: u32,
     inverse_mass: f64,
-    /// Its velocity without contact.
+    /// Velocity of the body without contact.
     predicted: f64,
 }
 
@@ -116,7 +116,7 @@ mod tests {
     };
     use crate::kernel::interaction::InteractionLaw;
 
-    /// A plate of this mass with velocity -1 against twelve nodes of mass 1.
+    /// Returns a plate of this mass with velocity -1 against twelve nodes of mass 1.
     fn plate(mass: f64) -> (ContactRows, ContactVelocities) {
         let count = 12_u32;
         let mut rows = ContactRows::default();

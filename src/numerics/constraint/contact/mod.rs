@@ -48,7 +48,7 @@ pub struct ContactPair {
     pub id: EffectId,
     /// Number among the pairs of all steps.
     pub number: usize,
-    /// Name in warnings.
+    /// Name of the pair in warnings.
     pub name: String,
     /// Index of the curve whose points carry pressures.
     pub own: usize,
@@ -79,8 +79,8 @@ pub struct ContactPair {
 }
 
 impl ContactPair {
-    /// A pair of two curves, or of one curve with itself, with the first law of the contact. `length` is the smaller of
-    /// the longest facets of both.
+    /// Creates a pair of two curves, or of one curve with itself, with the first law of the contact. `length` is the
+    /// smaller of the longest facets of both.
     pub fn new(id: EffectId, number: usize, [own, other]: [usize; 2], length: f64) -> ContactPair {
         let other = (own != other).then_some(other);
         let search = ContactSearch::new(length, 0.0, 0, 0);
@@ -104,7 +104,7 @@ impl ContactPair {
         }
     }
 
-    /// A pair of a curve and an analytical surface.
+    /// Creates a pair of a curve and an analytical surface.
     pub fn in_front_of(id: EffectId, number: usize, own: usize, analytical: usize, length: f64) -> ContactPair {
         ContactPair { analytical: Some(analytical), ..ContactPair::new(id, number, [own, own], length) }
     }
@@ -119,9 +119,9 @@ impl ContactPair {
 /// analysis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InitialClearance {
-    /// Gap that is used.
+    /// Clearance that replaces the geometric gap; negative for an overlap.
     pub gap: f64,
-    /// From the deepest overlap to the largest gap.
+    /// Smallest and largest geometric gap that is replaced; overlaps are negative.
     pub range: [f64; 2],
 }
 
@@ -171,10 +171,10 @@ pub struct ContactConstraint {
     shown: ContactOutput,
 }
 
-/// A rigid body in contact.
+/// A rigid body that takes part in the contact.
 #[derive(Clone, Copy, Debug)]
 struct ContactBody {
-    /// Index of its degree of freedom.
+    /// Index of the body's degree of freedom.
     dof: usize,
     body: usize,
     prescribed: bool,
@@ -192,7 +192,7 @@ pub struct SurfaceOverlap {
 }
 
 impl ContactConstraint {
-    /// Contact of pairs of curves over points, and with analytical surfaces.
+    /// Creates contact of pairs of curves, and of curves with analytical surfaces.
     pub fn new(
         points: Vec<SurfacePoint>,
         curves: Vec<FacetCurve>,
@@ -598,7 +598,7 @@ const CORNER_OVERLAP: f64 = 1e-9;
 
 /// Data that the row of a corner depends on.
 struct CornerRow<'a> {
-    /// Whether it pressed in the previous increment.
+    /// Whether the row had a positive pressure in the previous increment.
     pressed: bool,
     fits: &'a [f64],
 }

@@ -6,8 +6,8 @@ use super::curve::FacetCurve;
 
 /// Reach of contact as a fraction of the facet length of a pair; points at a larger distance are not in contact.
 const REACH: f64 = 0.5;
-/// Displacement of a point at which lists are built again, as a fraction of the same length. Both surfaces may move so
-/// far, so boxes are enlarged by the reach and twice this value.
+/// Displacement of a point after which the lists are built again, as a fraction of the facet length. Both surfaces may
+/// move by this distance, so boxes are enlarged by the reach and twice the distance.
 const SLACK: f64 = 0.5;
 
 /// A box, by its lower and upper corner.
@@ -149,7 +149,7 @@ impl ContactSearch {
         }
     }
 
-    /// Returns the memory of the lists.
+    /// Returns the number of bytes of the lists, in use and in reserve.
     pub fn memory(&self) -> MemoryUse {
         [&self.facets, &self.orphans, &self.others].into_iter().map(CandidateLists::memory).sum::<MemoryUse>()
             + MemoryUse::of(&self.order.order)

@@ -9,17 +9,17 @@ use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lists::MemoryUse;
 use crate::state::archive::persist_struct;
 
-/// Energy of each key.
+/// Energy that soft contact has stored, by the key of the contact row.
 #[derive(Clone, Debug, Default)]
 pub(super) struct StoredEnergy {
     /// Energy that a soft law has absorbed and not released; NaN before the first increment. Empty without soft laws.
     stored: Vec<f64>,
-    /// Work array: the same at the end of the increment.
+    /// Work array: stored energy at the end of the increment.
     next: Vec<f64>,
 }
 
 impl StoredEnergy {
-    /// Energy of this number of keys.
+    /// Creates the store for a number of keys; the energies are determined in the first increment.
     pub(super) fn new(keys: usize) -> StoredEnergy {
         StoredEnergy { stored: vec![f64::NAN; keys], next: vec![0.0; keys] }
     }

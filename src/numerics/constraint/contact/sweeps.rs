@@ -21,13 +21,13 @@ pub struct GapTerm {
 /// The weighted gap of one point.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ContactRow {
-    /// Range of its terms.
+    /// Start and end of the row's terms in the list of all terms.
     pub terms: [u32; 2],
     /// Index of the multiplier.
     pub key: u32,
     /// Index of the contact law.
     pub law: u32,
-    /// Whether it belongs to a single point: its area is one, its multiplier an impulse.
+    /// Whether the row belongs to a single point: its area is then 1 and its multiplier an impulse.
     pub is_single_point: bool,
     /// Index of the row's point on an analytical surface, if it has one. The gap is then that at the end of an
     /// increment without contact minus its change, and may be negative.
@@ -52,7 +52,7 @@ pub struct ContactRow {
 }
 
 impl ContactRow {
-    /// A row without gap or area.
+    /// Creates a row without gap and area.
     pub fn of(key: u32, law: u32) -> ContactRow {
         ContactRow { key, law, ..ContactRow::default() }
     }
@@ -88,12 +88,12 @@ pub struct ContactVelocities {
 }
 
 impl ContactVelocities {
-    /// Rate of a gap times its area.
+    /// Returns the rate of a gap times its area.
     pub(super) fn rate(&self, terms: &[GapTerm]) -> f64 {
         terms.iter().map(|t| t.normal * self.velocity[t.dof as usize]).sum()
     }
 
-    /// Rate of the slip times the area.
+    /// Returns the slip rate times the area.
     pub fn slip(&self, terms: &[GapTerm]) -> f64 {
         terms.iter().map(|t| t.slip * self.velocity[t.dof as usize]).sum()
     }
@@ -369,7 +369,7 @@ impl ContactRows {
         row.own(&self.terms)
     }
 
-    /// Returns the memory of the arrays.
+    /// Returns the number of bytes of the arrays, in use and in reserve.
     pub fn memory(&self) -> MemoryUse {
         MemoryUse::of(&self.terms)
             + MemoryUse::of(&self.rows)

@@ -22,7 +22,7 @@ use crate::state::archive::persist_struct;
 use crate::state::nodes::Node;
 use crate::variables::{Variable, VariableComponent};
 
-/// Shells of one section.
+/// Group of shell elements with the same section.
 #[derive(Clone)]
 pub struct ShellGroup {
     section: Arc<ShellProperties>,
@@ -44,7 +44,7 @@ pub struct ShellGroup {
 /// State of an element apart from its section points.
 #[derive(Clone, Copy, Debug, Default)]
 struct ShellState {
-    /// Current thickness.
+    /// Current thickness, length.
     thickness: f64,
     /// Transverse shear force per length.
     shear: f64,
@@ -344,7 +344,7 @@ impl GroupDeletion for ShellGroup {
         self.deleted = vec![false; self.ends.len()];
     }
 
-    /// The stress of a deleted shell is zero.
+    /// Deletes a shell and sets its stress to zero.
     fn erode(&mut self, element: usize, _volume: f64) {
         self.deleted[element] = true;
         self.state[element].shear = 0.0;

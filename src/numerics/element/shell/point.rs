@@ -4,7 +4,7 @@ use super::section::ShellProperties;
 use crate::kernel::plane_stress::PlaneReturn;
 use crate::state::archive::persist_struct;
 
-/// Plastic state of a point.
+/// Plastic state of a section point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ShellPointState {
     /// Equivalent plastic strain.
@@ -12,7 +12,7 @@ pub(super) struct ShellPointState {
     pub temperature: f64,
 }
 
-/// Result of the update of a point.
+/// Result of the update of a section point: return to the yield surface and thickness strain.
 pub(super) struct ShellPointResult {
     pub returned: PlaneReturn,
     /// Strain through the thickness.

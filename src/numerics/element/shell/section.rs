@@ -28,7 +28,7 @@ pub struct SectionPlasticity {
 /// Properties of a shell section.
 pub struct ShellProperties {
     pub elastic: PlaneElastic,
-    /// Initial thickness.
+    /// Initial thickness, length.
     pub thickness: f64,
     /// Initial mass per area.
     pub per_area: f64,

@@ -60,7 +60,7 @@ impl<S: Clone> TriangleBlock<S> {
         TriangleBlock { triangles: TriangleLanes::new(inline_from_fn(element), density, nodes), points }
     }
 
-    /// Returns the mass of a lane.
+    /// Returns the mass of the element in a lane.
     pub fn mass(&self, lane: usize) -> f64 {
         self.points.iter().map(|p| p.mass[lane]).sum()
     }

@@ -24,7 +24,7 @@ use crate::state::archive::{Persist, StateArchive, persist_fields};
 use crate::state::nodes::Node;
 use crate::variables::{Variable, VariableComponent};
 
-/// Six-node triangles of one material.
+/// Group of six-node triangles with the same material.
 pub struct SixNodeTriangles<M: Material> {
     material: Arc<M>,
     constants: ElementConstants,
@@ -159,7 +159,7 @@ type NumberedTask<'a, S> = (usize, ((&'a mut [TriangleBlock<S>], &'a mut [BlockC
 impl<M: Material> NullaryFnOnce for TaskPass<'_, M> {
     type Output = ();
 
-    /// Inlined into a function compiled for the selected instruction set.
+    /// Updates the blocks of the task. It is inlined into a function compiled for the selected instruction set.
     #[inline(always)]
     fn call(self) {
         let TaskPass { material, constants, increment, cap, index, blocks, corners, task } = self;
@@ -421,7 +421,7 @@ impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
         }
     }
 
-    /// As for quadrilaterals: a pressure that is subtracted from the stress beforehand.
+    /// Subtracts the thermal strain as a pressure, as for quadrilaterals.
     fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
         let mut work = 0.0;
         for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {

@@ -64,7 +64,7 @@ pub struct PointIncrement {
     pub heat: Lanes,
 }
 
-/// Work arrays of one block.
+/// Work arrays for the update of one block of elements.
 #[derive(Clone, Default)]
 pub struct WorkArrays {
     motion: [TriangleMotion; LANES],
@@ -80,7 +80,7 @@ pub struct TriangleIncrement<'a> {
     pub nodes: &'a [Node],
     pub dt: f64,
     pub before: NodeAccelerations<'a>,
-    /// Total time.
+    /// Total time at the end of the increment.
     pub time: f64,
     pub arch: Arch,
     /// Number of elements of the group.
@@ -108,12 +108,12 @@ impl TriangleLanes {
         }
     }
 
-    /// Returns the nodes of a lane.
+    /// Returns the node indices of the element in a lane.
     pub fn element(&self, lane: usize) -> [u32; NODES] {
         self.nodes.inline_map(|list| list[lane])
     }
 
-    /// Returns the inverse masses of the nodes of a lane.
+    /// Returns the inverse masses of the six nodes of the element in a lane.
     pub fn inverse_masses(&self, lane: usize) -> [f64; NODES] {
         self.inverse_mass.inline_map(|list| list[lane])
     }
@@ -193,7 +193,7 @@ impl TriangleLanes {
     }
 }
 
-/// Operation of [`TriangleLanes::measure`].
+/// Arguments of [`TriangleLanes::measure`], as an operation for the selected instruction set.
 struct TriangleMeasurement<'a> {
     triangles: &'a TriangleLanes,
     increment: &'a TriangleIncrement<'a>,
@@ -203,7 +203,7 @@ struct TriangleMeasurement<'a> {
 impl NullaryFnOnce for TriangleMeasurement<'_> {
     type Output = ();
 
-    /// Inlined into a function compiled for the selected instruction set.
+    /// Executes the operation. It is inlined into a function compiled for the selected instruction set.
     #[inline(always)]
     fn call(self) {
         let TriangleMeasurement { triangles, increment, work } = self;
@@ -227,7 +227,7 @@ impl NullaryFnOnce for TriangleMeasurement<'_> {
     }
 }
 
-/// Operation of [`TriangleLanes::assemble`].
+/// Arguments of [`TriangleLanes::assemble`], as an operation for the selected instruction set.
 struct TriangleAssembly<'a> {
     triangles: &'a mut TriangleLanes,
     constants: &'a ElementConstants,

@@ -5,7 +5,7 @@ use crate::kernel::facet::Facet;
 use crate::kernel::free_surface::FiniteSphere;
 use crate::kernel::lists::heap_bytes;
 
-/// Bounds of a stack of layers.
+/// Free surfaces of a stack of layers, and the effects of finite thickness that are requested for it.
 #[derive(Clone, Debug)]
 pub struct StackBounds {
     /// Bounds of each layer, ascending in z as in the stack.
@@ -16,7 +16,7 @@ pub struct StackBounds {
     pub shear_strength: Option<f64>,
 }
 
-/// Bounds of one layer.
+/// Free surfaces of one layer and the reduction of the resistance near them.
 #[derive(Clone, Copy, Debug)]
 pub struct LayerBounds {
     /// Radius of the lateral face; may be infinite.

@@ -64,7 +64,7 @@ struct NoseFront {
     sums: FacetSums,
     /// Initial z of the lowest and highest point.
     range: [f64; 2],
-    /// Largest radius.
+    /// Largest radius of the nose, length.
     radius: f64,
     /// Initial z of the facets normal to the axis: the force jumps when such a facet reaches a plane.
     levels: Vec<f64>,

@@ -20,7 +20,7 @@ use crate::state::rigid_body_3d::Wrench;
 
 /// Number of stations per array, large enough that compilers vectorise loops over them.
 const LANES: usize = 16;
-/// One value per station.
+/// Values of one quantity at a block of stations.
 type StationLanes = [f64; LANES];
 
 /// Surface of revolution of one facet.
@@ -158,7 +158,7 @@ impl RingHarmonics {
     }
 }
 
-/// The rings of one body.
+/// Rings of stations that cover the surface of one body.
 #[derive(Clone, Debug)]
 pub struct RingSet {
     rings: Vec<FacetRing>,
@@ -285,8 +285,9 @@ struct LoadedStations {
 }
 
 impl LoadedStations {
-    /// The normal velocity of a station is nearly linear in the angle. The mean of the regularisation factor min(v/c,
-    /// 1), 0 for v < 0, is therefore the difference of its integral at the edges over the difference of the velocities.
+    /// Evaluates a block of stations with regularisation. The normal velocity of a station is nearly linear in the
+    /// angle. The mean of the regularisation factor min(v/c, 1), 0 for v < 0, is therefore the difference of its
+    /// integral at the edges over the difference of the velocities.
     #[inline(always)]
     fn new(around: &RingHarmonics, stations: &StationAngles, block: usize, onset: f64) -> LoadedStations {
         let RingHarmonics { mean, cosine, sine, .. } = *around;
@@ -314,8 +315,8 @@ impl LoadedStations {
         LoadedStations { middle, speed, share, growth }
     }
 
-    /// As [`LoadedStations::new`], for a ring that moves into the material everywhere at more than the regularisation
-    /// speed.
+    /// Evaluates a block like [`LoadedStations::new`] for a ring that moves into the material everywhere at more than the
+    /// regularisation speed.
     #[inline(always)]
     fn whole(around: &RingHarmonics, stations: &StationAngles, block: usize) -> LoadedStations {
         let RingHarmonics { mean, cosine, sine, .. } = *around;

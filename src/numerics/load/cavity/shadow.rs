@@ -69,7 +69,7 @@ mod tests {
     use super::exposed_parts;
     use crate::kernel::facet::Facet;
 
-    /// A nose to r = 2, a neck of r = 1 and a flare to r = 3, moving towards -z.
+    /// Returns a nose to r = 2, a neck of r = 1 and a flare to r = 3, moving towards -z.
     fn body() -> Vec<(usize, Facet)> {
         let points = [[0.0, 0.0], [2.0, 2.0], [1.0, 3.0], [1.0, 4.0], [3.0, 6.0]];
         let facet = |w: &[[f64; 2]]| Facet::new(w[0], w[1], false);

@@ -103,7 +103,8 @@ impl LayerStack {
     }
 }
 
-/// Whether a face with this unit normal is normal to the axis, within rounding. Such a face enters a layer as a whole.
+/// Returns whether the unit normal of a face is parallel to the axis, within rounding. Such a face enters a layer as a
+/// whole.
 pub(super) fn is_level(normal: [f64; 2]) -> bool {
     normal[0].abs() < 1e-9
 }

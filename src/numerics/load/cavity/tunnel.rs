@@ -29,8 +29,8 @@ impl TunnelWall {
         TunnelWall { thickness, slices: vec![WallSlice::default(); count] }
     }
 
-    /// Whether a face touches the wall: its radius is at least that of the wall one slice ahead in the direction of
-    /// motion `sign` (0 at rest). At its own position the wall is as wide as the face.
+    /// Returns whether a face touches the wall: its radius is at least that of the wall one slice ahead in the
+    /// direction of motion `sign` (0 at rest). At its own position the wall is as wide as the face.
     pub(super) fn is_touched_by(&self, face: &CurrentFace, sign: f64) -> bool {
         let [r, z] = face.middle();
         let place = (z + sign * self.thickness) / self.thickness - 0.5;

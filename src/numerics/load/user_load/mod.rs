@@ -195,8 +195,8 @@ impl Load for SubroutineLoad {
         self.load.magnitude.limit(&scene.clock)
     }
 
-    /// The subroutine is still called for faces of deleted elements; their pressures are ignored. New faces are
-    /// appended.
+    /// Appends faces exposed by deleted elements. The subroutine is still called for faces of deleted elements, but
+    /// their pressures are ignored.
     fn scene_changed(&mut self, change: &SceneChange<'_>) {
         let SceneChange::DeletedElements(deleted) = change else { return };
         for block in &mut self.blocks {

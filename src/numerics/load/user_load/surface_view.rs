@@ -111,7 +111,7 @@ impl SurfaceView {
     /// Calls the subroutine; its pressures must then be checked with [`SurfaceView::accept`].
     ///
     /// # Errors
-    /// Those of the subroutine.
+    /// The errors of the subroutine.
     #[inline(always)]
     pub(super) fn call(
         &mut self,

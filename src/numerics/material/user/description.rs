@@ -12,7 +12,7 @@ use crate::kernel::levels::NestedTable;
 pub struct UserMaterialData {
     /// Name, upper case (`cmname`).
     pub name: String,
-    /// Constants.
+    /// Constants of `*USER MATERIAL`, in deck order.
     pub properties: Vec<f64>,
     /// Number of state variables per element.
     pub variables: usize,
@@ -28,7 +28,7 @@ pub struct UserMaterialData {
     pub flow: Option<BuiltInPlasticity>,
     /// Temperature rise by inelastic work.
     pub heating: PlasticHeating,
-    /// Initial density.
+    /// Initial density, mass per length³.
     pub density: f64,
 }
 
@@ -37,7 +37,7 @@ pub struct UserMaterialData {
 pub enum YieldSource {
     /// No yield: the material is elastic.
     Never,
-    /// A built-in law.
+    /// A built-in hardening law.
     Law(Arc<dyn YieldStress>),
     /// A built-in table over field variables of the point.
     OverFields(Arc<YieldOverFields>),

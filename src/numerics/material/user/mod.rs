@@ -26,7 +26,7 @@ pub const CALL_BLOCKS: usize = MAX_MATERIAL_BLOCK / LANES;
 
 /// A material that calls user subroutines at its points. With `FLOWS` the return to the yield surface is built in.
 pub struct SubroutineMaterial<const FLOWS: bool> {
-    /// Data of the deck.
+    /// Data that the deck defines for the subroutine.
     pub description: UserMaterialData,
     /// Names of the elements, for messages.
     pub names: Vec<String>,
@@ -73,9 +73,9 @@ pub struct UserState {
 
 /// Kinematics of a block, as arguments of a call.
 pub struct BlockKinematics<'a> {
-    /// Strain increments rr, zz, hoop, rz (tensor shear), and spin increments.
+    /// Strain increments rr, zz, hoop, rz (tensor shear).
     pub strain: [Lanes; 4],
-    /// See [`BlockKinematics::strain`].
+    /// Spin increments in the (r, z) plane.
     pub spin: Lanes,
     /// Volumes in the middle of the increment; 0 for lanes without element.
     pub volume: Lanes,
@@ -83,7 +83,7 @@ pub struct BlockKinematics<'a> {
     pub corners: &'a dyn Fn(usize) -> [[f64; 4]; 2],
 }
 
-/// Time of a call.
+/// Instant and increment length, as arguments of a call.
 #[derive(Clone, Copy)]
 pub struct CallTime<'a> {
     /// Time, step and increment.
@@ -346,7 +346,7 @@ fn put(list: &mut [f64], (count, first): (usize, usize), lanes: &[Lanes]) {
     }
 }
 
-/// Copies the points of a block from such arrays.
+/// Copies arrays of one component each back to the lanes of a block, for the points that exist.
 fn take(list: &[f64], (count, first): (usize, usize), lanes: &mut [Lanes]) {
     let points = LANES.min(count - first);
     for (list, lanes) in list.chunks(count).zip(lanes) {

@@ -307,8 +307,8 @@ impl PointArguments {
         check_values("enerInelasNew", &mut self.inelastic[1], n, 1)
     }
 
-    /// State variables belong to the subroutine: a NaN (as a rule a triaxiality without stress) is kept, with one
-    /// warning. NaN in the stress is detected separately.
+    /// Warns once of state variables that are not finite. They belong to the subroutine, so a NaN (usually a
+    /// triaxiality without stress) is not replaced. NaN in the stress is detected separately.
     fn warn_of_state(&mut self, material: &str) {
         let values = &self.state[1][..self.variables * self.count];
         if self.warned || values.iter().all(|v| v.is_finite()) {

@@ -70,7 +70,7 @@ impl CallMessage {
 }
 
 impl MessageWriter<'_> {
-    /// Writes a number.
+    /// Writes the next number.
     pub fn number(&mut self, value: f64) {
         match self.message.numbers.get_mut(self.number) {
             Some(place) => *place = value,
@@ -119,13 +119,13 @@ impl MessageWriter<'_> {
 }
 
 impl<'t> MessageReader<'t> {
-    /// Reads a number.
+    /// Reads the next number; zero after the last one.
     pub fn number(&mut self) -> f64 {
         self.number += 1;
         self.message.numbers.get(self.number - 1).copied().unwrap_or_default()
     }
 
-    /// Reads a list.
+    /// Reads the next list, without copying it; empty after the last one.
     pub fn list<T: PlainValue>(&mut self) -> &'t [T] {
         let bytes = self.message.lengths.get(self.list).map_or(0, |bytes| *bytes as usize);
         let words = bytes.div_ceil(size_of::<f64>());

@@ -36,14 +36,14 @@ pub struct OpeningReport {
     pub fault: Option<[String; 3]>,
     /// Subroutines that can be called.
     pub routines: Vec<String>,
-    /// As [`Routines::uncallable`].
+    /// Subroutines that cannot be called, as in [`Routines::uncallable`].
     pub uncallable: Vec<UncallableRoutine>,
-    /// As [`Routines::unsupported`].
+    /// Names of unsupported subroutines, as in [`Routines::unsupported`].
     pub unsupported: Vec<String>,
 }
 
 impl OpeningReport {
-    /// Creates the report of a result.
+    /// Creates the report that the process of the subroutines sends after it has loaded them.
     pub fn of(opened: &Result<Routines, Diagnostic>) -> OpeningReport {
         let routines = match opened {
             Ok(routines) => routines,

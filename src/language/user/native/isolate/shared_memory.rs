@@ -14,13 +14,13 @@ const LOOKS: u32 = 1000;
 /// Sleep time in nanoseconds after which a process checks whether the other one is running.
 const NAP: i64 = 20_000_000;
 
-/// One of the two processes.
+/// The two processes that take turns on the shared memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum ProcessSide {
-    /// The run.
+    /// The process of the run, which requests the calls.
     Caller = 0,
-    /// The process of the user subroutines.
+    /// The process that executes the user subroutines.
     Routines = 1,
 }
 
@@ -56,12 +56,12 @@ const PURPOSES: [(TurnPurpose, &str); 8] = [
 ];
 
 impl TurnPurpose {
-    /// Returns the purpose of a turn, if it calls a subroutine.
+    /// Returns the purpose of a turn; `None` for a turn that does not call a subroutine.
     pub fn of(turn: u32) -> Option<TurnPurpose> {
         PURPOSES.get(turn as usize).map(|(purpose, _)| *purpose)
     }
 
-    /// Returns the name of the subroutine.
+    /// Returns the lower-case name of the subroutine.
     pub fn routine(self) -> &'static str {
         PURPOSES[self as usize].1
     }
@@ -70,15 +70,15 @@ impl TurnPurpose {
 /// One call and its results in shared memory.
 #[repr(C, align(64))]
 pub struct CallExchange {
-    /// Purpose of the turn.
+    /// Number of the [`TurnPurpose`], or [`REQUEST`] or [`LEAVE`].
     pub purpose: u32,
     /// Index of the point that caused a failure, or -1.
     pub point: i32,
     /// Reason of a failure; empty without one.
     pub failure: FailureText,
-    /// Arguments.
+    /// Arguments of the subroutine.
     pub call: CallMessage,
-    /// Results.
+    /// Results of the subroutine.
     pub answer: CallMessage,
 }
 
