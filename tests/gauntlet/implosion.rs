@@ -14,7 +14,7 @@ cases! { "Implosion and large distortion":
         "completed, or halted with element, increment and time; drift < 1 %, all values finite";
     taylor_at_400_controlled, "the same with distortion control: forces that create energy",
         "completed, drift < 1 %, ALLDC not below 0 and < 5 % of the energy";
-    a_corner_thrown_through_its_element, "node with a velocity across its elements, which only their stress resists",
+    a_corner_thrown_through_its_element, "single node with a velocity through its elements; only the stress of the elements stops it",
         "a corner passes the line between its neighbours without distortion control and none does with it; drift < 10 % (only one node has a velocity: the energy of bulk viscosity is counted an increment late)";
     a_foot_that_folds, "soft copper at 400 m/s: the rim of the foot folds over",
         "completed, or halted with element, increment and time; drift < 2 %";

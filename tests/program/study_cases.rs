@@ -7,7 +7,7 @@ use revolve::deck::{self, Deck, Diagnostics};
 use revolve::job::ParameterOverrides;
 
 use crate::common::ogive;
-use crate::common::solid::{grid, material};
+use crate::common::solid::{WHOLE_VISCOSITY, grid, material};
 
 /// Returns the deck for one level.
 pub type DeckFactory = Box<dyn Fn(&ParameterOverrides) -> (Deck, Diagnostics)>;
@@ -355,7 +355,7 @@ pub fn piston() -> StudyCase {
                 &format!("*Plastic\n 276.e6, 0.\n*Elset, elset=BEHIND\n {},\n", 3 * m / 8),
             )
             + &format!(
-                "*Initial Conditions, type=VELOCITY\n J0, 2, {speed}\n*Step\n*Dynamic, Explicit, element by element\n , 1.3e-5\n"
+                "*Initial Conditions, type=VELOCITY\n J0, 2, {speed}\n*Step\n*Dynamic, Explicit, element by element\n , 1.3e-5\n{WHOLE_VISCOSITY}"
             )
             + &format!("*Boundary\n ALL, 1, 1\n*Boundary, type=VELOCITY\n J0, 2, 2, {speed}\n")
             + "*Output, history, number interval=1\n*Element Output, elset=BEHIND\n S22\n*End Step\n"

@@ -26,6 +26,7 @@ mod erosion_loads;
 mod erosion_rod;
 mod fidelity;
 mod finite_targets;
+mod fronts;
 mod hourglass;
 mod large_motion;
 mod links;

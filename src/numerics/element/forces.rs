@@ -185,7 +185,8 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
             slow = (dot3(g.r, along_r) + dot3(g.z, along_z) + dot3(g.hoop, ring)) / g.volume;
         }
         kept.slow_dilation[l] = slow;
-        let damping = two * modulus * period * (dilation_rate * fraction - slow * factors.linear);
+        let scale = two * modulus * period;
+        let damping = scale * dilation_rate * fraction - scale * slow * factors.linear;
         let work = scratch.strain.volume[l] * half * (kept.viscous[l] + damping) * dilation;
         scratch.sums.viscous[l] += work;
         if EOS {

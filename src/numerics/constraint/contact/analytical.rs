@@ -232,7 +232,7 @@ impl ContactConstraint {
         let keys = pair.first_key..pair.first_key + self.keys_of(pair);
         let mut sum = [0.0; 5];
         for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.normal_impulse > 0.0) {
-            let [pressure, shear] = self.pressures[row.key as usize];
+            let [pressure, shear] = self.stresses(row.key as usize);
             let Some(foot) = row.closest_point.map(|f| feet_dofs(self, f)) else { continue };
             sum[4] += if row.is_single_point { 0.0 } else { row.area };
             for term in self.rows.terms_of(row) {

@@ -703,12 +703,14 @@ impl Constraint for ContactConstraint {
         let span = ContactInterval { dt, half: self.half };
         dofs.energies.initial_overlap += self.stored_energy.limit_overlaps(&mut self.rows, &self.laws);
         let given = ContactStep { laws: &self.laws, before: &self.pressures, span };
+        self.slip_damping.begin();
         if let Some(reference) = self.rows.begin(&self.motion, given) {
             self.slip_damping.apply(&mut self.rows, &mut self.motion, given);
             self.rows.solve(&mut self.motion, reference, given);
             self.correct_arc_gaps(reference, span);
         }
-        self.slip_damping.update(&self.rows, &self.motion, &self.laws);
+        let pairs = &self.pairs;
+        self.slip_damping.update(&self.rows, &self.motion, &self.laws, |key| pair_of(pairs, key));
         self.stored_energy.add_work(&self.rows, &self.laws, &self.motion, span);
         self.gather_impulses();
         self.apply_impulses(dofs, dt);

@@ -88,6 +88,12 @@ impl ContactConstraint {
         }
     }
 
+    /// Returns pressure and shear stress of a key, damping included.
+    pub(super) fn stresses(&self, key: usize) -> [f64; 2] {
+        let [pressure, shear] = self.pressures[key];
+        [pressure, shear + self.slip_damping.stress(key)]
+    }
+
     /// Returns the forces of pressure and of friction on the own surface of a pair, each along r and z, and the contact
     /// area.
     fn forces(&self, pair: &ContactPair) -> [f64; 5] {
@@ -102,7 +108,7 @@ impl ContactConstraint {
             }
             for (end, point) in facet.iter().enumerate() {
                 let Ok(at) = own.own.binary_search(point) else { continue };
-                let [pressure, shear] = self.pressures[pair.first_key as usize + at];
+                let [pressure, shear] = self.stresses(pair.first_key as usize + at);
                 if pressure == 0.0 {
                     continue;
                 }
@@ -125,7 +131,7 @@ impl ContactConstraint {
         let own = &self.curves[pair.own].own;
         let keys = pair.first_key + own.len() as u32..pair.first_key + self.keys_of(pair);
         for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.normal_impulse > 0.0) {
-            let [force, shear] = self.pressures[row.key as usize];
+            let [force, shear] = self.stresses(row.key as usize);
             let point = self.curves[pair.other.unwrap_or(pair.own)].own[(row.key - keys.start) as usize];
             let of_point = self.dofs_of[point as usize];
             for term in self.rows.terms_of(row).iter().filter(|t| !of_point.contains(&t.dof)) {
@@ -149,7 +155,7 @@ impl ContactResults for ContactConstraint {
         });
         let mut found: Option<f64> = None;
         for key in keys {
-            let [pressure, shear] = self.pressures[key];
+            let [pressure, shear] = self.stresses(key);
             let value = match part.variable {
                 Variable::ContactPressure => found.unwrap_or(0.0) + pressure,
                 Variable::ContactShear => found.unwrap_or(0.0) + shear,

@@ -3,8 +3,8 @@
 //! Sliding with Coulomb friction is unstable at short wavelengths: pressure waves change the friction that drives them
 //! (Martins, Guimarães and Faria 1995, J. Vib. Acoust. 117, 445). On a mesh the oscillation grows at the scale of the
 //! elements until the surfaces separate, and the mean friction force falls. A dashpot along the surface therefore acts
-//! on the quick part of the slip rate. Its stress is at most the friction limit, and it vanishes in steady sliding and
-//! in sticking, so that the friction force keeps its mean.
+//! on the quick part of the slip rate, relative to its mean over the surface. Its stress is at most the friction limit,
+//! and it vanishes in steady sliding, in sticking and for a body that slides as a whole.
 
 use super::sweeps::{ContactRow, ContactRows, ContactStep, ContactVelocities};
 use crate::kernel::interaction::InteractionLaw;
@@ -19,8 +19,10 @@ const APPROACH: f64 = 0.1;
 pub(super) struct SlipDamping {
     /// Slow part of the slip rate; NaN if not in contact. Empty without damping.
     slow: Vec<f64>,
-    /// Impulse per area that acts in the next increment.
+    /// Impulse per area that acts in the next increment, before its limit.
     impulse: Vec<f64>,
+    /// Shear stress of the damping in the last increment.
+    stress: Vec<f64>,
     /// Work array: the slow parts at the end of the increment.
     next: Vec<f64>,
 }
@@ -28,22 +30,41 @@ pub(super) struct SlipDamping {
 impl SlipDamping {
     /// Damping of this number of keys.
     pub(super) fn new(keys: usize) -> SlipDamping {
-        SlipDamping { slow: vec![f64::NAN; keys], impulse: vec![0.0; keys], next: vec![f64::NAN; keys] }
+        SlipDamping {
+            slow: vec![f64::NAN; keys],
+            impulse: vec![0.0; keys],
+            stress: vec![0.0; keys],
+            next: vec![f64::NAN; keys],
+        }
     }
 
     /// Takes the slip rate of a key from the previous contact.
     pub(super) fn take_over(&mut self, key: usize, previous: &SlipDamping, other: usize) {
         if let (Some(own), Some(before)) = (self.slow.get_mut(key), previous.slow.get(other)) {
-            (*own, self.impulse[key]) = (*before, previous.impulse[other]);
+            *own = *before;
+            (self.impulse[key], self.stress[key]) = (previous.impulse[other], previous.stress[other]);
         }
     }
 
     pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.slow) + MemoryUse::of(&self.impulse) + MemoryUse::of(&self.next)
+        MemoryUse::of(&self.slow)
+            + MemoryUse::of(&self.impulse)
+            + MemoryUse::of(&self.stress)
+            + MemoryUse::of(&self.next)
+    }
+
+    /// Returns the shear stress of a key in the last increment.
+    pub(super) fn stress(&self, key: usize) -> f64 {
+        self.stress.get(key).copied().unwrap_or(0.0)
+    }
+
+    /// Begins an increment without damping.
+    pub(super) fn begin(&mut self) {
+        self.stress.fill(0.0);
     }
 
     /// Applies the impulses of the damping to the velocities, before the contact impulses are solved for.
-    pub(super) fn apply(&self, rows: &mut ContactRows, motion: &mut ContactVelocities, given: ContactStep<'_>) {
+    pub(super) fn apply(&mut self, rows: &mut ContactRows, motion: &mut ContactVelocities, given: ContactStep<'_>) {
         let ContactRows { rows, terms, .. } = rows;
         for row in rows.iter_mut() {
             let Some(&impulse) = self.impulse.get(row.key as usize).filter(|impulse| **impulse != 0.0) else {
@@ -53,33 +74,51 @@ impl SlipDamping {
             let friction = &given.laws[row.law as usize].friction;
             let most = (friction.at_rest * pressure).min(friction.largest) * given.span.half;
             row.damping = impulse.clamp(-most, most);
+            self.stress[row.key as usize] = row.damping / given.span.half;
             motion.shear(row.own(terms), row.damping);
         }
     }
 
-    /// Updates the slip rates after the solution, and computes the impulses of the next increment.
-    pub(super) fn update(&mut self, rows: &ContactRows, motion: &ContactVelocities, laws: &[InteractionLaw]) {
+    /// Updates the slip rates after the solution, and computes the impulses of the next increment. The rows of a pair
+    /// (`pair_of` a key) have no resultant: a body that slides as a whole decelerates by friction alone.
+    pub(super) fn update(
+        &mut self,
+        rows: &ContactRows,
+        motion: &ContactVelocities,
+        laws: &[InteractionLaw],
+        pair_of: impl Fn(u32) -> usize,
+    ) {
         if self.slow.is_empty() {
             return;
         }
         self.next.fill(f64::NAN);
         self.impulse.fill(0.0);
-        let slides = |row: &&ContactRow| {
-            let friction = &laws[row.law as usize].friction;
-            row.normal_impulse > 0.0 && row.compliance[1] > 0.0 && friction.at_rest.is_finite()
+        let is_damped = |row: &&ContactRow| {
+            row.normal_impulse > 0.0 && row.compliance[1] > 0.0 && laws[row.law as usize].friction.damps()
         };
-        for row in rows.rows.iter().filter(slides) {
+        for row in rows.rows.iter().filter(is_damped) {
             let (key, slip) = (row.key as usize, motion.slip(rows.terms_of(row)) / row.area);
             let before = if self.slow[key].is_nan() { slip } else { self.slow[key] };
-            let slow = before + APPROACH * (slip - before);
-            self.next[key] = slow;
-            if !row.sticks {
-                let damping = laws[row.law as usize].friction.damping;
-                self.impulse[key] = -damping * (slip - slow) * row.area / row.compliance[1];
-            }
+            self.next[key] = before + APPROACH * (slip - before);
+            // For now the quick part of the slip rate; sticking rows have none.
+            self.impulse[key] = if row.sticks { 0.0 } else { slip - self.next[key] };
         }
         std::mem::swap(&mut self.slow, &mut self.next);
+        for pair in rows.rows.chunk_by(|a, b| pair_of(a.key) == pair_of(b.key)) {
+            let slides = |row: &&ContactRow| is_damped(row) && !row.sticks;
+            let (mut mass, mut moment) = (0.0, 0.0);
+            for row in pair.iter().filter(slides) {
+                let own = row.area * row.area / row.compliance[1];
+                mass += own;
+                moment += own * self.impulse[row.key as usize];
+            }
+            for row in pair.iter().filter(slides) {
+                let impulse = &mut self.impulse[row.key as usize];
+                *impulse = -laws[row.law as usize].friction.damping * (*impulse - moment / mass) * row.area
+                    / row.compliance[1];
+            }
+        }
     }
 }
 
-persist_struct!(SlipDamping { slow: fixed, impulse: fixed } derived { next });
+persist_struct!(SlipDamping { slow: fixed, impulse: fixed, stress: fixed } derived { next });

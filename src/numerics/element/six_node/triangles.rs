@@ -263,7 +263,8 @@ impl NullaryFnOnce for TriangleAssembly<'_> {
                 slow = if dt > 0.0 { slow_rate(stored[l], rate, dt * omega, filter) } else { work.dilation_rate[l] };
                 stored[l] = slow;
             }
-            let damping = 2.0 * modulus * period * (rate * fraction - slow * linear);
+            let scale = 2.0 * modulus * period;
+            let damping = scale * rate * fraction - scale * slow * linear;
             let mut stress = [[0.0; 4]; POINTS];
             for p in 0..POINTS {
                 stress[p] = column(&own[p], l);
