@@ -14,6 +14,7 @@ use revolve::user::Routines;
 
 use super::plain_solid::PlainBar;
 use crate::common;
+use crate::common::solid::WHOLE_VISCOSITY;
 
 pub const ROUNDS: usize = 3;
 /// Increment in seconds.
@@ -62,10 +63,7 @@ fn prepared_bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -
     let time = DT * increments as f64;
     let text = text.replace(
         "*Dynamic, Explicit\n , 80.e-6",
-        &format!(
-            "*Dynamic, Explicit, direct user control\n {DT:e}, {time:e}\n\
-             *Bulk viscosity, linear term=unfiltered\n 0.06, 1.2"
-        ),
+        &format!("*Dynamic, Explicit, direct user control\n {DT:e}, {time:e}\n{}", WHOLE_VISCOSITY.trim_end()),
     );
     let text = text.split("*Output, field").next().expect("text").to_owned()
         + "*Output, history, number interval=1\n*Energy Output\n ETOTAL\n*End Step\n";

@@ -287,7 +287,8 @@ pub fn mass_on_column() -> StudyCase {
 }
 
 /// Verney's shell stops at half its inner radius (cm, g, microseconds). The exact result is that of a rigid-plastic
-/// shell, so the material is ten times as stiff as beryllium, whose elastic strain alone is 0.1 %.
+/// shell, so the material is ten times as stiff as beryllium, whose elastic strain alone is 0.1 %. With the filtered
+/// viscosity the error of coarse meshes changes sign, and a coarser setting meets a target by chance.
 pub fn verney() -> StudyCase {
     let make = |n: usize| {
         let (bulk, shear): (f64, f64) = (11.80, 15.1);
@@ -306,7 +307,9 @@ pub fn verney() -> StudyCase {
             let ([r, z], node) = (ray(j), 1 + i + j * (n + 1));
             write!(deck, " {node}, 1, {:e}\n {node}, 2, {:e}\n", v * r, v * z).expect("text");
         }
-        deck + "*Step\n*Dynamic, Explicit, element by element\n , 105.\n*Boundary\n J0, 2, 2\n J1, 1, 1\n*Output, history, time interval=0.1\n\
+        deck + "*Step\n*Dynamic, Explicit, element by element\n , 105.\n"
+            + WHOLE_VISCOSITY
+            + "*Boundary\n J0, 2, 2\n J1, 1, 1\n*Output, history, time interval=0.1\n\
                 *Node Output, nset=INNER\n U1\n*End Step\n"
     };
     StudyCase {

@@ -56,7 +56,7 @@ fn filtered_viscosity_raises_the_order_of_fronts() {
     assert!(filtered[2][0] < 0.92 * whole[2][0] && filtered[2][1] < 0.55 * whole[2][1], "{filtered:?} {whole:?}");
 }
 
-/// Pulls a tube of radii 4 and 5 out of a rigid bore, to whose wall an inner pressure of 10 presses it, and returns the
+/// Pulls a tube of radii 4 and 5, which an inner pressure of 10 presses to a rigid hollow cylinder, and returns the
 /// displacement of its end over that of statics, F^2/(2 E A f) with the friction f per length. mm, t, s.
 fn pulled_tube([nr, nz]: [usize; 2], mu: f64, friction: &str) -> f64 {
     let (modulus, pressure, stress) = (2e5, 10.0, 520.0 * mu);
@@ -71,13 +71,13 @@ fn pulled_tube([nr, nz]: [usize; 2], mu: f64, friction: &str) -> f64 {
         [nr, nz],
         |i, j| [4.0 + i as f64 / nr as f64, 100.0 * j as f64 / nz as f64],
         &format!("*Nset, nset=END\n {end},\n"),
-    ) + &rigid_line("BORE", &[[5.0, -10.0], [5.0, 120.0]], "")
-        + &assembly(&["TUBE", "BORE"], "*Rigid Body, ref node=BORE.REF, elset=BORE.E\n")
+    ) + &rigid_line("WALL", &[[5.0, -10.0], [5.0, 120.0]], "")
+        + &assembly(&["TUBE", "WALL"], "*Rigid Body, ref node=WALL.REF, elset=WALL.E\n")
         + &elastic("TUBE", [modulus, 0.0, 7.85e-9], "")
         + &format!(
             "*Surface Interaction, name=I\n*Friction{friction}\n {mu}\n*Amplitude, name=PRESS, definition=SMOOTH STEP\n 0., 0., 3.e-4, 1.\n\
              *Amplitude, name=PULL, definition=SMOOTH STEP\n 0., 0., 4.e-4, 0., 1.4e-3, 1.\n*Step\n*Dynamic, Explicit\n , 1.6e-3\n\
-             *Boundary\n BORE.REF, ENCASTRE\n TUBE.J0, 2, 2\n*Contact Pair, interaction=I\n TUBE.I1, BORE.SKIN\n\
+             *Boundary\n WALL.REF, ENCASTRE\n TUBE.J0, 2, 2\n*Contact Pair, interaction=I\n TUBE.I1, WALL.SKIN\n\
              *Dsload, amplitude=PRESS\n TUBE.I0, P, {pressure}\n*Dsload, amplitude=PULL\n TUBE.J1, P, {}\n\
              *Output, history, number interval=1\n*Node Output, nset=TUBE.END\n U2\n*End Step\n",
             -stress

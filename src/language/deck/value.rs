@@ -31,7 +31,7 @@ pub enum ValueKind {
     Number,
     /// A whole number.
     Integer,
-    /// One of these words.
+    /// One word of the list.
     Word(&'static [&'static str]),
     /// A word of this list of supported variants. ABAQUS has other variants.
     Variant(&'static [&'static str]),

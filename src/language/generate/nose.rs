@@ -202,7 +202,7 @@ impl NoseBlocks<'_> {
 }
 
 /// Returns index and position (as a fraction of the length) of the inner points of a line. Point `at` is at `share`,
-/// and the spacing is uniform on either side of it.
+/// and the spacing is uniform on either side of this point.
 fn split(count: usize, at: usize, share: f64) -> impl Iterator<Item = (usize, f64)> {
     let rear = (count - at) as f64;
     (1..count).map(move |n| {

@@ -160,8 +160,9 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
         let (modulus, period, quadratic2) = (lane.modulus, lane.period, factors.quadratic2);
         let dilation = scratch.strain.strain[0][l] + scratch.strain.strain[1][l] + scratch.strain.strain[2][l];
         let mut dilation_rate = dilation * factors.per_dt;
+        let current_rate = || (dot3(g.r, along_r) + dot3(g.z, along_z) + dot3(g.hoop, ring)) / g.volume;
         if factors.starts {
-            dilation_rate = (dot3(g.r, along_r) + dot3(g.z, along_z) + dot3(g.hoop, ring)) / g.volume;
+            dilation_rate = current_rate();
         }
         let compression = if dilation_rate < zero { dilation_rate } else { zero };
         let mut fraction = factors.linear - quadratic2 * two * period * compression;
@@ -181,8 +182,8 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
             sided = by_direction(rates, dilation_rate, viscosity);
         }
         let mut slow = slow_rate(kept.slow_dilation[l], dilation_rate, factors.dt * lane.omega, factors.filter);
-        if factors.begins_filter {
-            slow = (dot3(g.r, along_r) + dot3(g.z, along_z) + dot3(g.hoop, ring)) / g.volume;
+        if factors.filter > zero && factors.per_dt == zero {
+            slow = current_rate();
         }
         kept.slow_dilation[l] = slow;
         let scale = two * modulus * period;
@@ -237,8 +238,6 @@ struct ForceFactors<T> {
     block: T,
     /// Whether the analysis starts, so that the rate of volume follows from the current velocities.
     starts: bool,
-    /// Whether the filter begins, with the rate at the start.
-    begins_filter: bool,
 }
 
 impl<T: Real> ForceFactors<T> {
@@ -267,7 +266,6 @@ impl<T: Real> ForceFactors<T> {
             cap: scratch.cap,
             block: scratch.block,
             starts: VARY && per_dt == T::ZERO,
-            begins_filter: constants.bulk_viscosity.filters() && per_dt == T::ZERO,
         }
     }
 }

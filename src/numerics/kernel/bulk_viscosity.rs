@@ -1,11 +1,11 @@
 //! Bulk viscosity: its coefficients, and the high-pass filter of its linear term.
 //!
 //! With the damping fraction b1 the linear term is a pressure b1 ρ c_d L ε̇_v, ε̇_v the volumetric strain rate. It damps
-//! the oscillation of a mesh behind a front, but also smears the front over a width that grows with the root of L, so
+//! the oscillation of a mesh after a front, but also smears the front over a width that grows with the root of L, so
 //! that results converge with order 1/2. The term therefore acts on the part of the rate that changes quickly: on
-//! ε̇_v - s, with τ ds/dt = ε̇_v - s and τ = 4/ω, ω the highest frequency of the element. The highest mode keeps 94 % of
-//! its damping; a mode of frequency f is damped by (f τ)²/(1 + (f τ)²) of it, which for resolved waves is of the order
-//! L². In mechanics, it is a dashpot in series with an inerter (M. C. Smith 2002, IEEE Trans. Autom. Control 47, 1648): a
+//! ε̇_v - s, with τ ds/dt = ε̇_v - s and τ = 4/ω, ω the highest frequency of the element. A mode of frequency f keeps
+//! the share (f τ)²/(1 + (f τ)²) of its damping: the highest mode 94 %, resolved waves a share of the order L². In
+//! mechanics, it is a dashpot in series with an inerter (M. C. Smith 2002, IEEE Trans. Autom. Control 47, 1648): a
 //! passive element, whose work over any motion from rest is never negative.
 
 use super::real::Real;

@@ -1,6 +1,14 @@
 //! Element quality and deformation: scaled Jacobian of the corners, and largest principal strain.
 
 use super::lanes::InlineMap;
+
+/// Returns the cross product of the two sides at a corner, and the product of their squared lengths.
+#[inline]
+fn corner_products(at: [f64; 2], next: [f64; 2], before: [f64; 2]) -> [f64; 2] {
+    let (a, b) = ([next[0] - at[0], next[1] - at[1]], [before[0] - at[0], before[1] - at[1]]);
+    [a[0] * b[1] - a[1] * b[0], (a[0] * a[0] + a[1] * a[1]) * (b[0] * b[0] + b[1] * b[1])]
+}
+
 /// Returns the scaled Jacobian of an element: the smallest sine of its corner angles, for triangles divided by that of
 /// the equilateral triangle. It is 1 for a rectangle, 0 if a corner is on the line between its neighbours, and negative
 /// for an inverted element (P. Knupp 2000, Int. J. Numer. Meth. Eng. 48, 401). Corners run counter-clockwise;
@@ -20,10 +28,8 @@ pub fn scaled_jacobian(places: [[f64; 2]; 4]) -> f64 {
         _ => return f64::NAN,
     };
     let sine = |i: usize| {
-        let [at, next, before] = [i, (i + 1) % count, (i + count - 1) % count].inline_map(|k| corners[k]);
-        let (a, b) = ([next[0] - at[0], next[1] - at[1]], [before[0] - at[0], before[1] - at[1]]);
-        let squares = (a[0] * a[0] + a[1] * a[1]) * (b[0] * b[0] + b[1] * b[1]);
-        (a[0] * b[1] - a[1] * b[0]) / squares.sqrt()
+        let [cross, squares] = corner_products(corners[i], corners[(i + 1) % count], corners[(i + count - 1) % count]);
+        cross / squares.sqrt()
     };
     (0..count).map(sine).fold(f64::INFINITY, f64::min) / best
 }
@@ -34,10 +40,8 @@ pub fn is_distorted(places: [[f64; 2]; 4], least: f64) -> bool {
     // With a margin for rounding.
     let limit = 1.0001 * least.max(0.0);
     let clear = |i: usize| {
-        let [at, next, before] = [i, (i + 1) % 4, (i + 3) % 4].inline_map(|k| places[k]);
-        let (a, b) = ([next[0] - at[0], next[1] - at[1]], [before[0] - at[0], before[1] - at[1]]);
-        let area = a[0] * b[1] - a[1] * b[0];
-        area > 0.0 && area * area > limit * limit * ((a[0] * a[0] + a[1] * a[1]) * (b[0] * b[0] + b[1] * b[1]))
+        let [cross, squares] = corner_products(places[i], places[(i + 1) % 4], places[(i + 3) % 4]);
+        cross > 0.0 && cross * cross > limit * limit * squares
     };
     // Corners that coincide are not clear.
     !(clear(0) && clear(1) && clear(2) && clear(3)) && scaled_jacobian(places) <= least

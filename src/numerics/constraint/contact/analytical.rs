@@ -231,10 +231,10 @@ impl ContactConstraint {
     pub(super) fn forces_of_rows(&self, pair: &ContactPair) -> [f64; 5] {
         let keys = pair.first_key..pair.first_key + self.keys_of(pair);
         let mut sum = [0.0; 5];
-        for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.normal_impulse > 0.0) {
+        for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.acts()) {
             let [pressure, shear] = self.stresses(row.key as usize);
             let Some(foot) = row.closest_point.map(|f| feet_dofs(self, f)) else { continue };
-            sum[4] += if row.is_single_point { 0.0 } else { row.area };
+            sum[4] += if row.is_single_point || pressure == 0.0 { 0.0 } else { row.area };
             for term in self.rows.terms_of(row) {
                 if let Some(axis) = foot.iter().position(|d| *d == term.dof) {
                     sum[axis] += pressure * term.normal;

@@ -100,7 +100,7 @@ impl ContactHeat {
         work: impl Fn(&ContactRow) -> f64,
     ) {
         let mut at = 0;
-        for row in rows.rows.iter().filter(|row| row.shear_impulse != 0.0 || row.damping != 0.0) {
+        for row in rows.rows.iter().filter(|row| row.whole_shear() != 0.0) {
             while self.rows[at].key != row.key {
                 at += 1;
             }

@@ -450,7 +450,7 @@ impl ContactConstraint {
             for term in rows.terms_of(row) {
                 let on = &mut impulses[term.dof as usize];
                 on[0] += term.normal * row.normal_impulse;
-                on[1] += term.slip * (row.shear_impulse + row.damping);
+                on[1] += term.slip * row.whole_shear();
             }
         }
     }
@@ -504,7 +504,7 @@ impl ContactConstraint {
             let (rows, means) = (&self.rows, &self.means);
             let rate =
                 |row: &ContactRow| rows.terms_of(row).iter().map(|t| t.slip * means[t.dof as usize]).sum::<f64>();
-            exchange.add_friction_heat(rows, &self.laws, |row| (row.shear_impulse + row.damping) * rate(row));
+            exchange.add_friction_heat(rows, &self.laws, |row| row.whole_shear() * rate(row));
         }
         energies.penalty -= springs;
         energies.contact -= work[0] - springs;

@@ -109,10 +109,10 @@ impl ContactConstraint {
             for (end, point) in facet.iter().enumerate() {
                 let Ok(at) = own.own.binary_search(point) else { continue };
                 let [pressure, shear] = self.stresses(pair.first_key as usize + at);
-                if pressure == 0.0 {
+                if pressure == 0.0 && shear == 0.0 {
                     continue;
                 }
-                sum[4] += seen.area[end];
+                sum[4] += if pressure > 0.0 { seen.area[end] } else { 0.0 };
                 for share in self.gaps.shares_of(seen).iter().filter(|s| facet.contains(&s.point)) {
                     let of = share.of[end];
                     sum[0] += pressure * of[0];
@@ -130,7 +130,7 @@ impl ContactConstraint {
     fn add_forces_of_points(&self, pair: &ContactPair, sum: &mut [f64; 5]) {
         let own = &self.curves[pair.own].own;
         let keys = pair.first_key + own.len() as u32..pair.first_key + self.keys_of(pair);
-        for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.normal_impulse > 0.0) {
+        for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.acts()) {
             let [force, shear] = self.stresses(row.key as usize);
             let point = self.curves[pair.other.unwrap_or(pair.own)].own[(row.key - keys.start) as usize];
             let of_point = self.dofs_of[point as usize];

@@ -63,7 +63,8 @@ impl SlipDamping {
         self.stress.fill(0.0);
     }
 
-    /// Applies the impulses of the damping to the velocities, before the contact impulses are solved for.
+    /// Applies the impulses of the damping to the velocities, before the contact impulses are solved for. Their limit is
+    /// that of friction under the pressure of the previous increment.
     pub(super) fn apply(&mut self, rows: &mut ContactRows, motion: &mut ContactVelocities, given: ContactStep<'_>) {
         let ContactRows { rows, terms, .. } = rows;
         for row in rows.iter_mut() {
@@ -72,6 +73,8 @@ impl SlipDamping {
             };
             let [pressure, _] = given.before[row.key as usize];
             let friction = &given.laws[row.law as usize].friction;
+            // Not a number, after an instability, counts as no pressure.
+            let pressure = if pressure > 0.0 { pressure } else { 0.0 };
             let most = (friction.at_rest * pressure).min(friction.largest) * given.span.half;
             row.damping = impulse.clamp(-most, most);
             self.stress[row.key as usize] = row.damping / given.span.half;

@@ -57,6 +57,16 @@ impl ContactRow {
         ContactRow { key, law, ..ContactRow::default() }
     }
 
+    /// Returns the impulse of friction and damping per unit of area.
+    pub fn whole_shear(&self) -> f64 {
+        self.shear_impulse + self.damping
+    }
+
+    /// Whether the row transmits a force. The damping of a row that separates acts in the increment of the separation.
+    pub fn acts(&self) -> bool {
+        self.normal_impulse > 0.0 || self.damping != 0.0
+    }
+
     /// Computes the rate at which the gap may close.
     fn take_bias(&mut self, law: &InteractionLaw, span: ContactInterval) {
         let open = self.gap - law.overclosure.onset_gap() * self.area;
