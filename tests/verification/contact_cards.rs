@@ -58,6 +58,51 @@ fn penalty_contact_of_bars_matches_closed_form() {
     }
 }
 
+/// A disc with the mass `m = 1` per area falls on a rigid plane with the contact stiffness `k = 1e-3` per area and contact
+/// damping: a damped oscillator with the fraction z of critical damping, which leaves the plane when the pressure
+/// `k x + c x'` vanishes, at tan(wd t) = -2 z s/(1 - 2 z^2) with s = sqrt(1 - z^2). The surface nodes have half of the
+/// mass, so that a critical fraction of sqrt(2) z is the same damping. The disc is a thousand times stiffer than the
+/// contact, and the overlap at the end of the increment adds a fraction of w dt/2 = 8e-4: 1 %.
+#[test]
+fn contact_damping_matches_the_damped_oscillator() {
+    let stiffness: f64 = 1e-3;
+    let rebound = |law: &str, damping: &str| {
+        let deck = part("DISC", [2, 1], |i, j| [0.5 * i as f64, 1e-9 + j as f64], "")
+            + &rigid_line("WALL", &[[0.0, 0.0], [2.0, 0.0]], "")
+            + &assembly(&["DISC", "WALL"], "*Rigid Body, ref node=WALL.REF, elset=WALL.E\n")
+            + &elastic("DISC", [1.0, 0.0, 1.0], "")
+            + &format!(
+                "*Surface Interaction, name=I\n*Surface Behavior, pressure-overclosure={law}\n{damping}\
+                 *Initial Conditions, type=VELOCITY\n DISC.ALL, 2, {:e}\n*Step\n*Dynamic, Explicit, direct user control\n 0.05, 120.\n\
+                 *Boundary\n WALL.REF, 2, 2\n*Contact Pair, interaction=I\n DISC.J0, WALL.SKIN\n\
+                 *Output, history, frequency=1\n*Energy Output\n ALLCW, ETOTAL\n*End Step\n",
+                -SPEED
+            );
+        let ran = run(&deck).whole();
+        let absorbed = ran.column("ALLCW").iter().fold(0.0_f64, |least, c| least.min(c[1]));
+        assert!(absorbed > -1e-9 * ran.outcome.energy.initial && ran.outcome.energy.drift < 1e-12, "{absorbed}");
+        ran.momentum() / (PI * SPEED)
+    };
+    let linear = format!("LINEAR\n {stiffness},");
+    let table = format!("TABULAR\n 0., 0.\n {}, 1.\n", stiffness);
+    for fraction in [0.05_f64, 0.2, 0.4] {
+        let s = (1.0 - fraction * fraction).sqrt();
+        let angle = (2.0 * fraction * s).atan2(2.0 * fraction * fraction - 1.0);
+        let decay = (-fraction / s * angle).exp();
+        let exact = -decay * (angle.cos() - fraction / s * angle.sin());
+        let coefficient = 2.0 * fraction * stiffness.sqrt();
+        let given = format!("*Contact Damping, definition=DAMPING COEFFICIENT\n {coefficient:e},\n");
+        let critical =
+            format!("*Contact Damping, definition=CRITICAL DAMPING FRACTION\n {:e},\n", 2.0_f64.sqrt() * fraction);
+        let [one, two, three] =
+            [(&linear, &given), (&linear, &critical), (&table, &given)].map(|(law, damping)| rebound(law, damping));
+        println!("fraction {fraction}: rebound {one:.4} {two:.4} {three:.4} of {exact:.4}");
+        assert!((one / exact - 1.0).abs() < 0.01, "{one} {exact}");
+        assert!((two / one - 1.0).abs() < 1e-9 && (three / one - 1.0).abs() < 1e-9, "{one} {two} {three}");
+    }
+    assert!(rebound(&linear, "") > 0.995);
+}
+
 /// Nonmatching patches have a uniform stress with penalty springs as well, because springs and elements are uniform.
 #[test]
 fn penalty_contact_patch_has_uniform_stress() {

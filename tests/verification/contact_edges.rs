@@ -130,16 +130,32 @@ fn soft_contact_at_edges_releases_at_most_what_it_stored() {
     }
 }
 
-/// WEIGHT selects the surface that carries the pressures: CPRESS has values on the secondary surface only. Without it
-/// the finer surface carries them.
+/// WEIGHT of a pair and CONTACT FORMULATION of general contact select the surface that carries the pressures: CPRESS has
+/// values on the secondary surface only. Without them the finer surface carries the pressures unless it is also stiffer.
 #[test]
-fn weight_selects_the_carrying_surface() {
-    for (weight, carries_below) in [("", true), (", weight=0.5", true), (", weight=0.", true), (", weight=1.", false)] {
-        let deck = blocks(true, [6, 2], "")
+fn deck_selects_the_carrying_surface() {
+    let pair = |weight: &str| format!("*Contact Pair, interaction=SOFT{weight}\n LOWER.SKIN, UPPER.SKIN\n");
+    let general = |role: &str| {
+        "*Contact\n*Contact Inclusions, all exterior\n*Contact Formulation, type=PURE MASTER-SLAVE\n".to_owned() + role
+    };
+    for (name, stiffness, contact, carries_below) in [
+        ("automatic", 1.0, pair(""), true),
+        ("WEIGHT", 1.0, pair(", weight=0.5"), true),
+        ("WEIGHT", 1.0, pair(", weight=0."), true),
+        ("WEIGHT", 1.0, pair(", weight=1."), false),
+        ("automatic, finer is stiffer", 3.0, pair(""), false),
+        ("WEIGHT, finer is stiffer", 3.0, pair(", weight=0."), true),
+        ("roles", 1.0, general(" LOWER.SKIN, UPPER.SKIN, MASTER\n"), false),
+        ("roles", 1.0, general(" LOWER.SKIN, UPPER.SKIN\n"), true),
+        ("roles", 1.0, general(" , UPPER.SKIN, MASTER\n"), false),
+        ("roles", 1.0, general(" UPPER.SKIN, LOWER.SKIN, SECONDARY\n"), false),
+    ] {
+        let deck = blocks(true, [16, 1], "")
+            .replace(&elastic("LOWER", [1.0, 0.3, 1.0], ""), &elastic("LOWER", [stiffness, 0.3, 1.0], ""))
             + &format!(
-                "*Initial Conditions, type=VELOCITY\n UPPER.ALL, 2, -0.02\n*Step\n*Dynamic, Explicit\n , 1.\n\
-                 *Contact Pair, interaction=SOFT{weight}\n LOWER.SKIN, UPPER.SKIN\n*Output, history, frequency=1\n\
-                 *Contact Output, nset=LOWER.J1\n CPRESS\n*Contact Output, nset=UPPER.J0\n CPRESS\n*End Step\n"
+                "*Initial Conditions, type=VELOCITY\n UPPER.ALL, 2, -0.02\n*Step\n*Dynamic, Explicit\n , 1.\n{contact}\
+             *Output, history, frequency=1\n\
+             *Contact Output, nset=LOWER.J1\n CPRESS\n*Contact Output, nset=UPPER.J0\n CPRESS\n*End Step\n"
             );
         let ran = run(&deck).whole();
         let largest = |node_prefix: &str| {
@@ -148,12 +164,14 @@ fn weight_selects_the_carrying_surface() {
             own.flat_map(|name| ran.column(&name)).map(|row| row[1]).filter(|p| p.is_finite()).fold(0.0, f64::max)
         };
         let [below, above] = ["LOWER", "UPPER"].map(largest);
-        println!("WEIGHT {weight:?}: CPRESS {below:.2e} below, {above:.2e} above");
-        assert_eq!([below > 0.0, above > 0.0], [carries_below, !carries_below], "{weight}");
+        println!("{name}: CPRESS {below:.2e} below, {above:.2e} above");
+        // A sudden stop at 0.02 gives 0.014 for density and wave speed 1; pressures oscillate if P121 warns.
+        assert!(below.max(above) < 0.1, "{name}: {below} {above}");
+        assert_eq!([below > 0.0, above > 0.0], [carries_below, !carries_below], "{name} {contact}");
     }
 }
 
-/// Bodies in contact that overlap by more than a tenth of a face cause one warning with place, time and depth, and stiff
+/// Bodies in contact that overlap by more than 5 % of a face cause one warning with place, time and depth, and stiff
 /// contact causes none.
 #[test]
 fn overlap_of_bodies_in_contact_is_reported() {

@@ -5,40 +5,59 @@
 
 use std::f64::consts::PI;
 
-use crate::common::bodies::{assembly, elastic, part, point_field, rigid_line, run};
+use crate::common::bodies::{DeckRun, assembly, elastic, part, point_field, rigid_line, run};
 use crate::common::solid::WHOLE_VISCOSITY;
 
-/// Returns the mean error of the velocities over the speed of impact, and the share of the energy in ALLVD. A bar of
-/// length, density and modulus 1 has hit another one with a density of 0.81 and a modulus of 0.36 for 0.7.
-fn unequal_bars(n: usize, viscosity: &str) -> [f64; 2] {
-    let (speed, time) = (1e-3, 0.7);
-    let [density, modulus]: [f64; 2] = [0.81, 0.36];
+/// Speed of impact of the bars, and time at the end.
+const SPEED: f64 = 1e-3;
+const TIME: f64 = 0.7;
+/// Density and modulus of the second bar. Those of the first bar and its length are 1.
+const SECOND: [f64; 2] = [0.81, 0.36];
+
+fn run_bars(n: usize, time: f64, viscosity: &str) -> DeckRun {
+    let [density, modulus] = SECOND;
     let bar = |name: &str, from: f64| part(name, [1, n], |i, j| [0.05 * i as f64, from + j as f64 / n as f64], "");
     let deck = bar("FIRST", 0.0)
         + &bar("SECOND", 1.0)
         + &assembly(&["FIRST", "SECOND"], "")
         + &elastic("FIRST", [1.0, 0.0, 1.0], "")
         + &elastic("SECOND", [modulus, 0.0, density], "")
-        + &format!("*Surface Interaction, name=I\n*Initial Conditions, type=VELOCITY\n FIRST.ALL, 2, {speed}\n")
+        + &format!("*Surface Interaction, name=I\n*Initial Conditions, type=VELOCITY\n FIRST.ALL, 2, {SPEED}\n")
         + &format!(
             "*Step\n*Dynamic, Explicit\n , {time}\n{viscosity}*Contact Pair, interaction=I\n FIRST.J1, SECOND.J0\n"
         )
         + "*Output, field, number interval=1\n*Node Output\n V, U\n*Output, history, number interval=1\n*Energy Output\n ALLVD\n*End Step\n";
-    let ran = run(&deck).whole();
+    run(&deck).whole()
+}
+
+/// Returns the mean error of the velocities over the speed of impact, and the share of the energy in ALLVD.
+fn unequal_bars(n: usize, viscosity: &str) -> [f64; 2] {
+    let ran = run_bars(n, TIME, viscosity);
+    let [density, modulus] = SECOND;
     let (impedance, wave) = ((density * modulus).sqrt(), (modulus / density).sqrt());
     let velocity = point_field(ran.end(), "V");
     let error = |name: &str, exact: &dyn Fn(f64) -> f64| {
         let nodes = ran.nodes(name);
         let off = nodes.iter().map(|&[node, place]| {
             let start = ran.state.dofs.nodes.start[place][1];
-            (velocity[2 * node + 1] / speed - exact(start)).abs()
+            (velocity[2 * node + 1] / SPEED - exact(start)).abs()
         });
         off.sum::<f64>() / nodes.len() as f64
     };
     let between = 1.0 / (1.0 + impedance);
-    let first = error("FIRST", &|z| if z < 1.0 - time { 1.0 } else { between });
-    let second = error("SECOND", &|z| if z < 1.0 + wave * time { between } else { 0.0 });
+    let first = error("FIRST", &|z| if z < 1.0 - TIME { 1.0 } else { between });
+    let second = error("SECOND", &|z| if z < 1.0 + wave * TIME { between } else { 0.0 });
     [first + second, ran.column("ALLVD").last().expect("a row")[1] / ran.outcome.energy.initial]
+}
+
+/// Bulk viscosity that takes more than 5 % of the energy causes a warning unless the deck asks for damping.
+#[test]
+fn large_viscous_dissipation_is_reported() {
+    let warnings = |n, viscosity: &str| run_bars(n, 4.0, viscosity).outcome.warnings;
+    let found = warnings(10, "*Bulk Viscosity, linear term=UNFILTERED\n 1., 1.2\n");
+    println!("{found:?}");
+    assert!(found.len() == 1 && found[0].contains("(ALLVD)") && found[0].contains("*BULK VISCOSITY"), "{found:?}");
+    assert_eq!(warnings(40, ""), [""; 0]);
 }
 
 /// A viscosity that acts on the whole rate smears fronts with order 1/2 in the limit (0.59 between the finest meshes).
@@ -58,7 +77,7 @@ fn filtered_viscosity_raises_the_order_of_fronts() {
 
 /// Pulls a tube of radii 4 and 5, which an inner pressure of 10 presses to a rigid hollow cylinder, and returns the
 /// displacement of its end over that of statics, F^2/(2 E A f) with the friction f per length. mm, t, s.
-fn pulled_tube([nr, nz]: [usize; 2], mu: f64, friction: &str) -> f64 {
+fn pulled_tube([nr, nz]: [usize; 2], mu: f64, friction: &str) -> (f64, Vec<String>) {
     let (modulus, pressure, stress) = (2e5, 10.0, 520.0 * mu);
     // Lame's tube with u = 0 at the outer radius and without lateral contraction.
     let c = -pressure / (-1.0 / 25.0 - 1.0 / 16.0);
@@ -84,16 +103,19 @@ fn pulled_tube([nr, nz]: [usize; 2], mu: f64, friction: &str) -> f64 {
         );
     let ran = run(&deck).whole();
     let moved = ran.column("U2@TUBE.END").last().expect("a row")[1];
-    moved / exact
+    (moved / exact, ran.outcome.warnings)
 }
 
-/// On 4x200 elements with a coefficient of 0.1 the tube flutters without damping, and its end moves twice as far.
+/// On 4x200 elements with a coefficient of 0.1 the tube flutters without damping, its end moves twice as far, and a
+/// warning names flutter.
 #[test]
 fn pulled_tube_keeps_its_friction_force_on_fine_meshes() {
-    let damped = [([2, 100], 0.3), ([4, 200], 0.1)].map(|(mesh, mu)| pulled_tube(mesh, mu, ""));
-    println!("pulled tube: {damped:.4?} of the displacement of statics");
-    assert!(damped.iter().all(|ratio| (ratio - 1.0).abs() < 0.02), "{damped:?}");
-    let undamped = pulled_tube([4, 200], 0.1, ", slip damping=0");
-    println!("pulled tube without damping: {undamped:.4}");
-    assert!(undamped > 1.3, "{undamped}");
+    for (mesh, mu) in [([2, 100], 0.3), ([4, 200], 0.1)] {
+        let (ratio, warnings) = pulled_tube(mesh, mu, "");
+        println!("pulled tube: {ratio:.4} of the displacement of statics");
+        assert!((ratio - 1.0).abs() < 0.02 && warnings.is_empty(), "{ratio} {warnings:?}");
+    }
+    let (undamped, warnings) = pulled_tube([4, 200], 0.1, ", slip damping=0");
+    println!("pulled tube without damping: {undamped:.4}, {warnings:?}");
+    assert!(undamped > 1.3 && warnings.iter().any(|w| w.contains("flutter")), "{undamped} {warnings:?}");
 }

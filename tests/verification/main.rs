@@ -18,6 +18,7 @@ mod contact_friction;
 mod contact_heat;
 mod contact_hertz;
 mod contact_scenes;
+mod contact_sliding;
 mod deformable;
 mod element_output;
 mod erosion;

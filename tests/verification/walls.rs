@@ -43,15 +43,17 @@ fn largest_value(rows: &[[f64; 2]]) -> f64 {
 }
 
 /// Impact on a rigid wall, flat or conical, with direct or penalty contact, with and without friction, with fixed and
-/// variable increments. The impulse of the wall is the change of momentum. In each row the contact force equals the
+/// variable increments, with and without contact at the start. The impulse of the wall is the change of momentum. In each row the contact force equals the
 /// reaction force.
 #[test]
 fn rigid_wall_impulse_is_the_change_of_momentum() {
     let flat = rigid_line("WALL", &[[0.0, -0.002], [2.0, -0.002]], "");
+    let touching = rigid_line("WALL", &[[0.0, 0.0], [2.0, 0.0]], "");
     let cone = rigid_line("WALL", &[[0.0, -0.302], [3.0, 0.598]], "");
     let friction = "*Friction\n 0.3,\n";
     for (name, shape, wall, more, step, pair) in [
         ("flat", [0.0; 2], &flat, "", "\n , 8.", ""),
+        ("flat, touching at the start", [0.0; 2], &touching, "", ", direct user control\n 0.02, 8.", ""),
         ("flat, fixed increments", [0.0; 2], &flat, "", ", direct user control\n 0.02, 8.", ""),
         ("flat, penalty", [0.0; 2], &flat, "", "\n , 8.", ", mechanical constraint=PENALTY"),
         ("cone, friction", [0.5, 0.3], &cone, friction, "\n , 8.", ""),

@@ -214,11 +214,13 @@ impl<'a> ModelBuilder<'a> {
             | "CONTACT PROPERTY ASSIGNMENT"
             | "CONTACT CLEARANCE ASSIGNMENT"
             | "CONTACT INITIALIZATION ASSIGNMENT"
-            | "CONTACT CONTROLS ASSIGNMENT" => self.general_contact_card(card),
+            | "CONTACT CONTROLS ASSIGNMENT"
+            | "CONTACT FORMULATION" => self.general_contact_card(card),
             "CONTACT CONTROLS" => self.contact_controls(card),
             "CLEARANCE" => self.pair_clearance(card),
             "SURFACE INTERACTION" => self.surface_interaction(card),
             "SURFACE BEHAVIOR" => self.surface_behavior(card),
+            "CONTACT DAMPING" => self.contact_damping(card),
             "FRICTION" => self.friction(card),
             "GAP CONDUCTANCE" => self.gap_conductance(card),
             "GAP HEAT GENERATION" => self.gap_heat_generation(card),

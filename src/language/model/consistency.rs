@@ -411,6 +411,8 @@ impl ConsistencyCheck<'_> {
             let CoulombFriction { at_rest, sliding, decay, largest, damping } = contact.law.friction;
             let good = [at_rest, sliding, decay, largest, damping].iter().all(|x| *x >= 0.0);
             self.value(good, contact.span, || "friction parameters must not be negative".into());
+            let good = contact.law.damping.is_none_or(|damping| damping.value() >= 0.0);
+            self.value(good, contact.span, || "contact damping must not be negative".into());
             if let Some(PrescribedClearance { gap, above, below }) = contact.clearance {
                 let good = [Some(gap), above, below].into_iter().flatten().all(|x| x >= 0.0);
                 self.value(good, contact.span, || "a clearance and its search distances must not be negative".into());

@@ -33,11 +33,13 @@ impl ModelBuilder<'_> {
         for (at, line) in card.lines.iter().enumerate() {
             let Some(domains) = self.domains(line) else { continue };
             let (third, factor) = (line.field(2).cloned(), f64::from_value(card.given_field(at, 2)));
+            let role = usize::from_value(card.given_field(at, 2));
             let Some(general) = &mut self.state().general_contact else { continue };
             match (card.keyword.name, third) {
                 ("CONTACT INCLUSIONS", _) => general.included.push((domains, line.span)),
                 ("CONTACT EXCLUSIONS", _) => general.excluded.push(domains),
                 ("CONTACT CONTROLS ASSIGNMENT", _) => general.penalties.push((domains, factor)),
+                ("CONTACT FORMULATION", _) => general.roles.push((domains, role < 2)),
                 (_, None) => {}
                 ("CONTACT PROPERTY ASSIGNMENT", Some(word)) => {
                     let interaction = self.interaction(&word);

@@ -3,7 +3,7 @@
 
 use super::builder::ModelBuilder;
 use super::names::upper;
-use super::types::{CoulombFriction, InteractionLaw, PressureOverclosure, SurfaceInteraction};
+use super::types::{ContactDamping, CoulombFriction, InteractionLaw, PressureOverclosure, SurfaceInteraction};
 use crate::deck::Card;
 use crate::deck::table::constraints as cards;
 
@@ -52,6 +52,15 @@ impl ModelBuilder<'_> {
         let Some(overclosure) = self.overclosure(card) else { return };
         if let Some(interaction) = self.model.interactions.last_mut() {
             interaction.law.overclosure = overclosure;
+        }
+    }
+
+    pub(super) fn contact_damping(&mut self, card: &Card) {
+        self.contact_note(card);
+        let cards::ContactDamping { is_fraction, values: [value] } = self.values(card);
+        let damping = if is_fraction { ContactDamping::CriticalFraction } else { ContactDamping::Coefficient };
+        if let Some(interaction) = self.model.interactions.last_mut() {
+            interaction.law.damping = Some(damping(value));
         }
     }
 

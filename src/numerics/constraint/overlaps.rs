@@ -15,7 +15,7 @@ use crate::state::magnitude::AmplitudeClock;
 const EVERY: u64 = 401;
 /// Penetration depth that is tolerated, as a fraction of the face length: chords of curved surfaces that slide on each
 /// other overlap slightly.
-const FIT: f64 = 0.1;
+const FIT: f64 = 0.05;
 
 /// Boundary of a body: points and faces.
 #[derive(Clone, Debug)]

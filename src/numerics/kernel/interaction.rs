@@ -191,15 +191,50 @@ impl CoulombFriction {
     }
 }
 
+/// Damping of soft contact while the surfaces overlap (ABAQUS Analysis User's Guide, "Contact damping").
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ContactDamping {
+    /// Pressure per closing velocity.
+    Coefficient(f64),
+    /// Fraction of the critical damping of the masses in contact on the contact stiffness.
+    CriticalFraction(f64),
+}
+
+impl ContactDamping {
+    /// Returns the given value.
+    pub fn value(self) -> f64 {
+        match self {
+            ContactDamping::Coefficient(value) | ContactDamping::CriticalFraction(value) => value,
+        }
+    }
+
+    /// Returns the pressure per closing velocity for a contact stiffness and a mass, each per area.
+    pub fn coefficient(self, stiffness: f64, mass: f64) -> f64 {
+        match self {
+            ContactDamping::Coefficient(coefficient) => coefficient,
+            ContactDamping::CriticalFraction(fraction) => 2.0 * fraction * (stiffness * mass).sqrt(),
+        }
+    }
+}
+
 /// Mechanical and thermal interaction of two surfaces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InteractionLaw {
     /// Normal behaviour.
     pub overclosure: PressureOverclosure,
+    /// Damping of the normal motion in soft contact.
+    pub damping: Option<ContactDamping>,
     /// Tangential behaviour.
     pub friction: CoulombFriction,
     /// Thermal behaviour.
     pub heat: GapHeat,
+}
+
+impl InteractionLaw {
+    /// Returns whether surfaces in contact overlap.
+    pub fn is_soft(&self) -> bool {
+        self.overclosure != PressureOverclosure::Hard
+    }
 }
 
 /// Heat exchange between contact surfaces (ABAQUS Analysis User's Guide, "Thermal contact properties").

@@ -26,6 +26,7 @@ pub mod rotation;
 pub mod shell;
 pub mod six_node_triangle;
 pub mod solid;
+pub mod sorted_boxes;
 pub mod stress;
 pub mod topology;
 pub mod transcendental;

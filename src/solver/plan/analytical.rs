@@ -5,7 +5,6 @@ use super::{Compiler, State};
 use crate::constraint::contact::analytical::AnalyticalSurface;
 use crate::constraint::contact::curve::FacetCurve;
 use crate::deck::Diagnostic;
-use crate::kernel::interaction::PressureOverclosure;
 use crate::kernel::profile::SurfaceProfile;
 use crate::model::{AnalyticalSide, Element, RigidSurface, SideSelection, SurfaceContact};
 
@@ -81,8 +80,7 @@ impl Compiler<'_> {
         match self.analytical_surface(opposite, analytical, around, state) {
             Ok((mut surface, body, count)) => {
                 surface.point = found.add_carried(body);
-                let gives_way = (pair.penalty.is_some() || pair.law.overclosure != PressureOverclosure::Hard)
-                    && !sides.faces.is_empty();
+                let gives_way = (pair.penalty.is_some() || pair.law.is_soft()) && !sides.faces.is_empty();
                 if gives_way {
                     surface.overlap = surface.overlap.max(found.deepest(curve));
                 }

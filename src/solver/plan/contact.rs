@@ -54,6 +54,7 @@ impl Compiler<'_> {
                 self.heat_row(contact);
             }
             pairs.push(pair);
+            self.check_damping(contact);
             spans.push((contact, length));
         }
         if pairs.is_empty() {
@@ -100,7 +101,7 @@ impl Compiler<'_> {
         if general.is_some_and(|g| g.excludes_detached_nodes) {
             [first, second].into_iter().for_each(|curve| found.curves[curve].drop_orphans());
         }
-        let curves = found.order(first, second, contact.secondary);
+        let curves = self.order_curves(contact, [first, second], found);
         let length = found.lengths[first][0].min(found.lengths[second][0]);
         let id = match general {
             Some(general) => self.general_row(general, step),
@@ -113,10 +114,6 @@ impl Compiler<'_> {
             length: found.lengths[curves[0]][1],
         };
         self.check_pair(contact, step, met, state);
-        let sides = if curves[0] == first { [0, 1] } else { [1, 0] };
-        if step == 0 {
-            self.check_sizes(contact, curves, sides, found);
-        }
         let mut pair = ContactPair::new(id, self.pair_number(contact), curves, length);
         pair.first = curves[0] == first;
         Some((pair, length))
@@ -258,12 +255,25 @@ impl Compiler<'_> {
         self.ledger_row(general.span, "general contact", own.len(), "pairs", detail)
     }
 
+    /// Warns of contact damping that has no effect.
+    fn check_damping(&mut self, contact: &SurfaceContact) {
+        let is_hard = !contact.law.is_soft() && contact.penalty.is_none();
+        if contact.law.damping.is_none() || !is_hard {
+            return;
+        }
+        let [a, b] = [0, 1].map(|i| &contact.sides[i].name);
+        let message = format!("*CONTACT DAMPING has no effect on the hard contact of `{a}` and `{b}`");
+        let finding =
+            Diagnostic::warning("P122", message).at(contact.span, "no overlap, so that there is nothing to damp");
+        self.diagnostics.push(finding.help("remove the card, or use PENALTY or a pressure-overclosure relationship"));
+    }
+
     /// Warns of an initial overlap of the surfaces of a pair.
     fn warn_of_overlap(&mut self, contact: &SurfaceContact, length: f64, overlap: Option<SurfaceOverlap>) {
         let Some(SurfaceOverlap { depth, place: [r, z] }) = overlap.filter(|o| o.depth > FIT * length) else { return };
         let [a, b] = [0, 1].map(|i| &contact.sides[i].name);
         let message = format!("`{a}` and `{b}` overlap at the start by up to {depth:.3e}");
-        let effect = match contact.law.overclosure == PressureOverclosure::Hard && contact.penalty.is_none() {
+        let effect = match !contact.law.is_soft() && contact.penalty.is_none() {
             true => "the overlap is kept and does not grow",
             false => "its pressure acts from the start",
         };
@@ -276,7 +286,7 @@ impl Compiler<'_> {
 
 /// Returns whether a pair has penalty springs, which a pressure-overclosure relationship replaces.
 fn has_springs(contact: &SurfaceContact) -> bool {
-    contact.penalty.is_some() && contact.law.overclosure == PressureOverclosure::Hard
+    contact.penalty.is_some() && !contact.law.is_soft()
 }
 
 /// Returns the initial clearance of a pair and the range of gaps to which it applies.

@@ -8,6 +8,7 @@ use super::pieces::pieces;
 use crate::constraint::contact::analytical::AnalyticalSurface;
 use crate::constraint::contact::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use crate::deck::Diagnostic;
+use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, bounding_box};
 use crate::model::{ElementSide, SideSelection, SurfaceContact};
 
 /// Maximum penetration of a facet, in facet lengths.
@@ -47,15 +48,23 @@ type MeridianEdge = [[f64; 2]; 2];
 #[derive(Default)]
 pub(super) struct SolidOutline {
     edges: Vec<(MeridianEdge, usize)>,
+    sorted: SortedBoxes,
     piece_of: HashMap<usize, usize>,
 }
 
 impl SolidOutline {
-    /// Iterates over the edges that may bound the body of an element: the edges of its part, or all edges for other
+    /// Returns the edges that may bound the body of an element in a box: the edges of its part, or all edges for other
     /// elements.
-    fn edges_of_body(&self, element: usize) -> impl Iterator<Item = MeridianEdge> + '_ {
+    fn edges_of_body(&self, element: usize, within: BoundingBox) -> Vec<MeridianEdge> {
         let own = self.piece_of.get(&element).copied();
-        self.edges.iter().filter(move |e| own.is_none_or(|own| own == e.1)).map(|e| e.0)
+        let mut found = Vec::new();
+        self.sorted.near(within, 0.0, |index| {
+            let (edge, piece) = self.edges[index as usize];
+            if own.is_none_or(|own| own == piece) {
+                found.push(edge);
+            }
+        });
+        found
     }
 }
 
@@ -209,6 +218,7 @@ impl Compiler<'_> {
             let edge = ends.map(|n| mesh.points[n]);
             skin.edges.extend(is_off_axis(&edge).then_some((edge, piece)));
         }
+        skin.sorted.sort(skin.edges.iter().map(|e| bounding_box(e.0)).zip(0..));
         skin
     }
 
@@ -263,7 +273,11 @@ impl ContactGeometry {
         let mut depths: Vec<f64> = facets[..exposed_count]
             .iter()
             .zip(&lengths)
-            .map(|((f, element), l)| depth(ends(f), *l, solids.edges_of_body(*element).chain(shells.iter().copied())))
+            .map(|((f, element), l)| {
+                let probe = InwardNormal::new(ends(f), *l);
+                let around = solids.edges_of_body(*element, probe.bounds());
+                probe.depth(around.into_iter().chain(shells.iter().copied()))
+            })
             .collect();
         // A body may be only one element thick behind an interior facet.
         depths.extend(lengths[exposed_count..].iter().map(|l| 0.5 * l));
@@ -281,39 +295,48 @@ impl ContactGeometry {
         );
         self.curves.len() - 1
     }
-
-    /// Orders two curves: the first one carries the contact pressures. It is the `secondary` surface that the deck
-    /// gives, else the finer one of two deformable curves, never a rigid one.
-    pub(super) fn order(&self, first: usize, second: usize, secondary: Option<usize>) -> [usize; 2] {
-        let swaps = match (self.deforms[first], self.deforms[second]) {
-            (true, true) => match secondary {
-                Some(given) => given == 1,
-                None => self.lengths[second][1] < self.lengths[first][1],
-            },
-            (deforms, _) => !deforms,
-        };
-        if swaps { [second, first] } else { [first, second] }
-    }
 }
 
 fn length([a, b]: [[f64; 2]; 2]) -> f64 {
     libm::hypot(b[0] - a[0], b[1] - a[1])
 }
 
-/// Returns the penetration depth up to which a facet is in contact: half of the distance to the opposite side of its
-/// body, at most [`DEEPEST`] facet lengths.
-fn depth([a, b]: MeridianEdge, length: f64, skin: impl Iterator<Item = MeridianEdge>) -> f64 {
-    let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-    let inward = [-(b[1] - a[1]) / length, (b[0] - a[0]) / length];
-    let mut nearest = 2.0 * DEEPEST * length;
-    for [p, q] in skin {
-        let (d, e) = ([p[0] - middle[0], p[1] - middle[1]], [q[0] - p[0], q[1] - p[1]]);
-        let cross = inward[0] * e[1] - inward[1] * e[0];
-        let way = (d[0] * e[1] - d[1] * e[0]) / cross;
-        let part = (d[0] * inward[1] - d[1] * inward[0]) / cross;
-        if (0.0..=1.0).contains(&part) && way > 1e-6 * length && way < nearest {
-            nearest = way;
-        }
+/// The inward normal at the middle of a facet, along which the opposite side of its body is searched.
+struct InwardNormal {
+    middle: [f64; 2],
+    inward: [f64; 2],
+    length: f64,
+}
+
+impl InwardNormal {
+    fn new([a, b]: MeridianEdge, length: f64) -> InwardNormal {
+        let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+        InwardNormal { middle, inward: [-(b[1] - a[1]) / length, (b[0] - a[0]) / length], length }
     }
-    0.5 * nearest
+
+    /// Distance up to which the opposite side is searched.
+    fn reach(&self) -> f64 {
+        2.0 * DEEPEST * self.length
+    }
+
+    fn bounds(&self) -> BoundingBox {
+        bounding_box([self.middle, [0, 1].map(|i| self.middle[i] + self.reach() * self.inward[i])])
+    }
+
+    /// Returns the penetration depth up to which the facet is in contact: half of the distance to the opposite side of
+    /// its body, at most [`DEEPEST`] facet lengths.
+    fn depth(&self, skin: impl Iterator<Item = MeridianEdge>) -> f64 {
+        let InwardNormal { middle, inward, length } = self;
+        let mut nearest = self.reach();
+        for [p, q] in skin {
+            let (d, e) = ([p[0] - middle[0], p[1] - middle[1]], [q[0] - p[0], q[1] - p[1]]);
+            let cross = inward[0] * e[1] - inward[1] * e[0];
+            let way = (d[0] * e[1] - d[1] * e[0]) / cross;
+            let part = (d[0] * inward[1] - d[1] * inward[0]) / cross;
+            if (0.0..=1.0).contains(&part) && way > 1e-6 * length && way < nearest {
+                nearest = way;
+            }
+        }
+        0.5 * nearest
+    }
 }

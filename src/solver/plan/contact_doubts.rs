@@ -124,37 +124,64 @@ impl Compiler<'_> {
         }
     }
 
-    /// Warns if the surface that carries the pressures is much finer and stiffer than the other one. `sides` has the
-    /// carrying surface first.
-    pub(super) fn check_sizes(
+    /// Orders two curves: the first one carries the contact pressures. It is the secondary surface that the deck gives,
+    /// else the finer one of two deformable curves unless it is also stiffer, never a rigid one.
+    pub(super) fn order_curves(
         &mut self,
         contact: &SurfaceContact,
-        [own, other]: [usize; 2],
-        sides: [usize; 2],
+        [first, second]: [usize; 2],
         found: &ContactGeometry,
-    ) {
-        let finer = found.lengths[other][1] / found.lengths[own][1];
-        if contact.is_self_contact() || !found.deforms[other] || finer <= FINER {
-            return;
+    ) -> [usize; 2] {
+        let by_size = [first, second].map(|curve| found.lengths[curve][1]);
+        let (finer, coarser) = if by_size[1] < by_size[0] { ([second, first], 0) } else { ([first, second], 1) };
+        match (found.deforms[first], found.deforms[second]) {
+            (true, false) => return [first, second],
+            (false, _) => return [second, first],
+            _ => {}
         }
+        let unsuited = self.size_and_stiffness(finer, found);
+        match (contact.secondary, unsuited) {
+            (None, None) => finer,
+            (None, Some(_)) => [finer[1], finer[0]],
+            (Some(given), unsuited) => {
+                if let Some(ratios) = unsuited.filter(|_| given != coarser) {
+                    self.warn_of_sizes(contact, coarser, ratios);
+                }
+                if given == 0 { [first, second] } else { [second, first] }
+            }
+        }
+    }
+
+    /// Returns how many times finer and stiffer the first curve is, if it is too fine and too stiff to carry the
+    /// pressures.
+    fn size_and_stiffness(&self, [own, other]: [usize; 2], found: &ContactGeometry) -> Option<[f64; 2]> {
         let mean = |curve: usize| {
             let all = found.facet_elements[curve].iter().map(|&(element, _)| self.modulus_of(element));
             let (sum, count) = all.flatten().fold((0.0, 0), |(sum, count), m| (sum + m, count + 1));
             sum / f64::from(count.max(1))
         };
-        let stiffer = mean(own) / mean(other);
-        if stiffer.is_nan() || stiffer <= STIFFER {
-            return;
+        let finer = found.lengths[other][1] / found.lengths[own][1];
+        if own == other || finer <= FINER {
+            return None;
         }
-        let [a, b] = sides.map(|side| &contact.sides[side].name);
+        let stiffer = mean(own) / mean(other);
+        (stiffer > STIFFER).then_some([finer, stiffer])
+    }
+
+    /// Warns that the deck lets a finer and stiffer surface carry the pressures; `coarser` is the index of the other
+    /// surface.
+    fn warn_of_sizes(&mut self, contact: &SurfaceContact, coarser: usize, [finer, stiffer]: [f64; 2]) {
+        let [a, b] = [1 - coarser, coarser].map(|side| &contact.sides[side].name);
         let message = format!(
             "`{a}` carries the contact pressures; it is {finer:.1} times finer and {stiffer:.1} times stiffer than `{b}`"
         );
         let finding =
             Diagnostic::warning("P121", message).at(contact.span, "pressures will oscillate from node to node");
         let cure = match contact.general {
-            true => format!("use smaller facets on `{b}`, or *CONTACT PAIR with WEIGHT"),
-            false => format!("use smaller facets on `{b}`, or WEIGHT={} so that `{b}` carries the pressures", sides[1]),
+            true => format!(
+                "remove *CONTACT FORMULATION, so that `{b}` carries the pressures, or use smaller facets on `{b}`"
+            ),
+            false => format!("remove WEIGHT, so that `{b}` carries the pressures, or use smaller facets on `{b}`"),
         };
         self.diagnostics.push(finding.help(cure));
     }

@@ -14,8 +14,8 @@ type ElementFace = (usize, ElementSide);
 #[derive(Clone)]
 struct SurfacePairing {
     sides: [SideSelection; 2],
-    /// Indices of the assigned interaction, clearance and penalty factor.
-    given: [Option<usize>; 3],
+    /// Indices of the assigned interaction, clearance, penalty factor and role.
+    given: [Option<usize>; 4],
     span: crate::deck::Span,
 }
 
@@ -56,21 +56,22 @@ impl Compiler<'_> {
         meetings = assign_domains(meetings, 0, general.assigned.iter().map(|a| &a.domains));
         meetings = assign_domains(meetings, 1, general.clearances.iter().map(|c| &c.0));
         meetings = assign_domains(meetings, 2, general.penalties.iter().map(|p| &p.0));
+        meetings = assign_domains(meetings, 3, general.roles.iter().map(|r| &r.0));
         meetings.retain(|m| m.sides.iter().any(|s| self.is_deforming(s)));
         let contact = |m: SurfacePairing| {
-            let [interaction, clearance, penalty] = m.given;
+            let [interaction, clearance, penalty, role] = m.given;
             let assigned = interaction.map(|index| &general.assigned[index]);
             SurfaceContact {
                 law: assigned.map(|a| a.law.clone()).unwrap_or_default(),
                 interaction: assigned.and_then(|a| a.interaction),
-                sides: m.sides,
                 analytical: None,
                 general: true,
                 no_thickness: false,
                 clearance: clearance.map(|index| general.clearances[index].1),
                 penalty: penalty.map(|index| general.penalties[index].1),
-                secondary: None,
+                secondary: role.map(|index| secondary_of(&m.sides, &general.roles[index])),
                 cpset: None,
+                sides: m.sides,
                 span: m.span,
             }
         };
@@ -89,13 +90,13 @@ impl Compiler<'_> {
         for (index, (domains, span)) in general.included.iter().enumerate() {
             let mut own = match domains {
                 [ContactDomain::Surface(a), ContactDomain::Surface(b)] => {
-                    vec![SurfacePairing { sides: [a.clone(), b.clone()], given: [None; 3], span: *span }]
+                    vec![SurfacePairing { sides: [a.clone(), b.clone()], given: [None; 4], span: *span }]
                 }
                 [_, ContactDomain::Surface(one)] | [ContactDomain::Surface(one), _] => {
                     let others = all.iter().filter(|o| one.faces.iter().all(|f| !o.faces.contains(f)));
                     let with = |o: &SideSelection| SurfacePairing {
                         sides: [one.clone(), o.clone()],
-                        given: [None; 3],
+                        given: [None; 4],
                         span: *span,
                     };
                     others.map(with).collect()
@@ -161,6 +162,14 @@ impl Compiler<'_> {
     }
 }
 
+/// Returns the index of the surface of a pair that carries the contact pressures. `is_first` is whether the surface of the
+/// first domain does.
+fn secondary_of(sides: &[SideSelection; 2], (domains, is_first): &([ContactDomain; 2], bool)) -> usize {
+    let within = |side: &SideSelection, domain: &ContactDomain| split(side, domain).1.faces.is_empty();
+    let first_is_first = within(&sides[0], &domains[0]) && within(&sides[1], &domains[1]);
+    usize::from(first_is_first != *is_first)
+}
+
 /// Returns the name of a pair: `A_B`, or `A` for self-contact.
 pub(super) fn pair_name(contact: &SurfaceContact) -> String {
     let [a, b] = [0, 1].map(|i| contact.sides[i].name.to_uppercase());
@@ -175,7 +184,7 @@ fn add_all(all: &[SideSelection], span: crate::deck::Span, meetings: &mut Vec<Su
             if sides_of_one {
                 continue;
             }
-            meetings.push(SurfacePairing { sides: [a.clone(), b.clone()], given: [None; 3], span });
+            meetings.push(SurfacePairing { sides: [a.clone(), b.clone()], given: [None; 4], span });
         }
     }
 }

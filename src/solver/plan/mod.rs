@@ -107,6 +107,8 @@ pub struct Plan {
     /// Whether elements may release energy that was not supplied by loads: gases, explosives, initial stress, thermal
     /// expansion, variable moduli, user materials.
     pub stores_energy: bool,
+    /// Whether viscous dissipation is expected: shocks in materials with an equation of state, requested damping.
+    pub expects_dissipation: bool,
     /// Requested floating-point precision of the elements.
     pub precision: Precision,
 }
@@ -283,7 +285,7 @@ fn compile_with(
         diagnostics.keep_errors();
     }
     let (mesh, routines) = (model.mesh.clone(), routines.clone());
-    let stores_energy = stores_energy(model);
+    let (stores_energy, expects_dissipation) = (stores_energy(model), expects_dissipation(model));
     let mut plan = Plan {
         ledger,
         mesh,
@@ -299,6 +301,7 @@ fn compile_with(
         rows,
         labels,
         stores_energy,
+        expects_dissipation,
         precision: model.settings.precision,
     };
     bytes::record_bytes(&mut plan, &state);
@@ -316,6 +319,12 @@ fn stores_energy(model: &Model) -> bool {
     };
     let at_start = |c: &InitialCondition| matches!(c.kind, InitialKind::Stress(_) | InitialKind::Energy(_));
     model.materials.iter().any(of_material) || model.initial_conditions.iter().any(at_start)
+}
+
+/// Returns whether viscous dissipation is part of the model: shocks in materials with an equation of state, or damping.
+fn expects_dissipation(model: &Model) -> bool {
+    let of_material = |m: &MaterialDefinition| m.eos.is_some() || m.damping.is_some();
+    model.materials.iter().any(of_material) || !model.discrete.connectors.is_empty()
 }
 
 impl Compiler<'_> {

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use crate::deck::{Diagnostic, Diagnostics};
+use crate::kernel::sorted_boxes::{SortedBoxes, bounding_box};
 use crate::model::{Model, SurfaceTie};
 use crate::platform::PortableMath as _;
 
@@ -23,6 +24,7 @@ pub(super) struct TiedNode {
 }
 
 /// A facet of a master surface.
+#[derive(Clone, Copy)]
 struct MasterFacet {
     nodes: [usize; 2],
     element: usize,
@@ -38,11 +40,15 @@ pub(super) fn find_tied_nodes(model: &Model, diagnostics: &mut Diagnostics) -> V
         let facet = |&(element, side)| Some(MasterFacet { nodes: model.mesh.side_nodes(element, side)?, element });
         let facets: Vec<MasterFacet> = tie.masters.iter().filter_map(facet).collect();
         let own: HashSet<usize> = facets.iter().flat_map(|f| f.nodes).collect();
-        let tolerance = tie.tolerance.unwrap_or_else(|| 0.05 * mean_length(model, &facets));
+        let length = mean_length(model, &facets);
+        let tolerance = tie.tolerance.unwrap_or(0.05 * length);
+        let mut boxes = SortedBoxes::default();
+        boxes.sort(facets.iter().map(|f| bounding_box(f.nodes.map(|n| model.mesh.points[n]))).zip(0..));
+        let facets = MasterSurface { model, facets, boxes, length };
         let before = tied.len();
         let mut left: Vec<(usize, f64)> = Vec::new();
         for &node in tie.slaves.iter().filter(|n| !own.contains(n)) {
-            let Some((at, distance)) = nearest(model, &facets, index, node) else { continue };
+            let Some((at, distance)) = facets.nearest(index, node) else { continue };
             let chosen = match &tie.chosen {
                 Some(list) => list.binary_search(&node).is_ok(),
                 None => distance <= tolerance * (1.0 + 1e-9),
@@ -66,12 +72,42 @@ fn mean_length(model: &Model, facets: &[MasterFacet]) -> f64 {
     facets.iter().map(length).sum::<f64>() / facets.len().max(1) as f64
 }
 
-/// Returns the nearest point of a surface to a node, and its distance.
-fn nearest(model: &Model, facets: &[MasterFacet], tie: usize, node: usize) -> Option<(TiedNode, f64)> {
-    let points = &model.mesh.points;
-    let p = points[node];
-    let on_facet = |f: &MasterFacet| {
-        let [a, b] = f.nodes.map(|n| points[n]);
+/// The facets of a master surface.
+struct MasterSurface<'a> {
+    model: &'a Model,
+    facets: Vec<MasterFacet>,
+    boxes: SortedBoxes,
+    /// Mean length of the facets.
+    length: f64,
+}
+
+impl MasterSurface<'_> {
+    /// Returns the nearest point of the surface to a node, and its distance; `None` if there are no facets.
+    fn nearest(&self, tie: usize, node: usize) -> Option<(TiedNode, f64)> {
+        let p = self.model.mesh.points[node];
+        let (mut margin, mut near) = (self.length, Vec::new());
+        let (facet, (part, place, distance)) = loop {
+            near.clear();
+            self.boxes.near([p; 2], margin, |index| near.push(index as usize));
+            // Of equally distant facets the first one is used.
+            near.sort_unstable();
+            let closest = near.iter().map(|&f| (f, self.point_on(f, p))).min_by(|a, b| a.1.2.total_cmp(&b.1.2));
+            // Facets outside of the margin are at a larger distance than the margin.
+            match closest {
+                Some(closest) if closest.1.2 <= margin => break closest,
+                _ if margin == f64::INFINITY => break closest?,
+                _ => margin = if margin > 0.0 { 4.0 * margin } else { f64::INFINITY },
+            }
+        };
+        let MasterFacet { nodes, element } = self.facets[facet];
+        let shares = [(nodes[0], 1.0 - part), (nodes[1], part)];
+        let shares = shares.into_iter().filter(|s| s.1 > 0.0).collect();
+        Some((TiedNode { tie, node, element, shares, place }, distance))
+    }
+
+    /// Returns the nearest point of a facet to a position: its fraction of the facet, its coordinates and its distance.
+    fn point_on(&self, facet: usize, p: [f64; 2]) -> (f64, [f64; 2], f64) {
+        let [a, b] = self.facets[facet].nodes.map(|n| self.model.mesh.points[n]);
         let along = [b[0] - a[0], b[1] - a[1]];
         let length = along[0] * along[0] + along[1] * along[1];
         let part = ((p[0] - a[0]) * along[0] + (p[1] - a[1]) * along[1]) / length;
@@ -83,12 +119,7 @@ fn nearest(model: &Model, facets: &[MasterFacet], tie: usize, node: usize) -> Op
             _ => [a[0] + part * along[0], a[1] + part * along[1]],
         };
         (part, place, (p[0] - place[0]).portable_hypot(p[1] - place[1]))
-    };
-    let closest = facets.iter().map(|f| (f, on_facet(f))).min_by(|a, b| a.1.2.total_cmp(&b.1.2))?;
-    let (facet, (part, place, distance)) = closest;
-    let shares = [(facet.nodes[0], 1.0 - part), (facet.nodes[1], part)];
-    let shares = shares.into_iter().filter(|s| s.1 > 0.0).collect();
-    Some((TiedNode { tie, node, element: facet.element, shares, place }, distance))
+    }
 }
 
 /// Reports the untied nodes of a slave surface: a warning, or an error if no node is tied.

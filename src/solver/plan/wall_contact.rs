@@ -7,7 +7,6 @@ use super::general_contact::pair_name;
 use crate::constraint::Constraint;
 use crate::constraint::rigid_wall_contact::{RigidWallContact, WallPair};
 use crate::deck::Diagnostic;
-use crate::kernel::interaction::PressureOverclosure;
 use crate::kernel::lists::sorted_unique;
 use crate::model::{IncrementControl, Step, SurfaceContact};
 use crate::platform::PortableMath as _;
@@ -51,10 +50,7 @@ impl Compiler<'_> {
         let Some(analytical) = &pair.analytical else {
             return Err("contact with a surface of elements");
         };
-        if pair.penalty.is_some()
-            || pair.law.overclosure != PressureOverclosure::Hard
-            || pair.law.friction.largest.is_finite()
-        {
+        if pair.penalty.is_some() || pair.law.is_soft() || pair.law.friction.largest.is_finite() {
             return Err("soft contact or TAUMAX");
         }
         let surface = &self.model.surfaces.analytical[analytical.surface];

@@ -16,6 +16,11 @@ pub(super) const SMALL: f64 = 0.01;
 /// second, a common rule of practice, hourglass control influences the results.
 const SOUND: [f64; 2] = [0.01, 0.05];
 
+/// Fractions of the largest energy for warnings of dissipation at the end of a run: bulk viscosity; friction and contact
+/// of surfaces that flutter. Sliding without flutter loses no energy in contact.
+const DISSIPATED: f64 = 0.05;
+const FLUTTERS: [f64; 2] = [0.1, 0.02];
+
 /// Size of a negative kinetic or internal energy, as a fraction of the largest energy, above which it is counted.
 const BELOW_ZERO: f64 = 0.01;
 
@@ -264,6 +269,35 @@ impl SolverRun<'_> {
                 100.0 * values[1],
                 100.0 * SOUND[1],
                 self.name_folded()
+            ));
+        }
+        self.warn_of_dissipation();
+    }
+
+    /// Warns of bulk viscosity that changes the results, and of friction that flutters.
+    fn warn_of_dissipation(&mut self) {
+        let (energy, largest) = (self.balance.energy(), self.balance.largest());
+        let [viscous, friction, contact] =
+            [energy.viscous, energy.friction, energy.contact].inline_map(|part| part / largest);
+        if self.is_noise() {
+            return;
+        }
+        if viscous > DISSIPATED && !self.plan.expects_dissipation {
+            self.outcome.warnings.push(format!(
+                "bulk viscosity has dissipated {:.1} % of the largest energy (ALLVD), more than {} %: the mesh may not resolve \
+                 the waves. Compare with a finer mesh, or with smaller coefficients on *BULK VISCOSITY",
+                100.0 * viscous,
+                100.0 * DISSIPATED
+            ));
+        }
+        if friction > FLUTTERS[0] && contact > FLUTTERS[1] {
+            self.outcome.warnings.push(format!(
+                "contact has absorbed {:.1} % of the largest energy (ALLCW) while friction has dissipated {:.1} % (ALLFD): surfaces \
+                 that slide also separate and collide. If this is not the impact of the bodies, friction causes flutter, and the \
+                 mean friction force is too small. Use *DAMPING, ALPHA, a larger SLIP DAMPING on *FRICTION, or elements that \
+                 are larger along the surface",
+                100.0 * contact,
+                100.0 * friction
             ));
         }
     }

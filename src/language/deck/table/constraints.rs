@@ -57,6 +57,11 @@ card!(SurfaceBehavior: "SURFACE BEHAVIOR", "Pressure-overclosure relationship", 
     (lines []),
 ]);
 
+card!(ContactDamping: "CONTACT DAMPING", "Damping of the normal motion in soft contact: with PENALTY or a pressure-overclosure relationship", (once below "SURFACE INTERACTION"), {
+    is_fraction: bool = "DEFINITION" (word(&["DAMPING COEFFICIENT", "CRITICAL DAMPING FRACTION"]).required()) "DAMPING COEFFICIENT: pressure per closing velocity; CRITICAL DAMPING FRACTION: fraction of the critical damping of the masses in contact on the contact stiffness",
+    "TANGENT FRACTION" inert "there is no elastic slip that could be damped; SLIP DAMPING on *FRICTION damps oscillations of the slip rate",
+}, values: [f64; 1] = [(lines ["coefficient or fraction" (NOT_NEGATIVE.required())])]);
+
 card!(Friction: "FRICTION", "Friction between surfaces", (once below "SURFACE INTERACTION"), {
     largest: Option<f64> = "TAUMAX" (POSITIVE) "Limit of the shear stress",
     rough: bool = "ROUGH" read "No slip",
@@ -286,6 +291,12 @@ pub const CARDS: &[Keyword] = &[
         "ROTATIONAL TERMS" only ["NONE"] "friction of shells acts at the middle surface",
     }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface",
         "factor on the penalty stiffness" (POSITIVE.required()) "Penalty contact in place of hard contact"])]),
+    row!("CONTACT FORMULATION", "Surfaces of general contact that carry the contact pressures; the last one that applies to two surfaces is used", (), {
+        "TYPE" only ["PURE MASTER-SLAVE", "PURE MAIN-SECONDARY"] "each pair has one secondary surface",
+    } refused {
+        "applies only to implicit analyses": "FORMULATION", "ANGLE";
+    }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface",
+        "role of the first surface" (word(&["SLAVE", "SECONDARY", "MASTER", "MAIN"]).or(0.0)) "SLAVE or SECONDARY: it carries the pressures; MASTER or MAIN: the second surface carries them. A rigid surface never carries pressures"])]),
     Clearance::ROW,
     ContactClearance::ROW,
     row!("CONTACT CLEARANCE ASSIGNMENT", "Clearances of general contact; the last one that applies to two surfaces is used", (), {
@@ -304,6 +315,7 @@ pub const CARDS: &[Keyword] = &[
         "applies only to implicit analyses": "UNSYMM", "TRACKING THICKNESS";
     }, [(lines ["out-of-plane thickness" inert "applies only to plane models"])]),
     SurfaceBehavior::ROW,
+    ContactDamping::ROW,
     Friction::ROW,
     GapConductance::ROW,
     GapHeatGeneration::ROW,

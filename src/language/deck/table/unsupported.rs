@@ -59,8 +59,6 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Connectors": "CONNECTOR SECTION", "CONNECTOR BEHAVIOR", "CONNECTOR ELASTICITY", "CONNECTOR DAMPING", "CONNECTOR MOTION",
         "CONNECTOR LOAD", "CONNECTOR STOP", "CONNECTOR LOCK", "CONNECTOR FAILURE", "CONNECTOR FRICTION", "CONNECTOR PLASTICITY",
         "CONNECTOR HARDENING", "CONNECTOR POTENTIAL";
-    "Damping of contact": "CONTACT DAMPING";
-    "Form of general contact": "CONTACT FORMULATION";
     "Interference of contact": "CONTACT INTERFERENCE";
     "Stabilisation of contact": "CONTACT STABILIZATION";
     "Implicit thermomechanical procedure": "COUPLED TEMPERATURE-DISPLACEMENT";

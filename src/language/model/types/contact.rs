@@ -132,6 +132,8 @@ pub struct GeneralContact {
     /// Scale factors of the penalty stiffness of the covered pairs, which use penalty contact; the last assignment
     /// applies.
     pub penalties: Vec<([ContactDomain; 2], f64)>,
+    /// Pairs with a given secondary surface: whether it is the first one; the last assignment applies.
+    pub roles: Vec<([ContactDomain; 2], bool)>,
     /// Whether nodes whose elements are all deleted leave the contact (`NODAL EROSION=YES`).
     pub excludes_detached_nodes: bool,
 }

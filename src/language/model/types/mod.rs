@@ -22,7 +22,7 @@ use super::shared::CopyOnWrite;
 use super::units::DeckUnits;
 use crate::deck::{Sources, Span};
 pub use crate::kernel::bulk_viscosity::BulkViscosity;
-pub use crate::kernel::interaction::{CoulombFriction, GapHeat, InteractionLaw, PressureOverclosure};
+pub use crate::kernel::interaction::{ContactDamping, CoulombFriction, GapHeat, InteractionLaw, PressureOverclosure};
 pub use crate::kernel::profile::{ProfileSegment, SurfaceProfile};
 pub use body::*;
 pub use condition::*;

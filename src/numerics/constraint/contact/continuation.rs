@@ -20,7 +20,7 @@ fn identity(point: &SurfacePoint) -> PointIdentity {
 impl ContactConstraint {
     /// Takes pressures, slip, impulses, clearances and heat exchange bounds from the previous contact.
     pub(super) fn take_over(&mut self, previous: &ContactConstraint) {
-        self.half = previous.half;
+        (self.half, self.output_share) = (previous.half, previous.output_share);
         self.bodies.clone_from(&previous.bodies);
         let known: HashMap<_, _> = previous.dofs.iter().map(|d| d.0).zip(&previous.impulses).collect();
         for ((dof, _), impulse) in self.dofs.iter().zip(&mut self.impulses) {

@@ -4,6 +4,7 @@
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::lists::sorted_unique;
+use crate::kernel::sorted_boxes::{BoundingBox, bounding_box};
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Persist, StateArchive, persist_struct};
 
@@ -98,9 +99,8 @@ impl FacetShape {
 
     /// Returns the lower and the upper corner of the bounding box.
     #[inline]
-    pub fn bounds(&self) -> [[f64; 2]; 2] {
-        let to = [self.from[0] + self.along[0], self.from[1] + self.along[1]];
-        [[self.from[0].min(to[0]), self.from[1].min(to[1])], [self.from[0].max(to[0]), self.from[1].max(to[1])]]
+    pub fn bounds(&self) -> BoundingBox {
+        bounding_box([self.from, [self.from[0] + self.along[0], self.from[1] + self.along[1]]])
     }
 }
 
@@ -362,6 +362,17 @@ impl FacetCurve {
     #[inline]
     pub fn around_own(&self, index: usize) -> &[(u32, u8)] {
         &self.around[index]
+    }
+
+    /// Returns the area of the hat function of a point on the exposed facets, of the surface of revolution.
+    pub fn hat_area(&self, index: usize) -> f64 {
+        let exposed = self.around_own(index).iter().filter(|f| self.is_exposed[f.0 as usize]);
+        let areas = exposed.map(|&(facet, end)| {
+            let FacetShape { from, along, length, .. } = self.shapes[facet as usize];
+            let far = if end == 0 { 1.0 } else { 2.0 };
+            std::f64::consts::PI * length * (from[0] + along[0] * far / 3.0)
+        });
+        areas.sum()
     }
 
     /// Returns whether the surface ends or turns sharply at an end of a facet.

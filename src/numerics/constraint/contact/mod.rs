@@ -33,7 +33,7 @@ use self::slip_damping::SlipDamping;
 use self::stored_energy::StoredEnergy;
 use self::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, NONE};
 use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, HeatExchange, StoredConstraint};
-use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
+use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
@@ -166,6 +166,9 @@ pub struct ContactConstraint {
     bodies: Vec<ContactBody>,
     /// Time over which forces last acted on velocities.
     half: f64,
+    /// Share of the forces in output. It is 1/2 in the first increment, in which forces act over half of it, so that the
+    /// integral of forces over time is the change of momentum.
+    output_share: f64,
     /// Whether elements have been deleted since the previous increment.
     uncovered: bool,
     shown: ContactOutput,
@@ -218,7 +221,7 @@ impl ContactConstraint {
         }
         let facets: usize = pairs.iter().map(|p| p.facet_gaps.len()).sum();
         contact.pressures = vec![[0.0; 2]; keys as usize];
-        if contact.laws.iter().any(|law| law.overclosure != PressureOverclosure::Hard) {
+        if contact.laws.iter().any(|law| law.is_soft()) {
             contact.stored_energy = StoredEnergy::new(keys as usize);
         }
         if contact.laws.iter().any(|law| law.friction.damps()) {
@@ -399,7 +402,7 @@ impl ContactConstraint {
             let own = &curves[pair.own];
             let other = pair.other.map_or(own, |o| &curves[o]);
             let (mut any, reach) = (false, pair.search.reach());
-            let is_soft = laws[pair.law_of(0) as usize].overclosure != PressureOverclosure::Hard;
+            let is_soft = laws[pair.law_of(0) as usize].is_soft();
             for (at, &k) in own.exposed.iter().enumerate() {
                 let candidates = pair.search.facets.of(at);
                 pair.facet_gaps[k as usize] = match candidates.is_empty() {
@@ -408,9 +411,10 @@ impl ContactConstraint {
                 };
                 any |= pair.facet_gaps[k as usize].area != [0.0; 2];
             }
+            let least_cover = if is_soft { 0.0 } else { LEAST_COVER };
             if any {
                 for &index in &own.exposed_points {
-                    add_row(rows, pair, own, index as usize, gaps, dofs_of, fits);
+                    add_row(rows, pair, (own, index as usize), least_cover, gaps, dofs_of, fits);
                 }
             }
             for (at, &index) in own.orphans.iter().enumerate() {
@@ -561,8 +565,8 @@ fn pair_of(pairs: &[ContactPair], key: u32) -> usize {
 fn add_row(
     rows: &mut ContactRows,
     pair: &ContactPair,
-    own: &FacetCurve,
-    index: usize,
+    (own, index): (&FacetCurve, usize),
+    least_cover: f64,
     gaps: &GapIntegrator,
     dofs_of: &[[u32; 2]],
     fits: &[f64],
@@ -574,7 +578,7 @@ fn add_row(
         row.area += seen.area[end];
         row.gap += seen.gap[end];
     }
-    if row.area <= 0.0 {
+    if row.area <= 0.0 || row.area <= least_cover * own.hat_area(index) {
         return;
     }
     if let Some(fit) = fits.get(row.key as usize) {
@@ -591,6 +595,11 @@ fn add_row(
     }
     rows.close(row);
 }
+
+/// Part of the area of a hat function that the other surface must cover in hard contact. A smaller part does not
+/// determine the pressure: a sliver of a hundredth of a facet moves with the rest of the facet. Pressures of soft contact
+/// follow from overlaps.
+const LEAST_COVER: f64 = 1e-4;
 
 /// Overlap of a corner at which its row begins to act, as a fraction of the facet length of the pair. Less is left to
 /// the weighted gaps, which are equivalent where the edges of both surfaces coincide.
@@ -671,7 +680,7 @@ impl Constraint for ContactConstraint {
             }
         }
         self.rows.reserve(self.pressures.len(), self.dofs.len());
-        if self.laws.iter().any(|law| law.overclosure != PressureOverclosure::Hard) {
+        if self.laws.iter().any(|law| law.is_soft()) {
             self.gaps.reserve_edges(self.pressures.len());
         }
     }
@@ -682,12 +691,13 @@ impl Constraint for ContactConstraint {
         }
         for carried in self.bodies.iter().filter(|c| c.prescribed) {
             let [normal, slip] = self.impulses[carried.dof];
-            dofs.bodies[carried.body].reaction -= (normal + slip) / self.half;
+            dofs.bodies[carried.body].reaction -= (normal + slip) / self.half * self.output_share;
         }
     }
 
     fn motion(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>, dt: f64) {
         self.half = dofs.nodes.half;
+        self.output_share = if self.half == 0.5 * dt { 0.5 } else { 1.0 };
         if self.uncovered {
             self.list_points();
         }
@@ -734,7 +744,7 @@ impl ConstraintForces for ContactConstraint {
             return 0.0;
         }
         let at = self.dofs.iter().position(|d| *d == (dof, true));
-        at.map_or(0.0, |i| (self.impulses[i][0] + self.impulses[i][1]) / self.half)
+        at.map_or(0.0, |i| (self.impulses[i][0] + self.impulses[i][1]) / self.half * self.output_share)
     }
 }
 
@@ -792,7 +802,7 @@ impl StoredConstraint for ContactConstraint {
 persist_struct!(ContactBody { contact_acceleration } derived { dof, body, prescribed });
 
 persist_struct!(ContactConstraint {
-    curves: fixed, pressures: fixed, stored_energy, slip_damping, impulses: fixed, bodies: fixed, half, shown, uncovered, contact_heat: present
+    curves: fixed, pressures: fixed, stored_energy, slip_damping, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present
 } derived {
     points, pairs, analyticals, feet, laws, dofs_of, dofs, gap_offsets, springs, means, places, near, listed, gaps, rows, motion
 } then ContactConstraint::list_again);

@@ -91,7 +91,7 @@ impl ContactConstraint {
     /// Returns pressure and shear stress of a key, damping included.
     pub(super) fn stresses(&self, key: usize) -> [f64; 2] {
         let [pressure, shear] = self.pressures[key];
-        [pressure, shear + self.slip_damping.stress(key)]
+        [pressure, shear + self.slip_damping.stress(key)].map(|stress| stress * self.output_share)
     }
 
     /// Returns the forces of pressure and of friction on the own surface of a pair, each along r and z, and the contact

@@ -4,7 +4,7 @@
 //! impulses of a row have absorbed, its area `A`, and the energy `W(o)` per area of the law, the overlap is limited to
 //! `A W(o) <= E`. Contact therefore releases at most what it has stored, for any change of area or geometry.
 
-use super::sweeps::{ContactInterval, ContactRows, ContactVelocities};
+use super::sweeps::{ContactInterval, ContactRow, ContactRows, ContactVelocities, closed_overlap};
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lists::MemoryUse;
 use crate::state::archive::persist_struct;
@@ -67,8 +67,10 @@ impl StoredEnergy {
         if self.stored.is_empty() {
             return;
         }
-        for row in rows.rows.iter().filter(|row| laws[row.law as usize].overclosure != PressureOverclosure::Hard) {
-            let work = -row.normal_impulse * (span.dt / span.half) * motion.rate(rows.terms_of(row));
+        for row in rows.rows.iter().filter(|row| laws[row.law as usize].is_soft()) {
+            let rate = motion.rate(rows.terms_of(row));
+            let work =
+                -elastic_impulse(row, &laws[row.law as usize].overclosure, rate, span) * (span.dt / span.half) * rate;
             let stored = &mut self.next[row.key as usize];
             *stored = (*stored + work).max(0.0);
         }
@@ -86,6 +88,15 @@ impl StoredEnergy {
         self.next[key] = if closed { stored } else { 0.0 };
         if needed <= stored { overlap } else { law.overlap_of_energy(stored / area, overlap) }
     }
+}
+
+/// Returns the part of the normal impulse of a row that its soft law causes, without damping.
+fn elastic_impulse(row: &ContactRow, law: &PressureOverclosure, rate: f64, span: ContactInterval) -> f64 {
+    if row.dashpot == 0.0 {
+        return row.normal_impulse;
+    }
+    let [pressure, _] = law.pressure(closed_overlap(row, law, rate, span));
+    if row.normal_impulse > 0.0 { span.half * pressure } else { 0.0 }
 }
 
 persist_struct!(StoredEnergy { stored: fixed } derived { next });

@@ -48,6 +48,8 @@ pub struct ContactRow {
     pub(super) sticks: bool,
     /// Impulse per unit of area of [`super::slip_damping`], along the surface.
     pub damping: f64,
+    /// Pressure per closing velocity of contact damping in soft contact.
+    pub(super) dashpot: f64,
     pub(super) coefficient: f64,
 }
 
@@ -154,6 +156,8 @@ pub struct ContactRows {
     pub(super) direct: DirectSolver,
     /// For each degree of freedom, its last term.
     slots: Vec<u32>,
+    /// Work array: velocity of each degree of freedom under a uniform impulse per area.
+    response: Vec<f64>,
     /// First term of the row that is being assembled.
     opened: u32,
 }
@@ -178,6 +182,7 @@ impl ContactRows {
         reserve_total(&mut self.rows, rows);
         reserve_total(&mut self.light, self.bodies.len());
         self.slots.resize(dofs, NONE);
+        self.response.resize(dofs, 0.0);
         self.direct.reserve(rows, dofs);
     }
 
@@ -252,6 +257,7 @@ impl ContactRows {
     pub(super) fn begin(&mut self, motion: &ContactVelocities, given: ContactStep<'_>) -> Option<f64> {
         self.sweeps = 0;
         let approach = self.prepare(motion, given);
+        self.set_dashpots(motion, given.laws);
         if approach <= 0.0 {
             self.rows.clear();
             return None;
@@ -323,12 +329,37 @@ impl ContactRows {
             row.coefficient = law.friction.at_rest;
             let short = -(motion.rate(own) + row.bias) / row.area;
             // Soft contact has pressure wherever it is closed, at any rate.
-            let closed = law.overclosure != PressureOverclosure::Hard && row.bias <= 0.0;
+            let closed = law.is_soft() && row.bias <= 0.0;
             let by_closure =
                 if closed { (-row.gap / row.area + law.overclosure.onset_gap()) / given.span.dt } else { 0.0 };
             approach = approach.max(short).max(by_closure);
         }
         approach
+    }
+
+    /// Sets the damping of soft contact, which acts while surfaces overlap at the start of the increment. The mass per
+    /// area is that which a uniform pressure on all rows moves.
+    fn set_dashpots(&mut self, motion: &ContactVelocities, laws: &[InteractionLaw]) {
+        let law_of = |row: &ContactRow| &laws[row.law as usize];
+        let is_damped = |row: &ContactRow| law_of(row).damping.is_some() && law_of(row).is_soft();
+        let ContactRows { terms, rows, response, .. } = self;
+        if !rows.iter().any(is_damped) {
+            return;
+        }
+        response.fill(0.0);
+        for term in rows.iter().flat_map(|row| row.own(terms)) {
+            response[term.dof as usize] += motion.inverse_mass[term.dof as usize] * term.normal;
+        }
+        for row in rows.iter_mut() {
+            let (law, overlap) = (law_of(row), -row.gap / row.area);
+            row.dashpot = match law.damping {
+                Some(damping) if law.is_soft() && overlap > -law.overclosure.onset_gap() => {
+                    let uniform: f64 = row.own(terms).iter().map(|t| t.normal * response[t.dof as usize]).sum();
+                    damping.coefficient(law.overclosure.linearized(overlap)[1], row.area / uniform)
+                }
+                _ => 0.0,
+            };
+        }
     }
 
     /// Leaves out rows that cannot close in this increment.
@@ -386,6 +417,7 @@ impl ContactRows {
             + MemoryUse::of(&self.bodies)
             + MemoryUse::of(&self.light)
             + MemoryUse::of(&self.slots)
+            + MemoryUse::of(&self.response)
             + self.direct.memory()
     }
 }
@@ -406,6 +438,13 @@ pub(super) fn closed_overlap(row: &ContactRow, law: &PressureOverclosure, rate: 
     -(row.gap + law.evaluation_point() * span.dt * rate) / row.area
 }
 
+/// Returns the pressure of a soft law and of its damping, if the gap changes at this rate. Surfaces do not attract each
+/// other.
+pub(super) fn soft_pressure(row: &ContactRow, law: &PressureOverclosure, rate: f64, span: ContactInterval) -> f64 {
+    let [pressure, _] = law.pressure(closed_overlap(row, law, rate, span));
+    (pressure - row.dashpot * (rate / row.area)).max(0.0)
+}
+
 /// Returns the largest possible impulse along the surface.
 pub(super) fn shear_limit(row: &ContactRow, law: &InteractionLaw, half: f64) -> f64 {
     let most = if row.normal_impulse > 0.0 { row.coefficient * row.normal_impulse } else { 0.0 };
@@ -418,18 +457,18 @@ pub(super) fn shear_limit(row: &ContactRow, law: &InteractionLaw, half: f64) -> 
 fn soft_impulse(row: &ContactRow, law: &PressureOverclosure, free: f64, span: ContactInterval) -> f64 {
     let overlap = |impulse: f64| closed_overlap(row, law, free + row.compliance[0] * impulse, span);
     let steeper = span.half * law.evaluation_point() * span.dt * row.compliance[0] / row.area;
-    let [first, _] = law.pressure(overlap(0.0));
-    let (mut low, mut high) = (0.0, span.half * first);
+    let resistance = span.half * row.compliance[0] / row.area * row.dashpot;
+    let (mut low, mut high) = (0.0, span.half * soft_pressure(row, law, free, span));
     let mut impulse = row.normal_impulse.clamp(low, high);
     for _ in 0..ROUNDS {
-        let [pressure, slope] = law.pressure(overlap(impulse));
-        let left = impulse - span.half * pressure;
+        let [_, slope] = law.pressure(overlap(impulse));
+        let left = impulse - span.half * soft_pressure(row, law, free + row.compliance[0] * impulse, span);
         if left > 0.0 {
             high = impulse;
         } else {
             low = impulse;
         }
-        let mut next = impulse - left / (1.0 + slope * steeper);
+        let mut next = impulse - left / (1.0 + slope * steeper + resistance);
         if !(low..=high).contains(&next) {
             next = 0.5 * (low + high);
         }

@@ -1,0 +1,86 @@
+//! Boxes sorted along one direction, to find those near another box.
+
+use super::lists::MemoryUse;
+
+/// A box in the (r, z) plane, by its lower and upper corner.
+pub type BoundingBox = [[f64; 2]; 2];
+
+/// Returns the box of two points.
+#[inline]
+pub fn bounding_box([a, b]: [[f64; 2]; 2]) -> BoundingBox {
+    [[a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]]
+}
+
+/// Boxes with an index each, sorted by their lower end along the longer direction of all of them.
+#[derive(Clone, Debug, Default)]
+pub struct SortedBoxes {
+    axis: usize,
+    longest: f64,
+    boxes: Vec<(BoundingBox, u32)>,
+}
+
+impl SortedBoxes {
+    /// Reserves memory for this number of boxes.
+    pub fn with_capacity(count: usize) -> SortedBoxes {
+        SortedBoxes { boxes: Vec::with_capacity(count), ..SortedBoxes::default() }
+    }
+
+    /// Sorts these boxes. Does not allocate within the capacity.
+    pub fn sort(&mut self, boxes: impl Iterator<Item = (BoundingBox, u32)>) {
+        self.boxes.clear();
+        self.boxes.extend(boxes);
+        let [low, high] = self.boxes.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |all, (b, _)| {
+            [[all[0][0].min(b[0][0]), all[0][1].min(b[0][1])], [all[1][0].max(b[1][0]), all[1][1].max(b[1][1])]]
+        });
+        let axis = usize::from(high[1] - low[1] > high[0] - low[0]);
+        self.axis = axis;
+        self.longest = self.boxes.iter().map(|(b, _)| b[1][axis] - b[0][axis]).fold(0.0, f64::max);
+        self.boxes.sort_unstable_by(|a, b| a.0[0][axis].total_cmp(&b.0[0][axis]).then(a.1.cmp(&b.1)));
+    }
+
+    /// Calls `add` with the indices of the boxes within `margin` of a box, along both directions.
+    #[inline]
+    pub fn near(&self, [low, high]: BoundingBox, margin: f64, mut add: impl FnMut(u32)) {
+        let axis = self.axis;
+        let from = self.boxes.partition_point(|b| b.0[0][axis] < low[axis] - margin - self.longest);
+        for ([l, h], index) in self.boxes[from..].iter().take_while(|b| b.0[0][axis] <= high[axis] + margin) {
+            if (0..2).all(|i| l[i] <= high[i] + margin && h[i] >= low[i] - margin) {
+                add(*index);
+            }
+        }
+    }
+
+    /// Returns the number of bytes of the list, in use and in reserve.
+    pub fn memory(&self) -> MemoryUse {
+        MemoryUse::of(&self.boxes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The boxes that a search finds are those of a comparison with every box.
+    #[test]
+    fn search_finds_every_box_within_the_margin() {
+        let mut seed = 7_u64;
+        let mut next = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 40) as f64 / (1_u64 << 24) as f64
+        };
+        let all: Vec<BoundingBox> = (0..300)
+            .map(|_| bounding_box([[next(), 3.0 * next()], [next(), 3.0 * next()]].map(|p| [0.2 * p[0], p[1]])))
+            .collect();
+        let mut sorted = SortedBoxes::with_capacity(all.len());
+        sorted.sort(all.iter().copied().zip(0..));
+        for (query, margin) in all.iter().zip([0.0, 0.01, 0.3].into_iter().cycle()) {
+            let mut found = Vec::new();
+            sorted.near(*query, margin, |index| found.push(index));
+            found.sort_unstable();
+            let apart =
+                |b: &BoundingBox| (0..2).any(|i| b[0][i] > query[1][i] + margin || b[1][i] < query[0][i] - margin);
+            let right: Vec<u32> = (0..).zip(&all).filter(|b| !apart(b.1)).map(|b| b.0).collect();
+            assert_eq!(found, right);
+        }
+    }
+}
