@@ -6,7 +6,7 @@
 
 use revolve_language::resistance;
 use revolve_language::{deck, generate, model, output, probability, user};
-use revolve_numerics::{element, kernel, platform, state, variables};
+use revolve_numerics::{element, kernel, load, platform, state, variables};
 #[cfg(feature = "cli")]
 use revolve_solver::overview;
 use revolve_solver::{job, plan, solve};

@@ -156,3 +156,40 @@ fn sweep_writes_table_and_picture_independent_of_threads() {
         one.lines().nth(1).is_some_and(|l| l.starts_with("569,64.85") && l.contains(",58,") && l.contains(",67.1,"))
     );
 }
+
+/// Measured values in the table of samples are compared run by run, also if several parameters vary and a value of the
+/// first one occurs twice.
+#[test]
+fn samples_are_compared_with_a_measured_column() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
+    let (table, out) = (at("shots.csv"), at("out"));
+    let quantity = "-1000*final(U2@REF)";
+    let sweep = ["sweep", "input/ogive.inp", "--samples", &table, "--quantity", quantity, "--out", &out];
+    std::fs::write(&table, "V,mass\n569,0.021\n569,0.023\n821,0.021\n").expect("a table");
+    let runs: serde_json::Value =
+        serde_json::from_slice(&revolve(&[&sweep[..], &["--json"]].concat()).stdout).expect("an object");
+    let depth = |i: usize| runs["runs"][i]["values"][quantity].as_f64().expect("a depth");
+    // The predictions are 5 % above, 15 % below and 30 % above the measured values.
+    let measured = [depth(0) / 1.05, depth(1) / 0.85, depth(2) / 1.3];
+    let row = |(first, depth): (&str, f64)| format!("{first},{depth:e}\n");
+    let rows: String = ["569,0.021", "569,0.023", "821,0.021"].into_iter().zip(measured).map(row).collect();
+    std::fs::write(&table, format!("V,mass,depth\n{rows}")).expect("a table");
+    let compare = [&sweep[..], &["--compare-column", "depth"]].concat();
+    let found: serde_json::Value =
+        serde_json::from_slice(&revolve(&[&compare[..], &["--json"]].concat()).stdout).expect("an object");
+    let agreement = |key: &str| found["agreement"]["depth"][key].as_f64().expect("a number");
+    let expected = [0.2 / 3.0, ((0.05_f64.powi(2) + 0.15_f64.powi(2) + 0.3_f64.powi(2)) / 3.0).sqrt()];
+    assert!((agreement("relative_bias") - expected[0]).abs() < 1e-9, "{found}");
+    assert!((agreement("relative_rms") - expected[1]).abs() < 1e-9, "{found}");
+    let bias: f64 = (0..3).map(|i| depth(i) - measured[i]).sum::<f64>() / 3.0;
+    assert!((agreement("bias") - bias).abs() < 1e-9 && found["rms"]["depth"] == found["agreement"]["depth"]["rms"]);
+    let printed = text(&revolve(&compare).stdout);
+    assert!(printed.contains("33.3 % of the rows within 10 %, 66.7 % within 20 %"), "{printed}");
+    for file in ["ogive_sweep.csv", "ogive_sweep.png", "ogive_sweep_measured.svg", "ogive_sweep_measured.png"] {
+        assert!(folder.path().join("out").join(file).exists(), "{file}");
+    }
+    let output = revolve(&[&sweep[..], &["--compare-column", "dpth"]].concat());
+    let errors = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && errors.contains("it has V, mass, depth"), "{errors}");
+}

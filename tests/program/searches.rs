@@ -13,6 +13,7 @@ use rand_chacha::rand_core::{RngCore as _, SeedableRng as _};
 use revolve::study::evaluate::{DeckSource, SampleEvaluator, SampleTable, UserRoutines};
 use revolve::study::identify::{self, ShotTable};
 use revolve::study::quantity::Quantity;
+use revolve::study::shot::ShotEnd;
 use revolve::study::statistics::least_squares::ParameterFit;
 use revolve::study::statistics::{design, normal};
 use serde_json::Value;
@@ -160,22 +161,133 @@ fn limit_is_within_its_bracket() {
     }
 }
 
-/// A run that ends while the body moves inside the plates gives no result.
+/// A step that is too short is extended; a body that still moves at 16 times its duration gives no limit.
 #[test]
-fn unfinished_shot_is_rejected() {
+fn short_steps_are_extended() {
     let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("out");
-    let text = fs::read_to_string(project(PLATE)).expect("a deck").replace(" , 2.e-3\n", " , 2.e-5\n");
-    let deck = folder.path().join("short.inp");
-    fs::write(&deck, text).expect("a deck");
-    let [deck, out] = [&deck, &out].map(|path| path.to_str().expect("a name"));
-    let words = ["limit", deck, "--velocity", "V", "--tolerance", "1", "--residual", RESIDUAL, "--out", out];
-    let output = revolve(&[&words[..], &["--between", "200,900"]].concat());
+    let whole = fs::read_to_string(project(PLATE)).expect("a deck");
+    let paths = ["short.inp", "out"].map(|name| folder.path().join(name));
+    let [deck, out] = [&paths[0], &paths[1]].map(|path| path.to_str().expect("a name"));
+    let write = |duration: &str| fs::write(deck, whole.replace(" , 2.e-3\n", duration)).expect("a deck");
+    let limit = ["--velocity", "V", "--tolerance", "1", "--between", "200,900", "--out", out];
+    write(" , 2.e-4\n");
+    let [short, full] = [deck, PLATE].map(|deck| json(&[&["limit", deck], &limit[..]].concat()));
+    assert_eq!((&short["bracket"], &short["bands"]), (&full["bracket"], &full["bands"]));
+    write(" , 2.e-7\n");
+    let output = revolve(&[&["limit", deck], &limit[..]].concat());
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && message.contains("increase the duration of the steps"), "{message}");
     let words = ["scatter", deck, "-d", "V=500..600", "--quantity", "final(U2@REF)", "--count", "5", "--out", out];
     let message = String::from_utf8_lossy(&revolve(&words).stderr).into_owned();
     assert!(message.contains("in 5 runs a body is still moving"), "{message}");
+}
+
+/// A coarse mesh of the oblique deck.
+fn coarse_oblique() -> String {
+    let text = fs::read_to_string(project("input/oblique.inp")).expect("a deck");
+    text.replace("stations  = 64", "stations = 8").replace("n     = 20", "n = 4").replace("m     = 10", "m = 2")
+}
+
+/// Ricochet is no perforation, although the body moves on in its direction of flight.
+#[test]
+fn ricochets_are_no_perforations() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let deck = folder.path().join("oblique.inp");
+    fs::write(&deck, coarse_oblique()).expect("a deck");
+    let [deck, out] = [&deck, folder.path()].map(|path| path.to_str().expect("a name"));
+    let words = ["limit", deck, "--velocity", "V", "--tolerance", "2", "--shots", "4", "--out", out];
+    let ricochets = ["--set", "obliquity=70", "--between", "20,400", "--residual", RESIDUAL];
+    let output = revolve(&[&words[..], &ricochets].concat());
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && message.contains("ricochet from 20 to 400"), "{message}");
+    let found = json(&[&words[..], &["--between", "100,900", "--over", "obliquity=30,70"]].concat());
+    let limits = found["limits"].as_array().expect("limits");
+    let ends = |limit: &Value| -> Vec<String> {
+        let bands = limit["bands"].as_array().expect("bands");
+        bands.iter().map(|band| band["end"].as_str().expect("an end").to_owned()).collect()
+    };
+    assert!(ends(&limits[0]).ends_with(&["embedded".to_owned(), "perforation".to_owned()]), "{found}");
+    let at = |i: usize, end: usize| number(&limits[i]["bracket"][end]);
+    assert!(at(0, 1) - at(0, 0) <= 2.0 && ends(&limits[1])[0] == "ricochet", "{found}");
+    for (over, message_text) in [("V=1,2", "needs another one"), ("obliquity=a", "expected numbers")] {
+        let output = revolve(&[&words[..], &["--between", "100,900", "--over", over]].concat());
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && message.contains(message_text), "{over}: {message}");
+    }
+}
+
+/// Fires random oblique shots and compares their ends with the final place of the body. Returns the numbers of
+/// perforations and ricochets.
+fn random_oblique_shots(count: usize) -> [usize; 2] {
+    let names = ["V", "obliquity", "yaw", "thickness", "friction"].map(str::to_owned).to_vec();
+    let columns = ["U1@REF", "U2@REF"].map(|column| format!("final({column})"));
+    let quantities = columns.iter().map(|text| Quantity::parse(text).expect("a quantity")).collect();
+    let source = DeckSource::Text("oblique.inp".into(), coarse_oblique());
+    let evaluator = SampleEvaluator::new(source, Vec::new(), names, quantities, UserRoutines::Absent);
+    let evaluator = evaluator.expect("an evaluator").of_shots();
+    let ranges = [[20.0, 900.0], [0.5, 80.0], [-8.0, 8.0], [2e-3, 30e-3], [0.0, 0.05]];
+    let mut draws = ChaCha8Rng::seed_from_u64(7);
+    let mut draw = |[low, high]: [f64; 2]| low + (high - low) * design::unit(draws.next_u64());
+    let samples: Vec<f64> = (0..count).flat_map(|_| ranges).map(&mut draw).collect();
+    let shots = evaluator.shots(&samples, 2).expect("threads");
+    let [mut through, mut back] = [0, 0];
+    for (shot, sample) in shots.into_iter().zip(samples.chunks(ranges.len())) {
+        let shot = shot.unwrap_or_else(|why| panic!("{sample:?}: {why}"));
+        let [angle, thickness] = [sample[1].to_radians(), sample[3]];
+        let along = |v: &[f64]| v[1] * angle.cos() - v[0] * angle.sin();
+        // The reference node is 12 mm above the tip, which touches the front; the body is 72 mm long.
+        let height = along(&[shot.values[0], shot.values[1] + 0.012]);
+        let (is_behind, is_before) = (height < -thickness, height > 0.0);
+        match shot.end {
+            Some(ShotEnd::Perforation) => {
+                assert!(is_behind, "{sample:?}: {shot:?}");
+                through += 1;
+            }
+            Some(ShotEnd::Ricochet) => {
+                assert!(is_before, "{sample:?}: {shot:?}");
+                back += 1;
+            }
+            Some(ShotEnd::Embedded) => assert!(shot.speed <= 0.01 * sample[0], "{sample:?}: {shot:?}"),
+            end => assert_eq!(end, Some(ShotEnd::Moving), "{sample:?}"),
+        }
+    }
+    println!("{through} perforations, {back} ricochets of {count}");
+    [through, back]
+}
+
+#[test]
+fn random_ricochets_are_never_perforations() {
+    let [through, back] = random_oblique_shots(60);
+    assert!(through > 10 && back > 10, "{through} {back}");
+}
+
+#[test]
+#[ignore = "1000 shots"]
+fn thousand_random_ricochets_are_never_perforations() {
+    let [through, back] = random_oblique_shots(1000);
+    assert!(through > 200 && back > 200, "{through} {back}");
+}
+
+/// A run without a target records no event: its shots are judged by `--residual` and `--least`, which are then required.
+#[test]
+fn decks_without_events_need_a_criterion() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = fs::read_to_string(project(PLATE)).expect("a deck");
+    let free = text.replace("*Dsload, target=PLATES, friction=<FRICTION>\n NOSE, CAVITY\n", "");
+    assert_ne!(free, text);
+    let deck = folder.path().join("free.inp");
+    fs::write(&deck, free).expect("a deck");
+    let [deck, out] = [&deck, folder.path()].map(|path| path.to_str().expect("a name"));
+    let words = ["limit", deck, "--velocity", "V", "--between", "100,600", "--tolerance", "1", "--out", out];
+    for more in [&[][..], &["--residual", RESIDUAL], &["--least", "300"]] {
+        let output = revolve(&[&words[..], more].concat());
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && message.contains("--least SPEED"), "{more:?}: {message}");
+    }
+    let found = json(&[&words[..], &["--residual", RESIDUAL, "--least", "300"]].concat());
+    let [low, high] = [0, 1].map(|i| number(&found["bracket"][i]));
+    assert!(low <= 300.0 && 300.0 < high && high - low <= 1.0, "{low} {high}");
+    assert_eq!(found["bands"][0]["end"], "slow");
 }
 
 /// At V50 half of the shots perforate; one standard deviation above V50 the fraction is that of a normal distribution.

@@ -11,7 +11,7 @@ use revolve::resistance::fit::FitWeight;
 use revolve::resistance::rate::{StrainRateEffect, StrainRateFactor};
 use revolve::resistance::similarity::{CavityPressure, ExpandingCavity};
 use revolve::resistance::{
-    DerivedResistance, FitRequest, ResistanceError, ScaledTarget, TargetMaterial, YieldCurve, derive,
+    CavityShape, DerivedResistance, FitRequest, ResistanceError, ScaledTarget, TargetMaterial, YieldCurve, derive,
 };
 
 const YOUNG: f64 = 68.9e9;
@@ -20,7 +20,18 @@ const DENSITY: f64 = 2710.0;
 
 fn aluminium_target(curve: YieldCurve, poisson: f64) -> TargetMaterial {
     let (young, density, yield_stress) = (YOUNG, DENSITY, Y);
-    TargetMaterial { young, poisson, density, yield_stress, curve, pressure_slope: 0.0, tension: None, rate: None }
+    let shape = CavityShape::Spherical;
+    TargetMaterial {
+        shape,
+        young,
+        poisson,
+        density,
+        yield_stress,
+        curve,
+        pressure_slope: 0.0,
+        tension: None,
+        rate: None,
+    }
 }
 
 fn pressure(target: &ScaledTarget, velocity: f64) -> Result<CavityPressure, ResistanceError> {
@@ -236,6 +247,7 @@ fn strain_rate_pressure_matches_quadrature() {
 fn concrete_target(tension: Option<f64>, poisson: f64, pressure_slope: f64) -> TargetMaterial {
     let (young, density, yield_stress) = (11.3e9, 2340.0, 130e6);
     TargetMaterial {
+        shape: CavityShape::Spherical,
         young,
         poisson,
         density,
@@ -373,6 +385,9 @@ fn invalid_target_materials_are_errors() {
         TargetMaterial { pressure_slope: 3.0, ..good.clone() },
         TargetMaterial { pressure_slope: 0.5, curve: YieldCurve::Power(0.1), ..good.clone() },
         TargetMaterial { tension: Some(0.0), ..good.clone() },
+        TargetMaterial { shape: CavityShape::Cylindrical, poisson: 0.5, ..good.clone() },
+        TargetMaterial { shape: CavityShape::Cylindrical, tension: Some(1e6), ..good.clone() },
+        TargetMaterial { shape: CavityShape::Cylindrical, yield_stress: 46e9, ..good.clone() },
         TargetMaterial {
             rate: Some(StrainRateEffect {
                 factor: StrainRateFactor::Power { reference: 1.0, exponent: 0.0 },
@@ -390,6 +405,59 @@ fn invalid_target_materials_are_errors() {
         assert_eq!(derive(&target, &request).expect_err("no range").code(), "C003");
     }
     assert_eq!(derive(&target, &FitRequest::over([0.0, 2e4])).expect_err("too fast").code(), "C002");
+}
+
+/// Cylindrical cavity at rest in an incompressible target: `(1 + (E / (sqrt(3) Y))^n I) / sqrt(3)` with the integral I of
+/// `(-ln x)^n / (1 - x)` from 0 to `1 - sqrt(3) Y / E` (Forrestal and Warren 2009, Int. J. Impact Eng. 36, 220).
+#[test]
+fn quasi_static_cylindrical_pressure_matches_closed_form() {
+    for (young, y, n) in [(YOUNG, Y, 0.0), (YOUNG, Y, 0.051), (73.1e9, 448e6, 0.089), (200e9, 400e6, 0.4)] {
+        let root = 3.0_f64.sqrt();
+        let top = 1.0 - root * y / young;
+        let integral = quadrature(|s| top * (-(top * s).ln()).powf(n) / (1.0 - top * s));
+        let exact = (1.0 + (young / (root * y)).powf(n) * integral) / root;
+        let material = TargetMaterial { young, yield_stress: y, ..aluminium_target(YieldCurve::Power(n), 0.5 - 1e-12) };
+        let got = cavity_point(&TargetMaterial { shape: CavityShape::Cylindrical, ..material }, 0.0).stress;
+        println!("n = {n}: {got} {exact}");
+        assert!((got / exact - 1.0).abs() < 1e-8, "{n}: {got} {exact}");
+    }
+}
+
+/// Compressible pressures on a cylindrical cavity by another program: fourth-order Runge-Kutta steps for velocity,
+/// pressure and strains as separate unknowns, from the stresses of the cylindrical wave.
+#[test]
+fn cylindrical_pressures_match_independent_solver() {
+    let table = [
+        (0.0, 3.338_373_7, 3.757_096_1),
+        (50.0, 3.427_148_7, 3.845_667_9),
+        (100.0, 3.655_317_6, 4.073_186_4),
+        (200.0, 4.449_885_0, 4.865_142_8),
+        (300.0, 5.627_318_9, 6.038_387_3),
+    ];
+    for (velocity, perfect, hardening) in table {
+        for (exact, curve) in [(perfect, YieldCurve::Perfect), (hardening, YieldCurve::Power(0.051))] {
+            let material = TargetMaterial { shape: CavityShape::Cylindrical, ..aluminium_target(curve, 1.0 / 3.0) };
+            let off = cavity_point(&material, velocity).stress / exact - 1.0;
+            assert!(off.abs() < 1e-7, "{velocity}: {off:e}");
+        }
+    }
+}
+
+/// Strain rates around a cylindrical cavity: `(1/sqrt(3))` times the integral of the gain of the yield stress over ln x,
+/// with the strain rate `2 V x / (sqrt(3) a)`, `x = (a/r)^2`.
+#[test]
+fn cylindrical_strain_rates_match_quadrature() {
+    let (velocity, radius, root) = (300.0, 3.555e-3, 3.0_f64.sqrt());
+    let still = TargetMaterial { shape: CavityShape::Cylindrical, ..aluminium_target(YieldCurve::Perfect, 0.4999) };
+    let factor = StrainRateFactor::Power { reference: 8e5, exponent: 0.3 };
+    let rated = TargetMaterial { rate: Some(StrainRateEffect { factor, radius }), ..still.clone() };
+    let gain = cavity_point(&rated, velocity).stress - cavity_point(&still, velocity).stress;
+    let front = root * Y / YOUNG;
+    // Over s = ln x / ln(front) from 0 to 1.
+    let rate = |s: f64| 2.0 * velocity / (root * radius) * front.powf(s) / 8e5;
+    let exact = -front.ln() / root * quadrature(|s| rate(s).powf(0.3));
+    println!("rates add {gain} {exact}");
+    assert!((gain / exact - 1.0).abs() < 1e-7, "{gain} {exact}");
 }
 
 /// Returns the deck of a rigid cone into soil whose resistance is given by a card or derived.
@@ -435,6 +503,10 @@ fn derived_resistance_equals_an_explicit_card() {
     for word in [format!("A = {a}"), format!("C = {c}"), "velocities 0 to 800".into(), "residual".into()] {
         assert!(row.detail.contains(&word), "{} lacks {word}", row.detail);
     }
+    let deck = derived_card(PLASTIC, "*Cavity Expansion, derive, type=CYLINDRICAL\n 0., 300.\n");
+    let plan = crate::common::prepared(&deck, &[], &revolve::user::Routines::none()).plan;
+    let row = plan.ledger.effects.iter().find(|r| r.effect == "derived resistance").expect("a row");
+    assert!(row.detail.ends_with("cylindrical cavity"), "{}", row.detail);
 }
 
 #[test]
@@ -449,6 +521,8 @@ fn invalid_derivations_are_errors() {
         (derived_card(PLASTIC, "*Cavity Expansion, derive\n 0., 800., 2\n"), "C003"),
         (derived_card(PLASTIC, "*Cavity Expansion, derive\n 0.\n"), "M102"),
         (derived_card(PLASTIC, "*Cavity Expansion, derive, yield=1.\n 0., 800.\n"), "M103"),
+        (derived_card(PLASTIC, "*Cavity Expansion, derive, type=CONICAL\n 0., 300.\n"), "M103"),
+        (derived_card(PLASTIC, "*Cavity Expansion, type=CYLINDRICAL, yield=1.\n 4., 0., 1.\n"), "M103"),
         (derived_card(PLASTIC, "*Cavity Expansion, derive, terms=4\n 0., 800.\n"), "M103"),
         (derived_card(PLASTIC, "*Cavity Expansion, derive, weight=HEAVY\n 0., 800.\n"), "M103"),
         (derived_card(PLASTIC, "*Cavity Expansion, derive, radius=-1.\n 0., 800.\n"), "M103"),
@@ -484,7 +558,8 @@ fn meshed_cavity_pressure_matches_similarity_solution() {
     }
     let brittle = TargetMaterial { tension: Some(1e6), ..material.clone() };
     let incompressible = TargetMaterial { poisson: 0.5, ..material };
-    for refused in [brittle, incompressible] {
+    let cylindrical = TargetMaterial { shape: CavityShape::Cylindrical, poisson: 0.3, ..incompressible.clone() };
+    for refused in [brittle, incompressible, cylindrical] {
         assert!(revolve::study::expansion::measure(&refused, &[500.0]).is_err());
     }
 }

@@ -1,13 +1,15 @@
-//! The command `revolve limit`: ballistic limit velocity and its scatter.
+//! The command `revolve limit`: ballistic limit velocity, outcomes of the other shots, and scatter of the limit.
 
 use std::error::Error;
 
 use crate::output::JobFiles;
 use crate::study::StudyError;
 use crate::study::evaluate::SampleEvaluator;
+use crate::study::grid::CaseGrid;
 use crate::study::inputs::RandomInputs;
-use crate::study::limit::{self, LimitRequest, LimitScatter, LimitVelocity};
+use crate::study::limit::{self, LimitRequest, LimitScatter, LimitVelocity, Shot, VelocityBand};
 use crate::study::quantity::Quantity;
+use crate::study::shot::{EXTENSIONS, ShotEnd, ShotResult};
 use crate::study::statistics::design::{SampleDesign, SamplingScheme};
 use crate::study::table::{TextTable, number};
 use clap::Args;
@@ -16,8 +18,8 @@ use serde_json::json;
 use super::search::{self, CompiledRoutines, SearchArguments};
 use super::{CommandStatus, HALTED, write_results};
 
-/// Find the ballistic limit velocity, the residual velocity curve above it, and optionally the scatter of the limit
-/// (V50).
+/// Find the ballistic limit velocity, the residual velocity curve above it, the velocities of ricochet and embedding
+/// below it, and optionally the scatter of the limit (V50).
 #[derive(Args)]
 pub struct LimitCommand {
     #[command(flatten)]
@@ -32,14 +34,17 @@ pub struct LimitCommand {
     #[arg(long, value_name = "WIDTH")]
     tolerance: f64,
     /// Residual velocity, positive in the direction of flight: an expression over history columns, for example
-    /// "-final(V2@REF)".
+    /// "-final(V2@REF)". Default: the speed of the rigid body that leaves the target.
     #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
-    residual: String,
-    /// A shot perforates if its residual velocity exceeds this value. For meshed plates choose it above the velocity of
-    /// the plate.
-    #[arg(long, value_name = "SPEED", default_value_t = 0.0)]
-    least: f64,
-    /// Number of shots above the limit for the residual velocity curve.
+    residual: Option<String>,
+    /// Residual velocity that a shot must exceed to count as perforation. Required with `--residual` if no rigid body
+    /// meets a `*TARGET`; choose it above the velocity of a meshed plate.
+    #[arg(long, value_name = "SPEED")]
+    least: Option<f64>,
+    /// Find the limit for each of these values of another deck parameter: NAME=v1,v2,… or NAME=start:stop:step.
+    #[arg(long, value_name = "NAME=VALUES", conflicts_with = "distribution")]
+    over: Option<String>,
+    /// Number of shots above the limit, for the residual velocity curve, and below it, for the other outcomes.
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     shots: u32,
     /// Random parameter, as in `scatter`: the limit is found for each of `--count` draws, and V50 and the standard
@@ -61,29 +66,39 @@ impl LimitCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let request = LimitRequest::new(&self.between, self.tolerance, self.least, self.shots as usize)?;
         let inputs = RandomInputs::parse(&self.distribution, &self.correlation)?;
-        if inputs.names.contains(&self.velocity) {
-            return Err(format!(
-                "--distribution {}: this parameter is given by --velocity and cannot be random as well",
-                self.velocity
-            )
-            .into());
-        }
+        self.reject_velocity(&inputs.names, "--distribution")?;
         let routines = self.search.routines()?;
-        let evaluator = self.evaluator(&[], &routines)?;
+        match self.over.clone() {
+            Some(over) => self.find_over(&request, &over, &routines),
+            None => self.find_one(&request, &inputs, &routines),
+        }
+    }
+
+    /// Finds one limit, and its scatter for random parameters.
+    fn find_one(
+        &self,
+        request: &LimitRequest,
+        inputs: &RandomInputs,
+        routines: &CompiledRoutines,
+    ) -> Result<CommandStatus, Box<dyn Error>> {
+        let evaluator = self.evaluator(&[], routines)?;
         let (job, _lock) = self.search.job()?;
-        let found = limit::find(&request, &mut |velocities| self.fire(&evaluator, velocities))?;
+        let found = limit::find(request, &mut |velocities| self.fire(request, &evaluator, velocities, &[]))?;
+        let Some(bracket) = found.bracket else { return Err(no_limit(&found).into()) };
         let scattered = match inputs.names.is_empty() {
             true => None,
-            false => Some(self.scatter(&request, &inputs, &self.evaluator(&inputs.names, &routines)?)?),
+            false => Some(self.scatter(request, inputs, &self.evaluator(&inputs.names, routines)?)?),
         };
-        let table = table(&found, scattered.as_ref());
+        let table = table(&found, bracket, scattered.as_ref());
         let mut charts = vec![(String::new(), limit::chart(&job.name, &found, scattered.as_ref()))];
         charts.extend(scattered.iter().map(|s| ("_scatter".to_owned(), limit::scatter_chart(&job.name, s))));
         write_results(&job, "limit", &table, Vec::new(), &charts)?;
-        self.search.print(&table, &self.lines(&found, scattered.as_ref(), &job));
+        self.search.print(&table, &lines(&found, bracket, scattered.as_ref(), &job));
         self.search.print_json(&json!({
-            "bracket": found.bracket,
+            "bracket": bracket,
             "shots": found.shots,
+            "bands": found.bands(),
+            "undecided": found.undecided(),
             "a": found.curve.as_ref().map(|c| c.estimates[0]),
             "p": found.curve.as_ref().map(|c| c.estimates[1]),
             "limit_of_curve": found.curve.as_ref().map(|c| c.estimates[2]),
@@ -91,20 +106,73 @@ impl LimitCommand {
             "deviation": scattered.as_ref().and_then(|s| s.scatter).map(|s| s.deviation),
             "lost": scattered.as_ref().map(|s| s.lost),
         }))?;
-        let whole = found.gaps.is_empty() && scattered.is_none_or(|s| s.lost == 0);
+        let whole = is_decided(&found) && scattered.is_none_or(|s| s.lost == 0);
         Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
     }
 
-    /// Returns the evaluator of the residual velocity over the striking velocity and the parameters `others`.
-    fn evaluator(&self, others: &[String], routines: &CompiledRoutines) -> Result<SampleEvaluator, Box<dyn Error>> {
-        let names = [self.velocity.clone()].into_iter().chain(others.iter().cloned()).collect();
-        let evaluator = self.search.evaluator(names, vec![Quantity::parse(&self.residual)?], routines)?;
-        Ok(evaluator.to_the_end())
+    /// Finds the limit for each value of another parameter.
+    fn find_over(
+        &self,
+        request: &LimitRequest,
+        over: &str,
+        routines: &CompiledRoutines,
+    ) -> Result<CommandStatus, Box<dyn Error>> {
+        let (name, values) = values_over(over)?;
+        self.reject_velocity(std::slice::from_ref(&name), "--over")?;
+        let evaluator = self.evaluator(std::slice::from_ref(&name), routines)?;
+        let (job, _lock) = self.search.job()?;
+        let find = |value: f64| {
+            let fire = &mut |velocities: &[f64]| self.fire(request, &evaluator, velocities, &[value]);
+            Ok((value, limit::find(request, fire)?))
+        };
+        let found = values.into_iter().map(find).collect::<Result<Vec<_>, StudyError>>()?;
+        let table = table_over(&name, &found);
+        let charts = [(String::new(), limit::map_chart(&job.name, &name, &found))];
+        write_results(&job, "limit", &table, Vec::new(), &charts)?;
+        let files = files_line(found.iter().map(|(_, found)| found.shots.len()).sum(), &job);
+        let more = found.iter().flat_map(|(value, found)| {
+            warnings(found).into_iter().map(|line| format!("{name} = {}: {line}", number(*value)))
+        });
+        self.search.print(&table, &more.chain([files]).collect::<Vec<_>>());
+        let of = |(value, found): &(f64, LimitVelocity)| {
+            json!({"value": value, "bracket": found.bracket, "bands": found.bands(),
+                   "undecided": found.undecided(), "shots": found.shots})
+        };
+        self.search.print_json(&json!({"over": name, "limits": found.iter().map(of).collect::<Vec<_>>()}))?;
+        let whole = found.iter().all(|(_, found)| is_decided(found));
+        Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
     }
 
-    fn fire(&self, evaluator: &SampleEvaluator, velocities: &[f64]) -> Result<Vec<f64>, StudyError> {
-        let (table, failures) = evaluator.table(velocities, self.search.threads())?;
-        failures.into_iter().next().map_or(Ok(table), |failure| Err(failure.reason))
+    /// Returns an error if an option gives the striking velocity as another parameter.
+    fn reject_velocity(&self, names: &[String], option: &str) -> Result<(), StudyError> {
+        let velocity = &self.velocity;
+        if !names.contains(velocity) {
+            return Ok(());
+        }
+        Err(StudyError::Setting(format!(
+            "{option} {velocity}: this parameter is given by --velocity; {option} needs another one"
+        )))
+    }
+
+    /// Returns the evaluator of shots over the striking velocity and the parameters `others`.
+    fn evaluator(&self, others: &[String], routines: &CompiledRoutines) -> Result<SampleEvaluator, Box<dyn Error>> {
+        let names = [self.velocity.clone()].into_iter().chain(others.iter().cloned()).collect();
+        let residual = self.residual.iter().map(|text| Quantity::parse(text)).collect::<Result<_, _>>()?;
+        Ok(self.search.evaluator(names, residual, routines)?.of_shots())
+    }
+
+    /// Fires shots with the same values of the other parameters.
+    fn fire(
+        &self,
+        request: &LimitRequest,
+        evaluator: &SampleEvaluator,
+        velocities: &[f64],
+        others: &[f64],
+    ) -> Result<Vec<Shot>, StudyError> {
+        let samples: Vec<f64> =
+            velocities.iter().flat_map(|velocity| [*velocity].into_iter().chain(others.iter().copied())).collect();
+        let fired = evaluator.shots(&samples, self.search.threads())?;
+        fired.into_iter().zip(velocities).map(|(shot, velocity)| request.judge(*velocity, &shot?)).collect()
     }
 
     /// Finds the limit of each draw.
@@ -119,58 +187,123 @@ impl LimitCommand {
         SampleDesign::new(SamplingScheme::Random, width, count, self.seed)?.fill(&mut points);
         let mut drawn = vec![0.0; width * count];
         points.chunks(width).zip(drawn.chunks_mut(width)).for_each(|(point, values)| inputs.values(point, values));
-        let fire = &mut |shots: &[(usize, f64)]| -> Result<Vec<f64>, StudyError> {
+        let fire = &mut |shots: &[(usize, f64)]| -> Result<Vec<Option<Shot>>, StudyError> {
             let row = |(draw, velocity): &(usize, f64)| {
                 [*velocity].into_iter().chain(drawn[draw * width..(draw + 1) * width].iter().copied())
             };
             let samples: Vec<f64> = shots.iter().flat_map(row).collect();
-            Ok(evaluator.table(&samples, self.search.threads())?.0)
+            let fired = evaluator.shots(&samples, self.search.threads())?;
+            let judge =
+                |(fired, shot): (ShotResult, &(usize, f64))| fired.ok().map(|fired| request.judge(shot.1, &fired));
+            fired.into_iter().zip(shots).map(judge).map(Option::transpose).collect()
         };
         Ok(limit::scatter(request, count, fire)?)
     }
+}
 
-    fn lines(&self, found: &LimitVelocity, scattered: Option<&LimitScatter>, job: &JobFiles) -> Vec<String> {
-        let [low, high] = found.bracket.map(number);
-        let mut lines =
-            vec![format!("limit velocity {}: {low} does not perforate, {high} does", number(found.velocity()))];
-        match &found.curve {
-            Some(curve) => lines.push(format!(
-                "Lambert and Jonas: v_r = a (v^p - v_l^p)^(1/p); standard deviation of a shot from the curve {}{}",
-                number(curve.deviation),
-                if curve.converged { "" } else { " (the fit did not converge)" }
-            )),
-            None => {
-                lines.push("no Lambert-Jonas curve: it needs at least four perforating shots; increase --shots".into())
-            }
+/// Parses `NAME=VALUES` of `--over`.
+fn values_over(over: &str) -> Result<(String, Vec<f64>), StudyError> {
+    let wrong = |why: &str| StudyError::Setting(format!("--over {over}: {why}"));
+    let grid = CaseGrid::parse(&[over.to_owned()]).map_err(|e| wrong(&e.to_string()))?;
+    let (name, values) = grid.axes().first().cloned().ok_or_else(|| wrong("expected NAME=VALUES"))?;
+    let numbers = values.iter().map(|value| value.parse().ok()).collect::<Option<Vec<f64>>>();
+    numbers.map(|numbers| (name, numbers)).ok_or_else(|| wrong("expected numbers, for example 0,15,30,45"))
+}
+
+/// Returns whether all shots above the limit perforate, and no shot directly below it still moves.
+fn is_decided(found: &LimitVelocity) -> bool {
+    found.gaps().next().is_none() && found.undecided().is_none()
+}
+
+/// Returns the error of a search interval that does not enclose a limit.
+fn no_limit(found: &LimitVelocity) -> String {
+    let ends = || found.bands().iter().map(band_text).collect::<Vec<_>>().join(", ");
+    match (found.shots.first(), found.shots.last()) {
+        (Some(low), _) if low.perforates() => {
+            let velocity = low.velocity;
+            format!("a shot at {velocity} perforates: decrease the lower end of --between (found: {})", ends())
         }
-        if let Some(gap) = found.gaps.first() {
-            lines.push(format!(
-                "a shot at {} above the limit does not perforate: there is more than one limit",
-                number(*gap)
-            ));
-        }
-        if let Some(scattered) = scattered {
-            let all = scattered.members.len() + scattered.lost;
-            let outside = scattered.members.iter().filter(|m| m.0.is_infinite() || m.1.is_infinite()).count();
-            lines.push(format!("{all} draws: {outside} have their limit outside --between, {} failed", scattered.lost));
-            if scattered.scatter.is_none() {
-                lines.push("no scatter can be estimated: the intervals of all limits overlap; decrease --tolerance or use more draws".into());
-            }
-        }
-        let (csv, png) = (job.path("_limit.csv"), job.path("_limit.png"));
-        lines.push(format!("{} shots; table {}, picture {}", found.shots.len(), csv.display(), png.display()));
-        lines
+        (_, Some(Shot { velocity, residual, end: ShotEnd::Moving })) => format!(
+            "a shot at {velocity} still moves in the target with the speed {}, {} times as late as the deck ends: increase \
+             the duration of the steps",
+            number(*residual),
+            EXTENSIONS[EXTENSIONS.len() - 1]
+        ),
+        (_, high) => format!(
+            "a shot at {} does not perforate: increase the upper end of --between (found: {})",
+            high.map_or(0.0, |shot| shot.velocity),
+            ends()
+        ),
     }
 }
 
+fn band_text(band: &VelocityBand) -> String {
+    format!("{} from {} to {}", band.end.words(), number(band.from), number(band.to))
+}
+
+fn lines(found: &LimitVelocity, bracket: [f64; 2], scattered: Option<&LimitScatter>, job: &JobFiles) -> Vec<String> {
+    let [low, high] = bracket.map(number);
+    let limit = number(0.5 * (bracket[0] + bracket[1]));
+    let mut lines = vec![format!("limit velocity {limit}: {low} does not perforate, {high} does")];
+    lines.extend(found.bands().iter().map(band_text));
+    match &found.curve {
+        Some(curve) => lines.push(format!(
+            "Lambert and Jonas: v_r = a (v^p - v_l^p)^(1/p); standard deviation of a shot from the curve {}{}",
+            number(curve.deviation),
+            if curve.converged { "" } else { " (the fit did not converge)" }
+        )),
+        None => lines.push("no Lambert-Jonas curve: it needs at least four perforating shots; increase --shots".into()),
+    }
+    lines.extend(warnings(found));
+    if let Some(scattered) = scattered {
+        let all = scattered.members.len() + scattered.lost;
+        let outside = scattered.members.iter().filter(|m| m.0.is_infinite() || m.1.is_infinite()).count();
+        lines.push(format!("{all} draws: {outside} have their limit outside --between, {} failed", scattered.lost));
+        if scattered.scatter.is_none() {
+            lines.push("no scatter can be estimated: the intervals of all limits overlap; decrease --tolerance or use more draws".into());
+        }
+    }
+    lines.push(files_line(found.shots.len(), job));
+    lines
+}
+
+/// Returns the sentences about a limit that is not unique or not decided.
+fn warnings(found: &LimitVelocity) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(gap) = found.gaps().next() {
+        let gap = number(gap);
+        lines.push(format!("a shot at {gap} above the limit does not perforate: there is more than one limit"));
+    }
+    if let Some(band) = found.undecided() {
+        let [from, to] = [band.from, band.to].map(number);
+        lines.push(format!(
+            "the limit may be as low as {from}: shots from {from} to {to} still move in the target at the end of the run; \
+             increase the duration of the steps"
+        ));
+    }
+    lines
+}
+
+fn files_line(shots: usize, job: &JobFiles) -> String {
+    let (csv, png) = (job.path("_limit.csv"), job.path("_limit.png"));
+    format!("{shots} shots; table {}, picture {}", csv.display(), png.display())
+}
+
+/// Returns the table of limits and bands for the values of another parameter.
+fn table_over(name: &str, found: &[(f64, LimitVelocity)]) -> TextTable {
+    let rows = found.iter().flat_map(|(value, found)| {
+        let row = move |what: &str, from: f64, to: f64| vec![number(*value), what.to_owned(), number(from), number(to)];
+        let limit = found.bracket.map(|[low, high]| row("limit velocity", low, high));
+        let bands: Vec<_> = found.bands().iter().map(|band| row(band.end.words(), band.from, band.to)).collect();
+        limit.into_iter().chain(bands)
+    });
+    TextTable { header: [name, "outcome", "from", "to"].map(str::to_owned).to_vec(), rows: rows.collect() }
+}
+
 /// Returns the table of the limit velocity, the parameters of the curve and the scatter.
-fn table(found: &LimitVelocity, scattered: Option<&LimitScatter>) -> TextTable {
-    let mut rows = vec![vec![
-        "limit velocity (bracket)".to_owned(),
-        number(found.velocity()),
-        number(found.bracket[0]),
-        number(found.bracket[1]),
-    ]];
+fn table(found: &LimitVelocity, bracket: [f64; 2], scattered: Option<&LimitScatter>) -> TextTable {
+    let limit = [0.5 * (bracket[0] + bracket[1]), bracket[0], bracket[1]].map(number);
+    let mut rows: Vec<Vec<String>> = vec![["limit velocity (bracket)".to_owned()].into_iter().chain(limit).collect()];
     let mut row =
         |what: &str, estimate| rows.push([what.to_owned()].into_iter().chain(search::cells(estimate)).collect());
     if let Some(curve) = &found.curve {

@@ -14,7 +14,7 @@ use crate::output::{self, csv};
 use crate::resistance::fit::FitWeight;
 use crate::resistance::rate::{StrainRateEffect, StrainRateFactor};
 use crate::resistance::similarity::ExpandingCavity;
-use crate::resistance::{FitRequest, ResistanceError, ScaledTarget, TargetMaterial, YieldCurve, derive};
+use crate::resistance::{CavityShape, FitRequest, ResistanceError, ScaledTarget, TargetMaterial, YieldCurve, derive};
 use crate::study::expansion;
 use crate::study::law::ResistanceRecord;
 use crate::{deck, model};
@@ -32,6 +32,9 @@ pub struct ResistanceCommand {
     set: Vec<String>,
     #[command(flatten)]
     given: MaterialArguments,
+    /// Shape of the cavity: a sphere for deep penetration, a cylinder for the expansion of a hole in a plate.
+    #[arg(long = "type", value_name = "SHAPE", default_value = "spherical")]
+    shape: CavityShape,
     /// Tensile strength; above it the target has radial cracks, as concrete does.
     #[arg(long, value_name = "STRESS")]
     tension: Option<f64>,
@@ -57,7 +60,7 @@ pub struct ResistanceCommand {
     #[arg(long, value_enum, default_value_t = FitWeight::Even)]
     weight: FitWeight,
     /// Also compute the pressure with finite elements, on a meshed cavity that opens at these velocities (default: 1/4,
-    /// 1/2 and 1 times the highest velocity).
+    /// 1/2 and 1 times the highest velocity). Spherical cavities only.
     #[arg(long, value_name = "VELOCITIES", num_args = 0..=1, require_equals = true, value_delimiter = ',')]
     measure: Option<Vec<f64>>,
     /// Write a picture of the pressures and the fitted law, .png or .svg.
@@ -86,7 +89,8 @@ struct MaterialArguments {
     /// Density.
     #[arg(long, value_name = "DENSITY", conflicts_with = "deck", required_unless_present = "deck")]
     density: Option<f64>,
-    /// Yield stress Y; with --table it is the first stress of the table.
+    /// Yield stress Y at zero pressure; with --table it is the first stress of the table. With --pressure-slope, Y is
+    /// (1 - SLOPE/3) times the yield stress in uniaxial compression, where the pressure is a third of the stress.
     #[arg(long = "yield", value_name = "STRESS", conflicts_with_all = ["deck", "table"], required_unless_present_any = ["deck", "table"])]
     yield_stress: Option<f64>,
     /// Exponent n of the power-law hardening Y (E e / Y)^n, with the total strain e.
@@ -95,7 +99,7 @@ struct MaterialArguments {
     /// CSV file with rows of yield stress and plastic strain, as in *PLASTIC.
     #[arg(long, value_name = "FILE", conflicts_with = "deck")]
     table: Option<PathBuf>,
-    /// Slope of the yield stress over pressure (Mohr-Coulomb).
+    /// Slope of the yield stress over pressure (Mohr-Coulomb): yield stress = Y + SLOPE p.
     #[arg(long, value_name = "SLOPE", conflicts_with = "deck", default_value_t = 0.0)]
     pressure_slope: f64,
     /// Strain-rate factor 1 + (e'/REFERENCE)^EXPONENT of the yield stress.
@@ -126,6 +130,7 @@ impl ResistanceCommand {
             Some(deck) => self.of_deck(deck)?,
             None => self.given.material(self.tension, self.radius)?,
         };
+        let material = TargetMaterial { shape: self.shape, ..material };
         let begin = Stopwatch::now();
         let target = ScaledTarget::new(&material).map_err(|fault| finding(&fault))?;
         let derived = derive(&target, &self.request()).map_err(|fault| finding(&fault))?;
@@ -247,6 +252,7 @@ impl MaterialArguments {
         // Without a deck clap requires these arguments.
         let there = |value: Option<f64>| value.unwrap_or(f64::NAN);
         Ok(TargetMaterial {
+            shape: CavityShape::Spherical,
             young: there(self.young),
             poisson: there(self.poisson),
             density: there(self.density),

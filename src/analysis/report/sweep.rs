@@ -1,10 +1,9 @@
 //! Reads the table of a sweep (`<job>_sweep.csv`) and draws charts over its first parameter.
 
 use super::data::ReportTable;
-use super::shorten;
 use crate::output::csv;
 use crate::study::chart::{Chart, ChartSeries, SeriesForm};
-use crate::study::compare::rms;
+use crate::study::compare::Agreement;
 
 /// Largest number of charts of a sweep, and of lines of a chart.
 const MOST: usize = 8;
@@ -61,12 +60,16 @@ fn charts(header: &[String], rows: &[Vec<String>]) -> Vec<Chart> {
     charts.filter(|c| !c.series.is_empty()).collect()
 }
 
-/// Returns the rms value of each column of differences.
+/// Returns the agreement of the predictions with each reference, which stands before its differences.
 fn deviations(header: &[String], rows: &[Vec<String>]) -> Vec<(String, String)> {
     let of = |(i, name): (usize, &String)| {
-        let reference = name.strip_prefix("difference from ")?;
-        let differences: Vec<f64> = rows.iter().filter_map(|row| row[i].parse().ok()).collect();
-        Some((format!("rms difference from {reference}"), shorten(rms(&differences)?).to_string()))
+        name.strip_prefix("difference from ")?;
+        let pair = |row: &Vec<String>| {
+            let [known, difference] = [i.checked_sub(1)?, i].map(|column| row[column].parse::<f64>());
+            Some((known.clone().ok()? + difference.ok()?, known.ok()?))
+        };
+        let pairs: Vec<(f64, f64)> = rows.iter().filter_map(pair).collect();
+        Some((name.clone(), Agreement::of(&pairs)?.text()))
     };
     header.iter().enumerate().filter_map(of).collect()
 }
@@ -110,7 +113,7 @@ mod tests {
         assert_eq!(table.charts[0].series[0].points, [(1.0, 3.0), (2.0, 6.0)]);
         assert_eq!(table.charts[0].series[2].points, [(1.0, 5.0)], "once");
         assert_eq!(table.charts[1].series.len(), 2);
-        let rms = (0.5 * (4.0 + 2.25_f64)).sqrt();
-        assert_eq!(table.facts, [("rms difference from depth".to_owned(), shorten(rms).to_string())]);
+        let agreement = Agreement::of(&[(3.0, 5.0), (3.5, 5.0)]).expect("rows");
+        assert_eq!(table.facts, [("difference from depth".to_owned(), agreement.text())]);
     }
 }

@@ -46,9 +46,6 @@ pub enum StudyError {
     /// A run halted before the end of its last step.
     #[error("halted: {0}")]
     Halted(HaltReason),
-    /// A run ended while a body was still moving in a target.
-    #[error("{0}")]
-    Unfinished(String),
     /// The settings or the values allow no comparison.
     #[error("{0}")]
     Comparison(String),

@@ -9,6 +9,7 @@ use std::time::Duration;
 use super::StudyError;
 use super::error::accepted;
 use super::quantity::{self, FinishedRun, Quantity};
+use super::shot::{self, ShotEnd, ShotResult};
 use crate::deck::names::nearest;
 use crate::deck::template::DeckTemplate;
 use crate::deck::{self, Deck, Diagnostics};
@@ -76,8 +77,9 @@ pub struct SampleEvaluator {
     only_last_row: bool,
     /// Idle workers, reused by later calls.
     idle: Mutex<Vec<SampleWorker>>,
-    /// Whether a sample fails if a body is still moving in a target at the end of the run.
-    to_the_end: bool,
+    /// Whether the samples are shots: the last step is extended while a body moves in a target, and the end of the
+    /// shot is recorded.
+    shots: bool,
     /// Number of samples so far with a body still moving in a target at the end.
     still_moving: AtomicUsize,
 }
@@ -127,7 +129,7 @@ impl SampleEvaluator {
         }
         let ends_alone = quantities.iter().all(Quantity::needs_last_row_only);
         let (most_threads, idle) = (prepared.most_threads(), Mutex::default());
-        let (to_the_end, still_moving) = (false, AtomicUsize::new(0));
+        let (shots, still_moving) = (false, AtomicUsize::new(0));
         Ok(SampleEvaluator {
             source,
             fixed,
@@ -137,15 +139,15 @@ impl SampleEvaluator {
             most_threads,
             only_last_row: ends_alone,
             idle,
-            to_the_end,
+            shots,
             still_moving,
         })
     }
 
-    /// Makes a sample fail if a body is still moving in a target at the end of its run.
+    /// Makes an evaluator of [`shots`](SampleEvaluator::shots).
     #[must_use]
-    pub fn to_the_end(self) -> SampleEvaluator {
-        SampleEvaluator { to_the_end: true, ..self }
+    pub fn of_shots(self) -> SampleEvaluator {
+        SampleEvaluator { shots: true, ..self }
     }
 
     /// Returns the number of samples so far in which a body was still moving in a target at the end; their depths are
@@ -159,7 +161,7 @@ impl SampleEvaluator {
         self.names.len()
     }
 
-    /// Evaluates all samples into `table`, one row per sample and one number per quantity, NaN if a sample fails.
+    /// Evaluates all samples into `table`, one row per sample and one number per quantity (shots: and two more), NaN if a sample fails.
     /// Returns the failures. `look` receives the number of finished samples several times a second; a nonzero
     /// `interrupt` ends the evaluation. The table does not depend on the number of threads.
     pub fn run(
@@ -185,10 +187,39 @@ impl SampleEvaluator {
     /// failures.
     pub fn table(&self, samples: &[f64], threads: usize) -> Result<(Vec<f64>, Vec<SampleFailure>), StudyError> {
         let count = samples.len() / self.width().max(1);
-        let mut table = vec![f64::NAN; count * self.quantities.len()];
+        let mut table = vec![f64::NAN; count * self.row_width()];
         let samples = SampleTable { values: samples, count };
         let failures = self.run(samples, &mut table, threads, &AtomicUsize::new(0), &mut |_| {})?;
         Ok((table, failures))
+    }
+
+    /// Runs all samples as shots at targets: a run whose bodies still move in their targets at its end is repeated with
+    /// an extended last step, up to 16 times as long.
+    pub fn shots(&self, samples: &[f64], threads: usize) -> Result<Vec<ShotResult>, StudyError> {
+        let (table, failures) = self.table(samples, threads)?;
+        let mut shots: Vec<ShotResult> = table.chunks(self.row_width()).map(|row| Ok(shot::decode(row))).collect();
+        failures.into_iter().for_each(|failure| shots[failure.row] = Err(failure.reason));
+        Ok(shots)
+    }
+
+    /// Returns the number of cells of a row of the table.
+    fn row_width(&self) -> usize {
+        self.quantities.len() + if self.shots { shot::CELLS } else { 0 }
+    }
+
+    /// Runs a plan with the duration of its last step; repeats a shot with longer ones as long as `run` returns that a
+    /// body still moves.
+    fn run_extended(
+        &self,
+        duration: f64,
+        run: &mut dyn FnMut(f64) -> Result<bool, StudyError>,
+    ) -> Result<(), StudyError> {
+        for factor in if self.shots { &shot::EXTENSIONS[..] } else { &[1.0] } {
+            if !run(factor * duration)? {
+                break;
+            }
+        }
+        Ok(())
     }
 
     fn worker(&self) -> SampleWorker {
@@ -215,22 +246,30 @@ impl SampleEvaluator {
         }
     }
 
-    /// Evaluates the quantities of a run.
-    fn finish(&self, history: &RunHistory, outcome: Outcome, state: &State, out: &mut [f64]) -> Result<(), StudyError> {
+    /// Evaluates the row of a run that began from the state `start`. Returns whether a body still moves in a target.
+    fn finish(&self, run: EndedRun<'_>, start: &State, out: &mut [f64]) -> Result<bool, StudyError> {
+        let EndedRun { history, outcome, state } = run;
         let end = Some((outcome.total_time(), state));
+        let found = shot::end(&outcome, &start.dofs.bodies);
         outcome.halt.map_or(Ok(()), |halt| Err(StudyError::Halted(halt)))?;
         if outcome.still_moving > 0 {
             self.still_moving.fetch_add(1, Ordering::Relaxed);
-            if self.to_the_end {
-                let why = format!("{}; increase the duration of the steps", outcome.unfinished.join("; "));
-                return Err(StudyError::Unfinished(why));
-            }
         }
         for (out, quantity) in out.iter_mut().zip(&self.quantities) {
             *out = quantity.number(FinishedRun { history, end })?;
         }
-        Ok(())
+        if self.shots {
+            out[self.quantities.len()..].copy_from_slice(&shot::encode(found));
+        }
+        Ok(found.is_some_and(|(end, _)| end == ShotEnd::Moving))
     }
+}
+
+/// Results of a run that has ended.
+struct EndedRun<'a> {
+    history: &'a RunHistory,
+    outcome: Outcome,
+    state: &'a State,
 }
 
 /// Samples of one call.
@@ -248,7 +287,7 @@ impl SampleBatch<'_> {
     fn run_here(&self, table: &mut [f64], look: &mut dyn FnMut(usize)) -> Vec<SampleFailure> {
         let mut worker = self.evaluator.worker();
         let mut failures = Vec::new();
-        let rows = table.chunks_exact_mut(self.evaluator.quantities.len().max(1));
+        let rows = table.chunks_exact_mut(self.evaluator.row_width().max(1));
         for (row, out) in rows.enumerate().take(self.samples.count) {
             failures.extend(self.row(&mut worker, row, out, &mut || look(row)));
             if row % CHUNK == CHUNK - 1 {
@@ -271,7 +310,7 @@ impl SampleBatch<'_> {
         let wrong = |e: rayon::ThreadPoolBuildError| StudyError::Setting(format!("cannot start threads: {e}"));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(wrong)?;
         let size = (self.samples.count / (16 * threads)).clamp(1, CHUNK);
-        let width = self.evaluator.quantities.len().max(1);
+        let width = self.evaluator.row_width().max(1);
         let chunks = Mutex::new(table.chunks_mut(size * width).enumerate());
         // A separate call, so that the lock is released before the chunk is run.
         let take = || lock(&chunks).next();
@@ -337,11 +376,22 @@ impl SampleBatch<'_> {
         let read = evaluator.source.read(&evaluator.overrides(sample));
         let mut prepared = accepted(job::prepare_edited(read, &mut |_| {}, &routines))?;
         evaluator.reduce_output(&mut prepared.plan);
-        let mut history = quantity::history(&evaluator.quantities, &prepared.plan);
-        let mut sink = HistorySink { history: &mut history, look };
-        let (outcome, state) = job::run_until(&prepared, &mut sink, self.interrupt);
-        evaluator.finish(&history, outcome, &state, out)
+        evaluator.run_extended(last_duration(&prepared.plan), &mut |duration| {
+            set_last_duration(&mut prepared.plan, duration);
+            let mut history = quantity::history(&evaluator.quantities, &prepared.plan);
+            let mut sink = HistorySink { history: &mut history, look };
+            let (outcome, state) = job::run_until(&prepared, &mut sink, self.interrupt);
+            evaluator.finish(EndedRun { history: &history, outcome, state: &state }, &prepared.state, out)
+        })
     }
+}
+
+fn last_duration(plan: &Plan) -> f64 {
+    plan.steps.last().map_or(0.0, |step| step.duration)
+}
+
+fn set_last_duration(plan: &mut Plan, duration: f64) {
+    plan.steps.iter_mut().next_back().into_iter().for_each(|step| step.duration = duration);
 }
 
 fn lock<T>(shared: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
@@ -396,11 +446,18 @@ impl ReusablePlan {
     }
 
     fn run(&mut self, batch: &SampleBatch<'_>, out: &mut [f64], look: &mut dyn FnMut()) -> Result<(), StudyError> {
-        self.history.clear();
-        let mut sink = HistorySink { history: &mut self.history, look };
-        let control = RunControl { interrupt: Some(batch.interrupt), ..RunControl::default() };
-        let (outcome, state) = solve::run_with(&self.plan, self.state.clone(), &mut sink, control).unwrap_or_default();
-        batch.evaluator.finish(&self.history, outcome, &state, out)
+        let ReusablePlan { plan, state: start, history, .. } = self;
+        let duration = last_duration(plan);
+        let result = batch.evaluator.run_extended(duration, &mut |duration| {
+            set_last_duration(plan, duration);
+            history.clear();
+            let mut sink = HistorySink { history, look };
+            let control = RunControl { interrupt: Some(batch.interrupt), ..RunControl::default() };
+            let (outcome, state) = solve::run_with(plan, start.clone(), &mut sink, control).unwrap_or_default();
+            batch.evaluator.finish(EndedRun { history, outcome, state: &state }, start, out)
+        });
+        set_last_duration(plan, duration);
+        result
     }
 }
 

@@ -12,7 +12,7 @@ use super::error::accepted;
 use super::richardson::{self, LimitEstimate, RefinementLevel};
 use crate::job;
 use crate::output::RunHistory;
-use crate::resistance::{TargetMaterial, YieldCurve};
+use crate::resistance::{CavityShape, TargetMaterial, YieldCurve};
 use crate::solve::HaltReason;
 use crate::user::Routines;
 
@@ -64,6 +64,9 @@ pub fn measure(target: &TargetMaterial, velocities: &[f64]) -> Result<Vec<Measur
 
 fn check(target: &TargetMaterial, velocities: &[f64]) -> Result<(), StudyError> {
     let wrong = |what: &str| Err(StudyError::Setting(format!("--measure: {what}")));
+    if target.shape != CavityShape::Spherical {
+        return wrong("meshed cavities are spherical; omit --measure or --type cylindrical");
+    }
     if target.poisson > LARGEST_RATIO {
         return wrong(
             "the stable time increment of an incompressible target is zero; give a Poisson's ratio of at most 0.499",

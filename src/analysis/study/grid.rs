@@ -49,6 +49,24 @@ impl CaseGrid {
         CaseGrid::rows(text).map_err(|message| StudyError::file(option, path, message))
     }
 
+    /// Removes a column of numbers that is no parameter from rows of samples.
+    pub fn take_column(&mut self, name: &str) -> Result<Vec<f64>, StudyError> {
+        let wrong = |message: String| StudyError::Setting(format!("--compare-column {name}: {message}"));
+        let Some(place) = self.axes.iter().position(|axis| axis.0 == name) else {
+            return Err(wrong(format!("--samples has no such column; it has {}", self.names().join(", "))));
+        };
+        if self.axes.len() == 1 {
+            return Err(wrong("--samples has no other column, so no parameter varies".into()));
+        }
+        let number = |(i, text): (usize, &String)| {
+            let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+            number.ok_or_else(|| wrong(format!("`{text}` in row {} is not a number", i + 1)))
+        };
+        let numbers = self.axes[place].1.iter().enumerate().map(number).collect::<Result<_, _>>()?;
+        self.axes.remove(place);
+        Ok(numbers)
+    }
+
     /// Adds other parameters with one value each from `settings`; `option` names the source of the rows in messages.
     pub(super) fn with_fixed_parameters(mut self, settings: &[String], option: &str) -> Result<CaseGrid, StudyError> {
         let count = self.count();

@@ -6,12 +6,14 @@ use super::chart::{Chart, ChartSeries, SeriesForm};
 use super::expansion::MeasuredPressure;
 use super::table::TextTable;
 use crate::resistance::fit::law;
-use crate::resistance::{DerivedResistance, FitRequest, ScaledTarget};
+use crate::resistance::{CavityShape, DerivedResistance, FitRequest, ScaledTarget};
 
 /// JSON object printed by `revolve resistance --json`. The keys are stable. Velocities are in the units of the
 /// material, pressures are divided by Y.
 #[derive(Clone, Debug, Serialize)]
 pub struct ResistanceRecord {
+    /// `spherical` or `cylindrical`.
+    pub shape: &'static str,
     pub yield_stress: f64,
     pub density: f64,
     /// Constants A, B, C as on the card (dimensionless).
@@ -65,6 +67,7 @@ impl ResistanceRecord {
             cracked: p.cracked,
         };
         ResistanceRecord {
+            shape: target.shape.word(),
             yield_stress: target.yield_stress,
             density: target.density,
             constants: derived.constants,
@@ -164,9 +167,13 @@ impl ResistanceRecord {
 fn card(target: &ScaledTarget, request: &FitRequest, derived: &DerivedResistance) -> String {
     let [a, b, c] = derived.constants;
     format!(
-        "** Spherical cavity expansion, velocities {} to {}, density {}\n\
+        "** {} cavity expansion, velocities {} to {}, density {}\n\
          ** rms residual {:.2e} Y, largest deviation {:+.2} % (at {}); quasi-static pressure {:.4} Y\n\
          *Cavity Expansion, yield={:?}\n {a:?}, {b:?}, {c:?}\n",
+        match target.shape {
+            CavityShape::Spherical => "Spherical",
+            CavityShape::Cylindrical => "Cylindrical",
+        },
         request.range[0],
         request.range[1],
         target.density,

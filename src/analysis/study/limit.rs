@@ -1,8 +1,11 @@
-//! `limit`: ballistic limit velocity by bisection, residual velocity curve, and scatter of the limit for random
-//! parameters.
+//! `limit`: ballistic limit velocity by bisection, residual velocity curve, bands of other outcomes, and scatter of the
+//! limit for random parameters.
+
+use serde::Serialize;
 
 use super::StudyError;
 use super::chart::{Chart, ChartSeries, SeriesForm};
+use super::shot::{FiredShot, ShotEnd};
 use super::statistics::lambert_jonas::{self, LambertJonasFit};
 use super::statistics::probit::{self, NormalFit};
 use super::statistics::summary;
@@ -14,15 +17,37 @@ pub struct LimitRequest {
     pub between: [f64; 2],
     /// Largest width of the final bracket.
     pub tolerance: f64,
-    /// Residual velocity above which a shot counts as perforation.
-    pub least: f64,
-    /// Number of shots above the limit for the residual velocity curve.
+    /// Residual velocity that a shot must exceed to count as perforation.
+    pub least: Option<f64>,
+    /// Number of shots on each side of the limit.
     pub shots: usize,
 }
 
+/// Shot of the search.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Shot {
+    /// Striking velocity.
+    pub velocity: f64,
+    /// Residual velocity; without perforation, the speed at the end of the run.
+    pub residual: f64,
+    /// End of the shot.
+    pub end: ShotEnd,
+}
+
+impl Shot {
+    /// Returns whether the shot perforates.
+    pub fn perforates(&self) -> bool {
+        self.end == ShotEnd::Perforation
+    }
+}
+
+/// Error of a shot whose run records no event and is not judged by its velocity.
+const NO_EVENT: &str = "the run records no perforation, because no rigid body meets a *TARGET: give --residual EXPR and \
+                        --least SPEED; a shot perforates if its residual velocity exceeds SPEED";
+
 impl LimitRequest {
     /// Creates the request; `between` has the form `LOW,HIGH`.
-    pub fn new(between: &str, tolerance: f64, least: f64, shots: usize) -> Result<LimitRequest, StudyError> {
+    pub fn new(between: &str, tolerance: f64, least: Option<f64>, shots: usize) -> Result<LimitRequest, StudyError> {
         let wrong = |why: &str| StudyError::Setting(why.into());
         let ends: Option<Vec<f64>> = between.split(',').map(|end| end.trim().parse().ok()).collect();
         let Some(&[low, high]) = ends.as_deref() else {
@@ -34,7 +59,33 @@ impl LimitRequest {
         if tolerance.is_nan() || tolerance <= 1e-12 * high {
             return Err(wrong("--tolerance: expected a velocity above zero, for example 0.1"));
         }
+        if least.is_some_and(|least| !(0.0..f64::INFINITY).contains(&least)) {
+            return Err(wrong("--least: expected a velocity of at least zero"));
+        }
         Ok(LimitRequest { between: [low, high], tolerance, least, shots })
+    }
+
+    /// Judges a shot by the end that its run has recorded. Its first quantity, if there is one, is the residual velocity.
+    /// Only a run that records no end is judged by the residual velocity alone.
+    pub fn judge(&self, velocity: f64, fired: &FiredShot) -> Result<Shot, StudyError> {
+        let given = fired.values.first().copied();
+        let end = match (fired.end, given, self.least) {
+            (None, Some(_), Some(_)) => ShotEnd::Perforation,
+            (None, ..) => return Err(StudyError::Setting(NO_EVENT.into())),
+            (Some(end), ..) => end,
+        };
+        if end != ShotEnd::Perforation {
+            return Ok(Shot { velocity, residual: fired.speed, end });
+        }
+        let residual = given.unwrap_or(fired.speed);
+        if fired.end.is_some() && residual <= 0.0 {
+            return Err(StudyError::Setting(format!(
+                "--residual is {residual} for the shot at {velocity}, which perforates: give it positive in the direction \
+                 of flight, or omit it"
+            )));
+        }
+        let end = if residual > self.least.unwrap_or(0.0) { end } else { ShotEnd::Slow };
+        Ok(Shot { velocity, residual, end })
     }
 
     /// Returns the number of bisections needed to reach the tolerance.
@@ -43,61 +94,126 @@ impl LimitRequest {
     }
 }
 
-/// Function from striking velocities to residual velocities.
-pub type FireShots<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>, StudyError> + 'a;
+/// Function from striking velocities to shots.
+pub type FireShots<'a> = dyn FnMut(&[f64]) -> Result<Vec<Shot>, StudyError> + 'a;
 
-/// Function from pairs of draw and striking velocity to residual velocities; NaN if a shot fails.
-pub type FireDraws<'a> = dyn FnMut(&[(usize, f64)]) -> Result<Vec<f64>, StudyError> + 'a;
+/// Function from pairs of draw and striking velocity to shots; `None` if a shot fails.
+pub type FireDraws<'a> = dyn FnMut(&[(usize, f64)]) -> Result<Vec<Option<Shot>>, StudyError> + 'a;
 
+/// Result of the search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitVelocity {
-    /// Largest velocity without and smallest velocity with perforation in the bisection.
-    pub bracket: [f64; 2],
-    /// Striking and residual velocity of all shots, sorted by striking velocity.
-    pub shots: Vec<(f64, f64)>,
+    /// Largest velocity without and smallest velocity with perforation in the bisection; `None` if the ends of the
+    /// search interval do not enclose a limit.
+    pub bracket: Option<[f64; 2]>,
+    /// All shots, sorted by striking velocity.
+    pub shots: Vec<Shot>,
     /// Fitted Lambert-Jonas curve; `None` if the fit failed.
     pub curve: Option<LambertJonasFit>,
-    /// Velocities above the limit without perforation; if there are any, there is more than one limit.
-    pub gaps: Vec<f64>,
+}
+
+/// Interval of striking velocities whose shots have the same end.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct VelocityBand {
+    /// End of all shots.
+    pub end: ShotEnd,
+    /// Lowest striking velocity.
+    pub from: f64,
+    /// Highest striking velocity.
+    pub to: f64,
 }
 
 impl LimitVelocity {
     /// Returns the limit velocity: the midpoint of the bracket.
-    pub fn velocity(&self) -> f64 {
-        0.5 * (self.bracket[0] + self.bracket[1])
+    pub fn velocity(&self) -> Option<f64> {
+        self.bracket.map(|[low, high]| 0.5 * (low + high))
+    }
+
+    /// Returns the velocities above the limit without perforation; if there are any, there is more than one limit.
+    pub fn gaps(&self) -> impl Iterator<Item = f64> {
+        let limit = self.bracket.map_or(f64::INFINITY, |bracket| bracket[1]);
+        self.shots.iter().filter(move |shot| shot.velocity > limit && !shot.perforates()).map(|shot| shot.velocity)
+    }
+
+    /// Returns the bands of striking velocity, ascending.
+    pub fn bands(&self) -> Vec<VelocityBand> {
+        let band = |shots: &[Shot]| {
+            let [from, to] = [shots.first()?, shots.last()?].map(|shot| shot.velocity);
+            Some(VelocityBand { end: shots[0].end, from, to })
+        };
+        self.shots.chunk_by(|a, b| a.end == b.end).filter_map(band).collect()
+    }
+
+    /// Returns the band directly below the limit if its shots still move at the end of their runs: the limit is then
+    /// between its lower end and the bracket.
+    pub fn undecided(&self) -> Option<VelocityBand> {
+        let [low, _] = self.bracket?;
+        self.bands().into_iter().find(|band| band.end == ShotEnd::Moving && band.to == low)
     }
 }
 
-/// Finds the limit by bisection, then fires the shots above it and fits the curve.
+/// Finds the limit by bisection, then fires shots on both sides of it, finds the bands of equal ends, and fits the
+/// curve.
 pub fn find(request: &LimitRequest, fire: &mut FireShots<'_>) -> Result<LimitVelocity, StudyError> {
-    let [mut low, mut high] = request.between;
-    let ends = fire(&[low, high])?;
-    let mut shots = vec![(low, ends[0]), (high, ends[1])];
-    if ends[0] > request.least {
-        return Err(StudyError::Comparison(format!("a shot at {low} perforates: decrease the lower end of --between")));
+    let mut shots = fire(&request.between)?;
+    let bracket = match shots[..] {
+        [low, high] if !low.perforates() && high.perforates() => Some(bisect(request, &mut shots, fire)?),
+        _ => None,
+    };
+    let [low, high] = bracket.unwrap_or(request.between);
+    let above = fire(&spaced(high, request.between[1], request.shots))?;
+    shots.extend(&above);
+    // Without events, shots below the limit do not differ.
+    if shots[0].end != ShotEnd::Slow {
+        shots.extend(fire(&spaced(request.between[0], low, request.shots))?);
     }
-    if ends[1] <= request.least {
-        return Err(StudyError::Comparison(format!(
-            "a shot at {high} does not perforate: increase the upper end of --between"
-        )));
-    }
-    for _ in 0..request.rounds() {
-        let middle = 0.5 * (low + high);
-        let residual = fire(&[middle])?[0];
-        shots.push((middle, residual));
-        if residual > request.least { high = middle } else { low = middle }
-    }
-    // Equally spaced from the limit to the upper end.
-    let step = (request.between[1] - high) / request.shots.max(1) as f64;
-    let velocities: Vec<f64> = (1..=request.shots).map(|i| high + step * i as f64).collect();
-    let above: Vec<(f64, f64)> = velocities.iter().copied().zip(fire(&velocities)?).collect();
-    let through: Vec<(f64, f64)> = above.iter().copied().filter(|shot| shot.1 > request.least).collect();
-    let gaps = above.iter().filter(|shot| shot.1 <= request.least).map(|shot| shot.0).collect();
-    shots.extend(above);
-    shots.sort_by(|a, b| a.0.total_cmp(&b.0));
-    shots.dedup_by_key(|shot| shot.0);
+    sort(&mut shots);
+    refine(request.tolerance, &mut shots, fire)?;
+    let through = above.iter().filter(|shot| bracket.is_some() && shot.perforates());
+    let through: Vec<(f64, f64)> = through.map(|shot| (shot.velocity, shot.residual)).collect();
     let curve = lambert_jonas::fit(&through, 0.5 * (low + high));
-    Ok(LimitVelocity { bracket: [low, high], shots, curve, gaps })
+    Ok(LimitVelocity { bracket, shots, curve })
+}
+
+/// Bisects the search interval and returns the final bracket.
+fn bisect(request: &LimitRequest, shots: &mut Vec<Shot>, fire: &mut FireShots<'_>) -> Result<[f64; 2], StudyError> {
+    let [mut low, mut high] = request.between;
+    for _ in 0..request.rounds() {
+        let middle = fire(&[0.5 * (low + high)])?;
+        shots.extend(&middle);
+        for shot in middle {
+            if shot.perforates() { high = shot.velocity } else { low = shot.velocity }
+        }
+    }
+    Ok([low, high])
+}
+
+/// Returns equally spaced velocities, without the first end of the interval.
+fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let step = (to - from) / count.max(1) as f64;
+    (1..=count).map(|i| from + step * i as f64).collect()
+}
+
+/// Largest number of boundaries of bands that are refined.
+const BOUNDARIES: usize = 32;
+
+/// Bisects the intervals between neighbouring shots with different ends to the tolerance.
+fn refine(tolerance: f64, shots: &mut Vec<Shot>, fire: &mut FireShots<'_>) -> Result<(), StudyError> {
+    loop {
+        let is_wide = |pair: &&[Shot]| pair[0].end != pair[1].end && pair[1].velocity - pair[0].velocity > tolerance;
+        let middle = |pair: &[Shot]| 0.5 * (pair[0].velocity + pair[1].velocity);
+        let middles: Vec<f64> = shots.windows(2).filter(is_wide).map(middle).take(BOUNDARIES).collect();
+        if middles.is_empty() {
+            return Ok(());
+        }
+        shots.extend(fire(&middles)?);
+        sort(shots);
+    }
+}
+
+fn sort(shots: &mut Vec<Shot>) {
+    shots.sort_by(|a, b| a.velocity.total_cmp(&b.velocity));
+    shots.dedup_by_key(|shot| shot.velocity);
 }
 
 /// Scatter of the limit velocity for random parameters.
@@ -107,17 +223,25 @@ pub struct LimitScatter {
     pub members: Vec<(f64, f64)>,
     /// Fitted normal distribution; `None` if the brackets do not determine one.
     pub scatter: Option<NormalFit>,
-    /// Number of draws without a limit because a shot failed.
+    /// Number of draws without a limit because a shot failed, or a body still moved at its end.
     pub lost: usize,
     /// Striking velocity with the 5 % and 95 % quantiles of the residual velocity.
     pub band: Vec<(f64, [f64; 2])>,
+}
+
+fn is_lost(shot: Option<Shot>) -> bool {
+    shot.is_none_or(|shot| shot.end == ShotEnd::Moving)
+}
+
+fn perforates(shot: Option<Shot>) -> bool {
+    shot.is_some_and(|shot| shot.perforates())
 }
 
 /// Number of intervals of striking velocity of the band, and the quantiles of its edges.
 const ACROSS: u32 = 32;
 const PARTS: [f64; 2] = [0.05, 0.95];
 
-/// Finds the limit of each draw by bisection. `fire` returns NaN for a failed shot.
+/// Finds the limit of each draw by bisection. A draw with a failed or undecided shot is lost.
 pub fn scatter(request: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -> Result<LimitScatter, StudyError> {
     let [low, high] = request.between;
     let mut ends = vec![(low, high); draws];
@@ -125,9 +249,9 @@ pub fn scatter(request: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -
     let mut lost = vec![false; draws];
     for (end, through) in [(low, true), (high, false)] {
         let shots: Vec<(usize, f64)> = open.iter().map(|draw| (*draw, end)).collect();
-        for ((draw, _), residual) in shots.iter().zip(fire(&shots)?) {
-            lost[*draw] |= residual.is_nan();
-            if (residual > request.least) == through {
+        for ((draw, _), shot) in shots.iter().zip(fire(&shots)?) {
+            lost[*draw] |= is_lost(shot);
+            if perforates(shot) == through {
                 ends[*draw] = if through { (f64::NEG_INFINITY, low) } else { (high, f64::INFINITY) };
             }
         }
@@ -136,9 +260,9 @@ pub fn scatter(request: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -
     for _ in 0..request.rounds() {
         let middle = |draw: &usize| 0.5 * (ends[*draw].0 + ends[*draw].1);
         let shots: Vec<(usize, f64)> = open.iter().map(|draw| (*draw, middle(draw))).collect();
-        for ((draw, velocity), residual) in shots.iter().zip(fire(&shots)?) {
-            lost[*draw] |= residual.is_nan();
-            if residual > request.least { ends[*draw].1 = *velocity } else { ends[*draw].0 = *velocity }
+        for ((draw, velocity), shot) in shots.iter().zip(fire(&shots)?) {
+            lost[*draw] |= is_lost(shot);
+            if perforates(shot) { ends[*draw].1 = *velocity } else { ends[*draw].0 = *velocity }
         }
         open.retain(|draw| !lost[*draw]);
     }
@@ -146,25 +270,20 @@ pub fn scatter(request: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -
         ends.into_iter().zip(&lost).filter(|(_, lost)| !**lost).map(|(ends, _)| ends).collect();
     let lost = lost.into_iter().filter(|lost| *lost).count();
     let first = members.iter().map(|m| m.0).filter(|v| v.is_finite()).fold(f64::INFINITY, f64::min);
-    let band = band(if first.is_finite() { [first, high] } else { request.between }, request.least, draws, fire)?;
+    let band = band(if first.is_finite() { [first, high] } else { request.between }, draws, fire)?;
     Ok(LimitScatter { scatter: probit::fit(&members), members, lost, band })
 }
 
 /// Returns the band of residual velocities between two striking velocities; points are denser at the lower end, where
 /// the curve is steep.
-fn band(
-    [low, high]: [f64; 2],
-    least: f64,
-    draws: usize,
-    fire: &mut FireDraws<'_>,
-) -> Result<Vec<(f64, [f64; 2])>, StudyError> {
+fn band([low, high]: [f64; 2], draws: usize, fire: &mut FireDraws<'_>) -> Result<Vec<(f64, [f64; 2])>, StudyError> {
     let place = |i: u32| low + (high - low) * (f64::from(i) / f64::from(ACROSS)).powi(2);
     (0..=ACROSS)
         .map(place)
         .map(|velocity| {
             let shots: Vec<(usize, f64)> = (0..draws).map(|draw| (draw, velocity)).collect();
-            let finite = fire(&shots)?.into_iter().filter(|v| v.is_finite());
-            let mut residuals: Vec<f64> = finite.map(|v| if v > least { v } else { 0.0 }).collect();
+            let fired = fire(&shots)?.into_iter().flatten();
+            let mut residuals: Vec<f64> = fired.map(|s| if s.perforates() { s.residual } else { 0.0 }).collect();
             residuals.sort_by(f64::total_cmp);
             Ok((velocity, PARTS.map(|part| summary::between(&residuals, part))))
         })
@@ -173,9 +292,13 @@ fn band(
 }
 
 /// Returns the chart of residual over striking velocity with the fitted curve and, for random parameters, the band of
-/// the draws.
+/// the draws. Shots that do not perforate have their speed at the end of the run.
 pub fn chart(title: &str, found: &LimitVelocity, scattered: Option<&LimitScatter>) -> Chart {
-    let mut series = vec![ChartSeries::new("shots", SeriesForm::Marks, found.shots.clone())];
+    let points = |end: ShotEnd| {
+        let shots = found.shots.iter().filter(move |shot| shot.end == end);
+        (end.words(), shots.map(|shot| (shot.velocity, shot.residual)).collect())
+    };
+    let mut series = marks(points);
     if let Some(band) = scattered.map(|s| &s.band).filter(|band| !band.is_empty()) {
         let edge = |side: usize| band.iter().map(move |(velocity, edges)| (*velocity, edges[side]));
         let points = edge(0).chain(edge(1).rev()).collect();
@@ -185,11 +308,29 @@ pub fn chart(title: &str, found: &LimitVelocity, scattered: Option<&LimitScatter
         let constants = curve.estimates.map(|e| e.value);
         let limit = constants[2];
         // Points are denser near the limit, where the curve is steep.
-        let place = |i: u32| limit + (last.0 - limit) * (f64::from(i) / 200.0).powi(2);
+        let place = |i: u32| limit + (last.velocity - limit) * (f64::from(i) / 200.0).powi(2);
         let points = (0..=200).map(place).map(|v| (v, lambert_jonas::residual(constants, v))).collect();
         series.push(ChartSeries::new("Lambert and Jonas", SeriesForm::Line, points));
     }
     Chart::new(title, ["striking velocity", "residual velocity"], series)
+}
+
+/// Returns one series of markers for each end of shots that occurs.
+fn marks(points: impl Fn(ShotEnd) -> (&'static str, Vec<(f64, f64)>)) -> Vec<ChartSeries> {
+    let series = ShotEnd::ALL.into_iter().map(points).filter(|(_, points)| !points.is_empty());
+    series.map(|(name, points)| ChartSeries::new(name, SeriesForm::Marks, points)).collect()
+}
+
+/// Returns the chart of the limit velocity over another parameter, with the ends of all shots.
+pub fn map_chart(title: &str, name: &str, found: &[(f64, LimitVelocity)]) -> Chart {
+    let points = |end: ShotEnd| {
+        let shots = found.iter().flat_map(|(value, found)| found.shots.iter().map(move |shot| (*value, shot)));
+        (end.words(), shots.filter(|(_, shot)| shot.end == end).map(|(value, shot)| (value, shot.velocity)).collect())
+    };
+    let mut series = marks(points);
+    let limits = found.iter().filter_map(|(value, found)| Some((*value, found.velocity()?))).collect();
+    series.push(ChartSeries::new("limit velocity", SeriesForm::Line, limits));
+    Chart::new(title, [name, "striking velocity"], series)
 }
 
 /// Returns the chart of the fraction of draws that perforate over the striking velocity, with the fitted normal
@@ -217,51 +358,109 @@ mod tests {
     const TRUTH: [f64; 3] = [0.9, 2.1, 417.3];
 
     fn request() -> LimitRequest {
-        LimitRequest::new("200,900", 0.1, 0.0, 12).expect("sound")
+        LimitRequest::new("200,900", 0.1, None, 12).expect("sound")
+    }
+
+    /// Shot that ricochets, is embedded, or perforates with a residual velocity of the curve.
+    fn shot(velocity: f64, ricochets: bool, residual: f64) -> Shot {
+        let end = match residual > 0.0 {
+            true => ShotEnd::Perforation,
+            false if ricochets => ShotEnd::Ricochet,
+            false => ShotEnd::Embedded,
+        };
+        Shot { velocity, residual, end }
+    }
+
+    fn on_curve(velocity: f64) -> Shot {
+        shot(velocity, velocity < 310.0, lambert_jonas::residual(TRUTH, velocity))
     }
 
     #[test]
-    fn limit_is_bracketed_and_curve_is_fitted() {
+    fn limit_bands_and_curve_are_found() {
         let mut fired = 0;
         let found = find(&request(), &mut |velocities| {
             fired += velocities.len();
-            Ok(velocities.iter().map(|v| lambert_jonas::residual(TRUTH, *v)).collect())
+            Ok(velocities.iter().copied().map(on_curve).collect())
         });
-        let found = found.expect("a limit");
-        assert!(
-            found.bracket[0] <= TRUTH[2] && TRUTH[2] <= found.bracket[1] && found.bracket[1] - found.bracket[0] <= 0.1
-        );
-        assert_eq!((fired, found.gaps.len()), (2 + 13 + 12, 0));
+        let found = found.expect("a search");
+        let [low, high] = found.bracket.expect("a limit");
+        assert!(low <= TRUTH[2] && TRUTH[2] <= high && high - low <= 0.1);
+        // Two ends, 13 bisections, 12 shots on each side, and 8 of the boundary between ricochet and embedding.
+        assert_eq!((fired, found.gaps().count(), found.undecided()), (2 + 13 + 24 + 8, 0, None));
         let curve = found.curve.as_ref().expect("a curve");
         assert!(curve.estimates.iter().zip(TRUTH).all(|(e, truth)| (e.value / truth - 1.0).abs() < 1e-4), "{curve:?}");
-        assert!(found.shots.is_sorted_by(|a, b| a.0 < b.0));
+        assert!(found.shots.is_sorted_by(|a, b| a.velocity < b.velocity));
+        let bands = found.bands();
+        assert_eq!(
+            bands.iter().map(|band| band.end).collect::<Vec<_>>(),
+            [ShotEnd::Ricochet, ShotEnd::Embedded, ShotEnd::Perforation]
+        );
+        let [first, second, _] = bands[..] else { panic!("{bands:?}") };
+        assert!(first.from == 200.0 && first.to < 310.0 && second.from >= 310.0 && second.from - first.to <= 0.1);
+        assert_eq!([second.to, bands[2].to], [low, 900.0]);
     }
 
     #[test]
-    fn intervals_without_a_limit_are_errors() {
-        for (always, message) in [(5.0, "at 200 perforates"), (0.0, "at 900 does not")] {
-            let found = find(&request(), &mut |velocities| Ok(vec![always; velocities.len()]));
-            assert!(found.is_err_and(|e| e.to_string().contains(message)));
+    fn intervals_without_a_limit_have_no_bracket() {
+        for residual in [5.0, 0.0] {
+            let fire = &mut |velocities: &[f64]| Ok(velocities.iter().map(|v| shot(*v, true, residual)).collect());
+            let found = find(&request(), fire).expect("a search");
+            assert_eq!((found.bracket, found.bands().len(), found.curve), (None, 1, None));
         }
         for (between, tolerance) in
             [("200", 0.1), ("900,200", 0.1), ("-1,5", 0.1), ("1,x", 0.1), ("1,2", 0.0), ("1,2", f64::NAN)]
         {
-            assert!(LimitRequest::new(between, tolerance, 0.0, 5).is_err(), "{between}");
+            assert!(LimitRequest::new(between, tolerance, None, 5).is_err(), "{between}");
         }
+        assert!(LimitRequest::new("1,2", 0.1, Some(-1.0), 5).is_err());
         // No perforation in an interval above the limit.
         let odd = |v: f64| if v > 400.0 && !(600.0..700.0).contains(&v) { v } else { 0.0 };
-        let found = find(&request(), &mut |velocities| Ok(velocities.iter().map(|v| odd(*v)).collect()));
-        assert!(!found.expect("a limit").gaps.is_empty());
+        let fire = &mut |velocities: &[f64]| Ok(velocities.iter().map(|v| shot(*v, true, odd(*v))).collect());
+        let found = find(&request(), fire).expect("a search");
+        assert!(found.gaps().all(|v| (600.0..700.0).contains(&v)) && found.gaps().count() > 0);
+    }
+
+    #[test]
+    fn shots_that_still_move_leave_the_limit_undecided() {
+        let fire = &mut |velocities: &[f64]| {
+            let moving = |v: f64| Shot { end: ShotEnd::Moving, ..on_curve(v) };
+            let of = |v: f64| if (400.0..420.0).contains(&v) { moving(v) } else { on_curve(v) };
+            Ok(velocities.iter().copied().map(of).collect())
+        };
+        let found = find(&request(), fire).expect("a search");
+        let [low, high] = found.bracket.expect("a limit");
+        let band = found.undecided().expect("a band");
+        assert!((low - 420.0).abs() < 0.1 && (high - 420.0).abs() < 0.1 && (band.from - 400.0).abs() < 0.1, "{band:?}");
+    }
+
+    #[test]
+    fn recorded_ends_outrank_velocities() {
+        let fired = |end: Option<ShotEnd>, values: &[f64]| FiredShot { end, speed: 70.0, values: values.to_vec() };
+        let judged = |least: Option<f64>, shot: &FiredShot| {
+            LimitRequest { least, ..request() }.judge(300.0, shot).map(|shot| (shot.end, shot.residual))
+        };
+        for end in [ShotEnd::Ricochet, ShotEnd::Embedded, ShotEnd::Moving, ShotEnd::NotMet] {
+            assert_eq!(judged(None, &fired(Some(end), &[50.0])), Ok((end, 70.0)));
+            assert_eq!(judged(Some(5.0), &fired(Some(end), &[50.0])), Ok((end, 70.0)));
+        }
+        let through = |values: &[f64]| fired(Some(ShotEnd::Perforation), values);
+        assert_eq!(judged(None, &through(&[])), Ok((ShotEnd::Perforation, 70.0)));
+        assert_eq!(judged(None, &through(&[50.0])), Ok((ShotEnd::Perforation, 50.0)));
+        assert_eq!(judged(Some(60.0), &through(&[50.0])), Ok((ShotEnd::Slow, 50.0)));
+        assert!(judged(None, &through(&[-50.0])).is_err_and(|e| e.to_string().contains("direction of flight")));
+        assert_eq!(judged(Some(20.0), &fired(None, &[50.0])), Ok((ShotEnd::Perforation, 50.0)));
+        assert_eq!(judged(Some(60.0), &fired(None, &[50.0])), Ok((ShotEnd::Slow, 50.0)));
+        for (least, values) in [(None, &[50.0][..]), (Some(5.0), &[])] {
+            assert!(judged(least, &fired(None, values)).is_err_and(|e| e.to_string().contains("no rigid body meets")));
+        }
     }
 
     #[test]
     fn each_draw_has_its_own_limit() {
         let limits = [150.0, 400.0, 410.0, 420.0, 425.0, f64::NAN, 1000.0];
         let found = scatter(&request(), limits.len(), &mut |shots| {
-            Ok(shots
-                .iter()
-                .map(|(draw, v)| if limits[*draw].is_nan() { f64::NAN } else { v - limits[*draw] })
-                .collect())
+            let of = |(draw, v): &(usize, f64)| (!limits[*draw].is_nan()).then(|| shot(*v, true, v - limits[*draw]));
+            Ok(shots.iter().map(of).collect())
         });
         let found = found.expect("limits");
         assert_eq!((found.lost, found.members.len()), (1, 6));

@@ -37,6 +37,7 @@ pub mod runner;
 #[cfg(feature = "cli")]
 pub(crate) mod scatter;
 pub mod settings;
+pub mod shot;
 pub mod statistics;
 pub mod sweep;
 pub mod table;

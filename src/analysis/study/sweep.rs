@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::StudyError;
 use super::chart::{Chart, ChartSeries, SeriesForm};
-use super::compare::{ReferenceTable, rms};
+use super::compare::{Agreement, ReferenceTable};
 use super::error::accepted;
 use super::grid::CaseGrid;
 use super::quantity::{self, FinishedRun, Quantity};
@@ -119,8 +119,8 @@ pub fn comparable(grid: &CaseGrid, path: &Path, reference: &ReferenceTable) -> R
 pub struct ComparedTable {
     /// Parameters, quantities, references and differences.
     pub table: TextTable,
-    /// Rms difference from each reference column.
-    pub rms: Vec<(String, f64)>,
+    /// Agreement of the first quantity with each reference column.
+    pub agreement: Vec<(String, Agreement)>,
 }
 
 /// Creates the table of a sweep, with a column for each reference and for the difference of the first quantity from it.
@@ -136,18 +136,18 @@ pub fn table(
     for column in columns {
         header.extend([column.clone(), format!("difference from {column}")]);
     }
-    let mut differences = vec![Vec::new(); columns.len()];
+    let mut pairs = vec![Vec::new(); columns.len()];
     let mut rows = Vec::new();
-    for (parameters, values) in results.parameters.iter().zip(&results.values) {
+    for (index, (parameters, values)) in results.parameters.iter().zip(&results.values).enumerate() {
         let Ok(values) = values else { continue };
         let mut row = parameters.clone();
         row.extend(values.iter().map(|v| number(*v)));
         let key = parameters.first().and_then(|p| p.parse::<f64>().ok());
-        let reference_values = reference.and_then(|r| r.at(key?));
-        for (i, list) in differences.iter_mut().enumerate() {
+        let reference_values = reference.and_then(|r| r.of_run(index, key));
+        for (i, list) in pairs.iter_mut().enumerate() {
             match reference_values {
                 Some(known) => {
-                    list.push(values[0] - known[i]);
+                    list.push((values[0], known[i]));
                     row.extend([number(known[i]), number(values[0] - known[i])]);
                 }
                 None => row.extend([String::new(), String::new()]),
@@ -155,8 +155,32 @@ pub fn table(
         }
         rows.push(row);
     }
-    let rms = columns.iter().zip(&differences).filter_map(|(c, d)| Some((c.clone(), rms(d)?))).collect();
-    ComparedTable { table: TextTable { header, rows }, rms }
+    let agreement = columns.iter().zip(&pairs).filter_map(|(c, p)| Some((c.clone(), Agreement::of(p)?))).collect();
+    ComparedTable { table: TextTable { header, rows }, agreement }
+}
+
+/// Returns the chart of the first quantity over the measured value of each run, with the line of equal values and the
+/// band of 20 % around it.
+pub fn measured_chart(
+    title: &str,
+    quantities: &[Quantity],
+    results: &SweepResults,
+    measured: &ReferenceTable,
+) -> Chart {
+    let point = |(index, values): (usize, &Result<Vec<f64>, StudyError>)| {
+        Some((measured.of_run(index, None)?[0], values.as_ref().ok()?[0]))
+    };
+    let points: Vec<(f64, f64)> = results.values.iter().enumerate().filter_map(point).collect();
+    let ends = points.iter().fold([0.0_f64, 0.0_f64], |ends, p| [ends[0].min(p.0), ends[1].max(p.0)]);
+    let edge = |factor: f64| ends.map(|end| (end, factor * end));
+    let band = edge(0.8).into_iter().chain(edge(1.2).into_iter().rev()).collect();
+    let (quantity, column) = (quantities.first().map_or("", |q| &q.text), &measured.columns[0]);
+    let series = vec![
+        ChartSeries::new("within 20 %", SeriesForm::Band, band),
+        ChartSeries::new("equal", SeriesForm::Guide, edge(1.0).to_vec()),
+        ChartSeries::new("runs", SeriesForm::Marks, points),
+    ];
+    Chart::new(title, [column, quantity], series)
 }
 
 /// Returns the chart of results and references over the first parameter: one line for each combination of the other

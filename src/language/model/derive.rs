@@ -8,7 +8,9 @@ use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 use crate::resistance::fit::FitWeight;
 use crate::resistance::rate::{StrainRateEffect, StrainRateFactor};
-use crate::resistance::{self, DerivedResistance, FitRequest, ScaledTarget, YieldCurve, derive};
+use crate::resistance::{
+    self, CavityShape, DerivedResistance, FitRequest, ScaledTarget, TargetMaterial, YieldCurve, derive,
+};
 
 /// Number of rows with which a yield curve is tabulated, and their range of plastic strain in addition to 0. The
 /// strains form a geometric series with steps of about 1/9; interpolation errors are below 0.1 %.
@@ -34,6 +36,7 @@ impl ModelBuilder<'_> {
         self.derivations.push(DerivationRequest {
             material,
             request,
+            shape: [CavityShape::Spherical, CavityShape::Cylindrical][values.shape],
             radius: values.radius,
             tension: values.tension,
             span: card.span,
@@ -59,6 +62,7 @@ impl ModelBuilder<'_> {
         }
         let target = target_of(material, requested.radius, requested.tension)
             .map_err(|error| error.at(requested.span, "derived here"))?;
+        let target = TargetMaterial { shape: requested.shape, ..target };
         let to_diagnostic = |fault: resistance::ResistanceError| {
             let message = format!("material {}: {fault}", material.name);
             Diagnostic::error(fault.code(), message).at(requested.span, "derived here")
@@ -72,6 +76,7 @@ impl ModelBuilder<'_> {
 fn card_of(target: &ScaledTarget, requested: &DerivationRequest, derived: &DerivedResistance) -> CavityExpansion {
     let [a, b, c] = derived.constants;
     let derivation = ResistanceDerivation {
+        shape: target.shape,
         range: requested.request.range,
         residual: derived.fit.residual,
         worst: derived.worst,
@@ -80,7 +85,7 @@ fn card_of(target: &ScaledTarget, requested: &DerivationRequest, derived: &Deriv
     CavityExpansion { yield_stress: target.yield_stress, a, b, c, derived: Some(derivation), span: requested.span }
 }
 
-/// Converts a material of the model to a target material. With a cavity radius strain rates are included.
+/// Converts a material of the model to a target material with a spherical cavity. With a cavity radius strain rates are included.
 ///
 /// # Errors
 /// `M101` if a card is missing, `M104` if a law is not supported by the cavity expansion.
@@ -88,7 +93,7 @@ pub fn target_of(
     material: &MaterialDefinition,
     radius: Option<f64>,
     tension: Option<f64>,
-) -> Result<resistance::TargetMaterial, Diagnostic> {
+) -> Result<TargetMaterial, Diagnostic> {
     let missing = |card: &str| {
         let message = format!("the resistance of material {} cannot be derived without *{card}", material.name);
         Diagnostic::error("M101", message).at(material.span, "the material")
@@ -105,7 +110,8 @@ pub fn target_of(
         (Some(law), Some(radius)) => Some(StrainRateEffect { factor: factor(law, material)?, radius }),
         (_, None) => None,
     };
-    Ok(resistance::TargetMaterial { young, poisson, density, yield_stress, curve, pressure_slope: 0.0, tension, rate })
+    let (shape, pressure_slope) = (CavityShape::Spherical, 0.0);
+    Ok(TargetMaterial { shape, young, poisson, density, yield_stress, curve, pressure_slope, tension, rate })
 }
 
 fn unsupported(material: &MaterialDefinition, what: &str) -> Diagnostic {

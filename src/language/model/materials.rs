@@ -241,6 +241,9 @@ impl ModelBuilder<'_> {
         if values.derives {
             return self.derivation(card, &values);
         }
+        if let Some(word) = card.value("TYPE") {
+            return self.out_of_range(word.span, "TYPE is used with DERIVE only; remove it, or derive A, B and C");
+        }
         if self.required(card, "YIELD").is_none() {
             return;
         }

@@ -4,7 +4,7 @@ use crate::deck::DiagnosticCode;
 
 /// Diagnostic codes C001 to C005 with their titles and explanations.
 pub const CODES: &[DiagnosticCode] = codes! {
-    "C001" "invalid target material" "The target needs Young's modulus, density and yield stress above zero, Poisson's ratio from 0 to 0.5, and a yield stress below twice the shear modulus. The stress-strain curve must begin at the yield stress and plastic strain 0, with increasing plastic strains."
+    "C001" "invalid target material" "The target needs Young's modulus, density and yield stress above zero, Poisson's ratio from 0 to 0.5, and a yield stress below twice the shear modulus (below 1.73 times for a cylindrical cavity, which also needs a Poisson's ratio below 0.5 and no tensile strength). The stress-strain curve must begin at the yield stress and plastic strain 0, with increasing plastic strains."
     "C002" "cavity velocity above the range of the similarity solution" "The similarity solution is valid if the plastic front is slower than the plastic wave, sqrt(K/rho); at higher velocities the front is a shock. The message states the largest velocity with a solution: reduce the upper end of the velocity range to it."
     "C003" "invalid velocity range or number of points" "The fit needs velocities of at least zero, an upper velocity above the lower one, and 5 to 100000 points."
     "C004" "integration of the plastic zone failed" "The plastic zone could not be integrated to the cavity wall: the stress-strain curve decreases too steeply, the strength increases too fast with pressure, or the pressure exceeds the bulk modulus, where the linear compression law ends."

@@ -1,14 +1,14 @@
 //! Closed-form solution outside the plastic zone: an elastic zone, with or without radial cracks.
 
 use super::cracked;
-use super::target::ScaledTarget;
+use super::target::{CavityShape, ScaledTarget};
 
 /// State on the inner side of the plastic front, which moves at the speed c.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlasticFront {
     /// Radial stress divided by Y, compression positive.
     pub stress: f64,
-    /// Difference D of the logarithmic hoop and radial strains, ln(rho/rho0) + 3 ln(r/r0).
+    /// Difference D of the logarithmic hoop and radial strains.
     pub shear_strain: f64,
     /// Strain q of the stress-strain curve.
     pub strain: f64,
@@ -48,21 +48,38 @@ struct ElasticFront {
     hoop: f64,
 }
 
-/// Evaluates the spherical wave u = a0 (s^3/r^2 - 3 s + 2 r), s = c_d t, whose Mises stress equals the yield stress at
-/// r = c t. Velocity and radial stress are continuous at the front. The convective acceleration, which the small-strain
-/// wave neglects, reduces the stress by rho v^2/2, so that an incompressible target has exactly 3/2 rho V^2.
+/// Evaluates the elastic wave whose Mises stress equals the yield stress at r = c t. Velocity and radial stress are
+/// continuous at the front. The convective acceleration, which the small-strain wave neglects, reduces the stress by rho
+/// v^2/2.
+///
+/// Spherical: u = a0 (s^3/r^2 - 3 s + 2 r), s = c_d t; an incompressible target then has exactly 3/2 rho
+/// V^2. Cylindrical: u = a0 (s sinh T - r T), cosh T = s/r.
 fn elastic(target: &ScaledTarget, m: f64) -> Option<ElasticFront> {
     let ElasticZone { mach, bulk_share } = ElasticZone::new(target, m)?;
-    // Pressure divided by Mises stress.
-    let pressure = m * bulk_share / (target.shear * (1.0 + mach));
+    let deviator = target.shape.deviator();
+    let difference = target.shape.divergence() / target.shape.hoops();
+    // Radial stress less its deviator f, divided by Mises stress.
+    let pressure = match target.shape {
+        CavityShape::Spherical => m * bulk_share / (target.shear * (1.0 + mach)),
+        CavityShape::Cylindrical => plane_pressure(m * bulk_share / target.shear, mach),
+    };
     let mises = 1.0 / (1.0 - target.pressure_slope * pressure);
-    let velocity = 0.5 * mises / target.shear;
+    let velocity = 0.5 * difference * mises / target.shear;
     if !(0.0..1.0).contains(&velocity) {
         return None;
     }
     let shear_strain = -libm::log1p(-velocity);
     let strain = target.strain_at(shear_strain);
-    let stress = mises * (pressure + 2.0 / 3.0) - 0.5 * m * velocity * velocity;
+    let stress = mises * (pressure + deviator) - 0.5 * m * velocity * velocity;
     let front = PlasticFront { stress, shear_strain, strain, crack: None };
-    Some(ElasticFront { front, hoop: mises * (pressure - 1.0 / 3.0) })
+    Some(ElasticFront { front, hoop: mises * (pressure + deviator - difference) })
+}
+
+/// Returns the mean in-plane stress of the cylindrical wave divided by the Mises stress. With S = sinh T and C = cosh T =
+/// 1/M, the strains are k (C S - T) along the hoop and -k (C S + T) along the radius, so the ratio is (K + G/3) T / (sqrt(3)
+/// G C S). `inertia` is M^2 K / G.
+fn plane_pressure(inertia: f64, mach: f64) -> f64 {
+    let root = (1.0 - mach * mach).sqrt();
+    let angle = if mach > 0.0 { libm::log((1.0 + root) / mach) } else { 0.0 };
+    (inertia + mach * mach / 3.0) * angle / (3.0_f64.sqrt() * root)
 }

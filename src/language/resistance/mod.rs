@@ -1,4 +1,4 @@
-//! Resistance of a target from its stress-strain curve: spherical cavity expansion, and the fit of A, B, C to its
+//! Resistance of a target from its stress-strain curve: spherical or cylindrical cavity expansion, and the fit of A, B, C to its
 //! pressure (`docs/resistance.md`).
 
 pub mod codes;
@@ -16,4 +16,4 @@ pub mod target;
 
 pub use derive::{DerivedResistance, FitRequest, derive};
 pub use fault::ResistanceError;
-pub use target::{ScaledTarget, TargetMaterial, YieldCurve};
+pub use target::{CavityShape, ScaledTarget, TargetMaterial, YieldCurve};

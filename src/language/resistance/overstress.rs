@@ -7,20 +7,21 @@ use super::rate::StrainRateEffect;
 use super::target::ScaledTarget;
 
 /// Returns the increase of the pressure, divided by Y, due to the strain rates around a cavity that opens at
-/// `velocity`. The motion is that of an incompressible target, v = V (a/r)^2 (Warren and Forrestal 1998, Int. J. Solids
-/// Struct. 35, 3737). With x = (a/r)^3 the strain rate is 2 V x / a, and the pressure increases by 2/3 of the integral
-/// of the yield stress increase over ln x, from the wall to the front at x = 3 Y / 2 E.
+/// `velocity`. The motion is that of an incompressible target, v = V (a/r)^g (Warren and Forrestal 1998, Int. J. Solids
+/// Struct. 35, 3737). With x = (a/r)^(g + 1) the strain rate is f (g + 1) V x / a, and the pressure increases by f times
+/// the integral of the yield stress increase over ln x, from the wall to the front at x = Y / (f E).
 pub fn gain(target: &ScaledTarget, rate: &StrainRateEffect, velocity: f64) -> Result<f64, ResistanceError> {
     if velocity == 0.0 {
         return Ok(0.0);
     }
-    let strain = |q: f64| 1.5 * q / target.young;
+    let deviator = target.shape.deviator();
+    let strain = |q: f64| q / (deviator * target.young);
     let slope = |q: f64, _: &[f64; 1]| {
         let opened = -libm::expm1(-strain(q));
-        let gain = rate.factor.gain(2.0 * velocity / rate.radius * opened);
-        [target.flow(q)[0] * gain * strain(q) * libm::exp(-strain(q)) / opened / 1.5]
+        let gain = rate.factor.gain(target.shape.divergence() * velocity / rate.radius * opened);
+        [target.flow(q)[0] * gain * strain(q) * libm::exp(-strain(q)) / opened * deviator]
     };
-    let front = -libm::log1p(-1.5 / target.young) / 1.5 * target.young;
-    let wall = WALL / 1.5 * target.young;
+    let front = -libm::log1p(-strain(1.0)) * deviator * target.young;
+    let wall = WALL * deviator * target.young;
     integrate(&slope, [front, wall], target, [0.0]).map(|[gain]| gain)
 }

@@ -1,10 +1,10 @@
-//! Similarity solution of a spherical cavity that opens at a constant velocity in an unbounded compressible target with
+//! Similarity solution of a spherical or cylindrical cavity that opens at a constant velocity in an unbounded compressible target with
 //! elastic, cracked and plastic zones.
 //!
 //! Compression is positive. Lengths are x = r/(c t) with the speed c of the plastic front, stresses are divided by Y,
 //! densities by rho0, and m = rho0 c^2 / Y. With u = v/c and w = x - u, mass, momentum and p = K (1 - rho0/rho) give u'
-//! = w rho'/rho - 2 u/x and s' = -2 tau/x + rho m w u', s = p + 2 tau/3. The material label l = ln(r0/(c t)) with dx/dl
-//! = w removes the singularity at the cavity wall. Mass gives w = x exp(-D), where D = ln rho + 3 ln(r/r0) is the
+//! = w rho'/rho - g u/x and s' = -f (g + 1) tau/x + rho m w u', s = p + f tau, with g and f of the shape. The material label l = ln(r0/(c t)) with dx/dl
+//! = w removes the singularity at the cavity wall. Mass gives w = x exp(-D), where D = ln rho + (g + 1) ln(r/r0) is the
 //! difference of the logarithmic hoop and radial strains. The unknowns are ln x and s; D tends to infinity at the
 //! cavity wall. The integration variable is the strain q of the stress-strain curve, a function of D: the kinks of a
 //! table are then resolved exactly, and neither the wall nor a static cavity nor incompressibility is singular.
@@ -161,7 +161,7 @@ impl PlasticZone<'_> {
         let [flow, slope] = target.flow(q);
         let [strain, strain_slope] = target.shear_strain_of(q, [flow, slope]);
         let strain = strain + self.offset;
-        let pressure = (stress - 2.0 / 3.0 * flow) / self.pressure_factor();
+        let pressure = (stress - target.shape.deviator() * flow) / self.pressure_factor();
         let (closes, x) = (libm::exp(-strain), libm::exp(log_x));
         PlasticState {
             velocity_ratio: closes,
@@ -176,13 +176,13 @@ impl PlasticZone<'_> {
 
     /// Returns d s / d p at constant hardening.
     fn pressure_factor(&self) -> f64 {
-        1.0 + 2.0 / 3.0 * self.target.pressure_slope
+        1.0 + self.target.shape.deviator() * self.target.pressure_slope
     }
 
     /// Returns the denominator of the slope of pressure over the label.
     fn stiffness(&self, at: &PlasticState) -> f64 {
         let k = at.density * self.target.compressibility;
-        self.pressure_factor() + 2.0 / 3.0 * at.hardening * k - at.density * self.m * at.square * k
+        self.pressure_factor() + self.target.shape.deviator() * at.hardening * k - at.density * self.m * at.square * k
     }
 
     /// Returns the slopes of ln x and s over ln q; NaN where there is no solution.
@@ -190,11 +190,13 @@ impl PlasticZone<'_> {
         let at = self.state(q, y);
         let stiffness = self.stiffness(&at);
         let inertia = at.density * self.m * at.square;
-        let load = -2.0 * at.shear * at.velocity_ratio - 2.0 * inertia * at.opens + 2.0 * at.hardening * at.opens;
+        let (hoops, divergence) = (self.target.shape.hoops(), self.target.shape.divergence());
+        let softens = -divergence * at.shear * at.velocity_ratio;
+        let load = softens - hoops * inertia * at.opens + divergence * at.hardening * at.opens;
         let pressure = load / stiffness;
         let denser = at.density * self.target.compressibility * pressure;
-        let strained = denser - 3.0 * at.opens;
-        let stress = -2.0 * at.shear * at.velocity_ratio + inertia * (denser - 2.0 * at.opens);
+        let strained = denser - (hoops + 1.0) * at.opens;
+        let stress = softens + inertia * (denser - hoops * at.opens);
         if !(stiffness > 0.0 && at.density > 0.0 && strained < 0.0) {
             return [f64::NAN; 2];
         }

@@ -5,9 +5,62 @@ use super::ResistanceError;
 use super::rate::StrainRateEffect;
 use super::root;
 
+/// Shape of the cavity that opens in a target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum CavityShape {
+    /// Sphere in an unbounded target: deep penetration.
+    #[default]
+    Spherical,
+    /// Cylinder in plane strain: hole expansion in plates by slender noses.
+    Cylindrical,
+}
+
+impl CavityShape {
+    /// Returns the number of hoop directions g: 2 or 1.
+    pub fn hoops(self) -> f64 {
+        match self {
+            CavityShape::Spherical => 2.0,
+            CavityShape::Cylindrical => 1.0,
+        }
+    }
+
+    /// Returns the ratio f of radial stress less pressure to the von Mises stress, for incompressible flow: 2/3 or
+    /// 1/sqrt(3). The logarithmic hoop strain less the radial one is 1/f times the equivalent strain.
+    pub fn deviator(self) -> f64 {
+        match self {
+            CavityShape::Spherical => 2.0 / 3.0,
+            CavityShape::Cylindrical => 1.0 / 3.0_f64.sqrt(),
+        }
+    }
+
+    /// Returns g times the difference of radial and hoop stress over the von Mises stress: f (g + 1).
+    pub fn divergence(self) -> f64 {
+        self.deviator() * (self.hoops() + 1.0)
+    }
+
+    /// Returns the end of the ledger row of derived constants: nothing for the default shape.
+    pub fn ledger_note(self) -> &'static str {
+        match self {
+            CavityShape::Spherical => "",
+            CavityShape::Cylindrical => "; cylindrical cavity",
+        }
+    }
+
+    /// Returns the name on cards and in messages.
+    pub fn word(self) -> &'static str {
+        match self {
+            CavityShape::Spherical => "spherical",
+            CavityShape::Cylindrical => "cylindrical",
+        }
+    }
+}
+
 /// Material of a target, in any consistent units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TargetMaterial {
+    /// Shape of the cavity.
+    pub shape: CavityShape,
     /// Young's modulus E, stress.
     pub young: f64,
     /// Poisson's ratio, 0 to 0.5; 0.5 is incompressible.
@@ -46,6 +99,8 @@ pub enum YieldCurve {
 /// begins at q = 1.
 #[derive(Clone, Debug)]
 pub struct ScaledTarget {
+    /// Shape of the cavity.
+    pub shape: CavityShape,
     /// Young's modulus divided by the yield stress, E / Y.
     pub young: f64,
     /// Shear modulus divided by the yield stress, G / Y.
@@ -91,6 +146,7 @@ impl ScaledTarget {
             YieldCurve::Table { rows, extrapolates } => table(rows, *extrapolates, young, y)?,
         };
         Ok(ScaledTarget {
+            shape: material.shape,
             young: young / y,
             shear: 0.5 * young / (1.0 + nu) / y,
             compressibility: 3.0 * (1.0 - 2.0 * nu) * y / young,
@@ -129,13 +185,13 @@ impl ScaledTarget {
 
     /// Returns the same as [`shear_strain`](Self::shear_strain) for a known result of [`ScaledTarget::flow`].
     pub fn shear_strain_of(&self, q: f64, [stress, slope]: [f64; 2]) -> [f64; 2] {
-        let scale = 1.5 / self.young;
+        let scale = 1.0 / (self.shape.deviator() * self.young);
         [scale * (q - self.lateral * stress), scale * (1.0 - self.lateral * slope)]
     }
 
     /// Returns q for a difference of logarithmic strains.
     pub fn strain_at(&self, shear_strain: f64) -> f64 {
-        let guess = shear_strain / 1.5 * self.young;
+        let guess = shear_strain * self.shape.deviator() * self.young;
         // The yield stress is between 0 and E e, so q is between the guess and the guess divided by 1 - lateral.
         let high = (guess + 1.0) / (1.0 - self.lateral);
         let excess = |q: f64| Some(self.shear_strain(q)[0] - shear_strain);
@@ -181,6 +237,24 @@ fn table(rows: &[[f64; 2]], extrapolates: bool, young: f64, y: f64) -> Result<Fl
     Ok(FlowCurve::Table(scaled, beyond))
 }
 
+/// Checks the conditions of a cylindrical cavity.
+fn check_cylindrical(material: &TargetMaterial) -> Result<(), ResistanceError> {
+    let wrong = |what: &str| Err(ResistanceError::Target(what.into()));
+    if material.poisson == 0.5 {
+        return wrong(
+            "Poisson's ratio must be below 0.5 for a cylindrical cavity, because the inertia of an incompressible target \
+             is unbounded",
+        );
+    }
+    if material.tension.is_some() {
+        return wrong("a tensile strength is supported for spherical cavities only: remove it");
+    }
+    if material.yield_stress >= material.young / (1.0 + material.poisson) * 3.0_f64.sqrt() / 2.0 {
+        return wrong("the yield stress must be below the shear modulus times the square root of 3");
+    }
+    Ok(())
+}
+
 fn check(material: &TargetMaterial) -> Result<(), ResistanceError> {
     let wrong = |what: String| Err(ResistanceError::Target(what));
     let positive = [
@@ -194,6 +268,9 @@ fn check(material: &TargetMaterial) -> Result<(), ResistanceError> {
         }
     }
     let TargetMaterial { young, poisson, yield_stress, pressure_slope, .. } = material;
+    if material.shape == CavityShape::Cylindrical {
+        check_cylindrical(material)?;
+    }
     if !(0.0..=0.5).contains(poisson) {
         return wrong(format!("Poisson's ratio must be between 0 and 0.5, found {poisson}"));
     }

@@ -120,7 +120,7 @@ impl Compiler<'_> {
         let Some(law) = material.cavity else { return };
         let Some(from) = law.derived else { return };
         let detail = format!(
-            "{}: Y = {}, A = {}, B = {}, C = {} over velocities {} to {}; residual {:.2e} Y, maximum deviation {:.2} % (at {}); quasi-static {:.4}",
+            "{}: Y = {}, A = {}, B = {}, C = {} over velocities {} to {}; residual {:.2e} Y, maximum deviation {:.2} % (at {}); quasi-static {:.4}{}",
             material.name,
             law.yield_stress,
             law.a,
@@ -131,7 +131,8 @@ impl Compiler<'_> {
             from.residual,
             100.0 * from.worst[0],
             from.worst[1],
-            from.still
+            from.still,
+            from.shape.ledger_note()
         );
         self.ledger_row(law.span, "derived resistance", 3, "constants", detail);
     }

@@ -31,7 +31,7 @@ use increment::IncrementController;
 pub use limits::{IncrementLimits, LimitsOverTime};
 use observe::RunOutput;
 pub use observe::{Progress, Sink, SinkError};
-pub use outcome::{BodyExit, BodyRest, Outcome, PenetrationSummary, StepSummary};
+pub use outcome::{BodyExit, BodyRest, ImpactEnd, Outcome, PenetrationSummary, StepSummary};
 pub use restart::{CheckpointInterval, LOST, RunControl, lost};
 use restart::{Checkpointer, RunCursor, begin_step, restore};
 use run::SolverRun;

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::energy::Energy;
 use super::limits::IncrementLimits;
+use crate::load::PenetrationOutcome;
 use crate::state::halt::HaltReason;
 
 /// Result of a run.
@@ -22,6 +23,9 @@ pub struct Outcome {
     pub rests: Vec<BodyRest>,
     /// Results of bodies with six degrees of freedom in targets.
     pub penetrations: Vec<PenetrationSummary>,
+    /// End of each impact of a rigid body on a target.
+    #[serde(skip)]
+    pub impacts: Vec<ImpactEnd>,
     /// Messages on bodies that still move in a target or have perforated it, so that no final depth exists.
     pub unfinished: Vec<String>,
     /// Number of bodies that still move in a target.
@@ -55,6 +59,17 @@ impl Outcome {
     pub fn total_time(&self) -> f64 {
         self.steps.iter().map(|step| step.time).sum()
     }
+}
+
+/// End of the impact of a rigid body on a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImpactEnd {
+    /// Index of the body.
+    pub body: usize,
+    /// Outcome at the end of the run.
+    pub outcome: PenetrationOutcome,
+    /// Speed at the end of the run; in space, that of the centre of mass.
+    pub speed: f64,
 }
 
 /// A body that has perforated its target.

@@ -1,6 +1,6 @@
 //! Report on bodies in targets without mesh at the end of a run.
 
-use super::outcome::{BodyExit, PenetrationSummary};
+use super::outcome::{BodyExit, ImpactEnd, PenetrationSummary};
 use super::run::SolverRun;
 use crate::load::{Load, PenetrationOutcome, PenetrationRecord};
 
@@ -16,6 +16,9 @@ impl SolverRun<'_> {
     pub(super) fn report_penetrations(&mut self) {
         let in_force = self.state.loads.iter().flat_map(|load| load.penetrations(&self.state.dofs)).collect();
         for penetration in latest_penetrations(&self.state.ended_penetrations, in_force) {
+            let PenetrationRecord { body, outcome, in_space } = penetration;
+            let speed = in_space.map_or(self.state.dofs.bodies[body].velocity.abs(), |motion| motion.speed);
+            self.outcome.impacts.push(ImpactEnd { body, outcome, speed });
             let name = self.plan.bodies[penetration.body].name.clone();
             match penetration.in_space {
                 None => self.report_along_z(name, &penetration),

@@ -308,7 +308,7 @@ persist_struct!(BodyForces { values: fixed } derived { slots, order_by_body, loa
 
 // Halts and results at the end do not exist yet; run times belong to this process.
 persist_struct!(Outcome { steps, rests, increments, warnings } derived {
-    halt, ended_by_user, energy, penetrations, unfinished, still_moving, exits, deleted, seconds, checkpoint_seconds, digest, lost,
+    halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits, deleted, seconds, checkpoint_seconds, digest, lost,
     effect_seconds
 });
 

@@ -231,7 +231,8 @@ card!(UserMaterial: "USER MATERIAL", "Material model of user subroutine VUMAT", 
 
 card!(CavityExpansion: extension "CAVITY EXPANSION", "Resistance of a target material: Y (A + B x + C x^2), x = v_n sqrt(rho/Y)", (once below "MATERIAL"), {
     yield_stress: Option<f64> = "YIELD" (POSITIVE) "Y, the reference strength",
-    derives: bool = "DERIVE" read "Computes Y, A, B and C from *ELASTIC, *DENSITY and *PLASTIC of the material: spherical cavity expansion, fitted over a range of velocities",
+    derives: bool = "DERIVE" read "Computes Y, A, B and C from *ELASTIC, *DENSITY and *PLASTIC of the material: cavity expansion, fitted over a range of velocities",
+    shape: usize = "TYPE" (word(&["SPHERICAL", "CYLINDRICAL"]).or(0.0)) "With DERIVE: shape of the cavity, SPHERICAL (default, deep penetration) or CYLINDRICAL (hole expansion in plates)",
     linear: bool = "TERMS" (word(&["2", "3"]).or(1.0)) "With DERIVE: number of terms, 3 (default) or 2 (B = 0)",
     pinned: bool = "STATIC" read "With DERIVE: A is the quasi-static cavity pressure and is not fitted",
     weight: usize = "WEIGHT" (word(&["EVEN", "RELATIVE", "VELOCITY"]).or(0.0)) "With DERIVE: weights of the fit, EVEN (absolute pressure differences, default), RELATIVE (relative differences) or VELOCITY (weighted by velocity)",

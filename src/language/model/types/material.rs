@@ -1,6 +1,7 @@
 //! Materials as defined by their cards. The plan combines the material laws.
 
 use crate::deck::Span;
+use crate::resistance::CavityShape;
 
 /// A material: the `*MATERIAL` card and the cards that follow it.
 #[derive(Clone, Debug, Default)]
@@ -279,6 +280,8 @@ pub struct CavityExpansion {
 /// Quality of the constants A, B, C that were fitted to the computed expansion pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResistanceDerivation {
+    /// Shape of the cavity.
+    pub shape: CavityShape,
     /// Velocity range of the fit.
     pub range: [f64; 2],
     /// Weighted root mean square of the residuals of the fit, divided by Y.

@@ -182,19 +182,30 @@ impl NoseResistance {
         IncrementLimit { time: time_to_travel(distance, velocity.abs(), acceleration * sign), jump }
     }
 
-    /// Returns the outcome of a body that moves inside the stack, or that has left it in its direction of motion.
+    /// Returns the outcome of a body without prescribed motion. Only the far side of the stack counts as perforation: a
+    /// body in front of it has not met it, or other forces have moved it back.
     pub(super) fn penetration(&self, stack: &LayerStack, body: &BodyState) -> Option<PenetrationRecord> {
-        let direction = body.velocity.signum();
-        if body.velocity == 0.0 || body.prescribed || self.front(direction).facets.is_empty() {
-            return None;
-        }
-        let [low, high] = self.front(direction).range.inline_map(|z| z + body.displacement);
-        let (first, last) = (stack.planes[0], stack.planes[stack.planes.len() - 1]);
-        let through = if direction > 0.0 { low >= last } else { high <= first };
-        let inside = high > first && low < last;
-        let outcome =
-            if through { Some(PenetrationOutcome::Through) } else { inside.then_some(PenetrationOutcome::Moving) };
-        outcome.map(|outcome| PenetrationRecord { body: self.body, outcome, in_space: None })
+        let [low, high] = self.facing_range(body.velocity)?;
+        let side = |shift: f64| {
+            let below = high + shift <= stack.planes[0];
+            let above = low + shift >= stack.planes[stack.planes.len() - 1];
+            i32::from(above) - i32::from(below)
+        };
+        let outcome = match side(body.displacement) {
+            0 if body.velocity == 0.0 => PenetrationOutcome::AtRest,
+            0 => PenetrationOutcome::Moving,
+            now if now == side(0.0) => PenetrationOutcome::NotMet,
+            _ => PenetrationOutcome::Through,
+        };
+        (!body.prescribed).then_some(PenetrationRecord { body: self.body, outcome, in_space: None })
+    }
+
+    /// Returns the initial z of the lowest and highest point of the facets that face the motion, or of all facets if the
+    /// body is at rest or has no such facets.
+    fn facing_range(&self, velocity: f64) -> Option<[f64; 2]> {
+        let ahead = (velocity != 0.0).then(|| self.front(velocity.signum())).filter(|f| !f.facets.is_empty());
+        let all = self.fronts.iter().filter(|f| !f.facets.is_empty()).map(|f| f.range);
+        ahead.map(|f| f.range).or_else(|| all.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]))
     }
 
     pub(super) fn show(&self, stack: &LayerStack, body: &BodyState, fields: &mut FacetFields) {

@@ -1,0 +1,153 @@
+//! Shots at targets: how they end, from the events that the run records.
+
+use serde::Serialize;
+
+use super::StudyError;
+use crate::load::PenetrationOutcome;
+use crate::solve::{ImpactEnd, Outcome};
+use crate::state::BodyState;
+
+/// End of a shot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShotEnd {
+    /// All bodies have left their targets through the rear face.
+    Perforation,
+    /// No body has met a target.
+    NotMet,
+    /// A body has left a target through its front face.
+    Ricochet,
+    /// A body is at rest in a target, or moves at no more than [`CREEP`] of its initial velocity along z.
+    Embedded,
+    /// A body still moves in a target, or has not met the next one.
+    Moving,
+    /// The residual velocity does not exceed that of `--least`.
+    Slow,
+}
+
+/// Fraction of the initial velocity along z at which a body in a target counts as embedded. A body that would perforate has a
+/// residual velocity of `a (v² - v_l²)^(1/2)` (Lambert and Jonas): at a striking velocity above the limit by less than
+/// `CREEP²/2` of it, this is below `CREEP v`, so the limit velocity changes by no more than this fraction.
+pub const CREEP: f64 = 0.01;
+
+/// Factors on the duration of the last step: a run whose bodies still move in their targets is repeated with the next
+/// one.
+pub(crate) const EXTENSIONS: [f64; 3] = [1.0, 4.0, 16.0];
+
+impl ShotEnd {
+    /// Returns the text of messages and charts.
+    pub fn words(self) -> &'static str {
+        match self {
+            ShotEnd::Perforation => "perforation",
+            ShotEnd::NotMet => "target not met",
+            ShotEnd::Ricochet => "ricochet",
+            ShotEnd::Embedded => "embedded",
+            ShotEnd::Moving => "still moving",
+            ShotEnd::Slow => "residual velocity not above --least",
+        }
+    }
+
+    /// All ends, in the order of their values.
+    pub const ALL: [ShotEnd; 6] =
+        [ShotEnd::Perforation, ShotEnd::NotMet, ShotEnd::Ricochet, ShotEnd::Embedded, ShotEnd::Moving, ShotEnd::Slow];
+}
+
+/// Result of a shot: its end with the speed of the body that decides it, and the quantities.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FiredShot {
+    /// End of the shot; `None` if no rigid body of the deck can meet a target.
+    pub end: Option<ShotEnd>,
+    /// Speed of the body at the end of the run, zero without an end.
+    pub speed: f64,
+    /// Quantities of the evaluator.
+    pub values: Vec<f64>,
+}
+
+/// Result of a shot, or the error of its run.
+pub type ShotResult = Result<FiredShot, StudyError>;
+
+/// Number of cells by which [`encode`] extends a row of quantities.
+pub(super) const CELLS: usize = 2;
+
+/// Returns end and speed of a shot as cells of a table.
+pub(super) fn encode(found: Option<(ShotEnd, f64)>) -> [f64; CELLS] {
+    found.map_or([f64::NAN, 0.0], |(end, speed)| [f64::from(end as u8), speed])
+}
+
+/// Returns the shot of a row of quantities with the cells of [`encode`].
+pub(super) fn decode(row: &[f64]) -> FiredShot {
+    let (values, cells) = row.split_at(row.len() - CELLS);
+    let end = ShotEnd::ALL.into_iter().find(|end| f64::from(*end as u8) == cells[0]);
+    FiredShot { end, speed: cells[1], values: values.to_vec() }
+}
+
+/// Returns the end of a shot and the smallest speed of the bodies with this end; `None` if no body can meet a target.
+/// `bodies` have their motion at the start.
+pub(super) fn end(outcome: &Outcome, bodies: &[BodyState]) -> Option<(ShotEnd, f64)> {
+    let striking = |body: usize| bodies.get(body).map_or(0.0, |body| body.velocity.abs());
+    let ends: Vec<(ShotEnd, f64)> = outcome
+        .impacts
+        .iter()
+        .map(|impact| (end_of(impact, &outcome.impacts, striking(impact.body)), impact.speed))
+        .collect();
+    let decisive = ends.iter().map(|end| end.0).max()?;
+    let speed = ends.iter().filter(|end| end.0 == decisive).map(|end| end.1).fold(f64::INFINITY, f64::min);
+    Some((decisive, speed))
+}
+
+/// Returns the end of the impact of a body on one of its targets.
+fn end_of(impact: &ImpactEnd, all: &[ImpactEnd], striking: f64) -> ShotEnd {
+    let has_left = |other: &ImpactEnd| other.body == impact.body && other.outcome == PenetrationOutcome::Through;
+    match impact.outcome {
+        PenetrationOutcome::Through => ShotEnd::Perforation,
+        PenetrationOutcome::NotMet if all.iter().any(has_left) => ShotEnd::Moving,
+        PenetrationOutcome::NotMet => ShotEnd::NotMet,
+        PenetrationOutcome::Ricochet => ShotEnd::Ricochet,
+        PenetrationOutcome::AtRest => ShotEnd::Embedded,
+        PenetrationOutcome::Moving if impact.speed <= CREEP * striking => ShotEnd::Embedded,
+        PenetrationOutcome::Moving => ShotEnd::Moving,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn impact(body: usize, outcome: PenetrationOutcome, speed: f64) -> ImpactEnd {
+        ImpactEnd { body, outcome, speed }
+    }
+
+    fn ended(impacts: &[ImpactEnd]) -> Option<ShotEnd> {
+        let bodies = [500.0, 300.0].map(|velocity| BodyState { velocity, ..BodyState::default() });
+        end(&Outcome { impacts: impacts.to_vec(), ..Outcome::default() }, &bodies).map(|found| found.0)
+    }
+
+    #[test]
+    fn slowest_outcome_of_all_bodies_decides() {
+        use PenetrationOutcome::{AtRest, Moving, NotMet, Ricochet, Through};
+        assert_eq!(ended(&[]), None);
+        for (impacts, expected) in [
+            (&[(0, Through, 90.0)][..], ShotEnd::Perforation),
+            (&[(0, Ricochet, 90.0)], ShotEnd::Ricochet),
+            (&[(0, Ricochet, 90.0), (1, Through, 200.0)], ShotEnd::Ricochet),
+            (&[(0, Through, 90.0), (0, AtRest, 0.0)], ShotEnd::Embedded),
+            (&[(0, Through, 90.0), (0, NotMet, 90.0)], ShotEnd::Moving),
+            (&[(0, Through, 90.0), (1, NotMet, 300.0)], ShotEnd::NotMet),
+            (&[(0, Moving, 5.1)], ShotEnd::Moving),
+            (&[(0, Moving, 5.0)], ShotEnd::Embedded),
+            (&[(1, Moving, 3.1)], ShotEnd::Moving),
+        ] {
+            let impacts: Vec<ImpactEnd> = impacts.iter().map(|i| impact(i.0, i.1, i.2)).collect();
+            assert_eq!(ended(&impacts), Some(expected), "{impacts:?}");
+        }
+    }
+
+    #[test]
+    fn ends_survive_a_table() {
+        for end in ShotEnd::ALL {
+            let row: Vec<f64> = [1.5].into_iter().chain(encode(Some((end, 7.0)))).collect();
+            assert_eq!(decode(&row), FiredShot { end: Some(end), speed: 7.0, values: vec![1.5] });
+        }
+        assert_eq!(decode(&encode(None)).end, None);
+    }
+}
