@@ -83,7 +83,9 @@ impl LimitCommand {
     ) -> Result<CommandStatus, Box<dyn Error>> {
         let evaluator = self.evaluator(&[], routines)?;
         let (job, _lock) = self.search.job()?;
-        let found = limit::find(request, &mut |velocities| self.fire(request, &evaluator, velocities, &[]))?;
+        let found = limit::find(request, &mut |velocities| {
+            limit::fire(request, &evaluator, velocities, &[], self.search.threads())
+        })?;
         let Some(bracket) = found.bracket else { return Err(no_limit(&found).into()) };
         let scattered = match inputs.names.is_empty() {
             true => None,
@@ -94,18 +96,11 @@ impl LimitCommand {
         charts.extend(scattered.iter().map(|s| ("_scatter".to_owned(), limit::scatter_chart(&job.name, s))));
         write_results(&job, "limit", &table, Vec::new(), &charts)?;
         self.search.print(&table, &lines(&found, bracket, scattered.as_ref(), &job));
-        self.search.print_json(&json!({
-            "bracket": bracket,
-            "shots": found.shots,
-            "bands": found.bands(),
-            "undecided": found.undecided(),
-            "a": found.curve.as_ref().map(|c| c.estimates[0]),
-            "p": found.curve.as_ref().map(|c| c.estimates[1]),
-            "limit_of_curve": found.curve.as_ref().map(|c| c.estimates[2]),
-            "v50": scattered.as_ref().and_then(|s| s.scatter).map(|s| s.median),
-            "deviation": scattered.as_ref().and_then(|s| s.scatter).map(|s| s.deviation),
-            "lost": scattered.as_ref().map(|s| s.lost),
-        }))?;
+        let mut object = found.record();
+        object["v50"] = json!(scattered.as_ref().and_then(|s| s.scatter).map(|s| s.median));
+        object["deviation"] = json!(scattered.as_ref().and_then(|s| s.scatter).map(|s| s.deviation));
+        object["lost"] = json!(scattered.as_ref().map(|s| s.lost));
+        self.search.print_json(&object)?;
         let whole = is_decided(&found) && scattered.is_none_or(|s| s.lost == 0);
         Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
     }
@@ -122,7 +117,8 @@ impl LimitCommand {
         let evaluator = self.evaluator(std::slice::from_ref(&name), routines)?;
         let (job, _lock) = self.search.job()?;
         let find = |value: f64| {
-            let fire = &mut |velocities: &[f64]| self.fire(request, &evaluator, velocities, &[value]);
+            let threads = self.search.threads();
+            let fire = &mut |velocities: &[f64]| limit::fire(request, &evaluator, velocities, &[value], threads);
             Ok((value, limit::find(request, fire)?))
         };
         let found = values.into_iter().map(find).collect::<Result<Vec<_>, StudyError>>()?;
@@ -135,8 +131,9 @@ impl LimitCommand {
         });
         self.search.print(&table, &more.chain([files]).collect::<Vec<_>>());
         let of = |(value, found): &(f64, LimitVelocity)| {
-            json!({"value": value, "bracket": found.bracket, "bands": found.bands(),
-                   "undecided": found.undecided(), "shots": found.shots})
+            let mut object = found.record();
+            object["value"] = json!(value);
+            object
         };
         self.search.print_json(&json!({"over": name, "limits": found.iter().map(of).collect::<Vec<_>>()}))?;
         let whole = found.iter().all(|(_, found)| is_decided(found));
@@ -159,20 +156,6 @@ impl LimitCommand {
         let names = [self.velocity.clone()].into_iter().chain(others.iter().cloned()).collect();
         let residual = self.residual.iter().map(|text| Quantity::parse(text)).collect::<Result<_, _>>()?;
         Ok(self.search.evaluator(names, residual, routines)?.of_shots())
-    }
-
-    /// Fires shots with the same values of the other parameters.
-    fn fire(
-        &self,
-        request: &LimitRequest,
-        evaluator: &SampleEvaluator,
-        velocities: &[f64],
-        others: &[f64],
-    ) -> Result<Vec<Shot>, StudyError> {
-        let samples: Vec<f64> =
-            velocities.iter().flat_map(|velocity| [*velocity].into_iter().chain(others.iter().copied())).collect();
-        let fired = evaluator.shots(&samples, self.search.threads())?;
-        fired.into_iter().zip(velocities).map(|(shot, velocity)| request.judge(*velocity, &shot?)).collect()
     }
 
     /// Finds the limit of each draw.

@@ -2,9 +2,11 @@
 //! limit for random parameters.
 
 use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::StudyError;
 use super::chart::{Chart, ChartSeries, SeriesForm};
+use super::evaluate::SampleEvaluator;
 use super::shot::{FiredShot, ShotEnd};
 use super::statistics::lambert_jonas::{self, LambertJonasFit};
 use super::statistics::probit::{self, NormalFit};
@@ -112,6 +114,21 @@ pub struct LimitVelocity {
     pub curve: Option<LambertJonasFit>,
 }
 
+/// Fires shots of an evaluator at striking velocities, its first parameter; `others` are the values of its other
+/// parameters.
+pub fn fire(
+    request: &LimitRequest,
+    evaluator: &SampleEvaluator,
+    velocities: &[f64],
+    others: &[f64],
+    threads: usize,
+) -> Result<Vec<Shot>, StudyError> {
+    let sample = |velocity: &f64| [*velocity].into_iter().chain(others.iter().copied());
+    let samples: Vec<f64> = velocities.iter().flat_map(sample).collect();
+    let fired = evaluator.shots(&samples, threads)?;
+    fired.into_iter().zip(velocities).map(|(shot, velocity)| request.judge(*velocity, &shot?)).collect()
+}
+
 /// Interval of striking velocities whose shots have the same end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct VelocityBand {
@@ -142,6 +159,19 @@ impl LimitVelocity {
             Some(VelocityBand { end: shots[0].end, from, to })
         };
         self.shots.chunk_by(|a, b| a.end == b.end).filter_map(band).collect()
+    }
+
+    /// Returns the result as a JSON object.
+    pub fn record(&self) -> Value {
+        json!({
+            "bracket": self.bracket,
+            "shots": self.shots,
+            "bands": self.bands(),
+            "undecided": self.undecided(),
+            "a": self.curve.as_ref().map(|c| c.estimates[0]),
+            "p": self.curve.as_ref().map(|c| c.estimates[1]),
+            "limit_of_curve": self.curve.as_ref().map(|c| c.estimates[2]),
+        })
     }
 
     /// Returns the band directly below the limit if its shots still move at the end of their runs: the limit is then

@@ -27,7 +27,7 @@ pub(crate) mod inputs;
 #[cfg(feature = "cli")]
 pub(crate) mod law;
 #[cfg(feature = "cli")]
-pub(crate) mod limit;
+pub mod limit;
 mod price;
 pub mod quantity;
 pub mod record;
