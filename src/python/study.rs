@@ -1,9 +1,13 @@
 //! Python functions for studies and charts.
 
+use std::sync::Arc;
+
 use pyo3::prelude::*;
 use revolve::study::StudyError;
 use revolve::study::chart::{Chart, ChartSeries, SeriesForm};
 use revolve::study::convergence;
+use revolve::study::evaluate::{SampleEvaluator, UserRoutines};
+use revolve::study::limit::{self, LimitRequest};
 use revolve::study::quantity::Quantity;
 use revolve::study::record;
 use revolve::study::runner::StudyRunner;
@@ -59,6 +63,33 @@ pub fn study(
     let studied = py.detach(|| deck.studied(&request, user, &waiting));
     waiting.end()?;
     studied.map_err(|why| errors::study(py, &why))
+}
+
+/// Finds a ballistic limit and returns its record as JSON.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+pub fn limit(
+    py: Python<'_>,
+    deck: &Deck,
+    settings: ParameterSettings,
+    velocity: String,
+    between: String,
+    tolerance: f64,
+    residual: Option<String>,
+    least: Option<f64>,
+    shots: usize,
+    threads: usize,
+    user: Option<&User>,
+) -> PyResult<String> {
+    let find = || {
+        let request = LimitRequest::new(&between, tolerance, least, shots)?;
+        let residual = residual.iter().map(|text| Quantity::parse(text)).collect::<Result<_, _>>()?;
+        let routines = user.map_or(UserRoutines::Absent, |user| UserRoutines::Files(Arc::clone(&user.compiled)));
+        let evaluator = SampleEvaluator::new(deck.source.clone(), settings, vec![velocity], residual, routines)?;
+        let evaluator = evaluator.of_shots();
+        limit::find(&request, &mut |velocities| limit::fire(&request, &evaluator, velocities, &[], threads))
+    };
+    py.detach(find).map(|found| found.record().to_string()).map_err(|why| errors::study(py, &why))
 }
 
 impl Deck {

@@ -282,6 +282,19 @@ def test_study_reports_its_error(deck: rv.Deck) -> None:
         deck.study({"n": [10, 40, 20]}, "final(U2@REF)")
 
 
+def test_limit_reports_outcomes() -> None:
+    deck = rv.Deck(ROOT / "input" / "plate_6061.inp")
+    found = deck.limit("V", (200, 900), 1.0, shots=6)
+    assert found.velocity == pytest.approx(398.7, abs=1.0)
+    assert [end for end, _, _ in found.bands] == ["embedded", "perforation"]
+    assert all((end == "perforation") == (velocity > found.velocity) for velocity, _, end in found.shots)
+    slow = deck.limit("V", (100, 300), 1.0, shots=2, threads=1)
+    assert slow.velocity is None
+    assert slow.bands == [("embedded", 100.0, 300.0)]
+    with pytest.raises(rv.StudyError, match="between"):
+        deck.limit("V", (900, 200), 1.0)
+
+
 def test_objects_have_notebook_representations(deck: rv.Deck) -> None:
     run = deck.run()
     page = run._repr_html_()

@@ -16,7 +16,7 @@ from ._load import cfunc_signature
 from ._report import Ledger
 from ._revolve import __version__
 from ._run import Frames, Run
-from ._study import Study
+from ._study import Limit, Study
 
 __all__ = [
     "Deck",
@@ -26,6 +26,7 @@ __all__ = [
     "Frames",
     "HaltedError",
     "Ledger",
+    "Limit",
     "RevolveError",
     "Run",
     "Study",

@@ -18,7 +18,7 @@ from ._load import Load
 from ._progress import Progress
 from ._report import Ledger
 from ._run import Run
-from ._study import Study
+from ._study import Limit, Study
 
 User = str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None
 """User subroutine files: Fortran, C or shared libraries."""
@@ -194,6 +194,40 @@ class Deck:
         finally:
             _progress.closed(told)
         return Study(json.loads(found))
+
+    def limit(
+        self,
+        velocity: str,
+        between: tuple[float, float],
+        tolerance: float,
+        *,
+        residual: str | None = None,
+        least: float | None = None,
+        shots: int = 12,
+        user: User = None,
+        threads: int | None = None,
+        **parameters: Value,
+    ) -> Limit:
+        """Find the ballistic limit velocity and the outcomes of slower shots.
+
+        ``velocity`` is the parameter of the deck that holds the striking velocity, ``between`` the search interval,
+        ``tolerance`` the largest width of the bracket. ``residual`` and ``least`` are required for decks in which no
+        rigid body meets a ``*TARGET``, as in ``revolve limit``. ``shots`` are fired on each side of the limit.
+        """
+        low, high = between
+        found = _revolve.limit(
+            self._deck,
+            _settings(parameters),
+            velocity,
+            f"{low!r},{high!r}",
+            tolerance,
+            residual,
+            least,
+            shots,
+            _threads.resolved(threads),
+            _compiled(user),
+        )
+        return Limit(json.loads(found))
 
     def __repr__(self) -> str:
         return f"<Deck {self.name!r}>"

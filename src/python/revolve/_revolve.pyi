@@ -29,6 +29,19 @@ def study(
     progress: _Told,
 ) -> str: ...
 
+def limit(
+    deck: Deck,
+    settings: _Settings,
+    velocity: str,
+    between: str,
+    tolerance: float,
+    residual: str | None,
+    least: float | None,
+    shots: int,
+    threads: int,
+    user: User | None,
+) -> str: ...
+
 class User:
     notes: str
 

@@ -56,3 +56,39 @@ class Study:
     def _repr_html_(self) -> str:
         table = _report.table(self._found["header"], self._found["rows"])
         return table + _report.paragraphs(self.conclusions) + "".join(self.charts().values())
+
+
+class Limit:
+    """Ballistic limit velocity with the outcomes of all shots."""
+
+    def __init__(self, found: dict[str, Any]) -> None:
+        self._found = found
+
+    @property
+    def bracket(self) -> tuple[float, float] | None:
+        """Largest velocity without and smallest velocity with perforation; ``None`` without a limit in the interval."""
+        bracket = self._found["bracket"]
+        return None if bracket is None else (bracket[0], bracket[1])
+
+    @property
+    def velocity(self) -> float | None:
+        """Limit velocity, the midpoint of the bracket; ``None`` without a limit."""
+        return None if self.bracket is None else sum(self.bracket) / 2.0
+
+    @property
+    def bands(self) -> list[tuple[str, float, float]]:
+        """Outcome, lowest and highest striking velocity of each interval of shots with the same outcome."""
+        return [(band["end"], band["from"], band["to"]) for band in self._found["bands"]]
+
+    @property
+    def shots(self) -> list[tuple[float, float, str]]:
+        """Striking velocity, residual velocity and outcome of each shot."""
+        return [(shot["velocity"], shot["residual"], shot["end"]) for shot in self._found["shots"]]
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """All results, the JSON object of ``revolve limit --json``."""
+        return self._found
+
+    def __repr__(self) -> str:
+        return f"<Limit of {len(self.shots)} shots: velocity {self.velocity}, bands {self.bands}>"
