@@ -288,3 +288,37 @@ fn initial_plastic_strain_shifts_the_hardening_table() {
         assert!(rendered.contains("P017") && rendered.contains("isotropic hardening"), "{rendered}");
     }
 }
+
+/// Power law whose slope is unbounded at first yield, with optional slopes.
+struct PowerLaw {
+    slopes: bool,
+}
+
+impl UserHardening for PowerLaw {
+    fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure> {
+        let [start, factor, exponent] = [0, 1, 2].map(|i| call.properties[i]);
+        for i in 0..call.count {
+            answer.stress[i] = start + factor * call.strain[i].powf(exponent);
+            answer.slopes[i] = if self.slopes { factor * exponent * call.strain[i].powf(exponent - 1.0) } else { 0.0 };
+        }
+        Ok(())
+    }
+}
+
+/// A stretched tube passes first yield, where the exponent 0.02 makes the plastic strain of the first increment smaller
+/// than 1e-30. The stress at the end is the yield stress at the plastic strain, to the tolerance of the return.
+#[test]
+fn yield_stress_with_unbounded_slope_passes_first_yield() {
+    let law = "*Elastic\n 206000., 0.3\n*Plastic, hardening=USER, properties=3\n 8., 614., 0.02\n";
+    let deck = pulled(law, " PEEQ, MISES\n");
+    for slopes in [true, false] {
+        let routines = Routines::none().with_hardening(PowerLaw { slopes });
+        let (outcome, memory) = common::run(&deck, &[], &routines);
+        assert_eq!(outcome.halt, None);
+        let strain = column(&deck, &routines, &memory, "PEEQ@ONE");
+        let stress = column(&deck, &routines, &memory, "MISES@ONE");
+        let (strain, stress) = (strain[strain.len() - 1], stress[stress.len() - 1]);
+        let expected = 8.0 + 614.0 * strain.powf(0.02);
+        assert!(strain > 1e-3 && (stress / expected - 1.0).abs() < 1e-9, "{strain:e} {stress:e} {expected:e}");
+    }
+}

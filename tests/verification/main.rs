@@ -28,6 +28,7 @@ mod erosion_rod;
 mod fidelity;
 mod finite_targets;
 mod fronts;
+mod general_contact;
 mod hourglass;
 mod large_motion;
 mod links;

@@ -205,10 +205,7 @@ impl ModelBuilder<'_> {
             };
             // A single surface defines self-contact.
             let second = line.field(1).unwrap_or(first);
-            let (known, scope) = (&self.model.surfaces.analytical, &self.scope);
-            let find =
-                |w: &Word| [qualified(scope, &w.text), upper(&w.text)].iter().find_map(|n| known.get_index_of(n));
-            let (side, surface, other) = match (find(first), find(second)) {
+            let (side, surface, other) = match (self.analytical_id(first), self.analytical_id(second)) {
                 (Some(surface), None) => (0, surface, second),
                 (None, Some(surface)) => (1, surface, first),
                 _ if self.missing.explains("surface", first) || self.missing.explains("surface", second) => continue,
@@ -222,13 +219,20 @@ impl ModelBuilder<'_> {
                     continue;
                 }
             };
-            let name = known.get_index(surface).map_or(String::new(), |(name, _)| name.clone());
             let Some((nodes, sides)) = self.sides_of_nodes(other) else { continue };
-            let surface = RigidSurfaceId::new(surface);
-            let rigid = SideSelection { name, surface: true, faces: Vec::new(), free_face_elements: Vec::new() };
+            let rigid = SideSelection::new(self.model.surfaces.analytical_name(surface), &[]);
+            // Nodes of shells contact an analytical surface on either side.
+            let sides = SideSelection { faces: sides.first_sides(), ..sides };
             let sides = if side == 0 { [rigid, sides] } else { [sides, rigid] };
             self.add_pair(card, line, (sides, Some(AnalyticalSide { side, surface, nodes })), adds);
         }
+    }
+
+    /// Returns the analytical surface with a name.
+    pub(super) fn analytical_id(&self, word: &Word) -> Option<RigidSurfaceId> {
+        let known = &self.model.surfaces.analytical;
+        let names = [qualified(&self.scope, &word.text), upper(&word.text)];
+        names.iter().find_map(|name| known.get_index_of(name)).map(RigidSurfaceId::new)
     }
 
     pub(super) fn report_missing_pair(&mut self, span: Span) {
@@ -272,10 +276,7 @@ impl ModelBuilder<'_> {
     fn sides_of_nodes(&mut self, word: &Word) -> Option<(Vec<usize>, SideSelection)> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(nodes) = self.model.surfaces.nodes.get(&name) {
-                return Some((
-                    nodes.clone(),
-                    SideSelection { name, surface: true, faces: Vec::new(), free_face_elements: Vec::new() },
-                ));
+                return Some((nodes.clone(), SideSelection::new(&name, &[])));
             }
         }
         let id = self.surface_id(word)?;

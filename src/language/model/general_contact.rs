@@ -36,6 +36,10 @@ impl ModelBuilder<'_> {
             let role = usize::from_value(card.given_field(at, 2));
             let Some(general) = &mut self.state().general_contact else { continue };
             match (card.keyword.name, third) {
+                ("CONTACT INCLUSIONS", _) if domains.iter().all(|d| matches!(d, ContactDomain::Analytical(_))) => {
+                    let message = "contact of analytical surfaces with each other is not supported";
+                    self.unsupported(line.span, message, "one of the surfaces must have elements");
+                }
                 ("CONTACT INCLUSIONS", _) => general.included.push((domains, line.span)),
                 ("CONTACT EXCLUSIONS", _) => general.excluded.push(domains),
                 ("CONTACT CONTROLS ASSIGNMENT", _) => general.penalties.push((domains, factor)),
@@ -55,7 +59,7 @@ impl ModelBuilder<'_> {
         }
     }
 
-    /// Returns the pair of surfaces of a data line. An empty first field is all exterior faces, an empty second field
+    /// Returns the pair of surfaces of a data line. An empty first field is the whole exterior, an empty second field
     /// the first.
     fn domains(&mut self, line: &DataLine) -> Option<[ContactDomain; 2]> {
         let first = self.domain(line.field(0))?;
@@ -69,6 +73,9 @@ impl ModelBuilder<'_> {
 
     fn domain(&mut self, word: Option<&Word>) -> Option<ContactDomain> {
         let Some(word) = word.filter(|w| !w.text.is_empty()) else { return Some(ContactDomain::All) };
-        self.contact_sides(word).map(ContactDomain::Surface)
+        match self.analytical_id(word) {
+            Some(surface) => Some(ContactDomain::Analytical(surface)),
+            None => self.contact_sides(word).map(ContactDomain::Surface),
+        }
     }
 }

@@ -80,7 +80,6 @@ impl ModelBuilder<'_> {
 
     fn surface_sides(&mut self, line: &DataLine) -> Option<SideSelection> {
         let word = self.region(line)?;
-        let id = self.surface_id(word)?;
-        Some(self.model.surfaces.faces[id].sides(&word.text))
+        self.loaded_sides(word)
     }
 }

@@ -229,6 +229,6 @@ impl ModelBuilder<'_> {
             );
         }
         let id = self.surface_id(word)?;
-        Some(self.model.surfaces.faces[id].faces.clone())
+        Some(self.model.surfaces.faces[id].sides("").first_sides())
     }
 }

@@ -129,14 +129,13 @@ impl ModelBuilder<'_> {
 
     fn surface_load(&mut self, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {
         let word = self.region(line)?;
-        let id = self.surface_id(word)?;
+        let sides = self.loaded_sides(word)?;
         let label = self.label(line)?;
         let name = upper(&label.text);
         if !matches!(name.as_str(), "P" | "PNU" | "CAVITY") {
             self.unknown_label(label);
             return None;
         }
-        let sides = self.model.surfaces.faces[id].sides(&word.text);
         self.distributed(card, line, sides, (name == "PNU").then_some(0), name == "CAVITY")
     }
 

@@ -318,8 +318,13 @@ impl ModelBuilder<'_> {
         let mut surfaces = Vec::new();
         for name in ["SURFACE", "SECOND SURFACE", "MASTER", "SLAVE"] {
             if let Some(word) = card.value(name) {
-                let id = self.surface_id(word)?;
-                surfaces.push(self.model.surfaces.name(id).to_owned());
+                surfaces.push(match self.analytical_id(word) {
+                    Some(id) => self.model.surfaces.analytical_name(id).to_owned(),
+                    None => {
+                        let id = self.surface_id(word)?;
+                        self.model.surfaces.name(id).to_owned()
+                    }
+                });
             }
         }
         let name = |parameter: &str| card.value(parameter).map(|w| upper(&w.text));

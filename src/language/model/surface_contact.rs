@@ -10,7 +10,17 @@ impl ModelBuilder<'_> {
     pub(super) fn surface_pair(&mut self, card: &Card, line: &DataLine, words: [&Word; 2], adds: bool) {
         let Some(first) = self.contact_sides(words[0]) else { return };
         let Some(second) = self.contact_sides(words[1]) else { return };
-        self.add_pair(card, line, ([first, second], None), adds);
+        if first.name == second.name {
+            for side in first.one_sided() {
+                self.add_pair(card, line, ([side.clone(), side], None), adds);
+            }
+            return;
+        }
+        for a in first.one_sided() {
+            for b in second.one_sided() {
+                self.add_pair(card, line, ([a.clone(), b], None), adds);
+            }
+        }
     }
 
     /// Adds or deletes a contact pair; one surface may be analytical.

@@ -1,9 +1,11 @@
 //! `*SURFACE` on element faces.
 
+use std::collections::HashSet;
+
 use super::builder::ModelBuilder;
 use super::names::{qualified, upper};
 use super::types::{ElementKind, ElementSide, ElementSurface, SideSelection};
-use crate::deck::{Card, Diagnostic, Span, Word};
+use crate::deck::{Card, Diagnostic, Word};
 
 impl ModelBuilder<'_> {
     pub(super) fn surface(&mut self, card: &Card) {
@@ -30,7 +32,7 @@ impl ModelBuilder<'_> {
             match line.field(1) {
                 Some(side) => faces.extend(self.sides(&elements, side)),
                 None => {
-                    faces.extend(self.free_sides(&elements, line.span));
+                    faces.extend(self.free_sides(&elements));
                     whole.extend(elements);
                 }
             }
@@ -67,23 +69,33 @@ impl ModelBuilder<'_> {
         faces
     }
 
-    /// Returns the exterior faces of solids. RAX2 and SAX1 elements have two sides, of which the card must name one.
-    fn free_sides(&mut self, elements: &[usize], span: Span) -> Vec<(usize, ElementSide)> {
+    /// Returns the exterior faces of solids and both sides of shells.
+    fn free_sides(&self, elements: &[usize]) -> Vec<(usize, ElementSide)> {
         let mesh = &self.model.mesh;
-        if elements.iter().any(|&e| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1)) {
-            let diagnostic = Diagnostic::error("M130", "RAX2 and SAX1 elements require a side, SPOS or SNEG")
-                .at(span, "no side named");
-            let help = "the normal of SPOS is the direction from the first to the second node, \
-                        rotated by 90 degrees counter-clockwise in (r, z)";
-            self.diagnostics.push(diagnostic.help(help));
-            return Vec::new();
-        }
         let outside = mesh.exterior_faces();
         let of = |&e: &usize| {
             let first = outside.partition_point(|f| f.0 < e);
-            outside[first..].iter().take_while(move |f| f.0 == e).copied()
+            let faces = outside[first..].iter().take_while(move |f| f.0 == e).copied();
+            let is_shell = matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
+            let both = [ElementSide::Positive, ElementSide::Negative].into_iter().filter(move |_| is_shell);
+            faces.chain(both.map(move |side| (e, side)))
         };
         elements.iter().flat_map(of).collect()
+    }
+
+    /// Returns the faces of a surface on which a load acts. A surface with both sides of a shell is an error: the load
+    /// has no direction.
+    pub(super) fn loaded_sides(&mut self, word: &Word) -> Option<SideSelection> {
+        let id = self.surface_id(word)?;
+        let sides = self.model.surfaces.faces[id].sides(&word.text);
+        let Some(element) = sides.two_sided_element() else { return Some(sides) };
+        let element = &self.model.mesh.elements[element];
+        let message = format!("a load requires one side of {} elements, SPOS or SNEG", element.kind.name());
+        let label = format!("both sides of element {}", element.name);
+        let help = "the normal of SPOS is the direction from the first to the second node, \
+                    rotated by 90 degrees counter-clockwise in (r, z)";
+        let finding = Diagnostic::error("M130", message).at(word.span, label);
+        self.diagnostics.refuse(finding.at(self.model.surfaces.faces[id].span, "surface without sides").help(help))
     }
 }
 
@@ -96,6 +108,36 @@ impl ElementSurface {
             faces: self.faces.clone(),
             free_face_elements: self.free_face_elements.clone(),
         }
+    }
+}
+
+impl SideSelection {
+    /// Returns an element that has both of its sides in this surface.
+    pub(super) fn two_sided_element(&self) -> Option<usize> {
+        let first: HashSet<_> = self.first_sides().into_iter().collect();
+        self.faces.iter().find(|f| !first.contains(f)).map(|f| f.0)
+    }
+
+    /// Returns the faces without the negative sides of shells whose positive sides are also in the surface.
+    pub fn first_sides(&self) -> Vec<(usize, ElementSide)> {
+        let positive: HashSet<usize> =
+            self.faces.iter().filter(|f| f.1 == ElementSide::Positive).map(|f| f.0).collect();
+        self.faces.iter().filter(|f| f.1 != ElementSide::Negative || !positive.contains(&f.0)).copied().collect()
+    }
+
+    /// Returns the surface as parts: faces of solids, positive sides and negative sides of shells. A
+    /// surface without two sides of one shell is returned whole.
+    pub fn one_sided(&self) -> Vec<SideSelection> {
+        if self.first_sides().len() == self.faces.len() {
+            return vec![self.clone()];
+        }
+        let parts = [("", None), ("_SPOS", Some(ElementSide::Positive)), ("_SNEG", Some(ElementSide::Negative))];
+        let of = |side: ElementSide| Some(side).filter(|s| !matches!(s, ElementSide::Face(_)));
+        let part = |(end, side): (&str, Option<ElementSide>)| {
+            let faces: Vec<_> = self.faces.iter().filter(|f| of(f.1) == side).copied().collect();
+            SideSelection::new(&format!("{}{end}", self.name), &faces)
+        };
+        parts.into_iter().map(part).filter(|part| !part.faces.is_empty()).collect()
     }
 }
 

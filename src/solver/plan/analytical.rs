@@ -24,9 +24,18 @@ struct InitialGaps {
 
 impl InitialGaps {
     fn new(profile: &SurfaceProfile, places: &[[f64; 2]], rounding: f64) -> InitialGaps {
+        InitialGaps::of(places.iter().map(|&place| profile.nearest(place, 0.0).gap), rounding)
+    }
+
+    /// Returns the gaps of the points that are not beyond the ends of the profile.
+    fn between_ends(profile: &SurfaceProfile, places: &[[f64; 2]], rounding: f64) -> InitialGaps {
+        let near = places.iter().map(|&place| profile.nearest(place, 0.0));
+        InitialGaps::of(near.filter(|near| !near.beyond).map(|near| near.gap), rounding)
+    }
+
+    fn of(gaps: impl Iterator<Item = f64>, rounding: f64) -> InitialGaps {
         let mut start = InitialGaps::default();
-        for &place in places {
-            let gap = profile.nearest(place, 0.0).gap;
+        for gap in gaps {
             (start.penetration, start.front) = (start.penetration.max(-gap), start.front.max(gap));
             start.count += usize::from(gap < -rounding);
         }
@@ -83,6 +92,11 @@ impl Compiler<'_> {
                 let gives_way = (pair.penalty.is_some() || pair.law.is_soft()) && !sides.faces.is_empty();
                 if gives_way {
                     surface.overlap = surface.overlap.max(found.deepest(curve));
+                }
+                if let Some(general) = around.general.filter(|_| pair.general) {
+                    let id = self.general_row(general, around.pairs);
+                    found.analyticals.push(surface);
+                    return Some(([curve, found.analyticals.len() - 1], id));
                 }
                 let friction = friction_of(pair);
                 let (set, name) = (&sides.name, &pair.sides[analytical.side].name);
@@ -156,7 +170,7 @@ impl Compiler<'_> {
         if surface.profile.height().is_some() {
             nodes.retain(|n| !around.prescribed.contains(&(*n, 1)));
         }
-        if nodes.is_empty() {
+        if nodes.is_empty() && !opposite.pair.general {
             return Err("this surface has no node of a deformable body that is free to move".into());
         }
         let places: Vec<[f64; 2]> = nodes.iter().map(|n| state.dofs.nodes.start[*n]).collect();
@@ -164,7 +178,10 @@ impl Compiler<'_> {
         let ends = surface.profile.bounds();
         let overlap =
             OVERLAP * [extent(&ends), extent(&places)].into_iter().filter(|e| *e > 0.0).fold(f64::MAX, f64::min);
-        let profile = self.facing(opposite, surface, &places, analytical.rounding, overlap)?;
+        let profile = match opposite.pair.general {
+            true => self.facing_all(opposite, (surface, side), around.pairs, &places, [analytical.rounding, overlap]),
+            false => self.facing(opposite, surface, &places, analytical.rounding, overlap)?,
+        };
         analytical = AnalyticalSurface::new(profile, 0);
         analytical.overlap = overlap.max(analytical.rounding);
         Ok((analytical, body, nodes.len()))
@@ -222,6 +239,48 @@ impl Compiler<'_> {
             ));
         }
         Err("nodes of this surface are on both sides of the analytical surface".into())
+    }
+
+    /// Returns the profile in general contact, with its front to the left of its direction. If all surfaces of the
+    /// contact domain are on its back, it is reversed. Warns if it was reversed, or if nodes penetrate it.
+    fn facing_all(
+        &mut self,
+        OpposingSurface { sides, pair, .. }: OpposingSurface<'_>,
+        (surface, side): (&RigidSurface, &AnalyticalSide),
+        pairs: &[SurfaceContact],
+        places: &[[f64; 2]],
+        [rounding, overlap]: [f64; 2],
+    ) -> SurfaceProfile {
+        let mesh = &self.model.mesh;
+        let is_same = |c: &&SurfaceContact| c.analytical.as_ref().is_some_and(|a| a.surface == side.surface);
+        let all = || pairs.iter().filter(|c| c.general).filter(is_same);
+        let (name, set) = (&pair.sides[side.side].name, &sides.name);
+        let of_all: Vec<[f64; 2]> =
+            all().flat_map(|c| &c.analytical).flat_map(|a| &a.nodes).map(|&n| mesh.points[n]).collect();
+        let start = InitialGaps::between_ends(&surface.profile, &of_all, rounding);
+        let mut profile = surface.profile.clone();
+        if start.front <= rounding.max(overlap) && start.penetration > overlap {
+            profile = profile.reversed();
+            if all().next().is_some_and(|first| first.sides == pair.sides) {
+                let message = format!("`{name}` faces away from all surfaces in contact with it: it is reversed");
+                let way = "its front is to the left of the direction from START; ABAQUS does not reverse it";
+                let finding = Diagnostic::warning("P110", message).at(surface.span, way);
+                self.diagnostics.push(finding.help("give the points of the surface in the opposite order"));
+            }
+        }
+        let start = InitialGaps::between_ends(&profile, places, rounding);
+        let count = start.count;
+        if start.penetration > rounding && start.front > rounding.max(overlap)
+            || (count > 0 && start.penetration <= overlap)
+        {
+            let depth = start.penetration;
+            let message = format!("{count} nodes of `{set}` are behind `{name}` by up to {depth:.3e} at the start");
+            let label = format!("nodes deeper than {overlap:.1e} do not contact it; the others keep their penetration");
+            let finding = Diagnostic::warning("P111", message).at(pair.span, label);
+            self.diagnostics
+                .push(finding.at(surface.span, "this surface").help("move the nodes, or use *CONTACT EXCLUSIONS"));
+        }
+        profile
     }
 
     /// Returns whether the elements at the nodes are, on average, on the back side of the analytical surface.

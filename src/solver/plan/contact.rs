@@ -37,7 +37,13 @@ impl Compiler<'_> {
         if wanted.is_empty() {
             return None;
         }
-        let around = CurveContext { prescribed, kept: &self.links.involved_dofs(), skin: &self.solid_skin() };
+        let around = CurveContext {
+            prescribed,
+            kept: &self.links.involved_dofs(),
+            skin: &self.solid_skin(),
+            general: self.model.steps[step].general_contact.as_ref(),
+            pairs: &all,
+        };
         for contact in wanted {
             let pair = match &contact.analytical {
                 Some(side) => self.analytical_pair((contact, side), &around, &mut found, state),
@@ -97,14 +103,14 @@ impl Compiler<'_> {
             let finding = Diagnostic::error("P021", message).at(contact.span, "no deformable surface");
             return self.diagnostics.refuse(finding.help("at least one surface must belong to a deformable body"));
         }
-        let general = self.model.steps[step].general_contact.as_ref().filter(|_| contact.general);
+        let general = around.general.filter(|_| contact.general);
         if general.is_some_and(|g| g.excludes_detached_nodes) {
             [first, second].into_iter().for_each(|curve| found.curves[curve].drop_orphans());
         }
         let curves = self.order_curves(contact, [first, second], found);
         let length = found.lengths[first][0].min(found.lengths[second][0]);
         let id = match general {
-            Some(general) => self.general_row(general, step),
+            Some(general) => self.general_row(general, around.pairs),
             None => self.contact_row(contact, found, curves[0]),
         };
         let met = ContactingCurves {
@@ -128,6 +134,9 @@ impl Compiler<'_> {
         state: &State,
     ) -> Option<(ContactPair, f64)> {
         let ([curve, analytical], id) = self.analytical((contact, side), around, found, state)?;
+        if around.general.is_some_and(|g| contact.general && g.excludes_detached_nodes) {
+            found.curves[curve].drop_orphans();
+        }
         let length = found.lengths[curve][0];
         let mut pair = ContactPair::in_front_of(id, self.pair_number(contact), curve, analytical, length);
         pair.first = side.side == 1;
@@ -243,16 +252,24 @@ impl Compiler<'_> {
         Some((0..curve.own.len()).map(law).collect())
     }
 
-    fn general_row(&mut self, general: &GeneralContact, step: usize) -> usize {
-        let own: Vec<String> = self.pairs[step].iter().filter(|p| p.general).map(pair_name).collect();
-        let mut detail = own.iter().take(6).cloned().collect::<Vec<_>>().join(" ");
-        if own.len() > 6 {
-            detail += " …";
+    /// Creates the ledger row of general contact, which lists all surfaces of the contact domain.
+    pub(super) fn general_row(&mut self, general: &GeneralContact, pairs: &[SurfaceContact]) -> usize {
+        let own = || pairs.iter().filter(|p| p.general);
+        let mut names: Vec<String> = Vec::new();
+        for pair in own() {
+            for (at, side) in pair.sides.iter().enumerate() {
+                let is_analytical = pair.analytical.as_ref().is_some_and(|a| a.side == at);
+                let name = format!("{}{}", side.name, if is_analytical { " (analytical)" } else { "" });
+                if !names.contains(&name) {
+                    names.push(name);
+                }
+            }
         }
+        let mut detail = format!("surfaces {}", names.join(", "));
         if general.excludes_detached_nodes {
-            detail += ", without nodes of deleted elements";
+            detail += "; without nodes of deleted elements";
         }
-        self.ledger_row(general.span, "general contact", own.len(), "pairs", detail)
+        self.ledger_row(general.span, "general contact", own().count(), "pairs", detail)
     }
 
     /// Warns of contact damping that has no effect.

@@ -9,7 +9,7 @@ use crate::constraint::contact::analytical::AnalyticalSurface;
 use crate::constraint::contact::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use crate::deck::Diagnostic;
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, bounding_box};
-use crate::model::{ElementSide, SideSelection, SurfaceContact};
+use crate::model::{ElementSide, GeneralContact, SideSelection, SurfaceContact};
 
 /// Maximum penetration of a facet, in facet lengths.
 const DEEPEST: f64 = 2.0;
@@ -39,6 +39,9 @@ pub(super) struct CurveContext<'a> {
     pub(super) kept: &'a HashSet<(usize, usize)>,
     /// Outline of the solid elements.
     pub(super) skin: &'a SolidOutline,
+    /// General contact of the step, and all contact pairs of the step.
+    pub(super) general: Option<&'a GeneralContact>,
+    pub(super) pairs: &'a [SurfaceContact],
 }
 
 type MeridianEdge = [[f64; 2]; 2];

@@ -6,22 +6,51 @@ use std::rc::Rc;
 
 use super::Compiler;
 use super::pieces::pieces;
-use crate::model::{ContactDomain, ElementKind, ElementSide, GeneralContact, SideSelection, Step, SurfaceContact};
+use crate::kernel::lists::sorted_unique;
+use crate::model::{
+    AnalyticalSide, ContactDomain, ElementKind, ElementSide, GeneralContact, RigidSurfaceId, SideSelection, Step,
+    SurfaceContact,
+};
 
 type ElementFace = (usize, ElementSide);
+
+/// A surface in general contact: faces of elements, or an analytical surface, which has no faces.
+#[derive(Clone)]
+struct PairedSurface {
+    sides: SideSelection,
+    analytical: Option<RigidSurfaceId>,
+}
+
+impl PairedSurface {
+    fn of_faces(name: &str, faces: &[ElementFace]) -> PairedSurface {
+        PairedSurface { sides: SideSelection::new(name, faces), analytical: None }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.sides.faces.is_empty() && self.analytical.is_none()
+    }
+
+    fn has_common_faces(&self, other: &PairedSurface) -> bool {
+        self.sides.faces.iter().any(|f| other.sides.faces.contains(f))
+    }
+}
 
 /// Two surfaces in general contact, or one with itself. Exclusions and assignments split it into parts.
 #[derive(Clone)]
 struct SurfacePairing {
-    sides: [SideSelection; 2],
-    /// Indices of the assigned interaction, clearance, penalty factor and role.
+    sides: [PairedSurface; 2],
+    /// Indices of the assigned interaction, clearance and penalty factor and role.
     given: [Option<usize>; 4],
     span: crate::deck::Span,
 }
 
 impl SurfacePairing {
+    fn new(sides: [&PairedSurface; 2], span: crate::deck::Span) -> SurfacePairing {
+        SurfacePairing { sides: sides.map(PairedSurface::clone), given: [None; 4], span }
+    }
+
     fn is_of_one(&self) -> bool {
-        self.sides[0].name == self.sides[1].name
+        self.sides[0].sides.name == self.sides[1].sides.name
     }
 }
 
@@ -57,21 +86,22 @@ impl Compiler<'_> {
         meetings = assign_domains(meetings, 1, general.clearances.iter().map(|c| &c.0));
         meetings = assign_domains(meetings, 2, general.penalties.iter().map(|p| &p.0));
         meetings = assign_domains(meetings, 3, general.roles.iter().map(|r| &r.0));
-        meetings.retain(|m| m.sides.iter().any(|s| self.is_deforming(s)));
+        meetings.retain_mut(|m| self.is_of_bodies(m));
         let contact = |m: SurfacePairing| {
+            let analytical = self.analytical_side(&m);
             let [interaction, clearance, penalty, role] = m.given;
             let assigned = interaction.map(|index| &general.assigned[index]);
             SurfaceContact {
                 law: assigned.map(|a| a.law.clone()).unwrap_or_default(),
                 interaction: assigned.and_then(|a| a.interaction),
-                analytical: None,
+                analytical,
                 general: true,
                 no_thickness: false,
                 clearance: clearance.map(|index| general.clearances[index].1),
                 penalty: penalty.map(|index| general.penalties[index].1),
                 secondary: role.map(|index| secondary_of(&m.sides, &general.roles[index])),
                 cpset: None,
-                sides: m.sides,
+                sides: m.sides.map(|s| s.sides),
                 span: m.span,
             }
         };
@@ -80,7 +110,7 @@ impl Compiler<'_> {
 
     /// Returns the surface pairs of all inclusions. Faces that several inclusions pair are included once.
     fn included_meetings(&self, general: &GeneralContact) -> Vec<SurfacePairing> {
-        let all = self.outsides();
+        let all = self.all_surfaces();
         let mut meetings = Vec::new();
         let of_all = general.included.iter().find(|i| matches!(i.0, [ContactDomain::All, ContactDomain::All]));
         if general.all || of_all.is_some() {
@@ -88,21 +118,18 @@ impl Compiler<'_> {
             return meetings;
         }
         for (index, (domains, span)) in general.included.iter().enumerate() {
-            let mut own = match domains {
-                [ContactDomain::Surface(a), ContactDomain::Surface(b)] => {
-                    vec![SurfacePairing { sides: [a.clone(), b.clone()], given: [None; 4], span: *span }]
+            let [first, second] = [&domains[0], &domains[1]].map(|domain| self.named_surfaces(domain));
+            let mut own = Vec::new();
+            match (first, second) {
+                (Some(first), Some(_)) if domains[0] == domains[1] => add_all(&first, *span, &mut own),
+                (Some(first), Some(second)) => add_product([&first, &second], *span, &mut own),
+                (Some(named), None) | (None, Some(named)) => {
+                    let is_other = |o: &&PairedSurface| !named.iter().any(|one| one.has_common_faces(o));
+                    let others: Vec<PairedSurface> = all.iter().filter(is_other).cloned().collect();
+                    add_product([&named, &others], *span, &mut own);
                 }
-                [_, ContactDomain::Surface(one)] | [ContactDomain::Surface(one), _] => {
-                    let others = all.iter().filter(|o| one.faces.iter().all(|f| !o.faces.contains(f)));
-                    let with = |o: &SideSelection| SurfacePairing {
-                        sides: [one.clone(), o.clone()],
-                        given: [None; 4],
-                        span: *span,
-                    };
-                    others.map(with).collect()
-                }
-                [ContactDomain::All, ContactDomain::All] => Vec::new(),
-            };
+                (None, None) => {}
+            }
             let earlier = general.included[..index].iter().filter(|(earlier, _)| {
                 // An inclusion with all surfaces does not contain the surface's own body.
                 let is_of_two = !earlier.contains(&ContactDomain::All);
@@ -114,6 +141,67 @@ impl Compiler<'_> {
             meetings.extend(own);
         }
         meetings
+    }
+
+    /// Returns the surfaces of a domain, one for each side of shells; `None` for all surfaces.
+    fn named_surfaces(&self, domain: &ContactDomain) -> Option<Vec<PairedSurface>> {
+        match domain {
+            ContactDomain::All => None,
+            ContactDomain::Surface(sides) => {
+                Some(sides.one_sided().into_iter().map(|sides| PairedSurface { sides, analytical: None }).collect())
+            }
+            ContactDomain::Analytical(id) => Some(vec![self.analytical_surface_of(*id)]),
+        }
+    }
+
+    fn analytical_surface_of(&self, id: RigidSurfaceId) -> PairedSurface {
+        let sides = SideSelection::new(self.model.surfaces.analytical_name(id), &[]);
+        PairedSurface { sides, analytical: Some(id) }
+    }
+
+    /// Returns the exterior surfaces of all connected parts, and the analytical surfaces of rigid bodies.
+    fn all_surfaces(&self) -> Vec<PairedSurface> {
+        let mut all: Vec<PairedSurface> =
+            self.outsides().into_iter().map(|sides| PairedSurface { sides, analytical: None }).collect();
+        let ids = (0..self.model.surfaces.analytical.len()).map(RigidSurfaceId::new);
+        all.extend(ids.filter(|id| self.body_of_analytical(*id).is_some()).map(|id| self.analytical_surface_of(id)));
+        all
+    }
+
+    /// Returns the rigid body of an analytical surface.
+    pub(super) fn body_of_analytical(&self, id: RigidSurfaceId) -> Option<usize> {
+        let reference = self.model.surfaces.analytical[id].reference?;
+        self.body_of_node.get(&reference).copied()
+    }
+
+    /// Returns whether bodies of this pair can be in contact: one of them deforms, or an oblique rigid body faces an
+    /// analytical surface of another body. Faces on rigid bodies cannot contact analytical surfaces and are removed.
+    fn is_of_bodies(&self, pairing: &mut SurfacePairing) -> bool {
+        let Some(id) = pairing.sides[1].analytical else {
+            return pairing.sides.iter().any(|s| self.is_deforming(&s.sides));
+        };
+        let faces = &mut pairing.sides[0].sides.faces;
+        let spatial = |f: &ElementFace| self.body_of_element.get(&f.0).filter(|&&body| self.bodies[body].spatial);
+        if let Some(body) = faces.iter().find_map(spatial) {
+            return self.body_of_analytical(id) != Some(*body);
+        }
+        let mesh = &self.model.mesh;
+        let is_free = |n: &usize| self.places.free_node(*n).is_some();
+        faces.retain(|&(e, side)| mesh.side_nodes(e, side).is_some_and(|ends| ends.iter().any(is_free)));
+        !faces.is_empty()
+    }
+
+    /// Returns the analytical surface of a pair with the nodes of the opposite surface; the free ones, unless they
+    /// belong to an oblique rigid body.
+    fn analytical_side(&self, pairing: &SurfacePairing) -> Option<AnalyticalSide> {
+        let surface = pairing.sides[1].analytical?;
+        let mesh = &self.model.mesh;
+        let faces = pairing.sides[0].sides.faces.iter();
+        let nodes = faces.filter_map(|&(e, side)| mesh.side_nodes(e, side)).flatten();
+        let mut nodes: Vec<usize> = sorted_unique(nodes);
+        let is_rigid = nodes.iter().all(|n| self.places.free_node(*n).is_none());
+        nodes.retain(|n| is_rigid || self.places.free_node(*n).is_some());
+        Some(AnalyticalSide { side: 1, surface, nodes })
     }
 
     fn is_deforming(&self, sides: &SideSelection) -> bool {
@@ -164,8 +252,8 @@ impl Compiler<'_> {
 
 /// Returns the index of the surface of a pair that carries the contact pressures. `is_first` is whether the surface of the
 /// first domain does.
-fn secondary_of(sides: &[SideSelection; 2], (domains, is_first): &([ContactDomain; 2], bool)) -> usize {
-    let within = |side: &SideSelection, domain: &ContactDomain| split(side, domain).1.faces.is_empty();
+fn secondary_of(sides: &[PairedSurface; 2], (domains, is_first): &([ContactDomain; 2], bool)) -> usize {
+    let within = |side: &PairedSurface, domain: &ContactDomain| split(side, domain).1.is_empty();
     let first_is_first = within(&sides[0], &domains[0]) && within(&sides[1], &domains[1]);
     usize::from(first_is_first != *is_first)
 }
@@ -177,16 +265,46 @@ pub(super) fn pair_name(contact: &SurfaceContact) -> String {
 }
 
 /// Adds all pairs of surfaces and self-contact of each, except for the two sides of one shell.
-fn add_all(all: &[SideSelection], span: crate::deck::Span, meetings: &mut Vec<SurfacePairing>) {
+fn add_all(all: &[PairedSurface], span: crate::deck::Span, meetings: &mut Vec<SurfacePairing>) {
     for (i, a) in all.iter().enumerate() {
-        for b in &all[i..] {
-            let sides_of_one = a.name != b.name && a.faces[0].0 == b.faces[0].0;
-            if sides_of_one {
-                continue;
-            }
-            meetings.push(SurfacePairing { sides: [a.clone(), b.clone()], given: [None; 4], span });
-        }
+        let others = all[i..].iter().filter(|b| !are_opposite(a, b));
+        meetings.extend(others.filter_map(|b| paired([a, b], [all, all], span)));
     }
+}
+
+/// Adds the pairs of each surface of one list with each surface of another.
+fn add_product([first, second]: [&[PairedSurface]; 2], span: crate::deck::Span, meetings: &mut Vec<SurfacePairing>) {
+    for a in first {
+        meetings.extend(second.iter().filter_map(|b| paired([a, b], [first, second], span)));
+    }
+}
+
+/// Returns the pair of two surfaces, with an analytical surface as the second one. There is none of two analytical
+/// surfaces, and none with the negative side of a shell whose positive side is in the same list: nodes contact an
+/// analytical surface on either side.
+fn paired(
+    [a, b]: [&PairedSurface; 2],
+    lists: [&[PairedSurface]; 2],
+    span: crate::deck::Span,
+) -> Option<SurfacePairing> {
+    let is_second_side = |one: &PairedSurface, list: &[PairedSurface]| list.iter().any(|o| is_opposite(one, o));
+    match (a.analytical, b.analytical) {
+        (Some(_), Some(_)) => None,
+        (None, Some(_)) => (!is_second_side(a, lists[0])).then(|| SurfacePairing::new([a, b], span)),
+        (Some(_), None) => (!is_second_side(b, lists[1])).then(|| SurfacePairing::new([b, a], span)),
+        (None, None) => Some(SurfacePairing::new([a, b], span)),
+    }
+}
+
+/// Returns whether a surface is the negative side of the shell whose positive side is another surface.
+fn is_opposite(one: &PairedSurface, other: &PairedSurface) -> bool {
+    one.sides.faces.first().is_some_and(|&(element, side)| {
+        side == ElementSide::Negative && other.sides.faces.contains(&(element, ElementSide::Positive))
+    })
+}
+
+fn are_opposite(a: &PairedSurface, b: &PairedSurface) -> bool {
+    is_opposite(a, b) || is_opposite(b, a)
 }
 
 /// Assigns to each surface pair the index of the last domain that covers it, as its property `what` (interaction,
@@ -218,17 +336,17 @@ fn split_by_domains(meeting: SurfacePairing, domains: &[ContactDomain; 2]) -> Ve
     }
     let way = |m: SurfacePairing, [first, second]: [&ContactDomain; 2]| -> Vec<(SurfacePairing, bool)> {
         if m.is_of_one() {
-            let whole = [first, second].map(|d| split(&m.sides[0], d).1.faces.is_empty());
+            let whole = [first, second].map(|d| split(&m.sides[0], d).1.is_empty());
             return vec![(m, whole == [true; 2])];
         }
         let (a, rest_a) = split(&m.sides[0], first);
         let (b, rest_b) = split(&m.sides[1], second);
-        if a.faces.is_empty() || b.faces.is_empty() {
+        if a.is_empty() || b.is_empty() {
             return vec![(m, false)];
         }
-        let of = |sides: [SideSelection; 2], covered: bool| (SurfacePairing { sides, ..m.clone() }, covered);
+        let of = |sides: [PairedSurface; 2], covered: bool| (SurfacePairing { sides, ..m.clone() }, covered);
         let parts = [of([a.clone(), b], true), of([a, rest_b], false), of([rest_a, m.sides[1].clone()], false)];
-        parts.into_iter().filter(|p| p.0.sides.iter().all(|s| !s.faces.is_empty())).collect()
+        parts.into_iter().filter(|p| p.0.sides.iter().all(|s| !s.is_empty())).collect()
     };
     let [first, second] = domains;
     let parts = way(meeting, [first, second]);
@@ -236,17 +354,21 @@ fn split_by_domains(meeting: SurfacePairing, domains: &[ContactDomain; 2]) -> Ve
 }
 
 /// Splits a surface into the parts inside and outside of a domain, with names of their parts.
-fn split(sides: &SideSelection, domain: &ContactDomain) -> (SideSelection, SideSelection) {
+fn split(surface: &PairedSurface, domain: &ContactDomain) -> (PairedSurface, PairedSurface) {
+    let PairedSurface { sides, analytical } = surface;
     let part = |end: &str, faces: Vec<ElementFace>| {
         let name = if faces.len() == sides.faces.len() { sides.name.clone() } else { format!("{}{end}", sides.name) };
-        SideSelection { name, surface: true, faces, free_face_elements: Vec::new() }
+        PairedSurface::of_faces(&name, &faces)
     };
+    let none = || PairedSurface::of_faces(&sides.name, &[]);
     match domain {
-        ContactDomain::All => (sides.clone(), part("", Vec::new())),
-        ContactDomain::Surface(surface) => {
-            let known: HashSet<ElementFace> = surface.faces.iter().copied().collect();
-            let (within, without) = sides.faces.iter().partition(|f| known.contains(*f));
-            (part(&format!(".{}", surface.name), within), part(&format!(".NOT.{}", surface.name), without))
+        ContactDomain::All => (surface.clone(), none()),
+        ContactDomain::Analytical(id) if *analytical == Some(*id) => (surface.clone(), none()),
+        ContactDomain::Surface(within) if analytical.is_none() => {
+            let known: HashSet<ElementFace> = within.faces.iter().copied().collect();
+            let (inside, outside) = sides.faces.iter().partition(|f| known.contains(*f));
+            (part(&format!(".{}", within.name), inside), part(&format!(".NOT.{}", within.name), outside))
         }
+        ContactDomain::Analytical(_) | ContactDomain::Surface(_) => (none(), surface.clone()),
     }
 }

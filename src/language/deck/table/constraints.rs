@@ -275,7 +275,7 @@ pub const CARDS: &[Keyword] = &[
         "OP" (word(&["MOD", "NEW"]).or(0.0)) "MOD changes the active definition, NEW replaces it",
     }, []),
     row!("CONTACT INCLUSIONS", "Surfaces in general contact", (), {
-        "ALL EXTERIOR" read "All exterior faces, including self-contact",
+        "ALL EXTERIOR" read "All exterior faces, including self-contact, and all analytical rigid surfaces",
     }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface"])]),
     row!("CONTACT EXCLUSIONS", "Surfaces excluded from general contact", (), {
     }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface"])]),

@@ -24,6 +24,11 @@ impl SurfaceDefinitions {
     pub fn name(&self, id: SurfaceId) -> &str {
         self.faces.get_index(id.index()).map_or("", |(name, _)| name)
     }
+
+    /// Returns the upper-case name of an analytical surface.
+    pub fn analytical_name(&self, id: RigidSurfaceId) -> &str {
+        self.analytical.get_index(id.index()).map_or("", |(name, _)| name)
+    }
 }
 
 /// An analytical rigid surface, a chain of lines and arcs.
@@ -108,10 +113,12 @@ pub struct PrescribedClearance {
 /// Surface named by a card of general contact.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ContactDomain {
-    /// All exterior faces of the model.
+    /// All exterior faces and all analytical rigid surfaces of the model.
     All,
-    /// A surface of the model, given by its name.
+    /// An element-based surface.
     Surface(SideSelection),
+    /// An analytical rigid surface.
+    Analytical(RigidSurfaceId),
 }
 
 /// General contact (`*CONTACT`): contacting pairs are found from the mesh.
@@ -119,7 +126,7 @@ pub enum ContactDomain {
 pub struct GeneralContact {
     /// Source position of the `*CONTACT` card.
     pub span: Span,
-    /// Whether all exterior faces may contact each other (`ALL EXTERIOR`).
+    /// Whether all exterior faces may contact each other and all analytical surfaces (`ALL EXTERIOR`).
     pub all: bool,
     /// Included pairs of `*CONTACT INCLUSIONS`, with their data lines.
     pub included: Vec<([ContactDomain; 2], Span)>,

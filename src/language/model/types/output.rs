@@ -172,7 +172,9 @@ impl ContactPairFilter {
     pub fn matches(&self, pair: &SurfaceContact) -> bool {
         let has = |name: &String| {
             let is = |s: &SideSelection| {
+                let side = ["_SPOS", "_SNEG"].into_iter().find_map(|end| s.name.strip_suffix(end));
                 s.name == *name
+                    || side == Some(name.as_str())
                     || s.name.strip_suffix(name.as_str()).is_some_and(|b| b.ends_with('.') && !b.ends_with(".NOT."))
             };
             pair.sides.iter().any(is)

@@ -136,6 +136,9 @@ impl ContactConstraint {
         let alone = own.orphans.iter().map(|&i| (i, true));
         for (index, alone) in own.exposed_points.iter().map(|&i| (i, false)).chain(alone) {
             let point = own.own[index as usize];
+            if dofs_of[point as usize][1] == body {
+                continue;
+            }
             let (key, law) =
                 (pair.first_key + index, if alone { pair.of_points as u32 } else { pair.law_of(index as usize) });
             let fit = |key: u32| fits.get(key as usize).copied().unwrap_or(0.0);

@@ -12,9 +12,15 @@ use crate::routines::{HardeningAnswer, HardeningCall, LoadFailure, MAX_MATERIAL_
 use crate::state::Instant;
 
 /// Largest number of calls per increment; points that have not converged by then stop the run.
-const ITERATIONS: usize = 80;
-/// Convergence tolerance on |stress - yield stress| / trial stress.
+const ITERATIONS: usize = 120;
+/// Number of calls after which every second one halves the bounds. The remaining calls then reduce them below
+/// [`ENOUGH`] for any yield stress.
+const BISECTED: usize = 40;
+/// Convergence tolerance on |stress - yield stress| / trial stress; after [`BISECTED`] calls also on the width of the
+/// bounds, as a stress relative to the trial stress.
 const ENOUGH: f64 = 1e-11;
+/// Smallest ratio of successive plastic strain increments of Newton's method in the logarithm.
+const LEAST: f64 = 0.02;
 
 /// Arguments and results of one VUHARD call for the points that have not converged, in their order.
 #[derive(Clone, Debug, Default)]
@@ -195,7 +201,8 @@ impl PointArguments {
 
     /// Computes the plastic strain increments with VUHARD, by Newton's method with its slopes over all points at once;
     /// bounds enclose each increment. The trial stress minus `3 G dp` decreases with dp, and equals the yield stress at
-    /// `p + dp` and `dp/dt`.
+    /// `p + dp` and `dp/dt`. Above the root, where the yield stress is steeper than 3 G, the variable of the method is
+    /// the logarithm of dp, as for built-in laws: the slope of power laws is unbounded at first yield.
     fn search(
         &mut self,
         properties: &[f64],
@@ -224,7 +231,10 @@ impl PointArguments {
                     if over <= 0.0 {
                         continue;
                     }
-                } else if over.abs() <= ENOUGH * trial[i] || high[i] - low[i] <= 1e-15 * high[i] {
+                } else if over.abs() <= ENOUGH * trial[i]
+                    || high[i] - low[i] <= 1e-15 * high[i]
+                    || iteration > BISECTED && shear3 * (high[i] - low[i]) <= ENOUGH * trial[i]
+                {
                     continue;
                 } else if over > 0.0 {
                     low[i] = dp;
@@ -236,9 +246,14 @@ impl PointArguments {
                 if iteration > 0 && context.dt > 0.0 {
                     hardening += slopes[count + at] / context.dt;
                 }
-                let newton = dp + over / (shear3 + hardening);
+                let change = over / (shear3 + hardening);
+                let is_steep = over < 0.0 && hardening > shear3;
+                let newton = if is_steep { dp * (dp / (dp - change)).max(LEAST) } else { dp + change };
                 let perfect = dp + over / shear3;
-                increment[i] = if newton > low[i] && newton < high[i] {
+                let bisects = iteration > BISECTED && iteration % 2 == 0;
+                increment[i] = if bisects {
+                    0.5 * (low[i] + high[i])
+                } else if newton > low[i] && newton < high[i] {
                     newton
                 } else if iteration == 0 && perfect < high[i] {
                     perfect
