@@ -7,7 +7,7 @@ use revolve::study::StudyError;
 use revolve::study::chart::{Chart, ChartSeries, SeriesForm};
 use revolve::study::convergence;
 use revolve::study::evaluate::{SampleEvaluator, UserRoutines};
-use revolve::study::limit::{self, LimitRequest};
+use revolve::study::limit::{self as limits, LimitRequest};
 use revolve::study::quantity::Quantity;
 use revolve::study::record;
 use revolve::study::runner::StudyRunner;
@@ -87,7 +87,7 @@ pub fn limit(
         let routines = user.map_or(UserRoutines::Absent, |user| UserRoutines::Files(Arc::clone(&user.compiled)));
         let evaluator = SampleEvaluator::new(deck.source.clone(), settings, vec![velocity], residual, routines)?;
         let evaluator = evaluator.of_shots();
-        limit::find(&request, &mut |velocities| limit::fire(&request, &evaluator, velocities, &[], threads))
+        limits::find(&request, &mut |velocities| limits::fire(&request, &evaluator, velocities, &[], threads))
     };
     py.detach(find).map(|found| found.record().to_string()).map_err(|why| errors::study(py, &why))
 }

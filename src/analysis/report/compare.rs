@@ -90,6 +90,7 @@ mod tests {
             columns: vec!["A".into()],
             rows: vec![(0.5, vec![4.0]), (9.0, vec![1.0])],
             is_open: false,
+            by_run: false,
         };
         let curve = curve(&reference, 0, "A".into(), &history);
         assert_eq!((curve.rms, curve.outside), (Some(3.0), 1));

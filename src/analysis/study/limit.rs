@@ -224,21 +224,24 @@ fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
     (1..=count).map(|i| from + step * i as f64).collect()
 }
 
-/// Largest number of boundaries of bands that are refined.
+/// Largest number of boundaries of bands that are refined at a time, and largest number of rounds: sufficient for any
+/// tolerance above the rounding of numbers.
 const BOUNDARIES: usize = 32;
+const ROUNDS: usize = 64;
 
 /// Bisects the intervals between neighbouring shots with different ends to the tolerance.
 fn refine(tolerance: f64, shots: &mut Vec<Shot>, fire: &mut FireShots<'_>) -> Result<(), StudyError> {
-    loop {
+    for _ in 0..ROUNDS {
         let is_wide = |pair: &&[Shot]| pair[0].end != pair[1].end && pair[1].velocity - pair[0].velocity > tolerance;
         let middle = |pair: &[Shot]| 0.5 * (pair[0].velocity + pair[1].velocity);
         let middles: Vec<f64> = shots.windows(2).filter(is_wide).map(middle).take(BOUNDARIES).collect();
         if middles.is_empty() {
-            return Ok(());
+            break;
         }
         shots.extend(fire(&middles)?);
         sort(shots);
     }
+    Ok(())
 }
 
 fn sort(shots: &mut Vec<Shot>) {

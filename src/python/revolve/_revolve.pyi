@@ -28,7 +28,6 @@ def study(
     user: User | None,
     progress: _Told,
 ) -> str: ...
-
 def limit(
     deck: Deck,
     settings: _Settings,
