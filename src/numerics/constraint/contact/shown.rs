@@ -3,6 +3,7 @@
 use super::curve::{PointCarrier, SurfacePoint};
 use super::{ContactConstraint, ContactPair};
 use crate::constraint::ContactResults;
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::persist_struct;
@@ -91,7 +92,7 @@ impl ContactConstraint {
     /// Returns pressure and shear stress of a key, damping included.
     pub(super) fn stresses(&self, key: usize) -> [f64; 2] {
         let [pressure, shear] = self.pressures[key];
-        [pressure, shear + self.slip_damping.stress(key)].map(|stress| stress * self.output_share)
+        [pressure, shear + self.slip_damping.stress(key)].inline_map(|stress| stress * self.output_share)
     }
 
     /// Returns the forces of pressure and of friction on the own surface of a pair, each along r and z, and the contact
