@@ -21,7 +21,7 @@ fn press_cards(contact: &str) -> String {
 }
 
 /// All faces of a part.
-const SKIN: &str = "*Surface, name=SKIN\n EI0, S4\n EI1, S2\n EJ0, S1\n EJ1, S3\n";
+pub const SKIN: &str = "*Surface, name=SKIN\n EI0, S4\n EI1, S2\n EJ0, S1\n EJ1, S3\n";
 
 /// Presses a chamfered ring with an interference of 0.02 mm over the edge of a shaft of the radius 20 mm. `bore` are
 /// the rows of elements over 12 mm of the bore, after two rows of chamfer, `shaft` those over 20 mm of the shaft.

@@ -5,6 +5,7 @@
 
 use std::collections::HashMap;
 
+use super::contact_edges::SKIN;
 use crate::common::bodies::{DeckRun, assembly, between, elastic, part, point_field, run};
 
 /// A ring above a shaft, with the numbers of cells of both along r and z.
@@ -15,16 +16,13 @@ struct SlidingScene {
     name: String,
 }
 
-/// All faces of a part.
-const SKIN: &str = "*Surface, name=SKIN\n EI0, S4\n EI1, S2\n EJ0, S1\n EJ1, S3\n";
-
 /// Heights of the shaft and of the ring, and radii of the shaft and of the outer side of the ring, mm.
 const SHAFT: f64 = 12.0;
 const RING: f64 = 10.0;
 const RADIUS: f64 = 20.0;
 const OUTER: f64 = 32.0;
 
-/// Returns the scene of a seed: the bore is up to 0.04 mm smaller than the shaft, and has a chamfer and, in a third of
+/// Returns the scene of a seed: the hole of the ring is up to 0.04 mm smaller than the shaft, and has a chamfer and, in a third of
 /// the scenes, a relief with two steps. A third of the shafts have a chamfer. Steel; mm, t, s.
 fn scene(seed: u64) -> SlidingScene {
     let mut pick = between(seed);
@@ -121,7 +119,7 @@ fn deepest_node(scene: &SlidingScene, ran: &DeckRun) -> f64 {
     ran.memory.frames.iter().map(depth).fold(0.0, f64::max)
 }
 
-/// Runs the scenes of these seeds. Returns the largest unreported depth, and the number of scenes with a report.
+/// Runs the scenes of a range of seeds. Returns the largest unreported depth, and the number of scenes with a report.
 fn run_scenes(seeds: std::ops::Range<u64>) -> (f64, usize) {
     let (mut worst, mut reported) = (0.0_f64, 0);
     for seed in seeds {

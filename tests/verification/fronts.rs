@@ -50,7 +50,7 @@ fn unequal_bars(n: usize, viscosity: &str) -> [f64; 2] {
     [first + second, ran.column("ALLVD").last().expect("a row")[1] / ran.outcome.energy.initial]
 }
 
-/// Bulk viscosity that takes more than 5 % of the energy causes a warning unless the deck asks for damping.
+/// Bulk viscosity that takes more than 5 % of the energy causes a warning unless the deck requests damping.
 #[test]
 fn large_viscous_dissipation_is_reported() {
     let warnings = |n, viscosity: &str| run_bars(n, 4.0, viscosity).outcome.warnings;

@@ -41,7 +41,7 @@ pub struct LimitCommand {
     /// meets a `*TARGET`; choose it above the velocity of a meshed plate.
     #[arg(long, value_name = "SPEED")]
     least: Option<f64>,
-    /// Find the limit for each of these values of another deck parameter: NAME=v1,v2,… or NAME=start:stop:step.
+    /// Find the limit for several values of another deck parameter: NAME=v1,v2,… or NAME=start:stop:step.
     #[arg(long, value_name = "NAME=VALUES", conflicts_with = "distribution")]
     over: Option<String>,
     /// Number of shots above the limit, for the residual velocity curve, and below it, for the other outcomes.

@@ -60,7 +60,7 @@ fn charts(header: &[String], rows: &[Vec<String>]) -> Vec<Chart> {
     charts.filter(|c| !c.series.is_empty()).collect()
 }
 
-/// Returns the agreement of the predictions with each reference, which stands before its differences.
+/// Returns the agreement of the predictions with each reference, whose column precedes the column of its differences.
 fn deviations(header: &[String], rows: &[Vec<String>]) -> Vec<(String, String)> {
     let of = |(i, name): (usize, &String)| {
         name.strip_prefix("difference from ")?;

@@ -182,8 +182,8 @@ impl LimitVelocity {
     }
 }
 
-/// Finds the limit by bisection, then fires shots on both sides of it, finds the bands of equal ends, and fits the
-/// curve.
+/// Finds the limit by bisection, then fires shots above and below the limit, finds the bands of equal ends, and fits
+/// the curve.
 pub fn find(request: &LimitRequest, fire: &mut FireShots<'_>) -> Result<LimitVelocity, StudyError> {
     let mut shots = fire(&request.between)?;
     let bracket = match shots[..] {

@@ -25,9 +25,9 @@ pub enum ShotEnd {
     Slow,
 }
 
-/// Fraction of the initial velocity along z at which a body in a target counts as embedded. A body that would perforate has a
-/// residual velocity of `a (v² - v_l²)^(1/2)` (Lambert and Jonas): at a striking velocity above the limit by less than
-/// `CREEP²/2` of it, this is below `CREEP v`, so the limit velocity changes by no more than this fraction.
+/// Fraction of the initial velocity along z at which a body in a target counts as embedded. A body that would perforate
+/// has a residual velocity of `a (v² - v_l²)^(1/2)` (Lambert and Jonas). It is below `CREEP v` if the striking velocity
+/// exceeds the limit by less than the fraction `CREEP²/2`, so the limit velocity changes by no more than this fraction.
 pub const CREEP: f64 = 0.01;
 
 /// Factors on the duration of the last step: a run whose bodies still move in their targets is repeated with the next

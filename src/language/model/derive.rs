@@ -85,7 +85,8 @@ fn card_of(target: &ScaledTarget, requested: &DerivationRequest, derived: &Deriv
     CavityExpansion { yield_stress: target.yield_stress, a, b, c, derived: Some(derivation), span: requested.span }
 }
 
-/// Converts a material of the model to a target material with a spherical cavity. With a cavity radius strain rates are included.
+/// Converts a material of the model to a target material with a spherical cavity. With a cavity radius strain rates are
+/// included.
 ///
 /// # Errors
 /// `M101` if a card is missing, `M104` if a law is not supported by the cavity expansion.

@@ -32,8 +32,7 @@ impl ModelBuilder<'_> {
         }
         for (at, line) in card.lines.iter().enumerate() {
             let Some(domains) = self.domains(line) else { continue };
-            let (third, factor) = (line.field(2).cloned(), f64::from_value(card.given_field(at, 2)));
-            let role = usize::from_value(card.given_field(at, 2));
+            let (third, given) = (line.field(2).cloned(), || card.given_field(at, 2));
             let Some(general) = &mut self.state().general_contact else { continue };
             match (card.keyword.name, third) {
                 ("CONTACT INCLUSIONS", _) if domains.iter().all(|d| matches!(d, ContactDomain::Analytical(_))) => {
@@ -42,8 +41,8 @@ impl ModelBuilder<'_> {
                 }
                 ("CONTACT INCLUSIONS", _) => general.included.push((domains, line.span)),
                 ("CONTACT EXCLUSIONS", _) => general.excluded.push(domains),
-                ("CONTACT CONTROLS ASSIGNMENT", _) => general.penalties.push((domains, factor)),
-                ("CONTACT FORMULATION", _) => general.roles.push((domains, role < 2)),
+                ("CONTACT CONTROLS ASSIGNMENT", _) => general.penalties.push((domains, f64::from_value(given()))),
+                ("CONTACT FORMULATION", _) => general.roles.push((domains, usize::from_value(given()) < 2)),
                 (_, None) => {}
                 ("CONTACT PROPERTY ASSIGNMENT", Some(word)) => {
                     let interaction = self.interaction(&word);

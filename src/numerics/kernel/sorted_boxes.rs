@@ -11,7 +11,7 @@ pub fn bounding_box([a, b]: [[f64; 2]; 2]) -> BoundingBox {
     [[a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]]
 }
 
-/// Boxes with an index each, sorted by their lower end along the longer direction of all of them.
+/// Boxes with an index each, sorted by their lower end along r or z: the direction in which the boxes extend farther.
 #[derive(Clone, Debug, Default)]
 pub struct SortedBoxes {
     axis: usize,

@@ -274,7 +274,7 @@ impl Compiler<'_> {
             || (count > 0 && start.penetration <= overlap)
         {
             let depth = start.penetration;
-            let message = format!("{count} nodes of `{set}` are behind `{name}` by up to {depth:.3e} at the start");
+            let message = format!("{count} nodes of `{set}` penetrate `{name}` by up to {depth:.3e} at the start");
             let label = format!("nodes deeper than {overlap:.1e} do not contact it; the others keep their penetration");
             let finding = Diagnostic::warning("P111", message).at(pair.span, label);
             self.diagnostics

@@ -1,5 +1,5 @@
-//! Warnings for questionable contact pairs: surfaces that face away from each other, rigid bodies lighter than the
-//! contact nodes, rigid surfaces finer than the deformable mesh.
+//! Choice of the surface that carries the contact pressures, and warnings for questionable contact pairs: surfaces that
+//! face away from each other, rigid bodies lighter than the contact nodes, rigid surfaces finer than the deformable mesh.
 
 use super::contact_curves::ContactGeometry;
 use super::{Compiler, State};

@@ -174,7 +174,7 @@ impl Compiler<'_> {
         self.body_of_node.get(&reference).copied()
     }
 
-    /// Returns whether bodies of this pair can be in contact: one of them deforms, or an oblique rigid body faces an
+    /// Returns whether bodies of this pair can be in contact: one body deforms, or an oblique rigid body faces an
     /// analytical surface of another body. Faces on rigid bodies cannot contact analytical surfaces and are removed.
     fn is_of_bodies(&self, pairing: &mut SurfacePairing) -> bool {
         let Some(id) = pairing.sides[1].analytical else {

@@ -149,7 +149,7 @@ fn opens(row: &ContactRow, law: &PressureOverclosure, rate: impl Fn() -> f64, sp
 
 /// Returns whether damping would make the pressure of a soft law negative.
 fn is_pulled_open(row: &ContactRow, law: &PressureOverclosure, rate: f64, span: ContactInterval) -> bool {
-    row.dashpot > 0.0 && soft_pressure(row, law, rate, span) == 0.0
+    row.dashpot > 0.0 && soft_pressure(row, law, rate, span)[0] == 0.0
 }
 
 impl ContactRows {
@@ -284,7 +284,7 @@ impl ContactRows {
             let off = match &given.laws[row.law as usize].overclosure {
                 PressureOverclosure::Hard => motion.rate(own) + row.bias,
                 soft => {
-                    let pressure = soft_pressure(row, soft, motion.rate(own), given.span);
+                    let [pressure, _] = soft_pressure(row, soft, motion.rate(own), given.span);
                     (row.normal_impulse - given.span.half * pressure) * row.compliance[0]
                 }
             };

@@ -166,8 +166,8 @@ pub struct ContactConstraint {
     bodies: Vec<ContactBody>,
     /// Time over which forces last acted on velocities.
     half: f64,
-    /// Share of the forces in output. It is 1/2 in the first increment, in which forces act over half of it, so that the
-    /// integral of forces over time is the change of momentum.
+    /// Share of the forces in output. It is 1/2 in the first increment, in which forces act over half of the increment,
+    /// so that the integral of forces over time is the change of momentum.
     output_share: f64,
     /// Whether elements have been deleted since the previous increment.
     uncovered: bool,
@@ -578,7 +578,7 @@ fn add_row(
         row.area += seen.area[end];
         row.gap += seen.gap[end];
     }
-    if row.area <= 0.0 || row.area <= least_cover * own.hat_area(index) {
+    if row.area <= 0.0 || least_cover > 0.0 && row.area <= least_cover * own.hat_area(index) {
         return;
     }
     if let Some(fit) = fits.get(row.key as usize) {

@@ -438,11 +438,11 @@ pub(super) fn closed_overlap(row: &ContactRow, law: &PressureOverclosure, rate: 
     -(row.gap + law.evaluation_point() * span.dt * rate) / row.area
 }
 
-/// Returns the pressure of a soft law and of its damping, if the gap changes at this rate. Surfaces do not attract each
-/// other.
-pub(super) fn soft_pressure(row: &ContactRow, law: &PressureOverclosure, rate: f64, span: ContactInterval) -> f64 {
-    let [pressure, _] = law.pressure(closed_overlap(row, law, rate, span));
-    (pressure - row.dashpot * (rate / row.area)).max(0.0)
+/// Returns the pressure of a soft law with its damping, if the gap changes at this rate, and the slope of the law. Surfaces
+/// do not attract each other.
+pub(super) fn soft_pressure(row: &ContactRow, law: &PressureOverclosure, rate: f64, span: ContactInterval) -> [f64; 2] {
+    let [pressure, slope] = law.pressure(closed_overlap(row, law, rate, span));
+    [(pressure - row.dashpot * (rate / row.area)).max(0.0), slope]
 }
 
 /// Returns the largest possible impulse along the surface.
@@ -455,14 +455,15 @@ pub(super) fn shear_limit(row: &ContactRow, law: &InteractionLaw, half: f64) -> 
 /// the stiffness does not limit the time increment. `free` is the rate without the impulse. The root is unique because
 /// the pressure decreases with the impulse.
 fn soft_impulse(row: &ContactRow, law: &PressureOverclosure, free: f64, span: ContactInterval) -> f64 {
-    let overlap = |impulse: f64| closed_overlap(row, law, free + row.compliance[0] * impulse, span);
+    let pressure_at = |impulse: f64| soft_pressure(row, law, free + row.compliance[0] * impulse, span);
     let steeper = span.half * law.evaluation_point() * span.dt * row.compliance[0] / row.area;
     let resistance = span.half * row.compliance[0] / row.area * row.dashpot;
-    let (mut low, mut high) = (0.0, span.half * soft_pressure(row, law, free, span));
+    let [first, _] = pressure_at(0.0);
+    let (mut low, mut high) = (0.0, span.half * first);
     let mut impulse = row.normal_impulse.clamp(low, high);
     for _ in 0..ROUNDS {
-        let [_, slope] = law.pressure(overlap(impulse));
-        let left = impulse - span.half * soft_pressure(row, law, free + row.compliance[0] * impulse, span);
+        let [pressure, slope] = pressure_at(impulse);
+        let left = impulse - span.half * pressure;
         if left > 0.0 {
             high = impulse;
         } else {

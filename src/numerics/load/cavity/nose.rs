@@ -183,7 +183,7 @@ impl NoseResistance {
     }
 
     /// Returns the outcome of a body without prescribed motion. Only the far side of the stack counts as perforation: a
-    /// body in front of it has not met it, or other forces have moved it back.
+    /// body in front of the stack has not met the stack, or other forces have moved the body back.
     pub(super) fn penetration(&self, stack: &LayerStack, body: &BodyState) -> Option<PenetrationRecord> {
         let [low, high] = self.facing_range(body.velocity)?;
         let side = |shift: f64| {
