@@ -97,6 +97,12 @@ const WRONG: &[(&str, &str, usize)] = &[
     ("decimal_comma", "100., 0.3 => 100,5, 0,3", 1),
     ("no_comma", "100., 0.3 => 100. 0.3", 1),
     ("letter_in_number", "1.,\\n*Elastic => 1O.,\\n*Elastic", 1),
+    (
+        "rate_of_zero",
+        "*Plastic\\n 0.5, 0.\\n 2., 1. => *Plastic, hardening=JOHNSON COOK\\n 0.5, 0.1, 0.31\\n*Rate Dependent, type=JOHNSON COOK\\n 0.02, 0.",
+        1,
+    ),
+    ("negative_exponent", "*Plastic\\n 0.5, 0.\\n 2., 1. => *Plastic, hardening=JOHNSON COOK\\n 0.5, 0.1, -0.31", 1),
     ("plastic_from_above_zero", "0.5, 0. => 0.5, 0.1", 1),
     ("plastic_descends", "2., 1. => 2., 1.\\n 3., 0.5", 1),
     ("no_density", "*Density\\n 1.,\\n =>", 1),
@@ -107,6 +113,16 @@ const WRONG: &[(&str, &str, usize)] = &[
     ("contact_below_nothing", "*Output, field => *Contact Inclusions, ALL EXTERIOR\\n*Output, field", 1),
     ("face", "UPPER, S3 => UPPER, S5 ;; *Output, field => *Dsload\\n END, P, 1.\\n*Output, field", 1),
     ("amplitude", "*Boundary => *Boundary, amplitude=RAMP", 1),
+    (
+        "consequences_of_one_initiation",
+        "*Density => *Damage Initiation, criterion=SHEAR\\n 1., 0., 0.\\n*Damage Evolution, type=ENERGY\\n 1.,\\n*Density",
+        1,
+    ),
+    (
+        "consequences_of_one_surface",
+        "*Step, name => *Surface, name=SKIN\\n BAR, S9\\n*Contact\\n*Contact Inclusions\\n SKIN,\\n*Step, name",
+        1,
+    ),
     ("three_at_once", "material=METAL => material=METALL ;; *Elastic => *Elastc ;; FOOT, 2, 2 => FEET, 2, 2", 3),
     ("a_name_and_a_material", "*Density\\n 1.,\\n => ;; nset=TOP\\n U2 => nset=TIP\\n U2", 2),
 ];
@@ -129,6 +145,44 @@ const DOUBTFUL: &[(&str, &str)] = &[
     ("endless", ", 0.1 => , 1.e11"),
     ("given_increment", "Explicit\\n , 0.1 => Explicit, direct user control\\n 0.1, 0.1"),
     ("nothing_acts", "*Boundary\\n FOOT, 2, 2\\n =>"),
+    ("yield_stress_of_zero", "0.5, 0.\\n => 0., 0.\\n"),
+    ("softening_from_the_start", "2., 1.\\n => 0.2, 1.\\n"),
+    (
+        "exchanged_exponents",
+        "*Plastic\\n 0.5, 0.\\n 2., 1. => *Plastic, hardening=JOHNSON COOK\\n 0.5, 0.1, 1.09, 0.31, 1356., 298.",
+    ),
+    (
+        "exchanged_temperatures",
+        "*Plastic\\n 0.5, 0.\\n 2., 1. => *Plastic, hardening=JOHNSON COOK\\n 0.5, 0.1, 0.31, 1.09, 298., 1356.",
+    ),
+    (
+        "initially_molten",
+        "*Plastic\\n 0.5, 0.\\n 2., 1. => *Plastic, hardening=JOHNSON COOK\\n 0.5, 0.1, 0.31, 1.09, 1356., 298. ;; *Initial Conditions, type=VELOCITY => *Initial Conditions, type=TEMPERATURE\\n BAR, 1400.\\n*Initial Conditions, type=VELOCITY",
+    ),
+    (
+        "rate_constant",
+        "*Plastic\\n 0.5, 0.\\n 2., 1. => *Plastic, hardening=JOHNSON COOK\\n 0.5, 0.1, 0.31\\n*Rate Dependent, type=JOHNSON COOK\\n 25., 1.",
+    ),
+    (
+        "sign_of_d3",
+        "2., 1.\\n => 2., 1.\\n*Damage Initiation, criterion=JOHNSON COOK\\n 0.5, 3.4, -2.1, 0., 0., 0., 0., 1.\\n*Damage Evolution, type=DISPLACEMENT\\n 0.1,\\n",
+    ),
+    (
+        "no_triaxiality",
+        "2., 1.\\n => 2., 1.\\n*Damage Initiation, criterion=JOHNSON COOK\\n 0.05, 3.44\\n*Damage Evolution, type=DISPLACEMENT\\n 0.1,\\n",
+    ),
+    ("adiabatic_without_heat", "*Dynamic, Explicit => *Dynamic, Explicit, adiabatic"),
+    (
+        "cold_start",
+        "*Plastic\\n 0.5, 0.\\n 2., 1. => *Plastic, hardening=JOHNSON COOK\\n 0.5, 0.1, 0.31, 1.09, 1356., 298.\\n*Specific Heat\\n 0.01,\\n*Inelastic Heat Fraction\\n 0.9, ;; *Dynamic, Explicit => *Dynamic, Explicit, adiabatic",
+    ),
+    (
+        "specific_heat_of_other_units",
+        "1.,\\n*Elastic\\n 100., 0.3 => 7850.,\\n*Elastic\\n 2.1e11, 0.3\\n*Specific Heat\\n 4.6e8,",
+    ),
+    ("bulk_viscosity_of_60", "*Output, field => *Bulk Viscosity\\n 60., 1.2\\n*Output, field"),
+    ("mass_factor", "*Output, field => *Fixed Mass Scaling, factor=1.e6\\n*Output, field"),
+    ("interval_longer_than_the_step", "*Output, history, number interval=2 => *Output, history, time interval=1."),
     ("lost_support", "FOOT, 2, 2 => FOOT, 3, 3"),
     ("element_set_for_nodes", "*Nfill, nset=BAR => *Nfill"),
     (
@@ -152,6 +206,19 @@ fn doubtful_input_gives_a_warning() {
         assert_eq!(prepared.diagnostics.iter().count(), 1, "{name}:\n{text}");
         insta::assert_snapshot!(format!("doubt_{name}"), text);
     }
+}
+
+/// A coordinate of one node has a wrong power of ten: its elements are much longer than the others.
+#[test]
+fn node_far_from_the_others_gives_a_warning() {
+    let deck = |far: f64| {
+        let place = |i: usize, j: usize| [i as f64, if (i, j) == (2, 9) { far } else { j as f64 }];
+        crate::common::solid::grid(2, 9, false, place)
+            + &crate::common::solid::material(1.0, 0.3, 1.0, "")
+            + "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary\n J0, 2, 2\n*End Step\n"
+    };
+    let codes = |far: f64| -> Vec<&str> { prepared(&deck(far)).diagnostics.iter().map(|d| d.code).collect() };
+    assert_eq!((codes(9.0), codes(9000.0)), (vec![], vec!["P144"]));
 }
 
 /// Deviations that are accepted without a message or with a ledger entry.

@@ -17,6 +17,7 @@ mod contact_edges;
 mod contact_friction;
 mod contact_heat;
 mod contact_hertz;
+mod contact_linked;
 mod contact_scenes;
 mod contact_sliding;
 mod deformable;

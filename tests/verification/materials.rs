@@ -153,6 +153,9 @@ fn invalid_materials_are_errors() {
         ("P013", deck("*Eos, type=USUP\n 5000., 1.\n")),
         ("P013", gas("*Eos, type=IDEAL GAS\n 287., 0.\n")),
         ("P013", gas("*Eos, type=USUP\n 5000., 1.\n*Plastic\n 300., 0.\n")),
+        ("P013", deck("*Viscosity\n 1.,\n")),
+        ("P013", gas("*Eos, type=USUP\n 5000., 1.\n*Elastic, type=SHEAR\n 100.,\n*Viscosity\n 1.,\n")),
+        ("M103", gas("*Eos, type=USUP\n 5000., 1.\n*Viscosity\n 0.,\n")),
         ("P013", gas("*Elastic, type=SHEAR\n 80e3,\n")),
         ("P017", gas("*Eos, type=USUP\n 5000., 1.\n*Initial Conditions, type=STRESS\n SOLID, 1., 1., 1.\n")),
         ("P017", deck("*Initial Conditions, type=SPECIFIC ENERGY\n SOLID, 1.\n")),
@@ -352,6 +355,65 @@ fn tensile_failure_limits_tension() {
         let pressure = last(&deck, &memory, "PRESS@SOLID");
         assert!((pressure - expected).abs() < 1e-9, "{pressure} {expected}");
     }
+}
+
+/// Returns the relative error of the kinetic energy at time 0.5 of a fluid with the axial velocity V J0(j0 r) in a pipe
+/// of radius 1 with walls at rest, with `n` elements. The kinematic viscosity is 0.3, so that the closed form decays
+/// by a factor of 5.7 (the first decay constant of axial flow is ν j0², with J0(j0) = 0). The deck ends with `more`.
+fn decay_error(n: usize, more: &str) -> (f64, Outcome, [f64; 2]) {
+    let (first_root, viscosity, time) = (2.404_825_557_695_773_f64, 0.3, 0.5);
+    // J0 by its power series, which converges to rounding in twenty terms for arguments up to j0.
+    let j0 = |x: f64| {
+        let terms = (1..20).scan(1.0, |term, k| {
+            *term *= -0.25 * x * x / (k * k) as f64;
+            Some(*term)
+        });
+        1.0 + terms.sum::<f64>()
+    };
+    let mut deck = grid(n, 1, false, |i, j| [i as f64 / n as f64, 0.05 * j as f64])
+        + &format!(
+            "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.,\n*Eos, type=USUP\n 10., 0., 0.\n\
+             *Viscosity\n {},\n*Initial Conditions, type=VELOCITY\n",
+            2.0 * viscosity
+        );
+    for i in 0..n {
+        let v = 1e-4 * j0(first_root * i as f64 / n as f64);
+        deck += &format!(" {}, 2, {v:.17e}\n {}, 2, {v:.17e}\n", i + 1, i + n + 2);
+    }
+    deck += &format!(
+        "*Step\n*Dynamic, Explicit\n , {time}\n*Boundary\n ALL, 1, 1\n I1, 2, 2\n{more}*Output, history, number interval=10\n\
+         *Energy Output\n ALLKE, ALLVD, ALLIE, ETOTAL\n*End Step\n"
+    );
+    let (outcome, memory) = run(&deck);
+    assert_complete(&outcome, 1e-3);
+    let energies = column(&deck, &memory, "ALLKE");
+    let (start, end) = (energies[0].1, energies.last().expect("rows").1);
+    let exact = (-2.0 * viscosity * first_root * first_root * time).exp();
+    let dissipated = last(&deck, &memory, "ALLVD") / (start - end);
+    ((end / start / exact - 1.0).abs(), outcome, [dissipated, last(&deck, &memory, "ALLIE") / start])
+}
+
+/// The decay of axial flow in a pipe has second order in the element length, and the lost kinetic energy is viscous
+/// dissipation.
+#[test]
+fn viscous_flow_decays_as_the_closed_form() {
+    let [coarse, fine] = [10, 20].map(|n| decay_error(n, ""));
+    let order = (coarse.0 / fine.0).log2();
+    println!("errors {:e} {:e}, order {order}", coarse.0, fine.0);
+    assert!(order > 1.9, "{order}");
+    assert!(fine.0 < 5e-3, "{}", fine.0);
+    let [dissipated, internal] = fine.2;
+    // Hourglass modes and the change of volume take less than 0.1 % of the energy.
+    assert!((dissipated - 1.0).abs() < 1e-3 && internal.abs() < 1e-3, "{dissipated} {internal}");
+}
+
+/// The viscosity limits the stable time increment: of diffusion, it is proportional to the square of the element length.
+#[test]
+fn viscosity_limits_the_stable_increment() {
+    let [coarse, fine] = [80, 160].map(|n| decay_error(n, "").1.steps[0].largest_increment);
+    println!("{coarse:e} {fine:e}");
+    let ratio = coarse / fine;
+    assert!((3.0..4.1).contains(&ratio), "{ratio}");
 }
 
 /// Neo-Hooke with C10 = 0.5 and D1 = 0.1: shear modulus 1, bulk modulus 20.

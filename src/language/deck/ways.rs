@@ -24,7 +24,9 @@ pub fn alternative(name: &str) -> &'static str {
         "RESTART" => "to continue a halted run, use `revolve run --resume`",
         "CONTACT" => "use *CONTACT PAIR for contact with an analytical rigid surface; bonded bodies can share nodes",
         "TIE" => "use common nodes for the two bodies",
-        "MPC" | "COUPLING" | "KINEMATIC" | "DISTRIBUTING" | "KINEMATIC COUPLING" | "DISTRIBUTING COUPLING" => {
+        "KINEMATIC COUPLING" => "use *COUPLING and below it *KINEMATIC",
+        "DISTRIBUTING COUPLING" => "use *COUPLING and below it *DISTRIBUTING",
+        "MPC" | "COUPLING" | "KINEMATIC" | "DISTRIBUTING" => {
             "use *RIGID BODY, TIE NSET= or PIN NSET= for nodes that follow a reference node, *EQUATION for linear constraints"
         }
         "NCOPY" | "NMAP" => "use *NFILL and *NGEN to generate nodes, *INSTANCE to place copies of a part",

@@ -216,6 +216,8 @@ impl<'a> ModelBuilder<'a> {
             | "CONTACT INITIALIZATION ASSIGNMENT"
             | "CONTACT CONTROLS ASSIGNMENT"
             | "CONTACT FORMULATION" => self.general_contact_card(card),
+            // Only values without effect are allowed.
+            "SURFACE PROPERTY ASSIGNMENT" => {}
             "CONTACT CONTROLS" => self.contact_controls(card),
             "CLEARANCE" => self.pair_clearance(card),
             "SURFACE INTERACTION" => self.surface_interaction(card),

@@ -59,6 +59,7 @@ impl ConsistencyCheck<'_> {
         let names = ["Young's modulus", "Poisson's ratio"];
         self.rows(material, &cards::Elastic::ROW, names, material.elastic.as_slice());
         self.card(material, &cards::Elastic::ROW, &[("shear modulus", material.shear_modulus)]);
+        self.card(material, &cards::Viscosity::ROW, &[("viscosity", material.viscosity.map(|v| v.0))]);
         self.card(material, &cards::Damping::ROW, &[("ALPHA", material.damping.map(|d| d.0))]);
         let (name, span) = (&material.name, material.span);
         let mut need = |good: bool, what: &str| self.value(good, span, || format!("material `{name}`: {what}"));

@@ -59,8 +59,10 @@ impl ModelBuilder<'_> {
     pub(super) fn damage_evolution(&mut self, card: &Card) {
         let cards::DamageEvolution { energy, value: [value] } = self.values(card);
         let evolution = if energy { DamageEvolution::Energy(value) } else { DamageEvolution::Displacement(value) };
+        let is_refused = self.missing.has_card("DAMAGE INITIATION");
         match self.last_material().failures.last_mut() {
             Some(last) if last.evolution == DamageEvolution::Absent => last.evolution = evolution,
+            _ if is_refused => {}
             _ => {
                 let message = "*DAMAGE EVOLUTION must follow a *DAMAGE INITIATION";
                 self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *DAMAGE INITIATION before"));

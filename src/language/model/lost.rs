@@ -17,6 +17,8 @@ pub(super) struct MissingDefinitions {
     pub elements: bool,
     /// Missing names of sets, surfaces, materials and so on, in upper case.
     names: HashSet<String>,
+    /// Keywords of cards with a reported error.
+    cards: HashSet<&'static str>,
     /// A definition of a body is missing: messages of the plan about bodies are not reliable.
     pub bodies: bool,
 }
@@ -53,6 +55,7 @@ impl MissingDefinitions {
     /// Notes the definitions of a card with an error.
     pub fn note_faulty_card(&mut self, card: &Card) {
         let name = card.keyword.name;
+        self.cards.insert(name);
         match name {
             "NODE" | "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "SYSTEM" => self.nodes = true,
             "ELEMENT" | "ELGEN" | "ELCOPY" => self.elements = true,
@@ -68,6 +71,11 @@ impl MissingDefinitions {
                 self.names.insert(upper(&word.text));
             }
         }
+    }
+
+    /// Returns whether a card with this keyword has a reported error, so that a card that follows it has no place.
+    pub fn has_card(&self, keyword: &str) -> bool {
+        self.cards.contains(keyword)
     }
 
     /// Returns whether a name or label may be missing because of a reported error.

@@ -38,6 +38,10 @@ impl ModelBuilder<'_> {
             }
             "ELASTIC" => self.elastic(card),
             "EOS" => self.eos(card),
+            "VISCOSITY" => {
+                let cards::Viscosity { viscosity: [viscosity] } = self.values(card);
+                self.last_material().viscosity = Some((viscosity, card.span));
+            }
             "DETONATION POINT" => self.detonation_points(card),
             "HYPERELASTIC" => self.hyperelastic(card),
             "CRUSHABLE FOAM" => self.crushable_foam(card),

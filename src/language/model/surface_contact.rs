@@ -81,6 +81,9 @@ impl ModelBuilder<'_> {
         let id = self.surface_id(word)?;
         let faces = self.model.surfaces.faces[id].faces.clone();
         if faces.is_empty() {
+            if self.missing.explains("surface", word) {
+                return None;
+            }
             return self.refuse_value(word.span, format!("surface `{}` has no faces", word.text));
         }
         Some(SideSelection {

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::builder::ModelBuilder;
 use super::names::{qualified, upper};
-use super::types::{ElementKind, ElementSide, ElementSurface, SideSelection};
+use super::types::{ElementKind, ElementSide, ElementSurface, IgnoredCard, SideSelection};
 use crate::deck::{Card, Diagnostic, Word};
 
 impl ModelBuilder<'_> {
@@ -25,11 +25,12 @@ impl ModelBuilder<'_> {
                 "supported: ELEMENT, NODE, SEGMENTS",
             );
         }
-        let (mut faces, mut whole) = (Vec::new(), Vec::new());
+        let (mut faces, mut whole, mut interior) = (Vec::new(), Vec::new(), Vec::new());
         for line in &card.lines {
             let Some(set) = line.field(0) else { continue };
             let elements = self.element_members(set).unwrap_or_default();
             match line.field(1) {
+                Some(side) if side.is("INTERIOR") => interior.push((elements, side)),
                 Some(side) => faces.extend(self.sides(&elements, side)),
                 None => {
                     faces.extend(self.free_sides(&elements));
@@ -37,6 +38,7 @@ impl ModelBuilder<'_> {
                 }
             }
         }
+        interior.iter().for_each(|(elements, side)| self.interior_sides(elements, side, &whole));
         let key = qualified(&self.scope, &name.text);
         let fresh = || ElementSurface {
             name: name.text.clone(),
@@ -47,6 +49,28 @@ impl ModelBuilder<'_> {
         let surface = self.model.surfaces.faces.entry(key).or_insert_with(fresh);
         surface.faces.extend(faces);
         surface.free_face_elements.extend(whole);
+    }
+
+    /// Reads the face identifier INTERIOR (ABAQUS Analysis User's Guide 2.3.2, "Element-based surface definition"): the
+    /// faces that element deletion exposes. Exterior faces of the same elements must be in the surface; they already
+    /// follow element deletion.
+    fn interior_sides(&mut self, elements: &[usize], side: &Word, exterior: &[usize]) {
+        let mesh = &self.model.mesh;
+        let known: HashSet<&usize> = exterior.iter().collect();
+        let refusal = if elements.iter().any(|&e| !mesh.elements[e].kind.is_solid()) {
+            Some(("only solid elements have interior faces", "use SPOS or SNEG"))
+        } else if elements.iter().any(|e| !known.contains(e)) {
+            let help = "add a line with the element set and without a face identifier to the surface";
+            Some(("INTERIOR requires the exterior faces of the same elements in the surface", help))
+        } else {
+            None
+        };
+        if let Some((message, help)) = refusal {
+            return self.diagnostics.push(Diagnostic::error("M131", message).at(side.span, "here").help(help));
+        }
+        let why = "exterior faces always include the faces that element deletion exposes".into();
+        let keyword = "SURFACE, INTERIOR".into();
+        self.model.origin.inert.push(IgnoredCard { keyword, span: side.span, why });
     }
 
     pub(super) fn sides(&mut self, elements: &[usize], word: &Word) -> Vec<(usize, ElementSide)> {

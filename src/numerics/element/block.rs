@@ -599,6 +599,11 @@ impl<T: Real> TaskWorkspace<T> {
         self.task.own_rates = if rates { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() };
     }
 
+    /// Allocates the rates of elements for `blocks` blocks.
+    pub(super) fn store_rates(&mut self, blocks: usize) {
+        self.task.own_rates.resize(blocks, [T::ZERO; LANES]);
+    }
+
     /// Stores the rates of the current block if a list for them exists.
     #[inline(always)]
     fn keep_own_rates(&mut self) {
@@ -661,6 +666,7 @@ impl<T: Real> TaskWorkspace<T> {
         self.stress.begin();
         self.strain.dt = dt;
         self.strain.moduli = ElasticModuli { bulk: constants.bulk, shear: constants.shear };
+        self.strain.viscosity = constants.shear_viscosity;
         (self.cap, self.deformed) = (T::of(cap * self.length), [[T::ZERO; LANES]; 2]);
     }
 

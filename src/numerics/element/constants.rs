@@ -26,6 +26,8 @@ pub struct ElementConstants {
     pub hourglass: HourglassControl,
     /// Bulk viscosity.
     pub bulk_viscosity: BulkViscosity,
+    /// Dynamic shear viscosity of a fluid with an equation of state, stress times time; 0 for other materials.
+    pub shear_viscosity: f64,
 }
 
 /// Hourglass control of elements with one integration point.
@@ -136,7 +138,8 @@ mod tests {
         let mut largest: f64 = 0.0;
         for (bulk, shear) in [(1.0, 1.5), (2.0, 0.9), (100.0, 1.0)] {
             let hourglass = HourglassControl { stiffness: 0.0, viscosity: 0.0, relaxes: true, enhanced: 1.0 };
-            let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity: BulkViscosity::NONE };
+            let constants =
+                ElementConstants { bulk, shear, hourglass, bulk_viscosity: BulkViscosity::NONE, shear_viscosity: 0.0 };
             for shape in 0..20_000_usize {
                 let noise = |i: usize| ((shape * 7919 + i * 104_729) % 9973) as f64 / 9973.0 - 0.5;
                 let inner = [0.0, 0.3, 2.0, 50.0][shape % 4];

@@ -118,7 +118,7 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
                 let forces = [along_r[i], along_z[i]].inline_map(|f| if T::SINGLE { factors.against * f } else { -f });
                 corners.0[i][l] = if AREA { forces.inline_map(|force| flat * force) } else { forces };
             }
-            scratch.add_rate::<VARY>(&factors, &lane, &viscosity, l);
+            scratch.add_rate::<VARY, EOS>(&factors, &lane, &viscosity, l);
         }
     }
 
@@ -192,6 +192,7 @@ impl<T: Real, const AREA: bool, const VARY: bool, const EOS: bool> BlockMaterial
         scratch.sums.viscous[l] += work;
         if EOS {
             scratch.stress.heat[l] = work - scratch.stress.heat[l];
+            scratch.sums.viscous[l] += scratch.stress.sheared[l];
         }
         kept.viscous[l] = damping;
         LaneViscosity { dilation_rate, fraction, damping, sided }
@@ -233,6 +234,8 @@ struct ForceFactors<T> {
     stiffness: T,
     viscosity2: T,
     slow: T,
+    /// Two thirds of the shear viscosity, in the units of lengths and forces.
+    shear_viscosity: T,
     /// Highest frequency of the model, and index of the block.
     cap: T,
     block: T,
@@ -263,6 +266,7 @@ impl<T: Real> ForceFactors<T> {
             stiffness: dt * unit * T::of(constants.hourglass.stiffness) * T::of(constants.shear),
             viscosity2: T::of(2.0 * constants.hourglass.viscosity),
             slow: T::of(SLOW),
+            shear_viscosity: unit * T::of(2.0 / 3.0 * constants.shear_viscosity / scratch.length),
             cap: scratch.cap,
             block: scratch.block,
             starts: VARY && per_dt == T::ZERO,
@@ -373,7 +377,7 @@ impl<T: Real> TaskWorkspace<T> {
     /// (sqrt(1 + ξ²) + ξ) (ABAQUS Analysis User's Guide 6.3.3, "Explicit dynamic analysis"); 1 + ξ²/2 replaces the root
     /// and is never smaller.
     #[inline(always)]
-    fn add_rate<const VARY: bool>(
+    fn add_rate<const VARY: bool, const EOS: bool>(
         &mut self,
         factors: &ForceFactors<T>,
         lane: &LaneMotion<T>,
@@ -385,6 +389,8 @@ impl<T: Real> TaskWorkspace<T> {
         let share = factors.cap * lane.period;
         let capped = share < T::ONE;
         let xi = if capped { fraction * share * factors.pressing } else { fraction };
+        // The viscous modulus 4/3 η is 2 ξ/ω times the modulus, and ω² is the modulus times `squares` over V.
+        let xi = if EOS { xi + factors.shear_viscosity * lane.squares * lane.per * lane.period } else { xi };
         // The exact root in a cold gas, where ξ has no bound.
         let damped = if VARY { xi + (T::ONE + xi * xi).root() } else { damped(xi) };
         let highest = if capped { factors.cap } else { lane.omega };

@@ -196,6 +196,8 @@ pub trait GroupExtensions {
 pub trait GroupSettings {
     /// Sets the masses of an element at its nodes.
     fn set_masses(&mut self, element: usize, masses: &[f64]);
+    /// Allocates the stable time increments of elements, from which mass scaling finds the current stiffness of rubber.
+    fn keep_rates(&mut self) {}
     /// Starts to record strains and energies for output.
     fn follow(&mut self);
     /// Sets the bound of the highest frequency of the whole model, radians per time; infinite if unknown.
@@ -405,8 +407,25 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
         Some(self.tasks[block / TASK].task.records.get(block % TASK)?.of(element % LANES))
     }
 
-    /// Whether the pressure, and therefore the mass, is part of the material state.
+    /// Whether the pressure is part of the material state; with an equation of state the mass too.
     const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled);
+
+    /// Returns one over the stable time increment of an element of rubber with corner masses: that of its initial moduli,
+    /// times the ratio that the last update found for the current masses.
+    fn rubber_rate(&self, element: usize, nodes: &[Node], masses: &[f64; 4]) -> f64 {
+        let (block, lane) = (element / LANES, element % LANES);
+        let corners = self.corners(element).inline_map(|n| nodes[n as usize].place());
+        let constants = ElementConstants { bulk: self.material.initial_bulk(), ..self.constants };
+        let initial = |masses: &[f64; 4]| constants.own_rate(corners, masses);
+        let rates = self.tasks[block / TASK].task.own_rates.get(block % TASK);
+        match rates.map(|rates| 0.5 * rates[lane].wide()).filter(|rate| *rate > 0.0) {
+            Some(rate) => {
+                let current = self.constants.with_assumed(rate, f64::INFINITY);
+                initial(masses) * current / initial(&self.corner_masses(element))
+            }
+            None => initial(masses),
+        }
+    }
 
     /// Sets a value of an element. Returns whether its material uses it.
     fn set_value(&mut self, element: usize, value: PointValue) -> bool {
@@ -632,8 +651,8 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementGroup for Qua
     fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
         let (block, lane) = (element / LANES, element % LANES);
         let masses = match masses {
-            // If the pressure follows from density or specific energy, the mass is part of the material state.
-            Some(_) if Self::HOLDS_PRESSURE || AREA => return None,
+            // If the pressure follows from density and specific energy, the mass is part of the material state.
+            Some(_) if M::EQUATION_OF_STATE || AREA => return None,
             None if Self::HOLDS_PRESSURE => {
                 let rates = self.tasks[block / TASK].task.own_rates.get(block % TASK);
                 return Some(rates.map_or(0.0, |rates| 0.5 * rates[lane].wide()));
@@ -641,6 +660,9 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementGroup for Qua
             Some(masses) => *masses.first_chunk()?,
             None => self.corner_masses(element),
         };
+        if Self::HOLDS_PRESSURE {
+            return Some(self.rubber_rate(element, nodes, &masses));
+        }
         let corners = self.corners(element).inline_map(|n| nodes[n as usize].place());
         Some(self.constants.own_rate(corners, &masses))
     }
@@ -719,8 +741,23 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupSettings for Qu
         let Some(masses) = masses.first_chunk::<4>() else { return };
         // The stable time increment of a quiescent task has changed.
         self.quiescence[element / (TASK * LANES)].quiescent = false;
+        let (block, lane) = (element / LANES, element % LANES);
+        let before = self.corner_masses(element);
+        if let Some(rates) = self.tasks[block / TASK].task.own_rates.get_mut(block % TASK) {
+            let ratio = [0, 1, 2, 3].inline_map(|i| before[i] / masses[i]);
+            let raised = ratio.into_iter().fold(0.0, f64::max).sqrt();
+            rates[lane] = rates[lane] * T::of(raised);
+        }
         let masses = masses.inline_map(|mass| mass / self.unit());
         self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
+    }
+
+    fn keep_rates(&mut self) {
+        if Self::HOLDS_PRESSURE && !M::EQUATION_OF_STATE {
+            for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+                scratch.store_rates(blocks.len());
+            }
+        }
     }
 
     fn follow(&mut self) {
@@ -979,6 +1016,7 @@ mod tests {
             shear: 1.0,
             hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true, enhanced: 0.0 },
             bulk_viscosity: BulkViscosity::default(),
+            shear_viscosity: 0.0,
         };
         let run = |arch: Arch| {
             let lines = PiecewiseLinearHardening::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");

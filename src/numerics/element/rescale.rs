@@ -27,6 +27,7 @@ impl FactorSet {
 impl Elements {
     /// Stores the current masses as reference of all factors; masses of nodes with `left` are not scaled.
     pub fn store_unscaled_masses(&mut self, nodes: &Nodes, left: Vec<bool>) {
+        self.groups.iter_mut().for_each(|group| group.extensions().settings().keep_rates());
         let elements: Vec<Vec<PerNode<f64>>> =
             self.groups.iter().map(|g| (0..g.len()).map(|e| g.masses(e)).collect()).collect();
         let ones: Vec<Vec<f64>> = elements.iter().map(|c| vec![1.0; c.len()]).collect();

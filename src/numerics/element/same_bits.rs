@@ -80,6 +80,7 @@ fn constants(enhanced: f64) -> ElementConstants {
         shear: 1.0,
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true, enhanced },
         bulk_viscosity: BulkViscosity::default(),
+        shear_viscosity: 0.0,
     }
 }
 

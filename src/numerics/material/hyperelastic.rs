@@ -79,6 +79,10 @@ impl Material for NeoHooke {
         DeformationState::fresh()
     }
 
+    fn initial_bulk(&self) -> f64 {
+        2.0 / self.d1
+    }
+
     #[inline(always)]
     fn update(
         &self,
@@ -136,6 +140,10 @@ impl<E: StrainEnergy> Material for HyperelasticMaterial<E> {
 
     fn initial_state(&self, _start: &BlockStart) -> DeformationState {
         DeformationState::fresh()
+    }
+
+    fn initial_bulk(&self) -> f64 {
+        self.volume.initial()
     }
 
     /// Computes the stress from the left Cauchy-Green tensor B. The principal directions are those of B: two in the (r,

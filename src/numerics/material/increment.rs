@@ -29,6 +29,8 @@ pub struct StrainIncrement<T = f64> {
     pub dt: f64,
     /// Moduli of the elastic trial, upper bounds where they vary.
     pub moduli: ElasticModuli,
+    /// Dynamic shear viscosity of a fluid; 0 for other materials.
+    pub viscosity: f64,
     /// Lanes with an element.
     pub count: usize,
     /// Averaged minus own volumetric strain increments; `None` without averaging.
@@ -61,6 +63,8 @@ pub struct StressUpdate<T = f64> {
     pub shear: Lanes<T>,
     /// Result of an equation of state: estimated work of the bulk viscosity.
     pub heat: Lanes<T>,
+    /// Result of a fluid with shear viscosity: work of the viscous stress.
+    pub sheared: Lanes<T>,
     /// Work of the stress, summed over the blocks of a task, lane by lane.
     pub internal: Lanes<T>,
     /// Energy dissipated by plastic flow and damage, summed in the same way.

@@ -116,6 +116,11 @@ pub trait Material<T: Real = f64>: Send + Sync + 'static {
     /// Adds heat (energy) that the element found after [`Material::update`].
     fn add_heat(&self, _state: &mut Self::State, _heat: &Lanes, _mass: &Lanes) {}
 
+    /// Returns the initial bulk modulus of a law with varying moduli, where the constants of the elements have none.
+    fn initial_bulk(&self) -> f64 {
+        0.0
+    }
+
     /// Returns the share of the stress that damage leaves, 0 for a deleted element.
     fn share(&self, _state: &Self::State, _lane: usize) -> f64 {
         1.0

@@ -106,8 +106,11 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw, T: Real> Material<T> for 
             update.flow = near(&increment);
         }
         if V::EOS
-            && let (Some(strain), Some(update)) = (as_same(strain), as_type(update))
+            && let (Some(strain), Some(update)) = (as_same(strain), as_type::<_, StressUpdate>(update))
         {
+            if !H::PLASTIC && strain.viscosity > 0.0 && strain.dt > 0.0 {
+                update.set_viscous_deviator(strain);
+            }
             self.update_pressure(&mut state.volumetric, strain, update);
         }
         if H::PLASTIC {
@@ -288,6 +291,30 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             update.dissipated[l] +=
                 T::of(volume * ((energy_before - energy_after) - (1.0 - left) * mises * input.plastic[l]));
             update.deleted += usize::from(left == 0.0);
+        }
+    }
+}
+
+impl StressUpdate {
+    /// Sets the deviator to 2 η times the rate of the deviatoric strain (Newtonian fluid; ABAQUS Analysis User's Guide
+    /// 25.2.1, "Viscous shear behavior"), with the strain rate of the increment. The work of the deviator is viscous
+    /// dissipation instead of internal energy.
+    #[inline(always)]
+    fn set_viscous_deviator(&mut self, strain: &StrainIncrement) {
+        let twice = 2.0 * strain.viscosity / strain.dt;
+        for l in 0..LANES {
+            let [rr, zz, hoop, rz] = column(&strain.strain, l);
+            let third = (rr + zz + hoop) * (1.0 / 3.0);
+            let distortion = [rr - third, zz - third, hoop - third, rz];
+            let mut work = 0.0;
+            for i in 0..4 {
+                let new = twice * distortion[i];
+                let both_sides = if i == 3 { 2.0 } else { 1.0 };
+                work += both_sides * distortion[i] * (strain.carried[i][l] + new);
+                self.deviator[i][l] = new;
+            }
+            self.sheared[l] = 0.5 * strain.volume[l] * work;
+            self.internal[l] -= self.sheared[l];
         }
     }
 }

@@ -136,7 +136,9 @@ impl Compiler<'_> {
             match self.point_of(node, around, found) {
                 Ok(point) => points.push(point),
                 Err(why) => {
-                    return self.diagnostics.refuse(Diagnostic::error("P021", why).at(pair.span, "this pair"));
+                    return self
+                        .diagnostics
+                        .refuse(Diagnostic::error("P021", why.message(&self.model.mesh)).at(pair.span, "this pair"));
                 }
             }
         }

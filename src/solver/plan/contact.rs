@@ -37,9 +37,11 @@ impl Compiler<'_> {
         if wanted.is_empty() {
             return None;
         }
+        let (equal_motions, mut held) = self.links.equal_motions(prescribed);
+        held.extend(prescribed);
         let around = CurveContext {
-            prescribed,
-            kept: &self.links.involved_dofs(),
+            prescribed: &held,
+            in_equations: &self.links.dofs_of_equations(),
             skin: &self.solid_skin(),
             general: self.model.steps[step].general_contact.as_ref(),
             pairs: &all,
@@ -71,11 +73,19 @@ impl Compiler<'_> {
         pairs.iter_mut().filter(|p| p.springs).for_each(|p| p.law += first);
         let any = !springs.is_empty();
         laws.extend(springs);
-        let mut contact = ContactConstraint::new(points, curves, analyticals, pairs, laws);
+        let mut contact =
+            ContactConstraint::new(points, curves, analyticals, pairs, laws).with_equal_motions(equal_motions);
         if any {
             contact = contact.with_springs(first);
         }
         if let Some(heat) = state.thermal.as_ref().and_then(|t| t.heat.as_ref()) {
+            if contact.has_equal_motions() {
+                let message = "heat conduction through contact of nodes with equal motion is not supported";
+                let finding = Diagnostic::error("P021", message).at(all[0].span, "these nodes follow a reference node");
+                return self
+                    .diagnostics
+                    .refuse(finding.help("make the body rigid, or remove these nodes from the surface"));
+            }
             contact = contact.with_heat(|node| heat.temperature(node).is_finite());
         }
         let overlaps = contact.start(&places);

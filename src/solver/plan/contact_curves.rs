@@ -9,7 +9,7 @@ use crate::constraint::contact::analytical::AnalyticalSurface;
 use crate::constraint::contact::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use crate::deck::Diagnostic;
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, bounding_box};
-use crate::model::{ElementSide, GeneralContact, SideSelection, SurfaceContact};
+use crate::model::{ElementSide, GeneralContact, Mesh, SideSelection, SurfaceContact};
 
 /// Maximum penetration of a facet, in facet lengths.
 const DEEPEST: f64 = 2.0;
@@ -34,14 +34,35 @@ pub(super) struct ContactGeometry {
 
 /// Data that points and facets depend on.
 pub(super) struct CurveContext<'a> {
-    /// Degrees of freedom (node, axis) that are prescribed, and that are in equations or links.
+    /// Degrees of freedom (node, axis) that are prescribed, directly or by nodes with equal motion.
     pub(super) prescribed: &'a HashSet<(usize, usize)>,
-    pub(super) kept: &'a HashSet<(usize, usize)>,
+    /// Degrees of freedom in equations.
+    pub(super) in_equations: &'a HashSet<(usize, usize)>,
     /// Outline of the solid elements.
     pub(super) skin: &'a SolidOutline,
     /// General contact of the step, and all contact pairs of the step.
     pub(super) general: Option<&'a GeneralContact>,
     pub(super) pairs: &'a [SurfaceContact],
+}
+
+/// Reason why a node cannot be in contact.
+pub(super) enum PointRefusal {
+    /// The node is in an equation or follows one that is.
+    Equation(usize),
+    /// The node belongs to no body.
+    NoBody(usize),
+}
+
+impl PointRefusal {
+    pub(super) fn message(&self, mesh: &Mesh) -> String {
+        match *self {
+            PointRefusal::Equation(node) => {
+                let why = "is in an equation (*EQUATION, *TIE, *DISTRIBUTING): remove it from the surface";
+                format!("node {} is in contact and {why}", mesh.node_names[node])
+            }
+            PointRefusal::NoBody(node) => format!("node {} belongs to no body", mesh.node_names[node]),
+        }
+    }
 }
 
 type MeridianEdge = [[f64; 2]; 2];
@@ -89,25 +110,30 @@ impl Compiler<'_> {
         if let Some(&known) = found.by_name.get(&key) {
             return Some(known);
         }
-        let (mut facets, mut facet_elements) = (Vec::new(), Vec::new());
+        let (mut facets, mut facet_elements, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
         for &(element, side) in &sides.faces {
             let Some(mut ends) = self.model.mesh.side_nodes(element, side) else { continue };
             // The body is to the left of a facet. On the positive side of a shell the direction is reversed.
             if side == ElementSide::Positive {
                 ends.reverse();
             }
-            let mut facet = [0; 2];
-            for (point, node) in facet.iter_mut().zip(ends) {
-                *point = match self.point_of(node, around, found) {
-                    Ok(point) => point,
-                    Err(why) => {
-                        return self.diagnostics.refuse(Diagnostic::error("P021", why).at(contact.span, "this pair"));
-                    }
-                };
-            }
+            let points = ends.map(|node| self.point_of(node, around, found));
+            let facet = match points {
+                [Ok(a), Ok(b)] => [a, b],
+                // Tied surfaces are inside a body, and general contact contains them without being asked for.
+                [Err(PointRefusal::Equation(node)), _] | [_, Err(PointRefusal::Equation(node))] if contact.general => {
+                    left_out.push(node);
+                    continue;
+                }
+                [Err(why), _] | [_, Err(why)] => {
+                    let finding = Diagnostic::error("P021", why.message(&self.model.mesh));
+                    return self.diagnostics.refuse(finding.at(contact.span, "this pair"));
+                }
+            };
             facets.push((facet, element));
             facet_elements.push((element, ends));
         }
+        self.warn_of_left_out(contact, &sides.name, &left_out);
         // Facets on the axis are inside a body.
         facets.retain(|(f, _)| f.iter().any(|&p| found.places[p as usize][0] != 0.0));
         facet_elements.retain(|(_, ends)| ends.iter().any(|&n| self.model.mesh.points[n][0] != 0.0));
@@ -125,6 +151,16 @@ impl Compiler<'_> {
         found.facet_elements.push(facet_elements);
         found.by_name.insert(key, curve);
         Some(curve)
+    }
+
+    /// Warns of the facets that general contact leaves out because of nodes in equations.
+    fn warn_of_left_out(&mut self, contact: &SurfaceContact, surface: &str, nodes: &[usize]) {
+        let Some(&first) = nodes.first() else { return };
+        let name = &self.model.mesh.node_names[first];
+        let count = nodes.len();
+        let message = format!("{count} facets of `{surface}` are not in contact, because their nodes are in equations");
+        let finding = Diagnostic::warning("P123", message).at(contact.span, format!("for example at node {name}"));
+        self.diagnostics.push(finding.help("no other body must reach these facets; tied faces are inside a body"));
     }
 
     /// Adds the interior faces of the bodies of the exposed facets, one per side. They are exposed when the element in
@@ -174,7 +210,7 @@ impl Compiler<'_> {
         node: usize,
         around: &CurveContext<'_>,
         found: &mut ContactGeometry,
-    ) -> Result<u32, String> {
+    ) -> Result<u32, PointRefusal> {
         match found.point_of_node.get(&node) {
             Some(&known) => Ok(known),
             None => Ok(found.add(node, self.contact_point(node, around)?, self.model.mesh.points[node])),
@@ -185,14 +221,12 @@ impl Compiler<'_> {
     fn contact_point(
         &self,
         node: usize,
-        CurveContext { prescribed, kept, .. }: &CurveContext<'_>,
-    ) -> Result<SurfacePoint, String> {
+        CurveContext { prescribed, in_equations, .. }: &CurveContext<'_>,
+    ) -> Result<SurfacePoint, PointRefusal> {
         let mesh = &self.model.mesh;
         if let Some(place) = self.places.free_node(node) {
-            if kept.contains(&(place, 0)) || kept.contains(&(place, 1)) {
-                let name = &mesh.node_names[node];
-                let why = "is a dependent node (*EQUATION, *MPC, *COUPLING, *TIE): remove it from the surface";
-                return Err(format!("node {name} is in contact and {why}"));
+            if in_equations.contains(&(place, 0)) || in_equations.contains(&(place, 1)) {
+                return Err(PointRefusal::Equation(node));
             }
             let free = [0, 1].map(|axis| !prescribed.contains(&(place, axis)));
             return Ok(SurfacePoint { carrier: PointCarrier::Node(place), free });
@@ -202,7 +236,7 @@ impl Compiler<'_> {
             Some(&body) => {
                 Ok(SurfacePoint { carrier: PointCarrier::Body(body, mesh.points[node]), free: [false, true] })
             }
-            None => Err(format!("node {} belongs to no body", mesh.node_names[node])),
+            None => Err(PointRefusal::NoBody(node)),
         }
     }
 

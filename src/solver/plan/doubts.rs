@@ -22,6 +22,7 @@ impl<'m> Compiler<'m> {
             return;
         }
         self.check_units();
+        self.check_values();
         self.check_initial_speed();
         if let Some((time, element)) = self.shortest_wave_transit() {
             self.check_given_increments(time, element);

@@ -67,6 +67,31 @@ impl LinkSet {
         self.spans.push(span);
     }
 
+    /// Returns the degrees of freedom (node, axis) in equations, and those with the same motion as one in an equation.
+    pub fn dofs_of_equations(&self) -> HashSet<(usize, usize)> {
+        let mut dofs: HashSet<(usize, usize)> =
+            self.equations.iter().flat_map(|e| e.terms.iter().map(|t| (t.0, t.1))).collect();
+        for MergedDofs { nodes, axis } in &self.merged {
+            if nodes.iter().any(|&n| dofs.contains(&(n, *axis))) {
+                dofs.extend(nodes.iter().map(|&n| (n, *axis)));
+            }
+        }
+        dofs
+    }
+
+    /// Returns the sets of nodes with equal motion, the node with a prescribed motion first, and the degrees of freedom
+    /// of those that have one.
+    pub fn equal_motions(&self, prescribed: &HashSet<(usize, usize)>) -> (Vec<MergedDofs>, HashSet<(usize, usize)>) {
+        let (mut sets, mut given) = (self.merged.clone(), HashSet::new());
+        for MergedDofs { nodes, axis } in &mut sets {
+            if let Some(leader) = nodes.iter().position(|&n| prescribed.contains(&(n, *axis))) {
+                nodes.swap(0, leader);
+                given.extend(nodes.iter().map(|&n| (n, *axis)));
+            }
+        }
+        (sets, given)
+    }
+
     /// Returns the degrees of freedom (node, axis) in equations and links.
     pub fn involved_dofs(&self) -> HashSet<(usize, usize)> {
         let terms = self.equations.iter().flat_map(|e| e.terms.iter().map(|t| (t.0, t.1)));

@@ -19,6 +19,7 @@ mod fields;
 mod general_contact;
 mod heat;
 mod heat_ties;
+mod implausible;
 mod labels;
 pub mod ledger;
 mod links;

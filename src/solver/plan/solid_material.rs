@@ -78,6 +78,7 @@ impl Compiler<'_> {
     ) -> Option<Box<dyn ElementGroup>> {
         let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
         let material = &self.model.materials[section.material];
+        let shear_viscosity = self.shear_viscosity(section, material)?;
         if let Some(constants) = &material.user.material
             && let Some(law) = self.routines.law(&material.name)
         {
@@ -102,7 +103,8 @@ impl Compiler<'_> {
         connectivity.add_masses(nodes, density, mass);
         let hourglass = self.control(section, material, moduli, connectivity)?;
         let bulk_viscosity = self.bulk_viscosity(material.eos.is_some() || section.controls.by_area);
-        let constants = ElementConstants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
+        let ElasticModuli { bulk, shear } = moduli;
+        let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity };
         let heats = self.adiabatic() || self.conducts(section);
         self.solid_rows(section, (elements.len(), connectivity.element_type()), &constants, (material, heats));
         let (spared, kept) = self.damage_limits(section, material);
@@ -213,6 +215,22 @@ impl Compiler<'_> {
             _ => format!("material `{}` has no *ELASTIC", material.name),
         };
         self.diagnostics.refuse(Diagnostic::error("P013", refusal).at(span, "these elements are deformable"))
+    }
+
+    /// Returns the shear viscosity of a section, zero without `*VISCOSITY`, which requires a fluid: an equation of state
+    /// without shear modulus.
+    fn shear_viscosity(&mut self, section: &SolidSection, material: &MaterialDefinition) -> Option<f64> {
+        let Some((viscosity, span)) = material.viscosity else { return Some(0.0) };
+        let is_fluid = material.eos.is_some() && material.shear_modulus.is_none() && material.plastic.is_none();
+        if !is_fluid || calls_routines_at_points(material) || material.user.material.is_some() {
+            let message = format!("*VISCOSITY of material `{}` requires *EOS and no shear strength", material.name);
+            let finding = Diagnostic::error("P013", message).at(span, "this viscosity");
+            let help = "for a solid use *RATE DEPENDENT, *DAMPING or *BULK VISCOSITY";
+            return self.diagnostics.refuse(finding.at(section.span, "these elements").help(help));
+        }
+        let detail = format!("Newtonian fluid, {viscosity:e}");
+        self.ledger_row(span, "shear viscosity", 1, "material", detail);
+        Some(viscosity)
     }
 
     /// Selects the law of a material with an equation of state.

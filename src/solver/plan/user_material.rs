@@ -63,7 +63,7 @@ impl Compiler<'_> {
         // The moduli of a user material are computed from its first call.
         let user_stress = matches!(law, UserLaw::Stress(..));
         let [bulk, shear] = if user_stress { [0.0; 2] } else { [moduli.bulk, moduli.shear] };
-        let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity };
+        let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity: 0.0 };
         let heating =
             if self.adiabatic() || self.conducts(section) { heating(material, density) } else { PlasticHeating::None };
         self.user_rows(section, material, &law, (elements.len(), "CAX4R", &constants), &heating);
@@ -130,7 +130,13 @@ impl Compiler<'_> {
                 connectivity.add_masses(nodes, density, mass);
                 let hourglass = self.control(section, material, moduli, connectivity)?;
                 let bulk_viscosity = self.bulk_viscosity(false);
-                let group = ElementConstants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
+                let group = ElementConstants {
+                    bulk: moduli.bulk,
+                    shear: moduli.shear,
+                    hourglass,
+                    bulk_viscosity,
+                    shear_viscosity: 0.0,
+                };
                 let stress = UserLaw::Stress(constants, "in Rust");
                 self.user_rows(section, material, &stress, (count, kind, &group), &PlasticHeating::None);
                 let law = SolidMaterial::Point(PointLaw { law, constants: constants.to_vec(), variables, delete });

@@ -171,6 +171,7 @@ mod tests {
                 shear: 1.0,
                 hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
                 bulk_viscosity,
+                shear_viscosity: 0.0,
             };
             let count = self.nodes.len();
             let mut mass = vec![0.0; count];

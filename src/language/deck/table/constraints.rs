@@ -297,6 +297,16 @@ pub const CARDS: &[Keyword] = &[
         "applies only to implicit analyses": "FORMULATION", "ANGLE";
     }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface",
         "role of the first surface" (word(&["SLAVE", "SECONDARY", "MASTER", "MAIN"]).or(0.0)) "SLAVE or SECONDARY: it carries the pressures; MASTER or MAIN: the second surface carries them. A rigid surface never carries pressures"])]),
+    row!("SURFACE PROPERTY ASSIGNMENT", "Geometric properties of surfaces in general contact; only the default values of the thickness and of the offset", (), {
+        "PROPERTY" (variant(&["THICKNESS", "OFFSET FRACTION", "FEATURE EDGE CRITERIA"]).required()) "FEATURE EDGE CRITERIA has no effect, because feature edges exist in three dimensions only",
+    }, [
+        (when "PROPERTY" = "THICKNESS" rows ["surface" inert "all surfaces have their original thickness",
+            "thickness" only ["ORIGINAL"] "the contact thickness of shells is the original one; NO THICKNESS on *CONTACT PAIR gives contact at the middle surface",
+            "factor" only ["1", "1.", "1.0"] "the contact thickness is not scaled"]),
+        (when "PROPERTY" = "OFFSET FRACTION" rows ["surface" inert "no surface has an offset",
+            "offset fraction" only ["ORIGINAL", "0", "0.", "0.0"] "the reference surface of shells is the middle surface"]),
+        (rows ["surface" inert "feature edges exist in three dimensions only", "criterion" inert "feature edges exist in three dimensions only"]),
+    ]),
     Clearance::ROW,
     ContactClearance::ROW,
     row!("CONTACT CLEARANCE ASSIGNMENT", "Clearances of general contact; the last one that applies to two surfaces is used", (), {

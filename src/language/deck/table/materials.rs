@@ -46,6 +46,11 @@ card!(Eos: "EOS", "Equation of state", (once below "MATERIAL"), {
     (lines ["c0" (POSITIVE.required()), "s" (NOT_NEGATIVE.or(0.0)), "Gamma0" (NOT_NEGATIVE.or(0.0))]),
 ]);
 
+card!(Viscosity: "VISCOSITY", "Shear viscosity of a Newtonian fluid with *EOS: the deviatoric stress is twice the viscosity times the deviatoric strain rate", (once below "MATERIAL"), {
+    "DEFINITION" only ["NEWTONIAN"] "the viscosity does not depend on the shear rate",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+}, viscosity: [f64; 1] = [(lines ["viscosity" (POSITIVE.required()) "Dynamic viscosity, stress times time", "temperature" inert "the viscosity does not depend on temperature"])]);
+
 card!(DetonationPoint: "DETONATION POINT", "Points at which detonation begins", (once below "MATERIAL"), {}, points: Vec<[f64; 4]> = [
     (rows [
         "r" (ZERO), "z" (ZERO), "third coordinate" inert "a point in the r-z plane is a ring",
@@ -177,7 +182,7 @@ card!(Plastic: "PLASTIC", "Metal plasticity", (once below "MATERIAL"), {
     "applies only to combined hardening": "NUMBER BACKSTRESSES", "STATIC RECOVERY";
 }, [
     (when "HARDENING" = "USER" list "constant of the hardening" read "Eight values per line"),
-    (when "HARDENING" = "JOHNSON COOK" lines ["A" (ZERO), "B" (ZERO), "n" (ZERO), "m" (ZERO), "melting temperature" (ZERO), "transition temperature" (ZERO)]),
+    (when "HARDENING" = "JOHNSON COOK" lines ["A" (ZERO), "B" (ZERO), "n" (NOT_NEGATIVE.or(0.0)), "m" (ZERO), "melting temperature" (ZERO), "transition temperature" (ZERO)]),
     (when "DEPENDENCIES" = "" rows [
         "yield stress" (ZERO), "plastic strain" (ZERO), "temperature" (NUMBER),
         "field variable", "field variable", "field variable", "field variable", "field variable",
@@ -189,7 +194,7 @@ card!(RateDependent: "RATE DEPENDENT", "Rate dependence of the yield stress", (o
     kind: usize = "TYPE" (variant(&["POWER LAW", "YIELD RATIO", "JOHNSON COOK"]).or(0.0)),
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
 }, [
-    (when "TYPE" = "JOHNSON COOK" lines ["C" (ZERO), "reference strain rate" (NUMBER.or(1.0))]),
+    (when "TYPE" = "JOHNSON COOK" lines ["C" (ZERO), "reference strain rate" (POSITIVE.or(1.0))]),
     (when "TYPE" = "YIELD RATIO" rows ["yield ratio" (ZERO), "strain rate" (NUMBER.or(1.0)), "temperature" (NUMBER)]),
     (rows ["D" (POSITIVE.required()), "n" (POSITIVE.or(1.0)), "temperature" (TEMPERATURE)]),
 ]);
@@ -308,6 +313,7 @@ pub const CARDS: &[Keyword] = &[
     Density::ROW,
     Elastic::ROW,
     Eos::ROW,
+    Viscosity::ROW,
     DetonationPoint::ROW,
     Hyperelastic::ROW,
     CrushableFoam::ROW,

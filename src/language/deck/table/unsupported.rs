@@ -121,7 +121,6 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Rolling procedure": "STEADY STATE TRANSPORT";
     "Submodelling": "SUBMODEL";
     "Substructures": "SUBSTRUCTURE PATH", "SUBSTRUCTURE GENERATE";
-    "Surface properties of general contact": "SURFACE PROPERTY ASSIGNMENT";
     "Swelling": "SWELLING";
     "Model generation by symmetry": "SYMMETRIC MODEL GENERATION";
     "Prescribed temperatures": "TEMPERATURE";
@@ -269,7 +268,6 @@ pub const ELSEWHERE: &[Keyword] = unread!(UnsupportedPhysics:
     "Cohesive behaviour of surfaces": "TRACTION SEPARATION";
     "Rolling procedure": "TRANSPORT VELOCITY";
     "Underwater explosions": "UNDEX CHARGE PROPERTY";
-    "Shear viscosity of a fluid": "VISCOSITY";
     "Wind on slender structures": "WIND";
 );
 

@@ -25,6 +25,8 @@ pub struct MaterialDefinition {
     pub hyperelastic: Option<HyperelasticLaw>,
     /// Relation of pressure, density and internal energy (`*EOS`).
     pub eos: Option<EquationOfState>,
+    /// Dynamic shear viscosity, stress times time (`*VISCOSITY`), and its source position.
+    pub viscosity: Option<(f64, Span)>,
     /// Detonation points (`*DETONATION POINT`): `[r, z, total time]` of each.
     pub detonation: Vec<[f64; 3]>,
     /// Yield stress and hardening (`*PLASTIC`).

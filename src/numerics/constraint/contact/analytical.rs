@@ -116,6 +116,7 @@ impl ContactConstraint {
             laws,
             shown,
             dofs,
+            merged,
             ..
         } = self;
         let pair = &pairs[at];
@@ -130,7 +131,7 @@ impl ContactConstraint {
         let (carried, before) = (motion.velocity[body as usize], places[analytical.point as usize][1]);
         let lift = [before, before + dt * carried];
         // Impulses of other rows may move points that are at rest now.
-        let coupled = pairs.len() > 1 || motion.inverse_mass[body as usize] > 0.0;
+        let coupled = pairs.len() > 1 || motion.inverse_mass[body as usize] > 0.0 || !merged.is_empty();
         let fastest = if coupled { motion.velocity.iter().fold(0.0_f64, |v, w| v.max(w.abs())) } else { 0.0 };
         let opens = pair.search.reach();
         let alone = own.orphans.iter().map(|&i| (i, true));

@@ -22,6 +22,7 @@ mod sweeps;
 
 use crate::kernel::lanes::InlineMap;
 use std::any::Any;
+use std::collections::HashMap;
 
 use self::analytical::{AnalyticalSurface, ClosestPoint};
 use self::curve::{FacetCurve, PointCarrier, SurfacePoint};
@@ -32,6 +33,7 @@ use self::shown::ContactOutput;
 use self::slip_damping::SlipDamping;
 use self::stored_energy::StoredEnergy;
 use self::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, NONE};
+use super::bonds::MergedDofs;
 use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, HeatExchange, StoredConstraint};
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lists::MemoryUse;
@@ -139,6 +141,8 @@ pub struct ContactConstraint {
     dofs_of: Vec<[u32; 2]>,
     /// The degrees of freedom of the points, and whether their motion is prescribed.
     dofs: Vec<(Dof, bool)>,
+    /// Degrees of freedom of several nodes with equal motion.
+    merged: Vec<MergedContactDof>,
     /// Pressure and shear stress of each key over the previous increment.
     pressures: Vec<[f64; 2]>,
     /// Energy of each key with a soft law.
@@ -172,6 +176,22 @@ pub struct ContactConstraint {
     /// Whether elements have been deleted since the previous increment.
     uncovered: bool,
     shown: ContactOutput,
+}
+
+/// A degree of freedom of nodes with equal motion, such as the nodes of a kinematic coupling. It moves with their total
+/// mass.
+#[derive(Clone, Debug)]
+struct MergedContactDof {
+    /// Index of the degree of freedom.
+    dof: usize,
+    nodes: MergedDofs,
+}
+
+impl MergedContactDof {
+    /// Returns one over the total mass.
+    fn inverse_mass(&self, dofs: &Dofs) -> f64 {
+        1.0 / self.nodes.nodes.iter().map(|&n| dofs.nodes.mass[n]).sum::<f64>()
+    }
 }
 
 /// A rigid body that takes part in the contact.
@@ -245,6 +265,36 @@ impl ContactConstraint {
     pub fn with_springs(mut self, first: usize) -> ContactConstraint {
         self.springs = Some(first as u32);
         self
+    }
+
+    /// Returns the contact in which the points of each set of nodes with equal motion have one common degree of freedom.
+    /// The first node of a set is the one with the prescribed motion, if there is one; `SurfacePoint::free` of its points
+    /// states whether there is.
+    pub fn with_equal_motions(mut self, sets: Vec<MergedDofs>) -> ContactConstraint {
+        let mut of_node: HashMap<(usize, usize), usize> = HashMap::new();
+        for (set, merged) in sets.iter().enumerate() {
+            of_node.extend(merged.nodes.iter().map(|&n| ((n, merged.axis), set)));
+        }
+        let mut dof_of_set = vec![NONE; sets.len()];
+        for (dofs, point) in self.dofs_of.iter_mut().zip(&self.points) {
+            let PointCarrier::Node(node) = point.carrier else { continue };
+            for (axis, dof) in dofs.iter_mut().enumerate() {
+                let Some(&set) = of_node.get(&(node, axis)) else { continue };
+                if dof_of_set[set] == NONE {
+                    dof_of_set[set] = *dof;
+                    self.dofs[*dof as usize].0 = Dof::Node(sets[set].nodes[0], axis);
+                }
+                *dof = dof_of_set[set];
+            }
+        }
+        let used = sets.into_iter().zip(dof_of_set).filter(|(_, dof)| *dof != NONE);
+        self.merged = used.map(|(nodes, dof)| MergedContactDof { dof: dof as usize, nodes }).collect();
+        self
+    }
+
+    /// Returns whether contact points belong to nodes with equal motion.
+    pub fn has_equal_motions(&self) -> bool {
+        !self.merged.is_empty()
     }
 
     /// Returns the contact with heat exchange; `has` returns whether the temperature of a node is solved for.
@@ -344,6 +394,12 @@ impl ContactConstraint {
                     self.motion.inverse_mass[z as usize] = if held { 0.0 } else { body.inverse_mass };
                 }
             }
+        }
+        for merged in &self.merged {
+            let leader = &dofs.nodes[merged.nodes.nodes[0]];
+            self.motion.velocity[merged.dof] = [leader.v_r, leader.v_z][merged.nodes.axis];
+            self.motion.inverse_mass[merged.dof] =
+                if self.dofs[merged.dof].1 { 0.0 } else { merged.inverse_mass(dofs) };
         }
     }
 
@@ -502,6 +558,15 @@ impl ContactConstraint {
             }
             work[0] += normal * mean;
             work[1] += slip * mean;
+        }
+        for MergedContactDof { dof, nodes: MergedDofs { nodes: members, axis } } in &self.merged {
+            let change = self.motion.inverse_mass[*dof] * (self.impulses[*dof][0] + self.impulses[*dof][1]);
+            for &n in &members[1..] {
+                let node = &mut nodes[n];
+                *node.velocity(*axis) += change;
+                *node.coordinate(*axis) += dt * change;
+                nodes.acceleration[n][*axis] += change / half;
+            }
         }
         let springs = self.add_row_work();
         if let Some(exchange) = &mut self.contact_heat {
@@ -679,6 +744,8 @@ impl Constraint for ContactConstraint {
                 self.rows.bodies.extend((!*held).then_some(i as u32));
             }
         }
+        let free = self.merged.iter().filter(|merged| !self.dofs[merged.dof].1);
+        self.rows.bodies.extend(free.map(|merged| merged.dof as u32));
         self.rows.reserve(self.pressures.len(), self.dofs.len());
         if self.laws.iter().any(|law| law.is_soft()) {
             self.gaps.reserve_edges(self.pressures.len());
@@ -785,6 +852,8 @@ impl StoredConstraint for ContactConstraint {
             + MemoryUse::of(&self.laws)
             + MemoryUse::of(&self.dofs_of)
             + MemoryUse::of(&self.dofs)
+            + MemoryUse::of(&self.merged)
+            + self.merged.iter().map(|merged| MemoryUse::of(&merged.nodes.nodes)).sum()
             + MemoryUse::of(&self.pressures)
             + MemoryUse::of(&self.gap_offsets)
             + MemoryUse::of(&self.means)
@@ -804,7 +873,7 @@ persist_struct!(ContactBody { contact_acceleration } derived { dof, body, prescr
 persist_struct!(ContactConstraint {
     curves: fixed, pressures: fixed, stored_energy, slip_damping, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present
 } derived {
-    points, pairs, analyticals, feet, laws, dofs_of, dofs, gap_offsets, springs, means, places, near, listed, gaps, rows, motion
+    points, pairs, analyticals, feet, laws, dofs_of, dofs, merged, gap_offsets, springs, means, places, near, listed, gaps, rows, motion
 } then ContactConstraint::list_again);
 
 impl ContactConstraint {

@@ -48,7 +48,7 @@ struct TriangleTask {
 }
 
 impl<M: Material> SixNodeTriangles<M> {
-    /// Whether the pressure, and therefore the mass, is part of the material state.
+    /// Whether the pressure is part of the material state; with an equation of state the mass too.
     const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled);
 
     /// Creates a group from the nodes of its elements (around the boundary, counter-clockwise, from a corner) in the
@@ -257,13 +257,21 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
     fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
         let (block, lane) = self.block(element);
         let inverse = match masses {
-            Some(_) if Self::HOLDS_PRESSURE => return None,
+            Some(_) if M::EQUATION_OF_STATE => return None,
             None if Self::HOLDS_PRESSURE => return Some(0.5 * block.triangles.rate[lane]),
             Some(masses) => masses.first_chunk::<NODES>()?.inline_map(|mass| 1.0 / mass),
             None => block.triangles.inverse_masses(lane),
         };
         let ElementConstants { bulk, shear, bulk_viscosity: BulkViscosity { linear, .. }, .. } = self.constants;
-        Some(0.5 * frequency_squared(&self.operators(element, nodes), [bulk, shear], &inverse).sqrt() * damped(linear))
+        let (moduli, operators) = ([bulk + self.material.initial_bulk(), shear], self.operators(element, nodes));
+        let initial =
+            |inverse: &[f64; NODES]| 0.5 * frequency_squared(&operators, moduli, inverse).sqrt() * damped(linear);
+        // The last update found the current stiffness of rubber.
+        let current = 0.5 * block.triangles.rate[lane];
+        if Self::HOLDS_PRESSURE && current > 0.0 {
+            return Some(initial(&inverse) * current / initial(&block.triangles.inverse_masses(lane)));
+        }
+        Some(initial(&inverse))
     }
 
     fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<ElementStiffness> {
@@ -325,9 +333,12 @@ impl<M: Material> GroupSettings for SixNodeTriangles<M> {
         let (block, lane) = self.block_mut(element);
         let factor =
             masses.iter().sum::<f64>() / block.triangles.inverse_masses(lane).iter().map(|i| 1.0 / i).sum::<f64>();
+        let mut raised: f64 = 0.0;
         for (list, mass) in block.triangles.inverse_mass.iter_mut().zip(masses) {
+            raised = raised.max(1.0 / (mass * list[lane]));
             list[lane] = 1.0 / mass;
         }
+        block.triangles.rate[lane] *= raised.sqrt();
         block.points.iter_mut().for_each(|p| p.mass[lane] *= factor);
     }
 
