@@ -103,6 +103,9 @@ const WRONG: &[(&str, &str, usize)] = &[
         1,
     ),
     ("negative_exponent", "*Plastic\\n 0.5, 0.\\n 2., 1. => *Plastic, hardening=JOHNSON COOK\\n 0.5, 0.1, -0.31", 1),
+    ("no_step", "*Step, name=Impact\\n =>", 1),
+    ("comment_of_another_program", "*Plastic => $ yield stress\\n# hardening\\n*Plastic", 1),
+    ("increment_of_elgen", "*Elgen, elset=BAR\\n 1, 1, 1, 1, 2, 5, 1 => *Elgen, elset=BAR\\n 1, 1, 1, 1, 2, 1, 1", 1),
     ("plastic_from_above_zero", "0.5, 0. => 0.5, 0.1", 1),
     ("plastic_descends", "2., 1. => 2., 1.\\n 3., 0.5", 1),
     ("no_density", "*Density\\n 1.,\\n =>", 1),
@@ -205,6 +208,20 @@ fn doubtful_input_gives_a_warning() {
         assert_eq!(prepared.diagnostics.error_count(), 0, "{name}:\n{text}");
         assert_eq!(prepared.diagnostics.iter().count(), 1, "{name}:\n{text}");
         insta::assert_snapshot!(format!("doubt_{name}"), text);
+    }
+}
+
+/// Input files of LS-DYNA and OpenRadioss are recognised: one message instead of one per keyword.
+#[test]
+fn input_files_of_other_programs_are_recognised() {
+    for text in [
+        "$# LS-DYNA\n*KEYWORD\n*CONTROL_TERMINATION\n 1.\n*END\n",
+        "#RADIOSS STARTER\n/BEGIN\n/NODE\n",
+        "# text\n/BEGIN\n",
+    ] {
+        let prepared = prepared(text);
+        let codes: Vec<&str> = prepared.diagnostics.iter().map(|d| d.code).collect();
+        assert_eq!(codes, ["D010"], "{}", prepared.diagnostics.render(&prepared.deck.sources));
     }
 }
 

@@ -41,6 +41,17 @@ pub struct Parser {
     block: DataDestination,
     chain: Vec<PathBuf>,
     bytes: u64,
+    /// Whether a comment line of another program has been reported.
+    has_foreign_comment: bool,
+}
+
+/// Returns the program whose input file a text is, from its first line that is no comment; `None` for a deck.
+fn other_program(text: &str) -> Option<&'static str> {
+    let mut lines = text.lines().map(str::trim_start).filter(|line| !line.is_empty());
+    let first = lines.find(|line| line.starts_with("#RADIOSS") || !line.starts_with(['$', '#']))?;
+    let is_dyna = first.get(..8).is_some_and(|word| word.eq_ignore_ascii_case("*KEYWORD"));
+    let is_radioss = first.starts_with("#RADIOSS") || first.starts_with("/BEGIN");
+    if is_dyna { Some("LS-DYNA") } else { is_radioss.then_some("OpenRadioss") }
 }
 
 impl Parser {
@@ -53,6 +64,7 @@ impl Parser {
             block: DataDestination::Start,
             chain: Vec::new(),
             bytes: 0,
+            has_foreign_comment: false,
         }
     }
 
@@ -98,6 +110,10 @@ impl Parser {
         if text.contains('\0') {
             return self.refuse_file("D005", format!("{name} is not a text file"), included_at);
         }
+        if let Some(program) = other_program(&text).filter(|_| included_at.is_none()) {
+            let message = format!("{name} is an input file of {program}; decks have the syntax of ABAQUS/Explicit");
+            return self.refuse_file("D010", message, included_at);
+        }
         self.chain.push(path.canonicalize().unwrap_or_else(|_| path.to_owned()));
         self.lines(file, &text);
         self.chain.pop();
@@ -127,6 +143,10 @@ impl Parser {
     fn data_line(&mut self, file: u32, text: &str, line: LineRange) {
         let trimmed = lexer::trim(text, line.clone());
         let span = lexer::span(file, trimmed.clone());
+        let is_title = self.deck.cards.last().is_some_and(|card| card.keyword.name == "HEADING");
+        if text[trimmed.clone()].starts_with(['$', '#']) && !is_title {
+            return self.foreign_comment(span);
+        }
         match self.block {
             DataDestination::Unknown => {}
             DataDestination::Start => {
@@ -138,6 +158,14 @@ impl Parser {
             }
             DataDestination::Parameters => self.parameters.define_all(&text[trimmed], span, &mut self.diagnostics),
             DataDestination::Card => self.card_line(file, text, line, span),
+        }
+    }
+
+    /// Reports the first line that looks like a comment of another program. All such lines are skipped.
+    fn foreign_comment(&mut self, span: Span) {
+        if !std::mem::replace(&mut self.has_foreign_comment, true) {
+            let what = Diagnostic::error("D109", "this line begins with the comment sign of another program");
+            self.diagnostics.push(what.at(span, "here").help("begin comments with `**`"));
         }
     }
 

@@ -25,14 +25,16 @@ pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<IgnoredC
         inert: Vec::new(),
         blocks: OpenBlocks::default(),
         of_values: Diagnostics::default(),
+        has_stray_card: false,
         given: HashMap::new(),
     };
     let mut faulty = HashSet::new();
     for card in &deck.cards {
         checker.blocks.pass(card);
         let before = checker.diagnostics.error_count();
+        let mut is_stray = false;
         if card.keyword.tier == KeywordTier::Used {
-            checker.place(card);
+            is_stray = checker.place(card);
             checker.times(card);
             let error_count = checker.diagnostics.error_count();
             checker.parameters(card);
@@ -48,7 +50,7 @@ pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<IgnoredC
             KeywordTier::UnsupportedInert => checker.inert(card.keyword.name.into(), card.span, NO_EFFECT),
             KeywordTier::Used | KeywordTier::UnsupportedPhysics => {}
         }
-        if checker.diagnostics.error_count() > before {
+        if is_stray || checker.diagnostics.error_count() > before {
             faulty.insert(card.span);
         }
     }
@@ -115,12 +117,15 @@ struct CardChecker<'d> {
     blocks: OpenBlocks,
     /// Diagnostics on the values of the current card.
     of_values: Diagnostics,
+    /// Whether a card outside a step has been reported; the cause is one missing `*STEP`.
+    has_stray_card: bool,
     /// First position of a card, by keyword, place and name.
     given: HashMap<(&'static str, String, String), Span>,
 }
 
 impl CardChecker<'_> {
-    fn place(&mut self, card: &Card) {
+    /// Reports a card out of its place, outside of steps only the first one. Returns whether it is out of its place.
+    fn place(&mut self, card: &Card) -> bool {
         let name = card.keyword.name;
         match card.keyword.place {
             CardPlace::Below(parent) if self.blocks.parent.is_none() => {
@@ -130,11 +135,16 @@ impl CardChecker<'_> {
                 self.diagnostics.push(diagnostic.help(help));
             }
             CardPlace::Step if !self.blocks.in_step => {
+                if std::mem::replace(&mut self.has_stray_card, true) {
+                    return true;
+                }
                 let message = format!("*{name} must be inside a *STEP");
-                self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no step is open"));
+                let diagnostic = Diagnostic::error("M105", message).at(card.span, "no step is open");
+                self.diagnostics.push(diagnostic.help("add *STEP before the procedure, such as *DYNAMIC"));
             }
-            _ => {}
+            _ => return false,
         }
+        true
     }
 
     fn times(&mut self, card: &Card) {

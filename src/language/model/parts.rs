@@ -132,6 +132,8 @@ impl<'a> ModelBuilder<'a> {
             Some(block) if block.kind == kind => {
                 self.blocks.pop();
             }
+            // The missing *STEP has been reported at its procedure.
+            None if kind == "STEP" && self.missing.has_card("DYNAMIC") => {}
             other => {
                 let mut diagnostic = Diagnostic::error("M105", format!("*{} without *{kind}", card.keyword.name));
                 diagnostic = diagnostic.at(card.span, "no such block is open");
