@@ -8,7 +8,8 @@ use crate::model::{
 };
 
 /// Names of the parameters that are available for every deck.
-const BUILT_IN: [(&str, StudyParameter); 5] = [
+const BUILT_IN: [(&str, StudyParameter); 6] = [
+    ("mesh", StudyParameter::Mesh),
     ("increment", StudyParameter::Increment),
     ("load-velocity", StudyParameter::LoadVelocity),
     ("hourglass", StudyParameter::Hourglass),
@@ -21,6 +22,8 @@ const BUILT_IN: [(&str, StudyParameter); 5] = [
 pub enum StudyParameter {
     /// A `*PARAMETER` of the deck.
     Parameter(String),
+    /// Number of parts of each edge of the mesh.
+    Mesh,
     /// Factor on the time increment.
     Increment,
     /// Velocity passed to loads: predicted or lagged.
@@ -146,10 +149,11 @@ fn refuse(why: &str) -> Result<(), StudyError> {
 /// Function that changes a model, or returns why this is not possible.
 pub type ModelEdit = Box<dyn Fn(&mut Model) -> Result<(), StudyError>>;
 
-/// Returns the change of the model for a value of a parameter; `None` for a deck parameter.
+/// Returns the change of the model for a value of a parameter; `None` for values that are applied to the deck.
 pub(super) fn edit(parameter: &StudyParameter, value: &str) -> Result<Option<ModelEdit>, String> {
     match parameter {
         StudyParameter::Parameter(_) => Ok(None),
+        StudyParameter::Mesh => mesh_factor(value).map(|()| None),
         StudyParameter::Increment => increment(value).map(Some),
         StudyParameter::LoadVelocity => load_velocity(value).map(Some),
         StudyParameter::Hourglass => hourglass(value).map(Some),
@@ -168,6 +172,13 @@ pub fn check(axes: &[StudyAxis], model: &Model) -> Result<(), StudyError> {
         }
     }
     Ok(())
+}
+
+fn mesh_factor(value: &str) -> Result<(), String> {
+    match value.parse::<u32>() {
+        Ok(factor) if factor > 0 => Ok(()),
+        _ => Err(format!("--refine mesh={value}: expected a whole number of parts of each edge, for example 1,2,4")),
+    }
 }
 
 fn increment(value: &str) -> Result<ModelEdit, String> {
@@ -307,9 +318,17 @@ mod tests {
         let dt = &of("dt=1e-6,5e-7").expect("levels")[0];
         assert_eq!((dt.sizes.clone(), dt.counts()), (vec![1e-6, 5e-7], false));
         assert!(!of("load-velocity=predicted,lagged").expect("choices")[0].is_refinement());
-        for wrong in
-            ["n=10", "n=10,10", "n=10,40,20", "n=0,1", "m=1,2", "increment=1,2", "increment=a,b", "hourglass=no"]
-        {
+        for wrong in [
+            "n=10",
+            "n=10,10",
+            "n=10,40,20",
+            "n=0,1",
+            "m=1,2",
+            "increment=1,2",
+            "increment=a,b",
+            "hourglass=no",
+            "mesh=1,1.5",
+        ] {
             assert!(of(wrong).is_err(), "{wrong}");
         }
         assert!(of("N=1,2").is_err_and(|e| e.to_string().contains("did you mean n?")));

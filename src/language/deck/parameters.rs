@@ -9,6 +9,11 @@ use super::number::format_number;
 use super::source::Span;
 use super::syntax::Word;
 
+/// Settings that request a refined mesh. The first one is not a valid parameter name.
+pub const MESH_SETTINGS: [&str; 2] = ["mesh-refine", "mesh"];
+/// Largest number of parts of an edge.
+const FINEST: f64 = 1000.0;
+
 /// Value that a `*PARAMETER` substitutes into the deck.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterValue {
@@ -182,9 +187,31 @@ impl Parameters {
         what.at(word.span, "not defined").help(self.suggestion(name))
     }
 
+    /// Returns the setting that requests mesh refinement, if there is one, and its value. A parameter of the deck with
+    /// the name `mesh` takes precedence.
+    pub fn mesh_refinement(&self, diagnostics: &mut Diagnostics) -> Option<(&'static str, usize)> {
+        let is_free = |name: &str| !self.values.contains_key(name);
+        let (name, text) = MESH_SETTINGS.into_iter().find_map(|name| Some((name, self.overrides.get(name)?)))?;
+        let name = if is_free(MESH_SETTINGS[1]) { MESH_SETTINGS[1] } else { name };
+        if !is_free(name) {
+            return None;
+        }
+        match self.evaluate(text) {
+            Ok(ParameterValue::Number(value)) if value.fract() == 0.0 && (1.0..=FINEST).contains(&value) => {
+                Some((name, value as usize))
+            }
+            _ => {
+                let what = Diagnostic::error("D408", format!("`{name}={text}`: invalid mesh refinement"));
+                diagnostics.push(what.help(format!("give a whole number of parts of each edge, from 1 to {FINEST}")));
+                None
+            }
+        }
+    }
+
     /// Reports overrides of undefined parameters.
     pub fn check_overrides(&self, diagnostics: &mut Diagnostics) {
-        for name in self.overrides.keys().filter(|n| !self.values.contains_key(*n)) {
+        let is_unknown = |name: &&String| !self.values.contains_key(*name) && !MESH_SETTINGS.contains(&name.as_str());
+        for name in self.overrides.keys().filter(is_unknown) {
             let what = Diagnostic::error("D403", format!("`--set {name}`: the deck defines no parameter `{name}`"));
             diagnostics.push(what.help(self.suggestion(name)));
         }

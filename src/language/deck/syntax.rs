@@ -19,6 +19,8 @@ pub struct Deck {
     pub parameters: Vec<(String, f64)>,
     /// Definitions of all parameters, including text parameters, as written.
     pub definitions: Vec<ParameterDefinition>,
+    /// Number of parts into which each edge of the mesh is divided; `None` without the setting `mesh`.
+    pub mesh_refinement: Option<usize>,
     /// Parts of the deck that could not be read. Each has been reported as an error.
     pub unread: ParseGaps,
 }

@@ -53,6 +53,7 @@ mod nodes;
 mod order;
 mod outputs;
 mod parts;
+mod refinement;
 pub mod revise;
 mod rubber;
 pub mod scene;
@@ -84,14 +85,17 @@ pub use vtk_file::silence_caught_panics;
 
 use crate::deck::{Deck, Diagnostics};
 
-/// Builds the model of a deck. A model is always returned; it can be run only if the diagnostics have no error.
+/// Builds the model of a deck. A model is always returned; it can be run only if the diagnostics have no error. The mesh
+/// is refined as [`Deck::mesh_refinement`] requests, if the deck has no error.
 pub fn build(deck: &Deck) -> (Model, Diagnostics) {
-    let mut builder = builder::ModelBuilder::new(deck);
-    (builder.model.origin.inert, builder.faulty) = check::check(deck, &mut builder.diagnostics);
-    for card in order::ordered(&deck.cards.iter().collect::<Vec<_>>(), &deck.sources) {
+    let mut builder = builder::ModelBuilder::checked(deck);
+    for card in builder.ordered_cards() {
         builder.card(card);
     }
     let (model, mut diagnostics) = builder.finish();
+    if let Some(factor) = deck.mesh_refinement.filter(|&factor| factor > 1 && !diagnostics.has_errors()) {
+        return refinement::apply::build(deck, factor);
+    }
     lost::drop_consequential_diagnostics(&mut diagnostics);
     (model, diagnostics)
 }
