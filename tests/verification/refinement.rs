@@ -27,15 +27,22 @@ fn model_of(text: &str, settings: &[(&str, &str)]) -> Model {
     model
 }
 
+/// Returns the coordinates of the nodes of elements; merged elements leave other nodes without elements.
+fn used_points(model: &Model) -> Vec<[f64; 2]> {
+    let used: BTreeSet<usize> = model.mesh.elements.iter().flat_map(|e| e.nodes.to_vec()).collect();
+    used.into_iter().map(|node| model.mesh.points[node]).collect()
+}
+
 /// Asserts that two meshes have the same nodes, within 1e-14 of their size, and equally many elements.
 fn assert_same_nodes(what: &str, [a, b]: [&Model; 2]) {
     assert_eq!(a.mesh.elements.len(), b.mesh.elements.len(), "{what}");
-    assert_eq!(a.mesh.points.len(), b.mesh.points.len(), "{what}");
-    let size = a.mesh.points.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let [a, b] = [a, b].map(used_points);
+    assert_eq!(a.len(), b.len(), "{what}");
+    let size = a.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
     let distance = |p: &[f64; 2], q: &[f64; 2]| (p[0] - q[0]).abs().max((p[1] - q[1]).abs()) / size;
-    let nearest = |p: &[f64; 2]| b.mesh.points.iter().map(|q| distance(p, q)).fold(f64::INFINITY, f64::min);
-    let worst = a.mesh.points.iter().map(nearest).fold(0.0, f64::max);
-    println!("{what}: {} nodes, distance {worst:.1e} of the size", a.mesh.points.len());
+    let nearest = |p: &[f64; 2]| b.iter().map(|q| distance(p, q)).fold(f64::INFINITY, f64::min);
+    let worst = a.iter().map(nearest).fold(0.0, f64::max);
+    println!("{what}: {} nodes, distance {worst:.1e} of the size", a.len());
     assert!(worst <= 1e-14, "{what}: {worst:e}");
 }
 
@@ -374,11 +381,78 @@ fn equations_and_constraints_follow_both_lines() {
     assert!(found.iter().any(|d| d.code == "M190" && !d.labels.is_empty()));
 }
 
+/// Merged elements: a fine deck with `mesh=1/N` has the mesh and the results of the coarse deck.
+#[test]
+fn coarsened_decks_have_the_results_of_coarse_meshes() {
+    let taylor = input("taylor_copper.inp");
+    let fine = [("nr", "8"), ("nz", "40"), ("mesh", "1/2")];
+    compare("merged Taylor bar", (&taylor, &fine), (&taylor, &[("nr", "4"), ("nz", "20")]));
+    let rod = input("rod_plate.inp");
+    let fine = [("nr", "6"), ("nz", "30"), ("mr", "30"), ("mz", "15"), ("strain", "60"), ("mesh", "1/3")];
+    let coarse = [("nr", "2"), ("nz", "10"), ("mr", "10"), ("mz", "5"), ("strain", "60")];
+    compare("merged rod and plate", (&rod, &fine), (&rod, &coarse));
+    let ogive = input("ogive.inp");
+    compare("merged ogive", (&ogive, &[("n", "20"), ("mesh", "1/4")]), (&ogive, &[("n", "5")]));
+}
+
+/// Writes the mesh of a model as a deck, with its elements in one set.
+fn listed(model: &Model) -> String {
+    let mut text = String::from("*Node, nset=ALL\n");
+    for (name, [r, z]) in model.mesh.node_names.iter().zip(&model.mesh.points) {
+        writeln!(text, " {}, {r:.17e}, {z:.17e}", name.as_str()).expect("text");
+    }
+    text += "*Element, type=CAX4R, elset=SOLID\n";
+    for element in &model.mesh.elements {
+        let nodes: Vec<&str> = element.nodes.iter().map(|&n| model.mesh.node_names[n].as_str()).collect();
+        writeln!(text, " {}, {}", element.name.as_str(), nodes.join(", ")).expect("text");
+    }
+    text + &material(1e5, 0.3, 1.0, "")
+}
+
+/// Three quadrilaterals around an irregular node, with their first corners at different places: refined, listed, merged.
+#[test]
+fn blocks_around_an_irregular_node_are_found() {
+    let text = "*Node\n 1, 2., 2.\n 2, 3., 2.\n 3, 3., 3.5\n 4, 2., 3.\n 5, 1., 3.2\n 6, 1., 2.\n 7, 2., 1.\n\
+                *Element, type=CAX4R, elset=SOLID\n 1, 1, 2, 3, 4\n 2, 4, 5, 6, 1\n 3, 6, 7, 2, 1\n"
+        .to_owned()
+        + &material(1e5, 0.3, 1.0, "");
+    let coarse = model_of(&text, &[]);
+    for factor in [2, 3, 4] {
+        let fine = model_of(&text, &[("mesh", &factor.to_string())]);
+        let merged = model_of(&listed(&fine), &[("mesh", &format!("1/{factor}"))]);
+        assert_same_nodes("three blocks", [&merged, &coarse]);
+        assert_same_totals("three blocks", &totals(&coarse), &totals(&merged));
+    }
+}
+
+/// Meshes that cannot be merged are located errors.
+#[test]
+fn meshes_that_cannot_be_merged_are_errors() {
+    let deck = |n: usize, m: usize, triangles: bool, more: &str| {
+        grid(n, m, triangles, |i, j| [i as f64, j as f64])
+            + &material(1e5, 0.3, 1.0, "")
+            + &format!("*Step\n*Dynamic, Explicit\n , 1.e-3\n{more}*End Step\n")
+    };
+    let part = "*Elset, elset=PART, generate\n 1, 3, 1\n*Surface, name=PART\n PART, S1\n";
+    for (text, message) in [
+        (deck(4, 3, false, ""), "a block of 4 by 3 elements"),
+        (deck(4, 4, true, ""), "triangles cannot be merged"),
+        (deck(4, 4, false, &format!("{part}*Dsload\n PART, P, 1.\n")), "surface PART ends inside elements"),
+        (deck(4, 4, false, "*Cload\n J1, 2, 1.\n"), "a block of 1 by"),
+        (deck(4, 4, false, "*Output, history\n*Node Output, nset=2\n U1\n"), "a block of 1 by 4 elements"),
+    ] {
+        let (read, _) = deck::read_text("deck.inp", &text, &pairs(&[("mesh", "1/2")]));
+        let (_, found) = model::build(&read);
+        let is_it = |d: &deck::Diagnostic| d.code == "M191" && d.message.contains(message) && !d.labels.is_empty();
+        assert!(found.iter().any(is_it), "{message}: {}", found.render(&read.sources));
+    }
+}
+
 /// Settings that are not numbers of parts; a parameter of the deck with the name `mesh` has precedence.
 #[test]
 fn bad_factors_are_errors() {
     let text = grid(1, 1, false, |i, j| [i as f64, j as f64]) + &material(1e5, 0.3, 1.0, "");
-    for value in ["0", "-1", "1.5", "a", "1e9"] {
+    for value in ["0", "-1", "1.5", "a", "1e9", "2/3"] {
         let (_, found) = deck::read_text("deck.inp", &text, &pairs(&[("mesh", value)]));
         assert!(found.iter().any(|d| d.code == "D408"), "{value}");
     }

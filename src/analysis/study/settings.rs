@@ -90,6 +90,7 @@ fn read(settings: &[String], parameters: &[String]) -> Result<Vec<StudyAxis>, St
 
 fn axis(name: &str, values: &[String], parameters: &[String]) -> Result<StudyAxis, String> {
     let parameter = parameter(name, parameters)?;
+    let values = &values.iter().map(|value| without_fraction(&parameter, value)).collect::<Vec<_>>()[..];
     let mut axis = StudyAxis { name: name.to_owned(), parameter, values: values.to_vec(), sizes: Vec::new() };
     for value in values {
         edit(&axis.parameter, value)?;
@@ -174,10 +175,21 @@ pub fn check(axes: &[StudyAxis], model: &Model) -> Result<(), StudyError> {
     Ok(())
 }
 
+/// Returns a fraction 1/N of the setting `mesh` as a number; other values are unchanged.
+fn without_fraction(parameter: &StudyParameter, value: &str) -> String {
+    let parts = value.strip_prefix("1/").filter(|_| *parameter == StudyParameter::Mesh);
+    let whole = parts.and_then(|n| n.parse::<u32>().ok());
+    whole.map_or_else(|| value.to_owned(), |n| (1.0 / f64::from(n)).to_string())
+}
+
 fn mesh_factor(value: &str) -> Result<(), String> {
-    match value.parse::<u32>() {
-        Ok(factor) if factor > 0 => Ok(()),
-        _ => Err(format!("--refine mesh={value}: expected a whole number of parts of each edge, for example 1,2,4")),
+    let is_whole = |x: f64| x >= 0.9 && (x - x.round()).abs() < 1e-6 * x;
+    match value.parse::<f64>() {
+        Ok(factor) if factor > 0.0 && factor.is_finite() && (is_whole(factor) || is_whole(1.0 / factor)) => Ok(()),
+        _ => Err(format!(
+            "--refine mesh={value}: expected a whole number of parts of each edge, or 1/2, 1/3 and so on to merge \
+             elements, for example 1/2,1,2,4"
+        )),
     }
 }
 

@@ -13,6 +13,7 @@ use crate::kernel::lists::sorted_unique;
 use indexmap::IndexMap;
 
 use super::budget::{BudgetedItem, SizeBudget};
+use super::coarsening::mesh::CoarsenedMesh;
 use super::coupling::PendingCoupling;
 use super::degrees::RotationalCondition;
 use super::derivation::DerivationRequest;
@@ -107,6 +108,8 @@ pub(super) struct ModelBuilder<'a> {
     /// Curved edges, and the refined mesh after the cards of the mesh are read.
     pub curves: EdgeCurves,
     pub refined: Option<RefinedMesh>,
+    /// The coarsened mesh after the cards of the mesh are read.
+    pub coarsened: Option<CoarsenedMesh>,
     /// Names of node sets, and elements whose nodes they contain, for a refined mesh.
     pub regions: Vec<(String, Vec<usize>)>,
     /// Pairs of nodes that `*MPC` links, for a refined mesh.
@@ -163,6 +166,7 @@ impl<'a> ModelBuilder<'a> {
             pass: ReadPass::All,
             curves: EdgeCurves::default(),
             refined: None,
+            coarsened: None,
             regions: Vec::new(),
             linked_pairs: Vec::new(),
         }
@@ -471,7 +475,8 @@ impl<'a> ModelBuilder<'a> {
             }
         }
         if let Some(node) = self.nodes.resolve(&self.scope, word) {
-            return Some(vec![node]);
+            let is_removed = self.coarsened.as_ref().is_some_and(|merged| merged.is_removed[node]);
+            return Some(if is_removed { Vec::new() } else { vec![node] });
         }
         if let Some(members) = self.nodes_of_element_set(word) {
             return Some(members);

@@ -135,7 +135,7 @@ impl ModelBuilder<'_> {
             made.push(self.place_generated(first + sign * step * i as i64, [r, z], line.span));
         }
         made.push(to);
-        if let (Some(centre), true) = (centre, self.deck.mesh_refinement.is_some()) {
+        if let (Some(centre), true) = (centre, self.deck.mesh_scaling.is_some()) {
             self.curves.record_arc(&made, centre, normal);
         }
         Some(made)
@@ -215,7 +215,7 @@ impl ModelBuilder<'_> {
             rows.push(made[row..].to_vec());
             made.extend([*a, *b]);
         }
-        if self.deck.mesh_refinement.is_some() {
+        if self.deck.mesh_scaling.is_some() {
             self.curves.record_rows([&from, &to], &rows, &shares);
         }
         Some(made)

@@ -66,9 +66,13 @@ impl ModelBuilder<'_> {
         self.fits_budget(BudgetedItem::Elements, elements, span) && self.fits_budget(BudgetedItem::Nodes, nodes, span)
     }
 
-    /// Returns the elements of a refined mesh that replace an element of the deck.
+    /// Returns the elements of a refined or coarsened mesh that replace an element of the deck.
     pub(in crate::model) fn replacements(&self, element: usize) -> Vec<usize> {
-        self.refined.as_ref().map_or_else(|| vec![element], |refined| refined.children(element).collect())
+        match (&self.refined, &self.coarsened) {
+            (Some(refined), _) => refined.children(element).collect(),
+            (None, Some(coarsened)) => vec![coarsened.merged[element]],
+            (None, None) => vec![element],
+        }
     }
 
     /// Returns the default position tolerance of a tie: 5 % of the mean facet length of the master surface in the mesh
