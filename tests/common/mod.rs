@@ -3,6 +3,7 @@
 
 pub mod bodies;
 pub mod mesh;
+pub mod random;
 pub mod routines;
 pub mod scenes;
 pub mod solid;

@@ -9,32 +9,8 @@ use revolve::output::OutputFrame;
 use revolve::solve::Energy;
 
 use crate::common::bodies::{DeckRun, assembly, cell_field, elastic, part, point_field, rigid_line, run};
+use crate::common::random::RandomSequence;
 use crate::common::solid::WHOLE_VISCOSITY;
-
-/// Reproducible random numbers (splitmix64).
-struct RandomSequence(u64);
-
-impl RandomSequence {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * self.next()
-    }
-
-    fn count(&mut self, from: usize, to: usize) -> usize {
-        (from as f64 + (to + 1 - from) as f64 * self.next()) as usize
-    }
-
-    fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
-        all[(all.len() as f64 * self.next()) as usize]
-    }
-}
 
 const SKIN: &str = "*Surface, name=SKIN\n EI0, S4\n EI1, S2\n EJ0, S1\n EJ1, S3\n";
 

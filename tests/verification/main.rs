@@ -42,6 +42,7 @@ mod precision;
 mod properties;
 mod rates;
 mod reference_nodes;
+mod refinement;
 mod resistance;
 mod rigid;
 mod rigid_wall;

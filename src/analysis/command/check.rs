@@ -13,7 +13,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::words::print_out;
-use super::{CommandStatus, REFUSED, UserFiles, accept, pairs, words};
+use super::{CommandStatus, REFUSED, UserFiles, accept, deck_settings, words};
 
 /// Wall-clock time of the trial run from which the run time of the whole analysis is estimated.
 const TRIAL_TIME: Duration = Duration::from_millis(500);
@@ -26,6 +26,9 @@ pub struct CheckCommand {
     /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
     #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
+    /// Divide each edge of the mesh into N equal parts. Sets, surfaces, loads and constraints follow.
+    #[arg(long, value_name = "N")]
+    mesh_refine: Option<u32>,
     /// Floating-point precision of solid elements: double or single.
     #[arg(long, value_name = "DIGITS", default_value = "double")]
     precision: Precision,
@@ -56,7 +59,8 @@ struct CheckReport<'a> {
 impl CheckCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let (routines, _) = self.user.routines(self.json, false)?;
-        let (prepared, mut overview) = job::examine(self.precision, &self.deck, &pairs(&self.set)?, &routines);
+        let settings = deck_settings(&self.set, self.mesh_refine)?;
+        let (prepared, mut overview) = job::examine(self.precision, &self.deck, &settings, &routines);
         if let Some(overview) = overview.as_mut().filter(|_| !self.no_look) {
             overview.effort = overview::measure(&prepared.plan, &prepared.state, TRIAL_TIME);
         }

@@ -26,7 +26,7 @@ pub mod words;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use crate::deck::{Diagnostic, Diagnostics, Sources};
+use crate::deck::{self, Diagnostic, Diagnostics, Sources};
 use crate::job::{self, JobError, PreparedJob};
 use crate::output::drawing::Drawing;
 use crate::output::lock::FolderLock;
@@ -108,6 +108,13 @@ pub fn pairs(settings: &[String]) -> Result<Vec<(String, String)>, String> {
         Ok((name.trim().to_owned(), value.trim().to_owned()))
     };
     settings.iter().map(pair).collect()
+}
+
+/// Parses `--set NAME=VALUE` settings, and adds that of `--mesh-refine`.
+fn deck_settings(settings: &[String], mesh: Option<u32>) -> Result<Vec<(String, String)>, String> {
+    let mut settings = pairs(settings)?;
+    settings.extend(mesh.map(|parts| (deck::MESH_SETTINGS[0].to_owned(), parts.to_string())));
+    Ok(settings)
 }
 
 fn print_findings(found: &Diagnostics, sources: &Sources) {

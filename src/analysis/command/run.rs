@@ -19,7 +19,7 @@ use serde::Serialize;
 
 use super::progress::{self, RunBar};
 use super::words::{print_err, print_out};
-use super::{CommandStatus, HALTED, UserFiles, accept, outcome, pairs, print_findings, threads};
+use super::{CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings, threads};
 
 /// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
 const STACK: usize = 64 << 20;
@@ -32,6 +32,9 @@ pub struct RunCommand {
     /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
     #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
+    /// Divide each edge of the mesh into N equal parts. Sets, surfaces, loads and constraints follow.
+    #[arg(long, value_name = "N")]
+    mesh_refine: Option<u32>,
     #[command(flatten)]
     user: UserFiles,
     /// Run the user subroutines in a separate process: if they crash, the run still writes its results. Not available
@@ -103,7 +106,7 @@ impl RunCommand {
         // Before any thread starts: with --isolate the process is forked here.
         let (routines, user) = self.user.routines(self.is_silent(), self.isolate)?;
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
-        let settings = pairs(&self.set)?;
+        let settings = deck_settings(&self.set, self.mesh_refine)?;
         let reading = progress::over_reading(&self.deck, self.is_silent());
         let mut prepared = job::prepare_in(self.precision, &self.deck, &settings, &routines);
         reading.finish_and_clear();

@@ -28,8 +28,8 @@ use super::{
 pub struct StudyCommand {
     /// Input deck.
     deck: PathBuf,
-    /// Values from coarse to fine of a deck parameter or of increment (factors), load-velocity, hourglass, estimate or
-    /// precision: NAME=v1,v2,…; several options form a grid.
+    /// Values from coarse to fine of a deck parameter or of mesh (parts of each edge; 1/2 merges elements), increment
+    /// (factors), load-velocity, hourglass, estimate or precision: NAME=v1,v2,…; several options form a grid.
     #[arg(long, value_name = "NAME=VALUES")]
     refine: Vec<String>,
     /// Quantity to study: an expression over histories and norms, for example "-1000*final(U2@REF)", "at(U1@WALL,

@@ -29,8 +29,8 @@ use super::{
 pub struct SweepCommand {
     /// Input deck.
     deck: PathBuf,
-    /// Values of a deck parameter: NAME=v1,v2,… or NAME=start:stop:step or NAME=start:stop:#count; several options form
-    /// a grid.
+    /// Values of a deck parameter, or of mesh (parts of each edge): NAME=v1,v2,… or NAME=start:stop:step or
+    /// NAME=start:stop:#count; several options form a grid.
     #[arg(short, long = "set", value_name = "NAME=VALUES", required_unless_present_any = ["samples", "dakota"])]
     set: Vec<String>,
     /// CSV file with one column per parameter and one row per run (design of experiments). `--set` then gives one value

@@ -126,6 +126,7 @@ impl<'a> StudyRunner<'a> {
         for (axis, value) in axes.iter().zip(values) {
             match &axis.parameter {
                 StudyParameter::Parameter(name) => overrides.push((name.clone(), value.clone())),
+                StudyParameter::Mesh => overrides.push((axis.name.clone(), value.clone())),
                 parameter => edits.extend(edit(parameter, value).map_err(StudyError::Setting)?),
             }
         }

@@ -8,7 +8,8 @@ use crate::model::{
 };
 
 /// Names of the parameters that are available for every deck.
-const BUILT_IN: [(&str, StudyParameter); 5] = [
+const BUILT_IN: [(&str, StudyParameter); 6] = [
+    ("mesh", StudyParameter::Mesh),
     ("increment", StudyParameter::Increment),
     ("load-velocity", StudyParameter::LoadVelocity),
     ("hourglass", StudyParameter::Hourglass),
@@ -21,6 +22,8 @@ const BUILT_IN: [(&str, StudyParameter); 5] = [
 pub enum StudyParameter {
     /// A `*PARAMETER` of the deck.
     Parameter(String),
+    /// Number of parts of each edge of the mesh.
+    Mesh,
     /// Factor on the time increment.
     Increment,
     /// Velocity passed to loads: predicted or lagged.
@@ -87,6 +90,7 @@ fn read(settings: &[String], parameters: &[String]) -> Result<Vec<StudyAxis>, St
 
 fn axis(name: &str, values: &[String], parameters: &[String]) -> Result<StudyAxis, String> {
     let parameter = parameter(name, parameters)?;
+    let values = &values.iter().map(|value| without_fraction(&parameter, value)).collect::<Vec<_>>()[..];
     let mut axis = StudyAxis { name: name.to_owned(), parameter, values: values.to_vec(), sizes: Vec::new() };
     for value in values {
         edit(&axis.parameter, value)?;
@@ -146,10 +150,11 @@ fn refuse(why: &str) -> Result<(), StudyError> {
 /// Function that changes a model, or returns why this is not possible.
 pub type ModelEdit = Box<dyn Fn(&mut Model) -> Result<(), StudyError>>;
 
-/// Returns the change of the model for a value of a parameter; `None` for a deck parameter.
+/// Returns the change of the model for a value of a parameter; `None` for values that are applied to the deck.
 pub(super) fn edit(parameter: &StudyParameter, value: &str) -> Result<Option<ModelEdit>, String> {
     match parameter {
         StudyParameter::Parameter(_) => Ok(None),
+        StudyParameter::Mesh => mesh_factor(value).map(|()| None),
         StudyParameter::Increment => increment(value).map(Some),
         StudyParameter::LoadVelocity => load_velocity(value).map(Some),
         StudyParameter::Hourglass => hourglass(value).map(Some),
@@ -168,6 +173,24 @@ pub fn check(axes: &[StudyAxis], model: &Model) -> Result<(), StudyError> {
         }
     }
     Ok(())
+}
+
+/// Returns a fraction 1/N of the setting `mesh` as a number; other values are unchanged.
+fn without_fraction(parameter: &StudyParameter, value: &str) -> String {
+    let parts = value.strip_prefix("1/").filter(|_| *parameter == StudyParameter::Mesh);
+    let whole = parts.and_then(|n| n.parse::<u32>().ok());
+    whole.map_or_else(|| value.to_owned(), |n| (1.0 / f64::from(n)).to_string())
+}
+
+fn mesh_factor(value: &str) -> Result<(), String> {
+    let is_whole = |x: f64| x >= 0.9 && (x - x.round()).abs() < 1e-6 * x;
+    match value.parse::<f64>() {
+        Ok(factor) if factor > 0.0 && factor.is_finite() && (is_whole(factor) || is_whole(1.0 / factor)) => Ok(()),
+        _ => Err(format!(
+            "--refine mesh={value}: expected a whole number of parts of each edge, or 1/2, 1/3 and so on to merge \
+             elements, for example 1/2,1,2,4"
+        )),
+    }
 }
 
 fn increment(value: &str) -> Result<ModelEdit, String> {
@@ -307,9 +330,17 @@ mod tests {
         let dt = &of("dt=1e-6,5e-7").expect("levels")[0];
         assert_eq!((dt.sizes.clone(), dt.counts()), (vec![1e-6, 5e-7], false));
         assert!(!of("load-velocity=predicted,lagged").expect("choices")[0].is_refinement());
-        for wrong in
-            ["n=10", "n=10,10", "n=10,40,20", "n=0,1", "m=1,2", "increment=1,2", "increment=a,b", "hourglass=no"]
-        {
+        for wrong in [
+            "n=10",
+            "n=10,10",
+            "n=10,40,20",
+            "n=0,1",
+            "m=1,2",
+            "increment=1,2",
+            "increment=a,b",
+            "hourglass=no",
+            "mesh=1,1.5",
+        ] {
             assert!(of(wrong).is_err(), "{wrong}");
         }
         assert!(of("N=1,2").is_err_and(|e| e.to_string().contains("did you mean n?")));

@@ -34,10 +34,10 @@ pub use codes::{CODES, find_code};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use finding::Finding;
 pub use findings::tier_findings;
-pub use parameters::{ParameterDefinition, is_unresolved};
+pub use parameters::{MESH_SETTINGS, ParameterDefinition, is_unresolved};
 pub use printable::printable;
 pub use source::{Sources, Span};
-pub use syntax::{Card, DataLine, Deck, Parameter, ParseGaps, Word};
+pub use syntax::{Card, DataLine, Deck, MeshScaling, Parameter, ParseGaps, Word};
 
 /// Explanation of a diagnostic code, as `revolve explain CODE` prints it.
 #[derive(Debug)]
@@ -52,7 +52,8 @@ pub struct DiagnosticCode {
 
 /// Reads a deck file and the files that it includes. Returns a tree even if the deck has errors, which are in the
 /// diagnostics. `overrides` are pairs (name, expression) of `--set NAME=VALUE`; each replaces the `*PARAMETER`
-/// definition of that name.
+/// definition of that name. Without such a definition, `mesh` divides each edge of the mesh into that number of parts, and `mesh=1/N`
+/// merges N edges.
 pub fn read(path: &Path, overrides: &[(String, String)]) -> (Deck, Diagnostics) {
     let mut parser = parser::Parser::new(overrides);
     parser.main_file(path);

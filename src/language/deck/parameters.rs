@@ -7,7 +7,12 @@ use super::expression::{Expression, ExpressionError};
 use super::names;
 use super::number::format_number;
 use super::source::Span;
-use super::syntax::Word;
+use super::syntax::{MeshScaling, Word};
+
+/// Settings that request a refined mesh. The first one is not a valid parameter name.
+pub const MESH_SETTINGS: [&str; 2] = ["mesh-refine", "mesh"];
+/// Largest number of parts of an edge.
+const FINEST: f64 = 1000.0;
 
 /// Value that a `*PARAMETER` substitutes into the deck.
 #[derive(Clone, Debug, PartialEq)]
@@ -182,12 +187,45 @@ impl Parameters {
         what.at(word.span, "not defined").help(self.suggestion(name))
     }
 
+    /// Returns the setting that refines or coarsens the mesh, if there is one, and its value. A parameter of the deck
+    /// with the name `mesh` takes precedence.
+    pub fn mesh_scaling(&self, diagnostics: &mut Diagnostics) -> Option<(&'static str, f64, MeshScaling)> {
+        let is_free = |name: &str| !self.values.contains_key(name);
+        let (name, text) = MESH_SETTINGS.into_iter().find_map(|name| Some((name, self.overrides.get(name)?)))?;
+        let name = if is_free(MESH_SETTINGS[1]) { MESH_SETTINGS[1] } else { name };
+        if !is_free(name) {
+            return None;
+        }
+        let value = match self.evaluate(text) {
+            Ok(ParameterValue::Number(value)) => value,
+            _ => f64::NAN,
+        };
+        let scaling = scaling_of(value);
+        if scaling.is_none() {
+            let what = Diagnostic::error("D408", format!("`{name}={text}`: invalid mesh refinement"));
+            diagnostics.push(what.help(format!(
+                "give a whole number of parts of each edge, from 1 to {FINEST}, or 1/2, 1/3 and so on to merge elements"
+            )));
+        }
+        Some((name, value, scaling?))
+    }
+
     /// Reports overrides of undefined parameters.
     pub fn check_overrides(&self, diagnostics: &mut Diagnostics) {
-        for name in self.overrides.keys().filter(|n| !self.values.contains_key(*n)) {
+        let is_unknown = |name: &&String| !self.values.contains_key(*name) && !MESH_SETTINGS.contains(&name.as_str());
+        for name in self.overrides.keys().filter(is_unknown) {
             let what = Diagnostic::error("D403", format!("`--set {name}`: the deck defines no parameter `{name}`"));
             diagnostics.push(what.help(self.suggestion(name)));
         }
+    }
+}
+
+/// Returns the refinement for a whole number, the coarsening for the inverse of one.
+fn scaling_of(value: f64) -> Option<MeshScaling> {
+    let whole = |x: f64| Some(x.round()).filter(|whole| (x - whole).abs() < 1e-6 * x && (1.0..=FINEST).contains(whole));
+    match whole(value) {
+        Some(factor) if factor == value => Some(MeshScaling::Refine(factor as usize)),
+        _ => whole(1.0 / value).filter(|factor| *factor > 1.0).map(|factor| MeshScaling::Coarsen(factor as usize)),
     }
 }
 

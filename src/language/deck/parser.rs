@@ -72,6 +72,10 @@ impl Parser {
     pub fn finish(mut self) -> (Deck, Diagnostics) {
         self.parameters.check_overrides(&mut self.diagnostics);
         self.deck.parameters = self.parameters.numbers();
+        if let Some((name, value, scaling)) = self.parameters.mesh_scaling(&mut self.diagnostics) {
+            self.deck.mesh_scaling = Some(scaling);
+            self.deck.parameters.push((name.into(), value));
+        }
         if self.deck.cards.is_empty() && !self.diagnostics.has_errors() {
             let name = self.deck.sources.files().first().map_or("the deck", |f| f.name.as_str());
             let what = Diagnostic::error("D009", format!("{name} is empty: it has no keyword line"));

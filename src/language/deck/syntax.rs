@@ -19,6 +19,8 @@ pub struct Deck {
     pub parameters: Vec<(String, f64)>,
     /// Definitions of all parameters, including text parameters, as written.
     pub definitions: Vec<ParameterDefinition>,
+    /// Refinement or coarsening of the mesh; `None` without the setting `mesh`.
+    pub mesh_scaling: Option<MeshScaling>,
     /// Parts of the deck that could not be read. Each has been reported as an error.
     pub unread: ParseGaps,
 }
@@ -32,6 +34,15 @@ pub struct ParseGaps {
     pub cards: usize,
     /// Values of the parameters on keyword lines of unknown or unsupported cards, in upper case.
     pub names: Vec<String>,
+}
+
+/// Uniform change of the element sizes of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshScaling {
+    /// Each edge is divided into this number of parts.
+    Refine(usize),
+    /// This number of edges is merged into one.
+    Coarsen(usize),
 }
 
 /// A keyword line with its data lines.

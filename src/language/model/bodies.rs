@@ -126,6 +126,7 @@ impl ModelBuilder<'_> {
         if let Some(word) = card.value("VARIABLE").filter(|_| kind != FIELD) {
             return self.unsupported(word.span, "VARIABLE is allowed with TYPE=FIELD only", "remove it");
         }
+        let from = self.model.initial_conditions.len();
         for (at, line) in card.lines.iter().enumerate() {
             let Some(set) = line.field(0) else { continue };
             let value = |field| f64::from_value(card.given_field(at, field));
@@ -144,6 +145,7 @@ impl ModelBuilder<'_> {
                 self.model.initial_conditions.push(InitialCondition { kind, members, span: line.span });
             }
         }
+        self.complete_initial_conditions(from);
     }
 
     pub(super) fn surface_id(&mut self, word: &Word) -> Option<SurfaceId> {

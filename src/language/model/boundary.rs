@@ -31,6 +31,7 @@ impl ModelBuilder<'_> {
         let ramp = self.step.as_ref().is_some_and(|s| s.ramp);
         let Ok(amplitude) = self.amplitude_of(card) else { return };
         self.boundary_operation(card);
+        let from = self.state().boundaries.len();
         for line in &card.lines {
             let Some(set) = line.field(0) else { continue };
             let Some(nodes) = self.node_members(set) else { continue };
@@ -79,6 +80,7 @@ impl ModelBuilder<'_> {
                 self.state().boundaries.push(boundary);
             }
         }
+        self.complete_boundaries(from);
     }
 
     /// Prescribes a temperature (degree of freedom 11). Without amplitude the value is applied at once (ABAQUS Analysis

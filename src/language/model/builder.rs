@@ -13,11 +13,16 @@ use crate::kernel::lists::sorted_unique;
 use indexmap::IndexMap;
 
 use super::budget::{BudgetedItem, SizeBudget};
+use super::coarsening::mesh::CoarsenedMesh;
 use super::coupling::PendingCoupling;
 use super::degrees::RotationalCondition;
 use super::derivation::DerivationRequest;
 use super::lost::{MissingDefinitions, is_skipped};
 use super::names::{LabelTable, qualified, upper};
+use super::refinement::curves::EdgeCurves;
+use super::refinement::mesh::RefinedMesh;
+use super::refinement::pair::NodePair;
+use super::refinement::pass::ReadPass;
 use super::steps::StepState;
 use super::types::{IgnoredCard, MaterialDefinition, MaterialId, Model, ModelOrigin, SectionControls, SurfaceId};
 
@@ -98,6 +103,17 @@ pub(super) struct ModelBuilder<'a> {
     pub budget: SizeBudget,
     /// Number of unknown names for which similar names were suggested.
     pub suggested: usize,
+    /// Cards that are read at present.
+    pub pass: ReadPass,
+    /// Curved edges, and the refined mesh after the cards of the mesh are read.
+    pub curves: EdgeCurves,
+    pub refined: Option<RefinedMesh>,
+    /// The coarsened mesh after the cards of the mesh are read.
+    pub coarsened: Option<CoarsenedMesh>,
+    /// Names of node sets, and elements whose nodes they contain, for a refined mesh.
+    pub regions: Vec<(String, Vec<usize>)>,
+    /// Pairs of nodes that `*MPC` links, for a refined mesh.
+    pub linked_pairs: Vec<NodePair>,
 }
 
 impl<'a> ModelBuilder<'a> {
@@ -147,12 +163,30 @@ impl<'a> ModelBuilder<'a> {
             interaction_places: super::names::places(deck, "SURFACE INTERACTION"),
             budget: SizeBudget::default(),
             suggested: 0,
+            pass: ReadPass::All,
+            curves: EdgeCurves::default(),
+            refined: None,
+            coarsened: None,
+            regions: Vec::new(),
+            linked_pairs: Vec::new(),
         }
+    }
+
+    /// Creates a builder of a deck whose cards have been checked.
+    pub fn checked(deck: &'a Deck) -> Self {
+        let mut builder = ModelBuilder::new(deck);
+        (builder.model.origin.inert, builder.faulty) = super::check::check(deck, &mut builder.diagnostics);
+        builder
+    }
+
+    /// Returns the cards of the deck in reading order.
+    pub fn ordered_cards(&self) -> Vec<&'a Card> {
+        super::order::ordered(&self.deck.cards.iter().collect::<Vec<_>>(), &self.deck.sources)
     }
 
     /// Reads a card, or records it if a part is open.
     pub fn card(&mut self, card: &'a Card) {
-        if self.record(card) {
+        if self.record(card) || !self.pass.reads(card) {
             return;
         }
         let name = card.keyword.name;
@@ -276,6 +310,7 @@ impl<'a> ModelBuilder<'a> {
         self.apply_controls();
         self.apply_interactions();
         self.complete();
+        self.reduce_output_sets();
         self.model.origin.bodies_read = !self.missing.bodies;
         (self.model, self.diagnostics)
     }
@@ -442,7 +477,8 @@ impl<'a> ModelBuilder<'a> {
             }
         }
         if let Some(node) = self.nodes.resolve(&self.scope, word) {
-            return Some(vec![node]);
+            let is_removed = self.coarsened.as_ref().is_some_and(|merged| merged.is_removed[node]);
+            return Some(if is_removed { Vec::new() } else { vec![node] });
         }
         if let Some(members) = self.nodes_of_element_set(word) {
             return Some(members);
@@ -461,7 +497,7 @@ impl<'a> ModelBuilder<'a> {
             }
         }
         if let Some(element) = self.elements.resolve(&self.scope, word) {
-            return Some(vec![element]);
+            return Some(self.replacements(element));
         }
         let what = if is_label(word) { "element" } else { "element set or element" };
         self.unknown("M110", what, word, |b| b.model.element_sets.keys().cloned().collect());

@@ -54,5 +54,7 @@ pub const CODES: &[DiagnosticCode] = codes! {
     "M181" "free surface without stiffness" "The effect of a free surface on a target depends on 2E/3Y, with E of *ELASTIC and Y of *CAVITY EXPANSION; this ratio must be above 1."
     "M185" "resistance without strain rates" "The strain rate in a target depends on the radius of the cavity. Without RADIUS on *CAVITY EXPANSION, DERIVE the constants are quasi-static, below those with *RATE DEPENDENT."
     "M180" "section of other elements" "*SOLID SECTION is for CAX3, CAX4R and CAX6M elements (CAX3T and CAX4RT included), *SHELL SECTION for SAX1 elements."
+    "M190" "constraint that cannot be refined" "The setting `mesh` divides every edge of the mesh. Equations and multi-point constraints between nodes of two lines are completed by the new nodes of both lines, and those with one reference node by all new nodes. Here an edge of one line has no counterpart, so the new nodes would be free."
+    "M191" "mesh that cannot be coarsened" "A setting `mesh=1/N` merges N by N quadrilaterals, and N shells or rigid surface elements, into one. Blocks of elements end at boundaries and their corners of more than 30 degrees, at sections and rigid bodies, at irregular nodes, and at nodes with forces, masses, constraints or history output. Their numbers of elements must be divisible by N, and surfaces, loads and sections must not end inside merged elements."
     "M150" "mesh file cannot be read" "The file is missing, damaged, or in an unsupported format. The message states how to save it."
 };

@@ -289,7 +289,9 @@ impl ModelBuilder<'_> {
     /// Defines a node-based surface from node sets and single nodes.
     pub(super) fn node_surface(&mut self, card: &Card, name: &Word) {
         let words = card.lines.iter().filter_map(|l| l.field(0));
-        let nodes: Vec<usize> = sorted_unique(words.filter_map(|w| self.node_members(w)).flatten());
+        let between = self.between_labels(words.clone());
+        let nodes = words.filter_map(|w| self.node_members(w)).flatten();
+        let nodes: Vec<usize> = sorted_unique(nodes.chain(between));
         self.model.surfaces.nodes.insert(qualified(&self.scope, &name.text), nodes);
         if !self.deck.cards.iter().any(|c| matches!(c.keyword.name, "COUPLING" | "TIE")) {
             self.contact_note(card);

@@ -25,6 +25,7 @@ impl ModelBuilder<'_> {
         if self.operation(card, "FIELD") {
             self.state().history.fields.clear();
         }
+        let from = self.state().fields.len();
         for (at, line) in card.lines.iter().enumerate() {
             let Some(set) = line.field(0) else { continue };
             let value = f64::from_value(card.given_field(at, 1));
@@ -33,6 +34,7 @@ impl ModelBuilder<'_> {
             let (set, span) = (set.text.clone(), line.span);
             self.state().fields.push(PrescribedField { variable, nodes, set, value, amplitude, span });
         }
+        self.complete_fields(from);
     }
 
     /// Reads rows of `values` values, the temperature and `fields` field variables. If no row has a temperature, it is

@@ -32,7 +32,8 @@ impl ModelBuilder<'_> {
 
     fn nodal_heat(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
         let set = self.region(line)?;
-        let nodes = self.node_members(set)?;
+        let mut nodes = self.node_members(set)?;
+        self.keep_original_nodes(&mut nodes);
         Some((LoadKind::NodalHeat { nodes, set: set.text.clone() }, self.number(line, 2, "the heat flux")?))
     }
 

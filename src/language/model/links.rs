@@ -3,6 +3,7 @@
 use super::builder::ModelBuilder;
 use super::coupling::PendingCoupling;
 use super::names::upper;
+use super::refinement::pair::NodePair;
 use super::types::{LinkKind, NodeLink, SurfaceTie};
 use crate::deck::{Card, Diagnostic, Span, Word};
 use crate::platform::PortableMath as _;
@@ -44,6 +45,10 @@ impl ModelBuilder<'_> {
             let mut links: Vec<(usize, Vec<usize>)> = Vec::new();
             for (i, &node) in followers.iter().enumerate() {
                 let reference = references[i.min(references.len() - 1)];
+                if self.refined.is_some() && node != reference {
+                    let (name, nodes) = (format!("MPC {name}"), [node, reference]);
+                    self.linked_pairs.push(NodePair { name, nodes, span: line.span });
+                }
                 match links.last_mut() {
                     Some(last) if last.0 == reference => last.1.push(node),
                     _ => links.push((reference, vec![node])),
@@ -188,7 +193,7 @@ impl ModelBuilder<'_> {
         if self.first_line(card).is_none() {
             return;
         }
-        let (adjust, tolerance) = (card.read("ADJUST"), card.read("POSITION TOLERANCE"));
+        let (adjust, tolerance) = (card.read("ADJUST"), card.read::<Option<f64>>("POSITION TOLERANCE"));
         let chosen = match card.value("TIED NSET") {
             None => None,
             Some(word) => match self.node_members(word) {
@@ -205,6 +210,7 @@ impl ModelBuilder<'_> {
             let slaves = self.contact_nodes(slave);
             let Some(masters) = self.master_faces(master) else { continue };
             let Some(slaves) = slaves else { continue };
+            let tolerance = tolerance.or_else(|| self.tie_tolerance(&masters));
             let (name, chosen, span) = (upper(&name.text), chosen.clone(), line.span);
             self.model.constraints.ties.push(SurfaceTie { name, slaves, masters, adjust, tolerance, chosen, span });
         }

@@ -49,7 +49,8 @@ impl ModelBuilder<'_> {
 
     fn concentrated(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
         let set = self.region(line)?;
-        let nodes = self.node_members(set)?;
+        let mut nodes = self.node_members(set)?;
+        self.keep_original_nodes(&mut nodes);
         let dof = self.integer(line, 1, "the degree of freedom")? as u8;
         let magnitude = self.number(line, 2, "the force")?;
         Some((LoadKind::Concentrated { nodes, dof, set: set.text.clone() }, magnitude))

@@ -8,6 +8,7 @@ mod builder;
 mod check;
 mod check_values;
 mod clearance;
+mod coarsening;
 pub mod codes;
 mod completion;
 mod compose;
@@ -53,6 +54,7 @@ mod nodes;
 mod order;
 mod outputs;
 mod parts;
+mod refinement;
 pub mod revise;
 mod rubber;
 pub mod scene;
@@ -82,16 +84,21 @@ pub use types::*;
 pub use units::{DeckUnits, SYSTEMS, UnitSystem, is_without_units};
 pub use vtk_file::silence_caught_panics;
 
-use crate::deck::{Deck, Diagnostics};
+use crate::deck::{Deck, Diagnostics, MeshScaling};
 
-/// Builds the model of a deck. A model is always returned; it can be run only if the diagnostics have no error.
+/// Builds the model of a deck. A model is always returned; it can be run only if the diagnostics have no error. The mesh
+/// is refined or coarsened as [`Deck::mesh_scaling`] requests, if the deck has no error.
 pub fn build(deck: &Deck) -> (Model, Diagnostics) {
-    let mut builder = builder::ModelBuilder::new(deck);
-    (builder.model.origin.inert, builder.faulty) = check::check(deck, &mut builder.diagnostics);
-    for card in order::ordered(&deck.cards.iter().collect::<Vec<_>>(), &deck.sources) {
+    let mut builder = builder::ModelBuilder::checked(deck);
+    for card in builder.ordered_cards() {
         builder.card(card);
     }
     let (model, mut diagnostics) = builder.finish();
+    match deck.mesh_scaling.filter(|_| !diagnostics.has_errors()) {
+        Some(MeshScaling::Refine(factor)) if factor > 1 => return refinement::apply::build(deck, factor),
+        Some(MeshScaling::Coarsen(factor)) => return coarsening::apply::build(deck, factor, &model),
+        _ => {}
+    }
     lost::drop_consequential_diagnostics(&mut diagnostics);
     (model, diagnostics)
 }

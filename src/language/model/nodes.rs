@@ -5,6 +5,7 @@ use super::builder::ModelBuilder;
 use super::copies::polar_point;
 use super::name::EntityName;
 use super::names::{qualified, upper};
+use super::refinement::curves::on_arc;
 use crate::deck::rows::label_and_coordinates;
 use crate::deck::{Card, DataLine, Diagnostic, Diagnostics, Span, Word};
 
@@ -134,6 +135,9 @@ impl ModelBuilder<'_> {
             made.push(self.place_generated(first + sign * step * i as i64, [r, z], line.span));
         }
         made.push(to);
+        if let (Some(centre), true) = (centre, self.deck.mesh_scaling.is_some()) {
+            self.curves.record_arc(&made, centre, normal);
+        }
         Some(made)
     }
 
@@ -199,20 +203,26 @@ impl ModelBuilder<'_> {
             return self.refuse_value(line.span, "TWO STEP and SINGULAR require an even number of intervals");
         }
         let shares = shares(intervals as usize, spacing);
-        let mut made = Vec::new();
+        let (mut made, mut rows) = (Vec::new(), Vec::new());
         for (a, b) in from.iter().zip(&to) {
             let (start, end) = (self.model.mesh.points[*a], self.model.mesh.points[*b]);
             let label = self.label_of_index(*a)?;
+            let row = made.len();
             for (i, s) in shares.iter().enumerate() {
                 let place = [start[0] + s * (end[0] - start[0]), start[1] + s * (end[1] - start[1])];
                 made.push(self.place_generated(label + step * (i as i64 + 1), place, line.span));
             }
+            rows.push(made[row..].to_vec());
             made.extend([*a, *b]);
+        }
+        if self.deck.mesh_scaling.is_some() {
+            self.curves.record_rows([&from, &to], &rows, &shares);
         }
         Some(made)
     }
 
-    /// Returns the nodes of a set: in the given order for an UNSORTED set, otherwise in order of labels.
+    /// Returns the nodes of a set: in the given order for an UNSORTED set, otherwise in order of labels. The new nodes
+    /// of a refined mesh have no order and are left out.
     pub(super) fn nodes_in_order(&mut self, word: &Word) -> Option<Vec<usize>> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(nodes) = self.unsorted.get(&name) {
@@ -220,6 +230,7 @@ impl ModelBuilder<'_> {
             }
         }
         let mut nodes = self.node_members(word)?;
+        self.keep_original_nodes(&mut nodes);
         nodes.sort_by_key(|&n| (self.label_of_index(n), n));
         Some(nodes)
     }
@@ -282,14 +293,4 @@ impl RedefinedNodes {
         let diagnostic = Diagnostic::warning("M164", format!("node {label}{more} defined again"));
         diagnostics.push(diagnostic.at(span, "the last definition is used").help("define each node once"));
     }
-}
-
-/// Returns the point at fraction `s` of the arc from `a` to `b` around `c`: counter-clockwise for positive `normal`,
-/// clockwise for negative, the shorter way for zero.
-fn on_arc(a: [f64; 2], b: [f64; 2], c: [f64; 2], normal: f64, s: f64) -> [f64; 2] {
-    let (u, v) = ([a[0] - c[0], a[1] - c[1]], [b[0] - c[0], b[1] - c[1]]);
-    let short = (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1]);
-    let whole = if short * normal < 0.0 { short + normal.signum() * std::f64::consts::TAU } else { short };
-    let (sine, cosine) = (s * whole).sin_cos();
-    [c[0] + u[0] * cosine - u[1] * sine, c[1] + u[0] * sine + u[1] * cosine]
 }

@@ -3,6 +3,7 @@
 use super::budget::BudgetedItem;
 use super::builder::ModelBuilder;
 use super::names::{qualified, upper};
+use super::refinement::pass::ReadPass;
 use super::types::MemberSet;
 use crate::deck::rows::words;
 use crate::deck::{Card, DataLine, Diagnostic, Span};
@@ -13,8 +14,10 @@ impl ModelBuilder<'_> {
         let outer = self.enter_instance(card);
         let mut members = self.members(card, true);
         if let Some(elements) = card.value("ELSET") {
-            for element in self.element_members(elements).unwrap_or_default() {
-                members.extend(&self.model.mesh.elements[element].nodes);
+            let elements = self.element_members(elements).unwrap_or_default();
+            members.extend(elements.iter().flat_map(|&element| &self.model.mesh.elements[element].nodes));
+            if self.pass == ReadPass::Mesh {
+                self.regions.push((qualified(&outer, &name.text), elements));
             }
         }
         self.scope = outer;

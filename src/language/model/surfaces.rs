@@ -88,7 +88,9 @@ impl ModelBuilder<'_> {
                 );
                 return faces;
             }
-            faces.extend(sides.map(|side| (element, side)));
+            let refined = self.refined.as_ref();
+            let is_outer = |&(element, side): &_| refined.is_none_or(|refined| refined.is_outer(element, side));
+            faces.extend(sides.map(|side| (element, side)).filter(is_outer));
         }
         faces
     }

@@ -1,0 +1,164 @@
+//! Refinement of the mesh of a deck: reading in two passes, sets, and names of new nodes and elements.
+
+use std::collections::HashMap;
+
+use super::lattice;
+use super::mesh::RefinedMesh;
+use super::pass::ReadPass;
+use crate::deck::{Card, Deck, Diagnostics, Span};
+use crate::kernel::lists::sorted_unique;
+use crate::model::budget::BudgetedItem;
+use crate::model::builder::ModelBuilder;
+use crate::model::name::EntityName;
+use crate::model::types::{Element, ElementSide, Model, OutputKind, OutputRegion};
+use crate::platform::PortableMath as _;
+
+/// Reads a deck without errors again, with a refined mesh.
+pub(in crate::model) fn build(deck: &Deck, factor: usize) -> (Model, Diagnostics) {
+    let mut builder = ModelBuilder::checked(deck);
+    let cards = builder.ordered_cards();
+    for pass in [ReadPass::Mesh, ReadPass::Rest] {
+        builder.pass = pass;
+        for card in &cards {
+            builder.card(card);
+        }
+        if pass == ReadPass::Mesh {
+            builder.refine_mesh(factor);
+        }
+    }
+    builder.refine_relations();
+    builder.finish()
+}
+
+impl ModelBuilder<'_> {
+    /// Divides all edges into `factor` parts, and extends all sets of nodes and elements.
+    fn refine_mesh(&mut self, factor: usize) {
+        if !self.affords_refinement(factor) {
+            return;
+        }
+        let curves = std::mem::take(&mut self.curves);
+        let mesh = &mut *self.model.mesh;
+        let refined = lattice::refine(mesh, factor, &curves);
+        name_nodes(&refined, mesh.points.len(), &mut mesh.node_names);
+        name_children(&refined, &mut mesh.elements);
+        for set in self.model.element_sets.values_mut() {
+            set.members = set.members.iter().flat_map(|&parent| refined.children(parent)).collect();
+        }
+        let regions = std::mem::take(&mut self.regions);
+        for (name, set) in &mut self.model.node_sets {
+            let more = refined.selection(&set.members).nodes(&refined);
+            let elements = regions.iter().filter(|region| region.0 == *name).flat_map(|region| &region.1);
+            let children = elements.flat_map(|&parent| refined.children(parent));
+            let inside = children.flat_map(|child| mesh.elements[child].nodes.iter().copied());
+            set.members = sorted_unique(set.members.drain(..).chain(more).chain(inside));
+        }
+        self.refined = Some(refined);
+    }
+
+    /// Reports a refined mesh that would exceed the size limits.
+    fn affords_refinement(&mut self, factor: usize) -> bool {
+        let is_mesh = |c: &&Card| matches!(c.keyword.name, "ELEMENT" | "MESH");
+        let span = self.deck.cards.iter().find(is_mesh).map_or(Span::default(), |c| c.span);
+        let square = (factor * factor) as u128;
+        let more = |count: usize| (square - 1) * count as u128;
+        let elements = more(self.model.mesh.elements.len());
+        let nodes = more(self.model.mesh.points.len());
+        self.fits_budget(BudgetedItem::Elements, elements, span) && self.fits_budget(BudgetedItem::Nodes, nodes, span)
+    }
+
+    /// Returns the elements of a refined or coarsened mesh that replace an element of the deck.
+    pub(in crate::model) fn replacements(&self, element: usize) -> Vec<usize> {
+        match (&self.refined, &self.coarsened) {
+            (Some(refined), _) => refined.children(element).collect(),
+            (None, Some(coarsened)) => vec![coarsened.merged[element]],
+            (None, None) => vec![element],
+        }
+    }
+
+    /// Returns the default position tolerance of a tie: 5 % of the mean facet length of the master surface in the mesh
+    /// of the deck. `None` if the mesh is not refined.
+    pub(in crate::model) fn tie_tolerance(&self, masters: &[(usize, ElementSide)]) -> Option<f64> {
+        let (refined, mesh) = (self.refined.as_ref()?, &self.model.mesh);
+        let ends = masters.iter().filter_map(|&(element, side)| mesh.side_nodes(element, side));
+        let lengths = ends.map(|ends| {
+            let [a, b] = ends.map(|node| mesh.points[node]);
+            (b[0] - a[0]).portable_hypot(b[1] - a[1])
+        });
+        Some(0.05 * refined.factor as f64 * lengths.sum::<f64>() / masters.len() as f64)
+    }
+
+    /// Removes the nodes that refinement has added.
+    pub(in crate::model) fn keep_original_nodes(&self, nodes: &mut Vec<usize>) {
+        if let Some(refined) = &self.refined {
+            nodes.retain(|&node| refined.is_original(node));
+        }
+    }
+
+    /// Reduces sets of one original element to its middle child if history output refers to them, so that the names of
+    /// their columns do not depend on the refinement.
+    pub(in crate::model) fn reduce_output_sets(&mut self) {
+        let Some(refined) = &self.refined else { return };
+        let requests = self.model.steps.iter().flat_map(|step| &step.outputs);
+        let history = requests.filter(|request| request.kind == OutputKind::History && request.statistics.is_empty());
+        for request in history {
+            let OutputRegion::Elements(id) = request.region else { continue };
+            let members = &mut self.model.element_sets[id].members;
+            let parent = |child: usize| refined.first_child.partition_point(|&first| first <= child) - 1;
+            let [Some(first), Some(last)] = [members.first(), members.last()].map(|child| child.map(|&c| parent(c)))
+            else {
+                continue;
+            };
+            if first == last {
+                *members = vec![refined.middle_child[first]];
+            }
+        }
+    }
+}
+
+/// Labels of new nodes or elements: above the largest label of their part instance.
+#[derive(Default)]
+struct NewLabels {
+    largest: HashMap<String, i64>,
+}
+
+impl NewLabels {
+    fn above<'a>(names: impl Iterator<Item = &'a EntityName>) -> NewLabels {
+        let mut labels = NewLabels::default();
+        for name in names {
+            let (scope, label) = name.rsplit_once('.').unwrap_or(("", name));
+            let label = label.parse().unwrap_or(0);
+            match labels.largest.get_mut(scope) {
+                Some(largest) => *largest = label.max(*largest),
+                None => drop(labels.largest.insert(scope.to_owned(), label)),
+            }
+        }
+        labels
+    }
+
+    /// Returns the name of the next node or element in the part instance of `like`.
+    fn next(&mut self, like: &EntityName) -> EntityName {
+        let scope = like.rsplit_once('.').map_or("", |(scope, _)| scope);
+        let Some(largest) = self.largest.get_mut(scope) else { return like.clone() };
+        *largest = largest.saturating_add(1);
+        EntityName::of_label(scope, *largest)
+    }
+}
+
+fn name_nodes(refined: &RefinedMesh, count: usize, names: &mut Vec<EntityName>) {
+    let mut labels = NewLabels::above(names.iter());
+    names.reserve(count - refined.originals);
+    for node in refined.originals..count {
+        let like = refined.weights(node)[0].0;
+        let name = labels.next(&names[like]);
+        names.push(name);
+    }
+}
+
+fn name_children(refined: &RefinedMesh, children: &mut [Element]) {
+    let mut labels = NewLabels::above(refined.parents.iter().map(|parent| &parent.name));
+    for (at, parent) in refined.parents.iter().enumerate() {
+        for child in refined.children(at).filter(|&child| child != refined.middle_child[at]) {
+            children[child].name = labels.next(&parent.name);
+        }
+    }
+}

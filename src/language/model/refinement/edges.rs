@@ -1,0 +1,99 @@
+//! Edges of a mesh with their new nodes.
+
+use indexmap::IndexMap;
+
+use crate::model::types::Element;
+
+/// Edges of all solids, shells and rigid surface elements, in order of elements.
+#[derive(Debug, Default)]
+pub struct EdgeTable {
+    edges: IndexMap<[usize; 2], Edge>,
+    /// Number of new nodes of each edge.
+    inner: usize,
+    /// First new node of the first edge.
+    first: usize,
+}
+
+/// An edge of the mesh.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Edge {
+    /// Elements at the edge: the first one and the last one.
+    pub elements: [usize; 2],
+    /// Number of solid elements at the edge.
+    pub solids: usize,
+    /// Whether the edge is a shell or a rigid surface element.
+    pub is_line: bool,
+}
+
+/// Returns the edges of an element: pairs of consecutive nodes around its boundary.
+pub fn edges_of(element: &Element) -> impl Iterator<Item = [usize; 2]> {
+    let nodes = &element.nodes;
+    let count = match nodes.len() {
+        _ if element.kind.is_discrete() => 0,
+        2 => 1,
+        count => count,
+    };
+    (0..count).map(move |i| [nodes[i], nodes[(i + 1) % nodes.len()]]).filter(|[a, b]| a != b)
+}
+
+impl EdgeTable {
+    /// Collects the edges of elements; each gets `factor - 1` new nodes, from the index `first` on.
+    pub fn new(elements: &[Element], factor: usize, first: usize) -> EdgeTable {
+        let mut edges: IndexMap<[usize; 2], Edge> = IndexMap::new();
+        for (at, element) in elements.iter().enumerate() {
+            for [a, b] in edges_of(element) {
+                let entry = edges.entry([a.min(b), a.max(b)]);
+                let edge = entry.or_insert(Edge { elements: [at; 2], ..Edge::default() });
+                edge.elements[1] = at;
+                edge.solids += usize::from(element.kind.is_solid());
+                edge.is_line |= !element.kind.is_solid();
+            }
+        }
+        EdgeTable { edges, inner: factor - 1, first }
+    }
+
+    /// Iterates over the edges with their two nodes, the lower index first.
+    pub fn iter(&self) -> impl Iterator<Item = (&[usize; 2], &Edge)> {
+        self.edges.iter()
+    }
+
+    /// Returns the index behind the last new node.
+    pub fn end(&self) -> usize {
+        self.first + self.inner * self.edges.len()
+    }
+
+    /// Returns whether two nodes are connected by an edge.
+    pub fn connects(&self, [a, b]: [usize; 2]) -> bool {
+        self.edges.contains_key(&[a.min(b), a.max(b)])
+    }
+
+    /// Returns the edge between two nodes.
+    pub fn get(&self, [a, b]: [usize; 2]) -> Option<&Edge> {
+        self.edges.get(&[a.min(b), a.max(b)])
+    }
+
+    /// Returns the new nodes of an edge, given by its place in the table.
+    pub fn new_nodes(&self, place: usize) -> std::ops::Range<usize> {
+        let first = self.first + place * self.inner;
+        first..first + self.inner
+    }
+
+    /// Returns the node at the end of part `part` of an edge from `a` to `b`; part 0 is node `a`.
+    pub fn node(&self, [a, b]: [usize; 2], part: usize) -> usize {
+        if part == 0 || a == b {
+            return a;
+        }
+        if part > self.inner {
+            return b;
+        }
+        let Some(place) = self.edges.get_index_of(&[a.min(b), a.max(b)]) else { return a };
+        self.first + place * self.inner + if a < b { part - 1 } else { self.inner - part }
+    }
+
+    /// Returns the edge of a new node, and the number of parts between its first node and the new node.
+    pub fn place(&self, node: usize) -> Option<([usize; 2], usize)> {
+        let at = node.checked_sub(self.first).filter(|_| node < self.end())?;
+        let (ends, _) = self.edges.get_index(at / self.inner)?;
+        Some((*ends, at % self.inner + 1))
+    }
+}

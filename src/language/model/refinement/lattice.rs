@@ -1,0 +1,261 @@
+//! Lattices of nodes in elements, and the elements between them.
+
+use super::curves::EdgeCurves;
+use super::edges::EdgeTable;
+use super::mesh::RefinedMesh;
+use crate::model::element_nodes::NodeIndices;
+use crate::model::types::{Element, ElementKind, Mesh};
+
+/// Nodes of the deck and their weights in the position of a new node; unused entries have the weight 0.
+pub type NodeWeights = [(usize, f64); 4];
+
+/// Divides each edge of a mesh into `factor` parts. New nodes have no names yet, and all children have the name of
+/// their parent.
+pub fn refine(mesh: &mut Mesh, factor: usize, curves: &EdgeCurves) -> RefinedMesh {
+    let originals = mesh.points.len();
+    let parents = std::mem::take(&mut mesh.elements);
+    let edges = EdgeTable::new(&parents, factor, originals);
+    let mut refined = RefinedMesh {
+        factor,
+        originals,
+        first_inside: Vec::with_capacity(parents.len() + 1),
+        first_child: Vec::with_capacity(parents.len() + 1),
+        outer_sides: Vec::new(),
+        middle_child: Vec::with_capacity(parents.len()),
+        parents,
+        edges,
+    };
+    refined.number_nodes();
+    refined.place_nodes(&mut mesh.points, curves);
+    for parent in 0..refined.parents.len() {
+        refined.first_child.push(mesh.elements.len());
+        refined.add_children(parent, mesh);
+        refined.middle_child.push(middle(mesh, refined.first_child[parent]));
+    }
+    refined.first_child.push(mesh.elements.len());
+    refined
+}
+
+/// Returns the element that is nearest to the mean position of the elements from `first` on.
+fn middle(mesh: &Mesh, first: usize) -> usize {
+    let centre = |element: &Element| {
+        let scale = 1.0 / element.nodes.len() as f64;
+        [0, 1].map(|i| element.nodes.iter().map(|&n| scale * mesh.points[n][i]).sum::<f64>())
+    };
+    let centres: Vec<[f64; 2]> = mesh.elements[first..].iter().map(centre).collect();
+    let mean = [0, 1].map(|i| centres.iter().map(|c| c[i]).sum::<f64>() / centres.len() as f64);
+    let distance = |c: &[f64; 2]| (c[0] - mean[0]).powi(2) + (c[1] - mean[1]).powi(2);
+    // Of children at equal distances up to rounding, the first one.
+    let least = centres.iter().map(distance).fold(f64::INFINITY, f64::min);
+    first + centres.iter().position(|c| distance(c) <= least * (1.0 + 1e-9)).unwrap_or(0)
+}
+
+/// Returns the number of lattice nodes inside an element.
+fn inner_count(kind: ElementKind, factor: usize) -> usize {
+    match kind.node_count() {
+        _ if !kind.is_solid() => 0,
+        4 => (factor - 1) * (factor - 1),
+        count => {
+            let parts = count / 3 * factor;
+            parts.saturating_sub(1) * parts.saturating_sub(2) / 2
+        }
+    }
+}
+
+impl RefinedMesh {
+    fn number_nodes(&mut self) {
+        let mut next = self.edges.end();
+        for parent in &self.parents {
+            self.first_inside.push(next);
+            next += inner_count(parent.kind, self.factor);
+        }
+        self.first_inside.push(next);
+    }
+
+    fn place_nodes(&self, points: &mut Vec<[f64; 2]>, curves: &EdgeCurves) {
+        let end = self.first_inside[self.parents.len()];
+        points.reserve(end - self.originals);
+        for node in self.originals..end {
+            let place = self.place(node, points, curves);
+            points.push(place);
+        }
+    }
+
+    /// Returns the position of a new node: the mean of nodes of its edge or element, plus the offset of curved edges.
+    fn place(&self, node: usize, points: &[[f64; 2]], curves: &EdgeCurves) -> [f64; 2] {
+        let offset = match self.edges.place(node) {
+            Some((ends, part)) => curves.offset(points, ends, part as f64 / self.factor as f64),
+            None => self.offset_inside(node, points, curves),
+        };
+        let [first, rest @ ..] = self.weights(node);
+        let from = points[first.0];
+        [0, 1].map(|i| {
+            let more: f64 = rest.iter().map(|&(n, weight)| weight * (points[n][i] - from[i])).sum();
+            from[i] + more + offset[i]
+        })
+    }
+
+    /// Returns the nodes of the deck from which a new node is interpolated.
+    pub fn weights(&self, node: usize) -> NodeWeights {
+        let factor = self.factor as f64;
+        if let Some(([a, b], part)) = self.edges.place(node) {
+            let share = part as f64 / factor;
+            return [(a, 1.0 - share), (b, share), (a, 0.0), (a, 0.0)];
+        }
+        let (parent, i, j) = self.lattice_place(node);
+        let nodes = &self.parents[parent].nodes;
+        if let &[a, b, c, d] = &nodes[..] {
+            let (s, t) = (i as f64 / factor, j as f64 / factor);
+            return [(a, (1.0 - s) * (1.0 - t)), (b, s * (1.0 - t)), (c, s * t), (d, (1.0 - s) * t)];
+        }
+        let ([a, b, c], [u, v]) = self.triangle(nodes, i, j);
+        [(a, 1.0 - u - v), (b, u), (c, v), (a, 0.0)]
+    }
+
+    /// Returns the three-node triangle that contains a lattice node of a triangle, and the fractions of its first and
+    /// last side.
+    fn triangle(&self, nodes: &[usize], i: usize, j: usize) -> ([usize; 3], [f64; 2]) {
+        let n = self.factor;
+        let (corners, i, j) = match nodes {
+            // Corners and midside nodes of six-node triangles alternate.
+            &[a, ab, b, bc, c, ca] => match () {
+                () if i + j <= n => ([a, ab, ca], i, j),
+                () if i >= n => ([ab, b, bc], i - n, j),
+                () if j >= n => ([ca, bc, c], i, j - n),
+                () => ([bc, ca, ab], n - i, n - j),
+            },
+            nodes => ([nodes[0], nodes[1], nodes[2]], i, j),
+        };
+        (corners, [i as f64 / n as f64, j as f64 / n as f64])
+    }
+
+    /// Returns the parent of a node inside an element, and the place of the node in its lattice.
+    fn lattice_place(&self, node: usize) -> (usize, usize, usize) {
+        let parent = self.first_inside.partition_point(|&first| first <= node) - 1;
+        let mut at = node - self.first_inside[parent];
+        let kind = self.parents[parent].kind;
+        if kind.node_count() == 4 {
+            let row = self.factor - 1;
+            return (parent, at % row + 1, at / row + 1);
+        }
+        // The rows of a triangle become shorter by one node.
+        let (mut row, mut j) = (kind.node_count() / 3 * self.factor - 2, 1);
+        while at >= row {
+            (at, row, j) = (at - row, row - 1, j + 1);
+        }
+        (parent, at + 1, j)
+    }
+
+    /// Returns the offset of a node inside an element, blended from the offsets of its curved edges (transfinite
+    /// interpolation).
+    fn offset_inside(&self, node: usize, points: &[[f64; 2]], curves: &EdgeCurves) -> [f64; 2] {
+        let (parent, i, j) = self.lattice_place(node);
+        let nodes = &self.parents[parent].nodes;
+        let offset = |edge: [usize; 2], share: f64| curves.offset(points, edge, share);
+        let parts = if let &[a, b, c, d] = &nodes[..] {
+            let (s, t) = (i as f64 / self.factor as f64, j as f64 / self.factor as f64);
+            let sides = [([a, b], s, 1.0 - t), ([b, c], t, s), ([d, c], s, t), ([a, d], t, 1.0 - s)];
+            sides.map(|(edge, share, weight)| (offset(edge, share), weight))
+        } else {
+            let ([a, b, c], [u, v]) = self.triangle(nodes, i, j);
+            let w = 1.0 - u - v;
+            let side = |edge, from: f64, to: f64| (offset(edge, to / (from + to).max(f64::MIN_POSITIVE)), from + to);
+            [side([a, b], w, u), side([b, c], u, v), side([c, a], v, w), ([0.0; 2], 0.0)]
+        };
+        [0, 1].map(|i| parts.iter().map(|(offset, weight)| weight * offset[i]).sum())
+    }
+
+    fn add_children(&mut self, parent: usize, mesh: &mut Mesh) {
+        let Element { kind, nodes, .. } = &self.parents[parent];
+        let (kind, n) = (*kind, self.factor);
+        let mut children: Vec<(NodeIndices, u8)> = Vec::new();
+        match nodes.len() {
+            _ if kind.is_discrete() => children.push((nodes.clone(), 0)),
+            2 => {
+                let at = |i| self.edges.node([nodes[0], nodes[1]], i);
+                children.extend((0..n).map(|i| (NodeIndices::from(&[at(i), at(i + 1)][..]), 0)));
+            }
+            4 => children.extend((0..n * n).map(|at| self.quadrilateral(parent, at % n, at / n))),
+            _ => {
+                for j in 0..n {
+                    children.extend((0..n - j).map(|i| self.upright_triangle(parent, i, j)));
+                    children.extend((0..n - j - 1).map(|i| self.inverted_triangle(parent, i, j)));
+                }
+            }
+        }
+        let Element { name, span, .. } = self.parents[parent].clone();
+        for (nodes, sides) in children {
+            mesh.elements.push(Element { name: name.clone(), kind, nodes, span });
+            self.outer_sides.push(sides);
+        }
+    }
+
+    fn quadrilateral(&self, parent: usize, i: usize, j: usize) -> (NodeIndices, u8) {
+        let last = self.factor - 1;
+        let at = |i, j| self.quadrilateral_node(parent, i, j);
+        let nodes = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        (NodeIndices::from(&nodes[..]), bits([j == 0, i == last, j == last, i == 0]))
+    }
+
+    fn quadrilateral_node(&self, parent: usize, i: usize, j: usize) -> usize {
+        let (nodes, n) = (&self.parents[parent].nodes, self.factor);
+        let on = |from: usize, to: usize, part: usize| self.edges.node([nodes[from], nodes[to]], part);
+        match (i, j) {
+            (_, 0) => on(0, 1, i),
+            _ if i == n => on(1, 2, j),
+            _ if j == n => on(3, 2, i),
+            (0, _) => on(0, 3, j),
+            _ => self.first_inside[parent] + (j - 1) * (n - 1) + i - 1,
+        }
+    }
+
+    fn upright_triangle(&self, parent: usize, i: usize, j: usize) -> (NodeIndices, u8) {
+        let sides = [j == 0, i + j + 1 == self.factor, i == 0];
+        let sides = if self.parts_of_side(parent) == 2 { bits(sides.map(|s| [s; 2]).concat()) } else { bits(sides) };
+        (self.triangle_nodes(parent, [[i, j], [i + 1, j], [i, j + 1]]), sides)
+    }
+
+    fn inverted_triangle(&self, parent: usize, i: usize, j: usize) -> (NodeIndices, u8) {
+        (self.triangle_nodes(parent, [[i + 1, j + 1], [i, j + 1], [i + 1, j]]), 0)
+    }
+
+    /// Returns the number of edges of a side of a triangle: two with a midside node.
+    fn parts_of_side(&self, parent: usize) -> usize {
+        self.parents[parent].nodes.len() / 3
+    }
+
+    /// Returns the nodes of a child with given corners, with its midside nodes if it has any.
+    fn triangle_nodes(&self, parent: usize, corners: [[usize; 2]; 3]) -> NodeIndices {
+        let parts = self.parts_of_side(parent);
+        let mut nodes = Vec::with_capacity(3 * parts);
+        for (at, [i, j]) in corners.into_iter().enumerate() {
+            let [k, l] = corners[(at + 1) % 3];
+            nodes.push(self.triangle_node(parent, parts * i, parts * j));
+            if parts == 2 {
+                nodes.push(self.triangle_node(parent, i + k, j + l));
+            }
+        }
+        nodes[..].into()
+    }
+
+    fn triangle_node(&self, parent: usize, i: usize, j: usize) -> usize {
+        let (nodes, parts) = (&self.parents[parent].nodes, self.parts_of_side(parent));
+        let end = parts * self.factor;
+        let on_side = |side: usize, at: usize| {
+            let edge = side * parts + at / self.factor;
+            let ends = [nodes[edge % nodes.len()], nodes[(edge + 1) % nodes.len()]];
+            self.edges.node(ends, at % self.factor)
+        };
+        match (i, j) {
+            (_, 0) => on_side(0, i),
+            _ if i + j == end => on_side(1, j),
+            (0, _) => on_side(2, end - j),
+            _ => self.first_inside[parent] + (j - 1) * (end - 1) - j * (j - 1) / 2 + i - 1,
+        }
+    }
+}
+
+/// Returns the sides that are true as bits.
+fn bits(sides: impl IntoIterator<Item = bool>) -> u8 {
+    sides.into_iter().enumerate().map(|(at, side)| u8::from(side) << at).sum()
+}

@@ -1,0 +1,44 @@
+//! The relation of a refined mesh to the mesh of the deck.
+
+use super::edges::EdgeTable;
+use crate::model::types::{Element, ElementSide};
+
+/// Relation of a refined mesh to the mesh of the deck.
+#[derive(Debug)]
+pub struct RefinedMesh {
+    /// Number of parts of each edge.
+    pub(super) factor: usize,
+    /// Number of nodes of the deck; they keep their indices, and new nodes follow.
+    pub(super) originals: usize,
+    /// Elements of the deck.
+    pub(super) parents: Vec<Element>,
+    pub(super) edges: EdgeTable,
+    /// First new node inside each parent, and the number of all nodes.
+    pub(super) first_inside: Vec<usize>,
+    /// First child of each parent, and the number of all children.
+    pub(super) first_child: Vec<usize>,
+    /// Sides of each child that are on sides of its parent, as bits.
+    pub(super) outer_sides: Vec<u8>,
+    /// Child of each parent that is nearest to its centroid; it has the label of the parent.
+    pub(super) middle_child: Vec<usize>,
+}
+
+impl RefinedMesh {
+    /// Returns whether a node is defined by the deck.
+    pub fn is_original(&self, node: usize) -> bool {
+        node < self.originals
+    }
+
+    /// Returns the children of an element of the deck.
+    pub fn children(&self, parent: usize) -> std::ops::Range<usize> {
+        self.first_child[parent]..self.first_child[parent + 1]
+    }
+
+    /// Returns whether a side of a child is on a side of its parent.
+    pub fn is_outer(&self, child: usize, side: ElementSide) -> bool {
+        match side {
+            ElementSide::Face(number) => self.outer_sides[child] & (1 << (number - 1)) != 0,
+            ElementSide::Positive | ElementSide::Negative => true,
+        }
+    }
+}

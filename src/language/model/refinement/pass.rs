@@ -1,0 +1,45 @@
+//! Passes over the cards of a deck whose mesh is refined.
+
+use crate::deck::Card;
+
+/// Cards that a pass over the deck reads. A refined mesh needs two passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ReadPass {
+    /// All cards.
+    #[default]
+    All,
+    /// Cards that define nodes, elements and their sets.
+    Mesh,
+    /// All other cards.
+    Rest,
+}
+
+impl ReadPass {
+    /// Returns whether the pass reads a card. Parts and instances are blocks of both kinds of cards.
+    pub fn reads(self, card: &Card) -> bool {
+        let is_block = matches!(
+            card.keyword.name,
+            "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE"
+        );
+        let is_mesh = matches!(
+            card.keyword.name,
+            "NODE"
+                | "NGEN"
+                | "NFILL"
+                | "NCOPY"
+                | "NMAP"
+                | "SYSTEM"
+                | "ELEMENT"
+                | "ELGEN"
+                | "ELCOPY"
+                | "NSET"
+                | "ELSET"
+                | "MESH"
+        );
+        match self {
+            ReadPass::All => true,
+            ReadPass::Mesh => is_block || is_mesh,
+            ReadPass::Rest => !is_mesh,
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Equations and multi-point constraints between nodes of two lines, which are completed by the new nodes of both.
+
+use std::collections::{BTreeSet, HashMap, HashSet};
+
+use indexmap::IndexMap;
+
+use super::mesh::RefinedMesh;
+use super::pair::NodePair;
+use crate::deck::{Diagnostic, Span};
+use crate::model::builder::ModelBuilder;
+use crate::model::types::{LinearEquation, LinkKind, NodeLink};
+
+/// Nodes in the order of the terms of an equation, or a node and its reference node.
+type Related = Vec<usize>;
+
+/// Line of an equation between sets, and degrees of freedom and coefficients of its terms.
+type EquationForm = (Option<Span>, Vec<(u8, u64)>);
+
+/// Two relations of the same kind whose nodes are connected by an edge in one term, but not in all.
+struct Ambiguity {
+    relations: [usize; 2],
+}
+
+impl RefinedMesh {
+    /// Returns the relations of new nodes, each with the relation that it is like. Two relations are completed if the
+    /// nodes of each term are the same node or are connected by an edge.
+    fn complete(&self, relations: &[&[usize]]) -> Result<Vec<(usize, Related)>, Ambiguity> {
+        let mut made = Vec::new();
+        let mut known: BTreeSet<[usize; 2]> = BTreeSet::new();
+        for term in 0..relations[0].len() {
+            let of: HashMap<usize, usize> = relations.iter().enumerate().map(|(at, r)| (r[term], at)).collect();
+            let mut nodes: Vec<usize> = of.keys().copied().collect();
+            nodes.sort_unstable();
+            let selected = self.selection(&nodes);
+            let edges: BTreeSet<usize> = selected.edges.into_iter().collect();
+            for (ends, _) in self.edges.iter().enumerate().filter(|(at, _)| edges.contains(at)).map(|(_, edge)| edge) {
+                let pair = ends.map(|node| of[&node]);
+                if known.insert([pair[0].min(pair[1]), pair[0].max(pair[1])]) {
+                    self.between(relations, pair, &mut made)?;
+                }
+            }
+            for element in selected.elements {
+                let members: Vec<usize> = self.parents[element].nodes.iter().map(|node| of[node]).collect();
+                self.inside(relations, (element, term), &members, &mut made)?;
+            }
+        }
+        Ok(made)
+    }
+
+    /// Adds the relations between two relations.
+    fn between(
+        &self,
+        relations: &[&[usize]],
+        pair: [usize; 2],
+        made: &mut Vec<(usize, Related)>,
+    ) -> Result<(), Ambiguity> {
+        let [first, second] = pair.map(|at| relations[at]);
+        let ends: Vec<[usize; 2]> = first.iter().zip(second).map(|(&a, &b)| [a, b]).collect();
+        let is_followed = ends.iter().all(|&[a, b]| a == b || self.edges.connects([a, b]));
+        // A node in two terms: a chain of equations, whose new nodes have no partner.
+        let is_chain = ends.iter().enumerate().any(|(at, [a, b])| {
+            a != b && ends.iter().enumerate().any(|(other, [c, d])| other != at && c != d && (a == d || b == c))
+        });
+        if !is_followed || is_chain {
+            return Err(Ambiguity { relations: pair });
+        }
+        for part in 1..self.factor {
+            made.push((pair[0], ends.iter().map(|&ends| self.edges.node(ends, part)).collect()));
+        }
+        Ok(())
+    }
+
+    /// Adds the relations of the new nodes inside an element; all other terms must have one node.
+    fn inside(
+        &self,
+        relations: &[&[usize]],
+        (element, term): (usize, usize),
+        members: &[usize],
+        made: &mut Vec<(usize, Related)>,
+    ) -> Result<(), Ambiguity> {
+        let new = self.first_inside[element]..self.first_inside[element + 1];
+        let first = relations[members[0]];
+        for &other in members.iter().filter(|_| !new.is_empty()) {
+            let same = |at: usize| at == term || relations[other][at] == first[at];
+            if !(0..first.len()).all(same) {
+                return Err(Ambiguity { relations: [members[0], other] });
+            }
+        }
+        for node in new {
+            let mut related = first.to_vec();
+            related[term] = node;
+            made.push((members[0], related));
+        }
+        Ok(())
+    }
+}
+
+impl ModelBuilder<'_> {
+    /// Adds equations and multi-point constraints of the new nodes.
+    pub(super) fn refine_relations(&mut self) {
+        self.refine_equations();
+        self.refine_pairs();
+    }
+
+    fn refine_equations(&mut self) {
+        let Some(refined) = &self.refined else { return };
+        let equations = &self.model.constraints.equations;
+        let of_sets = repeated(equations.iter().map(|equation| equation.span));
+        let mut groups: IndexMap<EquationForm, Vec<usize>> = IndexMap::new();
+        for (at, LinearEquation { terms, span }) in equations.iter().enumerate() {
+            let form = terms.iter().map(|&(_, dof, c)| (dof, c.to_bits())).collect();
+            groups.entry((of_sets.get(span).copied(), form)).or_default().push(at);
+        }
+        let (mut made, mut findings) = (Vec::new(), Vec::new());
+        for group in groups.into_values() {
+            let nodes: Vec<Related> =
+                group.iter().map(|&at| equations[at].terms.iter().map(|t| t.0).collect()).collect();
+            let nodes: Vec<&[usize]> = nodes.iter().map(|n| &n[..]).collect();
+            match refined.complete(&nodes) {
+                Ok(more) => made.extend(more.into_iter().map(|(like, nodes)| {
+                    let LinearEquation { terms, span } = &equations[group[like]];
+                    let terms = nodes.into_iter().zip(terms).map(|(n, &(_, dof, c))| (n, dof, c)).collect();
+                    LinearEquation { terms, span: *span }
+                })),
+                Err(fault) => {
+                    findings.push(ambiguous("equations", fault.relations.map(|at| equations[group[at]].span)))
+                }
+            }
+        }
+        self.model.constraints.equations.extend(made);
+        findings.into_iter().for_each(|finding| self.diagnostics.push(finding));
+    }
+
+    fn refine_pairs(&mut self) {
+        let Some(refined) = &self.refined else { return };
+        let of_sets = repeated(self.linked_pairs.iter().map(|pair| pair.span));
+        let mut groups: IndexMap<(Option<Span>, &str), Vec<&NodePair>> = IndexMap::new();
+        for pair in &self.linked_pairs {
+            groups.entry((of_sets.get(&pair.span).copied(), &pair.name)).or_default().push(pair);
+        }
+        let (mut made, mut findings) = (Vec::new(), Vec::new());
+        for group in groups.into_values() {
+            let nodes: Vec<&[usize]> = group.iter().map(|pair| &pair.nodes[..]).collect();
+            match refined.complete(&nodes) {
+                Ok(more) => made.extend(more.into_iter().map(|(like, nodes)| {
+                    let NodePair { name, span, .. } = group[like].clone();
+                    let kind = LinkKind::Rigid([true; 2]);
+                    NodeLink { name, kind, reference: nodes[1], nodes: vec![nodes[0]], span }
+                })),
+                Err(fault) => findings.push(ambiguous("constraints", fault.relations.map(|at| group[at].span))),
+            }
+        }
+        self.model.constraints.links.extend(made);
+        findings.into_iter().for_each(|finding| self.diagnostics.push(finding));
+    }
+}
+
+/// Returns the lines with more than one relation: those between sets. Relations of other lines may belong together.
+fn repeated(spans: impl Iterator<Item = Span>) -> HashSet<Span> {
+    let mut known = HashSet::new();
+    spans.filter(|span| !known.insert(*span)).collect()
+}
+
+fn ambiguous(what: &str, [first, second]: [Span; 2]) -> Diagnostic {
+    let message = format!("these {what} cannot be refined: the new nodes between their nodes have no unique partners");
+    let diagnostic = Diagnostic::error("M190", message).at(second, "here");
+    let diagnostic = if first == second { diagnostic } else { diagnostic.at(first, "and here") };
+    diagnostic.help(
+        "relate the nodes of two lines with equal divisions, or all nodes to one reference node; a *TIE of two surfaces \
+         needs no pairs of nodes",
+    )
+}
