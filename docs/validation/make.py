@@ -2,7 +2,7 @@
 
 make.py            writes the tables into docs/validation.md and as CSV into docs/validation
 make.py --check    computes them again and compares with the page; exit status 1 if they differ
-make.py --only NAME[,NAME]   only these families: apm2, rods, concrete, taylor, plates
+make.py --only NAME[,NAME]   only these families: apm2, rods, concrete, taylor, plates, materials
 make.py --plot     also draws the pictures (requires matplotlib)
 
 The environment variable REVOLVE names the program (default: target/release/revolve). Standard library only.
@@ -22,6 +22,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "validation.md"
+MATERIALS_PAGE = ROOT / "docs" / "materials.md"
 DECKS = ROOT / "input" / "validation"
 DATA = ROOT / "input" / "reference"
 REVOLVE = os.environ.get("REVOLVE", str(ROOT / "target" / "release" / "revolve"))
@@ -70,6 +71,12 @@ def root_sum_square(*parts):
     return math.sqrt(sum(p * p for p in parts))
 
 
+def summary(quantity, errors, uncertainty):
+    """Returns a row of the summary: errors and validation uncertainty in percent."""
+    sizes = [abs(e) for e in errors]
+    return [quantity, f"{len(sizes)}", f"{statistics.median(sizes):.1f}", f"{max(sizes):.1f}", f"{uncertainty:.1f}"]
+
+
 def observed_uncertainty(deck, refine, quantity, **values):
     """Returns the relative uncertainty that `revolve study` estimates for the finest level."""
     text = revolve("study", DECKS / f"{deck}.inp", "--refine", refine, "--quantity", quantity, "--repeat", 1,
@@ -116,7 +123,9 @@ def apm2():
               ("fit of the law, up to 250 m/s for 300 m/s", change(top_velocity=250.0))]
     total = root_sum_square(*(x for _, x in inputs))
     budget = [[name, f"{x:+.1f}"] for name, x in inputs] + [["root of the sum of squares", f"{total:.1f}"]]
-    return {"apm2": (head, rows), "apm2-uncertainty": (["contribution", "change of the limit at 0 degrees, %"], budget)}
+    errors = {k: [100 * (x[i] / float(c["V50_mps"]) - 1) for i, c in enumerate(cores)] for k, x in found.items()}
+    short = [summary(f"limit of APM2 cores, {n}, friction {f:g}", e, total) for (n, f), e in errors.items() if f == 0]
+    return {"summary": short, "apm2": (head, rows), "apm2-uncertainty": (["contribution", "change of the limit at 0 degrees, %"], budget)}
 
 
 # Rods in 6061-T6511
@@ -135,7 +144,11 @@ def rods():
     head = ["velocity, m/s", "measured, mm", *found]
     body = [[s["V"], s["depth"]] + [f"{x[i]:.1f} ({percent(x[i], float(s['depth']))} %)" for x in found.values()]
             for i, s in enumerate(shots)]
-    return {"rods": (head, body)}
+    # Two shots at 569 and 570 m/s differ by 3 mm of 56.5 mm.
+    scatter = 100 * 3 / 56.5 / math.sqrt(2)
+    short = [summary(f"depth of rods in 6061-T6511, {name}", [100 * (c / float(s["depth"]) - 1) for c, s in zip(x, shots)], scatter)
+             for name, x in found.items()]
+    return {"summary": short, "rods": (head, body)}
 
 
 # Concrete
@@ -222,10 +235,12 @@ def concrete():
             "compilation, all plausible rows": plausible}
     head = ["rows", "model", "number", "median of absolute error, %", "median error, %", "standard deviation, %",
             "within 10 %", "within 20 %"]
-    rows, points = [], {}
+    rows, points, errors = [], {}, {}
+
     def add(name, shots, computed):
         for model, x in (("Revolve", computed), ("closed form", [1e3 * closed_form(s) for s in shots])):
             e = [100 * (c / s["depth"] - 1) for c, s in zip(x, shots)]
+            errors[name, model] = e
             rows.append([name, model, f"{len(e)}", f"{statistics.median(map(abs, e)):.1f}", f"{statistics.median(e):+.1f}",
                          f"{statistics.stdev(e):.1f}", f"{sum(abs(y) <= 10 for y in e)}", f"{sum(abs(y) <= 20 for y in e)}"])
     for name, shots in sets.items():
@@ -253,7 +268,9 @@ def concrete():
     budget = [[n, f"{x:+.2f}"] for n, x in parts] + [["root of the sum of squares", f"{root_sum_square(*(x for _, x in parts)):.2f}"]]
     out = [[rule, f"{len(n)}", " ".join(n)] for rule, n in left_out.items()]
     plot_points(points)
-    return {"concrete": (head, rows),
+    total = root_sum_square(*(x for _, x in parts))
+    short = [summary(f"depth in concrete, {name}", errors[name, "Revolve"], total) for name in sets]
+    return {"summary": short, "concrete": (head, rows),
             "concrete-1994": (["velocity, m/s", "strength, MPa", "measured, mm", "Revolve, mm", "error, %", "closed form, mm",
                                "error, %"], single),
             "concrete-uncertainty": (["contribution", "median change of the depth, 1994 shots, %"], budget),
@@ -301,14 +318,20 @@ def taylor():
         length, radius, _ = outline(run("taylor_bar", **values))
         return 100 * (length / base - 1), 100 * (radius / foot - 1)
 
-    fine = [100 * observed_uncertainty("taylor_bar", "nr=8,16,32", q) for q in ("1000*final(COOR2@TIP)",
+    fine = [100 * observed_uncertainty("taylor_bar", "nr=6,12,24", q) for q in ("1000*final(COOR2@TIP)",
                                                                               "1000*final(COOR1@CORNER)")]
-    parts = [("numerical, nr = 8, 16, 32", *fine), ("A, 10 % (assumed)", *change(Cu_A=99e6)),
+    parts = [("numerical, 6, 12 and 24 elements over the radius", *fine), ("A, 10 % (assumed)", *change(Cu_A=99e6)),
              ("B, 10 % (assumed)", *change(Cu_B=321.2e6)), ("velocity, 1 % (assumed)", *change(V=212.1))]
     budget = [[n, f"{x:+.2f}", f"{y:+.2f}"] for n, x, y in parts]
     budget.append(["root of the sum of squares"] + [f"{root_sum_square(*(p[i] for p in parts)):.2f}" for i in (1, 2)])
     plot_bars(curves)
-    return {"taylor": (head, rows), "taylor-uncertainty": (["contribution", "length, %", "foot radius, %"], budget)}
+    total = [root_sum_square(*(p[i] for p in parts)) for i in (1, 2)]
+    short = []
+    for label in ("Johnson-Cook 1983", "Steinberg 1996"):
+        for i, what in ((0, "length"), (1, "foot radius")):
+            errors = [float(r[(7, 10)[i]]) for r in rows if r[4] == label]
+            short.append(summary(f"Taylor bars of copper, {what}, {label}", errors, total[i]))
+    return {"summary": short, "taylor": (head, rows), "taylor-uncertainty": (["contribution", "length, %", "foot radius, %"], budget)}
 
 
 # Plate impacts
@@ -407,8 +430,53 @@ def plates():
             x, y = 100 * (s / b - 1), 100 * (c / b - 1)
             budget.append([deck.split("_")[1] + ": " + name, f"{x:+.2f}", f"{y:+.2f}", f"{root_sum_square(x, y):.2f}"])
     plot_plates(pictures)
-    return {"plates": (["test", "constants", "quantity", "measured", "computed", "error, %", "change from 20 to 10 µm, %"], rows),
+    spread = {b[0].partition(": ")[2]: float(b[3]) for b in budget}
+
+    def short(title, test, quantity, uncertainty):
+        chosen = [float(r[5]) for r in rows if r[0].startswith(test) and r[2].startswith(quantity)]
+        return summary(title, chosen, uncertainty)
+
+    level = spread[next(k for k in spread if k.startswith("plateau, 0.20"))]
+    shorts = [short("copper plates, arrival of precursor and main wave", "copper", ("precursor", "main"), spread["main wave arrives (150 m/s), µs"]),
+              short("copper plates, plateau", "copper", "plateau", spread["plateau, 1.05 to 1.45 µs, m/s"]),
+              short("titanium plates, arrival of the main wave", "Ti", "main wave since", 1.0),
+              short("titanium plates, level of the precursor", "Ti-6Al-4V, 398", "velocity after", spread[next(k for k in spread if k.startswith("velocity after"))]),
+              short("titanium plates, plateau", "Ti", "plateau", level)]
+    return {"summary": shorts, "plates": (["test", "constants", "quantity", "measured", "computed", "error, %", "change from 20 to 10 µm, %"], rows),
             "plates-uncertainty": (["quantity", "A + 10 %", "$c_0$ + 1 %", "root of the sum of squares"], budget)}
+
+
+# Ready materials
+
+ALL_MATERIALS = {
+    "copper_ofhc": "COPPER_OFHC", "copper_half_hard": "COPPER_STEINBERG", "iron_armco": "IRON_ARMCO", "steel_4340": "STEEL_4340",
+    "steel_weldox_460e": "STEEL_WELDOX_460E", "aluminium_2024_t351": "AL2024_T351", "aluminium_5083_h116": "AL5083_H116",
+    "aluminium_6061_t6": "AL6061_T6", "aluminium_6082_t651": "AL6082_T651", "aluminium_7075_t651": "AL7075_T651",
+    "titanium_6al4v": "TI6AL4V", "titanium_6al4v_1985": "TI6AL4V_1985", "tungsten_alloy": "TUNGSTEN_ALLOY",
+}
+
+
+def materials():
+    """Stretches one element of each material at two rates and returns the true stress in MPa."""
+    deck, rows, curves = ROOT / "input" / "materials" / "one_element.inp", [], {}
+    strains = (0.02, 0.1, 0.3)
+    for file, name in ALL_MATERIALS.items():
+        row = [f"`{file}.inp`", name]
+        for rate in (1e3, 1e5):
+            # At the higher rate the element is smaller, so that waves cross it in the same strain.
+            options = settings({"material": name, "file": f"{file}.inp", "rate": rate, "size": 1e-2 / rate})
+            revolve("run", deck, *options, "--out", WORK / "run", "-q")
+            points = []
+            for r in table(WORK / "run" / "one_element_history.csv"):
+                r = {k.partition("@")[0]: float(v) for k, v in r.items()}
+                points.append((math.log1p(rate * r["time"]), r["S22"] / 1e6))
+            row += [f"{value(points, strain):.0f}" for strain in strains]
+            if rate == 1e3:
+                curves[name] = points
+        rows.append(row)
+    plot_curves(curves)
+    head = ["file", "material"] + [f"{x:g} at {r}" for r in ("1000/s", "100000/s") for x in strains]
+    return {"materials": (head, rows)}
 
 
 # Pictures
@@ -476,6 +544,16 @@ def plot_plates(pictures):
         save(fig, "plates")
 
 
+def plot_curves(curves):
+    fig, axes = figure(7, 5)
+    if fig:
+        for i, (name, points) in enumerate(curves.items()):
+            axes[0][0].plot(*zip(*points), "--" if i > 9 else "-", label=name)
+        axes[0][0].set(xlabel="true strain", ylabel="true stress, MPa", xlim=(0, None), ylim=(0, None))
+        axes[0][0].legend(fontsize="small", loc="upper left", bbox_to_anchor=(1, 1))
+        save(fig, "materials")
+
+
 # The page
 
 
@@ -508,25 +586,38 @@ def differences(name, old, new):
     return found
 
 
+def merged_summary(family, rows, families):
+    """Returns the summary in which the rows of one family are new and the others are those of the last run."""
+    path = ROOT / "docs" / "validation" / "summary.csv"
+    stored = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))[1:] if path.exists() else []
+    merged = [row for row in stored if row[0] != family] + [[family, *row] for row in rows]
+    merged.sort(key=lambda row: families.index(row[0]))
+    return ["family", "quantity", "comparisons", "median of absolute error, %", "largest, %", "$u_{val}$, %"], merged
+
+
 def main():
     only = next((a.split("=", 1)[1].split(",") for a in sys.argv if a.startswith("--only=")), None)
-    families = {"apm2": apm2, "rods": rods, "concrete": concrete, "taylor": taylor, "plates": plates}
+    families = {"apm2": apm2, "rods": rods, "concrete": concrete, "taylor": taylor, "plates": plates, "materials": materials}
     check, wrong = "--check" in sys.argv, []
     for family, compute in families.items():
         if only and family not in only:
             continue
-        for name, (head, rows) in compute().items():
-            page = PAGE.read_text(encoding="utf-8")
+        tables = compute()
+        file = MATERIALS_PAGE if family == "materials" else PAGE
+        if "summary" in tables:
+            tables["summary"] = merged_summary(family, tables["summary"], list(families))
+        for name, (head, rows) in tables.items():
+            page = file.read_text(encoding="utf-8")
             place = marked(name).search(page)
             if not place:
-                sys.exit(f"docs/validation.md has no table `{name}`: add <!-- {name} --> and <!-- end of {name} -->")
+                sys.exit(f"{file.name} has no table `{name}`: add <!-- {name} --> and <!-- end of {name} -->")
             text = markdown(head, rows)
             if check:
                 wrong += differences(name, place[2], text)
                 continue
-            PAGE.write_text(page[: place.start(2)] + text + page[place.end(2) :], encoding="utf-8")
-            with open(ROOT / "docs" / "validation" / f"{name}.csv", "w", newline="", encoding="utf-8") as file:
-                writer = csv.writer(file, lineterminator="\n")
+            file.write_text(page[: place.start(2)] + text + page[place.end(2) :], encoding="utf-8")
+            with open(ROOT / "docs" / "validation" / f"{name}.csv", "w", newline="", encoding="utf-8") as output:
+                writer = csv.writer(output, lineterminator="\n")
                 writer.writerow(head)
                 writer.writerows(rows)
         print(f"{family}: done", flush=True)
