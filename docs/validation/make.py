@@ -767,21 +767,16 @@ def plot_bars(curves):
     fig, axes = figure(3 * len(tests), 4.5, len(tests))
     if fig:
         for ax, test in zip(axes[0], tests):
-            for t, label, points, widths, lf, rf in curves:
-                if t["test"] == test:
-                    ax.plot([r for _, r in points], [z for z, _ in points], label=label)
-            ax.plot(
-                [rf] + [w for _, w in widths] + [0], [0] + [f * lf for f, _ in widths] + [lf], "ko", label="measured"
-            )
-            title = next(t for t, *_ in curves if t["test"] == test)
-            ax.set(
-                title=f"{title['material']}, {title['v0_mps']} m/s, {title['T0_K']} K",
-                xlabel="radius, mm",
-                xlim=(0, None),
-                ylim=(0, None),
-            )
+            shown = [c for c in curves if c[0]["test"] == test]
+            for _, label, points, *_ in shown:
+                ax.plot([r for _, r in points], [z for z, _ in points], label=label)
+            t, _, _, widths, length, foot = shown[0]
+            ax.plot([foot] + [w for _, w in widths], [0] + [f * length for f, _ in widths], "ko", label="measured")
+            ax.axhline(length, color="k", lw=0.7, ls="--")
+            title = f"{t['material']}, {t['v0_mps']} m/s, {t['T0_K']} K"
+            ax.set(title=title, xlabel="radius, mm", xlim=(0, None), ylim=(0, None))
         axes[0][0].set_ylabel("height, mm")
-        axes[0][0].legend()
+        axes[0][-1].legend()
         save(fig, "taylor")
 
 
@@ -791,13 +786,14 @@ def plot_plates(pictures):
     if fig:
         for ax, test in zip(axes[0], tests):
             shown = [p for p in pictures if p[0] == test]
-            ax.plot(*zip(*shown[0][2]), "k.", label="measured")
+            measured = shown[0][2]
+            ax.plot(*zip(*measured), "k.", label="measured")
             for _, label, _, points, shift in shown:
                 ax.plot([t + shift for t, _ in points], [v for _, v in points], label=label)
-            ends = [t for t, _ in shown[0][2]]
-            ax.set(title=test, xlabel="time, µs", xlim=(max(ends[0], ends[-1] - 2.7) - 0.05, ends[-1] + 0.05))
+            start = crossing(measured, 0.02 * max(v for _, v in measured))
+            ax.set(title=test, xlabel="time, µs", xlim=(start - 0.1, min(measured[-1][0], start + 2.5)))
             ax.set_ylabel("stress, GPa" if "PMMA" in test else "velocity, m/s")
-            ax.legend()
+            ax.legend(loc="lower right")
         save(fig, "plates")
 
 
