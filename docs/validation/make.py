@@ -27,7 +27,8 @@ MATERIALS_PAGE = ROOT / "docs" / "materials.md"
 DECKS = ROOT / "input" / "validation"
 DATA = ROOT / "input" / "reference"
 REVOLVE = os.environ.get("REVOLVE", str(ROOT / "target" / "release" / "revolve"))
-WORK = Path(tempfile.mkdtemp(prefix="validation-"))
+TEMPORARY = tempfile.TemporaryDirectory(prefix="validation-")
+WORK = Path(TEMPORARY.name)
 # Rounding that `--check` accepts: relative, and units of the last digit.
 RELATIVE, LAST_DIGITS = 2e-3, 1.0
 
