@@ -27,7 +27,8 @@ MATERIALS_PAGE = ROOT / "docs" / "materials.md"
 DECKS = ROOT / "input" / "validation"
 DATA = ROOT / "input" / "reference"
 REVOLVE = os.environ.get("REVOLVE", str(ROOT / "target" / "release" / "revolve"))
-WORK = Path(tempfile.mkdtemp(prefix="validation-"))
+TEMPORARY = tempfile.TemporaryDirectory(prefix="validation-")
+WORK = Path(TEMPORARY.name)
 # Rounding that `--check` accepts: relative, and units of the last digit.
 RELATIVE, LAST_DIGITS = 2e-3, 1.0
 
@@ -258,7 +259,7 @@ def read_shot(row):
     }
 
 
-def plausible_shots(rows):
+def plausible_shots(rows, low=0.4, high=1.2):
     """Returns the shots that pass all rules, and the row numbers left out by rule. Depths of models play no part."""
     kept, left_out, seen = [], {}, set()
 
@@ -277,8 +278,8 @@ def plausible_shots(rows):
         volume, nose = nose_and_shank(s["d"], s["L"], s["CRH"])
         share = s["m"] / (float(row["projectile_rho_kgm3"]) * volume)
         key = tuple(s[k] for k in ("m", "d", "CRH", "fc", "V", "depth"))
-        if s["L"] < nose or not 0.4 <= share <= 1.2:
-            leave_out("mass outside 0.4 to 1.2 times that of a solid rod of this size", s["number"])
+        if s["L"] < nose or not low <= share <= high:
+            leave_out(f"mass outside {low:g} to {high:g} times that of a solid rod of this size", s["number"])
         elif row["thickness_m"] and s["depth"] >= 1e3 * float(row["thickness_m"]):
             leave_out("depth not below the thickness of the target", s["number"])
         elif key in seen:
@@ -364,6 +365,15 @@ def concrete():
     ):
         pairs = [(s, c) for s, c in zip(plausible, computed) if rule(s)]
         add(name, [s for s, _ in pairs], [c for _, c in pairs])
+    limits = []
+    for low, high in ((0.5, 1.15), (0.4, 1.2), (0.3, 1.3), (0.0, math.inf)):
+        shots, _ = plausible_shots(table(DATA / "concrete_shots.csv"), low, high)
+        medians = (
+            statistics.median(abs(100 * (c / s["depth"] - 1)) for s, c in zip(shots, x))
+            for x in (depths(shots), [1e3 * closed_form(s) for s in shots])
+        )
+        name = f"{low:g} to {high:g}" if high < math.inf else "no limits"
+        limits.append([name, f"{len(shots)}", *(f"{m:.1f}" for m in medians)])
     first = sets["1994, 17 shots into grout and concrete"]
     base = depths(first)
     single = [
@@ -411,6 +421,7 @@ def concrete():
             single,
         ),
         "concrete-uncertainty": (["contribution", "median change of the depth, 1994 shots, %"], budget),
+        "concrete-limits": (["mass over that of a solid rod", "rows", "Revolve", "closed form"], limits),
         "concrete-left-out": (["rule", "rows", "numbers"], out),
     }
 
