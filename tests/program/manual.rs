@@ -209,6 +209,24 @@ fn every_example_is_listed() {
     }
 }
 
+/// Numbers of the validation page are those that the program computes, for the families that run within seconds;
+/// `docs/validation/make.sh --check` checks all.
+#[test]
+fn validation_page_has_the_computed_numbers() {
+    let python = std::env::var("REVOLVE_PYTHON").unwrap_or_else(|_| "python3".into());
+    if !Command::new(&python).arg("--version").output().is_ok_and(|o| o.status.success()) {
+        assert!(std::env::var_os("CI").is_none(), "in CI Python must be installed");
+        println!("left out: the validation page (no Python)");
+        return;
+    }
+    let mut script = Command::new(python);
+    script.arg(project("docs/validation/make.py")).args(["--check", "--only=rods,plates"]);
+    let output = script.env("REVOLVE", env!("CARGO_BIN_EXE_revolve")).output().expect("Python runs");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    println!("{text}");
+    assert!(output.status.success(), "{text}");
+}
+
 /// The book of mdBook has every page, a search that finds words, and readable light and dark themes.
 #[test]
 fn the_book_builds_and_can_be_searched_and_read() {

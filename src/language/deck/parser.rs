@@ -147,8 +147,10 @@ impl Parser {
     fn data_line(&mut self, file: u32, text: &str, line: LineRange) {
         let trimmed = lexer::trim(text, line.clone());
         let span = lexer::span(file, trimmed.clone());
-        let is_title = self.deck.cards.last().is_some_and(|card| card.keyword.name == "HEADING");
-        if text[trimmed.clone()].starts_with(['$', '#']) && !is_title {
+        // Titles are free text, and `#` begins a comment of *PARAMETER.
+        let is_free = matches!(self.block, DataDestination::Parameters)
+            || self.deck.cards.last().is_some_and(|card| card.keyword.name == "HEADING");
+        if text[trimmed.clone()].starts_with(['$', '#']) && !is_free {
             return self.foreign_comment(span);
         }
         match self.block {

@@ -141,11 +141,6 @@ pub trait ContactResults {
     /// Returns the value of a contact pair; `None` if the pair is not in force.
     fn value_of_pair(&self, pair: usize, part: VariableComponent) -> Option<f64>;
 
-    /// Returns the acceleration of a node by contact over the previous increment.
-    fn acceleration(&self, _dofs: &Dofs, _node: usize, _axis: usize) -> f64 {
-        0.0
-    }
-
     /// Returns the pair that has absorbed the least energy: its name, this energy, and the coordinates of the largest
     /// release in an increment.
     fn lowest_energy(&self) -> Option<(&str, f64, [f64; 2])>;
@@ -179,12 +174,6 @@ impl Clone for Box<dyn Constraint> {
     fn clone(&self) -> Self {
         (**self).copy()
     }
-}
-
-/// Returns the acceleration of a node by all contacts over the previous increment. The accelerations of [`Dofs`] are those
-/// of elements and loads only, because contact changes velocities within the increment.
-pub fn contact_acceleration(constraints: &[Box<dyn Constraint>], dofs: &Dofs, node: usize, axis: usize) -> f64 {
-    constraints.iter().filter_map(|c| c.view().contact).map(|c| c.acceleration(dofs, node, axis)).sum()
 }
 
 /// Returns the reaction force on a degree of freedom whose motion is prescribed; 0 if it is not prescribed. A rigid

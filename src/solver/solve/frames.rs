@@ -6,7 +6,7 @@ use super::body_surfaces::{SpatialPoint, on_cells};
 use super::energy::Energy;
 use super::run::SolverRun;
 use crate::constraint::contact::curve::PointCarrier;
-use crate::constraint::{Constraint, ContactResults, contact_acceleration, reaction};
+use crate::constraint::{Constraint, ContactResults, reaction};
 use crate::element::values;
 use crate::model::OutputPosition;
 use crate::output::{FieldArray, OutputFrame};
@@ -19,11 +19,10 @@ use crate::variables::{PreselectRule, Variable, VariableComponent, VariablePlace
 pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize, part: VariableComponent) -> f64 {
     let axis = part.component;
     let dof = Dof::Node(node, axis);
-    let by_contact = || contact_acceleration(constraints, dofs, node, axis);
     match part.variable {
         Variable::Displacement => dofs.displacement(dof),
-        Variable::Velocity => dofs.velocity(dof) + 0.5 * dofs.nodes.previous_dt * by_contact(),
-        Variable::Acceleration => dofs.acceleration(dof) + by_contact(),
+        Variable::Velocity => dofs.velocity(dof),
+        Variable::Acceleration => dofs.acceleration(dof),
         Variable::Reaction => reaction(constraints, dofs, dof),
         // Rotations are degrees of freedom of separate nodes.
         Variable::Rotation => dofs.displacement(dof),

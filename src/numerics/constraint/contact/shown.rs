@@ -7,7 +7,7 @@ use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::persist_struct;
-use crate::state::dofs::{Dof, Dofs};
+use crate::state::dofs::Dof;
 use crate::variables::{Variable, VariableComponent};
 
 /// Values kept for output only.
@@ -167,20 +167,6 @@ impl ContactResults for ContactConstraint {
             found = Some(value);
         }
         found
-    }
-
-    fn acceleration(&self, dofs: &Dofs, node: usize, axis: usize) -> f64 {
-        let Some(point) = self.shown.point(PointCarrier::Node(node)).filter(|_| self.half > 0.0) else { return 0.0 };
-        let dof = self.dofs_of[point as usize][axis] as usize;
-        let [normal, slip] = self.impulses[dof];
-        if self.dofs[dof].1 || normal + slip == 0.0 {
-            return 0.0;
-        }
-        let inverse_mass = match self.merged.iter().find(|merged| merged.dof == dof) {
-            Some(merged) => merged.inverse_mass(dofs),
-            None => dofs.nodes.inverse_mass[node],
-        };
-        inverse_mass * (normal + slip) / self.half
     }
 
     fn lowest_energy(&self) -> Option<(&str, f64, [f64; 2])> {
