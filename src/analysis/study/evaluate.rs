@@ -161,9 +161,9 @@ impl SampleEvaluator {
         self.names.len()
     }
 
-    /// Evaluates all samples into `table`, one row per sample and one number per quantity, NaN if a sample fails. Rows of
-    /// shots have two more numbers. Returns the failures. `look` receives the number of finished samples several times a second; a nonzero
-    /// `interrupt` ends the evaluation. The table does not depend on the number of threads.
+    /// Evaluates all samples into `table`, one row per sample and one number per quantity, NaN if a sample fails. Rows
+    /// of shots have two more numbers. Returns the failures. `look` receives the number of finished samples several
+    /// times a second; a nonzero `interrupt` ends the evaluation. The table does not depend on the number of threads.
     pub fn run(
         &self,
         samples: SampleTable<'_>,

@@ -2,6 +2,7 @@
 
 use super::StudyError;
 use super::grid::CaseGrid;
+use crate::deck::MeshScaling;
 use crate::deck::names::nearest;
 use crate::model::{
     HourglassMethod, IncrementControl, Load, LoadKind, LoadVelocity, Model, Precision, SectionControls, Step,
@@ -183,14 +184,13 @@ fn without_fraction(parameter: &StudyParameter, value: &str) -> String {
 }
 
 fn mesh_factor(value: &str) -> Result<(), String> {
-    let is_whole = |x: f64| x >= 0.9 && (x - x.round()).abs() < 1e-6 * x;
-    match value.parse::<f64>() {
-        Ok(factor) if factor > 0.0 && factor.is_finite() && (is_whole(factor) || is_whole(1.0 / factor)) => Ok(()),
-        _ => Err(format!(
+    let scaling = value.parse().ok().and_then(MeshScaling::from_factor);
+    scaling.map(drop).ok_or_else(|| {
+        format!(
             "--refine mesh={value}: expected a whole number of parts of each edge, or 1/2, 1/3 and so on to merge \
              elements, for example 1/2,1,2,4"
-        )),
-    }
+        )
+    })
 }
 
 fn increment(value: &str) -> Result<ModelEdit, String> {

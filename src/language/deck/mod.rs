@@ -52,8 +52,8 @@ pub struct DiagnosticCode {
 
 /// Reads a deck file and the files that it includes. Returns a tree even if the deck has errors, which are in the
 /// diagnostics. `overrides` are pairs (name, expression) of `--set NAME=VALUE`; each replaces the `*PARAMETER`
-/// definition of that name. Without such a definition, `mesh` divides each edge of the mesh into that number of parts, and `mesh=1/N`
-/// merges N edges.
+/// definition of that name. Without such a definition, `mesh` divides each edge of the mesh into that number of parts,
+/// and `mesh=1/N` merges N edges.
 pub fn read(path: &Path, overrides: &[(String, String)]) -> (Deck, Diagnostics) {
     let mut parser = parser::Parser::new(overrides);
     parser.main_file(path);

@@ -11,8 +11,6 @@ use super::syntax::{MeshScaling, Word};
 
 /// Settings that request a refined mesh. The first one is not a valid parameter name.
 pub const MESH_SETTINGS: [&str; 2] = ["mesh-refine", "mesh"];
-/// Largest number of parts of an edge.
-const FINEST: f64 = 1000.0;
 
 /// Value that a `*PARAMETER` substitutes into the deck.
 #[derive(Clone, Debug, PartialEq)]
@@ -200,11 +198,12 @@ impl Parameters {
             Ok(ParameterValue::Number(value)) => value,
             _ => f64::NAN,
         };
-        let scaling = scaling_of(value);
+        let scaling = MeshScaling::from_factor(value);
         if scaling.is_none() {
             let what = Diagnostic::error("D408", format!("`{name}={text}`: invalid mesh refinement"));
             diagnostics.push(what.help(format!(
-                "give a whole number of parts of each edge, from 1 to {FINEST}, or 1/2, 1/3 and so on to merge elements"
+                "give a whole number of parts of each edge, from 1 to {}, or 1/2, 1/3 and so on to merge elements",
+                MeshScaling::FINEST
             )));
         }
         Some((name, value, scaling?))
@@ -217,15 +216,6 @@ impl Parameters {
             let what = Diagnostic::error("D403", format!("`--set {name}`: the deck defines no parameter `{name}`"));
             diagnostics.push(what.help(self.suggestion(name)));
         }
-    }
-}
-
-/// Returns the refinement for a whole number, the coarsening for the inverse of one.
-fn scaling_of(value: f64) -> Option<MeshScaling> {
-    let whole = |x: f64| Some(x.round()).filter(|whole| (x - whole).abs() < 1e-6 * x && (1.0..=FINEST).contains(whole));
-    match whole(value) {
-        Some(factor) if factor == value => Some(MeshScaling::Refine(factor as usize)),
-        _ => whole(1.0 / value).filter(|factor| *factor > 1.0).map(|factor| MeshScaling::Coarsen(factor as usize)),
     }
 }
 

@@ -45,6 +45,21 @@ pub enum MeshScaling {
     Coarsen(usize),
 }
 
+impl MeshScaling {
+    /// Largest number of parts of an edge.
+    pub const FINEST: f64 = 1000.0;
+
+    /// Returns the refinement for a whole number of parts, the coarsening for the inverse of one; `None` for other values.
+    pub fn from_factor(value: f64) -> Option<MeshScaling> {
+        let whole =
+            |x: f64| Some(x.round()).filter(|n| (x - n).abs() < 1e-6 * x && (1.0..=MeshScaling::FINEST).contains(n));
+        match whole(value) {
+            Some(factor) if factor == value => Some(MeshScaling::Refine(factor as usize)),
+            _ => whole(1.0 / value).filter(|factor| *factor > 1.0).map(|factor| MeshScaling::Coarsen(factor as usize)),
+        }
+    }
+}
+
 /// A keyword line with its data lines.
 #[derive(Clone, Debug)]
 pub struct Card {

@@ -593,10 +593,9 @@ impl<T: Real> TaskWorkspace<T> {
             + heap_bytes(own_rates)
     }
 
-    /// Allocates the state of deletion by `*EROSION` for `blocks` blocks, and the rates of elements if `rates`.
-    pub(super) fn make_erodible(&mut self, blocks: usize, rates: bool) {
+    /// Allocates the state of deletion by `*EROSION` for `blocks` blocks.
+    pub(super) fn make_erodible(&mut self, blocks: usize) {
         self.task.eroded = vec![ErodedLanes::default(); blocks];
-        self.task.own_rates = if rates { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() };
     }
 
     /// Allocates the rates of elements for `blocks` blocks.

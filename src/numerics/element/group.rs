@@ -413,18 +413,23 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
     /// Returns one over the stable time increment of an element of rubber with corner masses: that of its initial moduli,
     /// times the ratio that the last update found for the current masses.
     fn rubber_rate(&self, element: usize, nodes: &[Node], masses: &[f64; 4]) -> f64 {
-        let (block, lane) = (element / LANES, element % LANES);
         let corners = self.corners(element).inline_map(|n| nodes[n as usize].place());
         let constants = ElementConstants { bulk: self.material.initial_bulk(), ..self.constants };
         let initial = |masses: &[f64; 4]| constants.own_rate(corners, masses);
-        let rates = self.tasks[block / TASK].task.own_rates.get(block % TASK);
-        match rates.map(|rates| 0.5 * rates[lane].wide()).filter(|rate| *rate > 0.0) {
-            Some(rate) => {
-                let current = self.constants.with_assumed(rate, f64::INFINITY);
-                initial(masses) * current / initial(&self.corner_masses(element))
-            }
-            None => initial(masses),
+        let rate = self.last_rate(element);
+        if rate > 0.0 {
+            let current = self.constants.with_assumed(rate, f64::INFINITY);
+            return initial(masses) * current / initial(&self.corner_masses(element));
         }
+        initial(masses)
+    }
+
+    /// Returns one over the stable time increment of an element in the last update, without assumed strains; 0 if it is
+    /// not stored or before the first update.
+    fn last_rate(&self, element: usize) -> f64 {
+        let (block, lane) = (element / LANES, element % LANES);
+        let rates = self.tasks[block / TASK].task.own_rates.get(block % TASK);
+        rates.map_or(0.0, |rates| 0.5 * rates[lane].wide())
     }
 
     /// Sets a value of an element. Returns whether its material uses it.
@@ -649,14 +654,10 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementGroup for Qua
     }
 
     fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
-        let (block, lane) = (element / LANES, element % LANES);
         let masses = match masses {
             // If the pressure follows from density and specific energy, the mass is part of the material state.
             Some(_) if M::EQUATION_OF_STATE || AREA => return None,
-            None if Self::HOLDS_PRESSURE => {
-                let rates = self.tasks[block / TASK].task.own_rates.get(block % TASK);
-                return Some(rates.map_or(0.0, |rates| 0.5 * rates[lane].wide()));
-            }
+            None if Self::HOLDS_PRESSURE => return Some(self.last_rate(element)),
             Some(masses) => *masses.first_chunk()?,
             None => self.corner_masses(element),
         };
@@ -778,7 +779,10 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupSettings for Qu
 impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupDeletion for QuadGroup<M, AREA, T> {
     fn make_erodible(&mut self) {
         for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
-            scratch.make_erodible(blocks.len(), Self::HOLDS_PRESSURE);
+            scratch.make_erodible(blocks.len());
+            if Self::HOLDS_PRESSURE {
+                scratch.store_rates(blocks.len());
+            }
         }
     }
 

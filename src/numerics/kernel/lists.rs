@@ -11,6 +11,11 @@ pub fn sorted_unique<T: Ord>(members: impl IntoIterator<Item = T>) -> Vec<T> {
     sorted
 }
 
+/// Returns two members in ascending order, for example as the key of an edge between two nodes.
+pub fn sorted_pair<T: Ord>([a, b]: [T; 2]) -> [T; 2] {
+    if b < a { [b, a] } else { [a, b] }
+}
+
 /// Returns the number of bytes that a list has allocated, used or not.
 pub fn heap_bytes<T>(list: &Vec<T>) -> usize {
     size_of::<T>() * list.capacity()

@@ -120,7 +120,7 @@ impl Compiler<'_> {
             let points = ends.map(|node| self.point_of(node, around, found));
             let facet = match points {
                 [Ok(a), Ok(b)] => [a, b],
-                // Tied surfaces are inside a body, and general contact contains them without being asked for.
+                // Tied surfaces are inside a body. General contact contains them, although the deck does not name them.
                 [Err(PointRefusal::Equation(node)), _] | [_, Err(PointRefusal::Equation(node))] if contact.general => {
                     left_out.push(node);
                     continue;

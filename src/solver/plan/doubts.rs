@@ -116,7 +116,7 @@ impl<'m> Compiler<'m> {
         for section in &model.sections {
             let Some(sound) = self.sound(section) else { continue };
             for element in section.elements.iter().map(|&e| &model.mesh.elements[e]) {
-                let time = size(&corners(element, points)) / sound;
+                let time = side_lengths(element, points)[0] / sound;
                 if smallest.is_none_or(|s| time < s.0) {
                     smallest = Some((time, element));
                 }
@@ -192,10 +192,6 @@ impl<'m> Compiler<'m> {
     }
 }
 
-fn corners(element: &Element, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    element.nodes.iter().map(|&n| points[n]).collect()
-}
-
 /// Suggests units: the density and modulus of steel in the unit systems that fit the density or the modulus.
 fn suggested_units(density: f64, modulus: f64) -> String {
     const STEEL: [f64; 2] = [7850.0, 2.1e11];
@@ -210,11 +206,13 @@ fn suggested_units(density: f64, modulus: f64) -> String {
     if suggestions.is_empty() { "check the units of density and modulus".into() } else { suggestions.join("; ") }
 }
 
-/// Returns the length of the shortest side.
-fn size(corners: &[[f64; 2]]) -> f64 {
+/// Returns the lengths of the shortest and of the longest side of an element; sides of zero length are left out.
+pub(super) fn side_lengths(element: &Element, points: &[[f64; 2]]) -> [f64; 2] {
+    let nodes = &element.nodes;
     let side = |i: usize| {
-        let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
+        let [a, b] = [nodes[i], nodes[(i + 1) % nodes.len()]].map(|n| points[n]);
         (b[0] - a[0]).portable_hypot(b[1] - a[1])
     };
-    (0..corners.len()).map(side).filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min)
+    let lengths = (0..nodes.len()).map(side).filter(|length| *length > 0.0);
+    lengths.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], l| [least.min(l), most.max(l)])
 }

@@ -2,12 +2,12 @@
 //! Each names the value and the usual range. Units and velocities are checked in `doubts.rs`.
 
 use super::Compiler;
+use super::doubts::side_lengths;
 use crate::deck::{Diagnostic, Span};
 use crate::model::{
     EosKind, InitialKind, MaterialDefinition, OutputInterval, PlasticityModel, RateDependence, StrainAtFailure,
     is_without_units,
 };
-use crate::platform::PortableMath as _;
 
 /// Largest usual hardening exponent of the Johnson-Cook law; published fits of metals are between 0.05 and 1.
 const LARGEST_EXPONENT: f64 = 1.0;
@@ -141,35 +141,25 @@ impl Compiler<'_> {
     /// power of ten.
     fn check_edges(&mut self) {
         let mesh = &self.model.mesh;
-        let edges = |e: usize| {
-            let nodes = &mesh.elements[e].nodes;
-            let edge = |i: usize| {
-                let [a, b] = [nodes[i], nodes[(i + 1) % nodes.len()]].map(|n| mesh.points[n]);
-                (b[0] - a[0]).portable_hypot(b[1] - a[1])
-            };
-            let lengths = (0..nodes.len()).map(edge).filter(|length| *length > 0.0);
-            lengths.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], l| [least.min(l), most.max(l)])
-        };
-        let elements: Vec<usize> = self.model.sections.iter().flat_map(|s| s.elements.iter().copied()).collect();
-        let mut longest: Vec<f64> = elements.iter().map(|&e| edges(e)[1]).collect();
-        if longest.is_empty() {
+        let elements = self.model.sections.iter().flat_map(|s| s.elements.iter().map(|&e| &mesh.elements[e]));
+        let sides: Vec<_> = elements.map(|element| (element, side_lengths(element, &mesh.points))).collect();
+        if sides.is_empty() {
             return;
         }
+        let mut longest: Vec<f64> = sides.iter().map(|(_, [_, most])| *most).collect();
         let middle = longest.len() / 2;
         let median = *longest.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let elongation = |e: usize| {
-            let [least, most] = edges(e);
-            most / least.min(median)
-        };
-        let far: Vec<usize> = elements.into_iter().filter(|&e| elongation(e) > LARGEST_ELONGATION).collect();
-        let Some(&first) = far.first() else { return };
-        let element = &mesh.elements[first];
+        let elongated = sides.iter().filter_map(|&(element, [least, most])| {
+            let elongation = most / least.min(median);
+            (elongation > LARGEST_ELONGATION).then_some((element, most, elongation))
+        });
+        let far: Vec<_> = elongated.collect();
+        let Some(&(element, length, elongation)) = far.first() else { return };
         let message = format!(
-            "element {}{} has an edge of length {:e}, {:.0} times as long as its shortest edge or as most edges",
+            "element {}{} has an edge of length {length:e}, {elongation:.0} times as long as its shortest edge or as most \
+             edges",
             element.name,
             if far.len() > 1 { format!(" (and {} more)", far.len() - 1) } else { String::new() },
-            edges(first)[1],
-            elongation(first)
         );
         let help = "check the coordinates of its nodes: one may have a wrong power of ten";
         self.warn_at("P144", message, (element.span, "this element"), help);

@@ -69,8 +69,7 @@ impl LinkSet {
 
     /// Returns the degrees of freedom (node, axis) in equations, and those with the same motion as one in an equation.
     pub fn dofs_of_equations(&self) -> HashSet<(usize, usize)> {
-        let mut dofs: HashSet<(usize, usize)> =
-            self.equations.iter().flat_map(|e| e.terms.iter().map(|t| (t.0, t.1))).collect();
+        let mut dofs: HashSet<(usize, usize)> = self.terms().collect();
         for MergedDofs { nodes, axis } in &self.merged {
             if nodes.iter().any(|&n| dofs.contains(&(n, *axis))) {
                 dofs.extend(nodes.iter().map(|&n| (n, *axis)));
@@ -80,7 +79,7 @@ impl LinkSet {
     }
 
     /// Returns the sets of nodes with equal motion, the node with a prescribed motion first, and the degrees of freedom
-    /// of those that have one.
+    /// of the sets with a prescribed motion.
     pub fn equal_motions(&self, prescribed: &HashSet<(usize, usize)>) -> (Vec<MergedDofs>, HashSet<(usize, usize)>) {
         let (mut sets, mut given) = (self.merged.clone(), HashSet::new());
         for MergedDofs { nodes, axis } in &mut sets {
@@ -94,8 +93,11 @@ impl LinkSet {
 
     /// Returns the degrees of freedom (node, axis) in equations and links.
     pub fn involved_dofs(&self) -> HashSet<(usize, usize)> {
-        let terms = self.equations.iter().flat_map(|e| e.terms.iter().map(|t| (t.0, t.1)));
-        self.group.keys().copied().chain(terms).collect()
+        self.group.keys().copied().chain(self.terms()).collect()
+    }
+
+    fn terms(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.equations.iter().flat_map(|e| e.terms.iter().map(|t| (t.0, t.1)))
     }
 }
 

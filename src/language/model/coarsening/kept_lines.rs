@@ -43,7 +43,7 @@ impl KeptLines {
         let all = &quads.at_node[&node];
         let kept: Vec<usize> = all.iter().copied().filter(|&edge| self.edges[edge]).collect();
         let boundary: Vec<usize> = all.iter().copied().filter(|&edge| quads.is_boundary(edge)).collect();
-        match (boundary[..].len(), all.len()) {
+        match (boundary.len(), all.len()) {
             (0, 4) => match kept[..] {
                 [] => Vec::new(),
                 [edge] => all.iter().copied().filter(|&e| e != edge && !quads.share_element([e, edge])).collect(),

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use indexmap::IndexMap;
 
+use crate::kernel::lists::sorted_pair;
 use crate::model::types::Mesh;
 
 /// Neighbours of the quadrilaterals of a mesh.
@@ -75,8 +76,7 @@ pub fn turns(mesh: &Mesh, from: usize, node: usize, to: usize) -> bool {
 
 fn ends(mesh: &Mesh, element: usize, side: usize) -> [usize; 2] {
     let nodes = &mesh.elements[element].nodes;
-    let [a, b] = [nodes[side % nodes.len()], nodes[(side + 1) % nodes.len()]];
-    [a.min(b), a.max(b)]
+    sorted_pair([nodes[side % nodes.len()], nodes[(side + 1) % nodes.len()]])
 }
 
 /// Regions that must not be merged with each other, by element.

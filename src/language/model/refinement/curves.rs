@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use crate::kernel::lists::sorted_pair;
+
 /// Largest difference of the distances of both ends of an arc from its centre, relative to the radius.
 const ROUND: f64 = 1e-6;
 /// Largest number of `*NFILL` cards that generate rows from rows of each other.
@@ -26,8 +28,8 @@ impl EdgeCurves {
     /// Records that consecutive nodes are connected by arcs around a centre.
     pub fn record_arc(&mut self, nodes: &[usize], centre: [f64; 2], normal: f64) {
         for pair in nodes.windows(2) {
-            let (key, sign) = if pair[0] < pair[1] { ([pair[0], pair[1]], 1.0) } else { ([pair[1], pair[0]], -1.0) };
-            self.curves.insert(key, EdgeCurve::Arc { centre, normal: sign * normal });
+            let sign = if pair[0] < pair[1] { 1.0 } else { -1.0 };
+            self.curves.insert(sorted_pair([pair[0], pair[1]]), EdgeCurve::Arc { centre, normal: sign * normal });
         }
     }
 
@@ -36,12 +38,12 @@ impl EdgeCurves {
     pub fn record_rows(&mut self, lines: [&[usize]; 2], rows: &[Vec<usize>], shares: &[f64]) {
         for at in 1..rows.len() {
             let ends = lines.map(|line| [line[at - 1], line[at]]);
-            if !ends.iter().any(|end| self.curves.contains_key(&sorted(*end))) {
+            if !ends.iter().any(|end| self.curves.contains_key(&sorted_pair(*end))) {
                 continue;
             }
             for ((&a, &b), &share) in rows[at - 1].iter().zip(&rows[at]).zip(shares) {
                 let rows = if a < b { ends } else { ends.map(|[from, to]| [to, from]) };
-                self.curves.insert(sorted([a, b]), EdgeCurve::Row { share, rows });
+                self.curves.insert(sorted_pair([a, b]), EdgeCurve::Row { share, rows });
             }
         }
     }
@@ -52,7 +54,7 @@ impl EdgeCurves {
     }
 
     fn at(&self, points: &[[f64; 2]], edge: [usize; 2], share: f64, depth: usize) -> [f64; 2] {
-        let key = sorted(edge);
+        let key = sorted_pair(edge);
         let along = if key == edge { share } else { 1.0 - share };
         match self.curves.get(&key) {
             Some(&EdgeCurve::Arc { centre, normal }) => arc_offset(key.map(|node| points[node]), centre, normal, along),
@@ -63,10 +65,6 @@ impl EdgeCurves {
             _ => [0.0; 2],
         }
     }
-}
-
-fn sorted([a, b]: [usize; 2]) -> [usize; 2] {
-    [a.min(b), a.max(b)]
 }
 
 /// Returns the offset of an arc from its chord; zero if the nodes were moved off the arc.

@@ -2,6 +2,7 @@
 
 use indexmap::IndexMap;
 
+use crate::kernel::lists::sorted_pair;
 use crate::model::types::Element;
 
 /// Edges of all solids, shells and rigid surface elements, in order of elements.
@@ -41,8 +42,8 @@ impl EdgeTable {
     pub fn new(elements: &[Element], factor: usize, first: usize) -> EdgeTable {
         let mut edges: IndexMap<[usize; 2], Edge> = IndexMap::new();
         for (at, element) in elements.iter().enumerate() {
-            for [a, b] in edges_of(element) {
-                let entry = edges.entry([a.min(b), a.max(b)]);
+            for ends in edges_of(element) {
+                let entry = edges.entry(sorted_pair(ends));
                 let edge = entry.or_insert(Edge { elements: [at; 2], ..Edge::default() });
                 edge.elements[1] = at;
                 edge.solids += usize::from(element.kind.is_solid());
@@ -57,19 +58,19 @@ impl EdgeTable {
         self.edges.iter()
     }
 
-    /// Returns the index behind the last new node.
+    /// Returns the index after the last new node.
     pub fn end(&self) -> usize {
         self.first + self.inner * self.edges.len()
     }
 
     /// Returns whether two nodes are connected by an edge.
-    pub fn connects(&self, [a, b]: [usize; 2]) -> bool {
-        self.edges.contains_key(&[a.min(b), a.max(b)])
+    pub fn connects(&self, ends: [usize; 2]) -> bool {
+        self.get(ends).is_some()
     }
 
     /// Returns the edge between two nodes.
-    pub fn get(&self, [a, b]: [usize; 2]) -> Option<&Edge> {
-        self.edges.get(&[a.min(b), a.max(b)])
+    pub fn get(&self, ends: [usize; 2]) -> Option<&Edge> {
+        self.edges.get(&sorted_pair(ends))
     }
 
     /// Returns the new nodes of an edge, given by its place in the table.
@@ -86,8 +87,8 @@ impl EdgeTable {
         if part > self.inner {
             return b;
         }
-        let Some(place) = self.edges.get_index_of(&[a.min(b), a.max(b)]) else { return a };
-        self.first + place * self.inner + if a < b { part - 1 } else { self.inner - part }
+        let Some(place) = self.edges.get_index_of(&sorted_pair([a, b])) else { return a };
+        self.new_nodes(place).start + if a < b { part - 1 } else { self.inner - part }
     }
 
     /// Returns the edge of a new node, and the number of parts between its first node and the new node.

@@ -7,11 +7,21 @@ use indexmap::IndexMap;
 use super::mesh::RefinedMesh;
 use super::pair::NodePair;
 use crate::deck::{Diagnostic, Span};
+use crate::kernel::lists::sorted_pair;
 use crate::model::builder::ModelBuilder;
 use crate::model::types::{LinearEquation, LinkKind, NodeLink};
 
 /// Nodes in the order of the terms of an equation, or a node and its reference node.
 type Related = Vec<usize>;
+
+/// An equation or a multi-point constraint of one node.
+struct Relation {
+    /// Index of the equation or constraint.
+    at: usize,
+    nodes: Related,
+    /// Source position of the data line.
+    span: Span,
+}
 
 /// Line of an equation between sets, and degrees of freedom and coefficients of its terms.
 type EquationForm = (Option<Span>, Vec<(u8, u64)>);
@@ -22,6 +32,27 @@ struct Ambiguity {
 }
 
 impl RefinedMesh {
+    /// Returns the relations of new nodes, each with index and position of the one that it is like, and the groups that
+    /// cannot be completed.
+    fn complete_groups<'g>(
+        &self,
+        what: &str,
+        groups: impl Iterator<Item = &'g Vec<Relation>>,
+    ) -> (Vec<Relation>, Vec<Diagnostic>) {
+        let (mut made, mut findings) = (Vec::new(), Vec::new());
+        for group in groups {
+            let nodes: Vec<&[usize]> = group.iter().map(|relation| &relation.nodes[..]).collect();
+            match self.complete(&nodes) {
+                Ok(more) => made.extend(more.into_iter().map(|(like, nodes)| {
+                    let Relation { at, span, .. } = group[like];
+                    Relation { at, nodes, span }
+                })),
+                Err(fault) => findings.push(ambiguous(what, fault.relations.map(|at| group[at].span))),
+            }
+        }
+        (made, findings)
+    }
+
     /// Returns the relations of new nodes, each with the relation that it is like. Two relations are completed if the
     /// nodes of each term are the same node or are connected by an edge.
     fn complete(&self, relations: &[&[usize]]) -> Result<Vec<(usize, Related)>, Ambiguity> {
@@ -35,7 +66,7 @@ impl RefinedMesh {
             let edges: BTreeSet<usize> = selected.edges.into_iter().collect();
             for (ends, _) in self.edges.iter().enumerate().filter(|(at, _)| edges.contains(at)).map(|(_, edge)| edge) {
                 let pair = ends.map(|node| of[&node]);
-                if known.insert([pair[0].min(pair[1]), pair[0].max(pair[1])]) {
+                if known.insert(sorted_pair(pair)) {
                     self.between(relations, pair, &mut made)?;
                 }
             }
@@ -106,27 +137,18 @@ impl ModelBuilder<'_> {
         let Some(refined) = &self.refined else { return };
         let equations = &self.model.constraints.equations;
         let of_sets = repeated(equations.iter().map(|equation| equation.span));
-        let mut groups: IndexMap<EquationForm, Vec<usize>> = IndexMap::new();
+        let mut groups: IndexMap<EquationForm, Vec<Relation>> = IndexMap::new();
         for (at, LinearEquation { terms, span }) in equations.iter().enumerate() {
             let form = terms.iter().map(|&(_, dof, c)| (dof, c.to_bits())).collect();
-            groups.entry((of_sets.get(span).copied(), form)).or_default().push(at);
+            let nodes = terms.iter().map(|term| term.0).collect();
+            groups.entry((of_sets.get(span).copied(), form)).or_default().push(Relation { at, nodes, span: *span });
         }
-        let (mut made, mut findings) = (Vec::new(), Vec::new());
-        for group in groups.into_values() {
-            let nodes: Vec<Related> =
-                group.iter().map(|&at| equations[at].terms.iter().map(|t| t.0).collect()).collect();
-            let nodes: Vec<&[usize]> = nodes.iter().map(|n| &n[..]).collect();
-            match refined.complete(&nodes) {
-                Ok(more) => made.extend(more.into_iter().map(|(like, nodes)| {
-                    let LinearEquation { terms, span } = &equations[group[like]];
-                    let terms = nodes.into_iter().zip(terms).map(|(n, &(_, dof, c))| (n, dof, c)).collect();
-                    LinearEquation { terms, span: *span }
-                })),
-                Err(fault) => {
-                    findings.push(ambiguous("equations", fault.relations.map(|at| equations[group[at]].span)))
-                }
-            }
-        }
+        let (made, findings) = refined.complete_groups("equations", groups.values());
+        let made = made.into_iter().map(|Relation { at, nodes, span }| {
+            let terms = nodes.into_iter().zip(&equations[at].terms).map(|(n, &(_, dof, c))| (n, dof, c)).collect();
+            LinearEquation { terms, span }
+        });
+        let made: Vec<LinearEquation> = made.collect();
         self.model.constraints.equations.extend(made);
         findings.into_iter().for_each(|finding| self.diagnostics.push(finding));
     }
@@ -134,23 +156,19 @@ impl ModelBuilder<'_> {
     fn refine_pairs(&mut self) {
         let Some(refined) = &self.refined else { return };
         let of_sets = repeated(self.linked_pairs.iter().map(|pair| pair.span));
-        let mut groups: IndexMap<(Option<Span>, &str), Vec<&NodePair>> = IndexMap::new();
-        for pair in &self.linked_pairs {
-            groups.entry((of_sets.get(&pair.span).copied(), &pair.name)).or_default().push(pair);
+        let mut groups: IndexMap<(Option<Span>, &str), Vec<Relation>> = IndexMap::new();
+        for (at, NodePair { name, nodes, span }) in self.linked_pairs.iter().enumerate() {
+            let relation = Relation { at, nodes: nodes.to_vec(), span: *span };
+            groups.entry((of_sets.get(span).copied(), name)).or_default().push(relation);
         }
-        let (mut made, mut findings) = (Vec::new(), Vec::new());
-        for group in groups.into_values() {
-            let nodes: Vec<&[usize]> = group.iter().map(|pair| &pair.nodes[..]).collect();
-            match refined.complete(&nodes) {
-                Ok(more) => made.extend(more.into_iter().map(|(like, nodes)| {
-                    let NodePair { name, span, .. } = group[like].clone();
-                    let kind = LinkKind::Rigid([true; 2]);
-                    NodeLink { name, kind, reference: nodes[1], nodes: vec![nodes[0]], span }
-                })),
-                Err(fault) => findings.push(ambiguous("constraints", fault.relations.map(|at| group[at].span))),
-            }
-        }
-        self.model.constraints.links.extend(made);
+        let (made, findings) = refined.complete_groups("constraints", groups.values());
+        self.model.constraints.links.extend(made.into_iter().map(|Relation { at, nodes, span }| NodeLink {
+            name: self.linked_pairs[at].name.clone(),
+            kind: LinkKind::Rigid([true; 2]),
+            reference: nodes[1],
+            nodes: vec![nodes[0]],
+            span,
+        }));
         findings.into_iter().for_each(|finding| self.diagnostics.push(finding));
     }
 }

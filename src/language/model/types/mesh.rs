@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::deck::Span;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{heap_bytes, sorted_pair};
 use crate::kernel::topology::ElementTopology;
 use crate::model::element_nodes::NodeIndices;
 use crate::model::name::EntityName;
@@ -73,10 +73,10 @@ impl Mesh {
         };
         let all = || (0..self.elements.len()).flat_map(move |e| faces(e).map(move |(i, edge)| (e, i, edge)));
         let mut shared: HashMap<[usize; 2], usize> = HashMap::new();
-        for (.., [a, b]) in all() {
-            *shared.entry([a.min(b), a.max(b)]).or_default() += 1;
+        for (.., edge) in all() {
+            *shared.entry(sorted_pair(edge)).or_default() += 1;
         }
-        let exterior = all().filter(|&(.., [a, b])| shared[&[a.min(b), a.max(b)]] == 1);
+        let exterior = all().filter(|&(.., edge)| shared[&sorted_pair(edge)] == 1);
         exterior.map(|(e, i, _)| (e, ElementSide::Face(i as u8 + 1))).collect()
     }
 }
