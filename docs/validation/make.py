@@ -520,8 +520,40 @@ def taylor():
     return {
         "summary": short,
         "taylor": (head, rows),
+        "taylor-identify": identified_bars(tests),
         "taylor-uncertainty": (["contribution", "length, %", "foot radius, %"], budget),
     }
+
+
+def identified_bars(tests):
+    """Identifies A and B from the lengths and feet of three bars and predicts the bar that was left out."""
+    shots = WORK / "bars.csv"
+    quantities = ("1000*final(COOR2@TIP)", "1000*final(COOR1@CORNER)")
+    rows = []
+    for left_out in tests:
+        lines = ["V,length,d,T0,Lf,Rf"]
+        for t in tests:
+            if t is not left_out:
+                sizes = (float(t["L0_mm"]) / 1e3, float(t["D0_mm"]) / 1e3)
+                lines.append(",".join(map(str, (t["v0_mps"], *sizes, t["T0_K"], t["Lf_mm"], t["Rf_mm"]))))
+        shots.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        options = []
+        for column, quantity in zip(("Lf", "Rf"), quantities):
+            options += ["--measured", column, "--quantity", quantity, "--deviation", 0.3]
+        options += ["--unknown", "Cu_A=20e6..300e6,Cu_B=100e6..600e6", "--set", "nr=6", "--out", WORK / "identify"]
+        revolve("identify", DECKS / "taylor_bar.inp", "--shots", shots, *options, "-q")
+        found = table(WORK / "identify" / "taylor_bar_identify.csv")
+        a, b = (float(row["value"]) for row in found[:2])
+        shape = {
+            "V": float(left_out["v0_mps"]),
+            "length": float(left_out["L0_mm"]) / 1e3,
+            "d": float(left_out["D0_mm"]) / 1e3,
+            "T0": float(left_out["T0_K"]),
+        }
+        length, foot, _ = outline(run("taylor_bar", Cu_A=a, Cu_B=b, nr=6, **shape))
+        errors = (percent(length, float(left_out["Lf_mm"])), percent(foot, float(left_out["Rf_mm"])))
+        rows.append([left_out["test"], f"{a / 1e6:.0f}", f"{b / 1e6:.0f}", *errors])
+    return ["bar left out", "A, MPa", "B, MPa", "error of its length, %", "error of its foot radius, %"], rows
 
 
 # Plate impacts

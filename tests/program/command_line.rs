@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::{self, revolve};
+use crate::common::{self, project, revolve};
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
@@ -96,6 +96,33 @@ fn the_ledger_of_the_seed_deck_is_pinned() {
     let output = revolve(&["check", "--no-look", "input/ogive.inp"]);
     assert!(output.status.success());
     insta::assert_snapshot!(text(&output.stdout));
+}
+
+/// Each file of `input/materials` is listed with the name of its material and its range.
+#[test]
+fn explain_lists_all_ready_materials() {
+    let listed = text(&revolve(&["explain", "materials"]).stdout);
+    let files = std::fs::read_dir(project("input/materials")).expect("a folder");
+    let files = files.map(|f| f.expect("a file").path()).filter(|f| f.extension().is_some_and(|e| e == "inp"));
+    for file in files {
+        let name = file.file_name().and_then(|n| n.to_str()).expect("a name").to_owned();
+        if name.ends_with("_failure.inp") || name == "one_element.inp" {
+            continue;
+        }
+        let content = std::fs::read_to_string(&file).expect("a file");
+        let material = content.split("Material name: ").nth(1).and_then(|rest| rest.split('.').next());
+        let line = listed.lines().find(|line| line.trim_start().starts_with(&name));
+        let line = line.unwrap_or_else(|| panic!("{name} is not listed"));
+        assert!(line.contains(material.expect("a material name")), "{line}");
+        let range = content.split("Range: ").nth(1).expect("a range").to_owned();
+        let last = line.rsplit("  ").next().expect("a range");
+        let numbers = |text: &str| {
+            let is_number = |word: &&str| word.starts_with(|c: char| c.is_ascii_digit());
+            text.split([' ', ',', '\n']).filter(is_number).map(str::to_owned).collect::<Vec<_>>()
+        };
+        let given = numbers(&range);
+        assert!(numbers(last).iter().all(|number| given.contains(number)), "{line}: {range}");
+    }
 }
 
 #[test]

@@ -13,6 +13,7 @@ mod faults;
 mod fuzz;
 mod growth;
 mod hostile;
+mod identify;
 mod language;
 mod manual;
 mod matrix;

@@ -4,18 +4,14 @@
 //! same samples.
 
 use std::fs;
-use std::path::Path;
 use std::process::Output;
-use std::sync::atomic::AtomicUsize;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore as _, SeedableRng as _};
-use revolve::study::evaluate::{DeckSource, SampleEvaluator, SampleTable, UserRoutines};
-use revolve::study::identify::{self, ShotTable};
+use revolve::study::evaluate::{DeckSource, SampleEvaluator, UserRoutines};
 use revolve::study::quantity::Quantity;
 use revolve::study::shot::ShotEnd;
-use revolve::study::statistics::least_squares::ParameterFit;
-use revolve::study::statistics::{design, normal};
+use revolve::study::statistics::design;
 use serde_json::Value;
 
 use crate::common::{project, revolve};
@@ -35,94 +31,6 @@ fn json(words: &[&str]) -> Value {
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
-}
-
-fn evaluator(names: &[&str]) -> SampleEvaluator {
-    let names = names.iter().map(|n| (*n).to_owned()).collect();
-    let source = DeckSource::File(project("input/ogive.inp"));
-    let quantity = Quantity::parse(DEPTH).expect("a quantity");
-    SampleEvaluator::new(source, Vec::new(), names, vec![quantity], UserRoutines::Absent).expect("an evaluator")
-}
-
-/// Returns shots of the deck with its parameter values, with normal errors of 1.5 mm.
-fn shots(seed: u64) -> ShotTable {
-    let velocities: Vec<f64> = (0..8).map(|i| 500.0 + 80.0 * f64::from(i)).collect();
-    let mut measured = vec![0.0; velocities.len()];
-    let requested = SampleTable { values: &velocities, count: velocities.len() };
-    let failures =
-        evaluator(&["V"]).run(requested, &mut measured, 2, &AtomicUsize::new(0), &mut |_| {}).expect("threads");
-    assert!(failures.is_empty());
-    let mut draws = ChaCha8Rng::seed_from_u64(seed);
-    measured.iter_mut().for_each(|depth| *depth += 1.5 * normal::quantile(design::unit(draws.next_u64())));
-    ShotTable {
-        names: vec!["V".into()],
-        rows: velocities.into_iter().map(|v| vec![v]).collect(),
-        deviations: vec![1.0; measured.len()],
-        measured,
-    }
-}
-
-fn fitted(seed: u64, unknown: &[&str], start: &[f64]) -> ParameterFit {
-    let names: Vec<&str> = ["V"].iter().chain(unknown).copied().collect();
-    identify::identify(&evaluator(&names), &shots(seed), start, 2).expect("a fit")
-}
-
-/// A 95 % interval contains the true A in 19 of 20 tables.
-#[test]
-fn true_resistance_is_within_the_confidence_interval() {
-    let inside = (1..=20).filter(|seed| {
-        let fit = fitted(*seed, &["A"], &[4.0]);
-        let found = fit.estimates()[0];
-        assert!(fit.converged && fit.freedom == 7 && found.high - found.low < 1.0, "{fit:?}");
-        found.holds(5.0394)
-    });
-    let inside = inside.count();
-    println!("A is inside in {inside} of 20 tables");
-    assert!(inside >= 19, "{inside}");
-}
-
-/// A and friction have nearly the same effect on the depth: the shots determine little but their sum, which is
-/// reported.
-#[test]
-fn unidentifiable_parameters_are_reported() {
-    let names = ["A".to_owned(), "friction".to_owned()];
-    let fit = fitted(3, &["A", "friction"], &[4.0, 0.02]);
-    let correlation = fit.correlation(0, 1).expect("a covariance");
-    assert!(correlation < -0.95, "{correlation}");
-    let message_text = identify::sentences(&fit, &names).join("\n");
-    assert!(message_text.contains("A and friction are hardly distinguishable"), "{message_text}");
-    let alone = fitted(3, &["A"], &[4.0]).estimates()[0];
-    let both = fit.estimates()[0];
-    assert!(both.high - both.low > 3.0 * (alone.high - alone.low), "{both:?} {alone:?}");
-}
-
-#[test]
-fn identify_reads_and_writes_a_table() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
-    let table: Vec<String> =
-        shots(5).rows.iter().zip(shots(5).measured).map(|(v, p)| format!("{},{p},1.5\n", v[0])).collect();
-    fs::write(at("shots.csv"), format!("V,depth,error\n{}", table.concat())).expect("a table");
-    let (file, out) = (at("shots.csv"), at("out"));
-    let words =
-        ["identify", "input/ogive.inp", "--shots", &file, "--measured", "depth", "--quantity", DEPTH, "--out", &out];
-    let weighted = json(&[&words[..], &["--deviation", "error", "--unknown", "A=4"]].concat());
-    assert!((number(&weighted["estimates"]["A"]["value"]) - 5.0394).abs() < 0.5, "{weighted}");
-    assert!((0.3..2.0).contains(&number(&weighted["deviation"])));
-    for file in ["ogive_identify.csv", "ogive_identify.svg", "ogive_identify.png", "ogive_identify.sfv"] {
-        assert!(Path::new(&out).join(file).exists(), "{file}");
-    }
-    for (wrong, message_text) in [
-        (&["--unknown", "A=4"][..], "no parameter error"),
-        (&["--unknown", "A=x", "--deviation", "error"], "NAME=NUMBER"),
-        (&["--unknown", "V=500", "--deviation", "error"], "it is also a column"),
-        (&["--unknown", "A=4", "--deviation", "eror"], "there is no column eror"),
-        (&["--unknown", "A=4", "--deviation", "error", "--set", "V=5"], "another option gives the values"),
-    ] {
-        let output = revolve(&[&words[..], wrong].concat());
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.code() == Some(2) && message.contains(message_text), "{wrong:?}: {message}");
-    }
 }
 
 /// A shot at the lower end of the bracket is stopped, one at the upper end perforates; the fitted curve passes through

@@ -53,7 +53,19 @@ pub(super) const TOPICS: &[HelpTopic] = &[
                SAX1 and RAX2. Other element types are reported as errors with their line (docs/abaqus.md).\n",
     },
     HelpTopic {
-        words: &["final", "min", "max", "time_min", "time_max", "at", "mean", "norm", "quantity", "quantities"],
+        words: &[
+            "final",
+            "min",
+            "max",
+            "time_min",
+            "time_max",
+            "at",
+            "mean",
+            "norm",
+            "outline",
+            "quantity",
+            "quantities",
+        ],
         text: "A quantity (--quantity of run, sweep and study) is an expression over history columns, such as -1000*final(U2@REF):\n\
                \x20 final(C)           the last value of column C\n\
                \x20 min(C), max(C)     the smallest and largest value; time_min(C), time_max(C) when\n\
@@ -61,7 +73,43 @@ pub(super) const TOPICS: &[HelpTopic] = &[
                \x20 mean(C, t1, t2)    the time average from t1 to t2\n\
                \x20 norm(VAR, EXPR)    relative L2 error of a field against EXPR of r, z, r0, z0, t\n\
                \x20 norm(VAR)          relative L2 error of a field against the finest level of a study\n\
+               \x20 outline(z)         the largest final radius of the deformable elements at the height z\n\
                with + - * / **, parentheses and the functions of *PARAMETER. `revolve check` lists the columns that a deck has.\n",
+    },
+    HelpTopic {
+        words: &["materials", "library"],
+        text: "Ready materials in input/materials of the source archive, in m, kg, s, Pa and K, with the source of each constant in\n\
+               comments. In a deck: *INCLUDE, INPUT=path/steel_4340.inp, then the name in *SOLID SECTION. A deck whose *UNITS\n\
+               are others gets the warning P119. A file that ends with _failure.inp has the failure cards of its material.\n\
+               \x20 copper_ofhc.inp          COPPER_OFHC        1 to 1e5 per s, 223 to 1000 K\n\
+               \x20     Johnson-Cook 1983, annealed; *EOS; failure file\n\
+               \x20 copper_half_hard.inp     COPPER_STEINBERG   above 1e5 per s, 300 K\n\
+               \x20     Steinberg 1996, half hard, table; *EOS\n\
+               \x20 iron_armco.inp           IRON_ARMCO         1 to 1e5 per s, 223 to 1000 K\n\
+               \x20     Johnson-Cook 1983; failure file\n\
+               \x20 steel_4340.inp           STEEL_4340         1 to 1e4 per s, 293 to 1000 K\n\
+               \x20     Johnson-Cook 1985, Rc 30; failure file\n\
+               \x20 steel_weldox_460e.inp    STEEL_WELDOX_460E  1e-4 to 1e4 per s, 293 to 1000 K\n\
+               \x20     Børvik and others 1999, 2001; failure file\n\
+               \x20 aluminium_2024_t351.inp  AL2024_T351        1 to 1e4 per s, 293 to 600 K\n\
+               \x20     Johnson-Cook 1983; *EOS; failure file\n\
+               \x20 aluminium_5083_h116.inp  AL5083_H116        1e-3 to 1e3 per s, 293 to 700 K\n\
+               \x20     Clausen and others 2004; failure file\n\
+               \x20 aluminium_6061_t6.inp    AL6061_T6          1e-3 to 1e4 per s, 293 to 700 K\n\
+               \x20     Lesuer, Kay and LeBlanc 2001; *EOS\n\
+               \x20 aluminium_6082_t651.inp  AL6082_T651        to 1e3 per s, 293 K\n\
+               \x20     Forrestal and others 2014, table\n\
+               \x20 aluminium_7075_t651.inp  AL7075_T651        1e-4 to 1e3 per s, 293 to 523 K\n\
+               \x20     Brar, Joshi and Harris 2009; *EOS; failure file\n\
+               \x20 titanium_6al4v.inp       TI6AL4V            1e-3 to 1e4 per s, 293 to 900 K\n\
+               \x20     Lesuer 2000; *EOS\n\
+               \x20 titanium_6al4v_1985.inp  TI6AL4V_1985       1e-3 to 1e4 per s, 293 to 900 K\n\
+               \x20     Johnson 1985; *EOS\n\
+               \x20 tungsten_alloy.inp       TUNGSTEN_ALLOY     1 to 1e4 per s, 293 to 1000 K\n\
+               \x20     Johnson-Cook 1983; *EOS\n\
+               \x20 concrete.inp             CONCRETE           13 to 110 MPa, 270 to 1100 m/s\n\
+               \x20     resistance on a nose (Forrestal and others 1994, 1996)\n\
+               docs/materials.md compares their stress-strain curves and says which constants were confirmed.\n",
     },
     HelpTopic {
         words: &["units", "unit", "kg", "MPa", "mm"],

@@ -82,6 +82,8 @@ pub struct SampleEvaluator {
     shots: bool,
     /// Number of samples so far with a body still moving in a target at the end.
     still_moving: AtomicUsize,
+    /// Indices of the quantities that sample k evaluates, in entry k modulo the length; all quantities if empty.
+    selections: Vec<Vec<usize>>,
 }
 
 /// Table of samples: the parameter values of all runs.
@@ -141,7 +143,15 @@ impl SampleEvaluator {
             idle,
             shots,
             still_moving,
+            selections: Vec::new(),
         })
+    }
+
+    /// Makes sample k evaluate only the quantities with the indices in entry k modulo the length of `selections`; the
+    /// other cells of its row are NaN.
+    #[must_use]
+    pub fn with_selections(self, selections: Vec<Vec<usize>>) -> SampleEvaluator {
+        SampleEvaluator { selections, ..self }
     }
 
     /// Makes an evaluator of [`shots`](SampleEvaluator::shots).
@@ -248,15 +258,18 @@ impl SampleEvaluator {
 
     /// Evaluates the row of a run that began from the state `start`. Returns whether a body still moves in a target.
     fn finish(&self, run: EndedRun<'_>, start: &State, out: &mut [f64]) -> Result<bool, StudyError> {
-        let EndedRun { history, outcome, state } = run;
+        let EndedRun { row, history, outcome, state } = run;
         let end = Some((outcome.total_time(), state));
         let found = shot::end(&outcome, &start.dofs.bodies);
         outcome.halt.map_or(Ok(()), |halt| Err(StudyError::Halted(halt)))?;
         if outcome.still_moving > 0 {
             self.still_moving.fetch_add(1, Ordering::Relaxed);
         }
-        for (out, quantity) in out.iter_mut().zip(&self.quantities) {
-            *out = quantity.number(FinishedRun { history, end })?;
+        let all: Vec<usize> = (0..self.quantities.len()).collect();
+        let selection = self.selections.get(row % self.selections.len().max(1)).unwrap_or(&all);
+        out.fill(f64::NAN);
+        for &i in selection {
+            out[i] = self.quantities[i].number(FinishedRun { history, end })?;
         }
         if self.shots {
             out[self.quantities.len()..].copy_from_slice(&shot::encode(found));
@@ -267,6 +280,8 @@ impl SampleEvaluator {
 
 /// Results of a run that has ended.
 struct EndedRun<'a> {
+    /// Index of the sample.
+    row: usize,
     history: &'a RunHistory,
     outcome: Outcome,
     state: &'a State,
@@ -360,8 +375,8 @@ impl SampleBatch<'_> {
         let sample = &self.samples.values[row * width..(row + 1) * width];
         let revised = worker.plan.as_mut().and_then(|plan| plan.revise(sample).then_some(plan));
         let result = match revised {
-            Some(plan) => plan.run(self, out, look),
-            None => self.run_anew(sample, out, look),
+            Some(plan) => plan.run(self, row, out, look),
+            None => self.run_anew(row, sample, out, look),
         };
         result.err().map(|reason| {
             out.fill(f64::NAN);
@@ -370,7 +385,7 @@ impl SampleBatch<'_> {
     }
 
     /// Runs a sample from the text of the deck, without a reusable plan.
-    fn run_anew(&self, sample: &[f64], out: &mut [f64], look: &mut dyn FnMut()) -> Result<(), StudyError> {
+    fn run_anew(&self, row: usize, sample: &[f64], out: &mut [f64], look: &mut dyn FnMut()) -> Result<(), StudyError> {
         let evaluator = self.evaluator;
         let routines = evaluator.user.routines()?;
         let read = evaluator.source.read(&evaluator.overrides(sample));
@@ -381,7 +396,7 @@ impl SampleBatch<'_> {
             let mut history = quantity::history(&evaluator.quantities, &prepared.plan);
             let mut sink = HistorySink { history: &mut history, look };
             let (outcome, state) = job::run_until(&prepared, &mut sink, self.interrupt);
-            evaluator.finish(EndedRun { history: &history, outcome, state: &state }, &prepared.state, out)
+            evaluator.finish(EndedRun { row, history: &history, outcome, state: &state }, &prepared.state, out)
         })
     }
 }
@@ -445,7 +460,13 @@ impl ReusablePlan {
             && self.reviser.revise(&self.model, &self.routines, &mut self.plan, &mut self.state)
     }
 
-    fn run(&mut self, batch: &SampleBatch<'_>, out: &mut [f64], look: &mut dyn FnMut()) -> Result<(), StudyError> {
+    fn run(
+        &mut self,
+        batch: &SampleBatch<'_>,
+        row: usize,
+        out: &mut [f64],
+        look: &mut dyn FnMut(),
+    ) -> Result<(), StudyError> {
         let ReusablePlan { plan, state: start, history, .. } = self;
         let duration = last_duration(plan);
         let result = batch.evaluator.run_extended(duration, &mut |duration| {
@@ -454,7 +475,7 @@ impl ReusablePlan {
             let mut sink = HistorySink { history, look };
             let control = RunControl { interrupt: Some(batch.interrupt), ..RunControl::default() };
             let (outcome, state) = solve::run_with(plan, start.clone(), &mut sink, control).unwrap_or_default();
-            batch.evaluator.finish(EndedRun { history, outcome, state: &state }, start, out)
+            batch.evaluator.finish(EndedRun { row, history, outcome, state: &state }, start, out)
         });
         set_last_duration(plan, duration);
         result

@@ -11,10 +11,12 @@ use crate::state::Instant;
 
 /// Functions of a history column that need only its final and extreme values.
 const FUNCTIONS: &[&str] = &["final", "min", "max", "time_min", "time_max"];
-/// Functions with several arguments: values between rows, time averages and norms.
-const MORE: [&str; 3] = ["at", "mean", "norm"];
-/// Error text for a norm of a run without its final state.
-const NO_NORM: &str = "norm(...) is available in the commands sweep and study only";
+/// Functions with arguments of their own: values between rows, time averages, norms and the outline.
+const MORE: [&str; 4] = ["at", "mean", "norm", "outline"];
+/// Functions of the final state; history rows are not needed.
+const STATE_FUNCTIONS: [&str; 2] = ["norm", "outline"];
+/// Error text for a function of the final state of a run that is not available.
+const NO_STATE: &str = "norm(...) and outline(...) are not available in the command run";
 
 /// A parsed quantity: an expression over history columns and field norms of a run.
 #[derive(Clone, Debug)]
@@ -45,8 +47,9 @@ pub enum QuantityValue {
 
 impl Quantity {
     /// Parses an expression of `final(C)`, `min(C)`, `max(C)`, `time_min(C)`, `time_max(C)`, `at(C, t)`,
-    /// `mean(C, t1, t2)` over history columns and `norm(VARIABLE, EXPR)` over nodes or elements, where EXPR knows `r`,
-    /// `z` (current), `r0`, `z0` (initial) and `t`. `norm(VARIABLE)` alone compares with the finest level.
+    /// `mean(C, t1, t2)` over history columns, `norm(VARIABLE, EXPR)` over nodes or elements, where EXPR knows `r`,
+    /// `z` (current), `r0`, `z0` (initial) and `t`, and `outline(z)`, the largest final radius of the deformable
+    /// elements at the height z. `norm(VARIABLE)` alone compares with the finest level.
     pub fn parse(text: &str) -> Result<Quantity, StudyError> {
         let functions: Vec<&str> = FUNCTIONS.iter().copied().chain(MORE).collect();
         let expression = parse_expression(text, &functions)?;
@@ -78,7 +81,7 @@ impl Quantity {
     /// Returns whether only the last history row is needed.
     pub fn needs_last_row_only(&self) -> bool {
         let QuantityKind::Number(expression) = &self.kind else { return true };
-        expression.raw_arguments().all(|(function, _)| function == "final" || function == "norm")
+        expression.raw_arguments().all(|(function, _)| function == "final" || STATE_FUNCTIONS.contains(&function))
     }
 
     /// Creates a history that stores the data needed for this quantity.
@@ -96,7 +99,7 @@ impl Quantity {
     /// elements.
     pub fn check(&self, plan: &Plan) -> Result<(), StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
-        let nothing = "a norm needs deformable elements, and the model has none";
+        let nothing = "norms and outlines need deformable elements, and the model has none";
         let QuantityKind::Number(expression) = &self.kind else {
             return if !plan.places.elements.is_empty() { Ok(()) } else { Err(wrong(nothing.into())) };
         };
@@ -105,8 +108,11 @@ impl Quantity {
         for (function, argument) in expression.raw_arguments() {
             let name = argument.split(',').next().unwrap_or_default().trim();
             match function {
-                "norm" if plan.places.elements.is_empty() => return Err(wrong(nothing.into())),
-                "norm" => {}
+                function if STATE_FUNCTIONS.contains(&function) => {
+                    if plan.places.elements.is_empty() {
+                        return Err(wrong(nothing.into()));
+                    }
+                }
                 _ => drop(column(&empty, name).map_err(wrong)?),
             }
         }
@@ -124,7 +130,7 @@ impl Quantity {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
         match &self.kind {
             QuantityKind::Field(name) => {
-                let (time, state) = run.end.ok_or_else(|| wrong(NO_NORM.into()))?;
+                let (time, state) = run.end.ok_or_else(|| wrong(NO_STATE.into()))?;
                 NormField::of(state, *name, time).map(|f| QuantityValue::Field(Box::new(f))).map_err(wrong)
             }
             QuantityKind::Number(_) => self.number(run).map(QuantityValue::Number),
@@ -143,7 +149,8 @@ impl Quantity {
             Some(match function {
                 "at" => at(run.history, argument),
                 "mean" => mean(run.history, argument),
-                "norm" => run.end.ok_or(NO_NORM.to_owned()).and_then(|end| norm(end, argument)),
+                "norm" => run.end.ok_or(NO_STATE.to_owned()).and_then(|end| norm(end, argument)),
+                "outline" => run.end.ok_or(NO_STATE.to_owned()).and_then(|end| outline(end.1, argument)),
                 _ => summary_value(&run.history.summary, function, argument),
             })
         };
@@ -188,6 +195,7 @@ fn check(function: &str, argument: &str) -> Result<(), String> {
         "at" => parts::<1>(function, argument).map(|_| ()),
         "mean" => parts::<2>(function, argument).map(|_| ()),
         "norm" => norm_parts(argument).map(|_| ()),
+        "outline" => height(argument).map(|_| ()),
         _ => Ok(()),
     }
 }
@@ -204,6 +212,33 @@ fn parts<'a, const N: usize>(function: &str, argument: &'a str) -> Result<(&'a s
         *number = expression.evaluate(&|_| None, &|_, _| None).map_err(|_| wrong())?;
     }
     Ok((column, numbers))
+}
+
+/// Parses the argument of `outline`, a number.
+fn height(argument: &str) -> Result<f64, String> {
+    let number = Expression::parse(argument).and_then(|e| e.evaluate(&|_| None, &|_, _| None));
+    number.map_err(|_| format!("outline({argument}): expected outline(z) with a number z"))
+}
+
+/// Returns the largest radius of the deformable elements at a height in the current configuration.
+fn outline(state: &State, argument: &str) -> Result<f64, String> {
+    let z = height(argument)?;
+    let place = |n: u32| state.dofs.nodes[n as usize].place();
+    let mut largest: Option<f64> = None;
+    for group in &state.elements.groups {
+        for element in (0..group.len()).filter(|e| !group.is_deleted(*e)) {
+            let boundary = group.boundary(element);
+            for (i, node) in boundary.iter().enumerate() {
+                let [a, b] = [place(*node), place(boundary[(i + 1) % boundary.len()])];
+                if (a[1] - z) * (b[1] - z) <= 0.0 {
+                    let part = (z - a[1]) / (b[1] - a[1]);
+                    let radius = if a[1] == b[1] { a[0].max(b[0]) } else { a[0] + part * (b[0] - a[0]) };
+                    largest = Some(largest.map_or(radius, |known| known.max(radius)));
+                }
+            }
+        }
+    }
+    largest.ok_or_else(|| format!("no deformable element is at the height {z:e} at the end of the run"))
 }
 
 fn at(history: &RunHistory, argument: &str) -> Result<f64, String> {

@@ -15,7 +15,7 @@ pub use crate::probability::normal;
 use crate::probability::students_t;
 
 /// Probability on each side of a 95 % confidence interval.
-const TAIL: f64 = 0.025;
+pub(super) const TAIL: f64 = 0.025;
 
 /// Estimate with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
