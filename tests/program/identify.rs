@@ -221,7 +221,7 @@ fn posterior_of_a_linear_model_is_students_t() {
 #[test]
 fn posterior_intervals_have_their_nominal_coverage() {
     let inside = |seed: u64| {
-        let found = throw_posterior(&throw(seed, 0.05), 400.0).1.estimates();
+        let found = throw_posterior(&throw(seed, 0.05), 100.0).1.estimates();
         found.iter().zip([10.0, 9.81]).filter(|(estimate, truth)| estimate.holds(*truth)).count()
     };
     let inside: usize = (100..120).map(inside).sum();
@@ -301,7 +301,8 @@ fn identify_reads_and_writes_tables() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
     let data = shots(5);
-    let rows = data.observations.iter().map(|o| format!("{},{},1.5\n", data.shots[o.shot][0], o.value));
+    let rows = data.observations.iter().step_by(2);
+    let rows = rows.map(|o| format!("{},{},1.5\n", data.shots[o.shot][0], o.value));
     fs::write(at("shots.csv"), format!("V,depth,error\n{}", rows.collect::<String>())).expect("a table");
     let (file, out) = (at("shots.csv"), at("out"));
     let words =

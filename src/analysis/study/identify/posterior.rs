@@ -19,7 +19,7 @@ use crate::study::statistics::{IntervalEstimate, TAIL, normal};
 
 /// Number of independent ensembles; R-hat compares them.
 const ENSEMBLES: usize = 4;
-/// Steps of the first round; each further round doubles the steps.
+/// Steps of the first round. Each further round adds at least half of the previous steps.
 const FIRST_STEPS: usize = 250;
 /// Largest R-hat of a converged posterior (Vehtari and others 2021, doi:10.1214/20-BA1221).
 const CONVERGED: f64 = 1.01;
@@ -126,7 +126,7 @@ fn ensembles(
     let mut chains: Vec<Vec<Vec<f64>>> = (0..ENSEMBLES).map(initial).collect::<Result<_, _>>()?;
     let (mut steps, mut accepted) = (0, 0);
     for round in 1.. {
-        let more = FIRST_STEPS.max(steps);
+        let more = FIRST_STEPS.max(steps / 2);
         let runs = ENSEMBLES * walkers * (more + 1) * likelihood.problem.data.shots.len();
         if likelihood.runs.load(Ordering::Relaxed) + runs > request.most_runs {
             if steps > 0 {
