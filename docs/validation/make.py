@@ -127,7 +127,9 @@ def limits(**values):
 
 
 def apm2():
-    cores = [r for r in table(DATA / "apm2_6082_t651.csv") if r["projectile"] == "APM2 core"]
+    """Compares cores and complete bullets with the same limits: a jacket that is stripped has no effect."""
+    tests = table(DATA / "apm2_6082_t651.csv")
+    angles = [0, 15, 30, 45]
     models = [
         ("cylindrical", "CYLINDRICAL", "OFF"),
         ("spherical", "SPHERICAL", "OFF"),
@@ -138,17 +140,17 @@ def apm2():
         for name, cavity, surface in models
         for f in (0.0, 0.02)
     }
-    head = ["obliquity, degrees", "measured, m/s"] + [f"{n}, friction {f:g}" for n, f in found]
+
+    def error(limit, test):
+        return 100 * (limit[angles.index(int(test["obliquity_deg"]))] / float(test["V50_mps"]) - 1)
+
+    head = ["projectile", "obliquity, degrees", "measured, m/s"] + [f"{n}, friction {f:g}" for n, f in found]
     rows = []
-    for i, core in enumerate(cores):
-        v50 = float(core["V50_mps"])
-        rows.append(
-            [core["obliquity_deg"], f"{v50:.0f}"] + [f"{x[i]:.0f} ({percent(x[i], v50)} %)" for x in found.values()]
-        )
-    worst = [
-        f"{max(abs(x[i] / float(c['V50_mps']) - 1) for i, c in enumerate(cores)) * 100:.1f} %" for x in found.values()
-    ]
-    rows.append(["largest error", ""] + worst)
+    for test in tests:
+        cells = [f"{x[angles.index(int(test['obliquity_deg']))]:.0f} ({error(x, test):+.1f} %)" for x in found.values()]
+        rows.append([test["projectile"], test["obliquity_deg"], f"{float(test['V50_mps']):.0f}", *cells])
+    worst = [f"{max(abs(error(x, test)) for test in tests):.1f} %" for x in found.values()]
+    rows.append(["largest error", "", "", *worst])
     base = {"cavity": "SPHERICAL", "surface": "ON", "over": "0"}
     v = limits(**base)[0]
 
@@ -165,8 +167,12 @@ def apm2():
     ]
     total = root_sum_square(*(x for _, x in inputs))
     budget = [[name, f"{x:+.1f}"] for name, x in inputs] + [["root of the sum of squares", f"{total:.1f}"]]
-    errors = {k: [100 * (x[i] / float(c["V50_mps"]) - 1) for i, c in enumerate(cores)] for k, x in found.items()}
-    short = [summary(f"limit of APM2 cores, {n}, friction {f:g}", e, total) for (n, f), e in errors.items() if f == 0]
+    short = [
+        summary(f"limit of {p}s, {n}, friction 0", [error(x, t) for t in tests if t["projectile"] == p], total)
+        for (n, f), x in found.items()
+        for p in ("APM2 core", "APM2 bullet")
+        if f == 0
+    ]
     return {
         "summary": short,
         "apm2": (head, rows),
