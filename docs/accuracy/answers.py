@@ -142,19 +142,6 @@ def layered_sphere(pressure, radii, materials):
     return constants[0] * radii[0] + constants[1] / radii[0] ** 2
 
 
-def tube_interface(pressure, a, c, b, inner, outer):
-    """Pressure between two tubes in plane strain; u = C r + D/r in each."""
-
-    def lame(e, nu, r):
-        return [e / (1 + nu) / (1 - 2 * nu), -e / (1 + nu) / r**2]
-
-    si, so = lame(*inner, a), lame(*outer, b)
-    ci, co = lame(*inner, c), lame(*outer, c)
-    rows = [[*si, 0, 0], [0, 0, *so], [*ci, -co[0], -co[1]], [c, 1 / c, -c, -1 / c]]
-    constants = solve(rows, [-pressure, 0, 0, 0])
-    return -(ci[0] * constants[0] + ci[1] * constants[1])
-
-
 def hill_outer(y, c, b, e, nu):
     """Outer displacement of a plastic sphere with the front at c (Hill 1950, chapter 5)."""
     return y * c**3 * (1 - nu) / (e * b**2)
