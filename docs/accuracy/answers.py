@@ -210,16 +210,25 @@ def cylinder_clamped(p):
 # Gases and shocks
 
 
-def sod_pressure(left=(1.0, 1.0), right=(0.125, 0.1), g=1.4):
-    """Pressure between the waves of two gases at rest (Toro 2009, section 4.2)."""
+def velocity_change(p, state, g=1.4):
+    """Returns the change of velocity between a gas (density, pressure) and the pressure p (Toro 2009, section 4.2)."""
+    density, before = state
+    if p > before:
+        return (p - before) * sqrt(2 / ((g + 1) * density) / (p + (g - 1) / (g + 1) * before))
+    return 2 * sqrt(g * before / density) / (g - 1) * ((p / before) ** ((g - 1) / (2 * g)) - 1)
 
-    def change(p, state):
-        density, before = state
-        if p > before:
-            return (p - before) * sqrt(2 / ((g + 1) * density) / (p + (g - 1) / (g + 1) * before))
-        return 2 * sqrt(g * before / density) / (g - 1) * ((p / before) ** ((g - 1) / (2 * g)) - 1)
 
-    return bisect(lambda p: change(p, left) + change(p, right), 1e-6, 1.0)
+def sod_pressure():
+    """Pressure between the waves of Sod's two gases at rest."""
+    return bisect(lambda p: velocity_change(p, (1.0, 1.0)) + velocity_change(p, (0.125, 0.1)), 1e-6, 1.0)
+
+
+def reflected_pressure(velocity, pressure, g=1.4):
+    """Pressure after the shock of a piston in a gas of density 1 is reflected by a wall."""
+    first = bisect(lambda p: velocity_change(p, (1.0, pressure)) - velocity, pressure, 1e3)
+    k = (g - 1) / (g + 1)
+    density = (first / pressure + k) / (k * first / pressure + 1)
+    return bisect(lambda p: velocity_change(p, (density, first)) - velocity, first, 1e3)
 
 
 def gas_spring(time):
