@@ -1,7 +1,7 @@
 """Closed forms of the scenes in scenes.csv, computed without Revolve. Standard library only; see the sources there."""
 
 import math
-from math import exp, log, pi, sin, sqrt  # noqa: F401 (used by the expressions of scenes.csv)
+from math import exp, log, pi, sin, sqrt
 
 
 def bisect(function, low, high):
@@ -104,9 +104,11 @@ def sphere_insulated(a, b, alpha, time):
     """Temperature at the insulated radius a after b is held at 1: r (T - 1) is a series of sines of b - r."""
     total = 0.0
     for k in range(1, 12):
-        m = bisect(lambda x: sin(x * (b - a)) + x * a * math.cos(x * (b - a)), (k - 0.5) * pi / (b - a), k * pi / (b - a))
-        norm = integral(lambda r: sin(m * (b - r)) ** 2, a, b)
-        weight = integral(lambda r: -r * sin(m * (b - r)), a, b) / norm
+        m = bisect(
+            lambda x: sin(x * (b - a)) + x * a * math.cos(x * (b - a)), (k - 0.5) * pi / (b - a), k * pi / (b - a)
+        )
+        norm = integral(lambda r, m=m: sin(m * (b - r)) ** 2, a, b)
+        weight = integral(lambda r, m=m: -r * sin(m * (b - r)), a, b) / norm
         total += weight * sin(m * (b - a)) / a * exp(-m * m * alpha * time)
     return 1 + total
 

@@ -78,7 +78,11 @@ def main():
     only = parser.parse_args().only
     rows, failed = [], []
     line = "{scene:<46} {value:>15} {uncertainty:>10} {error:>10} {inside:>6} {ratio:>9} {order:>6} {behaviour}"
-    print(line.format(**{k: k for k in ("scene", "value", "uncertainty", "error", "inside", "ratio", "order", "behaviour")}))
+    print(
+        line.format(
+            **{k: k for k in ("scene", "value", "uncertainty", "error", "inside", "ratio", "order", "behaviour")}
+        )
+    )
     with tempfile.TemporaryDirectory(prefix="coverage-") as folder:
         for scene in scenes():
             if only not in scene["scene"] and only not in scene["deck"]:
@@ -102,7 +106,9 @@ def main():
     if failed:
         print(f"failed: {', '.join(failed)}")
     if rows and not only:
-        version = subprocess.run([REVOLVE, "--version"], check=True, capture_output=True, text=True).stdout.splitlines()[0]
+        version = subprocess.run(
+            [REVOLVE, "--version"], check=True, capture_output=True, text=True
+        ).stdout.splitlines()[0]
         with open(HERE / "coverage.csv", "w", newline="", encoding="utf-8") as file:
             file.write(f"# {version}; {date.today().isoformat()}\n")
             writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
