@@ -86,7 +86,7 @@ pub fn limit(
         let residual = residual.iter().map(|text| Quantity::parse(text)).collect::<Result<_, _>>()?;
         let routines = user.map_or(UserRoutines::Absent, |user| UserRoutines::Files(Arc::clone(&user.compiled)));
         let evaluator = SampleEvaluator::new(deck.source.clone(), settings, vec![velocity], residual, routines)?;
-        let evaluator = evaluator.of_shots();
+        let evaluator = evaluator.of_shots(least);
         limits::find(&request, &mut |velocities| limits::fire(&request, &evaluator, velocities, &[], threads))
     };
     py.detach(find).map(|found| found.record().to_string()).map_err(|why| errors::study(py, &why))

@@ -132,7 +132,7 @@ fn random_oblique_shots(count: usize) -> [usize; 2] {
     let quantities = columns.iter().map(|text| Quantity::parse(text).expect("a quantity")).collect();
     let source = DeckSource::Text("oblique.inp".into(), coarse_oblique());
     let evaluator = SampleEvaluator::new(source, Vec::new(), names, quantities, UserRoutines::Absent);
-    let evaluator = evaluator.expect("an evaluator").of_shots();
+    let evaluator = evaluator.expect("an evaluator").of_shots(None);
     let ranges = [[20.0, 900.0], [0.5, 80.0], [-8.0, 8.0], [2e-3, 30e-3], [0.0, 0.05]];
     let mut draws = ChaCha8Rng::seed_from_u64(7);
     let mut draw = |[low, high]: [f64; 2]| low + (high - low) * design::unit(draws.next_u64());

@@ -155,7 +155,7 @@ impl LimitCommand {
     fn evaluator(&self, others: &[String], routines: &CompiledRoutines) -> Result<SampleEvaluator, Box<dyn Error>> {
         let names = [self.velocity.clone()].into_iter().chain(others.iter().cloned()).collect();
         let residual = self.residual.iter().map(|text| Quantity::parse(text)).collect::<Result<_, _>>()?;
-        Ok(self.search.evaluator(names, residual, routines)?.of_shots())
+        Ok(self.search.evaluator(names, residual, routines)?.of_shots(self.least))
     }
 
     /// Finds the limit of each draw.
@@ -235,7 +235,7 @@ fn lines(found: &LimitVelocity, bracket: [f64; 2], scattered: Option<&LimitScatt
             number(curve.deviation),
             if curve.converged { "" } else { " (the fit did not converge)" }
         )),
-        None => lines.push("no Lambert-Jonas curve: it needs at least four perforating shots; increase --shots".into()),
+        None => lines.push("no Lambert-Jonas curve: fewer than four shots perforate, or they do not determine the curve; increase --shots".into()),
     }
     lines.extend(warnings(found));
     if let Some(scattered) = scattered {
@@ -260,8 +260,9 @@ fn warnings(found: &LimitVelocity) -> Vec<String> {
     if let Some(band) = found.undecided() {
         let [from, to] = [band.from, band.to].map(number);
         lines.push(format!(
-            "the limit may be as low as {from}: shots from {from} to {to} still move in the target at the end of the run; \
-             increase the duration of the steps"
+            "the limit may be as low as {from}: shots from {from} to {to} still move in the target at the end of the run, or \
+             their residual velocity falls or vibrates; increase the duration of the steps, and give the velocity of the \
+             whole body (PARTVEL) as --residual"
         ));
     }
     lines
