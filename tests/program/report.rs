@@ -177,6 +177,41 @@ fn damaged_frames_are_rejected_with_a_message() {
     assert!(!folder.path().join("report.html").exists());
 }
 
+/// The colour bar has the given range, smooth shading divides elements, and an animation has all frames.
+#[test]
+fn pictures_of_frames_have_a_colour_bar_and_animations_all_frames() {
+    let (folder, out) = folder();
+    let deck = ["input/validation/taylor_bar.inp", "--set", "nr=4", "--set", "time=20e-6"];
+    assert!(revolve(&[&["run", deck[0], "--out", &out], &deck[1..]].concat()).status.success());
+    let file = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
+    let draw = |arguments: &[&str]| {
+        let output = revolve(&[&["chart", &out][..], arguments].concat());
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let svg = |arguments: &[&str]| {
+        assert_eq!(draw(&[arguments, &["--field", "PEEQ", "--out", &file("a.svg")]].concat()).0, Some(0));
+        std::fs::read_to_string(file("a.svg")).expect("a picture")
+    };
+    let plain = svg(&["--range", "0..2"]);
+    assert!(plain.contains("PEEQ (0 to 2)") && plain.contains(">0.5<") && plain.contains(">1.5<"), "{plain}");
+    let paths = |text: &str| text.matches("<path").count();
+    assert!(paths(&svg(&["--smooth", "--range", "run"])) > 8 * paths(&plain));
+    assert_eq!(draw(&["--field", "PEEQ", "--animate", &file("a.gif"), "--duration", "1"]).0, Some(0));
+    let animation = std::fs::read(file("a.gif")).expect("an animation");
+    // Each frame has a graphic control extension, here with a delay of 0.33 s.
+    let control = [0x21, 0xf9, 0x04];
+    let delays: Vec<u8> = animation.windows(5).filter(|w| w[..3] == control).map(|w| w[4]).collect();
+    assert!(animation.starts_with(b"GIF89a") && delays == [33; 3], "{delays:?}");
+    for (arguments, word) in [
+        (&["--field", "PEEQ", "--range", "2..1"][..], "LOW..HIGH"),
+        (&["--field", "PEEQ", "--animate", "a.mp4"], ".gif"),
+        (&["--field", "PEEQ", "--animate", "a.gif", "--duration", "0"], "--duration 0"),
+    ] {
+        let (status, message) = draw(arguments);
+        assert!(status == Some(2) && message.contains(word), "{message}");
+    }
+}
+
 #[test]
 fn chart_command_writes_charts_and_pictures() {
     let (folder, out) = folder();
@@ -197,9 +232,9 @@ fn chart_command_writes_charts_and_pictures() {
     assert!(svg(&["--energy"]).contains("opening the cavity"));
     let named = svg(&["--column", "U2@REF", "--label", "U2@REF=depth of the tip"]);
     assert!(named.contains("depth of the tip") && !named.contains("U2@REF"));
-    // Twenty facets on both sides of the axis, and the axis.
+    // Twenty facets on both sides of the axis, the axis, and the ticks of the colour bar, of which each has a label.
     let picture = svg(&["--field", "PRESSURE", "--frame", "3"]);
-    assert_eq!(picture.matches("<path").count(), 2 * 20 + 1);
+    assert!((2 * 20 + 1 + 2..2 * 20 + 1 + 10).contains(&picture.matches("<path").count()));
     assert!(picture.contains("BLOCK: AL6061") && picture.contains("frame 3 of 21"));
     let (_, _, png) = draw(&["--field", "V2"], "a.png");
     assert!(png.starts_with(b"\x89PNG") && png.len() > 5000, "{}", png.len());

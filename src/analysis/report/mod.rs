@@ -12,6 +12,7 @@ mod history;
 mod html;
 mod labels;
 mod limits;
+pub mod meridian;
 mod mesh;
 pub mod picture;
 mod study;
