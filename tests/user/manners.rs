@@ -92,6 +92,20 @@ fn signals_still_end_a_run() {
     assert!(user_dir.path("out/ogive_user.checkpoint").exists(), "{}", message_text(&output));
 }
 
+/// The first signal ends the program within the increment; the message names the load.
+#[test]
+fn a_signal_ends_a_subroutine_that_never_returns() {
+    let user_dir = UserFolder::new();
+    let before = "if (calls == 9) { kill(getpid(), SIGTERM); for (;;) { volatile int x = calls; (void)x; } }";
+    let output = run_of(&user_dir, "hangs", before);
+    let message = message_text(&output);
+    assert_eq!(output.status.code(), Some(143), "{message}");
+    assert!(
+        ["R207", "within an increment", "increment 9", "NOSE"].iter().all(|word| message.contains(word)),
+        "{message}"
+    );
+}
+
 #[test]
 fn fortran_signal_handlers_are_restored() {
     if !fortran() {

@@ -1,6 +1,7 @@
 //! Monitors that issue warnings: energies out of bounds or negative, growing hourglass patterns, very small increments.
 //! Warnings state when it began, where it is, and a remedy. Checks that halt a run are in `guard.rs`.
 
+use super::collapse::CollapseMonitor;
 use super::energy::{Energy, EnergyBalance};
 use super::run::SolverRun;
 use crate::constraint::ContactResults;
@@ -76,6 +77,8 @@ pub(super) struct RunMonitor {
     /// Kinetic energy of the pattern at the last check.
     pattern: f64,
     next_look: u64,
+    /// Stable time increments of the elements.
+    pub(super) collapse: CollapseMonitor,
     /// Limits of the deck on energies that have been reported in this step.
     pub(super) limits_reported: [bool; 2],
     /// Number of warnings that the sink has received.
@@ -112,6 +115,7 @@ impl SolverRun<'_> {
             self.watch.next_look = self.now.increment + self.now.increment.clamp(LOOK_EVERY[0], LOOK_EVERY[1]);
             self.watch_pattern();
             self.watch_pace();
+            self.watch_collapse();
         }
     }
 
@@ -354,7 +358,8 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 }
 
 persist_struct!(RunMonitor {
-    unsound, successive_drifts, drift_count, below_zero, contact_below_zero, pattern_reported, slow_reported, slow, pattern, next_look, limits_reported
+    unsound, successive_drifts, drift_count, below_zero, contact_below_zero, pattern_reported, slow_reported, slow, pattern, next_look, collapse,
+    limits_reported
 } derived {
     shown
 });
