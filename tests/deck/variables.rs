@@ -164,6 +164,7 @@ fn history(variable: Variable, name: &str) -> (String, &'static str) {
         VariablePlace::Node => ("*Node Output, nset=TIP", "@TIP"),
         VariablePlace::Point | VariablePlace::Element => ("*Element Output, elset=ONE", "@ONE"),
         VariablePlace::Energy => ("*Energy Output", ""),
+        VariablePlace::Part => ("*Energy Output, elset=ONE", "@ONE"),
         VariablePlace::Increment => ("*Incrementation Output", ""),
         VariablePlace::Pair => ("*Contact Output", "@J1_LID"),
         VariablePlace::Section => ("*Integrated Output, surface=J0", "@J0"),

@@ -78,6 +78,26 @@ fn rigid_wall_impulse_is_the_change_of_momentum() {
     }
 }
 
+/// The written contact forces times their intervals are the change of momentum for any output interval: they are means,
+/// not samples. With friction, and with magnitudes of the means.
+#[test]
+fn contact_impulse_is_the_change_of_momentum_at_any_output_interval() {
+    let cone = rigid_line("WALL", &[[0.0, -0.302], [3.0, 0.598]], "");
+    for output in ["frequency=1", "frequency=7", "number interval=3", "number interval=41", "time interval=0.37"] {
+        let deck = thrown_disc([0.5, 0.3], &cone, "*Friction\n 0.3,\n", "\n , 8.", "");
+        let ran = run(&deck.replace("history, frequency=1", &format!("history, {output}"))).whole();
+        let change = ran.momentum() + SPEED * PI * 0.75;
+        let sum = |name: &str| -> f64 {
+            let rows = ran.column(&format!("{name}@BAR.J0_WALL.SKIN"));
+            rows.windows(2).map(|w| (w[1][0] - w[0][0]) * w[1][1]).sum()
+        };
+        let parts = sum("CFN2") + sum("CFS2");
+        let off = [sum("CFT2"), parts].map(|impulse| impulse / change - 1.0);
+        println!("{output}: errors of the impulse {}", short(&off));
+        assert!(off.iter().all(|off| off.abs() < 1e-10), "{output}: {off:?}");
+    }
+}
+
 /// The impulse of fixed nodes is the sum of their reactions.
 #[test]
 fn fixed_node_impulse_is_the_change_of_momentum() {

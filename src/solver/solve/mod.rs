@@ -4,6 +4,7 @@ mod body_forces;
 mod body_surfaces;
 mod central_difference;
 mod collapse;
+mod contact_means;
 mod digest;
 mod energy;
 mod frames;
