@@ -101,7 +101,7 @@ fn a_signal_ends_a_subroutine_that_never_returns() {
     let message = message_text(&output);
     assert_eq!(output.status.code(), Some(143), "{message}");
     assert!(
-        ["R207", "within an increment", "increment 9", "NOSE"].iter().all(|word| message.contains(word)),
+        ["R207", "within an increment", "increment 9", "user load"].iter().all(|word| message.contains(word)),
         "{message}"
     );
 }

@@ -143,7 +143,7 @@ fn reactions_at_rest_equal_the_weight() {
         + &damped("HELD", 3.0)
         + "*Surface Interaction, name=I\n*Amplitude, name=RISE, definition=SMOOTH STEP\n 0., 0., 4., 1.\n*Step\n*Dynamic, Explicit\n , 20.\n\
            *Boundary\n WALL.REF, 2, 2\n HELD.J0, 2, 2\n*Dload, amplitude=RISE\n ALL, GRAV, 1e-3, 0., -1.\n\
-           *Contact Pair, interaction=I\n INNER.J0, WALL.SKIN\n OUTER.J0, WALL.SKIN\n*Output, history, number interval=10\n\
+           *Contact Pair, interaction=I\n INNER.J0, WALL.SKIN\n OUTER.J0, WALL.SKIN\n*Output, history, frequency=1\n\
            *Node Output, nset=WALL.REF\n RF2\n*Node Output, nset=HELD.J0, statistics=SUM\n RF\n*Contact Output\n CFT2, CFTM\n*End Step\n";
     let ran = run(&deck).whole();
     let last = |name: &str| ran.column(name).last().expect("rows")[1];

@@ -178,6 +178,7 @@ fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &R
         found.retain(|d| model.origin.bodies_read && d.severity == Severity::Error && OF_BODIES.contains(&d.code));
     }
     diagnostics.append(found);
+    deck.name_fractions(&mut diagnostics);
     diagnostics.merge_repeats();
     let (title, scene, has_routines) = (model.settings.title.clone(), SceneOutline::of(model), routines.any());
     let units = model.settings.units.clone();

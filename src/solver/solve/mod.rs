@@ -20,6 +20,7 @@ mod routines;
 mod run;
 mod timing;
 mod watch;
+mod watch_collapse;
 
 use std::time::Instant as Stopwatch;
 
