@@ -106,6 +106,16 @@ fn a_signal_ends_a_subroutine_that_never_returns() {
     );
 }
 
+/// After 10 s without progress a warning names the increment and the load; the run continues.
+#[test]
+fn a_slow_subroutine_is_named() {
+    let user_dir = UserFolder::new();
+    let file = load(&user_dir, "sleeps", "if (calls == 9) sleep(11);");
+    let output = user_dir.command(&user_deck(), &[&file]).output().expect("the program runs");
+    let message = message_text(&output);
+    assert!(output.status.success() && message.contains("no progress for 10 s: increment 9"), "{message}");
+}
+
 #[test]
 fn fortran_signal_handlers_are_restored() {
     if !fortran() {

@@ -19,7 +19,7 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::progress::{self, RunBar};
-use super::watchdog::watched;
+use super::watchdog::Watchdog;
 use super::words::{print_err, print_out};
 use super::{CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings, threads};
 
@@ -248,9 +248,8 @@ fn run(
     let position = RunPosition::default();
     let options = JobOptions { warn: Some(&warn), position: Some(&position), ..options };
     let work = || job::run_with(prepared, job, options, &mut follow);
-    let summary = watched(&prepared.plan, &position, signal, || {
-        if rayon::current_num_threads() > 1 { rayon::scope(|_| work()) } else { work() }
-    });
+    let watchdog = Watchdog { plan: &prepared.plan, position: &position, signal, quiet };
+    let summary = watchdog.during(|| if rayon::current_num_threads() > 1 { rayon::scope(|_| work()) } else { work() });
     bar.finish();
     summary
 }

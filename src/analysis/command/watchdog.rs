@@ -18,16 +18,6 @@ const LONGER: u32 = 3;
 /// Time between two looks at the run.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Watches a run in another thread while `work` runs.
-pub fn watched<T>(plan: &Plan, position: &RunPosition, signal: &AtomicUsize, work: impl FnOnce() -> T) -> T {
-    std::thread::scope(|threads| {
-        let watchdog = Watchdog { plan, position, signal };
-        let thread = threads.spawn(move || watchdog.watch()).thread().clone();
-        let _end = EndOnDrop(position, thread);
-        work()
-    })
-}
-
 /// Ends the watchdog, also after a panic.
 struct EndOnDrop<'a>(&'a RunPosition, std::thread::Thread);
 
@@ -38,14 +28,26 @@ impl Drop for EndOnDrop<'_> {
     }
 }
 
-struct Watchdog<'a> {
-    plan: &'a Plan,
-    position: &'a RunPosition,
+/// Watchdog of a run in another thread.
+pub struct Watchdog<'a> {
+    pub plan: &'a Plan,
+    pub position: &'a RunPosition,
     /// Number of the signal that has arrived, 0 before.
-    signal: &'a AtomicUsize,
+    pub signal: &'a AtomicUsize,
+    /// Whether warnings are suppressed.
+    pub quiet: bool,
 }
 
 impl Watchdog<'_> {
+    /// Watches a run in another thread while `work` runs.
+    pub fn during<T>(&self, work: impl FnOnce() -> T) -> T {
+        std::thread::scope(|threads| {
+            let thread = threads.spawn(|| self.watch()).thread().clone();
+            let _end = EndOnDrop(self.position, thread);
+            work()
+        })
+    }
+
     fn watch(&self) {
         let (mut increment, mut since, mut longest) = (0, Instant::now(), Duration::ZERO);
         let (mut arrival, mut silence) = (None, SILENCE);
@@ -63,7 +65,9 @@ impl Watchdog<'_> {
                     self.end(signal);
                 }
             } else if since.elapsed() > silence {
-                print_err!("warning: no progress for {} s: {}", since.elapsed().as_secs(), self.place());
+                if !self.quiet {
+                    print_err!("warning: no progress for {} s: {}", since.elapsed().as_secs(), self.place());
+                }
                 silence *= 2;
             }
         }
