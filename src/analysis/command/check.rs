@@ -37,7 +37,7 @@ pub struct CheckCommand {
     /// Skip the short trial run that estimates increments and run time.
     #[arg(long)]
     no_look: bool,
-    /// Show the memory of each effect in bytes.
+    /// Show the memory of each effect in bytes, and the reason for each card without effect.
     #[arg(long)]
     bytes: bool,
     /// Print one JSON object with diagnostics, overview and ledger.

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::path::PathBuf;
+use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
 use crate::deck::Diagnostic;
@@ -10,7 +11,7 @@ use crate::model::Precision;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::{self, FramePoints, RunHistory};
 use crate::platform::signals::watch_signals;
-use crate::solve::{CheckpointInterval, LOST, Progress};
+use crate::solve::{CheckpointInterval, LOST, Progress, RunPosition};
 use crate::study::quantity::{FinishedRun, Quantity};
 use crate::user::host;
 use clap::Args;
@@ -18,6 +19,7 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::progress::{self, RunBar};
+use super::watchdog::Watchdog;
 use super::words::{print_err, print_out};
 use super::{CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings, threads};
 
@@ -135,9 +137,9 @@ impl RunCommand {
             state,
             user,
             frames,
-            warn: None,
+            ..JobOptions::default()
         };
-        let summary = run(&prepared, &job, options, self.is_silent())?;
+        let summary = run(&prepared, &job, options, &signal, self.is_silent())?;
         print_messages(&summary.messages, self.is_silent());
         if !self.is_silent() {
             outcome::print(&summary, &job, frames, self.profile);
@@ -231,6 +233,7 @@ fn run(
     prepared: &PreparedJob,
     job: &output::JobFiles,
     options: JobOptions<'_>,
+    signal: &AtomicUsize,
     quiet: bool,
 ) -> Result<RunSummary, JobError> {
     let mut bar = RunBar::new(quiet);
@@ -242,8 +245,11 @@ fn run(
     };
     let mut follow = |progress: &Progress<'_>| bar.follow(progress);
     // Run as one thread of the pool: calls from outside the pool would wait in each pass over the elements.
-    let work = || job::run_with(prepared, job, JobOptions { warn: Some(&warn), ..options }, &mut follow);
-    let summary = if rayon::current_num_threads() > 1 { rayon::scope(|_| work()) } else { work() };
+    let position = RunPosition::default();
+    let options = JobOptions { warn: Some(&warn), position: Some(&position), ..options };
+    let work = || job::run_with(prepared, job, options, &mut follow);
+    let watchdog = Watchdog { plan: &prepared.plan, position: &position, signal, quiet };
+    let summary = watchdog.during(|| if rayon::current_num_threads() > 1 { rayon::scope(|_| work()) } else { work() });
     bar.finish();
     summary
 }

@@ -1,6 +1,7 @@
 //! Random deck parameters with their distributions and correlations.
 
 use super::StudyError;
+use super::grid::SettingForm;
 use super::statistics::cholesky::CholeskyFactor;
 use super::statistics::distribution::ParameterDistribution;
 use super::statistics::normal;
@@ -26,7 +27,11 @@ impl RandomInputs {
             if inputs.names.iter().any(|known| known == name.trim()) {
                 return Err(wrong("the parameter has two distributions".into()));
             }
-            inputs.distributions.push(ParameterDistribution::parse(of).map_err(wrong)?);
+            let named = |why| match SettingForm::of(of) {
+                SettingForm::Values => wrong(format!("expected a distribution; {}", SettingForm::Values.accepted_by())),
+                _ => wrong(why),
+            };
+            inputs.distributions.push(ParameterDistribution::parse(of).map_err(named)?);
             inputs.names.push(name.trim().to_owned());
         }
         if !correlations.is_empty() {
@@ -138,5 +143,7 @@ mod tests {
         ] {
             assert!(RandomInputs::parse(&distributions, &correlations).is_err(), "{distributions:?} {correlations:?}");
         }
+        let list = RandomInputs::parse(&words(&["V=500,600"]), &[]).err().expect("an error").to_string();
+        assert!(list.contains("sweep --set"), "{list}");
     }
 }
