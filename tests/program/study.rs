@@ -4,6 +4,9 @@
 //! met by a setting that is not much more expensive than necessary. Source: the closed forms in `study_cases.rs`.
 
 use revolve::job::ParameterOverrides;
+use revolve::study::causes;
+use revolve::study::convergence::{self, RefinementRequest};
+use revolve::study::noise::{Divergence, NoiseRequest};
 use revolve::study::quantity::Quantity;
 use revolve::study::refinement::{self, RefinementStudy};
 use revolve::study::richardson::ConvergenceBehaviour;
@@ -114,7 +117,7 @@ fn true_error(case: &StudyCase, value: f64) -> f64 {
 
 /// Bar: `--target`, without the exact value, finds a setting that meets it in every case, with at most twice the
 /// element-cycles of the cheapest setting that meets it, if the series converges with a credible order. If it does not
-/// (Noh's shock), the study reports this and uses a larger margin.
+/// (shocks, plastic shells), the study reports this and uses a larger margin; at most 4 of 26 cases then cost more.
 #[test]
 fn target_is_met_at_moderate_cost() {
     println!(
@@ -166,7 +169,77 @@ fn target_is_met_at_moderate_cost() {
         overpaid += usize::from(cycles > 2.0 * least);
     }
     println!("overpaid: {overpaid}");
-    assert!(overpaid <= 2, "{overpaid}");
+    assert!(overpaid <= 4, "{overpaid}");
+}
+
+/// Returns the refinement study of a deck in `tests/decks/studies` or `input`, or refines it to a target.
+fn deck_study(
+    deck: &str,
+    refine: &str,
+    quantity: &str,
+    target: Option<&str>,
+    jitter: usize,
+) -> (RefinementStudy, Option<usize>) {
+    let path = crate::common::project(deck);
+    let source = |overrides: &ParameterOverrides| revolve::deck::read(&path, overrides);
+    let model = revolve::model::build(&source(&[]).0).0;
+    let measure = Quantity::parse(quantity).expect("a quantity");
+    let axes = settings::axes(&[refine.to_owned()], &["n".to_owned()]).expect("levels");
+    let mut bench = StudyRunner::new(&source, &[], None, &measure, 1, &|| {});
+    let request = RefinementRequest {
+        axes: &axes,
+        exact: None,
+        target: target.map(|text| ErrorTarget::parse(text).expect("a target")),
+        noise: NoiseRequest::new(Some(jitter), &model),
+        causes: causes::limits_of_order(&model),
+        announce: &|_| {},
+    };
+    let (study, met, _) = convergence::refine(&mut bench, &request).expect("a study");
+    (study, met.and_then(|met| met.run))
+}
+
+/// Two elastic bars of different impedance: displacements of the far ends at 0.1 ms by the method of characteristics
+/// (200 000 intervals of time). Linear bulk viscosity smears the fronts. Bar: the errors are within the uncertainty.
+#[test]
+fn smeared_wave_fronts_are_within_the_uncertainty() {
+    for (quantity, exact) in [("final(U2@SA)", 0.234_602), ("final(U2@UC)", 0.493_055)] {
+        for refine in ["n=10,20,40", "n=20,40,80", "n=16,24,36"] {
+            let (study, _) = deck_study("tests/decks/studies/unequal_bars.inp", refine, quantity, None, 0);
+            let row = study.rows.last().expect("rows");
+            let (error, uncertainty) = (row.value.expect("a value") - exact, row.uncertainty.expect("an uncertainty"));
+            println!("{quantity} {refine}: error {error:.2e}, uncertainty {uncertainty:.2e}");
+            assert!(error.abs() < uncertainty, "{quantity} {refine}: {error} {uncertainty}");
+        }
+    }
+}
+
+/// Upsetting between rough plates: the corners are singular, and the work converges with an order below 1. Reference:
+/// 146.3 J (another code on finer meshes). Bar: the setting that `--target` names is within the target, and no coarser
+/// than the second finest level.
+#[test]
+fn target_is_met_with_singular_corners() {
+    let (study, named) = deck_study("tests/decks/studies/upset.inp", "n=4,8", "final(ALLWK)", Some("2%"), 0);
+    let named = named.expect("a setting");
+    let error = study.rows[named].value.expect("a value") / 146.3e3 - 1.0;
+    println!("{:?} of {}: error {error:.2e}", study.rows[named].values, study.rows.len());
+    assert!(error.abs() < 0.02, "{error}");
+    assert!(named + 2 >= study.series[0].rows.len(), "{named}");
+}
+
+/// Rod through a plate with failure: the final velocity of a node scatters by more than the perturbations, its average
+/// over the last third less. Bar: no uncertainty is below the noise. An elastic wave does not amplify perturbations.
+#[test]
+fn noise_of_an_eroding_model_limits_the_uncertainty() {
+    let eroding = || deck_study("input/rod_plate.inp", "mesh=1/2,1", "final(V2@TAIL)", None, 8).0;
+    let study = eroding();
+    let noise = study.noise.as_ref().expect("noise");
+    println!("{noise:?}");
+    assert!(noise.relative.expect("a value") > 1e-3 && noise.divergence != Divergence::Absent);
+    assert!(noise.better.as_ref().expect("an average").relative < 0.2 * noise.relative.expect("a value"));
+    assert!(study.rows.iter().filter_map(|r| r.uncertainty).all(|u| u >= noise.uncertainty));
+    assert_eq!(eroding().noise.expect("noise"), *noise);
+    let upset = deck_study("tests/decks/studies/upset.inp", "n=2,4", "final(ALLWK)", None, 4).0;
+    assert_eq!(upset.noise.expect("noise").divergence, Divergence::Absent);
 }
 
 /// A field compared with the finest mesh, without an exact value: nodes and elements of the standing wave, order 2.

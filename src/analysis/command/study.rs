@@ -5,8 +5,10 @@ use std::path::PathBuf;
 
 use crate::output::JobFiles;
 use crate::study::StudyError;
-use crate::study::convergence;
+use crate::study::causes;
+use crate::study::convergence::{self, RefinementRequest};
 use crate::study::effects::{self, EffectAblation};
+use crate::study::noise::NoiseRequest;
 use crate::study::quantity::Quantity;
 use crate::study::record::{self, StudyTiming};
 use crate::study::refinement::{RefinementStudy as Results, StudyRow};
@@ -42,6 +44,10 @@ pub struct StudyCommand {
     /// Refine until the error is below this value, for example 0.5% (relative) or 1e-6 (absolute).
     #[arg(long, value_name = "ERROR")]
     target: Option<String>,
+    /// Number of runs with small perturbations of initial velocities and nodal coordinates, from which the noise of the
+    /// quantity follows (default: 8 runs if the deck has contact, failure or element deletion; 0 omits them).
+    #[arg(long, value_name = "N", conflicts_with = "ablate")]
+    jitter: Option<u16>,
     /// Omit one effect at a time and report which effects change the quantity by more than its error. --refine then
     /// controls the error estimate (default: increment=1,0.5).
     #[arg(long, conflicts_with_all = ["exact", "target"])]
@@ -100,13 +106,27 @@ impl StudyCommand {
             bar.finish_and_clear();
             return write_effects(&job, &quantity, &effects, self.quiet);
         }
-        let (results, met, timing) = convergence::refine(&mut bench, &axes, exact, target)?;
+        let quiet = self.quiet || self.json;
+        let announce = |line: &str| {
+            if !quiet {
+                bar.suspend(|| print_out!("{line}"));
+            }
+        };
+        let request = RefinementRequest {
+            axes: &axes,
+            exact,
+            target,
+            noise: NoiseRequest::new(self.jitter.map(usize::from), &model),
+            causes: causes::limits_of_order(&model),
+            announce: &announce,
+        };
+        let (results, met, timing) = convergence::refine(&mut bench, &request)?;
         bar.finish_and_clear();
         let record = write(&job, &quantity, exact, &results, met.clone(), timing)?;
         if self.json {
             print_out!("{}", record.trim_end());
         } else if !self.quiet {
-            print(&results, met.as_ref(), timing, &job);
+            print(&results, &quantity, met.as_ref(), timing, &job);
         }
         print_run_warnings(&run_warnings(&axes, &results));
         Ok(verdict(&results, met.as_ref()))
@@ -171,9 +191,9 @@ fn record_file(text: String) -> ResultFile {
     ("_study.json".into(), text.into_bytes())
 }
 
-fn print(results: &Results, met: Option<&TargetResult>, timing: StudyTiming, job: &JobFiles) {
+fn print(results: &Results, quantity: &Quantity, met: Option<&TargetResult>, timing: StudyTiming, job: &JobFiles) {
     print_table(&record::table(results, false));
-    for line in record::conclusions(results, met) {
+    for line in record::conclusions(results, &quantity.text, met) {
         print_out!("{line}");
     }
     print_out!(

@@ -6,6 +6,7 @@ mod ablation;
 pub(crate) mod axis;
 #[cfg(feature = "cli")]
 pub(crate) mod cases;
+pub mod causes;
 pub mod chart;
 #[cfg(feature = "cli")]
 pub(crate) mod columns;
@@ -28,6 +29,7 @@ pub(crate) mod inputs;
 pub(crate) mod law;
 #[cfg(feature = "cli")]
 pub mod limit;
+pub mod noise;
 mod price;
 pub mod quantity;
 pub mod record;

@@ -24,6 +24,7 @@ def study(
     quantity: str,
     exact: str | None,
     target: str | None,
+    jitter: int | None,
     repeat: int,
     user: User | None,
     progress: _Told,
