@@ -10,13 +10,15 @@ use revolve::study::causes;
 use revolve::study::chart::{Chart, ChartSeries, SeriesForm};
 use revolve::study::convergence::{self, RefinementRequest};
 use revolve::study::evaluate::{SampleEvaluator, UserRoutines};
+use revolve::study::inputs::RandomInputs;
 use revolve::study::limit::{self as limits, LimitRequest};
 use revolve::study::noise::NoiseRequest;
 use revolve::study::quantity::Quantity;
 use revolve::study::record;
-use revolve::study::runner::StudyRunner;
+use revolve::study::runner::{RunSource, StudyRunner};
 use revolve::study::settings::{self, StudyAxis};
 use revolve::study::target::ErrorTarget;
+use revolve::study::uncertainty::{self as uncertainties, ModelTraits, UncertaintyRequest};
 
 use crate::deck::{Deck, ParameterSettings, User};
 use crate::errors;
@@ -68,6 +70,36 @@ pub fn study(
     let studied = py.detach(|| deck.studied(&request, user, &waiting));
     waiting.end()?;
     studied.map_err(|why| errors::study(py, &why))
+}
+
+/// Runs a deck in memory with its companion runs and returns the certificate as JSON.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+pub fn uncertainty(
+    py: Python<'_>,
+    deck: &Deck,
+    settings: ParameterSettings,
+    quantities: Vec<String>,
+    budget: f64,
+    distributions: Vec<String>,
+    user: Option<&User>,
+) -> PyResult<String> {
+    let estimate = || {
+        let quantities = quantities.iter().map(|text| Quantity::parse(text)).collect::<Result<Vec<_>, _>>()?;
+        let inputs = RandomInputs::parse(&distributions, &[])?;
+        let source = |overrides: &job::ParameterOverrides| deck.source.read(overrides);
+        let request = UncertaintyRequest {
+            source: RunSource { deck: &source, user: user.map(|user| &*user.compiled), interrupt: None },
+            overrides: &settings,
+            traits: &ModelTraits::of(&model::build(&source(&settings).0).0),
+            quantities: &quantities,
+            inputs: (!inputs.names.is_empty()).then_some(&inputs),
+            budget,
+        };
+        uncertainties::run_and_estimate(&request)
+    };
+    let found = py.detach(estimate).map_err(|why| errors::study(py, &why))?;
+    Ok(serde_json::json!(found).to_string())
 }
 
 /// Finds a ballistic limit and returns its record as JSON.

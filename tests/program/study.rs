@@ -6,13 +6,15 @@
 use revolve::job::ParameterOverrides;
 use revolve::study::causes;
 use revolve::study::convergence::{self, RefinementRequest};
+use revolve::study::inputs::RandomInputs;
 use revolve::study::noise::{Divergence, NoiseRequest};
 use revolve::study::quantity::Quantity;
 use revolve::study::refinement::{self, RefinementStudy};
 use revolve::study::richardson::ConvergenceBehaviour;
-use revolve::study::runner::StudyRunner;
+use revolve::study::runner::{RunSource, StudyRunner};
 use revolve::study::settings;
 use revolve::study::target::{self, ErrorTarget};
+use revolve::study::uncertainty::{self, ModelTraits, RunCertificate, UncertaintyRequest};
 
 use crate::common::solid::{grid, material};
 use crate::common::spheres::SKEWED;
@@ -51,19 +53,24 @@ fn observed_orders_match_the_methods() {
     }
 }
 
+/// Returns the deck of Lamé's cylinder of radii 10 and 20 mm under 1 MPa with `n` by `m` listed skewed elements.
+fn lame_cylinder(n: usize, m: usize) -> String {
+    let place = |i: usize, j: usize| {
+        let [x, y] = SKEWED([i as f64 / n as f64, j as f64 / m as f64]);
+        [10.0 + 10.0 * x, 5.0 * y]
+    };
+    grid(n, m, false, place)
+        + &material(200e3, 0.3, 7.85e-9, "")
+        + "*Nset, nset=INNER\n 1,\n*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 3.e-4, 1.\n*Step\n*Dynamic, Explicit\n , 4.e-4\n\
+           *Boundary\n ALL, 2, 2\n*Dsload, amplitude=RAMP\n I0, P, 1.\n*Output, history, number interval=100\n\
+           *Node Output, nset=INNER\n U1\n*End Step\n"
+}
+
 /// A listed mesh of skewed elements without parameters: Lamé's cylinder of radii 10 and 20 mm under 1 MPa, of which the
 /// inner face moves by 9.53333e-5 mm. Bar: order 2 within 0.3, and the error within the uncertainty.
 #[test]
 fn listed_mesh_is_refined_with_the_order_of_its_elements() {
-    let place = |i: usize, j: usize| {
-        let [x, y] = SKEWED([i as f64 / 4.0, j as f64 / 2.0]);
-        [10.0 + 10.0 * x, 5.0 * y]
-    };
-    let deck = grid(4, 2, false, place)
-        + &material(200e3, 0.3, 7.85e-9, "")
-        + "*Nset, nset=INNER\n 1,\n*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 3.e-4, 1.\n*Step\n*Dynamic, Explicit\n , 4.e-4\n\
-           *Boundary\n ALL, 2, 2\n*Dsload, amplitude=RAMP\n I0, P, 1.\n*Output, history, number interval=100\n\
-           *Node Output, nset=INNER\n U1\n*End Step\n";
+    let deck = lame_cylinder(4, 2);
     let source = |overrides: &ParameterOverrides| revolve::deck::read_text("lame.inp", &deck, overrides);
     let measure = Quantity::parse("mean(U1@INNER, 3.2e-4, 4e-4)").expect("a quantity");
     let axes = settings::axes(&["mesh=1,2,4".to_owned()], &[]).expect("levels");
@@ -196,6 +203,49 @@ fn deck_study(
     };
     let (study, met, _) = convergence::refine(&mut bench, &request).expect("a study");
     (study, met.and_then(|met| met.run))
+}
+
+/// Estimates the uncertainty of one run of a deck text.
+fn certificate(name: &str, text: &str, quantity: &str, distributions: &[String]) -> RunCertificate {
+    let source = |overrides: &ParameterOverrides| revolve::deck::read_text(name, text, overrides);
+    let inputs = RandomInputs::parse(distributions, &[]).expect("distributions");
+    let request = UncertaintyRequest {
+        source: RunSource { deck: &source, user: None, interrupt: None },
+        overrides: &[],
+        traits: &ModelTraits::of(&revolve::model::build(&source(&[]).0).0),
+        quantities: &[Quantity::parse(quantity).expect("a quantity")],
+        inputs: (!inputs.names.is_empty()).then_some(&inputs),
+        budget: 0.4,
+    };
+    uncertainty::run_and_estimate(&request).expect("a certificate")
+}
+
+/// Lamé's cylinder: the inner face moves by 9.53333e-5 mm. Bar: the error of a run is within its uncertainty, at a cost
+/// of at most 40 %, and the mesh is the dominant part.
+#[test]
+fn uncertainty_of_one_run_contains_the_closed_form() {
+    let found = certificate("lame.inp", &lame_cylinder(16, 8), "mean(U1@INNER, 3.2e-4, 4e-4)", &[]);
+    println!("{}", found.conclusions.join("\n"));
+    let quantity = &found.quantities[0];
+    let (error, uncertainty) = (quantity.value - 9.533_333e-5, quantity.numerical().expect("a part"));
+    assert!(error.abs() < uncertainty && uncertainty < 0.02 * quantity.value, "{error} {uncertainty}");
+    assert_eq!((quantity.levels.len(), quantity.dominant, quantity.noise), (3, Some("mesh"), None));
+    assert!(found.cost <= 0.4 && found.missing.is_empty(), "{}", found.cost);
+}
+
+/// A rigid ogive at 800 m/s with a standard deviation of 8 m/s. Reference: central difference of the closed form of a
+/// fully embedded nose. Bar: the 95 % interval of the depth within 5 % (the entry phase is not in the closed form).
+#[test]
+fn random_velocity_dominates_the_uncertainty_of_a_shot() {
+    let text = crate::common::ogive();
+    let found = certificate("ogive.inp", &text, "-final(U2@REF)", &["V=normal(800, 8)".to_owned()]);
+    println!("{}", found.conclusions.join("\n"));
+    let quantity = &found.quantities[0];
+    let depth = |v: f64| cases::closed_form(v, [1.0, 0.0, 0.106_481_481], 0.0);
+    let expected = 1.959_964 * 0.5 * (depth(808.0) - depth(792.0));
+    let input = quantity.input.expect("an input part");
+    assert!((input / expected - 1.0).abs() < 0.05, "{input} {expected}");
+    assert_eq!(quantity.dominant, Some("input"));
 }
 
 /// Two elastic bars of different impedance: displacements of the far ends at 0.1 ms by the method of characteristics

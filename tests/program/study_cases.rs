@@ -99,7 +99,7 @@ fn with_friction(mu: f64) -> [f64; 3] {
 
 /// Returns the depth of a fully embedded nose: integral of m V dV / (alpha + gamma V + beta V^2) from 0 to V, by
 /// Simpson's rule.
-fn closed_form(v: f64, [n0, n1, n2]: [f64; 3], b: f64) -> f64 {
+pub fn closed_form(v: f64, [n0, n1, n2]: [f64; 3], b: f64) -> f64 {
     let area = PI * A * A;
     let alpha = area * 5.0394 * Y * n0;
     let (gamma, beta) = (area * b * (RHO * Y).sqrt() * n1, area * 0.983 * RHO * n2);

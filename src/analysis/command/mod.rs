@@ -21,6 +21,7 @@ pub mod shell;
 pub mod study;
 pub mod sweep;
 pub mod threads;
+mod uncertainty;
 pub mod words;
 
 use std::error::Error;

@@ -4,22 +4,29 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::deck::Diagnostic;
-use crate::job::{self, FrameOutput, Instructions, JobError, JobOptions, PreparedJob, RestartRequirement, RunSummary};
-use crate::model::Precision;
+use crate::deck::{self, Diagnostic};
+use crate::job::{
+    self, FrameOutput, Instructions, JobError, JobOptions, ParameterOverrides, PreparedJob, RestartRequirement,
+    RunSummary,
+};
+use crate::model::{Model, Precision};
 use crate::output::checkpoint::Checkpoint;
 use crate::output::{self, FramePoints, RunHistory};
 use crate::platform::signals::watch_signals;
 use crate::solve::{CheckpointInterval, LOST, Progress};
 use crate::study::quantity::{FinishedRun, Quantity};
-use crate::user::host;
+use crate::study::uncertainty::{ModelTraits, RunCertificate};
+use crate::user::{Routines, host};
 use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::progress::{self, RunBar};
+use super::uncertainty::{EstimatedRun, UncertaintyOptions};
 use super::words::{print_err, print_out};
-use super::{CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings, threads};
+use super::{
+    AlreadyPrinted, CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings, threads,
+};
 
 /// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
 const STACK: usize = 64 << 20;
@@ -69,6 +76,8 @@ pub struct RunCommand {
     /// Print the value of an expression over history columns, for example "-1000*final(U2@REF)"; can be repeated.
     #[arg(long, allow_hyphen_values = true)]
     quantity: Vec<String>,
+    #[command(flatten)]
+    uncertainty: UncertaintyOptions,
     /// Print only the summary, as one JSON object.
     #[arg(long)]
     json: bool,
@@ -105,12 +114,10 @@ impl RunCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         // Before any thread starts: with --isolate the process is forked here.
         let (routines, user) = self.user.routines(self.is_silent(), self.isolate)?;
-        let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
+        let inputs = self.uncertainty.inputs()?;
         let settings = deck_settings(&self.set, self.mesh_refine)?;
-        let reading = progress::over_reading(&self.deck, self.is_silent());
-        let mut prepared = job::prepare_in(self.precision, &self.deck, &settings, &routines);
-        reading.finish_and_clear();
-        accept(&prepared, self.is_silent())?;
+        let (mut prepared, traits) = self.prepared(&settings, &routines)?;
+        let quantities = self.uncertainty.quantities(&self.quantity, &traits)?;
         self.start_threads(&prepared)?;
         for quantity in &quantities {
             quantity.check_without_study()?;
@@ -143,8 +150,20 @@ impl RunCommand {
             outcome::print(&summary, &job, frames, self.profile);
         }
         let values = values(&quantities, &summary.history);
+        let certificate = if self.uncertainty.uncertainty && summary.reason.is_none() {
+            let compiled = self.user.compiled(true)?;
+            let (user, numbers) =
+                (compiled.as_ref(), values.values().map(|value| value.as_ref().ok().copied()).collect());
+            let (deck, overrides) = (&*self.deck, &settings[..]);
+            let run = EstimatedRun { deck, overrides, user, traits: &traits, quantities: &quantities };
+            Some(self.uncertainty.estimate(&run, inputs.as_ref(), &prepared, (&summary, numbers), &job)?)
+        } else {
+            None
+        };
         if self.json {
-            print_json(&summary, &values)?;
+            print_json(&summary, &values, certificate.as_ref())?;
+        } else if let Some(certificate) = &certificate {
+            certificate.conclusions.iter().for_each(|line| print_out!("{line}"));
         } else {
             values.iter().for_each(|(text, value)| print_value(text, value));
         }
@@ -156,6 +175,24 @@ impl RunCommand {
         // Libraries are never unloaded: a thread started by a user subroutine may still run in one.
         std::mem::forget((prepared, routines));
         Ok(end)
+    }
+
+    /// Reads and plans the deck, and returns the properties of its model.
+    fn prepared(
+        &self,
+        settings: &ParameterOverrides,
+        routines: &Routines,
+    ) -> Result<(PreparedJob, ModelTraits), AlreadyPrinted> {
+        let reading = progress::over_reading(&self.deck, self.is_silent());
+        let mut traits = ModelTraits::default();
+        let mut edit = |model: &mut Model| {
+            model.settings.precision = self.precision;
+            traits = ModelTraits::of(model);
+        };
+        let prepared = job::prepare_edited(deck::read(&self.deck, settings), &mut edit, routines);
+        reading.finish_and_clear();
+        accept(&prepared, self.is_silent())?;
+        Ok((prepared, traits))
     }
 
     /// Starts one thread per core or as many as requested, but not more than the run can use: idle threads would still
@@ -219,11 +256,17 @@ struct RunReport<'a> {
     summary: &'a RunSummary,
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     quantities: IndexMap<&'a str, Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    certificate: Option<&'a RunCertificate>,
 }
 
-fn print_json(summary: &RunSummary, values: &QuantityValues) -> Result<(), Box<dyn Error>> {
+fn print_json(
+    summary: &RunSummary,
+    values: &QuantityValues,
+    certificate: Option<&RunCertificate>,
+) -> Result<(), Box<dyn Error>> {
     let quantities = values.iter().map(|(text, value)| (text.as_str(), value.as_ref().ok().copied())).collect();
-    print_out!("{}", serde_json::to_string_pretty(&RunReport { summary, quantities })?);
+    print_out!("{}", serde_json::to_string_pretty(&RunReport { summary, quantities, certificate })?);
     Ok(())
 }
 

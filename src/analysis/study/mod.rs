@@ -24,7 +24,7 @@ mod field;
 pub mod grid;
 pub mod identify;
 #[cfg(feature = "cli")]
-pub(crate) mod inputs;
+pub mod inputs;
 #[cfg(feature = "cli")]
 pub(crate) mod law;
 #[cfg(feature = "cli")]
@@ -44,5 +44,7 @@ pub mod statistics;
 pub mod sweep;
 pub mod table;
 pub mod target;
+#[cfg(feature = "cli")]
+pub mod uncertainty;
 
 pub use error::StudyError;

@@ -199,6 +199,26 @@ class Deck:
             _progress.closed(told)
         return Study(json.loads(found))
 
+    def uncertainty(
+        self,
+        quantities: str | Sequence[str],
+        *,
+        budget: float = 0.4,
+        distributions: Mapping[str, str] | None = None,
+        user: User = None,
+        **parameters: Value,
+    ) -> dict[str, Any]:
+        """Run the deck in memory and estimate the uncertainty of quantities from cheap companion runs.
+
+        ``budget`` is the largest cost of these runs relative to that of the run. ``distributions`` gives random
+        parameters, such as ``{"V": "normal(800, 8)"}``. The result has the keys of ``<job>_certificate.json``; its
+        ``conclusions`` are the lines that ``revolve run --uncertainty`` prints.
+        """
+        wanted = [quantities] if isinstance(quantities, str) else list(quantities)
+        random = [f"{name}={of}" for name, of in (distributions or {}).items()]
+        arguments = (self._deck, _settings(parameters), wanted, budget, random, _compiled(user))
+        return json.loads(_revolve.uncertainty(*arguments))
+
     def limit(
         self,
         velocity: str,

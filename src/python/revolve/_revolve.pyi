@@ -29,6 +29,14 @@ def study(
     user: User | None,
     progress: _Told,
 ) -> str: ...
+def uncertainty(
+    deck: Deck,
+    settings: list[tuple[str, str]],
+    quantities: list[str],
+    budget: float,
+    distributions: list[str],
+    user: User | None,
+) -> str: ...
 def limit(
     deck: Deck,
     settings: _Settings,
