@@ -11,8 +11,8 @@ use revolve::study::chart::{Chart, ChartSeries, SeriesForm};
 use revolve::study::convergence::{self, RefinementRequest};
 use revolve::study::evaluate::{SampleEvaluator, UserRoutines};
 use revolve::study::inputs::RandomInputs;
+use revolve::study::jitter::NoiseRequest;
 use revolve::study::limit::{self as limits, LimitRequest};
-use revolve::study::noise::NoiseRequest;
 use revolve::study::quantity::Quantity;
 use revolve::study::record;
 use revolve::study::runner::{RunSource, StudyRunner};
@@ -157,6 +157,7 @@ impl Deck {
             noise: NoiseRequest::new(request.jitter, &model),
             causes: causes::limits_of_order(&model),
             announce: &|line| waiting.look(1.0, line),
+            around: false,
         };
         let (results, met, timing) = convergence::refine(&mut bench, &request)?;
         let table = record::table(&results, true);

@@ -3,11 +3,15 @@
 //! Goal: the observed orders are those of the methods; the true error is within the reported uncertainty; a target is
 //! met by a setting that is not much more expensive than necessary. Source: the closed forms in `study_cases.rs`.
 
+use std::time::Duration;
+
 use revolve::job::ParameterOverrides;
 use revolve::study::causes;
+use revolve::study::chosen::{self, TargetRequest};
 use revolve::study::convergence::{self, RefinementRequest};
 use revolve::study::inputs::RandomInputs;
-use revolve::study::noise::{Divergence, NoiseRequest};
+use revolve::study::jitter::NoiseRequest;
+use revolve::study::noise::Divergence;
 use revolve::study::quantity::Quantity;
 use revolve::study::refinement::{self, RefinementStudy};
 use revolve::study::richardson::ConvergenceBehaviour;
@@ -200,6 +204,7 @@ fn deck_study(
         noise: NoiseRequest::new(Some(jitter), &model),
         causes: causes::limits_of_order(&model),
         announce: &|_| {},
+        around: false,
     };
     let (study, met, _) = convergence::refine(&mut bench, &request).expect("a study");
     (study, met.and_then(|met| met.run))
@@ -231,6 +236,36 @@ fn uncertainty_of_one_run_contains_the_closed_form() {
     assert!(error.abs() < uncertainty && uncertainty < 0.02 * quantity.value, "{error} {uncertainty}");
     assert_eq!((quantity.levels.len(), quantity.dominant, quantity.noise), (3, Some("mesh"), None));
     assert!(found.cost <= 0.4 && found.missing.is_empty(), "{}", found.cost);
+}
+
+/// Lamé's cylinder on a listed mesh. Bar: the run that is chosen for 0.5 % is within 0.5 % of the closed form, no coarser
+/// than the second finest level, and the certificate has its levels. Without time no level is added, and the target is
+/// not reached.
+#[test]
+fn chosen_mesh_meets_the_target_within_the_budget() {
+    let text = lame_cylinder(8, 4);
+    let source = |overrides: &ParameterOverrides| revolve::deck::read_text("lame.inp", &text, overrides);
+    let choose = |seconds: u64| {
+        let request = TargetRequest {
+            source: RunSource { deck: &source, user: None, interrupt: None },
+            overrides: &[],
+            quantity: &Quantity::parse("mean(U1@INNER, 3.2e-4, 4e-4)").expect("a quantity"),
+            target: ErrorTarget { value: 0.005, relative: true },
+            budget: Duration::from_secs(seconds),
+            announce: &|line| println!("{line}"),
+        };
+        chosen::choose(&request).expect("a setting")
+    };
+    let chosen = choose(600);
+    println!("mesh = {}, increment = {}, {}", chosen.mesh, chosen.increment, chosen.precision);
+    let error = chosen.quantity.value / 9.533_333e-5 - 1.0;
+    assert!(chosen.reached && error.abs() < 0.005, "{error}");
+    let levels: Vec<f64> = chosen.quantity.levels.iter().map(|level| level.size).collect();
+    assert!(levels.len() >= 3 && levels.windows(2).all(|two| two[0] == 2.0 * two[1]), "{levels:?}");
+    let named: f64 = chosen.mesh.parse().expect("a factor");
+    let finest = chosen.study["runs"].as_array().expect("runs").len() as i32 - 3;
+    assert!(named >= 2.0_f64.powi(finest - 1), "{named}");
+    assert!(!choose(0).reached);
 }
 
 /// A rigid ogive at 800 m/s with a standard deviation of 8 m/s. Reference: central difference of the closed form of a
@@ -343,6 +378,30 @@ fn study_command_writes_all_files() {
     assert!(keys().contains(&"target".to_owned()));
     // Far below the error of the increments.
     assert_eq!(study(&["--target", "1e-12%", "--quiet"]), (Some(1), String::new()));
+    // Order 2 is confirmed by the given mesh and two coarser ones: no finer mesh is run.
+    let around = std::process::Command::new(env!("CARGO_BIN_EXE_revolve"))
+        .args(["study", "input/ogive.inp", "--around", "--quiet", "--repeat", "1", "--quantity", "-final(U2@REF)"])
+        .args(["--out", folder.path().to_str().expect("a name")])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("the program runs");
+    assert_eq!(around.status.code(), Some(0));
+    let csv = std::fs::read_to_string(folder.path().join("ogive_study.csv")).expect("a table");
+    let levels: Vec<&str> = csv.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
+    assert_eq!(levels, ["0.25", "0.5", "1"]);
+    let run = |target: &str| {
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_revolve"))
+            .args(["run", "input/ogive.inp", "--quiet", "--no-frames", "--quantity", "-1000*final(U2@REF)"])
+            .args(["--target", target, "--out", folder.path().to_str().expect("a name")])
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .output()
+            .expect("the program runs");
+        let text = std::fs::read_to_string(folder.path().join("ogive_certificate.json")).expect("a certificate");
+        let certificate: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        (output.status.code(), certificate["target"]["reached"].as_bool())
+    };
+    assert_eq!(run("0.1%"), (Some(0), Some(true)));
+    assert_eq!(run("1e-12%"), (Some(1), Some(false)));
     assert_eq!(study(&["--ablate"]).0, Some(0));
     assert_eq!(keys(), ["quantity", "ablation", "version"]);
 }

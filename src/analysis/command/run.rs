@@ -15,6 +15,7 @@ use crate::output::{self, FramePoints, RunHistory};
 use crate::platform::signals::watch_signals;
 use crate::solve::{CheckpointInterval, LOST, Progress};
 use crate::study::quantity::{FinishedRun, Quantity};
+use crate::study::settings::ModelEdit;
 use crate::study::uncertainty::{ModelTraits, RunCertificate};
 use crate::user::{Routines, host};
 use clap::Args;
@@ -24,9 +25,7 @@ use serde::Serialize;
 use super::progress::{self, RunBar};
 use super::uncertainty::{EstimatedRun, UncertaintyOptions};
 use super::words::{print_err, print_out};
-use super::{
-    AlreadyPrinted, CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings, threads,
-};
+use super::{CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings, threads};
 
 /// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
 const STACK: usize = 64 << 20;
@@ -102,12 +101,15 @@ fn every(text: &str) -> Result<CheckpointInterval, String> {
     if let Ok(increments) = text.parse::<u64>() {
         return if increments > 0 { Ok(CheckpointInterval::Increments(increments)) } else { Err(wrong()) };
     }
-    let unit =
-        text.chars().last().and_then(|unit| [('s', 1.0), ('m', 60.0), ('h', 3600.0)].into_iter().find(|u| u.0 == unit));
-    let (unit, factor) = unit.ok_or_else(wrong)?;
-    let seconds: f64 = text.trim_end_matches(unit).parse().map_err(|_| wrong())?;
-    let time = Duration::try_from_secs_f64(factor * seconds).map_err(|_| wrong())?;
-    if time > Duration::ZERO { Ok(CheckpointInterval::Elapsed(time)) } else { Err(wrong()) }
+    duration(text).map(CheckpointInterval::Elapsed).ok_or_else(wrong)
+}
+
+/// Parses a time above zero in seconds, minutes or hours.
+pub fn duration(text: &str) -> Option<Duration> {
+    let unit = text.chars().last()?;
+    let (unit, factor) = [('s', 1.0), ('m', 60.0), ('h', 3600.0)].into_iter().find(|known| known.0 == unit)?;
+    let seconds: f64 = text.trim_end_matches(unit).parse().ok()?;
+    Duration::try_from_secs_f64(factor * seconds).ok().filter(|time| *time > Duration::ZERO)
 }
 
 impl RunCommand {
@@ -116,12 +118,19 @@ impl RunCommand {
         let (routines, user) = self.user.routines(self.is_silent(), self.isolate)?;
         let inputs = self.uncertainty.inputs()?;
         let settings = deck_settings(&self.set, self.mesh_refine)?;
-        let (mut prepared, traits) = self.prepared(&settings, &routines)?;
+        let (mut prepared, traits) = self.prepared(&settings, &[], &routines)?;
         let quantities = self.uncertainty.quantities(&self.quantity, &traits)?;
         self.start_threads(&prepared)?;
         for quantity in &quantities {
             quantity.check_without_study()?;
             quantity.check(&prepared.plan)?;
+        }
+        let compiled = if self.uncertainty.is_requested() { self.user.compiled(true)? } else { None };
+        let (deck, overrides, user_files) = (&*self.deck, &settings[..], compiled.as_ref());
+        let estimated = EstimatedRun { deck, overrides, user: user_files, traits: &traits, quantities: &quantities };
+        let chosen = self.uncertainty.chosen(&estimated, self.is_silent())?;
+        if let Some(chosen) = &chosen {
+            prepared = self.prepared(&chosen.overrides(&settings), &chosen.edits()?, &routines)?.0;
         }
         if let Some(instructions) = self.instructions {
             prepared.use_instructions(instructions)?;
@@ -150,13 +159,11 @@ impl RunCommand {
             outcome::print(&summary, &job, frames, self.profile);
         }
         let values = values(&quantities, &summary.history);
-        let certificate = if self.uncertainty.uncertainty && summary.reason.is_none() {
-            let compiled = self.user.compiled(true)?;
-            let (user, numbers) =
-                (compiled.as_ref(), values.values().map(|value| value.as_ref().ok().copied()).collect());
-            let (deck, overrides) = (&*self.deck, &settings[..]);
-            let run = EstimatedRun { deck, overrides, user, traits: &traits, quantities: &quantities };
-            Some(self.uncertainty.estimate(&run, inputs.as_ref(), &prepared, (&summary, numbers), &job)?)
+        let missed = chosen.as_ref().is_some_and(|chosen| !chosen.reached);
+        let certificate = if self.uncertainty.is_requested() && summary.reason.is_none() {
+            let numbers = values.values().map(|value| value.as_ref().ok().copied()).collect();
+            let run = (&summary, numbers);
+            Some(self.uncertainty.estimate(&estimated, inputs.as_ref(), chosen, &prepared, run, &job)?)
         } else {
             None
         };
@@ -174,24 +181,27 @@ impl RunCommand {
         }
         // Libraries are never unloaded: a thread started by a user subroutine may still run in one.
         std::mem::forget((prepared, routines));
-        Ok(end)
+        Ok(if missed && end == CommandStatus::SUCCESS { CommandStatus::from(HALTED) } else { end })
     }
 
     /// Reads and plans the deck, and returns the properties of its model.
     fn prepared(
         &self,
         settings: &ParameterOverrides,
+        edits: &[ModelEdit],
         routines: &Routines,
-    ) -> Result<(PreparedJob, ModelTraits), AlreadyPrinted> {
+    ) -> Result<(PreparedJob, ModelTraits), Box<dyn Error>> {
         let reading = progress::over_reading(&self.deck, self.is_silent());
-        let mut traits = ModelTraits::default();
+        let (mut traits, mut fault) = (ModelTraits::default(), Ok(()));
         let mut edit = |model: &mut Model| {
             model.settings.precision = self.precision;
+            fault = edits.iter().try_for_each(|edit| edit(model));
             traits = ModelTraits::of(model);
         };
         let prepared = job::prepare_edited(deck::read(&self.deck, settings), &mut edit, routines);
         reading.finish_and_clear();
         accept(&prepared, self.is_silent())?;
+        fault?;
         Ok((prepared, traits))
     }
 

@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use crate::output::JobFiles;
 use crate::study::StudyError;
 use crate::study::causes;
+use crate::study::chosen;
 use crate::study::convergence::{self, RefinementRequest};
 use crate::study::effects::{self, EffectAblation};
-use crate::study::noise::NoiseRequest;
+use crate::study::jitter::NoiseRequest;
 use crate::study::quantity::Quantity;
 use crate::study::record::{self, StudyTiming};
 use crate::study::refinement::{RefinementStudy as Results, StudyRow};
@@ -34,6 +35,10 @@ pub struct StudyCommand {
     /// (factors), load-velocity, hourglass, estimate or precision: NAME=v1,v2,…; several options form a grid.
     #[arg(long, value_name = "NAME=VALUES")]
     refine: Vec<String>,
+    /// Study the mesh around that of the deck: coarser meshes first (1/4, 1/2), a finer one only if the order is not
+    /// confirmed.
+    #[arg(long, conflicts_with_all = ["refine", "target", "ablate"])]
+    around: bool,
     /// Quantity to study: an expression over histories and norms, for example "-1000*final(U2@REF)", "at(U1@WALL,
     /// 2e-5)" or "norm(S22, EXPR in r, z, t)".
     #[arg(long, allow_hyphen_values = true)]
@@ -86,14 +91,18 @@ impl StudyCommand {
         accept(&first, self.quiet || self.json)?;
         let parameters: Vec<String> = first.deck.parameters.iter().map(|p| p.0.clone()).collect();
         let axes = settings::axes(&self.refine, &parameters)?;
-        let axes = if axes.is_empty() && self.ablate { effects::default_axes()? } else { axes };
+        let source = |overrides: &job::ParameterOverrides| deck::read(&self.deck, overrides);
+        let axes = match (self.ablate, self.around) {
+            (true, _) if axes.is_empty() => effects::default_axes()?,
+            (_, true) => chosen::mesh_axes(&source, &overrides)?,
+            _ => axes,
+        };
         check_axes(&axes, exact)?;
         let model = model::build(&deck::read(&self.deck, &overrides).0).0;
         settings::check(&axes, &model)?;
         quantity.check(&first.plan)?;
         drop(first);
         let (job, _lock) = lock_job(&self.deck, self.out.clone())?;
-        let source = |overrides: &job::ParameterOverrides| deck::read(&self.deck, overrides);
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress::over_runs(runs as u64, self.quiet);
         let done = || bar.inc(1);
@@ -119,6 +128,7 @@ impl StudyCommand {
             noise: NoiseRequest::new(self.jitter.map(usize::from), &model),
             causes: causes::limits_of_order(&model),
             announce: &announce,
+            around: self.around,
         };
         let (results, met, timing) = convergence::refine(&mut bench, &request)?;
         bar.finish_and_clear();

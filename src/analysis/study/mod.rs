@@ -9,6 +9,8 @@ pub(crate) mod cases;
 pub mod causes;
 pub mod chart;
 #[cfg(feature = "cli")]
+pub mod chosen;
+#[cfg(feature = "cli")]
 pub(crate) mod columns;
 pub mod compare;
 pub mod convergence;
@@ -25,6 +27,7 @@ pub mod grid;
 pub mod identify;
 #[cfg(feature = "cli")]
 pub mod inputs;
+pub mod jitter;
 #[cfg(feature = "cli")]
 pub(crate) mod law;
 #[cfg(feature = "cli")]

@@ -1,7 +1,7 @@
 //! Runs of the settings of a study, in memory and one after the other, so that run times can be compared.
 
 use std::sync::atomic::AtomicUsize;
-use std::time::Instant as Stopwatch;
+use std::time::{Duration, Instant as Stopwatch};
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -10,6 +10,7 @@ use super::StudyError;
 use super::error::accepted;
 use super::quantity::{self, FinishedRun, Quantity, QuantityValue};
 use super::settings::{ModelEdit, StudyAxis, StudyParameter, edit};
+use super::table::duration;
 use crate::deck::{Deck, Diagnostics};
 use crate::job::{self, ParameterOverrides};
 use crate::user::compile::Compiled;
@@ -36,7 +37,20 @@ pub struct StudyRunner<'a> {
     repeat: usize,
     done: &'a dyn Fn(),
     spent: f64,
+    limit: Option<TimeLimit<'a>>,
 }
+
+/// Limit of the time of all runs.
+#[derive(Clone, Copy)]
+struct TimeLimit<'a> {
+    begin: Stopwatch,
+    budget: Duration,
+    announce: &'a dyn Fn(&str),
+}
+
+/// Number of times that the next level must fit into the remaining time: it may be run again, with files, and its
+/// perturbed runs follow.
+const RESERVE: f64 = 3.0;
 
 /// Result and run time of a setting.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,12 +107,42 @@ impl<'a> StudyRunner<'a> {
         done: &'a dyn Fn(),
     ) -> Self {
         let source = RunSource { deck: source, user, interrupt: None };
-        StudyRunner { source, overrides: overrides.to_vec(), measure, repeat: repeat.max(1), done, spent: 0.0 }
+        StudyRunner {
+            source,
+            overrides: overrides.to_vec(),
+            measure,
+            repeat: repeat.max(1),
+            done,
+            spent: 0.0,
+            limit: None,
+        }
     }
 
     /// Sets the interrupt: a nonzero value halts the runs.
     pub fn interrupted_by(&mut self, interrupt: &'a AtomicUsize) {
         self.source.interrupt = Some(interrupt);
+    }
+
+    /// Limits the time of all runs; `announce` shows the expected time of each level before it starts.
+    pub fn limited_to(&mut self, budget: Duration, announce: &'a dyn Fn(&str)) {
+        self.limit = Some(TimeLimit { begin: Stopwatch::now(), budget, announce });
+    }
+
+    /// Returns whether a level with estimated element-cycles fits into the time limit, from the run time of the last
+    /// one, and shows its expected time.
+    pub fn affords(&self, last: Option<&StudyRun>, values: &[String], cycles: Option<f64>) -> bool {
+        let Some((limit, (last, cycles))) = self.limit.as_ref().zip(last.zip(cycles)) else { return true };
+        let seconds = last.seconds.median * cycles / last.element_cycles().max(1.0);
+        let left = limit.budget.saturating_sub(limit.begin.elapsed()).as_secs_f64();
+        let affordable = RESERVE * seconds * self.repeat as f64 <= left;
+        let verdict = if affordable { "" } else { ", outside the budget" };
+        (limit.announce)(&format!(
+            "level {}: about {} expected, {} of the budget left{verdict}",
+            values.join(", "),
+            duration(seconds),
+            duration(left)
+        ));
+        affordable
     }
 
     /// Returns the quantity that is evaluated for each setting.

@@ -8,7 +8,7 @@ use super::price;
 use super::refinement::{RefinementSeries, RefinementStudy, StudyRow, evaluate_errors, families};
 use super::richardson::{ConvergenceBehaviour, FORMAL_ORDER};
 use super::runner::StudyRunner;
-use super::settings::StudyAxis;
+use super::settings::{StudyAxis, StudyParameter};
 
 /// Largest number of levels added to the given ones.
 pub const EXTRA_LEVELS: usize = 4;
@@ -16,6 +16,9 @@ pub const EXTRA_LEVELS: usize = 4;
 const LEAST_LEVELS: usize = 3;
 /// Limit of element-cycles (a few minutes) above which no level is added.
 pub const MOST_CYCLES: f64 = 1e10;
+/// Ratio of the element-cycles of the first two levels, before it is known: twice as many elements in each direction, and
+/// half the increment.
+const FIRST_RATIO: f64 = 8.0;
 /// Fraction of the target for which a setting between two levels is chosen.
 const MARGIN: f64 = 0.9;
 
@@ -108,6 +111,10 @@ impl LevelSequence<'_> {
 /// Returns a value with the given size or a finer one. Counts remain integers, and even if all given values are even.
 fn between(axis: &StudyAxis, size: f64) -> String {
     let value = axis.value(size);
+    if axis.parameter == StudyParameter::Mesh {
+        let parts = |x: f64| (x * (1.0 - 1e-9)).ceil();
+        return if value > 1.0 { parts(value).to_string() } else { (1.0 / (1.0 / value + 1e-9).floor()).to_string() };
+    }
     if !axis.counts() {
         return format!("{value:e}");
     }
@@ -164,10 +171,15 @@ fn refine_family(
         bound.zip(target.bound(study)).is_some_and(|(found, allowed)| found <= allowed)
     };
     for level in 0..ladder.given() + EXTRA_LEVELS {
-        if level >= ladder.given() && next_cycles(&study).is_some_and(|c| c > MOST_CYCLES) {
+        let cycles = next_cycles(&study);
+        if level >= ladder.given() && cycles.is_some_and(|c| c > MOST_CYCLES) {
             break;
         }
         let values = ladder.values(level, 1.0);
+        let last = study.rows.last().and_then(|row| row.run.as_ref().ok());
+        if !bench.affords(last, &values, cycles) {
+            break;
+        }
         let run = bench.at(ladder.axes, &values, None);
         let failed = run.is_err();
         study.rows.push(StudyRow::new(values, run, 0));
@@ -188,6 +200,7 @@ fn next_cycles(study: &RefinementStudy) -> Option<f64> {
     let cycles = |row: &StudyRow| row.run.as_ref().ok().map(|r| r.element_cycles());
     match &study.rows[..] {
         [.., a, b] => Some(cycles(b)? * cycles(b)? / cycles(a)?),
+        [a] => Some(FIRST_RATIO * cycles(a)?),
         _ => None,
     }
 }

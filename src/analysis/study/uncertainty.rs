@@ -6,8 +6,10 @@ use serde::Serialize;
 
 use super::StudyError;
 use super::causes::is_sensitive;
+use super::chosen::ChosenSetting;
 use super::inputs::RandomInputs;
 use super::noise::{self, perturbations};
+use super::price::tolerance_in_words;
 use super::quantity::{Quantity, QuantityValue};
 use super::richardson::{ConvergenceBehaviour, LimitEstimate, RefinementLevel, estimate};
 use super::runner::{RunSource, StudyRun};
@@ -125,6 +127,9 @@ pub struct RunCertificate {
     pub missing: Vec<String>,
     /// One line for each quantity, one for each missing part, and the cost.
     pub conclusions: Vec<String>,
+    /// Setting that was chosen for an error target.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<ChosenSetting>,
     /// Number of companion runs.
     pub companions: usize,
     /// Element-cycles of the companion runs divided by those of the plain run.
@@ -175,7 +180,7 @@ pub fn estimate_run(
     let cycles = plain.elements as f64 * plain.increments as f64;
     let mut missing = Vec::new();
     let meshes = coarser_runs(request, &mut missing);
-    let spent = |runs: &[CompanionResult]| runs.iter().map(|run| element_cycles(run)).sum::<f64>();
+    let spent = |runs: &[CompanionResult]| runs.iter().map(element_cycles).sum::<f64>();
     let mut cost = meshes.iter().map(|mesh| element_cycles(&mesh.1)).sum::<f64>();
     let allowed = (request.budget * cycles).max(NEGLIGIBLE_CYCLES) - cost;
     let companions = meshes.first().map_or(Vec::new(), |(ratio, base)| {
@@ -192,6 +197,7 @@ pub fn estimate_run(
         quantities: (0..request.quantities.len()).filter_map(quantity).collect(),
         missing,
         conclusions: Vec::new(),
+        target: None,
         companions: meshes.len() + runs.len(),
         cost: cost / cycles.max(1.0),
         element_cycles: cycles,
@@ -201,6 +207,34 @@ pub fn estimate_run(
         version: env!("CARGO_PKG_VERSION"),
     };
     RunCertificate { conclusions: certificate.lines(), ..certificate }
+}
+
+/// Returns the certificate of a run with a setting that was chosen for an error target.
+pub fn of_chosen(chosen: ChosenSetting, plain: &PlainRun, deck: String, digest: String) -> RunCertificate {
+    let cycles = plain.elements as f64 * plain.increments as f64;
+    let value = plain.values.first().copied().flatten().unwrap_or(chosen.quantity.value);
+    let quantity = QuantityUncertainty { value, ..chosen.quantity.clone() };
+    let goal = tolerance_in_words(chosen.target.value, chosen.target.relative);
+    let line = format!(
+        "target {goal}: {}reached with mesh = {}, increment = {}, precision = {}",
+        if chosen.reached { "" } else { "not " },
+        chosen.mesh,
+        chosen.increment,
+        chosen.precision
+    );
+    RunCertificate {
+        conclusions: vec![quantity.sentence(), line],
+        quantities: vec![quantity],
+        missing: Vec::new(),
+        companions: chosen.study["runs"].as_array().map_or(0, Vec::len),
+        cost: chosen.element_cycles / cycles.max(1.0),
+        element_cycles: cycles,
+        precision: chosen.precision,
+        target: Some(chosen),
+        deck,
+        digest,
+        version: env!("CARGO_PKG_VERSION"),
+    }
 }
 
 /// Runs the deck in memory, then like [`estimate_run`].
@@ -440,7 +474,7 @@ impl QuantityUncertainty {
         ]
     }
 
-    fn dominant_part(&self) -> Option<&'static str> {
+    pub(super) fn dominant_part(&self) -> Option<&'static str> {
         let known = self.parts().into_iter().filter_map(|(name, part)| Some((name, part?)));
         known.max_by(|a, b| a.1.total_cmp(&b.1)).map(|part| part.0)
     }
