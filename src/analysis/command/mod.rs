@@ -21,6 +21,7 @@ pub mod shell;
 pub mod study;
 pub mod sweep;
 pub mod threads;
+mod uncertainty;
 mod watchdog;
 pub mod words;
 

@@ -25,6 +25,9 @@ pub struct ReportRun {
     pub summary: Value,
     pub charts: Vec<Chart>,
     pub columns: Vec<ColumnSummaryRow>,
+    /// Values of quantities with their uncertainties, as sentences.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub uncertainties: Vec<String>,
     /// Sentences on the deviation from reference curves.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub deviations: Vec<String>,

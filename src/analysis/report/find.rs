@@ -12,6 +12,7 @@ use crate::deck::files;
 use crate::output::HISTORY;
 use crate::output::sums::Checksums;
 use crate::study::chart::{Chart, ChartSeries, SeriesForm};
+use crate::study::record::CERTIFICATE;
 
 /// Largest number of runs on a page.
 const RUNS: usize = 6;
@@ -122,6 +123,10 @@ fn run(folder: &Path, name: &str, sums: &Checksums) -> Result<ReportRun, String>
     if let Some(Value::Object(history)) = run.summary.as_object_mut().and_then(|s| s.shift_remove("history")) {
         run.columns = history.iter().map(|(name, values)| column(name, values)).collect();
     }
+    if file(CERTIFICATE).is_file() {
+        sums.verify(&file(CERTIFICATE))?;
+        run.uncertainties = certificate_lines(&json(&file(CERTIFICATE))?);
+    }
     if file(HISTORY).is_file() {
         sums.verify(&file(HISTORY))?;
         histories(&file(HISTORY), &mut run)?;
@@ -139,6 +144,12 @@ fn run(folder: &Path, name: &str, sums: &Checksums) -> Result<ReportRun, String>
         run.notes.push("there are no frames: the deck requests no field output".into());
     }
     Ok(run)
+}
+
+/// Returns the conclusions of a certificate of `revolve run --uncertainty`.
+fn certificate_lines(certificate: &Value) -> Vec<String> {
+    let lines = certificate.get("conclusions").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+    lines.iter().filter_map(|line| line.as_str().map(str::to_owned)).collect()
 }
 
 /// Adds the reference curves of a file to the charts of the only run on a page.

@@ -627,6 +627,7 @@ function drawRun(run) {
   if (s.ended_by_user) section.append(make('div', { class: 'card' }, 'A user subroutine ended the analysis.'));
   if (s.warnings && s.warnings.length) section.append(card('Warnings', make('ul', { class: 'warning' }, ...s.warnings.map(w => make('li', {}, w)))));
   section.append(outcome(run, s));
+  if (run.uncertainties) section.append(card('Uncertainty', ...run.uncertainties.map(u => make('p', { class: 'deviation' }, u))));
   if (run.deviations) section.append(card('Compared with a reference', ...run.deviations.map(d => make('p', { class: 'deviation' }, d))));
   const charts = run.charts.map(drawChart);
   const setTime = time => charts.forEach(c => c.setTime(time));

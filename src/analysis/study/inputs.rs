@@ -9,6 +9,7 @@ use super::statistics::normal;
 /// Random parameters with their distributions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomInputs {
+    /// Names of the parameters.
     pub names: Vec<String>,
     distributions: Vec<ParameterDistribution>,
     /// Cholesky factor of the correlation matrix; `None` if all correlations are zero.
