@@ -144,7 +144,7 @@ mod tests {
         ] {
             assert!(RandomInputs::parse(&distributions, &correlations).is_err(), "{distributions:?} {correlations:?}");
         }
-        let list = RandomInputs::parse(&words(&["V=500,600"]), &[]).err().expect("an error").to_string();
+        let list = RandomInputs::parse(&words(&["V=500,600"]), &[]).expect_err("an error").to_string();
         assert!(list.contains("sweep --set"), "{list}");
     }
 }
