@@ -33,6 +33,32 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
+/// A meshed rod that is still decelerated when the step ends has not perforated: its run is extended. Source: the same
+/// rod with a step that lasts ten times as long.
+#[test]
+fn meshed_rod_that_is_still_decelerated_has_not_perforated() {
+    let text = fs::read_to_string(project("input/rod_plate.inp")).expect("a deck");
+    let [before, after] = ["*Dynamic, Explicit\n , 40.e-6", "*Energy Output"];
+    assert!(text.contains(before) && text.contains(after), "the deck has changed");
+    let parts = text.replace(after, "*Energy Output, elset=ROD\n PARTVEL\n*Energy Output");
+    let folder = tempfile::tempdir().expect("a folder");
+    let limit = |duration: &str| {
+        let deck = folder.path().join("rod.inp");
+        let text = parts.replace(before, &format!("*Dynamic, Explicit\n , {duration}"));
+        fs::write(&deck, text).expect("a deck");
+        let out = folder.path().join("out");
+        let [deck, out] = [&deck, &out].map(|path| path.to_str().expect("a name"));
+        let words = ["limit", deck, "--velocity", "speed", "--between", "100e3,900e3", "--tolerance", "25e3"];
+        let residual = ["--residual", "-final(PARTVEL@ROD)", "--least", "20e3", "--shots", "1", "--out", out];
+        let mesh = ["--set", "nr=2", "--set", "nz=10", "--set", "mr=10", "--set", "mz=5"];
+        let found = json(&[&words[..], &residual, &mesh].concat());
+        [0, 1].map(|end| number(&found["bracket"][end]))
+    };
+    let (short, long) = (limit("20.e-6"), limit("400.e-6"));
+    println!("limit with a short step {short:?}, with a long step {long:?}");
+    assert_eq!(short, long);
+}
+
 /// A shot at the lower end of the bracket is stopped, one at the upper end perforates; the fitted curve passes through
 /// all points.
 #[test]

@@ -344,6 +344,24 @@ fn fields_converge_against_the_finest_mesh() {
 }
 
 /// The files of a study, their keys, and the exit status if a target cannot be met.
+/// Numbers of elements that decrease are read as sizes; the warning names the level that counts as the finest.
+#[test]
+fn levels_from_fine_to_coarse_are_reported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().to_str().expect("a name");
+    let words = ["study", "input/ogive.inp", "--quantity", "final(U2@REF)", "--repeat", "1", "--out", out];
+    let message = |levels: &str| {
+        let output = revolve(&[&words[..], &["--refine", levels]].concat());
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let reversed = message("n=40,20,10");
+    assert!(
+        reversed.contains("n = 10 is taken as the finest level") && reversed.contains("n = 40 has 40"),
+        "{reversed}"
+    );
+    assert!(!message("n=10,20,40").contains("is taken as"));
+}
+
 #[test]
 fn study_command_writes_all_files() {
     let folder = tempfile::tempdir().expect("a folder");

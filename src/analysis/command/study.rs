@@ -139,6 +139,7 @@ impl StudyCommand {
             print(&results, &quantity, met.as_ref(), timing, &job);
         }
         print_run_warnings(&run_warnings(&axes, &results));
+        results.reversed_series().iter().for_each(|sentence| print_err!("warning: {sentence}"));
         Ok(verdict(&results, met.as_ref()))
     }
 }

@@ -96,6 +96,24 @@ impl StudyRow {
 }
 
 impl RefinementStudy {
+    /// Returns a sentence for each series whose finest level has fewer elements than its coarsest one: numbers of
+    /// elements that were given from fine to coarse.
+    pub fn reversed_series(&self) -> Vec<String> {
+        let sentence = |series: &RefinementSeries| {
+            let (coarsest, finest) = (&self.rows[*series.rows.first()?], &self.rows[*series.rows.last()?]);
+            let [many, few] = [coarsest, finest].map(|row| row.run.as_ref().map_or(0, |run| run.elements));
+            let axis = self.axes.iter().position(|axis| *axis == series.along)?;
+            (0 < few && few < many).then(|| {
+                format!(
+                    "{0} = {1} is taken as the finest level, because the values decrease as sizes do; it has {few} elements \
+                     and facets, {0} = {2} has {many}. Give numbers of elements from small to large",
+                    series.along, finest.values[axis], coarsest.values[axis]
+                )
+            })
+        };
+        self.series.iter().filter_map(sentence).collect()
+    }
+
     /// Creates a study without settings.
     pub(super) fn empty(axes: &[StudyAxis]) -> RefinementStudy {
         RefinementStudy { axes: axes.iter().map(|a| a.name.clone()).collect(), ..RefinementStudy::default() }
