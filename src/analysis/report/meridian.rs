@@ -17,7 +17,7 @@ use crate::study::table::digits;
 /// Largest and smallest width of a picture, and largest height of the plot, in points.
 const WIDTH: f64 = 1200.0;
 const LEAST_WIDTH: f64 = 900.0;
-const HEIGHT: f64 = 620.0;
+const HEIGHT: f64 = 560.0;
 /// Margins around the plot in points: left, right, top, bottom.
 const MARGIN: [f64; 4] = [100.0, 40.0, 56.0, 140.0];
 /// Free space around the bodies, relative to their size.
