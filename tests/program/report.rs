@@ -314,6 +314,53 @@ fn energies_out_of_bounds_are_reported_everywhere() {
     assert_eq!((&result["faults"], &result["warnings"]), (&json!([]), &json!([message_text])));
 }
 
+/// The page has the tables and pictures of `limit`, `identify` and `scatter`, and no picture of an earlier command.
+#[test]
+fn searches_show_their_tables_and_pictures() {
+    let (folder, out) = folder();
+    let search = |words: &[&str]| {
+        let output = revolve(&[words, &["--quiet", "--out", &out]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    let quantity = "-1000*final(U2@REF)";
+    let shots = ["--shots", "input/reference/shots_6061.csv", "--measured", "depth", "--quantity", quantity];
+    search(&["limit", "input/plate_6061.inp", "--velocity", "V", "--tolerance", "1", "--between", "200,900"]);
+    search(&["scatter", "input/plate_6061.inp", "-d", "V=500..600", "--quantity", "-final(V2@REF)", "--count", "8"]);
+    search(&[&["identify", "input/ogive.inp", "--unknown", "A=4", "--set", "B=0.983"][..], &shots].concat());
+    std::fs::write(folder.path().join("plate_6061_limit_scatter.svg"), "<svg/>").expect("an old picture");
+    let page = report::gather(folder.path()).expect("a page");
+    assert_eq!(page.title, "ogive, plate_6061");
+    for (found, [title, name]) in page.searches.iter().zip([
+        ["Limit", "plate_6061_limit"],
+        ["Identification", "ogive_identify"],
+        ["Scatter", "plate_6061_scatter"],
+    ]) {
+        let csv = std::fs::read_to_string(folder.path().join(format!("{name}.csv"))).expect("a table");
+        assert_eq!((found.title, found.table.rows.len() + 1), (title, csv.lines().count()));
+        assert_eq!(Some(found.table.header.join(",").as_str()), csv.lines().next());
+        let pictures: Vec<&str> = found.pictures.iter().map(|p| p.name.as_str()).collect();
+        assert_eq!(pictures, [format!("{name}.svg")]);
+        assert!(found.pictures[0].source.starts_with("data:image/svg+xml;base64,"));
+    }
+    let limit = &page.searches[0].table.rows[0];
+    assert!(revolve(&["report", &out, "--quiet"]).status.success());
+    let path = folder.path().join("report.html");
+    let html = std::fs::read_to_string(&path).expect("a page");
+    assert!(html.contains(&serde_json::to_string(limit).expect("a row")), "{limit:?}");
+
+    let Some(mut browser) = HeadlessBrowser::start() else { return };
+    for view in [420, 1400].into_iter().flat_map(|width| [false, true].map(|dark| PageView { width, dark })) {
+        let result = browser.self_test(&path, view);
+        assert_eq!((&result["faults"], &result["overflow"], &result["wide"]), (&json!([]), &json!(0), &json!([])));
+        assert_eq!((&result["tables"], &result["pictures"]), (&json!(3), &json!(3)), "{view:?}");
+        assert!(browser.errors.is_empty() && browser.requests.is_empty(), "{:?}", browser.errors);
+        browser.open(&path, "", view);
+        let picture = browser.picture("img.picture");
+        let light = picture.pixels()[0].red() > 128;
+        assert!(light != view.dark && picture.width() > 240, "{view:?}");
+    }
+}
+
 #[test]
 fn page_works_in_a_browser_without_network() {
     let (folder, out) = folder();

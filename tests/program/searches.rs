@@ -95,6 +95,46 @@ fn limit_is_within_its_bracket() {
     }
 }
 
+/// The JSON file is the object of `--json`, the table has all digits, and all files have checksums.
+#[test]
+fn searches_write_what_json_prints() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().to_str().expect("a name");
+    let text = |name: &str| fs::read_to_string(folder.path().join(name)).expect("a file");
+    let limit = ["limit", PLATE, "--velocity", "V", "--tolerance", "1", "--between", "200,900", "--shots", "4"];
+    let scatter = ["scatter", PLATE, "-d", "V=500..600", "--quantity", RESIDUAL, "--count", "8"];
+    let shots = ["--shots", "input/reference/shots_6061.csv", "--measured", "depth", "--quantity", DEPTH];
+    let fixed = ["--unknown", "A=4", "--set", "B=0.983", "--set", "C=0.9402"];
+    let identify = [&["identify", "input/ogive.inp"][..], &shots, &fixed].concat();
+    for (words, name) in
+        [(&limit[..], "plate_6061_limit"), (&scatter, "plate_6061_scatter"), (&identify, "ogive_identify")]
+    {
+        let printed = json(&[words, &["--out", out]].concat());
+        let written: Value = serde_json::from_str(&text(&format!("{name}.json"))).expect("an object");
+        assert_eq!(written, printed, "{name}");
+        assert!(text(&format!("{name}.sfv")).contains(&format!("{name}.json ")), "{name}");
+        let exact = match words[0] {
+            "limit" => &printed["bracket"][0],
+            "scatter" => &printed["estimates"][0]["value"],
+            _ => &printed["estimates"]["A"]["value"],
+        };
+        let table = text(&format!("{name}.csv"));
+        assert!(table.contains(&format!("{:?}", number(exact))), "{name}: {exact} in {table}");
+    }
+    let found: Value = serde_json::from_str(&text("plate_6061_limit.json")).expect("an object");
+    let row = |shot: &Value| {
+        let end = shot["end"].as_str().expect("an end");
+        format!("{:?},{:?},{end}", number(&shot["velocity"]), number(&shot["residual"]))
+    };
+    let rows: Vec<String> = found["shots"].as_array().expect("shots").iter().map(row).collect();
+    let table = text("plate_6061_limit_shots.csv");
+    assert_eq!(table.lines().skip(1).collect::<Vec<_>>(), rows);
+    assert!(table.starts_with("velocity,residual,end\n"), "{table}");
+    rendered(&revolve(&[&limit[..], &["--out", out, "--over", "THICK=0.01,0.013"]].concat()));
+    let table = text("plate_6061_limit_shots.csv");
+    assert!(table.starts_with("THICK,velocity,residual,end\n0.01,200.0,"), "{table}");
+}
+
 /// A step that is too short is extended; a body that still moves at 16 times its duration gives no limit.
 #[test]
 fn short_steps_are_extended() {

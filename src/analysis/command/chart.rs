@@ -51,8 +51,11 @@ pub struct ChartCommand {
     #[arg(long, requires = "animate", value_name = "SECONDS", default_value_t = 4.0)]
     duration: f64,
     /// Picture file, .png or .svg (default: chart.png in the result folder).
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Print errors only.
+    #[arg(short, long)]
+    quiet: bool,
 }
 
 impl ChartCommand {
@@ -73,12 +76,14 @@ impl ChartCommand {
                     true => ComparedChart { chart: picture::energies(&self.folder)?, ..ComparedChart::default() },
                     false => picture::columns(&self.folder, &self.column, &options)?,
                 };
-                deviations.iter().for_each(|line| print_out!("{line}"));
+                deviations.iter().filter(|_| !self.quiet).for_each(|line| print_out!("{line}"));
                 chart.drawing()?
             }
         };
         output::write_whole(&out, &format.bytes(&drawing)?)?;
-        print_out!("picture {}", out.display());
+        if !self.quiet {
+            print_out!("picture {}", out.display());
+        }
         Ok(CommandStatus::SUCCESS)
     }
 
@@ -97,7 +102,9 @@ impl ChartCommand {
         let mut animation = Animation::new(self.duration / frames.count().max(1) as f64);
         frames.animation(&self.field_options(field, ColourRange::Run), &mut |drawing| animation.push(drawing))?;
         output::write_whole(file, &animation.finish()?)?;
-        print_out!("animation {}, {} frames", file.display(), frames.count());
+        if !self.quiet {
+            print_out!("animation {}, {} frames", file.display(), frames.count());
+        }
         Ok(CommandStatus::SUCCESS)
     }
 }

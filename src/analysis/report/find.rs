@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::data::{ColumnSummaryRow, ReportPage, ReportRun};
 use super::units::UnitNames;
-use super::{PageOptions, ReportError, balance, compare, frames, history, limits, study, sweep};
+use super::{PageOptions, ReportError, balance, compare, frames, history, limits, search, study, sweep};
 use crate::deck::files;
 use crate::output::HISTORY;
 use crate::output::sums::Checksums;
@@ -49,13 +49,15 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<ReportPage, ReportEr
         sums.verify(&path)?;
         page.studies.push(study::read(name, &json(&path)?));
     }
-    let all: BTreeSet<&String> = jobs.iter().chain(&sweeps).chain(&studies).collect();
+    for kind in search::KINDS {
+        for name in with(&format!("_{}.csv", kind.0)) {
+            page.searches.push(search::read(folder, &name, kind, &sums)?);
+        }
+    }
+    let searched = page.searches.iter().map(|search| &search.table.name);
+    let all: BTreeSet<&String> = jobs.iter().chain(&sweeps).chain(&studies).chain(searched).collect();
     if all.is_empty() {
-        return Err(format!(
-            "{} contains no run (<job>.json, <job>.pvd), no sweep (<job>_sweep.csv) and no study (<job>_study.json)",
-            folder.display()
-        )
-        .into());
+        return Err(nothing_found(folder).into());
     }
     page.title = all.into_iter().cloned().collect::<Vec<_>>().join(", ");
     if let Some(file) = &options.compare {
@@ -63,6 +65,15 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<ReportPage, ReportEr
     }
     options.labels.apply_to_page(&mut page)?;
     Ok(page)
+}
+
+/// Returns the message of a folder without results.
+fn nothing_found(folder: &Path) -> String {
+    format!(
+        "{} contains no run (<job>.json, <job>.pvd), no sweep (<job>_sweep.csv), no study (<job>_study.json) and no table \
+         of limit, identify or scatter (<job>_limit.csv)",
+        folder.display()
+    )
 }
 
 /// Returns the name of the only run in a folder.
