@@ -137,7 +137,7 @@ fn taylor_bar_has_the_length_of_wilkins_and_guinan() {
         job: "taylor",
         parts: part("Bar", &grid, "CAX4R", "Metal", "EC-1") + "*Part, name=Wall\n*End Part\n**  \n",
         instances: "*Instance, name=Bar-1, part=Bar\n*End Instance\n**  \n".to_owned()
-            + &rigid_instance("Wall", 0.0, "START,          20.,           0.\n LINE,           0.,           0.\n"),
+            + &rigid_instance("Wall", 0.0, "START,           0.,           0.\n LINE,          20.,           0.\n"),
         sets: node_set("Axis", "Bar-1", &grid.side_nodes(Side::Inner))
             + &node_set("Tail", "Bar-1", &[grid.node(0, 60)])
             + "*Nset, nset=WallRef, instance=Wall-1\n 1,\n"
@@ -257,8 +257,7 @@ fn surface_under_a_heat_flux_warms_as_a_half_space() {
     };
     let run = Deck::new(&model.text()).completes(&[]);
     let rise = 2.0 * 12_000.0 * (time / (PI * 50.0 * 7.85e-9 * 4.6e8)).sqrt();
-    let node = grid.node(0, 80);
-    assert_near("temperature rise", run.last(&format!("NT11@SURFACE:{node}")) - 20.0, rise, 0.02);
+    assert_near("temperature rise", run.last(run.columns_with("NT11")[0]) - 20.0, rise, 0.02);
 }
 
 /// A steel cask on a foam limiter, joined by `*Tie`, drops on rigid ground under gravity.
@@ -277,7 +276,7 @@ fn foam_limiter_of_a_dropped_cask_crushes_by_its_energy() {
         instances: "*Instance, name=Cask-1, part=Cask\n          0.,          60.,           0.\n*End Instance\n**  \n\
                     *Instance, name=Limiter-1, part=Limiter\n*End Instance\n**  \n"
             .to_owned()
-            + &rigid_instance("Ground", 0.0, "START,          80.,           0.\n LINE,           0.,           0.\n"),
+            + &rigid_instance("Ground", 0.0, "START,           0.,           0.\n LINE,          80.,           0.\n"),
         sets: node_set("Axis", "Cask-1", &steel.side_nodes(Side::Inner))
             + &node_set("Axis", "Limiter-1", &foam.side_nodes(Side::Inner))
             + &node_set("Lid", "Cask-1", &[steel.node(0, 8)])

@@ -38,8 +38,13 @@ impl Deck {
         self.with_file(name, text)
     }
 
-    /// Runs the deck and reads its histories.
+    /// Runs the deck and reads its histories. `REVOLVE_CORPUS=DIR` keeps a copy of the deck, named after the test.
     pub fn run(&self) -> Finished {
+        if let Some(folder) = std::env::var_os("REVOLVE_CORPUS") {
+            let name = std::thread::current().name().unwrap_or("deck").rsplit("::").next().map(|n| format!("{n}.inp"));
+            let copy = Path::new(&folder).join(name.unwrap_or_default());
+            fs::copy(self.folder.path().join("deck.inp"), copy).expect("a copy");
+        }
         let output = Command::new(env!("CARGO_BIN_EXE_revolve"))
             .args(["run", "deck.inp", "--out", "out", "--threads", "1"])
             .args(&self.arguments)

@@ -69,8 +69,9 @@ card!(Friction: "FRICTION", "Friction between surfaces", (once below "SURFACE IN
     decays: bool = "EXPONENTIAL DECAY" read "The coefficient decreases with the slip rate",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
     "TEST DATA" refused "applies only to EXPONENTIAL DECAY",
+    "SLIP TOLERANCE" inert "applies only to implicit analyses; written by ABAQUS/CAE",
 } refused {
-    "applies only to implicit analyses": "SLIP TOLERANCE", "ELASTIC SLIP", "LAGRANGE";
+    "applies only to implicit analyses": "ELASTIC SLIP", "LAGRANGE";
     "only an isotropic coefficient, constant or with EXPONENTIAL DECAY, is supported": "ANISOTROPIC", "SHEAR TRACTION SLOPE";
     "user-defined friction is unsupported": "USER", "DEPVAR", "PROPERTIES";
 }, values: [f64; 3] = [
