@@ -28,7 +28,9 @@ pub fn part(name: &str, grid: &Grid, element: &str, material: &str, controls: &s
     let _ = writeln!(text, "*Nset, nset=Set-1, generate\n{:>5},{:>5},{:>5}", 1, grid.nodes(), 1);
     let _ = writeln!(text, "*Elset, elset=Set-1, generate\n{:>5},{:>5},{:>5}", 1, grid.elements(), 1);
     let controls = if controls.is_empty() { String::new() } else { format!(", controls={controls}") };
-    text + &format!("** Section: Section-{name}\n*Solid Section, elset=Set-1{controls}, material={material}\n,\n*End Part\n**  \n")
+    text + &format!(
+        "** Section: Section-{name}\n*Solid Section, elset=Set-1{controls}, material={material}\n,\n*End Part\n**  \n"
+    )
 }
 
 /// Returns a node set of the assembly.
@@ -181,7 +183,8 @@ fn elastic_rod_rebounds_with_the_force_of_the_wave() {
             + &surface("Foot", "Rod-1", &grid, Side::Bottom),
         materials: BAR_STEEL,
         interactions: "*Surface Interaction, name=Smooth\n*Surface Behavior, pressure-overclosure=HARD\n",
-        initial: "** Name: Flight   Type: Velocity\n*Initial Conditions, type=VELOCITY\nRod-1.Set-1, 2, -10000.\n".to_owned(),
+        initial: "** Name: Flight   Type: Velocity\n*Initial Conditions, type=VELOCITY\nRod-1.Set-1, 2, -10000.\n"
+            .to_owned(),
         steps: step("Step-1", "*Dynamic, Explicit, element by element", 6e-5)
             + "** \n** BOUNDARY CONDITIONS\n** \n** Name: BC-1 Type: Displacement/Rotation\n*Boundary\nAxis, 1, 1\n\
                ** Name: BC-2 Type: Displacement/Rotation\n*Boundary\nWallRef, 1, 1\nWallRef, 2, 2\nWallRef, 6, 6\n\
@@ -213,7 +216,10 @@ fn bar_released_in_a_second_step_shortens_by_its_elongation() {
         sets: node_set("Base", "Bar-1", &grid.side_nodes(Side::Bottom))
             + &node_set("End", "Bar-1", &[grid.node(0, 50)])
             + &surface("Face", "Bar-1", &grid, Side::Top),
-        amplitudes: format!("*Amplitude, name=Amp-1, definition=SMOOTH STEP\n             0.,              0., {:>14},              1.\n", 10.0 * period),
+        amplitudes: format!(
+            "*Amplitude, name=Amp-1, definition=SMOOTH STEP\n             0.,              0., {:>14},              1.\n",
+            10.0 * period
+        ),
         materials: BAR_STEEL,
         steps: step("Pull", EXPLICIT, 10.0 * period)
             + "** \n** BOUNDARY CONDITIONS\n** \n** Name: BC-1 Type: Symmetry/Antisymmetry/Encastre\n*Boundary\nBase, ENCASTRE\n\
@@ -246,8 +252,9 @@ fn surface_under_a_heat_flux_warms_as_a_half_space() {
             + &surface("Heated", "Bar-1", &grid, Side::Top),
         materials: "*Material, name=Steel\n*Conductivity\n50.,\n*Density\n 7.85e-09,\n*Elastic\n200000., 0.3\n\
                     *Expansion\n 1.2e-05,\n*Specific Heat\n 4.6e+08,\n",
-        initial: "** Name: Predefined Field-1   Type: Temperature\n*Initial Conditions, type=TEMPERATURE\nBar-1.Set-1, 20.\n"
-            .to_owned(),
+        initial:
+            "** Name: Predefined Field-1   Type: Temperature\n*Initial Conditions, type=TEMPERATURE\nBar-1.Set-1, 20.\n"
+                .to_owned(),
         steps: step("Heat", "*Dynamic Temperature-displacement, Explicit", time)
             + "** Mass Scaling: Semi-Automatic\n**               Whole Model\n*Fixed Mass Scaling, dt=4e-06, type=below min\n\
                ** \n** BOUNDARY CONDITIONS\n** \n** Name: BC-1 Type: Displacement/Rotation\n*Boundary\nBase, 2, 2\n\
@@ -266,7 +273,8 @@ fn surface_under_a_heat_flux_warms_as_a_half_space() {
 /// foam (σ/E = 2.5 %) and its mass are neglected: tolerance 6 %.
 #[test]
 fn foam_limiter_of_a_dropped_cask_crushes_by_its_energy() {
-    let (steel, foam) = (Grid::uniform([0.0, 0.0], [50.0, 100.0], 4, 8), Grid::uniform([0.0, 0.0], [50.0, 60.0], 8, 10));
+    let (steel, foam) =
+        (Grid::uniform([0.0, 0.0], [50.0, 100.0], 4, 8), Grid::uniform([0.0, 0.0], [50.0, 60.0], 8, 10));
     let time = 3e-3;
     let model = CaeModel {
         job: "drop",

@@ -8,7 +8,8 @@ use crate::grid::{Grid, Side};
 use crate::run::{Deck, assert_near};
 
 /// Interaction property of frictionless general contact, as exported.
-const FRICTIONLESS: &str = "*Surface Interaction, name=IntProp-1\n*Friction\n0.,\n*Surface Behavior, pressure-overclosure=HARD\n";
+const FRICTIONLESS: &str =
+    "*Surface Interaction, name=IntProp-1\n*Friction\n0.,\n*Surface Behavior, pressure-overclosure=HARD\n";
 
 /// General contact of everything, within the step.
 const GENERAL: &str = "** \n** INTERACTIONS\n** \n** Interaction: Int-1\n*Contact, op=NEW\n*Contact Inclusions, ALL EXTERIOR\n\
@@ -16,7 +17,9 @@ const GENERAL: &str = "** \n** INTERACTIONS\n** \n** Interaction: Int-1\n*Contac
 
 /// Returns a smooth step from 0 to 1 over a time.
 fn smooth(time: f64) -> String {
-    format!("*Amplitude, name=Amp-1, definition=SMOOTH STEP\n             0.,              0., {time:>14},              1.\n")
+    format!(
+        "*Amplitude, name=Amp-1, definition=SMOOTH STEP\n             0.,              0., {time:>14},              1.\n"
+    )
 }
 
 /// A tube of shells is crushed between two analytical plates in general contact, with mass scaling.
@@ -49,8 +52,16 @@ fn crushed_tube_has_the_mean_force_of_abramowicz_and_jones() {
         job: "crush",
         parts: tube + "*Part, name=Base\n*End Part\n**  \n*Part, name=Ram\n*End Part\n**  \n",
         instances: "*Instance, name=Tube-1, part=Tube\n*End Instance\n**  \n".to_owned()
-            + &rigid_instance("Base", gap, &format!("START,           0.,         {gap}\n LINE,          60.,         {gap}\n"))
-            + &rigid_instance("Ram", top, &format!("START,           0.,        {top}\n LINE,          60.,        {top}\n")),
+            + &rigid_instance(
+                "Base",
+                gap,
+                &format!("START,           0.,         {gap}\n LINE,          60.,         {gap}\n"),
+            )
+            + &rigid_instance(
+                "Ram",
+                top,
+                &format!("START,           0.,        {top}\n LINE,          60.,        {top}\n"),
+            ),
         sets: "*Nset, nset=BaseRef, instance=Base-1\n 1,\n*Nset, nset=RamRef, instance=Ram-1\n 1,\n".to_owned(),
         amplitudes: smooth(time),
         materials: "*Material, name=Steel\n*Density\n 7.85e-09,\n*Elastic\n200000., 0.3\n*Plastic\n250.,0.\n",
@@ -89,7 +100,8 @@ fn ram_coupled_to_a_billet_upsets_it_with_the_flow_stress() {
             + &surface("Lower", "Billet-1", &grid, Side::Bottom)
             + "** Constraint: Ram\n*Coupling, constraint name=Ram, ref node=RamRef, surface=Upper\n*Kinematic\n2, 2\n",
         amplitudes: smooth(time),
-        controls: "*Section Controls, name=EC-1, DISTORTION CONTROL=YES, hourglass=RELAX STIFFNESS\n1., 1., 1.\n".to_owned(),
+        controls: "*Section Controls, name=EC-1, DISTORTION CONTROL=YES, hourglass=RELAX STIFFNESS\n1., 1., 1.\n"
+            .to_owned(),
         materials: "*Material, name=Metal\n*Density\n 7.85e-09,\n*Elastic\n200000., 0.3\n*Plastic\n300.,0.\n",
         interactions: FRICTIONLESS,
         steps: step("Upset", EXPLICIT, time)
@@ -119,7 +131,8 @@ fn compressed_rubber_disc_has_the_neo_hookean_force() {
     let time = 0.02;
     let model = CaeModel {
         job: "seal",
-        parts: part("Seal", &grid, "CAX4R", "Rubber", "") + "*Part, name=Lower\n*End Part\n**  \n*Part, name=Upper\n*End Part\n**  \n",
+        parts: part("Seal", &grid, "CAX4R", "Rubber", "")
+            + "*Part, name=Lower\n*End Part\n**  \n*Part, name=Upper\n*End Part\n**  \n",
         instances: "*Instance, name=Seal-1, part=Seal\n*End Instance\n**  \n".to_owned()
             + &rigid_instance("Lower", 0.0, "START,           0.,           0.\n LINE,          30.,           0.\n")
             + &rigid_instance("Upper", 8.0, "START,          30.,           8.\n LINE,           0.,           8.\n"),
@@ -153,11 +166,13 @@ fn mandrel_pressed_into_a_ring_has_the_pressure_of_lame() {
     let grid = Grid::uniform([inner, 0.0], [outer, height], 8, 8);
     let time = 6e-4;
     // Downwards along the outside of the mandrel: the outward normal is to the left.
-    let profile = "START,         19.9,          -1.\n LINE,        20.05,         -16.\n LINE,        20.05,         -40.\n";
+    let profile =
+        "START,         19.9,          -1.\n LINE,        20.05,         -16.\n LINE,        20.05,         -40.\n";
     let model = CaeModel {
         job: "press-fit",
         parts: part("Ring", &grid, "CAX4R", "Steel", "") + "*Part, name=Mandrel\n*End Part\n**  \n",
-        instances: "*Instance, name=Ring-1, part=Ring\n*End Instance\n**  \n".to_owned() + &rigid_instance("Mandrel", -40.0, profile),
+        instances: "*Instance, name=Ring-1, part=Ring\n*End Instance\n**  \n".to_owned()
+            + &rigid_instance("Mandrel", -40.0, profile),
         sets: node_set("Shoulder", "Ring-1", &[grid.node(8, 8)])
             + "*Nset, nset=MandrelRef, instance=Mandrel-1\n 1,\n"
             + &surface("Bore", "Ring-1", &grid, Side::Inner),

@@ -45,7 +45,10 @@ fn export(grid: &Grid, edited: Edited) -> String {
     if edited != Edited::EdgesDeleted {
         text += &edges;
     }
-    let _ = write!(text, "*ELEMENT, type={three}, ELSET=Surface1\n{triangles}*ELEMENT, type={four}, ELSET=Surface1\n{quads}");
+    let _ = write!(
+        text,
+        "*ELEMENT, type={three}, ELSET=Surface1\n{triangles}*ELEMENT, type={four}, ELSET=Surface1\n{quads}"
+    );
     let elements: Vec<usize> = (first..=label).collect();
     let lines = |numbers: &[usize]| list(numbers, 10, 1).replace(',', ", ").replace('\n', ", \n");
     let _ = write!(text, "*ELSET,ELSET=ring\n{}", lines(&elements));
@@ -78,7 +81,8 @@ fn ring() -> Grid {
 #[test]
 fn expanded_ring_of_a_gmsh_mesh_has_the_displacement_of_lame() {
     let time = 1e-3;
-    let run = Deck::new(&deck("ring.inp", time)).with_file("ring.inp", &export(&ring(), Edited::EdgesDeleted)).completes(&[]);
+    let run =
+        Deck::new(&deck("ring.inp", time)).with_file("ring.inp", &export(&ring(), Edited::EdgesDeleted)).completes(&[]);
     let (a, b, nu): (f64, f64, f64) = (20.0, 40.0, 0.3);
     let ratio = 2.0 * (1.0 - nu) * a * b / (a * a * (1.0 - 2.0 * nu) + b * b);
     let outer = run.columns_with("U1@")[0].to_owned();
@@ -88,7 +92,8 @@ fn expanded_ring_of_a_gmsh_mesh_has_the_displacement_of_lame() {
 /// The export as it is has plane elements and edges: each message names the type to write or to delete, and no other follows.
 #[test]
 fn unedited_gmsh_export_names_the_types_to_replace() {
-    let finished = Deck::new(&deck("ring.inp", 1e-3)).with_file("ring.inp", &export(&ring(), Edited::No)).fails(&["M121"; 3]);
+    let finished =
+        Deck::new(&deck("ring.inp", 1e-3)).with_file("ring.inp", &export(&ring(), Edited::No)).fails(&["M121"; 3]);
     for advice in ["write TYPE=CAX4R", "write TYPE=CAX3", "delete them", "ring.inp:"] {
         assert!(finished.printed.contains(advice), "{advice}");
     }

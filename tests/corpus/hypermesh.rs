@@ -29,7 +29,8 @@ impl Components {
 
     /// Adds elements of one type as a component.
     fn add_elements(&mut self, name: &str, color: usize, kind: &str, elements: &[Vec<usize>]) {
-        let _ = writeln!(self.elements, "**HWCOLOR COMP {:>12}{color:>6}\n*ELEMENT,TYPE={kind},ELSET={name}", color + 1);
+        let _ =
+            writeln!(self.elements, "**HWCOLOR COMP {:>12}{color:>6}\n*ELEMENT,TYPE={kind},ELSET={name}", color + 1);
         for nodes in elements {
             self.element_count += 1;
             let nodes: String = nodes.iter().map(|n| format!(",{n:>10}")).collect();
@@ -176,7 +177,8 @@ fn striking_rod_gives_its_momentum_to_a_longer_rod() {
     let mut mesh = Components::default();
     let [a, first] = mesh.add_grid("Striker", 3, &striker);
     let [b, second] = mesh.add_grid("Target", 4, &target);
-    let axis: Vec<_> = [shifted(striker.side_nodes(Side::Inner), a), shifted(target.side_nodes(Side::Inner), b)].concat();
+    let axis: Vec<_> =
+        [shifted(striker.side_nodes(Side::Inner), a), shifted(target.side_nodes(Side::Inner), b)].concat();
     let text = "*HEADING\n$$ split Hopkinson bar\n$$ units: mm, t, s\n".to_owned()
         + HEAD
         + "*NODE\n"

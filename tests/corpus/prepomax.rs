@@ -72,7 +72,9 @@ impl Export {
     fn text(&self, properties: &str, initial: &str, step: &str, history: &str, time: f64, edited: Edited) -> String {
         let rule = "************************************************************\n";
         let procedure = match edited {
-            Edited::No => format!("*Dynamic, Explicit=3\n{}, {}, {}, {}\n", time / 100.0, time, time / 1e5, time / 10.0),
+            Edited::No => {
+                format!("*Dynamic, Explicit=3\n{}, {}, {}, {}\n", time / 100.0, time, time / 1e5, time / 10.0)
+            }
             Edited::Step => format!("*Dynamic, Explicit\n, {time}\n"),
         };
         [
@@ -86,7 +88,7 @@ impl Export {
             properties.to_owned(),
             title("Initial conditions") + initial,
             title("Steps") + &title("Step-1") + "*Step, Nlgeom, Inc=1000000\n" + &procedure,
-            title("Output frequency") + "*Output, Frequency=10\n" + step,
+            title("Output frequency") + if edited == Edited::No { "*Output, Frequency=10\n" } else { "" } + step,
             title("History outputs") + history,
             title("Field outputs") + "*Node file\nRF, U, V\n*El file\nS, E, NOE\n" + &title("End step") + "*End step\n",
         ]
@@ -126,8 +128,10 @@ fn bar_under_sudden_gravity_moves_by_twice_its_static_displacement() {
 /// The step card of CalculiX gives located messages that name the card to write.
 #[test]
 fn step_card_of_calculix_names_the_card_to_write() {
-    let finished = Deck::new(&hanging_bar(Edited::No)).fails(&["?"]);
-    assert!(finished.printed.contains("deck.inp"));
+    let finished = Deck::new(&hanging_bar(Edited::No)).fails(&["M104", "M104", "M101"]);
+    for advice in ["the time increment is automatic: leave it empty", "ABAQUS leaves it empty", "one of CalculiX"] {
+        assert!(finished.printed.contains(advice), "{advice}");
+    }
 }
 
 /// A steel bar and an aluminium bar are tied; a pressure acts on the steel end.

@@ -77,10 +77,14 @@ impl Deck {
 }
 
 impl Finished {
-    /// Returns the codes of the messages of a level in the order in which they were printed.
+    /// Returns the codes of the messages of a level in the order in which they were printed; empty for a message without code.
     pub fn codes(&self, level: &str) -> Vec<&str> {
-        let codes = self.printed.lines().filter_map(|line| line.strip_prefix(level)?.strip_prefix('['));
-        codes.map(|rest| rest.split(']').next().unwrap_or_default()).collect()
+        let rest = self
+            .printed
+            .lines()
+            .filter_map(|line| line.strip_prefix(level))
+            .filter(|rest| rest.starts_with(['[', ':']));
+        rest.map(|rest| rest.strip_prefix('[').and_then(|code| code.split(']').next()).unwrap_or_default()).collect()
     }
 
     /// Returns a column of the histories.
