@@ -238,3 +238,96 @@ fn projectile_has_the_residual_velocity_of_recht_and_ipson() {
     let residual = (share.powi(2) * speed * speed - 2.0 * work / (mass + plug)).sqrt();
     assert_near("residual velocity", -run.last("V2@SHOTREF"), residual, 0.05);
 }
+
+/// The struck end of an elastic bar is coupled to a reference node: the nodes in contact follow the coupling.
+///
+/// Estimate: as for a rod without coupling, the force is `ρ c v A` during `2L/c`, then the bar leaves with its velocity
+/// (Graff, Wave Motion in Elastic Solids, section 2.4). Tolerance 2 % on the force and 5 % on the velocity.
+#[test]
+fn bar_with_a_coupled_end_rebounds_from_an_anvil() {
+    let grid = Grid::uniform([0.0, 0.0], [5.0, 100.0], 2, 100);
+    let (time, wave) = (5e-5, (200_000.0_f64 / 7.85e-9).sqrt());
+    let model = CaeModel {
+        job: "punch",
+        parts: part("Bar", &grid, "CAX4R", "Steel", "") + "*Part, name=Anvil\n*End Part\n**  \n",
+        instances: "*Instance, name=Bar-1, part=Bar\n*End Instance\n**  \n".to_owned()
+            + &rigid_instance("Anvil", 0.0, "START,           0.,           0.\n LINE,          20.,           0.\n"),
+        sets: "*Node\n      1,           0.,           0.,           0.\n*Nset, nset=Grip\n 1,\n".to_owned()
+            + &node_set("Axis", "Bar-1", &grid.side_nodes(Side::Inner))
+            + &node_set("Middle", "Bar-1", &[grid.node(0, 50)])
+            + "*Nset, nset=AnvilRef, instance=Anvil-1\n 1,\n"
+            + &surface("Foot", "Bar-1", &grid, Side::Bottom)
+            + "** Constraint: Grip\n*Coupling, constraint name=Grip, ref node=Grip, surface=Foot\n*Kinematic\n2, 2\n",
+        materials: crate::cae::BAR_STEEL,
+        interactions: FRICTIONLESS,
+        initial: "*Initial Conditions, type=VELOCITY\nBar-1.Set-1, 2, -5000.\nGrip, 2, -5000.\n".to_owned(),
+        steps: step("Strike", EXPLICIT, time)
+            + "** \n** BOUNDARY CONDITIONS\n** \n** Name: BC-1 Type: Displacement/Rotation\n*Boundary\nAxis, 1, 1\n\
+               ** Name: BC-2 Type: Symmetry/Antisymmetry/Encastre\n*Boundary\nAnvilRef, ENCASTRE\n\
+               ** \n** INTERACTIONS\n** \n** Interaction: Int-1\n\
+               *Contact Pair, interaction=IntProp-1, mechanical constraint=KINEMATIC, cpset=Int-1\nAnvil-1.Profile, Foot\n"
+            + &outputs(
+                "*Node Output, nset=AnvilRef\nRF2, \n*Node Output, nset=Middle\nV2, \n*Node Output, nset=Grip\nU2, V2\n",
+                time,
+            ),
+        ..CaeModel::default()
+    };
+    let run = Deck::new(&model.text()).completes(&[]);
+    let (duration, force) = (200.0 / wave, 7.85e-9 * wave * 5000.0 * PI * 25.0);
+    assert_near("anvil force", run.mean("RF2@ANVILREF", 0.1 * duration, 0.9 * duration).abs(), force, 0.02);
+    assert_near("rebound velocity", run.mean("V2@MIDDLE", 1.05 * duration, time), 5000.0, 0.05);
+}
+
+/// An O-ring between two lubricated plates is compressed by a quarter; general contact, Mooney-Rivlin rubber.
+///
+/// Estimate: the force per length is `E d (1.25 δ^1.5 + 50 δ^6)` for the compression `δ` of the diameter `d` (Lindley, J. Strain Anal. 1
+/// (1966) 190), times the mean circumference, with `E = 6 (C10 + C01)`. Without friction the ring is free to extend. Tolerance 8 %.
+#[test]
+fn compressed_o_ring_has_the_force_of_lindley() {
+    // The section is a square that is mapped onto a disc.
+    let (n, radius, mean, time): (u32, f64, f64, f64) = (10, 2.0, 20.0, 0.02);
+    let mut grid = String::from("*Part, name=Ring\n*Node\n");
+    let at = |i: u32| 2.0 * f64::from(i) / f64::from(n) - 1.0;
+    for j in 0..=n {
+        for i in 0..=n {
+            let (x, y) = (at(i), at(j));
+            let [r, z] = [x * (1.0 - 0.5 * y * y).sqrt(), y * (1.0 - 0.5 * x * x).sqrt()];
+            let _ = writeln!(grid, "{:>7}, {:>12.8}, {:>12.8}", j * (n + 1) + i + 1, mean + radius * r, radius * z);
+        }
+    }
+    grid += "*Element, type=CAX4R\n";
+    for j in 0..n {
+        for i in 0..n {
+            let a = j * (n + 1) + i + 1;
+            let _ = writeln!(grid, "{:>3}, {a:>3}, {:>3}, {:>3}, {:>3}", j * n + i + 1, a + 1, a + n + 2, a + n + 1);
+        }
+    }
+    let _ = write!(
+        grid,
+        "*Elset, elset=Set-1, generate\n  1, {}, 1\n** Section: Section-1\n*Solid Section, elset=Set-1, material=Rubber\n,\n*End Part\n**  \n",
+        n * n
+    );
+    let plate = |z: f64, from: f64, to: f64| format!("START, {from}, {z}\n LINE, {to}, {z}\n");
+    let model = CaeModel {
+        job: "o-ring",
+        parts: grid + "*Part, name=Lower\n*End Part\n**  \n*Part, name=Upper\n*End Part\n**  \n",
+        instances: "*Instance, name=Ring-1, part=Ring\n*End Instance\n**  \n".to_owned()
+            + &rigid_instance("Lower", -radius, &plate(-radius, 10.0, 30.0))
+            + &rigid_instance("Upper", radius, &plate(radius, 30.0, 10.0)),
+        sets: "*Nset, nset=LowerRef, instance=Lower-1\n 1,\n*Nset, nset=UpperRef, instance=Upper-1\n 1,\n".to_owned(),
+        amplitudes: smooth(time),
+        materials: "*Material, name=Rubber\n*Density\n 1.1e-09,\n*Hyperelastic, mooney-rivlin\n0.8, 0.2, 0.02\n",
+        interactions: FRICTIONLESS,
+        steps: step("Squeeze", EXPLICIT, time)
+            + "** Mass Scaling: Semi-Automatic\n**               Whole Model\n*Fixed Mass Scaling, factor=100.\n\
+               ** \n** BOUNDARY CONDITIONS\n** \n** Name: BC-1 Type: Symmetry/Antisymmetry/Encastre\n*Boundary\nLowerRef, ENCASTRE\n\
+               ** Name: BC-2 Type: Displacement/Rotation\n*Boundary, amplitude=Amp-1\nUpperRef, 1, 1\nUpperRef, 2, 2, -1.\nUpperRef, 6, 6\n"
+            + GENERAL
+            + &outputs("*Node Output, nset=UpperRef\nRF2, U2\n", time),
+        ..CaeModel::default()
+    };
+    let run = Deck::new(&model.text()).completes(&[]);
+    let (squeeze, diameter): (f64, f64) = (0.25, 2.0 * radius);
+    let per_length = 6.0 * diameter * (1.25 * squeeze.powf(1.5) + 50.0 * squeeze.powi(6));
+    assert_near("force", -run.mean("RF2@UPPERREF", 0.95 * time, time), per_length * 2.0 * PI * mean, 0.08);
+}

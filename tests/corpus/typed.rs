@@ -244,10 +244,11 @@ fn slips_of_a_typist_have_located_corrections() {
         ("*elastc", "*elastic", "D101", "did you mean *ELASTIC?"),
         ("elset=eal,", "elset=eall,", "M110", "EALL"),
         ("7.8e-O9", "7.8e-9", "D302", "letter O"),
-        ("*material, nme=s", "*material, name=s", "D203", "NAME"),
+        ("*dynamic, explict", "*dynamic, explicit", "D103", "did you mean EXPLICIT?"),
+        ("*material, nme=s", "*material, name=s", "D103", "did you mean NAME?"),
         ("material=st", "material=s", "M111", "did you mean S?"),
     ] {
-        let text = format!("*heading\n{head}{}{tail}", good.replacen(right, wrong, 1));
+        let text = format!("*heading\n{head}{good}{tail}").replacen(right, wrong, 1);
         let finished = Deck::new(&text).run();
         println!("slip {wrong}: {:?}", finished.codes("error"));
         assert_eq!((finished.status, finished.codes("error")), (2, vec![code]), "{wrong}");

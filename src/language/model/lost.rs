@@ -61,6 +61,10 @@ impl MissingDefinitions {
             "ELEMENT" | "ELGEN" | "ELCOPY" => self.elements = true,
             "MESH" => (self.nodes, self.elements) = (true, true),
             "PART" | "INSTANCE" => self.everything = true,
+            // The definition has a name that could not be read.
+            "MATERIAL" | "SURFACE" | "AMPLITUDE" | "SURFACE INTERACTION" | "SECTION CONTROLS" => {
+                self.everything |= !card.has("NAME");
+            }
             _ => {}
         }
         self.bodies |= !LEAVES.contains(&name);

@@ -182,7 +182,7 @@ pub const CARDS: &[Keyword] = &[
         "PIN NSET" read "Nodes pinned to it",
         "TIE NSET" read "Nodes tied to it",
         "ANALYTICAL SURFACE" read "Analytical surface of the rigid body",
-        "POSITION" only ["INPUT"] "a body of revolution moves along z only, so that the position of its reference node has no effect",
+        "POSITION" only ["INPUT", "CENTER OF MASS"] "a body of revolution moves along z only, so that the position of its reference node has no effect",
         "DENSITY" (NOT_NEGATIVE.or(0.0)) "Mass per volume",
         "ISOTHERMAL" inert "rigid bodies have no temperature",
         "NODAL THICKNESS" refused "give one thickness",
