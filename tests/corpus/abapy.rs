@@ -1,5 +1,5 @@
-//! Decks in the manner of the Python package abapy (L. Charleux): upper case, blanks around `=`, a comma at the end of lines of
-//! elements, all data of a part as sets, nodes outside parts of the assembly.
+//! Decks in the manner of the Python package abapy (L. Charleux): upper case, blanks around `=`, a comma at the end of
+//! lines of elements, all data of a part as sets, nodes outside parts of the assembly.
 
 use std::fmt::Write;
 
@@ -59,9 +59,9 @@ fn indentation(element: &str, depth: f64, time: f64) -> String {
 
 /// A rigid cone of the Berkovich-equivalent angle indents a perfectly plastic half space.
 ///
-/// Estimate: the mean pressure of fully plastic indentation is 2.8 times the yield stress (Tabor, The Hardness of Metals, 1951;
-/// Johnson, Contact Mechanics, section 6.3). The area is that of the nodes in contact, up to half a facet too large: tolerance
-/// 18 %. The force grows with the square of the depth (Kick's law): tolerance 10 %.
+/// Estimate: the mean pressure of fully plastic indentation is 2.8 times the yield stress (Tabor, The Hardness of
+/// Metals, 1951; Johnson, Contact Mechanics, chapter 6). The area is that of the nodes in contact, up to half a facet
+/// too large: tolerance 18 %. The force grows with the square of the depth (Kick's law): tolerance 10 %.
 #[test]
 fn cone_indentation_has_the_hardness_of_tabor() {
     let time = 5e-4;

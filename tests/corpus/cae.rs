@@ -166,8 +166,9 @@ fn taylor_bar_has_the_length_of_wilkins_and_guinan() {
 
 /// An elastic rod rebounds from a rigid wall.
 ///
-/// Estimate: the wall force is `ρ c v A` during `2L/c`, then the rod leaves with its initial velocity (Graff, Wave Motion in
-/// Elastic Solids, section 2.4). Tolerance 2 % on the mean force and 3 % on the velocity, which the viscosity lowers.
+/// Estimate: the wall force is `ρ c v A` during `2L/c`, then the rod leaves with its initial velocity (Graff, Wave
+/// Motion in Elastic Solids, chapter 2). Tolerance 2 % on the mean force and 3 % on the velocity, which the viscosity
+/// lowers.
 #[test]
 fn elastic_rod_rebounds_with_the_force_of_the_wave() {
     let grid = Grid::uniform([0.0, 0.0], [5.0, 100.0], 2, 80);
@@ -203,7 +204,7 @@ fn elastic_rod_rebounds_with_the_force_of_the_wave() {
 /// A bar is pulled slowly in one step; the next step removes the load with `op=NEW`.
 ///
 /// Estimate: the static elongation is `δ = σL/E`. After a sudden release the end returns to its place at `L/c` and
-/// reaches `-δ` at `2L/c` (d'Alembert's solution, Graff, section 2.4). Tolerance 1 % and 3 %.
+/// reaches `-δ` at `2L/c` (d'Alembert's solution; Graff, chapter 2). Tolerance 1 % and 3 %.
 #[test]
 fn bar_released_in_a_second_step_shortens_by_its_elongation() {
     let grid = Grid::uniform([0.0, 0.0], [5.0, 100.0], 1, 50);
@@ -269,8 +270,8 @@ fn surface_under_a_heat_flux_warms_as_a_half_space() {
 
 /// A steel cask on a foam limiter, joined by `*Tie`, drops on rigid ground under gravity.
 ///
-/// Estimate: the foam crushes at its plateau `σ`; `m v²/2 + m g d = σ A (d - σ L / 2E)` gives the crush depth `d` with the elastic
-/// shortening `σ L / E`. The mass of the foam is neglected: tolerance 3 %.
+/// Estimate: the foam crushes at its plateau `σ`; `m v²/2 + m g d = σ A (d - σ L / 2E)` gives the crush depth `d` with
+/// the elastic shortening `σ L / E`. The mass of the foam is neglected: tolerance 3 %.
 #[test]
 fn foam_limiter_of_a_dropped_cask_crushes_by_its_energy() {
     let (steel, foam) =

@@ -1,5 +1,6 @@
-//! Decks as PrePoMax exports them for CalculiX: title comments, no parts, internal sets, coordinates with three-digit exponents,
-//! `*Node file` and `*El file` requests. The step card is that of CalculiX: `*Dynamic, Explicit=n` with four values.
+//! Decks as PrePoMax exports them for CalculiX: title comments, no parts, internal sets, coordinates with three-digit
+//! exponents, `*Node file` and `*El file` requests. The step card is that of CalculiX: `*Dynamic, Explicit=n` with four
+//! values.
 
 use std::fmt::Write;
 
@@ -116,8 +117,9 @@ fn hanging_bar(edited: Edited) -> String {
     export.text(&properties, "", &step, history, 8e-3, edited)
 }
 
-/// Estimate: the end of an elastic bar under a sudden body force moves to twice its static displacement `ρ g L² / 2E` at the time
-/// `2L/c` (Timoshenko, Vibration Problems in Engineering, section 5). Tolerance 1 %; the strain is 0.1 %.
+/// Estimate: the end of an elastic bar under a sudden body force moves to twice its static displacement `ρ g L² / 2E`
+/// at `2L/c` (d'Alembert's solution; Graff, Wave Motion in Elastic Solids, chapter 2). Tolerance 1 %; the strain is 0.1
+/// %.
 #[test]
 fn bar_under_sudden_gravity_moves_by_twice_its_static_displacement() {
     let run = Deck::new(&hanging_bar(Edited::Step)).completes(&[]);
@@ -136,8 +138,8 @@ fn step_card_of_calculix_names_the_card_to_write() {
 
 /// A steel bar and an aluminium bar are tied; a pressure acts on the steel end.
 ///
-/// Estimate: the transmitted stress is `2 Z2 / (Z1 + Z2)` times the incident one, `Z = sqrt(E ρ)` (Graff, Wave Motion in Elastic
-/// Solids, section 2.5). Tolerance 2 %.
+/// Estimate: the transmitted stress is `2 Z2 / (Z1 + Z2)` times the incident one, `Z = sqrt(E ρ)` (Graff, Wave Motion
+/// in Elastic Solids, chapter 2). Tolerance 2 %.
 #[test]
 fn wave_through_tied_bars_is_transmitted_by_the_impedances() {
     let steel = Grid::uniform([0.0, 0.0], [5.0, 100.0], 1, 100);

@@ -77,7 +77,8 @@ impl Deck {
 }
 
 impl Finished {
-    /// Returns the codes of the messages of a level in the order in which they were printed; empty for a message without code.
+    /// Returns the codes of the messages of a level in the order in which they were printed; empty for a message
+    /// without code.
     pub fn codes(&self, level: &str) -> Vec<&str> {
         let rest = self
             .printed

@@ -1,5 +1,5 @@
-//! Decks typed by hand: mixed case, blanks, tabs, continuation lines, missing last commas, CRLF, numbers such as `1.d0`,
-//! parameters, included files, generated meshes, and user subroutines in Fortran.
+//! Decks typed by hand: mixed case, blanks, tabs, continuation lines, missing last commas, CRLF, numbers such as
+//! `1.d0`, parameters, included files, generated meshes, and user subroutines in Fortran.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -31,8 +31,8 @@ fn mesh(grid: &Grid) -> String {
 
 /// A block hangs on a spring and a dashpot by `*MPC`; the deck has `*PARAMETER`, an included mesh and CRLF.
 ///
-/// Estimate: the first largest displacement of a damped oscillator is `v/ω exp(-ζ/s atan(s/ζ))` with `s = sqrt(1 - ζ²)` (Thomson, Theory of
-/// Vibration with Applications, section 2.6). Tolerance 1 %.
+/// Estimate: the first largest displacement of a damped oscillator is `v/ω exp(-ζ/s atan(s/ζ))` with `s = sqrt(1 - ζ²)`
+/// (Thomson, Theory of Vibration with Applications, chapter 2). Tolerance 1 %.
 #[test]
 fn block_on_spring_and_dashpot_swings_as_a_damped_oscillator() {
     let grid = Grid::uniform([0.0, 0.0], [10.0, 10.0], 2, 2);
@@ -52,10 +52,11 @@ fn block_on_spring_and_dashpot_swings_as_a_damped_oscillator() {
     assert_near("largest displacement", run.largest(run.columns_with("U2@")[0]), largest, 0.01);
 }
 
-/// A rigid mass of the older form `*RIGID SURFACE` strikes an elastic rod; the deck is in capitals with continuation lines.
+/// A rigid mass of the older form `*RIGID SURFACE` strikes an elastic rod; the deck is in capitals with continuation
+/// lines.
 ///
-/// Estimate: until `2L/c` the force is `ρ c A v exp(-ρ c A t / M)` (Saint-Venant; Goldsmith, Impact, section 3). Compared by the velocity
-/// of the mass, `v exp(-ρ c A t / M)`, at `1.8 L/c`. Tolerance 2 %.
+/// Estimate: until `2L/c` the force is `ρ c A v exp(-ρ c A t / M)` (Saint-Venant; Goldsmith, Impact, chapter 3).
+/// Compared by the velocity of the mass, `v exp(-ρ c A t / M)`, at `1.8 L/c`. Tolerance 2 %.
 #[test]
 fn rigid_mass_on_a_rod_slows_down_exponentially() {
     let grid = Grid::uniform([0.0, 0.0], [5.0, 100.0], 1, 80);
@@ -80,8 +81,9 @@ fn rigid_mass_on_a_rod_slows_down_exponentially() {
 
 /// A thin ring of `*NGEN`, `*NFILL` and `*ELGEN` expands freely; adiabatic heating.
 ///
-/// Estimate: the kinetic energy is dissipated by the hoop strain, `ε = ρ v² / 2Y`, so that the radius grows to `R exp(ε)` and the
-/// temperature by `0.9 ρ v² / (2 ρ c)` (Walling and Forrestal, AIAA J. 11 (1973) 1196). Tolerance 2 %; elastic vibration is small.
+/// Estimate: the kinetic energy is dissipated by the hoop strain, `ε = ρ v² / 2Y`. The radius grows to `R exp(ε)`, the
+/// temperature by `0.9 v² / 2c` (Walling and Forrestal, AIAA J. 11 (1973) 1196). Tolerance 2 %; elastic vibration is
+/// small.
 #[test]
 fn expanding_ring_stops_when_its_kinetic_energy_is_dissipated() {
     let (speed, time) = (1.2e5_f64, 3e-4);
@@ -102,7 +104,8 @@ fn expanding_ring_stops_when_its_kinetic_energy_is_dissipated() {
 
 /// A rod whose end is moved at constant velocity, with an elastic VUMAT in fixed form.
 ///
-/// Estimate: the stress after the wave front is `ρ c v` (Graff, Wave Motion in Elastic Solids, section 2.1). Tolerance 1 %.
+/// Estimate: the stress after the wave front is `ρ c v` (Graff, Wave Motion in Elastic Solids, chapter 2). Tolerance 1
+/// %.
 #[test]
 fn elastic_vumat_gives_the_stress_of_the_wave() {
     if !fortran("an elastic VUMAT") {
@@ -154,7 +157,8 @@ C     Lame constants from E and nu
 
 /// A bar with linear hardening by VUHARD is pulled by one node that the others follow through `*EQUATION`.
 ///
-/// Estimate: `F = A0 (Y + H ε_p) exp(-ε)` with `ε = ln(l/l0)` and `ε_p = ε - σ/E`, as volume is nearly conserved. Tolerance 1 %.
+/// Estimate: `F = A0 (Y + H ε_p) exp(-ε)` with `ε = ln(l/l0)` and `ε_p = ε - σ/E`, as volume is nearly conserved.
+/// Tolerance 1 %.
 #[test]
 fn linear_hardening_by_vuhard_gives_the_force_of_the_tension_test() {
     if !fortran("a VUHARD with linear hardening") {

@@ -151,12 +151,13 @@ impl ElementKind {
 
 /// Returns the advice for an element type that mesh generators write for a mesh in the r-z plane.
 fn replacement(name: &str) -> Option<String> {
+    const READ: &str = "read the file of a mesh generator with *MESH, INPUT=FILE";
     if ["T2D", "T3D"].iter().any(|head| name.starts_with(head)) {
-        return Some("mesh generators write the edges of a mesh as trusses: delete them".into());
+        return Some(format!("{READ}, which makes node sets of its edges, or delete these lines"));
     }
     let rest = ["CPS", "CPE"].iter().find_map(|head| name.strip_prefix(head))?;
     let counterpart = [("3", "CAX3"), ("4", "CAX4R"), ("6", "CAX6M")].iter().find(|c| rest.starts_with(c.0))?.1;
-    Some(format!("for a mesh in the r-z plane write TYPE={counterpart}"))
+    Some(format!("{READ}, or write TYPE={counterpart}"))
 }
 
 impl ModelBuilder<'_> {
