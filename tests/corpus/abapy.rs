@@ -30,7 +30,7 @@ fn part(name: &str, grid: &Grid, element: &str) -> String {
 }
 
 /// Returns an indentation by a rigid cone.
-fn indentation(element: &str, depth: f64, time: f64) -> String {
+pub fn indentation(element: &str, depth: f64, time: f64) -> String {
     let steps = graded(14, 0.2, 1.3, 24.0);
     let grid = Grid { r: steps.clone(), z: steps.iter().rev().map(|z| -z).collect() };
     let height = 4.0 / 70.3_f64.to_radians().tan();

@@ -11,6 +11,7 @@ mod cae_contact;
 mod gmsh;
 mod grid;
 mod hypermesh;
+mod open;
 mod prepomax;
 mod run;
 mod typed;
