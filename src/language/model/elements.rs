@@ -149,6 +149,17 @@ impl ElementKind {
     }
 }
 
+/// Returns the advice for an element type that mesh generators write for a mesh in the r-z plane.
+fn replacement(name: &str) -> Option<String> {
+    const READ: &str = "read the file of a mesh generator with *MESH, INPUT=FILE";
+    if ["T2D", "T3D"].iter().any(|head| name.starts_with(head)) {
+        return Some(format!("{READ}, which makes node sets of its edges, or delete these lines"));
+    }
+    let rest = ["CPS", "CPE"].iter().find_map(|head| name.strip_prefix(head))?;
+    let counterpart = [("3", "CAX3"), ("4", "CAX4R"), ("6", "CAX6M")].iter().find(|c| rest.starts_with(c.0))?.1;
+    Some(format!("{READ}, or write TYPE={counterpart}"))
+}
+
 impl ModelBuilder<'_> {
     pub(super) fn element(&mut self, card: &Card) {
         let Some(kind) = self.required(card, "TYPE").and_then(|w| self.element_kind(w)) else {
@@ -183,8 +194,9 @@ impl ModelBuilder<'_> {
         let diagnostic = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
             Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
         } else if let Some((_, what)) = OTHER_GEOMETRY.iter().find(|o| name.starts_with(o.0)) {
+            let instead = replacement(&name).map_or_else(String::new, |help| format!("{help}; "));
             Diagnostic::error("M121", format!("element type {name} is {what}; this code is axisymmetric"))
-                .help(supported)
+                .help(format!("{instead}{supported}"))
         } else {
             let names = SUPPORTED.iter().map(|s| s.0).chain(AXISYMMETRIC.iter().map(|a| a.0));
             let help = nearest(&name, names).map_or(supported.into(), |n| format!("did you mean {n}? {supported}"));

@@ -181,7 +181,8 @@ impl ModelBuilder<'_> {
 
     /// Reports a coupling without `*KINEMATIC` or `*DISTRIBUTING`.
     pub(super) fn end_coupling(&mut self) {
-        if let Some(coupling) = self.coupling.take() {
+        let faulty = self.missing.has_card("KINEMATIC") || self.missing.has_card("DISTRIBUTING");
+        if let Some(coupling) = self.coupling.take().filter(|_| !faulty) {
             let message = format!("the coupling {} has neither *KINEMATIC nor *DISTRIBUTING", coupling.name);
             let diagnostic = Diagnostic::error("M101", message).at(coupling.span, "one of the two cards must follow");
             self.diagnostics.push(diagnostic);

@@ -40,12 +40,17 @@ const LEAVES: &[&str] = &[
     "BULK VISCOSITY",
 ];
 
+/// Cards that define a name by their parameter NAME.
+const NAMED: &[&str] = &["MATERIAL", "SURFACE", "SURFACE INTERACTION", "SECTION CONTROLS", "AMPLITUDE"];
+
 impl MissingDefinitions {
     /// Returns the definitions that the parser could not read.
     pub fn from_deck(deck: &Deck) -> MissingDefinitions {
         let unread = &deck.unread;
+        // Cards before the definition may refer to a name that could not be read.
+        let unnamed = |card: &Card| card.faulty && NAMED.contains(&card.keyword.name) && !card.has("NAME");
         MissingDefinitions {
-            everything: unread.files,
+            everything: unread.files || deck.cards.iter().any(unnamed),
             names: unread.names.iter().cloned().collect(),
             bodies: unread.files || unread.cards > 0,
             ..MissingDefinitions::default()

@@ -26,8 +26,12 @@ impl ModelBuilder<'_> {
     fn request(&mut self, card: &Card) {
         let kind = if card.has("HISTORY") { OutputKind::History } else { OutputKind::Field };
         if !card.has("HISTORY") && !card.has("FIELD") {
-            let diagnostic =
-                Diagnostic::error("M101", "*OUTPUT requires FIELD or HISTORY").at(card.span, "neither is given");
+            if card.has("DIAGNOSTICS") {
+                return;
+            }
+            let diagnostic = Diagnostic::error("M101", "*OUTPUT requires FIELD or HISTORY")
+                .at(card.span, "neither is given")
+                .help("give FIELD or HISTORY; delete the card if it is one of CalculiX, which has no effect here");
             return self.diagnostics.push(diagnostic);
         }
         let Some(interval) = self.interval(card) else { return };

@@ -69,8 +69,9 @@ card!(Friction: "FRICTION", "Friction between surfaces", (once below "SURFACE IN
     decays: bool = "EXPONENTIAL DECAY" read "The coefficient decreases with the slip rate",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
     "TEST DATA" refused "applies only to EXPONENTIAL DECAY",
+    "SLIP TOLERANCE" inert "applies only to implicit analyses; written by ABAQUS/CAE",
 } refused {
-    "applies only to implicit analyses": "SLIP TOLERANCE", "ELASTIC SLIP", "LAGRANGE";
+    "applies only to implicit analyses": "ELASTIC SLIP", "LAGRANGE";
     "only an isotropic coefficient, constant or with EXPONENTIAL DECAY, is supported": "ANISOTROPIC", "SHEAR TRACTION SLOPE";
     "user-defined friction is unsupported": "USER", "DEPVAR", "PROPERTIES";
 }, values: [f64; 3] = [
@@ -181,7 +182,7 @@ pub const CARDS: &[Keyword] = &[
         "PIN NSET" read "Nodes pinned to it",
         "TIE NSET" read "Nodes tied to it",
         "ANALYTICAL SURFACE" read "Analytical surface of the rigid body",
-        "POSITION" only ["INPUT"] "a body of revolution moves along z only, so that the position of its reference node has no effect",
+        "POSITION" only ["INPUT", "CENTER OF MASS"] "a body of revolution moves along z only, so that the position of its reference node has no effect",
         "DENSITY" (NOT_NEGATIVE.or(0.0)) "Mass per volume",
         "ISOTHERMAL" inert "rigid bodies have no temperature",
         "NODAL THICKNESS" refused "give one thickness",
