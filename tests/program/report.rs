@@ -232,6 +232,8 @@ fn chart_command_writes_charts_and_pictures() {
     assert!(svg(&["--energy"]).contains("opening the cavity"));
     let named = svg(&["--column", "U2@REF", "--label", "U2@REF=depth of the tip"]);
     assert!(named.contains("depth of the tip") && !named.contains("U2@REF"));
+    let filtered = svg(&["--column", "V2@REF", "--filter", "5000"]);
+    assert!(filtered != svg(&["--column", "V2@REF"]));
     // Twenty facets on both sides of the axis, the axis, and the ticks of the colour bar, of which each has a label.
     let picture = svg(&["--field", "PRESSURE", "--frame", "3"]);
     assert!((2 * 20 + 1 + 2..2 * 20 + 1 + 10).contains(&picture.matches("<path").count()));
@@ -241,6 +243,7 @@ fn chart_command_writes_charts_and_pictures() {
     for (arguments, file, word) in [
         (&["--column", "U2@REFF"][..], "b.png", "did you mean `U2@REF`?"),
         (&["--field", "MISES"], "b.png", "there is no field `MISES`"),
+        (&["--column", "V2@REF", "--filter", "1e9"], "b.png", "needs one every"),
         (&["--field", "V2", "--frame", "22"], "b.png", "the run has 21"),
         (&["--energy"], "b.gif", ".png or .svg"),
         (&["--energy", "--frame", "1"], "b.png", "--frame"),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::output;
 use crate::output::animation::Animation;
+use crate::report::filter::CutoffFrequency;
 use crate::report::meridian::{ColourRange, FieldOptions, RunFrames};
 use crate::report::picture::{self, ComparedChart};
 use crate::report::{PageOptions, QuantityLabels};
@@ -34,6 +35,10 @@ pub struct ChartCommand {
     /// Label shown for a column, for example U2@REF="depth"; can be repeated.
     #[arg(long, requires = "column", value_name = "COLUMN=TEXT")]
     label: Vec<String>,
+    /// Low-pass filter without a shift in time (Butterworth, both directions): the frequency at which amplitudes are
+    /// reduced to 71 %, in 1/time, or a class of SAE J211: cfc60, cfc180, cfc600, cfc1000.
+    #[arg(long, requires = "column", value_name = "FREQUENCY|CLASS")]
+    filter: Option<CutoffFrequency>,
     /// CSV file with reference curves: time in the first column, then columns named like the history columns. The rms
     /// deviation of the run from each curve is printed.
     #[arg(long, requires = "column", value_name = "FILE")]
@@ -74,7 +79,7 @@ impl ChartCommand {
                 let options = PageOptions { labels: QuantityLabels::parse(&self.label)?, compare: self.compare };
                 let ComparedChart { chart, deviations } = match self.energy {
                     true => ComparedChart { chart: picture::energies(&self.folder)?, ..ComparedChart::default() },
-                    false => picture::columns(&self.folder, &self.column, &options)?,
+                    false => picture::columns(&self.folder, &self.column, &options, self.filter)?,
                 };
                 deviations.iter().filter(|_| !self.quiet).for_each(|line| print_out!("{line}"));
                 chart.drawing()?

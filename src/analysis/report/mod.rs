@@ -6,6 +6,7 @@
 mod balance;
 mod compare;
 pub mod data;
+pub mod filter;
 mod find;
 mod frames;
 mod history;

@@ -2,13 +2,19 @@
 
 use std::path::Path;
 
+use super::filter::CutoffFrequency;
 use super::{PageOptions, ReportError, balance, compare};
 use super::{find, history};
 use crate::output::sums::Checksums;
 use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 
-/// Returns a chart of history columns of the run in a folder.
-pub fn columns(folder: &Path, wanted: &[String], options: &PageOptions) -> Result<ComparedChart, ReportError> {
+/// Returns a chart of history columns of the run in a folder, filtered on request.
+pub fn columns(
+    folder: &Path,
+    wanted: &[String],
+    options: &PageOptions,
+    filter: Option<CutoffFrequency>,
+) -> Result<ComparedChart, ReportError> {
     let (name, path) = history_file(folder)?;
     let names = history::names(&path)?;
     let find = |wanted: &String| {
@@ -17,7 +23,7 @@ pub fn columns(folder: &Path, wanted: &[String], options: &PageOptions) -> Resul
     };
     let wanted = wanted.iter().map(find).collect::<Result<Vec<_>, _>>()?;
     options.labels.check(&wanted)?;
-    let mut chart = chart(&name, &path, &wanted, options)?;
+    let mut chart = chart(&name, &path, &wanted, options, filter)?;
     let curves = options.compare.as_ref().map_or(Ok(Vec::new()), |file| compare::curves(file, &path))?;
     for curve in &curves {
         chart.series.push(ChartSeries::new(curve.name(), SeriesForm::Marks, curve.points.clone()));
@@ -44,7 +50,7 @@ pub fn energies(folder: &Path) -> Result<Chart, ReportError> {
             if let Some(balance) = balance::chart(&history::read(&path, &wanted)?, &find::units(&path)) {
                 return Ok(titled(&name, balance));
             }
-            Ok(chart(&name, &path, &columns, &PageOptions::default())?)
+            Ok(chart(&name, &path, &columns, &PageOptions::default(), None)?)
         }
         None => {
             Err(format!("{} contains no energies: the deck does not request them (*ENERGY OUTPUT)", path.display())
@@ -73,9 +79,15 @@ fn titled(title: &str, mut chart: Chart) -> Chart {
     Chart { title: title.into(), ..chart }
 }
 
-fn chart(title: &str, path: &Path, columns: &[String], options: &PageOptions) -> Result<Chart, String> {
-    let history = history::read(path, columns)?;
-    let units = find::units(path);
+fn chart(
+    title: &str,
+    path: &Path,
+    columns: &[String],
+    options: &PageOptions,
+    filter: Option<CutoffFrequency>,
+) -> Result<Chart, String> {
+    let (mut history, units) = (history::read(path, columns)?, find::units(path));
+    filter.map_or(Ok(()), |filter| filter.filter(&mut history, &units))?;
     let mut chart = titled(title, history::chart("", columns, &history, &units));
     let variable = |name: &String| name.split('@').next().unwrap_or(name).to_owned();
     let all_energies = columns.iter().all(|c| !c.contains('@') && (c.starts_with("ALL") || c == "ETOTAL"));
