@@ -3,17 +3,22 @@
 use std::sync::Arc;
 
 use pyo3::prelude::*;
+use revolve::job;
+use revolve::model::{self, Model};
 use revolve::study::StudyError;
+use revolve::study::causes;
 use revolve::study::chart::{Chart, ChartSeries, SeriesForm};
-use revolve::study::convergence;
+use revolve::study::convergence::{self, RefinementRequest};
 use revolve::study::evaluate::{SampleEvaluator, UserRoutines};
+use revolve::study::inputs::RandomInputs;
+use revolve::study::jitter::NoiseRequest;
 use revolve::study::limit::{self as limits, LimitRequest};
 use revolve::study::quantity::Quantity;
 use revolve::study::record;
-use revolve::study::runner::StudyRunner;
+use revolve::study::runner::{RunSource, StudyRunner};
 use revolve::study::settings::{self, StudyAxis};
 use revolve::study::target::ErrorTarget;
-use revolve::{job, model};
+use revolve::study::uncertainty::{self as uncertainties, ModelTraits, UncertaintyRequest};
 
 use crate::deck::{Deck, ParameterSettings, User};
 use crate::errors;
@@ -40,6 +45,7 @@ struct StudyRequest {
     quantity: String,
     exact: Option<String>,
     target: Option<String>,
+    jitter: Option<usize>,
     repeat: usize,
 }
 
@@ -54,15 +60,45 @@ pub fn study(
     quantity: String,
     exact: Option<String>,
     target: Option<String>,
+    jitter: Option<usize>,
     repeat: usize,
     user: Option<&User>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let request = StudyRequest { settings, refine, quantity, exact, target, repeat };
+    let request = StudyRequest { settings, refine, quantity, exact, target, jitter, repeat };
     let waiting = PythonWait::new(progress);
     let studied = py.detach(|| deck.studied(&request, user, &waiting));
     waiting.end()?;
     studied.map_err(|why| errors::study(py, &why))
+}
+
+/// Runs a deck in memory with its companion runs and returns the certificate as JSON.
+#[pyfunction]
+pub fn uncertainty(
+    py: Python<'_>,
+    deck: &Deck,
+    settings: ParameterSettings,
+    quantities: Vec<String>,
+    budget: f64,
+    distributions: Vec<String>,
+    user: Option<&User>,
+) -> PyResult<String> {
+    let estimate = || {
+        let quantities = quantities.iter().map(|text| Quantity::parse(text)).collect::<Result<Vec<_>, _>>()?;
+        let inputs = RandomInputs::parse(&distributions, &[])?;
+        let source = |overrides: &job::ParameterOverrides| deck.source.read(overrides);
+        let request = UncertaintyRequest {
+            source: RunSource { deck: &source, user: user.map(|user| &*user.compiled), interrupt: None },
+            overrides: &settings,
+            traits: &ModelTraits::of(&model::build(&source(&settings).0).0),
+            quantities: &quantities,
+            inputs: (!inputs.names.is_empty()).then_some(&inputs),
+            budget,
+        };
+        uncertainties::run_and_estimate(&request)
+    };
+    let found = py.detach(estimate).map_err(|why| errors::study(py, &why))?;
+    Ok(serde_json::json!(found).to_string())
 }
 
 /// Finds a ballistic limit and returns its record as JSON.
@@ -86,7 +122,7 @@ pub fn limit(
         let residual = residual.iter().map(|text| Quantity::parse(text)).collect::<Result<_, _>>()?;
         let routines = user.map_or(UserRoutines::Absent, |user| UserRoutines::Files(Arc::clone(&user.compiled)));
         let evaluator = SampleEvaluator::new(deck.source.clone(), settings, vec![velocity], residual, routines)?;
-        let evaluator = evaluator.of_shots();
+        let evaluator = evaluator.of_shots(least);
         limits::find(&request, &mut |velocities| limits::fire(&request, &evaluator, velocities, &[], threads))
     };
     py.detach(find).map(|found| found.record().to_string()).map_err(|why| errors::study(py, &why))
@@ -97,7 +133,7 @@ impl Deck {
         let quantity = Quantity::parse(&request.quantity)?;
         let exact = convergence::exact(request.exact.as_deref(), &quantity)?;
         let target = request.target.as_deref().map(ErrorTarget::parse).transpose()?;
-        let (axes, runs) = self.axes(request, user, &quantity)?;
+        let (axes, model, runs) = self.axes(request, user, &quantity)?;
         if exact.is_none() && !axes.iter().any(StudyAxis::is_refinement) {
             return Err(StudyError::Setting(
                 "no error can be estimated from options without levels: give exact=, or refine= with numeric levels"
@@ -113,29 +149,38 @@ impl Deck {
         let compiled = user.map(|user| &*user.compiled);
         let mut bench = StudyRunner::new(&source, &request.settings, compiled, &quantity, request.repeat, &count);
         bench.interrupted_by(&waiting.interrupt);
-        let (results, met, timing) = convergence::refine(&mut bench, &axes, exact, target)?;
+        let request = RefinementRequest {
+            axes: &axes,
+            exact,
+            target,
+            noise: NoiseRequest::new(request.jitter, &model),
+            causes: causes::limits_of_order(&model),
+            announce: &|line| waiting.look(1.0, line),
+            around: false,
+        };
+        let (results, met, timing) = convergence::refine(&mut bench, &request)?;
         let table = record::table(&results, true);
         let drawn = |chart: Chart| chart.svg().unwrap_or_default();
         let text = serde_json::json!({
             "header": table.header,
             "rows": table.rows,
-            "conclusions": record::conclusions(&results, met.as_ref()),
+            "conclusions": record::conclusions(&results, &quantity.text, met.as_ref()),
             "reference": results.reference,
-            "price_chart": drawn(record::price_chart(&results, &request.quantity)),
-            "order_chart": drawn(record::order_chart(&results, &request.quantity)),
+            "price_chart": drawn(record::price_chart(&results, &quantity.text)),
+            "order_chart": drawn(record::order_chart(&results, &quantity.text)),
             "met": met.as_ref().map(|met| met.run.is_some()),
             "record": record::record(&quantity.text, exact, &results, met.clone(), timing),
         });
         Ok(text.to_string())
     }
 
-    /// Returns the axes of the study and its number of runs.
+    /// Returns the axes of the study, the model and the number of runs.
     fn axes(
         &self,
         request: &StudyRequest,
         user: Option<&User>,
         quantity: &Quantity,
-    ) -> Result<(Vec<StudyAxis>, usize), StudyError> {
+    ) -> Result<(Vec<StudyAxis>, Model, usize), StudyError> {
         let routines = revolve::user::compile::Compiled::open_any(user.map(|user| &*user.compiled))?;
         let first = job::prepare_edited(self.source.read(&request.settings), &mut |_| {}, &routines);
         if first.diagnostics.has_errors() {
@@ -146,9 +191,10 @@ impl Deck {
         if axes.is_empty() {
             return Err(StudyError::Setting("no parameter to refine: give refine={\"NAME\": [v1, v2, …]}".into()));
         }
-        settings::check(&axes, &model::build(&self.source.read(&request.settings).0).0)?;
+        let model = model::build(&self.source.read(&request.settings).0).0;
+        settings::check(&axes, &model)?;
         quantity.check(&first.plan)?;
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * request.repeat;
-        Ok((axes, runs))
+        Ok((axes, model, runs))
     }
 }

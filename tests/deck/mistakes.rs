@@ -238,6 +238,54 @@ fn node_far_from_the_others_gives_a_warning() {
     assert_eq!((codes(9.0), codes(9000.0)), (vec![], vec!["P144"]));
 }
 
+/// A parameter without a value, or with a fraction where whole numbers follow from it, gives one message at its cause. Other
+/// parameters and fields follow from it.
+#[test]
+fn a_wrong_parameter_gives_one_message() {
+    let deck = |parameters: &str| {
+        "*Parameter\n".to_owned()
+            + parameters
+            + "*Node\n 1, 0., 0.\n <corner>, 1., 0.\n <top>, 0., 2.\n <last>, 1., 2.\n*Ngen, nset=FOOT\n 1, <corner>, 1\n\
+               *Ngen, nset=TOP\n <top>, <last>, 1\n*Nfill, nset=BAR\n FOOT, TOP, <n>, <corner>\n*Element, type=CAX4R\n 1, 1, 2, 7, 6\n\
+               *Elset, elset=BAR\n 1\n"
+            + "*Solid Section, elset=BAR, material=M\n*Material, name=M\n*Density\n 1.,\n*Elastic\n 100., 0.3\n\
+               *Step\n*Dynamic, Explicit\n , 1.\n*End Step\n"
+    };
+    for (parameters, code, place, words) in [
+        ("n = 4\ncorner = row\nrow = 5\ntop = 1 + n*corner\nlast = top + 4\n", "D402", "row", "`row` is not defined"),
+        ("n = 4.5\ncorner = 5\ntop = 2 + n*corner\nlast = top + 4\n", "D304", "<top>", "parameter `n` is 4.5"),
+    ] {
+        let prepared = prepared(&deck(parameters));
+        let text = prepared.diagnostics.render(&prepared.deck.sources);
+        let found: Vec<_> = prepared.diagnostics.iter().collect();
+        assert_eq!(found.len(), 1, "{text}");
+        assert_eq!((found[0].code, prepared.deck.sources.text(found[0].labels[0].span)), (code, place), "{text}");
+        assert!(text.contains(words), "{text}");
+    }
+}
+
+/// A boundary condition on the set of the whole body instead of its foot holds it in spite of its initial velocity.
+#[test]
+fn fixed_nodes_with_an_initial_velocity_give_a_warning() {
+    let deck = |held: &str| {
+        crate::common::solid::grid(2, 4, false, |i, j| [i as f64, j as f64])
+            + &crate::common::solid::material(1.0, 0.3, 1.0, "")
+            + "*Elset, elset=ALL\n 1\n*Initial Conditions, type=VELOCITY\n ALL, 2, -1.\n*Step\n*Dynamic, Explicit\n , 1.\n*Boundary\n "
+            + held
+            + ", 2, 2\n*End Step\n"
+    };
+    for (held, codes) in [("J0", vec![]), ("ALL", vec!["P145"])] {
+        let prepared = prepared(&deck(held));
+        let found: Vec<&str> = prepared.diagnostics.iter().map(|d| d.code).collect();
+        let text = prepared.diagnostics.render(&prepared.deck.sources);
+        assert_eq!(found, codes, "{text}");
+        assert!(
+            held == "J0" || text.contains("fixes all these nodes") && text.contains("element set of the same name"),
+            "{text}"
+        );
+    }
+}
+
 /// Deviations that are accepted without a message or with a ledger entry.
 const TRIFLES: &[(&str, &str)] = &[
     ("", "length = 2. => length = 1.; length = 2*length"),

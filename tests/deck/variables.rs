@@ -164,6 +164,7 @@ fn history(variable: Variable, name: &str) -> (String, &'static str) {
         VariablePlace::Node => ("*Node Output, nset=TIP", "@TIP"),
         VariablePlace::Point | VariablePlace::Element => ("*Element Output, elset=ONE", "@ONE"),
         VariablePlace::Energy => ("*Energy Output", ""),
+        VariablePlace::Part => ("*Energy Output, elset=ONE", "@ONE"),
         VariablePlace::Increment => ("*Incrementation Output", ""),
         VariablePlace::Pair => ("*Contact Output", "@J1_LID"),
         VariablePlace::Section => ("*Integrated Output, surface=J0", "@J0"),
@@ -420,7 +421,7 @@ fn requests_without_effect_are_listed_with_a_reason() {
     let history = |card: &str, word: &str| unused(&format!("*Output, history\n{card}\n {word}\n"));
     assert!(history("*Node Output, nset=TIP", "S").contains("S is an element variable"));
     assert!(history("*Element Output, elset=ONE", "U").contains("U is a nodal variable"));
-    assert!(history("*Energy Output, elset=ONE", "ALLIE").contains("not of a set"));
+    assert!(history("*Energy Output, elset=ONE", "ALLIE").contains("sets have PARTKE"));
     assert!(history("*Element Output, elset=ONE", "PRESSURE").contains("has no history"));
     assert!(unused("*Output, field\n*Element Output\n S11\n").contains("frames show S with all components"));
     assert!(unused("*Output, field\n*Element Output\n ALLKE\n").contains("*OUTPUT, HISTORY"));

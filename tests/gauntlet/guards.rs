@@ -20,6 +20,8 @@ cases! { "Guard rails":
         "one warning of negative ALLIE during the run, with increment and time; none for the reversed path, which dissipates energy";
     an_increment_that_crawls, "increment so small that 1e9 remain: a run of days without a message",
         "one warning during the run with the remaining increments; none for the same block at its stable increment";
+    an_element_that_collapses, "one squashed element makes the increment of the whole model 50 times smaller",
+        "warning during the run with element, material, factor, remaining increments and cards, and one at the end with the share of the increments; none if a layer of elements is compressed, or if the element is squashed at the end";
     a_pattern_that_grows, "kinetic energy in the hourglass modes",
         "warning during the run with the element; none for a bar in one long wave";
     too_much_hourglassing, "coarse mesh dominated by hourglass control",
@@ -189,6 +191,33 @@ fn an_increment_that_crawls() -> CaseVerdict {
         figure: format!("{} and {} times", reported(&slow), reported(&quick)),
         holds: named && (reported(&slow), reported(&quick)) == (1, 0),
     }
+}
+
+fn an_element_that_collapses() -> CaseVerdict {
+    // The nodes from 56 on approach those below.
+    let run = |count: usize, path: &str| {
+        let deck = grid(10, 10, false, |i, j| [i as f64, j as f64])
+            + &material(100.0, 0.0, 1.0, "*Plastic\n 0.1, 0.\n")
+            + &format!("*Nset, nset=LOWER, generate\n 45, {}, 1\n", 44 + count)
+            + &format!("*Nset, nset=UPPER, generate\n 56, {}, 1\n", 55 + count)
+            + &format!("*Amplitude, name=A, definition=SMOOTH STEP\n{path}\n")
+            + "*Step\n*Dynamic, Explicit, element by element\n , 100.\n*Boundary\n J0, 2, 2\n LOWER, 2, 2\n"
+            + "*Boundary, amplitude=A\n UPPER, 2, 2, -0.98\n"
+            + END;
+        text(&deck, &Routines::none()).outcome.warnings
+    };
+    let squashed = run(2, " 0., 0., 20., 1.");
+    let layer = run(11, " 0., 0., 20., 1.");
+    let late = run(2, " 0., 0., 99., 0., 100., 1.");
+    let [during, end] = ["the time increment collapses", "of the increments"].map(|begins| {
+        let found: Vec<&String> = squashed.iter().filter(|w| w.contains(begins) && w.contains("material M")).collect();
+        println!("{found:?}");
+        found.len()
+    });
+    let words = ["element 41 ", "by a factor of", "increments remain", "*EROSION, INCREMENT=", "TYPE=BELOW MIN"];
+    let named = squashed.iter().any(|w| contains_all(w, &words));
+    let silent = [&layer, &late].iter().all(|list| list.iter().all(|w| !w.contains("collapses")));
+    CaseVerdict { figure: format!("{during} and {end}"), holds: named && silent && (during, end) == (1, 2) }
 }
 
 fn a_pattern_that_grows() -> CaseVerdict {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::{self, project, revolve};
+use crate::common::{project, revolve};
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
@@ -46,7 +46,7 @@ fn run_writes_complete_files_with_stable_keys() {
 #[test]
 fn invalid_decks_are_rejected_with_a_place() {
     let mut seen = 0;
-    for entry in std::fs::read_dir(common::project("tests/decks/bad")).expect("broken decks") {
+    for entry in std::fs::read_dir(project("tests/decks/bad")).expect("broken decks") {
         let path = entry.expect("an entry").path();
         if path.extension().is_none_or(|e| e != "inp") {
             continue;

@@ -334,6 +334,46 @@ fn signals_end_runs_with_complete_files() {
     }
 }
 
+/// SIGTERM at a random moment of each command ends it soon: while it reads, runs, measures, writes or waits for threads.
+#[test]
+fn a_signal_ends_every_command() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let fine = ["--set", "nr=16", "--set", "nz=80"];
+    let limits = ["--velocity", "V", "--between", "200,900", "--tolerance", "1e-9"];
+    let spread = ["--distribution", "V=normal(500, 10)", "--count", "1000000", "--quantity", "final(V2@REF)"];
+    let many = ["--set", "nz=80,81,82", "--set", "nr=16", "--quantity", "final(COOR2@TIP)"];
+    let refined = ["--refine", "nr=8,16,32", "--quantity", "final(COOR2@TIP)"];
+    let commands: [(&str, &str, &[&str]); 6] = [
+        ("run", "taylor_copper", &fine),
+        ("check", "taylor_copper", &fine),
+        ("limit", "ogive_meshed", &limits),
+        ("scatter", "plate_6061", &spread),
+        ("sweep", "taylor_copper", &many),
+        ("study", "taylor_copper", &refined),
+    ];
+    let (mut slowest, mut ended) = (Duration::ZERO, 0);
+    for state in 0..30 {
+        let (command, deck, more) = commands[state % commands.len()];
+        let deck = project(&format!("input/{deck}.inp"));
+        let mut revolve = Command::new(env!("CARGO_BIN_EXE_revolve"));
+        revolve.arg(command).arg(deck).args(more).stdout(Stdio::null()).stderr(Stdio::null());
+        if command != "check" {
+            revolve.arg("--out").arg(scratch.path().join(state.to_string()));
+        }
+        let mut child = revolve.spawn().expect("the program runs");
+        std::thread::sleep(Duration::from_millis([3, 30, 150, 400, 1100][state / commands.len()]));
+        let sent = Instant::now();
+        let kill = Command::new("kill").args(["-TERM", &child.id().to_string()]).stderr(Stdio::null()).status();
+        kill.expect("kill runs");
+        let status = child.wait().expect("a status");
+        slowest = slowest.max(sent.elapsed());
+        ended += usize::from(!status.success());
+        assert!(sent.elapsed().as_secs() < 10, "{command} {deck:?}", deck = commands[state % commands.len()].1);
+    }
+    println!("slowest end after {slowest:?}; {ended} of 30 commands were interrupted");
+    assert!(ended >= 20, "{ended}");
+}
+
 /// A limit on file sizes stops writing as a full disk does, at any size from none to enough.
 #[test]
 fn full_disk_halts_the_run_with_complete_files() {

@@ -58,7 +58,7 @@ function selfTest() {
     csv: first ? csvOf(first).trim().split('\n').map(line => line.split(',').length) : [],
     y_labels: [...document.querySelectorAll('.y-label')].map(t => t.textContent),
     charts: plots.length, lines: document.querySelectorAll('path.series').length, points: document.querySelectorAll('circle.point').length,
-    tables: document.querySelectorAll('table').length, tips: tips.filter(t => t.length > 4).length, meridians, faults,
+    tables: document.querySelectorAll('table').length, pictures: [...document.querySelectorAll('img.picture')].filter(i => i.complete && i.naturalWidth > 0).length, tips: tips.filter(t => t.length > 4).length, meridians, faults,
     requests: performance.getEntriesByType('resource').map(e => e.name), not_a_number: page.innerHTML.includes('NaN'),
     warnings: [...document.querySelectorAll('ul.warning li')].map(li => li.textContent),
   };

@@ -177,6 +177,41 @@ fn damaged_frames_are_rejected_with_a_message() {
     assert!(!folder.path().join("report.html").exists());
 }
 
+/// The colour bar has the given range, smooth shading divides elements, and an animation has all frames.
+#[test]
+fn pictures_of_frames_have_a_colour_bar_and_animations_all_frames() {
+    let (folder, out) = folder();
+    let deck = ["input/validation/taylor_bar.inp", "--set", "nr=4", "--set", "time=20e-6"];
+    assert!(revolve(&[&["run", deck[0], "--out", &out], &deck[1..]].concat()).status.success());
+    let file = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
+    let draw = |arguments: &[&str]| {
+        let output = revolve(&[&["chart", &out][..], arguments].concat());
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let svg = |arguments: &[&str]| {
+        assert_eq!(draw(&[arguments, &["--field", "PEEQ", "--out", &file("a.svg")]].concat()).0, Some(0));
+        std::fs::read_to_string(file("a.svg")).expect("a picture")
+    };
+    let plain = svg(&["--range", "0..2"]);
+    assert!(plain.contains("PEEQ (0 to 2)") && plain.contains(">0.5<") && plain.contains(">1.5<"), "{plain}");
+    let paths = |text: &str| text.matches("<path").count();
+    assert!(paths(&svg(&["--smooth", "--range", "run"])) > 8 * paths(&plain));
+    assert_eq!(draw(&["--field", "PEEQ", "--animate", &file("a.gif"), "--duration", "1"]).0, Some(0));
+    let animation = std::fs::read(file("a.gif")).expect("an animation");
+    // Each frame has a graphic control extension, here with a delay of 0.33 s.
+    let control = [0x21, 0xf9, 0x04];
+    let delays: Vec<u8> = animation.windows(5).filter(|w| w[..3] == control).map(|w| w[4]).collect();
+    assert!(animation.starts_with(b"GIF89a") && delays == [33; 3], "{delays:?}");
+    for (arguments, word) in [
+        (&["--field", "PEEQ", "--range", "2..1"][..], "LOW..HIGH"),
+        (&["--field", "PEEQ", "--animate", "a.mp4"], ".gif"),
+        (&["--field", "PEEQ", "--animate", "a.gif", "--duration", "0"], "--duration 0"),
+    ] {
+        let (status, message) = draw(arguments);
+        assert!(status == Some(2) && message.contains(word), "{message}");
+    }
+}
+
 #[test]
 fn chart_command_writes_charts_and_pictures() {
     let (folder, out) = folder();
@@ -197,9 +232,9 @@ fn chart_command_writes_charts_and_pictures() {
     assert!(svg(&["--energy"]).contains("opening the cavity"));
     let named = svg(&["--column", "U2@REF", "--label", "U2@REF=depth of the tip"]);
     assert!(named.contains("depth of the tip") && !named.contains("U2@REF"));
-    // Twenty facets on both sides of the axis, and the axis.
+    // Twenty facets on both sides of the axis, the axis, and the ticks of the colour bar, of which each has a label.
     let picture = svg(&["--field", "PRESSURE", "--frame", "3"]);
-    assert_eq!(picture.matches("<path").count(), 2 * 20 + 1);
+    assert!((2 * 20 + 1 + 2..2 * 20 + 1 + 10).contains(&picture.matches("<path").count()));
     assert!(picture.contains("BLOCK: AL6061") && picture.contains("frame 3 of 21"));
     let (_, _, png) = draw(&["--field", "V2"], "a.png");
     assert!(png.starts_with(b"\x89PNG") && png.len() > 5000, "{}", png.len());
@@ -277,6 +312,53 @@ fn energies_out_of_bounds_are_reported_everywhere() {
     assert!(revolve(&["report", &out]).status.success());
     let result = browser.self_test(&folder.path().join("report.html"), DESK);
     assert_eq!((&result["faults"], &result["warnings"]), (&json!([]), &json!([message_text])));
+}
+
+/// The page has the tables and pictures of `limit`, `identify` and `scatter`, and no picture of an earlier command.
+#[test]
+fn searches_show_their_tables_and_pictures() {
+    let (folder, out) = folder();
+    let search = |words: &[&str]| {
+        let output = revolve(&[words, &["--quiet", "--out", &out]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    let quantity = "-1000*final(U2@REF)";
+    let shots = ["--shots", "input/reference/shots_6061.csv", "--measured", "depth", "--quantity", quantity];
+    search(&["limit", "input/plate_6061.inp", "--velocity", "V", "--tolerance", "1", "--between", "200,900"]);
+    search(&["scatter", "input/plate_6061.inp", "-d", "V=500..600", "--quantity", "-final(V2@REF)", "--count", "8"]);
+    search(&[&["identify", "input/ogive.inp", "--unknown", "A=4", "--set", "B=0.983"][..], &shots].concat());
+    std::fs::write(folder.path().join("plate_6061_limit_scatter.svg"), "<svg/>").expect("an old picture");
+    let page = report::gather(folder.path()).expect("a page");
+    assert_eq!(page.title, "ogive, plate_6061");
+    for (found, [title, name]) in page.searches.iter().zip([
+        ["Limit", "plate_6061_limit"],
+        ["Identification", "ogive_identify"],
+        ["Scatter", "plate_6061_scatter"],
+    ]) {
+        let csv = std::fs::read_to_string(folder.path().join(format!("{name}.csv"))).expect("a table");
+        assert_eq!((found.title, found.table.rows.len() + 1), (title, csv.lines().count()));
+        assert_eq!(Some(found.table.header.join(",").as_str()), csv.lines().next());
+        let pictures: Vec<&str> = found.pictures.iter().map(|p| p.name.as_str()).collect();
+        assert_eq!(pictures, [format!("{name}.svg")]);
+        assert!(found.pictures[0].source.starts_with("data:image/svg+xml;base64,"));
+    }
+    let limit = &page.searches[0].table.rows[0];
+    assert!(revolve(&["report", &out, "--quiet"]).status.success());
+    let path = folder.path().join("report.html");
+    let html = std::fs::read_to_string(&path).expect("a page");
+    assert!(html.contains(&serde_json::to_string(limit).expect("a row")), "{limit:?}");
+
+    let Some(mut browser) = HeadlessBrowser::start() else { return };
+    for view in [420, 1400].into_iter().flat_map(|width| [false, true].map(|dark| PageView { width, dark })) {
+        let result = browser.self_test(&path, view);
+        assert_eq!((&result["faults"], &result["overflow"], &result["wide"]), (&json!([]), &json!(0), &json!([])));
+        assert_eq!((&result["tables"], &result["pictures"]), (&json!(3), &json!(3)), "{view:?}");
+        assert!(browser.errors.is_empty() && browser.requests.is_empty(), "{:?}", browser.errors);
+        browser.open(&path, "", view);
+        let picture = browser.picture("img.picture");
+        let light = picture.pixels()[0].red() > 128;
+        assert!(light != view.dark && picture.width() > 240, "{view:?}");
+    }
 }
 
 #[test]

@@ -33,6 +33,32 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
+/// A meshed rod that is still decelerated when the step ends has not perforated: its run is extended. Source: the same
+/// rod with a step that lasts ten times as long.
+#[test]
+fn meshed_rod_that_is_still_decelerated_has_not_perforated() {
+    let text = fs::read_to_string(project("input/rod_plate.inp")).expect("a deck");
+    let [before, after] = ["*Dynamic, Explicit\n , 40.e-6", "*Energy Output"];
+    assert!(text.contains(before) && text.contains(after), "the deck has changed");
+    let parts = text.replace(after, "*Energy Output, elset=ROD\n PARTVEL\n*Energy Output");
+    let folder = tempfile::tempdir().expect("a folder");
+    let limit = |duration: &str| {
+        let deck = folder.path().join("rod.inp");
+        let text = parts.replace(before, &format!("*Dynamic, Explicit\n , {duration}"));
+        fs::write(&deck, text).expect("a deck");
+        let out = folder.path().join("out");
+        let [deck, out] = [&deck, &out].map(|path| path.to_str().expect("a name"));
+        let words = ["limit", deck, "--velocity", "speed", "--between", "100e3,900e3", "--tolerance", "25e3"];
+        let residual = ["--residual", "-final(PARTVEL@ROD)", "--least", "20e3", "--shots", "1", "--out", out];
+        let mesh = ["--set", "nr=2", "--set", "nz=10", "--set", "mr=10", "--set", "mz=5"];
+        let found = json(&[&words[..], &residual, &mesh].concat());
+        [0, 1].map(|end| number(&found["bracket"][end]))
+    };
+    let (short, long) = (limit("20.e-6"), limit("400.e-6"));
+    println!("limit with a short step {short:?}, with a long step {long:?}");
+    assert_eq!(short, long);
+}
+
 /// A shot at the lower end of the bracket is stopped, one at the upper end perforates; the fitted curve passes through
 /// all points.
 #[test]
@@ -67,6 +93,46 @@ fn limit_is_within_its_bracket() {
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.code() == Some(2) && message.contains(message_text), "{between} {more:?}: {message}");
     }
+}
+
+/// The JSON file is the object of `--json`, the table has all digits, and all files have checksums.
+#[test]
+fn searches_write_what_json_prints() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().to_str().expect("a name");
+    let text = |name: &str| fs::read_to_string(folder.path().join(name)).expect("a file");
+    let limit = ["limit", PLATE, "--velocity", "V", "--tolerance", "1", "--between", "200,900", "--shots", "4"];
+    let scatter = ["scatter", PLATE, "-d", "V=500..600", "--quantity", RESIDUAL, "--count", "8"];
+    let shots = ["--shots", "input/reference/shots_6061.csv", "--measured", "depth", "--quantity", DEPTH];
+    let fixed = ["--unknown", "A=4", "--set", "B=0.983", "--set", "C=0.9402"];
+    let identify = [&["identify", "input/ogive.inp"][..], &shots, &fixed].concat();
+    for (words, name) in
+        [(&limit[..], "plate_6061_limit"), (&scatter, "plate_6061_scatter"), (&identify, "ogive_identify")]
+    {
+        let printed = json(&[words, &["--out", out]].concat());
+        let written: Value = serde_json::from_str(&text(&format!("{name}.json"))).expect("an object");
+        assert_eq!(written, printed, "{name}");
+        assert!(text(&format!("{name}.sfv")).contains(&format!("{name}.json ")), "{name}");
+        let exact = match words[0] {
+            "limit" => &printed["bracket"][0],
+            "scatter" => &printed["estimates"][0]["value"],
+            _ => &printed["estimates"]["A"]["value"],
+        };
+        let table = text(&format!("{name}.csv"));
+        assert!(table.contains(&format!("{:?}", number(exact))), "{name}: {exact} in {table}");
+    }
+    let found: Value = serde_json::from_str(&text("plate_6061_limit.json")).expect("an object");
+    let row = |shot: &Value| {
+        let end = shot["end"].as_str().expect("an end");
+        format!("{:?},{:?},{end}", number(&shot["velocity"]), number(&shot["residual"]))
+    };
+    let rows: Vec<String> = found["shots"].as_array().expect("shots").iter().map(row).collect();
+    let table = text("plate_6061_limit_shots.csv");
+    assert_eq!(table.lines().skip(1).collect::<Vec<_>>(), rows);
+    assert!(table.starts_with("velocity,residual,end\n"), "{table}");
+    rendered(&revolve(&[&limit[..], &["--out", out, "--over", "THICK=0.01,0.013"]].concat()));
+    let table = text("plate_6061_limit_shots.csv");
+    assert!(table.starts_with("THICK,velocity,residual,end\n0.01,200.0,"), "{table}");
 }
 
 /// A step that is too short is extended; a body that still moves at 16 times its duration gives no limit.
@@ -132,7 +198,7 @@ fn random_oblique_shots(count: usize) -> [usize; 2] {
     let quantities = columns.iter().map(|text| Quantity::parse(text).expect("a quantity")).collect();
     let source = DeckSource::Text("oblique.inp".into(), coarse_oblique());
     let evaluator = SampleEvaluator::new(source, Vec::new(), names, quantities, UserRoutines::Absent);
-    let evaluator = evaluator.expect("an evaluator").of_shots();
+    let evaluator = evaluator.expect("an evaluator").of_shots(None);
     let ranges = [[20.0, 900.0], [0.5, 80.0], [-8.0, 8.0], [2e-3, 30e-3], [0.0, 0.05]];
     let mut draws = ChaCha8Rng::seed_from_u64(7);
     let mut draw = |[low, high]: [f64; 2]| low + (high - low) * design::unit(draws.next_u64());

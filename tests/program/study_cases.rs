@@ -10,7 +10,7 @@ use crate::common::ogive;
 use crate::common::solid::{WHOLE_VISCOSITY, grid, material};
 
 /// Returns the deck for one level.
-pub type DeckFactory = Box<dyn Fn(&ParameterOverrides) -> (Deck, Diagnostics)>;
+pub type DeckFactory = Box<dyn Fn(&ParameterOverrides) -> (Deck, Diagnostics) + Sync>;
 
 /// A model, its refinement, and its independent exact result.
 pub struct StudyCase {
@@ -29,7 +29,7 @@ fn with_parameters(text: String) -> DeckFactory {
 }
 
 /// Returns the levels of a deck text that depends on the number of elements.
-fn with_elements(make: impl Fn(usize) -> String + 'static) -> DeckFactory {
+fn with_elements(make: impl Fn(usize) -> String + Sync + 'static) -> DeckFactory {
     Box::new(move |overrides| {
         let n = overrides.iter().find(|o| o.0 == "n").and_then(|o| o.1.parse().ok()).expect("n");
         deck::read_text("case.inp", &make(n), &[])
@@ -99,7 +99,7 @@ fn with_friction(mu: f64) -> [f64; 3] {
 
 /// Returns the depth of a fully embedded nose: integral of m V dV / (alpha + gamma V + beta V^2) from 0 to V, by
 /// Simpson's rule.
-fn closed_form(v: f64, [n0, n1, n2]: [f64; 3], b: f64) -> f64 {
+pub fn closed_form(v: f64, [n0, n1, n2]: [f64; 3], b: f64) -> f64 {
     let area = PI * A * A;
     let alpha = area * 5.0394 * Y * n0;
     let (gamma, beta) = (area * b * (RHO * Y).sqrt() * n1, area * 0.983 * RHO * n2);

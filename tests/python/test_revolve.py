@@ -278,8 +278,17 @@ def test_study_reports_its_error(deck: rv.Deck) -> None:
     assert study.reached is None
     assert deck.study({"n": [10, 20, 40]}, "-1000*final(U2@REF)", target="1%").reached
     assert study.record["quantity"] == "-1000*final(U2@REF)"
+    assert deck.study({"n": [10, 20]}, "-1000*final(U2@REF)", jitter=2).record["noise"]["runs"] == 2
     with pytest.raises(rv.StudyError, match="increasing"):
         deck.study({"n": [10, 40, 20]}, "final(U2@REF)")
+
+
+def test_uncertainty_names_its_dominant_part(deck: rv.Deck) -> None:
+    found = deck.uncertainty("-1000*final(U2@REF)", distributions={"V": "normal(800, 8)"})
+    quantity = found["quantities"][0]
+    assert quantity["dominant"] == "input"
+    assert 0 < quantity["mesh"] < quantity["input"] < 0.1 * quantity["value"]
+    assert found["conclusions"][0].startswith("-1000*final(U2@REF) = ")
 
 
 def test_limit_reports_outcomes() -> None:

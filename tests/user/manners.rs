@@ -92,6 +92,30 @@ fn signals_still_end_a_run() {
     assert!(user_dir.path("out/ogive_user.checkpoint").exists(), "{}", message_text(&output));
 }
 
+/// The first signal ends the program within the increment; the message names the load.
+#[test]
+fn a_signal_ends_a_subroutine_that_never_returns() {
+    let user_dir = UserFolder::new();
+    let before = "if (calls == 9) { kill(getpid(), SIGTERM); for (;;) { volatile int x = calls; (void)x; } }";
+    let output = run_of(&user_dir, "hangs", before);
+    let message = message_text(&output);
+    assert_eq!(output.status.code(), Some(143), "{message}");
+    assert!(
+        ["R207", "within an increment", "increment 9", "user load"].iter().all(|word| message.contains(word)),
+        "{message}"
+    );
+}
+
+/// After 10 s without progress a warning names the increment and the load; the run continues.
+#[test]
+fn a_slow_subroutine_is_named() {
+    let user_dir = UserFolder::new();
+    let file = load(&user_dir, "sleeps", "if (calls == 9) sleep(11);");
+    let output = user_dir.command(&user_deck(), &[&file]).output().expect("the program runs");
+    let message = message_text(&output);
+    assert!(output.status.success() && message.contains("no progress for 10 s: increment 9"), "{message}");
+}
+
 #[test]
 fn fortran_signal_handlers_are_restored() {
     if !fortran() {

@@ -180,7 +180,9 @@ fn overlap_of_bodies_in_contact_is_reported() {
         let deck = blocks(true, [6, 3], &law)
             + "*Initial Conditions, type=VELOCITY\n UPPER.ALL, 2, -0.05\n*Step\n*Dynamic, Explicit\n , 4.\n\
                *Contact Pair, interaction=SOFT\n LOWER.SKIN, UPPER.SKIN\n*End Step\n";
-        run(&deck).whole().outcome.warnings
+        let mut warnings = run(&deck).whole().outcome.warnings;
+        warnings.retain(|warning| warning.contains("overlap"));
+        warnings
     };
     let soft = warnings(0.05);
     println!("{soft:?}");

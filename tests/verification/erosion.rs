@@ -135,3 +135,41 @@ fn random_perforations_complete_and_conserve_momentum() {
 fn a_hundred_random_perforations_complete() {
     run_random_shots(100, 100);
 }
+
+/// Parts share the mass, momentum and kinetic energy of the model: rod and plate. The sums are equal to rounding. With deleted
+/// elements this holds for the masses.
+#[test]
+fn parts_add_up_to_the_model() {
+    let names = ["PARTMASS", "PARTMOM", "PARTVEL", "PARTKE", "PARTIE", "PARTERO"];
+    for strain in [None, Some(0.5)] {
+        let deck = rod_and_plate(0.5, [6.0, 2.0], 600e3, strain, 0.0, 8e-6).replace(
+            "*End Step\n",
+            "*Output, history, number interval=20\n*Energy Output\n ALLKE, ALLSE, ALLPD, EROMASS\n\
+             *Energy Output, elset=ROD.SOLID, variable=ALL\n*Energy Output, elset=PLATE.SOLID, variable=ALL\n*End Step\n",
+        );
+        let ran = run(&deck).whole();
+        let column = |name: &str| -> Vec<f64> { ran.column(name).iter().map(|row| row[1]).collect() };
+        let compare = |name: &str, found: &[f64], expected: &[f64]| {
+            let size = expected.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs() / size).fold(0.0, f64::max);
+            println!("{name}, failure strain {strain:?}: differs by {off:.1e}");
+            assert!(off < 1e-12, "{name}: {off}");
+        };
+        let plus = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
+        let rod = names.map(|name| column(&format!("{name}@ROD.SOLID")));
+        let plate = names.map(|name| column(&format!("{name}@PLATE.SOLID")));
+        let [mass, momentum, _, kinetic, internal, eroded] = [0, 1, 2, 3, 4, 5].map(|i| plus(&rod[i], &plate[i]));
+        let steady = vec![mass[0]; mass.len()];
+        compare("mass", &plus(&mass, &eroded), &steady);
+        let speeds: Vec<f64> = rod[1].iter().zip(&rod[0]).map(|(momentum, mass)| momentum / mass).collect();
+        compare("velocity", &rod[2], &speeds);
+        if strain.is_some() {
+            assert!(eroded.last().is_some_and(|mass| *mass > 0.0));
+            compare("eroded mass", &eroded, &column("EROMASS"));
+        } else {
+            compare("momentum", &momentum, &vec![momentum[0]; momentum.len()]);
+            compare("kinetic energy", &kinetic, &column("ALLKE"));
+            compare("internal energy", &internal, &plus(&column("ALLSE"), &column("ALLPD")));
+        }
+    }
+}

@@ -78,6 +78,26 @@ fn rigid_wall_impulse_is_the_change_of_momentum() {
     }
 }
 
+/// The written contact forces times their intervals are the change of momentum for any output interval: they are means,
+/// not samples. With friction, and with magnitudes of the means.
+#[test]
+fn contact_impulse_is_the_change_of_momentum_at_any_output_interval() {
+    let cone = rigid_line("WALL", &[[0.0, -0.302], [3.0, 0.598]], "");
+    for output in ["frequency=1", "frequency=7", "number interval=3", "number interval=41", "time interval=0.37"] {
+        let deck = thrown_disc([0.5, 0.3], &cone, "*Friction\n 0.3,\n", "\n , 8.", "");
+        let ran = run(&deck.replace("history, frequency=1", &format!("history, {output}"))).whole();
+        let change = ran.momentum() + SPEED * PI * 0.75;
+        let sum = |name: &str| -> f64 {
+            let rows = ran.column(&format!("{name}@BAR.J0_WALL.SKIN"));
+            rows.windows(2).map(|w| (w[1][0] - w[0][0]) * w[1][1]).sum()
+        };
+        let parts = sum("CFN2") + sum("CFS2");
+        let off = [sum("CFT2"), parts].map(|impulse| impulse / change - 1.0);
+        println!("{output}: errors of the impulse {}", short(&off));
+        assert!(off.iter().all(|off| off.abs() < 1e-10), "{output}: {off:?}");
+    }
+}
+
 /// The impulse of fixed nodes is the sum of their reactions.
 #[test]
 fn fixed_node_impulse_is_the_change_of_momentum() {
@@ -123,7 +143,7 @@ fn reactions_at_rest_equal_the_weight() {
         + &damped("HELD", 3.0)
         + "*Surface Interaction, name=I\n*Amplitude, name=RISE, definition=SMOOTH STEP\n 0., 0., 4., 1.\n*Step\n*Dynamic, Explicit\n , 20.\n\
            *Boundary\n WALL.REF, 2, 2\n HELD.J0, 2, 2\n*Dload, amplitude=RISE\n ALL, GRAV, 1e-3, 0., -1.\n\
-           *Contact Pair, interaction=I\n INNER.J0, WALL.SKIN\n OUTER.J0, WALL.SKIN\n*Output, history, number interval=10\n\
+           *Contact Pair, interaction=I\n INNER.J0, WALL.SKIN\n OUTER.J0, WALL.SKIN\n*Output, history, frequency=1\n\
            *Node Output, nset=WALL.REF\n RF2\n*Node Output, nset=HELD.J0, statistics=SUM\n RF\n*Contact Output\n CFT2, CFTM\n*End Step\n";
     let ran = run(&deck).whole();
     let last = |name: &str| ran.column(name).last().expect("rows")[1];

@@ -1,9 +1,11 @@
 //! The command `revolve chart`: pictures of histories and frames.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::output;
+use crate::output::animation::Animation;
+use crate::report::meridian::{ColourRange, FieldOptions, RunFrames};
 use crate::report::picture::{self, ComparedChart};
 use crate::report::{PageOptions, QuantityLabels};
 use clap::{ArgGroup, Args};
@@ -36,29 +38,73 @@ pub struct ChartCommand {
     /// deviation of the run from each curve is printed.
     #[arg(long, requires = "column", value_name = "FILE")]
     compare: Option<PathBuf>,
+    /// Range of the colours: frame, run (all frames) or LOW..HIGH [default: frame; of an animation: run].
+    #[arg(long, requires = "field", value_name = "RANGE", allow_hyphen_values = true)]
+    range: Option<ColourRange>,
+    /// Average element values at the nodes and interpolate them.
+    #[arg(long, requires = "field")]
+    smooth: bool,
+    /// Write all frames as an animated .gif file.
+    #[arg(long, requires = "field", conflicts_with_all = ["frame", "out"], value_name = "FILE")]
+    animate: Option<PathBuf>,
+    /// Duration of an animation in seconds.
+    #[arg(long, requires = "animate", value_name = "SECONDS", default_value_t = 4.0)]
+    duration: f64,
     /// Picture file, .png or .svg (default: chart.png in the result folder).
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Print errors only.
+    #[arg(short, long)]
+    quiet: bool,
 }
 
 impl ChartCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
+        if let (Some(file), Some(field)) = (&self.animate, &self.field) {
+            return self.animate(file, field);
+        }
         let out = self.out.clone().unwrap_or_else(|| self.folder.join("chart.png"));
         let format = PictureFormat::of(&out)?;
         let drawing = match &self.field {
-            Some(field) => picture::meridian(&self.folder, self.frame, field)?,
+            Some(field) => {
+                let options = self.field_options(field, ColourRange::Frame);
+                RunFrames::of(&self.folder)?.drawing(self.frame, &options)?
+            }
             None => {
                 let options = PageOptions { labels: QuantityLabels::parse(&self.label)?, compare: self.compare };
                 let ComparedChart { chart, deviations } = match self.energy {
                     true => ComparedChart { chart: picture::energies(&self.folder)?, ..ComparedChart::default() },
                     false => picture::columns(&self.folder, &self.column, &options)?,
                 };
-                deviations.iter().for_each(|line| print_out!("{line}"));
+                deviations.iter().filter(|_| !self.quiet).for_each(|line| print_out!("{line}"));
                 chart.drawing()?
             }
         };
         output::write_whole(&out, &format.bytes(&drawing)?)?;
-        print_out!("picture {}", out.display());
+        if !self.quiet {
+            print_out!("picture {}", out.display());
+        }
+        Ok(CommandStatus::SUCCESS)
+    }
+
+    fn field_options(&self, field: &str, range: ColourRange) -> FieldOptions {
+        FieldOptions { field: field.to_owned(), range: self.range.unwrap_or(range), smooth: self.smooth }
+    }
+
+    fn animate(&self, file: &Path, field: &str) -> Result<CommandStatus, Box<dyn Error>> {
+        if file.extension().is_none_or(|e| !e.eq_ignore_ascii_case("gif")) {
+            return Err(format!("--animate {}: the file name must end in .gif", file.display()).into());
+        }
+        if !(self.duration > 0.0 && self.duration < 600.0) {
+            return Err(format!("--duration {}: expected 0 to 600 s", self.duration).into());
+        }
+        let frames = RunFrames::of(&self.folder)?;
+        let mut animation = Animation::new(self.duration / frames.count().max(1) as f64);
+        frames.animation(&self.field_options(field, ColourRange::Run), &mut |drawing| animation.push(drawing))?;
+        output::write_whole(file, &animation.finish()?)?;
+        if !self.quiet {
+            print_out!("animation {}, {} frames", file.display(), frames.count());
+        }
         Ok(CommandStatus::SUCCESS)
     }
 }

@@ -37,12 +37,15 @@ pub struct CheckCommand {
     /// Skip the short trial run that estimates increments and run time.
     #[arg(long)]
     no_look: bool,
-    /// Show the memory of each effect in bytes.
+    /// Show the memory of each effect in bytes, and the reason for each card without effect.
     #[arg(long)]
     bytes: bool,
     /// Print one JSON object with diagnostics, overview and ledger.
     #[arg(long)]
     json: bool,
+    /// Print errors only.
+    #[arg(short, long, conflicts_with = "json")]
+    quiet: bool,
 }
 
 /// JSON object printed by `--json`.
@@ -58,16 +61,19 @@ struct CheckReport<'a> {
 
 impl CheckCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
-        let (routines, _) = self.user.routines(self.json, false)?;
+        let (routines, _) = self.user.routines(self.json || self.quiet, false)?;
         let settings = deck_settings(&self.set, self.mesh_refine)?;
         let (prepared, mut overview) = job::examine(self.precision, &self.deck, &settings, &routines);
-        if let Some(overview) = overview.as_mut().filter(|_| !self.no_look) {
+        if let Some(overview) = overview.as_mut().filter(|_| !self.no_look && !self.quiet) {
             overview.effort = overview::measure(&prepared.plan, &prepared.state, TRIAL_TIME);
         }
         if self.json {
             return print_json(&prepared, overview.as_ref());
         }
-        accept(&prepared, false)?;
+        accept(&prepared, self.quiet)?;
+        if self.quiet {
+            return Ok(CommandStatus::SUCCESS);
+        }
         if let Some(overview) = &overview {
             words::write(format_args!("{}", overview.render()), true);
         }

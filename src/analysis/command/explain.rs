@@ -3,16 +3,16 @@
 use super::CommandStatus;
 use std::error::Error;
 
-use crate::explain::{explain, nearest_word};
+use crate::explain::{explain, nearest_word, search};
 use clap::Args;
 
 use super::words::print_out;
 
 /// Explain a keyword, output variable, element type, quantity function, diagnostic code or topic such as units or
-/// files. `explain keywords` and `explain variables` print the complete lists.
+/// files. Other words are searched in all these texts. `explain keywords` and `explain variables` print the complete lists.
 #[derive(Args)]
 pub struct ExplainCommand {
-    /// Word to explain, for example *PLASTIC, S11, CAX4R, D407 or units.
+    /// Word to explain, for example *PLASTIC, S11, CAX4R, D407 or units; or words to search, for example johnson cook.
     #[arg(required = true)]
     word: Vec<String>,
 }
@@ -20,7 +20,7 @@ pub struct ExplainCommand {
 impl ExplainCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let word = self.word.join(" ");
-        match explain(&word) {
+        match explain(&word).or_else(|| search(&word)) {
             Some(text) => {
                 print_out!("{}", text.trim_end());
                 Ok(super::output_status())

@@ -15,7 +15,7 @@ use crate::study::table::{TextTable, number, short};
 use clap::Args;
 use serde_json::json;
 
-use super::search::{self, SearchArguments};
+use super::search::{self, NumberFormat, SearchArguments};
 use super::{CommandStatus, HALTED, ResultFile, progress, write_results};
 
 /// Largest number of posterior draws that are written.
@@ -97,10 +97,11 @@ impl IdentifyCommand {
         let fits = problem.fit(self.starts as usize)?;
         let posterior = self.posterior.map(|effective| self.sample(&problem, &fits.best, effective)).transpose()?;
         let results = Identified { data: &data, names, fits, posterior };
-        results.write(&job)?;
+        let object = results.json();
+        results.write(&job, &object)?;
         let lines = self.lines(&results, &job);
-        self.search.print(&results.table(), &lines);
-        self.search.print_json(&results.json())?;
+        self.search.print(&results.table(NumberFormat::Rounded), &lines);
+        self.search.print_json(&object)?;
         search::warn_still_moving(problem.evaluator());
         Ok(if results.converged() { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
     }
@@ -242,41 +243,46 @@ impl Identified<'_> {
     }
 
     /// Returns the table of the parameters with their confidence intervals, posterior and correlations.
-    fn table(&self) -> TextTable {
+    fn table(&self, format: NumberFormat) -> TextTable {
         let fit = &self.fits.best;
         let mut header = search::header("parameter");
         header.extend(self.names.iter().map(|name| format!("correlation with {name}")));
         let correlations = |i| (0..self.names.len()).map(move |j| fit.correlation(i, j));
-        let with = |r: Option<f64>| r.map_or("-".to_owned(), |r| format!("{r:.4}"));
+        let digits = |r: f64| if format == NumberFormat::Exact { format.text(r) } else { format!("{r:.4}") };
+        let with = |r: Option<f64>| r.map_or("-".to_owned(), digits);
         let row = |(i, estimate): (usize, IntervalEstimate)| {
-            let cells = [self.names[i].clone()].into_iter().chain(search::cells(estimate));
+            let cells = [self.names[i].clone()].into_iter().chain(format.cells(estimate));
             cells.chain(correlations(i).map(with)).collect::<Vec<String>>()
         };
         let mut rows: Vec<Vec<String>> = fit.estimates().into_iter().enumerate().map(row).collect();
         if let Some(posterior) = &self.posterior {
             let absent = vec!["-".to_owned(); self.names.len()];
             for (name, estimate) in posterior.names.iter().zip(posterior.estimates()) {
-                let cells = [format!("{name}, posterior")].into_iter().chain(search::cells(estimate));
+                let cells = [format!("{name}, posterior")].into_iter().chain(format.cells(estimate));
                 rows.push(cells.chain(absent.iter().cloned()).collect());
             }
         }
         TextTable { header, rows }
     }
 
-    fn write(&self, job: &JobFiles) -> Result<(), Box<dyn Error>> {
+    /// Writes the tables, the JSON object and the charts.
+    fn write(&self, job: &JobFiles, object: &serde_json::Value) -> Result<(), Box<dyn Error>> {
         let computed = self.computed();
         let band = self.posterior.as_ref().map_or(&[][..], |posterior| &posterior.predictions[..]);
         let ending = |i: usize| if i == 0 { String::new() } else { format!("_{}", i + 1) };
         let series = 0..self.data.series.len();
         let charts: Vec<_> = series.map(|i| (ending(i), self.data.chart(&job.name, i, &computed, band))).collect();
-        let mut others: Vec<ResultFile> = vec![("_identify_values.csv".into(), self.values(&computed).into_bytes())];
+        let mut others: Vec<ResultFile> = vec![
+            search::json_file("identify", object)?,
+            ("_identify_values.csv".into(), self.values(&computed).into_bytes()),
+        ];
         if let Some(posterior) = &self.posterior {
             let plot = corner_plot(posterior);
             others.push(("_identify_posterior.csv".into(), draws(posterior).into_bytes()));
             others.push(("_identify_corner.svg".into(), plot.svg().into_bytes()));
             others.push(("_identify_corner.png".into(), plot.png()?));
         }
-        write_results(job, "identify", &self.table(), others, &charts)
+        write_results(job, "identify", &self.table(NumberFormat::Exact), others, &charts)
     }
 
     /// Returns a CSV table of the measured and the computed values.

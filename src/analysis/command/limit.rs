@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use crate::output::JobFiles;
+use crate::output::{JobFiles, csv};
 use crate::study::StudyError;
 use crate::study::evaluate::SampleEvaluator;
 use crate::study::grid::CaseGrid;
@@ -13,10 +13,10 @@ use crate::study::shot::{EXTENSIONS, ShotEnd, ShotResult};
 use crate::study::statistics::design::{SampleDesign, SamplingScheme};
 use crate::study::table::{TextTable, number};
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::search::{self, CompiledRoutines, SearchArguments};
-use super::{CommandStatus, HALTED, write_results};
+use super::search::{self, CompiledRoutines, NumberFormat, SearchArguments};
+use super::{CommandStatus, HALTED, ResultFile, write_results};
 
 /// Find the ballistic limit velocity, the residual velocity curve above it, the velocities of ricochet and embedding
 /// below it, and optionally the scatter of the limit (V50).
@@ -91,15 +91,13 @@ impl LimitCommand {
             true => None,
             false => Some(self.scatter(request, inputs, &self.evaluator(&inputs.names, routines)?)?),
         };
-        let table = table(&found, bracket, scattered.as_ref());
+        let table = |format| table(&found, bracket, scattered.as_ref(), format);
+        let object = record(&found, scattered.as_ref());
+        let others = vec![search::json_file("limit", &object)?, shots_file(None, &[(0.0, &found)])];
         let mut charts = vec![(String::new(), limit::chart(&job.name, &found, scattered.as_ref()))];
         charts.extend(scattered.iter().map(|s| ("_scatter".to_owned(), limit::scatter_chart(&job.name, s))));
-        write_results(&job, "limit", &table, Vec::new(), &charts)?;
-        self.search.print(&table, &lines(&found, bracket, scattered.as_ref(), &job));
-        let mut object = found.record();
-        object["v50"] = json!(scattered.as_ref().and_then(|s| s.scatter).map(|s| s.median));
-        object["deviation"] = json!(scattered.as_ref().and_then(|s| s.scatter).map(|s| s.deviation));
-        object["lost"] = json!(scattered.as_ref().map(|s| s.lost));
+        write_results(&job, "limit", &table(NumberFormat::Exact), others, &charts)?;
+        self.search.print(&table(NumberFormat::Rounded), &lines(&found, bracket, scattered.as_ref(), &job));
         self.search.print_json(&object)?;
         let whole = is_decided(&found) && scattered.is_none_or(|s| s.lost == 0);
         Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
@@ -122,20 +120,18 @@ impl LimitCommand {
             Ok((value, limit::find(request, fire)?))
         };
         let found = values.into_iter().map(find).collect::<Result<Vec<_>, StudyError>>()?;
-        let table = table_over(&name, &found);
+        let object = record_over(&name, &found);
+        let each: Vec<_> = found.iter().map(|(value, found)| (*value, found)).collect();
+        let others = vec![search::json_file("limit", &object)?, shots_file(Some(&name), &each)];
         let charts = [(String::new(), limit::map_chart(&job.name, &name, &found))];
-        write_results(&job, "limit", &table, Vec::new(), &charts)?;
+        write_results(&job, "limit", &table_over(&name, &found, NumberFormat::Exact), others, &charts)?;
         let files = files_line(found.iter().map(|(_, found)| found.shots.len()).sum(), &job);
         let more = found.iter().flat_map(|(value, found)| {
             warnings(found).into_iter().map(|line| format!("{name} = {}: {line}", number(*value)))
         });
+        let table = table_over(&name, &found, NumberFormat::Rounded);
         self.search.print(&table, &more.chain([files]).collect::<Vec<_>>());
-        let of = |(value, found): &(f64, LimitVelocity)| {
-            let mut object = found.record();
-            object["value"] = json!(value);
-            object
-        };
-        self.search.print_json(&json!({"over": name, "limits": found.iter().map(of).collect::<Vec<_>>()}))?;
+        self.search.print_json(&object)?;
         let whole = found.iter().all(|(_, found)| is_decided(found));
         Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
     }
@@ -155,7 +151,7 @@ impl LimitCommand {
     fn evaluator(&self, others: &[String], routines: &CompiledRoutines) -> Result<SampleEvaluator, Box<dyn Error>> {
         let names = [self.velocity.clone()].into_iter().chain(others.iter().cloned()).collect();
         let residual = self.residual.iter().map(|text| Quantity::parse(text)).collect::<Result<_, _>>()?;
-        Ok(self.search.evaluator(names, residual, routines)?.of_shots())
+        Ok(self.search.evaluator(names, residual, routines)?.of_shots(self.least))
     }
 
     /// Finds the limit of each draw.
@@ -235,7 +231,7 @@ fn lines(found: &LimitVelocity, bracket: [f64; 2], scattered: Option<&LimitScatt
             number(curve.deviation),
             if curve.converged { "" } else { " (the fit did not converge)" }
         )),
-        None => lines.push("no Lambert-Jonas curve: it needs at least four perforating shots; increase --shots".into()),
+        None => lines.push("no Lambert-Jonas curve: fewer than four shots perforate, or they do not determine the curve; increase --shots".into()),
     }
     lines.extend(warnings(found));
     if let Some(scattered) = scattered {
@@ -260,8 +256,9 @@ fn warnings(found: &LimitVelocity) -> Vec<String> {
     if let Some(band) = found.undecided() {
         let [from, to] = [band.from, band.to].map(number);
         lines.push(format!(
-            "the limit may be as low as {from}: shots from {from} to {to} still move in the target at the end of the run; \
-             increase the duration of the steps"
+            "the limit may be as low as {from}: shots from {from} to {to} still move in the target at the end of the run, or \
+             their residual velocity falls or vibrates; increase the duration of the steps, and give the velocity of the \
+             whole body (PARTVEL) as --residual"
         ));
     }
     lines
@@ -272,8 +269,40 @@ fn files_line(shots: usize, job: &JobFiles) -> String {
     format!("{shots} shots; table {}, picture {}", csv.display(), png.display())
 }
 
+/// Returns the JSON object of one limit and its scatter.
+fn record(found: &LimitVelocity, scattered: Option<&LimitScatter>) -> Value {
+    let mut object = found.record();
+    object["v50"] = json!(scattered.and_then(|s| s.scatter).map(|s| s.median));
+    object["deviation"] = json!(scattered.and_then(|s| s.scatter).map(|s| s.deviation));
+    object["lost"] = json!(scattered.map(|s| s.lost));
+    object
+}
+
+/// Returns the JSON object of the limits for the values of another parameter.
+fn record_over(name: &str, found: &[(f64, LimitVelocity)]) -> Value {
+    let of = |(value, found): &(f64, LimitVelocity)| {
+        let mut object = found.record();
+        object["value"] = json!(value);
+        object
+    };
+    json!({"over": name, "limits": found.iter().map(of).collect::<Vec<_>>()})
+}
+
+/// Returns the CSV file of all shots, with the value of the parameter `over` if there is one.
+fn shots_file(over: Option<&str>, found: &[(f64, &LimitVelocity)]) -> ResultFile {
+    let exact = |value: f64| NumberFormat::Exact.text(value);
+    let row = |value: f64, shot: &Shot| {
+        let end = json!(shot.end).as_str().unwrap_or_default().to_owned();
+        csv::line(over.map(|_| exact(value)).into_iter().chain([exact(shot.velocity), exact(shot.residual), end]))
+    };
+    let mut text = csv::line(over.into_iter().chain(["velocity", "residual", "end"]));
+    text.extend(found.iter().flat_map(|(value, found)| found.shots.iter().map(|shot| row(*value, shot))));
+    ("_limit_shots.csv".into(), text.into_bytes())
+}
+
 /// Returns the table of limits and bands for the values of another parameter.
-fn table_over(name: &str, found: &[(f64, LimitVelocity)]) -> TextTable {
+fn table_over(name: &str, found: &[(f64, LimitVelocity)], format: NumberFormat) -> TextTable {
+    let number = |value: f64| format.text(value);
     let rows = found.iter().flat_map(|(value, found)| {
         let row = move |what: &str, from: f64, to: f64| vec![number(*value), what.to_owned(), number(from), number(to)];
         let limit = found.bracket.map(|[low, high]| row("limit velocity", low, high));
@@ -284,11 +313,16 @@ fn table_over(name: &str, found: &[(f64, LimitVelocity)]) -> TextTable {
 }
 
 /// Returns the table of the limit velocity, the parameters of the curve and the scatter.
-fn table(found: &LimitVelocity, bracket: [f64; 2], scattered: Option<&LimitScatter>) -> TextTable {
-    let limit = [0.5 * (bracket[0] + bracket[1]), bracket[0], bracket[1]].map(number);
+fn table(
+    found: &LimitVelocity,
+    bracket: [f64; 2],
+    scattered: Option<&LimitScatter>,
+    format: NumberFormat,
+) -> TextTable {
+    let limit = [0.5 * (bracket[0] + bracket[1]), bracket[0], bracket[1]].map(|value| format.text(value));
     let mut rows: Vec<Vec<String>> = vec![["limit velocity (bracket)".to_owned()].into_iter().chain(limit).collect()];
     let mut row =
-        |what: &str, estimate| rows.push([what.to_owned()].into_iter().chain(search::cells(estimate)).collect());
+        |what: &str, estimate| rows.push([what.to_owned()].into_iter().chain(format.cells(estimate)).collect());
     if let Some(curve) = &found.curve {
         for (what, estimate) in ["a", "p", "limit velocity of the curve"].into_iter().zip(curve.estimates) {
             row(what, estimate);

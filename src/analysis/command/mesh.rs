@@ -133,6 +133,9 @@ struct MeshArguments {
     /// Prefix of set and surface names.
     #[arg(long, default_value = "", value_name = "TEXT")]
     prefix: String,
+    /// Print errors only.
+    #[arg(short, long)]
+    quiet: bool,
 }
 
 impl MeshCommand {
@@ -177,12 +180,13 @@ impl MeshArguments {
         let format = self.picture.as_deref().map(PictureFormat::of).transpose()?;
         let picture = format.map(|format| format.bytes(&mesh.drawing(&comments[0]))).transpose()?;
         write(&self.out, mesh.deck(&labels, &comments).as_bytes())?;
-        lines.iter().for_each(|line| print_out!("{line}"));
         if let (Some(path), Some(bytes)) = (&self.picture, picture) {
             write(path, &bytes)?;
-            print_out!("wrote {} and {}", self.out.display(), path.display());
-        } else {
-            print_out!("wrote {}", self.out.display());
+        }
+        if !self.quiet {
+            lines.iter().for_each(|line| print_out!("{line}"));
+            let picture = self.picture.as_ref().map_or(String::new(), |path| format!(" and {}", path.display()));
+            print_out!("wrote {}{picture}", self.out.display());
         }
         Ok(())
     }

@@ -21,6 +21,8 @@ pub mod shell;
 pub mod study;
 pub mod sweep;
 pub mod threads;
+mod uncertainty;
+mod watchdog;
 pub mod words;
 
 use std::error::Error;
@@ -32,6 +34,7 @@ use crate::output::drawing::Drawing;
 use crate::output::lock::FolderLock;
 use crate::output::{self, JobFiles};
 use crate::study::chart::Chart;
+use crate::study::grid::SettingForm;
 use crate::study::table::TextTable;
 use crate::user::Routines;
 use crate::user::compile::{Compiled, compile};
@@ -100,12 +103,15 @@ impl UserFiles {
     }
 }
 
-/// Splits `--set NAME=VALUE` into name and value.
+/// Splits `--set NAME=VALUE` into name and value; several values and distributions are errors.
 pub fn pairs(settings: &[String]) -> Result<Vec<(String, String)>, String> {
     let pair = |s: &String| {
         let (name, value) =
             s.split_once('=').ok_or_else(|| format!("--set {s}: expected NAME=VALUE, for example V=821"))?;
-        Ok((name.trim().to_owned(), value.trim().to_owned()))
+        match SettingForm::of(value) {
+            SettingForm::Value => Ok((name.trim().to_owned(), value.trim().to_owned())),
+            form => Err(format!("--set {s}: expected one value; {}", form.accepted_by())),
+        }
     };
     settings.iter().map(pair).collect()
 }

@@ -19,6 +19,9 @@ pub struct NewCommand {
     /// Folder for the files.
     #[arg(short, long, default_value = ".")]
     out: PathBuf,
+    /// Print errors only.
+    #[arg(short, long)]
+    quiet: bool,
 }
 
 /// Example to copy.
@@ -56,6 +59,9 @@ impl NewCommand {
         let files = self.template.files();
         for (name, text) in files {
             write_new(&self.out.join(name), text)?;
+        }
+        if self.quiet {
+            return Ok(CommandStatus::SUCCESS);
         }
         let paths: Vec<String> = files.iter().map(|(name, _)| self.out.join(name).display().to_string()).collect();
         print_out!("wrote {}", paths.join(" and "));

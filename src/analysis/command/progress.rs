@@ -52,7 +52,7 @@ impl RunBar {
             return;
         }
         self.bar.set_position((PARTS as f64 * progress.fraction) as u64);
-        let left = self.left.after(self.bar.elapsed(), progress.fraction);
+        let left = self.left.after(self.bar.elapsed(), progress.fraction, progress.now.increment);
         self.bar.set_message(sentence(progress, left));
     }
 
@@ -77,31 +77,48 @@ fn sentence(progress: &Progress<'_>, left: Option<Duration>) -> String {
     )
 }
 
-/// Estimate of the remaining wall-clock time from the speed of about the last half of the run: increments can shorten
-/// and elements can be deleted.
+/// State of a run at a report.
+#[derive(Clone, Copy, Debug)]
+struct ProgressMark {
+    elapsed: Duration,
+    fraction: f64,
+    increments: u64,
+}
+
+/// Estimate of the remaining wall-clock time: the number of remaining increments at the time increment since the last
+/// report, times the time for an increment in about the last half of the run. Increments can become shorter and
+/// elements can be deleted.
 #[derive(Debug, Default)]
 pub struct TimeLeft {
-    /// Elapsed time and completed fraction at the start of the averaging interval, and at the start of the next one
-    /// (`middle`).
-    from: Option<(Duration, f64)>,
-    middle: Option<(Duration, f64)>,
+    /// Start of the averaging interval, and of the next one (`middle`).
+    from: Option<ProgressMark>,
+    middle: Option<ProgressMark>,
+    last: Option<ProgressMark>,
+    /// Remaining increments relative to the remaining fraction of the run.
+    density: f64,
 }
 
 impl TimeLeft {
-    /// Returns the remaining time after `elapsed` with `fraction` of the run completed; `None` if no progress has been
-    /// measured yet.
-    pub fn after(&mut self, elapsed: Duration, fraction: f64) -> Option<Duration> {
-        let now = (elapsed, fraction);
-        let (begin, done) = *self.from.get_or_insert(now);
+    /// Returns the remaining time after `elapsed` and `increments` with `fraction` of the run completed; `None` if no
+    /// progress has been measured yet.
+    pub fn after(&mut self, elapsed: Duration, fraction: f64, increments: u64) -> Option<Duration> {
+        let now = ProgressMark { elapsed, fraction, increments };
+        let begin = *self.from.get_or_insert(now);
         let middle = *self.middle.get_or_insert(now);
-        if elapsed > middle.0 * 2 {
+        if elapsed > middle.elapsed * 2 {
             (self.from, self.middle) = (Some(middle), Some(now));
         }
-        let (time, part) = (elapsed.saturating_sub(begin).as_secs_f64(), fraction - done);
-        if part <= 0.0 || time <= 0.0 {
+        let last = *self.last.get_or_insert(now);
+        if fraction > last.fraction {
+            self.density = increments.saturating_sub(last.increments) as f64 / (fraction - last.fraction);
+            self.last = Some(now);
+        }
+        let count = increments.saturating_sub(begin.increments) as f64;
+        if self.density <= 0.0 || count <= 0.0 {
             return None;
         }
-        Duration::try_from_secs_f64((1.0 - fraction).max(0.0) * time / part).ok()
+        let each = elapsed.saturating_sub(begin.elapsed).as_secs_f64() / count;
+        Duration::try_from_secs_f64((1.0 - fraction).max(0.0) * self.density * each).ok()
     }
 }
 
@@ -110,21 +127,32 @@ mod tests {
     use super::TimeLeft;
     use std::time::Duration;
 
-    /// The speed of the run halves in the middle; the estimate must follow the new speed.
+    /// The time increment becomes a hundred times shorter at half of the run, at 1000 increments a second.
+    #[test]
+    fn remaining_time_follows_the_time_increment() {
+        let mut left = TimeLeft::default();
+        let at = |second: u64| if second <= 50 { second as f64 / 100.0 } else { 0.5 + (second - 50) as f64 / 1e4 };
+        let mut estimate = |second: u64| left.after(Duration::from_secs(second), at(second), 1000 * second);
+        assert_eq!(estimate(0), None);
+        for second in 1..200 {
+            let truth = if second <= 50 { 100 - second } else { 5050 - second } as f64;
+            let found = estimate(second).expect("a time").as_secs_f64();
+            assert!((found / truth - 1.0).abs() < 0.01, "{second}: {found} {truth}");
+        }
+    }
+
+    /// Increments take twice the time from the middle of the run on.
     #[test]
     fn remaining_time_follows_a_change_of_speed() {
         let mut left = TimeLeft::default();
         let fraction = |second: u64| if second < 50 { second as f64 / 100.0 } else { 0.25 + second as f64 / 200.0 };
         let mut estimate = None;
         for second in 0..=130 {
-            estimate = left.after(Duration::from_secs(second), fraction(second));
+            let done = fraction(second);
+            estimate = left.after(Duration::from_secs(second), done, (1e4 * done) as u64);
         }
         let truth = 150.0 - 130.0;
         let estimate = estimate.expect("a time").as_secs_f64();
         assert!((estimate / truth - 1.0).abs() < 0.2, "{estimate} {truth}");
-        let mut even = TimeLeft::default();
-        let times = (1..=10).map(|s| even.after(Duration::from_secs(s), s as f64 / 100.0));
-        let estimate = times.last().flatten().expect("a time").as_secs_f64();
-        assert!((estimate / 90.0 - 1.0).abs() < 0.01, "{estimate}");
     }
 }

@@ -10,7 +10,8 @@ use clap::Args;
 
 use super::words::print_out;
 
-/// Write one self-contained HTML page with the runs, sweeps and studies in a folder.
+/// Write one self-contained HTML page with the runs, sweeps, studies, limits, identifications and Monte Carlo studies in
+/// a folder.
 #[derive(Args)]
 pub struct ReportCommand {
     /// Result folder, for example out/<deck name>.
@@ -39,7 +40,11 @@ impl ReportCommand {
         output::write_whole(&out, html.as_bytes())?;
         if !self.quiet {
             let runs = page.runs.iter().map(|r| (r.name.as_str(), &r.notes));
-            let tables = page.sweeps.iter().chain(page.studies.iter().map(|s| &s.table));
+            let tables = page
+                .sweeps
+                .iter()
+                .chain(page.studies.iter().map(|s| &s.table))
+                .chain(page.searches.iter().map(|s| &s.table));
             page.runs.iter().flat_map(|r| &r.deviations).for_each(|line| print_out!("{line}"));
             for (name, notes) in runs.chain(tables.map(|t| (t.name.as_str(), &t.notes))) {
                 notes.iter().for_each(|note| print_out!("{name}: {note}"));

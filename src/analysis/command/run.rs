@@ -2,22 +2,30 @@
 
 use std::error::Error;
 use std::path::PathBuf;
+use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
-use crate::deck::Diagnostic;
-use crate::job::{self, FrameOutput, Instructions, JobError, JobOptions, PreparedJob, RestartRequirement, RunSummary};
-use crate::model::Precision;
+use crate::deck::{self, Diagnostic};
+use crate::job::{
+    self, FrameOutput, Instructions, JobError, JobOptions, ParameterOverrides, PreparedJob, RestartRequirement,
+    RunSummary,
+};
+use crate::model::{Model, Precision};
 use crate::output::checkpoint::Checkpoint;
 use crate::output::{self, FramePoints, RunHistory};
 use crate::platform::signals::watch_signals;
-use crate::solve::{CheckpointInterval, LOST, Progress};
+use crate::solve::{CheckpointInterval, LOST, Progress, RunPosition};
 use crate::study::quantity::{FinishedRun, Quantity};
-use crate::user::host;
+use crate::study::settings::ModelEdit;
+use crate::study::uncertainty::{ModelTraits, RunCertificate};
+use crate::user::{Routines, host};
 use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::progress::{self, RunBar};
+use super::uncertainty::{EstimatedRun, UncertaintyOptions};
+use super::watchdog::Watchdog;
 use super::words::{print_err, print_out};
 use super::{CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings, threads};
 
@@ -69,6 +77,8 @@ pub struct RunCommand {
     /// Print the value of an expression over history columns, for example "-1000*final(U2@REF)"; can be repeated.
     #[arg(long, allow_hyphen_values = true)]
     quantity: Vec<String>,
+    #[command(flatten)]
+    uncertainty: UncertaintyOptions,
     /// Print only the summary, as one JSON object.
     #[arg(long)]
     json: bool,
@@ -93,28 +103,36 @@ fn every(text: &str) -> Result<CheckpointInterval, String> {
     if let Ok(increments) = text.parse::<u64>() {
         return if increments > 0 { Ok(CheckpointInterval::Increments(increments)) } else { Err(wrong()) };
     }
-    let unit =
-        text.chars().last().and_then(|unit| [('s', 1.0), ('m', 60.0), ('h', 3600.0)].into_iter().find(|u| u.0 == unit));
-    let (unit, factor) = unit.ok_or_else(wrong)?;
-    let seconds: f64 = text.trim_end_matches(unit).parse().map_err(|_| wrong())?;
-    let time = Duration::try_from_secs_f64(factor * seconds).map_err(|_| wrong())?;
-    if time > Duration::ZERO { Ok(CheckpointInterval::Elapsed(time)) } else { Err(wrong()) }
+    duration(text).map(CheckpointInterval::Elapsed).ok_or_else(wrong)
+}
+
+/// Parses a time above zero in seconds, minutes or hours.
+pub fn duration(text: &str) -> Option<Duration> {
+    let unit = text.chars().last()?;
+    let (unit, factor) = [('s', 1.0), ('m', 60.0), ('h', 3600.0)].into_iter().find(|known| known.0 == unit)?;
+    let seconds: f64 = text.trim_end_matches(unit).parse().ok()?;
+    Duration::try_from_secs_f64(factor * seconds).ok().filter(|time| *time > Duration::ZERO)
 }
 
 impl RunCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         // Before any thread starts: with --isolate the process is forked here.
         let (routines, user) = self.user.routines(self.is_silent(), self.isolate)?;
-        let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
+        let inputs = self.uncertainty.inputs()?;
         let settings = deck_settings(&self.set, self.mesh_refine)?;
-        let reading = progress::over_reading(&self.deck, self.is_silent());
-        let mut prepared = job::prepare_in(self.precision, &self.deck, &settings, &routines);
-        reading.finish_and_clear();
-        accept(&prepared, self.is_silent())?;
+        let (mut prepared, traits) = self.prepared(&settings, &[], &routines)?;
+        let quantities = self.uncertainty.quantities(&self.quantity, &traits)?;
         self.start_threads(&prepared)?;
         for quantity in &quantities {
             quantity.check_without_study()?;
             quantity.check(&prepared.plan)?;
+        }
+        let compiled = if self.uncertainty.is_requested() { self.user.compiled(true)? } else { None };
+        let (deck, overrides, user_files) = (&*self.deck, &settings[..], compiled.as_ref());
+        let estimated = EstimatedRun { deck, overrides, user: user_files, traits: &traits, quantities: &quantities };
+        let chosen = self.uncertainty.chosen(&estimated, self.is_silent())?;
+        if let Some(chosen) = &chosen {
+            prepared = self.prepared(&chosen.overrides(&settings), &chosen.edits()?, &routines)?.0;
         }
         if let Some(instructions) = self.instructions {
             prepared.use_instructions(instructions)?;
@@ -135,16 +153,26 @@ impl RunCommand {
             state,
             user,
             frames,
-            warn: None,
+            ..JobOptions::default()
         };
-        let summary = run(&prepared, &job, options, self.is_silent())?;
+        let summary = run(&prepared, &job, options, &signal, self.is_silent())?;
         print_messages(&summary.messages, self.is_silent());
         if !self.is_silent() {
             outcome::print(&summary, &job, frames, self.profile);
         }
         let values = values(&quantities, &summary.history);
+        let missed = chosen.as_ref().is_some_and(|chosen| !chosen.reached);
+        let certificate = if self.uncertainty.is_requested() && summary.reason.is_none() {
+            let numbers = values.values().map(|value| value.as_ref().ok().copied()).collect();
+            let run = (&summary, numbers);
+            Some(self.uncertainty.estimate(&estimated, inputs.as_ref(), chosen, &prepared, run, &job)?)
+        } else {
+            None
+        };
         if self.json {
-            print_json(&summary, &values)?;
+            print_json(&summary, &values, certificate.as_ref())?;
+        } else if let Some(certificate) = &certificate {
+            certificate.conclusions.iter().for_each(|line| print_out!("{line}"));
         } else {
             values.iter().for_each(|(text, value)| print_value(text, value));
         }
@@ -155,7 +183,28 @@ impl RunCommand {
         }
         // Libraries are never unloaded: a thread started by a user subroutine may still run in one.
         std::mem::forget((prepared, routines));
-        Ok(end)
+        Ok(if missed && end == CommandStatus::SUCCESS { CommandStatus::from(HALTED) } else { end })
+    }
+
+    /// Reads and plans the deck, and returns the properties of its model.
+    fn prepared(
+        &self,
+        settings: &ParameterOverrides,
+        edits: &[ModelEdit],
+        routines: &Routines,
+    ) -> Result<(PreparedJob, ModelTraits), Box<dyn Error>> {
+        let reading = progress::over_reading(&self.deck, self.is_silent());
+        let (mut traits, mut fault) = (ModelTraits::default(), Ok(()));
+        let mut edit = |model: &mut Model| {
+            model.settings.precision = self.precision;
+            fault = edits.iter().try_for_each(|edit| edit(model));
+            traits = ModelTraits::of(model);
+        };
+        let prepared = job::prepare_edited(deck::read(&self.deck, settings), &mut edit, routines);
+        reading.finish_and_clear();
+        accept(&prepared, self.is_silent())?;
+        fault?;
+        Ok((prepared, traits))
     }
 
     /// Starts one thread per core or as many as requested, but not more than the run can use: idle threads would still
@@ -219,11 +268,17 @@ struct RunReport<'a> {
     summary: &'a RunSummary,
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     quantities: IndexMap<&'a str, Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    certificate: Option<&'a RunCertificate>,
 }
 
-fn print_json(summary: &RunSummary, values: &QuantityValues) -> Result<(), Box<dyn Error>> {
+fn print_json(
+    summary: &RunSummary,
+    values: &QuantityValues,
+    certificate: Option<&RunCertificate>,
+) -> Result<(), Box<dyn Error>> {
     let quantities = values.iter().map(|(text, value)| (text.as_str(), value.as_ref().ok().copied())).collect();
-    print_out!("{}", serde_json::to_string_pretty(&RunReport { summary, quantities })?);
+    print_out!("{}", serde_json::to_string_pretty(&RunReport { summary, quantities, certificate })?);
     Ok(())
 }
 
@@ -231,6 +286,7 @@ fn run(
     prepared: &PreparedJob,
     job: &output::JobFiles,
     options: JobOptions<'_>,
+    signal: &AtomicUsize,
     quiet: bool,
 ) -> Result<RunSummary, JobError> {
     let mut bar = RunBar::new(quiet);
@@ -242,8 +298,11 @@ fn run(
     };
     let mut follow = |progress: &Progress<'_>| bar.follow(progress);
     // Run as one thread of the pool: calls from outside the pool would wait in each pass over the elements.
-    let work = || job::run_with(prepared, job, JobOptions { warn: Some(&warn), ..options }, &mut follow);
-    let summary = if rayon::current_num_threads() > 1 { rayon::scope(|_| work()) } else { work() };
+    let position = RunPosition::default();
+    let options = JobOptions { warn: Some(&warn), position: Some(&position), ..options };
+    let work = || job::run_with(prepared, job, options, &mut follow);
+    let watchdog = Watchdog { plan: &prepared.plan, position: &position, signal, quiet };
+    let summary = watchdog.during(|| if rayon::current_num_threads() > 1 { rayon::scope(|_| work()) } else { work() });
     bar.finish();
     summary
 }

@@ -13,7 +13,7 @@ use crate::study::table::TextTable;
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::search::{self, SearchArguments};
+use super::search::{self, NumberFormat, SearchArguments};
 use super::{CommandStatus, HALTED, progress, write_results};
 
 /// Monte Carlo study: draw deck parameters from distributions and estimate the statistics and sensitivities of
@@ -80,11 +80,13 @@ impl ScatterCommand {
         })?;
         bar.finish_and_clear();
         table.map_or(Ok(()), TableWriter::finish)?;
-        let table = self.table(&inputs, &results);
         if results.failed < runs {
-            write_results(&job, "scatter", &table, Vec::new(), &self.charts(&job.name, &results))?;
-            self.search.print(&table, &self.lines(runs, &job));
-            self.search.print_json(&self.json(&table, runs, &results))?;
+            let exact = self.table(&inputs, &results, NumberFormat::Exact);
+            let object = self.json(&exact, runs, &results);
+            let others = vec![search::json_file("scatter", &object)?];
+            write_results(&job, "scatter", &exact, others, &self.charts(&job.name, &results))?;
+            self.search.print(&self.table(&inputs, &results, NumberFormat::Rounded), &self.lines(runs, &job));
+            self.search.print_json(&object)?;
         }
         search::warn_still_moving(&evaluator);
         search::report_failures(results.failed, runs, results.reason.as_ref());
@@ -92,7 +94,7 @@ impl ScatterCommand {
     }
 
     /// Returns a table with one row per quantity and statistic or Sobol index.
-    fn table(&self, inputs: &RandomInputs, results: &ScatterResults) -> TextTable {
+    fn table(&self, inputs: &RandomInputs, results: &ScatterResults, format: NumberFormat) -> TextTable {
         let mut rows = Vec::new();
         let mut statistics =
             vec![("mean".to_owned(), SampleStatistic::Mean), ("standard deviation".into(), SampleStatistic::Deviation)];
@@ -100,7 +102,7 @@ impl ScatterCommand {
             .extend(self.quantiles.iter().map(|part| (format!("quantile {part}"), SampleStatistic::Quantile(*part))));
         for (of, (quantity, values)) in self.quantity.iter().zip(&results.values).enumerate() {
             let mut row = |what: &str, found| {
-                rows.push([quantity.clone(), what.to_owned()].into_iter().chain(search::cells(found)).collect());
+                rows.push([quantity.clone(), what.to_owned()].into_iter().chain(format.cells(found)).collect());
             };
             for (what, statistic) in &statistics {
                 if let Some(found) = estimate(values, &results.sets, *statistic) {

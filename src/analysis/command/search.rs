@@ -16,7 +16,7 @@ use crate::user::compile::Compiled;
 use clap::Args;
 
 use super::words::{print_err, print_out};
-use super::{AlreadyPrinted, UserFiles, lock_job, pairs, print_table, threads};
+use super::{AlreadyPrinted, ResultFile, UserFiles, lock_job, pairs, print_table, threads};
 
 /// Options for the deck, its fixed parameters, threads and output.
 #[derive(Args)]
@@ -28,7 +28,7 @@ pub struct SearchArguments {
     set: Vec<String>,
     #[command(flatten)]
     user: UserFiles,
-    /// Folder for the table and the pictures (default: out/<deck name>).
+    /// Folder for the tables, the JSON object and the pictures (default: out/<deck name>).
     #[arg(short, long)]
     out: Option<PathBuf>,
     /// Number of threads (default: all cores; in a scheduler task the assigned cores, or one).
@@ -113,9 +113,30 @@ pub fn report_failures(failed: usize, runs: usize, reason: Option<&StudyError>) 
     }
 }
 
-/// Formats an estimate and its confidence interval as table cells.
-pub fn cells(estimate: IntervalEstimate) -> [String; 3] {
-    [estimate.value, estimate.low, estimate.high].map(|v| if v.is_finite() { number(v) } else { "-".into() })
+/// Number format of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NumberFormat {
+    /// Few digits, for the terminal.
+    Rounded,
+    /// All digits, for files.
+    Exact,
+}
+
+impl NumberFormat {
+    /// Formats a number.
+    pub fn text(self, value: f64) -> String {
+        if self == NumberFormat::Exact { format!("{value:?}") } else { number(value) }
+    }
+
+    /// Formats an estimate and its confidence interval as table cells.
+    pub fn cells(self, estimate: IntervalEstimate) -> [String; 3] {
+        [estimate.value, estimate.low, estimate.high].map(|v| if v.is_finite() { self.text(v) } else { "-".into() })
+    }
+}
+
+/// Returns the file `<job>_<name>.json` of the object that `--json` prints.
+pub fn json_file(name: &str, object: &serde_json::Value) -> Result<ResultFile, serde_json::Error> {
+    Ok((format!("_{name}.json"), (serde_json::to_string_pretty(object)? + "\n").into_bytes()))
 }
 
 /// Returns the header of a table of estimates with confidence intervals.

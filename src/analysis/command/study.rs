@@ -5,8 +5,11 @@ use std::path::PathBuf;
 
 use crate::output::JobFiles;
 use crate::study::StudyError;
-use crate::study::convergence;
+use crate::study::causes;
+use crate::study::chosen;
+use crate::study::convergence::{self, RefinementRequest};
 use crate::study::effects::{self, EffectAblation};
+use crate::study::jitter::NoiseRequest;
 use crate::study::quantity::Quantity;
 use crate::study::record::{self, StudyTiming};
 use crate::study::refinement::{RefinementStudy as Results, StudyRow};
@@ -32,6 +35,10 @@ pub struct StudyCommand {
     /// (factors), load-velocity, hourglass, estimate or precision: NAME=v1,v2,…; several options form a grid.
     #[arg(long, value_name = "NAME=VALUES")]
     refine: Vec<String>,
+    /// Study the mesh around that of the deck: coarser meshes first (1/4, 1/2), a finer one only if the order is not
+    /// confirmed.
+    #[arg(long, conflicts_with_all = ["refine", "target", "ablate"])]
+    around: bool,
     /// Quantity to study: an expression over histories and norms, for example "-1000*final(U2@REF)", "at(U1@WALL,
     /// 2e-5)" or "norm(S22, EXPR in r, z, t)".
     #[arg(long, allow_hyphen_values = true)]
@@ -42,6 +49,10 @@ pub struct StudyCommand {
     /// Refine until the error is below this value, for example 0.5% (relative) or 1e-6 (absolute).
     #[arg(long, value_name = "ERROR")]
     target: Option<String>,
+    /// Number of runs with small perturbations of initial velocities and nodal coordinates, from which the noise of the
+    /// quantity follows (default: 8 runs if the deck has contact, failure or element deletion; 0 omits them).
+    #[arg(long, value_name = "N", conflicts_with = "ablate")]
+    jitter: Option<u16>,
     /// Omit one effect at a time and report which effects change the quantity by more than its error. --refine then
     /// controls the error estimate (default: increment=1,0.5).
     #[arg(long, conflicts_with_all = ["exact", "target"])]
@@ -80,14 +91,18 @@ impl StudyCommand {
         accept(&first, self.quiet || self.json)?;
         let parameters: Vec<String> = first.deck.parameters.iter().map(|p| p.0.clone()).collect();
         let axes = settings::axes(&self.refine, &parameters)?;
-        let axes = if axes.is_empty() && self.ablate { effects::default_axes()? } else { axes };
+        let source = |overrides: &job::ParameterOverrides| deck::read(&self.deck, overrides);
+        let axes = match (self.ablate, self.around) {
+            (true, _) if axes.is_empty() => effects::default_axes()?,
+            (_, true) => chosen::mesh_axes(&source, &overrides)?,
+            _ => axes,
+        };
         check_axes(&axes, exact)?;
         let model = model::build(&deck::read(&self.deck, &overrides).0).0;
         settings::check(&axes, &model)?;
         quantity.check(&first.plan)?;
         drop(first);
         let (job, _lock) = lock_job(&self.deck, self.out.clone())?;
-        let source = |overrides: &job::ParameterOverrides| deck::read(&self.deck, overrides);
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress::over_runs(runs as u64, self.quiet);
         let done = || bar.inc(1);
@@ -100,15 +115,31 @@ impl StudyCommand {
             bar.finish_and_clear();
             return write_effects(&job, &quantity, &effects, self.quiet);
         }
-        let (results, met, timing) = convergence::refine(&mut bench, &axes, exact, target)?;
+        let quiet = self.quiet || self.json;
+        let announce = |line: &str| {
+            if !quiet {
+                bar.suspend(|| print_out!("{line}"));
+            }
+        };
+        let request = RefinementRequest {
+            axes: &axes,
+            exact,
+            target,
+            noise: NoiseRequest::new(self.jitter.map(usize::from), &model),
+            causes: causes::limits_of_order(&model),
+            announce: &announce,
+            around: self.around,
+        };
+        let (results, met, timing) = convergence::refine(&mut bench, &request)?;
         bar.finish_and_clear();
         let record = write(&job, &quantity, exact, &results, met.clone(), timing)?;
         if self.json {
             print_out!("{}", record.trim_end());
         } else if !self.quiet {
-            print(&results, met.as_ref(), timing, &job);
+            print(&results, &quantity, met.as_ref(), timing, &job);
         }
         print_run_warnings(&run_warnings(&axes, &results));
+        results.reversed_series().iter().for_each(|sentence| print_err!("warning: {sentence}"));
         Ok(verdict(&results, met.as_ref()))
     }
 }
@@ -171,9 +202,9 @@ fn record_file(text: String) -> ResultFile {
     ("_study.json".into(), text.into_bytes())
 }
 
-fn print(results: &Results, met: Option<&TargetResult>, timing: StudyTiming, job: &JobFiles) {
+fn print(results: &Results, quantity: &Quantity, met: Option<&TargetResult>, timing: StudyTiming, job: &JobFiles) {
     print_table(&record::table(results, false));
-    for line in record::conclusions(results, met) {
+    for line in record::conclusions(results, &quantity.text, met) {
         print_out!("{line}");
     }
     print_out!(

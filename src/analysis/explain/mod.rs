@@ -26,6 +26,42 @@ pub fn explain(word: &str) -> Option<String> {
     (!texts.is_empty()).then(|| texts.join("\n"))
 }
 
+/// Largest number of matches of a search.
+const MOST_MATCHES: usize = 20;
+
+/// Lists the keywords, variables, codes and topics whose texts contain all words, with their first lines. Matches in
+/// the name or first line are first. `None` without a match.
+pub fn search(words: &str) -> Option<String> {
+    let words: Vec<String> = words.split_whitespace().map(str::to_lowercase).collect();
+    let contains = |text: &str| {
+        let text = text.to_lowercase();
+        words.iter().all(|word| text.contains(word))
+    };
+    let keywords =
+        manual::keyword_names().filter_map(|name| Some((format!("*{name}"), manual::explain_keyword(name)?)));
+    let variables = crate::variables::manual::variable_names()
+        .filter_map(|name| Some((name.to_owned(), crate::variables::manual::explain_variable(name)?)));
+    let topics = TOPICS.iter().map(|topic| (topic.words[0].to_owned(), topic.text.to_owned()));
+    let codes = codes().map(|code| (code.code.to_owned(), format!("{}\n{}", code.title, code.text)));
+    let found =
+        keywords.chain(codes).chain(variables).chain(topics).filter(|(name, text)| contains(&format!("{name} {text}")));
+    let mut found: Vec<(bool, String)> = found
+        .map(|(name, text)| {
+            let first = text.lines().next().unwrap_or_default();
+            let first = first.strip_prefix(&name).unwrap_or(first).trim_start_matches([':', ' ']);
+            let line = format!("  {name:<28} {first}");
+            (!contains(&line), line)
+        })
+        .collect();
+    found.sort_by_key(|(below, _)| *below);
+    let more = found.len().saturating_sub(MOST_MATCHES);
+    let lines: Vec<String> = found.into_iter().take(MOST_MATCHES).map(|(_, line)| line).collect();
+    let more = if more > 0 { format!("\n  and {more} more") } else { String::new() };
+    (!lines.is_empty()).then(|| {
+        format!("texts with `{}`; `revolve explain NAME` prints one:\n{}{more}", words.join(" "), lines.join("\n"))
+    })
+}
+
 /// Returns the known word that is most similar to an unknown one.
 pub fn nearest_word(word: &str) -> Option<&'static str> {
     let topics = TOPICS.iter().flat_map(|topic| topic.words.iter().copied());
@@ -43,4 +79,24 @@ pub fn codes() -> impl Iterator<Item = &'static DiagnosticCode> {
         .chain(output::codes::CODES)
         .chain(crate::resistance::codes::CODES)
         .chain(generate::codes::CODES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::search;
+
+    #[test]
+    fn search_finds_texts_with_all_words() {
+        for (words, name) in [
+            ("johnson cook", "*PLASTIC"),
+            ("JWL", "*EOS"),
+            ("drift", "R208"),
+            ("ledger", "P120"),
+            ("hourglass energy", "ALLAE"),
+        ] {
+            let found = search(words).unwrap_or_default();
+            assert!(found.lines().any(|line| line.trim_start().starts_with(name)), "{words}: {found}");
+        }
+        assert_eq!(search("no such words"), None);
+    }
 }

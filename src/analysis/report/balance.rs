@@ -1,5 +1,5 @@
 //! The energy balance as stacked areas: stored energies at the bottom, dissipated energies on top, and the supplied
-//! energy as a line.
+//! energy as a line. Energies that the history does not have are one area, so that the areas always add up to the line.
 
 use super::history::HistoryColumns;
 use super::shorten;
@@ -42,6 +42,7 @@ pub fn chart(history: &HistoryColumns, units: &UnitNames) -> Option<Chart> {
     let dissipated = DISSIPATED.into_iter().filter_map(|(column, name)| Some((name, of(column)?)));
     let mut parts: Vec<(&str, Vec<f64>)> =
         stored.chain(unlisted_internal_energy(&of).map(|rest| ("other internal", rest))).chain(dissipated).collect();
+    parts.extend(unlisted_energy(&of, &parts).map(|rest| ("energies without a column", rest)));
     let largest = parts.iter().flat_map(|p| &p.1).fold(0.0_f64, |m, v| m.max(v.abs()));
     parts.retain(|(_, values)| values.iter().any(|v| v.abs() > VISIBLE * largest));
     if parts.len() < 2 || rows.len() < 2 {
@@ -77,6 +78,17 @@ fn unlisted_internal_energy(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Ve
     Some(rest)
 }
 
+/// Returns the part of the total energy for which the history has no column; `None` without ETOTAL and ALLWK.
+fn unlisted_energy(of: &impl Fn(&str) -> Option<Vec<f64>>, parts: &[(&str, Vec<f64>)]) -> Option<Vec<f64>> {
+    // ETOTAL is the sum of all stored and dissipated energies minus ALLWK.
+    let mut rest = of("ETOTAL")?;
+    rest.iter_mut().zip(of("ALLWK")?).for_each(|(rest, work)| *rest += work);
+    for (_, part) in parts {
+        rest.iter_mut().zip(part).for_each(|(rest, part)| *rest -= part);
+    }
+    Some(rest)
+}
+
 /// Returns the total energy at the start plus the work of loads and prescribed motions; the areas must add up to it.
 fn supplied(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
     let initial = *of("ETOTAL")?.first()?;
@@ -87,6 +99,31 @@ fn supplied(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn series_of(columns: &[(&str, [f64; 3])]) -> Vec<(String, f64)> {
+        let columns = columns.iter().map(|(name, values)| ((*name).to_owned(), values.to_vec())).collect();
+        let history = HistoryColumns { times: vec![0.0, 1.0, 2.0], columns };
+        let chart = chart(&history, &UnitNames::default()).expect("a chart");
+        chart.series.iter().map(|s| (s.name.clone(), s.points[2].1)).collect()
+    }
+
+    /// Each energy above 1 % of the largest one is drawn; energies without a column are one area.
+    #[test]
+    fn every_energy_above_one_percent_is_drawn() {
+        let energies: Vec<&str> = STORED.iter().chain(&DISSIPATED).map(|c| c.0).collect();
+        for name in energies.iter().filter(|name| **name != "ALLKE") {
+            let small = [0.0, 0.5, 1.1];
+            let internal = if INTERNAL.contains(name) { small } else { [0.0; 3] };
+            let known =
+                [("ALLKE", [100.0, 99.5, 98.9]), ("ALLIE", internal), ("ALLWK", [0.0; 3]), ("ETOTAL", [100.0; 3])];
+            let with = series_of(&[&known[..], &[(name, small)]].concat());
+            assert_eq!((with.len(), with[1].1), (3, 1.1), "{name}: {with:?}");
+            assert!(with[1].0 != "energies without a column" && with[1].0 != "other internal", "{with:?}");
+            let without = series_of(&known);
+            let rest = if INTERNAL.contains(name) { "other internal" } else { "energies without a column" };
+            assert!(without[1].0 == rest && (without[1].1 - 1.1).abs() < 1e-6, "{name}: {without:?}");
+        }
+    }
 
     #[test]
     fn areas_add_up_to_the_supplied_energy() {

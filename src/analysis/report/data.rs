@@ -14,6 +14,8 @@ pub struct ReportPage {
     pub runs: Vec<ReportRun>,
     pub sweeps: Vec<ReportTable>,
     pub studies: Vec<ReportStudy>,
+    /// Results of `limit`, `identify` and `scatter`.
+    pub searches: Vec<ReportSearch>,
     /// Notes on omitted data.
     pub notes: Vec<String>,
 }
@@ -25,6 +27,9 @@ pub struct ReportRun {
     pub summary: Value,
     pub charts: Vec<Chart>,
     pub columns: Vec<ColumnSummaryRow>,
+    /// Values of quantities with their uncertainties, as sentences.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub uncertainties: Vec<String>,
     /// Sentences on the deviation from reference curves.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub deviations: Vec<String>,
@@ -65,6 +70,24 @@ pub struct ReportStudy {
     pub pareto: Vec<bool>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectSavings>,
+}
+
+/// Result of `limit`, `identify` or `scatter`: its table and the pictures that it has drawn.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ReportSearch {
+    /// Title of the section, for example `Limit`.
+    pub title: &'static str,
+    pub table: ReportTable,
+    pub pictures: Vec<ReportPicture>,
+}
+
+/// SVG picture.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ReportPicture {
+    /// File name.
+    pub name: String,
+    /// Address of the form `data:`, which contains the picture.
+    pub source: String,
 }
 
 /// Result of removing an effect: saved run time and change of the quantity.

@@ -7,11 +7,12 @@ use serde_json::Value;
 
 use super::data::{ColumnSummaryRow, ReportPage, ReportRun};
 use super::units::UnitNames;
-use super::{PageOptions, ReportError, balance, compare, frames, history, limits, study, sweep};
+use super::{PageOptions, ReportError, balance, compare, frames, history, limits, search, study, sweep};
 use crate::deck::files;
 use crate::output::HISTORY;
 use crate::output::sums::Checksums;
 use crate::study::chart::{Chart, ChartSeries, SeriesForm};
+use crate::study::record::CERTIFICATE;
 
 /// Largest number of runs on a page.
 const RUNS: usize = 6;
@@ -48,13 +49,15 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<ReportPage, ReportEr
         sums.verify(&path)?;
         page.studies.push(study::read(name, &json(&path)?));
     }
-    let all: BTreeSet<&String> = jobs.iter().chain(&sweeps).chain(&studies).collect();
+    for kind in search::KINDS {
+        for name in with(&format!("_{}.csv", kind.0)) {
+            page.searches.push(search::read(folder, &name, kind, &sums)?);
+        }
+    }
+    let searched = page.searches.iter().map(|search| &search.table.name);
+    let all: BTreeSet<&String> = jobs.iter().chain(&sweeps).chain(&studies).chain(searched).collect();
     if all.is_empty() {
-        return Err(format!(
-            "{} contains no run (<job>.json, <job>.pvd), no sweep (<job>_sweep.csv) and no study (<job>_study.json)",
-            folder.display()
-        )
-        .into());
+        return Err(nothing_found(folder).into());
     }
     page.title = all.into_iter().cloned().collect::<Vec<_>>().join(", ");
     if let Some(file) = &options.compare {
@@ -62,6 +65,15 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<ReportPage, ReportEr
     }
     options.labels.apply_to_page(&mut page)?;
     Ok(page)
+}
+
+/// Returns the message of a folder without results.
+fn nothing_found(folder: &Path) -> String {
+    format!(
+        "{} contains no run (<job>.json, <job>.pvd), no sweep (<job>_sweep.csv), no study (<job>_study.json) and no table \
+         of limit, identify or scatter (<job>_limit.csv)",
+        folder.display()
+    )
 }
 
 /// Returns the name of the only run in a folder.
@@ -122,6 +134,10 @@ fn run(folder: &Path, name: &str, sums: &Checksums) -> Result<ReportRun, String>
     if let Some(Value::Object(history)) = run.summary.as_object_mut().and_then(|s| s.shift_remove("history")) {
         run.columns = history.iter().map(|(name, values)| column(name, values)).collect();
     }
+    if file(CERTIFICATE).is_file() {
+        sums.verify(&file(CERTIFICATE))?;
+        run.uncertainties = certificate_lines(&json(&file(CERTIFICATE))?);
+    }
     if file(HISTORY).is_file() {
         sums.verify(&file(HISTORY))?;
         histories(&file(HISTORY), &mut run)?;
@@ -139,6 +155,12 @@ fn run(folder: &Path, name: &str, sums: &Checksums) -> Result<ReportRun, String>
         run.notes.push("there are no frames: the deck requests no field output".into());
     }
     Ok(run)
+}
+
+/// Returns the conclusions of a certificate of `revolve run --uncertainty`.
+fn certificate_lines(certificate: &Value) -> Vec<String> {
+    let lines = certificate.get("conclusions").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+    lines.iter().filter_map(|line| line.as_str().map(str::to_owned)).collect()
 }
 
 /// Adds the reference curves of a file to the charts of the only run on a page.

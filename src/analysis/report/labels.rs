@@ -50,7 +50,9 @@ impl QuantityLabels {
             let fields = run.meridian.iter_mut().flat_map(|m| &mut m.fields);
             fields.for_each(|field| field.name = self.of(&field.name).to_owned());
         }
-        for table in page.sweeps.iter_mut().chain(page.studies.iter_mut().map(|s| &mut s.table)) {
+        let studies = page.studies.iter_mut().map(|s| &mut s.table);
+        let searches = page.searches.iter_mut().map(|s| &mut s.table);
+        for table in page.sweeps.iter_mut().chain(studies).chain(searches) {
             table.charts.iter_mut().for_each(|chart| self.name(chart));
             table.header.iter_mut().for_each(|name| *name = self.of(name).to_owned());
         }
@@ -80,7 +82,8 @@ fn names(page: &ReportPage) -> Vec<String> {
         names.extend(run.columns.iter().map(|c| c.name.clone()));
         names.extend(run.meridian.iter().flat_map(|m| &m.fields).map(|f| f.name.clone()));
     }
-    names.extend(page.sweeps.iter().chain(page.studies.iter().map(|s| &s.table)).flat_map(of_table));
+    let (studies, searches) = (page.studies.iter().map(|s| &s.table), page.searches.iter().map(|s| &s.table));
+    names.extend(page.sweeps.iter().chain(studies).chain(searches).flat_map(of_table));
     names
 }
 

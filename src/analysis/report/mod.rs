@@ -1,4 +1,4 @@
-//! `revolve report`: one self-contained HTML page for the runs, sweeps and studies in a folder.
+//! `revolve report`: one self-contained HTML page for the runs, sweeps, studies and searches in a folder.
 //!
 //! The folder is read into [`data::ReportPage`], which is embedded as JSON and drawn by `page.js`. Style, script and
 //! data are in the file; a content security policy forbids loading anything else.
@@ -12,8 +12,10 @@ mod history;
 mod html;
 mod labels;
 mod limits;
+pub mod meridian;
 mod mesh;
 pub mod picture;
+mod search;
 mod study;
 mod sweep;
 mod units;

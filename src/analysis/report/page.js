@@ -627,6 +627,7 @@ function drawRun(run) {
   if (s.ended_by_user) section.append(make('div', { class: 'card' }, 'A user subroutine ended the analysis.'));
   if (s.warnings && s.warnings.length) section.append(card('Warnings', make('ul', { class: 'warning' }, ...s.warnings.map(w => make('li', {}, w)))));
   section.append(outcome(run, s));
+  if (run.uncertainties) section.append(card('Uncertainty', ...run.uncertainties.map(u => make('p', { class: 'deviation' }, u))));
   if (run.deviations) section.append(card('Compared with a reference', ...run.deviations.map(d => make('p', { class: 'deviation' }, d))));
   const charts = run.charts.map(drawChart);
   const setTime = time => charts.forEach(c => c.setTime(time));
@@ -705,14 +706,19 @@ function effects(list) {
   return make('div', { class: 'effects' }, card('Removed effects', table(['effect', 'change of the quantity', 'saved run time'], rows),
     make('p', { class: 'soft' }, 'Grey: the change is below the error estimate. Negative: the run takes longer without the effect.')));
 }
-function drawTable(word, t, pareto = [], list = []) {
+/** An SVG picture; the style sheet inverts it on a dark page. */
+function drawPicture(picture) {
+  return { node: make('figure', { class: 'card' }, make('img', { class: 'picture', src: picture.source, alt: picture.name }), make('figcaption', {}, picture.name)) };
+}
+function drawTable(word, t, pareto = [], list = [], pictures = []) {
   const section = make('section', { class: word.toLowerCase() }, make('div', { class: 'head' }, make('h2', {}, `${word} ${t.name}`)));
   if (t.facts.length) section.append(card('', factList(t.facts)));
   const bars = effects(list);
   if (bars) section.append(bars);
   const charts = t.charts.map(drawChart);
-  section.append(chartGrid(charts));
-  const isNumber = i => t.rows.every(row => row[i] === '' || !Number.isNaN(Number(row[i])));
+  if (charts.length) section.append(chartGrid(charts));
+  if (pictures.length) section.append(chartGrid(pictures.map(drawPicture)));
+  const isNumber = i => t.rows.every(row => row[i] === '' || row[i] === '-' || !Number.isNaN(Number(row[i])));
   if (t.rows.length) {
     section.append(card(pareto.some(Boolean) ? 'Settings' : 'Table', table(t.header, t.rows, isNumber, r => pareto[r] ? 'best' : ''),
       pareto.some(Boolean) ? make('p', { class: 'soft' }, 'Marked rows are on the Pareto front of error and run time.') : null));
@@ -724,7 +730,8 @@ function drawTable(word, t, pareto = [], list = []) {
 // ---- the page ----
 page.replaceChildren(make('header', {}, make('h1', {}, data.title), make('span', { class: 'soft' }, `${data.folder} · Revolve ${data.version}`)));
 const runs = data.runs.map(drawRun);
-const tables = [...data.studies.map(s => drawTable('Study', s.table, s.pareto, s.effects)), ...data.sweeps.map(s => drawTable('Sweep', s))];
+const tables = [...data.studies.map(s => drawTable('Study', s.table, s.pareto, s.effects)), ...data.sweeps.map(s => drawTable('Sweep', s)),
+  ...data.searches.map(s => drawTable(s.title, s.table, [], [], s.pictures))];
 page.append(...tables.map(t => t.section), ...runs.map(r => r.section));
 if (data.notes.length) page.append(card('Omitted data', notes(data.notes)));
 runs.forEach(r => r.meridian && r.meridian.draw());

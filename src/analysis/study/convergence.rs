@@ -3,9 +3,11 @@
 use std::time::Instant as Stopwatch;
 
 use super::StudyError;
+use super::jitter::{self, NoiseRequest};
 use super::quantity::Quantity;
 use super::record::StudyTiming;
-use super::refinement::{self, RefinementStudy};
+use super::refinement::{self, RefinementStudy, StudyRow};
+use super::richardson::{ConvergenceBehaviour, LimitEstimate};
 use super::runner::StudyRunner;
 use super::settings::StudyAxis;
 use super::target::{self, ErrorTarget, TargetResult};
@@ -25,22 +27,65 @@ pub fn exact(text: Option<&str>, quantity: &Quantity) -> Result<Option<f64>, Stu
     value.map(Some).map_err(|e| StudyError::Setting(format!("--exact `{text}`: {}", e.message)))
 }
 
-/// Runs all levels, or refines until the error target is reached. Returns the study, the result of the target and the
-/// time spent.
+/// Request of a convergence study.
+pub struct RefinementRequest<'a> {
+    /// Parameters with their levels or choices.
+    pub axes: &'a [StudyAxis],
+    /// Exact value of the quantity.
+    pub exact: Option<f64>,
+    /// Error target.
+    pub target: Option<ErrorTarget>,
+    /// Perturbed runs.
+    pub noise: NoiseRequest,
+    /// Properties of the model that can limit the order of convergence.
+    pub causes: Vec<&'static str>,
+    /// Whether a level with twice as many elements along each edge is added if the order is not confirmed.
+    pub around: bool,
+    /// Function that shows the cost of the perturbed runs before they start.
+    pub announce: &'a dyn Fn(&str),
+}
+
+/// Runs all levels, or refines until the error target is reached, then measures the noise. Returns the study, the result
+/// of the target and the time spent.
 pub fn refine(
     bench: &mut StudyRunner<'_>,
-    axes: &[StudyAxis],
-    exact: Option<f64>,
-    target: Option<ErrorTarget>,
+    request: &RefinementRequest<'_>,
 ) -> Result<(RefinementStudy, Option<TargetResult>, StudyTiming), StudyError> {
     let begin = Stopwatch::now();
-    let (results, met) = match target {
+    let (axes, exact) = (request.axes, request.exact);
+    let (mut results, mut met) = match request.target {
         Some(target) => {
             let (results, met) = target::refine_to_target(bench, axes, exact, target)?;
             (results, Some(met))
         }
+        None if request.around => (around(bench, axes, exact)?, None),
         None => (refinement::grid(bench, axes, exact)?, None),
     };
+    results.causes.clone_from(&request.causes);
+    if let Some(row) = jitter::level(&results, request.noise, bench.repeat()) {
+        (request.announce)(&jitter::announcement(&results, row, request.noise.runs));
+        results.noise = Some(jitter::measure(bench, axes, &results, row, request.noise)?);
+        refinement::evaluate_errors(&mut results, exact, bench.measure().is_norm());
+        met = request.target.map(|target| TargetResult::of(target, &results));
+    }
     let timing = StudyTiming { runs: bench.spent(), total: begin.elapsed().as_secs_f64(), repeat: bench.repeat() };
     Ok((results, met, timing))
+}
+
+/// Runs the levels of the mesh, and a finer one if their order is not confirmed.
+fn around(bench: &mut StudyRunner<'_>, axes: &[StudyAxis], exact: Option<f64>) -> Result<RefinementStudy, StudyError> {
+    let mut study = refinement::grid(bench, axes, exact)?;
+    let (Some(series), [axis]) = (study.series.first_mut(), axes) else { return Ok(study) };
+    let is_confirmed =
+        |e: LimitEstimate| matches!(e.behaviour, ConvergenceBehaviour::Asymptotic | ConvergenceBehaviour::Settled);
+    let finest = axis.sizes.last().copied().unwrap_or(1.0);
+    if !series.estimate.is_some_and(is_confirmed) {
+        let values = vec![(2.0 / finest).to_string()];
+        let run = bench.at(axes, &values, None);
+        series.rows.push(study.rows.len());
+        series.sizes.push(0.5 * finest);
+        study.rows.push(StudyRow::new(values, run, 0));
+        refinement::evaluate_errors(&mut study, exact, bench.measure().is_norm());
+    }
+    Ok(study)
 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 use super::StudyError;
 use super::error::accepted;
 use super::quantity::{self, FinishedRun, Quantity};
-use super::shot::{self, ShotEnd, ShotResult};
+use super::shot::{self, ShotEnd, ShotResult, ShotRule};
 use crate::deck::names::nearest;
 use crate::deck::template::DeckTemplate;
 use crate::deck::{self, Deck, Diagnostics};
@@ -77,9 +77,9 @@ pub struct SampleEvaluator {
     only_last_row: bool,
     /// Idle workers, reused by later calls.
     idle: Mutex<Vec<SampleWorker>>,
-    /// Whether the samples are shots: the last step is extended while a body moves in a target, and the end of the
+    /// Present if the samples are shots: the last step is extended while a body moves in a target, and the end of the
     /// shot is recorded.
-    shots: bool,
+    shots: Option<ShotRule>,
     /// Number of samples so far with a body still moving in a target at the end.
     still_moving: AtomicUsize,
     /// Indices of the quantities that sample k evaluates, in entry k modulo the length; all quantities if empty.
@@ -131,7 +131,7 @@ impl SampleEvaluator {
         }
         let ends_alone = quantities.iter().all(Quantity::needs_last_row_only);
         let (most_threads, idle) = (prepared.most_threads(), Mutex::default());
-        let (shots, still_moving) = (false, AtomicUsize::new(0));
+        let (shots, still_moving) = (None, AtomicUsize::new(0));
         Ok(SampleEvaluator {
             source,
             fixed,
@@ -154,10 +154,11 @@ impl SampleEvaluator {
         SampleEvaluator { selections, ..self }
     }
 
-    /// Makes an evaluator of [`shots`](SampleEvaluator::shots).
+    /// Makes an evaluator of [`shots`](SampleEvaluator::shots). The first quantity, if there is one, is the residual
+    /// velocity; without rigid bodies that meet a target, a shot moves as long as it falls and is above `least`.
     #[must_use]
-    pub fn of_shots(self) -> SampleEvaluator {
-        SampleEvaluator { shots: true, ..self }
+    pub fn of_shots(self, least: Option<f64>) -> SampleEvaluator {
+        SampleEvaluator { shots: Some(ShotRule { least }), ..self }
     }
 
     /// Returns the number of samples so far in which a body was still moving in a target at the end; their depths are
@@ -214,7 +215,7 @@ impl SampleEvaluator {
 
     /// Returns the number of cells of a row of the table.
     fn row_width(&self) -> usize {
-        self.quantities.len() + if self.shots { shot::CELLS } else { 0 }
+        self.quantities.len() + if self.shots.is_some() { shot::CELLS } else { 0 }
     }
 
     /// Runs a plan with the duration of its last step; repeats a shot with longer ones as long as `run` returns that a
@@ -224,7 +225,7 @@ impl SampleEvaluator {
         duration: f64,
         run: &mut dyn FnMut(f64) -> Result<bool, StudyError>,
     ) -> Result<(), StudyError> {
-        for factor in if self.shots { &shot::EXTENSIONS[..] } else { &[1.0] } {
+        for factor in if self.shots.is_some() { &shot::EXTENSIONS[..] } else { &[1.0] } {
             if !run(factor * duration)? {
                 break;
             }
@@ -248,11 +249,26 @@ impl SampleEvaluator {
 
     /// Removes frames and unused history rows from the output requests of a plan.
     fn reduce_output(&self, plan: &mut Plan) {
+        let only_last_row = self.only_last_row && !self.needs_rows(plan);
         for step in &mut plan.steps {
             step.outputs.field.clear();
-            if self.only_last_row && !step.outputs.history.is_empty() {
+            if only_last_row && !step.outputs.history.is_empty() {
                 step.outputs.history = vec![WriteSchedule::Time(f64::INFINITY)];
             }
+        }
+    }
+
+    /// Returns whether the end of shots is judged by the course of the residual velocity.
+    fn needs_rows(&self, plan: &Plan) -> bool {
+        self.shots.is_some() && !self.quantities.is_empty() && !plan.places.elements.is_empty()
+    }
+
+    /// Creates a history that stores the data needed for all quantities and for the ends of shots.
+    fn history(&self, plan: &Plan) -> RunHistory {
+        if self.needs_rows(plan) {
+            RunHistory::of_rows(plan.column_names())
+        } else {
+            quantity::history(&self.quantities, plan)
         }
     }
 
@@ -271,9 +287,11 @@ impl SampleEvaluator {
         for &i in selection {
             out[i] = self.quantities[i].number(FinishedRun { history, end })?;
         }
-        if self.shots {
-            out[self.quantities.len()..].copy_from_slice(&shot::encode(found));
-        }
+        let Some(rule) = self.shots else { return Ok(false) };
+        let residual = self.quantities.first().filter(|_| found.is_none());
+        let is_moving = residual.is_some_and(|residual| rule.may_fall(residual, history, out[0]));
+        let found = if is_moving { Some((ShotEnd::Moving, out[0])) } else { found };
+        out[self.quantities.len()..].copy_from_slice(&shot::encode(found));
         Ok(found.is_some_and(|(end, _)| end == ShotEnd::Moving))
     }
 }
@@ -393,7 +411,7 @@ impl SampleBatch<'_> {
         evaluator.reduce_output(&mut prepared.plan);
         evaluator.run_extended(last_duration(&prepared.plan), &mut |duration| {
             set_last_duration(&mut prepared.plan, duration);
-            let mut history = quantity::history(&evaluator.quantities, &prepared.plan);
+            let mut history = evaluator.history(&prepared.plan);
             let mut sink = HistorySink { history: &mut history, look };
             let (outcome, state) = job::run_until(&prepared, &mut sink, self.interrupt);
             evaluator.finish(EndedRun { row, history: &history, outcome, state: &state }, &prepared.state, out)
@@ -448,7 +466,7 @@ impl ReusablePlan {
         let places = places.collect::<Option<Vec<_>>>()?;
         let (mut plan, state, _, reviser) = plan::revise::compile(&model, &routines);
         evaluator.reduce_output(&mut plan);
-        let history = quantity::history(&evaluator.quantities, &plan);
+        let history = evaluator.history(&plan);
         let (reviser, values, numbers) = (reviser?, Vec::new(), Vec::new());
         Some(ReusablePlan { template, places, model, routines, plan, state, reviser, history, values, numbers })
     }

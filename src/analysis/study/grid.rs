@@ -153,6 +153,11 @@ impl CaseGrid {
     pub(super) fn read(settings: &[String]) -> Result<CaseGrid, String> {
         let mut grid = CaseGrid::default();
         for setting in settings {
+            if let Some((_, text)) = setting.split_once('=')
+                && SettingForm::of(text) == SettingForm::Distribution
+            {
+                return Err(format!("--set {setting}: expected values; {}", SettingForm::Distribution.accepted_by()));
+            }
             let (name, values) = axis(setting)?;
             grid.add(name, values)?;
         }
@@ -225,6 +230,42 @@ impl CaseGrid {
     }
 }
 
+/// Form of the right side of `NAME=…`, the same for all commands and options.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SettingForm {
+    /// One value: a number, an expression or a text.
+    Value,
+    /// A list `v1,v2` of numbers, or a range `start:stop:step` or `start:stop:#count`.
+    Values,
+    /// `low..high`, `normal(mean, deviation)` and other distributions.
+    Distribution,
+}
+
+impl SettingForm {
+    /// Returns the form of a text.
+    pub fn of(text: &str) -> SettingForm {
+        let is_list = || text.contains(',') && text.split(',').all(|value| value.trim().parse::<f64>().is_ok());
+        if is_distribution(text) && ParameterDistribution::parse(text).is_ok() {
+            SettingForm::Distribution
+        } else if text.contains(':') && range(text, text).is_ok() || is_list() {
+            SettingForm::Values
+        } else {
+            SettingForm::Value
+        }
+    }
+
+    /// Returns which options accept the form, for messages.
+    pub fn accepted_by(self) -> &'static str {
+        match self {
+            SettingForm::Value => "one value is given by `--set`",
+            SettingForm::Values => "several values are accepted by `sweep --set`, `study --refine` and `limit --over`",
+            SettingForm::Distribution => {
+                "a distribution is accepted by `--distribution` of `scatter` and `limit`, and by `sweep --random N --set`"
+            }
+        }
+    }
+}
+
 /// Returns whether a text is a distribution and not a value.
 fn is_distribution(text: &str) -> bool {
     text.contains("..") || text.contains('(')
@@ -259,7 +300,26 @@ fn range(setting: &str, text: &str) -> Result<Vec<String>, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::CaseGrid;
+    use super::{CaseGrid, SettingForm};
+
+    #[test]
+    fn settings_have_one_of_three_forms() {
+        use SettingForm::{Distribution, Value, Values};
+        for (text, form) in [
+            ("821", Value),
+            ("2*V + max(1, 2)", Value),
+            ("a,b", Value),
+            ("C:/decks", Value),
+            ("1,2.5", Values),
+            ("500:1100:50", Values),
+            ("0:1:#3", Values),
+            ("0..1", Distribution),
+            ("normal(800, 10)", Distribution),
+        ] {
+            assert_eq!(SettingForm::of(text), form, "{text}");
+        }
+        assert!(values("V=0..1").is_err_and(|e| e.contains("sweep --random N")));
+    }
 
     fn values(setting: &str) -> Result<Vec<String>, String> {
         let grid = CaseGrid::read(&[setting.to_owned()])?;

@@ -1,6 +1,7 @@
 //! Random deck parameters with their distributions and correlations.
 
 use super::StudyError;
+use super::grid::SettingForm;
 use super::statistics::cholesky::CholeskyFactor;
 use super::statistics::distribution::ParameterDistribution;
 use super::statistics::normal;
@@ -8,6 +9,7 @@ use super::statistics::normal;
 /// Random parameters with their distributions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomInputs {
+    /// Names of the parameters.
     pub names: Vec<String>,
     distributions: Vec<ParameterDistribution>,
     /// Cholesky factor of the correlation matrix; `None` if all correlations are zero.
@@ -26,7 +28,11 @@ impl RandomInputs {
             if inputs.names.iter().any(|known| known == name.trim()) {
                 return Err(wrong("the parameter has two distributions".into()));
             }
-            inputs.distributions.push(ParameterDistribution::parse(of).map_err(wrong)?);
+            let named = |why| match SettingForm::of(of) {
+                SettingForm::Values => wrong(format!("expected a distribution; {}", SettingForm::Values.accepted_by())),
+                _ => wrong(why),
+            };
+            inputs.distributions.push(ParameterDistribution::parse(of).map_err(named)?);
             inputs.names.push(name.trim().to_owned());
         }
         if !correlations.is_empty() {
@@ -138,5 +144,7 @@ mod tests {
         ] {
             assert!(RandomInputs::parse(&distributions, &correlations).is_err(), "{distributions:?} {correlations:?}");
         }
+        let list = RandomInputs::parse(&words(&["V=500,600"]), &[]).expect_err("an error").to_string();
+        assert!(list.contains("sweep --set"), "{list}");
     }
 }

@@ -6,7 +6,10 @@ mod ablation;
 pub(crate) mod axis;
 #[cfg(feature = "cli")]
 pub(crate) mod cases;
+pub mod causes;
 pub mod chart;
+#[cfg(feature = "cli")]
+pub mod chosen;
 #[cfg(feature = "cli")]
 pub(crate) mod columns;
 pub mod compare;
@@ -23,11 +26,13 @@ mod field;
 pub mod grid;
 pub mod identify;
 #[cfg(feature = "cli")]
-pub(crate) mod inputs;
+pub mod inputs;
+pub mod jitter;
 #[cfg(feature = "cli")]
 pub(crate) mod law;
 #[cfg(feature = "cli")]
 pub mod limit;
+pub mod noise;
 mod price;
 pub mod quantity;
 pub mod record;
@@ -42,5 +47,7 @@ pub mod statistics;
 pub mod sweep;
 pub mod table;
 pub mod target;
+#[cfg(feature = "cli")]
+pub mod uncertainty;
 
 pub use error::StudyError;

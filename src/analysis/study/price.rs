@@ -40,11 +40,11 @@ pub fn pareto_front(study: &RefinementStudy) -> Vec<usize> {
     front
 }
 
-/// Returns the cheapest setting with an error below `bound`: within a family the one with the fewest element-cycles,
+/// Returns the cheapest setting with an error below `bound` that is not in `excluded`: within a family the one with the fewest element-cycles,
 /// between families the fastest one, or the one with the fewest element-cycles if the ranges of run time overlap.
-pub fn cheapest(study: &RefinementStudy, bound: f64) -> Option<usize> {
+pub fn cheapest(study: &RefinementStudy, bound: f64, excluded: &[usize]) -> Option<usize> {
     let mut best: Vec<SettingCost> = Vec::new();
-    for offer in setting_costs(study).into_iter().filter(|o| o.bound <= bound) {
+    for offer in setting_costs(study).into_iter().filter(|o| o.bound <= bound && !excluded.contains(&o.row)) {
         let family = study.rows[offer.row].family;
         match best.iter_mut().find(|o| study.rows[o.row].family == family) {
             Some(known) if known.cycles <= offer.cycles => {}
@@ -80,7 +80,7 @@ pub fn list(study: &RefinementStudy) -> Vec<AccuracyCost> {
     let mut prices: Vec<AccuracyCost> = Vec::new();
     for exponent in (power(low)..=power(high)).rev() {
         let tolerance = libm::pow(10.0, f64::from(exponent));
-        let Some(run) = cheapest(study, tolerance * unit) else { continue };
+        let Some(run) = cheapest(study, tolerance * unit, &[]) else { continue };
         let Ok(of) = &study.rows[run].run else { continue };
         // A setting for a larger error must not take longer than this one.
         prices.retain(|p| p.run != run && p.seconds < of.seconds.median);

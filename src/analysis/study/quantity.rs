@@ -84,6 +84,18 @@ impl Quantity {
         expression.raw_arguments().all(|(function, _)| function == "final" || STATE_FUNCTIONS.contains(&function))
     }
 
+    /// Returns the quantity with the time average between two times in place of final values and values at a time;
+    /// `None` if it has neither.
+    pub fn averaged(&self, from: f64, to: f64) -> Option<Quantity> {
+        let QuantityKind::Number(expression) = &self.kind else { return None };
+        let mut text = self.text.clone();
+        for (function, argument) in expression.raw_arguments().filter(|(f, _)| matches!(*f, "final" | "at")) {
+            let column = argument.split(',').next().unwrap_or_default().trim();
+            text = text.replace(&format!("{function}({argument})"), &format!("mean({column}, {from:?}, {to:?})"));
+        }
+        if text == self.text { None } else { Quantity::parse(&text).ok() }
+    }
+
     /// Creates a history that stores the data needed for this quantity.
     pub fn history(&self, plan: &Plan) -> RunHistory {
         history(std::slice::from_ref(self), plan)

@@ -5,12 +5,16 @@ use serde::Serialize;
 
 use super::chart::{AxisScale, Chart, ChartSeries, SeriesForm};
 use super::effects::EffectAblation;
+use super::noise::NoiseEstimate;
 use super::price::{self, AccuracyCost, setting};
 use super::refinement::{ErrorReference, RefinementStudy, StudyRow};
 use super::richardson::{FORMAL_ORDER, LimitEstimate};
 use super::runner::TimeSpread;
 use super::table::{TextTable, cell, digits, duration, short};
 use super::target::{EXTRA_LEVELS, MOST_CYCLES, TargetResult};
+
+/// File name suffix of the certificate of a run.
+pub const CERTIFICATE: &str = "_certificate.json";
 
 /// Record of a convergence study, the contents of `<job>_study.json`. The keys are stable.
 #[derive(Clone, Debug, Serialize)]
@@ -36,6 +40,9 @@ pub struct StudyRecord<'a> {
     pub prices: Vec<AccuracyCost>,
     /// `prices` as one line of text.
     pub sentence: String,
+    /// Scatter of the quantity over perturbed runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<&'a NoiseEstimate>,
     /// Result of `--target`: the error target and the run that meets it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetResult>,
@@ -158,6 +165,7 @@ pub fn record<'a>(
         front: price::pareto_front(study),
         prices: price::list(study),
         sentence: price::sentence(study),
+        noise: study.noise.as_ref(),
         target,
         timing,
         version: env!("CARGO_PKG_VERSION"),
@@ -320,8 +328,8 @@ fn setting_but(study: &RefinementStudy, row: usize, along: &str) -> String {
     of.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
 }
 
-/// Returns the lines below the table of a study.
-pub fn conclusions(study: &RefinementStudy, target: Option<&TargetResult>) -> Vec<String> {
+/// Returns the lines below the table of a study of a quantity.
+pub fn conclusions(study: &RefinementStudy, quantity: &str, target: Option<&TargetResult>) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(reference) = study.reference {
         lines.push(match reference.row {
@@ -335,12 +343,31 @@ pub fn conclusions(study: &RefinementStudy, target: Option<&TargetResult>) -> Ve
             ),
         });
     }
+    lines.extend(wide_estimates(study));
+    lines.extend(study.noise.iter().flat_map(|noise| noise.conclusions(quantity)));
     lines.extend(disagreement(study));
     let sentence = price::sentence(study);
     if !sentence.is_empty() {
         lines.push(sentence);
     }
     lines.extend(target.map(|met| of_target(study, met)));
+    lines
+}
+
+/// Returns why the estimate of the limit is wide, with the properties of the model that can be the cause.
+fn wide_estimates(study: &RefinementStudy) -> Vec<String> {
+    let Some(row) = study.reference.and_then(|r| r.row) else { return Vec::new() };
+    let mut lines: Vec<String> = Vec::new();
+    for behaviour in study.rows[row].estimates.iter().flatten().map(|e| e.behaviour) {
+        let Some(reason) = behaviour.reason() else { continue };
+        let causes = if behaviour.concerns_model() && !study.causes.is_empty() {
+            format!("; possible causes in this deck: {}", study.causes.join(", "))
+        } else {
+            String::new()
+        };
+        lines.push(format!("wide uncertainty: {reason}{causes}"));
+    }
+    lines.dedup();
     lines
 }
 

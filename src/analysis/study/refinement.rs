@@ -1,6 +1,7 @@
 //! Convergence study of a deck: the values of all levels, and the estimate of their limit.
 
 use super::StudyError;
+use super::noise::NoiseEstimate;
 use super::quantity::QuantityValue;
 use super::richardson::{LimitEstimate, RefinementLevel, estimate, order_of_errors};
 use super::runner::{StudyRun, StudyRunner};
@@ -25,7 +26,7 @@ pub struct StudyRow {
     pub estimates: Vec<Option<LimitEstimate>>,
     /// Order of convergence from the errors of this and the previous level against an exact value, by series.
     pub exact_orders: Vec<Option<f64>>,
-    /// Sum of the grid convergence indices of all series; `None` if one has too few levels.
+    /// Sum of the grid convergence indices of all series, at least the noise; `None` if one has too few levels.
     pub uncertainty: Option<f64>,
     /// Difference from the exact value or from the estimated limit.
     pub error: Option<f64>,
@@ -71,6 +72,10 @@ pub struct RefinementStudy {
     pub reference: Option<ErrorReference>,
     /// Value by which errors are divided to make them relative; `None` if the reference is zero.
     pub scale: Option<f64>,
+    /// Scatter of the quantity under small perturbations; uncertainties are not below it.
+    pub noise: Option<NoiseEstimate>,
+    /// Properties of the model that can limit the order of convergence.
+    pub causes: Vec<&'static str>,
 }
 
 impl StudyRow {
@@ -87,6 +92,31 @@ impl StudyRow {
             error: None,
             bound: None,
         }
+    }
+}
+
+impl RefinementStudy {
+    /// Returns a sentence for each series whose finest level has fewer elements than its coarsest one: numbers of
+    /// elements that were given from fine to coarse.
+    pub fn reversed_series(&self) -> Vec<String> {
+        let sentence = |series: &RefinementSeries| {
+            let (coarsest, finest) = (&self.rows[*series.rows.first()?], &self.rows[*series.rows.last()?]);
+            let [many, few] = [coarsest, finest].map(|row| row.run.as_ref().map_or(0, |run| run.elements));
+            let axis = self.axes.iter().position(|axis| *axis == series.along)?;
+            (0 < few && few < many).then(|| {
+                format!(
+                    "{0} = {1} is taken as the finest level, because the values decrease as sizes do; it has {few} elements \
+                     and facets, {0} = {2} has {many}. Give numbers of elements from small to large",
+                    series.along, finest.values[axis], coarsest.values[axis]
+                )
+            })
+        };
+        self.series.iter().filter_map(sentence).collect()
+    }
+
+    /// Creates a study without settings.
+    pub(super) fn empty(axes: &[StudyAxis]) -> RefinementStudy {
+        RefinementStudy { axes: axes.iter().map(|a| a.name.clone()).collect(), ..RefinementStudy::default() }
     }
 }
 
@@ -127,8 +157,7 @@ pub fn grid(
         axes.iter().zip(place).filter(|(a, _)| !a.is_refinement()).map(|(_, l)| *l).collect()
     };
     let mut known: Vec<Vec<usize>> = Vec::new();
-    let mut study =
-        RefinementStudy { axes: axes.iter().map(|a| a.name.clone()).collect(), ..RefinementStudy::default() };
+    let mut study = RefinementStudy::empty(axes);
     for place in &places {
         let values: Vec<String> = axes.iter().zip(place).map(|(a, l)| a.values[*l].clone()).collect();
         let own = choices(place);
@@ -168,7 +197,8 @@ pub fn evaluate_errors(study: &mut RefinementStudy, exact: Option<f64>, norm: bo
     }
     for row in &mut study.rows {
         let each: Option<Vec<f64>> = row.estimates.iter().map(|e| e.map(|e| e.uncertainty)).collect();
-        row.uncertainty = each.filter(|e| !e.is_empty()).map(|e| e.iter().sum());
+        let noise = study.noise.as_ref().map_or(0.0, |noise| noise.uncertainty);
+        row.uncertainty = each.filter(|e| !e.is_empty()).map(|e| e.iter().sum::<f64>().max(noise));
     }
     study.reference = match exact {
         Some(value) => Some(ErrorReference { value, uncertainty: 0.0, row: None }),

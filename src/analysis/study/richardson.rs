@@ -4,7 +4,8 @@
 //! Sources: L. F. Richardson, Phil. Trans. R. Soc. A 210 (1911) 307; P. J. Roache, J. Fluids Eng. 116 (1994) 405: the
 //! grid convergence index with the factor of safety 1.25 where the order is observed on three levels, 3 where it is
 //! assumed; ASME V&V 20-2009, section 2; W. L. Oberkampf and C. J. Roy, Verification and Validation in Scientific
-//! Computing (Cambridge 2010), section 8.7: factor 3 and a bounded order where the observed one is not credible.
+//! Computing (Cambridge 2010), section 8.7: factor 3 and a bounded order where the observed one is not credible or not
+//! confirmed, that is, neither within 10 % of the formal order nor equal to the order of the previous levels.
 
 use serde::Serialize;
 
@@ -13,7 +14,15 @@ use serde::Serialize;
 pub const FORMAL_ORDER: f64 = 2.0;
 /// Range of credible observed orders; outside it the series is not in the asymptotic range.
 pub const CREDIBLE: [f64; 2] = [0.5, 2.5];
-/// Factor of safety for three levels with a credible order.
+/// Smallest ratio of the sizes of two levels at which an order is reliable.
+const SMALLEST_RATIO: f64 = 1.5;
+/// Smallest ratio of the sizes of two levels whose order is above the credible range.
+const FAST_RATIO: f64 = 2.0;
+/// Order below which a series is singular: a point load, a corner, a shock or linear bulk viscosity limits it.
+const SINGULAR: f64 = 0.9;
+/// Largest difference of two agreeing orders, and of an agreeing order from the formal one (10 %).
+const AGREEMENT: f64 = 0.2;
+/// Factor of safety for a credible order that is confirmed.
 const OBSERVED: f64 = 1.25;
 /// Factor of safety in all other cases.
 const ASSUMED: f64 = 3.0;
@@ -33,8 +42,14 @@ pub struct RefinementLevel {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ConvergenceBehaviour {
-    /// The observed order is credible.
+    /// The observed order is credible and confirmed by that of the previous levels or by the formal order.
     Asymptotic,
+    /// The observed order is credible but not confirmed.
+    Unconfirmed,
+    /// The observed order is credible but below 1.
+    Singular,
+    /// The ratio of two sizes is below 1.5, or below 2 with an order above 2.5; such levels agree by chance.
+    Close,
     /// Two levels: no order can be observed.
     TwoLevels,
     /// Differences alternate in sign.
@@ -52,12 +67,36 @@ impl ConvergenceBehaviour {
     pub fn word(self) -> &'static str {
         match self {
             ConvergenceBehaviour::Asymptotic => "",
+            ConvergenceBehaviour::Unconfirmed => "one order",
+            ConvergenceBehaviour::Singular => "order below 1",
+            ConvergenceBehaviour::Close => "close levels",
             ConvergenceBehaviour::TwoLevels => "two levels",
             ConvergenceBehaviour::Oscillating => "oscillates",
             ConvergenceBehaviour::Slow => "slow",
             ConvergenceBehaviour::Fast => "fast",
             ConvergenceBehaviour::Settled => "settled",
         }
+    }
+
+    /// Returns whether properties of the model can be the cause, and not only the choice of levels.
+    pub fn concerns_model(self) -> bool {
+        !matches!(self, ConvergenceBehaviour::TwoLevels | ConvergenceBehaviour::Close)
+    }
+
+    /// Returns why the estimate is wide; `None` if it is not.
+    pub fn reason(self) -> Option<&'static str> {
+        Some(match self {
+            ConvergenceBehaviour::Asymptotic | ConvergenceBehaviour::Settled => return None,
+            ConvergenceBehaviour::Unconfirmed => {
+                "the order is observed once only, or differs from that of the previous levels; add a finer level"
+            }
+            ConvergenceBehaviour::Singular => "the order is below 1, as at singular points and shocks",
+            ConvergenceBehaviour::Close => "sizes of levels are too close; use ratios of at least 1.5, better 2",
+            ConvergenceBehaviour::TwoLevels => "two levels give no order; add a level",
+            ConvergenceBehaviour::Oscillating => "differences between levels change sign",
+            ConvergenceBehaviour::Slow => "differences between levels do not decrease, or with an order below 0.5",
+            ConvergenceBehaviour::Fast => "the last difference may be small by chance; add a finer level",
+        })
     }
 }
 
@@ -76,11 +115,12 @@ pub struct LimitEstimate {
     pub factor: f64,
 }
 
-/// Estimates the limit from the last three levels, or from two; `None` with fewer. Sizes must decrease along the
-/// series.
+/// Estimates the limit from the last three levels, or from two; `None` with fewer. The level before these confirms
+/// their order. Sizes must decrease along the series.
 pub fn estimate(series: &[RefinementLevel]) -> Option<LimitEstimate> {
     match series {
-        [.., a, b, c] => Some(of_three(*a, *b, *c)),
+        [.., z, a, b, c] => Some(of_three(*a, *b, *c, Some(*z))),
+        [a, b, c] => Some(of_three(*a, *b, *c, None)),
         [a, b] => Some(of_two(*a, *b)),
         _ => None,
     }
@@ -95,7 +135,12 @@ fn of_two(coarse: RefinementLevel, fine: RefinementLevel) -> LimitEstimate {
     LimitEstimate { order: None, behaviour, limit: fine.value + error, uncertainty, factor: ASSUMED }
 }
 
-fn of_three(coarse: RefinementLevel, middle: RefinementLevel, fine: RefinementLevel) -> LimitEstimate {
+fn of_three(
+    coarse: RefinementLevel,
+    middle: RefinementLevel,
+    fine: RefinementLevel,
+    previous: Option<RefinementLevel>,
+) -> LimitEstimate {
     let (before, last) = (middle.value - coarse.value, fine.value - middle.value);
     let widest = before.abs().max(last.abs());
     let unextrapolated = |order, behaviour, uncertainty: f64| LimitEstimate {
@@ -119,27 +164,59 @@ fn of_three(coarse: RefinementLevel, middle: RefinementLevel, fine: RefinementLe
         let slow = last.abs() / gain(middle, fine, CREDIBLE[0]);
         return unextrapolated(Some(order), ConvergenceBehaviour::Slow, ASSUMED * widest.max(slow));
     }
-    let error = last / gain(middle, fine, order.min(FORMAL_ORDER));
-    let limit = fine.value + error;
-    if order > CREDIBLE[1] {
-        // The last difference may be small by chance; the previous one, reduced with the formal order, is also a bound.
-        let left = before / gain(coarse, middle, FORMAL_ORDER) / libm::pow(middle.size / fine.size, FORMAL_ORDER);
-        let uncertainty = ASSUMED * error.abs().max(left.abs()) + floor(fine);
-        return LimitEstimate {
-            order: Some(order),
-            behaviour: ConvergenceBehaviour::Fast,
-            limit,
-            uncertainty,
-            factor: ASSUMED,
-        };
+    extrapolated([coarse, middle, fine], order, behaviour_of([coarse, middle, fine], order, previous))
+}
+
+/// Returns the behaviour of three levels with an order of at least 0.5.
+fn behaviour_of(
+    [coarse, middle, fine]: [RefinementLevel; 3],
+    order: f64,
+    previous: Option<RefinementLevel>,
+) -> ConvergenceBehaviour {
+    let ratio = (coarse.size / middle.size).min(middle.size / fine.size);
+    let confirmed = match previous {
+        Some(previous) => {
+            observed_order(previous, coarse, middle).is_some_and(|p| p >= SINGULAR && (p - order).abs() <= AGREEMENT)
+        }
+        None => (order - FORMAL_ORDER).abs() <= AGREEMENT,
+    };
+    let fast = order > CREDIBLE[1];
+    if ratio < (1.0 - 1e-9) * if fast { FAST_RATIO } else { SMALLEST_RATIO } {
+        ConvergenceBehaviour::Close
+    } else if fast {
+        ConvergenceBehaviour::Fast
+    } else if order < SINGULAR {
+        ConvergenceBehaviour::Singular
+    } else if confirmed {
+        ConvergenceBehaviour::Asymptotic
+    } else {
+        ConvergenceBehaviour::Unconfirmed
     }
-    let uncertainty = OBSERVED * error.abs() + floor(fine);
+}
+
+/// Returns the estimate by Richardson extrapolation. Unless the order is confirmed, the previous difference, reduced
+/// with the formal order, is also a bound, because the last one may be small by chance. The order of close levels
+/// is taken as at most 1.
+fn extrapolated(
+    [coarse, middle, fine]: [RefinementLevel; 3],
+    order: f64,
+    behaviour: ConvergenceBehaviour,
+) -> LimitEstimate {
+    let (before, last) = (middle.value - coarse.value, fine.value - middle.value);
+    let error = last / gain(middle, fine, order.min(FORMAL_ORDER));
+    let (factor, bound) = if behaviour == ConvergenceBehaviour::Asymptotic {
+        (OBSERVED, error.abs())
+    } else {
+        let assumed = if behaviour == ConvergenceBehaviour::Close { 1.0 } else { FORMAL_ORDER };
+        let left = before / gain(coarse, middle, assumed) / libm::pow(middle.size / fine.size, assumed);
+        (ASSUMED, (last / gain(middle, fine, order.min(assumed))).abs().max(left.abs()))
+    };
     LimitEstimate {
         order: Some(order),
-        behaviour: ConvergenceBehaviour::Asymptotic,
-        limit,
-        uncertainty,
-        factor: OBSERVED,
+        behaviour,
+        limit: fine.value + error,
+        uncertainty: factor * bound + floor(fine),
+        factor,
     }
 }
 
@@ -194,13 +271,30 @@ mod tests {
 
     #[test]
     fn order_is_found_for_any_ratio_of_sizes() {
-        for (sizes, order) in [([1.0, 0.5, 0.25], 2.0), ([1.0, 0.7, 0.3], 1.0), ([3.0, 2.0, 1.9], 1.5)] {
-            let found = estimate(&series(&sizes, |h| 7.0 + 0.1 * h.powf(order))).expect("three levels");
+        for (sizes, order, behaviour, factor) in [
+            (&[1.0, 0.5, 0.25][..], 2.0, ConvergenceBehaviour::Asymptotic, 1.25),
+            (&[2.0, 1.0, 0.5, 0.25], 1.0, ConvergenceBehaviour::Asymptotic, 1.25),
+            (&[1.0, 0.5, 0.25], 1.0, ConvergenceBehaviour::Unconfirmed, 3.0),
+            (&[2.0, 1.0, 0.5, 0.25], 0.8, ConvergenceBehaviour::Singular, 3.0),
+        ] {
+            let found = estimate(&series(sizes, |h| 7.0 + 0.1 * h.powf(order))).expect("three levels");
             assert!((found.order.expect("an order") - order).abs() < 1e-6, "{found:?}");
-            assert!((found.limit - 7.0).abs() < 1e-6 && found.behaviour == ConvergenceBehaviour::Asymptotic);
-            let error = 0.1 * sizes[2].powf(order);
-            assert!((found.uncertainty / (1.25 * error) - 1.0).abs() < 1e-5);
+            assert!((found.limit - 7.0).abs() < 1e-6 && found.behaviour == behaviour, "{found:?}");
+            let error = 0.1 * sizes[sizes.len() - 1].powf(order);
+            assert!((found.uncertainty / (factor * error) - 1.0).abs() < 1e-5, "{found:?}");
         }
+    }
+
+    #[test]
+    fn close_levels_and_a_jump_in_order_keep_the_wide_factor() {
+        let close = estimate(&series(&[1.0 / 3.0, 0.25, 1.0 / 6.0], |h| h * h)).expect("three levels");
+        assert_eq!((close.behaviour, close.factor), (ConvergenceBehaviour::Close, 3.0));
+        assert!((close.order.expect("an order") - 2.0).abs() < 1e-6);
+        // Slow between the first three levels, then order 2: by chance, or the first credible level.
+        let jump = [(1.0, 1.0), (0.5, 1.5), (0.25, 2.0), (0.125, 2.125)];
+        let jump = jump.map(|(size, value)| RefinementLevel { size, value });
+        let found = estimate(&jump).expect("four levels");
+        assert_eq!((found.behaviour, found.factor), (ConvergenceBehaviour::Unconfirmed, 3.0));
     }
 
     #[test]

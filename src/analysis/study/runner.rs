@@ -1,32 +1,56 @@
 //! Runs of the settings of a study, in memory and one after the other, so that run times can be compared.
 
 use std::sync::atomic::AtomicUsize;
-use std::time::Instant as Stopwatch;
+use std::time::{Duration, Instant as Stopwatch};
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::StudyError;
 use super::error::accepted;
-use super::quantity::{FinishedRun, Quantity, QuantityValue};
+use super::quantity::{self, FinishedRun, Quantity, QuantityValue};
 use super::settings::{ModelEdit, StudyAxis, StudyParameter, edit};
+use super::table::duration;
 use crate::deck::{Deck, Diagnostics};
 use crate::job::{self, ParameterOverrides};
 use crate::user::compile::Compiled;
 
 /// Function that reads the deck with given parameter values.
-pub type DeckReader<'a> = dyn Fn(&ParameterOverrides) -> (Deck, Diagnostics) + 'a;
+pub type DeckReader<'a> = dyn Fn(&ParameterOverrides) -> (Deck, Diagnostics) + Sync + 'a;
+
+/// Deck, user subroutines and interrupt of runs in memory.
+#[derive(Clone, Copy)]
+pub struct RunSource<'a> {
+    /// Reader of the deck.
+    pub deck: &'a DeckReader<'a>,
+    /// Compiled user subroutines.
+    pub user: Option<&'a Compiled>,
+    /// A nonzero value halts the runs.
+    pub interrupt: Option<&'a AtomicUsize>,
+}
 
 /// Runner of the settings of a study.
 pub struct StudyRunner<'a> {
-    source: &'a DeckReader<'a>,
+    source: RunSource<'a>,
     overrides: Vec<(String, String)>,
-    user: Option<&'a Compiled>,
     measure: &'a Quantity,
     repeat: usize,
     done: &'a dyn Fn(),
     spent: f64,
-    interrupt: Option<&'a AtomicUsize>,
+    limit: Option<TimeLimit<'a>>,
 }
+
+/// Limit of the time of all runs.
+#[derive(Clone, Copy)]
+struct TimeLimit<'a> {
+    begin: Stopwatch,
+    budget: Duration,
+    announce: &'a dyn Fn(&str),
+}
+
+/// Number of times that the next level must fit into the remaining time: it may be run again, with files, and its
+/// perturbed runs follow.
+const RESERVE: f64 = 3.0;
 
 /// Result and run time of a setting.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,21 +106,43 @@ impl<'a> StudyRunner<'a> {
         repeat: usize,
         done: &'a dyn Fn(),
     ) -> Self {
+        let source = RunSource { deck: source, user, interrupt: None };
         StudyRunner {
             source,
             overrides: overrides.to_vec(),
-            user,
             measure,
             repeat: repeat.max(1),
             done,
             spent: 0.0,
-            interrupt: None,
+            limit: None,
         }
     }
 
     /// Sets the interrupt: a nonzero value halts the runs.
     pub fn interrupted_by(&mut self, interrupt: &'a AtomicUsize) {
-        self.interrupt = Some(interrupt);
+        self.source.interrupt = Some(interrupt);
+    }
+
+    /// Limits the time of all runs; `announce` shows the expected time of each level before it starts.
+    pub fn limited_to(&mut self, budget: Duration, announce: &'a dyn Fn(&str)) {
+        self.limit = Some(TimeLimit { begin: Stopwatch::now(), budget, announce });
+    }
+
+    /// Returns whether a level with estimated element-cycles fits into the time limit, from the run time of the last
+    /// one, and shows its expected time.
+    pub fn affords(&self, last: Option<&StudyRun>, values: &[String], cycles: Option<f64>) -> bool {
+        let Some((limit, (last, cycles))) = self.limit.as_ref().zip(last.zip(cycles)) else { return true };
+        let seconds = last.seconds.median * cycles / last.element_cycles().max(1.0);
+        let left = limit.budget.saturating_sub(limit.begin.elapsed()).as_secs_f64();
+        let affordable = RESERVE * seconds * self.repeat as f64 <= left;
+        let verdict = if affordable { "" } else { ", outside the budget" };
+        (limit.announce)(&format!(
+            "level {}: about {} expected, {} of the budget left{verdict}",
+            values.join(", "),
+            duration(seconds),
+            duration(left)
+        ));
+        affordable
     }
 
     /// Returns the quantity that is evaluated for each setting.
@@ -121,6 +167,32 @@ impl<'a> StudyRunner<'a> {
         values: &[String],
         change: Option<ModelEdit>,
     ) -> Result<StudyRun, StudyError> {
+        let (overrides, mut edits) = self.setting(axes, values)?;
+        edits.extend(change);
+        self.edited(&overrides, &edits)
+    }
+
+    /// Runs the deck with one value for each axis once for each change of the model, in parallel. Returns the result of
+    /// each quantity for each run.
+    pub fn changed(
+        &mut self,
+        axes: &[StudyAxis],
+        values: &[String],
+        changes: Vec<ModelEdit>,
+        quantities: &[Quantity],
+    ) -> Result<Vec<Vec<Result<StudyRun, StudyError>>>, StudyError> {
+        let begin = Stopwatch::now();
+        let (overrides, edits) = self.setting(axes, values)?;
+        let source = self.source;
+        let run = |change: &ModelEdit| source.run(&overrides, &[&edits, std::slice::from_ref(change)], quantities);
+        let runs: Vec<_> = changes.par_iter().map(run).collect();
+        self.spent += begin.elapsed().as_secs_f64();
+        runs.iter().for_each(|_| (self.done)());
+        Ok(runs)
+    }
+
+    /// Returns the overrides of the deck and the edits of the model for one value of each axis.
+    fn setting(&self, axes: &[StudyAxis], values: &[String]) -> Result<Setting, StudyError> {
         let mut overrides = self.overrides.clone();
         let mut edits: Vec<ModelEdit> = Vec::new();
         for (axis, value) in axes.iter().zip(values) {
@@ -130,8 +202,7 @@ impl<'a> StudyRunner<'a> {
                 parameter => edits.extend(edit(parameter, value).map_err(StudyError::Setting)?),
             }
         }
-        edits.extend(change);
-        self.edited(&overrides, &edits)
+        Ok((overrides, edits))
     }
 
     fn edited(&mut self, overrides: &ParameterOverrides, edits: &[ModelEdit]) -> Result<StudyRun, StudyError> {
@@ -139,7 +210,7 @@ impl<'a> StudyRunner<'a> {
         let mut first = None;
         for _ in 0..self.repeat {
             let begin = Stopwatch::now();
-            let run = self.once(overrides, edits);
+            let run = self.source.run(overrides, &[edits], std::slice::from_ref(self.measure)).swap_remove(0);
             let seconds = begin.elapsed().as_secs_f64();
             self.spent += seconds;
             (self.done)();
@@ -151,25 +222,49 @@ impl<'a> StudyRunner<'a> {
         let run = first.ok_or_else(|| StudyError::Comparison("no run".into()))?;
         Ok(StudyRun { seconds: TimeSpread::of(&mut whole), loop_seconds: TimeSpread::of(&mut inside), ..run })
     }
+}
 
-    fn once(&self, overrides: &ParameterOverrides, edits: &[ModelEdit]) -> Result<StudyRun, StudyError> {
+/// Overrides of the deck, and edits of the model.
+type Setting = (Vec<(String, String)>, Vec<ModelEdit>);
+
+impl RunSource<'_> {
+    /// Runs the deck once, with the edits of all lists, and returns a result for each quantity.
+    pub fn run(
+        &self,
+        overrides: &ParameterOverrides,
+        edits: &[&[ModelEdit]],
+        quantities: &[Quantity],
+    ) -> Vec<Result<StudyRun, StudyError>> {
+        self.measured(overrides, edits, quantities).unwrap_or_else(|reason| vec![Err(reason); quantities.len()])
+    }
+
+    fn measured(
+        &self,
+        overrides: &ParameterOverrides,
+        edits: &[&[ModelEdit]],
+        quantities: &[Quantity],
+    ) -> Result<Vec<Result<StudyRun, StudyError>>, StudyError> {
         let routines = Compiled::open_any(self.user)?;
         let mut fault = Ok(());
-        let mut change = |model: &mut _| fault = edits.iter().try_for_each(|edit| edit(model));
-        let prepared = accepted(job::prepare_edited((self.source)(overrides), &mut change, &routines))?;
+        let mut change = |model: &mut _| fault = edits.iter().copied().flatten().try_for_each(|edit| edit(model));
+        let prepared = accepted(job::prepare_edited((self.deck)(overrides), &mut change, &routines))?;
         fault?;
-        let mut history = self.measure.history(&prepared.plan);
+        let mut history = quantity::history(quantities, &prepared.plan);
         let never = AtomicUsize::new(0);
         let (outcome, state) = job::run_until(&prepared, &mut history, self.interrupt.unwrap_or(&never));
         if let Some(halt) = outcome.halt {
             return Err(StudyError::Halted(halt));
         }
-        let found =
-            self.measure.evaluate(FinishedRun { history: &history, end: Some((outcome.total_time(), &state)) })?;
+        let finished = FinishedRun { history: &history, end: Some((outcome.total_time(), &state)) };
         let elements = prepared.plan.mesh.elements.iter().filter(|e| !e.kind.is_discrete()).count();
         let seconds = TimeSpread { median: outcome.seconds, ..TimeSpread::default() };
-        let warnings = outcome.unfinished.into_iter().chain(outcome.warnings).collect();
-        Ok(StudyRun { found, warnings, elements, increments: outcome.increments, seconds, loop_seconds: seconds })
+        let warnings: Vec<String> = outcome.unfinished.into_iter().chain(outcome.warnings).collect();
+        let result = |quantity: &Quantity| {
+            let found = quantity.evaluate(finished)?;
+            let (increments, warnings) = (outcome.increments, warnings.clone());
+            Ok(StudyRun { found, warnings, elements, increments, seconds, loop_seconds: seconds })
+        };
+        Ok(quantities.iter().map(result).collect())
     }
 }
 

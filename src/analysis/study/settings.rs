@@ -149,10 +149,10 @@ fn refuse(why: &str) -> Result<(), StudyError> {
 }
 
 /// Function that changes a model, or returns why this is not possible.
-pub type ModelEdit = Box<dyn Fn(&mut Model) -> Result<(), StudyError>>;
+pub type ModelEdit = Box<dyn Fn(&mut Model) -> Result<(), StudyError> + Send + Sync>;
 
 /// Returns the change of the model for a value of a parameter; `None` for values that are applied to the deck.
-pub(super) fn edit(parameter: &StudyParameter, value: &str) -> Result<Option<ModelEdit>, String> {
+pub(crate) fn edit(parameter: &StudyParameter, value: &str) -> Result<Option<ModelEdit>, String> {
     match parameter {
         StudyParameter::Parameter(_) => Ok(None),
         StudyParameter::Mesh => mesh_factor(value).map(|()| None),

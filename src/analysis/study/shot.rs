@@ -3,8 +3,10 @@
 use serde::Serialize;
 
 use super::StudyError;
+use super::quantity::{FinishedRun, Quantity};
 use crate::load::PenetrationOutcome;
-use crate::solve::{ImpactEnd, Outcome};
+use crate::output::RunHistory;
+use crate::solve::{ImpactEnd, Instant, Outcome};
 use crate::state::BodyState;
 
 /// End of a shot.
@@ -19,7 +21,7 @@ pub enum ShotEnd {
     Ricochet,
     /// A body is at rest in a target, or moves at no more than [`CREEP`] of its initial velocity along z.
     Embedded,
-    /// A body still moves in a target, or has not met the next one.
+    /// A body still moves in a target, or has not met the next one, or its residual velocity still falls.
     Moving,
     /// The residual velocity does not exceed that of `--least`.
     Slow,
@@ -65,6 +67,48 @@ pub struct FiredShot {
 
 /// Result of a shot, or the error of its run.
 pub type ShotResult = Result<FiredShot, StudyError>;
+
+/// Part of the run at its end in which the residual velocity is judged.
+const WINDOW: f64 = 0.2;
+/// Relative decrease of the mean residual velocity between the halves of the window above which it still falls.
+const SETTLED: f64 = 0.01;
+/// Range of the residual velocity in the window, relative to its mean, above which vibrations hide its course.
+const VIBRATION: f64 = 0.2;
+
+/// Rule for the end of shots whose run records no end, because no rigid body meets a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ShotRule {
+    /// Residual velocity that a perforation must exceed. A smaller velocity that falls cannot become a perforation.
+    pub least: Option<f64>,
+}
+
+impl ShotRule {
+    /// Returns whether the residual velocity is above `least` and still falls at the end of the run: over the rows of
+    /// the last fifth, its mean over the second half is smaller than over the first half. A velocity that vibrates by
+    /// more than a fifth of its mean may fall.
+    pub fn may_fall(self, residual: &Quantity, history: &RunHistory, last: f64) -> bool {
+        let (times, width) = (history.times(), history.columns.len());
+        let &[begin, .., end] = times else { return false };
+        if last <= self.least.unwrap_or(0.0) {
+            return false;
+        }
+        let first = times.partition_point(|time| *time < end - WINDOW * (end - begin)).min(times.len() - 2);
+        let mut part = RunHistory::of_sums(history.columns.clone());
+        let mut values = Vec::new();
+        for (row, time) in times.iter().enumerate() {
+            let cells: Vec<f64> = (0..width).map(|column| history.cell(row, column)).collect();
+            part.push(&Instant { total_time: *time, ..Instant::default() }, &cells);
+            if row >= first {
+                values.extend(residual.number(FinishedRun { history: &part, end: None }));
+            }
+        }
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let half = values.len() / 2;
+        let [low, high] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|f| values.iter().copied().fold(last, f));
+        high - low > VIBRATION * mean(&values)
+            || mean(&values[values.len() - half..]) < (1.0 - SETTLED) * mean(&values[..half])
+    }
+}
 
 /// Number of cells by which [`encode`] extends a row of quantities.
 pub(super) const CELLS: usize = 2;

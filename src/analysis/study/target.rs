@@ -8,12 +8,17 @@ use super::price;
 use super::refinement::{RefinementSeries, RefinementStudy, StudyRow, evaluate_errors, families};
 use super::richardson::{ConvergenceBehaviour, FORMAL_ORDER};
 use super::runner::StudyRunner;
-use super::settings::StudyAxis;
+use super::settings::{StudyAxis, StudyParameter};
 
 /// Largest number of levels added to the given ones.
 pub const EXTRA_LEVELS: usize = 4;
+/// Smallest number of levels from which a target is met without an exact value.
+const LEAST_LEVELS: usize = 3;
 /// Limit of element-cycles (a few minutes) above which no level is added.
 pub const MOST_CYCLES: f64 = 1e10;
+/// Ratio of the element-cycles of the first two levels, before it is known: twice as many elements in each direction, and
+/// half the increment.
+const FIRST_RATIO: f64 = 8.0;
 /// Fraction of the target for which a setting between two levels is chosen.
 const MARGIN: f64 = 0.9;
 
@@ -53,6 +58,16 @@ pub struct TargetResult {
     pub target: ErrorTarget,
     /// Row of the cheapest setting that meets the target; `None` if none does.
     pub run: Option<usize>,
+}
+
+impl TargetResult {
+    /// Selects the cheapest setting that meets the target. Settings coarser than the second finest level of their
+    /// family are excluded: their values can agree with finer ones by chance.
+    pub fn of(target: ErrorTarget, study: &RefinementStudy) -> TargetResult {
+        let coarse: Vec<usize> = study.series.iter().flat_map(|s| s.rows.iter().rev().skip(2).copied()).collect();
+        let run = target.bound(study).and_then(|bound| price::cheapest(study, bound, &coarse));
+        TargetResult { target, run }
+    }
 }
 
 /// Levels of one family, in which all refined parameters advance together.
@@ -96,6 +111,10 @@ impl LevelSequence<'_> {
 /// Returns a value with the given size or a finer one. Counts remain integers, and even if all given values are even.
 fn between(axis: &StudyAxis, size: f64) -> String {
     let value = axis.value(size);
+    if axis.parameter == StudyParameter::Mesh {
+        let parts = |x: f64| (x * (1.0 - 1e-9)).ceil();
+        return if value > 1.0 { parts(value).to_string() } else { (1.0 / (1.0 / value + 1e-9).floor()).to_string() };
+    }
     if !axis.counts() {
         return format!("{value:e}");
     }
@@ -117,8 +136,7 @@ pub fn refine_to_target(
     if counts.any(|c| c != first) {
         return Err(wrong("with --target all --refine options must have the same number of levels"));
     }
-    let mut whole =
-        RefinementStudy { axes: axes.iter().map(|a| a.name.clone()).collect(), ..RefinementStudy::default() };
+    let mut whole = RefinementStudy::empty(axes);
     for (index, family) in families(axes).into_iter().enumerate() {
         let climbed = refine_family(bench, &LevelSequence { axes, family }, exact, target, index);
         let before = whole.rows.len();
@@ -129,8 +147,8 @@ pub fn refine_to_target(
         }));
     }
     evaluate_errors(&mut whole, exact, bench.measure().is_norm());
-    let run = target.bound(&whole).and_then(|bound| price::cheapest(&whole, bound));
-    Ok((whole, TargetResult { target, run }))
+    let result = TargetResult::of(target, &whole);
+    Ok((whole, result))
 }
 
 /// Refines one family level by level, then tries a setting between levels.
@@ -146,14 +164,22 @@ fn refine_family(
     let mut study = RefinementStudy { series: vec![series], ..RefinementStudy::default() };
     let norm = bench.measure().is_norm();
     let inside = |study: &RefinementStudy, row: usize| {
-        let bound = if exact.is_some() { study.rows[row].bound } else { study.rows[row].uncertainty };
+        let bound = match exact {
+            Some(_) => study.rows[row].bound,
+            None => study.rows[row].uncertainty.filter(|_| row + 1 >= LEAST_LEVELS),
+        };
         bound.zip(target.bound(study)).is_some_and(|(found, allowed)| found <= allowed)
     };
     for level in 0..ladder.given() + EXTRA_LEVELS {
-        if level >= ladder.given() && next_cycles(&study).is_some_and(|c| c > MOST_CYCLES) {
+        let cycles = next_cycles(&study);
+        if level >= ladder.given() && cycles.is_some_and(|c| c > MOST_CYCLES) {
             break;
         }
         let values = ladder.values(level, 1.0);
+        let last = study.rows.last().and_then(|row| row.run.as_ref().ok());
+        if !bench.affords(last, &values, cycles) {
+            break;
+        }
         let run = bench.at(ladder.axes, &values, None);
         let failed = run.is_err();
         study.rows.push(StudyRow::new(values, run, 0));
@@ -174,6 +200,7 @@ fn next_cycles(study: &RefinementStudy) -> Option<f64> {
     let cycles = |row: &StudyRow| row.run.as_ref().ok().map(|r| r.element_cycles());
     match &study.rows[..] {
         [.., a, b] => Some(cycles(b)? * cycles(b)? / cycles(a)?),
+        [a] => Some(FIRST_RATIO * cycles(a)?),
         _ => None,
     }
 }
@@ -198,8 +225,8 @@ fn try_intermediate(
     evaluate_errors(study, exact, bench.measure().is_norm());
 }
 
-/// Returns the size, relative to the finest level, of the coarsest setting that should meet the target; `None` if it
-/// cannot be estimated or is not coarser than a given level.
+/// Returns the size, relative to the finest level, of the coarsest setting that should meet the target, at most that of
+/// the second finest level; `None` if it cannot be estimated or is not coarser than a level that meets the target.
 fn coarser(study: &RefinementStudy, exact: Option<f64>, target: ErrorTarget) -> Option<f64> {
     let series = &study.series[0];
     let finest = *series.rows.last()?;
@@ -215,10 +242,12 @@ fn coarser(study: &RefinementStudy, exact: Option<f64>, target: ErrorTarget) -> 
     };
     let share = MARGIN * (allowed - uncertainty) / error;
     let factor = libm::pow(share, 1.0 / order.clamp(0.5, FORMAL_ORDER));
+    let second = series.rows.len().checked_sub(2)?;
     let holds = |i: &usize| study.rows[series.rows[*i]].bound.is_some_and(|b| b <= allowed);
-    let coarsest = (0..series.rows.len()).find(holds)?;
-    let limit = series.sizes[coarsest] / series.sizes[series.sizes.len() - 1];
-    (factor.is_finite() && factor > 1.05 * limit && coarsest > 0).then_some(factor)
+    let coarsest = (second..series.rows.len()).find(holds)?;
+    let ratio = |level: usize| series.sizes[level] / series.sizes[series.sizes.len() - 1];
+    let factor = factor.min(ratio(second));
+    (factor.is_finite() && factor > 1.05 * ratio(coarsest)).then_some(factor)
 }
 
 #[cfg(test)]

@@ -103,6 +103,11 @@ impl Diagnostics {
         self.list.iter()
     }
 
+    /// Iterates over all diagnostics, which can be changed.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Diagnostic> {
+        self.list.iter_mut()
+    }
+
     /// Returns whether the list contains an error.
     pub fn has_errors(&self) -> bool {
         self.list.iter().any(|d| d.severity == Severity::Error)

@@ -8,6 +8,7 @@ pub mod expression;
 pub mod files;
 pub mod finding;
 mod findings;
+mod fractions;
 pub mod keywords;
 mod lexer;
 pub mod lists;

@@ -1,5 +1,7 @@
 //! `*PARAMETER` definitions, `--set` overrides and substitution of `<name>`.
 
+use std::collections::HashSet;
+
 use indexmap::IndexMap;
 
 use super::diagnostic::{Diagnostic, Diagnostics};
@@ -34,6 +36,8 @@ impl ParameterValue {
 #[derive(Clone, Debug, Default)]
 pub struct Parameters {
     values: IndexMap<String, ParameterValue>,
+    /// Parameters whose value is unknown after an error, which has been reported.
+    without_value: HashSet<String>,
     overrides: IndexMap<String, String>,
     definitions: Vec<ParameterDefinition>,
 }
@@ -91,30 +95,44 @@ impl Parameters {
                     .help("names consist of letters, digits and `_`, and do not begin with a digit"),
             );
         }
-        let value = self.value_of(name, right.trim(), part(span, line, right.trim()), diagnostics);
-        self.values.insert(name.to_owned(), value);
+        match self.value_of(name, right.trim(), part(span, line, right.trim()), diagnostics) {
+            Some(value) => {
+                self.without_value.remove(name);
+                self.values.insert(name.to_owned(), value);
+            }
+            None => {
+                self.values.shift_remove(name);
+                self.without_value.insert(name.to_owned());
+            }
+        }
         self.definitions.push(ParameterDefinition { name: name.to_owned(), text: right.trim().to_owned() });
     }
 
-    /// Returns the value of a definition or of its override. After an error it is 1, so that no further errors follow
-    /// from it.
-    fn value_of(&self, name: &str, text: &str, span: Span, diagnostics: &mut Diagnostics) -> ParameterValue {
+    /// Returns the value of a definition or of its override; `None` after an error. An unknown value of another parameter
+    /// is not reported again.
+    fn value_of(&self, name: &str, text: &str, span: Span, diagnostics: &mut Diagnostics) -> Option<ParameterValue> {
         let own = self.evaluate(text);
-        let Some(replacement) = self.overrides.get(name) else {
-            return own.unwrap_or_else(|e| {
-                diagnostics.push(self.expression_finding(&e, offset(span, &e)));
-                ParameterValue::Number(1.0)
-            });
+        let (found, replacement) = match (self.overrides.get(name), own) {
+            (None, own) => (own, None),
+            (Some(replacement), own) => match (self.evaluate(replacement), own) {
+                (Err(_), Ok(ParameterValue::Text(_))) => (Ok(ParameterValue::Text(replacement.clone())), None),
+                (found, _) => (found, Some(replacement)),
+            },
         };
-        match (self.evaluate(replacement), own) {
-            (Ok(value), _) => value,
-            (Err(_), Ok(ParameterValue::Text(_))) => ParameterValue::Text(replacement.clone()),
-            (Err(e), _) => {
-                let what = Diagnostic::error("D407", format!("`--set {name}={replacement}`: {}", e.message));
-                diagnostics.push(self.helped(what.at(span, "the definition that it replaces"), &e));
-                ParameterValue::Number(1.0)
-            }
+        let error = match found {
+            Ok(value) => return Some(value),
+            Err(error) => error,
+        };
+        if error.unknown.as_ref().is_some_and(|unknown| self.without_value.contains(unknown)) {
+            return None;
         }
+        diagnostics.refuse(match replacement {
+            None => self.expression_finding(&error, offset(span, &error)),
+            Some(replacement) => {
+                let what = Diagnostic::error("D407", format!("`--set {name}={replacement}`: {}", error.message));
+                self.helped(what.at(span, "the definition that it replaces"), &error)
+            }
+        })
     }
 
     fn evaluate(&self, text: &str) -> Result<ParameterValue, ExpressionError> {
@@ -169,7 +187,9 @@ impl Parameters {
             match self.values.get(name) {
                 Some(value) => result.push_str(&value.written()),
                 None => {
-                    diagnostics.push(self.undefined(name, &word));
+                    if !self.without_value.contains(name) {
+                        diagnostics.push(self.undefined(name, &word));
+                    }
                     result.push_str(&format!("<{name}>"));
                 }
             }
@@ -178,6 +198,11 @@ impl Parameters {
         result.push_str(rest);
         word.text = result;
         word
+    }
+
+    /// Returns whether a text refers to a parameter whose value is unknown after an error.
+    pub fn lacks_value(&self, text: &str) -> bool {
+        next_reference(text).is_some_and(|(_, name, _)| self.without_value.contains(name))
     }
 
     fn undefined(&self, name: &str, word: &Word) -> Diagnostic {
@@ -211,7 +236,8 @@ impl Parameters {
 
     /// Reports overrides of undefined parameters.
     pub fn check_overrides(&self, diagnostics: &mut Diagnostics) {
-        let is_unknown = |name: &&String| !self.values.contains_key(*name) && !MESH_SETTINGS.contains(&name.as_str());
+        let is_known = |name: &String| self.values.contains_key(name) || self.without_value.contains(name);
+        let is_unknown = |name: &&String| !is_known(name) && !MESH_SETTINGS.contains(&name.as_str());
         for name in self.overrides.keys().filter(is_unknown) {
             let what = Diagnostic::error("D403", format!("`--set {name}`: the deck defines no parameter `{name}`"));
             diagnostics.push(what.help(self.suggestion(name)));

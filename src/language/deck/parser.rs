@@ -192,6 +192,7 @@ impl Parser {
             self.check_quotes(file, &line, &fields);
             fields.ranges.into_iter().map(|r| self.word(file, text, r)).collect()
         };
+        let unknown = fields.iter().any(|word| self.parameters.lacks_value(&word.text));
         if let Some(card) = self.deck.cards.last_mut() {
             let line = DataLine { fields, span };
             if listing {
@@ -199,7 +200,7 @@ impl Parser {
             } else {
                 card.lines.push(line)
             }
-            card.faulty |= self.diagnostics.len() > count_before;
+            card.faulty |= unknown || self.diagnostics.len() > count_before;
         }
     }
 
@@ -241,7 +242,9 @@ impl Parser {
             self.unread_names(file, text, fields.ranges.iter().skip(1).cloned());
         }
         let parameters = self.card_parameters(file, text, keyword, fields.ranges.into_iter().skip(1));
-        let faulty = self.diagnostics.len() > count_before;
+        let unknown =
+            parameters.iter().filter_map(|p| p.value.as_ref()).any(|word| self.parameters.lacks_value(&word.text));
+        let faulty = unknown || self.diagnostics.len() > count_before;
         self.card(Card { keyword, span, parameters, lines: Vec::new(), rows: Vec::new(), faulty });
     }
 

@@ -1,6 +1,8 @@
 //! Result files: VTU frames in a PVD series, history CSV, summary JSON and checksums, one module per format. Each file
 //! is written atomically.
 
+#[cfg(feature = "cli")]
+pub mod animation;
 pub mod checkpoint;
 pub mod clock;
 pub mod codes;

@@ -11,6 +11,11 @@ use super::drawing::{Colour, DOT, Drawing, DrawingShape, LineStroke, ShapePaint,
 impl Drawing {
     /// Returns the bytes of a PNG file with one pixel per point, or an error message if there is not enough memory.
     pub fn png(&self) -> Result<Vec<u8>, String> {
+        self.pixels()?.encode_png().map_err(|e| e.to_string())
+    }
+
+    /// Returns the pixels of the drawing.
+    pub(super) fn pixels(&self) -> Result<Pixmap, String> {
         let [width, height] = self.size.map(|length| length.round() as u32);
         let pixels = Pixmap::new(width, height);
         let mut pixels = pixels.ok_or_else(|| format!("a picture cannot have {width} x {height} pixels"))?;
@@ -18,7 +23,7 @@ impl Drawing {
         let font = Face::parse(dejavu::sans::regular(), 0).map_err(|e| e.to_string())?;
         let mut canvas = PixelCanvas { pixels, font, clip: None };
         self.shapes.iter().for_each(|shape| canvas.draw(shape));
-        canvas.pixels.encode_png().map_err(|e| e.to_string())
+        Ok(canvas.pixels)
     }
 }
 

@@ -138,12 +138,23 @@ pub trait ContactResults {
     /// Returns the value at a point of a surface; `None` if the point belongs to no contact surface.
     fn value_at_point(&self, carrier: PointCarrier, part: VariableComponent) -> Option<f64>;
 
-    /// Returns the value of a contact pair; `None` if the pair is not in force.
-    fn value_of_pair(&self, pair: usize, part: VariableComponent) -> Option<f64>;
+    /// Returns the forces of a contact pair over the previous increment; `None` if the pair is not in force.
+    fn forces_of_pair(&self, pair: usize) -> Option<PairForces>;
 
     /// Returns the pair that has absorbed the least energy: its name, this energy, and the coordinates of the largest
     /// release in an increment.
     fn lowest_energy(&self) -> Option<(&str, f64, [f64; 2])>;
+}
+
+/// Forces on the first surface of a contact pair over the previous increment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PairForces {
+    /// Forces of pressure and of friction along 1, 2 and 3.
+    pub forces: [[f64; 3]; 2],
+    /// Time over which they act; with it they give the impulse.
+    pub duration: f64,
+    /// Area in contact; NaN if it is not computed.
+    pub area: f64,
 }
 
 /// Heat exchange of nodes across contact surfaces.

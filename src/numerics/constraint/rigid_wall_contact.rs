@@ -9,7 +9,7 @@ use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use std::f64::consts::PI;
 
 use super::contact::curve::PointCarrier;
-use super::{Constraint, ConstraintView, ContactResults, StoredConstraint};
+use super::{Constraint, ConstraintView, ContactResults, PairForces, StoredConstraint};
 use crate::kernel::attitude::{SpatialVector, cross, dot, norm, plus, times};
 use crate::kernel::interaction::CoulombFriction;
 use crate::kernel::lists::MemoryUse;
@@ -21,7 +21,7 @@ use crate::state::dofs::Dofs;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
 use crate::state::rigid_body_3d::{Pose, RigidBody3d, RigidMotion, Wrench};
-use crate::variables::{Variable, VariableComponent};
+use crate::variables::VariableComponent;
 
 /// Largest number of stations of a ring that are checked in addition to its deepest point, so that a flat contact on a
 /// plane is stable.
@@ -122,6 +122,8 @@ pub struct RigidWallContact {
     points: Vec<ContactPoint>,
     /// Forces of pressure and of friction over the previous increment.
     forces: [SpatialVector; 2],
+    /// Time over which the forces act: half of the previous and of the next increment.
+    duration: f64,
     longest: f64,
     previous_dt: f64,
 }
@@ -135,7 +137,8 @@ impl RigidWallContact {
         let stations: Vec<[f64; 2]> = (0..count).map(around).map(|(sine, cosine)| [cosine, sine]).collect();
         let points = Vec::with_capacity(rings.len() * (count + 1));
         let (forces, longest) = ([[0.0; 3]; 2], f64::INFINITY);
-        RigidWallContact { pair, profile, rings, stations, travel, points, forces, longest, previous_dt: 0.0 }
+        let duration = 0.0;
+        RigidWallContact { pair, profile, rings, stations, travel, points, forces, duration, longest, previous_dt: 0.0 }
     }
 
     /// Returns signed distance and wall normal at a position in space; `None` beyond the edges of the wall.
@@ -372,6 +375,7 @@ impl Constraint for RigidWallContact {
         }
         self.forces =
             [0, 1].inline_map(|i| self.points.iter().fold([0.0; 3], |sum, p| plus(sum, 1.0 / half, p.impulses()[i])));
+        self.duration = half;
         self.longest = self.look_ahead(body, body.half);
     }
 
@@ -393,22 +397,10 @@ impl ContactResults for RigidWallContact {
         None
     }
 
-    fn value_of_pair(&self, pair: usize, part: VariableComponent) -> Option<f64> {
-        if pair != self.pair.number {
-            return None;
-        }
+    fn forces_of_pair(&self, pair: usize) -> Option<PairForces> {
         let sign = if self.pair.first { 1.0 } else { -1.0 };
-        let [pressed, rubbed] = self.forces;
-        let all = plus(pressed, 1.0, rubbed);
-        match part.variable {
-            Variable::NormalContactForce => Some(sign * pressed[part.component]),
-            Variable::ShearContactForce => Some(sign * rubbed[part.component]),
-            Variable::ContactForce => Some(sign * all[part.component]),
-            Variable::NormalContactMagnitude => Some(norm(pressed)),
-            Variable::ShearContactMagnitude => Some(norm(rubbed)),
-            Variable::ContactMagnitude => Some(norm(all)),
-            _ => None,
-        }
+        let forces = self.forces.inline_map(|force| times(sign, force));
+        (pair == self.pair.number).then_some(PairForces { forces, duration: self.duration, area: f64::NAN })
     }
 }
 
@@ -419,7 +411,7 @@ impl StoredConstraint for RigidWallContact {
 }
 
 persist_struct!(RigidWallContact {
-    forces, longest, previous_dt
+    forces, duration, longest, previous_dt
 } derived {
     pair, profile, rings, stations, travel, points
 });

@@ -2,6 +2,7 @@
 //! increment.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use super::averaging::DilationAveraging;
 use super::block::is_larger;
@@ -83,6 +84,15 @@ pub struct CollapsedElement {
     pub group: usize,
     pub element: usize,
     pub volume: f64,
+}
+
+/// Records of the element groups that are updated.
+#[derive(Default)]
+pub struct GroupTiming<'a> {
+    /// Wall-clock seconds by ledger row; `None` if they are not measured.
+    pub seconds: Option<&'a mut [f64]>,
+    /// Ledger row of the group that is updated, for other threads.
+    pub mark: Option<&'a AtomicUsize>,
 }
 
 impl Elements {
@@ -167,15 +177,14 @@ impl Elements {
         self.pending
     }
 
-    /// Updates stresses and corner forces to this instant. Adds the wall-clock seconds of each group to `timed`, by
-    /// ledger row.
+    /// Updates stresses and corner forces to this instant, and records the run time of each group.
     pub fn update(
         &mut self,
         dofs: &mut Dofs,
         now: &Instant,
         threads: bool,
         mut user: PointRoutines<'_>,
-        timed: Option<&mut [f64]>,
+        timing: GroupTiming<'_>,
     ) {
         if !std::mem::take(&mut self.pending) {
             return;
@@ -186,8 +195,11 @@ impl Elements {
         let mut first = 0;
         self.limit = (GroupTotals::default(), 0);
         self.deformed = 0.0;
-        let mut seconds = timed;
+        let GroupTiming { mut seconds, mark } = timing;
         for (i, group) in self.groups.iter_mut().enumerate() {
+            if let Some(mark) = mark {
+                mark.store(self.ids[i], Relaxed);
+            }
             let clock = seconds.as_ref().map(|_| std::time::Instant::now());
             let blocks = group.force_blocks();
             let corners = self.corners.slots(first..first + blocks);

@@ -26,6 +26,7 @@ pub mod lengths;
 pub mod mass_scaling;
 mod middle;
 pub mod numbers;
+pub mod parts;
 pub mod pattern;
 pub mod predefined;
 pub mod quiescent;

@@ -146,8 +146,12 @@ impl YieldStress for FlowStress {
     }
 }
 
+/// Largest number of secants for a plastic strain; three halve the bracket.
+const MOST_SECANTS: usize = 400;
+
 /// Returns the increment dp of plastic strain for which `trial - 3 G dp` equals the yield stress at `strain + dp` and
-/// `dp/dt`. The residual decreases with dp and has one root, which is found by bracketed secants.
+/// `dp/dt`. The residual decreases with dp and has one root, which is found by bracketed secants. Returns NaN, which halts
+/// the run at the element, if no root is found.
 pub fn plastic_increment(
     law: &dyn YieldStress,
     trial: f64,
@@ -178,7 +182,10 @@ pub fn plastic_increment(
     let (mut before, mut at_before) = (low, at_low);
     let (mut dp, mut value) = (high, at_high);
     let (mut width, mut slow) = (high - low, 0);
-    while value.abs() > enough && high - low > 1e-15 * high {
+    for _ in 0..MOST_SECANTS {
+        if value.abs() <= enough || high - low <= 1e-15 * high || value.is_nan() {
+            return dp;
+        }
         let secant = dp - value * (dp - before) / (value - at_before);
         (before, at_before) = (dp, value);
         dp = if slow < 2 && secant > low && secant < high { secant } else { 0.5 * (low + high) };
@@ -191,7 +198,7 @@ pub fn plastic_increment(
         slow = if high - low <= 0.5 * width { 0 } else { slow + 1 };
         width = if slow == 0 { high - low } else { width };
     }
-    dp
+    f64::NAN
 }
 
 #[cfg(test)]
@@ -245,6 +252,18 @@ mod tests {
         for (temperature, ratio) in [(20.0, 1.2), (120.0, 1.3), (500.0, 1.4)] {
             assert!((law.at(500.0, temperature) / ratio - 1.0f64).abs() < 1e-15);
         }
+    }
+
+    /// A yield stress that jumps above the trial stress has no root: a law with an infinite yield stress at any rate.
+    #[test]
+    fn a_missing_root_is_not_a_number() {
+        struct Jump;
+        impl YieldStress for Jump {
+            fn at(&self, _: f64, rate: f64, _: f64) -> f64 {
+                if rate > 0.0 { 1e9 } else { 1.0 }
+            }
+        }
+        assert!(plastic_increment(&Jump, 900.0, 0.0, 300.0, 240_000.0, 1e-6).is_nan());
     }
 
     #[test]

@@ -25,3 +25,8 @@ pub fn watch_signals() -> Result<Arc<AtomicUsize>, String> {
     watch().map_err(|e: std::io::Error| format!("cannot watch for signals: {e}"))?;
     Ok(signal)
 }
+
+/// Ends the program at once with the exit status of a signal.
+pub fn end_program(signal: usize) -> ! {
+    signal_hook::low_level::exit(128 + signal as i32)
+}

@@ -32,6 +32,11 @@ pub fn watch_signals() -> Result<Arc<AtomicUsize>, String> {
     Ok(signal)
 }
 
+/// Ends the program at once with the exit status of a signal.
+pub fn end_program(signal: usize) -> ! {
+    low_level::exit(128 + signal as i32)
+}
+
 fn listen(mut signals: Signals, first_signal: &AtomicUsize) {
     let mut first = None;
     for number in &mut signals {

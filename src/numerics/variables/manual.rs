@@ -28,7 +28,19 @@ const CHAPTERS: &[(VariablePlace, &str, &str)] = &[
     (VariablePlace::Element, "For whole elements", "`*ELEMENT OUTPUT`: on cells of frames; histories with ELSET"),
     (VariablePlace::Facet, "On facets of loaded surfaces", "On cells of every frame that contains a loaded surface"),
     (VariablePlace::Section, "Integrated over surfaces", "`*INTEGRATED OUTPUT`: histories"),
-    (VariablePlace::Pair, "For contact pairs", "`*CONTACT OUTPUT`: histories, one column for each pair"),
+    (
+        VariablePlace::Pair,
+        "For contact pairs",
+        "`*CONTACT OUTPUT`: histories, one column for each pair. Forces are means over the interval since the previous row, so that their \
+     integral over time is the impulse for any interval; magnitudes are those of the means. CAREA is the value at the time of the row",
+    ),
+    (
+        VariablePlace::Part,
+        "For parts",
+        "`*ENERGY OUTPUT, ELSET=`: histories, one column for each set. A node contributes the part of its mass that belongs to the \
+         active elements of the set: without deleted elements the sum over all parts is the value of the model. A rigid body counts with its whole \
+         mass if one of its elements is in the set",
+    ),
     (VariablePlace::Energy, "Energies of the whole model", "`*ENERGY OUTPUT`: histories"),
     (VariablePlace::Increment, "For increments", "`*INCREMENTATION OUTPUT`: histories"),
 ];

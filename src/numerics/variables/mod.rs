@@ -30,6 +30,8 @@ pub enum VariablePlace {
     Section,
     /// For a pair of contact surfaces.
     Pair,
+    /// For a part: the elements of a set.
+    Part,
 }
 
 /// Condition under which a variable is written without a request by name (`PRESELECT`, or no request at all).
@@ -220,6 +222,13 @@ variables! {
     ShearContactMagnitude: pair("CFSM", &[], "Magnitude of CFS").dimension(FORCE),
     ContactMagnitude: pair("CFTM", &[], "Magnitude of CFT").dimension(FORCE),
     ContactArea: pair("CAREA", &[], "Area in contact").dimension(AREA),
+    PartMass: part("PARTMASS", "Mass of the active elements of a part").dimension(MASS),
+    PartMomentum: part("PARTMOM", "Momentum of the active elements of a part along z").dimension([1, 1, -1, 0]),
+    PartVelocity: part("PARTVEL", "Velocity along z of the centre of mass of the active elements of a part: PARTMOM over PARTMASS").dimension(VELOCITY),
+    PartKineticEnergy: part("PARTKE", "Kinetic energy of the active elements of a part").dimension(ENERGY),
+    PartInternalEnergy: part("PARTIE", "Internal energy of the active elements of a part: strain energy and plastic dissipation, without hourglass control")
+        .followed(None).dimension(ENERGY),
+    PartErodedMass: part("PARTERO", "Mass of the deleted elements of a part").dimension(MASS),
     KineticEnergy: energy("ALLKE", "Kinetic energy"),
     Work: energy("ALLWK", "External work of loads and prescribed motions"),
     FrictionEnergy: energy("ALLFD", "Energy dissipated by friction"),
@@ -279,6 +288,10 @@ const fn section(name: &'static str, labels: &'static [&'static str], words: &'s
 
 const fn pair(name: &'static str, labels: &'static [&'static str], words: &'static str) -> VariableRow {
     VariableRow { place: VariablePlace::Pair, deforming: true, ..node(name, labels, words) }
+}
+
+const fn part(name: &'static str, words: &'static str) -> VariableRow {
+    VariableRow { place: VariablePlace::Part, extension: true, ..node(name, &[], words) }
 }
 
 const fn energy(name: &'static str, words: &'static str) -> VariableRow {

@@ -24,9 +24,18 @@ def study(
     quantity: str,
     exact: str | None,
     target: str | None,
+    jitter: int | None,
     repeat: int,
     user: User | None,
     progress: _Told,
+) -> str: ...
+def uncertainty(
+    deck: Deck,
+    settings: list[tuple[str, str]],
+    quantities: list[str],
+    budget: float,
+    distributions: list[str],
+    user: User | None,
 ) -> str: ...
 def limit(
     deck: Deck,

@@ -31,7 +31,7 @@ use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
 use crate::solve::{
     self, BodyExit, BodyRest, CheckpointInterval, Energy, Instant, LOST, LimitsOverTime, Outcome, PenetrationSummary,
-    Progress, RunControl, Sink, SinkError, StepSummary, UnfitState,
+    Progress, RunControl, RunPosition, Sink, SinkError, StepSummary, UnfitState,
 };
 use crate::state::archive::{Persist, StateArchive};
 use crate::user::{Routines, host};
@@ -178,6 +178,7 @@ fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &R
         found.retain(|d| model.origin.bodies_read && d.severity == Severity::Error && OF_BODIES.contains(&d.code));
     }
     diagnostics.append(found);
+    deck.name_fractions(&mut diagnostics);
     diagnostics.merge_repeats();
     let (title, scene, has_routines) = (model.settings.title.clone(), SceneOutline::of(model), routines.any());
     let units = model.settings.units.clone();
@@ -307,6 +308,8 @@ pub struct JobOptions<'a> {
     pub every: Option<CheckpointInterval>,
     /// Set to a signal number to interrupt the run; 0 otherwise.
     pub interrupt: Option<&'a AtomicUsize>,
+    /// Position of the run, for other threads.
+    pub position: Option<&'a RunPosition>,
     /// Checkpoint for a restart, from [`find_checkpoint`].
     pub from: Option<Checkpoint>,
     /// Initial state to use instead of a copy of the prepared one; saves memory.
@@ -582,7 +585,8 @@ pub fn run_with<'a>(
     let mut files =
         FileSink { job, frames, wanted: options.frames, status, history, identity, progress, warn, history_written };
     let kept = options.from.as_ref().map(|c| &c.state[..]);
-    let control = RunControl { every: options.every, interrupt: options.interrupt, state: kept };
+    let control =
+        RunControl { every: options.every, interrupt: options.interrupt, state: kept, position: options.position };
     let state = options.state.unwrap_or_else(|| prepared.state.clone());
     let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(checkpoint_mismatch)?;
     let kept = outcome.checkpoint_seconds;

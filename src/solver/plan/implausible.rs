@@ -44,6 +44,33 @@ impl Compiler<'_> {
         }
         self.check_controls();
         self.check_edges();
+        self.check_fixed_velocities();
+    }
+
+    /// Warns of an initial velocity all of whose nodes are fixed.
+    fn check_fixed_velocities(&mut self) {
+        let model = self.model;
+        let Some(step) = model.steps.first() else { return };
+        for condition in &model.initial_conditions {
+            let InitialKind::Velocity(dof, velocity) = condition.kind else { continue };
+            let fixed = step.boundaries.iter().filter(|b| b.dof == dof && b.value == 0.0 && !b.user);
+            let mut holding = fixed.filter(|b| condition.members.iter().all(|n| b.nodes.contains(n)));
+            let Some(boundary) = holding.next().filter(|_| velocity != 0.0 && condition.members.len() > 1) else {
+                continue;
+            };
+            let message = format!(
+                "all {} nodes with the initial velocity {velocity} along {dof} are fixed in this direction: they do not move",
+                condition.members.len()
+            );
+            let help = match model.element_sets.contains_key(&boundary.set.to_ascii_uppercase()) {
+                true => {
+                    "*BOUNDARY applies to the node set, and there is an element set of the same name: give the set of the nodes to be fixed"
+                }
+                false => "give *BOUNDARY the set of the nodes to be fixed",
+            };
+            let finding = Diagnostic::warning("P145", message).at(boundary.span, "fixes all these nodes");
+            self.diagnostics.push(finding.at(condition.span, "their initial velocity").help(help));
+        }
     }
 
     fn warn_at(&mut self, code: &'static str, message: String, (span, label): (Span, &str), help: &str) {

@@ -12,6 +12,7 @@ const SETS: usize = 32;
 pub struct FrameLabels {
     /// Material number of each mesh element, counted from 1 in the order of the deck; 0 without material.
     materials: Vec<i32>,
+    material_names: Vec<String>,
     node_sets: Vec<(String, Vec<u32>)>,
     element_sets: Vec<(String, Vec<u32>)>,
 }
@@ -22,7 +23,13 @@ impl FrameLabels {
         for (material, elements) in model.material_regions() {
             elements.iter().for_each(|&e| materials[e] = material.index() as i32 + 1);
         }
-        FrameLabels { materials, node_sets: named(&model.node_sets), element_sets: named(&model.element_sets) }
+        let material_names = model.materials.iter().map(|material| material.name.clone()).collect();
+        FrameLabels {
+            materials,
+            material_names,
+            node_sets: named(&model.node_sets),
+            element_sets: named(&model.element_sets),
+        }
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -30,7 +37,18 @@ impl FrameLabels {
             let of = |(name, members): &(String, Vec<u32>)| name.capacity() + heap_bytes(members);
             heap_bytes(list) + list.iter().map(of).sum::<usize>()
         };
-        heap_bytes(&self.materials) + sets(&self.node_sets) + sets(&self.element_sets)
+        let names: usize = self.material_names.iter().map(String::capacity).sum();
+        heap_bytes(&self.materials)
+            + heap_bytes(&self.material_names)
+            + names
+            + sets(&self.node_sets)
+            + sets(&self.element_sets)
+    }
+
+    /// Returns the name of the material of a mesh element; empty without one.
+    pub fn material_name(&self, element: usize) -> &str {
+        let index = self.materials[element] as usize;
+        index.checked_sub(1).and_then(|m| self.material_names.get(m)).map_or("", String::as_str)
     }
 
     /// Returns the labels of the points and cells of a frame, given their mesh nodes and elements.

@@ -74,7 +74,7 @@ impl Ledger {
     }
 
     /// Renders the ledger as text of 80 columns, with file names without folders. `bytes` adds a column of memory
-    /// sizes.
+    /// sizes, and the reason for each card without effect.
     pub fn render(&self, bytes: bool) -> String {
         let mut header = vec!["effect", "count", "card"];
         if bytes {
@@ -83,10 +83,24 @@ impl Ledger {
         header.push("detail");
         let rows: Vec<_> = self.effects.iter().map(|row| row.cells(bytes)).collect();
         let mut text = wrapped(&header, &rows, WIDTH);
-        for unused in &self.unused {
-            text += &format!("not used: {} ({}): {}\n", unused.what, last_name(&unused.asked_by), unused.why);
-        }
+        text += &self.unused_text(bytes);
         text
+    }
+
+    /// Returns the cards without effect: each with its reason, or only their names if there are many and `all` is false.
+    fn unused_text(&self, all: bool) -> String {
+        if all || self.unused.len() <= LISTED {
+            let line =
+                |card: &UnusedCard| format!("not used: {} ({}): {}\n", card.what, last_name(&card.asked_by), card.why);
+            return self.unused.iter().map(line).collect();
+        }
+        let mut names: Vec<&str> = self.unused.iter().map(|card| card.what.split(',').next().unwrap_or("")).collect();
+        names.dedup();
+        format!(
+            "not used: {} ({} settings; `revolve check --bytes` gives the reasons)\n",
+            names.join(", "),
+            self.unused.len()
+        )
     }
 }
 
@@ -94,6 +108,8 @@ fn is_zero(bytes: &usize) -> bool {
     *bytes == 0
 }
 
+/// Number of cards without effect up to which each has a line.
+const LISTED: usize = 3;
 /// Width of the text, columns.
 const WIDTH: usize = 80;
 
@@ -116,4 +132,26 @@ impl LedgerRow {
 /// Returns `file:line` without folders.
 fn last_name(place: &str) -> &str {
     place.rsplit('/').next().unwrap_or(place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Ledger, UnusedCard};
+
+    #[test]
+    fn many_cards_without_effect_are_one_line() {
+        let card =
+            |what: &str| UnusedCard { what: what.into(), asked_by: "folder/a.inp:7".into(), why: "a reason".into() };
+        let ledger = |cards: &[&str]| Ledger { unused: cards.iter().map(|c| card(c)).collect(), ..Ledger::default() };
+        let few = ledger(&["*PREPRINT", "*NSET, INTERNAL"]).render(false);
+        assert!(
+            few.ends_with("not used: *PREPRINT (a.inp:7): a reason\nnot used: *NSET, INTERNAL (a.inp:7): a reason\n")
+        );
+        let many = ledger(&["*BOUNDARY RP, 1", "*BOUNDARY RP, 3", "*BOUNDARY RP, 4", "*PREPRINT", "*NSET, INTERNAL"]);
+        let text = many.render(false);
+        assert!(text.ends_with(
+            "not used: *BOUNDARY RP, *PREPRINT, *NSET (5 settings; `revolve check --bytes` gives the reasons)\n"
+        ));
+        assert_eq!(many.render(true).matches("a reason").count(), 5);
+    }
 }

@@ -161,8 +161,16 @@ impl Plan {
 
     /// Returns the name of an element, given its group and its index in the group.
     pub fn element_name(&self, group: usize, element: usize) -> &str {
-        let found = self.places.elements.iter().find(|e| *e.1 == (group, element));
-        found.map_or("", |(&e, _)| &self.mesh.elements[e].name)
+        self.mesh_element(group, element).map_or("", |e| &self.mesh.elements[e].name)
+    }
+
+    /// Returns the name of the material of an element, given its group and its index in the group; empty without one.
+    pub fn material_name(&self, group: usize, element: usize) -> &str {
+        self.mesh_element(group, element).map_or("", |e| self.labels.material_name(e))
+    }
+
+    fn mesh_element(&self, group: usize, element: usize) -> Option<usize> {
+        self.places.elements.iter().find(|e| *e.1 == (group, element)).map(|e| *e.0)
     }
 }
 

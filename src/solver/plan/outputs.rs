@@ -35,12 +35,21 @@ pub enum ColumnSource {
     Section(usize),
     /// A contact pair, by its index among the pairs of all steps.
     Pair(usize),
+    /// A part: elements and rigid bodies, by index in [`Plan::sets`](super::Plan::sets).
+    Part(usize),
     /// A statistic over a set, by index in [`Plan::sets`](super::Plan::sets).
     Set(Statistic, usize),
     /// An expression of other columns, by index in [`Plan::expressions`](super::Plan::expressions).
     Expression(usize),
     /// The whole model, for energies and increment data.
     Model,
+}
+
+impl ColumnSource {
+    /// Returns the index of the contact pair among the pairs of all steps; `None` for another source.
+    pub fn pair(self) -> Option<usize> {
+        if let ColumnSource::Pair(index) = self { Some(index) } else { None }
+    }
 }
 
 /// Deformable faces of a surface over which forces are integrated.
@@ -241,6 +250,9 @@ impl Compiler<'_> {
         for &selection in &request.variables {
             let before = columns.len();
             match &request.region {
+                OutputRegion::Elements(set) if request.card == OutputCard::Energy => {
+                    self.part_columns(selection, *set, columns);
+                }
                 OutputRegion::Elements(set) => self.element_columns((selection, request), *set, state, columns),
                 OutputRegion::Nodes(set) => self.node_columns((selection, request), *set, columns),
                 OutputRegion::Surface(surface, name) => self.section_columns(selection, *surface, name, state, columns),
@@ -339,16 +351,42 @@ impl Compiler<'_> {
             if part.variable == Variable::Reaction {
                 once_a_body(&mut sources);
             }
-            let known = self.sets.iter().position(|s| *s == sources);
-            let at = known.unwrap_or_else(|| {
-                self.sets.push(sources);
-                self.sets.len() - 1
-            });
+            let at = self.index_of_sources(sources);
             columns.extend(statistics.iter().map(|statistic| HistoryColumn {
                 name: format!("{}_{}@{set}", part.label(), statistic.name()),
                 part: Some(part),
                 source: ColumnSource::Set(*statistic, at),
             }));
+        }
+    }
+
+    /// Returns the index of a list of sources in the plan, and adds the list if it is new.
+    fn index_of_sources(&mut self, sources: Vec<ColumnSource>) -> usize {
+        let known = self.sets.iter().position(|s| *s == sources);
+        known.unwrap_or_else(|| {
+            self.sets.push(sources);
+            self.sets.len() - 1
+        })
+    }
+
+    /// Adds columns of a part. A rigid body belongs to it with all its mass if one of its elements does.
+    fn part_columns(&mut self, selection: VariableRequest, set: ElementSetId, columns: &mut Vec<HistoryColumn>) {
+        let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
+        let parts = self.parts(selection, |v| v.place() == VariablePlace::Part);
+        let model = self.model;
+        let (name, members) = named(&model.element_sets, set.index());
+        let source = |element: &usize| match self.places.elements.get(element) {
+            Some(&(group, index)) => Some(ColumnSource::Element(group, index)),
+            None => {
+                let body = model.rigid_bodies.iter().position(|body| body.elements.contains(element))?;
+                Some(ColumnSource::Body { body, node: model.rigid_bodies[body].reference })
+            }
+        };
+        let mut sources: Vec<ColumnSource> = members.iter().filter_map(source).collect();
+        once_a_body(&mut sources);
+        if !sources.is_empty() && !parts.is_empty() {
+            let at = self.index_of_sources(sources);
+            columns.extend(parts.into_iter().map(|part| column(part, name, ColumnSource::Part(at))));
         }
     }
 
@@ -631,6 +669,9 @@ fn why_absent(selection: VariableRequest, request: &OutputRequest) -> String {
         (Some(VariablePlace::Section), _) => {
             format!("{name} is a variable of deformable surfaces: use *INTEGRATED OUTPUT, SURFACE=")
         }
+        (Some(VariablePlace::Part), _) => {
+            format!("{name} is a history variable of parts: use *OUTPUT, HISTORY with *ENERGY OUTPUT, ELSET=")
+        }
         (Some(VariablePlace::Facet), _) if history => {
             format!("{name} is a facet variable of frames and has no history")
         }
@@ -641,7 +682,7 @@ fn why_absent(selection: VariableRequest, request: &OutputRequest) -> String {
             format!("{name} is a variable of increments: use *OUTPUT, HISTORY")
         }
         (Some(VariablePlace::Energy), OutputRegion::Nodes(_) | OutputRegion::Elements(_)) => {
-            format!("{name} is an energy of the whole model, not of a set")
+            format!("{name} is an energy of the whole model; sets have PARTKE and PARTIE")
         }
         _ => format!("output variable {name} has no value in this model"),
     }

@@ -133,7 +133,7 @@ pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64, threa
 mod tests {
     use super::{accelerate_nodes, advance_nodes, chunk_energies};
     use crate::element::constants::{ElementConstants, HourglassControl};
-    use crate::element::elements::Elements;
+    use crate::element::elements::{Elements, GroupTiming};
     use crate::element::frequency::{ConstrainedNodes, HighestFrequency};
     use crate::element::group::QuadGroup;
     use crate::kernel::bulk_viscosity::BulkViscosity;
@@ -207,7 +207,13 @@ mod tests {
 
     impl FreeBody {
         fn evaluate(&mut self) {
-            self.elements.update(&mut self.dofs, &Instant::default(), false, PointRoutines::default(), None);
+            self.elements.update(
+                &mut self.dofs,
+                &Instant::default(),
+                false,
+                PointRoutines::default(),
+                GroupTiming::default(),
+            );
             self.elements.add_link_forces(&mut self.dofs);
             accelerate_nodes(&self.elements, &mut self.dofs, &mut self.parts, false);
             self.dofs.nodes.work_pending = false;

@@ -7,6 +7,7 @@ use super::energy::Energy;
 use super::run::SolverRun;
 use crate::constraint::contact::curve::PointCarrier;
 use crate::constraint::{Constraint, ContactResults, reaction};
+use crate::element::parts::PartTotals;
 use crate::element::values;
 use crate::model::OutputPosition;
 use crate::output::{FieldArray, OutputFrame};
@@ -80,10 +81,9 @@ impl SolverRun<'_> {
             ColumnSource::Node(node) => self.node_value(node, part),
             ColumnSource::Element(group, e) => self.element_value((group, e), part),
             ColumnSource::Section(index) => self.section_value(&self.plan.sections[index], part),
-            // A pair that is not in force in this step transmits no force.
-            ColumnSource::Pair(index) => self.contacts().find_map(|c| c.value_of_pair(index, part)).unwrap_or(0.0),
             ColumnSource::Set(statistic, index) => self.statistic(statistic, &self.plan.sets[index], part, energy),
-            ColumnSource::Expression(_) => f64::NAN,
+            ColumnSource::Part(index) => self.part_value(&self.plan.sets[index], part.variable),
+            ColumnSource::Expression(_) | ColumnSource::Pair(_) => f64::NAN,
         }
     }
 
@@ -110,6 +110,34 @@ impl SolverRun<'_> {
             Some((self.value(*source, part, energy), weight)).filter(|(value, _)| !value.is_nan())
         };
         statistic.of(members.iter().filter_map(number))
+    }
+
+    /// Returns a value of a part: of the active elements and rigid bodies among its members.
+    fn part_value(&self, members: &[ColumnSource], variable: Variable) -> f64 {
+        let mut totals = PartTotals::default();
+        for member in members {
+            match *member {
+                ColumnSource::Element(group, e) => {
+                    self.state.elements.add_to_part(&mut totals, (group, e), &self.state.dofs.nodes);
+                }
+                ColumnSource::Body { body, .. } => {
+                    let (state, velocity) = (&self.state.dofs.bodies[body], self.state.dofs.velocity(Dof::Body(body)));
+                    totals.mass += state.mass;
+                    totals.momentum += state.mass * velocity;
+                    totals.kinetic += state.kinetic();
+                }
+                _ => {}
+            }
+        }
+        match variable {
+            Variable::PartMass => totals.mass,
+            Variable::PartMomentum => totals.momentum,
+            Variable::PartVelocity => totals.momentum / totals.mass,
+            Variable::PartKineticEnergy => totals.kinetic,
+            Variable::PartInternalEnergy => totals.strain + totals.plastic,
+            Variable::PartErodedMass => totals.eroded,
+            _ => f64::NAN,
+        }
     }
 
     /// Returns a value of a surface: the force that holds its elements against their internal forces, or its area.
@@ -144,7 +172,7 @@ impl SolverRun<'_> {
         }
     }
 
-    fn contacts(&self) -> impl Iterator<Item = &dyn ContactResults> {
+    pub(super) fn contacts(&self) -> impl Iterator<Item = &dyn ContactResults> {
         self.state.constraints.iter().filter_map(|c| c.view().contact)
     }
 

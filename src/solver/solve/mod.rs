@@ -3,6 +3,8 @@
 mod body_forces;
 mod body_surfaces;
 mod central_difference;
+mod collapse;
+mod contact_means;
 mod digest;
 mod energy;
 mod frames;
@@ -12,11 +14,13 @@ mod limits;
 mod observe;
 mod outcome;
 mod penetrations;
+mod position;
 mod restart;
 mod routines;
 mod run;
 mod timing;
 mod watch;
+mod watch_collapse;
 
 use std::time::Instant as Stopwatch;
 
@@ -32,6 +36,7 @@ pub use limits::{IncrementLimits, LimitsOverTime};
 use observe::RunOutput;
 pub use observe::{Progress, Sink, SinkError};
 pub use outcome::{BodyExit, BodyRest, ImpactEnd, Outcome, PenetrationSummary, StepSummary};
+pub use position::RunPosition;
 pub use restart::{CheckpointInterval, LOST, RunControl, lost};
 use restart::{Checkpointer, RunCursor, begin_step, restore};
 use run::SolverRun;
@@ -81,7 +86,7 @@ pub fn run_with(
     if plan.steps.is_empty() {
         return Ok((Outcome::default(), state));
     }
-    let mut run = SolverRun::new(plan, state);
+    let mut run = SolverRun::new(plan, state, asked.position);
     plan.routines.memory.iter().for_each(|memory| memory.begin());
     let mut observing = RunOutput::new(plan);
     let (mut first, mut control, mut restored) = (0, None, false);
@@ -104,12 +109,14 @@ pub fn run_with(
             break;
         }
     }
+    run.timing.position.iter().for_each(|position| position.end());
     if run.outcome.halt.is_none() {
         run.outcome.halt = run.check_final_drift().err();
     }
     plan.routines.memory.iter().for_each(|memory| memory.end());
     run.warn_of_effects();
     run.warn_of_energy();
+    run.warn_of_collapse();
     run.report_penetrations();
     show_warnings(&mut run, sink);
     run.outcome.digest = run.digest();

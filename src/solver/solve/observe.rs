@@ -4,11 +4,12 @@ use std::time::{Duration, Instant as Stopwatch};
 
 use thiserror::Error;
 
+use super::contact_means::ContactMeans;
 use super::energy::Energy;
 use super::frames::frame;
 use super::run::SolverRun;
 use crate::output::OutputFrame;
-use crate::plan::{Plan, StepPlan, WriteSchedule};
+use crate::plan::{ColumnSource, Plan, StepPlan, WriteSchedule};
 use crate::state::Instant;
 use crate::state::archive::persist_struct;
 use crate::state::halt::HaltReason;
@@ -164,6 +165,7 @@ pub(super) struct RunOutput {
     field: OutputSchedule,
     history: OutputSchedule,
     row: Vec<f64>,
+    contact: ContactMeans,
     pace: ProgressTimer,
     /// Time before which no output is due, unless `next_increment` is reached.
     next_time: f64,
@@ -179,6 +181,7 @@ impl RunOutput {
             field: OutputSchedule::default(),
             history: OutputSchedule::default(),
             row: vec![0.0; plan.columns.len()],
+            contact: ContactMeans::new(plan),
             pace: ProgressTimer::new(),
             next_time: 0.0,
             next_increment: 0,
@@ -198,6 +201,7 @@ impl RunOutput {
     /// each step.
     #[inline]
     pub(super) fn show(&mut self, run: &mut SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
+        self.contact.add(run);
         if run.now.step_time < self.next_time
             && run.now.increment < self.next_increment
             && run.user.requested_action == RunAction::Continue
@@ -256,8 +260,12 @@ impl RunOutput {
 
     fn show_row(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let energy = run.energy();
+        self.contact.begin_row(run);
         for (i, column) in run.plan.columns.iter().enumerate() {
-            self.row[i] = run.column_value(column, &energy, &self.row[..i]);
+            self.row[i] = match (column.source, column.part) {
+                (ColumnSource::Pair(pair), Some(part)) => self.contact.value(pair, part),
+                _ => run.column_value(column, &energy, &self.row[..i]),
+            };
         }
         self.shown[0] = Some(run.now.increment);
         sink.row(&run.now, &self.row).map_err(output_failure)
@@ -286,4 +294,4 @@ pub(super) fn output_failure(why: SinkError) -> HaltReason {
 
 persist_struct!(OutputSchedule { next_time, next_increment } derived { schedules });
 
-persist_struct!(RunOutput { field, history, next_time, next_increment, first, shown } derived { row, pace });
+persist_struct!(RunOutput { field, history, contact, next_time, next_increment, first, shown } derived { row, pace });

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant as Stopwatch};
 use super::body_forces::BodyForces;
 use super::increment::IncrementController;
 use super::observe::{OutputSchedule, RunOutput, output_failure};
+use super::position::RunPosition;
 use super::routines::UserSession;
 use super::{BodyRest, Outcome, Sink, SinkError, SolverRun, StepSummary};
 use crate::plan::StepPlan;
@@ -33,6 +34,8 @@ pub struct RunControl<'a> {
     pub interrupt: Option<&'a AtomicUsize>,
     /// Saved state to continue from.
     pub state: Option<&'a [u8]>,
+    /// Position of the run, for other threads.
+    pub position: Option<&'a RunPosition>,
 }
 
 /// Increments between states that are stored in memory for [`Checkpointer::rewind`]; storing one costs about ten
@@ -123,6 +126,9 @@ impl<'a> Checkpointer<'a> {
     #[cold]
     fn write_now(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink, signal: usize) -> Result<(), HaltReason> {
         let now = at.run.now;
+        if signal != 0 {
+            self.control.position.iter().for_each(|position| position.end());
+        }
         let due = (self.is_due(&now) || signal != 0) && sink.keeps();
         let begin = Stopwatch::now();
         if due {

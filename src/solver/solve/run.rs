@@ -4,8 +4,9 @@ use super::body_forces::BodyForces;
 use super::central_difference;
 use super::energy::{Energy, EnergyBalance};
 use super::increment::{Increment, IncrementContext, IncrementController, IncrementEnd};
-use super::limits::IncrementLimits;
+use super::limits::{IncrementLimiter, IncrementLimits};
 use super::outcome::{BodyRest, Outcome, StepSummary};
+use super::position::RunPosition;
 use super::routines::UserSession;
 use super::timing::EffectTiming;
 use super::watch::RunMonitor;
@@ -57,12 +58,12 @@ pub(super) struct SolverRun<'a> {
     pub(super) threads: bool,
     /// Work array for the kinetic energies of chunks of nodes.
     pub(super) kinetic: Vec<f64>,
-    pub(super) timing: EffectTiming,
+    pub(super) timing: EffectTiming<'a>,
     pub(super) outcome: Outcome,
 }
 
 impl<'a> SolverRun<'a> {
-    pub(super) fn new(plan: &'a Plan, state: State) -> Self {
+    pub(super) fn new(plan: &'a Plan, state: State, position: Option<&'a RunPosition>) -> Self {
         SolverRun {
             plan,
             step: &plan.steps[0],
@@ -81,7 +82,7 @@ impl<'a> SolverRun<'a> {
             watch: RunMonitor::default(),
             threads: rayon::current_num_threads() > 1,
             kinetic: central_difference::chunk_energies(&state.dofs.nodes),
-            timing: EffectTiming::new(plan.ledger.effects.len()),
+            timing: EffectTiming::new(plan.ledger.effects.len(), position),
             outcome: Outcome::default(),
             state,
         }
@@ -295,7 +296,7 @@ impl<'a> SolverRun<'a> {
         let view = SceneView { clock, dofs, velocity_extrapolation: self.velocity_extrapolation, rings: None };
         let mut start = self.body_forces.start_of(first);
         for (load, &end) in loads[first..end].iter_mut().zip(&self.body_forces.load_ends[first..end]) {
-            let started = self.timing.start();
+            let started = self.timing.start(load.effect());
             let forces = &mut self.body_forces.values[start..end];
             load.apply(&view, &mut self.user.routines, &mut LoadForces::OnBodies(forces))?;
             self.timing.stop(started, load.effect());
@@ -335,14 +336,14 @@ impl<'a> SolverRun<'a> {
     #[inline(never)]
     fn apply_temperatures(&mut self) {
         let Some(thermal) = &mut self.state.thermal else { return };
-        let clock = self.timing.start();
+        let clock = thermal.heat.as_ref().map(|heat| (self.timing.start(heat.id), heat.id));
         thermal.prepare_elements(
             &mut self.state.elements,
             &mut self.state.dofs,
             &AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes },
         );
-        if let Some(heat) = &thermal.heat {
-            self.timing.stop(clock, heat.id);
+        if let Some((clock, id)) = clock {
+            self.timing.stop(clock, id);
         }
     }
 
@@ -350,7 +351,7 @@ impl<'a> SolverRun<'a> {
     #[inline(never)]
     fn give_fields(&mut self) {
         let Some(id) = self.state.elements.fields.as_ref().map(|f| f.id) else { return };
-        let clock = self.timing.start();
+        let clock = self.timing.start(id);
         self.state
             .elements
             .give_fields(&AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes });
@@ -361,7 +362,7 @@ impl<'a> SolverRun<'a> {
     #[inline(never)]
     fn conduct(&mut self, fresh: bool) {
         let Some(heat) = self.state.thermal.as_mut().and_then(|t| t.heat.as_mut()) else { return };
-        let started = self.timing.start();
+        let started = self.timing.start(heat.id);
         if fresh {
             heat.collect_plastic_heat(&mut self.state.elements);
         }
@@ -435,7 +436,7 @@ impl<'a> SolverRun<'a> {
         };
         let mut result = Ok(());
         for load in &mut self.state.loads {
-            let clock = self.timing.start();
+            let clock = self.timing.start(load.effect());
             match load.apply(&view, &mut self.user.routines, &mut LoadForces::OnNodes(&mut forces)) {
                 Ok(work) => dissipated.add(work),
                 Err(halt) => {
@@ -495,7 +496,7 @@ impl<'a> SolverRun<'a> {
             }
         }
         if !self.state.elements.is_empty() {
-            let clock = self.timing.start();
+            let clock = self.timing.start_gather(self.plan);
             central_difference::accelerate_nodes(
                 &self.state.elements,
                 &mut self.state.dofs,
@@ -567,7 +568,7 @@ impl<'a> SolverRun<'a> {
         }
         let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
         for constraint in &mut self.state.constraints {
-            let started = self.timing.start();
+            let started = self.timing.start(constraint.effect());
             constraint.motion(&mut self.state.dofs, &clock, dt);
             self.timing.stop(started, constraint.effect());
         }
@@ -621,6 +622,12 @@ impl<'a> SolverRun<'a> {
     fn record(&mut self, Increment { length, by, .. }: Increment) {
         self.outcome.increments = self.now.increment;
         let limiting = (!self.state.elements.is_empty()).then(|| self.limits());
+        if let Some(position) = self.timing.position {
+            position.begin(&self.now, limiting);
+        }
+        if let (IncrementLimiter::Elements, Some(place)) = (by, limiting) {
+            self.watch.collapse.count(length, self.previous_instant.total_time, place);
+        }
         if let Some(summary) = self.outcome.steps.last_mut() {
             summary.increments += 1;
             summary.time = self.now.step_time;

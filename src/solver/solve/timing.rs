@@ -1,8 +1,11 @@
 //! Run time of each ledger row. One increment in many is timed, so that the cost is negligible; output is always timed.
 //! Time that no row uses belongs to the integration.
 
+use std::sync::atomic::Ordering::Relaxed;
 use std::time::Instant as Stopwatch;
 
+use super::position::RunPosition;
+use crate::element::elements::GroupTiming;
 use crate::plan::Plan;
 use crate::state::EffectId;
 
@@ -11,7 +14,7 @@ const TIMED_EVERY: u64 = 64;
 
 /// Measured times of a run, s.
 #[derive(Debug)]
-pub(super) struct EffectTiming {
+pub(super) struct EffectTiming<'a> {
     /// Time of each row in timed increments.
     rows: Vec<f64>,
     /// Total time of timed increments.
@@ -21,14 +24,16 @@ pub(super) struct EffectTiming {
     look: f64,
     /// Start of the part that is being timed, if any.
     began: Option<Stopwatch>,
+    /// Position of the run, for other threads.
+    pub position: Option<&'a RunPosition>,
 }
 
-impl EffectTiming {
+impl<'a> EffectTiming<'a> {
     /// Timers for this number of rows.
-    pub fn new(rows: usize) -> Self {
+    pub fn new(rows: usize, position: Option<&'a RunPosition>) -> Self {
         let looks = (0..8).map(|_| Stopwatch::now().elapsed().as_secs_f64());
         let look = looks.fold(f64::INFINITY, f64::min);
-        EffectTiming { rows: vec![0.0; rows], sampled: 0.0, output: 0.0, look, began: None }
+        EffectTiming { rows: vec![0.0; rows], sampled: 0.0, output: 0.0, look, began: None, position }
     }
 
     /// Starts timing a part of an increment, if the increment is timed.
@@ -47,10 +52,18 @@ impl EffectTiming {
         }
     }
 
-    /// Returns the start time, if the increment is timed.
+    /// Records that a row is evaluated. Returns the start time, if the increment is timed.
     #[inline(always)]
-    pub fn start(&self) -> Option<Stopwatch> {
+    pub fn start(&self, row: EffectId) -> Option<Stopwatch> {
+        if let Some(position) = self.position {
+            position.effect_mark().store(row, Relaxed);
+        }
         self.began.map(|_| Stopwatch::now())
+    }
+
+    /// Starts timing the force assembly at nodes.
+    pub fn start_gather(&self, plan: &Plan) -> Option<Stopwatch> {
+        self.start(plan.rows.gather?)
     }
 
     /// Adds the time since `since` to a row.
@@ -71,9 +84,13 @@ impl EffectTiming {
         }
     }
 
-    /// Returns the times of the rows, to which element groups add in a timed increment.
-    pub fn groups(&mut self) -> Option<&mut [f64]> {
-        self.began.is_some().then_some(&mut self.rows[..])
+    /// Returns the times of the rows, to which element groups add in a timed increment, and the variable for the row that
+    /// is evaluated.
+    pub fn groups(&mut self) -> GroupTiming<'_> {
+        GroupTiming {
+            seconds: self.began.is_some().then_some(&mut self.rows[..]),
+            mark: self.position.map(RunPosition::effect_mark),
+        }
     }
 
     /// Adds time of output.

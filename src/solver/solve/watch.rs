@@ -1,6 +1,7 @@
 //! Monitors that issue warnings: energies out of bounds or negative, growing hourglass patterns, very small increments.
 //! Warnings state when it began, where it is, and a remedy. Checks that halt a run are in `guard.rs`.
 
+use super::collapse::CollapseMonitor;
 use super::energy::{Energy, EnergyBalance};
 use super::run::SolverRun;
 use crate::constraint::ContactResults;
@@ -20,6 +21,8 @@ const SOUND: [f64; 2] = [0.01, 0.05];
 /// of surfaces that flutter. Sliding without flutter loses no energy in contact.
 const DISSIPATED: f64 = 0.05;
 const FLUTTERS: [f64; 2] = [0.1, 0.02];
+/// Fractions of the largest energy for a warning of the energy that contact absorbs, without and with deleted elements.
+const ABSORBED: [f64; 2] = [0.05, 0.1];
 
 /// Size of a negative kinetic or internal energy, as a fraction of the largest energy, above which it is counted.
 const BELOW_ZERO: f64 = 0.01;
@@ -76,6 +79,8 @@ pub(super) struct RunMonitor {
     /// Kinetic energy of the pattern at the last check.
     pattern: f64,
     next_look: u64,
+    /// Stable time increments of the elements.
+    pub(super) collapse: CollapseMonitor,
     /// Limits of the deck on energies that have been reported in this step.
     pub(super) limits_reported: [bool; 2],
     /// Number of warnings that the sink has received.
@@ -112,6 +117,7 @@ impl SolverRun<'_> {
             self.watch.next_look = self.now.increment + self.now.increment.clamp(LOOK_EVERY[0], LOOK_EVERY[1]);
             self.watch_pattern();
             self.watch_pace();
+            self.watch_collapse();
         }
     }
 
@@ -299,7 +305,28 @@ impl SolverRun<'_> {
                 100.0 * contact,
                 100.0 * friction
             ));
+        } else if contact > ABSORBED[usize::from(self.state.elements.deleted() > 0)] {
+            self.outcome.warnings.push(self.name_absorbed_energy(contact));
         }
+    }
+
+    /// Returns why contact absorbs energy, and what reduces it; `share` is the fraction of the largest energy.
+    fn name_absorbed_energy(&self, share: f64) -> String {
+        let (why, cure) = match self.state.elements.deleted() {
+            0 => ("", "smaller elements at the surfaces that hit reduce it in proportion to their size".to_owned()),
+            deleted => (
+                "; after the deletion of elements, newly exposed nodes do so as well",
+                format!(
+                    "smaller elements, limits of *EROSION that delete fewer elements ({deleted} were deleted), and NODAL \
+                     EROSION=YES on *CONTACT CONTROLS ASSIGNMENT reduce it"
+                ),
+            ),
+        };
+        format!(
+            "contact has absorbed {:.1} % of the largest energy (ALLCW): masses are lumped at nodes, and a node that touches a \
+             surface loses its relative velocity at once{why}. The energy is missing in the bodies: {cure}",
+            100.0 * share
+        )
     }
 
     /// Returns since when the drift has been out of bounds.
@@ -354,7 +381,8 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 }
 
 persist_struct!(RunMonitor {
-    unsound, successive_drifts, drift_count, below_zero, contact_below_zero, pattern_reported, slow_reported, slow, pattern, next_look, limits_reported
+    unsound, successive_drifts, drift_count, below_zero, contact_below_zero, pattern_reported, slow_reported, slow, pattern, next_look, collapse,
+    limits_reported
 } derived {
     shown
 });

@@ -53,7 +53,12 @@ impl Sink for FirstState {
 pub fn one_increment(prepared: &PreparedJob, state: Option<&[u8]>) -> (Result<u64, UnfitState>, Vec<u8>) {
     let mut first = FirstState::default();
     let signal = AtomicUsize::new(15);
-    let control = RunControl { every: Some(CheckpointInterval::Increments(1)), interrupt: Some(&signal), state };
+    let control = RunControl {
+        every: Some(CheckpointInterval::Increments(1)),
+        interrupt: Some(&signal),
+        state,
+        ..RunControl::default()
+    };
     let outcome = solve::run_with(&prepared.plan, prepared.state.clone(), &mut first, control);
     (outcome.map(|(outcome, _)| outcome.increments), first.0)
 }

@@ -35,7 +35,7 @@ pub struct ReducedModel {
     /// Description of the replacement.
     pub instead: &'static str,
     /// Function that removes the effect from a model.
-    pub edit: Box<dyn Fn(&mut Model)>,
+    pub edit: Box<dyn Fn(&mut Model) + Send + Sync>,
 }
 
 /// Returns the effects that can be removed from a model, in the order of the ledger.

@@ -73,7 +73,7 @@ impl CornerPlot<'_> {
 
     fn bin(&self, parameter: usize, value: f64) -> Option<usize> {
         let part = self.part(parameter, value);
-        (0.0..1.0).contains(&part).then(|| (part * BINS as f64) as usize)
+        (0.0..1.0).contains(&part).then_some((part * BINS as f64) as usize)
     }
 
     fn draw_histogram(&mut self, parameter: usize, estimate: IntervalEstimate) {

@@ -184,7 +184,7 @@ fn scrambled(digits: u64, key: u64) -> u64 {
 }
 
 /// Mixes bits with the function of SplitMix (Steele, Lea and Flood, OOPSLA 2014).
-fn mix(bits: u64) -> u64 {
+pub fn mix(bits: u64) -> u64 {
     let bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);

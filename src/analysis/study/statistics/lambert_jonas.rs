@@ -23,7 +23,8 @@ pub fn residual([a, p, limit]: [f64; 3], velocity: f64) -> f64 {
 }
 
 /// Fits the curve to perforating shots, given as pairs of striking and residual velocity, from an approximate limit
-/// velocity. `None` with fewer than four shots, or if no curve fits.
+/// velocity. `None` with fewer than four shots, if no curve fits, or if the shots do not determine it: an interval is
+/// wider than its value.
 pub fn fit(shots: &[(f64, f64)], limit: f64) -> Option<LambertJonasFit> {
     let slowest = shots.iter().map(|s| s.0).fold(f64::INFINITY, f64::min);
     if shots.len() < 4 || !(limit > 0.0 && limit < slowest) {
@@ -43,6 +44,9 @@ pub fn fit(shots: &[(f64, f64)], limit: f64) -> Option<LambertJonasFit> {
         Err(never) => match never {},
     };
     let all = fit.estimates();
+    if !all.iter().all(|e| e.high - e.low < e.value.abs()) {
+        return None;
+    }
     Some(LambertJonasFit { estimates: [all[0], all[1], all[2]], deviation: fit.deviation(), converged: fit.converged })
 }
 

@@ -94,7 +94,7 @@ impl OutputCard {
             ],
             OutputCard::Node => &[VariablePlace::Node],
             OutputCard::Element => &[VariablePlace::Point, VariablePlace::Element, VariablePlace::Facet],
-            OutputCard::Energy => &[VariablePlace::Energy],
+            OutputCard::Energy => &[VariablePlace::Energy, VariablePlace::Part],
             OutputCard::Incrementation => &[VariablePlace::Increment],
             OutputCard::Integrated => &[VariablePlace::Section],
             OutputCard::Contact => &[VariablePlace::Node, VariablePlace::Pair],

@@ -2,7 +2,7 @@
 
 use super::curve::{PointCarrier, SurfacePoint};
 use super::{ContactConstraint, ContactPair};
-use crate::constraint::ContactResults;
+use crate::constraint::{ContactResults, PairForces};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
@@ -174,21 +174,13 @@ impl ContactResults for ContactConstraint {
         Some((&lowest.name, lowest.absorbed, lowest.largest_release.1))
     }
 
-    fn value_of_pair(&self, number: usize, part: VariableComponent) -> Option<f64> {
+    fn forces_of_pair(&self, number: usize) -> Option<PairForces> {
         let pair = self.pairs.iter().find(|p| p.number == number)?;
         // The forces on the two surfaces are opposite.
         let sign = if pair.first { 1.0 } else { -1.0 };
-        let forces = self.forces(pair);
-        match part.variable {
-            Variable::NormalContactForce => Some(sign * forces[part.component]),
-            Variable::ShearContactForce => Some(sign * forces[2 + part.component]),
-            Variable::ContactForce => Some(sign * (forces[part.component] + forces[2 + part.component])),
-            Variable::NormalContactMagnitude => Some(libm::hypot(forces[0], forces[1])),
-            Variable::ShearContactMagnitude => Some(libm::hypot(forces[2], forces[3])),
-            Variable::ContactMagnitude => Some(libm::hypot(forces[0] + forces[2], forces[1] + forces[3])),
-            Variable::ContactArea => Some(forces[4]),
-            _ => None,
-        }
+        let [n_r, n_z, t_r, t_z, area] = self.forces(pair);
+        let forces = [[sign * n_r, sign * n_z, 0.0], [sign * t_r, sign * t_z, 0.0]];
+        Some(PairForces { forces, duration: self.half / self.output_share, area })
     }
 }
 

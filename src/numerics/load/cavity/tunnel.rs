@@ -44,12 +44,14 @@ impl TunnelWall {
         let [a, b] = face.ends;
         let (low, high) = if a[1] <= b[1] { (a, b) } else { (b, a) };
         let [first, last] = [low[1], high[1]].inline_map(|z| (z / self.thickness - 0.5).ceil());
-        let mut number = first;
-        while number < last {
+        // Later slices overwrite those before the last `count`.
+        let count = self.slices.len() as f64;
+        let first = first.max(last - count);
+        for offset in 0..(last - first).clamp(0.0, count) as usize {
+            let number = first + offset as f64;
             let z = (number + 0.5) * self.thickness;
             let part = (z - low[1]) / (high[1] - low[1]);
             self.open(number, low[0] + part * (high[0] - low[0]));
-            number += 1.0;
         }
     }
 

@@ -1,0 +1,83 @@
+//! Reads the results of `limit`, `identify` and `scatter`: the table (`<job>_limit.csv`) and the pictures.
+
+use std::path::Path;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use super::data::{ReportPicture, ReportSearch, ReportTable};
+use crate::deck::files;
+use crate::output::csv;
+use crate::output::sums::Checksums;
+use crate::study::table::digits;
+
+/// File name parts of the commands with the titles of their sections.
+pub const KINDS: [(&str, &str); 3] = [("limit", "Limit"), ("identify", "Identification"), ("scatter", "Scatter")];
+const ROWS: usize = 500;
+/// Significant digits of numbers on the page.
+const DIGITS: usize = 7;
+/// Largest number of numbered pictures of a command.
+const PICTURES: usize = 8;
+/// Background of a picture, which is omitted so that pictures have the background of the page.
+const GROUND: &str = "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+
+/// Reads the results of a command for a job in a folder.
+pub fn read(folder: &Path, name: &str, kind: (&str, &'static str), sums: &Checksums) -> Result<ReportSearch, String> {
+    let path = folder.join(format!("{name}_{}.csv", kind.0));
+    sums.verify(&path)?;
+    let text = files::read_text(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let table = table(name, &text).map_err(|e| format!("{}: {e}", path.display()))?;
+    let numbered = (2..=PICTURES).map(|i| format!("_{i}"));
+    let endings = std::iter::once(String::new()).chain(numbered).chain(["_scatter", "_corner"].map(str::to_owned));
+    let mut pictures = Vec::new();
+    for ending in endings {
+        let picture = folder.join(format!("{name}_{}{ending}.svg", kind.0));
+        // A picture of an earlier command is not in the list of checksums of the table.
+        if picture.is_file() && sums.has(&picture) == sums.has(&path) {
+            sums.verify(&picture)?;
+            pictures.push(self::picture(&picture)?);
+        }
+    }
+    Ok(ReportSearch { title: kind.1, table, pictures })
+}
+
+/// Reads the table from the text of its CSV file.
+fn table(name: &str, text: &str) -> Result<ReportTable, String> {
+    let mut records = text.lines().filter(|l| !l.trim().is_empty()).map(csv::fields);
+    let header = records.next().ok_or("the table is empty")?;
+    let rows: Vec<Vec<String>> = records.map(|row| row.into_iter().map(cell).collect()).collect();
+    if let Some(i) = rows.iter().position(|r| r.len() != header.len()) {
+        return Err(format!("row {} has {} fields, but the header has {}", i + 1, rows[i].len(), header.len()));
+    }
+    let mut table = ReportTable { name: name.to_owned(), header, rows, ..ReportTable::default() };
+    if table.rows.len() > ROWS {
+        table.notes.push(format!("{ROWS} of {} rows are shown", table.rows.len()));
+        table.rows.truncate(ROWS);
+    }
+    Ok(table)
+}
+
+/// Rounds a number for the page.
+fn cell(text: String) -> String {
+    text.parse().map_or(text, |value| digits(value, DIGITS))
+}
+
+/// Reads an SVG picture without its background as an address that contains the picture.
+fn picture(path: &Path) -> Result<ReportPicture, String> {
+    let text = files::read_text(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let svg = text.replacen(GROUND, "", 1);
+    Ok(ReportPicture { name, source: format!("data:image/svg+xml;base64,{}", STANDARD.encode(svg)) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded_and_words_are_not() {
+        let found = table("job", "what,value,to\n\"V50, limit\",417.33245849609375,-\n").expect("a table");
+        assert_eq!(found.rows, [["V50, limit", "417.3325", "-"]]);
+        assert!(table("job", "a,b\n1\n").is_err_and(|e| e.contains("row 1 has 1 fields")));
+    }
+}

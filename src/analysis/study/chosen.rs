@@ -1,0 +1,203 @@
+//! Choice of mesh, increment and precision of a run for an error target within a time budget.
+
+use std::time::{Duration, Instant as Stopwatch};
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::StudyError;
+use super::causes::limits_of_order;
+use super::convergence::{self, RefinementRequest};
+use super::jitter::NoiseRequest;
+use super::quantity::{Quantity, QuantityValue};
+use super::record;
+use super::refinement::RefinementStudy;
+use super::runner::{DeckReader, RunSource, StudyRunner};
+use super::settings::{self, ModelEdit, StudyAxis, StudyParameter, deforms};
+use super::target::ErrorTarget;
+use super::uncertainty::{MeshLevel, QuantityUncertainty};
+use crate::deck::MESH_SETTINGS;
+use crate::job::ParameterOverrides;
+use crate::model::{self, Precision};
+
+/// Coarser meshes that are tried first, if the deck allows them.
+const COARSER: [&str; 2] = ["1/4", "1/2"];
+/// Fraction of the target up to which the error of the increment needs no shorter increment.
+const INCREMENT_SHARE: f64 = 0.5;
+/// Fraction of the target up to which the error of single precision is allowed.
+const PRECISION_SHARE: f64 = 0.05;
+
+/// Request of a run whose error is below a target.
+pub struct TargetRequest<'a> {
+    /// Deck and user subroutines.
+    pub source: RunSource<'a>,
+    /// Overrides of the deck.
+    pub overrides: &'a [(String, String)],
+    /// Quantity whose error is limited.
+    pub quantity: &'a Quantity,
+    /// Error target.
+    pub target: ErrorTarget,
+    /// Largest time of the choice and of the run with the chosen setting.
+    pub budget: Duration,
+    /// Function that shows the expected cost of each level before it starts.
+    pub announce: &'a dyn Fn(&str),
+}
+
+/// Setting of a run for an error target, part of `<job>_certificate.json`. The keys are stable.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChosenSetting {
+    /// Error target.
+    pub target: ErrorTarget,
+    /// Whether the setting meets the target.
+    pub reached: bool,
+    /// Number of parts of each edge of the mesh, or its inverse.
+    pub mesh: String,
+    /// Factor on the time increment.
+    pub increment: f64,
+    /// Name of the floating-point precision.
+    pub precision: &'static str,
+    /// Element-cycles of all runs before the chosen one.
+    pub element_cycles: f64,
+    /// Record of the study of the mesh, with its levels, orders, estimate and noise.
+    pub study: Value,
+    /// Quantity with its uncertainties, before the run with the chosen setting.
+    #[serde(skip)]
+    pub quantity: QuantityUncertainty,
+    /// Lines to print.
+    #[serde(skip)]
+    pub conclusions: Vec<String>,
+}
+
+/// Refines the mesh, coarser levels first, until the error is below the target or the budget is exhausted, and chooses
+/// the setting.
+pub fn choose(request: &TargetRequest<'_>) -> Result<ChosenSetting, StudyError> {
+    let begin = Stopwatch::now();
+    let model = model::build(&(request.source.deck)(request.overrides).0).0;
+    let axes = mesh_axes(request.source.deck, request.overrides)?;
+    let done = || {};
+    let RunSource { deck, user, .. } = request.source;
+    let mut bench = StudyRunner::new(deck, request.overrides, user, request.quantity, 1, &done);
+    bench.limited_to(request.budget.saturating_sub(begin.elapsed()), request.announce);
+    let study_request = RefinementRequest {
+        axes: &axes,
+        exact: None,
+        target: Some(request.target),
+        noise: NoiseRequest::new(None, &model),
+        causes: limits_of_order(&model),
+        announce: request.announce,
+        around: false,
+    };
+    let (study, met, timing) = convergence::refine(&mut bench, &study_request)?;
+    let named = met.as_ref().and_then(|met| met.run);
+    let row = named.or_else(|| (0..study.rows.len()).rev().find(|&row| study.rows[row].run.is_ok()));
+    let row = row.ok_or_else(|| first_error(&study))?;
+    let [increment, precision] = if deforms(&model) { changes(&mut bench, &axes, &study)? } else { [None; 2] };
+    let allowed = request.target.bound(&study).unwrap_or(0.0);
+    let quantity = quantity(request, &study, row, increment);
+    let too_long = quantity.increment.is_some_and(|error| error > INCREMENT_SHARE * allowed);
+    let is_single = precision.is_some_and(|error| error < PRECISION_SHARE * allowed);
+    let precision = if is_single { Precision::Single } else { Precision::Double };
+    let text = record::conclusions(&study, &request.quantity.text, met.as_ref());
+    Ok(ChosenSetting {
+        target: request.target,
+        reached: named.is_some(),
+        mesh: study.rows[row].values[0].clone(),
+        increment: if too_long { 0.5 } else { 1.0 },
+        precision: precision.name(),
+        element_cycles: study.rows.iter().flat_map(|r| &r.run).map(|run| run.element_cycles()).sum(),
+        study: serde_json::json!(record::record(&request.quantity.text, None, &study, met, timing)),
+        quantity,
+        conclusions: text,
+    })
+}
+
+impl ChosenSetting {
+    /// Returns the changes of the model: increment and precision.
+    pub fn edits(&self) -> Result<Vec<ModelEdit>, StudyError> {
+        let factor = (self.increment != 1.0).then(|| (StudyParameter::Increment, self.increment.to_string()));
+        let single = (self.precision != Precision::Double.name())
+            .then(|| (StudyParameter::Precision, self.precision.to_owned()));
+        let edits = factor.into_iter().chain(single).map(|(parameter, value)| settings::edit(&parameter, &value));
+        Ok(edits.collect::<Result<Vec<_>, _>>().map_err(StudyError::Setting)?.into_iter().flatten().collect())
+    }
+
+    /// Returns the overrides of the deck with the chosen mesh.
+    pub fn overrides(&self, given: &[(String, String)]) -> Vec<(String, String)> {
+        let mut overrides = given.to_vec();
+        overrides.push((MESH_SETTINGS[1].to_owned(), self.mesh.clone()));
+        overrides
+    }
+}
+
+fn first_error(study: &RefinementStudy) -> StudyError {
+    let error = study.rows.iter().find_map(|row| row.run.as_ref().err().cloned());
+    error.unwrap_or_else(|| StudyError::Comparison("the study has no row".into()))
+}
+
+/// Returns the refinement of the mesh from coarser levels that the deck allows to the mesh of the deck, or to twice as
+/// many elements along each edge if it allows none.
+pub fn mesh_axes(source: &DeckReader<'_>, overrides: &ParameterOverrides) -> Result<Vec<StudyAxis>, StudyError> {
+    if source(overrides).0.parameters.iter().any(|(name, _)| name == MESH_SETTINGS[1]) {
+        return Err(StudyError::Setting("the deck has a *PARAMETER `mesh`: rename it to refine the mesh".into()));
+    }
+    let is_possible = |level: &&str| {
+        let mut overrides = overrides.to_vec();
+        overrides.push((MESH_SETTINGS[1].to_owned(), (*level).to_owned()));
+        let (deck, diagnostics) = source(&overrides);
+        !diagnostics.has_errors() && !model::build(&deck).1.has_errors()
+    };
+    let mut levels: Vec<&str> = COARSER.into_iter().filter(is_possible).collect();
+    levels.push("1");
+    if levels.len() == 1 {
+        levels.push("2");
+    }
+    settings::axes(&[format!("mesh={}", levels.join(","))], &[])
+}
+
+/// Returns the changes of the quantity on the coarsest level with half the increment and in single precision.
+fn changes(
+    bench: &mut StudyRunner<'_>,
+    axes: &[StudyAxis],
+    study: &RefinementStudy,
+) -> Result<[Option<f64>; 2], StudyError> {
+    let Some(base) = study.rows.first() else { return Ok([None; 2]) };
+    let of = |parameter: &StudyParameter, value: &str| settings::edit(parameter, value).map_err(StudyError::Setting);
+    let edits = [of(&StudyParameter::Increment, "0.5")?, of(&StudyParameter::Precision, "single")?];
+    let edits: Vec<ModelEdit> = edits.into_iter().flatten().collect();
+    let quantities = [bench.measure().clone()];
+    let runs = bench.changed(axes, &base.values.clone(), edits, &quantities)?;
+    let change = |run: usize| match &runs.get(run)?.first()?.as_ref().ok()?.found {
+        QuantityValue::Number(value) => Some((value - base.value?).abs()),
+        QuantityValue::Field(_) => None,
+    };
+    Ok([change(0), change(1)])
+}
+
+/// Returns the quantity of a row with its uncertainties. `increment` is the change with half the increment on the
+/// coarsest level; its error is of order 1.
+fn quantity(
+    request: &TargetRequest<'_>,
+    study: &RefinementStudy,
+    row: usize,
+    increment: Option<f64>,
+) -> QuantityUncertainty {
+    let series = &study.series[0];
+    let finest = series.sizes.last().copied().unwrap_or(1.0);
+    let level = |(row, size): (&usize, &f64)| Some(MeshLevel { size: size / finest, value: study.rows[*row].value? });
+    let increments = |row: usize| study.rows[row].run.as_ref().map_or(1.0, |run| run.increments.max(1) as f64);
+    let estimate = series.estimate;
+    let parts = QuantityUncertainty {
+        quantity: request.quantity.text.clone(),
+        value: study.rows[row].value.unwrap_or(f64::NAN),
+        levels: series.rows.iter().zip(&series.sizes).filter_map(level).collect(),
+        order: estimate.and_then(|e| e.order),
+        behaviour: estimate.map(|e| e.behaviour),
+        mesh: study.rows[row].bound,
+        increment: increment.map(|change| 2.0 * change * increments(0) / increments(row)),
+        precision: None,
+        noise: study.noise.as_ref().map(|noise| noise.uncertainty),
+        input: None,
+        dominant: None,
+    };
+    QuantityUncertainty { dominant: parts.dominant_part(), ..parts }
+}

@@ -1,0 +1,522 @@
+//! Uncertainty of the quantities of one run from cheap companion runs: coarser meshes, another increment and precision,
+//! small perturbations, and values of random parameters.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::StudyError;
+use super::causes::is_sensitive;
+use super::chosen::ChosenSetting;
+use super::inputs::RandomInputs;
+use super::noise::{self, perturbations};
+use super::price::tolerance_in_words;
+use super::quantity::{Quantity, QuantityValue};
+use super::richardson::{ConvergenceBehaviour, LimitEstimate, RefinementLevel, estimate};
+use super::runner::{RunSource, StudyRun};
+use super::settings::{ModelEdit, StudyParameter, deforms, edit};
+use super::statistics::{normal, student};
+use super::table::{digits, short};
+use crate::deck::MESH_SETTINGS;
+use crate::model::{Model, Precision};
+
+/// Largest cost of the companion runs relative to that of the plain run.
+pub const DEFAULT_BUDGET: f64 = 0.4;
+/// Element-cycles that are always allowed (a few milliseconds): below them the cost of a run is that of reading the deck.
+const NEGLIGIBLE_CYCLES: f64 = 5e4;
+/// Ratios of the element size of coarser meshes to that of the run, in the order in which they are tried.
+const RATIOS: [&[u32]; 2] = [&[4, 2], &[3]];
+/// Number of perturbed runs.
+const NOISE_RUNS: usize = 4;
+/// Ratio of the rounding units of double and single precision.
+const ROUNDING_RATIO: f64 = 1.0 / (1_u64 << 29) as f64;
+
+/// Properties of the model of a run on which the choice of companion runs depends.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelTraits {
+    /// Whether perturbations can be amplified.
+    pub sensitive: bool,
+    /// Whether the model has deformable elements.
+    pub deforms: bool,
+    /// Floating-point precision of the elements.
+    pub precision: Precision,
+    /// Names of the columns of `*OUTPUT EXPRESSION`.
+    pub expressions: Vec<String>,
+}
+
+impl ModelTraits {
+    /// Returns the traits of a model.
+    pub fn of(model: &Model) -> ModelTraits {
+        ModelTraits {
+            sensitive: is_sensitive(model),
+            deforms: deforms(model),
+            precision: model.settings.precision,
+            expressions: model.output.expressions.iter().map(|e| e.name.clone()).collect(),
+        }
+    }
+}
+
+/// A finished run whose uncertainty is estimated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlainRun {
+    /// Values of the quantities; `None` for a quantity without a value.
+    pub values: Vec<Option<f64>>,
+    /// Number of elements and facets.
+    pub elements: usize,
+    /// Number of increments.
+    pub increments: u64,
+}
+
+/// Request of the companion runs of a plain run.
+pub struct UncertaintyRequest<'a> {
+    /// Deck and user subroutines.
+    pub source: RunSource<'a>,
+    /// Overrides of the deck.
+    pub overrides: &'a [(String, String)],
+    /// Properties of the model.
+    pub traits: &'a ModelTraits,
+    /// Quantities of the run.
+    pub quantities: &'a [Quantity],
+    /// Random parameters.
+    pub inputs: Option<&'a RandomInputs>,
+    /// Largest cost of the companion runs relative to that of the plain run.
+    pub budget: f64,
+}
+
+/// Value on one mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MeshLevel {
+    /// Element size relative to that of the run.
+    pub size: f64,
+    /// Value of the quantity.
+    pub value: f64,
+}
+
+/// Value of a quantity with its uncertainties, in the units of the quantity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct QuantityUncertainty {
+    /// Expression of the quantity.
+    pub quantity: String,
+    /// Value of the plain run.
+    pub value: f64,
+    /// Values on all meshes, coarsest first; the last is that of the plain run.
+    pub levels: Vec<MeshLevel>,
+    /// Observed order of convergence.
+    pub order: Option<f64>,
+    /// Convergence behaviour; `None` without a coarser mesh.
+    pub behaviour: Option<ConvergenceBehaviour>,
+    /// Uncertainty from the mesh: the grid convergence index.
+    pub mesh: Option<f64>,
+    /// Uncertainty from the time increment, with order 1.
+    pub increment: Option<f64>,
+    /// Uncertainty from the floating-point precision.
+    pub precision: Option<f64>,
+    /// Noise: half-width of the 95 % interval over perturbed runs of the coarsest mesh.
+    pub noise: Option<f64>,
+    /// Half-width of the 95 % interval due to the random parameters, to first order.
+    pub input: Option<f64>,
+    /// Name of the largest part; `None` if no part is known.
+    pub dominant: Option<&'static str>,
+}
+
+/// Uncertainties of a run, the contents of `<job>_certificate.json`. The keys are stable.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunCertificate {
+    /// Quantities with their uncertainties.
+    pub quantities: Vec<QuantityUncertainty>,
+    /// Parts that are not estimated, with the reason.
+    pub missing: Vec<String>,
+    /// One line for each quantity, one for each missing part, and the cost.
+    pub conclusions: Vec<String>,
+    /// Setting that was chosen for an error target.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<ChosenSetting>,
+    /// Number of companion runs.
+    pub companions: usize,
+    /// Element-cycles of the companion runs divided by those of the plain run.
+    pub cost: f64,
+    /// Element-cycles of the plain run.
+    pub element_cycles: f64,
+    /// Floating-point precision of the plain run.
+    pub precision: &'static str,
+    /// SHA-256 hash of the deck and its included files; absent for a run in memory.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub deck: String,
+    /// SHA-256 hash of the final state of the plain run; absent for a run in memory.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub digest: String,
+    /// Version of the program that wrote the record.
+    pub version: &'static str,
+}
+
+/// Purpose of a companion run on the coarsest mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Purpose {
+    Noise,
+    /// Factor on the increment.
+    Increment(f64),
+    Precision,
+    /// Index of the random parameter.
+    Input(usize),
+}
+
+/// A companion run: changes of the deck and the model, and its cost relative to the coarsest mesh.
+struct Companion {
+    purpose: Purpose,
+    overrides: Vec<(String, String)>,
+    edits: Vec<ModelEdit>,
+    cost: f64,
+}
+
+/// Result of each quantity of a companion run.
+type CompanionResult = Vec<Result<StudyRun, StudyError>>;
+
+/// Runs the companion runs and estimates the uncertainty of each quantity; `deck` and `digest` identify the plain run.
+pub fn estimate_run(
+    request: &UncertaintyRequest<'_>,
+    plain: &PlainRun,
+    deck: String,
+    digest: String,
+) -> RunCertificate {
+    let cycles = plain.elements as f64 * plain.increments as f64;
+    let mut missing = Vec::new();
+    let meshes = coarser_runs(request, &mut missing);
+    let spent = |runs: &[CompanionResult]| runs.iter().map(element_cycles).sum::<f64>();
+    let mut cost = meshes.iter().map(|mesh| element_cycles(&mesh.1)).sum::<f64>();
+    let allowed = (request.budget * cycles).max(NEGLIGIBLE_CYCLES) - cost;
+    let companions = meshes.first().map_or(Vec::new(), |(ratio, base)| {
+        affordable(companions(request, *ratio), allowed / element_cycles(base), &mut missing)
+    });
+    let runs: Vec<CompanionResult> = companions.par_iter().map(|c| run(request, &c.overrides, &c.edits)).collect();
+    cost += spent(&runs);
+    let quantity = |index: usize| {
+        let value = plain.values[index]?;
+        let found = Found { plain, meshes: &meshes, companions: &companions, runs: &runs, index, value };
+        Some(found.uncertainty(request))
+    };
+    let certificate = RunCertificate {
+        quantities: (0..request.quantities.len()).filter_map(quantity).collect(),
+        missing,
+        conclusions: Vec::new(),
+        target: None,
+        companions: meshes.len() + runs.len(),
+        cost: cost / cycles.max(1.0),
+        element_cycles: cycles,
+        precision: request.traits.precision.name(),
+        deck,
+        digest,
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    RunCertificate { conclusions: certificate.lines(), ..certificate }
+}
+
+/// Returns the certificate of a run with a setting that was chosen for an error target.
+pub fn of_chosen(chosen: ChosenSetting, plain: &PlainRun, deck: String, digest: String) -> RunCertificate {
+    let cycles = plain.elements as f64 * plain.increments as f64;
+    let value = plain.values.first().copied().flatten().unwrap_or(chosen.quantity.value);
+    let quantity = QuantityUncertainty { value, ..chosen.quantity.clone() };
+    let goal = tolerance_in_words(chosen.target.value, chosen.target.relative);
+    let line = format!(
+        "target {goal}: {}reached with mesh = {}, increment = {}, precision = {}",
+        if chosen.reached { "" } else { "not " },
+        chosen.mesh,
+        chosen.increment,
+        chosen.precision
+    );
+    RunCertificate {
+        conclusions: vec![quantity.sentence(), line],
+        quantities: vec![quantity],
+        missing: Vec::new(),
+        companions: chosen.study["runs"].as_array().map_or(0, Vec::len),
+        cost: chosen.element_cycles / cycles.max(1.0),
+        element_cycles: cycles,
+        precision: chosen.precision,
+        target: Some(chosen),
+        deck,
+        digest,
+        version: env!("CARGO_PKG_VERSION"),
+    }
+}
+
+/// Runs the deck in memory, then like [`estimate_run`].
+pub fn run_and_estimate(request: &UncertaintyRequest<'_>) -> Result<RunCertificate, StudyError> {
+    let found = run(request, &[], &[]);
+    let first = found.iter().find_map(|run| run.as_ref().ok());
+    let (elements, increments) = match (first, found.first()) {
+        (Some(run), _) => (run.elements, run.increments),
+        (None, Some(Err(reason))) => return Err(reason.clone()),
+        (None, _) => return Err(StudyError::Setting("no quantity is given".into())),
+    };
+    let value = |run: &Result<StudyRun, StudyError>| number_of(run.as_ref().ok()?);
+    let plain = PlainRun { values: found.iter().map(value).collect(), elements, increments };
+    Ok(estimate_run(request, &plain, String::new(), String::new()))
+}
+
+fn number_of(run: &StudyRun) -> Option<f64> {
+    match run.found {
+        QuantityValue::Number(value) => Some(value),
+        QuantityValue::Field(_) => None,
+    }
+}
+
+/// Runs the deck with further overrides and edits.
+fn run(request: &UncertaintyRequest<'_>, overrides: &[(String, String)], edits: &[ModelEdit]) -> CompanionResult {
+    let precision = request.traits.precision;
+    let same: [ModelEdit; 1] = [Box::new(move |model| {
+        model.settings.precision = precision;
+        Ok(())
+    })];
+    let is_replaced = |name: &String| overrides.iter().any(|(other, _)| other == name);
+    let mut all: Vec<_> = request.overrides.iter().filter(|(name, _)| !is_replaced(name)).cloned().collect();
+    all.extend_from_slice(overrides);
+    request.source.run(&all, &[&same, edits], request.quantities)
+}
+
+/// Returns the element-cycles of a run; zero if it has no result.
+fn element_cycles(run: &CompanionResult) -> f64 {
+    run.iter().flatten().next().map_or(0.0, StudyRun::element_cycles)
+}
+
+/// Runs coarser meshes, coarsest first. The first ratios with a result are used.
+fn coarser_runs(request: &UncertaintyRequest<'_>, missing: &mut Vec<String>) -> Vec<(u32, CompanionResult)> {
+    // Of the ratio 2, which is the most common one.
+    let mut reason = String::new();
+    for ratios in RATIOS {
+        let each = |ratio: &u32| Some((*ratio, run(request, &[mesh_setting(request, *ratio)?], &[])));
+        let runs: Vec<_> = ratios.par_iter().filter_map(each).collect();
+        if let Some(Err(error)) = runs.last().and_then(|run| run.1.first()).filter(|_| reason.is_empty()) {
+            reason = error.to_string();
+        }
+        let ran: Vec<_> = runs.into_iter().filter(|(_, run)| run.iter().any(Result::is_ok)).collect();
+        if !ran.is_empty() {
+            return ran;
+        }
+    }
+    let reason = reason.lines().next().unwrap_or("the deck refines the mesh by another factor").to_owned();
+    missing.push(format!("all parts: no coarser mesh could be run: {reason}"));
+    Vec::new()
+}
+
+/// Returns the setting of a mesh that is coarser by a ratio; `None` if the factor of the deck is not divisible.
+fn mesh_setting(request: &UncertaintyRequest<'_>, ratio: u32) -> Option<(String, String)> {
+    let given = request.overrides.iter().find(|(name, _)| MESH_SETTINGS.contains(&name.as_str()));
+    let (name, factor) = match given {
+        Some((name, text)) => (name.as_str(), text.parse::<u32>().ok()?),
+        None => (MESH_SETTINGS[0], 1),
+    };
+    let value = match (factor % ratio, ratio % factor) {
+        (0, _) => (factor / ratio).to_string(),
+        (_, 0) => format!("1/{}", ratio / factor),
+        _ => return None,
+    };
+    Some((name.to_owned(), value))
+}
+
+/// Returns the companion runs on the coarsest mesh, the most useful ones first.
+fn companions(request: &UncertaintyRequest<'_>, ratio: u32) -> Vec<Companion> {
+    let mesh: Vec<_> = mesh_setting(request, ratio).into_iter().collect();
+    let of = |purpose, edits, cost| Companion { purpose, overrides: mesh.clone(), edits, cost };
+    let mut all = Vec::new();
+    for (index, [low, high]) in request.inputs.map_or(Vec::new(), deviations).into_iter().enumerate() {
+        for value in [low, high] {
+            let mut companion = of(Purpose::Input(index), Vec::new(), 1.0);
+            companion.overrides.push(value);
+            all.push(companion);
+        }
+    }
+    if request.traits.sensitive {
+        all.extend(perturbations(NOISE_RUNS).into_iter().map(|edit| of(Purpose::Noise, vec![edit], 1.0)));
+    }
+    let change = |parameter: &StudyParameter, value: &str| edit(parameter, value).ok().flatten();
+    // Smaller than the stable increment; larger than that of error control, which is cheaper.
+    let (factor, text) = if request.traits.deforms { (0.5, "0.5") } else { (2.0, "2") };
+    all.extend(
+        change(&StudyParameter::Increment, text)
+            .map(|edit| of(Purpose::Increment(factor), vec![edit], f64::recip(factor))),
+    );
+    if request.traits.deforms {
+        let other = match request.traits.precision {
+            Precision::Double => Precision::Single,
+            Precision::Single => Precision::Double,
+        };
+        all.extend(
+            change(&StudyParameter::Precision, other.name()).map(|edit| of(Purpose::Precision, vec![edit], 1.0)),
+        );
+    }
+    all
+}
+
+/// Returns name and value of each random parameter one standard deviation below and above its median, with the others
+/// at their median.
+fn deviations(inputs: &RandomInputs) -> Vec<[(String, String); 2]> {
+    let medians = vec![0.5; inputs.names.len()];
+    let at = |index: usize, sign: f64| {
+        let mut point = medians.clone();
+        point[index] = normal::cumulative(sign);
+        let mut values = vec![0.0; point.len()];
+        inputs.values(&point, &mut values);
+        (inputs.names[index].clone(), format!("{:e}", values[index]))
+    };
+    (0..inputs.names.len()).map(|index| [-1.0, 1.0].map(|sign| at(index, sign))).collect()
+}
+
+/// Returns the first companion runs whose costs, relative to the coarsest mesh, are within the limit; runs of one
+/// purpose are omitted together if fewer than two of them are affordable.
+fn affordable(companions: Vec<Companion>, limit: f64, missing: &mut Vec<String>) -> Vec<Companion> {
+    let mut total = 0.0;
+    let mut chosen = Vec::new();
+    for companion in companions {
+        if total + companion.cost <= limit {
+            total += companion.cost;
+            chosen.push(companion);
+        } else {
+            let part = match companion.purpose {
+                Purpose::Noise => "noise (all or some runs)",
+                Purpose::Increment(_) => "increment",
+                Purpose::Precision => "precision",
+                Purpose::Input(_) => "input (all or some parameters)",
+            };
+            missing.push(format!("{part}: outside the budget"));
+        }
+    }
+    missing.dedup();
+    chosen
+}
+
+/// Results of all runs for one quantity.
+struct Found<'a> {
+    plain: &'a PlainRun,
+    meshes: &'a [(u32, CompanionResult)],
+    companions: &'a [Companion],
+    runs: &'a [CompanionResult],
+    index: usize,
+    value: f64,
+}
+
+impl Found<'_> {
+    fn uncertainty(&self, request: &UncertaintyRequest<'_>) -> QuantityUncertainty {
+        let levels = self.levels();
+        let mesh = self.mesh(&levels);
+        let increments = self.meshes.first().and_then(|(_, run)| Some(run.get(self.index)?.as_ref().ok()?.increments));
+        // Of order 1: proportional to the increment, which is larger on the coarse mesh.
+        let shortened = increments.map_or(1.0, |n| n as f64 / self.plain.increments.max(1) as f64).min(1.0);
+        let increment = self.changes(|p| matches!(p, Purpose::Increment(_))).next().map(|(purpose, change)| {
+            let factor = if let Purpose::Increment(factor) = purpose { factor } else { 1.0 };
+            shortened * change.abs() / (factor - 1.0).abs()
+        });
+        let rounding = if request.traits.precision == Precision::Double { ROUNDING_RATIO } else { 1.0 };
+        let precision = self.changes(|p| p == Purpose::Precision).next().map(|(_, change)| rounding * change.abs());
+        let mut found = QuantityUncertainty {
+            quantity: request.quantities[self.index].text.clone(),
+            value: self.value,
+            levels,
+            order: mesh.and_then(|m| m.order),
+            behaviour: mesh.map(|m| m.behaviour),
+            mesh: mesh.map(|m| m.uncertainty),
+            increment,
+            precision,
+            noise: self.noise(),
+            input: self.input(),
+            dominant: None,
+        };
+        found.dominant = found.dominant_part();
+        found
+    }
+
+    /// Returns the value of the quantity in a run.
+    fn number(&self, run: &CompanionResult) -> Option<f64> {
+        number_of(run.get(self.index)?.as_ref().ok()?)
+    }
+
+    fn levels(&self) -> Vec<MeshLevel> {
+        let coarse = self
+            .meshes
+            .iter()
+            .filter_map(|(ratio, run)| Some(MeshLevel { size: f64::from(*ratio), value: self.number(run)? }));
+        coarse.chain([MeshLevel { size: 1.0, value: self.value }]).collect()
+    }
+
+    fn mesh(&self, levels: &[MeshLevel]) -> Option<LimitEstimate> {
+        let series: Vec<RefinementLevel> =
+            levels.iter().map(|level| RefinementLevel { size: level.size, value: level.value }).collect();
+        estimate(&series)
+    }
+
+    /// Returns the differences of companion runs of some purposes from the run on the coarsest mesh.
+    fn changes(&self, wanted: impl Fn(Purpose) -> bool) -> impl Iterator<Item = (Purpose, f64)> {
+        let base = self.meshes.first().and_then(|mesh| self.number(&mesh.1));
+        let pairs = self.companions.iter().zip(self.runs).filter(move |(companion, _)| wanted(companion.purpose));
+        pairs.filter_map(move |(companion, run)| Some((companion.purpose, self.number(run)? - base?)))
+    }
+
+    fn noise(&self) -> Option<f64> {
+        let base = self.meshes.first().and_then(|mesh| self.number(&mesh.1))?;
+        let values: Vec<Option<f64>> = self.changes(|p| p == Purpose::Noise).map(|(_, c)| Some(base + c)).collect();
+        (!values.is_empty()).then(|| noise::of_runs(base, values.into_iter()).uncertainty)
+    }
+
+    /// Adds the variances of the random parameters, each from two values one standard deviation apart from the median.
+    fn input(&self) -> Option<f64> {
+        let changes: Vec<(Purpose, f64)> = self.changes(|p| matches!(p, Purpose::Input(_))).collect();
+        let pairs = changes.chunk_by(|a, b| a.0 == b.0).filter(|pair| pair.len() == 2);
+        let variances: Vec<f64> = pairs.map(|pair| 0.25 * (pair[1].1 - pair[0].1) * (pair[1].1 - pair[0].1)).collect();
+        (!variances.is_empty()).then(|| student(f64::INFINITY) * variances.iter().sum::<f64>().sqrt())
+    }
+}
+
+impl QuantityUncertainty {
+    fn parts(&self) -> [(&'static str, Option<f64>); 5] {
+        [
+            ("mesh", self.mesh),
+            ("increment", self.increment),
+            ("precision", self.precision),
+            ("noise", self.noise),
+            ("input", self.input),
+        ]
+    }
+
+    pub(super) fn dominant_part(&self) -> Option<&'static str> {
+        let known = self.parts().into_iter().filter_map(|(name, part)| Some((name, part?)));
+        known.max_by(|a, b| a.1.total_cmp(&b.1)).map(|part| part.0)
+    }
+
+    /// Returns the sum of the numerical parts: mesh, increment and precision; `None` if none is known.
+    pub fn numerical(&self) -> Option<f64> {
+        let known: Vec<f64> = self.parts()[..3].iter().filter_map(|part| part.1).collect();
+        (!known.is_empty()).then(|| known.iter().sum())
+    }
+
+    /// Returns value and uncertainties in one line.
+    pub fn sentence(&self) -> String {
+        let Some(numerical) = self.numerical() else {
+            return format!("{} = {}, uncertainty not estimated", self.quantity, digits(self.value, 9));
+        };
+        let named =
+            self.parts().into_iter().take(3).filter_map(|(name, part)| Some(format!("{name} {}", short(part?))));
+        let more = [(self.noise, "noise"), (self.input, "input")];
+        let more = more.into_iter().filter_map(|(part, name)| Some(format!(" ± {} {name}", short(part?))));
+        let reason = self.behaviour.and_then(ConvergenceBehaviour::reason);
+        format!(
+            "{} = {} ± {} numerical ({}){}; dominant: {}{}",
+            self.quantity,
+            digits(self.value, 9),
+            short(numerical),
+            named.collect::<Vec<_>>().join(", "),
+            more.collect::<String>(),
+            self.dominant.unwrap_or("none"),
+            reason.map_or(String::new(), |reason| format!("; mesh: {reason}"))
+        )
+    }
+}
+
+impl RunCertificate {
+    fn lines(&self) -> Vec<String> {
+        let mut lines: Vec<String> = self.quantities.iter().map(QuantityUncertainty::sentence).collect();
+        lines.extend(self.missing.iter().map(|part| format!("not estimated: {part}")));
+        lines.push(format!(
+            "uncertainty from {} companion runs, {} % of the element-cycles of the run",
+            self.companions,
+            short(100.0 * self.cost)
+        ));
+        lines
+    }
+}

@@ -1,0 +1,102 @@
+//! Warnings of a collapsing time increment: a few elements, for example squashed ones, reduce the increment of the whole
+//! model and multiply the run time.
+
+use super::collapse::{COLLAPSED, CollapseMonitor};
+use super::run::SolverRun;
+use crate::model::IncrementControl;
+use crate::plan::Plan;
+
+/// Ratio of increments from which an element counts as one of those that cause the collapse.
+const SMALL: f64 = 0.5 * COLLAPSED;
+/// Largest fraction of the elements that may cause a collapse. More elements mean that the model deforms as a whole.
+const FEW: f64 = 0.05;
+/// Number of remaining increments below which a collapse costs too little for a warning.
+const MANY: f64 = 2000.0;
+/// Ratio of increments after which a further collapse is reported again.
+const FURTHER: f64 = 10.0;
+/// Fraction of the increments of an analysis above which a warning at its end gives the cost of the collapse.
+const SHARE: f64 = 0.2;
+
+impl SolverRun<'_> {
+    /// Checks for a collapse; warns at the second successive check that finds one that at least doubles the number of
+    /// increments.
+    pub(super) fn watch_collapse(&mut self) {
+        if self.state.elements.is_empty() || matches!(self.step.control, IncrementControl::Fixed(_)) {
+            return;
+        }
+        let (stable, remaining) = (self.state.elements.stable_increment(), self.step.duration - self.now.step_time);
+        let CollapseMonitor { largest, reported, .. } = &mut self.watch.collapse;
+        *largest = largest.max(stable);
+        let (left, undisturbed) = (remaining / (stable * self.step.scale_factor), remaining / *largest);
+        let collapsed = stable * COLLAPSED < *largest;
+        let costly = left > MANY && left > self.now.increment as f64 + undisturbed;
+        let again = *reported > 0.0 && stable * FURTHER > *reported;
+        let found = collapsed && costly && !again && !self.is_noise() && self.few_are_small();
+        if std::mem::replace(&mut self.watch.collapse.seen, found) && found {
+            self.watch.collapse.reported = stable;
+            let warning = self.name_collapse(stable, left);
+            self.outcome.warnings.push(warning);
+        }
+    }
+
+    /// Returns whether few elements have a small stable time increment.
+    fn few_are_small(&self) -> bool {
+        let (elements, nodes) = (&self.state.elements, self.state.dofs.nodes.as_slice());
+        let rate = SMALL / self.watch.collapse.largest;
+        let small = |group: &dyn crate::element::group::ElementGroup| {
+            let own = |e: &usize| group.stable_rate(*e, None, nodes).is_some_and(|own| own > rate);
+            (0..group.len()).filter(own).count()
+        };
+        let count: usize = elements.groups.iter().map(|group| small(&**group)).sum();
+        count as f64 <= (FEW * elements.count() as f64).max(1.0)
+    }
+
+    fn name_collapse(&self, stable: f64, left: f64) -> String {
+        let largest = self.watch.collapse.largest;
+        let done = self.now.increment.max(1) as f64;
+        format!(
+            "the time increment collapses: at increment {}, time {:e} element {} has reduced it from {largest:.3e} to \
+             {stable:.3e}, by a factor of {:.0}. {:.0} % of the increments so far are reduced by more than a factor of {COLLAPSED}; at this \
+             pace {left:.1e} increments remain in the step, {:.1} times as many as so far. {}",
+            self.now.increment,
+            self.now.total_time,
+            name_element(self.plan, self.state.elements.limiting()),
+            largest / stable,
+            100.0 * self.watch.collapse.count as f64 / done,
+            left / done,
+            cures(largest)
+        )
+    }
+
+    /// Warns at the end of the run if a collapse has caused many of the increments.
+    pub(super) fn warn_of_collapse(&mut self) {
+        let CollapseMonitor { largest, count, since, smallest, place, reported, .. } = self.watch.collapse;
+        let share = count as f64 / self.now.increment.max(1) as f64;
+        if reported == 0.0 || share < SHARE {
+            return;
+        }
+        self.outcome.warnings.push(format!(
+            "{:.0} % of the increments ({count} of {}) are reduced by more than a factor of {COLLAPSED}, since time {since:e}: \
+             the smallest, {smallest:.3e} in place of {largest:.3e}, is that of element {}. {}",
+            100.0 * share,
+            self.now.increment,
+            name_element(self.plan, place),
+            cures(largest)
+        ));
+    }
+}
+
+fn name_element(plan: &Plan, (group, element): (usize, usize)) -> String {
+    let material = plan.material_name(group, element);
+    let of = if material.is_empty() { String::new() } else { format!(" (material {material})") };
+    format!("{}{of}", plan.element_name(group, element))
+}
+
+/// Returns the cards that keep the increment above 1/25 of the largest one.
+fn cures(largest: f64) -> String {
+    let least = largest / COLLAPSED;
+    format!(
+        "*EROSION, INCREMENT={least:.1e} deletes such elements, DISTORTION CONTROL=YES on *SECTION CONTROLS keeps them from \
+         being squashed, *VARIABLE MASS SCALING, TYPE=BELOW MIN, DT={least:.1e} adds mass to them alone"
+    )
+}
