@@ -33,7 +33,7 @@ fn export(grid: &Grid, edited: Edited) -> String {
     let [mut quads, mut triangles] = [String::new(), String::new()];
     let first = label + 1;
     for (i, [a, b, c, d]) in grid.quads().into_iter().enumerate() {
-        if i % grid.columns() % 2 == 0 {
+        if (i % grid.columns()).is_multiple_of(2) {
             label += 1;
             let _ = writeln!(quads, "{label}, {a}, {b}, {c}, {d}");
         } else {
