@@ -16,6 +16,7 @@ mod hostile;
 mod identify;
 mod language;
 mod manual;
+mod material;
 mod matrix;
 mod memory;
 mod mesh;

@@ -5,8 +5,8 @@ use std::ffi::OsString;
 use clap::{Parser, Subcommand};
 
 use super::{
-    CommandStatus, REFUSED, chart, check, explain, identify, limit, mesh, new, print_error, report, resistance, run,
-    scatter, shell, study, sweep,
+    CommandStatus, REFUSED, chart, check, explain, identify, limit, material, mesh, new, print_error, report,
+    resistance, run, scatter, shell, study, sweep,
 };
 
 /// Axisymmetric explicit finite-element code for ABAQUS-style decks with user subroutines.
@@ -29,6 +29,7 @@ enum ProgramCommand {
     Identify(identify::IdentifyCommand),
     Report(report::ReportCommand),
     Resistance(resistance::ResistanceCommand),
+    Material(material::MaterialCommand),
     Chart(chart::ChartCommand),
     New(new::NewCommand),
     Mesh(mesh::MeshCommand),
@@ -60,6 +61,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> CommandSta
         ProgramCommand::Identify(identify) => identify.execute(),
         ProgramCommand::Report(report) => report.execute(),
         ProgramCommand::Resistance(resistance) => resistance.execute(),
+        ProgramCommand::Material(material) => material.execute(),
         ProgramCommand::Chart(chart) => chart.execute(),
         ProgramCommand::New(new) => new.execute(),
         ProgramCommand::Mesh(mesh) => mesh.execute(),

@@ -8,6 +8,7 @@ pub mod explain;
 pub mod identify;
 pub mod limit;
 pub mod line;
+pub mod material;
 pub mod mesh;
 pub mod new;
 mod outcome;
@@ -30,9 +31,11 @@ use std::path::{Path, PathBuf};
 
 use crate::deck::{self, Diagnostic, Diagnostics, Sources};
 use crate::job::{self, JobError, PreparedJob};
+use crate::model::{DeckUnits, MaterialDefinition};
 use crate::output::drawing::Drawing;
 use crate::output::lock::FolderLock;
 use crate::output::{self, JobFiles};
+use crate::plan::unit_warning;
 use crate::study::chart::Chart;
 use crate::study::grid::SettingForm;
 use crate::study::table::TextTable;
@@ -132,6 +135,17 @@ fn print_findings(found: &Diagnostics, sources: &Sources) {
     } else {
         print_err!("{}", found.render(sources).trim_end());
     }
+}
+
+/// Prints a warning for each material whose density and modulus belong to different unit systems (P119).
+fn print_unit_warnings<'a>(
+    materials: impl IntoIterator<Item = &'a MaterialDefinition>,
+    units: Option<&DeckUnits>,
+    sources: &Sources,
+) {
+    let mut warnings = Diagnostics::default();
+    materials.into_iter().filter_map(|m| unit_warning(m, units)).for_each(|warning| warnings.push(warning));
+    print_findings(&warnings, sources);
 }
 
 fn print_finding(finding: Diagnostic) {

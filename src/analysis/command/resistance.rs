@@ -7,8 +7,9 @@ use std::time::Instant as Stopwatch;
 use clap::Args;
 
 use super::words::{self, print_err, print_out};
-use super::{AlreadyPrinted, CommandStatus, PictureFormat, pairs, print_findings, print_table};
-use crate::deck::Diagnostic;
+use super::{AlreadyPrinted, CommandStatus, PictureFormat, pairs, print_findings, print_table, print_unit_warnings};
+use crate::deck::{Diagnostic, Sources};
+use crate::model::MaterialDefinition;
 use crate::model::derive::target_of;
 use crate::output::{self, csv};
 use crate::resistance::fit::FitWeight;
@@ -128,7 +129,10 @@ impl ResistanceCommand {
         let format = self.chart.as_deref().map(PictureFormat::of).transpose()?;
         let material = match &self.deck {
             Some(deck) => self.of_deck(deck)?,
-            None => self.given.material(self.tension, self.radius)?,
+            None => {
+                print_unit_warnings([&self.given.elastic()], None, &Sources::default());
+                self.given.material(self.tension, self.radius)?
+            }
         };
         let material = TargetMaterial { shape: self.shape, ..material };
         let begin = Stopwatch::now();
@@ -183,6 +187,7 @@ impl ResistanceCommand {
         let Some(material) = model.materials.iter().find(|m| m.name == wanted) else {
             return Err(format!("--material {wanted}: no such material; the deck defines {}", names.join(", ")).into());
         };
+        print_unit_warnings([material], model.settings.units.as_ref(), &deck.sources);
         if material.rate.is_some() && self.radius.is_none() {
             print_err!("warning: *RATE DEPENDENT of {wanted} is ignored without --radius");
         }
@@ -239,6 +244,12 @@ fn finding(fault: &ResistanceError) -> Diagnostic {
 }
 
 impl MaterialArguments {
+    /// Returns the elasticity and the density, for the check of units.
+    fn elastic(&self) -> MaterialDefinition {
+        let elastic = self.young.zip(self.poisson).map(|(young, poisson)| [young, poisson]);
+        MaterialDefinition { name: "target".into(), elastic, density: self.density, ..MaterialDefinition::default() }
+    }
+
     fn material(&self, tension: Option<f64>, radius: Option<f64>) -> Result<TargetMaterial, Box<dyn Error>> {
         let (curve, first) = match (&self.table, self.power) {
             (Some(path), _) => {

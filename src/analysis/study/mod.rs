@@ -32,6 +32,8 @@ pub mod jitter;
 pub(crate) mod law;
 #[cfg(feature = "cli")]
 pub mod limit;
+#[cfg(feature = "cli")]
+pub mod material;
 pub mod noise;
 mod price;
 pub mod quantity;

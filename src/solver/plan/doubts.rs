@@ -6,8 +6,8 @@ use std::collections::HashSet;
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::model::{
-    DeckUnits, Element, IncrementControl, InitialCondition, InitialKind, Model, SYSTEMS, SolidSection, Step,
-    UnitSystem, is_without_units,
+    DeckUnits, Element, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, SYSTEMS,
+    SolidSection, Step, UnitSystem, is_without_units,
 };
 use crate::platform::PortableMath as _;
 
@@ -15,6 +15,26 @@ use crate::platform::PortableMath as _;
 const TOO_FAST: f64 = 3.0;
 /// Number of element updates of a step above which a mistake is assumed; they take hours on any machine.
 const TOO_MANY: f64 = 1e12;
+
+/// Returns a warning (P119) if density and Young's modulus of a material are not plausible for a solid in any usual unit
+/// system, or in that of `*UNITS`.
+pub fn unit_warning(material: &MaterialDefinition, units: Option<&DeckUnits>) -> Option<Diagnostic> {
+    let own = units.and_then(DeckUnits::system);
+    let ([modulus, _], density) = (material.elastic?, material.density?);
+    let fits = |system: &UnitSystem| system.fits(density, modulus);
+    if own.is_none() && is_without_units(density) || own.map_or_else(|| SYSTEMS.iter().any(fits), fits) {
+        return None;
+    }
+    let speed = (modulus / density).sqrt();
+    let whose = own.map_or_else(|| "any usual unit system".into(), |s| format!("the units {}", s.words()));
+    let message = format!(
+        "density {density:e} and Young's modulus {modulus:e} of `{}` (wave speed {speed:.3e}) are \
+         not plausible for a solid in {whose}",
+        material.name
+    );
+    let finding = Diagnostic::warning("P119", message).at(material.span, "this material");
+    Some(finding.help(suggested_units(density, modulus)))
+}
 
 impl<'m> Compiler<'m> {
     pub(super) fn check_plausibility(&mut self, state: &State) {
@@ -42,32 +62,13 @@ impl<'m> Compiler<'m> {
         Some((e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu) * density)).sqrt())
     }
 
-    /// Warns if density and Young's modulus are not plausible for a solid in any usual unit system, or in that of
-    /// `*UNITS`.
+    /// Warns once of each material of a section whose density and Young's modulus are not plausible together.
     fn check_units(&mut self) {
-        let own = self.model.settings.units.as_ref().and_then(DeckUnits::system);
-        let mut reported = HashSet::new();
-        let mut findings = Vec::new();
-        for section in &self.model.sections {
-            let Some(material) = self.model.materials.get(section.material.index()) else { continue };
-            let (Some([modulus, _]), Some(density)) = (material.elastic, material.density) else { continue };
-            if own.is_none() && is_without_units(density) {
-                continue;
-            }
-            let fits = |system: &UnitSystem| system.fits(density, modulus);
-            if own.map_or_else(|| SYSTEMS.iter().any(fits), fits) || !reported.insert(section.material) {
-                continue;
-            }
-            let speed = (modulus / density).sqrt();
-            let whose = own.map_or_else(|| "any usual unit system".into(), |s| format!("the units {}", s.words()));
-            let message = format!(
-                "density {density:e} and Young's modulus {modulus:e} of `{}` (wave speed {speed:.3e}) are \
-                 not plausible for a solid in {whose}",
-                material.name
-            );
-            let finding = Diagnostic::warning("P119", message).at(material.span, "this material");
-            findings.push(finding.help(suggested_units(density, modulus)));
-        }
+        let units = self.model.settings.units.as_ref();
+        let mut checked = HashSet::new();
+        let sections = self.model.sections.iter().filter(|section| checked.insert(section.material));
+        let materials = sections.filter_map(|section| self.model.materials.get(section.material.index()));
+        let findings: Vec<Diagnostic> = materials.filter_map(|material| unit_warning(material, units)).collect();
         findings.into_iter().for_each(|finding| self.warn(finding));
     }
 

@@ -67,6 +67,7 @@ pub use crate::state::dofs::{Dof, Dofs};
 use crate::user::Routines;
 pub use bodies::PlannedRigidBody;
 pub use changes::StepChanges;
+pub use doubts::unit_warning;
 pub use expressions::RowExpression;
 pub use labels::FrameLabels;
 use ledger::{Ledger, UnusedCard};
