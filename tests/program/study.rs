@@ -351,7 +351,7 @@ fn levels_from_fine_to_coarse_are_reported() {
     let out = folder.path().to_str().expect("a name");
     let words = ["study", "input/ogive.inp", "--quantity", "final(U2@REF)", "--repeat", "1", "--out", out];
     let message = |levels: &str| {
-        let output = revolve(&[&words[..], &["--refine", levels]].concat());
+        let output = crate::common::revolve(&[&words[..], &["--refine", levels]].concat());
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
     let reversed = message("n=40,20,10");
