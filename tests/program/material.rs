@@ -5,6 +5,8 @@
 use std::fs;
 use std::path::Path;
 
+use revolve::study::material::{TensionCurve, TensionPoint};
+
 use crate::common::revolve;
 
 /// A deck with the given material cards and an element for each material.
@@ -93,6 +95,22 @@ fn failure_strain_follows_the_element_length() {
     // 0.1 until damage begins, then 1e-4 over the length.
     assert!((end("1e-3") - 0.2).abs() < 5e-3, "{}", end("1e-3"));
     assert!((end("2e-3") - 0.15).abs() < 5e-3, "{}", end("2e-3"));
+}
+
+/// The softening strain is at the end of a plateau or at a maximum; a hardening curve has none.
+#[test]
+fn softening_begins_at_the_last_largest_stress() {
+    let curve = |stress: &dyn Fn(f64) -> f64| {
+        let point = |i: u32| {
+            let strain = 1e-3 * f64::from(i);
+            TensionPoint { strain, stress: stress(strain), plastic: strain, temperature: f64::NAN }
+        };
+        let points = (0..=500).map(point).collect();
+        TensionCurve { rate: 1.0, temperature: None, points, failure: None, halt: None }.softening_strain()
+    };
+    assert_eq!(curve(&|strain| strain), None);
+    assert_eq!(curve(&|strain| if strain < 0.1 { 1.0 + 1e-8 * (0.1 - strain) } else { 1.1 - strain }), Some(0.1));
+    assert!(curve(&|strain| 2.0 - (strain - 0.2).powi(2)).is_some_and(|strain| (strain - 0.2).abs() < 2e-3));
 }
 
 /// Materials without strength are named with the reason; a misspelt name gets the nearest one.

@@ -32,6 +32,8 @@ pub const STRAINS: [f64; 5] = [0.01, 0.05, 0.1, 0.2, 0.5];
 const YIELD_STRAIN: f64 = 0.002;
 /// Decrease of the stress relative to its maximum from which a curve softens.
 const SOFTENING: f64 = 1e-3;
+/// Relative difference below which stresses are equal; the oscillation of the element after yield is smaller.
+const PLATEAU: f64 = 1e-6;
 
 /// Settings of the curves of one material.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,11 +89,15 @@ impl TensionCurve {
         self.stress_where(YIELD_STRAIN, |point| point.plastic)
     }
 
-    /// Returns the strain of the largest stress if the stress decreases later.
+    /// Returns the strain of the largest stress after 0.2 % plastic strain, if the stress decreases later; of equal
+    /// stresses, the last one.
     pub fn softening_strain(&self) -> Option<f64> {
-        let peak = self.points.iter().max_by(|a, b| a.stress.total_cmp(&b.stress))?;
-        let last = self.points.last()?;
-        (last.stress < (1.0 - SOFTENING) * peak.stress).then_some(peak.strain)
+        let yielded = self.points.iter().position(|p| p.plastic >= YIELD_STRAIN).unwrap_or(0);
+        let points = self.points.get(yielded..)?;
+        let peak = points.iter().map(|p| p.stress).fold(f64::NEG_INFINITY, f64::max);
+        let is_softer = points.last()?.stress < (1.0 - SOFTENING) * peak;
+        let top = points.iter().rfind(|p| p.stress >= peak - PLATEAU * peak.abs())?;
+        is_softer.then_some(top.strain)
     }
 
     /// Interpolates the stress where an ascending quantity reaches a value.
@@ -107,10 +113,14 @@ impl TensionCurve {
 
     /// Returns rate and temperature as text, for example `1000 1/s, 298 K`.
     pub fn label(&self, units: Option<&DeckUnits>) -> String {
-        let with = |value: f64, unit: String| format!("{} {unit}", digits(value, 6)).trim_end().to_owned();
-        let rate = with(self.rate, units.map_or("1/time".into(), |u| u.name([0, 0, -1, 0])));
-        let degrees = self.temperature.map(|t| with(t, units.map_or(String::new(), |u| u.temperature.clone())));
-        degrees.map_or(rate.clone(), |degrees| format!("{rate}, {degrees}"))
+        let with = |word: &str, value: f64, unit: &dyn Fn(&DeckUnits) -> String| match units {
+            Some(units) => format!("{} {}", digits(value, 6), unit(units)),
+            None => format!("{word} {}", digits(value, 6)),
+        };
+        let rate = with("rate", self.rate, &|units| units.name([0, 0, -1, 0]));
+        let Some(temperature) = self.temperature else { return rate };
+        let temperature = with("temperature", temperature, &|units| units.temperature.clone());
+        format!("{rate}, {temperature}")
     }
 }
 
