@@ -116,7 +116,7 @@ mod tests {
             let internal = if INTERNAL.contains(name) { small } else { [0.0; 3] };
             let known =
                 [("ALLKE", [100.0, 99.5, 98.9]), ("ALLIE", internal), ("ALLWK", [0.0; 3]), ("ETOTAL", [100.0; 3])];
-            let with = series_of(&[&known[..], &[(name, small)]].concat());
+            let with = series_of(&[&known[..], &[(*name, small)]].concat());
             assert_eq!((with.len(), with[1].1), (3, 1.1), "{name}: {with:?}");
             assert!(with[1].0 != "energies without a column" && with[1].0 != "other internal", "{with:?}");
             let without = series_of(&known);
