@@ -91,7 +91,10 @@ impl Export {
             title("Steps") + &title("Step-1") + "*Step, Nlgeom, Inc=1000000\n" + &procedure,
             title("Output frequency") + if edited == Edited::No { "*Output, Frequency=10\n" } else { "" } + step,
             title("History outputs") + history,
-            title("Field outputs") + "*Node file\nRF, U, V\n*El file\nS, E, ENER\n" + &title("End step") + "*End step\n",
+            title("Field outputs")
+                + "*Node file\nRF, U, V\n*El file\nS, E, ENER\n"
+                + &title("End step")
+                + "*End step\n",
         ]
         .concat()
     }

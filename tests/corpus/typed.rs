@@ -248,7 +248,7 @@ fn slips_of_a_typist_have_located_corrections() {
         ("*elastc", "*elastic", "D101", "did you mean *ELASTIC?"),
         ("elset=eal,", "elset=eall,", "M110", "EALL"),
         ("7.8e-O9", "7.8e-9", "D302", "letter O"),
-        ("*dynamic, explici", "*dynamic, explicit", "D103", "did you mean EXPLICIT?"),
+        ("*dynamic, xplicit", "*dynamic, explicit", "D103", "did you mean EXPLICIT?"),
         ("*material, nme=s", "*material, name=s", "D103", "did you mean NAME?"),
         ("material=st", "material=s", "M111", "did you mean S?"),
     ] {

@@ -512,11 +512,13 @@ impl RunCertificate {
     fn lines(&self) -> Vec<String> {
         let mut lines: Vec<String> = self.quantities.iter().map(QuantityUncertainty::sentence).collect();
         lines.extend(self.missing.iter().map(|part| format!("not estimated: {part}")));
-        lines.push(format!(
-            "uncertainty from {} companion runs, {} % of the element-cycles of the run",
-            self.companions,
-            short(100.0 * self.cost)
-        ));
+        if self.companions > 0 {
+            lines.push(format!(
+                "uncertainty from {} companion runs, {} % of the element-cycles of the run",
+                self.companions,
+                short(100.0 * self.cost)
+            ));
+        }
         lines
     }
 }
