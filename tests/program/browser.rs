@@ -143,7 +143,11 @@ impl HeadlessBrowser {
         let message = self.from.recv_timeout(SILENCE).expect("the browser answers");
         let parameters = &message["params"];
         match message["method"].as_str() {
-            Some("Network.requestWillBeSent") => self.requests.push(parameters["request"]["url"].to_string()),
+            Some("Network.requestWillBeSent") => {
+                // Pictures inside the page are no requests.
+                let url = parameters["request"]["url"].as_str().unwrap_or_default();
+                self.requests.extend((!url.starts_with("data:")).then(|| url.to_owned()));
+            }
             Some("Runtime.exceptionThrown") => self.errors.push(parameters["exceptionDetails"].to_string()),
             _ => {}
         }
