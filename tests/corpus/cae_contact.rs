@@ -159,7 +159,7 @@ fn compressed_rubber_disc_has_the_neo_hookean_force() {
 /// A tapered rigid mandrel is pressed through a ring.
 ///
 /// Estimate: the pressure of an oversize `δ` in a thick ring is `E δ / (a ((b² + a²)/(b² - a²) + ν))` (Lamé;
-/// Timoshenko, Strength of Materials, part II). The force on the bore is `2π a h p`: tolerance 3 %.
+/// Timoshenko, Strength of Materials, part II). The force on the inner face is `2π a h p`: tolerance 3 %.
 #[test]
 fn mandrel_pressed_into_a_ring_has_the_pressure_of_lame() {
     let (inner, outer, height, oversize): (f64, f64, f64, f64) = (20.0, 30.0, 10.0, 0.05);
@@ -191,7 +191,7 @@ fn mandrel_pressed_into_a_ring_has_the_pressure_of_lame() {
     let (a2, b2) = (inner * inner, outer * outer);
     let pressure = 210_000.0 * oversize / (inner * ((b2 + a2) / (b2 - a2) + 0.3));
     let force = run.mean(run.columns_with("CFN1")[0], 0.9 * time, time).abs();
-    assert_near("force on the bore", force, pressure * 2.0 * PI * inner * height, 0.03);
+    assert_near("force on the inner face", force, pressure * 2.0 * PI * inner * height, 0.03);
 }
 
 /// A rigid flat projectile perforates a plate with Johnson-Cook damage; general contact with interior faces and

@@ -75,7 +75,7 @@ fn ring() -> Grid {
     Grid::uniform([20.0, 0.0], [40.0, 5.0], 12, 3)
 }
 
-/// A ring in plane strain is expanded at its bore. The deck includes an edited export, or reads the export itself with
+/// A ring in plane strain is expanded at its inner face. The deck includes an edited export, or reads the export itself with
 /// `*MESH`.
 ///
 /// Estimate: `u = A r + B / r` with a stress-free outer face. Therefore `u(b)/u(a) = 2 (1 - ν) a b / (a² (1 - 2ν) +

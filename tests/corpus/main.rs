@@ -5,6 +5,9 @@
 //! t, s, N and MPa unless a scene states others. `cargo test --test corpus -- --nocapture` prints what the user would
 //! read.
 
+#[path = "../common/mod.rs"]
+mod common;
+
 mod abapy;
 mod cae;
 mod cae_contact;

@@ -25,7 +25,7 @@ fn spring_to_a_fixed_node_is_accepted() {
 
 /// The reference node of `*MPC, BEAM` receives the mass of its dependent nodes.
 #[test]
-#[ignore = "P020: the reference node has no mass of its own"]
+#[ignore = "P020: the reference node has no mass"]
 fn spring_on_the_reference_node_of_an_mpc_is_accepted() {
     let spring = "*Node\n9, 0., 0.\n*Nset, nset=feet\n1, 2\n*Mpc\nBEAM, feet, 9\n*Element, type=SPRING1, elset=s\n9, 9\n\
                   *Spring, elset=s\n2\n100.\n";
@@ -44,7 +44,7 @@ fn first_touch_of_a_slow_indentation_gives_no_warning() {
 #[test]
 #[ignore = "the value after PNU has no effect and no note"]
 fn magnitude_of_a_user_load_is_listed_as_not_used() {
-    if !crate::run::fortran("a constant VDLOAD") {
+    if !crate::common::fortran("a constant VDLOAD") {
         return;
     }
     let subroutine = "subroutine vdload(nblock, ndim, stepTime, totalTime, amplitude, curCoords, velocity, dirCos, jltyp, sname, value)

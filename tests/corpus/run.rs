@@ -146,17 +146,6 @@ pub fn assert_near(what: &str, result: f64, estimate: f64, tolerance: f64) {
     assert!(deviation.abs() <= tolerance, "{what}: {result:.5e}, estimate {estimate:.5e} within {tolerance}");
 }
 
-/// Returns whether a Fortran compiler is installed; without one the scene is left out. CI requires one.
-pub fn fortran(what: &str) -> bool {
-    let compiler = std::env::var("FC").unwrap_or_else(|_| "gfortran".into());
-    let found = Command::new(compiler).arg("--version").output().is_ok_and(|o| o.status.success());
-    assert!(found || std::env::var_os("CI").is_none(), "in CI gfortran must be installed");
-    if !found {
-        println!("left out: {what} (no gfortran)");
-    }
-    found
-}
-
 /// Reads the columns of a history file; no columns without a file.
 fn read_histories(path: &Path) -> Vec<(String, Vec<f64>)> {
     let text = fs::read_to_string(path).unwrap_or_default();

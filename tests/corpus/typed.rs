@@ -4,8 +4,9 @@
 use std::f64::consts::PI;
 use std::fmt::Write;
 
+use crate::common::fortran;
 use crate::grid::{Grid, Side};
-use crate::run::{Deck, assert_near, fortran};
+use crate::run::{Deck, assert_near};
 
 /// Returns nodes and CAX4R elements in an uneven style: tabs, blanks and no third coordinate.
 fn mesh(grid: &Grid) -> String {

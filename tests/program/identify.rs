@@ -191,8 +191,8 @@ fn throw_posterior(data: &MeasuredData, effective: f64) -> (Vec<IntervalEstimate
 }
 
 /// For a linear model with the prior 1/s of an unknown standard deviation the posterior is Student's t distribution of
-/// the least squares (Gelman and others, Bayesian Data Analysis, section 14.2). New measurements of the model lie in
-/// the prediction band.
+/// the least squares (Gelman and others, Bayesian Data Analysis, section 14.2). The prediction band
+/// contains new measurements of the model.
 #[test]
 fn posterior_of_a_linear_model_is_students_t() {
     let data = throw(1, 0.05);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::deck::files;
 use crate::output::{JobFiles, csv};
 use crate::study::identify::data::{MeasuredData, SeriesRequest};
-use crate::study::identify::figures::corner_plot;
+use crate::study::identify::figures::{corner_plot, prediction_chart};
 use crate::study::identify::posterior::{Posterior, PosteriorRequest, posterior};
 use crate::study::identify::{self, FitResults, IdentificationProblem, UnknownParameter};
 use crate::study::statistics::IntervalEstimate;
@@ -41,7 +41,7 @@ pub struct IdentifyCommand {
     /// "-1000*final(U2@REF)"; one for each --measured, in the same order.
     #[arg(long, allow_hyphen_values = true, value_name = "EXPR")]
     quantity: Vec<String>,
-    /// Column that names CSV files of curves, and their computed counterpart, in which {x} stands for the abscissa, for
+    /// Column that names CSV files of curves, and their computed counterpart, in which {x} is replaced by the abscissa, for
     /// example "curve=at(V2@REAR, {x}*1e-6)" or "profile=1000*outline({x}/1000)". The files have a header and the columns
     /// abscissa, measured value and optionally its standard deviation. Can be repeated.
     #[arg(long, value_name = "COLUMN=EXPR")]
@@ -69,7 +69,7 @@ pub struct IdentifyCommand {
 }
 
 /// Results of the command.
-struct Identified<'a> {
+struct IdentificationResults<'a> {
     data: &'a MeasuredData,
     names: Vec<String>,
     fits: FitResults,
@@ -96,7 +96,7 @@ impl IdentifyCommand {
         let problem = IdentificationProblem::new(evaluator, &data, &unknowns, self.search.threads());
         let fits = problem.fit(self.starts as usize)?;
         let posterior = self.posterior.map(|effective| self.sample(&problem, &fits.best, effective)).transpose()?;
-        let results = Identified { data: &data, names, fits, posterior };
+        let results = IdentificationResults { data: &data, names, fits, posterior };
         let object = results.json();
         results.write(&job, &object)?;
         let lines = self.lines(&results, &job);
@@ -185,7 +185,7 @@ impl IdentifyCommand {
         all.collect()
     }
 
-    fn lines(&self, results: &Identified<'_>, job: &JobFiles) -> Vec<String> {
+    fn lines(&self, results: &IdentificationResults<'_>, job: &JobFiles) -> Vec<String> {
         let fit = &results.fits.best;
         let known = results.data.has_deviations.iter().all(|has| *has);
         let unit = if known { "standard deviations" } else { "units of the quantity" };
@@ -207,7 +207,7 @@ impl IdentifyCommand {
     }
 }
 
-impl Identified<'_> {
+impl IdentificationResults<'_> {
     fn converged(&self) -> bool {
         self.fits.best.converged && self.posterior.as_ref().is_none_or(|posterior| posterior.converged)
     }
@@ -271,7 +271,8 @@ impl Identified<'_> {
         let band = self.posterior.as_ref().map_or(&[][..], |posterior| &posterior.predictions[..]);
         let ending = |i: usize| if i == 0 { String::new() } else { format!("_{}", i + 1) };
         let series = 0..self.data.series.len();
-        let charts: Vec<_> = series.map(|i| (ending(i), self.data.chart(&job.name, i, &computed, band))).collect();
+        let charts: Vec<_> =
+            series.map(|i| (ending(i), prediction_chart(self.data, &job.name, i, &computed, band))).collect();
         let mut others: Vec<ResultFile> = vec![
             search::json_file("identify", object)?,
             ("_identify_values.csv".into(), self.values(&computed).into_bytes()),

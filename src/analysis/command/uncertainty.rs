@@ -11,7 +11,7 @@ use crate::study::chosen::{self, ChosenSetting, TargetRequest};
 use crate::study::inputs::RandomInputs;
 use crate::study::quantity::Quantity;
 use crate::study::record::CERTIFICATE;
-use crate::study::runner::RunSource;
+use crate::study::runner::{RunSource, element_count};
 use crate::study::target::ErrorTarget;
 use crate::study::uncertainty::{
     DEFAULT_BUDGET, ModelTraits, PlainRun, RunCertificate, UncertaintyRequest, estimate_run, of_chosen,
@@ -24,7 +24,7 @@ use super::words::print_out;
 
 /// Largest cost of companion runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Budget {
+pub enum CostBudget {
     /// Fraction of the cost of the run.
     Share(f64),
     /// Wall-clock time.
@@ -35,14 +35,14 @@ pub enum Budget {
 const DEFAULT_TIME: Duration = Duration::from_secs(600);
 
 /// Parses a budget in per cent or as a time.
-fn budget(text: &str) -> Result<Budget, String> {
+fn budget(text: &str) -> Result<CostBudget, String> {
     let wrong = || "expected per cent above zero, for example 40%, or a time such as 10s, 5m or 1h".to_owned();
     match text.strip_suffix('%') {
         Some(number) => {
             let share = number.trim().parse::<f64>().ok().filter(|share| *share > 0.0 && share.is_finite());
-            share.map(|share| Budget::Share(share / 100.0)).ok_or_else(wrong)
+            share.map(|share| CostBudget::Share(share / 100.0)).ok_or_else(wrong)
         }
-        None => duration(text).map(Budget::Time).ok_or_else(wrong),
+        None => duration(text).map(CostBudget::Time).ok_or_else(wrong),
     }
 }
 
@@ -59,7 +59,7 @@ pub struct UncertaintyOptions {
     target: Option<String>,
     /// Largest cost of --uncertainty relative to the run (default: 40%), or largest time of --target (default: 10m).
     #[arg(long, value_name = "PERCENT|TIME", value_parser = budget)]
-    budget: Option<Budget>,
+    budget: Option<CostBudget>,
     /// Random parameter, whose effect --uncertainty adds: NAME=low..high, NAME=normal(mean, deviation) and so on, as
     /// for `scatter`; can be repeated.
     #[arg(long, value_name = "NAME=DISTRIBUTION", requires = "uncertainty")]
@@ -94,7 +94,7 @@ impl UncertaintyOptions {
     /// Parses the distributions; `None` without any.
     pub fn inputs(&self) -> Result<Option<RandomInputs>, Box<dyn Error>> {
         match (self.budget, self.uncertainty, &self.target) {
-            (None, _, _) | (Some(Budget::Share(_)), true, _) | (Some(Budget::Time(_)), _, Some(_)) => {}
+            (None, _, _) | (Some(CostBudget::Share(_)), true, _) | (Some(CostBudget::Time(_)), _, Some(_)) => {}
             _ => return Err("--budget needs --uncertainty (per cent) or --target (a time)".into()),
         }
         let inputs = RandomInputs::parse(&self.distribution, &[])?;
@@ -116,7 +116,7 @@ impl UncertaintyOptions {
             overrides: run.overrides,
             quantity,
             target,
-            budget: if let Some(Budget::Time(time)) = self.budget { time } else { DEFAULT_TIME },
+            budget: if let Some(CostBudget::Time(time)) = self.budget { time } else { DEFAULT_TIME },
             announce: &|line| {
                 if !quiet {
                     print_out!("{line}");
@@ -141,7 +141,7 @@ impl UncertaintyOptions {
         job: &JobFiles,
     ) -> Result<RunCertificate, Box<dyn Error>> {
         let source = |overrides: &ParameterOverrides| deck::read(run.deck, overrides);
-        let budget = if let Some(Budget::Share(share)) = self.budget { share } else { DEFAULT_BUDGET };
+        let budget = if let Some(CostBudget::Share(share)) = self.budget { share } else { DEFAULT_BUDGET };
         let request = UncertaintyRequest {
             source: RunSource { deck: &source, user: run.user, interrupt: None },
             overrides: run.overrides,
@@ -150,8 +150,7 @@ impl UncertaintyOptions {
             inputs,
             budget,
         };
-        let elements = prepared.plan.mesh.elements.iter().filter(|e| !e.kind.is_discrete()).count();
-        let plain = PlainRun { values, elements, increments: summary.timing.increments };
+        let plain = PlainRun { values, elements: element_count(prepared), increments: summary.timing.increments };
         let (deck, digest) = (prepared.identity("").deck, summary.digest.clone());
         let certificate = match chosen {
             Some(chosen) => of_chosen(chosen, &plain, deck, digest),

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use super::history::HistoryColumns;
 use super::units::UnitNames;
+use crate::output::history::between;
 
 /// Frequency at which the amplitude is reduced to 1/sqrt(2), divided by the number of the SAE class.
 const CLASS: f64 = 5.0 / 3.0;
@@ -73,7 +74,8 @@ impl CutoffFrequency {
         }
         let times: Vec<f64> = (0..rows).map(|row| begin + interval * row as f64).collect();
         for values in history.columns.values_mut() {
-            let mut even: Vec<f64> = times.iter().map(|time| between(&history.times, values, *time)).collect();
+            let at = |time: &f64| between(&history.times, |row| values[row], time.min(end));
+            let mut even: Vec<f64> = times.iter().filter_map(at).collect();
             for _ in 0..2 {
                 pass(&mut even, frequency * interval);
                 even.reverse();
@@ -83,14 +85,6 @@ impl CutoffFrequency {
         history.times = times;
         Ok(())
     }
-}
-
-/// Interpolates linearly.
-fn between(times: &[f64], values: &[f64], time: f64) -> f64 {
-    let above = times.partition_point(|t| *t < time).clamp(1, times.len() - 1);
-    let (width, part) = (times[above] - times[above - 1], time - times[above - 1]);
-    let share = if width > 0.0 { (part / width).clamp(0.0, 1.0) } else { 1.0 };
-    values[above - 1] + share * (values[above] - values[above - 1])
 }
 
 /// Filters in one direction; `frequency` is that of both passes times the interval. The filter begins in the steady state

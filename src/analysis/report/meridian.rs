@@ -291,7 +291,7 @@ struct FrameCanvas<'a> {
 }
 
 impl FrameCanvas<'_> {
-    /// Begins a drawing with its title, the targets and the rigid surfaces; what follows is clipped to the plot.
+    /// Begins a drawing with its title, the targets and the rigid surfaces; later shapes are clipped to the plot.
     fn begin(&self, title: &str) -> Drawing {
         let [wide, high] = self.view.size();
         let width = (wide + MARGIN[0] + MARGIN[1]).max(LEAST_WIDTH);

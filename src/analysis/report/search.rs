@@ -7,13 +7,11 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::data::{ReportPicture, ReportSearch, ReportTable};
 use crate::deck::files;
-use crate::output::csv;
 use crate::output::sums::Checksums;
 use crate::study::table::digits;
 
 /// File name parts of the commands with the titles of their sections.
 pub const KINDS: [(&str, &str); 3] = [("limit", "Limit"), ("identify", "Identification"), ("scatter", "Scatter")];
-const ROWS: usize = 500;
 /// Significant digits of numbers on the page.
 const DIGITS: usize = 7;
 /// Largest number of numbered pictures of a command.
@@ -41,19 +39,10 @@ pub fn read(folder: &Path, name: &str, kind: (&str, &'static str), sums: &Checks
     Ok(ReportSearch { title: kind.1, table, pictures })
 }
 
-/// Reads the table from the text of its CSV file.
+/// Reads the table from the text of its CSV file, with rounded numbers.
 fn table(name: &str, text: &str) -> Result<ReportTable, String> {
-    let mut records = text.lines().filter(|l| !l.trim().is_empty()).map(csv::fields);
-    let header = records.next().ok_or("the table is empty")?;
-    let rows: Vec<Vec<String>> = records.map(|row| row.into_iter().map(cell).collect()).collect();
-    if let Some(i) = rows.iter().position(|r| r.len() != header.len()) {
-        return Err(format!("row {} has {} fields, but the header has {}", i + 1, rows[i].len(), header.len()));
-    }
-    let mut table = ReportTable { name: name.to_owned(), header, rows, ..ReportTable::default() };
-    if table.rows.len() > ROWS {
-        table.notes.push(format!("{ROWS} of {} rows are shown", table.rows.len()));
-        table.rows.truncate(ROWS);
-    }
+    let mut table = ReportTable::parse(name, text)?.limited();
+    table.rows.iter_mut().flatten().for_each(|text| *text = cell(std::mem::take(text)));
     Ok(table)
 }
 

@@ -11,20 +11,32 @@ const ROWS: usize = 500;
 
 /// Reads a sweep from the text of its CSV file.
 pub fn table(name: &str, text: &str) -> Result<ReportTable, String> {
-    let mut records = text.lines().filter(|l| !l.trim().is_empty()).map(csv::fields);
-    let header = records.next().ok_or("the table is empty")?;
-    let mut rows: Vec<Vec<String>> = records.collect();
-    if let Some(i) = rows.iter().position(|r| r.len() != header.len()) {
-        return Err(format!("row {} has {} fields, but the header has {}", i + 1, rows[i].len(), header.len()));
+    let mut table = ReportTable::parse(name, text)?;
+    table.charts = charts(&table.header, &table.rows);
+    table.facts = deviations(&table.header, &table.rows);
+    Ok(table.limited())
+}
+
+impl ReportTable {
+    /// Reads the header and all rows of a CSV file.
+    pub(super) fn parse(name: &str, text: &str) -> Result<ReportTable, String> {
+        let mut records = text.lines().filter(|l| !l.trim().is_empty()).map(csv::fields);
+        let header = records.next().ok_or("the table is empty")?;
+        let rows: Vec<Vec<String>> = records.collect();
+        if let Some(i) = rows.iter().position(|r| r.len() != header.len()) {
+            return Err(format!("row {} has {} fields, but the header has {}", i + 1, rows[i].len(), header.len()));
+        }
+        Ok(ReportTable { name: name.to_owned(), header, rows, ..ReportTable::default() })
     }
-    let charts = charts(&header, &rows);
-    let facts = deviations(&header, &rows);
-    let mut notes = Vec::new();
-    if rows.len() > ROWS {
-        notes.push(format!("{ROWS} of {} rows are shown", rows.len()));
-        rows.truncate(ROWS);
+
+    /// Keeps the rows that a page shows, with a note if there are more.
+    pub(super) fn limited(mut self) -> ReportTable {
+        if self.rows.len() > ROWS {
+            self.notes.push(format!("{ROWS} of {} rows are shown", self.rows.len()));
+            self.rows.truncate(ROWS);
+        }
+        self
     }
-    Ok(ReportTable { name: name.to_owned(), header, rows, charts, facts, notes })
 }
 
 struct ColumnRoles {

@@ -9,7 +9,7 @@ use super::StudyError;
 use super::causes::limits_of_order;
 use super::convergence::{self, RefinementRequest};
 use super::jitter::NoiseRequest;
-use super::quantity::{Quantity, QuantityValue};
+use super::quantity::Quantity;
 use super::record;
 use super::refinement::RefinementStudy;
 use super::runner::{DeckReader, RunSource, StudyRunner};
@@ -166,10 +166,7 @@ fn changes(
     let edits: Vec<ModelEdit> = edits.into_iter().flatten().collect();
     let quantities = [bench.measure().clone()];
     let runs = bench.changed(axes, &base.values.clone(), edits, &quantities)?;
-    let change = |run: usize| match &runs.get(run)?.first()?.as_ref().ok()?.found {
-        QuantityValue::Number(value) => Some((value - base.value?).abs()),
-        QuantityValue::Field(_) => None,
-    };
+    let change = |run: usize| Some((runs.get(run)?.first()?.as_ref().ok()?.found.number()? - base.value?).abs());
     Ok([change(0), change(1)])
 }
 

@@ -82,7 +82,7 @@ pub struct SampleEvaluator {
     shots: Option<ShotRule>,
     /// Number of samples so far with a body still moving in a target at the end.
     still_moving: AtomicUsize,
-    /// Indices of the quantities that sample k evaluates, in entry k modulo the length; all quantities if empty.
+    /// Indices of the quantities that sample k evaluates, in entry k modulo the length.
     selections: Vec<Vec<usize>>,
 }
 
@@ -131,6 +131,7 @@ impl SampleEvaluator {
         }
         let ends_alone = quantities.iter().all(Quantity::needs_last_row_only);
         let (most_threads, idle) = (prepared.most_threads(), Mutex::default());
+        let all = (0..quantities.len()).collect();
         let (shots, still_moving) = (None, AtomicUsize::new(0));
         Ok(SampleEvaluator {
             source,
@@ -143,15 +144,15 @@ impl SampleEvaluator {
             idle,
             shots,
             still_moving,
-            selections: Vec::new(),
+            selections: vec![all],
         })
     }
 
     /// Makes sample k evaluate only the quantities with the indices in entry k modulo the length of `selections`; the
-    /// other cells of its row are NaN.
+    /// other cells of its row are NaN. Without selections all samples evaluate all quantities.
     #[must_use]
     pub fn with_selections(self, selections: Vec<Vec<usize>>) -> SampleEvaluator {
-        SampleEvaluator { selections, ..self }
+        if selections.is_empty() { self } else { SampleEvaluator { selections, ..self } }
     }
 
     /// Makes an evaluator of [`shots`](SampleEvaluator::shots). The first quantity, if there is one, is the residual
@@ -281,10 +282,8 @@ impl SampleEvaluator {
         if outcome.still_moving > 0 {
             self.still_moving.fetch_add(1, Ordering::Relaxed);
         }
-        let all: Vec<usize> = (0..self.quantities.len()).collect();
-        let selection = self.selections.get(row % self.selections.len().max(1)).unwrap_or(&all);
         out.fill(f64::NAN);
-        for &i in selection {
+        for &i in &self.selections[row % self.selections.len()] {
             out[i] = self.quantities[i].number(FinishedRun { history, end })?;
         }
         let Some(rule) = self.shots else { return Ok(false) };

@@ -7,6 +7,7 @@ use rand_chacha::rand_core::RngCore as _;
 use super::StudyError;
 use super::statistics::design::{draws, unit};
 use super::statistics::distribution::ParameterDistribution;
+use super::table::TextTable;
 use crate::output::csv;
 
 /// Largest number of cases of one sweep.
@@ -86,28 +87,11 @@ impl CaseGrid {
     }
 
     fn rows(text: &str) -> Result<CaseGrid, String> {
-        let mut lines = csv::lines(text);
-        let (_, header) = lines.next().ok_or("the file is empty")?;
-        let cells = |line| csv::fields(line).into_iter().map(|cell| cell.trim().to_owned()).collect::<Vec<String>>();
-        let names = cells(header);
-        for (i, name) in names.iter().enumerate() {
-            if name.is_empty() || names[..i].contains(name) {
-                return Err(format!("line 1: the name `{name}` of column {} is empty or occurs twice", i + 1));
-            }
+        let TextTable { header, rows } = records(text, false)?;
+        if rows.len() > MOST {
+            return Err(format!("more than {MOST} rows"));
         }
-        let mut rows = Vec::new();
-        for (i, line) in lines {
-            let values = cells(line);
-            if values.len() != names.len() || values.iter().any(String::is_empty) {
-                return Err(format!("line {i}: {} values, but the header has {}", values.len(), names.len()));
-            }
-            rows.push(values);
-        }
-        match rows.len() {
-            0 => Err("the file has no rows below the header".into()),
-            count if count > MOST => Err(format!("more than {MOST} rows")),
-            _ => Ok(CaseGrid::of_rows(names, rows)),
-        }
+        Ok(CaseGrid::of_rows(header, rows))
     }
 
     /// Creates cases from rows of values.
@@ -296,6 +280,31 @@ fn range(setting: &str, text: &str) -> Result<Vec<String>, String> {
     }
     let width = if step.starts_with('#') { (stop - start) / intervals.max(1.0) } else { number(step)? };
     Ok((0..=intervals as usize).map(|i| format!("{}", start + i as f64 * width)).collect())
+}
+
+/// Parses a CSV table with named columns and at least one row. `gaps` allows empty cells.
+pub(super) fn records(text: &str, gaps: bool) -> Result<TextTable, String> {
+    let mut lines = csv::lines(text);
+    let (_, header) = lines.next().ok_or("the file is empty")?;
+    let cells = |line| csv::fields(line).into_iter().map(|cell| cell.trim().to_owned()).collect::<Vec<String>>();
+    let names = cells(header);
+    for (i, name) in names.iter().enumerate() {
+        if name.is_empty() || names[..i].contains(name) {
+            return Err(format!("line 1: the name `{name}` of column {} is empty or occurs twice", i + 1));
+        }
+    }
+    let mut rows = Vec::new();
+    for (i, line) in lines {
+        let values = cells(line);
+        if values.len() != names.len() || !gaps && values.iter().any(String::is_empty) {
+            return Err(format!("line {i}: {} values, but the header has {}", values.len(), names.len()));
+        }
+        rows.push(values);
+    }
+    if rows.is_empty() {
+        return Err("the file has no rows below the header".into());
+    }
+    Ok(TextTable { header: names, rows })
 }
 
 #[cfg(test)]

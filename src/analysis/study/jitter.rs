@@ -4,7 +4,7 @@ use super::StudyError;
 use super::causes::is_sensitive;
 use super::noise::{self, BetterQuantity, NOISY, NoiseEstimate, perturbations};
 use super::price::setting;
-use super::quantity::{Quantity, QuantityValue};
+use super::quantity::Quantity;
 use super::refinement::RefinementStudy;
 use super::runner::{StudyRun, StudyRunner};
 use super::settings::StudyAxis;
@@ -38,7 +38,7 @@ impl NoiseRequest {
 pub fn level(study: &RefinementStudy, request: NoiseRequest, repeat: usize) -> Option<usize> {
     let run = |row: usize| {
         let run = study.rows[row].run.as_ref().ok()?;
-        matches!(run.found, QuantityValue::Number(_)).then(|| (row, run.element_cycles()))
+        run.found.number().map(|_| (row, run.element_cycles()))
     };
     let ran: Vec<(usize, f64)> = (0..study.rows.len()).filter_map(run).collect();
     let total: f64 = ran.iter().map(|r| r.1).sum::<f64>() * repeat as f64;
@@ -85,8 +85,5 @@ pub fn measure(
 
 /// Returns the numbers of one quantity; `None` for a run without a result.
 fn column(runs: &[Vec<Result<StudyRun, StudyError>>], quantity: usize) -> impl Iterator<Item = Option<f64>> {
-    runs.iter().map(move |run| match run.get(quantity)?.as_ref().ok()?.found {
-        QuantityValue::Number(value) => Some(value),
-        QuantityValue::Field(_) => None,
-    })
+    runs.iter().map(move |run| run.get(quantity)?.as_ref().ok()?.found.number())
 }

@@ -4,13 +4,13 @@
 use serde::Serialize;
 
 use super::settings::ModelEdit;
-use super::statistics::design::mix;
+use super::statistics::design::{mix, unit};
 use super::statistics::student;
 use super::statistics::summary::{self, SampleStatistic};
 use super::table::short;
 use crate::model::InitialKind;
 
-/// Relative sizes of the perturbations. Two sizes tell fast from slow divergence.
+/// Relative sizes of the perturbations. With two sizes, fast and slow divergence are distinguished.
 pub const SIZES: [f64; 2] = [1e-9, 1e-6];
 /// Relative deviation above which another quantity is recommended.
 pub(super) const NOISY: f64 = 1e-3;
@@ -62,8 +62,8 @@ pub struct NoiseEstimate {
     pub runs: usize,
     /// Number of perturbed runs without a result.
     pub failed: usize,
-    /// Standard deviation of a run: the largest of those over all runs and over the runs of each size, all with the
-    /// unperturbed run.
+    /// Standard deviation of a run: the largest of three standard deviations, over all runs and over the runs of each
+    /// size, each with the unperturbed run.
     pub deviation: f64,
     /// `deviation` divided by the magnitude of the value; `None` if the value is zero.
     pub relative: Option<f64>,
@@ -93,7 +93,7 @@ pub struct BetterQuantity {
 pub fn perturbation(size: f64, seed: u64) -> ModelEdit {
     let factor = move |values: [f64; 2], salt: u64| {
         let bits = values.into_iter().fold(mix(seed ^ salt), |bits, value| mix(bits ^ value.to_bits()));
-        1.0 + size * ((bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
+        1.0 + size * (2.0 * unit(bits) - 1.0)
     };
     Box::new(move |model| {
         for point in &mut model.mesh.points {

@@ -11,7 +11,7 @@ use crate::state::Instant;
 
 /// Functions of a history column that need only its final and extreme values.
 const FUNCTIONS: &[&str] = &["final", "min", "max", "time_min", "time_max"];
-/// Functions with arguments of their own: values between rows, time averages, norms and the outline.
+/// Functions whose arguments are not a column alone: values between rows, time averages, norms and the outline.
 const MORE: [&str; 4] = ["at", "mean", "norm", "outline"];
 /// Functions of the final state; history rows are not needed.
 const STATE_FUNCTIONS: [&str; 2] = ["norm", "outline"];
@@ -43,6 +43,16 @@ pub enum QuantityValue {
     Number(f64),
     /// A field, to be compared with that of the finest level.
     Field(Box<NormField>),
+}
+
+impl QuantityValue {
+    /// Returns the number; `None` for a field.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            QuantityValue::Number(value) => Some(*value),
+            QuantityValue::Field(_) => None,
+        }
+    }
 }
 
 impl Quantity {

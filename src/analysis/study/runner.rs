@@ -12,7 +12,7 @@ use super::quantity::{self, FinishedRun, Quantity, QuantityValue};
 use super::settings::{ModelEdit, StudyAxis, StudyParameter, edit};
 use super::table::duration;
 use crate::deck::{Deck, Diagnostics};
-use crate::job::{self, ParameterOverrides};
+use crate::job::{self, ParameterOverrides, PreparedJob};
 use crate::user::compile::Compiled;
 
 /// Function that reads the deck with given parameter values.
@@ -192,7 +192,7 @@ impl<'a> StudyRunner<'a> {
     }
 
     /// Returns the overrides of the deck and the edits of the model for one value of each axis.
-    fn setting(&self, axes: &[StudyAxis], values: &[String]) -> Result<Setting, StudyError> {
+    fn setting(&self, axes: &[StudyAxis], values: &[String]) -> Result<RunSetting, StudyError> {
         let mut overrides = self.overrides.clone();
         let mut edits: Vec<ModelEdit> = Vec::new();
         for (axis, value) in axes.iter().zip(values) {
@@ -224,8 +224,13 @@ impl<'a> StudyRunner<'a> {
     }
 }
 
+/// Returns the number of elements and facets of a run.
+pub fn element_count(prepared: &PreparedJob) -> usize {
+    prepared.plan.mesh.elements.iter().filter(|e| !e.kind.is_discrete()).count()
+}
+
 /// Overrides of the deck, and edits of the model.
-type Setting = (Vec<(String, String)>, Vec<ModelEdit>);
+type RunSetting = (Vec<(String, String)>, Vec<ModelEdit>);
 
 impl RunSource<'_> {
     /// Runs the deck once, with the edits of all lists, and returns a result for each quantity.
@@ -256,7 +261,7 @@ impl RunSource<'_> {
             return Err(StudyError::Halted(halt));
         }
         let finished = FinishedRun { history: &history, end: Some((outcome.total_time(), &state)) };
-        let elements = prepared.plan.mesh.elements.iter().filter(|e| !e.kind.is_discrete()).count();
+        let elements = element_count(&prepared);
         let seconds = TimeSpread { median: outcome.seconds, ..TimeSpread::default() };
         let warnings: Vec<String> = outcome.unfinished.into_iter().chain(outcome.warnings).collect();
         let result = |quantity: &Quantity| {

@@ -10,7 +10,7 @@ use super::chosen::ChosenSetting;
 use super::inputs::RandomInputs;
 use super::noise::{self, perturbations};
 use super::price::tolerance_in_words;
-use super::quantity::{Quantity, QuantityValue};
+use super::quantity::Quantity;
 use super::richardson::{ConvergenceBehaviour, LimitEstimate, RefinementLevel, estimate};
 use super::runner::{RunSource, StudyRun};
 use super::settings::{ModelEdit, StudyParameter, deforms, edit};
@@ -148,9 +148,9 @@ pub struct RunCertificate {
     pub version: &'static str,
 }
 
-/// Purpose of a companion run on the coarsest mesh.
+/// CompanionPurpose of a companion run on the coarsest mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Purpose {
+enum CompanionPurpose {
     Noise,
     /// Factor on the increment.
     Increment(f64),
@@ -160,8 +160,8 @@ enum Purpose {
 }
 
 /// A companion run: changes of the deck and the model, and its cost relative to the coarsest mesh.
-struct Companion {
-    purpose: Purpose,
+struct CompanionRun {
+    purpose: CompanionPurpose,
     overrides: Vec<(String, String)>,
     edits: Vec<ModelEdit>,
     cost: f64,
@@ -190,7 +190,7 @@ pub fn estimate_run(
     cost += spent(&runs);
     let quantity = |index: usize| {
         let value = plain.values[index]?;
-        let found = Found { plain, meshes: &meshes, companions: &companions, runs: &runs, index, value };
+        let found = QuantityRuns { plain, meshes: &meshes, companions: &companions, runs: &runs, index, value };
         Some(found.uncertainty(request))
     };
     let certificate = RunCertificate {
@@ -246,16 +246,9 @@ pub fn run_and_estimate(request: &UncertaintyRequest<'_>) -> Result<RunCertifica
         (None, Some(Err(reason))) => return Err(reason.clone()),
         (None, _) => return Err(StudyError::Setting("no quantity is given".into())),
     };
-    let value = |run: &Result<StudyRun, StudyError>| number_of(run.as_ref().ok()?);
+    let value = |run: &Result<StudyRun, StudyError>| run.as_ref().ok()?.found.number();
     let plain = PlainRun { values: found.iter().map(value).collect(), elements, increments };
     Ok(estimate_run(request, &plain, String::new(), String::new()))
-}
-
-fn number_of(run: &StudyRun) -> Option<f64> {
-    match run.found {
-        QuantityValue::Number(value) => Some(value),
-        QuantityValue::Field(_) => None,
-    }
 }
 
 /// Runs the deck with further overrides and edits.
@@ -312,26 +305,26 @@ fn mesh_setting(request: &UncertaintyRequest<'_>, ratio: u32) -> Option<(String,
 }
 
 /// Returns the companion runs on the coarsest mesh, the most useful ones first.
-fn companions(request: &UncertaintyRequest<'_>, ratio: u32) -> Vec<Companion> {
+fn companions(request: &UncertaintyRequest<'_>, ratio: u32) -> Vec<CompanionRun> {
     let mesh: Vec<_> = mesh_setting(request, ratio).into_iter().collect();
-    let of = |purpose, edits, cost| Companion { purpose, overrides: mesh.clone(), edits, cost };
+    let of = |purpose, edits, cost| CompanionRun { purpose, overrides: mesh.clone(), edits, cost };
     let mut all = Vec::new();
     for (index, [low, high]) in request.inputs.map_or(Vec::new(), deviations).into_iter().enumerate() {
         for value in [low, high] {
-            let mut companion = of(Purpose::Input(index), Vec::new(), 1.0);
+            let mut companion = of(CompanionPurpose::Input(index), Vec::new(), 1.0);
             companion.overrides.push(value);
             all.push(companion);
         }
     }
     if request.traits.sensitive {
-        all.extend(perturbations(NOISE_RUNS).into_iter().map(|edit| of(Purpose::Noise, vec![edit], 1.0)));
+        all.extend(perturbations(NOISE_RUNS).into_iter().map(|edit| of(CompanionPurpose::Noise, vec![edit], 1.0)));
     }
     let change = |parameter: &StudyParameter, value: &str| edit(parameter, value).ok().flatten();
     // Smaller than the stable increment; larger than that of error control, which is cheaper.
     let (factor, text) = if request.traits.deforms { (0.5, "0.5") } else { (2.0, "2") };
     all.extend(
         change(&StudyParameter::Increment, text)
-            .map(|edit| of(Purpose::Increment(factor), vec![edit], f64::recip(factor))),
+            .map(|edit| of(CompanionPurpose::Increment(factor), vec![edit], f64::recip(factor))),
     );
     if request.traits.deforms {
         let other = match request.traits.precision {
@@ -339,7 +332,8 @@ fn companions(request: &UncertaintyRequest<'_>, ratio: u32) -> Vec<Companion> {
             Precision::Single => Precision::Double,
         };
         all.extend(
-            change(&StudyParameter::Precision, other.name()).map(|edit| of(Purpose::Precision, vec![edit], 1.0)),
+            change(&StudyParameter::Precision, other.name())
+                .map(|edit| of(CompanionPurpose::Precision, vec![edit], 1.0)),
         );
     }
     all
@@ -359,9 +353,9 @@ fn deviations(inputs: &RandomInputs) -> Vec<[(String, String); 2]> {
     (0..inputs.names.len()).map(|index| [-1.0, 1.0].map(|sign| at(index, sign))).collect()
 }
 
-/// Returns the first companion runs whose costs, relative to the coarsest mesh, are within the limit; runs of one
-/// purpose are omitted together if fewer than two of them are affordable.
-fn affordable(companions: Vec<Companion>, limit: f64, missing: &mut Vec<String>) -> Vec<Companion> {
+/// Returns the first companion runs whose costs, relative to the coarsest mesh, are within the limit; the
+/// other companion runs are listed as missing.
+fn affordable(companions: Vec<CompanionRun>, limit: f64, missing: &mut Vec<String>) -> Vec<CompanionRun> {
     let mut total = 0.0;
     let mut chosen = Vec::new();
     for companion in companions {
@@ -370,10 +364,10 @@ fn affordable(companions: Vec<Companion>, limit: f64, missing: &mut Vec<String>)
             chosen.push(companion);
         } else {
             let part = match companion.purpose {
-                Purpose::Noise => "noise (all or some runs)",
-                Purpose::Increment(_) => "increment",
-                Purpose::Precision => "precision",
-                Purpose::Input(_) => "input (all or some parameters)",
+                CompanionPurpose::Noise => "noise (all or some runs)",
+                CompanionPurpose::Increment(_) => "increment",
+                CompanionPurpose::Precision => "precision",
+                CompanionPurpose::Input(_) => "input (all or some parameters)",
             };
             missing.push(format!("{part}: outside the budget"));
         }
@@ -383,28 +377,30 @@ fn affordable(companions: Vec<Companion>, limit: f64, missing: &mut Vec<String>)
 }
 
 /// Results of all runs for one quantity.
-struct Found<'a> {
+struct QuantityRuns<'a> {
     plain: &'a PlainRun,
     meshes: &'a [(u32, CompanionResult)],
-    companions: &'a [Companion],
+    companions: &'a [CompanionRun],
     runs: &'a [CompanionResult],
     index: usize,
     value: f64,
 }
 
-impl Found<'_> {
+impl QuantityRuns<'_> {
     fn uncertainty(&self, request: &UncertaintyRequest<'_>) -> QuantityUncertainty {
         let levels = self.levels();
         let mesh = self.mesh(&levels);
         let increments = self.meshes.first().and_then(|(_, run)| Some(run.get(self.index)?.as_ref().ok()?.increments));
         // Of order 1: proportional to the increment, which is larger on the coarse mesh.
         let shortened = increments.map_or(1.0, |n| n as f64 / self.plain.increments.max(1) as f64).min(1.0);
-        let increment = self.changes(|p| matches!(p, Purpose::Increment(_))).next().map(|(purpose, change)| {
-            let factor = if let Purpose::Increment(factor) = purpose { factor } else { 1.0 };
-            shortened * change.abs() / (factor - 1.0).abs()
-        });
+        let increment =
+            self.changes(|p| matches!(p, CompanionPurpose::Increment(_))).next().map(|(purpose, change)| {
+                let factor = if let CompanionPurpose::Increment(factor) = purpose { factor } else { 1.0 };
+                shortened * change.abs() / (factor - 1.0).abs()
+            });
         let rounding = if request.traits.precision == Precision::Double { ROUNDING_RATIO } else { 1.0 };
-        let precision = self.changes(|p| p == Purpose::Precision).next().map(|(_, change)| rounding * change.abs());
+        let precision =
+            self.changes(|p| p == CompanionPurpose::Precision).next().map(|(_, change)| rounding * change.abs());
         let mut found = QuantityUncertainty {
             quantity: request.quantities[self.index].text.clone(),
             value: self.value,
@@ -424,7 +420,7 @@ impl Found<'_> {
 
     /// Returns the value of the quantity in a run.
     fn number(&self, run: &CompanionResult) -> Option<f64> {
-        number_of(run.get(self.index)?.as_ref().ok()?)
+        run.get(self.index)?.as_ref().ok()?.found.number()
     }
 
     fn levels(&self) -> Vec<MeshLevel> {
@@ -442,7 +438,7 @@ impl Found<'_> {
     }
 
     /// Returns the differences of companion runs of some purposes from the run on the coarsest mesh.
-    fn changes(&self, wanted: impl Fn(Purpose) -> bool) -> impl Iterator<Item = (Purpose, f64)> {
+    fn changes(&self, wanted: impl Fn(CompanionPurpose) -> bool) -> impl Iterator<Item = (CompanionPurpose, f64)> {
         let base = self.meshes.first().and_then(|mesh| self.number(&mesh.1));
         let pairs = self.companions.iter().zip(self.runs).filter(move |(companion, _)| wanted(companion.purpose));
         pairs.filter_map(move |(companion, run)| Some((companion.purpose, self.number(run)? - base?)))
@@ -450,13 +446,14 @@ impl Found<'_> {
 
     fn noise(&self) -> Option<f64> {
         let base = self.meshes.first().and_then(|mesh| self.number(&mesh.1))?;
-        let values: Vec<Option<f64>> = self.changes(|p| p == Purpose::Noise).map(|(_, c)| Some(base + c)).collect();
+        let values: Vec<Option<f64>> =
+            self.changes(|p| p == CompanionPurpose::Noise).map(|(_, c)| Some(base + c)).collect();
         (!values.is_empty()).then(|| noise::of_runs(base, values.into_iter()).uncertainty)
     }
 
     /// Adds the variances of the random parameters, each from two values one standard deviation apart from the median.
     fn input(&self) -> Option<f64> {
-        let changes: Vec<(Purpose, f64)> = self.changes(|p| matches!(p, Purpose::Input(_))).collect();
+        let changes: Vec<(CompanionPurpose, f64)> = self.changes(|p| matches!(p, CompanionPurpose::Input(_))).collect();
         let pairs = changes.chunk_by(|a, b| a.0 == b.0).filter(|pair| pair.len() == 2);
         let variances: Vec<f64> = pairs.map(|pair| 0.25 * (pair[1].1 - pair[0].1) * (pair[1].1 - pair[0].1)).collect();
         (!variances.is_empty()).then(|| student(f64::INFINITY) * variances.iter().sum::<f64>().sqrt())

@@ -6,7 +6,7 @@ use super::run::SolverRun;
 use crate::model::IncrementControl;
 use crate::plan::Plan;
 
-/// Ratio of increments from which an element counts as one of those that cause the collapse.
+/// Ratio of increments from which an element counts among the causes of the collapse.
 const SMALL: f64 = 0.5 * COLLAPSED;
 /// Largest fraction of the elements that may cause a collapse. More elements mean that the model deforms as a whole.
 const FEW: f64 = 0.05;

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use indexmap::IndexSet;
 
-use crate::output::csv;
 use crate::study::StudyError;
-use crate::study::chart::{Chart, ChartSeries, SeriesForm};
+use crate::study::grid::records;
 use crate::study::quantity::Quantity;
+use crate::study::table::TextTable;
 
 /// Placeholder of the abscissa in the quantity of a curve.
 const ABSCISSA: &str = "{x}";
@@ -43,7 +43,7 @@ pub struct Observation {
     pub deviation: f64,
 }
 
-/// Table of shots: known parameters and measured values.
+/// MeasurementTable of shots: known parameters and measured values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeasuredData {
     /// Names of the known parameters.
@@ -68,7 +68,7 @@ impl MeasuredData {
     /// If a file cannot be read, a column is absent, a cell is no number, a standard deviation is not above zero, or
     /// one of several series has no standard deviations.
     pub fn parse(path: &Path, text: &str, requests: &[SeriesRequest]) -> Result<MeasuredData, StudyError> {
-        let table = Table::parse("--shots", path, text)?;
+        let table = MeasurementTable::parse("--shots", path, text)?;
         let mut is_known = vec![true; table.names.len()];
         let mut data = MeasuredData::default();
         for request in requests {
@@ -97,7 +97,7 @@ impl MeasuredData {
     fn add_series(
         &mut self,
         request: &SeriesRequest,
-        table: &Table,
+        table: &MeasurementTable,
         column: usize,
         deviation: DeviationSource,
     ) -> Result<(), StudyError> {
@@ -111,7 +111,7 @@ impl MeasuredData {
             };
             if request.is_curve {
                 let path = table.path.with_file_name(&table.rows[shot][column]);
-                let curve = Table::read(&path)?;
+                let curve = MeasurementTable::read(&path)?;
                 has_deviations |= curve.names.len() > 2;
                 for row in 0..curve.rows.len() {
                     let x = curve.number(row, 0)?;
@@ -156,45 +156,6 @@ impl MeasuredData {
         };
         (0..self.shots.len()).map(of_shot).collect()
     }
-
-    /// Returns a chart of a series: measured values and those computed with the fitted parameters, over the abscissa
-    /// of curves or over the first known parameter. `band` has the limits of the prediction of each observation; empty
-    /// without a posterior.
-    pub fn chart(&self, title: &str, series: usize, computed: &[f64], band: &[[f64; 2]]) -> Chart {
-        let mut all = Vec::new();
-        let of_series = |o: &&(usize, &Observation)| o.1.series == series;
-        let numbered: Vec<(usize, &Observation)> = self.observations.iter().enumerate().collect();
-        let is_curve = numbered.iter().filter(of_series).any(|(_, o)| o.abscissa.is_some());
-        let groups: Vec<Option<usize>> = if is_curve { (0..self.shots.len()).map(Some).collect() } else { vec![None] };
-        for group in groups {
-            let mut points: Vec<(f64, usize)> = numbered
-                .iter()
-                .filter(of_series)
-                .filter(|(_, o)| group.is_none_or(|shot| o.shot == shot))
-                .map(|(i, o)| (self.chart_abscissa(o), *i))
-                .collect();
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let name = group.filter(|_| self.shots.len() > 1).map_or(String::new(), |shot| format!(" {}", shot + 1));
-            let line = is_curve || self.names.len() == 1;
-            let along = |value: &dyn Fn(usize) -> f64| points.iter().map(|(x, i)| (*x, value(*i))).collect::<Vec<_>>();
-            if !band.is_empty() && line {
-                let mut edges = along(&|i| band[i][0]);
-                edges.extend(along(&|i| band[i][1]).into_iter().rev());
-                all.push(ChartSeries::new(format!("95 % of predictions{name}"), SeriesForm::Band, edges));
-            }
-            let measured = along(&|i| self.observations[i].value);
-            all.push(ChartSeries::new(format!("{}{name}, measured", self.series[series]), SeriesForm::Marks, measured));
-            let form = if line { SeriesForm::Line } else { SeriesForm::Marks };
-            all.push(ChartSeries::new(format!("computed{name}"), form, along(&|i| computed[i])));
-        }
-        let x = if is_curve { "x" } else { self.names.first().map_or("shot", String::as_str) };
-        Chart::new(title, [x, &self.series[series]], all)
-    }
-
-    fn chart_abscissa(&self, observation: &Observation) -> f64 {
-        let first = self.shots[observation.shot].first().copied();
-        observation.abscissa.or(first).unwrap_or(observation.shot as f64 + 1.0)
-    }
 }
 
 /// Source of the standard deviations of a series.
@@ -206,7 +167,7 @@ enum DeviationSource {
 }
 
 impl DeviationSource {
-    fn of(request: &SeriesRequest, table: &Table) -> Result<DeviationSource, StudyError> {
+    fn of(request: &SeriesRequest, table: &MeasurementTable) -> Result<DeviationSource, StudyError> {
         let Some(text) = &request.deviation else { return Ok(DeviationSource::Absent) };
         match text.parse::<f64>() {
             Ok(number) if number > 0.0 && number.is_finite() => Ok(DeviationSource::Number(number)),
@@ -217,37 +178,26 @@ impl DeviationSource {
 }
 
 /// Text cells of a CSV file with a header.
-struct Table<'a> {
+struct MeasurementTable<'a> {
     option: &'static str,
     path: &'a Path,
     names: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
-impl Table<'_> {
-    fn read(path: &Path) -> Result<Table<'_>, StudyError> {
+impl MeasurementTable<'_> {
+    fn read(path: &Path) -> Result<MeasurementTable<'_>, StudyError> {
         let wrong = |e: std::io::Error| StudyError::file("--curve", path, e.to_string());
-        Table::parse("--curve", path, &std::fs::read_to_string(path).map_err(wrong)?)
+        MeasurementTable::parse("--curve", path, &std::fs::read_to_string(path).map_err(wrong)?)
     }
 
-    fn parse<'a>(option: &'static str, path: &'a Path, text: &str) -> Result<Table<'a>, StudyError> {
-        let cells = |line: &str| csv::fields(line).iter().map(|cell| cell.trim().to_owned()).collect::<Vec<String>>();
-        let mut lines = csv::lines(text.trim_start_matches('\u{feff}'));
-        let names = lines.next().map_or(Vec::new(), |(_, header)| cells(header));
-        let mut table = Table { option, path, names, rows: Vec::new() };
-        for (number, line) in lines {
-            let row = cells(line);
-            if row.len() != table.names.len() {
-                let (found, expected) = (row.len(), table.names.len());
-                return Err(table.wrong(format!("line {number}: {found} values, but the header has {expected}")));
-            }
-            table.rows.push(row);
+    fn parse<'a>(option: &'static str, path: &'a Path, text: &str) -> Result<MeasurementTable<'a>, StudyError> {
+        let wrong = |message: String| StudyError::file(option, path, message);
+        let TextTable { header, rows } = records(text.trim_start_matches('\u{feff}'), true).map_err(wrong)?;
+        if option == "--curve" && header.len() < 2 {
+            return Err(wrong("expected a column of abscissae and a column of measured values".into()));
         }
-        let needs = if option == "--curve" { 2 } else { 1 };
-        if table.names.len() < needs || table.rows.is_empty() {
-            return Err(table.wrong(format!("expected a header with at least {needs} columns, and rows below it")));
-        }
-        Ok(table)
+        Ok(MeasurementTable { option, path, names: header, rows })
     }
 
     fn wrong(&self, message: String) -> StudyError {

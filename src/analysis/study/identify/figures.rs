@@ -1,8 +1,11 @@
-//! Corner plot of a posterior: the distribution of each parameter and of each pair of parameters.
+//! Figures of an identification: computed over measured values, and the corner plot of a posterior with the distribution
+//! of each parameter and of each pair of parameters.
 
+use super::data::{MeasuredData, Observation};
 use super::posterior::Posterior;
 use crate::output::drawing::{Colour, Drawing, ShapePaint, TextAnchor, TextLabel};
 use crate::study::axis;
+use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 use crate::study::statistics::IntervalEstimate;
 use crate::study::statistics::summary::between;
 use crate::study::table::short;
@@ -22,6 +25,45 @@ const TICKS: f64 = 12.0;
 const COLOUR: Colour = 0x00_72_b2;
 const FRAME: Colour = 0x88_88_88;
 const MARK: Colour = 0xd5_5e_00;
+
+/// Returns a chart of a series: measured values and those computed with the fitted parameters, over the abscissa
+/// of curves or over the first known parameter. `band` has the limits of the prediction of each observation; empty
+/// without a posterior.
+pub fn prediction_chart(data: &MeasuredData, title: &str, series: usize, computed: &[f64], band: &[[f64; 2]]) -> Chart {
+    let mut all = Vec::new();
+    let of_series = |o: &&(usize, &Observation)| o.1.series == series;
+    let numbered: Vec<(usize, &Observation)> = data.observations.iter().enumerate().collect();
+    let is_curve = numbered.iter().filter(of_series).any(|(_, o)| o.abscissa.is_some());
+    let groups: Vec<Option<usize>> = if is_curve { (0..data.shots.len()).map(Some).collect() } else { vec![None] };
+    for group in groups {
+        let mut points: Vec<(f64, usize)> = numbered
+            .iter()
+            .filter(of_series)
+            .filter(|(_, o)| group.is_none_or(|shot| o.shot == shot))
+            .map(|(i, o)| (chart_abscissa(data, o), *i))
+            .collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let name = group.filter(|_| data.shots.len() > 1).map_or(String::new(), |shot| format!(" {}", shot + 1));
+        let line = is_curve || data.names.len() == 1;
+        let along = |value: &dyn Fn(usize) -> f64| points.iter().map(|(x, i)| (*x, value(*i))).collect::<Vec<_>>();
+        if !band.is_empty() && line {
+            let mut edges = along(&|i| band[i][0]);
+            edges.extend(along(&|i| band[i][1]).into_iter().rev());
+            all.push(ChartSeries::new(format!("95 % of predictions{name}"), SeriesForm::Band, edges));
+        }
+        let measured = along(&|i| data.observations[i].value);
+        all.push(ChartSeries::new(format!("{}{name}, measured", data.series[series]), SeriesForm::Marks, measured));
+        let form = if line { SeriesForm::Line } else { SeriesForm::Marks };
+        all.push(ChartSeries::new(format!("computed{name}"), form, along(&|i| computed[i])));
+    }
+    let x = if is_curve { "x" } else { data.names.first().map_or("shot", String::as_str) };
+    Chart::new(title, [x, &data.series[series]], all)
+}
+
+fn chart_abscissa(data: &MeasuredData, observation: &Observation) -> f64 {
+    let first = data.shots[observation.shot].first().copied();
+    observation.abscissa.or(first).unwrap_or(observation.shot as f64 + 1.0)
+}
 
 /// Returns the corner plot: histograms on the diagonal with the median and the 95 % interval, and densities of pairs
 /// below it.

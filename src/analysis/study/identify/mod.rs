@@ -110,9 +110,8 @@ impl<'a> IdentificationProblem<'a> {
         for start in self.starts(starts)? {
             fits.extend(fit(&start, STEP, &mut |points| self.residuals(points))?);
         }
-        let sum = |fit: &ParameterFit| fit.residuals.iter().map(|r| r * r).sum::<f64>();
-        fits.sort_by(|a, b| sum(a).total_cmp(&sum(b)));
-        let mut sums = fits.iter().map(sum).collect::<Vec<_>>().into_iter();
+        fits.sort_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()));
+        let mut sums = fits.iter().map(ParameterFit::sum_of_squares).collect::<Vec<_>>().into_iter();
         let Some(best) = fits.into_iter().next() else {
             let failure = self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take();
             let unknown =
@@ -196,7 +195,7 @@ pub fn sentences(found: &ParameterFit, names: &[String]) -> Vec<String> {
     }
     if found.covariance.is_none() && found.insensitive.is_empty() {
         said.push(format!(
-            "the shots do not determine {}: a combined change of these parameters leaves all computed values unchanged",
+            "the shots do not determine {}: changing the parameters together leaves all computed values unchanged",
             names.join(" and ")
         ));
     }

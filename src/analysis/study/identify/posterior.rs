@@ -103,7 +103,7 @@ pub fn posterior(
 ) -> Result<Posterior, StudyError> {
     let wrong = |e: rayon::ThreadPoolBuildError| StudyError::Setting(format!("cannot start threads: {e}"));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(problem.threads).build().map_err(wrong)?;
-    let likelihood = Likelihood::new(problem, fit, request.model_error, look);
+    let likelihood = PosteriorDensity::new(problem, fit, request.model_error, look);
     let mut found = pool.install(|| ensembles(&likelihood, fit, request))?;
     found.predictions = likelihood.predictions(&found.draws, request.seed)?;
     found.runs = likelihood.runs.load(Ordering::Relaxed);
@@ -114,7 +114,7 @@ pub fn posterior(
 
 /// Runs all ensembles until they agree.
 fn ensembles(
-    likelihood: &Likelihood<'_>,
+    likelihood: &PosteriorDensity<'_>,
     fit: &ParameterFit,
     request: PosteriorRequest,
 ) -> Result<Posterior, StudyError> {
@@ -124,7 +124,7 @@ fn ensembles(
         (0..walkers).map(|_| likelihood.initial(fit, &mut draws)).collect::<Result<Vec<_>, _>>()
     };
     let mut chains: Vec<Vec<Vec<f64>>> = (0..ENSEMBLES).map(initial).collect::<Result<_, _>>()?;
-    let (mut steps, mut accepted) = (0, 0);
+    let (mut steps, mut accepted, mut diagnostics) = (0, 0, ChainDiagnostics::default());
     for round in 1.. {
         let more = FIRST_STEPS.max(steps / 2);
         let runs = ENSEMBLES * walkers * (more + 1) * likelihood.problem.data.shots.len();
@@ -153,11 +153,11 @@ fn ensembles(
             accepted += moves;
         }
         steps += more;
-        if likelihood.diagnose(&chains, walkers).is_converged(request.effective) {
+        diagnostics = likelihood.diagnose(&chains, walkers);
+        if diagnostics.is_converged(request.effective) {
             break;
         }
     }
-    let diagnostics = likelihood.diagnose(&chains, walkers);
     let warm = |chain: Vec<Vec<f64>>| chain.into_iter().skip(steps / 2 * walkers);
     Ok(Posterior {
         names: likelihood.names(),
@@ -178,7 +178,7 @@ fn stream(round: u64, ensemble: usize, walker: usize) -> u64 {
 
 /// Logarithm of the posterior density. Its arguments are the unknown parameters, followed by the logarithms of the
 /// unknown standard deviations of residuals.
-struct Likelihood<'a> {
+struct PosteriorDensity<'a> {
     problem: &'a IdentificationProblem<'a>,
     /// Argument of the unknown standard deviation of each series.
     deviation: Vec<Option<usize>>,
@@ -189,13 +189,13 @@ struct Likelihood<'a> {
     failure: Mutex<Option<StudyError>>,
 }
 
-impl<'a> Likelihood<'a> {
+impl<'a> PosteriorDensity<'a> {
     fn new(
         problem: &'a IdentificationProblem<'a>,
         fit: &ParameterFit,
         model_error: bool,
         look: &'a (dyn Fn(usize) + Sync),
-    ) -> Likelihood<'a> {
+    ) -> PosteriorDensity<'a> {
         let data = problem.data;
         let (mut deviation, mut scales) = (Vec::new(), Vec::new());
         for (series, has_deviations) in data.has_deviations.iter().enumerate() {
@@ -208,7 +208,7 @@ impl<'a> Likelihood<'a> {
                 scales.push(if mean > 0.0 { mean.sqrt() } else { 1.0 });
             }
         }
-        Likelihood { problem, deviation, scales, runs: AtomicUsize::new(0), look, failure: Mutex::default() }
+        PosteriorDensity { problem, deviation, scales, runs: AtomicUsize::new(0), look, failure: Mutex::default() }
     }
 
     fn size(&self) -> usize {
@@ -230,7 +230,7 @@ impl<'a> Likelihood<'a> {
     /// uniform within the bounds if the data do not determine all parameters.
     fn initial(&self, fit: &ParameterFit, draws: &mut ChaCha8Rng) -> Result<Vec<f64>, StudyError> {
         let factor = fit.covariance.as_ref().and_then(|c| CholeskyFactor::of(c, fit.values.len(), 0.0));
-        let mut normal = || normal::quantile(unit(draws.next_u64()));
+        let mut normal = || standard_normal(draws);
         let mut position = vec![0.0; self.size()];
         let (parameters, deviations) = position.split_at_mut(fit.values.len());
         for _ in 0..ATTEMPTS {
@@ -296,10 +296,7 @@ impl<'a> Likelihood<'a> {
             let mut values: Vec<f64> = computed
                 .iter()
                 .zip(&states)
-                .map(|(values, state)| {
-                    let z = normal::quantile(unit(draws.next_u64()));
-                    values[i] + self.variance(i, state).sqrt() * z
-                })
+                .map(|(values, state)| values[i] + self.variance(i, state).sqrt() * standard_normal(&mut draws))
                 .filter(|value| value.is_finite())
                 .collect();
             values.sort_by(f64::total_cmp);
@@ -326,7 +323,7 @@ impl<'a> Likelihood<'a> {
     }
 }
 
-impl Model for Likelihood<'_> {
+impl Model for PosteriorDensity<'_> {
     type Params = Vec<f64>;
 
     fn log_prob(&self, state: &Vec<f64>) -> f64 {
@@ -353,7 +350,13 @@ impl Model for Likelihood<'_> {
     }
 }
 
+/// Draws a number from the standard normal distribution.
+fn standard_normal(draws: &mut ChaCha8Rng) -> f64 {
+    normal::quantile(unit(draws.next_u64()))
+}
+
 /// Convergence diagnostics of each parameter.
+#[derive(Default)]
 struct ChainDiagnostics {
     r_hat: Vec<f64>,
     effective: Vec<f64>,
@@ -394,7 +397,7 @@ mod tests {
 
     fn normals(seed: u64, count: usize) -> Vec<f64> {
         let mut draws = draws(seed, 0);
-        (0..count).map(|_| normal::quantile(unit(draws.next_u64()))).collect()
+        (0..count).map(|_| standard_normal(&mut draws)).collect()
     }
 
     /// An autoregressive process x' = a x + e has the autocorrelation time (1 + a)/(1 - a) = 9 for a = 0.8.

@@ -34,9 +34,14 @@ pub struct ParameterFit {
 }
 
 impl ParameterFit {
+    /// Returns the sum of the squared residuals.
+    pub fn sum_of_squares(&self) -> f64 {
+        square(&self.residuals)
+    }
+
     /// Returns the standard deviation of a residual: sqrt(sum r^2/(n - p)) with n residuals r and p parameters.
     pub fn deviation(&self) -> f64 {
-        (square(&self.residuals) / self.freedom.max(1) as f64).sqrt()
+        (self.sum_of_squares() / self.freedom.max(1) as f64).sqrt()
     }
 
     /// Returns the parameters with confidence intervals by Student's t and the covariance of the linearised model
