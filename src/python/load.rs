@@ -102,6 +102,10 @@ impl PythonFunction {
 }
 
 impl UserLoad for PythonFunction {
+    fn reads_magnitude(&self) -> bool {
+        false
+    }
+
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         Python::attach(|py| {
             self.call(py, points, pressure).map_err(|raised| {

@@ -214,6 +214,30 @@ fn free_form_modules_saved_data_and_helpers_run() {
     assert_eq!(state(&[("law.f90", free)]), 2.0);
 }
 
+/// Files for the single precision executable of ABAQUS declare `real` or `real*4` arguments. They are compiled in double
+/// precision: the state is a third to 1e-15. `cmname` need not be declared.
+#[test]
+fn single_precision_is_promoted() {
+    if !fortran() {
+        return;
+    }
+    let inside = "        stateNew(k,1) = 1./3.\n";
+    for kind in ["real", "real*4"] {
+        let own = format!("      implicit {kind} (a-h,o-z)\n");
+        let declared = DECLARED.replace("      include 'vaba_param.inc'\n      character*80 cmname\n", &own);
+        assert_eq!(state(&[("law.f", &vumat(PLAIN, "", &declared, inside))]), 1.0 / 3.0, "{kind}");
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("law.f");
+    let declared = DECLARED.replace("      include 'vaba_param.inc'\n", "      implicit real (a-h,o-z)\n");
+    std::fs::write(&path, vumat(PLAIN, "", &declared, inside)).expect("a file");
+    // The second compilation may be from the cache, which keeps the note.
+    for _ in 0..2 {
+        let compiled = compile(std::slice::from_ref(&path), false).unwrap_or_else(|_| panic!("it compiles"));
+        assert_eq!(compiled.notes.iter().filter(|note| note.code == "U014").count(), 1);
+    }
+}
+
 #[test]
 fn three_dimensional_subroutine_is_reported() {
     if !fortran() {

@@ -148,7 +148,7 @@ fn other_isolated_subroutines_have_the_same_bits() {
         ("shears", [user_dir.write("shears.inp", &shear), user_dir.write("twice.f90", TWICE)]),
     ];
     for (job, [deck, file]) in &runs {
-        let log = || std::fs::read_to_string(user_dir.path("out/log")).unwrap_or_default();
+        let log = || std::fs::read_to_string(user_dir.path("log")).unwrap_or_default();
         let output = user_dir.run(deck, &[file], &[]);
         assert!(output.status.success(), "{job}: {}", message_text(&output));
         let expected = (results_of(&user_dir, job), log());

@@ -280,8 +280,6 @@ fn errors_of_a_subroutine_are_located() {
         rendered.contains("U004") && rendered.contains("32 arguments") && rendered.contains("tempNew"),
         "{rendered}"
     );
-    let single = compiled(&good.replace("include 'vaba_param.inc'", "implicit real (a-h,o-z)"));
-    assert!(single.err().is_some_and(|s| s.contains("U004") && s.contains("single precision")));
 }
 
 #[test]

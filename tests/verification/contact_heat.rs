@@ -4,6 +4,7 @@
 //! conservation of heat. Source: closed forms. The tolerance and its reason are stated at each test.
 
 use crate::common::bodies::{DeckRun, assembly, part, point_field, run};
+use crate::common::solid::grid;
 
 /// Returns a material with a heat capacity of 1 per volume.
 fn conductor_material(name: &str, modulus: f64, conductivity: f64, more: &str) -> String {
@@ -36,6 +37,57 @@ fn step(time: f64, cards: &str) -> String {
          *Boundary\n LOWER.J0, 2, 2\n{cards}*Output, field, number interval=1\n*Node Output\n NT\n*Output, history, number interval=1\n\
          *Energy Output\n ALLHF, ALLIHE, ALLFD\n*End Step\n"
     )
+}
+
+/// A ring between a rigid tool at temperature 0 and a held temperature of 1: q = 1/(L/k + 1/h). The tool is an
+/// analytical surface or a facet; its temperature is prescribed, or constant because it is given at the start. The heat
+/// that enters at the top leaves through the tool.
+#[test]
+fn rigid_tool_has_the_temperature_of_its_reference_node() {
+    let (h, k) = (0.4, 0.1);
+    let flow = 1.0 / (0.5 / k + 1.0 / h);
+    let analytical = "*Surface, type=SEGMENTS, name=TOOL\n START, 2., 0.\n LINE, 0., 0.\n*Rigid Body, ref node=900, analytical surface=TOOL\n";
+    let facet = "*Node\n 901, 0., 0.\n 902, 2., 0.\n*Element, type=RAX2, elset=PLATE\n 901, 901, 902\n\
+                 *Surface, name=TOOL\n PLATE, SPOS\n*Rigid Body, ref node=900, elset=PLATE\n";
+    let prescribed = " 900, 11, 11, 2.\n";
+    let at_start = "*Initial Conditions, type=TEMPERATURE\n 900, 2.\n";
+    for (name, tool, start, held) in [
+        ("analytical, prescribed", analytical, "", prescribed),
+        ("analytical, constant", analytical, at_start, ""),
+        ("facet, prescribed", facet, "", prescribed),
+    ] {
+        let place = |i: usize, j: usize| [0.5 + 0.25 * i as f64, 0.125 * j as f64];
+        let deck = grid(2, 4, false, place).replace("CAX4R", "CAX4RT")
+            + "*Solid Section, elset=SOLID, material=M\n"
+            + &conductor_material("M", 0.01, k, "*Damping, alpha=0.1\n")
+            + "*Node\n 900, 0., 0.\n"
+            + tool
+            + "*Surface Interaction, name=GAP\n*Gap Conductance\n 0.4, 0.\n 0.4, 0.1\n*Initial Conditions, type=TEMPERATURE\n ALL, 3.\n"
+            + start
+            + "*Step\n*Dynamic Temperature-displacement, Explicit\n , 40.\n*Contact Pair, interaction=GAP\n J0, TOOL\n\
+               *Boundary\n 900, 2, 2\n J1, 2, 2\n J1, 11, 11, 3.\n"
+            + held
+            + "*Output, field, number interval=1\n*Node Output\n NT\n*Output, history, number interval=1\n*Energy Output\n ALLHF, ALLIHE\n*End Step\n";
+        let ran = run(&deck).whole();
+        let field = point_field(ran.end(), "NT11");
+        let mut worst: f64 = 0.0;
+        for (n, [_, z]) in ran.end().points.iter().enumerate().take(15) {
+            worst = worst.max((field[n] - (2.0 + flow * (1.0 / h + z / k))).abs());
+        }
+        println!("rigid tool, {name}: error of temperatures {worst:.1e}");
+        assert!(worst < 1e-6, "{name}: {worst}");
+    }
+    // A tool without temperature takes no heat, and this is said.
+    let place = |i: usize, j: usize| [0.5 + 0.25 * i as f64, 0.125 * j as f64];
+    let cold = grid(2, 4, false, place).replace("CAX4R", "CAX4RT")
+        + "*Solid Section, elset=SOLID, material=M\n"
+        + &conductor_material("M", 0.01, k, "")
+        + "*Node\n 900, 0., 0.\n"
+        + analytical
+        + "*Surface Interaction, name=GAP\n*Gap Conductance\n 0.4, 0.\n 0.4, 0.1\n*Step\n*Dynamic Temperature-displacement, Explicit\n , 1.\n\
+           *Contact Pair, interaction=GAP\n J0, TOOL\n*Boundary\n 900, 2, 2\n*End Step\n";
+    let prepared = crate::common::prepared(&cold, &[], &revolve::user::Routines::none());
+    assert!(prepared.diagnostics.iter().any(|d| d.code == "P067"));
 }
 
 /// Returns coordinates and temperatures of an instance at the end.

@@ -31,7 +31,7 @@ fn head<'n>(name: &'n str, there: &[&'n str]) -> &'n str {
     let parent = match name {
         "KINEMATIC" | "DISTRIBUTING" => Some("COUPLING"),
         "SURFACE PROPERTY ASSIGNMENT" => Some("CONTACT"),
-        "CONWEP CHARGE PROPERTY" | "UNDEX CHARGE PROPERTY" => Some("INCIDENT WAVE INTERACTION PROPERTY"),
+        "UNDEX CHARGE PROPERTY" => Some("INCIDENT WAVE INTERACTION PROPERTY"),
         "CAP HARDENING" => Some("CAP PLASTICITY"),
         "CLAY HARDENING" => Some("CLAY PLASTICITY"),
         _ if name.starts_with("CONCRETE ") => Some("CONCRETE DAMAGED PLASTICITY"),

@@ -130,12 +130,14 @@ impl Card {
 
     /// Returns the layout of the data lines, which may depend on the parameters.
     pub fn shape(&self) -> &'static DataShape {
-        self.keyword.shape(|name| self.parameter(name).map(|p| p.value.as_ref().map(|w| w.text.as_str())))
+        let given = |name: &str| self.parameter(name).filter(|_| self.has(name));
+        self.keyword.shape(|name| given(name).map(|p| p.value.as_ref().map(|w| w.text.as_str())))
     }
 
-    /// Returns whether a parameter is given, with or without a value.
+    /// Returns whether a parameter is given, with or without a value; a flag with NO is not.
     pub fn has(&self, name: &str) -> bool {
-        self.parameter(name).is_some()
+        let is_off = |word: &Word| self.keyword.rule(name).is_some_and(|rule| rule.value.is_off(&word.text));
+        self.parameter(name).is_some_and(|parameter| !parameter.value.as_ref().is_some_and(is_off))
     }
 }
 

@@ -57,6 +57,8 @@ pub const COUNT: ValueSpec = INTEGER.from(1.0);
 pub const ZERO: ValueSpec = NUMBER.or(0.0);
 /// The word NO or YES.
 pub const YES_NO: ValueSpec = word(&["NO", "YES"]);
+/// A parameter without value. YES is accepted, and NO means that it is not given.
+pub const FLAG: ValueSpec = YES_NO.or(0.0).bare(1.0);
 /// A temperature that must ascend from row to row of a table.
 pub const TEMPERATURE: ValueSpec = NUMBER.ascending();
 
@@ -116,6 +118,11 @@ impl ValueSpec {
         let low = self.low.is_none_or(|(low, included)| number > low || included && number == low);
         let high = self.high.is_none_or(|(high, included)| number < high || included && number == high);
         number.is_finite() && low && high
+    }
+
+    /// Returns whether a parameter given with this text counts as absent: a flag with NO.
+    pub fn is_off(&self, text: &str) -> bool {
+        self.kind == YES_NO.kind && self.bare == Some(1.0) && self.number(text) == Some(0.0)
     }
 
     /// Describes the allowed words or range; empty if there is no restriction.

@@ -35,8 +35,8 @@ pub fn alternative(name: &str) -> &'static str {
         "RIGID SURFACE" => "use *SURFACE, TYPE=SEGMENTS with *RIGID BODY, ANALYTICAL SURFACE=",
         "TEMPERATURE" => "initial temperatures are given by *INITIAL CONDITIONS, TYPE=TEMPERATURE",
         "SUBMODEL" | "IMPORT" | "MAP SOLUTION" => "initial states are given by *INITIAL CONDITIONS",
-        _ if begins(&["INCIDENT WAVE", "CONWEP", "UNDEX"]) => {
-            "give the pressure history as *DSLOAD, P with *AMPLITUDE, or as PNU with a VDLOAD user subroutine"
+        _ if begins(&["INCIDENT WAVE", "UNDEX"]) => {
+            "blasts in air are given by *INCIDENT WAVE INTERACTION, CONWEP; for others give the pressure history as *DSLOAD, P with *AMPLITUDE, or as PNU with a VDLOAD user subroutine"
         }
         "DLOAD" | "DSLOAD" | "WIND" | "WAVE" => {
             "other distributed loads can be written as VDLOAD user subroutines (PNU)"

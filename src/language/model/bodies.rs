@@ -80,15 +80,11 @@ impl ModelBuilder<'_> {
         Err(Diagnostic::error("M121", message).at(set.span, "this set"))
     }
 
-    /// Reads the rotary inertia of ROTARYI elements. A body of revolution has I11 = I33 and no products of inertia.
+    /// Reads the rotary inertia of ROTARYI elements. A body of revolution has no products of inertia.
     pub(super) fn rotary_inertia(&mut self, card: &Card) {
         let Some(set) = self.required(card, "ELSET") else { return };
         let cards::RotaryInertia { moments: [first, axial, third] } = self.values(card);
         let [axial, third] = [axial, third].map(|moment| if moment.is_nan() { first } else { moment });
-        if first != third {
-            let message = format!("I11 and I33 of a body of revolution must be equal, found {first} and {third}");
-            return self.out_of_range(card.span, message);
-        }
         let elements = match self.point_elements(card, set, ElementKind::RotaryInertia) {
             Ok(elements) => elements,
             Err(diagnostic) => return self.diagnostics.push(diagnostic),
@@ -96,8 +92,8 @@ impl ModelBuilder<'_> {
         self.assign_property("rotary inertia", &elements, card.span);
         for element in elements {
             let node = self.model.mesh.elements[element].nodes[0];
-            let axial_transverse = [axial, first];
-            self.model.discrete.inertias.push(RotaryInertia { node, axial_transverse, span: card.span });
+            let moments = [first, axial, third];
+            self.model.discrete.inertias.push(RotaryInertia { node, moments, span: card.span });
         }
     }
 

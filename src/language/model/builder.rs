@@ -12,6 +12,7 @@ use crate::kernel::lists::sorted_unique;
 
 use indexmap::IndexMap;
 
+use super::blast::BlastProperty;
 use super::budget::{BudgetedItem, SizeBudget};
 use super::coarsening::mesh::CoarsenedMesh;
 use super::coupling::PendingCoupling;
@@ -88,6 +89,8 @@ pub(super) struct ModelBuilder<'a> {
     pub controls_used: Vec<(usize, Word)>,
     /// The `*COUPLING` card whose `*KINEMATIC` or `*DISTRIBUTING` card follows.
     pub coupling: Option<PendingCoupling>,
+    /// Blast waves.
+    pub blasts: Vec<BlastProperty>,
     /// Names of surface interactions used by contact, which may be defined later.
     pub interactions_used: Vec<Word>,
     /// Initial clearances of general contact, by name.
@@ -155,6 +158,7 @@ impl<'a> ModelBuilder<'a> {
             controls: IndexMap::new(),
             controls_used: Vec::new(),
             coupling: None,
+            blasts: Vec::new(),
             interactions_used: Vec::new(),
             clearances: super::named_clearances::named_clearances(deck),
             rotational: Vec::new(),
@@ -277,6 +281,9 @@ impl<'a> ModelBuilder<'a> {
             "ENERGY LIMIT" => self.energy_limit(card),
             "BOUNDARY" => self.boundary(card),
             "CLOAD" | "DLOAD" | "DSLOAD" => self.load_card(card),
+            "INCIDENT WAVE INTERACTION PROPERTY" => self.blast_property(card),
+            "CONWEP CHARGE PROPERTY" => self.blast_charge(card),
+            "INCIDENT WAVE INTERACTION" => self.incident_wave(card),
             "FIELD" => self.prescribed_fields(card),
             "CFLUX" | "DFLUX" | "DSFLUX" | "FILM" | "SFILM" => self.heat_card(card),
             "OUTPUT"

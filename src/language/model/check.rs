@@ -85,7 +85,7 @@ impl OpenBlocks {
     fn pass(&mut self, card: &Card) {
         let name = card.keyword.name;
         let kin = |(parent, _)| card.keyword.place == CardPlace::Below(parent);
-        if matches!(name, "MATERIAL" | "SURFACE INTERACTION") {
+        if matches!(name, "MATERIAL" | "SURFACE INTERACTION" | "INCIDENT WAVE INTERACTION PROPERTY") {
             self.parents += 1;
             self.parent = Some((name, self.parents));
         } else if !self.parent.is_some_and(kin) && card.keyword.tier == KeywordTier::Used {
@@ -173,11 +173,17 @@ impl CardChecker<'_> {
     }
 
     fn parameters(&mut self, card: &Card) {
-        for parameter in &card.parameters {
-            let Some(rule) = card.keyword.rule(parameter.name) else { continue };
+        let before = self.diagnostics.error_count();
+        let rules = card.parameters.iter().filter_map(|p| Some((p, card.keyword.rule(p.name)?)));
+        let (read, others): (Vec<_>, Vec<_>) = rules.partition(|(_, rule)| rule.usage == InputUsage::Read);
+        read.iter().for_each(|(parameter, rule)| check_parameter(card, rule, parameter, self.diagnostics));
+        let has_error = self.diagnostics.error_count() > before;
+        for (parameter, rule) in others {
             let (name, keyword) = (parameter.name, card.keyword.name);
             match rule.usage {
-                InputUsage::Read => check_parameter(card, rule, parameter, self.diagnostics),
+                // After an unsupported value, parameters of this value are consequential.
+                InputUsage::Refused(why) if has_error && why.starts_with("applies only to") => {}
+                InputUsage::Read => {}
                 InputUsage::Refused(why) => {
                     let message = format!("{name} on *{keyword} is not supported");
                     self.refuse(parameter.span, message, why);
@@ -185,6 +191,10 @@ impl CardChecker<'_> {
                 InputUsage::Only(values, why) => {
                     if let Some(word) = parameter.value.as_ref().filter(|w| !is_one_of(w, values)) {
                         self.refuse(word.span, format!("{name}={} on *{keyword} is not supported", word.text), why);
+                    } else if parameter.value.is_none() && !values.contains(&"YES") {
+                        let message =
+                            format!("{name} of *{keyword} requires a value; supported: {}", values.join(" or "));
+                        self.diagnostics.push(Diagnostic::error("M103", message).at(parameter.span, "no value"));
                     }
                 }
                 InputUsage::Inert(note) => self.inert(format!("{keyword}, {name}"), parameter.span, note),

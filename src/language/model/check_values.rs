@@ -38,9 +38,11 @@ fn unknown_word(card: &Card, rule: &InputRule, word: &Word) -> Diagnostic {
 pub(super) fn check_parameter(card: &Card, rule: &InputRule, parameter: &Parameter, diagnostics: &mut Diagnostics) {
     match &parameter.value {
         Some(word) => check_value(card, rule, word, diagnostics),
-        None if rule.value.kind == ValueKind::Text || rule.value.bare.is_some() || rule.value.required => {}
+        None if rule.value.bare.is_some() || rule.value.required => {}
         None => {
-            let message = format!("{} of *{} requires a value: {}", rule.name, card.keyword.name, rule.value.allowed());
+            let allowed = rule.value.allowed();
+            let which = if allowed.is_empty() { String::new() } else { format!(": {allowed}") };
+            let message = format!("{} of *{} requires a value{which}", rule.name, card.keyword.name);
             diagnostics.push(Diagnostic::error("M103", message).at(parameter.span, "no value"));
         }
     }

@@ -5,7 +5,7 @@ use super::types::{
     AmplitudeDefinition, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorLaw, ConnectorProperty,
     CoulombFriction, ElementKind, ElementSide, ErosionCriteria, IncrementControl, InitialKind, InteractionId, LinkKind,
     Load, LoadKind, Model, MotionKind, OutputInterval, OutputRegion, OutputRequest, PrescribedClearance, ShellSection,
-    ShellThinning, SideSelection, Step, SurfaceContact, TargetStack,
+    ShellThinning, SideSelection, Step, SurfaceContact, SurfaceTraction, TargetStack,
 };
 use crate::deck::keywords::Keyword;
 use crate::deck::table::{constraints, materials, steps};
@@ -217,7 +217,7 @@ impl ConsistencyCheck<'_> {
         }
         for inertia in &model.discrete.inertias {
             self.nodes(inertia.span, &[inertia.node]);
-            for moment in inertia.axial_transverse {
+            for moment in inertia.moments {
                 self.in_range(inertia.span, "", &constraints::RotaryInertia::ROW, "I11", Some(moment));
             }
         }
@@ -466,6 +466,16 @@ impl ConsistencyCheck<'_> {
                 });
             }
             LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) => self.sides(load.span, sides),
+            LoadKind::Traction { sides, law } => {
+                self.sides(load.span, sides);
+                self.traction(load.span, law);
+            }
+            LoadKind::Blast { sides, charge, .. } => {
+                self.sides(load.span, sides);
+                let good = charge.mass > 0.0 && charge.units.iter().all(|unit| *unit > 0.0);
+                self.value(good, load.span, || "mass and units of a charge must be positive".into());
+            }
+            LoadKind::Body { elements, .. } => self.elements(load.span, elements),
             LoadKind::NodalHeat { nodes, .. } => self.nodes(load.span, nodes),
             LoadKind::BodyHeat { elements, .. } => self.elements(load.span, elements),
             LoadKind::Film { sides, coefficient, amplitude } => {
@@ -490,6 +500,17 @@ impl ConsistencyCheck<'_> {
                     format!("FRICTION must not be negative, found {friction}")
                 });
             }
+        }
+    }
+
+    fn traction(&mut self, span: Span, law: &SurfaceTraction) {
+        match law {
+            SurfaceTraction::Vector { direction: [r, z], .. } | SurfaceTraction::Shear { direction: [r, z] } => {
+                self.value((r.portable_hypot(*z) - 1.0).abs() < 1e-9, span, || {
+                    "the direction of a traction must be a unit vector".into()
+                });
+            }
+            SurfaceTraction::Viscous { reference } => self.nodes(span, reference.as_slice()),
         }
     }
 

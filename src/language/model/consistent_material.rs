@@ -60,7 +60,8 @@ impl ConsistencyCheck<'_> {
         self.rows(material, &cards::Elastic::ROW, names, material.elastic.as_slice());
         self.card(material, &cards::Elastic::ROW, &[("shear modulus", material.shear_modulus)]);
         self.card(material, &cards::Viscosity::ROW, &[("viscosity", material.viscosity.map(|v| v.0))]);
-        self.card(material, &cards::Damping::ROW, &[("ALPHA", material.damping.map(|d| d.0))]);
+        self.card(material, &cards::Damping::ROW, &[("ALPHA", material.damping.map(|d| d.alpha))]);
+        self.card(material, &cards::Damping::ROW, &[("BETA", material.damping.map(|d| d.beta))]);
         let (name, span) = (&material.name, material.span);
         let mut need = |good: bool, what: &str| self.value(good, span, || format!("material `{name}`: {what}"));
         need(is_elastic_table(&material.elastic_table), "elastic moduli table out of range");

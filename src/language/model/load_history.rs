@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::history::{StepHistory, StepTiming, constant, ramp};
 use super::names::upper;
-use super::types::{ElementSide, Load, LoadKind, Model, SideSelection, TargetId};
+use super::types::{BodyForce, ElementSide, Load, LoadKind, Model, SideSelection, SurfaceTraction, TargetId};
 use crate::deck::{Diagnostic, Span};
 
 impl StepHistory {
@@ -70,6 +70,7 @@ enum LoadPlace {
     /// An upper-case surface name (`*DSLOAD`) and the type of load.
     Surface(String, LoadFamily),
     Body(usize, i32),
+    BodyForce(usize, BodyForce),
     Gravity(Option<Vec<usize>>),
     NodalHeat(usize),
     BodyHeat(usize),
@@ -78,10 +79,24 @@ enum LoadPlace {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum LoadFamily {
     Pressure,
+    VectorTraction,
+    ShearTraction,
+    ViscousPressure,
+    Blast,
     User(i32),
     Cavity(TargetId),
     Heat,
     Film,
+}
+
+impl LoadFamily {
+    fn of_traction(law: &SurfaceTraction) -> LoadFamily {
+        match law {
+            SurfaceTraction::Vector { .. } => LoadFamily::VectorTraction,
+            SurfaceTraction::Shear { .. } => LoadFamily::ShearTraction,
+            SurfaceTraction::Viscous { .. } => LoadFamily::ViscousPressure,
+        }
+    }
 }
 
 fn places(kind: &LoadKind) -> Vec<LoadPlace> {
@@ -93,6 +108,9 @@ fn places(kind: &LoadKind) -> Vec<LoadPlace> {
         LoadKind::Concentrated { nodes, dof, .. } => nodes.iter().map(|&n| LoadPlace::Node(n, *dof)).collect(),
         LoadKind::Gravity { elements, .. } => vec![LoadPlace::Gravity(elements.clone())],
         LoadKind::Pressure(sides) => on(sides, LoadFamily::Pressure),
+        LoadKind::Traction { sides, law } => on(sides, LoadFamily::of_traction(law)),
+        LoadKind::Blast { sides, .. } => on(sides, LoadFamily::Blast),
+        LoadKind::Body { elements, law, .. } => elements.iter().map(|&e| LoadPlace::BodyForce(e, *law)).collect(),
         LoadKind::User { sides, load_type } => on(sides, LoadFamily::User(*load_type)),
         LoadKind::Cavity { sides, target, .. } => on(sides, LoadFamily::Cavity(*target)),
         LoadKind::NodalHeat { nodes, .. } => nodes.iter().map(|&n| LoadPlace::NodalHeat(n)).collect(),
@@ -115,6 +133,7 @@ fn replace_loads(inherited: &mut Vec<Load>, given: &[Load]) {
         match &mut load.kind {
             LoadKind::Concentrated { nodes: list, .. }
             | LoadKind::UserBody { elements: list, .. }
+            | LoadKind::Body { elements: list, .. }
             | LoadKind::NodalHeat { nodes: list, .. }
             | LoadKind::BodyHeat { elements: list, .. } => {
                 list.retain(|_| next());
@@ -123,6 +142,8 @@ fn replace_loads(inherited: &mut Vec<Load>, given: &[Load]) {
             LoadKind::Pressure(s)
             | LoadKind::SurfaceHeat(s)
             | LoadKind::User { sides: s, .. }
+            | LoadKind::Traction { sides: s, .. }
+            | LoadKind::Blast { sides: s, .. }
             | LoadKind::Film { sides: s, .. }
             | LoadKind::Cavity { sides: s, .. }
                 if !s.surface =>
@@ -163,6 +184,8 @@ fn ramped_load(load: Load, before: &HashMap<LoadPlace, f64>, step: &StepTiming, 
         LoadKind::Concentrated { .. }
             | LoadKind::Gravity { .. }
             | LoadKind::Pressure(_)
+            | LoadKind::Traction { .. }
+            | LoadKind::Body { .. }
             | LoadKind::NodalHeat { .. }
             | LoadKind::SurfaceHeat(_)
             | LoadKind::BodyHeat { .. }
@@ -181,8 +204,11 @@ fn ramped_load(load: Load, before: &HashMap<LoadPlace, f64>, step: &StepTiming, 
         match &mut part.kind {
             LoadKind::Concentrated { nodes: list, .. }
             | LoadKind::NodalHeat { nodes: list, .. }
+            | LoadKind::Body { elements: list, .. }
             | LoadKind::BodyHeat { elements: list, .. } => list.retain(|_| next()),
-            LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) if !sides.surface => {
+            LoadKind::Pressure(sides) | LoadKind::Traction { sides, .. } | LoadKind::SurfaceHeat(sides)
+                if !sides.surface =>
+            {
                 sides.faces.retain(|_| next())
             }
             _ => {}

@@ -2,12 +2,13 @@
 
 use super::builder::ModelBuilder;
 use super::names::upper;
-use super::types::{ElementKind, ElementSide, Load, LoadKind, SideSelection, TargetId};
+use super::types::{BodyForce, ElementKind, ElementSide, Load, LoadKind, SideSelection, SurfaceTraction, TargetId};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 use crate::platform::PortableMath as _;
 
 /// Supported load type labels.
-const LABELS: &str = "GRAV, P, P1 to P4, PNU, P1NU to P4NU, BRNU, BZNU, CAVITY";
+const LABELS: &str = "GRAV, BR, BZ, BRNU, BZNU, CENTRIF, P, VP, TRVEC, TRSHR and PNU (on element faces P1 to P4, P1NU to P4NU, VP1 ..., \
+                      TRVEC1 ..., TRSHR1 ...), CAVITY";
 
 impl ModelBuilder<'_> {
     pub(super) fn load_card(&mut self, card: &Card) {
@@ -39,11 +40,26 @@ impl ModelBuilder<'_> {
                 self.unsupported(parameter.span, message, "remove it, or use the load type CAVITY");
             }
         }
-        for line in card.lines.iter().filter(|l| card.keyword.name == "DLOAD" && !is(l, "GRAV")) {
-            if let Some(word) = line.field(3).or(line.field(4)).or(line.field(5)) {
+        let begins = |line: &DataLine, label: &str| line.field(1).is_some_and(|w| upper(&w.text).starts_with(label));
+        let directed = |line: &DataLine| ["GRAV", "TRVEC", "TRSHR", "CENTRIF"].iter().any(|label| begins(line, label));
+        for line in card.lines.iter().filter(|l| card.keyword.name != "CLOAD" && !directed(l)) {
+            if let Some(word) = (3..9).find_map(|k| line.field(k)) {
                 let diagnostic = Diagnostic::error("M161", format!("too many values: `{}`", word.text));
-                self.diagnostics.push(diagnostic.at(word.span, "only GRAV has direction components"));
+                self.diagnostics
+                    .push(diagnostic.at(word.span, "only GRAV, TRVEC, TRSHR and CENTRIF have direction components"));
             }
+        }
+        let uses = |label: &str| card.lines.iter().any(|line| begins(line, label));
+        if let Some(parameter) = card.parameters.iter().find(|p| p.name == "REF NODE").filter(|_| !uses("VP")) {
+            self.unsupported(parameter.span, "REF NODE requires a viscous pressure (VP)", "remove it");
+        }
+        let fixed = card.parameters.iter().find(|p| p.name == "FOLLOWER").filter(|_| !card.read::<bool>("FOLLOWER"));
+        if let Some(parameter) = fixed.filter(|_| card.lines.iter().any(|line| !begins(line, "TRVEC"))) {
+            self.unsupported(
+                parameter.span,
+                "FOLLOWER=NO applies only to TRVEC: other tractions follow their faces",
+                "put the TRVEC loads on a card of their own",
+            );
         }
     }
 
@@ -93,6 +109,19 @@ impl ModelBuilder<'_> {
             let kind = LoadKind::UserBody { elements, set: set.text.clone(), load_type };
             return Some((kind, self.number_or(line, 2, 1.0)?));
         }
+        if let Some(law) = body_force(&name) {
+            let magnitude = self.number(line, 2, "the body force")?;
+            if law == BodyForce::Centrifugal {
+                self.check_rotation_axis(line);
+            }
+            return Some((LoadKind::Body { elements, set: set.text.clone(), law }, magnitude));
+        }
+        if let Some((traction, face)) = traction(&name) {
+            let side = Word { text: if face.is_empty() { "SPOS".into() } else { format!("S{face}") }, ..label.clone() };
+            let faces = self.sides(&elements, &side);
+            let sides = SideSelection { name: set.text.clone(), surface: false, faces, free_face_elements: Vec::new() };
+            return self.traction(card, line, sides, traction);
+        }
         let user = name.strip_suffix("NU");
         let number = user.unwrap_or(&name).strip_prefix('P');
         let faces = match (number, name.as_str()) {
@@ -133,6 +162,9 @@ impl ModelBuilder<'_> {
         let sides = self.loaded_sides(word)?;
         let label = self.label(line)?;
         let name = upper(&label.text);
+        if let Some((traction, "")) = traction(&name) {
+            return self.traction(card, line, sides, traction);
+        }
         if !matches!(name.as_str(), "P" | "PNU" | "CAVITY") {
             self.unknown_label(label);
             return None;
@@ -157,6 +189,56 @@ impl ModelBuilder<'_> {
         Some((LoadKind::Pressure(sides), self.number(line, 2, "the pressure")?))
     }
 
+    fn traction(&mut self, card: &Card, line: &DataLine, sides: SideSelection, label: &str) -> Option<(LoadKind, f64)> {
+        let magnitude = self.number(line, 2, "the traction")?;
+        let law = match label {
+            "VP" => {
+                let reference = match card.value("REF NODE") {
+                    Some(word) => Some(self.node_members(word)?.first().copied()?),
+                    None => None,
+                };
+                SurfaceTraction::Viscous { reference }
+            }
+            _ => {
+                let [r, z, third] = self.direction(line)?;
+                let length = r.portable_hypot(z);
+                if length == 0.0 || third != 0.0 {
+                    let message =
+                        format!("{label} requires a direction: magnitude, r, z; the third component must be 0");
+                    return self.refuse_value(line.span, message);
+                }
+                let direction = [r / length, z / length];
+                match label {
+                    "TRSHR" => SurfaceTraction::Shear { direction },
+                    _ => SurfaceTraction::Vector { direction, follows: card.read("FOLLOWER") },
+                }
+            }
+        };
+        Some((LoadKind::Traction { sides, law }, magnitude))
+    }
+
+    /// Returns the three components of the direction after the magnitude.
+    fn direction(&mut self, line: &DataLine) -> Option<[f64; 3]> {
+        let mut direction = [0.0; 3];
+        for (i, component) in direction.iter_mut().enumerate() {
+            *component = self.number_or(line, 3 + i, 0.0)?;
+        }
+        Some(direction)
+    }
+
+    /// Reports a centrifugal load about another axis than that of symmetry: its point must have r = 0, and its
+    /// direction must be z.
+    fn check_rotation_axis(&mut self, line: &DataLine) {
+        let value = |k: usize| line.field(k).and_then(|word| Some((word, word.text.parse::<f64>().ok()?)));
+        let off = [3, 5, 6, 8].into_iter().filter_map(value).find(|(_, given)| *given != 0.0);
+        let along = value(7).filter(|(_, given)| *given == 0.0);
+        if let Some((word, _)) = off.or(along) {
+            let message =
+                "CENTRIF rotates about the axis of symmetry: its point has r = 0 and its direction is 0, 1, 0";
+            self.out_of_range(word.span, message);
+        }
+    }
+
     fn cavity(&mut self, card: &Card, sides: SideSelection) -> Option<LoadKind> {
         let word = self.required(card, "TARGET")?;
         let target = self.model.targets.iter().position(|t| t.name == upper(&word.text));
@@ -174,10 +256,7 @@ impl ModelBuilder<'_> {
             None => None,
         };
         let magnitude = self.number(line, 2, "the acceleration")?;
-        let mut direction = [0.0; 3];
-        for (i, component) in direction.iter_mut().enumerate() {
-            *component = self.number_or(line, 3 + i, 0.0)?;
-        }
+        let direction = self.direction(line)?;
         let [r, z, third] = direction;
         let length = r.portable_hypot(z).portable_hypot(third);
         if length == 0.0 {
@@ -193,10 +272,27 @@ impl ModelBuilder<'_> {
     }
 }
 
+fn body_force(label: &str) -> Option<BodyForce> {
+    match label {
+        "BR" => Some(BodyForce::Radial),
+        "BZ" => Some(BodyForce::Axial),
+        "CENTRIF" => Some(BodyForce::Centrifugal),
+        _ => None,
+    }
+}
+
+/// Returns the name of a traction label and the number of the element face after it, which may be empty.
+fn traction(label: &str) -> Option<(&'static str, &str)> {
+    let known = |name: &'static str| Some((name, label.strip_prefix(name)?));
+    let found = ["TRVEC", "TRSHR", "VP"].into_iter().find_map(known);
+    found.filter(|(_, face)| matches!(*face, "" | "1" | "2" | "3" | "4"))
+}
+
 pub(super) fn load_family(kind: &LoadKind) -> &'static str {
     match kind {
         LoadKind::Concentrated { .. } => "CLOAD",
-        LoadKind::Gravity { .. } | LoadKind::UserBody { .. } => "DLOAD",
+        LoadKind::Gravity { .. } | LoadKind::UserBody { .. } | LoadKind::Body { .. } => "DLOAD",
+        LoadKind::Blast { .. } => "INCIDENT WAVE INTERACTION",
         LoadKind::NodalHeat { .. } => "CFLUX",
         LoadKind::BodyHeat { .. } => "DFLUX",
         LoadKind::SurfaceHeat(s) => {
@@ -213,7 +309,10 @@ pub(super) fn load_family(kind: &LoadKind) -> &'static str {
                 "FILM"
             }
         }
-        LoadKind::Pressure(s) | LoadKind::User { sides: s, .. } | LoadKind::Cavity { sides: s, .. } => {
+        LoadKind::Pressure(s)
+        | LoadKind::Traction { sides: s, .. }
+        | LoadKind::User { sides: s, .. }
+        | LoadKind::Cavity { sides: s, .. } => {
             if s.surface {
                 "DSLOAD"
             } else {

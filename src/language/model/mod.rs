@@ -1,6 +1,7 @@
 //! The model: a deck with resolved names, flattened parts and instances, and checked values.
 
 mod amplitudes;
+mod blast;
 mod bodies;
 mod boundary;
 mod budget;

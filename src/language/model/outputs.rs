@@ -93,7 +93,7 @@ impl ModelBuilder<'_> {
     }
 
     fn note_time_marks(&mut self, card: &Card) {
-        if card.value("TIME MARKS").is_some_and(|w| w.is("YES")) {
+        if card.has("TIME MARKS") {
             let message = "with TIME MARKS=YES output is written at the first increment at or after the requested time";
             self.diagnostics
                 .push(Diagnostic::note("M142", message).at(card.span, "output does not change the increments"));

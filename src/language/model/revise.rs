@@ -140,8 +140,10 @@ pub fn set(model: &mut Model, RevisableNumber { place, allowed }: RevisableNumbe
             let loads = model.steps.iter_mut().flat_map(|s| &mut s.loads).filter(|l| l.span == span);
             let mut given = false;
             for load in loads {
-                let constant = matches!(load.kind, LoadKind::Pressure(_) | LoadKind::Concentrated { .. })
-                    || matches!(load.kind, LoadKind::Gravity { direction: [r, _, third], .. } if r == 0.0 && third == 0.0);
+                let constant = matches!(
+                    load.kind,
+                    LoadKind::Pressure(_) | LoadKind::Traction { .. } | LoadKind::Concentrated { .. }
+                ) || matches!(load.kind, LoadKind::Gravity { direction: [r, _, third], .. } if r == 0.0 && third == 0.0);
                 if !constant || load.amplitude.is_some() {
                     return false;
                 }

@@ -1,7 +1,7 @@
 //! Rubber, foam and damping: `*HYPERELASTIC`, `*CRUSHABLE FOAM`, `*CRUSHABLE FOAM HARDENING`, `*DAMPING`.
 
 use super::builder::ModelBuilder;
-use super::types::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw};
+use super::types::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, RayleighCoefficients};
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
 
@@ -120,10 +120,11 @@ impl ModelBuilder<'_> {
         self.last_material().foam.hardening = rows;
     }
 
-    /// Reads mass-proportional damping; a coefficient of zero means none.
+    /// Reads Rayleigh damping; coefficients of zero mean none.
     pub(super) fn damping(&mut self, card: &Card) {
-        let cards::Damping { alpha } = self.values(card);
-        self.last_material().damping = alpha.filter(|alpha| *alpha != 0.0).map(|alpha| (alpha, card.span));
+        let cards::Damping { alpha, beta } = self.values(card);
+        let damping = RayleighCoefficients { alpha, beta, span: card.span };
+        self.last_material().damping = (alpha > 0.0 || beta > 0.0).then_some(damping);
     }
 }
 

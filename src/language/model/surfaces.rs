@@ -25,6 +25,9 @@ impl ModelBuilder<'_> {
                 "supported: ELEMENT, NODE, SEGMENTS",
             );
         }
+        if card.has("COMBINE") {
+            return self.union_of_surfaces(card, name);
+        }
         let (mut faces, mut whole, mut interior) = (Vec::new(), Vec::new(), Vec::new());
         for line in &card.lines {
             let Some(set) = line.field(0) else { continue };
@@ -39,6 +42,11 @@ impl ModelBuilder<'_> {
             }
         }
         interior.iter().for_each(|(elements, side)| self.interior_sides(elements, side, &whole));
+        self.add_faces(card, name, faces, whole);
+    }
+
+    /// Adds faces, and elements whose free faces follow element deletion, to a surface.
+    fn add_faces(&mut self, card: &Card, name: &Word, faces: Vec<(usize, ElementSide)>, whole: Vec<usize>) {
         let key = qualified(&self.scope, &name.text);
         let fresh = || ElementSurface {
             name: name.text.clone(),
@@ -49,6 +57,22 @@ impl ModelBuilder<'_> {
         let surface = self.model.surfaces.faces.entry(key).or_insert_with(fresh);
         surface.faces.extend(faces);
         surface.free_face_elements.extend(whole);
+    }
+
+    /// Reads `COMBINE=UNION`: the faces of several element surfaces, each once.
+    fn union_of_surfaces(&mut self, card: &Card, name: &Word) {
+        let (mut faces, mut whole) = (Vec::new(), Vec::new());
+        for word in card.lines.iter().flat_map(|line| &line.fields).filter(|word| !word.text.is_empty()) {
+            let Some(id) = self.surface_id(word) else { return };
+            let surface = &self.model.surfaces.faces[id];
+            faces.extend(&surface.faces);
+            whole.extend(&surface.free_face_elements);
+        }
+        let mut seen = HashSet::new();
+        faces.retain(|face| seen.insert(*face));
+        let mut seen = HashSet::new();
+        whole.retain(|element| seen.insert(*element));
+        self.add_faces(card, name, faces, whole);
     }
 
     /// Reads the face identifier INTERIOR (ABAQUS Analysis User's Guide 2.3.2, "Element-based surface definition"): the

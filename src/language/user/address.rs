@@ -31,6 +31,10 @@ impl UserLoad for AddressLoad {
         }
         Ok(())
     }
+
+    fn reads_magnitude(&self) -> bool {
+        false
+    }
 }
 
 /// Returns a user load that is a C function in this process: `void load(int64_t n, double time, const double

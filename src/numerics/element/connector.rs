@@ -1,6 +1,8 @@
 //! Springs and dashpots between two nodes, or between a node and the ground: SPRINGA and DASHPOTA act along the line
 //! between their ends, SPRING1 and DASHPOT1 along an axis (ABAQUS Elements Guide, "Springs", "Dashpots").
 
+use std::collections::BTreeMap;
+
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::platform::PortableMath as _;
@@ -87,13 +89,28 @@ pub struct ConnectorBounds {
 
 impl ConnectorBounds {
     /// Returns one over the stable time increment of elements and connectors together, given that of the elements.
-    /// Squares of frequencies add (Rayleigh). Forces of the velocity half an increment earlier are stable up to 2/ω
-    /// (sqrt(1 + ξ²) - ξ) with ξ = damping/(2ω).
     pub fn rate(&self, elements: f64) -> f64 {
-        let square = 4.0 * elements * elements + self.square;
-        let half = 0.5 * self.damping;
-        0.5 * ((square + half * half).sqrt() + half)
+        damped_rate(elements, self.square, self.damping)
     }
+}
+
+/// Returns one over the stable time increment of elements to whose nodes springs and dampers are added, given that of
+/// the elements, the squared frequency of the springs alone and the damping rate of the dampers. Squares of frequencies
+/// add (Rayleigh). Forces of the velocity half an increment earlier are stable up to 2/ω (sqrt(1 + ξ²) - ξ) with
+/// ξ = damping/(2ω).
+pub fn damped_rate(elements: f64, square: f64, damping: f64) -> f64 {
+    let square = 4.0 * elements * elements + square;
+    let half = 0.5 * damping;
+    0.5 * ((square + half * half).sqrt() + half)
+}
+
+/// Inertia at the end of a connector whose node moves with other nodes, or with a rigid body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CarriedEnd {
+    /// Node that represents all nodes with this motion.
+    pub with: usize,
+    /// Acceleration per force on the node; 0 if the motion is prescribed.
+    pub inverse_mass: f64,
 }
 
 /// All springs and dashpots of a model, and their bound of the time increment.
@@ -101,25 +118,27 @@ impl ConnectorBounds {
 pub struct Connectors {
     list: Vec<Connector>,
     bounds: ConnectorBounds,
+    /// End nodes that move with others.
+    carried: BTreeMap<usize, CarriedEnd>,
     /// Stiffness and damping of connectors at each node.
     sums: Vec<[f64; 2]>,
 }
 
 impl Connectors {
-    /// Creates connectors between nodes in the initial configuration.
+    /// Creates connectors between nodes in the initial configuration. `carried` has the end nodes that move with others.
     ///
     /// Bound of their highest frequency: K = Bᵀ k B has the eigenvalues of sqrt(k) B M⁻¹ Bᵀ sqrt(k). These are at most
     /// the largest row sum (Gershgorin): for each connector the stiffnesses at its ends over the masses there.
-    pub fn new(list: Vec<Connector>, nodes: &Nodes) -> Self {
+    pub fn new(list: Vec<Connector>, nodes: &Nodes, carried: BTreeMap<usize, CarriedEnd>) -> Self {
         let mut sums = vec![[0.0; 2]; nodes.len()];
         for c in &list {
             let length = c.line(|n| nodes.start[n]).map_or(0.0, |l| l.1);
             let bounds = c.law.bounds(length);
-            for n in c.ends.into_iter().flatten() {
+            for n in c.ends.into_iter().flatten().map(|n| carried.get(&n).map_or(n, |end| end.with)) {
                 sums[n] = [sums[n][0] + bounds[0], sums[n][1] + bounds[1]];
             }
         }
-        let mut connectors = Connectors { list, bounds: ConnectorBounds::default(), sums };
+        let mut connectors = Connectors { list, bounds: ConnectorBounds::default(), carried, sums };
         connectors.bound(nodes);
         connectors
     }
@@ -127,9 +146,11 @@ impl Connectors {
     /// Recomputes the bounds with the current masses.
     pub(super) fn bound(&mut self, nodes: &Nodes) {
         self.bounds = ConnectorBounds::default();
+        let alone = |n: usize| CarriedEnd { with: n, inverse_mass: nodes.inverse_mass[n] };
         for c in &self.list {
-            let ends = || c.ends.into_iter().flatten();
-            let row = |i: usize| ends().map(|n| self.sums[n][i] * nodes.inverse_mass[n]).sum::<f64>();
+            let ends =
+                || c.ends.into_iter().flatten().map(|n| self.carried.get(&n).copied().unwrap_or_else(|| alone(n)));
+            let row = |i: usize| ends().map(|end| self.sums[end.with][i] * end.inverse_mass).sum::<f64>();
             self.bounds.square = self.bounds.square.max(row(0));
             self.bounds.damping = self.bounds.damping.max(row(1));
         }
@@ -208,7 +229,7 @@ impl Connector {
     }
 }
 
-persist_struct!(Connectors { list: fixed, bounds } derived { sums });
+persist_struct!(Connectors { list: fixed, bounds } derived { carried, sums });
 
 persist_struct!(Connector { force } derived { ends, axis, law });
 

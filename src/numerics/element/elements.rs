@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use super::averaging::DilationAveraging;
 use super::block::is_larger;
 use super::connector::Connectors;
-use super::damping::MassDamping;
+use super::damping::RayleighDamping;
 use super::distortion::DistortionControl;
 use super::erosion::ErosionControl;
 use super::frequency::HighestFrequency;
@@ -53,8 +53,8 @@ pub struct Elements {
     pub rings: Option<Box<RingFactors>>,
     /// Springs and dashpots; `None` without any.
     pub connectors: Option<Box<Connectors>>,
-    /// Mass proportional damping; `None` without any.
-    pub damping: Option<Box<MassDamping>>,
+    /// Rayleigh damping; `None` without any.
+    pub damping: Option<Box<RayleighDamping>>,
     /// Elements whose characteristic length a user subroutine defines.
     pub lengths: Vec<UserLengthElements>,
     /// Field variables prescribed at nodes; `None` without any.
@@ -253,14 +253,14 @@ impl Elements {
     /// Adds the forces of connectors, damping and distortion control, then determines the nodes that need an update in
     /// this increment.
     pub fn add_link_forces(&mut self, dofs: &mut Dofs) {
+        let alive = |(group, element): (usize, usize)| !self.groups[group].is_deleted(element);
         if let Some(connectors) = &mut self.connectors {
             connectors.add_forces(dofs);
         }
         if let Some(damping) = &mut self.damping {
-            damping.add_forces(dofs);
+            damping.add_forces(dofs, alive);
         }
         if let Some(distortion) = &mut self.distortion {
-            let alive = |(group, element): (usize, usize)| !self.groups[group].is_deleted(element);
             distortion.add_forces(dofs, alive, &mut self.limit.0.rate);
         }
         self.active_nodes.update(&self.groups, &dofs.nodes.forces[0]);

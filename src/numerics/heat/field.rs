@@ -62,6 +62,8 @@ pub struct TemperatureField {
     power: Vec<f64>,
     /// External part of the heat rates.
     given: f64,
+    /// Nodes of rigid bodies with a prescribed temperature; they store no heat.
+    sinks: Vec<usize>,
     /// Conductance of films and contact at each node; empty without any.
     exchange: Vec<f64>,
     /// New temperatures before equations are applied; empty without equations.
@@ -77,13 +79,14 @@ pub struct TemperatureField {
 }
 
 impl TemperatureField {
-    /// Creates the field from initial temperatures and the conditions of each step. `meets`: contact surfaces exchange
-    /// heat.
+    /// Creates the field from initial temperatures and the conditions of each step. `sinks` are nodes of rigid bodies,
+    /// whose temperatures are prescribed in all steps. `meets`: contact surfaces exchange heat.
     pub fn new(
         id: EffectId,
         conductors: ConductingElements,
         steps: Vec<Option<ThermalConditions>>,
         temperature: Vec<f64>,
+        sinks: Vec<usize>,
         meets: bool,
     ) -> Self {
         let (nodes, count) = (temperature.len(), conductors.list.len());
@@ -99,6 +102,7 @@ impl TemperatureField {
             capacity,
             power: vec![0.0; nodes],
             given: 0.0,
+            sinks,
             exchange: if films || meets { vec![0.0; nodes] } else { Vec::new() },
             trial_temperatures: if bound { vec![0.0; nodes] } else { Vec::new() },
             corners: vec![[0.0; 4]; count],
@@ -232,7 +236,7 @@ impl TemperatureField {
             let exchanges = constraints.iter().filter_map(|c| c.view().heat);
             exchanges.for_each(|heat| heat.largest_exchange(&mut |n, most| exchange[n] += BESIDE * most));
         }
-        let rates = exchange.iter().enumerate().filter(|(_, e)| **e > 0.0);
+        let rates = exchange.iter().enumerate().filter(|(n, e)| **e > 0.0 && self.capacity[*n] > 0.0);
         let most = rates.map(|(n, e)| e / self.capacity(n, self.temperature[n])).fold(0.0, f64::max);
         self.exchange = exchange;
         // The highest eigenvalue of a sum is at most the sum of the highest eigenvalues.
@@ -346,9 +350,9 @@ impl TemperatureField {
         self.now.sources.iter_mut().for_each(|s| s.release(deleted));
     }
 
-    /// Returns the temperature of a node; NaN at a node without conducting elements.
+    /// Returns the temperature of a node; NaN at a node without temperature.
     pub fn temperature(&self, node: usize) -> f64 {
-        if self.capacity[node] > 0.0 { self.temperature[node] } else { f64::NAN }
+        if self.capacity[node] > 0.0 || self.sinks.contains(&node) { self.temperature[node] } else { f64::NAN }
     }
 
     pub fn temperatures(&self) -> &[f64] {
@@ -444,6 +448,7 @@ impl Persist for TemperatureField {
             temperature,
             power,
             given,
+            sinks: _,
             exchange: _,
             trial_temperatures: _,
             corners: _,

@@ -144,6 +144,32 @@ pub fn shell_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [[f64; 2]; 2] {
     [3.0 * a[0] + b[0], a[0] + 3.0 * b[0]].inline_map(|weight| [-n_r * weight, -n_z * weight])
 }
 
+/// Returns the areas of a facet that the two nodes carry, for the consistent forces of a uniform traction:
+/// 2πL (2 r1 + r2)/6 for the first node.
+#[inline]
+pub fn ring_areas([a, b]: [[f64; 2]; 2]) -> [f64; 2] {
+    let third = PI / 3.0 * length(a, b);
+    [2.0 * a[0] + b[0], a[0] + 2.0 * b[0]].inline_map(|weight| third * weight)
+}
+
+/// Returns the areas of the two halves of a facet of a shell, with the weights of [`shell_pressure`].
+#[inline]
+pub fn shell_areas([a, b]: [[f64; 2]; 2]) -> [f64; 2] {
+    let quarter = 0.25 * PI * length(a, b);
+    [3.0 * a[0] + b[0], a[0] + 3.0 * b[0]].inline_map(|weight| quarter * weight)
+}
+
+/// Returns the areas of the two halves of a facet in the plane section, per unit depth.
+#[inline]
+pub fn section_areas([a, b]: [[f64; 2]; 2]) -> [f64; 2] {
+    [0.5 * length(a, b); 2]
+}
+
+#[inline]
+fn length(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (b[0] - a[0]).portable_hypot(b[1] - a[1])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,6 +4,7 @@
 pub mod amplitude;
 pub mod assumed;
 pub mod attitude;
+pub mod blast_wave;
 pub mod bulk_viscosity;
 pub mod cavity;
 pub mod conduction;

@@ -1,6 +1,8 @@
 //! Loads on surfaces, nodes and bodies, one file per kind. Each kind handles both rigid and deformable bodies. A load
 //! knows neither other effects nor keywords; it carries an opaque id, which only the ledger resolves.
 
+pub mod blast;
+pub mod body_force;
 pub mod cavity;
 pub mod concentrated;
 pub mod fields;
@@ -8,6 +10,7 @@ pub mod gravity;
 pub mod pressure;
 pub mod stations;
 pub mod stiffness;
+pub mod traction;
 pub mod user_amplitude;
 pub mod user_load;
 
@@ -240,6 +243,11 @@ pub trait LoadOutput: Any {
     /// Returns the outcome for each rigid body that the load resists.
     fn penetrations(&self, _dofs: &Dofs) -> Vec<PenetrationRecord> {
         Vec::new()
+    }
+
+    /// Returns an upper bound of the rate at which the load damps the motion of nodes, 1/time.
+    fn damping(&self) -> f64 {
+        0.0
     }
 
     /// Returns the stiffness that the load adds to nodes, if it was measured because the motion grew.

@@ -38,7 +38,7 @@ pub struct RoutineMessage {
 pub struct JobInfo {
     /// Name of the job (`vgetjobname`).
     pub name: String,
-    /// Folder of the results, absolute (`vgetoutdir`).
+    /// Folder of the deck, absolute (`vgetoutdir`).
     pub folder: String,
     /// Names of the nodes, `12` or `INSTANCE.12`. The internal number of a node is its index here, from 1.
     pub nodes: Vec<String>,

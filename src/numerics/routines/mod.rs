@@ -118,6 +118,11 @@ pub trait UserLoad: Send {
     fn reads_motion(&self) -> bool {
         false
     }
+
+    /// Returns whether the load receives the magnitude of its data line; VDLOAD does not.
+    fn reads_magnitude(&self) -> bool {
+        true
+    }
 }
 
 /// A user load defined by a function of the points and the index of one point.

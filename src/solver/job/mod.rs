@@ -652,7 +652,9 @@ fn announce_to_user(prepared: &PreparedJob, job: &JobFiles) {
     if !prepared.has_routines {
         return;
     }
-    let folder = std::path::absolute(&job.folder).unwrap_or_else(|_| job.folder.clone());
+    // As in ABAQUS, where the job runs in the folder of its deck.
+    let deck = prepared.deck.sources.files().first().and_then(|file| std::path::absolute(&file.path).ok());
+    let folder = deck.as_deref().and_then(Path::parent).unwrap_or(&job.folder);
     host::begin_job(host::JobInfo {
         name: job.name.clone(),
         folder: folder.to_string_lossy().into_owned(),

@@ -73,14 +73,16 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
     if let Some(frequency) = &elements.frequency {
         frequency.arrays().into_iter().for_each(|(name, bytes)| add(ledger, frequency.id, name, bytes));
     }
-    // Springs and dashpots share one array.
+    // Springs and dashpots share one array, and so do both kinds of damping.
     let springs = ledger.effects.iter().any(|row| row.effect == "springs");
     let connectors = if springs { "springs" } else { "dashpots" };
+    let of_mass = ledger.effects.iter().any(|row| row.effect == "mass proportional damping");
+    let damping = if of_mass { "mass proportional damping" } else { "stiffness proportional damping" };
     let named = [
         ("area weighting", "rings", elements.rings.as_ref().map_or(0, |r| r.bytes())),
         ("averaged pressure", "triangles", elements.averagings.iter().flatten().map(|a| a.bytes()).sum()),
         (connectors, "connectors", elements.connectors.as_ref().map_or(0, |c| c.bytes())),
-        ("mass proportional damping", "coefficients and forces", elements.damping.as_ref().map_or(0, |d| d.bytes())),
+        (damping, "coefficients and forces", elements.damping.as_ref().map_or(0, |d| d.bytes())),
         ("characteristic length", "elements", elements.lengths.iter().map(|l| l.bytes()).sum()),
         ("predefined fields", "values", elements.fields.as_ref().map_or(0, |f| f.bytes())),
         ("distortion control", "elements", elements.distortion.as_ref().map_or(0, |d| d.bytes())),

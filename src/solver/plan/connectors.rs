@@ -1,12 +1,15 @@
 //! Springs and dashpots of the plan.
 
+use std::collections::BTreeMap;
+
 use super::{Compiler, State};
+use crate::constraint::bonds::MergedDofs;
 use crate::deck::{Diagnostic, Span};
-use crate::element::connector::{Connector, Connectors, SpringDashpotLaw};
-use crate::model::{ConnectorLaw, ConnectorProperty, ElementKind};
+use crate::element::connector::{CarriedEnd, Connector, Connectors, SpringDashpotLaw};
+use crate::model::{BoundaryCondition, ConnectorLaw, ConnectorProperty, ElementKind};
 
 impl Compiler<'_> {
-    /// Creates all springs and dashpots. Ends that are not on nodes of deformable bodies are errors.
+    /// Creates all springs and dashpots.
     pub(super) fn connectors(&mut self) -> Vec<Connector> {
         let model = self.model;
         let mut connectors = Vec::new();
@@ -41,7 +44,7 @@ impl Compiler<'_> {
         let element = &mesh.elements[element];
         let ends: Vec<usize> = element.nodes.iter().filter_map(|n| self.places.nodes.get(n).copied()).collect();
         if ends.len() < element.nodes.len() {
-            let message = format!("element {} has a node that belongs to no deformable element", element.name);
+            let message = format!("element {} is in a model without deformable bodies", element.name);
             self.refuse_connector(element.span, message);
             return None;
         }
@@ -67,16 +70,63 @@ impl Compiler<'_> {
     /// Adds the springs and dashpots to the elements of the state.
     pub(super) fn connect(&mut self, state: &mut State) {
         let list = self.connectors();
-        let light = |n: &usize| state.dofs.nodes.mass[*n] == 0.0 && !self.ties.iter().any(|t| t.nodes.contains(n));
-        if let Some(node) = list.iter().flat_map(|c| c.ends.into_iter().flatten()).find(light) {
-            let found = self.places.nodes.iter().find(|n| *n.1 == node).map(|n| *n.0);
-            let name = found.map_or("", |n| self.model.mesh.node_names[n].as_str());
-            let message = format!("a spring or dashpot is attached to node {name}, which has no mass");
-            let span = self.model.discrete.connectors.first().map(|c| c.span).unwrap_or_default();
-            self.refuse_connector(span, message + ": add a *MASS, or attach it to a node with mass");
+        let mass = &state.dofs.nodes.mass;
+        let mut carried = BTreeMap::new();
+        for connector in &list {
+            let axes = connector.axis.map_or(vec![0, 1], |axis| vec![axis]);
+            for node in connector.ends.into_iter().flatten() {
+                if let Some(end) = self.carried_end(node, &axes, mass) {
+                    carried.insert(node, end);
+                } else if mass[node] == 0.0 && !axes.iter().all(|&axis| self.is_always_prescribed(node, axis)) {
+                    self.refuse_massless_end(node);
+                }
+            }
         }
         if !list.is_empty() && !state.elements.is_empty() {
-            state.elements.connectors = Some(Box::new(Connectors::new(list, &state.dofs.nodes)));
+            state.elements.connectors = Some(Box::new(Connectors::new(list, &state.dofs.nodes, carried)));
         }
+    }
+
+    /// Returns the inertia of an end whose motion is that of a rigid body, of linked nodes, or a weighted mean; `None`
+    /// if only its own mass resists. Mass scaling, which adds mass, is not included.
+    fn carried_end(&self, node: usize, axes: &[usize], mass: &[f64]) -> Option<CarriedEnd> {
+        let inverse = |mass: f64| if mass > 0.0 { 1.0 / mass } else { 0.0 };
+        if let Some(tie) = self.ties.iter().find(|tie| tie.nodes.contains(&node)) {
+            return Some(CarriedEnd { with: tie.nodes[0], inverse_mass: inverse(self.bodies[tie.body].mass()) });
+        }
+        let merged = self.links.merged.iter().filter(|m| axes.contains(&m.axis) && m.nodes.contains(&node));
+        let of_set = |set: &MergedDofs| (set.nodes[0], inverse(set.nodes.iter().map(|&n| mass[n]).sum()));
+        if let Some((with, inverse_mass)) = merged.map(of_set).max_by(|a, b| a.1.total_cmp(&b.1)) {
+            return Some(CarriedEnd { with, inverse_mass });
+        }
+        if mass[node] > 0.0 {
+            return None;
+        }
+        let own =
+            |terms: &[(usize, usize, f64)]| terms.iter().find(|t| t.0 == node && axes.contains(&t.1)).map(|t| t.2);
+        let (terms, factor) = self.links.equations.iter().find_map(|e| Some((&e.terms, own(&e.terms)?)))?;
+        let others = terms.iter().filter(|t| t.0 != node);
+        let inverse_mass = others.map(|t| (t.2 / factor).powi(2) * inverse(mass[t.0])).sum();
+        Some(CarriedEnd { with: node, inverse_mass })
+    }
+
+    /// Returns whether the motion of a node without mass is prescribed in all steps.
+    fn is_always_prescribed(&self, place: usize, axis: usize) -> bool {
+        let Some(node) = self.places.nodes.iter().find(|n| *n.1 == place).map(|n| *n.0) else { return false };
+        let prescribes = |b: &BoundaryCondition| usize::from(b.dof) == axis + 1 && b.nodes.contains(&node);
+        let on_axis = axis == 0 && self.model.mesh.points[node][0] == 0.0;
+        on_axis || self.model.steps.iter().all(|step| step.boundaries.iter().any(prescribes))
+    }
+
+    fn refuse_massless_end(&mut self, place: usize) {
+        let Some(node) = self.places.nodes.iter().find(|n| *n.1 == place).map(|n| *n.0) else { return };
+        let mesh = &self.model.mesh;
+        let name = &mesh.node_names[node];
+        let message = format!("a spring or dashpot is attached to node {name}, which has no mass");
+        let attached = mesh.elements.iter().find(|e| e.kind.is_connector() && e.nodes.contains(&node));
+        let finding = Diagnostic::error("P020", message).at(attached.map(|e| e.span).unwrap_or_default(), "here");
+        let help =
+            "add a *MASS, prescribe the motion of the node in every step (*BOUNDARY), or attach it to a node with mass";
+        self.diagnostics.push(finding.help(help));
     }
 }

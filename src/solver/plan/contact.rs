@@ -12,7 +12,7 @@ use crate::constraint::Constraint;
 use crate::constraint::contact::{ContactConstraint, ContactPair, InitialClearance, SurfaceOverlap};
 use crate::deck::Diagnostic;
 use crate::kernel::interaction::{GapHeat, InteractionLaw, PressureOverclosure};
-use crate::model::{AnalyticalSide, GeneralContact, SurfaceContact};
+use crate::model::{AnalyticalSide, GeneralContact, SideSelection, SurfaceContact};
 
 /// Initial overlaps up to this fraction of a facet are accepted without a warning: meshes of matching curved surfaces
 /// overlap.
@@ -86,7 +86,11 @@ impl Compiler<'_> {
                     .diagnostics
                     .refuse(finding.help("make the body rigid, or remove these nodes from the surface"));
             }
-            contact = contact.with_heat(|node| heat.temperature(node).is_finite());
+            let of_body = |body: usize| {
+                let node = *self.places.nodes.get(&self.bodies[body].reference)?;
+                heat.temperature(node).is_finite().then_some(node)
+            };
+            contact = contact.with_heat(|node| heat.temperature(node).is_finite(), of_body);
         }
         let overlaps = contact.start(&places);
         // Pairs with analytical surfaces have been checked when they were created.
@@ -201,6 +205,17 @@ impl Compiler<'_> {
         self.ledger_row(contact.span, "contact", count, "facets", format!("{between}, {kind}{friction}{clearance}"))
     }
 
+    /// Returns whether one of the surfaces belongs to a rigid body without temperature.
+    fn has_cold_side(&self, contact: &SurfaceContact) -> bool {
+        let of_side = |side: &SideSelection| side.faces.iter().find_map(|(e, _)| self.body_of_element.get(e)).copied();
+        let reference = |side: &AnalyticalSide| self.model.surfaces.analytical[side.surface].reference;
+        let of_surface =
+            contact.analytical.as_ref().and_then(reference).and_then(|n| self.body_of_node.get(&n)).copied();
+        let heated = self.heated_references();
+        let cold = |body: usize| !heated.contains(&self.bodies[body].reference);
+        contact.sides.iter().filter_map(of_side).chain(of_surface).any(cold)
+    }
+
     /// Creates the ledger row of heat transfer between two surfaces.
     fn heat_row(&mut self, contact: &SurfaceContact) {
         let [a, b] = [0, 1].map(|i| contact.sides[i].name.as_str());
@@ -214,7 +229,11 @@ impl Compiler<'_> {
                 parts.push(format!("conductance table of {} rows over {over}", rows.len()));
             }
         }
-        if !parts.is_empty() {
+        let conducts = !over_clearance.is_empty() || !over_pressure.is_empty();
+        if conducts && self.has_cold_side(contact) {
+            let message = "no heat flows through this contact: one of the surfaces is rigid and has no temperature";
+            self.diagnostics.push(Diagnostic::warning("P067", message).at(contact.span, "this pair"));
+        } else if !parts.is_empty() {
             let detail = format!("{a} and {b}: {}", parts.join(", "));
             self.ledger_row(contact.span, "contact heat", 1, "pair", detail);
         }

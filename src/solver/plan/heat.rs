@@ -16,8 +16,10 @@ use crate::kernel::hardening::LinearTable;
 use crate::kernel::quad::corner_masses;
 use crate::mesh::hidden::InteriorFaces;
 use crate::model::{
-    BoundaryCondition, InitialKind, Load, LoadKind, MaterialDefinition, MotionKind, SolidSection, Step,
+    BoundaryCondition, InitialCondition, InitialKind, Load, LoadKind, MaterialDefinition, MotionKind, SolidSection,
+    Step,
 };
+use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
 
 /// A section with the index of an element group.
@@ -84,6 +86,23 @@ impl Compiler<'_> {
         }
     }
 
+    /// Returns the reference nodes of rigid bodies whose temperature the deck gives.
+    pub(super) fn heated_references(&self) -> Vec<usize> {
+        let model = self.model;
+        if !model.steps.first().is_some_and(|step| step.coupled) {
+            return Vec::new();
+        }
+        let starts = |c: &InitialCondition, n: &usize| {
+            matches!(c.kind, InitialKind::Temperature(_)) && c.members.binary_search(n).is_ok()
+        };
+        let holds = |b: &BoundaryCondition, n: &usize| b.kind == MotionKind::Temperature && b.nodes.contains(n);
+        let given = |n: &usize| {
+            model.initial_conditions.iter().any(|c| starts(c, n))
+                || model.steps.iter().any(|step| step.boundaries.iter().any(|b| holds(b, n)))
+        };
+        model.rigid_bodies.iter().map(|body| body.reference).filter(given).collect()
+    }
+
     fn heat(&mut self, sections: &[SectionGroup], state: &State) -> Option<TemperatureField> {
         let model = self.model;
         let step = model.steps.first()?;
@@ -125,16 +144,34 @@ impl Compiler<'_> {
             return self.diagnostics.refuse(finding.help("use CAX4RT or CAX3T elements, or *DYNAMIC, EXPLICIT"));
         };
         let conductors = ConductingElements::new(parts, list, state.dofs.nodes.len());
-        let conducting: HashSet<usize> = conductors.list.iter().flat_map(|c| c.nodes).map(|n| n as usize).collect();
+        let mut conducting: HashSet<usize> = conductors.list.iter().flat_map(|c| c.nodes).map(|n| n as usize).collect();
+        let references = self.heated_references().into_iter().filter_map(|n| self.places.nodes.get(&n).copied());
+        let sinks: Vec<usize> = references.filter(|n| !conducting.contains(n)).collect();
+        conducting.extend(&sinks);
         let start = self.initial_temperatures(state);
         let mut steps = Vec::with_capacity(model.steps.len());
         for (index, step) in model.steps.iter().enumerate() {
             let goes_on = index > 0 && has_same_heat(&model.steps[index - 1], step);
-            steps.push((!goes_on).then(|| self.conditions(step, &conductors, &conducting)));
+            steps.push((!goes_on).then(|| {
+                let mut conditions = self.conditions(step, &conductors, &conducting);
+                self.hold_sinks(step, &sinks, &start, &mut conditions);
+                conditions
+            }));
         }
         self.tie_temperatures(&mut steps, &conductors, &conducting, &start);
         let meets = model.steps.iter().any(Step::has_contact);
-        Some(TemperatureField::new(id, conductors, steps, start, meets))
+        Some(TemperatureField::new(id, conductors, steps, start, sinks, meets))
+    }
+
+    /// Holds the temperatures of rigid bodies that the step does not prescribe: they have no heat capacity.
+    fn hold_sinks(&mut self, step: &Step, sinks: &[usize], start: &[f64], conditions: &mut ThermalConditions) {
+        let held: HashSet<usize> = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| n.node).collect();
+        for &node in sinks.iter().filter(|node| !held.contains(node)) {
+            let detail = format!("initial temperature {}: rigid bodies have no heat capacity", start[node]);
+            let id = self.ledger_row(step.span, "constant temperature", 1, "rigid body", detail);
+            let magnitude = Magnitude::constant(start[node]);
+            conditions.held.push(PrescribedTemperature { id, magnitude, nodes: vec![TemperatureNode::new(node)] });
+        }
     }
 
     /// Returns conductivity and specific heat of the material of a section; missing properties are errors.
@@ -181,8 +218,10 @@ impl Compiler<'_> {
             let places = boundary.nodes.iter().filter_map(|n| self.places.nodes.get(n).copied());
             let nodes: Vec<usize> = places.filter(|n| conducting.contains(n) && taken.insert(*n)).collect();
             if nodes.is_empty() {
-                let what = format!("*BOUNDARY {}, 11", boundary.set);
-                self.add_unused_card(boundary.span, what, "its nodes have no temperature degree of freedom");
+                let message =
+                    format!("the temperature of `{}` has no effect: its nodes have no temperature", boundary.set);
+                let finding = Diagnostic::warning("P067", message).at(boundary.span, "here");
+                self.diagnostics.push(finding.help("rigid bodies and elements other than CAX4RT and CAX3T have none"));
                 continue;
             }
             let detail = format!("{}: {}", boundary.set, boundary.value);

@@ -127,16 +127,19 @@ impl Compiler<'_> {
         *nodes = own.into_iter().collect();
     }
 
-    /// Returns the nodes of links, ties and equations that do not belong to a rigid body. They are solver nodes also if
-    /// they have no element.
+    /// Returns the nodes of links, ties and equations that do not belong to a rigid body, the ends of springs and
+    /// dashpots, and the reference nodes of rigid bodies with a temperature. They are solver nodes also if they have no element.
     pub(super) fn linked_nodes(&self) -> Vec<usize> {
         let model = self.model;
+        let sprung = model.discrete.connectors.iter().flat_map(|property| &property.elements);
+        let ends = sprung.flat_map(|&e| model.mesh.elements[e].nodes.iter());
         let linked = model.constraints.links.iter().flat_map(|l| l.nodes.iter().chain([&l.reference]));
         let tied = self.surface_ties.iter().map(|t| &t.node);
         let moving = model.constraints.equations.iter().filter(|e| !e.is_thermal());
         let terms = moving.flat_map(|e| e.terms.iter().map(|t| &t.0));
         let free = |n: &&usize| !self.body_of_node.contains_key(*n);
-        linked.chain(tied).chain(terms).filter(free).copied().collect()
+        let heated = self.heated_references();
+        linked.chain(tied).chain(terms).filter(free).chain(ends).chain(&heated).copied().collect()
     }
 
     /// Collects all equations and links, and gives linked nodes the initial velocity of their reference node.

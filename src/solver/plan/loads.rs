@@ -7,15 +7,22 @@ use indexmap::IndexMap;
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::kernel::amplitude::AmplitudeCurve;
+use crate::kernel::blast_wave::BurstShape;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad::corner_masses;
 use crate::kernel::solid;
+use crate::load::blast::{BlastLoad, BlastSource};
+use crate::load::body_force::{BodyForceLoad, CentrifugalLoad};
 use crate::load::concentrated::ConcentratedLoad;
 use crate::load::gravity::GravityLoad;
 use crate::load::pressure::PressureLoad;
+use crate::load::traction::{ReferenceMotion, TractionLaw, TractionLoad};
 use crate::load::user_load::{LoadedVolume, SubroutineLoad, UserLoadData};
 use crate::load::{EnergyAccount, GeneralizedForce, Load as Effect};
-use crate::model::{AmplitudeDefinition, AmplitudeId, ElementKind, Load, LoadKind, SideSelection, Step};
+use crate::model::{
+    AmplitudeDefinition, AmplitudeId, BlastCharge, BodyForce, ElementKind, Load, LoadKind, SideSelection, Step,
+    SurfaceTraction,
+};
 use crate::state::magnitude::{Magnitude, TimeFunction};
 
 /// Names of the components of forces and moments on oblique bodies.
@@ -44,6 +51,11 @@ impl Compiler<'_> {
             LoadKind::Concentrated { nodes, dof, set } => self.concentrated(load, nodes, *dof, set),
             LoadKind::Gravity { elements, direction } => self.gravity(load, elements.as_deref(), *direction, state),
             LoadKind::Pressure(sides) => self.pressure(load, sides, state),
+            LoadKind::Traction { sides, law } => self.traction(load, sides, law),
+            LoadKind::Blast { sides, charge, height, detonation } => {
+                self.blast(load, sides, charge, [*height, *detonation], state)
+            }
+            LoadKind::Body { elements, set, law } => self.body_force(load, elements, set, *law),
             LoadKind::User { sides, load_type } => self.user_load(load, sides, *load_type, state),
             LoadKind::UserBody { elements, set, load_type } => self.user_body(load, elements, set, *load_type, state),
             LoadKind::Cavity { sides, target, friction } => self.cavity(load, sides, *target, *friction, step, state),
@@ -236,6 +248,112 @@ impl Compiler<'_> {
         Some(Box::new(PressureLoad::new(id, surface, magnitude, &state.dofs)))
     }
 
+    fn traction(&mut self, load: &Load, sides: &SideSelection, law: &SurfaceTraction) -> Option<Box<dyn Effect>> {
+        let surface = self.surface(sides, load.span);
+        let oblique = surface.patches.iter().find(|patch| self.bodies[patch.body].spatial);
+        if let Some(patch) = oblique {
+            let name = self.bodies[patch.body].name.clone();
+            self.refuse_on_spatial_body(load.span, &name, "a surface traction or viscous pressure");
+            return None;
+        }
+        let (law, how) = match *law {
+            SurfaceTraction::Vector { direction, follows: true } => (
+                TractionLaw::Following(direction),
+                format!("along ({}, {}), rotates with the surface", direction[0], direction[1]),
+            ),
+            SurfaceTraction::Vector { direction, follows: false } => {
+                (TractionLaw::Fixed(direction), format!("along ({}, {})", direction[0], direction[1]))
+            }
+            SurfaceTraction::Shear { direction } => (TractionLaw::Shear(direction), "along the surface".into()),
+            SurfaceTraction::Viscous { reference } => {
+                (TractionLaw::Viscous(self.reference_motion(reference, load)?), "against the normal velocity".into())
+            }
+        };
+        let detail = format!("on {}, {} {how}{}", sides.name, load.magnitude, self.amplitude_name(load));
+        let id = self.ledger_row(load.span, "surface traction", surface.count(), "facets", detail);
+        let magnitude = self.magnitude(load.magnitude, load.amplitude);
+        Some(Box::new(TractionLoad::new(id, surface, law, magnitude)))
+    }
+
+    fn blast(
+        &mut self,
+        load: &Load,
+        sides: &SideSelection,
+        charge: &BlastCharge,
+        [height, detonation]: [f64; 2],
+        state: &State,
+    ) -> Option<Box<dyn Effect>> {
+        let surface = self.surface(sides, load.span);
+        let oblique = surface.patches.iter().find(|patch| self.bodies[patch.body].spatial);
+        if let Some(patch) = oblique {
+            let name = self.bodies[patch.body].name.clone();
+            self.refuse_on_spatial_body(load.span, &name, "a blast");
+            return None;
+        }
+        let (shape, scale) = (charge.shape, load.magnitude);
+        let source = BlastSource { shape, mass: charge.mass, height, detonation, units: charge.units, scale };
+        let middle = |face: &[usize; 2]| {
+            let [a, b] = face.map(|n| state.dofs.nodes.start[n]);
+            [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+        };
+        let facets = surface.patches.iter().flat_map(|patch| &patch.facets).map(|(_, facet)| facet.middle());
+        let scaled = surface.skin.faces.iter().map(middle).chain(facets).map(|place| source.scaled_distance(place));
+        let [nearest, farthest] = scaled.fold([f64::INFINITY, 0.0_f64], |[a, b], z| [a.min(z), b.max(z)]);
+        let [from, to] = shape.range();
+        if nearest < from || farthest > to {
+            let message = format!(
+                "the scaled distances of `{}`, {nearest:.3} to {farthest:.3} m/kg^(1/3), are not within {from} to {to}",
+                sides.name
+            );
+            let help = "the measurements of Kingery and Bulmash cover this range; check the second line of *CONWEP CHARGE \
+                        PROPERTY, which converts the units of the model to metres, seconds and pascals";
+            self.diagnostics.push(Diagnostic::error("P025", message).at(load.span, "this surface").help(help));
+            return None;
+        }
+        let how = if shape == BurstShape::Spherical { "in free air" } else { "on the ground" };
+        let detail =
+            format!("on {}, {} kg of TNT {how}, {nearest:.3} to {farthest:.3} m/kg^(1/3)", sides.name, charge.mass);
+        let id = self.ledger_row(load.span, "blast", surface.count(), "facets", detail);
+        Some(Box::new(BlastLoad::new(id, surface, source, &state.dofs.nodes)))
+    }
+
+    fn reference_motion(&mut self, node: Option<usize>, load: &Load) -> Option<ReferenceMotion> {
+        let Some(node) = node else { return Some(ReferenceMotion::AtRest) };
+        if let Some(&body) = self.body_of_node.get(&node) {
+            return Some(ReferenceMotion::Body(body));
+        }
+        let place = self.places.free_node(node).map(ReferenceMotion::Node);
+        if place.is_none() {
+            let message = format!("REF NODE {} belongs to no body", self.model.mesh.node_names[node]);
+            self.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "this load"));
+        }
+        place
+    }
+
+    /// Creates `BR`, `BZ` and `CENTRIF` loads.
+    fn body_force(&mut self, load: &Load, elements: &[usize], set: &str, law: BodyForce) -> Option<Box<dyn Effect>> {
+        let magnitude = self.magnitude(load.magnitude, load.amplitude);
+        if law == BodyForce::Centrifugal {
+            let nodes = self.masses_of(elements);
+            if nodes.is_empty() {
+                self.add_unused_card(load.span, "CENTRIF", "none of its elements is deformable");
+                return None;
+            }
+            let detail = format!("on {set}, omega^2 = {}{}", load.magnitude, self.amplitude_name(load));
+            let id = self.ledger_row(load.span, "centrifugal force", nodes.len(), "nodes", detail);
+            return Some(Box::new(CentrifugalLoad { id, nodes, square: magnitude }));
+        }
+        let axis = usize::from(law == BodyForce::Axial);
+        let volume = self.loaded_volume(load, elements, set, axis)?;
+        let along = ["r", "z"][axis];
+        let detail = format!("on {set}, {} per volume along {along}{}", load.magnitude, self.amplitude_name(load));
+        let count = volume.rigid.len() + volume.cells.len();
+        let id = self.ledger_row(load.span, "body force", count, "elements", detail);
+        let whole = |part: &[(usize, usize, [f64; 2], f64)]| (part[0].0, part.iter().map(|solid| solid.3).sum());
+        let bodies = volume.rigid.chunk_by(|a, b| a.0 == b.0).map(whole).collect();
+        Some(Box::new(BodyForceLoad { id, axis, cells: volume.cells, bodies, magnitude }))
+    }
+
     /// Creates `PNU` and `P1NU` to `P4NU` loads.
     fn user_load(
         &mut self,
@@ -252,7 +370,7 @@ impl Compiler<'_> {
         Some(Box::new(SubroutineLoad::on_surface(load, &surface, &state.dofs)))
     }
 
-    /// Creates `BRNU` and `BZNU` loads. The integration point of a solid is its centre, its weight the volume.
+    /// Creates `BRNU` and `BZNU` loads.
     fn user_body(
         &mut self,
         load: &Load,
@@ -261,6 +379,15 @@ impl Compiler<'_> {
         load_type: i32,
         state: &State,
     ) -> Option<Box<dyn Effect>> {
+        let volume = self.loaded_volume(load, elements, set, if load_type == 1 { 0 } else { 1 })?;
+        let count = volume.rigid.len() + volume.cells.len();
+        let load = self.user_load_description(load, "user body force", set, load_type, false, count)?;
+        Some(Box::new(SubroutineLoad::on_volume(load, &volume, &state.dofs.nodes)))
+    }
+
+    /// Returns the volume on which a body force along an axis acts. The point of a rigid solid is its centre, its weight
+    /// the volume. `None` if the force acts on nothing.
+    fn loaded_volume(&mut self, load: &Load, elements: &[usize], set: &str, axis: usize) -> Option<LoadedVolume> {
         let mesh = &self.model.mesh;
         let (mut volume, mut stray) = (LoadedVolume::default(), None);
         for &element in elements {
@@ -272,7 +399,7 @@ impl Compiler<'_> {
             match self.body_of_element.get(&element) {
                 Some(&body) if self.bodies[body].spatial => {
                     let name = self.bodies[body].name.clone();
-                    self.refuse_on_spatial_body(load.span, &name, "a user body force");
+                    self.refuse_on_spatial_body(load.span, &name, "a body force");
                     return None;
                 }
                 Some(&body) if corners.len() > 2 => {
@@ -289,17 +416,13 @@ impl Compiler<'_> {
             let finding = Diagnostic::error("P003", message).at(load.span, "a body force needs solid elements");
             self.diagnostics.push(finding);
         }
-        if load_type == 1 && !volume.rigid.is_empty() {
-            self.add_unused_card(load.span, "BRNU", "a rigid body of revolution moves along z only");
+        if axis == 0 && !volume.rigid.is_empty() {
+            self.add_unused_card(load.span, kind_name(&load.kind), "a rigid body of revolution moves along z only");
             volume.rigid.clear();
         }
-        let count = volume.rigid.len() + volume.cells.len();
-        if count == 0 {
-            return None;
-        }
         volume.rigid.sort_by_key(|point| point.0);
-        let load = self.user_load_description(load, "user body force", set, load_type, false, count)?;
-        Some(Box::new(SubroutineLoad::on_volume(load, &volume, &state.dofs.nodes)))
+        let acts = !volume.rigid.is_empty() || !volume.cells.is_empty();
+        acts.then_some(volume)
     }
 
     fn user_load_description(
@@ -321,6 +444,10 @@ impl Compiler<'_> {
             return None;
         };
         self.called_routines.push("vdload");
+        if load.magnitude != 1.0 && !routine.lock().reads_magnitude() {
+            let what = format!("magnitude {} of {}", load.magnitude, kind_name(&load.kind));
+            self.add_unused_card(load.span, what, "VDLOAD defines the load; it is not multiplied by the magnitude");
+        }
         let detail = format!("on {name}{}", self.amplitude_name(load));
         let id = self.ledger_row(load.span, effect, count, "points", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
@@ -338,6 +465,17 @@ pub(super) fn kind_name(kind: &LoadKind) -> &'static str {
         LoadKind::Concentrated { .. } => "*CLOAD",
         LoadKind::Gravity { .. } => "GRAV",
         LoadKind::Pressure(_) => "P",
+        LoadKind::Traction { law, .. } => match law {
+            SurfaceTraction::Vector { .. } => "TRVEC",
+            SurfaceTraction::Shear { .. } => "TRSHR",
+            SurfaceTraction::Viscous { .. } => "VP",
+        },
+        LoadKind::Blast { .. } => "CONWEP",
+        LoadKind::Body { law, .. } => match law {
+            BodyForce::Radial => "BR",
+            BodyForce::Axial => "BZ",
+            BodyForce::Centrifugal => "CENTRIF",
+        },
         LoadKind::User { .. } => "PNU",
         LoadKind::UserBody { .. } => "BRNU or BZNU",
         LoadKind::Cavity { .. } => "CAVITY",

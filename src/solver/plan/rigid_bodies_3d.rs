@@ -4,7 +4,7 @@
 use super::{Compiler, PlannedRigidBody};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::attitude::{Attitude, PrincipalInertia, SpatialVector, cross, norm, plus};
-use crate::model::{self, ElementKind, InitialKind, LoadKind, RigidBody, STATIONS};
+use crate::model::{self, ElementKind, InitialKind, LoadKind, RigidBody, RotaryInertia, STATIONS};
 use crate::platform::PortableMath as _;
 use crate::state::BodyState;
 use crate::state::rigid_body_3d::{Pose, RigidBody3d};
@@ -121,8 +121,17 @@ impl Compiler<'_> {
                         "a rigid body that moves along z only does not rotate",
                     );
                 }
-                Some(_) => {}
+                Some(_) => self.check_revolution(inertia),
             }
+        }
+    }
+
+    /// Reports transverse moments of inertia that differ, which a body of revolution cannot have.
+    fn check_revolution(&mut self, inertia: &RotaryInertia) {
+        let [first, _, third] = inertia.moments;
+        if first != third {
+            let message = format!("I11 and I33 of a body of revolution must be equal, found {first} and {third}");
+            self.diagnostics.push(Diagnostic::error("P131", message).at(inertia.span, "here"));
         }
     }
 
@@ -135,7 +144,7 @@ impl Compiler<'_> {
         let moments = if uniform { self.moments_of_volume(rigid, mass) } else { self.moments(rigid, body) };
         let mut inertia = moments.inertia();
         let on_body = self.model.discrete.inertias.iter().filter(|i| body.nodes.contains(&i.node));
-        for [axial, transverse] in on_body.map(|i| i.axial_transverse) {
+        for [transverse, axial, _] in on_body.map(|i| i.moments) {
             inertia = PrincipalInertia { axial: inertia.axial + axial, transverse: inertia.transverse + transverse };
         }
         let height = if moments.mass > 0.0 { moments.height() } else { mesh.points[rigid.reference][1] };

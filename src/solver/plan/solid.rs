@@ -3,7 +3,7 @@
 use super::user_material::calls_routines_at_points;
 use super::{Compiler, MeshIndexMap, State, numbering};
 use crate::deck::Diagnostic;
-use crate::element::damping::MassDamping;
+use crate::element::damping::{RayleighDamping, RayleighFactors};
 use crate::element::distortion::DistortionControl;
 use crate::element::elements::Elements;
 use crate::element::frequency::HighestFrequency;
@@ -14,7 +14,7 @@ use crate::element::solid_groups::Connectivity;
 use crate::kernel::quad;
 use crate::kernel::topology::ElementTopology;
 use crate::mesh::gather::NodalAssembly;
-use crate::model::{FailureCriterion, IncrementControl, InitialKind, SolidSection, Step};
+use crate::model::{FailureCriterion, IncrementControl, InitialKind, RayleighCoefficients, SolidSection, Step};
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
 use crate::variables::Variable;
@@ -102,9 +102,9 @@ impl Compiler<'_> {
         if averagings.iter().any(Option::is_some) {
             elements.averagings = averagings;
         }
-        if damped.iter().any(|factor| *factor > 0.0) {
+        if damped.iter().any(|factors: &RayleighFactors| factors.mass > 0.0 || factors.stiffness > 0.0) {
             let linear = self.model.steps.iter().map(|s| s.bulk_viscosity.linear).fold(0.0, f64::max);
-            elements.damping = Some(Box::new(MassDamping::new(damped, linear, &elements.groups, nodes.len())));
+            elements.damping = Some(Box::new(RayleighDamping::new(damped, linear, &elements.groups, nodes.len())));
         }
         if sections.iter().any(|(s, _)| s.controls.by_area) {
             elements.rings = Some(Box::new(RingFactors::new(&elements.groups, nodes.len())));
@@ -127,15 +127,32 @@ impl Compiler<'_> {
         nodes
     }
 
-    /// Returns the mass proportional damping of a section, 1/time; 0 without damping.
-    fn damping(&mut self, section: &SolidSection, count: usize) -> f64 {
-        let Some((alpha, span)) = self.model.materials[section.material].damping else { return 0.0 };
+    /// Returns the damping factors of a section; zeros without damping.
+    fn damping(&mut self, section: &SolidSection, count: usize) -> RayleighFactors {
+        let material = &self.model.materials[section.material];
+        let Some(RayleighCoefficients { alpha, beta, span }) = material.damping else {
+            return RayleighFactors::default();
+        };
         if section.controls.by_area {
             let message = "WEIGHTING=AREA with *DAMPING is not supported";
             self.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
         }
-        self.ledger_row(span, "mass proportional damping", count, "elements", format!("alpha = {alpha}"));
-        alpha
+        let moduli = match material.elastic {
+            Some([young, poisson]) => [young / (3.0 * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson))],
+            None => [0.0; 2],
+        };
+        if beta > 0.0 && material.elastic.is_none() {
+            let message = format!("BETA of *DAMPING requires *ELASTIC, and material {} has none", material.name);
+            let help = "use ALPHA, or *BULK VISCOSITY";
+            self.diagnostics.push(Diagnostic::error("P051", message).at(span, "here").help(help));
+        }
+        if alpha > 0.0 {
+            self.ledger_row(span, "mass proportional damping", count, "elements", format!("alpha = {alpha}"));
+        }
+        if beta > 0.0 {
+            self.ledger_row(span, "stiffness proportional damping", count, "elements", format!("beta = {beta}"));
+        }
+        RayleighFactors { mass: alpha, stiffness: beta, moduli }
     }
 
     /// Returns the elements of built-in materials whose characteristic length is user-defined (VUCHARLENGTH).

@@ -1,4 +1,4 @@
-//! Nodes that rigid and deformable bodies share.
+//! Solver nodes that belong to rigid bodies: nodes shared with deformable elements, ends of springs and dashpots.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use super::Compiler;
 use crate::constraint::tie::TiedNodes;
 
 impl Compiler<'_> {
-    /// Creates the ties of shared nodes. The mass of deformable elements at these nodes is moved to the rigid bodies.
+    /// Creates the ties of these nodes. The mass of deformable elements at these nodes is moved to the rigid bodies.
     pub(super) fn tie(&mut self, mass: &mut [f64]) {
         let mut by_body: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (node, &body) in self.places.tied.iter() {
@@ -17,7 +17,11 @@ impl Compiler<'_> {
             let tied: f64 = nodes.iter().map(|&n| mass[n]).sum();
             nodes.iter().for_each(|&n| mass[n] = 0.0);
             self.bodies[body].tied_mass += tied;
-            let detail = format!("shared with deformable elements, whose nodal mass {tied} is added to the rigid body");
+            let detail = if tied > 0.0 {
+                format!("shared with deformable elements, whose nodal mass {tied} is added to the rigid body")
+            } else {
+                "forces on them act on the rigid body".into()
+            };
             let id = self.ledger_row(self.bodies[body].span, "tied nodes", nodes.len(), "nodes", detail);
             self.ties.push(TiedNodes { id, body, nodes });
         }

@@ -193,11 +193,12 @@ impl EnergyBalance {
         self.solid.internal + self.solid.artificial
     }
 
-    /// Returns the energy that contact has stored and dissipated in its normal direction. It is negative if contact has
-    /// created energy.
+    /// Returns the energy that contact has stored and dissipated in its normal direction, and the energy that friction
+    /// has created. It is negative if contact has created energy.
     #[inline(always)]
     pub fn absorbed_by_contact(&self) -> f64 {
-        self.solid.contact + self.solid.penalty + self.solid.initial_overlap
+        let created_by_friction = self.solid.friction.min(0.0);
+        self.solid.contact + self.solid.penalty + self.solid.initial_overlap + created_by_friction
     }
 
     /// Begins a step with these forces and prescribed motions of bodies; sums continue if they are the same as before.

@@ -2,6 +2,7 @@
 
 use super::limits::IncrementLimiter;
 use crate::constraint::Constraint;
+use crate::element::connector::damped_rate;
 use crate::element::elements::Elements;
 use crate::heat::field::TemperatureField;
 use crate::load::{Load, SceneView};
@@ -119,12 +120,14 @@ impl IncrementContext<'_> {
         &self.view.dofs.bodies
     }
 
-    /// Returns the stable time increment of elements together with loads that were found to be stiff. The square of the
+    /// Returns the stable time increment of elements together with viscous loads and loads that were found to be stiff. The square of the
     /// highest frequency is at most the sum of the squares of both.
     fn stable_increment(&self) -> f64 {
         let alone = self.elements.stable_increment();
         let added: f64 = self.loads.iter().filter_map(|load| load.stiffness()).map(|s| s.squared).sum();
-        if added > 0.0 { alone / shortened(added, alone) } else { alone }
+        let undamped = if added > 0.0 { alone / shortened(added, alone) } else { alone };
+        let damping: f64 = self.loads.iter().map(|load| load.damping()).sum();
+        if damping > 0.0 { 1.0 / damped_rate(1.0 / undamped, 0.0, damping) } else { undamped }
     }
 }
 

@@ -60,7 +60,10 @@ fn is_concentrated(load: &Load) -> bool {
 }
 
 fn is_pressure(load: &Load) -> bool {
-    matches!(load.kind, LoadKind::Pressure(_)) && load.magnitude != 0.0
+    matches!(
+        load.kind,
+        LoadKind::Pressure(_) | LoadKind::Traction { .. } | LoadKind::Body { .. } | LoadKind::Blast { .. }
+    ) && load.magnitude != 0.0
 }
 
 fn is_user(load: &Load) -> bool {

@@ -2,7 +2,7 @@
 
 use super::{card, row};
 use crate::deck::keywords::Keyword;
-use crate::deck::value::{INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEXT, YES_NO, ZERO, variant, word};
+use crate::deck::value::{FLAG, INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEXT, YES_NO, ZERO, variant, word};
 
 card!(Mass: "MASS", "Mass of MASS elements", (), {
     "ELSET" read "Elements",
@@ -33,7 +33,7 @@ card!(Attitude: extension "ATTITUDE", "Initial attitude of a rigid body; an obli
 }, angles: [f64; 2] = [(lines ["angle about 3" (ZERO) "Degrees, in the plane of the target's OBLIQUITY", "angle about 1" (ZERO) "Degrees, out of this plane, applied second"])]);
 
 card!(GapConductance: "GAP CONDUCTANCE", "Heat conductance between surfaces in contact", (below "SURFACE INTERACTION"), {
-    over_pressure: bool = "PRESSURE" read "Conductance as a function of pressure for closed contact; default: as a function of clearance",
+    over_pressure: bool = "PRESSURE" (FLAG) "Conductance as a function of pressure for closed contact; default: as a function of clearance",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
     "USER" refused "applies only to implicit analyses",
 }, rows: Vec<[f64; 2]> = [
@@ -64,9 +64,9 @@ card!(ContactDamping: "CONTACT DAMPING", "Damping of the normal motion in soft c
 
 card!(Friction: "FRICTION", "Friction between surfaces", (once below "SURFACE INTERACTION"), {
     largest: Option<f64> = "TAUMAX" (POSITIVE) "Limit of the shear stress",
-    rough: bool = "ROUGH" read "No slip",
+    rough: bool = "ROUGH" (FLAG) "No slip",
     damping: f64 = "SLIP DAMPING" extension (NOT_NEGATIVE.to(1.0).or(0.5)) "Share of a quick change of the slip rate that damping removes in an increment; 0: no damping of flutter",
-    decays: bool = "EXPONENTIAL DECAY" read "The coefficient decreases with the slip rate",
+    decays: bool = "EXPONENTIAL DECAY" (FLAG) "The coefficient decreases with the slip rate",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
     "TEST DATA" refused "applies only to EXPONENTIAL DECAY",
     "SLIP TOLERANCE" inert "applies only to implicit analyses; written by ABAQUS/CAE",
@@ -133,7 +133,7 @@ card!(Clearance: "CLEARANCE", "Initial clearance of contact pairs", (each step),
 card!(ContactControls: "CONTACT CONTROLS", "Controls of sets of contact pairs", (each step), {
     "CPSET" read "Set of contact pairs",
     penalty: Option<f64> = "SCALE PENALTY" (POSITIVE) "Factor on the penalty stiffness",
-    reset: bool = "RESET" read "Resets the factor to 1",
+    reset: bool = "RESET" (FLAG) "Resets the factor to 1",
     "FASTLOCALTRK" inert "contact candidates are updated automatically",
     "GLOBTRKINC" inert "contact candidates are updated automatically",
     "WARP CHECK PERIOD" inert "facets of axisymmetric surfaces do not warp",
@@ -153,7 +153,7 @@ pub const CARDS: &[Keyword] = &[
     Attitude::ROW,
     row!("SPRING", "Springs of SPRINGA and SPRING1 elements", (), {
         "ELSET" read "Elements",
-        "NONLINEAR" read "Rows of force and relative displacement",
+        "NONLINEAR" (FLAG) "Rows of force and relative displacement",
         "COMPLEX STIFFNESS" refused "applies only to harmonic analyses",
         "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
         "ORIENTATION" refused "springs act along r, z or the line between their nodes",
@@ -166,7 +166,7 @@ pub const CARDS: &[Keyword] = &[
     ]),
     row!("DASHPOT", "Dashpots of DASHPOTA and DASHPOT1 elements", (), {
         "ELSET" read "Elements",
-        "NONLINEAR" read "Rows of force and relative velocity",
+        "NONLINEAR" (FLAG) "Rows of force and relative velocity",
         "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
         "ORIENTATION" refused "dashpots act along r, z or the line between their nodes",
         "RTOL" refused "tables are used as given, without regularisation",
@@ -237,7 +237,7 @@ pub const CARDS: &[Keyword] = &[
     row!("KINEMATIC", "The nodes of a *COUPLING follow its reference node", (), {
     }, [(rows ["first degree of freedom" (INTEGER.from(1.0).to(6.0)), "last degree of freedom" (INTEGER.from(1.0).to(6.0))])]),
     row!("DISTRIBUTING", "The reference node of a *COUPLING follows the weighted mean motion of its nodes", (), {
-        "COUPLING" only ["CONTINUUM"] "nodes of solids have no rotation",
+        "COUPLING" inert "CONTINUUM and STRUCTURAL are the same, because nodes of solids have no rotation",
         "WEIGHTING METHOD" (variant(&["UNIFORM", "LINEAR", "QUADRATIC", "CUBIC"]).or(0.0)),
         "ROTATIONAL COUPLING" inert "the rotation is zero by symmetry",
     }, [(rows ["first degree of freedom" inert "translations are always coupled, and the rotation is zero by symmetry",
@@ -264,7 +264,7 @@ pub const CARDS: &[Keyword] = &[
         "SMALL SLIDING" inert "finite sliding is always used, which includes small sliding",
         "OP" (word(&["DELETE", "ADD"]).or(1.0)),
         "ADJUST" read "Initial gaps up to this value are set to zero",
-        "NO THICKNESS" read "Contact at the middle surface of shells, without their half thickness",
+        "NO THICKNESS" (FLAG) "Contact at the middle surface of shells, without their half thickness",
         "GEOMETRIC CORRECTION" refused "the analytical surface is exact",
         "TIED" refused "use *TIE",
     } refused {
@@ -276,7 +276,7 @@ pub const CARDS: &[Keyword] = &[
         "OP" (word(&["MOD", "NEW"]).or(0.0)) "MOD changes the active definition, NEW replaces it",
     }, []),
     row!("CONTACT INCLUSIONS", "Surfaces in general contact", (), {
-        "ALL EXTERIOR" read "All exterior faces, including self-contact, and all analytical rigid surfaces",
+        "ALL EXTERIOR" (FLAG) "All exterior faces, including self-contact, and all analytical rigid surfaces",
     }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface"])]),
     row!("CONTACT EXCLUSIONS", "Surfaces excluded from general contact", (), {
     }, [(rows ["first surface" read "Default: all exterior faces", "second surface" read "Default: the first surface"])]),

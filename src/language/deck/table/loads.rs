@@ -2,7 +2,7 @@
 
 use super::row;
 use crate::deck::keywords::Keyword;
-use crate::deck::value::{INTEGER, NOT_NEGATIVE, NUMBER, TEXT, variant, word};
+use crate::deck::value::{FLAG, INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEXT, YES_NO, ZERO, variant, word};
 
 /// Keywords of loads, prescribed motions and predefined fields.
 pub const CARDS: &[Keyword] = &[
@@ -14,7 +14,7 @@ pub const CARDS: &[Keyword] = &[
         "FIXED" refused "applies only to implicit analyses",
         "LOAD CASE" inert "applies only to implicit analyses",
         "BASE NAME" refused "applies only to modal analyses",
-        "USER" read "Values from user subroutine VDISP",
+        "USER" (FLAG) "Values from user subroutine VDISP",
         "SUBMODEL" refused "results of another job cannot be read",
         "PHANTOM" refused "applies only to enriched elements",
     } refused {
@@ -31,45 +31,73 @@ pub const CARDS: &[Keyword] = &[
         "CYCLIC MODE" refused "applies only to modal analyses",
         "SUBMODEL" refused "results of another job cannot be read",
     }, [(rows ["node or set" (TEXT.required()), "degree of freedom" (INTEGER.from(1.0).to(6.0).required()), "force" (NUMBER.required())])]),
-    row!("DLOAD", "Loads on elements: gravity, pressure, user-defined pressure", (step), {
+    row!("DLOAD", "Loads on elements: gravity, body forces, pressures, tractions, user-defined pressures", (step), {
         "OP" (word(&["MOD", "NEW"]).or(0.0)),
         "AMPLITUDE" read "Amplitude of the values",
         "REGION TYPE" refused "adaptive meshing is unsupported",
-        "REF NODE" refused "applies only to fluid pressures",
+        "REF NODE" read "Node to whose velocity VP refers",
         "LOAD CASE" inert "applies only to implicit analyses",
         "ORIENTATION" refused "pressures act along normals",
-        "FOLLOWER" only ["YES"] "pressures follow their faces",
+        "FOLLOWER" (YES_NO.or(1.0)) "NO: the direction of TRVEC is fixed; YES: it rotates with the surface",
         "REAL" inert "applies only to harmonic analyses",
         "IMAGINARY" refused "applies only to harmonic analyses",
-        "CONSTANT RESULTANT" refused "pressures act on current areas",
+        "CONSTANT RESULTANT" only ["NO"] "pressures and tractions act on current areas",
         "CYCLIC MODE" refused "applies only to modal analyses",
         "TARGET" extension "Target of CAVITY loads",
         "FRICTION" extension (NOT_NEGATIVE.or(0.0)) "Coulomb friction coefficient of CAVITY loads",
     }, [(rows [
         "element or set",
-        "label" read "GRAV, P, P1 ... P4, PNU, P1NU ... P4NU, BRNU, BZNU, CAVITY",
-        "magnitude",
-        "direction along r" read "For GRAV",
-        "direction along z" read "For GRAV",
-        "third direction" read "For GRAV on bodies with six degrees of freedom",
+        "label" read "GRAV, BR, BZ, CENTRIF, P, P1 ... P4, VP ..., TRVEC ..., TRSHR ..., PNU, P1NU ... P4NU, BRNU, BZNU, CAVITY",
+        "magnitude" read "Acceleration, force per volume, squared angular velocity (CENTRIF), pressure, pressure per velocity (VP) or traction",
+        "direction along r" read "For GRAV, TRVEC and TRSHR; for CENTRIF r of a point of the axis, 0",
+        "direction along z" read "For GRAV, TRVEC and TRSHR; for CENTRIF z of this point",
+        "third direction" read "For GRAV on bodies with six degrees of freedom; otherwise 0",
+        "axis along r" read "For CENTRIF, 0",
+        "axis along z" read "For CENTRIF",
+        "third component of the axis" read "For CENTRIF, 0",
     ])]),
-    row!("DSLOAD", "Loads on surfaces: pressure, user-defined pressure, cavity expansion", (step), {
+    row!("DSLOAD", "Loads on surfaces: pressures, tractions, user-defined pressures, cavity expansion", (step), {
         "OP" (word(&["MOD", "NEW"]).or(0.0)),
         "AMPLITUDE" read "Amplitude of the values",
         "REGION TYPE" refused "adaptive meshing is unsupported",
-        "REF NODE" refused "applies only to fluid pressures",
+        "REF NODE" read "Node to whose velocity VP refers",
         "LOAD CASE" inert "applies only to implicit analyses",
         "ORIENTATION" refused "pressures act along normals",
-        "FOLLOWER" only ["YES"] "pressures follow their faces",
+        "FOLLOWER" (YES_NO.or(1.0)) "NO: the direction of TRVEC is fixed; YES: it rotates with the surface",
         "REAL" inert "applies only to harmonic analyses",
         "IMAGINARY" refused "applies only to harmonic analyses",
-        "CONSTANT RESULTANT" refused "pressures act on current areas",
+        "CONSTANT RESULTANT" only ["NO"] "pressures and tractions act on current areas",
         "CYCLIC MODE" refused "applies only to modal analyses",
         "SUBMODEL" refused "results of another job cannot be read",
         "STEP" refused "applies only to SUBMODEL",
         "TARGET" extension "Target of CAVITY loads",
         "FRICTION" extension (NOT_NEGATIVE.or(0.0)) "Coulomb friction coefficient of CAVITY loads",
-    }, [(rows ["surface", "label" read "P, PNU or CAVITY", "magnitude"])]),
+    }, [(rows [
+        "surface",
+        "label" read "P, VP, TRVEC, TRSHR, PNU or CAVITY",
+        "magnitude" read "Pressure, pressure per velocity (VP) or traction",
+        "direction along r" read "For TRVEC and TRSHR",
+        "direction along z" read "For TRVEC and TRSHR",
+        "third direction" only ["0"] "tractions act in the r-z plane",
+    ])]),
+    row!("INCIDENT WAVE INTERACTION PROPERTY", "Blast wave in air", (unique "NAME"), {
+        "NAME" (TEXT.required()) "Name",
+        "TYPE" (variant(&["AIR BLAST", "SURFACE BLAST"]).required()) "AIR BLAST: spherical wave of a charge in free air; SURFACE BLAST: hemispherical wave of a charge on the ground",
+    }, []),
+    row!("CONWEP CHARGE PROPERTY", "Charge of a blast wave", (once below "INCIDENT WAVE INTERACTION PROPERTY"), {}, [
+        (lines
+            ["mass of TNT" (POSITIVE.required()), "factor to kilograms" (POSITIVE.or(1.0))]
+            ["factor to metres" (POSITIVE.or(1.0)) "From the unit of length of the model", "factor to seconds" (POSITIVE.or(1.0)), "factor to pascals" (POSITIVE.or(1.0))]),
+    ]),
+    row!("INCIDENT WAVE INTERACTION", "Pressure of a blast wave on surfaces", (step), {
+        "PROPERTY" read "Blast wave",
+        "CONWEP" (FLAG) "Pressure history of *CONWEP CHARGE PROPERTY; required",
+        "PRESSURE AMPLITUDE" refused "applies only to waves in fluids: give the pressure as *DSLOAD, P with *AMPLITUDE",
+        "ACCELERATION AMPLITUDE" refused "applies only to waves in fluids",
+        "UNDEX" refused "applies only to waves in fluids",
+    } refused {
+        "applies only to harmonic analyses": "REAL", "IMAGINARY";
+    }, [(rows ["surface", "source node" read "On the axis of symmetry, or a set of one node", "total time of detonation" (ZERO), "factor on the pressure" (NUMBER.or(1.0))])]),
     row!("FIELD", "Field variables at nodes over time, for material tables and user subroutines", (step), {
         "VARIABLE" (INTEGER.from(1.0).to(100.0).or(1.0)) "Number of the field variable",
         "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW: fields of earlier steps return to their initial values",

@@ -3,7 +3,7 @@
 use super::{card, row};
 use crate::deck::keywords::Keyword;
 use crate::deck::value::{
-    COUNT, INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEMPERATURE, TEXT, YES_NO, ZERO, variant, word,
+    COUNT, FLAG, INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEMPERATURE, TEXT, YES_NO, ZERO, variant, word,
 };
 
 card!(Density: "DENSITY", "Mass per volume", (once below "MATERIAL"), {
@@ -59,13 +59,13 @@ card!(DetonationPoint: "DETONATION POINT", "Points at which detonation begins", 
 ]);
 
 card!(Hyperelastic: "HYPERELASTIC", "Rubber elasticity", (once below "MATERIAL"), {
-    "NEO HOOKE" read "C10 and D1",
+    "NEO HOOKE" (FLAG) "C10 and D1",
     "MODULI" inert "without viscoelasticity instantaneous and long-term moduli are equal",
-    "MOONEY-RIVLIN" read "C10, C01 and D1",
-    "YEOH" read "C10, C20, C30, D1, D2, D3",
-    "OGDEN" read "mu1, alpha1, mu2, alpha2, ..., then D1, ...; N of each",
-    "POLYNOMIAL" read "Default: C10, C01, C20, C11, C02, ..., then D1, ... up to order N",
-    "REDUCED POLYNOMIAL" read "C10, C20, ..., then D1, ... up to order N",
+    "MOONEY-RIVLIN" (FLAG) "C10, C01 and D1",
+    "YEOH" (FLAG) "C10, C20, C30, D1, D2, D3",
+    "OGDEN" (FLAG) "mu1, alpha1, mu2, alpha2, ..., then D1, ...; N of each",
+    "POLYNOMIAL" (FLAG) "Default: C10, C01, C20, C11, C02, ..., then D1, ... up to order N",
+    "REDUCED POLYNOMIAL" (FLAG) "C10, C20, ..., then D1, ... up to order N",
     order: Option<usize> = "N" (INTEGER.from(1.0).to(6.0)) "Order of OGDEN, POLYNOMIAL or REDUCED POLYNOMIAL; default 1",
     "POISSON" refused "give D1",
     "TEST DATA INPUT" refused "test data are not fitted: give the constants on the data lines",
@@ -102,8 +102,8 @@ card!(CrushableFoamHardening: "CRUSHABLE FOAM HARDENING", "Hardening of crushabl
 ]);
 
 card!(Damping: "DAMPING", "Rayleigh damping of a material", (once below "MATERIAL"), {
-    alpha: Option<f64> = "ALPHA" (NOT_NEGATIVE) "Mass proportional damping, 1/time",
-    "BETA" only ["0"] "stiffness proportional damping is unsupported: use ALPHA or *BULK VISCOSITY",
+    alpha: f64 = "ALPHA" (NOT_NEGATIVE.or(0.0)) "Mass proportional damping, 1/time",
+    beta: f64 = "BETA" (NOT_NEGATIVE.or(0.0)) "Stiffness proportional damping, time; reduces the stable time increment",
     "COMPOSITE" inert "applies only to modal procedures",
     "STRUCTURAL" inert "applies only to steady-state procedures",
 }, []);
@@ -236,10 +236,10 @@ card!(UserMaterial: "USER MATERIAL", "Material model of user subroutine VUMAT", 
 
 card!(CavityExpansion: extension "CAVITY EXPANSION", "Resistance of a target material: Y (A + B x + C x^2), x = v_n sqrt(rho/Y)", (once below "MATERIAL"), {
     yield_stress: Option<f64> = "YIELD" (POSITIVE) "Y, the reference strength",
-    derives: bool = "DERIVE" read "Computes Y, A, B and C from *ELASTIC, *DENSITY and *PLASTIC of the material: cavity expansion, fitted over a range of velocities",
+    derives: bool = "DERIVE" (FLAG) "Computes Y, A, B and C from *ELASTIC, *DENSITY and *PLASTIC of the material: cavity expansion, fitted over a range of velocities",
     shape: usize = "TYPE" (word(&["SPHERICAL", "CYLINDRICAL"]).or(0.0)) "With DERIVE: shape of the cavity, SPHERICAL (default, deep penetration) or CYLINDRICAL (hole expansion in plates)",
     linear: bool = "TERMS" (word(&["2", "3"]).or(1.0)) "With DERIVE: number of terms, 3 (default) or 2 (B = 0)",
-    pinned: bool = "STATIC" read "With DERIVE: A is the quasi-static cavity pressure and is not fitted",
+    pinned: bool = "STATIC" (FLAG) "With DERIVE: A is the quasi-static cavity pressure and is not fitted",
     weight: usize = "WEIGHT" (word(&["EVEN", "RELATIVE", "VELOCITY"]).or(0.0)) "With DERIVE: weights of the fit, EVEN (absolute pressure differences, default), RELATIVE (relative differences) or VELOCITY (weighted by velocity)",
     radius: Option<f64> = "RADIUS" (POSITIVE) "With DERIVE: cavity radius, for the strain rates of *RATE DEPENDENT",
     tension: Option<f64> = "TENSION" (POSITIVE) "With DERIVE: tensile strength, above which radial cracks form",

@@ -2,7 +2,7 @@
 
 use super::row;
 use crate::deck::keywords::Keyword;
-use crate::deck::value::{COUNT, INTEGER, NUMBER, POSITIVE, ValueSpec, ZERO, variant, word};
+use crate::deck::value::{COUNT, FLAG, INTEGER, NUMBER, POSITIVE, ValueSpec, ZERO, variant, word};
 
 /// A mandatory number.
 const GIVEN: ValueSpec = NUMBER.required();
@@ -57,13 +57,13 @@ pub const CARDS: &[Keyword] = &[
         "NSET" read "Node set to which they are added",
         "BIAS" (POSITIVE.or(1.0)) "Ratio of the lengths of consecutive intervals",
         "SINGULAR" (INTEGER.from(0.0).to(2.0)) "1 or 2: nodes next to the first or second line are moved to the quarter points",
-        "TWO STEP" read "BIAS applies to pairs of intervals of equal length",
+        "TWO STEP" (FLAG) "BIAS applies to pairs of intervals of equal length",
     }, [(rows ["first set", "second set", "number of intervals", "increment"])]),
     row!("NCOPY", "Copies nodes with new numbers and coordinates", (), {
         "OLD SET" read "Nodes to copy",
         "CHANGE NUMBER" read "Added to their numbers",
         "NEW SET" read "Node set of the copies",
-        "SHIFT" read "The data lines give a translation and then a rotation, as for *INSTANCE",
+        "SHIFT" (FLAG) "The data lines give a translation and then a rotation, as for *INSTANCE",
         "REFLECT" (word(&["POINT", "LINE", "MIRROR"])) "The data lines give points of the reflection centre, line or plane",
         "MULTIPLE" only ["1"] "give one *NCOPY per copy",
         "POLE" refused "applies only to infinite elements",
@@ -133,22 +133,22 @@ pub const CARDS: &[Keyword] = &[
         "ELEMENT SHIFT" read "Added to their numbers",
         "SHIFT NODES" read "Added to the numbers of their nodes",
         "NEW SET" read "Element set of the copies",
-        "REFLECT" read "Reverses the order of the nodes, for reflected nodes",
+        "REFLECT" (FLAG) "Reverses the order of the nodes, for reflected nodes",
     }, []),
     row!("NSET", "Defines or extends a node set", (), {
         "NSET" read "Name of the set",
-        "GENERATE" read "Data lines give first, last and increment",
+        "GENERATE" (FLAG) "Data lines give first, last and increment",
         "INSTANCE" read "Instance of the nodes",
         "ELSET" read "All nodes of these elements",
         "INTERNAL" inert "written by ABAQUS/CAE; has no effect",
-        "UNSORTED" read "Keeps the given order of nodes, for *NFILL and *EQUATION",
+        "UNSORTED" (FLAG) "Keeps the given order of nodes, for *NFILL and *EQUATION",
     }, [
         (when "GENERATE" = "" rows ["first node", "last node", "increment"]),
         (list "node or set"),
     ]),
     row!("ELSET", "Defines or extends an element set", (), {
         "ELSET" read "Name of the set",
-        "GENERATE" read "Data lines give first, last and increment",
+        "GENERATE" (FLAG) "Data lines give first, last and increment",
         "INSTANCE" read "Instance of the elements",
         "INTERNAL" inert "written by ABAQUS/CAE; has no effect",
         "UNSORTED" inert "no supported card depends on the order of elements",
@@ -167,10 +167,12 @@ pub const CARDS: &[Keyword] = &[
         "REGION TYPE" refused "adaptive meshing is unsupported",
         "TRIM" refused "surfaces are not trimmed: give the faces",
         "DISCRETIZATION" inert "written by some preprocessors; has no effect",
+        "COMBINE" only ["UNION"] "give the faces of the surface",
     } refused {
-        "give the faces of the surface": "COMBINE", "CROP";
+        "give the faces of the surface": "CROP";
         "applies only to shell contact": "MAX RATIO", "PROPERTY", "SCALE THICK";
     }, [
+        (when "COMBINE" = "" list "surface" read "Element surface; the new surface has the faces of all"),
         (when "TYPE" = "NODE" rows ["node or set", "area" inert "areas are used only for contact stresses of nodes, which are not computed"]),
         (when "TYPE" = "SEGMENTS" rows ["segment" read "START, then LINE or CIRCL; the outward normal is to the left of the direction from START",
             "r", "z", "r of the centre" read "For CIRCL", "z of the centre" read "For CIRCL"]),

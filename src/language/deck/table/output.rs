@@ -2,13 +2,13 @@
 
 use super::row;
 use crate::deck::keywords::Keyword;
-use crate::deck::value::{COUNT, INTEGER, NUMBER, POSITIVE, ZERO, word};
+use crate::deck::value::{COUNT, FLAG, INTEGER, NUMBER, POSITIVE, ZERO, word};
 
 /// Keywords that request output and restart files.
 pub const CARDS: &[Keyword] = &[
     row!("OUTPUT", "Requests results", (step), {
-        "FIELD" read "Frames of the whole model",
-        "HISTORY" read "Histories over time",
+        "FIELD" (FLAG) "Frames of the whole model",
+        "HISTORY" (FLAG) "Histories over time",
         "DIAGNOSTICS" inert "applies only to implicit analyses",
         "OP" (word(&["NEW", "ADD", "REPLACE"]).or(0.0)) "NEW ends all requests of earlier steps, REPLACE those of the same type and frequency; ADD keeps them",
         "NAME" read "Name of a sensor",
@@ -16,10 +16,10 @@ pub const CARDS: &[Keyword] = &[
         "FREQUENCY" (INTEGER.from(0.0)) "Interval in increments; 0 for no output",
         "NUMBER INTERVAL" (COUNT) "Number of outputs in the step",
         "TIME INTERVAL" (POSITIVE) "Time interval of output",
-        "TIME MARKS" read "YES: output at the first increment at or after each time mark, with a note; NO is the default for history",
+        "TIME MARKS" (FLAG) "YES: output at the first increment at or after each time mark, with a note; NO is the default for history",
         "TIME POINTS" read "Name of *TIME POINTS; output at the first increment at or after each time",
         "FILTER" inert "output is not filtered; it contains the computed values",
-        "SENSOR" read "Sensor that a user amplitude reads by its NAME",
+        "SENSOR" (FLAG) "Sensor that a user amplitude reads by its NAME",
         "MODE LIST" refused "applies only to modal analyses",
         "INTERNAL" inert "written by ABAQUS/CAE; has no effect",
     }, []),
@@ -51,7 +51,7 @@ pub const CARDS: &[Keyword] = &[
         "VARIABLE" (word(&["PRESELECT", "ALL"])) "Names of variables are given on the data lines",
         "CPSET" read "Only pairs of this set",
         "CONTACT PAIR" extension "Only pairs with this surface interaction",
-        "GENERAL CONTACT" read "Only pairs of general contact",
+        "GENERAL CONTACT" (FLAG) "Only pairs of general contact",
         "SURFACE" read "Only pairs with this surface",
         "SECOND SURFACE" read "Only pairs of SURFACE with this surface",
         "MASTER" read "Only pairs with this surface",
@@ -74,7 +74,7 @@ pub const CARDS: &[Keyword] = &[
     ]),
     row!("TIME POINTS", "Output times of an *OUTPUT request", (unique "NAME"), {
         "NAME" read "Name that *OUTPUT refers to",
-        "GENERATE" read "Data lines give first, last and increment",
+        "GENERATE" (FLAG) "Data lines give first, last and increment",
         "INPUT" read "File with the data lines",
     }, [
         (when "GENERATE" = "" rows ["first time" (ZERO), "last time" (ZERO), "increment" (POSITIVE.required())]),
@@ -96,11 +96,11 @@ pub const CARDS: &[Keyword] = &[
         "FILTER" refused "histories are not filtered",
     }, [(list "variable")]),
     row!("RESTART", "Writes restart files for `revolve run --resume`; before the first step it applies to all steps", (once each step), {
-        "WRITE" read "Writes <job>.checkpoint with the last state; deleted when the run is complete",
+        "WRITE" (FLAG) "Writes <job>.checkpoint with the last state; deleted when the run is complete",
         "READ" refused "to continue a halted run, use `revolve run --resume`",
         "FREQUENCY" (INTEGER.from(0.0)) "Interval in increments; 0 for no output",
         "NUMBER INTERVAL" (COUNT) "Number of restart files in the step (default 1)",
-        "TIME MARKS" read "YES: at the first increment at or after each time mark, with a note",
+        "TIME MARKS" (FLAG) "YES: at the first increment at or after each time mark, with a note",
         "OVERLAY" inert "only the last state is kept",
     } refused {
         "applies only to READ": "SINGLE", "STEP", "INC", "INTERVAL", "ITERATION", "END STEP";

@@ -2,15 +2,15 @@
 
 use super::{card, row, rules};
 use crate::deck::keywords::Keyword;
-use crate::deck::value::{COUNT, INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEXT, ZERO, variant, word};
+use crate::deck::value::{COUNT, FLAG, INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEXT, ZERO, variant, word};
 
 card!(Dynamic: "DYNAMIC", "Explicit dynamics", (once step), {
-    explicit: bool = "EXPLICIT" read "Required",
-    adiabatic: bool = "ADIABATIC" read "Adiabatic heating by plastic work",
-    element_by_element: bool = "ELEMENT BY ELEMENT" read "Stable time increment estimated element by element",
-    global: bool = "GLOBAL" read "Stable time increment from the highest frequency of the model (default)",
+    explicit: bool = "EXPLICIT" (FLAG) "Required",
+    adiabatic: bool = "ADIABATIC" (FLAG) "Adiabatic heating by plastic work",
+    element_by_element: bool = "ELEMENT BY ELEMENT" (FLAG) "Stable time increment estimated element by element",
+    global: bool = "GLOBAL" (FLAG) "Stable time increment from the highest frequency of the model (default)",
     "FIXED TIME INCREMENTATION" refused "give DIRECT USER CONTROL",
-    direct: bool = "DIRECT USER CONTROL" read "The time increment is given on the data line",
+    direct: bool = "DIRECT USER CONTROL" (FLAG) "The time increment is given on the data line",
     scale_factor: f64 = "SCALE FACTOR" (POSITIVE.or(1.0)) "Factor on the stable time increment",
     "IMPROVED DT METHOD" inert "applies only to three-dimensional elements",
     accuracy: f64 = "ACCURACY" extension (NUMBER.from(1e-14).to(0.1).or(1e-4)) "Target relative error of the motion, if no stability condition limits the increment",
@@ -38,11 +38,11 @@ const COUPLED_DYNAMIC: Keyword = Keyword {
     name: "DYNAMIC TEMPERATURE-DISPLACEMENT",
     summary: "Explicit dynamics with heat conduction",
     parameters: rules!(
-        "EXPLICIT" read "Required",
-        "ELEMENT BY ELEMENT" read "Stable time increment estimated element by element",
+        "EXPLICIT" (FLAG) "Required",
+        "ELEMENT BY ELEMENT" (FLAG) "Stable time increment estimated element by element",
         "GLOBAL" inert "the default",
         "FIXED TIME INCREMENTATION" refused "give DIRECT USER CONTROL",
-        "DIRECT USER CONTROL" read "The time increment is given on the data line",
+        "DIRECT USER CONTROL" (FLAG) "The time increment is given on the data line",
         "SCALE FACTOR" (POSITIVE.or(1.0)) "Factor on the stable time increment",
         "IMPROVED DT METHOD" inert "applies only to three-dimensional elements",
     ),
@@ -83,7 +83,7 @@ card!(Amplitude: "AMPLITUDE", "A function of time", (unique "NAME"), {
     definition: usize = "DEFINITION" (variant(&["TABULAR", "SMOOTH STEP", "EQUALLY SPACED", "USER"]).or(0.0)),
     total_time: bool = "TIME" (word(&["STEP TIME", "TOTAL TIME"]).or(0.0)),
     absolute: bool = "VALUE" (word(&["RELATIVE", "ABSOLUTE"]).or(0.0)) "RELATIVE: factors on the magnitude; ABSOLUTE: the magnitude itself",
-    "SMOOTH" refused "tabular amplitudes are not smoothed; give SMOOTH STEP",
+    "SMOOTH" only ["0"] "tabular amplitudes are not smoothed; give SMOOTH STEP",
     "INPUT" read "File with the data lines",
     interval: Option<f64> = "FIXED INTERVAL" (POSITIVE) "Interval of EQUALLY SPACED",
     begin: f64 = "BEGIN" (ZERO) "Start time of EQUALLY SPACED",

@@ -90,8 +90,7 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Rate-form elasticity": "HYPOELASTIC";
     "Imperfect geometry": "IMPERFECTION";
     "State of another job": "IMPORT";
-    "Blast and shock waves": "INCIDENT WAVE", "INCIDENT WAVE INTERACTION", "INCIDENT WAVE INTERACTION PROPERTY";
-    "Blast of a charge": "CONWEP CHARGE PROPERTY";
+    "Shock waves in a fluid": "INCIDENT WAVE";
     "Inertia relief": "INERTIA RELIEF";
     "Joints": "JOINT";
     "Coupling of an older form": "KINEMATIC COUPLING", "DISTRIBUTING COUPLING";

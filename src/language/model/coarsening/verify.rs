@@ -76,6 +76,7 @@ impl Verification<'_> {
         match (&coarse.kind, &fine.kind) {
             (LoadKind::Gravity { elements: Some(a), .. }, LoadKind::Gravity { elements: Some(b), .. })
             | (LoadKind::UserBody { elements: a, .. }, LoadKind::UserBody { elements: b, .. })
+            | (LoadKind::Body { elements: a, .. }, LoadKind::Body { elements: b, .. })
             | (LoadKind::BodyHeat { elements: a, .. }, LoadKind::BodyHeat { elements: b, .. }) => {
                 self.elements("a load", [a, b], span);
             }
@@ -98,6 +99,8 @@ fn sides(load: &LoadKind) -> Option<&SideSelection> {
         LoadKind::Pressure(sides)
         | LoadKind::SurfaceHeat(sides)
         | LoadKind::User { sides, .. }
+        | LoadKind::Traction { sides, .. }
+        | LoadKind::Blast { sides, .. }
         | LoadKind::Cavity { sides, .. }
         | LoadKind::Film { sides, .. } => Some(sides),
         _ => None,

@@ -56,8 +56,8 @@ pub const STATIONS: usize = 64;
 pub struct RotaryInertia {
     /// Index of the node.
     pub node: usize,
-    /// Moment of inertia about the axis of symmetry, and about any transverse axis through the node.
-    pub axial_transverse: [f64; 2],
+    /// Moments of inertia I11, I22, I33 about axes through the node; direction 2 is the axis of symmetry.
+    pub moments: [f64; 3],
     /// Source position of the keyword line.
     pub span: Span,
 }

@@ -3,6 +3,7 @@
 use super::SideSelection;
 use super::handle::{AmplitudeId, MaterialId, TargetId};
 use crate::deck::Span;
+use crate::kernel::blast_wave::BurstShape;
 
 /// A load in force in a step, mechanical or thermal.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +39,33 @@ pub enum LoadKind {
     },
     /// `P`: a pressure on element sides.
     Pressure(SideSelection),
+    /// `TRVEC`, `TRSHR`, `VP`: a traction that is no pressure.
+    Traction {
+        /// Faces on which the traction acts.
+        sides: SideSelection,
+        /// Direction of the traction.
+        law: SurfaceTraction,
+    },
+    /// `BR`, `BZ`, `CENTRIF`: a force per volume.
+    Body {
+        /// Indices of the elements on which the load acts.
+        elements: Vec<usize>,
+        /// Name of the element set, or the element, as written in the deck.
+        set: String,
+        /// Direction and meaning of the magnitude.
+        law: BodyForce,
+    },
+    /// `*INCIDENT WAVE INTERACTION, CONWEP`: the blast of a charge on the axis. The magnitude is a factor on the pressure.
+    Blast {
+        /// Faces on which the pressure acts.
+        sides: SideSelection,
+        /// The charge.
+        charge: BlastCharge,
+        /// Coordinate z of the charge.
+        height: f64,
+        /// Total time of the detonation.
+        detonation: f64,
+    },
     /// `PNU`, `P1NU` to `P4NU`: a pressure given by the user subroutine VDLOAD.
     User {
         /// Faces on which the pressure acts.
@@ -88,6 +116,50 @@ pub enum LoadKind {
         /// Amplitude of the film coefficient; `None` for a constant coefficient.
         amplitude: Option<AmplitudeId>,
     },
+}
+
+/// A charge of TNT (`*CONWEP CHARGE PROPERTY`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlastCharge {
+    /// Shape of the wave.
+    pub shape: BurstShape,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Factors from the units of the model to metres, seconds and pascals.
+    pub units: [f64; 3],
+}
+
+/// Direction of a traction that is no pressure; directions are unit vectors along r and z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SurfaceTraction {
+    /// `TRVEC`: in a direction, which rotates with the surface or not.
+    Vector {
+        /// Direction.
+        direction: [f64; 2],
+        /// Whether the direction rotates with the surface (`FOLLOWER=YES`).
+        follows: bool,
+    },
+    /// `TRSHR`: along the surface, in the direction that is nearest to the given one at the start.
+    Shear {
+        /// Direction before projection to the surface.
+        direction: [f64; 2],
+    },
+    /// `VP`: against the normal velocity; the magnitude is a pressure per velocity.
+    Viscous {
+        /// Node to whose motion the velocity refers (`REF NODE`); `None` is at rest.
+        reference: Option<usize>,
+    },
+}
+
+/// Direction of a body force and meaning of its magnitude.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BodyForce {
+    /// `BR`: force per volume along r.
+    Radial,
+    /// `BZ`: force per volume along z.
+    Axial,
+    /// `CENTRIF`: squared angular velocity of a rotation about the axis of symmetry, 1/time².
+    Centrifugal,
 }
 
 /// A target without mesh: a stack of material layers (`*TARGET`, extension).

@@ -33,8 +33,8 @@ pub struct MaterialDefinition {
     pub plastic: Option<PlasticityModel>,
     /// Crushable foam (`*CRUSHABLE FOAM` and its hardening).
     pub foam: FoamDefinition,
-    /// Mass-proportional damping coefficient in 1/time (`*DAMPING, ALPHA`) and its source position; `None` if zero.
-    pub damping: Option<(f64, Span)>,
+    /// Rayleigh damping (`*DAMPING`); `None` if both coefficients are zero.
+    pub damping: Option<RayleighCoefficients>,
     /// Whether the yield stress is extrapolated linearly beyond the last row of the table (`EXTRAPOLATION=LINEAR`).
     pub extrapolates: bool,
     /// Strain rate dependence of the yield stress.
@@ -292,4 +292,15 @@ pub struct ResistanceDerivation {
     pub worst: [f64; 2],
     /// Quasi-static expansion pressure divided by Y.
     pub still: f64,
+}
+
+/// Coefficients of Rayleigh damping (`*DAMPING`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayleighCoefficients {
+    /// Mass proportional damping, 1/time.
+    pub alpha: f64,
+    /// Stiffness proportional damping, time.
+    pub beta: f64,
+    /// Source position of the card.
+    pub span: Span,
 }

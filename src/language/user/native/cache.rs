@@ -29,6 +29,8 @@ pub struct BuiltLibrary {
     pub identity: String,
     /// Subroutines of the library that cannot be called.
     pub uncallable: Vec<UncallableRoutine>,
+    /// Files with subroutines in single precision that were compiled in double precision.
+    pub promoted: Vec<PathBuf>,
 }
 
 /// The files from which a library was compiled.
@@ -54,6 +56,7 @@ struct CacheEntry {
     identity: String,
     origin: BuildInputs,
     uncallable: Vec<UncallableRoutine>,
+    promoted: Vec<PathBuf>,
 }
 
 /// The cache folder; `None` without a private one.
@@ -110,7 +113,7 @@ impl LibraryCache {
         }
         // Marks the entry as recently used. A failure only means that it is removed earlier.
         let _ = File::open(&description).and_then(|file| file.set_modified(SystemTime::now()));
-        Some(BuiltLibrary { bytes, identity: entry.identity, uncallable: entry.uncallable })
+        Some(BuiltLibrary { bytes, identity: entry.identity, uncallable: entry.uncallable, promoted: entry.promoted })
     }
 
     /// Stores a library; failures are ignored.
@@ -121,6 +124,7 @@ impl LibraryCache {
             identity: built.identity.clone(),
             origin: origin.clone(),
             uncallable: built.uncallable.clone(),
+            promoted: built.promoted.clone(),
         };
         let Ok(text) = serde_json::to_vec(&entry) else { return };
         let _ = write_whole(&library, &built.bytes).and_then(|()| write_whole(&description, &text));

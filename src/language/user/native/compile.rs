@@ -34,6 +34,8 @@ const FORTRAN_FLAGS: &[&str] = &[
 ];
 const C_FLAGS: &[&str] =
     &["-c", "-fPIC", "-O2", "-g", "-fexceptions", "-ffp-contract=off", "-fdiagnostics-color=never"];
+/// Additional flag for files whose subroutines have arguments in single precision.
+const PROMOTE_FLAG: &str = "-freal-4-real-8";
 /// Additional flags of `--check-user`.
 const CHECK_FLAGS: &[&str] = &["-fcheck=bounds,do,mem,pointer"];
 
@@ -128,7 +130,11 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
     remove_included_files(&mut sources, &mut notes);
     let mut uncallable = Vec::new();
     if !sources.is_empty() {
-        let BuiltLibrary { bytes, identity, uncallable: found } = build(&sources, checked, &mut notes)?;
+        let BuiltLibrary { bytes, identity, uncallable: found, promoted } = build(&sources, checked, &mut notes)?;
+        for file in promoted {
+            let message = format!("`{}` is in single precision; it was compiled in double precision", file.display());
+            notes.push(Diagnostic::note("U014", message));
+        }
         // Messages name the user's first file.
         libraries.insert(0, SharedLibrary { name: sources[0].0.to_owned(), bytes, identity });
         uncallable = found;
@@ -199,6 +205,7 @@ fn build(
         checked,
         faults: Diagnostics::default(),
         uncallable: Vec::new(),
+        promoted: Vec::new(),
         calls: CallGraph::default(),
         origin: Some(BuildInputs::of(sources.iter().map(|(file, _)| *file), SystemTime::now())),
     };
@@ -209,13 +216,13 @@ fn build(
     }
     let linked = builder.link(objects)?;
     let bytes = std::fs::read(linked).map_err(io)?;
-    let LibraryBuilder { uncallable, origin, .. } = builder;
+    let LibraryBuilder { uncallable, promoted, origin, .. } = builder;
     let Some(origin) = origin else {
         let identity = hash([content.as_bytes(), &bytes]);
-        return Ok(BuiltLibrary { bytes, identity, uncallable });
+        return Ok(BuiltLibrary { bytes, identity, uncallable, promoted });
     };
     let identity = hash(std::iter::once(content.as_bytes()).chain(origin.hashes().map(str::as_bytes)));
-    let built = BuiltLibrary { bytes, identity, uncallable };
+    let built = BuiltLibrary { bytes, identity, uncallable, promoted };
     // Libraries with undefined functions are not cached: the functions may be installed later.
     if built.uncallable.iter().all(|routine| routine.code != "U005") {
         cache.put(&key, &built, &origin);
@@ -444,12 +451,27 @@ impl CallGraph {
     }
 }
 
+/// Compiles a Fortran file to an object, with its call graph and the list of files read.
+fn compile_to(object: &Path, compiler: &OsString, arguments: &[OsString]) -> std::io::Result<Output> {
+    let more = ["-fcallgraph-info".into()].into_iter().chain(rule_into(object));
+    run(compiler, &arguments.iter().cloned().chain(more).collect::<Vec<_>>())
+}
+
+/// Returns the C prototypes of the subroutines of a Fortran file.
+fn prototypes(compiler: &OsString, arguments: &[OsString]) -> String {
+    let mut arguments: Vec<OsString> = arguments.iter().filter(|a| *a != "-c").cloned().collect();
+    arguments.extend(["-fsyntax-only".into(), "-fc-prototypes-external".into()]);
+    let printed = run(compiler, &arguments).map(|o| o.stdout).unwrap_or_default();
+    String::from_utf8_lossy(&printed).into_owned()
+}
+
 struct LibraryBuilder<'a> {
     tools: &'a CompilerSet,
     scratch: &'a Path,
     checked: bool,
     faults: Diagnostics,
     uncallable: Vec<UncallableRoutine>,
+    promoted: Vec<PathBuf>,
     calls: CallGraph,
     /// Files that the compiler read; `None` if not all are known.
     origin: Option<BuildInputs>,
@@ -526,18 +548,22 @@ impl LibraryBuilder<'_> {
         }
         let mut failures = Vec::new();
         for form in forms {
-            let mut arguments = self.arguments((file, ready), object, FORTRAN_FLAGS, Some(form));
-            arguments.push("-fcallgraph-info".into());
-            arguments.extend(rule_into(object));
-            let output = run(compiler, &arguments);
+            let arguments = self.arguments((file, ready), object, FORTRAN_FLAGS, Some(form));
+            let output = compile_to(object, compiler, &arguments);
             if output.as_ref().is_ok_and(|o| o.status.success()) {
+                let mut prototypes = prototypes(compiler, &arguments);
+                if prototype::has_single_precision(&prototypes) {
+                    let in_double: Vec<OsString> = [PROMOTE_FLAG.into()].into_iter().chain(arguments).collect();
+                    let output = compile_to(object, compiler, &in_double);
+                    if !output.as_ref().is_ok_and(|o| o.status.success()) {
+                        return output.is_ok_and(|output| self.check_output(file, Ok(output)));
+                    }
+                    prototypes = self::prototypes(compiler, &in_double);
+                    self.promoted.push(file.to_owned());
+                }
                 self.calls.read(&std::fs::read_to_string(object.with_extension("ci")).unwrap_or_default());
                 self.record_inputs(file, object);
-                let arguments = self.arguments((file, ready), object, FORTRAN_FLAGS, Some(form));
-                let mut arguments: Vec<OsString> = arguments.into_iter().filter(|a| a != "-c").collect();
-                arguments.extend(["-fsyntax-only".into(), "-fc-prototypes-external".into()]);
-                let prototypes = run(compiler, &arguments).map(|o| o.stdout).unwrap_or_default();
-                for (routine, difference) in prototype::check(&String::from_utf8_lossy(&prototypes)) {
+                for (routine, difference) in prototype::check(&prototypes) {
                     let message = format!("{}: {difference}", file.display());
                     self.uncallable.push(UncallableRoutine { routine, code: "U004".into(), message });
                 }

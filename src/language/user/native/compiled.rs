@@ -138,6 +138,10 @@ impl UserLoad for CompiledRoutine<subroutines::Vdload, WatchInvalid> {
     fn reads_motion(&self) -> bool {
         true
     }
+
+    fn reads_magnitude(&self) -> bool {
+        false
+    }
 }
 
 impl UserAmplitude for CompiledRoutine<subroutines::Vuamp, ()> {

@@ -218,7 +218,7 @@ host_routines! {
         host::with_job(|job| write_text(&job.name, name, length, capacity));
     }
 
-    /// Returns the output folder: `call vgetoutdir(outdir, lenoutdir)`.
+    /// Returns the folder of the deck: `call vgetoutdir(outdir, lenoutdir)`.
     "vgetoutdir_", "getoutdir_" => fn vgetoutdir(folder: *mut c_char, length: *mut i32, capacity: usize) {
         host::with_job(|job| write_text(&job.folder, folder, length, capacity));
     }

@@ -10,6 +10,16 @@ pub fn check(prototypes: &str) -> Vec<(String, String)> {
     prototypes.lines().filter_map(prototype).filter_map(difference).collect()
 }
 
+/// Returns whether a known subroutine has an argument in single precision where the call passes double precision.
+pub fn has_single_precision(prototypes: &str) -> bool {
+    let is_single = |(name, list): (String, Vec<String>)| {
+        let expected = interface(&name).map_or(&[][..], |known| known.arguments);
+        let real = |kind: &ArgumentKind| matches!(kind, ArgumentKind::Real | ArgumentKind::RealResult);
+        list.iter().zip(expected).any(|(given, (_, kind))| real(kind) && type_of(given) == "float")
+    };
+    prototypes.lines().filter_map(prototype).any(is_single)
+}
+
 /// Returns name and arguments of a line `void name_ (int *a, ...);`, without the hidden text lengths at the end.
 fn prototype(line: &str) -> Option<(String, Vec<String>)> {
     let (head, rest) = line.trim().split_once('(')?;
@@ -69,7 +79,8 @@ fn fits(argument: &str, kind: ArgumentKind) -> bool {
     match kind {
         ArgumentKind::Integer | ArgumentKind::IntegerResult => matches!(type_of(argument), "int" | "int32_t"),
         ArgumentKind::Real | ArgumentKind::RealResult => type_of(argument) == "double",
-        ArgumentKind::Character => type_of(argument) == "char",
+        // A name that is not declared has the implicit type, and is not used as text.
+        ArgumentKind::Character => matches!(type_of(argument), "char" | "double"),
     }
 }
 

@@ -9,7 +9,7 @@ use super::curve::{PointCarrier, SurfacePoint};
 use super::sweeps::{ContactRow, ContactRows, GapTerm};
 use crate::constraint::HeatExchange;
 use crate::kernel::interaction::InteractionLaw;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::{MemoryUse, sorted_unique};
 use crate::state::archive::persist_struct;
 
 /// Marks a point without temperature.
@@ -20,16 +20,29 @@ const NONE: u32 = u32::MAX;
 pub(super) struct ContactHeat {
     /// Node of each point; [`NONE`] if it has no temperature.
     nodes: Vec<u32>,
+    /// Number of points; nodes of rigid bodies with a temperature follow in `nodes`.
+    points: u32,
     /// Point and axis of each degree of freedom.
     point_of: Vec<(u32, usize)>,
-    /// Point of each key, and whether it is on the first surface of its pair.
-    keys: Vec<(u32, bool)>,
+    /// Point of each key, and the opposite side.
+    keys: Vec<HeatKey>,
     rows: Vec<HeatRow>,
     /// Points and their weights. The weights of each surface sum to one in size, negative on the own surface, positive
     /// on the other.
     terms: Vec<(u32, f64)>,
     /// Upper bound of the conductance of each point, heat rate per temperature difference.
     most: Vec<f64>,
+}
+
+/// Point of a contact key, and what it faces.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HeatKey {
+    pub point: u32,
+    /// Whether the point is on the first surface of its pair.
+    pub first: bool,
+    /// Node with the temperature of the rigid body that the point faces; `None` for a deformable body, or for a rigid
+    /// body without temperature.
+    pub sink: Option<u32>,
 }
 
 /// Heat exchange of one contact row.
@@ -49,7 +62,7 @@ impl ContactHeat {
     pub(super) fn new(
         (points, dofs_of): (&[SurfacePoint], &[[u32; 2]]),
         dofs: usize,
-        keys: Vec<(u32, bool)>,
+        keys: Vec<HeatKey>,
         has: impl Fn(usize) -> bool,
     ) -> ContactHeat {
         let node = |p: &SurfacePoint| match p.carrier {
@@ -62,27 +75,34 @@ impl ContactHeat {
                 of.iter().enumerate().for_each(|(axis, &dof)| point_of[dof as usize] = (i as u32, axis));
             }
         }
+        let sinks = sorted_unique(keys.iter().filter_map(|key| key.sink));
+        let nodes: Vec<u32> = points.iter().map(node).chain(sinks).collect();
         ContactHeat {
-            nodes: points.iter().map(node).collect(),
+            most: vec![0.0; nodes.len()],
+            nodes,
+            points: points.len() as u32,
             point_of,
-            rows: Vec::with_capacity(keys.len()),
-            terms: Vec::with_capacity(16 * keys.len()),
+            rows: Vec::with_capacity(2 * keys.len()),
+            terms: Vec::with_capacity(18 * keys.len()),
             keys,
-            most: vec![0.0; points.len()],
         }
     }
 
     /// Updates the rows before any is left out; conductances depend on the pressures of the previous increment.
     pub(super) fn update_rows(&mut self, rows: &ContactRows, laws: &[InteractionLaw], pressures: &[[f64; 2]]) {
-        let ContactHeat { nodes, point_of, keys, rows: passings, terms, most } = self;
+        let ContactHeat { nodes, points, point_of, keys, rows: passings, terms, most } = self;
+        let sinks = &nodes[*points as usize..];
         passings.clear();
         terms.clear();
         most.fill(0.0);
         for row in &rows.rows {
             let (begin, law) = (terms.len(), &laws[row.law as usize].heat);
-            let whole = add_weights(rows.terms_of(row), keys[row.key as usize].0, (point_of, nodes), terms);
+            let key = keys[row.key as usize];
+            let sink = key.sink.and_then(|node| sinks.iter().position(|s| *s == node));
+            let facing = sink.map(|index| *points + index as u32);
+            let whole = add_weights(rows.terms_of(row), key.point, facing, (point_of, nodes), terms);
             let mut conducts = 0.0;
-            if whole && !row.is_single_point {
+            if whole && !row.is_single_point && row.closest_point.is_none() {
                 conducts = row.area * law.conductance(row.gap / row.area, pressures[row.key as usize][0]);
                 let bound = row.area * law.largest_conductance();
                 terms[begin..].iter().for_each(|&(p, weight)| most[p as usize] += bound * weight.abs());
@@ -90,6 +110,20 @@ impl ContactHeat {
             let terms = [begin as u32, terms.len() as u32];
             passings.push(HeatRow { key: row.key, terms, conducts, made: [0.0; 2] });
         }
+    }
+
+    /// Adds conduction between the point of a key and the rigid body that it faces, at an opening and a pressure.
+    pub(super) fn add_conduction(&mut self, key: u32, area: f64, [opening, pressure]: [f64; 2], law: &InteractionLaw) {
+        let HeatKey { point, sink: Some(sink), .. } = self.keys[key as usize] else { return };
+        let sinks = &self.nodes[self.points as usize..];
+        let Some(index) = sinks.iter().position(|node| *node == sink) else { return };
+        if self.nodes[point as usize] == NONE {
+            return;
+        }
+        let (begin, conducts) = (self.terms.len() as u32, area * law.heat.conductance(opening, pressure));
+        self.terms.extend([(point, -1.0), (self.points + index as u32, 1.0)]);
+        self.most[point as usize] += area * law.heat.largest_conductance();
+        self.rows.push(HeatRow { key, terms: [begin, begin + 2], conducts, made: [0.0; 2] });
     }
 
     /// Adds heat generated by friction in the rows that remain.
@@ -105,7 +139,7 @@ impl ContactHeat {
                 at += 1;
             }
             let law = &laws[row.law as usize].heat;
-            let own = if self.keys[row.key as usize].1 { law.to_first } else { 1.0 - law.to_first };
+            let own = if self.keys[row.key as usize].first { law.to_first } else { 1.0 - law.to_first };
             let heat = -law.fraction * work(row);
             self.rows[at].made = [own * heat, (1.0 - own) * heat];
         }
@@ -158,13 +192,15 @@ impl HeatExchange for ContactHeat {
 }
 
 // Rows are computed again in the next increment.
-persist_struct!(ContactHeat { most: fixed } derived { nodes, point_of, keys, rows, terms });
+persist_struct!(ContactHeat { most: fixed } derived { nodes, points, point_of, keys, rows, terms });
 
 /// Adds the points of a row with a temperature and their weights, which follow from the derivatives of the gap along
-/// the normal of the own point. Returns whether all points have a temperature.
+/// the normal of the own point. The other surface is that of a rigid body if `facing` is given, the index of the body's
+/// node. Returns whether all points have a temperature.
 fn add_weights(
     of: &[GapTerm],
     own: u32,
+    facing: Option<u32>,
     (point_of, nodes): (&[(u32, usize)], &[u32]),
     terms: &mut Vec<(u32, f64)>,
 ) -> bool {
@@ -175,7 +211,7 @@ fn add_weights(
     for term in of {
         let (point, axis) = point_of[term.dof as usize];
         if point == NONE || nodes[point as usize] == NONE {
-            whole = false;
+            whole &= facing.is_some();
             continue;
         }
         let share = term.normal * normal[axis];
@@ -184,6 +220,7 @@ fn add_weights(
             None => terms.push((point, -share)),
         }
     }
+    terms.extend(facing.map(|index| (index, 1.0)));
     let sum = |negative: bool, terms: &[(u32, f64)]| {
         terms.iter().filter(|t| (t.1 < 0.0) == negative).map(|t| t.1.abs()).sum::<f64>()
     };

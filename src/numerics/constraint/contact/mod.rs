@@ -27,7 +27,7 @@ use std::collections::HashMap;
 use self::analytical::{AnalyticalSurface, ClosestPoint};
 use self::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use self::gaps::{FacetGap, GapIntegrator};
-use self::heat::ContactHeat;
+use self::heat::{ContactHeat, HeatKey};
 use self::search::ContactSearch;
 use self::shown::ContactOutput;
 use self::slip_damping::SlipDamping;
@@ -297,21 +297,44 @@ impl ContactConstraint {
         !self.merged.is_empty()
     }
 
-    /// Returns the contact with heat exchange; `has` returns whether the temperature of a node is solved for.
-    pub fn with_heat(mut self, has: impl Fn(usize) -> bool) -> ContactConstraint {
-        let mut keys = Vec::with_capacity(self.pressures.len());
+    /// Returns the contact with heat exchange; `has` returns whether a node has a temperature, `of_body` the node with
+    /// the temperature of a rigid body.
+    pub fn with_heat(
+        mut self,
+        has: impl Fn(usize) -> bool,
+        of_body: impl Fn(usize) -> Option<usize>,
+    ) -> ContactConstraint {
+        let mut keys: Vec<HeatKey> = Vec::with_capacity(self.pressures.len());
         for pair in &self.pairs {
             let of = |curve: usize| self.curves[curve].own.iter().copied();
-            keys.extend(of(pair.own).map(|point| (point, pair.first)));
+            let sink_of = |body: Option<usize>| body.and_then(&of_body).map(|node| node as u32);
+            let sink = sink_of(match pair.analytical {
+                Some(surface) => self.body_of_point(self.analyticals[surface].point),
+                None => pair.other.and_then(|other| self.body_of_curve(other)),
+            });
+            keys.extend(of(pair.own).map(|point| HeatKey { point, first: pair.first, sink }));
             let loose = pair.other.filter(|o| self.curves[*o].has_single_points());
-            keys.extend(loose.into_iter().flat_map(of).map(|point| (point, !pair.first)));
+            let own = sink_of(self.body_of_curve(pair.own));
+            keys.extend(loose.into_iter().flat_map(of).map(|point| HeatKey { point, first: !pair.first, sink: own }));
             // In front of re-entrant corners of analytical surfaces points have two keys.
             let twice = pair.first_key as usize + self.keys_of(pair) as usize - keys.len();
-            keys.extend(of(pair.own).take(twice).map(|point| (point, pair.first)));
+            keys.extend(of(pair.own).take(twice).map(|point| HeatKey { point, first: pair.first, sink }));
         }
         let exchange = ContactHeat::new((&self.points, &self.dofs_of), self.dofs.len(), keys, has);
         self.contact_heat = Some(Box::new(exchange));
         self
+    }
+
+    /// Returns the rigid body of a curve; `None` for a curve of a deformable body.
+    fn body_of_curve(&self, curve: usize) -> Option<usize> {
+        self.curves[curve].own.iter().find_map(|&point| self.body_of_point(point))
+    }
+
+    fn body_of_point(&self, point: u32) -> Option<usize> {
+        match self.points[point as usize].carrier {
+            PointCarrier::Body(body, _) => Some(body),
+            PointCarrier::Node(_) => None,
+        }
     }
 
     /// Measures the gaps at the start from the coordinates of the points, sets initial clearances and returns the
@@ -500,6 +523,16 @@ impl ContactConstraint {
         }
     }
 
+    /// Sets the pressures of points without elements to zero: the multiplier of a single point is a force, and that of a
+    /// point that has just lost its elements was a pressure.
+    fn forget_pressures_of_orphans(&mut self) {
+        for pair in &self.pairs {
+            for &index in &self.curves[pair.own].orphans {
+                self.pressures[(pair.first_key + index) as usize] = [0.0; 2];
+            }
+        }
+    }
+
     /// Sums the impulses of rows on degrees of freedom, and stores the pressures.
     fn gather_impulses(&mut self) {
         let ContactConstraint { rows, impulses, pressures, half, .. } = self;
@@ -603,8 +636,19 @@ impl ContactConstraint {
 
     /// Updates heat exchange before any row is left out.
     fn update_heat_rows(&mut self) {
-        if let Some(exchange) = &mut self.contact_heat {
-            exchange.update_rows(&self.rows, &self.laws, &self.pressures);
+        let ContactConstraint { contact_heat, rows, laws, pressures, pairs, curves, places, shown, .. } = self;
+        let Some(exchange) = contact_heat else { return };
+        exchange.update_rows(rows, laws, pressures);
+        // Points near analytical surfaces have rows only while they approach.
+        for pair in pairs.iter().filter(|pair| pair.analytical.is_some()) {
+            let own = &curves[pair.own];
+            for &index in &own.exposed_points {
+                let (key, opening) = (pair.first_key + index, shown.opening[(pair.first_key + index) as usize]);
+                if !opening.is_nan() {
+                    let (law, pressure) = (&laws[pair.law_of(index as usize) as usize], pressures[key as usize][0]);
+                    exchange.add_conduction(key, own.area(index as usize, places), [opening, pressure], law);
+                }
+            }
         }
     }
 
@@ -771,6 +815,7 @@ impl Constraint for ContactConstraint {
         self.read_motion(dofs, dt);
         if std::mem::take(&mut self.uncovered) {
             self.curves.iter_mut().for_each(|c| c.find_neighbors(&self.places));
+            self.forget_pressures_of_orphans();
         }
         self.curves.iter_mut().for_each(|c| c.shape(&self.places));
         self.update_candidates();

@@ -67,7 +67,7 @@ impl SlipDamping {
     /// that of friction under the pressure of the previous increment.
     pub(super) fn apply(&mut self, rows: &mut ContactRows, motion: &mut ContactVelocities, given: ContactStep<'_>) {
         let ContactRows { rows, terms, .. } = rows;
-        for row in rows.iter_mut() {
+        for row in rows.iter_mut().filter(|row| !row.is_single_point) {
             let Some(&impulse) = self.impulse.get(row.key as usize).filter(|impulse| **impulse != 0.0) else {
                 continue;
             };
@@ -96,8 +96,12 @@ impl SlipDamping {
         }
         self.next.fill(f64::NAN);
         self.impulse.fill(0.0);
+        // Single points have no facets on which a wave could travel.
         let is_damped = |row: &&ContactRow| {
-            row.normal_impulse > 0.0 && row.compliance[1] > 0.0 && laws[row.law as usize].friction.damps()
+            !row.is_single_point
+                && row.normal_impulse > 0.0
+                && row.compliance[1] > 0.0
+                && laws[row.law as usize].friction.damps()
         };
         for row in rows.rows.iter().filter(is_damped) {
             let (key, slip) = (row.key as usize, motion.slip(rows.terms_of(row)) / row.area);

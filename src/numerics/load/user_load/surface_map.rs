@@ -6,8 +6,8 @@ use super::surface_view::SurfaceView;
 use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
-use crate::kernel::quad::{corner_masses, section};
 use crate::load::SceneView;
+use crate::load::body_force::corner_volumes;
 use crate::load::fields::FacetFields;
 use crate::load::pressure::{add_pressure, face_forces};
 use crate::load::stations::SurfaceStation;
@@ -303,17 +303,8 @@ impl PointBlock {
             }
             SurfaceMap::Elements { corners, axis, .. } => {
                 for (element, &force) in corners.iter().zip(self.view.pressure()) {
-                    let places = element.inline_map(|n| nodes[n as usize].place());
-                    // Part of the volume (with area weighting: of the section) that belongs to each corner.
-                    let shares = match rings {
-                        Some(rings) => {
-                            let quarter = 0.25 * section(places.inline_map(|p| p[0]), places.inline_map(|p| p[1]));
-                            element.inline_map(|n| quarter * rings[n as usize])
-                        }
-                        None => corner_masses(places, 1.0),
-                    };
-                    for (&node, share) in element.iter().zip(shares) {
-                        forces[node as usize][*axis] += force * share;
+                    for (&node, volume) in element.iter().zip(corner_volumes(element, nodes, rings)) {
+                        forces[node as usize][*axis] += force * volume;
                     }
                 }
             }

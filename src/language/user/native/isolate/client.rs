@@ -62,6 +62,10 @@ impl UserLoad for RoutineClient {
     fn reads_motion(&self) -> bool {
         true
     }
+
+    fn reads_magnitude(&self) -> bool {
+        false
+    }
 }
 
 impl UserAmplitude for RoutineClient {
