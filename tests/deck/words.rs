@@ -11,7 +11,7 @@ use std::path::Path;
 
 use crate::common::{self, RecordedOutput};
 use revolve::deck::keywords::{DataShape, InputRule, InputUsage, Keyword, KeywordTier, keywords};
-use revolve::deck::value::ValueKind;
+use revolve::deck::value::{FLAG, ValueKind};
 use revolve::deck::{self, Card, DataLine, Deck};
 use revolve::job;
 use revolve::solve;
@@ -295,6 +295,53 @@ fn used_entries_change_results() {
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
+/// A flag with YES is the flag, with NO it is not given: for each flag in the decks of the pairs.
+#[test]
+fn flags_accept_yes_and_no() {
+    let folder = tempfile::tempdir().expect("a folder");
+    files(folder.path());
+    let flags: BTreeSet<String> =
+        entries().into_iter().filter(|(.., rule)| rule.value == FLAG).map(|(name, ..)| name).collect();
+    let mut tried = BTreeSet::new();
+    for pair in pairs().into_iter().filter(|pair| flags.contains(&pair.name)) {
+        for text in &pair.texts {
+            let (deck, _) = deck::read_text("pair.inp", text, &[]);
+            let (keyword, flag) = pair.name.split_once(", ").expect("a parameter");
+            let cards = deck.cards.iter().filter(|card| card.keyword.name == keyword);
+            let Some(at) = cards.filter_map(|card| card.parameter(flag)).next() else { continue };
+            let end = at.value.as_ref().map_or(at.span.end, |word| word.span.end) as usize;
+            let (before, after) = (&text[..at.span.start as usize], &text[end..]);
+            let name = text[at.span.start as usize..end].split('=').next().unwrap_or_default();
+            let given = |value: &str| results(folder.path(), &format!("{before}{name}{value}{after}"));
+            let comma = before.rfind(',').expect("a comma before the flag");
+            assert_eq!(given("=YES"), given(""), "{}=YES", pair.name);
+            assert_eq!(
+                given("=NO"),
+                results(folder.path(), &format!("{}{after}", &before[..comma])),
+                "{}=NO",
+                pair.name
+            );
+            tried.insert(pair.name.clone());
+        }
+    }
+    let untried: Vec<&String> = flags.difference(&tried).collect();
+    assert!(untried.is_empty(), "{untried:?}");
+}
+
+/// Parameters that need a value are errors without one.
+#[test]
+fn parameters_without_their_value_are_rejected() {
+    for (name, keyword, rule) in entries() {
+        let is_parameter = keyword.parameters.iter().any(|r| std::ptr::eq(r, rule));
+        let is_include = keyword.name == "INCLUDE";
+        if !is_parameter || is_include || rule.usage != InputUsage::Read || rule.value.bare.is_some() {
+            continue;
+        }
+        let found = rendered(&format!("*{}, {}\n", keyword.name, rule.name));
+        assert!(found.iter().any(|(code, _)| code == "M103" || code == "M101"), "{name}: {found:?}");
+    }
+}
+
 /// A value that no parameter or field accepts.
 const STRANGE: &str = "77";
 
@@ -416,6 +463,14 @@ fn surplus_and_repeated_input_is_reported() {
         ("**model", "**model\n*Friction\n 0.1", "M105"),
         ("**material", "*Solid Section, elset=UPPER, material=METAL", "M165"),
         ("**model", "**model\n*Nset, nset=LONG, generate\n 7, 12, 1", "M166"),
+        (" BOTTOM, 2, 2", " BOTTOM, YSYMM, 7.", "M161"),
+        ("number interval=2", "number interval=2, frequency=3", "M167"),
+        ("*Output, field", "*Output, field, history", "M167"),
+        ("**model", "**model\n*Amplitude, name=A, begin=1.\n 0., 0., 1., 1.", "M167"),
+        ("*End Step\n", "*End Step\n*Boundary\n TOP, 2, 2\n", "M105"),
+        ("*End Step\n", "*End Step\n*Contact\n*Contact Inclusions, all exterior\n", "M105"),
+        ("**step", "**step\n*Contact", "M154"),
+        ("type=CAX4R, elset=BODY", "type=RAX2, elset=BODY", "M180"),
         ("material=METAL", "material=METAL, controls=NONE", "M116"),
         ("*Dsload", "*Dsload, friction=0.1", "M104"),
         ("*Dsload\n FACE, P, 1.", "*Dload\n UPPER, P3, 1., 2.", "M161"),

@@ -30,8 +30,15 @@ impl ModelBuilder<'_> {
         for name in ["PIN NSET", "TIE NSET"] {
             tied.extend(card.value(name).and_then(|w| self.node_members(w)).unwrap_or_default());
         }
-        let density = card.read("DENSITY");
+        let density: f64 = card.read("DENSITY");
         let thickness = f64::from_value(card.given_field(0, 0));
+        let is_facet = |e: &usize| self.model.mesh.elements[*e].kind == ElementKind::Rax2;
+        if let Some(word) = card.value("DENSITY").filter(|_| density > 0.0 && thickness == 0.0)
+            && elements.iter().any(is_facet)
+        {
+            let message = "DENSITY of RAX2 elements requires their thickness on the data line";
+            self.diagnostics.push(Diagnostic::error("M102", message).at(word.span, "the mass would be zero"));
+        }
         let name = card.value("ELSET").map_or_else(|| "RIGID BODY".into(), |w| upper(&w.text));
         self.model.rigid_bodies.push(RigidBody {
             name,

@@ -149,7 +149,14 @@ impl ModelBuilder<'_> {
                 return self.diagnostics.refuse(diagnostic);
             }
         };
-        match upper(&word.text).as_str() {
+        let name = upper(&word.text);
+        let is_zero = |word: &&Word| word.text.parse().is_ok_and(|value: f64| value == 0.0);
+        let further = (2..5).find_map(|k| line.field(k)).filter(|word| !is_zero(word));
+        if let Some(word) = further.filter(|_| word.text.parse::<f64>().is_err()) {
+            self.report_surplus(word, &format!("{name} is a set of fixed degrees of freedom and has no value"));
+            return None;
+        }
+        match name.as_str() {
             "ENCASTRE" => return Some((DofSelection::range(1, 6), 0.0)),
             "PINNED" => return Some((DofSelection::range(1, 3), 0.0)),
             // Symmetry also constrains the rotations about axes in the plane: 5 and 6, 4 and 6, 4 and 5 (ABAQUS

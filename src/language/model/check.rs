@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::check_values::{check_lines, check_parameter, check_required_parameters, check_value};
+use super::mates::check_mates;
 use super::names::upper;
 use super::types::IgnoredCard;
 use crate::deck::keywords::{CardMultiplicity, CardPlace, DataShape, InputRule, InputUsage, KeywordTier};
@@ -29,8 +30,12 @@ pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<IgnoredC
         given: HashMap::new(),
     };
     let mut faulty = HashSet::new();
-    for card in &deck.cards {
+    let last_step = deck.cards.iter().rposition(|card| card.keyword.name == "END STEP");
+    for (at, card) in deck.cards.iter().enumerate() {
         checker.blocks.pass(card);
+        if last_step.is_some_and(|last| at > last) {
+            checker.after_last_step(card);
+        }
         let before = checker.diagnostics.error_count();
         let mut is_stray = false;
         if card.keyword.tier == KeywordTier::Used {
@@ -43,6 +48,7 @@ pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<IgnoredC
                 checker.data(card);
             }
             check_required_parameters(card, checker.diagnostics);
+            check_mates(card, checker.diagnostics);
         }
         match card.keyword.tier {
             KeywordTier::Inert(why) => checker.inert(card.keyword.name.into(), card.span, why),
@@ -145,6 +151,18 @@ impl CardChecker<'_> {
             _ => return false,
         }
         true
+    }
+
+    /// Reports a condition after the last step, which would apply to no step.
+    fn after_last_step(&mut self, card: &Card) {
+        let applies_to_steps = card.keyword.place == CardPlace::EachStep
+            || matches!(card.keyword.name, "BOUNDARY" | "CONTACT" | "CONTACT PAIR" | "RESTART");
+        if applies_to_steps && !self.blocks.in_step {
+            let message = format!("*{} follows the last step, so that it has no effect", card.keyword.name);
+            let diagnostic = Diagnostic::error("M105", message).at(card.span, "no step follows");
+            self.diagnostics
+                .push(diagnostic.help("move it before the *END STEP, or before the first step for all steps"));
+        }
     }
 
     fn times(&mut self, card: &Card) {

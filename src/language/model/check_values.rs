@@ -1,7 +1,7 @@
 //! Checks single values of cards against the keyword table: kind, range, presence, order of rows.
 
 use crate::deck::keywords::{DataShape, InputRule};
-use crate::deck::value::ValueKind;
+use crate::deck::value::{FLAG, ValueKind};
 use crate::deck::{Card, Diagnostic, Diagnostics, Parameter, Word};
 
 /// Reports an invalid value.
@@ -30,8 +30,13 @@ fn unknown_word(card: &Card, rule: &InputRule, word: &Word) -> Diagnostic {
         let message = format!("{name}={} on *{keyword} is not supported", word.text);
         return Diagnostic::error("M104", message).at(word.span, "not supported").help(format!("supported: {allowed}"));
     }
-    let message = format!("{name} of *{keyword} must be {allowed}, found {}", word.text);
-    Diagnostic::error("M103", message).at(word.span, "here")
+    if rule.value == FLAG {
+        let message = format!("{name} of *{keyword} has no value, found {}", word.text);
+        let help = format!("write {name} alone, or {name}=YES or {name}=NO");
+        return Diagnostic::error("M103", message).at(word.span, "here").help(help);
+    }
+    Diagnostic::error("M103", format!("{name} of *{keyword} must be {allowed}, found {}", word.text))
+        .at(word.span, "here")
 }
 
 /// Reports a missing or invalid value of a parameter.

@@ -88,6 +88,9 @@ impl ModelBuilder<'_> {
         if !line.field(0).is_some_and(|w| w.is(word)) {
             return self.refuse_value(line.span, format!("an analytical surface must start with `{word}, r, z`"));
         }
+        if let Some(surplus) = line.field(3).or(line.field(4)) {
+            self.report_surplus(surplus, "START has two coordinates");
+        }
         Some([self.number(line, 1, "r")?, self.number(line, 2, "z")?])
     }
 
@@ -106,6 +109,9 @@ impl ModelBuilder<'_> {
             return self.refuse_value(line.span, "this segment has zero length");
         }
         if is("LINE") {
+            if let Some(surplus) = line.field(3).or(line.field(4)) {
+                self.report_surplus(surplus, "LINE has two coordinates; CIRCL has a centre");
+            }
             return Some(ProfileSegment::Line([from, to]));
         }
         let centre = [self.number(line, 3, "r of the centre")?, self.number(line, 4, "z of the centre")?];

@@ -35,6 +35,9 @@ impl ModelBuilder<'_> {
     fn friction_law(&mut self, card: &Card) -> Option<CoulombFriction> {
         let cards::Friction { largest, rough, decays, damping, values: [at_rest, sliding, decay] } = self.values(card);
         let mut friction = if rough {
+            if let Some(word) = card.lines.first().and_then(|line| line.field(0)) {
+                self.report_surplus(word, "ROUGH has no coefficient");
+            }
             CoulombFriction::of(f64::INFINITY)
         } else if decays {
             CoulombFriction { at_rest, sliding, decay, ..CoulombFriction::default() }

@@ -63,6 +63,12 @@ impl ModelBuilder<'_> {
         }
     }
 
+    /// Reports a value that the line does not read.
+    pub(super) fn report_surplus(&mut self, word: &Word, why: &str) {
+        let diagnostic = Diagnostic::error("M161", format!("too many values: `{}`", word.text));
+        self.diagnostics.push(diagnostic.at(word.span, why));
+    }
+
     fn concentrated(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
         let set = self.region(line)?;
         let mut nodes = self.node_members(set)?;
@@ -181,6 +187,9 @@ impl ModelBuilder<'_> {
         cavity: bool,
     ) -> Option<(LoadKind, f64)> {
         if cavity {
+            if let Some(word) = line.field(2).filter(|word| !word.text.parse().is_ok_and(|value: f64| value == 1.0)) {
+                self.report_surplus(word, "CAVITY has no magnitude: the target determines the pressure");
+            }
             return self.cavity(card, sides).map(|kind| (kind, 1.0));
         }
         if let Some(load_type) = user {

@@ -256,7 +256,7 @@ impl ModelBuilder<'_> {
     }
 
     pub(super) fn solid_section(&mut self, card: &Card) {
-        let Some((elements, material)) = self.section_of(card, |kind| kind != ElementKind::Sax1) else { return };
+        let Some((elements, material)) = self.section_of(card, ElementKind::is_solid) else { return };
         let named = card.value("CONTROLS").cloned();
         self.controls_used.extend(named.map(|word| (self.model.sections.len(), word)));
         let (controls, span) = (SectionControls::default(), card.span);

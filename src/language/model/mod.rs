@@ -46,6 +46,7 @@ mod loads;
 mod lost;
 mod mass_scaling;
 mod materials;
+mod mates;
 pub mod mesh_data;
 mod mesh_file;
 mod name;

@@ -158,6 +158,11 @@ impl ModelBuilder<'_> {
 
     fn centre(&mut self, line: &DataLine) -> Option<[f64; 2]> {
         if line.field(3).is_some() {
+            let is_zero = |word: &&Word| word.text.parse().is_ok_and(|value: f64| value == 0.0);
+            let given = [4, 5].into_iter().filter_map(|k| line.field(k));
+            if let Some(word) = given.into_iter().find(|word| !is_zero(word)) {
+                self.report_surplus(word, "the centre is given by a node or by its coordinates");
+            }
             let (_, index) = self.label_of(line.field(3), line, "the centre node")?;
             return Some(self.model.mesh.points[index]);
         }

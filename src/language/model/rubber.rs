@@ -96,6 +96,9 @@ impl ModelBuilder<'_> {
         if let Some(span) = card.lines.iter().enumerate().find_map(surplus) {
             return self.refuse_value(span, format!("this form has {count} constants and a temperature"));
         }
+        if card.lines.get(count / 8).is_some_and(|line| line.field(count % 8).is_some()) {
+            self.inert(card, "the constants do not depend on temperature".into());
+        }
         (0..count)
             .map(|k| match card.lines.get(k / 8) {
                 Some(line) => self.number_or(line, k % 8, 0.0),

@@ -74,7 +74,19 @@ impl ModelBuilder<'_> {
         self.step = Some(StepState { new_boundaries: None, ..fresh });
     }
 
+    /// Warns of general contact that includes nothing.
+    fn check_general_contact(&mut self) {
+        let Some(state) = &self.step else { return };
+        let Some(general) = &state.general_contact else { return };
+        if !general.all && general.included.is_empty() && general.span.start > state.span.start {
+            let message = "*CONTACT without *CONTACT INCLUSIONS: nothing is in contact";
+            let diagnostic = Diagnostic::warning("M154", message).at(general.span, "no contact domain follows");
+            self.diagnostics.push(diagnostic.help("add *CONTACT INCLUSIONS, ALL EXTERIOR"));
+        }
+    }
+
     pub(super) fn close_step(&mut self) {
+        self.check_general_contact();
         if self.step.is_some() {
             self.apply_to_sets();
         }

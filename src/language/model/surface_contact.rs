@@ -3,7 +3,7 @@
 use super::builder::ModelBuilder;
 use super::names::{qualified, upper};
 use super::types::{AnalyticalSide, InteractionLaw, PrescribedClearance, SideSelection, SurfaceContact};
-use crate::deck::{Card, DataLine, Word};
+use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 impl ModelBuilder<'_> {
     /// Adds or deletes a pair of element-based surfaces.
@@ -43,6 +43,7 @@ impl ModelBuilder<'_> {
             let names = [&c.sides[0].name, &c.sides[1].name];
             names == [&sides[0].name, &sides[1].name] || names == [&sides[1].name, &sides[0].name]
         };
+        self.warn_of_pair_given_twice(line, same);
         let pairs = &mut self.state().surface_contacts;
         let before = pairs.len();
         // A redefined pair replaces the earlier one.
@@ -68,6 +69,16 @@ impl ModelBuilder<'_> {
             law: InteractionLaw::default(),
             span: line.span,
         });
+    }
+
+    /// Warns of a pair that an earlier line of the same step, or before the steps, has defined.
+    fn warn_of_pair_given_twice(&mut self, line: &DataLine, same: impl Fn(&SurfaceContact) -> bool) {
+        let begin = self.step.as_ref().map_or(0, |step| step.span.start);
+        let known = self.state().surface_contacts.iter().find(|pair| same(pair)).map(|pair| pair.span);
+        let Some(earlier) = known.filter(|span| span.start > begin && span.file == line.span.file) else { return };
+        let message = "this contact pair is defined twice; the second definition replaces the first";
+        let diagnostic = Diagnostic::warning("M160", message).at(line.span, "second definition");
+        self.diagnostics.push(diagnostic.at(earlier, "first definition"));
     }
 
     /// Returns the faces of an element-based surface.

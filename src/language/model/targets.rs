@@ -52,6 +52,10 @@ impl ModelBuilder<'_> {
         };
         let given = |field| Option::<f64>::from_value(card.given_field(at, field));
         let (thickness, radius) = (given(1).unwrap_or(f64::INFINITY), given(2).unwrap_or(radius));
+        if let Some(word) = line.field(2).filter(|_| material.is_none()) {
+            self.report_surplus(word, "a gap between plates has no radius");
+        }
+        let line = &card.lines[at];
         if let Some(properties) = material.map(|m| &self.model.materials[m])
             && (properties.cavity.is_none() || properties.density.is_none())
         {

@@ -68,6 +68,11 @@ impl Compiler<'_> {
                     "no step solves for temperatures (*DYNAMIC TEMPERATURE-DISPLACEMENT)",
                 );
             }
+            let heats = material.thermal.inelastic_heat_fraction.is_some() && material.user.material.is_none();
+            if heats && !self.adiabatic() && material.eos.is_none() {
+                let why = "no step is ADIABATIC or solves for temperatures";
+                self.add_unused_card(material.span, format!("*INELASTIC HEAT FRACTION of {}", material.name), why);
+            }
         }
         let why = "no step solves for temperatures (*DYNAMIC TEMPERATURE-DISPLACEMENT)";
         for (keyword, span) in model.interactions.iter().flat_map(|i| &i.heat_cards) {

@@ -151,8 +151,8 @@ impl Compiler<'_> {
     fn user_moduli(&mut self, section: &SolidSection, material: &MaterialDefinition) -> Option<ElasticModuli> {
         let (code, message) = if material.density.is_none() {
             ("P013", format!("material `{}` has no *DENSITY", material.name))
-        } else if material.elastic.is_some() || material.plastic.is_some() {
-            ("P041", format!("material `{}` has *ELASTIC or *PLASTIC in addition to *USER MATERIAL", material.name))
+        } else if let Some(other) = law_beside_user_material(material) {
+            ("P041", format!("material `{}` has {other} in addition to *USER MATERIAL", material.name))
         } else if self.routines.material.is_none() {
             let asks = format!("material `{}` is user-defined (*USER MATERIAL)", material.name);
             self.report_missing_routine(section.span, "section", &asks, "vumat");
@@ -321,4 +321,19 @@ impl Compiler<'_> {
         };
         !self.model.erosions.is_empty() || self.materials_present().any(fails)
     }
+}
+
+/// Returns a card of a material whose law would be dropped in favour of `*USER MATERIAL`.
+fn law_beside_user_material(material: &MaterialDefinition) -> Option<&'static str> {
+    let laws = [
+        (material.elastic.is_some() || material.shear_modulus.is_some(), "*ELASTIC"),
+        (material.plastic.is_some(), "*PLASTIC"),
+        (material.hyperelastic.is_some(), "*HYPERELASTIC"),
+        (material.eos.is_some(), "*EOS"),
+        (material.foam.shape.is_some(), "*CRUSHABLE FOAM"),
+        (material.rate.is_some(), "*RATE DEPENDENT"),
+        (!material.failures.is_empty(), "*DAMAGE INITIATION or *SHEAR FAILURE"),
+        (material.tensile_failure.is_some(), "*TENSILE FAILURE"),
+    ];
+    laws.iter().find(|(there, _)| *there).map(|(_, card)| *card)
 }

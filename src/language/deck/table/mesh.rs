@@ -29,7 +29,7 @@ pub const CARDS: &[Keyword] = &[
     row!("NODE", "Defines nodes; if a node is defined more than once, the last coordinates are used, with a warning", (), {
         "NSET" read "Node set to which they are added",
         "INPUT" read "File with the data lines",
-        "SYSTEM" read "R (default), or C for a radius and an angle in degrees in the r-z plane",
+        "SYSTEM" (variant(&["R", "C"]).or(0.0)) "R (default), or C for a radius and an angle in degrees in the r-z plane",
         "INTERNAL" inert "written by ABAQUS/CAE; has no effect",
         "UNSORTED" refused "give *NSET, UNSORTED",
     }, [(rows [

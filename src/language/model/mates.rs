@@ -1,0 +1,65 @@
+//! Parameters that need another one, and parameters that exclude each other.
+
+use crate::deck::{Card, Diagnostic, Diagnostics, Parameter};
+
+/// Parameters of a keyword that have an effect only with another parameter; with words, only with one of these values.
+const NEEDED: &[(&str, &[&str], &str, &[&str])] = &[
+    ("AMPLITUDE", &["FIXED INTERVAL", "BEGIN"], "DEFINITION", &["EQUALLY SPACED"]),
+    ("AMPLITUDE", &["VARIABLES", "PROPERTIES"], "DEFINITION", &["USER"]),
+    ("CAVITY EXPANSION", &["STATIC", "TERMS", "WEIGHT", "RADIUS", "TENSION"], "DERIVE", &[]),
+    ("CHARACTERISTIC LENGTH", &["PROPERTIES"], "DEFINITION", &["USER"]),
+    ("OUTPUT", &["NAME"], "SENSOR", &[]),
+    ("PLASTIC", &["PROPERTIES"], "HARDENING", &["USER"]),
+    ("SECTION CONTROLS", &["WEIGHT FACTOR"], "HOURGLASS", &["COMBINED"]),
+    ("SURFACE", &["FILLET RADIUS"], "TYPE", &["SEGMENTS"]),
+];
+
+/// Parameters of a keyword of which only one may be given.
+const EXCLUSIVE: &[(&str, &[&str])] = &[
+    ("CONTACT CONTROLS", &["RESET", "SCALE PENALTY"]),
+    ("DYNAMIC", &["DIRECT USER CONTROL", "SCALE FACTOR", "ELEMENT BY ELEMENT", "GLOBAL"]),
+    ("DYNAMIC TEMPERATURE-DISPLACEMENT", &["DIRECT USER CONTROL", "SCALE FACTOR", "ELEMENT BY ELEMENT"]),
+    ("FRICTION", &["ROUGH", "EXPONENTIAL DECAY"]),
+    ("HYPERELASTIC", &["NEO HOOKE", "MOONEY-RIVLIN", "YEOH", "OGDEN", "POLYNOMIAL", "REDUCED POLYNOMIAL"]),
+    ("INTEGRATED OUTPUT", &["SECTION", "SURFACE"]),
+    ("NCOPY", &["SHIFT", "REFLECT"]),
+    ("OUTPUT", &["FIELD", "HISTORY"]),
+    ("OUTPUT", &["FREQUENCY", "NUMBER INTERVAL", "TIME INTERVAL", "TIME POINTS"]),
+    ("RESTART", &["FREQUENCY", "NUMBER INTERVAL"]),
+];
+
+/// Pairs of exclusive parameters that are allowed together.
+const COMPATIBLE: &[[&str; 2]] = &[["SCALE FACTOR", "ELEMENT BY ELEMENT"], ["SCALE FACTOR", "GLOBAL"]];
+
+/// Reports parameters without the parameter that they need, and parameters that exclude each other.
+pub(super) fn check_mates(card: &Card, diagnostics: &mut Diagnostics) {
+    let given = |name: &str| card.parameter(name).filter(|_| card.has(name));
+    for (_, names, other, words) in NEEDED.iter().filter(|row| row.0 == card.keyword.name) {
+        let has_other = match words {
+            [] => card.has(other),
+            _ => card.value(other).is_some_and(|value| words.iter().any(|word| value.is(word))),
+        };
+        if has_other {
+            continue;
+        }
+        let needed = if words.is_empty() { (*other).to_owned() } else { format!("{other}={}", words.join(" or ")) };
+        for Parameter { name, span, .. } in names.iter().filter_map(|name| given(name)) {
+            let message = format!("{name} of *{} has an effect only with {needed}", card.keyword.name);
+            diagnostics.push(Diagnostic::error("M167", message).at(*span, "here").help("add it, or remove this one"));
+        }
+    }
+    for (_, names) in EXCLUSIVE.iter().filter(|row| row.0 == card.keyword.name) {
+        let all: Vec<&Parameter> = names.iter().filter_map(|name| given(name)).collect();
+        let excluded = all.iter().enumerate().find_map(|(i, a)| {
+            let is_compatible =
+                |b: &Parameter| COMPATIBLE.iter().any(|pair| pair.contains(&a.name) && pair.contains(&b.name));
+            all[i + 1..].iter().find(|b| !is_compatible(b)).map(|b| (a, b))
+        });
+        if let Some((a, b)) = excluded {
+            let message = format!("{} and {} of *{} exclude each other", a.name, b.name, card.keyword.name);
+            diagnostics.push(
+                Diagnostic::error("M167", message).at(b.span, "here").at(a.span, "and here").help("give one of them"),
+            );
+        }
+    }
+}
