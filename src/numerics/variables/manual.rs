@@ -7,6 +7,10 @@ const HEAD: &str = "# Output variables\n\nGenerated from the table of variables;
     (`REVOLVE_BLESS=1 cargo test --test deck` updates it). Variables that a model does not have are omitted from its files and \
     listed as unused. Directions: 1 is r, 2 is z, 3 is the hoop direction.\n";
 
+const REACTIONS: &str = "\nHistories of RF and RM are means over the interval since the previous row, as the forces of contact pairs. The integral \
+    over time is the impulse of the constraint for any interval: the change of momentum by the velocities of the rows. Frames \
+    show the value at their time.\n";
+
 const SETS: &str = "\n## Statistics of sets, and expressions\n\n`STATISTICS=` on `*NODE OUTPUT` and `*ELEMENT OUTPUT` of a history \
     writes one column `<VARIABLE>_<STATISTIC>@<SET>` instead of one for each member. For example, `RF2_SUM@FOOT` is the total \
     reaction force of fixed nodes.\n\n\
@@ -52,6 +56,9 @@ pub fn variable_manual() -> String {
         text += &format!("\n## {title}\n\n{about}.\n\n");
         text += "| name | components | meaning | by default |\n|---|---|---|---|\n";
         text.extend(Variable::ALL.iter().filter(|v| v.place() == *place).map(|v| line(*v)));
+        if *place == VariablePlace::Node {
+            text += REACTIONS;
+        }
     }
     text += SETS;
     text += "\n## Names of several variables\n\n";

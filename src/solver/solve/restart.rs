@@ -266,6 +266,7 @@ impl RunCursor<'_, '_> {
     fn repeat(&mut self) -> Result<(), HaltReason> {
         let RunCursor { run, observing, control } = self;
         run.advance(control)?;
+        observing.add_motion(run);
         run.evaluate()?;
         observing.show(run, &mut DiscardingSink)
     }
@@ -361,7 +362,7 @@ pub(super) fn begin_step(
 ) -> bool {
     let control_before = run.step.control;
     let changes = run.begin(index) || run.step.control != control_before;
-    observing.begin(run.step, run.now.increment == 0, run.now.increment);
+    observing.begin(run);
     match control {
         Some(control) if !changes => control.continue_in(run.step, &run.state.dofs.bodies),
         _ => *control = Some(IncrementController::new(run.step, &run.state.dofs.bodies)),
