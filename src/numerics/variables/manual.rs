@@ -42,8 +42,8 @@ const CHAPTERS: &[(VariablePlace, &str, &str)] = &[
         VariablePlace::Part,
         "For parts",
         "`*ENERGY OUTPUT, ELSET=`: histories, one column for each set. A node contributes the part of its mass that belongs to the \
-         active elements of the set: without deleted elements the sum over all parts is the value of the model. A rigid body counts with its whole \
-         mass if one of its elements is in the set",
+         active elements of the set: without deleted elements the sum over all parts is the value of the model. So ALLIE is the sum of PARTIE and \
+         EROIE, without connector elements. A rigid body counts with its whole mass if one of its elements is in the set",
     ),
     (VariablePlace::Energy, "Energies of the whole model", "`*ENERGY OUTPUT`: histories"),
     (VariablePlace::Increment, "For increments", "`*INCREMENTATION OUTPUT`: histories"),
@@ -88,6 +88,7 @@ fn by_default(variable: Variable) -> &'static str {
         (VariablePlace::Energy, PreselectRule::ElementDeletion, _) => "with *EROSION",
         (VariablePlace::Facet, ..) | (VariablePlace::Energy, _, false) | (_, PreselectRule::Always, _) => "yes",
         (_, PreselectRule::PenaltyContact, _) => "with penalty contact",
+        (_, PreselectRule::Damage, _) => "with a material that can be damaged or fail",
         (VariablePlace::Energy, _, true) | (_, PreselectRule::Deformable, _) => "with deformable bodies",
         (_, PreselectRule::ElementDeletion, _) => "if elements can be deleted",
         (_, PreselectRule::Never, _) => "",

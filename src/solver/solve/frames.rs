@@ -47,6 +47,7 @@ fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
         Variable::InternalEnergy => energy.internal,
         Variable::AllStrainEnergy => energy.strain,
         Variable::AllPlasticEnergy => energy.plastic,
+        Variable::AllDamageEnergy => energy.damage.unwrap_or(0.0),
         Variable::ViscousEnergy => energy.viscous,
         Variable::ArtificialEnergy => energy.artificial,
         Variable::ConstraintWork => energy.contact,
@@ -144,7 +145,7 @@ impl SolverRun<'_> {
             Variable::PartMomentum => totals.momentum,
             Variable::PartVelocity => totals.momentum / totals.mass,
             Variable::PartKineticEnergy => totals.kinetic,
-            Variable::PartInternalEnergy => totals.strain + totals.plastic,
+            Variable::PartInternalEnergy => totals.internal,
             Variable::PartErodedMass => totals.eroded,
             _ => f64::NAN,
         }
