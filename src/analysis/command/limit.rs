@@ -81,6 +81,7 @@ impl LimitCommand {
         inputs: &RandomInputs,
         routines: &CompiledRoutines,
     ) -> Result<CommandStatus, Box<dyn Error>> {
+        let labels = self.search.labels(&limit::AXES.map(str::to_owned))?;
         let evaluator = self.evaluator(&[], routines)?;
         let (job, _lock) = self.search.job()?;
         let found = limit::find(request, &mut |velocities| {
@@ -96,7 +97,7 @@ impl LimitCommand {
         let others = vec![search::json_file("limit", &object)?, shots_file(None, &[(0.0, &found)])];
         let mut charts = vec![(String::new(), limit::chart(&job.name, &found, scattered.as_ref()))];
         charts.extend(scattered.iter().map(|s| ("_scatter".to_owned(), limit::scatter_chart(&job.name, s))));
-        write_results(&job, "limit", &table(NumberFormat::Exact), others, &charts)?;
+        write_results(&job, "limit", &table(NumberFormat::Exact), others, &charts, &labels)?;
         self.search.print(&table(NumberFormat::Rounded), &lines(&found, bracket, scattered.as_ref(), &job));
         self.search.print_json(&object)?;
         let whole = is_decided(&found) && scattered.is_none_or(|s| s.lost == 0);
@@ -112,6 +113,7 @@ impl LimitCommand {
     ) -> Result<CommandStatus, Box<dyn Error>> {
         let (name, values) = values_over(over)?;
         self.reject_velocity(std::slice::from_ref(&name), "--over")?;
+        let labels = self.search.labels(&[name.clone(), limit::AXES[0].to_owned()])?;
         let evaluator = self.evaluator(std::slice::from_ref(&name), routines)?;
         let (job, _lock) = self.search.job()?;
         let find = |value: f64| {
@@ -124,7 +126,7 @@ impl LimitCommand {
         let each: Vec<_> = found.iter().map(|(value, found)| (*value, found)).collect();
         let others = vec![search::json_file("limit", &object)?, shots_file(Some(&name), &each)];
         let charts = [(String::new(), limit::map_chart(&job.name, &name, &found))];
-        write_results(&job, "limit", &table_over(&name, &found, NumberFormat::Exact), others, &charts)?;
+        write_results(&job, "limit", &table_over(&name, &found, NumberFormat::Exact), others, &charts, &labels)?;
         let files = files_line(found.iter().map(|(_, found)| found.shots.len()).sum(), &job);
         let more = found.iter().flat_map(|(value, found)| {
             warnings(found).into_iter().map(|line| format!("{name} = {}: {line}", number(*value)))

@@ -12,6 +12,9 @@ use super::statistics::lambert_jonas::{self, LambertJonasFit};
 use super::statistics::probit::{self, NormalFit};
 use super::statistics::summary;
 
+/// Names of the axes of the curve of shots.
+pub const AXES: [&str; 2] = ["striking velocity", "residual velocity"];
+
 /// Options of the search for the limit velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitRequest {
@@ -345,7 +348,7 @@ pub fn chart(title: &str, found: &LimitVelocity, scattered: Option<&LimitScatter
         let points = (0..=200).map(place).map(|v| (v, lambert_jonas::residual(constants, v))).collect();
         series.push(ChartSeries::new("Lambert and Jonas", SeriesForm::Line, points));
     }
-    Chart::new(title, ["striking velocity", "residual velocity"], series)
+    Chart::new(title, AXES, series)
 }
 
 /// Returns one series of markers for each end of shots that occurs.
