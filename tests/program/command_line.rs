@@ -249,6 +249,37 @@ fn study_has_the_shared_options() {
     assert!(!wrong.status.success() && text(&wrong.stderr).contains("there is no quantity `U2`"));
 }
 
+/// Each warning of a run is issued with a code, all codes from R301 on are those of such warnings, and each is explained. The
+/// gauntlet checks the warnings of its runs.
+#[test]
+fn every_warning_of_a_run_has_a_code_with_an_explanation() {
+    let mut issued = Vec::new();
+    for folder in ["src/solver/solve", "src/analysis/command", "src/analysis/study", "src/numerics/constraint"] {
+        for file in std::fs::read_dir(project(folder)).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+            let Ok(source) = std::fs::read_to_string(&file) else { continue };
+            let pushes = source.matches("warnings.push(format!").count();
+            assert_eq!(
+                pushes,
+                usize::from(file.ends_with("solve/outcome.rs")),
+                "{}: use Outcome::warn",
+                file.display()
+            );
+            let codes = source.match_indices("\"R3").map(|(at, _)| source[at + 1..at + 5].to_owned());
+            let printed = source.match_indices("warning: R3").map(|(at, _)| source[at + 9..at + 13].to_owned());
+            issued.extend(codes.chain(printed));
+        }
+    }
+    issued.sort();
+    issued.dedup();
+    let explained: Vec<&str> =
+        revolve::explain::codes().map(|c| c.code).filter(|code| code.starts_with("R3")).collect();
+    assert_eq!(issued, explained);
+    for code in issued {
+        let output = revolve(&["explain", &code]);
+        assert!(output.status.success() && text(&output.stdout).starts_with(&code), "{code}");
+    }
+}
+
 /// A reference table without a row for some value of the sweep is rejected before any run.
 #[test]
 fn reference_without_matching_rows_is_rejected() {

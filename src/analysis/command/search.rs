@@ -107,7 +107,7 @@ pub fn warn_still_moving(evaluator: &SampleEvaluator) {
     let count = evaluator.still_moving();
     if count > 0 {
         print_err!(
-            "warning: in {count} runs a body is still moving in the target at the end; their depths are not final"
+            "warning: R315: in {count} runs a body is still moving in the target at the end; their depths are not final"
         );
     }
 }

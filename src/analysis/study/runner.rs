@@ -268,13 +268,13 @@ impl RunSource<'_> {
         let mut history = quantity::history(quantities, &prepared.plan);
         let never = AtomicUsize::new(0);
         let (outcome, state) = job::run_until(&prepared, &mut history, self.interrupt.unwrap_or(&never));
+        let warnings = outcome.all_warnings();
         if let Some(halt) = outcome.halt {
             return Err(StudyError::Halted(halt));
         }
         let finished = FinishedRun { history: &history, end: Some((outcome.total_time(), &state)) };
         let elements = element_count(&prepared);
         let seconds = TimeSpread { median: outcome.seconds, ..TimeSpread::default() };
-        let warnings: Vec<String> = outcome.unfinished.into_iter().chain(outcome.warnings).collect();
         let result = |quantity: &Quantity| {
             let found = quantity.evaluate(finished)?;
             let (increments, warnings) = (outcome.increments, warnings.clone());

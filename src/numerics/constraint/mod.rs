@@ -194,7 +194,8 @@ pub trait ConstraintUpkeep {
     /// Informs it that the mass of a node has changed; `gained` is the increase of kinetic energy along r and z.
     fn masses_changed(&mut self, _node: usize, _gained: [f64; 2]) {}
 
-    fn warnings(&mut self, _dofs: &Dofs, _clock: &AmplitudeClock<'_>) -> Vec<String> {
+    /// Returns the messages of overlaps of bodies that it has found.
+    fn overlaps(&mut self, _dofs: &Dofs, _clock: &AmplitudeClock<'_>) -> Vec<String> {
         Vec::new()
     }
 }

@@ -337,7 +337,7 @@ impl SolverRun<'_> {
     /// Warns once of memory that the checkpoint does not contain.
     fn warn_of_lost_memory(&mut self, sink: &mut dyn Sink) {
         if !self.outcome.lost.is_empty() && !std::mem::replace(&mut self.user.loss_reported, true) {
-            sink.warning(&format!("{LOST}: {}", self.outcome.lost.join("; ")));
+            sink.warning(&format!("K102: {LOST}: {}", self.outcome.lost.join("; ")));
         }
     }
 
