@@ -138,7 +138,9 @@ fn material_with(variable: Variable) -> String {
         Variable::Degradation
         | Variable::DamageInitiation
         | Variable::DuctileInitiation
-        | Variable::JohnsonCookInitiation => damaged(),
+        | Variable::JohnsonCookInitiation
+        | Variable::ElementDamageEnergy
+        | Variable::AllDamageEnergy => damaged(),
         Variable::BurnFraction => explosive(),
         _ => steel(),
     }
@@ -314,7 +316,7 @@ fn all_and_preselect_select_variables_of_their_card() {
         ["S", "MISES", "PRESS", "PEEQ", "LE", "PE"]
     );
     let elements = names("*Output, field\n*Element Output, variable=ALL\n").1;
-    let expected = "S MISES PRESS SP TRESC TRIAX PEEQ TEMP LE LEP PE PEP PEMAG ER ERP ERV SENER PENER STATUS EVOL DENSITY ELSE ELPD MASS";
+    let expected = "S MISES PRESS SP TRESC TRIAX PEEQ TEMP LE LEP PE PEP PEMAG ER ERP ERV SENER PENER STATUS EVOL DENSITY ELSE ELPD ELASE MASS";
     assert_eq!(elements.join(" "), expected);
 }
 

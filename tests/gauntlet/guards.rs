@@ -114,7 +114,7 @@ fn energy_of_nothing_halts_every_run() -> CaseVerdict {
     println!("{reason}\n{:?}\n{} {:?}", scene.outcome.warnings, reported.outcome.energy.drift, reported.outcome.halt);
     let located =
         contains_all(&reason, &["element", "increment", "time", "since time", "DIRECT USER CONTROL", "*ENERGY LIMIT"]);
-    let negative = scene.outcome.warnings.iter().any(|w| w.starts_with("ALLKE is -"));
+    let negative = scene.outcome.warnings.iter().any(|w| w.starts_with("R303: ALLKE is -"));
     let continues = reported.outcome.increments > scene.outcome.increments && reported.outcome.energy.drift > 0.2;
     CaseVerdict {
         figure: code.into(),
@@ -151,7 +151,7 @@ fn a_closed_path_that_gives_energy() -> CaseVerdict {
             .outcome
             .warnings
             .iter()
-            .filter(|w| w.starts_with("ALLIE is -") && contains_all(w, &["increment", "time"]))
+            .filter(|w| w.starts_with("R303: ALLIE is -") && contains_all(w, &["increment", "time"]))
             .count()
     });
     CaseVerdict {
@@ -178,7 +178,7 @@ fn an_increment_that_crawls() -> CaseVerdict {
         text(&deck, &Routines::none().with_events(IncrementBudget))
     };
     let reported = |scene: &GauntletRun| {
-        scene.outcome.warnings.iter().filter(|w| w.starts_with("the run advances slowly")).count()
+        scene.outcome.warnings.iter().filter(|w| w.starts_with("R306: the run advances slowly")).count()
     };
     let (slow, quick) = (run("1."), run("1.e-3"));
     println!("{:?}", slow.outcome.warnings);

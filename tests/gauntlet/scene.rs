@@ -50,6 +50,10 @@ fn run(prepared: PreparedJob) -> GauntletRun {
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
     let mut memory = RecordedOutput::default();
     let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
+    for warning in &outcome.warnings {
+        let code = warning.split(':').next().unwrap_or_default();
+        assert!(revolve::explain::codes().any(|known| known.code == code), "warning without a known code: {warning}");
+    }
     GauntletRun { prepared, outcome, memory }
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::common::solid::{grid, material};
 use crate::common::{project, revolve};
 
 fn text(bytes: &[u8]) -> String {
@@ -130,6 +131,152 @@ fn explain_knows_keywords_and_every_code() {
     assert!(text(&revolve(&["explain", "cavity", "expansion"]).stdout).contains("CAVITY EXPANSION"));
     for code in revolve::explain::codes() {
         assert!(revolve::explain::explain(code.code).is_some_and(|t| t.contains(code.text)));
+    }
+}
+
+/// Options that are defined once, with the beginning of their help, and the commands that have them. The others do not run
+/// decks (`threads`, `precision`), write no folder of results (`out`), draw no pictures (`label`), or print no result (`json`).
+const SHARED_OPTIONS: [(&str, &str, &[&str]); 7] = [
+    (
+        "--threads",
+        "<N> Number of threads (default: all cores;",
+        &["run", "study", "sweep", "scatter", "limit", "identify", "material"],
+    ),
+    (
+        "--precision",
+        "<DIGITS> Floating-point precision of solid elements: double or single. Single is faster;",
+        &["run", "study", "check", "sweep", "scatter", "limit", "identify"],
+    ),
+    ("--no-frames", "Write no frames,", &["run"]),
+    (
+        "--out",
+        "<FOLDER> Result folder (default: out/<deck name>)",
+        &["run", "study", "sweep", "scatter", "limit", "identify", "material"],
+    ),
+    (
+        "--label",
+        "<COLUMN=TEXT> Label shown in pictures for a quantity, a column or a parameter,",
+        &["study", "sweep", "scatter", "limit", "identify", "report", "material", "chart"],
+    ),
+    (
+        "--json",
+        "Print only one JSON object",
+        &["run", "study", "check", "sweep", "scatter", "limit", "identify", "resistance", "material"],
+    ),
+    (
+        "--quiet",
+        "Print errors only",
+        &[
+            "run",
+            "study",
+            "check",
+            "sweep",
+            "scatter",
+            "limit",
+            "identify",
+            "report",
+            "resistance",
+            "material",
+            "chart",
+            "new",
+        ],
+    ),
+];
+
+/// Each command has the shared options of the table, with one description. `-o` of the other commands is one file, or the
+/// folder of an example.
+#[test]
+fn commands_have_the_shared_options() {
+    let commands = [
+        "run",
+        "study",
+        "check",
+        "explain",
+        "sweep",
+        "scatter",
+        "limit",
+        "identify",
+        "report",
+        "resistance",
+        "material",
+        "chart",
+        "new",
+        "completions",
+        "man",
+    ];
+    let help = |command: &&str| {
+        let help = text(&revolve(&[command, "--help"]).stdout);
+        help.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let helps: Vec<(&str, String)> = commands.iter().map(|command| (*command, help(command))).collect();
+    for (option, description, having) in SHARED_OPTIONS {
+        let words = format!("{option} {description}");
+        let with: Vec<&str> = helps.iter().filter(|(_, help)| help.contains(&words)).map(|(name, _)| *name).collect();
+        assert_eq!(with, having, "{option}");
+        let otherwise =
+            helps.iter().filter(|(name, help)| !having.contains(name) && help.contains(&format!("{option} ")));
+        let otherwise: Vec<&str> = otherwise.map(|(name, _)| *name).collect();
+        let allowed: &[&str] = if option == "--out" { &["report", "chart", "new"] } else { &[] };
+        assert_eq!(otherwise, allowed, "{option}");
+    }
+}
+
+/// `study` accepts all of them: the values are those of any number of threads, differ in single precision, and the picture has
+/// the label.
+#[test]
+fn study_has_the_shared_options() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
+    let bar = grid(2, 4, false, |i, j| [0.5 * i as f64, 0.5 * j as f64])
+        + &material(1.0, 0.3, 1.0, "*Initial Conditions, type=VELOCITY\n J1, 2, 0.01\n*Nset, nset=TIP\n 13\n")
+        + "*Step\n*Dynamic, Explicit\n , 2.\n*Boundary\n J0, 2, 2\n*Output, history, number interval=5\n*Node Output, nset=TIP\n U2\n*End Step\n";
+    std::fs::write(path("bar.inp"), bar).expect("a deck");
+    let (deck, out) = (path("bar.inp"), path("out"));
+    let study = |more: &[&str]| {
+        let words = ["study", &deck, "--refine", "increment=1,0.5", "--quantity", "final(U2@TIP)", "--repeat", "1"];
+        let output = revolve(&[&words[..], &["--jitter", "0", "--out", &out, "--quiet", "--json"], more].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let record: serde_json::Value = serde_json::from_str(&text(&output.stdout)).expect("JSON");
+        record["runs"].as_array().expect("runs").iter().map(|row| row["value"].as_f64()).collect::<Vec<_>>()
+    };
+    let one = study(&["--threads", "1", "--label", "final(U2@TIP)=depth of the tip"]);
+    let picture = std::fs::read_to_string(path("out/bar_study_order.svg")).expect("a picture");
+    assert!(picture.contains("depth of the tip") && !picture.contains("final(U2@TIP)"), "{picture}");
+    assert_eq!(one, study(&["--threads", "2"]));
+    assert_ne!(one, study(&["--precision", "single"]));
+    let words = ["study", &deck, "--refine", "increment=1,0.5", "--quantity", "final(U2@TIP)", "--label", "U2=x"];
+    let wrong = revolve(&words);
+    assert!(!wrong.status.success() && text(&wrong.stderr).contains("there is no quantity `U2`"));
+}
+
+/// Each warning of a run is issued with a code, all codes from R301 on are those of such warnings, and each is explained. The
+/// gauntlet checks the warnings of its runs.
+#[test]
+fn every_warning_of_a_run_has_a_code_with_an_explanation() {
+    let mut issued = Vec::new();
+    for folder in ["src/solver/solve", "src/analysis/command", "src/analysis/study", "src/numerics/constraint"] {
+        for file in std::fs::read_dir(project(folder)).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+            let Ok(source) = std::fs::read_to_string(&file) else { continue };
+            let pushes = source.matches("warnings.push(format!").count();
+            assert_eq!(
+                pushes,
+                usize::from(file.ends_with("solve/outcome.rs")),
+                "{}: use Outcome::warn",
+                file.display()
+            );
+            let codes = source.match_indices("\"R3").map(|(at, _)| source[at + 1..at + 5].to_owned());
+            let printed = source.match_indices("warning: R3").map(|(at, _)| source[at + 9..at + 13].to_owned());
+            issued.extend(codes.chain(printed));
+        }
+    }
+    issued.sort();
+    issued.dedup();
+    let explained: Vec<&str> =
+        revolve::explain::codes().map(|c| c.code).filter(|code| code.starts_with("R3")).collect();
+    assert_eq!(issued, explained);
+    for code in issued {
+        let output = revolve(&["explain", &code]);
+        assert!(output.status.success() && text(&output.stdout).starts_with(&code), "{code}");
     }
 }
 

@@ -302,7 +302,7 @@ fn energies_out_of_bounds_are_reported_everywhere() {
     let (folder, out) = folder();
     let output = revolve(&["run", "input/gauntlet/point_load.inp", "--out", &out]);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success() && message.contains("warning: ALLAE is "), "{message}");
+    assert!(output.status.success() && message.contains("warning: R302: ALLAE is "), "{message}");
     let page = report::gather(folder.path()).expect("a page");
     let message_text = page.runs[0].summary["warnings"][0].as_str().expect("a warning").to_owned();
     assert!(

@@ -294,6 +294,34 @@ fn sampled_limits_give_v50() {
         assert!((through - fraction).abs() < 0.12, "{velocity}: {through} perforate, not {fraction}");
     }
     assert!(folder.path().join("plate_6061_limit_scatter.svg").exists());
+    assert_draws(&found, &fs::read_to_string(folder.path().join("plate_6061_limit_draws.csv")).expect("a table"));
+}
+
+/// Checks that the draws of a limit and the table of their shots are equal, and that the shots give the bracket of each draw.
+fn assert_draws(found: &Value, table: &str) {
+    let draws = found["draws"].as_array().expect("draws");
+    assert_eq!((draws.len(), table.lines().next()), (100, Some("draw,THICK,MASS,velocity,residual,end")));
+    let mut rows = table.lines().skip(1);
+    for (i, draw) in draws.iter().enumerate() {
+        let parameters = ["THICK", "MASS"].map(|name| number(&draw["parameters"][name]));
+        let mut bracket = [f64::NEG_INFINITY, f64::INFINITY];
+        for shot in draw["shots"].as_array().expect("shots") {
+            let cells: Vec<&str> = rows.next().expect("a row").split(',').collect();
+            let numbers: Vec<f64> = cells[..5].iter().map(|cell| cell.parse().expect("a number")).collect();
+            let [velocity, residual] = ["velocity", "residual"].map(|name| number(&shot[name]));
+            let expected = [i as f64 + 1.0, parameters[0], parameters[1], velocity, residual];
+            // The parser of JSON rounds to the last digit but one.
+            let equal = numbers.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 1e-15 * b.abs());
+            assert!(equal, "{numbers:?} {expected:?}");
+            assert_eq!(shot["end"], cells[5]);
+            match cells[5] {
+                "perforation" => bracket[1] = bracket[1].min(velocity),
+                _ => bracket[0] = bracket[0].max(velocity),
+            }
+        }
+        assert!(number(&draw["bracket"][0]) <= bracket[0] && bracket[1] <= number(&draw["bracket"][1]), "{bracket:?}");
+    }
+    assert_eq!(rows.next(), None);
 }
 
 /// Samples depend on the seed alone: identical bytes on one and two threads, and the samples of `sweep --random`.

@@ -6,6 +6,7 @@
 use std::time::Duration;
 
 use revolve::job::ParameterOverrides;
+use revolve::model::Precision;
 use revolve::study::causes;
 use revolve::study::chosen::{self, TargetRequest};
 use revolve::study::convergence::{self, RefinementRequest};
@@ -215,7 +216,7 @@ fn certificate(name: &str, text: &str, quantity: &str, distributions: &[String])
     let source = |overrides: &ParameterOverrides| revolve::deck::read_text(name, text, overrides);
     let inputs = RandomInputs::parse(distributions, &[]).expect("distributions");
     let request = UncertaintyRequest {
-        source: RunSource { deck: &source, user: None, interrupt: None },
+        source: RunSource { deck: &source, user: None, interrupt: None, precision: Precision::Double },
         overrides: &[],
         traits: &ModelTraits::of(&revolve::model::build(&source(&[]).0).0),
         quantities: &[Quantity::parse(quantity).expect("a quantity")],
@@ -247,7 +248,7 @@ fn chosen_mesh_meets_the_target_within_the_budget() {
     let source = |overrides: &ParameterOverrides| revolve::deck::read_text("lame.inp", &text, overrides);
     let choose = |seconds: u64| {
         let request = TargetRequest {
-            source: RunSource { deck: &source, user: None, interrupt: None },
+            source: RunSource { deck: &source, user: None, interrupt: None, precision: Precision::Double },
             overrides: &[],
             quantity: &Quantity::parse("mean(U1@INNER, 3.2e-4, 4e-4)").expect("a quantity"),
             target: ErrorTarget { value: 0.005, relative: true },

@@ -4,7 +4,8 @@
 //! a criterion that is never met changes no bit. Source: conservation laws. The tolerance and its reason are stated at
 //! each test.
 
-use crate::common::bodies::{DeckRun, assembly, between, cell_field, part, run};
+use crate::common::bodies::{DeckRun, assembly, between, cell_field, part, run, short};
+use crate::common::solid::{grid, in_six_node_triangles};
 
 /// Returns the cards of steel and aluminium in mm, t, s; the plate fails at plastic strain `strain`.
 fn materials(strain: Option<f64>) -> String {
@@ -144,7 +145,7 @@ fn parts_add_up_to_the_model() {
     for strain in [None, Some(0.5)] {
         let deck = rod_and_plate(0.5, [6.0, 2.0], 600e3, strain, 0.0, 8e-6).replace(
             "*End Step\n",
-            "*Output, history, number interval=20\n*Energy Output\n ALLKE, ALLSE, ALLPD, EROMASS\n\
+            "*Output, history, number interval=20\n*Energy Output\n ALLKE, ALLIE, EROMASS, EROIE\n\
              *Energy Output, elset=ROD.SOLID, variable=ALL\n*Energy Output, elset=PLATE.SOLID, variable=ALL\n*End Step\n",
         );
         let ran = run(&deck).whole();
@@ -169,7 +170,68 @@ fn parts_add_up_to_the_model() {
         } else {
             compare("momentum", &momentum, &vec![momentum[0]; momentum.len()]);
             compare("kinetic energy", &kinetic, &column("ALLKE"));
-            compare("internal energy", &internal, &plus(&column("ALLSE"), &column("ALLPD")));
+        }
+        let deleted = if strain.is_some() { column("EROIE") } else { vec![0.0; internal.len()] };
+        compare("internal energy", &plus(&internal, &deleted), &column("ALLIE"));
+    }
+}
+
+/// The internal energies of two halves of a block, and of deleted elements, add up to ALLIE to rounding: with hourglass
+/// control, an equation of state, thermal expansion, damage and failure, for both shapes of elements. Without deleted elements
+/// the energies of the elements of each kind add up to those of the model.
+#[test]
+fn internal_energies_of_halves_add_up_to_that_of_the_model() {
+    let elastic = "*Elastic\n 200e3, 0.3\n";
+    let flow = format!("{elastic}*Plastic\n 400., 0.\n 800., 1.\n");
+    let damage = "*Damage Initiation, criterion=JOHNSON COOK\n 0.02, 0., 0., 0., 0., 0., 0., 1.\n";
+    let evolution = "*Damage Evolution, type=DISPLACEMENT\n 0.02,\n";
+    for (name, material, step) in [
+        ("plastic", flow.clone(), ""),
+        ("equation of state", "*Eos, type=USUP\n 5e6, 1.5, 2.\n*Elastic, type=SHEAR\n 8e4,\n".to_owned(), ""),
+        (
+            "expansion",
+            format!("{flow}*Expansion\n 1e-3,\n*Specific Heat\n 5e8,\n*Inelastic Heat Fraction\n 0.9,\n"),
+            ", adiabatic",
+        ),
+        ("damage", format!("{flow}{damage}{evolution}"), ""),
+    ] {
+        let deck = block_of_halves(&material, step);
+        let triangles = deck.replace(" 1, 16, 1\n", " 1, 8, 1\n").replace(" 17, 32, 1\n", " 9, 16, 1\n");
+        for deck in [deck, in_six_node_triangles(&triangles, [4, 8])] {
+            let ran = run(&deck).whole();
+            let column = |name: &str| -> Vec<f64> { ran.column(name).iter().map(|row| row[1]).collect() };
+            let names = ["PARTIE@LOW", "PARTIE@HIGH", "EROIE"];
+            let names: Vec<&str> =
+                names.into_iter().filter(|name| *name != "EROIE" || name_exists(&ran, name)).collect();
+            let parts: Vec<Vec<f64>> = names.iter().map(|name| column(name)).collect();
+            let rows = 0..parts[0].len();
+            let sums: Vec<f64> = rows.map(|row| parts.iter().map(|part| part[row]).sum()).collect();
+            let own = ["ELPD_SUM@SOLID", "ELASE_SUM@SOLID"].map(column);
+            let deleted = ran.outcome.deleted;
+            let all = ["ALLIE", "ALLPD", "ALLAE"].map(column);
+            let size = all[0].iter().fold(0.0_f64, |most, energy| most.max(energy.abs()));
+            let off = |found: &[f64], expected: &[f64]| {
+                found.iter().zip(expected).map(|(a, b)| (a - b).abs() / size).fold(0.0, f64::max)
+            };
+            let errors = [off(&sums, &all[0]), off(&own[0], &all[1]), off(&own[1], &all[2])];
+            println!("{name}: ALLIE {size:.3e}, errors {}, {deleted} elements deleted", short(&errors));
+            assert_eq!(deleted > 0, name == "damage");
+            assert!(errors[0] < 1e-12 && (deleted > 0 || errors[1].max(errors[2]) < 1e-12), "{name}: {errors:?}");
         }
     }
+}
+
+fn name_exists(ran: &DeckRun, name: &str) -> bool {
+    ran.prepared.plan.columns.iter().any(|column| column.name == name)
+}
+
+/// Returns a deck of a block that strikes its fixed lower face, with sets of its lower and upper half.
+fn block_of_halves(material: &str, step: &str) -> String {
+    grid(4, 8, false, |i, j| [0.25 * i as f64, 0.25 * j as f64])
+        + &format!("*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 7.85e-9,\n{material}")
+        + "*Elset, elset=LOW, generate\n 1, 16, 1\n*Elset, elset=HIGH, generate\n 17, 32, 1\n\
+           *Initial Conditions, type=VELOCITY\n ALL, 2, -2e5\n"
+        + &format!("*Step\n*Dynamic, Explicit{step}\n , 4e-6\n*Boundary\n J0, 1, 2\n")
+        + "*Output, history, number interval=20\n*Energy Output\n ALLIE, ALLPD, ALLAE, EROIE\n*Energy Output, elset=LOW\n PARTIE\n\
+           *Energy Output, elset=HIGH\n PARTIE\n*Element Output, elset=SOLID, statistics=SUM\n ELPD, ELASE\n*End Step\n"
 }

@@ -10,6 +10,7 @@ use revolve::user::Routines;
 
 use crate::common;
 use crate::common::RecordedOutput;
+use crate::common::bodies::short;
 use crate::common::solid::{column, grid, last, material, run};
 
 /// Returns a cylinder small enough for negligible inertia, whose top is displaced by `displacement` times an amplitude.
@@ -169,12 +170,24 @@ fn invalid_materials_are_errors() {
 /// Runs a perfectly plastic cylinder in tension with failure cards.
 fn run_to_failure(cards: &str) -> (String, Outcome, RecordedOutput) {
     let begins = cards.contains("criterion=JOHNSON COOK");
-    let variables = if begins { "S22, PEEQ, SDEG, DMICRT, JCCRT" } else { "S22, PEEQ" };
+    let variables = if begins { "S22, PEEQ, SDEG, DMICRT, JCCRT, ELPD, ELDMD" } else { "S22, PEEQ" };
     let deck = cylinder(&format!("*Plastic\n 400., 0.\n{cards}"), "0., 0., 1.e-5, 1.", 2e-4, 1e-5, variables);
     let (outcome, memory) = run(&deck);
     // The separated part vibrates after failure.
     assert_complete(&outcome, 2e-3);
     (deck, outcome, memory)
+}
+
+/// Elastic energy per volume at the yield stress of 400.
+const ELASTIC: f64 = 0.5 * 400.0 * 400.0 / 200e3;
+
+/// Checks ALLPD and ALLDMD of a cylinder, given per volume.
+fn assert_dissipated(outcome: &Outcome, expected: [f64; 2]) {
+    let volume = std::f64::consts::PI * 1e-9;
+    let found = [outcome.energy.plastic, outcome.energy.damage.expect("ALLDMD")];
+    let off = [0, 1].map(|i| found[i] / (volume * expected[i]) - 1.0);
+    println!("dissipated by plastic flow and damage: {}, errors {}", short(&found), short(&off));
+    assert!(off[0].abs() < 5e-3 && off[1].abs() < 5e-3, "{found:?} {expected:?}");
 }
 
 /// Returns the plastic strain at which the stress vanishes.
@@ -204,8 +217,7 @@ fn elements_fail_at_the_specified_strain() {
         let energy = outcome.energy;
         assert!(energy.strain.abs() < 1e-3 * energy.plastic, "{} {}", energy.strain, energy.plastic);
         // Perfect plasticity: 400 times strain and volume, and the elastic energy.
-        let expected = std::f64::consts::PI * 1e-9 * (400.0 * strain + 0.5 * 400.0 * 400.0 / 200e3);
-        assert!((energy.plastic / expected - 1.0).abs() < 5e-3, "{} {expected}", energy.plastic);
+        assert_dissipated(&outcome, [400.0 * strain, ELASTIC]);
     }
 }
 
@@ -223,8 +235,7 @@ fn elements_are_deleted_at_maximum_damage() {
     let (strain, damage) = (strain_at_the_end(&deck, &memory), last(&deck, &memory, "SDEG@SOLID"));
     println!("deleted at {strain:.5}, damage {damage:.5}");
     assert!((strain - 0.125).abs() < 2e-4 && (damage - 0.5).abs() < 5e-3);
-    let expected = std::f64::consts::PI * 1e-9 * (400.0 * (0.1 + 0.025 * 0.75) + 0.5 * 400.0 * 400.0 / 200e3);
-    assert!((outcome.energy.plastic / expected - 1.0).abs() < 5e-3, "{} {expected}", outcome.energy.plastic);
+    assert_dissipated(&outcome, [400.0 * (0.1 + 0.025 * 0.75), ELASTIC]);
 }
 
 /// ELEMENT DELETION=NO: after the maximum damage, 0.99 without MAX DEGRADATION, the element keeps the undamaged
@@ -248,8 +259,7 @@ fn failed_elements_remain_without_element_deletion() {
         let left = 1.0 - most;
         let falling = 0.05 * most;
         let area = 0.05 + falling * 0.5 * (1.0 + left) + left * (strain - 0.05 - falling);
-        let expected = std::f64::consts::PI * 1e-9 * (400.0 * area + 0.5 * 400.0 * 400.0 / 200e3 * most);
-        assert!((outcome.energy.plastic / expected - 1.0).abs() < 5e-3, "{} {expected}", outcome.energy.plastic);
+        assert_dissipated(&outcome, [400.0 * area, ELASTIC * most]);
     }
 }
 
@@ -300,7 +310,8 @@ fn damage_evolution_has_the_specified_displacement_and_energy() {
             let expected = 400.0 * (1.0 - (p.1 - 0.1) / 0.05);
             assert!((s.1 - expected).abs() < 2.0, "{} {expected}", s.1);
         }
-        let expected = std::f64::consts::PI * 1e-9 * 400.0 * (0.1 + 0.025 + 0.001);
+        // The plastic work is half of that without damage.
+        assert_dissipated(&outcome, [400.0 * (0.1 + 0.025), ELASTIC]);
         let damage = column(&deck, &memory, "SDEG@SOLID");
         for (d, p) in damage.iter().zip(&strains).filter(|x| (0.1..0.149).contains(&x.1.1)) {
             assert!((d.1 - (p.1 - 0.1) / 0.05).abs() < 5e-3, "{} at {}", d.1, p.1);
@@ -310,8 +321,10 @@ fn damage_evolution_has_the_specified_displacement_and_energy() {
             assert_eq!(begun, same);
             assert!((begun.1 - (p.1 / 0.1).min(1.0)).abs() < 1e-9, "{} at {}", begun.1, p.1);
         }
-        println!("damage: strain {strain:.5}, dissipated {:e} of {expected:e}", outcome.energy.plastic);
-        assert!((outcome.energy.plastic / expected - 1.0).abs() < 5e-3);
+        let found = [outcome.energy.plastic, outcome.energy.damage.expect("ALLDMD")];
+        let parts = ["ELPD@SOLID", "ELDMD@SOLID"].map(|name| column(&deck, &memory, name));
+        let last = |of: &[(f64, f64)]| of.last().expect("a row").1;
+        assert!((last(&parts[0]) / found[0] - 1.0).abs() < 1e-9 && (last(&parts[1]) / found[1] - 1.0).abs() < 1e-9);
     }
 }
 

@@ -11,12 +11,14 @@ use crate::report::picture::{self, ComparedChart};
 use crate::report::{PageOptions, QuantityLabels};
 use clap::{ArgGroup, Args};
 
+use super::options::{LabelOption, QuietOption};
 use super::words::print_out;
 use super::{CommandStatus, PictureFormat};
 
 /// Draw history columns, energies or one frame of a run as a PNG or SVG picture.
 #[derive(Args)]
 #[command(group = ArgGroup::new("what").required(true))]
+#[command(group = ArgGroup::new("labelled").arg("label").requires("column"))]
 pub struct ChartCommand {
     /// Result folder of one run, for example out/<deck name>.
     folder: PathBuf,
@@ -32,9 +34,8 @@ pub struct ChartCommand {
     /// Number of the frame, starting at 1 (default: the last frame).
     #[arg(long, requires = "field", conflicts_with_all = ["energy", "column"], value_name = "N")]
     frame: Option<usize>,
-    /// Label shown for a column, for example U2@REF="depth"; can be repeated.
-    #[arg(long, requires = "column", value_name = "COLUMN=TEXT")]
-    label: Vec<String>,
+    #[command(flatten)]
+    labels: LabelOption,
     /// Low-pass filter without a shift in time (Butterworth, both directions): the frequency at which amplitudes are
     /// reduced to 71 %, in 1/time, or a class of SAE J211: cfc60, cfc180, cfc600, cfc1000.
     #[arg(long, requires = "column", value_name = "FREQUENCY|CLASS")]
@@ -58,9 +59,8 @@ pub struct ChartCommand {
     /// Picture file, .png or .svg (default: chart.png in the result folder).
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Print errors only.
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: QuietOption,
 }
 
 impl ChartCommand {
@@ -76,17 +76,17 @@ impl ChartCommand {
                 RunFrames::of(&self.folder)?.drawing(self.frame, &options)?
             }
             None => {
-                let options = PageOptions { labels: QuantityLabels::parse(&self.label)?, compare: self.compare };
+                let options = PageOptions { labels: QuantityLabels::parse(&self.labels.label)?, compare: self.compare };
                 let ComparedChart { chart, deviations } = match self.energy {
                     true => ComparedChart { chart: picture::energies(&self.folder)?, ..ComparedChart::default() },
                     false => picture::columns(&self.folder, &self.column, &options, self.filter)?,
                 };
-                deviations.iter().filter(|_| !self.quiet).for_each(|line| print_out!("{line}"));
+                deviations.iter().filter(|_| !self.quiet.quiet).for_each(|line| print_out!("{line}"));
                 chart.drawing()?
             }
         };
         output::write_whole(&out, &format.bytes(&drawing)?)?;
-        if !self.quiet {
+        if !self.quiet.quiet {
             print_out!("picture {}", out.display());
         }
         Ok(CommandStatus::SUCCESS)
@@ -107,7 +107,7 @@ impl ChartCommand {
         let mut animation = Animation::new(self.duration / frames.count().max(1) as f64);
         frames.animation(&self.field_options(field, ColourRange::Run), &mut |drawing| animation.push(drawing))?;
         output::write_whole(file, &animation.finish()?)?;
-        if !self.quiet {
+        if !self.quiet.quiet {
             print_out!("animation {}, {} frames", file.display(), frames.count());
         }
         Ok(CommandStatus::SUCCESS)

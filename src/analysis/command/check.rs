@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use crate::deck::Finding;
 use crate::job::{self, PreparedJob};
-use crate::model::Precision;
 use crate::overview::{self, DeckOverview};
 use crate::plan::ledger::Ledger;
 use clap::Args;
 use serde::Serialize;
 
+use super::options::{OutputOptions, PrecisionOption, QuietOption};
 use super::words::print_out;
 use super::{CommandStatus, REFUSED, UserFiles, accept, deck_settings, words};
 
@@ -29,9 +29,8 @@ pub struct CheckCommand {
     /// Divide each edge of the mesh into N equal parts. Sets, surfaces, loads and constraints follow.
     #[arg(long, value_name = "N")]
     mesh_refine: Option<u32>,
-    /// Floating-point precision of solid elements: double or single.
-    #[arg(long, value_name = "DIGITS", default_value = "double")]
-    precision: Precision,
+    #[command(flatten)]
+    precision: PrecisionOption,
     #[command(flatten)]
     user: UserFiles,
     /// Skip the short trial run that estimates increments and run time.
@@ -40,12 +39,8 @@ pub struct CheckCommand {
     /// Show the memory of each effect in bytes, and the reason for each card without effect.
     #[arg(long)]
     bytes: bool,
-    /// Print one JSON object with diagnostics, overview and ledger.
-    #[arg(long)]
-    json: bool,
-    /// Print errors only.
-    #[arg(short, long, conflicts_with = "json")]
-    quiet: bool,
+    #[command(flatten)]
+    output: OutputOptions,
 }
 
 /// JSON object printed by `--json`.
@@ -61,17 +56,18 @@ struct CheckReport<'a> {
 
 impl CheckCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
-        let (routines, _) = self.user.routines(self.json || self.quiet, false)?;
+        let (routines, _) = self.user.routines(self.output.is_silent(), false)?;
+        let OutputOptions { quiet: QuietOption { quiet }, json } = self.output;
         let settings = deck_settings(&self.set, self.mesh_refine)?;
-        let (prepared, mut overview) = job::examine(self.precision, &self.deck, &settings, &routines);
-        if let Some(overview) = overview.as_mut().filter(|_| !self.no_look && !self.quiet) {
+        let (prepared, mut overview) = job::examine(self.precision.precision, &self.deck, &settings, &routines);
+        if let Some(overview) = overview.as_mut().filter(|_| !self.no_look && !quiet) {
             overview.effort = overview::measure(&prepared.plan, &prepared.state, TRIAL_TIME);
         }
-        if self.json {
+        if json {
             return print_json(&prepared, overview.as_ref());
         }
-        accept(&prepared, self.quiet)?;
-        if self.quiet {
+        accept(&prepared, quiet)?;
+        if quiet {
             return Ok(CommandStatus::SUCCESS);
         }
         if let Some(overview) = &overview {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use crate::deck::files;
 use crate::output::{JobFiles, csv};
+use crate::report::QuantityLabels;
 use crate::study::identify::data::{MeasuredData, SeriesRequest};
 use crate::study::identify::figures::{corner_plot, prediction_chart};
 use crate::study::identify::posterior::{Posterior, PosteriorRequest, posterior};
@@ -90,7 +91,8 @@ impl IdentifyCommand {
             .into());
         }
         let routines = self.search.routines()?;
-        let all = data.names.iter().chain(&names).cloned().collect();
+        let all: Vec<String> = data.names.iter().chain(&names).cloned().collect();
+        let labels = self.search.labels(&all.iter().chain(&data.series).cloned().collect::<Vec<_>>())?;
         let evaluator = self.search.evaluator(all, data.parsed_quantities()?, &routines)?;
         let (job, _lock) = self.search.job()?;
         let problem = IdentificationProblem::new(evaluator, &data, &unknowns, self.search.threads());
@@ -98,7 +100,7 @@ impl IdentifyCommand {
         let posterior = self.posterior.map(|effective| self.sample(&problem, &fits.best, effective)).transpose()?;
         let results = IdentificationResults { data: &data, names, fits, posterior };
         let object = results.json();
-        results.write(&job, &object)?;
+        results.write(&job, &object, &labels)?;
         let lines = self.lines(&results, &job);
         self.search.print(&results.table(NumberFormat::Rounded), &lines);
         self.search.print_json(&object)?;
@@ -266,7 +268,7 @@ impl IdentificationResults<'_> {
     }
 
     /// Writes the tables, the JSON object and the charts.
-    fn write(&self, job: &JobFiles, object: &serde_json::Value) -> Result<(), Box<dyn Error>> {
+    fn write(&self, job: &JobFiles, object: &serde_json::Value, labels: &QuantityLabels) -> Result<(), Box<dyn Error>> {
         let computed = self.computed();
         let band = self.posterior.as_ref().map_or(&[][..], |posterior| &posterior.predictions[..]);
         let ending = |i: usize| if i == 0 { String::new() } else { format!("_{}", i + 1) };
@@ -283,7 +285,7 @@ impl IdentificationResults<'_> {
             others.push(("_identify_corner.svg".into(), plot.svg().into_bytes()));
             others.push(("_identify_corner.png".into(), plot.png()?));
         }
-        write_results(job, "identify", &self.table(NumberFormat::Exact), others, &charts)
+        write_results(job, "identify", &self.table(NumberFormat::Exact), others, &charts, labels)
     }
 
     /// Returns a CSV table of the measured and the computed values.

@@ -7,7 +7,7 @@ use crate::study::StudyError;
 use crate::study::evaluate::SampleEvaluator;
 use crate::study::grid::CaseGrid;
 use crate::study::inputs::RandomInputs;
-use crate::study::limit::{self, LimitRequest, LimitScatter, LimitVelocity, Shot, VelocityBand};
+use crate::study::limit::{self, DrawnShots, LimitRequest, LimitScatter, LimitVelocity, Shot, VelocityBand};
 use crate::study::quantity::Quantity;
 use crate::study::shot::{EXTENSIONS, ShotEnd, ShotResult};
 use crate::study::statistics::design::{SampleDesign, SamplingScheme};
@@ -17,6 +17,9 @@ use serde_json::{Value, json};
 
 use super::search::{self, CompiledRoutines, NumberFormat, SearchArguments};
 use super::{CommandStatus, HALTED, ResultFile, write_results};
+
+/// Largest number of draws whose shots are written.
+const MOST_WRITTEN: u32 = 10_000;
 
 /// Find the ballistic limit velocity, the residual velocity curve above it, the velocities of ricochet and embedding
 /// below it, and optionally the scatter of the limit (V50).
@@ -81,23 +84,30 @@ impl LimitCommand {
         inputs: &RandomInputs,
         routines: &CompiledRoutines,
     ) -> Result<CommandStatus, Box<dyn Error>> {
+        let labels = self.search.labels(&limit::AXES.map(str::to_owned))?;
         let evaluator = self.evaluator(&[], routines)?;
         let (job, _lock) = self.search.job()?;
         let found = limit::find(request, &mut |velocities| {
             limit::fire(request, &evaluator, velocities, &[], self.search.threads())
         })?;
         let Some(bracket) = found.bracket else { return Err(no_limit(&found).into()) };
-        let scattered = match inputs.names.is_empty() {
+        let drawn = match inputs.names.is_empty() {
             true => None,
             false => Some(self.scatter(request, inputs, &self.evaluator(&inputs.names, routines)?)?),
         };
-        let table = |format| table(&found, bracket, scattered.as_ref(), format);
-        let object = record(&found, scattered.as_ref());
-        let others = vec![search::json_file("limit", &object)?, shots_file(None, &[(0.0, &found)])];
-        let mut charts = vec![(String::new(), limit::chart(&job.name, &found, scattered.as_ref()))];
+        let scattered = drawn.as_ref().map(|drawn| &drawn.0);
+        let table = |format| table(&found, bracket, scattered, format);
+        let mut object = record(&found, scattered);
+        let mut others = vec![shots_file(None, &[(0.0, &found)])];
+        if let Some((scattered, shots)) = drawn.as_ref().filter(|_| self.count <= MOST_WRITTEN) {
+            object["draws"] = shots.record(scattered);
+            others.push(draws_file(shots));
+        }
+        others.push(search::json_file("limit", &object)?);
+        let mut charts = vec![(String::new(), limit::chart(&job.name, &found, scattered))];
         charts.extend(scattered.iter().map(|s| ("_scatter".to_owned(), limit::scatter_chart(&job.name, s))));
-        write_results(&job, "limit", &table(NumberFormat::Exact), others, &charts)?;
-        self.search.print(&table(NumberFormat::Rounded), &lines(&found, bracket, scattered.as_ref(), &job));
+        write_results(&job, "limit", &table(NumberFormat::Exact), others, &charts, &labels)?;
+        self.search.print(&table(NumberFormat::Rounded), &lines(&found, bracket, scattered, &job));
         self.search.print_json(&object)?;
         let whole = is_decided(&found) && scattered.is_none_or(|s| s.lost == 0);
         Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
@@ -112,6 +122,7 @@ impl LimitCommand {
     ) -> Result<CommandStatus, Box<dyn Error>> {
         let (name, values) = values_over(over)?;
         self.reject_velocity(std::slice::from_ref(&name), "--over")?;
+        let labels = self.search.labels(&[name.clone(), limit::AXES[0].to_owned()])?;
         let evaluator = self.evaluator(std::slice::from_ref(&name), routines)?;
         let (job, _lock) = self.search.job()?;
         let find = |value: f64| {
@@ -124,7 +135,7 @@ impl LimitCommand {
         let each: Vec<_> = found.iter().map(|(value, found)| (*value, found)).collect();
         let others = vec![search::json_file("limit", &object)?, shots_file(Some(&name), &each)];
         let charts = [(String::new(), limit::map_chart(&job.name, &name, &found))];
-        write_results(&job, "limit", &table_over(&name, &found, NumberFormat::Exact), others, &charts)?;
+        write_results(&job, "limit", &table_over(&name, &found, NumberFormat::Exact), others, &charts, &labels)?;
         let files = files_line(found.iter().map(|(_, found)| found.shots.len()).sum(), &job);
         let more = found.iter().flat_map(|(value, found)| {
             warnings(found).into_iter().map(|line| format!("{name} = {}: {line}", number(*value)))
@@ -154,18 +165,19 @@ impl LimitCommand {
         Ok(self.search.evaluator(names, residual, routines)?.of_shots(self.least))
     }
 
-    /// Finds the limit of each draw.
+    /// Finds the limit of each draw. Returns the scatter and, of not too many draws, the shots.
     fn scatter(
         &self,
         request: &LimitRequest,
         inputs: &RandomInputs,
         evaluator: &SampleEvaluator,
-    ) -> Result<LimitScatter, Box<dyn Error>> {
+    ) -> Result<(LimitScatter, DrawnShots), Box<dyn Error>> {
         let (width, count) = (inputs.names.len(), self.count as usize);
         let mut points = vec![0.0; width * count];
         SampleDesign::new(SamplingScheme::Random, width, count, self.seed)?.fill(&mut points);
         let mut drawn = vec![0.0; width * count];
         points.chunks(width).zip(drawn.chunks_mut(width)).for_each(|(point, values)| inputs.values(point, values));
+        let (mut fired_shots, written) = (Vec::new(), self.count <= MOST_WRITTEN);
         let fire = &mut |shots: &[(usize, f64)]| -> Result<Vec<Option<Shot>>, StudyError> {
             let row = |(draw, velocity): &(usize, f64)| {
                 [*velocity].into_iter().chain(drawn[draw * width..(draw + 1) * width].iter().copied())
@@ -174,9 +186,15 @@ impl LimitCommand {
             let fired = evaluator.shots(&samples, self.search.threads())?;
             let judge =
                 |(fired, shot): (ShotResult, &(usize, f64))| fired.ok().map(|fired| request.judge(shot.1, &fired));
-            fired.into_iter().zip(shots).map(judge).map(Option::transpose).collect()
+            let judged: Vec<Option<Shot>> =
+                fired.into_iter().zip(shots).map(judge).map(Option::transpose).collect::<Result<_, _>>()?;
+            if written {
+                fired_shots.extend(shots.iter().zip(&judged).map(|((draw, velocity), shot)| (*draw, *velocity, *shot)));
+            }
+            Ok(judged)
         };
-        Ok(limit::scatter(request, count, fire)?)
+        let found = limit::scatter(request, count, fire)?;
+        Ok((found, DrawnShots { names: inputs.names.clone(), values: drawn, shots: fired_shots }))
     }
 }
 
@@ -298,6 +316,23 @@ fn shots_file(over: Option<&str>, found: &[(f64, &LimitVelocity)]) -> ResultFile
     let mut text = csv::line(over.into_iter().chain(["velocity", "residual", "end"]));
     text.extend(found.iter().flat_map(|(value, found)| found.shots.iter().map(|shot| row(*value, shot))));
     ("_limit_shots.csv".into(), text.into_bytes())
+}
+
+/// Returns the CSV file of the shots of all draws, with the number of the draw and its parameters.
+fn draws_file(drawn: &DrawnShots) -> ResultFile {
+    let exact = |value: f64| NumberFormat::Exact.text(value);
+    let header = ["draw"].into_iter().chain(drawn.names.iter().map(String::as_str));
+    let mut text = csv::line(header.chain(["velocity", "residual", "end"]));
+    let mut shots: Vec<_> = drawn.shots.iter().collect();
+    shots.sort_by_key(|shot| shot.0);
+    for (draw, velocity, shot) in shots {
+        let end = shot.map_or(json!(limit::FAILED), |shot| json!(shot.end));
+        let residual = shot.map_or(String::new(), |shot| exact(shot.residual));
+        let parameters = drawn.of(*draw).iter().copied().map(exact);
+        let result = [exact(*velocity), residual, end.as_str().unwrap_or_default().to_owned()];
+        text += &csv::line([(draw + 1).to_string()].into_iter().chain(parameters).chain(result));
+    }
+    ("_limit_draws.csv".into(), text.into_bytes())
 }
 
 /// Returns the table of limits and bands for the values of another parameter.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::options::{FolderOption, LabelOption, OutputOptions, ThreadOption};
 use super::words::{print_err, print_out};
 use super::{
     AlreadyPrinted, CommandStatus, PictureFormat, UserFiles, lock_job, pairs, print_findings, print_table,
@@ -44,9 +45,14 @@ pub struct MaterialCommand {
     /// Write the picture of one material also to this file, .png or .svg.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Result folder (default: out/<deck name>).
-    #[arg(short, long, value_name = "FOLDER")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    folder: FolderOption,
+    #[command(flatten)]
+    threads: ThreadOption,
+    #[command(flatten)]
+    labels: LabelOption,
+    #[command(flatten)]
+    output: OutputOptions,
     /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
     #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -61,13 +67,15 @@ impl MaterialCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let format = self.plot.as_deref().map(PictureFormat::of).transpose()?;
         self.check()?;
-        let (routines, _) = self.user.routines(false, false)?;
+        let (routines, _) = self.user.routines(self.output.is_silent(), false)?;
         let model = self.model()?;
         let chosen = self.chosen(&model)?;
         if format.is_some() && chosen.len() > 1 {
             let names = names(&model).join(", ");
             return Err(format!("--plot draws one material: give --material with one of {names}").into());
         }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads.count());
+        pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
         let named = self.all_curves(&model, &chosen, &routines);
         if named.is_empty() {
             return Err("no material of the deck has a stress-strain curve".into());
@@ -99,7 +107,9 @@ impl MaterialCommand {
             print_findings(&diagnostics, &deck.sources);
             return Err(AlreadyPrinted.into());
         }
-        print_unit_warnings(&model.materials, model.settings.units.as_ref(), &deck.sources);
+        if !self.output.is_silent() {
+            print_unit_warnings(&model.materials, model.settings.units.as_ref(), &deck.sources);
+        }
         Ok(model)
     }
 
@@ -130,6 +140,7 @@ impl MaterialCommand {
             };
             match found {
                 Ok(curves) => named.push((material.name.clone(), curves)),
+                Err(_) if self.output.is_silent() => {}
                 Err(reason) => print_err!("note: material {} has no curve: {reason}", material.name),
             }
         }
@@ -142,7 +153,7 @@ impl MaterialCommand {
             given => given.iter().copied().map(Some).collect(),
         };
         let length = self.length.or_else(|| material::element_length(model, id)).unwrap_or(1.0);
-        if material::takes_length(&model.materials[id]) {
+        if material::takes_length(&model.materials[id]) && !self.output.is_silent() {
             print_out!("{}: damage evolution with the element length {length}", model.materials[id].name);
         }
         TensionRequest {
@@ -169,11 +180,18 @@ impl MaterialCommand {
         let ending = |name: &str| if named.len() == 1 { String::new() } else { format!("_{}", file_word(name)) };
         let charts: Vec<_> =
             named.iter().map(|(name, curves)| (ending(name), material::chart(name, curves, units))).collect();
-        let (job, _lock) = lock_job(&self.deck, self.out.clone())?;
+        let (job, _lock) = lock_job(&self.deck, self.folder.out.clone())?;
         job::make_folder(&job)?;
-        write_results(&job, "material", &material::point_table(named), Vec::new(), &charts)?;
+        let labels = self.labels.checked(material::AXES)?;
+        write_results(&job, "material", &material::point_table(named), Vec::new(), &charts, &labels)?;
         if let (Some(path), Some(format), Some((_, chart))) = (&self.plot, format, charts.first()) {
-            output::write_whole(path, &format.bytes(&chart.drawing()?)?)?;
+            output::write_whole(path, &format.bytes(&labels.applied(chart.clone()).drawing()?)?)?;
+        }
+        if self.output.json {
+            print_out!("{}", serde_json::to_string_pretty(&material::record(named))?);
+        }
+        if self.output.is_silent() {
+            return Ok(super::output_status());
         }
         print_table(&material::table(named, self.strain, units));
         for (name, curves) in named {

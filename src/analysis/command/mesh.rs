@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
+use super::options::QuietOption;
 use super::words::print_out;
 use super::{CommandStatus, PictureFormat};
 use crate::deck::{Diagnostic, files};
@@ -133,9 +134,8 @@ struct MeshArguments {
     /// Prefix of set and surface names.
     #[arg(long, default_value = "", value_name = "TEXT")]
     prefix: String,
-    /// Print errors only.
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: QuietOption,
 }
 
 impl MeshCommand {
@@ -183,7 +183,7 @@ impl MeshArguments {
         if let (Some(path), Some(bytes)) = (&self.picture, picture) {
             write(path, &bytes)?;
         }
-        if !self.quiet {
+        if !self.quiet.quiet {
             lines.iter().for_each(|line| print_out!("{line}"));
             let picture = self.picture.as_ref().map_or(String::new(), |path| format!(" and {}", path.display()));
             print_out!("wrote {}{picture}", self.out.display());

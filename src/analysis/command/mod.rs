@@ -11,6 +11,7 @@ pub mod line;
 pub mod material;
 pub mod mesh;
 pub mod new;
+pub mod options;
 mod outcome;
 mod progress;
 pub mod report;
@@ -36,6 +37,7 @@ use crate::output::drawing::Drawing;
 use crate::output::lock::FolderLock;
 use crate::output::{self, JobFiles};
 use crate::plan::unit_warning;
+use crate::report::QuantityLabels;
 use crate::study::chart::Chart;
 use crate::study::grid::SettingForm;
 use crate::study::table::TextTable;
@@ -197,19 +199,20 @@ fn print_table(table: &TextTable) {
 /// File name suffix and contents of a result file.
 type ResultFile = (String, Vec<u8>);
 
-/// Writes a table, other files and charts (given with their file name suffix) and a list of checksums. Charts without
-/// points are omitted.
+/// Writes a table, other files and charts (given with their file name suffix, drawn with labels) and a list of checksums.
+/// Charts without points are omitted.
 fn write_results(
     job: &JobFiles,
     name: &str,
     table: &TextTable,
     others: Vec<ResultFile>,
     charts: &[(String, Chart)],
+    labels: &QuantityLabels,
 ) -> Result<(), Box<dyn Error>> {
     let mut files = vec![(format!("_{name}.csv"), table.csv().into_bytes())];
     files.extend(others);
     for (ending, chart) in charts.iter().filter(|(_, chart)| !chart.is_empty()) {
-        let drawing = chart.drawing()?;
+        let drawing = labels.applied(chart.clone()).drawing()?;
         let (svg, png) = (drawing.svg(), drawing.png()?);
         files.extend([(format!("_{name}{ending}.svg"), svg.into_bytes()), (format!("_{name}{ending}.png"), png)]);
     }

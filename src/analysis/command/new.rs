@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
+use super::options::QuietOption;
 use super::words::print_out;
 
 /// Write an example deck to start from.
@@ -19,9 +20,8 @@ pub struct NewCommand {
     /// Folder for the files.
     #[arg(short, long, default_value = ".")]
     out: PathBuf,
-    /// Print errors only.
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: QuietOption,
 }
 
 /// Example to copy.
@@ -60,7 +60,7 @@ impl NewCommand {
         for (name, text) in files {
             write_new(&self.out.join(name), text)?;
         }
-        if self.quiet {
+        if self.quiet.quiet {
             return Ok(CommandStatus::SUCCESS);
         }
         let paths: Vec<String> = files.iter().map(|(name, _)| self.out.join(name).display().to_string()).collect();

@@ -8,6 +8,7 @@ use crate::report::{PageOptions, QuantityLabels};
 use crate::{output, report};
 use clap::Args;
 
+use super::options::{LabelOption, QuietOption};
 use super::words::print_out;
 
 /// Write one self-contained HTML page with the runs, sweeps, studies, limits, identifications and Monte Carlo studies in
@@ -19,26 +20,24 @@ pub struct ReportCommand {
     /// HTML file to write (default: report.html in the result folder).
     #[arg(short, long, value_name = "FILE.html")]
     out: Option<PathBuf>,
-    /// Label shown for a quantity, for example U2@REF="depth" or MISES="equivalent stress"; can be repeated.
-    #[arg(long, value_name = "COLUMN=TEXT")]
-    label: Vec<String>,
+    #[command(flatten)]
+    labels: LabelOption,
     /// CSV file with reference curves: time in the first column, then columns named like the history columns. The rms
     /// deviation of the run from each curve is reported.
     #[arg(long, value_name = "FILE")]
     compare: Option<PathBuf>,
-    /// Print errors only.
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: QuietOption,
 }
 
 impl ReportCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
-        let options = PageOptions { labels: QuantityLabels::parse(&self.label)?, compare: self.compare };
+        let options = PageOptions { labels: QuantityLabels::parse(&self.labels.label)?, compare: self.compare };
         let page = report::gather_with(&self.folder, &options)?;
         let html = report::html(&page)?;
         let out = self.out.unwrap_or_else(|| self.folder.join("report.html"));
         output::write_whole(&out, html.as_bytes())?;
-        if !self.quiet {
+        if !self.quiet.quiet {
             let runs = page.runs.iter().map(|r| (r.name.as_str(), &r.notes));
             let tables = page
                 .sweeps

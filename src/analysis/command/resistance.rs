@@ -6,6 +6,7 @@ use std::time::Instant as Stopwatch;
 
 use clap::Args;
 
+use super::options::OutputOptions;
 use super::words::{self, print_err, print_out};
 use super::{AlreadyPrinted, CommandStatus, PictureFormat, pairs, print_findings, print_table, print_unit_warnings};
 use crate::deck::{Diagnostic, Sources};
@@ -70,12 +71,8 @@ pub struct ResistanceCommand {
     /// Write the *CAVITY EXPANSION card to a file, for *INCLUDE below *MATERIAL.
     #[arg(long, value_name = "FILE")]
     card: Option<PathBuf>,
-    /// Print only one JSON object with all results.
-    #[arg(long)]
-    json: bool,
-    /// Print only the *CAVITY EXPANSION card.
-    #[arg(short, long, conflicts_with = "json")]
-    quiet: bool,
+    #[command(flatten)]
+    output: OutputOptions,
 }
 
 /// Options that describe the material without a deck.
@@ -219,11 +216,11 @@ impl ResistanceCommand {
     }
 
     fn print(&self, record: &ResistanceRecord, similar: &PressureAt<'_>) -> Result<(), Box<dyn Error>> {
-        if self.json {
+        if self.output.json {
             print_out!("{}", serde_json::to_string_pretty(record)?);
             return Ok(());
         }
-        if !self.quiet {
+        if !self.output.is_silent() {
             print_table(&record.table());
             if !record.measured.is_empty() {
                 print_table(&record.measured_table(similar));

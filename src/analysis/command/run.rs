@@ -10,7 +10,7 @@ use crate::job::{
     self, FrameOutput, Instructions, JobError, JobOptions, ParameterOverrides, PreparedJob, RestartRequirement,
     RunSummary,
 };
-use crate::model::{Model, Precision};
+use crate::model::Model;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::{self, FramePoints, RunHistory};
 use crate::platform::signals::watch_signals;
@@ -23,11 +23,12 @@ use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
+use super::options::{FolderOption, OutputOptions, PrecisionOption, ThreadOption};
 use super::progress::{self, RunBar};
 use super::uncertainty::{EstimatedRun, UncertaintyOptions};
 use super::watchdog::Watchdog;
 use super::words::{print_err, print_out};
-use super::{CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings, threads};
+use super::{CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings};
 
 /// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
 const STACK: usize = 64 << 20;
@@ -49,9 +50,8 @@ pub struct RunCommand {
     /// for VUSDFLD.
     #[arg(long, requires = "files")]
     isolate: bool,
-    /// Result folder (default: out/<deck name>).
-    #[arg(short, long)]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    folder: FolderOption,
     /// Restart from the checkpoint in the result folder; results are bit-identical to an uninterrupted run. Without a
     /// checkpoint the run starts at time 0.
     #[arg(long)]
@@ -63,25 +63,21 @@ pub struct RunCommand {
     /// Write a checkpoint at this interval: 10s, 5m or 1h of wall-clock time, or a number of increments.
     #[arg(long, value_name = "TIME|INCREMENTS", value_parser = every)]
     checkpoint_every: Option<CheckpointInterval>,
-    /// Number of threads (default: all cores); results are bit-identical for any number.
-    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: ThreadOption,
     /// Instruction set for deformable elements: scalar, avx2 or avx512 (default: the best of this machine); results are
     /// bit-identical on all.
     #[arg(long, value_name = "SET")]
     instructions: Option<Instructions>,
-    /// Floating-point precision of solid elements: double or single. Single is faster; nodal quantities, sums and
-    /// energies remain in double precision.
-    #[arg(long, value_name = "DIGITS", default_value = "double")]
-    precision: Precision,
+    #[command(flatten)]
+    precision: PrecisionOption,
     /// Print the value of an expression over history columns, for example "-1000*final(U2@REF)"; can be repeated.
     #[arg(long, allow_hyphen_values = true)]
     quantity: Vec<String>,
     #[command(flatten)]
     uncertainty: UncertaintyOptions,
-    /// Print only the summary, as one JSON object.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputOptions,
     /// Coordinates of the points in frames: current, or reference (initial coordinates, for Warp By Vector with U in
     /// ParaView).
     #[arg(long, value_enum, default_value = "current", conflicts_with = "no_frames")]
@@ -92,9 +88,6 @@ pub struct RunCommand {
     /// Print the run time of each effect.
     #[arg(long)]
     profile: bool,
-    /// Print errors only.
-    #[arg(short, long)]
-    quiet: bool,
 }
 
 /// Parses a checkpoint interval in seconds, minutes, hours or increments.
@@ -129,7 +122,14 @@ impl RunCommand {
         }
         let compiled = if self.uncertainty.is_requested() { self.user.compiled(true)? } else { None };
         let (deck, overrides, user_files) = (&*self.deck, &settings[..], compiled.as_ref());
-        let estimated = EstimatedRun { deck, overrides, user: user_files, traits: &traits, quantities: &quantities };
+        let estimated = EstimatedRun {
+            deck,
+            overrides,
+            user: user_files,
+            traits: &traits,
+            quantities: &quantities,
+            precision: self.precision.precision,
+        };
         let chosen = self.uncertainty.chosen(&estimated, self.is_silent())?;
         if let Some(chosen) = &chosen {
             prepared = self.prepared(&chosen.overrides(&settings), &chosen.edits()?, &routines)?.0;
@@ -137,7 +137,7 @@ impl RunCommand {
         if let Some(instructions) = self.instructions {
             prepared.use_instructions(instructions)?;
         }
-        let job = job::default_job(&self.deck, self.out.clone())?;
+        let job = job::default_job(&self.deck, self.folder.out.clone())?;
         let from = self.checkpoint(&prepared, &job, &user)?;
         if !self.is_silent() {
             print_out!("{}", prepared.plan.ledger.render(false));
@@ -169,7 +169,7 @@ impl RunCommand {
         } else {
             None
         };
-        if self.json {
+        if self.output.json {
             print_json(&summary, &values, certificate.as_ref())?;
         } else if let Some(certificate) = &certificate {
             certificate.conclusions.iter().for_each(|line| print_out!("{line}"));
@@ -196,7 +196,7 @@ impl RunCommand {
         let reading = progress::over_reading(&self.deck, self.is_silent());
         let (mut traits, mut fault) = (ModelTraits::default(), Ok(()));
         let mut edit = |model: &mut Model| {
-            model.settings.precision = self.precision;
+            model.settings.precision = self.precision.precision;
             fault = edits.iter().try_for_each(|edit| edit(model));
             traits = ModelTraits::of(model);
         };
@@ -210,7 +210,7 @@ impl RunCommand {
     /// Starts one thread per core or as many as requested, but not more than the run can use: idle threads would still
     /// be woken in each pass.
     fn start_threads(&self, prepared: &PreparedJob) -> Result<(), Box<dyn Error>> {
-        let count = self.threads.map_or_else(threads::default, Into::into).min(prepared.most_threads());
+        let count = self.threads.count().min(prepared.most_threads());
         let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(count);
         Ok(pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?)
     }
@@ -221,7 +221,7 @@ impl RunCommand {
 
     /// Returns whether informational output is suppressed.
     fn is_silent(&self) -> bool {
-        self.quiet || self.json
+        self.output.is_silent()
     }
 
     /// Returns the checkpoint for a restart if one is requested and exists, and prints notes on it.

@@ -60,6 +60,8 @@ impl ScatterCommand {
         if let Some(part) = self.quantiles.iter().find(|part| !(0.0..=1.0).contains(*part)) {
             return Err(format!("--quantiles {part}: expected numbers between 0 and 1").into());
         }
+        let known: Vec<String> = inputs.names.iter().chain(&self.quantity).cloned().collect();
+        let labels = self.search.labels(&known)?;
         let routines = self.search.routines()?;
         let evaluator = self.search.evaluator(inputs.names.clone(), quantities, &routines)?;
         let (job, _lock) = self.search.job()?;
@@ -70,8 +72,7 @@ impl ScatterCommand {
             indices: self.indices,
             threads: self.search.threads(),
         };
-        let names = inputs.names.iter().chain(&self.quantity).cloned().collect();
-        let mut table = self.table.as_deref().map(|path| TableWriter::begin(path, names)).transpose()?;
+        let mut table = self.table.as_deref().map(|path| TableWriter::begin(path, known)).transpose()?;
         let runs = request.count * request.runs(&inputs);
         let bar = progress::over_runs(runs as u64, self.search.is_silent());
         let mut keep = |rows: &[f64]| table.as_mut().map_or(Ok(()), |table| table.append(rows));
@@ -84,7 +85,7 @@ impl ScatterCommand {
             let exact = self.table(&inputs, &results, NumberFormat::Exact);
             let object = self.json(&exact, runs, &results);
             let others = vec![search::json_file("scatter", &object)?];
-            write_results(&job, "scatter", &exact, others, &self.charts(&job.name, &results))?;
+            write_results(&job, "scatter", &exact, others, &self.charts(&job.name, &results), &labels)?;
             self.search.print(&self.table(&inputs, &results, NumberFormat::Rounded), &self.lines(runs, &job));
             self.search.print_json(&object)?;
         }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::job::JobError;
 use crate::output::JobFiles;
 use crate::output::lock::FolderLock;
+use crate::report::QuantityLabels;
 use crate::study::StudyError;
 use crate::study::evaluate::{DeckSource, SampleEvaluator, UserRoutines};
 use crate::study::quantity::Quantity;
@@ -15,8 +16,9 @@ use crate::study::table::{TextTable, number};
 use crate::user::compile::Compiled;
 use clap::Args;
 
+use super::options::{FolderOption, LabelOption, OutputOptions, PrecisionOption, ThreadOption};
 use super::words::{print_err, print_out};
-use super::{AlreadyPrinted, ResultFile, UserFiles, lock_job, pairs, print_table, threads};
+use super::{AlreadyPrinted, ResultFile, UserFiles, lock_job, pairs, print_table};
 
 /// Options for the deck, its fixed parameters, threads and output.
 #[derive(Args)]
@@ -28,30 +30,33 @@ pub struct SearchArguments {
     set: Vec<String>,
     #[command(flatten)]
     user: UserFiles,
-    /// Folder for the tables, the JSON object and the pictures (default: out/<deck name>).
-    #[arg(short, long)]
-    out: Option<PathBuf>,
-    /// Number of threads (default: all cores; in a scheduler task the assigned cores, or one).
-    #[arg(short, long)]
-    threads: Option<usize>,
-    /// Print only one JSON object.
-    #[arg(long)]
-    json: bool,
-    /// Print errors only.
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    folder: FolderOption,
+    #[command(flatten)]
+    threads: ThreadOption,
+    #[command(flatten)]
+    precision: PrecisionOption,
+    #[command(flatten)]
+    labels: LabelOption,
+    #[command(flatten)]
+    output: OutputOptions,
 }
 
 pub struct CompiledRoutines(Option<Arc<Compiled>>);
 
 impl SearchArguments {
     pub fn threads(&self) -> usize {
-        self.threads.unwrap_or_else(threads::default)
+        self.threads.count()
     }
 
     /// Returns whether informational output is suppressed.
     pub fn is_silent(&self) -> bool {
-        self.quiet || self.json
+        self.output.is_silent()
+    }
+
+    /// Returns the labels of the `known` names in pictures.
+    pub fn labels(&self, known: &[String]) -> Result<QuantityLabels, String> {
+        self.labels.checked(known)
     }
 
     /// Compiles the user subroutines.
@@ -61,7 +66,7 @@ impl SearchArguments {
 
     /// Returns the job of the deck and the lock of its output folder.
     pub fn job(&self) -> Result<(JobFiles, FolderLock), JobError> {
-        lock_job(&self.deck, self.out.clone())
+        lock_job(&self.deck, self.folder.out.clone())
     }
 
     /// Creates the evaluator of `quantities` over the parameters `names`.
@@ -76,7 +81,8 @@ impl SearchArguments {
             return Err(format!("--set {name}: another option gives the values of this parameter").into());
         }
         let user = routines.0.clone().map_or(UserRoutines::Absent, UserRoutines::Files);
-        Ok(SampleEvaluator::new(DeckSource::File(self.deck.clone()), fixed, names, quantities, user)?)
+        let evaluator = SampleEvaluator::new(DeckSource::File(self.deck.clone()), fixed, names, quantities, user)?;
+        Ok(evaluator.in_precision(self.precision.precision))
     }
 
     /// Prints a table and the lines below it, unless output is suppressed.
@@ -89,7 +95,7 @@ impl SearchArguments {
 
     /// Prints the JSON object if `--json` is given.
     pub fn print_json(&self, object: &serde_json::Value) -> Result<(), Box<dyn Error>> {
-        if self.json {
+        if self.output.json {
             print_out!("{}", serde_json::to_string_pretty(object)?);
         }
         Ok(())
@@ -101,7 +107,7 @@ pub fn warn_still_moving(evaluator: &SampleEvaluator) {
     let count = evaluator.still_moving();
     if count > 0 {
         print_err!(
-            "warning: in {count} runs a body is still moving in the target at the end; their depths are not final"
+            "warning: R315: in {count} runs a body is still moving in the target at the end; their depths are not final"
         );
     }
 }

@@ -4,6 +4,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use crate::output::JobFiles;
+use crate::report::QuantityLabels;
 use crate::study::StudyError;
 use crate::study::causes;
 use crate::study::chosen;
@@ -20,6 +21,7 @@ use crate::user::compile::Compiled;
 use crate::{deck, job, model};
 use clap::Args;
 
+use super::options::{FolderOption, LabelOption, OutputOptions, PrecisionOption, ThreadOption};
 use super::words::{print_err, print_out};
 use super::{
     CommandStatus, HALTED, ResultFile, UserFiles, accept, lock_job, pairs, print_run_warnings, print_table, progress,
@@ -62,18 +64,19 @@ pub struct StudyCommand {
     set: Vec<String>,
     #[command(flatten)]
     user: UserFiles,
-    /// Folder for the table, the JSON record and the pictures (default: out/<deck name>).
-    #[arg(short, long)]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    folder: FolderOption,
+    #[command(flatten)]
+    threads: ThreadOption,
+    #[command(flatten)]
+    precision: PrecisionOption,
+    #[command(flatten)]
+    labels: LabelOption,
     /// Number of runs of each setting; the reported time is the median.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
-    /// Print only the record of the study, as in `<job>_study.json`.
-    #[arg(long, conflicts_with = "ablate")]
-    json: bool,
-    /// Print errors only.
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    output: OutputOptions,
 }
 
 impl StudyCommand {
@@ -85,10 +88,11 @@ impl StudyCommand {
         }
         let target = self.target.as_deref().map(ErrorTarget::parse).transpose()?;
         let overrides = pairs(&self.set)?;
-        let compiled = self.user.compiled(self.quiet || self.json)?;
+        let labels = self.labels.checked([quantity.text.as_str()])?;
+        let compiled = self.user.compiled(self.output.is_silent())?;
         let routines = Compiled::open_any(compiled.as_ref())?;
-        let first = job::prepare(&self.deck, &overrides, &routines);
-        accept(&first, self.quiet || self.json)?;
+        let first = job::prepare_in(self.precision.precision, &self.deck, &overrides, &routines);
+        accept(&first, self.output.is_silent())?;
         let parameters: Vec<String> = first.deck.parameters.iter().map(|p| p.0.clone()).collect();
         let axes = settings::axes(&self.refine, &parameters)?;
         let source = |overrides: &job::ParameterOverrides| deck::read(&self.deck, overrides);
@@ -102,20 +106,22 @@ impl StudyCommand {
         settings::check(&axes, &model)?;
         quantity.check(&first.plan)?;
         drop(first);
-        let (job, _lock) = lock_job(&self.deck, self.out.clone())?;
+        let (job, _lock) = lock_job(&self.deck, self.folder.out.clone())?;
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
-        let bar = progress::over_runs(runs as u64, self.quiet);
+        let bar = progress::over_runs(runs as u64, self.output.quiet.quiet);
         let done = || bar.inc(1);
         // The thread pool is created here, where a failure can be reported.
-        rayon::ThreadPoolBuilder::new().build_global().map_err(|e| format!("cannot start threads: {e}"))?;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads.count());
+        pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
         let mut bench =
             StudyRunner::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &done);
+        bench.in_precision(self.precision.precision);
         if self.ablate {
             let effects = effects::leave_out(&mut bench, &axes, &model)?;
             bar.finish_and_clear();
-            return write_effects(&job, &quantity, &effects, self.quiet);
+            return write_effects(&job, &quantity, &effects, self.output);
         }
-        let quiet = self.quiet || self.json;
+        let quiet = self.output.is_silent();
         let announce = |line: &str| {
             if !quiet {
                 bar.suspend(|| print_out!("{line}"));
@@ -132,10 +138,10 @@ impl StudyCommand {
         };
         let (results, met, timing) = convergence::refine(&mut bench, &request)?;
         bar.finish_and_clear();
-        let record = write(&job, &quantity, exact, &results, met.clone(), timing)?;
-        if self.json {
+        let record = write(&job, (&quantity, labels.of(&quantity.text)), exact, &results, met.clone(), timing)?;
+        if self.output.json {
             print_out!("{}", record.trim_end());
-        } else if !self.quiet {
+        } else if !quiet {
             print(&results, &quantity, met.as_ref(), timing, &job);
         }
         print_run_warnings(&run_warnings(&axes, &results));
@@ -163,11 +169,14 @@ fn write_effects(
     job: &JobFiles,
     quantity: &Quantity,
     effects: &EffectAblation,
-    quiet: bool,
+    output: OutputOptions,
 ) -> Result<CommandStatus, Box<dyn Error>> {
     let record = record_text(&record::ablation(&quantity.text, effects))?;
-    write_results(job, "study", &effects.table(true), vec![record_file(record)], &[])?;
-    if !quiet {
+    let files = vec![record_file(record.clone())];
+    write_results(job, "study", &effects.table(true), files, &[], &QuantityLabels::default())?;
+    if output.json {
+        print_out!("{}", record.trim_end());
+    } else if !output.is_silent() {
         print_table(&effects.table(false));
         effects.conclusions().iter().for_each(|line| print_out!("{line}"));
         print_out!("table {}", job.path("_study.csv").display());
@@ -178,19 +187,26 @@ fn write_effects(
 /// Writes the files of a study and returns its record as JSON.
 fn write(
     job: &JobFiles,
-    quantity: &Quantity,
+    (quantity, label): (&Quantity, &str),
     exact: Option<f64>,
     results: &Results,
     met: Option<TargetResult>,
     timing: StudyTiming,
 ) -> Result<String, Box<dyn Error>> {
     let record = record_text(&record::record(&quantity.text, exact, results, met, timing))?;
-    let title = format!("{}: {}", job.name, quantity.text);
+    let title = format!("{}: {label}", job.name);
     let charts = [
         (String::new(), record::price_chart(results, &title)),
         ("_order".to_owned(), record::order_chart(results, &title)),
     ];
-    write_results(job, "study", &record::table(results, true), vec![record_file(record.clone())], &charts)?;
+    write_results(
+        job,
+        "study",
+        &record::table(results, true),
+        vec![record_file(record.clone())],
+        &charts,
+        &QuantityLabels::default(),
+    )?;
     Ok(record)
 }
 

@@ -5,7 +5,6 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use crate::deck::files;
-use crate::model::Precision;
 use crate::study::cases::{self, CaseRange, SweepPart};
 use crate::study::compare::{Agreement, ReferenceTable};
 use crate::study::dakota;
@@ -18,10 +17,11 @@ use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
+use super::options::{FolderOption, LabelOption, OutputOptions, PrecisionOption, ThreadOption};
 use super::words::{self, print_err, print_out};
 use super::{
     CommandStatus, HALTED, UserFiles, accept, lock_job, print_run_warnings, print_table, progress, settings_text,
-    threads, write_results,
+    write_results,
 };
 
 /// Run a deck over values of its parameters and write one table and one picture.
@@ -73,21 +73,16 @@ pub struct SweepCommand {
     compare_column: Option<String>,
     #[command(flatten)]
     user: UserFiles,
-    /// Folder for the table and the picture (default: out/<deck name>).
-    #[arg(short, long)]
-    out: Option<PathBuf>,
-    /// Floating-point precision of solid elements: double or single.
-    #[arg(long, value_name = "DIGITS", default_value = "double")]
-    precision: Precision,
-    /// Number of threads (default: all cores; in a scheduler task the assigned cores, or one).
-    #[arg(short, long)]
-    threads: Option<usize>,
-    /// Print one JSON object with the parameters and values, or the error, of each run.
-    #[arg(long)]
-    json: bool,
-    /// Print errors only.
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    folder: FolderOption,
+    #[command(flatten)]
+    precision: PrecisionOption,
+    #[command(flatten)]
+    threads: ThreadOption,
+    #[command(flatten)]
+    labels: LabelOption,
+    #[command(flatten)]
+    output: OutputOptions,
 }
 
 /// A sweep whose deck and arguments have been checked.
@@ -147,10 +142,10 @@ impl SweepCommand {
 
     /// Checks deck, user subroutines and quantities with the parameters of the first case.
     fn prepare(&self, grid: CaseGrid, quantities: Vec<Quantity>) -> Result<PreparedSweep, Box<dyn Error>> {
-        let compiled = self.user.compiled(self.quiet || self.json)?;
+        let compiled = self.user.compiled(self.output.is_silent())?;
         let routines = Compiled::open_any(compiled.as_ref())?;
-        let first = job::prepare_in(self.precision, &self.deck, &grid.combination(0), &routines);
-        accept(&first, self.quiet || self.json)?;
+        let first = job::prepare_in(self.precision.precision, &self.deck, &grid.combination(0), &routines);
+        accept(&first, self.output.is_silent())?;
         for quantity in &quantities {
             quantity.check_without_study()?;
             quantity.check(&first.plan)?;
@@ -165,12 +160,12 @@ impl SweepCommand {
         cases: Range<usize>,
         kept: Option<&output::JobFiles>,
     ) -> Result<sweep::SweepResults, Box<dyn Error>> {
-        let threads = self.threads.unwrap_or_else(threads::default);
+        let threads = self.threads.count();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string())?;
-        let bar = progress::over_runs(cases.len() as u64, self.quiet);
+        let bar = progress::over_runs(cases.len() as u64, self.output.quiet.quiet);
         let done = || bar.inc(1);
         let PreparedSweep { grid, quantities, compiled, .. } = prepared;
-        let deck = (&*self.deck, self.precision);
+        let deck = (&*self.deck, self.precision.precision);
         let results = pool.install(|| sweep::run(deck, (grid, cases), quantities, compiled.as_ref(), kept, &done));
         bar.finish_and_clear();
         Ok(results)
@@ -181,8 +176,10 @@ impl SweepCommand {
         prepared: &PreparedSweep,
         reference: Option<&ReferenceTable>,
     ) -> Result<CommandStatus, Box<dyn Error>> {
-        let (job, _lock) = lock_job(&self.deck, self.out.clone())?;
         let PreparedSweep { grid, quantities, first, .. } = prepared;
+        let known = grid.names().into_iter().chain(quantities.iter().map(|q| q.text.as_str()));
+        let labels = self.labels.checked(known)?;
+        let (job, _lock) = lock_job(&self.deck, self.folder.out.clone())?;
         let results = if self.gather {
             prepared.part(&prepared.identity()).gather(&job)?
         } else {
@@ -198,11 +195,11 @@ impl SweepCommand {
                 let chart = sweep::measured_chart(title, quantities, &results, measured);
                 charts.push(("_measured".to_owned(), chart));
             }
-            write_results(&job, "sweep", &compared.table, Vec::new(), &charts)?;
+            write_results(&job, "sweep", &compared.table, Vec::new(), &charts, &labels)?;
         }
-        if self.json {
+        if self.output.json {
             print_json(grid, quantities, &results, &compared)?;
-        } else if !self.quiet {
+        } else if !self.output.is_silent() {
             print_sweep(&compared, &job);
         }
         print_run_warnings(&run_warnings(grid, &results));
@@ -212,11 +209,11 @@ impl SweepCommand {
     /// Runs the given range of cases and writes them as a part for `--gather`. Other processes may write parts to the
     /// same folder at the same time, so the folder is not locked.
     fn run_part(&self, prepared: &PreparedSweep, cases: Range<usize>) -> Result<CommandStatus, Box<dyn Error>> {
-        let whole = job::default_job(&self.deck, self.out.clone())?;
+        let whole = job::default_job(&self.deck, self.folder.out.clone())?;
         job::make_folder(&whole)?;
         let results = self.run(prepared, cases.clone(), self.keep.then_some(&whole))?;
         let path = prepared.part(&prepared.identity()).write(&whole, &cases, &results)?;
-        if !self.quiet {
+        if !self.output.is_silent() {
             print_out!("cases {}-{} of {}: {}", cases.start + 1, cases.end, prepared.grid.count(), path.display());
         }
         print_run_warnings(&run_warnings(&prepared.grid, &results));

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use crate::deck;
 use crate::job::{ParameterOverrides, PreparedJob, RunSummary};
+use crate::model::Precision;
 use crate::output::{self, JobFiles};
 use crate::study::chosen::{self, ChosenSetting, TargetRequest};
 use crate::study::inputs::RandomInputs;
@@ -78,6 +79,8 @@ pub struct EstimatedRun<'a> {
     pub traits: &'a ModelTraits,
     /// Quantities of the run.
     pub quantities: &'a [Quantity],
+    /// Precision of the run.
+    pub precision: Precision,
 }
 
 impl UncertaintyOptions {
@@ -112,7 +115,7 @@ impl UncertaintyOptions {
         let [quantity] = run.quantities else { return Err("--target needs exactly one --quantity".into()) };
         let source = |overrides: &ParameterOverrides| deck::read(run.deck, overrides);
         let request = TargetRequest {
-            source: RunSource { deck: &source, user: run.user, interrupt: None },
+            source: RunSource { deck: &source, user: run.user, interrupt: None, precision: run.precision },
             overrides: run.overrides,
             quantity,
             target,
@@ -143,7 +146,7 @@ impl UncertaintyOptions {
         let source = |overrides: &ParameterOverrides| deck::read(run.deck, overrides);
         let budget = if let Some(CostBudget::Share(share)) = self.budget { share } else { DEFAULT_BUDGET };
         let request = UncertaintyRequest {
-            source: RunSource { deck: &source, user: run.user, interrupt: None },
+            source: RunSource { deck: &source, user: run.user, interrupt: None, precision: run.precision },
             overrides: run.overrides,
             traits: run.traits,
             quantities: run.quantities,

@@ -66,7 +66,7 @@ impl Watchdog<'_> {
                 }
             } else if since.elapsed() > silence {
                 if !self.quiet {
-                    print_err!("warning: no progress for {} s: {}", since.elapsed().as_secs(), self.place());
+                    print_err!("warning: R314: no progress for {} s: {}", since.elapsed().as_secs(), self.place());
                 }
                 silence *= 2;
             }

@@ -8,10 +8,11 @@ use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 
 pub const TITLE: &str = "Energy balance";
 /// Energies from the bottom to the top of the stack: column and name. ALLIE is the sum of recoverable, plastic and
-/// artificial strain energy.
+/// artificial strain energy, and that lost by damage.
 const STORED: [(&str, &str); 2] = [("ALLKE", "kinetic"), ("ALLSE", "elastic")];
-const DISSIPATED: [(&str, &str); 8] = [
+const DISSIPATED: [(&str, &str); 9] = [
     ("ALLPD", "plastic"),
+    ("ALLDMD", "damage"),
     ("ALLAE", "hourglass control"),
     ("ALLVD", "bulk viscosity"),
     ("ALLFD", "friction"),
@@ -21,7 +22,7 @@ const DISSIPATED: [(&str, &str); 8] = [
     ("ALLCAV", "opening the cavity"),
 ];
 /// Energies that are part of ALLIE.
-const INTERNAL: [&str; 3] = ["ALLSE", "ALLPD", "ALLAE"];
+const INTERNAL: [&str; 4] = ["ALLSE", "ALLPD", "ALLAE", "ALLDMD"];
 /// Largest number of rows that are drawn; all areas use the same rows.
 const ROWS: usize = 300;
 /// Energies below this fraction of the largest one are not drawn.

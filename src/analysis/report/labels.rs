@@ -59,6 +59,12 @@ impl QuantityLabels {
         Ok(())
     }
 
+    /// Returns a chart with the labels.
+    pub fn applied(&self, mut chart: Chart) -> Chart {
+        self.name(&mut chart);
+        chart
+    }
+
     fn name(&self, chart: &mut Chart) {
         for name in [&mut chart.title, &mut chart.x_label, &mut chart.y_label] {
             *name = self.of(name).to_owned();

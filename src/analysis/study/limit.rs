@@ -12,6 +12,9 @@ use super::statistics::lambert_jonas::{self, LambertJonasFit};
 use super::statistics::probit::{self, NormalFit};
 use super::statistics::summary;
 
+/// Names of the axes of the curve of shots.
+pub const AXES: [&str; 2] = ["striking velocity", "residual velocity"];
+
 /// Options of the search for the limit velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitRequest {
@@ -249,11 +252,50 @@ fn sort(shots: &mut Vec<Shot>) {
     shots.dedup_by_key(|shot| shot.velocity);
 }
 
+/// Shots of the draws of a scatter, with the parameters of each draw.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DrawnShots {
+    /// Names of the random parameters.
+    pub names: Vec<String>,
+    /// Values of the parameters, draw by draw.
+    pub values: Vec<f64>,
+    /// Draw, striking velocity and result of each shot, in the order of the search; `None` for a shot that failed.
+    pub shots: Vec<(usize, f64, Option<Shot>)>,
+}
+
+impl DrawnShots {
+    /// Returns the values of the parameters of a draw.
+    pub fn of(&self, draw: usize) -> &[f64] {
+        &self.values[draw * self.names.len()..(draw + 1) * self.names.len()]
+    }
+
+    /// Returns the JSON array of the draws: parameters, bracket of the limit (`null` for an end outside the search
+    /// interval, or for a lost draw), and shots.
+    pub fn record(&self, scattered: &LimitScatter) -> Value {
+        let mut shots = vec![Vec::new(); scattered.brackets.len()];
+        self.shots.iter().for_each(|(draw, velocity, shot)| match shot {
+            Some(shot) => shots[*draw].push(json!(shot)),
+            None => shots[*draw].push(json!({ "velocity": velocity, "end": FAILED })),
+        });
+        let draw = |(draw, shots): (usize, Vec<Value>)| {
+            let parameters: serde_json::Map<_, _> =
+                self.names.iter().cloned().zip(self.of(draw).iter().map(|value| json!(value))).collect();
+            json!({ "parameters": parameters, "bracket": scattered.brackets[draw], "shots": shots })
+        };
+        shots.into_iter().enumerate().map(draw).collect()
+    }
+}
+
+/// End of a shot whose run failed.
+pub const FAILED: &str = "failed";
+
 /// Scatter of the limit velocity for random parameters.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LimitScatter {
     /// Bracket of the limit of each draw; one end is infinite if the limit is outside the search interval.
     pub members: Vec<(f64, f64)>,
+    /// The same of each draw, in order; `None` for a lost one.
+    pub brackets: Vec<Option<(f64, f64)>>,
     /// Fitted normal distribution; `None` if the brackets do not determine one.
     pub scatter: Option<NormalFit>,
     /// Number of draws without a limit because a shot failed, or a body still moved at its end.
@@ -299,12 +341,12 @@ pub fn scatter(request: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -
         }
         open.retain(|draw| !lost[*draw]);
     }
-    let members: Vec<(f64, f64)> =
-        ends.into_iter().zip(&lost).filter(|(_, lost)| !**lost).map(|(ends, _)| ends).collect();
-    let lost = lost.into_iter().filter(|lost| *lost).count();
+    let brackets: Vec<_> = ends.into_iter().zip(lost).map(|(ends, lost)| (!lost).then_some(ends)).collect();
+    let members: Vec<(f64, f64)> = brackets.iter().flatten().copied().collect();
+    let lost = draws - members.len();
     let first = members.iter().map(|m| m.0).filter(|v| v.is_finite()).fold(f64::INFINITY, f64::min);
     let band = band(if first.is_finite() { [first, high] } else { request.between }, draws, fire)?;
-    Ok(LimitScatter { scatter: probit::fit(&members), members, lost, band })
+    Ok(LimitScatter { scatter: probit::fit(&members), members, brackets, lost, band })
 }
 
 /// Returns the band of residual velocities between two striking velocities; points are denser at the lower end, where
@@ -345,7 +387,7 @@ pub fn chart(title: &str, found: &LimitVelocity, scattered: Option<&LimitScatter
         let points = (0..=200).map(place).map(|v| (v, lambert_jonas::residual(constants, v))).collect();
         series.push(ChartSeries::new("Lambert and Jonas", SeriesForm::Line, points));
     }
-    Chart::new(title, ["striking velocity", "residual velocity"], series)
+    Chart::new(title, AXES, series)
 }
 
 /// Returns one series of markers for each end of shots that occurs.
@@ -497,6 +539,7 @@ mod tests {
         });
         let found = found.expect("limits");
         assert_eq!((found.lost, found.members.len()), (1, 6));
+        assert_eq!(found.brackets.iter().position(Option::is_none), Some(5));
         let known = limits.iter().filter(|limit| limit.is_finite());
         assert!(found.members.iter().zip(known).all(|(m, limit)| m.0 <= *limit && *limit <= m.1));
         assert_eq!([found.members[0].0, found.members[5].1], [f64::NEG_INFINITY, f64::INFINITY]);

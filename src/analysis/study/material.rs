@@ -5,6 +5,8 @@ use std::fmt::Write as _;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::StudyError;
 use super::chart::{Chart, ChartSeries, SeriesForm};
@@ -28,6 +30,8 @@ const POINTS: u32 = 1000;
 const VELOCITY_POINTS: u32 = 400;
 /// True strains of the columns of the table.
 pub const STRAINS: [f64; 5] = [0.01, 0.05, 0.1, 0.2, 0.5];
+/// Names of the axes of the curves.
+pub const AXES: [&str; 2] = ["true strain", "true stress"];
 /// Plastic strain of the tabulated yield stress.
 const YIELD_STRAIN: f64 = 0.002;
 /// Decrease of the stress relative to its maximum from which a curve softens.
@@ -51,7 +55,7 @@ pub struct TensionRequest {
 }
 
 /// Point of a curve.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TensionPoint {
     /// True strain.
     pub strain: f64,
@@ -64,7 +68,7 @@ pub struct TensionPoint {
 }
 
 /// True stress over true strain at one rate and initial temperature.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TensionCurve {
     /// True strain rate.
     pub rate: f64,
@@ -411,8 +415,11 @@ pub fn chart(name: &str, curves: &[TensionCurve], units: Option<&DeckUnits>) -> 
     };
     let stress = units.map_or(String::new(), |u| u.name([-1, 1, -2, 0]));
     let series = curves.iter().map(line).collect();
-    Chart {
-        units: [String::new(), stress],
-        ..Chart::new(&format!("{name} in uniaxial tension"), ["true strain", "true stress"], series)
-    }
+    Chart { units: [String::new(), stress], ..Chart::new(&format!("{name} in uniaxial tension"), AXES, series) }
+}
+
+/// Returns the curves of materials as a JSON object; numbers that a material does not have are null.
+pub fn record(named: &[(String, Vec<TensionCurve>)]) -> Value {
+    let materials: Vec<Value> = named.iter().map(|(name, curves)| json!({ "name": name, "curves": curves })).collect();
+    json!({ "materials": materials })
 }

@@ -13,6 +13,7 @@ use super::settings::{ModelEdit, StudyAxis, StudyParameter, edit};
 use super::table::duration;
 use crate::deck::{Deck, Diagnostics};
 use crate::job::{self, ParameterOverrides, PreparedJob};
+use crate::model::{Model, Precision};
 use crate::user::compile::Compiled;
 
 /// Function that reads the deck with given parameter values.
@@ -27,6 +28,8 @@ pub struct RunSource<'a> {
     pub user: Option<&'a Compiled>,
     /// A nonzero value halts the runs.
     pub interrupt: Option<&'a AtomicUsize>,
+    /// Precision of the elements, unless an edit of the model sets another.
+    pub precision: Precision,
 }
 
 /// Runner of the settings of a study.
@@ -106,7 +109,7 @@ impl<'a> StudyRunner<'a> {
         repeat: usize,
         done: &'a dyn Fn(),
     ) -> Self {
-        let source = RunSource { deck: source, user, interrupt: None };
+        let source = RunSource { deck: source, user, interrupt: None, precision: Precision::Double };
         StudyRunner {
             source,
             overrides: overrides.to_vec(),
@@ -116,6 +119,11 @@ impl<'a> StudyRunner<'a> {
             spent: 0.0,
             limit: None,
         }
+    }
+
+    /// Sets the precision of the elements.
+    pub fn in_precision(&mut self, precision: Precision) {
+        self.source.precision = precision;
     }
 
     /// Sets the interrupt: a nonzero value halts the runs.
@@ -251,19 +259,22 @@ impl RunSource<'_> {
     ) -> Result<Vec<Result<StudyRun, StudyError>>, StudyError> {
         let routines = Compiled::open_any(self.user)?;
         let mut fault = Ok(());
-        let mut change = |model: &mut _| fault = edits.iter().copied().flatten().try_for_each(|edit| edit(model));
+        let mut change = |model: &mut Model| {
+            model.settings.precision = self.precision;
+            fault = edits.iter().copied().flatten().try_for_each(|edit| edit(model));
+        };
         let prepared = accepted(job::prepare_edited((self.deck)(overrides), &mut change, &routines))?;
         fault?;
         let mut history = quantity::history(quantities, &prepared.plan);
         let never = AtomicUsize::new(0);
         let (outcome, state) = job::run_until(&prepared, &mut history, self.interrupt.unwrap_or(&never));
+        let warnings = outcome.all_warnings();
         if let Some(halt) = outcome.halt {
             return Err(StudyError::Halted(halt));
         }
         let finished = FinishedRun { history: &history, end: Some((outcome.total_time(), &state)) };
         let elements = element_count(&prepared);
         let seconds = TimeSpread { median: outcome.seconds, ..TimeSpread::default() };
-        let warnings: Vec<String> = outcome.unfinished.into_iter().chain(outcome.warnings).collect();
         let result = |quantity: &Quantity| {
             let found = quantity.evaluate(finished)?;
             let (increments, warnings) = (outcome.increments, warnings.clone());

@@ -91,7 +91,7 @@ fn one(
     let (outcome, state) = job::run_into(&prepared, &mut history);
     let run = FinishedRun { history: &history, end: Some((outcome.total_time(), &state)) };
     let values = quantities.iter().map(|q| q.number(run)).collect::<Result<_, _>>();
-    let warnings = outcome.unfinished.iter().chain(&outcome.warnings).cloned().collect();
+    let warnings = outcome.all_warnings();
     let halt = outcome.halt.clone();
     if let Some(job) = kept {
         let written = job::write_run(&prepared, job, outcome, history);

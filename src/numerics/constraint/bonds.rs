@@ -361,6 +361,11 @@ impl MasslessFollower {
         own.map(|t| t.weight * self.load).sum()
     }
 
+    /// Returns whether a part of the load acts on a degree of freedom with a prescribed motion.
+    pub fn loads(&self, node: usize, axis: usize) -> bool {
+        self.terms.iter().any(|t| t.given && (t.node, t.axis) == (node, axis))
+    }
+
     pub fn bytes(&self) -> usize {
         heap_bytes(&self.members) + heap_bytes(&self.terms) + size_of_val(self)
     }

@@ -131,6 +131,24 @@ pub trait ConstraintForces {
     fn constraint_force(&self, _dof: Dof) -> f64 {
         0.0
     }
+
+    /// Returns the index at which it stores a degree of freedom; `None` if no impulse of it acts there. The index is
+    /// valid during a step.
+    fn index_of(&self, _dof: Dof) -> Option<usize> {
+        None
+    }
+
+    /// Returns its impulse on a degree of freedom with prescribed motion over the previous increment, in which velocities
+    /// changed over the time `half`. A prescribed motion returns the impulse of elements and loads.
+    fn impulse(&self, _dof: Dof, _index: usize, _half: f64) -> f64 {
+        0.0
+    }
+
+    /// Returns the force on the same degree of freedom at the current instant, as [`Self::impulse`]; 0 for contact, which
+    /// acts during increments.
+    fn current_force(&self, _dof: Dof, _index: usize) -> f64 {
+        0.0
+    }
 }
 
 /// Output variables of surfaces in contact.
@@ -176,7 +194,8 @@ pub trait ConstraintUpkeep {
     /// Informs it that the mass of a node has changed; `gained` is the increase of kinetic energy along r and z.
     fn masses_changed(&mut self, _node: usize, _gained: [f64; 2]) {}
 
-    fn warnings(&mut self, _dofs: &Dofs, _clock: &AmplitudeClock<'_>) -> Vec<String> {
+    /// Returns the messages of overlaps of bodies that it has found.
+    fn overlaps(&mut self, _dofs: &Dofs, _clock: &AmplitudeClock<'_>) -> Vec<String> {
         Vec::new()
     }
 }

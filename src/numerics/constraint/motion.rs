@@ -233,6 +233,18 @@ impl ConstraintForces for PrescribedMotion {
         let own = |m: &&NodeMotion| Dof::Node(m.node, m.axis) == dof;
         self.nodes.iter().find(own).map(|m| m.force)
     }
+
+    fn index_of(&self, dof: Dof) -> Option<usize> {
+        self.nodes.iter().position(|m| Dof::Node(m.node, m.axis) == dof)
+    }
+
+    fn impulse(&self, dof: Dof, index: usize, half: f64) -> f64 {
+        half * self.current_force(dof, index)
+    }
+
+    fn current_force(&self, _dof: Dof, index: usize) -> f64 {
+        self.nodes[index].force
+    }
 }
 
 impl ConstraintUpkeep for PrescribedMotion {

@@ -178,7 +178,7 @@ impl Constraint for OverlapMonitor {
 }
 
 impl ConstraintUpkeep for OverlapMonitor {
-    fn warnings(&mut self, dofs: &Dofs, clock: &AmplitudeClock<'_>) -> Vec<String> {
+    fn overlaps(&mut self, dofs: &Dofs, clock: &AmplitudeClock<'_>) -> Vec<String> {
         let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time);
         self.find_overlaps(dofs, |pair, [r, z, depth, length]| found.push((pair, [time, r, z, depth, length])));
         let warnings = found.iter().map(|&(pair, [time, r, z, depth, length])| {

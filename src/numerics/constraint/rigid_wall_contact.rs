@@ -9,7 +9,7 @@ use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use std::f64::consts::PI;
 
 use super::contact::curve::PointCarrier;
-use super::{Constraint, ConstraintView, ContactResults, PairForces, StoredConstraint};
+use super::{Constraint, ConstraintForces, ConstraintView, ContactResults, PairForces, StoredConstraint};
 use crate::kernel::attitude::{SpatialVector, cross, dot, norm, plus, times};
 use crate::kernel::interaction::CoulombFriction;
 use crate::kernel::lists::MemoryUse;
@@ -17,7 +17,7 @@ use crate::kernel::profile::SurfaceProfile;
 use crate::platform::PortableMath as _;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
-use crate::state::dofs::Dofs;
+use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
 use crate::state::rigid_body_3d::{Pose, RigidBody3d, RigidMotion, Wrench};
@@ -384,7 +384,18 @@ impl Constraint for RigidWallContact {
     }
 
     fn view(&self) -> ConstraintView<'_> {
-        ConstraintView { contact: Some(self), ..ConstraintView::default() }
+        ConstraintView { forces: Some(self), contact: Some(self), ..ConstraintView::default() }
+    }
+}
+
+impl ConstraintForces for RigidWallContact {
+    fn index_of(&self, dof: Dof) -> Option<usize> {
+        (dof == Dof::Body(self.pair.bodies[1])).then_some(0)
+    }
+
+    fn impulse(&self, _dof: Dof, _index: usize, _half: f64) -> f64 {
+        let [pressed, rubbed] = self.forces;
+        -self.duration * (pressed[1] + rubbed[1])
     }
 }
 

@@ -279,8 +279,22 @@ impl EquationSystem {
 
     /// Returns the force of the equations on a degree of freedom.
     pub(super) fn constraint_force(&self, node: usize, axis: usize) -> Option<f64> {
-        let f = self.unknowns.iter().find(|f| f.axis == axis && f.members.contains(&node))?;
+        let f = self.unknown(node, axis)?;
         Some(if f.members[0] == node { f.constraint_force + f.inertia } else { 0.0 })
+    }
+
+    /// Returns the impulse on a degree of freedom by which the equations corrected velocities in the previous increment.
+    pub(super) fn velocity_impulse(&self, node: usize, axis: usize) -> f64 {
+        self.unknown(node, axis).filter(|f| f.members[0] == node).map_or(0.0, |f| f.change)
+    }
+
+    /// Returns whether a degree of freedom belongs to the system.
+    pub(super) fn has(&self, node: usize, axis: usize) -> bool {
+        self.unknown(node, axis).is_some()
+    }
+
+    fn unknown(&self, node: usize, axis: usize) -> Option<&EquationUnknown> {
+        self.unknowns.iter().find(|f| f.axis == axis && f.members.contains(&node))
     }
 
     pub fn bytes(&self) -> usize {

@@ -43,6 +43,8 @@ pub struct LaneSums<T = f64> {
     pub internal: Lanes<T>,
     /// Plastic dissipation in the increment, energy.
     pub plastic: Lanes<T>,
+    /// Elastic energy lost by damage, a part of `plastic`.
+    pub damaged: Lanes<T>,
     /// Work of the bulk viscosity.
     pub viscous: Lanes<T>,
     /// Work of the hourglass control.
@@ -193,6 +195,8 @@ pub struct TaskWorkspace<T = f64> {
     pub(super) strain: StrainIncrement<T>,
     pub(super) stress: StressUpdate<T>,
     pub(super) sums: LaneSums<T>,
+    /// Sums of [`Self::energy_sums`] at the start of the block; only with records.
+    recorded: [Lanes<T>; 3],
     pub(super) block: T,
     /// Index of the block in the task.
     pub(super) at: usize,
@@ -652,8 +656,8 @@ impl<T: Real> TaskWorkspace<T> {
 
     /// Returns the sums of the pass, and the squares of the largest strain increment and volume change.
     pub(super) fn parts(&self) -> (LaneSums, [Lanes; 2]) {
-        let StressUpdate { internal, dissipated, .. } = self.stress;
-        let sums = LaneSums { internal, plastic: dissipated, ..self.sums };
+        let StressUpdate { internal, dissipated, damaged, .. } = self.stress;
+        let sums = LaneSums { internal, plastic: dissipated, damaged, ..self.sums };
         (sums.wide(self.length), self.deformed.inline_map(|list| list.inline_map(T::wide)))
     }
 
@@ -680,8 +684,25 @@ impl<T: Real> TaskWorkspace<T> {
         (spins, dt): (Lanes, f64),
     ) {
         let unit = self.length * self.length * self.length;
+        let sums = self.energy_sums();
+        let grown = |i: usize| inline_from_fn(|l| unit * (sums[i][l] - self.recorded[i][l]).wide());
+        let energies = [0, 1, 2].inline_map(grown);
         let (increment, update, record) = (&self.strain, &self.stress, &mut self.task.records[index]);
+        record.add_energies(&energies);
         arch.dispatch(RecordUpdate { record, stress, flow, spins, dt, unit, increment, update });
+    }
+
+    /// Adds work of the stress, and loss by damage, to the record of a lane in the block `index`, if records exist;
+    /// energies in the units of the model.
+    pub(super) fn add_to_record(&mut self, index: usize, lane: usize, energies: [f64; 2]) {
+        if let Some(record) = self.task.records.get_mut(index) {
+            record.add_to_lane(lane, energies);
+        }
+    }
+
+    /// Returns the sums of the pass that records take: work of the stress, of hourglass control, and loss by damage.
+    fn energy_sums(&self) -> [Lanes<T>; 3] {
+        [self.stress.internal, self.sums.artificial, self.stress.damaged]
     }
 
     /// Computes the spin increments if only records need them.
@@ -716,6 +737,9 @@ impl<T: Real> TaskWorkspace<T> {
         if count < LANES {
             self.weight[count..].fill(T::ZERO);
         }
+        if !self.task.records.is_empty() {
+            self.recorded = self.energy_sums();
+        }
     }
 }
 
@@ -726,6 +750,7 @@ impl<T: Real> TaskWorkspace<T> {
         for l in 0..LANES {
             self.stress.internal[l] += block.stress.internal[l];
             self.stress.dissipated[l] += block.stress.dissipated[l];
+            self.stress.damaged[l] += block.stress.damaged[l];
             for (most, list) in self.deformed.iter_mut().zip(&block.deformed) {
                 most[l] = larger(list[l], most[l]);
             }
@@ -742,6 +767,7 @@ impl<T: Real> LaneSums<T> {
         LaneSums {
             internal: energies(&self.internal),
             plastic: energies(&self.plastic),
+            damaged: energies(&self.damaged),
             viscous: energies(&self.viscous),
             artificial: energies(&self.artificial),
             rate: self.rate.inline_map(|x| x.wide() / length),
@@ -756,6 +782,7 @@ impl<T: Real> LaneSums<T> {
         for l in 0..LANES {
             self.internal[l] += later.internal[l];
             self.plastic[l] += later.plastic[l];
+            self.damaged[l] += later.damaged[l];
             self.viscous[l] += later.viscous[l];
             self.artificial[l] += later.artificial[l];
             if is_larger(later.rate[l], self.rate[l]) {
@@ -793,7 +820,7 @@ pub fn across(list: &Lanes) -> f64 {
 
 persist_struct!(ElementBlock<S, T> [S: Persist, T: Persist] { stress, mass, inverse_mass, state } derived { nodes });
 
-persist_struct!(LaneSums<T> [T: Persist] { internal, plastic, viscous, artificial, rate, limiting });
+persist_struct!(LaneSums<T> [T: Persist] { internal, plastic, damaged, viscous, artificial, rate, limiting });
 
 persist_struct!(TaskState<T> [T: Persist] {
     eroded: fixed, own_rates: fixed, records: fixed, hourglass: fixed, enhanced: fixed, viscous: fixed,
@@ -801,10 +828,10 @@ persist_struct!(TaskState<T> [T: Persist] {
 });
 
 // The other fields are scratch memory of one pass; the sums stay valid while a task is quiescent.
-persist_struct!(TaskWorkspace<T> [T: Persist] { sums, task } derived { stress, r, z, v_r, v_z, middle, inverse, now, weight, strain, block, at, own_rate, length, cap, arch, deformed } then TaskWorkspace::persist_work);
+persist_struct!(TaskWorkspace<T> [T: Persist] { sums, task } derived { stress, recorded, r, z, v_r, v_z, middle, inverse, now, weight, strain, block, at, own_rate, length, cap, arch, deformed } then TaskWorkspace::persist_work);
 
 impl<T: Persist> TaskWorkspace<T> {
     fn persist_work(&mut self, archive: &mut StateArchive<'_>) {
-        persist_fields!(archive; &mut self.stress.internal, &mut self.stress.dissipated);
+        persist_fields!(archive; &mut self.stress.internal, &mut self.stress.dissipated, &mut self.stress.damaged);
     }
 }

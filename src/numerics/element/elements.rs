@@ -377,6 +377,7 @@ impl Elements {
 fn add(totals: &GroupTotals, energies: &mut EnergyTotals) {
     energies.internal += totals.internal;
     energies.plastic += totals.plastic;
+    energies.damaged += totals.damaged;
     energies.viscous += totals.viscous;
     energies.artificial += totals.artificial;
 }

@@ -37,8 +37,10 @@ pub const TASK: usize = 16;
 pub struct GroupTotals {
     /// Work of the stress.
     pub internal: f64,
-    /// Energy dissipated by plastic flow.
+    /// Energy dissipated by plastic flow and damage.
     pub plastic: f64,
+    /// Elastic energy lost by damage, a part of `plastic`.
+    pub damaged: f64,
     /// Work of the bulk viscosity.
     pub viscous: f64,
     /// Work of the hourglass control.
@@ -867,7 +869,9 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementTemperatures 
             let pressure = share * 3.0 * self.constants.bulk * strain;
             block.stress[..3].iter_mut().for_each(|list| list[lane] = T::of(list[lane].wide() - pressure));
             let corners = [0, 1, 2, 3].inline_map(|c| nodes[block.nodes[c][lane] as usize]);
-            work += 0.5 * pressure * quad::volume_change::<AREA>(corners.inline_map(|n| n.as_array()), dt);
+            let done = 0.5 * pressure * quad::volume_change::<AREA>(corners.inline_map(|n| n.as_array()), dt);
+            work += done;
+            self.tasks[e / (TASK * LANES)].add_to_record(e / LANES % TASK, lane, [done, 0.0]);
         }
         work
     }
@@ -951,6 +955,7 @@ pub(super) fn totals(tasks: impl Iterator<Item = (LaneSums, [Lanes; 2])>, most: 
         totals.deformed = totals.deformed.max(strain + 0.5 * dilation);
         totals.internal += across(&sums.internal);
         totals.plastic += across(&sums.plastic);
+        totals.damaged += across(&sums.damaged);
         totals.viscous += across(&sums.viscous);
         totals.artificial += across(&sums.artificial);
         for (l, (&rate, &block)) in sums.rate.iter().zip(&sums.limiting).enumerate() {
@@ -981,7 +986,7 @@ fn persist_called_moduli<M: Material<T>, const AREA: bool, T: ElementPrecision>(
     }
 }
 
-persist_struct!(GroupTotals { internal, plastic, viscous, artificial, rate, limiting, deformed });
+persist_struct!(GroupTotals { internal, plastic, damaged, viscous, artificial, rate, limiting, deformed });
 
 #[cfg(test)]
 mod tests {

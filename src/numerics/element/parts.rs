@@ -1,6 +1,7 @@
 //! Mass, momentum and energies of a part: a set of elements.
 
 use super::elements::Elements;
+use super::values::internal_energy;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
@@ -12,10 +13,8 @@ pub struct PartTotals {
     /// Momentum along z.
     pub momentum: f64,
     pub kinetic: f64,
-    /// Recoverable strain energy.
-    pub strain: f64,
-    /// Energy dissipated by plastic flow.
-    pub plastic: f64,
+    /// Internal energy, with the work of hourglass control.
+    pub internal: f64,
     /// Mass of the deleted elements.
     pub eroded: f64,
 }
@@ -40,7 +39,6 @@ impl Elements {
                 totals.momentum += mass * (node.v_z + 0.5 * dt * a_z);
             }
         }
-        totals.strain += value(Variable::ElementStrainEnergy);
-        totals.plastic += value(Variable::ElementPlasticEnergy);
+        totals.internal += internal_energy(&**group, element);
     }
 }

@@ -23,8 +23,8 @@ pub struct BlockRecord {
     plastic: [Lanes; 4],
     /// Strain rate of the previous increment.
     rate: [Lanes; 4],
-    /// Work of the stress, and its plastically dissipated part.
-    work: [Lanes; 2],
+    /// Work of the stress, its plastically dissipated part, work of hourglass control, and loss by damage.
+    work: [Lanes; 4],
 }
 
 /// Recorded values of one element; tensors as rr, zz, hoop, rz with tensor shear.
@@ -35,8 +35,8 @@ pub struct ElementRecord {
     pub plastic: [f64; 4],
     /// Strain rate, 1/time.
     pub rate: [f64; 4],
-    /// Recoverable and dissipated energy.
-    pub energy: [f64; 2],
+    /// Recoverable energy, energy dissipated by plastic flow, work of hourglass control, and loss by damage.
+    pub energy: [f64; 4],
 }
 
 impl ElementRecord {
@@ -52,6 +52,8 @@ impl ElementRecord {
             Variable::StrainRate => strain(self.rate),
             Variable::ElementStrainEnergy => Some(self.energy[0]),
             Variable::ElementPlasticEnergy => Some(self.energy[1]),
+            Variable::ElementArtificialEnergy => Some(self.energy[2]),
+            Variable::ElementDamageEnergy => Some(self.energy[3]),
             _ => None,
         }
     }
@@ -95,11 +97,7 @@ impl<T: Real> RecordUpdate<'_, T> {
         for l in 0..LANES {
             let turn = rotation_of_spin(self.spins[l]);
             let (strain, plastic) = (rotate(column(&record.strain, l), turn), rotate(column(&record.plastic, l), turn));
-            let [increment, carried, stress] = [&self.increment.strain, &self.increment.carried, self.stress]
-                .inline_map(|list| column(list, l).inline_map(T::wide));
-            let doubled = [0, 1, 2, 3].inline_map(|i| increment[i] * (carried[i] + stress[i]));
-            let volume = self.unit * self.increment.volume[l].wide();
-            record.work[0][l] += 0.5 * volume * ((doubled[0] + doubled[1]) + (doubled[2] + 2.0 * doubled[3]));
+            let increment = column(&self.increment.strain, l).inline_map(T::wide);
             for i in 0..4 {
                 record.strain[i][l] = strain[i] + increment[i];
                 record.plastic[i][l] = plastic[i];
@@ -137,15 +135,30 @@ impl<T: Real> RecordUpdate<'_, T> {
 }
 
 impl BlockRecord {
+    /// Adds the work of the stress, of hourglass control, and the loss by damage in an increment.
+    pub(super) fn add_energies(&mut self, [stress, artificial, damage]: &[Lanes; 3]) {
+        for l in 0..LANES {
+            self.work[0][l] += stress[l];
+            self.work[2][l] += artificial[l];
+            self.work[3][l] += damage[l];
+        }
+    }
+
+    /// Adds work of the stress and loss by damage to one element.
+    pub(super) fn add_to_lane(&mut self, lane: usize, [stress, damage]: [f64; 2]) {
+        self.work[0][lane] += stress;
+        self.work[3][lane] += damage;
+    }
+
     /// Returns the recorded values of one element.
     pub(super) fn of(&self, lane: usize) -> ElementRecord {
         let tensor = |x: &[Lanes; 4]| [0, 1, 2, 3].inline_map(|i| x[i][lane]);
-        let [work, dissipated] = [self.work[0][lane], self.work[1][lane]];
+        let [work, plastic, artificial, damage] = [0, 1, 2, 3].inline_map(|i| self.work[i][lane]);
         ElementRecord {
             strain: tensor(&self.strain),
             plastic: tensor(&self.plastic),
             rate: tensor(&self.rate),
-            energy: [work - dissipated, dissipated],
+            energy: [work - plastic - damage, plastic, artificial, damage],
         }
     }
 }

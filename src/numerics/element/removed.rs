@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::elements::Elements;
 use super::group::ElementGroup;
+use super::values::internal_energy;
 use crate::state::archive::persist_struct;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
@@ -85,7 +86,7 @@ impl DeletionRecord {
                 *counted = true;
                 let value = |variable: Variable| group.value(element, variable.into()).unwrap_or(0.0);
                 self.mass += value(Variable::Mass);
-                self.internal += value(Variable::ElementStrainEnergy) + value(Variable::ElementPlasticEnergy);
+                self.internal += internal_energy(&**group, element);
                 for n in group.boundary(element) {
                     self.around[n as usize] -= 1;
                     if self.around[n as usize] == 0 {

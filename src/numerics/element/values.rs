@@ -35,3 +35,10 @@ pub fn has(group: &dyn ElementGroup, nodes: &[Node], element: usize, part: Varia
         None => row.followed || value(group, nodes, element, part).is_some(),
     }
 }
+
+/// Returns the internal energy of an element since the start: the sum of its recorded energies.
+pub fn internal_energy(group: &dyn ElementGroup, element: usize) -> f64 {
+    use Variable::{ElementArtificialEnergy, ElementDamageEnergy, ElementPlasticEnergy, ElementStrainEnergy};
+    let energies = [ElementStrainEnergy, ElementPlasticEnergy, ElementDamageEnergy, ElementArtificialEnergy];
+    energies.iter().filter_map(|&energy| group.value(element, energy.into())).sum()
+}

@@ -69,6 +69,8 @@ pub struct StressUpdate<T = f64> {
     pub internal: Lanes<T>,
     /// Energy dissipated by plastic flow and damage, summed in the same way.
     pub dissipated: Lanes<T>,
+    /// Elastic energy lost by damage, a part of `dissipated`.
+    pub damaged: Lanes<T>,
     /// Number of elements that the material deleted.
     pub deleted: usize,
 }
@@ -99,6 +101,7 @@ impl<T: Real> StressUpdate<T> {
     #[inline(always)]
     pub fn begin(&mut self) {
         (self.internal, self.dissipated, self.deleted) = ([T::ZERO; LANES], [T::ZERO; LANES], 0);
+        self.damaged = [T::ZERO; LANES];
         self.returned = [T::ONE; LANES];
     }
 

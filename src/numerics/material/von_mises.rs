@@ -290,6 +290,7 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
                 .inline_map(|(share, mean)| share * (distortion + mean * mean / (2.0 * bulk)));
             update.dissipated[l] +=
                 T::of(volume * ((energy_before - energy_after) - (1.0 - left) * mises * input.plastic[l]));
+            update.damaged[l] += T::of(volume * (energy_before - energy_after));
             update.deleted += usize::from(left == 0.0);
         }
     }

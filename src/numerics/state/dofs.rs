@@ -6,7 +6,7 @@ use super::energies::EnergyTotals;
 use super::nodes::Nodes;
 
 /// A degree of freedom.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Dof {
     /// Displacement of a rigid body along z.
     Body(usize),

@@ -10,8 +10,10 @@ pub struct EnergyTotals {
     pub kinetic: f64,
     /// Work of the stress.
     pub internal: f64,
-    /// Energy dissipated by plastic flow.
+    /// Energy dissipated by plastic flow and damage.
     pub plastic: f64,
+    /// Elastic energy lost by damage, a part of `plastic`.
+    pub damaged: f64,
     /// Work of the bulk viscosity.
     pub viscous: f64,
     /// Work of the hourglass control.
@@ -44,6 +46,7 @@ persist_struct!(EnergyTotals {
     kinetic,
     internal,
     plastic,
+    damaged,
     viscous,
     artificial,
     external,

@@ -7,6 +7,10 @@ const HEAD: &str = "# Output variables\n\nGenerated from the table of variables;
     (`REVOLVE_BLESS=1 cargo test --test deck` updates it). Variables that a model does not have are omitted from its files and \
     listed as unused. Directions: 1 is r, 2 is z, 3 is the hoop direction.\n";
 
+const REACTIONS: &str = "\nHistories of RF and RM are means over the interval since the previous row, as the forces of contact pairs. The integral \
+    over time is the impulse of the constraint for any interval: the change of momentum by the velocities of the rows. Frames \
+    show the value at their time.\n";
+
 const SETS: &str = "\n## Statistics of sets, and expressions\n\n`STATISTICS=` on `*NODE OUTPUT` and `*ELEMENT OUTPUT` of a history \
     writes one column `<VARIABLE>_<STATISTIC>@<SET>` instead of one for each member. For example, `RF2_SUM@FOOT` is the total \
     reaction force of fixed nodes.\n\n\
@@ -38,8 +42,8 @@ const CHAPTERS: &[(VariablePlace, &str, &str)] = &[
         VariablePlace::Part,
         "For parts",
         "`*ENERGY OUTPUT, ELSET=`: histories, one column for each set. A node contributes the part of its mass that belongs to the \
-         active elements of the set: without deleted elements the sum over all parts is the value of the model. A rigid body counts with its whole \
-         mass if one of its elements is in the set",
+         active elements of the set: without deleted elements the sum over all parts is the value of the model. So ALLIE is the sum of PARTIE and \
+         EROIE, without connector elements. A rigid body counts with its whole mass if one of its elements is in the set",
     ),
     (VariablePlace::Energy, "Energies of the whole model", "`*ENERGY OUTPUT`: histories"),
     (VariablePlace::Increment, "For increments", "`*INCREMENTATION OUTPUT`: histories"),
@@ -52,6 +56,9 @@ pub fn variable_manual() -> String {
         text += &format!("\n## {title}\n\n{about}.\n\n");
         text += "| name | components | meaning | by default |\n|---|---|---|---|\n";
         text.extend(Variable::ALL.iter().filter(|v| v.place() == *place).map(|v| line(*v)));
+        if *place == VariablePlace::Node {
+            text += REACTIONS;
+        }
     }
     text += SETS;
     text += "\n## Names of several variables\n\n";
@@ -81,6 +88,7 @@ fn by_default(variable: Variable) -> &'static str {
         (VariablePlace::Energy, PreselectRule::ElementDeletion, _) => "with *EROSION",
         (VariablePlace::Facet, ..) | (VariablePlace::Energy, _, false) | (_, PreselectRule::Always, _) => "yes",
         (_, PreselectRule::PenaltyContact, _) => "with penalty contact",
+        (_, PreselectRule::Damage, _) => "with a material that can be damaged or fail",
         (VariablePlace::Energy, _, true) | (_, PreselectRule::Deformable, _) => "with deformable bodies",
         (_, PreselectRule::ElementDeletion, _) => "if elements can be deleted",
         (_, PreselectRule::Never, _) => "",

@@ -51,6 +51,8 @@ pub enum PreselectRule {
     SurfaceContact,
     /// With penalty contact; the variable exists only then.
     PenaltyContact,
+    /// With a material that can be damaged or fail; the variable exists only then.
+    Damage,
     /// With a rigid body with six degrees of freedom; the variable exists only then.
     SixDofBody,
 }
@@ -202,6 +204,8 @@ variables! {
     Density: point("DENSITY", &[], "Mass per unit of current volume").by(|e, _| Some(e.held(Variable::Mass, 0)? / volume(e))).dimension([-3, 1, 0, 0]),
     ElementStrainEnergy: element("ELSE", "Elastic strain energy of an element").followed(None).dimension(ENERGY),
     ElementPlasticEnergy: element("ELPD", "Energy dissipated by plastic flow in an element").followed(None).dimension(ENERGY),
+    ElementArtificialEnergy: element("ELASE", "Artificial strain energy of hourglass control in an element").followed(None).dimension(ENERGY),
+    ElementDamageEnergy: element("ELDMD", "Elastic energy of an element that was lost by damage").followed(Some(Variable::Degradation)).dimension(ENERGY),
     Mass: element("MASS", "Mass of an element").as_extension().dimension(MASS),
     SpecificEnergy: point("SPECIFIC_ENERGY", &[], "Internal energy per unit of mass, if an equation of state computes it").as_extension().dimension([2, 0, -2, 0]),
     Degradation: point("SDEG", &[], "Scalar stiffness degradation: the fraction by which damage reduces the stress"),
@@ -226,16 +230,17 @@ variables! {
     PartMomentum: part("PARTMOM", "Momentum of the active elements of a part along z").dimension([1, 1, -1, 0]),
     PartVelocity: part("PARTVEL", "Velocity along z of the centre of mass of the active elements of a part: PARTMOM over PARTMASS").dimension(VELOCITY),
     PartKineticEnergy: part("PARTKE", "Kinetic energy of the active elements of a part").dimension(ENERGY),
-    PartInternalEnergy: part("PARTIE", "Internal energy of the active elements of a part: strain energy and plastic dissipation, without hourglass control")
+    PartInternalEnergy: part("PARTIE", "Internal energy of the active elements of a part: as ALLIE, the strain energy, the energies dissipated by plastic flow and damage, and that of hourglass control")
         .followed(None).dimension(ENERGY),
     PartErodedMass: part("PARTERO", "Mass of the deleted elements of a part").dimension(MASS),
     KineticEnergy: energy("ALLKE", "Kinetic energy"),
     Work: energy("ALLWK", "External work of loads and prescribed motions"),
     FrictionEnergy: energy("ALLFD", "Energy dissipated by friction"),
     CavityEnergy: energy("ALLCAV", "Energy dissipated by cavity expansion in targets").as_extension(),
-    InternalEnergy: energy("ALLIE", "Internal energy: ALLSE + ALLPD + ALLAE").deformable_only(),
+    InternalEnergy: energy("ALLIE", "Internal energy: ALLSE + ALLPD + ALLAE + ALLDMD").deformable_only(),
     AllStrainEnergy: energy("ALLSE", "Recoverable strain energy").deformable_only(),
     AllPlasticEnergy: energy("ALLPD", "Energy dissipated by plastic flow").deformable_only(),
+    AllDamageEnergy: energy("ALLDMD", "Elastic energy lost by damage and failure of materials").with_damage(),
     ViscousEnergy: energy("ALLVD", "Energy dissipated by bulk viscosity, dashpots and damping").deformable_only(),
     ArtificialEnergy: energy("ALLAE", "Artificial strain energy of hourglass control").deformable_only(),
     ConstraintWork: energy("ALLCW", "Constraint work: energy lost in contact").deformable_only(),
@@ -333,6 +338,10 @@ impl VariableRow {
 
     const fn with_penalty_contact(self) -> VariableRow {
         VariableRow { preselected: PreselectRule::PenaltyContact, deforming: true, ..self }
+    }
+
+    const fn with_damage(self) -> VariableRow {
+        VariableRow { preselected: PreselectRule::Damage, deforming: true, ..self }
     }
 
     /// Marks a variable of rigid bodies with six degrees of freedom.

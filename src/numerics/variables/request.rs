@@ -86,7 +86,12 @@ pub const FAMILIES: &[VariableFamily] = &[
     },
     VariableFamily {
         name: "ELEN",
-        members: &[Variable::ElementStrainEnergy, Variable::ElementPlasticEnergy],
+        members: &[
+            Variable::ElementStrainEnergy,
+            Variable::ElementPlasticEnergy,
+            Variable::ElementArtificialEnergy,
+            Variable::ElementDamageEnergy,
+        ],
         words: "Energies of an element",
     },
     VariableFamily {
@@ -146,7 +151,6 @@ pub const NOT_SIMULATED: &[UnsimulatedVariable] = &[
     known("EDT", VariablePlace::Element, "stable increment of an element"),
     known("EMSF", VariablePlace::Element, "mass scaling factor of an element"),
     known("ALLCD", VariablePlace::Energy, "energy dissipated by viscoelasticity"),
-    known("ALLDMD", VariablePlace::Energy, "energy dissipated by damage"),
     known("ALLMW", VariablePlace::Energy, "work done in propelling mass added by mass scaling"),
     known("ALLFC", VariablePlace::Energy, "fluid cavity energy"),
     known("DMASS", VariablePlace::Increment, "change of mass by mass scaling"),
@@ -278,9 +282,7 @@ pub const NOT_SIMULATED: &[UnsimulatedVariable] = &[
     known("ROC", VariablePlace::Point, "rate of change"),
     known("ELCD", VariablePlace::Element, "energy of creep in an element"),
     known("ELVD", VariablePlace::Element, "viscous energy of an element"),
-    known("ELASE", VariablePlace::Element, "artificial energy of an element"),
     known("ELIHE", VariablePlace::Element, "internal heat energy of an element"),
-    known("ELDMD", VariablePlace::Element, "damage energy of an element"),
     known("ELDC", VariablePlace::Element, "distortion control energy of an element"),
     known("ELKE", VariablePlace::Element, "kinetic energy of an element"),
     known("EASEDEN", VariablePlace::Element, "artificial energy density of an element"),

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use indexmap::{IndexMap, IndexSet};
 
 use super::general_contact::pair_name;
+use super::user_material::fails;
 use super::{Compiler, State};
 use crate::element::values;
 use crate::kernel::lists::heap_bytes;
@@ -523,6 +524,7 @@ impl Compiler<'_> {
     fn energies(&self) -> impl Iterator<Item = Variable> + use<> {
         let deforms = self.deforms();
         let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
+        let damages = self.materials_present().any(fails);
         let springs = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());
         let walls = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| self.spatial_side(pair).is_some());
         let is_there = move |v: &Variable| {
@@ -530,6 +532,7 @@ impl Compiler<'_> {
                 PreselectRule::HeatConduction => conducts,
                 PreselectRule::PenaltyContact => springs,
                 PreselectRule::ElementDeletion => deletes,
+                PreselectRule::Damage => damages,
                 _ => true,
             };
             let lost = walls && *v == Variable::ConstraintWork;
@@ -580,7 +583,10 @@ impl Compiler<'_> {
             PreselectRule::Always => true,
             PreselectRule::Deformable => self.deforms(),
             PreselectRule::ElementDeletion => self.deletes(),
-            PreselectRule::HeatConduction | PreselectRule::SurfaceContact | PreselectRule::PenaltyContact => true,
+            PreselectRule::HeatConduction
+            | PreselectRule::SurfaceContact
+            | PreselectRule::PenaltyContact
+            | PreselectRule::Damage => true,
             PreselectRule::SixDofBody => false,
         }
     }

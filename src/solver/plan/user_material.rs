@@ -295,7 +295,7 @@ impl Compiler<'_> {
     }
 
     /// Iterates over the materials of deformable elements.
-    fn materials_present(&self) -> impl Iterator<Item = &MaterialDefinition> {
+    pub(super) fn materials_present(&self) -> impl Iterator<Item = &MaterialDefinition> {
         let deforms = |s: &&SolidSection| s.elements.iter().any(|e| self.places.elements.contains_key(e));
         self.model.sections.iter().filter(deforms).map(|s| &self.model.materials[s.material])
     }
@@ -316,10 +316,8 @@ impl Compiler<'_> {
 
     /// Returns whether elements of the model can be deleted.
     pub(super) fn deletes(&self) -> bool {
-        let fails = |m: &MaterialDefinition| {
-            m.user.state.delete.is_some() || !m.failures.is_empty() || m.tensile_failure.is_some()
-        };
-        !self.model.erosions.is_empty() || self.materials_present().any(fails)
+        let deletes = |m: &MaterialDefinition| m.user.state.delete.is_some() || fails(m);
+        !self.model.erosions.is_empty() || self.materials_present().any(deletes)
     }
 }
 
@@ -336,4 +334,9 @@ fn law_beside_user_material(material: &MaterialDefinition) -> Option<&'static st
         (material.tensile_failure.is_some(), "*TENSILE FAILURE"),
     ];
     laws.iter().find(|(there, _)| *there).map(|(_, card)| *card)
+}
+
+/// Returns whether a material can be damaged or fail by its own criteria.
+pub(super) fn fails(material: &MaterialDefinition) -> bool {
+    !material.failures.is_empty() || material.tensile_failure.is_some()
 }

@@ -58,6 +58,7 @@ impl SolverRun<'_> {
         bits.add(&[e.kinetic, e.work, e.friction, e.cavity, e.internal, e.strain, e.plastic, e.viscous, e.contact]);
         bits.add(&[e.artificial, e.total, e.initial, e.drift]);
         bits.add(e.penalty.as_slice());
+        bits.add(e.damage.as_slice());
         let digit = |value: u8| char::from(b"0123456789abcdef"[usize::from(value)]);
         bits.0.finalize().iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
     }

@@ -26,7 +26,7 @@ pub struct Energy {
     /// Energy dissipated by cavity expansion in targets.
     #[serde(rename = "ALLCAV")]
     pub cavity: f64,
-    /// Internal energy: elastic, plastic and artificial.
+    /// Internal energy: elastic, plastic, artificial, and lost by damage.
     #[serde(rename = "ALLIE")]
     pub internal: f64,
     /// Recoverable strain energy.
@@ -35,6 +35,9 @@ pub struct Energy {
     /// Plastic dissipation.
     #[serde(rename = "ALLPD")]
     pub plastic: f64,
+    /// Elastic energy lost by damage; `None` if there is no damage.
+    #[serde(rename = "ALLDMD", skip_serializing_if = "Option::is_none")]
+    pub damage: Option<f64>,
     /// Energy dissipated by bulk viscosity.
     #[serde(rename = "ALLVD")]
     pub viscous: f64,
@@ -286,7 +289,8 @@ impl EnergyBalance {
         let solid = &self.solid;
         energy.kinetic += solid.kinetic;
         energy.work += solid.external;
-        energy.plastic = solid.plastic;
+        energy.plastic = solid.plastic - solid.damaged;
+        energy.damage = (solid.damaged != 0.0).then_some(solid.damaged);
         energy.strain = solid.internal - solid.plastic;
         energy.artificial = solid.artificial;
         energy.distortion = solid.distortion;
@@ -304,10 +308,10 @@ impl EnergyBalance {
     }
 }
 
-// Heat, penalty and deletion are filled in by their owners.
+// Heat, penalty, damage and deletion are filled in by their owners.
 persist_struct!(Energy {
     kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact, artificial, distortion, total, initial, drift
-} derived { penalty, heat, internal_heat, removed });
+} derived { penalty, damage, heat, internal_heat, removed });
 
 persist_struct!(ForceWork { force, last, work } derived { body, coordinate, account, external, tied });
 

@@ -4,6 +4,7 @@ use indexmap::IndexMap;
 
 use super::body_surfaces::{SpatialPoint, on_cells};
 use super::energy::Energy;
+use super::reaction_means::ReactionMeans;
 use super::run::SolverRun;
 use crate::constraint::contact::curve::PointCarrier;
 use crate::constraint::{Constraint, ContactResults, reaction};
@@ -46,6 +47,7 @@ fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
         Variable::InternalEnergy => energy.internal,
         Variable::AllStrainEnergy => energy.strain,
         Variable::AllPlasticEnergy => energy.plastic,
+        Variable::AllDamageEnergy => energy.damage.unwrap_or(0.0),
         Variable::ViscousEnergy => energy.viscous,
         Variable::ArtificialEnergy => energy.artificial,
         Variable::ConstraintWork => energy.contact,
@@ -64,24 +66,33 @@ fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
     }
 }
 
+/// Values of a history row that are not read from the state.
+pub(super) struct RowSources<'a> {
+    pub(super) energy: &'a Energy,
+    pub(super) reactions: &'a ReactionMeans,
+}
+
 impl SolverRun<'_> {
     /// Returns the value of a history column; `before` are the values of the previous columns of the row.
-    pub(super) fn column_value(&self, column: &HistoryColumn, energy: &Energy, before: &[f64]) -> f64 {
+    pub(super) fn column_value(&self, column: &HistoryColumn, row: &RowSources<'_>, before: &[f64]) -> f64 {
         match (column.source, column.part) {
             (ColumnSource::Expression(index), _) => self.plan.expressions[index].value(self.now.total_time, before),
-            (source, Some(part)) => self.value(source, part, energy),
+            (source, Some(part)) => self.value(source, part, row),
             (_, None) => f64::NAN,
         }
     }
 
-    fn value(&self, source: ColumnSource, part: VariableComponent, energy: &Energy) -> f64 {
+    fn value(&self, source: ColumnSource, part: VariableComponent, row: &RowSources<'_>) -> f64 {
+        if let Some(mean) = row.reactions.value(source, part) {
+            return mean;
+        }
         match source {
-            ColumnSource::Model => model_value(energy, self.last_increment, part.variable),
+            ColumnSource::Model => model_value(row.energy, self.last_increment, part.variable),
             ColumnSource::Body { body, node } => self.body_value(body, node, part),
             ColumnSource::Node(node) => self.node_value(node, part),
             ColumnSource::Element(group, e) => self.element_value((group, e), part),
             ColumnSource::Section(index) => self.section_value(&self.plan.sections[index], part),
-            ColumnSource::Set(statistic, index) => self.statistic(statistic, &self.plan.sets[index], part, energy),
+            ColumnSource::Set(statistic, index) => self.statistic(statistic, &self.plan.sets[index], part, row),
             ColumnSource::Part(index) => self.part_value(&self.plan.sets[index], part.variable),
             ColumnSource::Expression(_) | ColumnSource::Pair(_) => f64::NAN,
         }
@@ -94,7 +105,7 @@ impl SolverRun<'_> {
         statistic: Statistic,
         members: &[ColumnSource],
         part: VariableComponent,
-        energy: &Energy,
+        row: &RowSources<'_>,
     ) -> f64 {
         let of_points = statistic == Statistic::Mean && part.variable.place() == VariablePlace::Point;
         let number = |source: &ColumnSource| {
@@ -104,10 +115,10 @@ impl SolverRun<'_> {
                 {
                     return None;
                 }
-                ColumnSource::Element(..) if of_points => self.value(*source, Variable::Volume.into(), energy),
+                ColumnSource::Element(..) if of_points => self.value(*source, Variable::Volume.into(), row),
                 _ => 1.0,
             };
-            Some((self.value(*source, part, energy), weight)).filter(|(value, _)| !value.is_nan())
+            Some((self.value(*source, part, row), weight)).filter(|(value, _)| !value.is_nan())
         };
         statistic.of(members.iter().filter_map(number))
     }
@@ -134,7 +145,7 @@ impl SolverRun<'_> {
             Variable::PartMomentum => totals.momentum,
             Variable::PartVelocity => totals.momentum / totals.mass,
             Variable::PartKineticEnergy => totals.kinetic,
-            Variable::PartInternalEnergy => totals.strain + totals.plastic,
+            Variable::PartInternalEnergy => totals.internal,
             Variable::PartErodedMass => totals.eroded,
             _ => f64::NAN,
         }

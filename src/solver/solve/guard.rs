@@ -62,7 +62,7 @@ impl SolverRun<'_> {
             };
             let row = &self.plan.ledger.effects[load.effect()];
             let LoadStiffness { rate, point, place: [r, z], time, .. } = found;
-            self.outcome.warnings.push(format!(
+            self.outcome.warn("R312", format!(
                 "{} ({}): the pressure increases by {rate:.3e} per unit of outward displacement at point {} (r = {r:.4e}, z = {z:.4e}). \
                  This stiffness is not part of the stable time increment of the elements, and an instability began at time \
                  {time:e}; {done}. SCALE FACTOR={:.2} on *DYNAMIC avoids the instability",
@@ -79,7 +79,8 @@ impl SolverRun<'_> {
         let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
         for constraint in constraints {
             let upkeep = constraint.upkeep();
-            self.outcome.warnings.extend(upkeep.map_or_else(Vec::new, |c| c.warnings(&self.state.dofs, &clock)));
+            let overlaps = upkeep.map_or_else(Vec::new, |c| c.overlaps(&self.state.dofs, &clock));
+            overlaps.into_iter().for_each(|text| self.outcome.warn("R311", text));
         }
     }
 
@@ -126,7 +127,7 @@ impl SolverRun<'_> {
             return Err(HaltReason { code: "R208", reason });
         }
         self.watch.limits_reported[which] = true;
-        self.outcome.warnings.push(reason);
+        self.outcome.warn("R313", reason);
         Ok(())
     }
 

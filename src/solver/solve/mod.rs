@@ -15,6 +15,7 @@ mod observe;
 mod outcome;
 mod penetrations;
 mod position;
+mod reaction_means;
 mod restart;
 mod routines;
 mod run;
@@ -185,6 +186,7 @@ fn increments(
     run.evaluate_step_start()?;
     loop {
         if !run.complete {
+            observing.add_motion(run);
             run.evaluate()?;
         }
         show_warnings(run, sink);

@@ -6,10 +6,11 @@ use thiserror::Error;
 
 use super::contact_means::ContactMeans;
 use super::energy::Energy;
-use super::frames::frame;
+use super::frames::{RowSources, frame};
+use super::reaction_means::ReactionMeans;
 use super::run::SolverRun;
 use crate::output::OutputFrame;
-use crate::plan::{ColumnSource, Plan, StepPlan, WriteSchedule};
+use crate::plan::{ColumnSource, Plan, WriteSchedule};
 use crate::state::Instant;
 use crate::state::archive::persist_struct;
 use crate::state::halt::HaltReason;
@@ -166,6 +167,7 @@ pub(super) struct RunOutput {
     history: OutputSchedule,
     row: Vec<f64>,
     contact: ContactMeans,
+    reactions: ReactionMeans,
     pace: ProgressTimer,
     /// Time before which no output is due, unless `next_increment` is reached.
     next_time: f64,
@@ -182,6 +184,7 @@ impl RunOutput {
             history: OutputSchedule::default(),
             row: vec![0.0; plan.columns.len()],
             contact: ContactMeans::new(plan),
+            reactions: ReactionMeans::new(plan),
             pace: ProgressTimer::new(),
             next_time: 0.0,
             next_increment: 0,
@@ -190,11 +193,20 @@ impl RunOutput {
         }
     }
 
-    pub(super) fn begin(&mut self, step: &StepPlan, first: bool, increment: u64) {
-        self.field.begin(&step.outputs.field, increment);
-        self.history.begin(&step.outputs.history, increment);
-        self.first = first;
+    /// Begins a step; its constraints are in force.
+    pub(super) fn begin(&mut self, run: &SolverRun<'_>) {
+        let (outputs, increment) = (&run.step.outputs, run.now.increment);
+        self.field.begin(&outputs.field, increment);
+        self.history.begin(&outputs.history, increment);
+        self.reactions.begin_step(run);
+        self.first = increment == 0;
         self.next_time = 0.0;
+    }
+
+    /// Adds the impulses of the motion that has led to a new instant, before that instant is evaluated.
+    #[inline(always)]
+    pub(super) fn add_motion(&mut self, run: &SolverRun<'_>) {
+        self.reactions.add_motion(run);
     }
 
     /// Writes output that is due: rows and frames by their schedules, at the start of the analysis, and at the end of
@@ -202,6 +214,7 @@ impl RunOutput {
     #[inline]
     pub(super) fn show(&mut self, run: &mut SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         self.contact.add(run);
+        self.reactions.add_instant(run);
         if run.now.step_time < self.next_time
             && run.now.increment < self.next_increment
             && run.user.requested_action == RunAction::Continue
@@ -261,10 +274,12 @@ impl RunOutput {
     fn show_row(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let energy = run.energy();
         self.contact.begin_row(run);
+        self.reactions.begin_row(run.now.total_time);
+        let sources = RowSources { energy: &energy, reactions: &self.reactions };
         for (i, column) in run.plan.columns.iter().enumerate() {
             self.row[i] = match (column.source, column.part) {
                 (ColumnSource::Pair(pair), Some(part)) => self.contact.value(pair, part),
-                _ => run.column_value(column, &energy, &self.row[..i]),
+                _ => run.column_value(column, &sources, &self.row[..i]),
             };
         }
         self.shown[0] = Some(run.now.increment);
@@ -294,4 +309,4 @@ pub(super) fn output_failure(why: SinkError) -> HaltReason {
 
 persist_struct!(OutputSchedule { next_time, next_increment } derived { schedules });
 
-persist_struct!(RunOutput { field, history, contact, next_time, next_increment, first, shown } derived { row, pace });
+persist_struct!(RunOutput { field, history, contact, reactions, next_time, next_increment, first, shown } derived { row, pace });

@@ -35,7 +35,7 @@ pub struct Outcome {
     pub exits: Vec<BodyExit>,
     /// Number of deleted elements.
     pub deleted: usize,
-    /// Warnings issued during the run.
+    /// Warnings issued during the run; each begins with its code.
     pub warnings: Vec<String>,
     /// Increments over all steps.
     pub increments: u64,
@@ -55,6 +55,17 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Adds a warning with its code.
+    pub(super) fn warn(&mut self, code: &'static str, text: impl AsRef<str>) {
+        self.warnings.push(format!("{code}: {}", text.as_ref()));
+    }
+
+    /// Returns the messages on bodies that have no final depth, with their code, and the warnings.
+    pub fn all_warnings(&self) -> Vec<String> {
+        let unfinished = self.unfinished.iter().map(|text| format!("R315: {text}"));
+        unfinished.chain(self.warnings.iter().cloned()).collect()
+    }
+
     /// Returns the total time reached.
     pub fn total_time(&self) -> f64 {
         self.steps.iter().map(|step| step.time).sum()

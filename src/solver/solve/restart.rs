@@ -266,6 +266,7 @@ impl RunCursor<'_, '_> {
     fn repeat(&mut self) -> Result<(), HaltReason> {
         let RunCursor { run, observing, control } = self;
         run.advance(control)?;
+        observing.add_motion(run);
         run.evaluate()?;
         observing.show(run, &mut DiscardingSink)
     }
@@ -336,7 +337,7 @@ impl SolverRun<'_> {
     /// Warns once of memory that the checkpoint does not contain.
     fn warn_of_lost_memory(&mut self, sink: &mut dyn Sink) {
         if !self.outcome.lost.is_empty() && !std::mem::replace(&mut self.user.loss_reported, true) {
-            sink.warning(&format!("{LOST}: {}", self.outcome.lost.join("; ")));
+            sink.warning(&format!("K102: {LOST}: {}", self.outcome.lost.join("; ")));
         }
     }
 
@@ -361,7 +362,7 @@ pub(super) fn begin_step(
 ) -> bool {
     let control_before = run.step.control;
     let changes = run.begin(index) || run.step.control != control_before;
-    observing.begin(run.step, run.now.increment == 0, run.now.increment);
+    observing.begin(run);
     match control {
         Some(control) if !changes => control.continue_in(run.step, &run.state.dofs.bodies),
         _ => *control = Some(IncrementController::new(run.step, &run.state.dofs.bodies)),

@@ -137,7 +137,7 @@ impl SolverRun<'_> {
             }
             self.watch.below_zero[which] = SEEN + 1;
             let [name, why] = SIGNS[which];
-            self.outcome.warnings.push(format!(
+            self.outcome.warn("R303", format!(
                 "{name} is {energy:.3e}, negative by {:.1} % of the largest energy, at increment {}, time {:e}: {why}{}",
                 -100.0 * energy / largest,
                 self.now.increment,
@@ -159,7 +159,7 @@ impl SolverRun<'_> {
         }
         self.watch.contact_below_zero[0] = SEEN + 1;
         let warning = self.name_created_energy();
-        self.outcome.warnings.push(warning);
+        self.outcome.warn("R304", warning);
     }
 
     /// Returns how much energy contact has created, the pair, and the place of the largest release.
@@ -194,7 +194,7 @@ impl SolverRun<'_> {
         }
         self.watch.pattern_reported = true;
         let (group, element) = now.most;
-        self.outcome.warnings.push(format!(
+        self.outcome.warn("R305", format!(
             "an hourglass pattern grows at increment {}, time {:e}: it has {:.0} % of the kinetic energy within elements, most in \
              element {}; use HOURGLASS=ENHANCED or a larger factor on *SECTION CONTROLS",
             self.now.increment,
@@ -218,7 +218,7 @@ impl SolverRun<'_> {
             IncrementControl::Automatic { .. } if self.state.elements.is_empty() => String::new(),
             IncrementControl::Automatic { .. } => self.name_slowest(),
         };
-        self.outcome.warnings.push(format!(
+        self.outcome.warn("R306", format!(
             "the run advances slowly: at increment {}, time {:e} the increment is {:.3e}, and {:.1e} increments remain in the \
              step{by}",
             self.now.increment,
@@ -259,7 +259,7 @@ impl SolverRun<'_> {
         let reported = |i: usize| of_deck[i] || self.watch.limits_reported[i] || halted;
         let [drift, artificial] = [0, 1].inline_map(|i| self.watch.unsound[i].filter(|_| !reported(i)));
         if drift.is_some() && !self.is_noise() {
-            self.outcome.warnings.push(format!(
+            self.outcome.warn("R301", format!(
                 "ETOTAL has drifted by {:.2} % of the largest energy, more than {} %{}: energy is not conserved{}. {}",
                 100.0 * values[0],
                 100.0 * SOUND[0],
@@ -269,13 +269,16 @@ impl SolverRun<'_> {
             ));
         }
         if let Some(since) = artificial {
-            self.outcome.warnings.push(format!(
-                "ALLAE is {:.1} % of ALLIE, more than {} % since time {since:e}: hourglass control influences the \
+            self.outcome.warn(
+                "R302",
+                format!(
+                    "ALLAE is {:.1} % of ALLIE, more than {} % since time {since:e}: hourglass control influences the \
                  results; compare with a finer mesh or another HOURGLASS option of *SECTION CONTROLS{}",
-                100.0 * values[1],
-                100.0 * SOUND[1],
-                self.name_folded()
-            ));
+                    100.0 * values[1],
+                    100.0 * SOUND[1],
+                    self.name_folded()
+                ),
+            );
         }
         self.warn_of_dissipation();
     }
@@ -289,7 +292,7 @@ impl SolverRun<'_> {
             return;
         }
         if viscous > DISSIPATED && !self.plan.expects_dissipation {
-            self.outcome.warnings.push(format!(
+            self.outcome.warn("R308", format!(
                 "bulk viscosity has dissipated {:.1} % of the largest energy (ALLVD), more than {} %: the mesh may not resolve \
                  the waves. Compare with a finer mesh, or with smaller coefficients on *BULK VISCOSITY",
                 100.0 * viscous,
@@ -297,7 +300,7 @@ impl SolverRun<'_> {
             ));
         }
         if friction > FLUTTERS[0] && contact > FLUTTERS[1] {
-            self.outcome.warnings.push(format!(
+            self.outcome.warn("R310", format!(
                 "contact has absorbed {:.1} % of the largest energy (ALLCW) while friction has dissipated {:.1} % (ALLFD): surfaces \
                  that slide also separate and collide. If this is not the impact of the bodies, friction causes flutter, and the \
                  mean friction force is too small. Use *DAMPING, ALPHA, a larger SLIP DAMPING on *FRICTION, or elements that \
@@ -306,7 +309,7 @@ impl SolverRun<'_> {
                 100.0 * friction
             ));
         } else if contact > ABSORBED[usize::from(self.state.elements.deleted() > 0)] {
-            self.outcome.warnings.push(self.name_absorbed_energy(contact));
+            self.outcome.warn("R309", self.name_absorbed_energy(contact));
         }
     }
 

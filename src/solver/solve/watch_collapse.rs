@@ -35,7 +35,7 @@ impl SolverRun<'_> {
         if std::mem::replace(&mut self.watch.collapse.seen, found) && found {
             self.watch.collapse.reported = stable;
             let warning = self.name_collapse(stable, left);
-            self.outcome.warnings.push(warning);
+            self.outcome.warn("R307", warning);
         }
     }
 
@@ -75,7 +75,7 @@ impl SolverRun<'_> {
         if reported == 0.0 || share < SHARE {
             return;
         }
-        self.outcome.warnings.push(format!(
+        self.outcome.warn("R307", format!(
             "{:.0} % of the increments ({count} of {}) are reduced by more than a factor of {COLLAPSED}, since time {since:e}: \
              the smallest, {smallest:.3e} in place of {largest:.3e}, is that of element {}. {}",
             100.0 * share,

@@ -855,8 +855,15 @@ impl ConstraintForces for ContactConstraint {
         if self.half == 0.0 {
             return 0.0;
         }
-        let at = self.dofs.iter().position(|d| *d == (dof, true));
-        at.map_or(0.0, |i| (self.impulses[i][0] + self.impulses[i][1]) / self.half * self.output_share)
+        self.index_of(dof).map_or(0.0, |i| self.impulse(dof, i, self.half) / self.half * self.output_share)
+    }
+
+    fn index_of(&self, dof: Dof) -> Option<usize> {
+        self.dofs.iter().position(|d| *d == (dof, true))
+    }
+
+    fn impulse(&self, _dof: Dof, index: usize, _half: f64) -> f64 {
+        self.impulses[index][0] + self.impulses[index][1]
     }
 }
 

@@ -284,6 +284,8 @@ impl ElementGroup for ShellGroup {
             Variable::SectionCurvature => Some(followed()?.section[*[2, 3].get(component)?]),
             Variable::ElementStrainEnergy => followed().map(|f| f.work[0] - f.work[1]),
             Variable::ElementPlasticEnergy => Some(followed()?.work[1]),
+            // Shells have no hourglass control.
+            Variable::ElementArtificialEnergy => followed().map(|_| 0.0),
             Variable::Mass => Some(self.masses[element][0] + self.masses[element][1]),
             Variable::Status => Some(if self.is_deleted(element) { 0.0 } else { 1.0 }),
             _ => None,

@@ -87,7 +87,7 @@ impl<S: Clone> TriangleBlock<S> {
             self.update_point(p, material, constants, increment, scratch, work);
         }
         if M::FAILS {
-            self.delete_failed(material, constants, scratch, work);
+            self.delete_failed(material, constants, at, (scratch, work));
         }
         let stress = self.points.each_ref().inline_map(|point| point.stress);
         self.triangles.assemble((constants, M::MODULI_VARY), increment, &stress, (scratch, work), corners);
@@ -101,8 +101,10 @@ impl<S: Clone> TriangleBlock<S> {
             missing[l] = if scratch.is_active(l) { -lost[l] - known } else { 0.0 };
             scratch.stress.internal[l] += missing[l];
         }
-        for (point, done) in self.points.iter_mut().zip(&work.points) {
-            let heat = inline_from_fn(|l| done.heat[l] + missing[l] * point.mass[l] / mass[l]);
+        for (p, (point, done)) in self.points.iter_mut().zip(&work.points).enumerate() {
+            let share: Lanes = inline_from_fn(|l| missing[l] * point.mass[l] / mass[l]);
+            (0..LANES).for_each(|l| scratch.add_to_record(POINTS * at + p, l, [share[l], 0.0]));
+            let heat = inline_from_fn(|l| done.heat[l] + share[l]);
             material.add_heat(&mut point.state, &heat, &point.mass);
         }
     }
@@ -165,8 +167,8 @@ impl<S: Clone> TriangleBlock<S> {
         &mut self,
         material: &M,
         constants: &ElementConstants,
-        scratch: &mut TaskWorkspace,
-        work: &WorkArrays,
+        at: usize,
+        (scratch, work): (&mut TaskWorkspace, &WorkArrays),
     ) {
         for l in 0..LANES {
             if l >= scratch.strain.count {
@@ -178,16 +180,20 @@ impl<S: Clone> TriangleBlock<S> {
                 continue;
             }
             self.triangles.deleted[l] = true;
-            for (point, done) in self.points.iter_mut().zip(&work.points) {
+            for (p, (point, done)) in self.points.iter_mut().zip(&work.points).enumerate() {
                 let (stress, volume) = (column(&point.stress, l), done.volume[l]);
                 let double = |i: usize| done.strain[i][l] * stress[i];
-                scratch.stress.internal[l] -= 0.5 * volume * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+                let undone = 0.5 * volume * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+                scratch.stress.internal[l] -= undone;
+                scratch.add_to_record(POINTS * at + p, l, [-undone, 0.0]);
                 let share = material.share(&point.state, l);
                 if share > 0.0 {
                     let (mises, mean) = (mises(stress), (stress[0] + stress[1] + stress[2]) / 3.0);
                     let distortion = if constants.shear > 0.0 { mises * mises / (6.0 * constants.shear) } else { 0.0 };
                     let stored = (distortion + 0.5 * mean * mean / done.bulk[l]) / share;
                     scratch.stress.dissipated[l] += volume * stored;
+                    scratch.stress.damaged[l] += volume * stored;
+                    scratch.add_to_record(POINTS * at + p, l, [0.0, volume * stored]);
                 }
                 point.stress.iter_mut().for_each(|s| s[l] = 0.0);
             }

@@ -237,7 +237,10 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
         };
         match part.variable {
             Variable::Stress => self.mean(element, |p| Some(block.points[p].stress.get(part.component)?[lane])),
-            Variable::ElementStrainEnergy | Variable::ElementPlasticEnergy => {
+            Variable::ElementStrainEnergy
+            | Variable::ElementPlasticEnergy
+            | Variable::ElementArtificialEnergy
+            | Variable::ElementDamageEnergy => {
                 let sum = of_point(0)? + of_point(1)? + of_point(2)?;
                 // For user materials, the recorded energy includes the dissipation.
                 let unknown = M::FLOW == PlasticFlow::Unknown && part.variable == Variable::ElementStrainEnergy;
@@ -448,11 +451,17 @@ impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
                 own.inline_map(|n| n.z - 0.5 * dt * n.v_z),
             );
             let (v_r, v_z) = (own.inline_map(|n| n.v_r), own.inline_map(|n| n.v_z));
+            let mut done = [0.0; POINTS];
             for (p, point) in block.points.iter_mut().enumerate() {
                 let pressure = material.share(&point.state, lane) * 3.0 * bulk * strain;
                 point.stress[..3].iter_mut().for_each(|list| list[lane] -= pressure);
                 let [rr, zz, hoop, ..] = g.gradients(p, &v_r, &v_z);
-                work += std::f64::consts::PI * pressure * dt * (rr + zz + hoop);
+                done[p] = std::f64::consts::PI * pressure * dt * (rr + zz + hoop);
+            }
+            for (p, done) in done.into_iter().enumerate() {
+                work += done;
+                let (task, at) = (&mut self.tasks[e / (TASK * LANES)], e / LANES % TASK);
+                task.scratch.add_to_record(POINTS * at + p, lane, [done, 0.0]);
             }
         }
         work
