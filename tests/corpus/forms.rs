@@ -31,7 +31,6 @@ fn spring_on_the_reference_node_of_an_mpc_is_accepted() {
 
 /// At the first touch of a slow indentation all energies are 1e-10 of their later values.
 #[test]
-#[ignore = "a warning of negative ALLKE at the first touch, when all energies are near zero"]
 fn first_touch_of_a_slow_indentation_gives_no_warning() {
     let deck = indentation("CAX4R", 0.8, 5e-4).replace("CONSTRAINT = PENALTY", "CONSTRAINT = KINEMATIC");
     Deck::new(&deck).completes(&[]);

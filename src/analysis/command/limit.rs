@@ -222,7 +222,7 @@ fn no_limit(found: &LimitVelocity) -> String {
         }
         (_, Some(Shot { velocity, residual, end: ShotEnd::Moving })) => format!(
             "a shot at {velocity} still moves in the target with the speed {}, {} times as late as the deck ends: increase \
-             the duration of the steps",
+             the duration of the steps, or the upper end of --between",
             number(*residual),
             EXTENSIONS[EXTENSIONS.len() - 1]
         ),
@@ -241,7 +241,11 @@ fn band_text(band: &VelocityBand) -> String {
 fn lines(found: &LimitVelocity, bracket: [f64; 2], scattered: Option<&LimitScatter>, job: &JobFiles) -> Vec<String> {
     let [low, high] = bracket.map(number);
     let limit = number(0.5 * (bracket[0] + bracket[1]));
-    let mut lines = vec![format!("limit velocity {limit}: {low} does not perforate, {high} does")];
+    let is_open = found.shots.iter().any(|shot| shot.velocity == bracket[0] && shot.end == ShotEnd::Moving);
+    let mut lines = vec![match is_open {
+        true => format!("limit velocity at most {high}: the shot at {low} is undecided"),
+        false => format!("limit velocity {limit}: {low} does not perforate, {high} does"),
+    }];
     lines.extend(found.bands().iter().map(band_text));
     match &found.curve {
         Some(curve) => lines.push(format!(
@@ -274,9 +278,9 @@ fn warnings(found: &LimitVelocity) -> Vec<String> {
     if let Some(band) = found.undecided() {
         let [from, to] = [band.from, band.to].map(number);
         lines.push(format!(
-            "the limit may be as low as {from}: shots from {from} to {to} still move in the target at the end of the run, or \
-             their residual velocity falls or vibrates; increase the duration of the steps, and give the velocity of the \
-             whole body (PARTVEL) as --residual"
+            "shots from {from} to {to} are undecided: at the end of the run, {} times as late as the deck ends, they still move \
+             in the target, or their residual velocity falls or vibrates; increase the duration of the steps",
+            EXTENSIONS[EXTENSIONS.len() - 1]
         ));
     }
     lines

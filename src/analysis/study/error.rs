@@ -46,6 +46,14 @@ pub enum StudyError {
     /// A run halted before the end of its last step.
     #[error("halted: {0}")]
     Halted(HaltReason),
+    /// A shot failed.
+    #[error("the shot at {velocity} failed: {reason}")]
+    Shot {
+        /// Striking velocity.
+        velocity: f64,
+        /// Error of its run.
+        reason: Box<StudyError>,
+    },
     /// The settings or the values allow no comparison.
     #[error("{0}")]
     Comparison(String),

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use super::StudyError;
 use super::error::accepted;
+use super::passage;
 use super::quantity::{self, FinishedRun, Quantity};
 use super::shot::{self, ShotEnd, ShotResult, ShotRule};
 use crate::deck::names::nearest;
@@ -283,9 +284,9 @@ impl SampleEvaluator {
 
     /// Evaluates the row of a run that began from the state `start`. Returns whether a body still moves in a target.
     fn finish(&self, run: EndedRun<'_>, start: &State, out: &mut [f64]) -> Result<bool, StudyError> {
-        let EndedRun { row, history, outcome, state } = run;
+        let EndedRun { row, plan, history, outcome, state } = run;
         let end = Some((outcome.total_time(), state));
-        let found = shot::end(&outcome, &start.dofs.bodies);
+        let recorded = shot::end(&outcome, &start.dofs.bodies);
         outcome.halt.map_or(Ok(()), |halt| Err(StudyError::Halted(halt)))?;
         if outcome.still_moving > 0 {
             self.still_moving.fetch_add(1, Ordering::Relaxed);
@@ -295,11 +296,16 @@ impl SampleEvaluator {
             out[i] = self.quantities[i].number(FinishedRun { history, end })?;
         }
         let Some(rule) = self.shots else { return Ok(false) };
+        let passed = if recorded.is_none() { passage::end(plan, start, state) } else { None };
+        let least = rule.least.unwrap_or(0.0);
+        let is_slow = |&(end, speed): &(ShotEnd, f64)| end == ShotEnd::Moving && speed <= least;
+        let found = recorded.or(passed.map(|end| if is_slow(&end) { (ShotEnd::Slow, end.1) } else { end }));
         let residual = self.quantities.first().filter(|_| found.is_none());
         let is_moving = residual.is_some_and(|residual| rule.may_fall(residual, history, out[0]));
         let found = if is_moving { Some((ShotEnd::Moving, out[0])) } else { found };
         out[self.quantities.len()..].copy_from_slice(&shot::encode(found));
-        Ok(found.is_some_and(|(end, _)| end == ShotEnd::Moving))
+        let is_late = passed.is_some_and(|(end, _)| end == ShotEnd::NotMet);
+        Ok(is_late || found.is_some_and(|(end, _)| end == ShotEnd::Moving))
     }
 }
 
@@ -307,6 +313,7 @@ impl SampleEvaluator {
 struct EndedRun<'a> {
     /// Index of the sample.
     row: usize,
+    plan: &'a Plan,
     history: &'a RunHistory,
     outcome: Outcome,
     state: &'a State,
@@ -422,7 +429,7 @@ impl SampleBatch<'_> {
             let mut history = evaluator.history(&prepared.plan);
             let mut sink = HistorySink { history: &mut history, look };
             let (outcome, state) = job::run_until(&prepared, &mut sink, self.interrupt);
-            evaluator.finish(EndedRun { row, history: &history, outcome, state: &state }, &prepared.state, out)
+            evaluator.finish(EndedRun { row, plan: &prepared.plan, history: &history, outcome, state: &state }, &prepared.state, out)
         })
     }
 }
@@ -502,7 +509,7 @@ impl ReusablePlan {
             let mut sink = HistorySink { history, look };
             let control = RunControl { interrupt: Some(batch.interrupt), ..RunControl::default() };
             let (outcome, state) = solve::run_with(plan, start.clone(), &mut sink, control).unwrap_or_default();
-            batch.evaluator.finish(EndedRun { row, history, outcome, state: &state }, start, out)
+            batch.evaluator.finish(EndedRun { row, plan, history, outcome, state: &state }, start, out)
         });
         set_last_duration(plan, duration);
         result

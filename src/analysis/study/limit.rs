@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::StudyError;
 use super::chart::{Chart, ChartSeries, SeriesForm};
 use super::evaluate::SampleEvaluator;
-use super::shot::{FiredShot, ShotEnd};
+use super::shot::{FiredShot, ShotEnd, ShotResult};
 use super::statistics::lambert_jonas::{self, LambertJonasFit};
 use super::statistics::probit::{self, NormalFit};
 use super::statistics::summary;
@@ -47,8 +47,9 @@ impl Shot {
 }
 
 /// Error of a shot whose run records no event and is not judged by its velocity.
-const NO_EVENT: &str = "the run records no perforation, because no rigid body meets a *TARGET: give --residual EXPR and \
-                        --least SPEED; a shot perforates if its residual velocity exceeds SPEED";
+const NO_EVENT: &str = "the run records no perforation, because no rigid body meets a *TARGET, and no moving projectile \
+                        can be told from a meshed target at rest: give --residual EXPR and --least SPEED; a shot \
+                        perforates if its residual velocity exceeds SPEED";
 
 impl LimitRequest {
     /// Creates the request; `between` has the form `LOW,HIGH`.
@@ -70,8 +71,8 @@ impl LimitRequest {
         Ok(LimitRequest { between: [low, high], tolerance, least, shots })
     }
 
-    /// Judges a shot by the end that its run has recorded. Its first quantity, if there is one, is the residual velocity.
-    /// Only a run that records no end is judged by the residual velocity alone.
+    /// Judges a shot by its end. Its first quantity, if there is one, is the residual velocity. Only a shot without an end
+    /// is judged by the residual velocity alone.
     pub fn judge(&self, velocity: f64, fired: &FiredShot) -> Result<Shot, StudyError> {
         let given = fired.values.first().copied();
         let end = match (fired.end, given, self.least) {
@@ -83,7 +84,8 @@ impl LimitRequest {
             return Ok(Shot { velocity, residual: fired.speed, end });
         }
         let residual = given.unwrap_or(fired.speed);
-        if fired.end.is_some() && residual <= 0.0 {
+        let is_opposite = if self.least.is_some() { residual < -0.5 * fired.speed } else { residual <= 0.0 };
+        if fired.end.is_some() && is_opposite {
             return Err(StudyError::Setting(format!(
                 "--residual is {residual} for the shot at {velocity}, which perforates: give it positive in the direction \
                  of flight, or omit it"
@@ -129,7 +131,11 @@ pub fn fire(
     let sample = |velocity: &f64| [*velocity].into_iter().chain(others.iter().copied());
     let samples: Vec<f64> = velocities.iter().flat_map(sample).collect();
     let fired = evaluator.shots(&samples, threads)?;
-    fired.into_iter().zip(velocities).map(|(shot, velocity)| request.judge(*velocity, &shot?)).collect()
+    let judge = |(shot, velocity): (ShotResult, &f64)| {
+        let failed = |reason| StudyError::Shot { velocity: *velocity, reason: Box::new(reason) };
+        request.judge(*velocity, &shot.map_err(failed)?)
+    };
+    fired.into_iter().zip(velocities).map(judge).collect()
 }
 
 /// Interval of striking velocities whose shots have the same end.
@@ -149,10 +155,12 @@ impl LimitVelocity {
         self.bracket.map(|[low, high]| 0.5 * (low + high))
     }
 
-    /// Returns the velocities above the limit without perforation; if there are any, there is more than one limit.
+    /// Returns the velocities above the limit that certainly do not perforate; if there are any, there is more than one
+    /// limit.
     pub fn gaps(&self) -> impl Iterator<Item = f64> {
         let limit = self.bracket.map_or(f64::INFINITY, |bracket| bracket[1]);
-        self.shots.iter().filter(move |shot| shot.velocity > limit && !shot.perforates()).map(|shot| shot.velocity)
+        let stays = |shot: &&Shot| !shot.perforates() && shot.end != ShotEnd::Moving;
+        self.shots.iter().filter(move |shot| shot.velocity > limit && stays(shot)).map(|shot| shot.velocity)
     }
 
     /// Returns the bands of striking velocity, ascending.
@@ -177,11 +185,12 @@ impl LimitVelocity {
         })
     }
 
-    /// Returns the band directly below the limit if its shots still move at the end of their runs: the limit is then
-    /// between its lower end and the bracket.
+    /// Returns the interval from the first to the last shot that still moves at the end of its run: any of them may
+    /// perforate.
     pub fn undecided(&self) -> Option<VelocityBand> {
-        let [low, _] = self.bracket?;
-        self.bands().into_iter().find(|band| band.end == ShotEnd::Moving && band.to == low)
+        let mut moving = self.shots.iter().filter(|shot| shot.end == ShotEnd::Moving).map(|shot| shot.velocity);
+        let from = moving.next()?;
+        Some(VelocityBand { end: ShotEnd::Moving, from, to: moving.last().unwrap_or(from) })
     }
 }
 
@@ -189,11 +198,10 @@ impl LimitVelocity {
 /// the curve.
 pub fn find(request: &LimitRequest, fire: &mut FireShots<'_>) -> Result<LimitVelocity, StudyError> {
     let mut shots = fire(&request.between)?;
-    let bracket = match shots[..] {
-        [low, high] if !low.perforates() && high.perforates() => Some(bisect(request, &mut shots, fire)?),
-        _ => None,
+    let [low, high] = match shots[..] {
+        [low, high] if !low.perforates() && high.perforates() => bisect(request, &mut shots, fire)?,
+        _ => [request.between[1]; 2],
     };
-    let [low, high] = bracket.unwrap_or(request.between);
     let above = fire(&spaced(high, request.between[1], request.shots))?;
     shots.extend(&above);
     // Without events, shots below the limit do not differ.
@@ -202,10 +210,18 @@ pub fn find(request: &LimitRequest, fire: &mut FireShots<'_>) -> Result<LimitVel
     }
     sort(&mut shots);
     refine(request.tolerance, &mut shots, fire)?;
-    let through = above.iter().filter(|shot| bracket.is_some() && shot.perforates());
+    let bracket = lowest_limit(&shots);
+    let through = above.iter().filter(|shot| shot.perforates());
     let through: Vec<(f64, f64)> = through.map(|shot| (shot.velocity, shot.residual)).collect();
-    let curve = lambert_jonas::fit(&through, 0.5 * (low + high));
+    let curve = bracket.and_then(|[low, high]| lambert_jonas::fit(&through, 0.5 * (low + high)));
     Ok(LimitVelocity { bracket, shots, curve })
+}
+
+/// Returns the lowest pair of neighbouring shots of which the faster one perforates and the slower one does not; `None`
+/// without such a pair, or if the slowest shot perforates.
+fn lowest_limit(shots: &[Shot]) -> Option<[f64; 2]> {
+    let pair = shots.windows(2).find(|pair| pair[1].perforates())?;
+    (!pair[0].perforates()).then_some([pair[0].velocity, pair[1].velocity])
 }
 
 /// Bisects the search interval and returns the final bracket.
@@ -221,9 +237,9 @@ fn bisect(request: &LimitRequest, shots: &mut Vec<Shot>, fire: &mut FireShots<'_
     Ok([low, high])
 }
 
-/// Returns equally spaced velocities, without the first end of the interval.
+/// Returns equally spaced velocities, without the first end of the interval; none in an interval without width.
 fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
-    let step = (to - from) / count.max(1) as f64;
+    let (step, count) = ((to - from) / count.max(1) as f64, if from < to { count } else { 0 });
     (1..=count).map(|i| from + step * i as f64).collect()
 }
 

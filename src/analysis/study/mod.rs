@@ -35,6 +35,7 @@ pub mod limit;
 #[cfg(feature = "cli")]
 pub mod material;
 pub mod noise;
+mod passage;
 mod price;
 pub mod quantity;
 pub mod record;

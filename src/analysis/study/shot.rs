@@ -13,11 +13,11 @@ use crate::state::BodyState;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ShotEnd {
-    /// All bodies have left their targets through the rear face.
+    /// All bodies have left their targets through the rear face, or a piece of a meshed projectile is behind its target.
     Perforation,
     /// No body has met a target.
     NotMet,
-    /// A body has left a target through its front face.
+    /// A body has left a target through its front face, or a meshed projectile moves back.
     Ricochet,
     /// A body is at rest in a target, or moves at no more than [`CREEP`] of its initial velocity along z.
     Embedded,
@@ -25,6 +25,8 @@ pub enum ShotEnd {
     Moving,
     /// The residual velocity does not exceed that of `--least`.
     Slow,
+    /// No connected piece of the projectile has a tenth of its mass: its elements have been deleted.
+    Consumed,
 }
 
 /// Fraction of the initial velocity along z at which a body in a target counts as embedded. A body that would perforate
@@ -46,18 +48,26 @@ impl ShotEnd {
             ShotEnd::Embedded => "embedded",
             ShotEnd::Moving => "still moving",
             ShotEnd::Slow => "residual velocity not above --least",
+            ShotEnd::Consumed => "projectile consumed",
         }
     }
 
     /// All ends, in the order of their values.
-    pub const ALL: [ShotEnd; 6] =
-        [ShotEnd::Perforation, ShotEnd::NotMet, ShotEnd::Ricochet, ShotEnd::Embedded, ShotEnd::Moving, ShotEnd::Slow];
+    pub const ALL: [ShotEnd; 7] = [
+        ShotEnd::Perforation,
+        ShotEnd::NotMet,
+        ShotEnd::Ricochet,
+        ShotEnd::Embedded,
+        ShotEnd::Moving,
+        ShotEnd::Slow,
+        ShotEnd::Consumed,
+    ];
 }
 
 /// Result of a shot: its end with the speed of the body that decides it, and the quantities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FiredShot {
-    /// End of the shot; `None` if no rigid body of the deck can meet a target.
+    /// End of the shot; `None` if the model has no projectile and target that can be told apart.
     pub end: Option<ShotEnd>,
     /// Speed of the body at the end of the run, zero without an end.
     pub speed: f64,
@@ -75,7 +85,7 @@ const SETTLED: f64 = 0.01;
 /// Range of the residual velocity in the window, relative to its mean, above which vibrations hide its course.
 const VIBRATION: f64 = 0.2;
 
-/// Rule for the end of shots whose run records no end, because no rigid body meets a target.
+/// Rule for the end of shots without a recorded end and without a projectile and a target that can be told apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ShotRule {
     /// Residual velocity that a perforation must exceed. A smaller velocity that falls cannot become a perforation.

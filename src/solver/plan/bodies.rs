@@ -7,7 +7,7 @@ use crate::deck::{Diagnostic, Span};
 use crate::kernel::facet::Facet;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad::corner_masses;
-use crate::model::{ElementKind, InitialCondition, InitialKind, RigidBody};
+use crate::model::{ElementKind, InitialCondition, InitialKind, RigidBody, RigidSurface};
 
 /// Names of the velocities of an oblique body, by degree of freedom.
 const ALONG: [&str; 6] = ["v_1", "v_2", "v_3", "w_1", "w_2", "w_3"];
@@ -29,6 +29,8 @@ pub struct PlannedRigidBody {
     pub elements: Vec<usize>,
     /// Whether the body has six degrees of freedom; otherwise it moves along z only.
     pub spatial: bool,
+    /// Lowest and highest initial z of elements, nodes and analytical surfaces; without any, of the reference node.
+    pub along_z: [f64; 2],
     /// Initial velocity along z.
     pub initial_velocity: f64,
     /// Span of `*RIGID BODY`.
@@ -101,6 +103,7 @@ impl Compiler<'_> {
         }
         let lumped_mass = self.lumped_mass(rigid, &nodes);
         let spatial = self.is_oblique(rigid);
+        let along_z = self.extent_along_z(rigid, &nodes);
         let body = PlannedRigidBody {
             name: rigid.name.clone(),
             reference: rigid.reference,
@@ -109,6 +112,7 @@ impl Compiler<'_> {
             nodes,
             elements: rigid.elements.clone(),
             spatial,
+            along_z,
             initial_velocity: 0.0,
             span: rigid.span,
         };
@@ -118,6 +122,18 @@ impl Compiler<'_> {
         let detail = format!("mass {}", body.mass());
         self.ledger_row(rigid.span, "lumped mass", body.lumped_mass.len(), "nodes", detail);
         self.bodies.push(body);
+    }
+
+    /// Returns the lowest and the highest initial z of a rigid body.
+    fn extent_along_z(&self, rigid: &RigidBody, nodes: &[usize]) -> [f64; 2] {
+        let own = |surface: &&RigidSurface| surface.reference == Some(rigid.reference);
+        let profiles = self.model.surfaces.analytical.values().filter(own).flat_map(|s| s.profile.bounds());
+        let others = nodes.iter().filter(|node| **node != rigid.reference).map(|node| self.model.mesh.points[*node]);
+        let all = || profiles.clone().chain(others.clone()).map(|place| place[1]);
+        match all().next() {
+            None => [self.model.mesh.points[rigid.reference][1]; 2],
+            Some(_) => [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)],
+        }
     }
 
     fn refuse_shared_member(&mut self, rigid: &RigidBody, what: String) {

@@ -67,8 +67,8 @@ pub(super) struct RunMonitor {
     pub(super) successive_drifts: u64,
     /// Number of all increments with such a drift.
     pub(super) drift_count: u64,
-    /// Increments with negative kinetic and negative internal energy, up to the warning.
-    below_zero: [u64; 2],
+    /// Negative kinetic and negative internal energies.
+    below_zero: [NegativeEnergy; 2],
     /// Increments with a negative energy of contact, up to the warning, and successive ones with an energy that halts.
     pub(super) contact_below_zero: [u64; 2],
     /// Whether warnings of a pattern and of small increments have been issued.
@@ -86,6 +86,28 @@ pub(super) struct RunMonitor {
     /// Number of warnings that the sink has received.
     pub(super) shown: usize,
 }
+
+/// Increments with a negative energy.
+#[derive(Clone, Copy, Debug, Default)]
+struct NegativeEnergy {
+    /// Number of increments.
+    count: u64,
+    /// The lowest value, its increment and total time.
+    lowest: f64,
+    increment: u64,
+    total_time: f64,
+}
+
+impl NegativeEnergy {
+    fn record(&mut self, energy: f64, now: &Instant) {
+        self.count += 1;
+        if energy < self.lowest {
+            (self.lowest, self.increment, self.total_time) = (energy, now.increment, now.total_time);
+        }
+    }
+}
+
+persist_struct!(NegativeEnergy { count, lowest, increment, total_time });
 
 impl RunMonitor {
     /// Allows the warning of small increments once in each step.
@@ -121,27 +143,32 @@ impl SolverRun<'_> {
         }
     }
 
-    /// Checks for negative kinetic energy, which central differences give if velocities change sign between half steps,
-    /// and for negative internal energy in models without stored energy.
+    /// Records negative kinetic energy, which central differences give if velocities change sign between half steps, and
+    /// negative internal energy in models without stored energy.
     fn watch_sign(&mut self) {
         let largest = self.balance.largest();
         let energies = [self.balance.kinetic_of_solid(), self.balance.internal_of_solid()];
         for (which, energy) in energies.into_iter().enumerate() {
-            let reported = self.watch.below_zero[which] > SEEN;
-            if reported || energy >= -BELOW_ZERO * largest || (which == 1 && self.plan.stores_energy) {
+            if energy < -BELOW_ZERO * largest && !(which == 1 && self.plan.stores_energy) && !self.is_noise() {
+                self.watch.below_zero[which].record(energy, &self.now);
+            }
+        }
+    }
+
+    /// Warns of negative energies that are not small in comparison with the energies of the whole run: at the first
+    /// touch of bodies all energies are small.
+    fn warn_of_sign(&mut self) {
+        let largest = self.balance.largest();
+        for ([name, why], found) in SIGNS.into_iter().zip(self.watch.below_zero) {
+            if found.count < SEEN || found.lowest >= -BELOW_ZERO * largest {
                 continue;
             }
-            self.watch.below_zero[which] += 1;
-            if self.watch.below_zero[which] < SEEN || self.is_noise() {
-                continue;
-            }
-            self.watch.below_zero[which] = SEEN + 1;
-            let [name, why] = SIGNS[which];
             self.outcome.warn("R303", format!(
-                "{name} is {energy:.3e}, negative by {:.1} % of the largest energy, at increment {}, time {:e}: {why}{}",
-                -100.0 * energy / largest,
-                self.now.increment,
-                self.now.total_time,
+                "{name} is {:.3e}, negative by {:.1} % of the largest energy, at increment {}, time {:e}: {why}{}",
+                found.lowest,
+                -100.0 * found.lowest / largest,
+                found.increment,
+                found.total_time,
                 self.name_folded()
             ));
         }
@@ -252,6 +279,7 @@ impl SolverRun<'_> {
 
     /// Warns of energies out of bounds at the end of the run: since when, and where the mesh is distorted most.
     pub(super) fn warn_of_energy(&mut self) {
+        self.warn_of_sign();
         let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
         let of_deck = self.step.energy_limit.map_or([false; 2], |l| [l.error.is_some(), l.artificial.is_some()]);
         // A halt for one of these reasons has reported it.
