@@ -408,3 +408,31 @@ fn invalid_wall_contact_is_an_error() {
     ];
     assert_errors(&good, &cases);
 }
+
+/// Nodes with equal motion, one of which is moved with a changing velocity and is in an equation with another body: the
+/// work of the prescribed motion is the energy of both bodies, to the error of the strain integration.
+#[test]
+fn moved_group_in_an_equation_does_the_work_of_its_force() {
+    let place = |i: usize, j: usize| [1.0 + i as f64 / 3.0, j as f64 / 4.0];
+    let mesh = grid(3, 4, false, place).replace("*Node, nset=ALL", "*Node, nset=UP");
+    let upper = mesh.split("*Nset").next().unwrap_or_default();
+    let shifted = |line: &str| {
+        let cells = line
+            .split(',')
+            .map(|cell| cell.trim().parse::<usize>().map_or(cell.to_owned(), |n| format!(" {}", n + 100)));
+        cells.collect::<Vec<_>>().join(",") + "\n"
+    };
+    let upper: String =
+        upper.lines().map(|line| if line.starts_with('*') { format!("{line}\n") } else { shifted(line) }).collect();
+    let deck = grid(3, 4, false, place)
+        + &upper
+        + &material(1.0, 0.3, 1.0, "*Nset, nset=REF\n 1\n*MPC\n TIE, 2, 1\n TIE, 3, 1\n TIE, 4, 1\n")
+        + "*Equation\n 2\n 1, 2, 1., 101, 2, -1.\n*Amplitude, name=A, definition=SMOOTH STEP\n 0., 0., 1., 1., 3., 0.\n\
+           *Step\n*Dynamic, Explicit\n , 3.\n*Boundary, type=VELOCITY, amplitude=A\n 1, 2, 2, 0.05\n\
+           *Output, history, frequency=1\n*Node Output, nset=REF\n RF2\n*Energy Output\n ALLWK\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    let rows = column(&deck, &memory, "RF2@REF");
+    println!("moved group: {} rows, drift {:.1e}", rows.len(), outcome.energy.drift);
+    assert!(outcome.energy.drift < 1e-2, "{:?}", outcome.energy);
+}

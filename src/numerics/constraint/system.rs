@@ -19,6 +19,8 @@ pub(super) struct EquationUnknown {
     pub inverse_mass: f64,
     /// Force that satisfies the equations, on all members together.
     pub constraint_force: f64,
+    /// Part of it that is not from the equations: loads of members of a prescribed group, less their inertia.
+    pub member_force: f64,
     /// Impulse of the equations, before it is applied.
     pub change: f64,
     /// Value before the equations are applied.
@@ -239,7 +241,7 @@ impl EquationSystem {
     /// Adds the changes to accelerations; members of shared unknowns get the common acceleration.
     pub(super) fn accelerate(&mut self, dofs: &mut Dofs) {
         for f in &mut self.unknowns {
-            f.constraint_force = f.change;
+            (f.constraint_force, f.member_force) = (f.change, 0.0);
             if !f.is_shared() {
                 dofs.nodes.acceleration[f.members[0]][f.axis] += f.change * f.inverse_mass;
                 continue;
@@ -254,6 +256,7 @@ impl EquationSystem {
                 }
                 if f.inverse_mass == 0.0 && (i > 0 || mass == 0.0) {
                     f.constraint_force += force - mass * new;
+                    f.member_force += force - mass * new;
                 }
                 dofs.nodes.acceleration[n][f.axis] = new;
             }
@@ -317,8 +320,9 @@ impl EquationUnknown {
             change_velocity(dofs, n, self.axis, change, dt, half);
         }
         if given {
-            // The prescribed motion accelerates the members and takes the loads of members without mass.
-            self.add_work(dofs, half, impulse - half * (self.constraint_force - self.change));
+            // The prescribed motion accelerates the members and takes the loads of members without mass. The work of the
+            // equations is that on free unknowns.
+            self.add_work(dofs, half, impulse - half * self.member_force);
             self.inertia = if half > 0.0 { -impulse / half } else { 0.0 };
         } else {
             self.add_work(dofs, half, half * self.constraint_force + self.change);
@@ -345,7 +349,7 @@ pub(super) fn change_velocity(dofs: &mut Dofs, node: usize, axis: usize, change:
     }
 }
 
-persist_struct!(EquationUnknown { constraint_force, inertia } derived { members, axis, inverse_mass, change, value });
+persist_struct!(EquationUnknown { constraint_force, member_force, inertia } derived { members, axis, inverse_mass, change, value });
 
 // The factor follows from the masses at the start of the step; multipliers are solved for in each increment.
 persist_struct!(EquationSystem { unknowns: fixed } derived { rows, spare, factor, last, lambda });
