@@ -33,30 +33,58 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// A meshed rod that is still decelerated when the step ends has not perforated: its run is extended. Source: the same
-/// rod with a step that lasts ten times as long.
+/// A meshed rod that is still in the plate when the step ends has not perforated: its run is extended. Source: the same
+/// rod with a step that lasts ten times as long. The limit is the same with and without a residual velocity.
 #[test]
-fn meshed_rod_that_is_still_decelerated_has_not_perforated() {
+fn meshed_rod_that_is_still_in_the_plate_has_not_perforated() {
     let text = fs::read_to_string(project("input/rod_plate.inp")).expect("a deck");
     let [before, after] = ["*Dynamic, Explicit\n , 40.e-6", "*Energy Output"];
     assert!(text.contains(before) && text.contains(after), "the deck has changed");
     let parts = text.replace(after, "*Energy Output, elset=ROD\n PARTVEL\n*Energy Output");
     let folder = tempfile::tempdir().expect("a folder");
-    let limit = |duration: &str| {
+    let limit = |duration: &str, more: &[&str]| {
         let deck = folder.path().join("rod.inp");
         let text = parts.replace(before, &format!("*Dynamic, Explicit\n , {duration}"));
         fs::write(&deck, text).expect("a deck");
         let out = folder.path().join("out");
         let [deck, out] = [&deck, &out].map(|path| path.to_str().expect("a name"));
         let words = ["limit", deck, "--velocity", "speed", "--between", "100e3,900e3", "--tolerance", "25e3"];
-        let residual = ["--residual", "-final(PARTVEL@ROD)", "--least", "20e3", "--shots", "1", "--out", out];
-        let mesh = ["--set", "nr=2", "--set", "nz=10", "--set", "mr=10", "--set", "mz=5"];
-        let found = json(&[&words[..], &residual, &mesh].concat());
+        let others =
+            ["--shots", "1", "--out", out, "--set", "nr=2", "--set", "nz=10", "--set", "mr=10", "--set", "mz=5"];
+        let found = json(&[&words[..], &others, more].concat());
         [0, 1].map(|end| number(&found["bracket"][end]))
     };
-    let (short, long) = (limit("20.e-6"), limit("400.e-6"));
-    println!("limit with a short step {short:?}, with a long step {long:?}");
-    assert_eq!(short, long);
+    let residual = ["--residual", "-final(PARTVEL@ROD)", "--least", "20e3"];
+    let long = limit("400.e-6", &residual);
+    for found in [limit("40.e-6", &residual), limit("40.e-6", &[]), limit("400.e-6", &[])] {
+        assert_eq!(found, long);
+    }
+}
+
+/// A rod that has not reached the plate at the end of the step, even after its extension, has not perforated.
+#[test]
+fn rod_that_does_not_reach_the_plate_has_not_met_it() {
+    let text = fs::read_to_string(project("input/rod_plate.inp")).expect("a deck");
+    let short = text.replace("*Dynamic, Explicit\n , 40.e-6", "*Dynamic, Explicit\n , 1.e-8");
+    assert_ne!(short, text);
+    let folder = tempfile::tempdir().expect("a folder");
+    let deck = folder.path().join("rod.inp");
+    fs::write(&deck, short.replace("gap = ", "gap = 1. + ")).expect("a deck");
+    let [deck, out] = [&deck, folder.path()].map(|path| path.to_str().expect("a name"));
+    let output = revolve(&[
+        "limit",
+        deck,
+        "--velocity",
+        "speed",
+        "--between",
+        "100e3,900e3",
+        "--tolerance",
+        "25e3",
+        "--out",
+        out,
+    ]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && message.contains("target not met from 100000 to 900000"), "{message}");
 }
 
 /// A shot at the lower end of the bracket is stopped, one at the upper end perforates; the fitted curve passes through

@@ -429,7 +429,11 @@ impl SampleBatch<'_> {
             let mut history = evaluator.history(&prepared.plan);
             let mut sink = HistorySink { history: &mut history, look };
             let (outcome, state) = job::run_until(&prepared, &mut sink, self.interrupt);
-            evaluator.finish(EndedRun { row, plan: &prepared.plan, history: &history, outcome, state: &state }, &prepared.state, out)
+            evaluator.finish(
+                EndedRun { row, plan: &prepared.plan, history: &history, outcome, state: &state },
+                &prepared.state,
+                out,
+            )
         })
     }
 }

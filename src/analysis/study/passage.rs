@@ -48,7 +48,8 @@ impl Piece {
 pub(super) fn end(plan: &Plan, start: &State, state: &State) -> Option<(ShotEnd, f64)> {
     let direction = 1.0;
     let bodies = PieceList::new(plan, start, direction);
-    let fastest = bodies.pieces.iter().map(Piece::velocity).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    let fastest =
+        bodies.pieces.iter().map(Piece::velocity).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
     let (direction, speed) = (fastest.signum(), fastest.abs());
     let is_projectile: Vec<bool> =
         bodies.pieces.iter().map(|body| direction * body.velocity() > FAST * speed).collect();
@@ -158,7 +159,11 @@ impl PieceList {
     /// Returns the pieces with the index of the body to which each belonged at the start.
     fn within(self, bodies: &PieceList) -> Vec<Piece> {
         let body = |member: &usize| bodies.of[*member];
-        self.pieces.into_iter().zip(&self.members).map(|(piece, member)| Piece { body: body(member), ..piece }).collect()
+        self.pieces
+            .into_iter()
+            .zip(&self.members)
+            .map(|(piece, member)| Piece { body: body(member), ..piece })
+            .collect()
     }
 }
 

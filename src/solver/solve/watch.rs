@@ -163,14 +163,17 @@ impl SolverRun<'_> {
             if found.count < SEEN || found.lowest >= -BELOW_ZERO * largest {
                 continue;
             }
-            self.outcome.warn("R303", format!(
-                "{name} is {:.3e}, negative by {:.1} % of the largest energy, at increment {}, time {:e}: {why}{}",
-                found.lowest,
-                -100.0 * found.lowest / largest,
-                found.increment,
-                found.total_time,
-                self.name_folded()
-            ));
+            self.outcome.warn(
+                "R303",
+                format!(
+                    "{name} is {:.3e}, negative by {:.1} % of the largest energy, at increment {}, time {:e}: {why}{}",
+                    found.lowest,
+                    -100.0 * found.lowest / largest,
+                    found.increment,
+                    found.total_time,
+                    self.name_folded()
+                ),
+            );
         }
     }
 
