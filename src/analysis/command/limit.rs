@@ -9,7 +9,7 @@ use crate::study::grid::CaseGrid;
 use crate::study::inputs::RandomInputs;
 use crate::study::limit::{self, DrawnShots, LimitRequest, LimitScatter, LimitVelocity, Shot, VelocityBand};
 use crate::study::quantity::Quantity;
-use crate::study::shot::{EXTENSIONS, ShotEnd, ShotResult};
+use crate::study::shot::{ShotEnd, ShotResult};
 use crate::study::statistics::design::{SampleDesign, SamplingScheme};
 use crate::study::table::{TextTable, number};
 use clap::Args;
@@ -221,10 +221,9 @@ fn no_limit(found: &LimitVelocity) -> String {
             format!("a shot at {velocity} perforates: decrease the lower end of --between (found: {})", ends())
         }
         (_, Some(Shot { velocity, residual, end: ShotEnd::Moving })) => format!(
-            "a shot at {velocity} still moves in the target with the speed {}, {} times as late as the deck ends: increase \
+            "a shot at {velocity} still moves in the target with the speed {}, although the last step was extended: increase \
              the duration of the steps, or the upper end of --between",
-            number(*residual),
-            EXTENSIONS[EXTENSIONS.len() - 1]
+            number(*residual)
         ),
         (_, high) => format!(
             "a shot at {} does not perforate: increase the upper end of --between (found: {})",
@@ -278,9 +277,8 @@ fn warnings(found: &LimitVelocity) -> Vec<String> {
     if let Some(band) = found.undecided() {
         let [from, to] = [band.from, band.to].map(number);
         lines.push(format!(
-            "shots from {from} to {to} are undecided: at the end of the run, {} times as late as the deck ends, they still move \
-             in the target, or their residual velocity falls or vibrates; increase the duration of the steps",
-            EXTENSIONS[EXTENSIONS.len() - 1]
+            "shots from {from} to {to} are undecided: although the last step was extended, they still move in the target, or \
+             their residual velocity falls or vibrates; increase the duration of the steps"
         ));
     }
     lines

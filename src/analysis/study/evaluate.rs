@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use super::StudyError;
 use super::error::accepted;
-use super::passage;
+use super::passage::{self, PassageEnd};
 use super::quantity::{self, FinishedRun, Quantity};
 use super::shot::{self, ShotEnd, ShotResult, ShotRule};
 use crate::deck::names::nearest;
@@ -215,7 +215,7 @@ impl SampleEvaluator {
     }
 
     /// Runs all samples as shots at targets: a run whose bodies still move in their targets at its end is repeated with
-    /// an extended last step, up to 16 times as long.
+    /// an extended last step, up to 64 times as long.
     pub fn shots(&self, samples: &[f64], threads: usize) -> Result<Vec<ShotResult>, StudyError> {
         let (table, failures) = self.table(samples, threads)?;
         let mut shots: Vec<ShotResult> = table.chunks(self.row_width()).map(|row| Ok(shot::decode(row))).collect();
@@ -228,17 +228,16 @@ impl SampleEvaluator {
         self.quantities.len() + if self.shots.is_some() { shot::CELLS } else { 0 }
     }
 
-    /// Runs a plan with the duration of its last step; repeats a shot with longer ones as long as `run` returns that a
-    /// body still moves.
+    /// Runs a plan with the duration of its last step; repeats a shot with longer ones as long as `run` returns a
+    /// remaining time above zero.
     fn run_extended(
         &self,
         duration: f64,
-        run: &mut dyn FnMut(f64) -> Result<bool, StudyError>,
+        run: &mut dyn FnMut(f64) -> Result<f64, StudyError>,
     ) -> Result<(), StudyError> {
-        for factor in if self.shots.is_some() { &shot::EXTENSIONS[..] } else { &[1.0] } {
-            if !run(factor * duration)? {
-                break;
-            }
+        let mut factor = Some(1.0);
+        while let Some(longer) = factor {
+            factor = shot::longer(longer, run(longer * duration)? / duration);
         }
         Ok(())
     }
@@ -282,8 +281,9 @@ impl SampleEvaluator {
         }
     }
 
-    /// Evaluates the row of a run that began from the state `start`. Returns whether a body still moves in a target.
-    fn finish(&self, run: EndedRun<'_>, start: &State, out: &mut [f64]) -> Result<bool, StudyError> {
+    /// Evaluates the row of a run that began from the state `start`. Returns the remaining time of a shot: zero if it has
+    /// ended, infinite if it is unknown.
+    fn finish(&self, run: EndedRun<'_>, start: &State, out: &mut [f64]) -> Result<f64, StudyError> {
         let EndedRun { row, plan, history, outcome, state } = run;
         let end = Some((outcome.total_time(), state));
         let recorded = shot::end(&outcome, &start.dofs.bodies);
@@ -295,17 +295,19 @@ impl SampleEvaluator {
         for &i in &self.selections[row % self.selections.len()] {
             out[i] = self.quantities[i].number(FinishedRun { history, end })?;
         }
-        let Some(rule) = self.shots else { return Ok(false) };
+        let Some(rule) = self.shots else { return Ok(0.0) };
         let passed = if recorded.is_none() { passage::end(plan, start, state) } else { None };
         let least = rule.least.unwrap_or(0.0);
-        let is_slow = |&(end, speed): &(ShotEnd, f64)| end == ShotEnd::Moving && speed <= least;
-        let found = recorded.or(passed.map(|end| if is_slow(&end) { (ShotEnd::Slow, end.1) } else { end }));
+        let is_slow = |passed: &PassageEnd| passed.end == ShotEnd::Moving && passed.speed <= least;
+        let of_passage = |passed: PassageEnd| (if is_slow(&passed) { ShotEnd::Slow } else { passed.end }, passed.speed);
+        let found = recorded.or(passed.map(of_passage));
         let residual = self.quantities.first().filter(|_| found.is_none());
         let is_moving = residual.is_some_and(|residual| rule.may_fall(residual, history, out[0]));
         let found = if is_moving { Some((ShotEnd::Moving, out[0])) } else { found };
         out[self.quantities.len()..].copy_from_slice(&shot::encode(found));
-        let is_late = passed.is_some_and(|(end, _)| end == ShotEnd::NotMet);
-        Ok(is_late || found.is_some_and(|(end, _)| end == ShotEnd::Moving))
+        let is_late = passed.is_some_and(|passed| passed.end == ShotEnd::NotMet);
+        let has_ended = !is_late && found.is_none_or(|(end, _)| end != ShotEnd::Moving);
+        Ok(if has_ended { 0.0 } else { passed.map_or(f64::INFINITY, |passed| passed.remaining) })
     }
 }
 

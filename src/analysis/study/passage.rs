@@ -41,11 +41,20 @@ impl Piece {
     }
 }
 
-/// Returns the end of a shot and the speed of the piece of the projectile that decides it; `None` if the model has no
-/// moving projectile, or no meshed target. The projectile consists of the connected bodies with more than half of the
+/// End of a shot at a meshed target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PassageEnd {
+    pub end: ShotEnd,
+    /// Speed of the piece of the projectile that decides it.
+    pub speed: f64,
+    /// Time until the piece is behind the target at this speed; infinite if it does not move in a target.
+    pub remaining: f64,
+}
+
+/// Returns the end of a shot; `None` if the model has no moving projectile, or no meshed target. The projectile consists of the connected bodies with more than half of the
 /// largest initial velocity along z, the target of all other meshed bodies. A shot perforates as soon as a heavy piece of
 /// the projectile is behind the largest pieces of all bodies of the target.
-pub(super) fn end(plan: &Plan, start: &State, state: &State) -> Option<(ShotEnd, f64)> {
+pub(super) fn end(plan: &Plan, start: &State, state: &State) -> Option<PassageEnd> {
     let direction = 1.0;
     let bodies = PieceList::new(plan, start, direction);
     let fastest =
@@ -65,7 +74,7 @@ pub(super) fn end(plan: &Plan, start: &State, state: &State) -> Option<(ShotEnd,
     let pieces = PieceList::new(plan, state, direction).within(&bodies);
     let momentum: f64 = pieces.iter().filter(|p| is_projectile[p.body]).map(|p| p.momentum).sum();
     if (momentum - direction * sum(true, |piece| piece.momentum)).abs() <= UNTOUCHED * mass * speed {
-        return Some((ShotEnd::NotMet, speed));
+        return Some(PassageEnd { end: ShotEnd::NotMet, speed, remaining: f64::INFINITY });
     }
     let obstacles: Vec<&Piece> = (0..bodies.pieces.len())
         .filter(|body| !is_projectile[*body] && meshed(&bodies.pieces[*body]) >= HEAVY * target)
@@ -76,23 +85,29 @@ pub(super) fn end(plan: &Plan, start: &State, state: &State) -> Option<(ShotEnd,
         })
         .collect();
     let heavy = pieces.iter().filter(|piece| is_projectile[piece.body] && piece.mass >= HEAVY * mass);
-    let ends = heavy.map(|piece| (end_of(piece, &obstacles, speed), piece));
-    let rank = |end: ShotEnd| [ShotEnd::Perforation, ShotEnd::Moving].iter().rev().position(|e| *e == end);
-    let decisive = ends.max_by(|a, b| rank(a.0).cmp(&rank(b.0)).then(a.1.mass.total_cmp(&b.1.mass)));
-    Some(decisive.map_or((ShotEnd::Consumed, 0.0), |(end, piece)| (end, piece.velocity().abs())))
+    let ends = heavy.map(|piece| (end_of(piece, &obstacles, speed), piece.mass));
+    let rank = |end: ShotEnd| [ShotEnd::Moving, ShotEnd::Perforation].iter().position(|e| *e == end);
+    let decisive = ends.max_by(|a, b| rank(a.0.end).cmp(&rank(b.0.end)).then(a.1.total_cmp(&b.1)));
+    let consumed = PassageEnd { end: ShotEnd::Consumed, speed: 0.0, remaining: f64::INFINITY };
+    Some(decisive.map_or(consumed, |(end, _)| end))
 }
 
 /// Returns the end of a piece of the projectile; `speed` is the initial one.
-fn end_of(piece: &Piece, obstacles: &[&Piece], speed: f64) -> ShotEnd {
-    let in_front = obstacles.iter().filter(|obstacle| !piece.is_beyond(obstacle.front));
-    let Some(fastest) = in_front.map(|obstacle| obstacle.velocity()).reduce(f64::max) else {
-        return ShotEnd::Perforation;
+fn end_of(piece: &Piece, obstacles: &[&Piece], speed: f64) -> PassageEnd {
+    let velocity = piece.velocity();
+    let in_front = || obstacles.iter().filter(|obstacle| !piece.is_beyond(obstacle.front));
+    let fastest = in_front().map(|obstacle| obstacle.velocity()).reduce(f64::max);
+    let (end, remaining) = match fastest {
+        None => (ShotEnd::Perforation, f64::INFINITY),
+        Some(fastest) if velocity - fastest > CREEP * speed => {
+            let rear = piece.masses.iter().map(|(place, _)| *place).fold(f64::INFINITY, f64::min);
+            let front = in_front().map(|obstacle| obstacle.front).fold(f64::NEG_INFINITY, f64::max);
+            (ShotEnd::Moving, (front - rear).max(0.0) / (velocity - fastest))
+        }
+        Some(_) if velocity < -CREEP * speed => (ShotEnd::Ricochet, f64::INFINITY),
+        Some(_) => (ShotEnd::Embedded, f64::INFINITY),
     };
-    match piece.velocity() {
-        velocity if velocity - fastest > CREEP * speed => ShotEnd::Moving,
-        velocity if velocity < -CREEP * speed => ShotEnd::Ricochet,
-        _ => ShotEnd::Embedded,
-    }
+    PassageEnd { end, speed: velocity.abs(), remaining }
 }
 
 /// The pieces of a model in a state.
@@ -205,7 +220,8 @@ mod tests {
             (50.5, behind, &[&plate, &loose], ShotEnd::Embedded),
             (90.0, [0.5, 2.0, 3.0], &[], ShotEnd::Perforation),
         ] {
-            assert_eq!(end_of(&piece(velocity, &places), obstacles, 100.0), expected, "{velocity} {places:?}");
+            let found = end_of(&piece(velocity, &places), obstacles, 100.0);
+            assert_eq!((found.end, found.speed), (expected, velocity.abs()), "{velocity} {places:?}");
         }
     }
 }

@@ -34,9 +34,22 @@ pub enum ShotEnd {
 /// exceeds the limit by less than the fraction `CREEP²/2`, so the limit velocity changes by no more than this fraction.
 pub const CREEP: f64 = 0.01;
 
-/// Factors on the duration of the last step: a run whose bodies still move in their targets is repeated with the next
-/// one.
-pub(crate) const EXTENSIONS: [f64; 3] = [1.0, 4.0, 16.0];
+/// Smallest factor between the durations of the last step of successive runs of a shot that has not ended, and largest
+/// factors on the duration in the deck: without an estimate of the remaining time, and with one.
+const LONGER: f64 = 4.0;
+const LONGEST: [f64; 2] = [16.0, 64.0];
+/// Factor on the estimate of the remaining time, because projectiles are decelerated.
+const MARGIN: f64 = 2.0;
+
+/// Returns the factor on the duration of the last step with which a run is repeated after one with `factor`; `None` if
+/// the shot has ended, or would not end within the largest factor. `remaining` is the remaining time of the shot over
+/// the duration in the deck: zero if it has ended, infinite if it is unknown.
+pub(super) fn longer(factor: f64, remaining: f64) -> Option<f64> {
+    let is_known = factor + remaining <= LONGEST[1];
+    let needed = if is_known { factor + MARGIN * remaining } else { 0.0 };
+    let next = (LONGER * factor).max(needed).min(LONGEST[usize::from(is_known)]);
+    (remaining > 0.0 && next > factor).then_some(next)
+}
 
 impl ShotEnd {
     /// Returns the text of messages and charts.
@@ -193,6 +206,16 @@ mod tests {
         ] {
             let impacts: Vec<ImpactEnd> = impacts.iter().map(|i| impact(i.0, i.1, i.2)).collect();
             assert_eq!(ended(&impacts), Some(expected), "{impacts:?}");
+        }
+    }
+
+    #[test]
+    fn extensions_are_bounded() {
+        for (remaining, expected) in
+            [(f64::INFINITY, &[4.0, 16.0][..]), (0.0, &[]), (0.1, &[4.0, 16.0, 64.0]), (9.0, &[19.0, 64.0])]
+        {
+            let factors = std::iter::successors(longer(1.0, remaining), |factor| longer(*factor, remaining));
+            assert_eq!(factors.collect::<Vec<_>>(), expected, "{remaining}");
         }
     }
 

@@ -235,8 +235,8 @@ class Deck:
         """Find the ballistic limit velocity and the outcomes of slower shots.
 
         ``velocity`` is the parameter of the deck that holds the striking velocity, ``between`` the search interval,
-        ``tolerance`` the largest width of the bracket. ``residual`` and ``least`` are required for decks in which no
-        rigid body meets a ``*TARGET``, as in ``revolve limit``. ``shots`` are fired on each side of the limit.
+        ``tolerance`` the largest width of the bracket. ``residual`` and ``least`` are required only for decks
+        without a moving projectile, as in ``revolve limit``. ``shots`` are fired on each side of the limit.
         """
         low, high = between
         found = _revolve.limit(

@@ -456,6 +456,12 @@ impl FacetCurve {
     /// Rebuilds the lists of exposed facets after reading.
     fn list_again(&mut self, archive: &mut StateArchive<'_>) {
         if archive.reads() {
+            let exists =
+                |next: &FacetNeighbor| !matches!(next, FacetNeighbor::Facet(k) if *k as usize >= self.facets.len());
+            if !self.neighbors.iter().flatten().all(exists) {
+                archive.reject(|| "a contact facet has a neighbour that does not exist".to_owned());
+                return;
+            }
             self.list();
             self.order();
         }
