@@ -126,7 +126,6 @@ fn files_of_other_programs_are_read_or_rejected_with_a_reason() {
     assert_eq!(build(&text).element_sets["NOSE"].members, [0]);
     for (from, to, message_text) in [
         ("3 3<", "9 3<", "Quad with 2 points"),
-        ("Points=\"3", "Points=\"30", "declares 30 points and has 3"),
         ("2 4 0", "2 nan 0", "half-plane"),
         ("Int8\" Name=\"E", "Int9\" Name=\"E", "`Int9`"),
         ("ELSET_NOSE", "NOSE", "not read: NOSE"),

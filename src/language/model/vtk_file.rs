@@ -102,22 +102,12 @@ fn parse(path: &Path) -> Result<MeshFile, String> {
         }
         _ => return Err("it must be an unstructured grid or poly data".into()),
     };
-    if let Some(declared) = declared_points(&text).filter(|declared| *declared != mesh.points.len()) {
-        return Err(format!("the file is damaged: it declares {declared} points and has {}", mesh.points.len()));
-    }
     let declared = declared_arrays(&text);
     let found = mesh.point_arrays.len() + mesh.cell_arrays.len();
     match declared.filter(|d| *d != found) {
         Some(declared) => Err(format!("only {found} of its {declared} arrays can be decoded")),
         None => Ok(mesh),
     }
-}
-
-/// Returns the number of points that an XML file declares.
-fn declared_points(text: &str) -> Option<usize> {
-    const NAME: &str = "NumberOfPoints=\"";
-    let number = &text[text.find(NAME)? + NAME.len()..];
-    number[..number.find('"')?].trim().parse().ok()
 }
 
 /// Returns the number of point and cell arrays that an XML file declares; vtkio silently skips arrays that it cannot
