@@ -268,6 +268,7 @@ fn element_deletion_resumes() {
     let pressed = |label: &str| {
         let law = "*Material, name=LAW\n*Density\n 1e-9,\n*Cavity Expansion, yield=50.\n 4., 0., 1.\n*Target, name=T, front=-1., direction=1\n LAW, 9.\n";
         let target = if label == "CAVITY" { law } else { "" };
+        let magnitude = if label == "CAVITY" { "" } else { ", 30." };
         let flying: String = (0..=12)
             .map(|j| {
                 format!(
@@ -285,7 +286,7 @@ fn element_deletion_resumes() {
             + target
             + &flying
             + &format!(
-                "*Step\n*Dynamic, Explicit\n , 4e-6\n*Dsload\n SKIN, {label}, 30.\n*Output, field, number interval=7\n*Node Output\n U, V\n*Element Output\n STATUS\n*Output, history, number interval=23\n*Energy Output\n ALL\n*End Step\n"
+                "*Step\n*Dynamic, Explicit\n , 4e-6\n*Dsload\n SKIN, {label}{magnitude}\n*Output, field, number interval=7\n*Node Output\n U, V\n*Element Output\n STATUS\n*Output, history, number interval=23\n*Energy Output\n ALL\n*End Step\n"
             )
     };
     for (name, deck) in [

@@ -163,10 +163,10 @@ fn depths_of_unfinished_shots_are_reported() {
     let arguments = ["-o", &out, "--quantity", "-1000*final(U2@REF)"];
     let sweep = revolve(&[&["sweep", "input/ogive.inp", "-s", "V=569,2000"], &arguments[..]].concat());
     let message_text = text(&sweep.stderr);
-    assert!(message_text.contains("V = 2000: NOSE has left the target through its back"), "{message_text}");
+    assert!(message_text.contains("V = 2000: R315: NOSE has left the target through its back"), "{message_text}");
     assert!(!message_text.contains("V = 569"), "{message_text}");
     let study = revolve(&[&["study", short, "--refine", "n=5,10,20"], &arguments[..]].concat());
-    assert!(text(&study.stderr).contains("n = 20: NOSE still moves"), "{}", text(&study.stderr));
+    assert!(text(&study.stderr).contains("n = 20: R315: NOSE still moves"), "{}", text(&study.stderr));
 }
 
 /// A user-defined design of experiments: rows in order, a failing one named, the results of each kept.

@@ -124,7 +124,7 @@ fn invalid_materials_are_errors() {
         ("M104", gas("*Hyperelastic, marlow\n 1., 0.1\n")),
         ("M104", gas("*Hyperelastic, yeoh, test data input\n")),
         ("M103", gas("*Hyperelastic, neo hooke\n 1., -0.1\n")),
-        ("M103", gas("*Hyperelastic, neo hooke, yeoh\n 1., 0.1\n")),
+        ("M167", gas("*Hyperelastic, neo hooke, yeoh\n 1., 0.1\n")),
         ("M103", gas("*Hyperelastic, mooney-rivlin\n 0.1, -0.1, 0.1\n")),
         ("M103", gas("*Hyperelastic, mooney-rivlin\n 0.1, 0.1, 0.1, 20., 5.\n")),
         ("M103", gas("*Hyperelastic, mooney-rivlin, n=2\n 0.1, 0.1, 0.1\n")),

@@ -152,8 +152,8 @@ impl Wedge {
         text
     }
 
-    /// Returns the mean pressure at the end and its drift. The pressure is the power of the reaction forces on the
-    /// cavity wall divided by the rate of the swept volume.
+    /// Returns the mean pressure at the end and its drift. The pressure is the work of the reaction forces on the cavity
+    /// wall over an output interval, of which a row has the mean, divided by the swept volume.
     fn pressure(&self, history: &RunHistory) -> [f64; 2] {
         let column = |name: &str| history.columns.iter().position(|c| c == name);
         let (Some(low), Some(across), Some(along)) = (column("RF1@A"), column("RF1@B"), column("RF2@B")) else {
@@ -161,16 +161,18 @@ impl Wedge {
         };
         let [c, s] = self.ray;
         let half = libm::sqrt(0.5 * (1.0 - c));
-        let pressure = |row: usize, time: f64| {
-            let radius = 1.0 + self.velocity * time;
+        let pressure = |row: usize, [begin, end]: [f64; 2]| {
+            let [a, b] = [begin, end].map(|time| 1.0 + self.velocity * time);
+            let squared_radius = (a * a + a * b + b * b) / 3.0;
             let force = history.cell(row, low) + c * history.cell(row, across) + s * history.cell(row, along);
             // The wall is a frustum: its chord is 2 a sin(angle/2) and its normal velocity V cos(angle/2).
-            force / (PI * radius * (1.0 + c) * 2.0 * radius * half * libm::sqrt(1.0 - half * half))
+            force / (PI * squared_radius * (1.0 + c) * 2.0 * half * libm::sqrt(1.0 - half * half))
         };
-        let rows = history.times().iter().enumerate();
+        let rows = history.times().windows(2).enumerate();
         let end = (RADIUS_RATIO - 1.0) / self.velocity;
         let begin = end - AVERAGED_SHARE * RADIUS_RATIO / self.velocity;
-        let late: Vec<f64> = rows.filter(|(_, t)| **t > begin).map(|(i, t)| pressure(i, *t)).collect();
+        let late = rows.filter(|(_, times)| times[1] > begin);
+        let late: Vec<f64> = late.map(|(i, times)| pressure(i + 1, [times[0], times[1]])).collect();
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let (first, second) = late.split_at(late.len() / 2);
         [mean(&late), 0.5 * (mean(first) - mean(second)).abs()]

@@ -2,18 +2,9 @@
 
 use super::builder::ModelBuilder;
 use super::names::upper;
-use super::types::{BlastCharge, Load, LoadKind};
+use super::types::{BlastCharge, BlastProperty, Load, LoadKind};
 use crate::deck::{Card, Diagnostic};
 use crate::kernel::blast_wave::BurstShape;
-
-/// A blast wave by its name.
-pub(super) struct BlastProperty {
-    /// Upper-case name.
-    name: String,
-    charge: BlastCharge,
-    /// Whether a charge has been given.
-    has_charge: bool,
-}
 
 impl ModelBuilder<'_> {
     pub(super) fn blast_property(&mut self, card: &Card) {

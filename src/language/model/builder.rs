@@ -12,7 +12,6 @@ use crate::kernel::lists::sorted_unique;
 
 use indexmap::IndexMap;
 
-use super::blast::BlastProperty;
 use super::budget::{BudgetedItem, SizeBudget};
 use super::coarsening::mesh::CoarsenedMesh;
 use super::coupling::PendingCoupling;
@@ -25,7 +24,9 @@ use super::refinement::mesh::RefinedMesh;
 use super::refinement::pair::NodePair;
 use super::refinement::pass::ReadPass;
 use super::steps::StepState;
-use super::types::{IgnoredCard, MaterialDefinition, MaterialId, Model, ModelOrigin, SectionControls, SurfaceId};
+use super::types::{
+    BlastProperty, IgnoredCard, MaterialDefinition, MaterialId, Model, ModelOrigin, SectionControls, SurfaceId,
+};
 
 /// Largest number of nodes, elements or set members that one card may generate.
 pub(super) const MAX_GENERATED: usize = 20_000_000;

@@ -74,8 +74,11 @@ impl ModelBuilder<'_> {
         self.step = Some(StepState { new_boundaries: None, ..fresh });
     }
 
-    /// Warns of general contact that includes nothing.
+    /// Warns of general contact that includes nothing; not after an error, which may have removed inclusions.
     fn check_general_contact(&mut self) {
+        if self.diagnostics.has_errors() {
+            return;
+        }
         let Some(state) = &self.step else { return };
         let Some(general) = &state.general_contact else { return };
         if !general.all && general.included.is_empty() && general.span.start > state.span.start {

@@ -118,6 +118,16 @@ pub enum LoadKind {
     },
 }
 
+/// A blast wave by its name (`*INCIDENT WAVE INTERACTION PROPERTY`).
+#[derive(Clone, Debug)]
+pub(in crate::model) struct BlastProperty {
+    /// Upper-case name.
+    pub name: String,
+    pub charge: BlastCharge,
+    /// Whether a charge has been given.
+    pub has_charge: bool,
+}
+
 /// A charge of TNT (`*CONWEP CHARGE PROPERTY`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlastCharge {
