@@ -221,7 +221,7 @@ end subroutine
 pub fn sheared(card: &str) -> String {
     let damage = "*Elastic\n 26000., 0.3\n*Plastic\n 10., 0.\n*Damage Initiation, criterion=JOHNSON COOK\n \
                   0.1, 0., 0., 0., 0., 0., 0., 1.\n*Damage Evolution, type=DISPLACEMENT\n 0.2,\n";
-    let outputs = " PEEQ, SDEG, STATUS\n*Energy Output\n ALLPD\n";
+    let outputs = " PEEQ, SDEG, STATUS\n*Energy Output\n ALLPD, ALLDMD\n";
     moving(|[r, _]| [0.0, r], &format!("{damage}{card}"), outputs)
         .replace("number interval=10", "frequency=1")
         .replace("1.e-3, 1.", "1.e-4, 1.")

@@ -141,7 +141,7 @@ fn invalid_materials_are_errors() {
         ("M103", deck("*Crushable Foam, hardening=ISOTROPIC\n 1.1, 0.5\n*Crushable Foam Hardening\n 1., 0.\n")),
         ("M103", deck("*Crushable Foam\n 1.1, 0.1\n*Crushable Foam Hardening\n 1., 0.1\n")),
         ("M103", deck("*Damping, alpha=-1.\n")),
-        ("M104", deck("*Damping, beta=1.e-6\n")),
+        ("M103", deck("*Damping, beta=-1.e-6\n")),
         ("P013", gas("*Eos, type=JWL\n 6.93e6, 3.7e5, 3231., 0.3, 4.15, 0.95, 4.29e12\n")),
         ("M103", gas("*Eos, type=JWL\n 6.93e6, 3.7e5, 3231., 0.3, 0., 0.95, 4.29e12\n")),
         ("M169", gas("*Eos, type=JWL\n 6.93e6, 3.7e5, 3231., 0.3, 4.15, 0.95, 4.29e15\n*Detonation Point\n 0., 0.\n")),
