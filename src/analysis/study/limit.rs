@@ -190,7 +190,7 @@ impl LimitVelocity {
     pub fn undecided(&self) -> Option<VelocityBand> {
         let mut moving = self.shots.iter().filter(|shot| shot.end == ShotEnd::Moving).map(|shot| shot.velocity);
         let from = moving.next()?;
-        Some(VelocityBand { end: ShotEnd::Moving, from, to: moving.last().unwrap_or(from) })
+        Some(VelocityBand { end: ShotEnd::Moving, from, to: moving.next_back().unwrap_or(from) })
     }
 }
 

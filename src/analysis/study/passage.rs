@@ -124,7 +124,7 @@ impl PieceList {
         let nodes = state.dofs.nodes.len();
         let mut root: Vec<usize> = (0..nodes + state.dofs.bodies.len()).collect();
         for (mesh_node, body) in plan.places.tied.iter() {
-            if let Some(node) = plan.places.nodes.get(&mesh_node) {
+            if let Some(node) = plan.places.nodes.get(mesh_node) {
                 join(&mut root, *node, nodes + body);
             }
         }

@@ -3,6 +3,8 @@
 
 use std::f64::consts::LN_10;
 
+use super::lanes::InlineMap;
+
 /// Shape of a blast wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BurstShape {
@@ -282,8 +284,8 @@ const HEMISPHERICAL: BurstFits = BurstFits {
 /// Returns the value of the fit whose range contains the scaled distance.
 fn value(fits: &[BlastFit], scaled: f64) -> f64 {
     let Some(fit) = fits.iter().find(|fit| scaled <= fit.to).or(fits.last()) else { return 0.0 };
-    let u = fit.scale[0] + fit.scale[1] * (scaled.ln() / LN_10);
-    (LN_10 * fit.terms.iter().rev().fold(0.0, |sum, term| sum * u + term)).exp()
+    let u = fit.scale[0] + fit.scale[1] * libm::log10(scaled);
+    libm::exp(LN_10 * fit.terms.iter().rev().fold(0.0, |sum, term| sum * u + term))
 }
 
 impl BurstShape {
@@ -317,7 +319,7 @@ impl BlastWave {
     /// Returns the wave of a mass of TNT at a distance. Nearer than the range of the fits the wave is that at its lower
     /// end; beyond the range there is none.
     pub fn at(shape: BurstShape, mass: f64, distance: f64) -> Option<BlastWave> {
-        let (root, fits) = (mass.cbrt(), shape.fits());
+        let (root, fits) = (libm::cbrt(mass), shape.fits());
         let scaled = (distance / root).max(fits.range[0]);
         if scaled > fits.range[1] {
             return None;
@@ -349,7 +351,7 @@ impl BlastWave {
             return 0.0;
         }
         let [incident, reflected] =
-            [0, 1].map(|k: usize| self.pressures[k] * (1.0 - phase) * (-self.decay[k] * phase).exp());
+            [0, 1].inline_map(|k: usize| self.pressures[k] * (1.0 - phase) * libm::exp(-self.decay[k] * phase));
         let c = cosine.max(0.0);
         reflected * c * c + incident * (1.0 + c - 2.0 * c * c)
     }
@@ -359,7 +361,7 @@ impl BlastWave {
 /// given; by bisection.
 fn decay_coefficient(integral: f64) -> f64 {
     let of = |a: f64| {
-        if a.abs() < 1e-3 { 0.5 - a / 6.0 } else { 1.0 / a + (-a).exp_m1() / (a * a) }
+        if a.abs() < 1e-3 { 0.5 - a / 6.0 } else { 1.0 / a + libm::expm1(-a) / (a * a) }
     };
     let [mut low, mut high] = [-5.0, 1e3];
     for _ in 0..60 {

@@ -39,7 +39,7 @@ pub struct BlastSource {
 impl BlastSource {
     /// Returns the scaled distance of a point, m/kg^(1/3).
     pub fn scaled_distance(&self, place: [f64; 2]) -> f64 {
-        self.distance(place) / self.mass.cbrt()
+        self.distance(place) / libm::cbrt(self.mass)
     }
 
     fn distance(&self, [r, z]: [f64; 2]) -> f64 {
