@@ -442,6 +442,29 @@ fn ignored_entries_are_listed_in_the_ledger() {
     }
 }
 
+const RATE: &str = "*Rate Dependent, type=power law\n 40., 5.";
+
+/// Initial temperatures, field variables and rate dependence are listed as unused if no material depends on them.
+#[test]
+fn input_that_nothing_reads_is_listed() {
+    let text = std::fs::read_to_string(common::project("tests/deck/words/solid.inp")).expect("a deck");
+    let text = text.replace("**model", "*Initial Conditions, type=FIELD, variable=1\n ALL, 0.5");
+    let unused = |to: &str| {
+        let (deck, _) = deck::read_text("solid.inp", &text.replace(" 100., 0.3\n", to), &[]);
+        let plan = revolve::plan::compile(&revolve::model::build(&deck).0, &Routines::none()).0;
+        ["TYPE=TEMPERATURE", "TYPE=FIELD"].map(|what| plan.ledger.unused.iter().any(|u| u.what.ends_with(what)))
+    };
+    let (deck, _) = deck::read_text("solid.inp", &text.replace("*Plastic\n 0.5, 0.\n 2., 1.", RATE), &[]);
+    let plan = revolve::plan::compile(&revolve::model::build(&deck).0, &Routines::none()).0;
+    assert!(plan.ledger.unused.iter().any(|u| u.what == "*RATE DEPENDENT"));
+    assert_eq!(unused(" 100., 0.3\n"), [true, true]);
+    assert!(!unused(" 100., 0.3, 0.\n 90., 0.3, 100.\n")[0]);
+    let of_field = "*Elastic, dependencies=1\n 100., 0.3, , 0.\n 90., 0.3, , 1.\n";
+    let (deck, _) = deck::read_text("solid.inp", &text.replace("*Elastic\n 100., 0.3\n", of_field), &[]);
+    let plan = revolve::plan::compile(&revolve::model::build(&deck).0, &Routines::none()).0;
+    assert!(!plan.ledger.unused.iter().any(|u| u.what.ends_with("TYPE=FIELD")));
+}
+
 /// Surplus values, surplus lines, a second card, a decimal comma, incomplete data lines.
 #[test]
 fn surplus_and_repeated_input_is_reported() {
@@ -451,6 +474,7 @@ fn surplus_and_repeated_input_is_reported() {
         ("0.5, 0.\n 2., 1.", "0.5, 0., 2., 1.", "M161"),
         (" 4, 5, 6, 9, 8", " 4, 5, 6, 9, 8, 7", "M161"),
         ("TOP, 2, -1.", "TOP, 2, -1., 3.", "M161"),
+        ("**model", "**model\n*Equation\n 2, 7\n 7, 1, 1., 8, 1, -1.", "M161"),
         ("FACE, P, 1.", "FACE, P, 1., 5", "M161"),
         ("*Density\n 1.,", "*Density\n 1,5", "M163"),
         (", 0.5\n", ", 0.5\n , 0.6\n", "M162"),

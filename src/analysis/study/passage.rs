@@ -55,8 +55,7 @@ pub(super) struct PassageEnd {
 /// largest initial velocity along z, the target of all other meshed bodies. A shot perforates as soon as a heavy piece of
 /// the projectile is behind the largest pieces of all bodies of the target.
 pub(super) fn end(plan: &Plan, start: &State, state: &State) -> Option<PassageEnd> {
-    let direction = 1.0;
-    let bodies = PieceList::new(plan, start, direction);
+    let bodies = PieceList::new(plan, start, 1.0);
     let fastest =
         bodies.pieces.iter().map(Piece::velocity).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
     let (direction, speed) = (fastest.signum(), fastest.abs());

@@ -16,6 +16,9 @@ impl ModelBuilder<'_> {
         while at < card.lines.len() {
             let line = &card.lines[at];
             let Some(count) = self.integer(line, 0, "the number of terms") else { return };
+            for word in (1..line.fields.len()).filter_map(|at| line.field(at)) {
+                self.report_surplus(word, "the first line of an equation has the number of terms only");
+            }
             if !(2..=MAX_GENERATED as i64).contains(&count) {
                 return self.out_of_range(line.span, format!("an equation requires at least two terms, found {count}"));
             }

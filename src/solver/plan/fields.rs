@@ -72,6 +72,10 @@ impl Compiler<'_> {
                 let what = format!("*FIELD, VARIABLE={}", field.variable + 1);
                 self.add_unused_card(field.span, what, "no material depends on field variables");
             }
+            for condition in model.initial_conditions.iter().filter(|c| matches!(c.kind, InitialKind::Field(..))) {
+                let what = "*INITIAL CONDITIONS, TYPE=FIELD";
+                self.add_unused_card(condition.span, what, "no material depends on field variables");
+            }
             return None;
         }
         let mut id = None;

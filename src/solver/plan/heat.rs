@@ -21,6 +21,7 @@ use crate::model::{
 };
 use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
+use crate::variables::Variable;
 
 /// A section with the index of an element group.
 type SectionGroup<'m> = (&'m SolidSection, usize);
@@ -47,14 +48,36 @@ impl Compiler<'_> {
             if let Some(own) = self.expanding(section, group, material, state) {
                 let elements = &state.elements.groups[group];
                 let held = |e: usize| {
-                    let own = elements.value(e, crate::variables::Variable::Temperature.into());
+                    let own = elements.value(e, Variable::Temperature.into());
                     own.filter(|_| heat.is_none()).unwrap_or_else(|| mean(&**elements, e, &start, &state.dofs.nodes))
                 };
                 expanding.push((own, (0..elements.len()).map(held).collect()));
             }
         }
         let expansion = (!expanding.is_empty()).then(|| ThermalStrains::new(expanding));
+        if heat.is_none() && expansion.is_none() {
+            self.note_unused_initial_temperatures(state);
+        }
         (heat.is_some() || expansion.is_some()).then(|| Box::new(ThermalState { heat, expansion }))
+    }
+
+    /// Lists initial temperatures as unused if no material depends on the temperature.
+    fn note_unused_initial_temperatures(&mut self, state: &State) {
+        let model = self.model;
+        let material = |section: &SolidSection| &model.materials[section.material];
+        let may_read = |m: &MaterialDefinition| m.eos.is_some() || m.user.material.is_some();
+        let groups = &state.elements.groups;
+        let holds = |&(group, e): &(usize, usize)| groups[group].value(e, Variable::Temperature.into()).is_some();
+        let reads = model.sections.iter().map(material).any(may_read) || self.places.elements.values().any(holds);
+        if reads || self.routines.any() {
+            return;
+        }
+        for condition in &model.initial_conditions {
+            if matches!(condition.kind, InitialKind::Temperature(_)) {
+                let what = "*INITIAL CONDITIONS, TYPE=TEMPERATURE";
+                self.add_unused_card(condition.span, what, "no material depends on the temperature");
+            }
+        }
     }
 
     /// Lists thermal input as unused if no step solves for temperatures.

@@ -14,7 +14,9 @@ use crate::element::solid_groups::Connectivity;
 use crate::kernel::quad;
 use crate::kernel::topology::ElementTopology;
 use crate::mesh::gather::NodalAssembly;
-use crate::model::{FailureCriterion, IncrementControl, InitialKind, RayleighCoefficients, SolidSection, Step};
+use crate::model::{
+    FailureCriterion, IncrementControl, InitialKind, MaterialDefinition, RayleighCoefficients, SolidSection, Step,
+};
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
 use crate::variables::Variable;
@@ -112,7 +114,17 @@ impl Compiler<'_> {
         let mut state = State { dofs: Dofs { nodes, ..Dofs::default() }, elements, ..State::default() };
         self.start_solid(&mut state);
         self.start_fields(&mut state);
+        self.note_unused_rate_dependence();
         state
+    }
+
+    /// Lists `*RATE DEPENDENT` of materials without a yield stress as unused.
+    fn note_unused_rate_dependence(&mut self) {
+        let model = self.model;
+        let yields = |m: &MaterialDefinition| m.plastic.is_some() || m.foam.shape.is_some();
+        for material in model.materials.iter().filter(|m| m.rate.is_some() && !yields(m) && m.user.material.is_none()) {
+            self.add_unused_card(material.span, "*RATE DEPENDENT", "the material has no *PLASTIC");
+        }
     }
 
     /// Creates the solver nodes of deformable elements, including those shared with rigid bodies.
