@@ -3,6 +3,7 @@
 
 use super::shot::{CREEP, ShotEnd};
 use crate::element::parts::PartTotals;
+use crate::kernel::disjoint_sets::DisjointSets;
 use crate::plan::{Plan, State};
 use crate::state::dofs::Dof;
 
@@ -10,7 +11,7 @@ use crate::state::dofs::Dof;
 const FAST: f64 = 0.5;
 /// Smallest fraction of the initial mass of its body, or of all bodies of projectile or target, of a piece that counts.
 const HEAVY: f64 = 0.1;
-/// Fraction of the mass of a piece that must be behind the target.
+/// Fraction of the mass of a piece that must be beyond the target.
 const PASSED: f64 = 0.9;
 /// Relative change of momentum below which the projectile has met no target.
 const UNTOUCHED: f64 = 1e-6;
@@ -47,13 +48,14 @@ pub(super) struct PassageEnd {
     pub end: ShotEnd,
     /// Speed of the piece of the projectile that decides it.
     pub speed: f64,
-    /// Time until the piece is behind the target at this speed; infinite if it does not move in a target.
+    /// Time until the piece has passed through the target at this speed; infinite if it does not move in a target.
     pub remaining: f64,
 }
 
-/// Returns the end of a shot; `None` if the model has no moving projectile, or no meshed target. The projectile consists of the connected bodies with more than half of the
-/// largest initial velocity along z, the target of all other meshed bodies. A shot perforates as soon as a heavy piece of
-/// the projectile is behind the largest pieces of all bodies of the target.
+/// Returns the end of a shot; `None` if the model has no moving projectile, or no meshed target. The projectile consists
+/// of the connected bodies with more than half of the largest initial velocity along z, the target of all other meshed
+/// bodies. A shot perforates as soon as a heavy piece of the projectile is beyond the largest pieces of all bodies of the
+/// target.
 pub(super) fn end(plan: &Plan, start: &State, state: &State) -> Option<PassageEnd> {
     let bodies = PieceList::new(plan, start, 1.0);
     let fastest =
@@ -121,10 +123,10 @@ struct PieceList {
 impl PieceList {
     fn new(plan: &Plan, state: &State, direction: f64) -> PieceList {
         let nodes = state.dofs.nodes.len();
-        let mut root: Vec<usize> = (0..nodes + state.dofs.bodies.len()).collect();
+        let mut sets = DisjointSets::new(nodes + state.dofs.bodies.len());
         for (mesh_node, body) in plan.places.tied.iter() {
             if let Some(node) = plan.places.nodes.get(mesh_node) {
-                join(&mut root, *node, nodes + body);
+                sets.unite(*node, nodes + body);
             }
         }
         let groups = &state.elements.groups;
@@ -134,12 +136,16 @@ impl PieceList {
         };
         for (g, e) in active() {
             let members = groups[g].boundary(e);
-            members.iter().for_each(|node| join(&mut root, members[0] as usize, *node as usize));
+            members.iter().for_each(|node| sets.unite(members[0] as usize, *node as usize));
         }
-        let mut list = PieceList { pieces: Vec::new(), of: vec![usize::MAX; root.len()], members: Vec::new() };
+        let mut list = PieceList {
+            pieces: Vec::new(),
+            of: vec![usize::MAX; nodes + state.dofs.bodies.len()],
+            members: Vec::new(),
+        };
         for (g, e) in active() {
             let members = groups[g].boundary(e);
-            let piece = list.piece_at(&mut root, members[0] as usize);
+            let piece = list.piece_at(&mut sets, members[0] as usize);
             let mut totals = PartTotals::default();
             state.elements.add_to_part(&mut totals, (g, e), &state.dofs.nodes);
             let places = || members.iter().map(|node| direction * state.dofs.nodes[*node as usize].z);
@@ -149,7 +155,7 @@ impl PieceList {
             piece.masses.push((places().sum::<f64>() / members.iter().count() as f64, totals.mass));
         }
         for (b, body) in state.dofs.bodies.iter().enumerate() {
-            let piece = list.piece_at(&mut root, nodes + b);
+            let piece = list.piece_at(&mut sets, nodes + b);
             piece.mass += body.mass;
             piece.momentum += direction * body.mass * state.dofs.velocity(Dof::Body(b));
             let ends = plan.bodies[b].along_z.map(|z| direction * (z + body.displacement));
@@ -159,8 +165,8 @@ impl PieceList {
     }
 
     /// Returns the piece of a node or rigid body; creates it if it is new.
-    fn piece_at(&mut self, root: &mut [usize], member: usize) -> &mut Piece {
-        let root = find(root, member);
+    fn piece_at(&mut self, sets: &mut DisjointSets, member: usize) -> &mut Piece {
+        let root = sets.representative(member);
         if self.of[root] == usize::MAX {
             self.of[root] = self.pieces.len();
             self.members.push(member);
@@ -181,20 +187,6 @@ impl PieceList {
     }
 }
 
-/// Returns the representative of the set of a member, and shortens the path to it.
-fn find(root: &mut [usize], mut member: usize) -> usize {
-    while root[member] != member {
-        root[member] = root[root[member]];
-        member = root[member];
-    }
-    member
-}
-
-fn join(root: &mut [usize], a: usize, b: usize) {
-    let (a, b) = (find(root, a), find(root, b));
-    root[b] = a;
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -205,18 +197,18 @@ mod tests {
     }
 
     #[test]
-    fn pieces_have_passed_only_behind_all_obstacles() {
+    fn pieces_have_passed_only_beyond_all_obstacles() {
         let plate = piece(2.0, &[0.0, 1.0]);
         let loose = piece(50.0, &[4.0, 5.0]);
-        let behind = [2.0, 3.0, 4.0];
+        let beyond = [2.0, 3.0, 4.0];
         for (velocity, places, obstacles, expected) in [
-            (90.0, behind, &[&plate][..], ShotEnd::Perforation),
+            (90.0, beyond, &[&plate][..], ShotEnd::Perforation),
             (90.0, [0.5, 2.0, 3.0], &[&plate], ShotEnd::Moving),
-            (90.0, behind, &[&plate, &loose], ShotEnd::Moving),
+            (90.0, beyond, &[&plate, &loose], ShotEnd::Moving),
             (2.5, [0.5, 2.0, 3.0], &[&plate], ShotEnd::Embedded),
             (-0.5, [0.5, 2.0, 3.0], &[&plate], ShotEnd::Embedded),
             (-20.0, [-3.0, -2.0, -1.0], &[&plate], ShotEnd::Ricochet),
-            (50.5, behind, &[&plate, &loose], ShotEnd::Embedded),
+            (50.5, beyond, &[&plate, &loose], ShotEnd::Embedded),
             (90.0, [0.5, 2.0, 3.0], &[], ShotEnd::Perforation),
         ] {
             let found = end_of(&piece(velocity, &places), obstacles, 100.0);

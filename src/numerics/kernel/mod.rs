@@ -9,6 +9,7 @@ pub mod bulk_viscosity;
 pub mod cavity;
 pub mod conduction;
 pub mod corners;
+pub mod disjoint_sets;
 pub mod facet;
 pub mod free_surface;
 pub mod hardening;

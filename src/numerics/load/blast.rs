@@ -3,7 +3,7 @@
 use super::TargetDissipation;
 use super::fields::FacetFields;
 use super::pressure::add_pressure;
-use super::{EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
+use super::{Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
 use crate::kernel::blast_wave::{BlastWave, BurstShape};
 use crate::kernel::facet::Facet;
 use crate::kernel::lists::heap_bytes;
@@ -143,9 +143,7 @@ impl Load for BlastLoad {
     }
 
     fn targets(&self) -> LoadTargets {
-        let along_z = |body| GeneralizedForce::along_z(body, EnergyAccount::Work);
-        let bodies = self.surface.patches.iter().map(|patch| along_z(patch.body)).collect();
-        LoadTargets { bodies, nodes: self.surface.skin.max_faces() > 0 }
+        LoadTargets::along_z(&self.surface)
     }
 
     fn apply(

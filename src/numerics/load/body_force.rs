@@ -40,7 +40,7 @@ pub(super) fn corner_volumes(cell: &[u32; 4], nodes: &Nodes, rings: Option<&[f64
     }
 }
 
-/// Returns whether a cell belongs to one of these elements.
+/// Returns whether a cell belongs to an element of the list.
 fn belongs_to_any(cell: &[u32; 4], elements: &[ElementNodes]) -> bool {
     elements.iter().any(|nodes| cell.iter().all(|n| nodes.contains(n)))
 }

@@ -18,6 +18,7 @@ use std::any::Any;
 
 use crate::kernel::attitude::SpatialVector;
 use crate::kernel::topology::ElementNodes;
+use crate::mesh::surface::{RigidFacets, SurfaceGeometry};
 use crate::routines::LockedRoutines;
 use crate::state::EffectId;
 use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
@@ -70,6 +71,14 @@ pub struct LoadTargets {
     pub bodies: Vec<GeneralizedForce>,
     /// Whether the load acts on nodes.
     pub nodes: bool,
+}
+
+impl LoadTargets {
+    /// Returns the targets of a load on a surface of rigid bodies that move along z and of deformable bodies.
+    fn along_z(surface: &SurfaceGeometry) -> LoadTargets {
+        let force = |patch: &RigidFacets| GeneralizedForce::along_z(patch.body, EnergyAccount::Work);
+        LoadTargets { bodies: surface.patches.iter().map(force).collect(), nodes: surface.skin.max_faces() > 0 }
+    }
 }
 
 /// Destination of the forces of a load. Loads are called first with the nodes, then with the rigid bodies: the forces

@@ -2,7 +2,7 @@
 //! pressure against the normal velocity (`VP`); ABAQUS Analysis User's Guide 34.4.3, "Surface tractions" and "Viscous
 //! pressure loads".
 
-use super::{EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
+use super::{Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
 use super::{TargetDissipation, VelocityUse};
 use crate::kernel::facet::{Facet, ring_areas, section_areas, shell_areas};
 use crate::kernel::lanes::InlineMap;
@@ -163,9 +163,7 @@ impl Load for TractionLoad {
     }
 
     fn targets(&self) -> LoadTargets {
-        let along_z = |body| GeneralizedForce::along_z(body, EnergyAccount::Work);
-        let bodies = self.surface.patches.iter().map(|patch| along_z(patch.body)).collect();
-        LoadTargets { bodies, nodes: self.surface.skin.max_faces() > 0 }
+        LoadTargets::along_z(&self.surface)
     }
 
     fn velocity_use(&self) -> VelocityUse {

@@ -20,8 +20,6 @@ const NONE: u32 = u32::MAX;
 pub(super) struct ContactHeat {
     /// Node of each point; [`NONE`] if it has no temperature.
     nodes: Vec<u32>,
-    /// Number of points; nodes of rigid bodies with a temperature follow in `nodes`.
-    points: u32,
     /// Point and axis of each degree of freedom.
     point_of: Vec<(u32, usize)>,
     /// Point of each key, and the opposite side.
@@ -40,8 +38,8 @@ pub(super) struct HeatKey {
     pub point: u32,
     /// Whether the point is on the first surface of its pair.
     pub first: bool,
-    /// Node with the temperature of the rigid body that the point faces; `None` for a deformable body, or for a rigid
-    /// body without temperature.
+    /// Node with the temperature of the rigid body that the point faces, in [`ContactHeat`] as an index of its nodes;
+    /// `None` for a deformable body, or for a rigid body without temperature.
     pub sink: Option<u32>,
 }
 
@@ -62,7 +60,7 @@ impl ContactHeat {
     pub(super) fn new(
         (points, dofs_of): (&[SurfacePoint], &[[u32; 2]]),
         dofs: usize,
-        keys: Vec<HeatKey>,
+        mut keys: Vec<HeatKey>,
         has: impl Fn(usize) -> bool,
     ) -> ContactHeat {
         let node = |p: &SurfacePoint| match p.carrier {
@@ -76,11 +74,12 @@ impl ContactHeat {
             }
         }
         let sinks = sorted_unique(keys.iter().filter_map(|key| key.sink));
+        let index_of = |node: u32| sinks.binary_search(&node).ok().map(|at| (points.len() + at) as u32);
+        keys.iter_mut().for_each(|key| key.sink = key.sink.and_then(index_of));
         let nodes: Vec<u32> = points.iter().map(node).chain(sinks).collect();
         ContactHeat {
             most: vec![0.0; nodes.len()],
             nodes,
-            points: points.len() as u32,
             point_of,
             rows: Vec::with_capacity(2 * keys.len()),
             terms: Vec::with_capacity(18 * keys.len()),
@@ -90,17 +89,14 @@ impl ContactHeat {
 
     /// Updates the rows before any is left out; conductances depend on the pressures of the previous increment.
     pub(super) fn update_rows(&mut self, rows: &ContactRows, laws: &[InteractionLaw], pressures: &[[f64; 2]]) {
-        let ContactHeat { nodes, points, point_of, keys, rows: passings, terms, most } = self;
-        let sinks = &nodes[*points as usize..];
+        let ContactHeat { nodes, point_of, keys, rows: passings, terms, most } = self;
         passings.clear();
         terms.clear();
         most.fill(0.0);
         for row in &rows.rows {
             let (begin, law) = (terms.len(), &laws[row.law as usize].heat);
             let key = keys[row.key as usize];
-            let sink = key.sink.and_then(|node| sinks.iter().position(|s| *s == node));
-            let facing = sink.map(|index| *points + index as u32);
-            let whole = add_weights(rows.terms_of(row), key.point, facing, (point_of, nodes), terms);
+            let whole = add_weights(rows.terms_of(row), key.point, key.sink, (point_of, nodes), terms);
             let mut conducts = 0.0;
             if whole && !row.is_single_point && row.closest_point.is_none() {
                 conducts = row.area * law.conductance(row.gap / row.area, pressures[row.key as usize][0]);
@@ -115,13 +111,11 @@ impl ContactHeat {
     /// Adds conduction between the point of a key and the rigid body that it faces, at an opening and a pressure.
     pub(super) fn add_conduction(&mut self, key: u32, area: f64, [opening, pressure]: [f64; 2], law: &InteractionLaw) {
         let HeatKey { point, sink: Some(sink), .. } = self.keys[key as usize] else { return };
-        let sinks = &self.nodes[self.points as usize..];
-        let Some(index) = sinks.iter().position(|node| *node == sink) else { return };
         if self.nodes[point as usize] == NONE {
             return;
         }
         let (begin, conducts) = (self.terms.len() as u32, area * law.heat.conductance(opening, pressure));
-        self.terms.extend([(point, -1.0), (self.points + index as u32, 1.0)]);
+        self.terms.extend([(point, -1.0), (sink, 1.0)]);
         self.most[point as usize] += area * law.heat.largest_conductance();
         self.rows.push(HeatRow { key, terms: [begin, begin + 2], conducts, made: [0.0; 2] });
     }
@@ -192,7 +186,7 @@ impl HeatExchange for ContactHeat {
 }
 
 // Rows are computed again in the next increment.
-persist_struct!(ContactHeat { most: fixed } derived { nodes, points, point_of, keys, rows, terms });
+persist_struct!(ContactHeat { most: fixed } derived { nodes, point_of, keys, rows, terms });
 
 /// Adds the points of a row with a temperature and their weights, which follow from the derivatives of the gap along
 /// the normal of the own point. The other surface is that of a rigid body if `facing` is given, the index of the body's
