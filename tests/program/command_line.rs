@@ -221,7 +221,7 @@ fn commands_have_the_shared_options() {
     }
 }
 
-/// `study` accepts all of them: the values are those of any number of threads, differ in single precision, and the picture has
+/// `study` accepts all shared options: the values are those of any number of threads, differ in single precision, and the picture has
 /// the label.
 #[test]
 fn study_has_the_shared_options() {

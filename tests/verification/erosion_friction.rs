@@ -28,7 +28,7 @@ fn sphere_through_copper(speed: f64) -> String {
 }
 
 /// ALLFD never decreases while elements are deleted under the sphere. The damping of friction acts on facets: a node that
-/// has lost its elements keeps none of it. The tolerance is the rounding of the sum, relative to the initial energy.
+/// has lost its elements has no damping. The tolerance is the rounding of the sum, relative to the initial energy.
 #[test]
 fn friction_on_eroding_plates_only_dissipates() {
     for speed in (0..12).map(|i| 162.0 + 12.0 * i as f64) {

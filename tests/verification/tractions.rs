@@ -170,7 +170,7 @@ fn stiffness_proportional_damping_decays_a_vibration() {
 }
 
 /// A body whose nodes follow a reference node, on springs: to a node that is fixed, and to the ground. A stiff spring on
-/// nodes that move together limits the increment by the mass of all of them.
+/// nodes that move together limits the increment by the sum of their masses.
 #[test]
 fn springs_act_on_reference_nodes_and_fixed_nodes() {
     let mass = PI * 4.0 * 10.0;

@@ -132,7 +132,7 @@ fn fixed_node_impulse_is_the_change_of_momentum() {
     }
 }
 
-/// A heavy ram with a prescribed velocity presses a block that stands on fixed nodes, with and without an equation
+/// A heavy ram with a prescribed velocity presses a block on fixed nodes, with and without an equation
 /// between a fixed node and two others, over two steps: in the second one the foot moves. The impulses of all reactions
 /// are the change of momentum at any output interval.
 #[test]

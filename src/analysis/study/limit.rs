@@ -48,7 +48,7 @@ impl Shot {
 
 /// Error of a shot whose run records no event and is not judged by its velocity.
 const NO_EVENT: &str = "the run records no perforation, because no rigid body meets a *TARGET, and no moving projectile \
-                        can be told from a meshed target at rest: give --residual EXPR and --least SPEED; a shot \
+                        can be distinguished from a meshed target: give --residual EXPR and --least SPEED; a shot \
                         perforates if its residual velocity exceeds SPEED";
 
 impl LimitRequest {
@@ -185,8 +185,8 @@ impl LimitVelocity {
         })
     }
 
-    /// Returns the interval from the first to the last shot that still moves at the end of its run: any of them may
-    /// perforate.
+    /// Returns the interval from the first to the last shot that still moves at the end of its run: any shot in it
+    /// may perforate.
     pub fn undecided(&self) -> Option<VelocityBand> {
         let mut moving = self.shots.iter().filter(|shot| shot.end == ShotEnd::Moving).map(|shot| shot.velocity);
         let from = moving.next()?;

@@ -13,7 +13,8 @@ use crate::state::BodyState;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ShotEnd {
-    /// All bodies have left their targets through the rear face, or a piece of a meshed projectile is behind its target.
+    /// All bodies have left their targets through the rear face, or a piece of a meshed projectile has passed
+    /// through its target.
     Perforation,
     /// No body has met a target.
     NotMet,
@@ -80,7 +81,7 @@ impl ShotEnd {
 /// Result of a shot: its end with the speed of the body that decides it, and the quantities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FiredShot {
-    /// End of the shot; `None` if the model has no projectile and target that can be told apart.
+    /// End of the shot; `None` if projectile and target of the model cannot be distinguished.
     pub end: Option<ShotEnd>,
     /// Speed of the body at the end of the run, zero without an end.
     pub speed: f64,
@@ -98,7 +99,7 @@ const SETTLED: f64 = 0.01;
 /// Range of the residual velocity in the window, relative to its mean, above which vibrations hide its course.
 const VIBRATION: f64 = 0.2;
 
-/// Rule for the end of shots without a recorded end and without a projectile and a target that can be told apart.
+/// Rule for the end of shots without a recorded end whose projectile and target cannot be distinguished.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ShotRule {
     /// Residual velocity that a perforation must exceed. A smaller velocity that falls cannot become a perforation.

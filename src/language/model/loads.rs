@@ -58,7 +58,7 @@ impl ModelBuilder<'_> {
             self.unsupported(
                 parameter.span,
                 "FOLLOWER=NO applies only to TRVEC: other tractions follow their faces",
-                "put the TRVEC loads on a card of their own",
+                "put the TRVEC loads on a separate card",
             );
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::deck::{Card, Diagnostic, Diagnostics, Parameter};
 
-/// Parameters of a keyword that have an effect only with another parameter; with words, only with one of these values.
+/// Parameters of a keyword that have an effect only with another parameter; with words, only with one of the listed values.
 const NEEDED: &[(&str, &[&str], &str, &[&str])] = &[
     ("AMPLITUDE", &["FIXED INTERVAL", "BEGIN"], "DEFINITION", &["EQUALLY SPACED"]),
     ("AMPLITUDE", &["VARIABLES", "PROPERTIES"], "DEFINITION", &["USER"]),
@@ -58,7 +58,10 @@ pub(super) fn check_mates(card: &Card, diagnostics: &mut Diagnostics) {
         if let Some((a, b)) = excluded {
             let message = format!("{} and {} of *{} exclude each other", a.name, b.name, card.keyword.name);
             diagnostics.push(
-                Diagnostic::error("M167", message).at(b.span, "here").at(a.span, "and here").help("give one of them"),
+                Diagnostic::error("M167", message)
+                    .at(b.span, "here")
+                    .at(a.span, "and here")
+                    .help("remove one of the parameters"),
             );
         }
     }

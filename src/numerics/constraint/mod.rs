@@ -132,7 +132,7 @@ pub trait ConstraintForces {
         0.0
     }
 
-    /// Returns the index at which it stores a degree of freedom; `None` if no impulse of it acts there. The index is
+    /// Returns the index at which it stores a degree of freedom; `None` if the constraint has no impulse there. The index is
     /// valid during a step.
     fn index_of(&self, _dof: Dof) -> Option<usize> {
         None

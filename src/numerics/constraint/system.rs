@@ -19,7 +19,7 @@ pub(super) struct EquationUnknown {
     pub inverse_mass: f64,
     /// Force that satisfies the equations, on all members together.
     pub constraint_force: f64,
-    /// Part of it that is not from the equations: loads of members of a prescribed group, less their inertia.
+    /// Part of `constraint_force` that is not from the equations: loads of members of a prescribed group, less their inertia.
     pub member_force: f64,
     /// Impulse of the equations, before it is applied.
     pub change: f64,

@@ -6,7 +6,7 @@ use super::Compiler;
 use crate::constraint::tie::TiedNodes;
 
 impl Compiler<'_> {
-    /// Creates the ties of these nodes. The mass of deformable elements at these nodes is moved to the rigid bodies.
+    /// Creates the ties of nodes to rigid bodies. The mass of deformable elements at tied nodes is moved to the rigid bodies.
     pub(super) fn tie(&mut self, mass: &mut [f64]) {
         let mut by_body: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (node, &body) in self.places.tied.iter() {

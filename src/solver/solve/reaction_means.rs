@@ -16,7 +16,7 @@ struct ReactionMean {
     dof: Dof,
     /// Whether its motion is prescribed in the step.
     prescribed: bool,
-    /// Constraints that act on it, and its index in each of them.
+    /// Indices of the constraints that act on the degree of freedom, each with its index in the constraint.
     constraints: Vec<(usize, usize)>,
     /// Impulse of complete increments.
     impulse: f64,
