@@ -33,11 +33,10 @@ COSTLY = 1.0  # CPU seconds of the default setting above which a mesh is run wit
 SHOTS = 300  # runs of a rigid projectile in one process, because one takes less time than the start of the program
 
 HOURGLASS = ["relax-stiffness", "stiffness", "viscous", "combined", "enhanced"]
-PRECISION = ["double", "single"]
 FACTORS = [1.0, 0.5, 0.25]
 
 # Name, title, deck, levels as settings, quantity, exact value (None: limit of the finest meshes), relative error of this
-# value (default 0), hourglass kinds, precisions.
+# value (default 0), hourglass kinds.
 SCENES = {
     "wave": {
         "title": "Elastic wave: column under a smooth pulse",
@@ -89,7 +88,6 @@ SCENES = {
         "quantity": "final(DENSITY@ONE)",
         "exact": 4.0,
         "hourglass": ["viscous"],
-        "precision": ["double"],
     },
     "hertz": {
         "title": "Rigid sphere on a block (Hertz): pressure",
@@ -116,7 +114,7 @@ SCENES = {
         "hourglass": HOURGLASS[:1],
     },
 }
-COLUMNS = ["scene", "code", "mesh", "increment", "precision", "hourglass", "value", "error", "cpu_seconds", "front"]
+COLUMNS = ["scene", "code", "mesh", "increment", "hourglass", "value", "error", "cpu_seconds", "front"]
 
 
 def cpu_time(command, folder):
@@ -190,7 +188,7 @@ def deck_text(scene, level, factor, hourglass):
     return text
 
 
-def run_revolve(name, level, factor, precision, hourglass, folder):
+def run_revolve(name, level, factor, hourglass, folder):
     """Returns the CPU time and the quantity of one run."""
     scene = SCENES[name]
     (folder / "deck.inp").write_text(deck_text(scene, level, factor, hourglass), encoding="utf-8")
@@ -206,21 +204,20 @@ def run_revolve(name, level, factor, precision, hourglass, folder):
         return (many - shortest(lambda: shots(1))[0]) / (SHOTS - 1), value
 
     def measure():
-        more = ["--precision", precision, "--no-frames", "--quiet"]
+        more = ["--no-frames", "--quiet"]
         seconds, text = cpu_time([REVOLVE, "run", *command, *more], folder)
         return seconds, float(text.strip().splitlines()[-1].rsplit("=", 1)[1])
 
     return shortest(measure)
 
 
-def row(name, code, level, factor, precision, hourglass, measured, exact):
+def row(name, code, level, factor, hourglass, measured, exact):
     seconds, value = measured
     return {
         "scene": name,
         "code": code,
         "mesh": " ".join(f"{k}={v}" for k, v in level.items()),
         "increment": f"{factor:g}",
-        "precision": precision,
         "hourglass": hourglass,
         "value": f"{value:.9g}",
         "error": f"{abs(value / exact - 1):.3e}",
@@ -234,7 +231,7 @@ def limit_of_finest(name, folder):
     scene = SCENES[name]
     finest = {k: 2 * v for k, v in scene["levels"][-1].items()}
     levels = [*scene["levels"][-2:], finest]
-    a, b, c = (run_revolve(name, level, 1.0, "double", "default", folder)[1] for level in levels)
+    a, b, c = (run_revolve(name, level, 1.0, "default", folder)[1] for level in levels)
     order = math.log2((b - a) / (c - b))
     limit = c + (c - b) / (2 ** min(order, 2.0) - 1)
     print(f"{name}: {a:.6f}, {b:.6f}, {c:.6f}, order {order:.2f}, limit {limit:.6f}", flush=True)
@@ -242,26 +239,26 @@ def limit_of_finest(name, folder):
 
 
 def measure_revolve(name, folder):
-    """Returns the rows of a scene: mesh, increment, precision and hourglass control."""
+    """Returns the rows of a scene: mesh, increment and hourglass control."""
     scene = SCENES[name]
     exact = scene["exact"] or limit_of_finest(name, folder)
     rows = []
     for level in scene["levels"]:
         if "accuracy" in scene:
-            settings = [(f, "", "") for f in scene["accuracy"]]
+            settings = [(f, "") for f in scene["accuracy"]]
         else:
-            settings = list(itertools.product(FACTORS, scene.get("precision", PRECISION), scene["hourglass"]))
+            settings = list(itertools.product(FACTORS, scene["hourglass"]))
         costly = False
-        for factor, precision, hourglass in settings:
+        for factor, hourglass in settings:
             if costly and factor != 1:
                 continue
             try:
-                measured = run_revolve(name, level, factor, precision, hourglass, folder)
+                measured = run_revolve(name, level, factor, hourglass, folder)
             except RuntimeError as problem:
-                print(f"{name} {level} {factor:g} {precision} {hourglass}: {problem}", flush=True)
+                print(f"{name} {level} {factor:g} {hourglass}: {problem}", flush=True)
                 continue
             costly |= measured[0] > COSTLY
-            rows.append(row(name, "Revolve", level, factor, precision, hourglass, measured, exact))
+            rows.append(row(name, "Revolve", level, factor, hourglass, measured, exact))
             print(*rows[-1].values(), flush=True)
     return rows
 
@@ -340,7 +337,7 @@ def measure_calculix(name, folder):
             return seconds, sign * float(found[component])
 
         try:
-            rows.append(row(name, "CalculiX", level, increment(n), "double", kind, shortest(measure), scene["exact"]))
+            rows.append(row(name, "CalculiX", level, increment(n), kind, shortest(measure), scene["exact"]))
             print(*rows[-1].values(), flush=True)
         except (RuntimeError, OSError, ValueError) as problem:
             print(f"CalculiX {name} {level} {kind}: {problem}", flush=True)
@@ -462,10 +459,9 @@ def draw(name, rows):
             )
             return
         colour = COLOURS[entry["hourglass"]]
-        fill = "white" if entry["precision"] == "single" else colour
         radius = 4.6 if "accuracy" in scene else 2.6 + 2.4 * float(entry["increment"])
         parts.append(
-            f'<circle cx="{u:.1f}" cy="{v:.1f}" r="{radius * scale:.1f}" fill="{fill}" stroke="{colour}" stroke-width="1.4" '
+            f'<circle cx="{u:.1f}" cy="{v:.1f}" r="{radius * scale:.1f}" fill="{colour}" stroke="{colour}" stroke-width="1.4" '
             'fill-opacity="0.75"/>'
         )
 
@@ -484,23 +480,15 @@ def draw(name, rows):
         for kind in scene["hourglass"]:
             entries.append(
                 (
-                    {"code": "Revolve", "hourglass": kind, "precision": "double", "increment": "1"},
+                    {"code": "Revolve", "hourglass": kind, "increment": "1"},
                     kind.replace("-", " "),
                 )
             )
         first = scene["hourglass"][0]
-        if len(scene.get("precision", PRECISION)) > 1:
-            entries.append(
-                ({"code": "Revolve", "hourglass": first, "precision": "single", "increment": "1"}, "single precision")
-            )
         for f in ("0.5", "0.25"):
-            entries.append(
-                ({"code": "Revolve", "hourglass": first, "precision": "double", "increment": f}, f"increment x {f}")
-            )
+            entries.append(({"code": "Revolve", "hourglass": first, "increment": f}, f"increment x {f}"))
     else:
-        entries.append(
-            ({"code": "Revolve", "hourglass": "", "precision": "double", "increment": "1"}, "facets, accuracy")
-        )
+        entries.append(({"code": "Revolve", "hourglass": "", "increment": "1"}, "facets, accuracy"))
     for kind in sorted({r["hourglass"] for r in rows if r["code"] == "CalculiX"}):
         entries.append(({"code": "CalculiX", "hourglass": kind}, f"CalculiX {kind}"))
     for entry, words in entries:

@@ -7,7 +7,6 @@ use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use revolve::deck::{Sources, files, source};
 use revolve::job::{self, FrameOutput, JobOptions, PreparedJob};
-use revolve::model::{Model, Precision};
 use revolve::output::{FramePoints, JobFiles};
 use revolve::solve::Progress;
 use revolve::study::evaluate::DeckSource;
@@ -51,7 +50,6 @@ type CachedPlan = Option<(ParameterSettings, Arc<PreparedJob>)>;
 #[pyclass(frozen, module = "revolve._revolve")]
 pub struct Deck {
     pub source: DeckSource,
-    precision: Precision,
     known: Mutex<CachedPlan>,
 }
 
@@ -66,7 +64,7 @@ struct RunRequest {
 impl Deck {
     /// Creates a deck from a file, or from text with a file name for messages and relative paths.
     #[new]
-    fn new(name: &str, text: Option<String>, precision: &str) -> PyResult<Deck> {
+    fn new(name: &str, text: Option<String>) -> PyResult<Deck> {
         let text = match text {
             Some(text) => text,
             None => {
@@ -74,8 +72,7 @@ impl Deck {
                 source::decode(bytes.map_err(|e| PyOSError::new_err(format!("cannot read {name}: {e}")))?)
             }
         };
-        let precision = precision.parse().map_err(|e| errors::setting(format!("precision={precision}: {e}")))?;
-        Ok(Deck { source: DeckSource::Text(name.to_owned(), text), precision, known: Mutex::default() })
+        Ok(Deck { source: DeckSource::Text(name.to_owned(), text), known: Mutex::default() })
     }
 
     /// Text of the deck.
@@ -181,12 +178,7 @@ fn routines(py: Python<'_>, user: Option<&User>, load: Option<&PythonLoad>) -> P
 
 impl Deck {
     fn prepare(&self, settings: &ParameterSettings, routines: &Routines) -> PreparedJob {
-        let precision = self.precision;
-        job::prepare_edited(
-            self.source.read(settings),
-            &mut |model: &mut Model| model.settings.precision = precision,
-            routines,
-        )
+        job::prepare_edited(self.source.read(settings), &mut |_| {}, routines)
     }
 
     /// Like [`prepare`](Self::prepare); without user subroutines the last result is reused for the same parameter

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use revolve::job;
-use revolve::model::{self, Model, Precision};
+use revolve::model::{self, Model};
 use revolve::study::StudyError;
 use revolve::study::causes;
 use revolve::study::chart::{Chart, ChartSeries, SeriesForm};
@@ -88,12 +88,7 @@ pub fn uncertainty(
         let inputs = RandomInputs::parse(&distributions, &[])?;
         let source = |overrides: &job::ParameterOverrides| deck.source.read(overrides);
         let request = UncertaintyRequest {
-            source: RunSource {
-                deck: &source,
-                user: user.map(|user| &*user.compiled),
-                interrupt: None,
-                precision: Precision::Double,
-            },
+            source: RunSource { deck: &source, user: user.map(|user| &*user.compiled), interrupt: None },
             overrides: &settings,
             traits: &ModelTraits::of(&model::build(&source(&settings).0).0),
             quantities: &quantities,

@@ -13,7 +13,6 @@ mod law_cost;
 mod oblique_cost;
 mod overhead;
 mod plain_solid;
-mod precision_cost;
 mod scenes;
 mod solid_cost;
 mod user_cost;
@@ -22,7 +21,6 @@ mod user_cost;
 const BENCHES: &[(&str, fn())] = &[
     ("increment_cost", increment_cost::run),
     ("solid_cost", solid_cost::run),
-    ("precision_cost", precision_cost::run),
     ("elastic_cost", elastic_cost::run),
     ("user_cost", user_cost::run),
     ("law_cost", law_cost::run),

@@ -7,9 +7,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use revolve::deck;
 use revolve::job::{self, Instructions, PreparedJob};
-use revolve::model::Precision;
 use revolve::user::Routines;
 
 use super::plain_solid::PlainBar;
@@ -37,8 +35,8 @@ pub struct TimedPair {
 
 impl TimedPair {
     /// Prepares a bar with `nr` by `nz` elements; `None` if the machine lacks the instruction set.
-    pub fn new([nr, nz]: [usize; 2], increments: usize, precision: Precision, set: Instructions) -> Option<TimedPair> {
-        let mut runs = [increments, LONGER * increments].map(|count| prepared_bar([nr, nz], count, precision));
+    pub fn new([nr, nz]: [usize; 2], increments: usize, set: Instructions) -> Option<TimedPair> {
+        let mut runs = [increments, LONGER * increments].map(|count| prepared_bar([nr, nz], count));
         runs.iter_mut().all(|run| run.use_instructions(set).is_ok()).then_some(())?;
         Some(TimedPair { runs, best: [f64::INFINITY; 2], elements: nr * nz, increments })
     }
@@ -58,7 +56,7 @@ impl TimedPair {
 }
 
 /// Prepares the Taylor bar with `nr` by `nz` elements and fixed increments.
-fn prepared_bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -> PreparedJob {
+fn prepared_bar([nr, nz]: [usize; 2], increments: usize) -> PreparedJob {
     let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
     let time = DT * increments as f64;
     let text = text.replace(
@@ -68,8 +66,7 @@ fn prepared_bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -
     let text = text.split("*Output, field").next().expect("text").to_owned()
         + "*Output, history, number interval=1\n*Energy Output\n ETOTAL\n*End Step\n";
     let settings = [("nr", nr.to_string()), ("nz", nz.to_string())].map(|(n, v)| (n.to_owned(), v));
-    let read = deck::read_text("taylor.inp", &text, &settings);
-    let prepared = job::prepare_edited(read, &mut |model| model.settings.precision = precision, &Routines::none());
+    let prepared = job::prepare_text("taylor.inp", &text, &settings, &Routines::none());
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
     prepared
 }
@@ -138,7 +135,7 @@ pub fn run() {
         println!("{} elements, plain loop {plain:.1}", nr * nz);
         for (name, set) in SETS {
             let costs = [1, 2].map(|threads| {
-                let mut pair = TimedPair::new([nr, nz], increments, Precision::Double, set)?;
+                let mut pair = TimedPair::new([nr, nz], increments, set)?;
                 for _ in 0..ROUNDS {
                     // The same arithmetic with another order of summation of forces.
                     let difference = (pair.run(threads) / motion - 1.0).abs();

@@ -12,9 +12,7 @@ pub mod spheres;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use revolve::deck;
 use revolve::job::{self, ParameterOverrides, PreparedJob};
-use revolve::model::Precision;
 use revolve::output::{JobFiles, OutputFrame};
 use revolve::solve::{self, Instant, Outcome, Sink, SinkError};
 use revolve::user::Routines;
@@ -87,23 +85,6 @@ pub fn prepared(text: &str, settings: &[(&str, &str)], routines: &Routines) -> P
     let prepared = job::prepare_text("test.inp", text, overrides, routines);
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
     prepared
-}
-
-/// Prepares a deck with elements in single precision and asserts that it has no errors.
-pub fn prepared_in_single(text: &str, settings: &[(&str, &str)], routines: &Routines) -> PreparedJob {
-    let read = deck::read_text("test.inp", text, &pairs(settings));
-    let prepared = job::prepare_edited(read, &mut |model| model.settings.precision = Precision::Single, routines);
-    assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
-    prepared
-}
-
-/// Runs a deck text in memory, in double and in single precision.
-pub fn run_in_both(text: &str, settings: &[(&str, &str)], routines: &Routines) -> [(Outcome, RecordedOutput); 2] {
-    [prepared(text, settings, routines), prepared_in_single(text, settings, routines)].map(|prepared| {
-        let mut memory = RecordedOutput::default();
-        let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
-        (outcome, memory)
-    })
 }
 
 /// Runs a deck text in memory.

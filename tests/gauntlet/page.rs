@@ -53,30 +53,3 @@ fn write_the_page() {
     std::fs::write(project("docs/stability.md"), format!("{}{text}\n{}", &page[..begin], &page[end..]))
         .expect("written");
 }
-
-/// Runs every case in single and double precision, for the table in `docs/accuracy.md`. The precision is a global
-/// variable, so this test runs alone: `cargo test --release --test gauntlet -- --ignored in_single_precision
-/// --show-output`.
-#[test]
-#[ignore = "runs all cases twice"]
-fn all_cases_in_single_precision() {
-    let mut lost = Vec::new();
-    println!("| case | double | single |\n|---|---|---|");
-    for case in crate::all() {
-        let double = (case.run)();
-        crate::scene::in_single(true);
-        let single = std::panic::catch_unwind(case.run);
-        crate::scene::in_single(false);
-        let (figure, holds) = single.map_or(("no answer".into(), false), |verdict| (verdict.figure, verdict.holds));
-        let mark = if holds { "" } else { " (**not met**)" };
-        println!("| `{}` | {} | {figure}{mark} |", case.name, double.figure);
-        if !holds {
-            lost.push(case.name);
-        }
-    }
-    println!("not met: {lost:?}");
-    assert_eq!(lost, NOT_IN_SINGLE, "docs/accuracy.md lists them");
-}
-
-/// Cases whose criteria need more digits than single precision has.
-const NOT_IN_SINGLE: &[&str] = &["a_million_increments_of_free_vibration", "three_systems_of_units"];

@@ -1,11 +1,7 @@
 //! Runs of the decks in `input/gauntlet/` in memory, and access to their results.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use revolve::deck;
 use revolve::internals::quad;
 use revolve::job::{self, PreparedJob};
-use revolve::model::Precision;
 use revolve::solve::{self, Outcome};
 use revolve::user::Routines;
 
@@ -17,18 +13,6 @@ pub struct GauntletRun {
     pub memory: RecordedOutput,
 }
 
-/// Precision of elements in the cases of the gauntlet.
-static SINGLE: AtomicBool = AtomicBool::new(false);
-
-fn precision() -> Precision {
-    if SINGLE.load(Ordering::Relaxed) { Precision::Single } else { Precision::Double }
-}
-
-/// Selects the precision of elements for all later runs.
-pub fn in_single(single: bool) {
-    SINGLE.store(single, Ordering::Relaxed);
-}
-
 /// Runs a deck of `input/gauntlet/` with `--set` pairs.
 pub fn deck(name: &str, settings: &[(&str, &str)]) -> GauntletRun {
     with(name, settings, &Routines::none())
@@ -37,13 +21,12 @@ pub fn deck(name: &str, settings: &[(&str, &str)]) -> GauntletRun {
 /// Runs a deck of `input/gauntlet/` with user subroutines.
 pub fn with(name: &str, settings: &[(&str, &str)], routines: &Routines) -> GauntletRun {
     let path = common::project("input/gauntlet").join(name);
-    run(job::prepare_in(precision(), &path, &common::pairs(settings), routines))
+    run(job::prepare(&path, &common::pairs(settings), routines))
 }
 
 /// Runs a deck text.
 pub fn text(text: &str, routines: &Routines) -> GauntletRun {
-    let read = deck::read_text("gauntlet.inp", text, &[]);
-    run(job::prepare_edited(read, &mut |model| model.settings.precision = precision(), routines))
+    run(job::prepare_text("gauntlet.inp", text, &[], routines))
 }
 
 fn run(prepared: PreparedJob) -> GauntletRun {

@@ -135,17 +135,12 @@ fn explain_knows_keywords_and_every_code() {
 }
 
 /// Options that are defined once, with the beginning of their help, and the commands that have them. The others do not run
-/// decks (`threads`, `precision`), write no folder of results (`out`), draw no pictures (`label`), or print no result (`json`).
-const SHARED_OPTIONS: [(&str, &str, &[&str]); 7] = [
+/// decks (`threads`), write no folder of results (`out`), draw no pictures (`label`), or print no result (`json`).
+const SHARED_OPTIONS: [(&str, &str, &[&str]); 6] = [
     (
         "--threads",
         "<N> Number of threads (default: all cores;",
         &["run", "study", "sweep", "scatter", "limit", "identify", "material"],
-    ),
-    (
-        "--precision",
-        "<DIGITS> Floating-point precision of solid elements: double or single. Single is faster;",
-        &["run", "study", "check", "sweep", "scatter", "limit", "identify"],
     ),
     ("--no-frames", "Write no frames,", &["run"]),
     (
@@ -221,8 +216,7 @@ fn commands_have_the_shared_options() {
     }
 }
 
-/// `study` accepts all shared options: the values are those of any number of threads, differ in single precision, and the picture has
-/// the label.
+/// `study` accepts all shared options: the values are those of any number of threads, and the picture has the label.
 #[test]
 fn study_has_the_shared_options() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -243,7 +237,6 @@ fn study_has_the_shared_options() {
     let picture = std::fs::read_to_string(path("out/bar_study_order.svg")).expect("a picture");
     assert!(picture.contains("depth of the tip") && !picture.contains("final(U2@TIP)"), "{picture}");
     assert_eq!(one, study(&["--threads", "2"]));
-    assert_ne!(one, study(&["--precision", "single"]));
     let words = ["study", &deck, "--refine", "increment=1,0.5", "--quantity", "final(U2@TIP)", "--label", "U2=x"];
     let wrong = revolve(&words);
     assert!(!wrong.status.success() && text(&wrong.stderr).contains("there is no quantity `U2`"));

@@ -22,7 +22,6 @@ mod memory;
 mod mesh;
 mod packaging;
 mod parts;
-mod precision;
 mod python;
 mod report;
 mod reproducibility;

@@ -6,7 +6,6 @@
 use std::time::Duration;
 
 use revolve::job::ParameterOverrides;
-use revolve::model::Precision;
 use revolve::study::causes;
 use revolve::study::chosen::{self, TargetRequest};
 use revolve::study::convergence::{self, RefinementRequest};
@@ -216,7 +215,7 @@ fn certificate(name: &str, text: &str, quantity: &str, distributions: &[String])
     let source = |overrides: &ParameterOverrides| revolve::deck::read_text(name, text, overrides);
     let inputs = RandomInputs::parse(distributions, &[]).expect("distributions");
     let request = UncertaintyRequest {
-        source: RunSource { deck: &source, user: None, interrupt: None, precision: Precision::Double },
+        source: RunSource { deck: &source, user: None, interrupt: None },
         overrides: &[],
         traits: &ModelTraits::of(&revolve::model::build(&source(&[]).0).0),
         quantities: &[Quantity::parse(quantity).expect("a quantity")],
@@ -248,7 +247,7 @@ fn chosen_mesh_meets_the_target_within_the_budget() {
     let source = |overrides: &ParameterOverrides| revolve::deck::read_text("lame.inp", &text, overrides);
     let choose = |seconds: u64| {
         let request = TargetRequest {
-            source: RunSource { deck: &source, user: None, interrupt: None, precision: Precision::Double },
+            source: RunSource { deck: &source, user: None, interrupt: None },
             overrides: &[],
             quantity: &Quantity::parse("mean(U1@INNER, 3.2e-4, 4e-4)").expect("a quantity"),
             target: ErrorTarget { value: 0.005, relative: true },
@@ -258,7 +257,7 @@ fn chosen_mesh_meets_the_target_within_the_budget() {
         chosen::choose(&request).expect("a setting")
     };
     let chosen = choose(600);
-    println!("mesh = {}, increment = {}, {}", chosen.mesh, chosen.increment, chosen.precision);
+    println!("mesh = {}, increment = {}", chosen.mesh, chosen.increment);
     let error = chosen.quantity.value / 9.533_333e-5 - 1.0;
     assert!(chosen.reached && error.abs() < 0.005, "{error}");
     let levels: Vec<f64> = chosen.quantity.levels.iter().map(|level| level.size).collect();

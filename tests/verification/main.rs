@@ -39,7 +39,6 @@ mod mass_scaling;
 mod materials;
 mod oblique;
 mod over_temperature;
-mod precision;
 mod properties;
 mod rates;
 mod reference_nodes;

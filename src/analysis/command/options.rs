@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::threads;
-use crate::model::Precision;
 use crate::report::QuantityLabels;
 
 /// Number of threads of a command that runs decks.
@@ -22,15 +21,6 @@ impl ThreadOption {
     pub fn count(self) -> usize {
         self.threads.map_or_else(threads::default, Into::into)
     }
-}
-
-/// Precision of a command that runs or plans decks.
-#[derive(Args, Clone, Copy)]
-pub struct PrecisionOption {
-    /// Floating-point precision of solid elements: double or single. Single is faster; nodal quantities, sums and
-    /// energies remain in double precision.
-    #[arg(long, value_name = "DIGITS", default_value = "double")]
-    pub precision: Precision,
 }
 
 /// Result folder of a command that writes several files.

@@ -23,7 +23,7 @@ use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::options::{FolderOption, OutputOptions, PrecisionOption, ThreadOption};
+use super::options::{FolderOption, OutputOptions, ThreadOption};
 use super::progress::{self, RunBar};
 use super::uncertainty::{EstimatedRun, UncertaintyOptions};
 use super::watchdog::Watchdog;
@@ -69,8 +69,6 @@ pub struct RunCommand {
     /// bit-identical on all.
     #[arg(long, value_name = "SET")]
     instructions: Option<Instructions>,
-    #[command(flatten)]
-    precision: PrecisionOption,
     /// Print the value of an expression over history columns, for example "-1000*final(U2@REF)"; can be repeated.
     #[arg(long, allow_hyphen_values = true)]
     quantity: Vec<String>,
@@ -122,14 +120,7 @@ impl RunCommand {
         }
         let compiled = if self.uncertainty.is_requested() { self.user.compiled(true)? } else { None };
         let (deck, overrides, user_files) = (&*self.deck, &settings[..], compiled.as_ref());
-        let estimated = EstimatedRun {
-            deck,
-            overrides,
-            user: user_files,
-            traits: &traits,
-            quantities: &quantities,
-            precision: self.precision.precision,
-        };
+        let estimated = EstimatedRun { deck, overrides, user: user_files, traits: &traits, quantities: &quantities };
         let chosen = self.uncertainty.chosen(&estimated, self.is_silent())?;
         if let Some(chosen) = &chosen {
             prepared = self.prepared(&chosen.overrides(&settings), &chosen.edits()?, &routines)?.0;
@@ -196,7 +187,6 @@ impl RunCommand {
         let reading = progress::over_reading(&self.deck, self.is_silent());
         let (mut traits, mut fault) = (ModelTraits::default(), Ok(()));
         let mut edit = |model: &mut Model| {
-            model.settings.precision = self.precision.precision;
             fault = edits.iter().try_for_each(|edit| edit(model));
             traits = ModelTraits::of(model);
         };

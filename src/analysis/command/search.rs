@@ -16,7 +16,7 @@ use crate::study::table::{TextTable, number};
 use crate::user::compile::Compiled;
 use clap::Args;
 
-use super::options::{FolderOption, LabelOption, OutputOptions, PrecisionOption, ThreadOption};
+use super::options::{FolderOption, LabelOption, OutputOptions, ThreadOption};
 use super::words::{print_err, print_out};
 use super::{AlreadyPrinted, ResultFile, UserFiles, lock_job, pairs, print_table};
 
@@ -34,8 +34,6 @@ pub struct SearchArguments {
     folder: FolderOption,
     #[command(flatten)]
     threads: ThreadOption,
-    #[command(flatten)]
-    precision: PrecisionOption,
     #[command(flatten)]
     labels: LabelOption,
     #[command(flatten)]
@@ -81,8 +79,7 @@ impl SearchArguments {
             return Err(format!("--set {name}: another option gives the values of this parameter").into());
         }
         let user = routines.0.clone().map_or(UserRoutines::Absent, UserRoutines::Files);
-        let evaluator = SampleEvaluator::new(DeckSource::File(self.deck.clone()), fixed, names, quantities, user)?;
-        Ok(evaluator.in_precision(self.precision.precision))
+        Ok(SampleEvaluator::new(DeckSource::File(self.deck.clone()), fixed, names, quantities, user)?)
     }
 
     /// Prints a table and the lines below it, unless output is suppressed.

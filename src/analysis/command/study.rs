@@ -21,7 +21,7 @@ use crate::user::compile::Compiled;
 use crate::{deck, job, model};
 use clap::Args;
 
-use super::options::{FolderOption, LabelOption, OutputOptions, PrecisionOption, ThreadOption};
+use super::options::{FolderOption, LabelOption, OutputOptions, ThreadOption};
 use super::words::{print_err, print_out};
 use super::{
     CommandStatus, HALTED, ResultFile, UserFiles, accept, lock_job, pairs, print_run_warnings, print_table, progress,
@@ -34,7 +34,7 @@ pub struct StudyCommand {
     /// Input deck.
     deck: PathBuf,
     /// Values from coarse to fine of a deck parameter or of mesh (parts of each edge; 1/2 merges elements), increment
-    /// (factors), load-velocity, hourglass, estimate or precision: NAME=v1,v2,…; several options form a grid.
+    /// (factors), load-velocity, hourglass or estimate: NAME=v1,v2,…; several options form a grid.
     #[arg(long, value_name = "NAME=VALUES")]
     refine: Vec<String>,
     /// Study the mesh around that of the deck: coarser meshes first (1/4, 1/2), a finer one only if the order is not
@@ -69,8 +69,6 @@ pub struct StudyCommand {
     #[command(flatten)]
     threads: ThreadOption,
     #[command(flatten)]
-    precision: PrecisionOption,
-    #[command(flatten)]
     labels: LabelOption,
     /// Number of runs of each setting; the reported time is the median.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -91,7 +89,7 @@ impl StudyCommand {
         let labels = self.labels.checked([quantity.text.as_str()])?;
         let compiled = self.user.compiled(self.output.is_silent())?;
         let routines = Compiled::open_any(compiled.as_ref())?;
-        let first = job::prepare_in(self.precision.precision, &self.deck, &overrides, &routines);
+        let first = job::prepare(&self.deck, &overrides, &routines);
         accept(&first, self.output.is_silent())?;
         let parameters: Vec<String> = first.deck.parameters.iter().map(|p| p.0.clone()).collect();
         let axes = settings::axes(&self.refine, &parameters)?;
@@ -115,7 +113,6 @@ impl StudyCommand {
         pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
         let mut bench =
             StudyRunner::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &done);
-        bench.in_precision(self.precision.precision);
         if self.ablate {
             let effects = effects::leave_out(&mut bench, &axes, &model)?;
             bar.finish_and_clear();

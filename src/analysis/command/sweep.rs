@@ -17,7 +17,7 @@ use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::options::{FolderOption, LabelOption, OutputOptions, PrecisionOption, ThreadOption};
+use super::options::{FolderOption, LabelOption, OutputOptions, ThreadOption};
 use super::words::{self, print_err, print_out};
 use super::{
     CommandStatus, HALTED, UserFiles, accept, lock_job, print_run_warnings, print_table, progress, settings_text,
@@ -75,8 +75,6 @@ pub struct SweepCommand {
     user: UserFiles,
     #[command(flatten)]
     folder: FolderOption,
-    #[command(flatten)]
-    precision: PrecisionOption,
     #[command(flatten)]
     threads: ThreadOption,
     #[command(flatten)]
@@ -144,7 +142,7 @@ impl SweepCommand {
     fn prepare(&self, grid: CaseGrid, quantities: Vec<Quantity>) -> Result<PreparedSweep, Box<dyn Error>> {
         let compiled = self.user.compiled(self.output.is_silent())?;
         let routines = Compiled::open_any(compiled.as_ref())?;
-        let first = job::prepare_in(self.precision.precision, &self.deck, &grid.combination(0), &routines);
+        let first = job::prepare(&self.deck, &grid.combination(0), &routines);
         accept(&first, self.output.is_silent())?;
         for quantity in &quantities {
             quantity.check_without_study()?;
@@ -165,8 +163,8 @@ impl SweepCommand {
         let bar = progress::over_runs(cases.len() as u64, self.output.quiet.quiet);
         let done = || bar.inc(1);
         let PreparedSweep { grid, quantities, compiled, .. } = prepared;
-        let deck = (&*self.deck, self.precision.precision);
-        let results = pool.install(|| sweep::run(deck, (grid, cases), quantities, compiled.as_ref(), kept, &done));
+        let results =
+            pool.install(|| sweep::run(&self.deck, (grid, cases), quantities, compiled.as_ref(), kept, &done));
         bar.finish_and_clear();
         Ok(results)
     }

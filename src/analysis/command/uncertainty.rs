@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use crate::deck;
 use crate::job::{ParameterOverrides, PreparedJob, RunSummary};
-use crate::model::Precision;
 use crate::output::{self, JobFiles};
 use crate::study::chosen::{self, ChosenSetting, TargetRequest};
 use crate::study::inputs::RandomInputs;
@@ -51,12 +50,12 @@ fn budget(text: &str) -> Result<CostBudget, String> {
 #[derive(Args)]
 pub struct UncertaintyOptions {
     /// Estimate the uncertainty of each --quantity (default: the final value of each *OUTPUT EXPRESSION) by runs on
-    /// coarser meshes, with another increment and precision, and with small perturbations.
+    /// coarser meshes, with another increment, and with small perturbations.
     #[arg(long)]
     pub uncertainty: bool,
-    /// Choose mesh, increment and precision such that the error of the --quantity is below this value, for example 1%
+    /// Choose mesh and increment such that the error of the --quantity is below this value, for example 1%
     /// (relative) or 1e-6 (absolute), and write `<job>_certificate.json`.
-    #[arg(long, value_name = "ERROR", conflicts_with_all = ["uncertainty", "mesh_refine", "precision", "resume", "resume_anyway"])]
+    #[arg(long, value_name = "ERROR", conflicts_with_all = ["uncertainty", "mesh_refine", "resume", "resume_anyway"])]
     target: Option<String>,
     /// Largest cost of --uncertainty relative to the run (default: 40%), or largest time of --target (default: 10m).
     #[arg(long, value_name = "PERCENT|TIME", value_parser = budget)]
@@ -79,8 +78,6 @@ pub struct EstimatedRun<'a> {
     pub traits: &'a ModelTraits,
     /// Quantities of the run.
     pub quantities: &'a [Quantity],
-    /// Precision of the run.
-    pub precision: Precision,
 }
 
 impl UncertaintyOptions {
@@ -115,7 +112,7 @@ impl UncertaintyOptions {
         let [quantity] = run.quantities else { return Err("--target needs exactly one --quantity".into()) };
         let source = |overrides: &ParameterOverrides| deck::read(run.deck, overrides);
         let request = TargetRequest {
-            source: RunSource { deck: &source, user: run.user, interrupt: None, precision: run.precision },
+            source: RunSource { deck: &source, user: run.user, interrupt: None },
             overrides: run.overrides,
             quantity,
             target,
@@ -146,7 +143,7 @@ impl UncertaintyOptions {
         let source = |overrides: &ParameterOverrides| deck::read(run.deck, overrides);
         let budget = if let Some(CostBudget::Share(share)) = self.budget { share } else { DEFAULT_BUDGET };
         let request = UncertaintyRequest {
-            source: RunSource { deck: &source, user: run.user, interrupt: None, precision: run.precision },
+            source: RunSource { deck: &source, user: run.user, interrupt: None },
             overrides: run.overrides,
             traits: run.traits,
             quantities: run.quantities,

@@ -1,4 +1,4 @@
-//! Choice of mesh, increment and precision of a run for an error target within a time budget.
+//! Choice of mesh and increment of a run for an error target within a time budget.
 
 use std::time::{Duration, Instant as Stopwatch};
 
@@ -12,20 +12,18 @@ use super::jitter::NoiseRequest;
 use super::quantity::Quantity;
 use super::record;
 use super::refinement::RefinementStudy;
-use super::runner::{DeckReader, RunSource, StudyRunner};
+use super::runner::{DeckReader, RunSource, StudyRun, StudyRunner};
 use super::settings::{self, ModelEdit, StudyAxis, StudyParameter, deforms};
 use super::target::ErrorTarget;
 use super::uncertainty::{MeshLevel, QuantityUncertainty};
 use crate::deck::MESH_SETTINGS;
 use crate::job::ParameterOverrides;
-use crate::model::{self, Precision};
+use crate::model;
 
 /// Coarser meshes that are tried first, if the deck allows them.
 const COARSER: [&str; 2] = ["1/4", "1/2"];
 /// Fraction of the target up to which the error of the increment needs no shorter increment.
 const INCREMENT_SHARE: f64 = 0.5;
-/// Fraction of the target up to which the error of single precision is allowed.
-const PRECISION_SHARE: f64 = 0.05;
 
 /// Request of a run whose error is below a target.
 pub struct TargetRequest<'a> {
@@ -54,8 +52,6 @@ pub struct ChosenSetting {
     pub mesh: String,
     /// Factor on the time increment.
     pub increment: f64,
-    /// Name of the floating-point precision.
-    pub precision: &'static str,
     /// Element-cycles of all runs before the chosen one.
     pub element_cycles: f64,
     /// Record of the study of the mesh, with its levels, orders, estimate and noise.
@@ -91,19 +87,16 @@ pub fn choose(request: &TargetRequest<'_>) -> Result<ChosenSetting, StudyError> 
     let named = met.as_ref().and_then(|met| met.run);
     let row = named.or_else(|| (0..study.rows.len()).rev().find(|&row| study.rows[row].run.is_ok()));
     let row = row.ok_or_else(|| first_error(&study))?;
-    let [increment, precision] = if deforms(&model) { changes(&mut bench, &axes, &study)? } else { [None; 2] };
+    let increment = if deforms(&model) { increment_change(&mut bench, &axes, &study)? } else { None };
     let allowed = request.target.bound(&study).unwrap_or(0.0);
     let quantity = quantity(request, &study, row, increment);
     let too_long = quantity.increment.is_some_and(|error| error > INCREMENT_SHARE * allowed);
-    let is_single = precision.is_some_and(|error| error < PRECISION_SHARE * allowed);
-    let precision = if is_single { Precision::Single } else { Precision::Double };
     let text = record::conclusions(&study, &request.quantity.text, met.as_ref());
     Ok(ChosenSetting {
         target: request.target,
         reached: named.is_some(),
         mesh: study.rows[row].values[0].clone(),
         increment: if too_long { 0.5 } else { 1.0 },
-        precision: precision.name(),
         element_cycles: study.rows.iter().flat_map(|r| &r.run).map(|run| run.element_cycles()).sum(),
         study: serde_json::json!(record::record(&request.quantity.text, None, &study, met, timing)),
         quantity,
@@ -112,12 +105,10 @@ pub fn choose(request: &TargetRequest<'_>) -> Result<ChosenSetting, StudyError> 
 }
 
 impl ChosenSetting {
-    /// Returns the changes of the model: increment and precision.
+    /// Returns the changes of the model.
     pub fn edits(&self) -> Result<Vec<ModelEdit>, StudyError> {
         let factor = (self.increment != 1.0).then(|| (StudyParameter::Increment, self.increment.to_string()));
-        let single = (self.precision != Precision::Double.name())
-            .then(|| (StudyParameter::Precision, self.precision.to_owned()));
-        let edits = factor.into_iter().chain(single).map(|(parameter, value)| settings::edit(&parameter, &value));
+        let edits = factor.into_iter().map(|(parameter, value)| settings::edit(&parameter, &value));
         Ok(edits.collect::<Result<Vec<_>, _>>().map_err(StudyError::Setting)?.into_iter().flatten().collect())
     }
 
@@ -154,20 +145,18 @@ pub fn mesh_axes(source: &DeckReader<'_>, overrides: &ParameterOverrides) -> Res
     settings::axes(&[format!("mesh={}", levels.join(","))], &[])
 }
 
-/// Returns the changes of the quantity on the coarsest level with half the increment and in single precision.
-fn changes(
+/// Returns the change of the quantity on the coarsest level with half the increment.
+fn increment_change(
     bench: &mut StudyRunner<'_>,
     axes: &[StudyAxis],
     study: &RefinementStudy,
-) -> Result<[Option<f64>; 2], StudyError> {
-    let Some(base) = study.rows.first() else { return Ok([None; 2]) };
-    let of = |parameter: &StudyParameter, value: &str| settings::edit(parameter, value).map_err(StudyError::Setting);
-    let edits = [of(&StudyParameter::Increment, "0.5")?, of(&StudyParameter::Precision, "single")?];
-    let edits: Vec<ModelEdit> = edits.into_iter().flatten().collect();
+) -> Result<Option<f64>, StudyError> {
+    let Some(base) = study.rows.first() else { return Ok(None) };
+    let edit = settings::edit(&StudyParameter::Increment, "0.5").map_err(StudyError::Setting)?;
     let quantities = [bench.measure().clone()];
-    let runs = bench.changed(axes, &base.values.clone(), edits, &quantities)?;
-    let change = |run: usize| Some((runs.get(run)?.first()?.as_ref().ok()?.found.number()? - base.value?).abs());
-    Ok([change(0), change(1)])
+    let runs = bench.changed(axes, &base.values.clone(), edit.into_iter().collect(), &quantities)?;
+    let number = |run: &[Result<StudyRun, StudyError>]| run.first()?.as_ref().ok()?.found.number();
+    Ok(runs.first().and_then(|run| number(run)).zip(base.value).map(|(half, whole)| (half - whole).abs()))
 }
 
 /// Returns the quantity of a row with its uncertainties. `increment` is the change with half the increment on the
@@ -191,7 +180,6 @@ fn quantity(
         behaviour: estimate.map(|e| e.behaviour),
         mesh: study.rows[row].bound,
         increment: increment.map(|change| 2.0 * change * increments(0) / increments(row)),
-        precision: None,
         noise: study.noise.as_ref().map(|noise| noise.uncertainty),
         input: None,
         dominant: None,

@@ -16,7 +16,7 @@ use crate::deck::template::DeckTemplate;
 use crate::deck::{self, Deck, Diagnostics};
 use crate::job::{self, ParameterOverrides};
 use crate::model::revise::{self, RevisableNumber};
-use crate::model::{self, Model, Precision};
+use crate::model::{self, Model};
 use crate::output::RunHistory;
 use crate::plan::revise::PlanReviser;
 use crate::plan::{self, Plan, State, WriteSchedule};
@@ -72,7 +72,6 @@ pub struct SampleEvaluator {
     names: Vec<String>,
     quantities: Vec<Quantity>,
     user: UserRoutines,
-    precision: Precision,
     /// Largest number of threads that one run can use.
     most_threads: usize,
     /// Whether the quantities need only the last history row.
@@ -141,7 +140,6 @@ impl SampleEvaluator {
             names,
             quantities,
             user,
-            precision: Precision::Double,
             most_threads,
             only_last_row: ends_alone,
             idle,
@@ -149,12 +147,6 @@ impl SampleEvaluator {
             still_moving,
             selections: vec![all],
         })
-    }
-
-    /// Sets the precision of solid elements.
-    #[must_use]
-    pub fn in_precision(self, precision: Precision) -> SampleEvaluator {
-        SampleEvaluator { precision, ..self }
     }
 
     /// Makes sample k evaluate only the quantities with the indices in entry k modulo the length of `selections`; the
@@ -423,8 +415,7 @@ impl SampleBatch<'_> {
         let evaluator = self.evaluator;
         let routines = evaluator.user.routines()?;
         let read = evaluator.source.read(&evaluator.overrides(sample));
-        let edit = &mut |model: &mut Model| model.settings.precision = evaluator.precision;
-        let mut prepared = accepted(job::prepare_edited(read, edit, &routines))?;
+        let mut prepared = accepted(job::prepare_edited(read, &mut |_| {}, &routines))?;
         evaluator.reduce_output(&mut prepared.plan);
         evaluator.run_extended(last_duration(&prepared.plan), &mut |duration| {
             set_last_duration(&mut prepared.plan, duration);
@@ -482,8 +473,7 @@ impl ReusablePlan {
         let routines = evaluator.user.routines().ok()?;
         let (deck, _) = evaluator.source.read(&evaluator.fixed);
         let template = DeckTemplate::of(&deck, &evaluator.names)?;
-        let mut model = model::build(&deck).0;
-        model.settings.precision = evaluator.precision;
+        let model = model::build(&deck).0;
         let places = template.words.iter().map(|word| revise::revisable(&model, &deck, word));
         let places = places.collect::<Option<Vec<_>>>()?;
         let (mut plan, state, _, reviser) = plan::revise::compile(&model, &routines);

@@ -13,7 +13,7 @@ use super::settings::{ModelEdit, StudyAxis, StudyParameter, edit};
 use super::table::duration;
 use crate::deck::{Deck, Diagnostics};
 use crate::job::{self, ParameterOverrides, PreparedJob};
-use crate::model::{Model, Precision};
+use crate::model::Model;
 use crate::user::compile::Compiled;
 
 /// Function that reads the deck with given parameter values.
@@ -28,8 +28,6 @@ pub struct RunSource<'a> {
     pub user: Option<&'a Compiled>,
     /// A nonzero value halts the runs.
     pub interrupt: Option<&'a AtomicUsize>,
-    /// Precision of the elements, unless an edit of the model sets another.
-    pub precision: Precision,
 }
 
 /// Runner of the settings of a study.
@@ -109,7 +107,7 @@ impl<'a> StudyRunner<'a> {
         repeat: usize,
         done: &'a dyn Fn(),
     ) -> Self {
-        let source = RunSource { deck: source, user, interrupt: None, precision: Precision::Double };
+        let source = RunSource { deck: source, user, interrupt: None };
         StudyRunner {
             source,
             overrides: overrides.to_vec(),
@@ -119,11 +117,6 @@ impl<'a> StudyRunner<'a> {
             spent: 0.0,
             limit: None,
         }
-    }
-
-    /// Sets the precision of the elements.
-    pub fn in_precision(&mut self, precision: Precision) {
-        self.source.precision = precision;
     }
 
     /// Sets the interrupt: a nonzero value halts the runs.
@@ -260,7 +253,6 @@ impl RunSource<'_> {
         let routines = Compiled::open_any(self.user)?;
         let mut fault = Ok(());
         let mut change = |model: &mut Model| {
-            model.settings.precision = self.precision;
             fault = edits.iter().copied().flatten().try_for_each(|edit| edit(model));
         };
         let prepared = accepted(job::prepare_edited((self.deck)(overrides), &mut change, &routines))?;

@@ -4,18 +4,15 @@ use super::StudyError;
 use super::grid::CaseGrid;
 use crate::deck::MeshScaling;
 use crate::deck::names::nearest;
-use crate::model::{
-    HourglassMethod, IncrementControl, Load, LoadKind, LoadVelocity, Model, Precision, SectionControls, Step,
-};
+use crate::model::{HourglassMethod, IncrementControl, Load, LoadKind, LoadVelocity, Model, SectionControls, Step};
 
 /// Names of the parameters that are available for every deck.
-const BUILT_IN: [(&str, StudyParameter); 6] = [
+const BUILT_IN: [(&str, StudyParameter); 5] = [
     ("mesh", StudyParameter::Mesh),
     ("increment", StudyParameter::Increment),
     ("load-velocity", StudyParameter::LoadVelocity),
     ("hourglass", StudyParameter::Hourglass),
     ("estimate", StudyParameter::Estimate),
-    ("precision", StudyParameter::Precision),
 ];
 
 /// Parameter varied by an axis of a study.
@@ -33,8 +30,6 @@ pub enum StudyParameter {
     Hourglass,
     /// Stable time increment element by element or by the global estimate.
     Estimate,
-    /// Floating-point precision of elements.
-    Precision,
 }
 
 /// Axis of a study: a parameter with its values.
@@ -160,7 +155,6 @@ pub(crate) fn edit(parameter: &StudyParameter, value: &str) -> Result<Option<Mod
         StudyParameter::LoadVelocity => load_velocity(value).map(Some),
         StudyParameter::Hourglass => hourglass(value).map(Some),
         StudyParameter::Estimate => stable_estimate(value).map(Some),
-        StudyParameter::Precision => precision(value).map(Some),
     }
 }
 
@@ -303,17 +297,6 @@ fn stable_estimate(value: &str) -> Result<ModelEdit, String> {
                 *element_by_element = each;
             }
         }
-        Ok(())
-    }))
-}
-
-fn precision(value: &str) -> Result<ModelEdit, String> {
-    let precision: Precision = value.parse().map_err(|known| format!("--refine precision={value}: {known}"))?;
-    Ok(Box::new(move |model| {
-        if !deforms(model) {
-            return refuse("--refine precision: the model has no deformable elements");
-        }
-        model.settings.precision = precision;
         Ok(())
     }))
 }

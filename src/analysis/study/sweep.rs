@@ -13,7 +13,6 @@ use super::grid::CaseGrid;
 use super::quantity::{self, FinishedRun, Quantity};
 use super::table::{TextTable, number};
 use crate::job;
-use crate::model::Precision;
 use crate::output::{JobFiles, RunHistory};
 use crate::user::compile::Compiled;
 
@@ -33,19 +32,17 @@ pub struct SweepResults {
 ///
 /// ```
 /// # std::env::set_current_dir("../..").expect("the folder of the project");
-/// use revolve::model::Precision;
 /// use revolve::study::{StudyError, grid::CaseGrid, quantity::Quantity, sweep};
 ///
 /// let grid = CaseGrid::parse(&["V=569,781".into()])?;
 /// let depth = Quantity::parse("-1000*final(U2@REF)")?;
-/// let deck = ("input/ogive.inp".as_ref(), Precision::Double);
-/// let results = sweep::run(deck, (&grid, 0..2), &[depth], None, None, &|| {});
+/// let results = sweep::run("input/ogive.inp".as_ref(), (&grid, 0..2), &[depth], None, None, &|| {});
 /// let depths = results.values.into_iter().collect::<Result<Vec<_>, StudyError>>()?;
 /// assert!(depths[1][0] > depths[0][0]); // The faster projectile penetrates deeper.
 /// # Ok::<(), StudyError>(())
 /// ```
 pub fn run(
-    deck: (&Path, Precision),
+    deck: &Path,
     (grid, cases): (&CaseGrid, Range<usize>),
     quantities: &[Quantity],
     user: Option<&Compiled>,
@@ -76,14 +73,14 @@ pub fn run(
 
 /// Runs one case. Returns the quantities and warnings, or the first error.
 fn one(
-    (deck, precision): (&Path, Precision),
+    deck: &Path,
     overrides: &job::ParameterOverrides,
     quantities: &[Quantity],
     user: Option<&Compiled>,
     kept: Option<&JobFiles>,
 ) -> Result<(Vec<f64>, Vec<String>), StudyError> {
     let routines = Compiled::open_any(user)?;
-    let prepared = accepted(job::prepare_in(precision, deck, overrides, &routines))?;
+    let prepared = accepted(job::prepare(deck, overrides, &routines))?;
     let mut history = match kept {
         None => quantity::history(quantities, &prepared.plan),
         Some(_) => RunHistory::of_rows(prepared.plan.column_names()),

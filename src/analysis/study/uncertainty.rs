@@ -1,4 +1,4 @@
-//! Uncertainty of the quantities of one run from cheap companion runs: coarser meshes, another increment and precision,
+//! Uncertainty of the quantities of one run from cheap companion runs: coarser meshes, another increment,
 //! small perturbations, and values of random parameters.
 
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ use super::settings::{ModelEdit, StudyParameter, deforms, edit};
 use super::statistics::{normal, student};
 use super::table::{digits, short};
 use crate::deck::MESH_SETTINGS;
-use crate::model::{Model, Precision};
+use crate::model::Model;
 
 /// Largest cost of the companion runs relative to that of the plain run.
 pub const DEFAULT_BUDGET: f64 = 0.4;
@@ -27,8 +27,6 @@ const NEGLIGIBLE_CYCLES: f64 = 5e4;
 const RATIOS: [&[u32]; 2] = [&[4, 2], &[3]];
 /// Number of perturbed runs.
 const NOISE_RUNS: usize = 4;
-/// Ratio of the rounding units of double and single precision.
-const ROUNDING_RATIO: f64 = 1.0 / (1_u64 << 29) as f64;
 
 /// Properties of the model of a run on which the choice of companion runs depends.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,8 +35,6 @@ pub struct ModelTraits {
     pub sensitive: bool,
     /// Whether the model has deformable elements.
     pub deforms: bool,
-    /// Floating-point precision of the elements.
-    pub precision: Precision,
     /// Names of the columns of `*OUTPUT EXPRESSION`.
     pub expressions: Vec<String>,
 }
@@ -49,7 +45,6 @@ impl ModelTraits {
         ModelTraits {
             sensitive: is_sensitive(model),
             deforms: deforms(model),
-            precision: model.settings.precision,
             expressions: model.output.expressions.iter().map(|e| e.name.clone()).collect(),
         }
     }
@@ -108,8 +103,6 @@ pub struct QuantityUncertainty {
     pub mesh: Option<f64>,
     /// Uncertainty from the time increment, with order 1.
     pub increment: Option<f64>,
-    /// Uncertainty from the floating-point precision.
-    pub precision: Option<f64>,
     /// Noise: half-width of the 95 % interval over perturbed runs of the coarsest mesh.
     pub noise: Option<f64>,
     /// Half-width of the 95 % interval due to the random parameters, to first order.
@@ -136,8 +129,6 @@ pub struct RunCertificate {
     pub cost: f64,
     /// Element-cycles of the plain run.
     pub element_cycles: f64,
-    /// Floating-point precision of the plain run.
-    pub precision: &'static str,
     /// SHA-256 hash of the deck and its included files; absent for a run in memory.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub deck: String,
@@ -154,7 +145,6 @@ enum CompanionPurpose {
     Noise,
     /// Factor on the increment.
     Increment(f64),
-    Precision,
     /// Index of the random parameter.
     Input(usize),
 }
@@ -201,7 +191,6 @@ pub fn estimate_run(
         companions: meshes.len() + runs.len(),
         cost: cost / cycles.max(1.0),
         element_cycles: cycles,
-        precision: request.traits.precision.name(),
         deck,
         digest,
         version: env!("CARGO_PKG_VERSION"),
@@ -216,11 +205,10 @@ pub fn of_chosen(chosen: ChosenSetting, plain: &PlainRun, deck: String, digest: 
     let quantity = QuantityUncertainty { value, ..chosen.quantity.clone() };
     let goal = tolerance_in_words(chosen.target.value, chosen.target.relative);
     let line = format!(
-        "target {goal}: {}reached with mesh = {}, increment = {}, precision = {}",
+        "target {goal}: {}reached with mesh = {}, increment = {}",
         if chosen.reached { "" } else { "not " },
         chosen.mesh,
-        chosen.increment,
-        chosen.precision
+        chosen.increment
     );
     RunCertificate {
         conclusions: vec![quantity.sentence(), line],
@@ -229,7 +217,6 @@ pub fn of_chosen(chosen: ChosenSetting, plain: &PlainRun, deck: String, digest: 
         companions: chosen.study["runs"].as_array().map_or(0, Vec::len),
         cost: chosen.element_cycles / cycles.max(1.0),
         element_cycles: cycles,
-        precision: chosen.precision,
         target: Some(chosen),
         deck,
         digest,
@@ -253,15 +240,10 @@ pub fn run_and_estimate(request: &UncertaintyRequest<'_>) -> Result<RunCertifica
 
 /// Runs the deck with further overrides and edits.
 fn run(request: &UncertaintyRequest<'_>, overrides: &[(String, String)], edits: &[ModelEdit]) -> CompanionResult {
-    let precision = request.traits.precision;
-    let same: [ModelEdit; 1] = [Box::new(move |model| {
-        model.settings.precision = precision;
-        Ok(())
-    })];
     let is_replaced = |name: &String| overrides.iter().any(|(other, _)| other == name);
     let mut all: Vec<_> = request.overrides.iter().filter(|(name, _)| !is_replaced(name)).cloned().collect();
     all.extend_from_slice(overrides);
-    request.source.run(&all, &[&same, edits], request.quantities)
+    request.source.run(&all, &[edits], request.quantities)
 }
 
 /// Returns the element-cycles of a run; zero if it has no result.
@@ -326,16 +308,6 @@ fn companions(request: &UncertaintyRequest<'_>, ratio: u32) -> Vec<CompanionRun>
         change(&StudyParameter::Increment, text)
             .map(|edit| of(CompanionPurpose::Increment(factor), vec![edit], f64::recip(factor))),
     );
-    if request.traits.deforms {
-        let other = match request.traits.precision {
-            Precision::Double => Precision::Single,
-            Precision::Single => Precision::Double,
-        };
-        all.extend(
-            change(&StudyParameter::Precision, other.name())
-                .map(|edit| of(CompanionPurpose::Precision, vec![edit], 1.0)),
-        );
-    }
     all
 }
 
@@ -366,7 +338,6 @@ fn affordable(companions: Vec<CompanionRun>, limit: f64, missing: &mut Vec<Strin
             let part = match companion.purpose {
                 CompanionPurpose::Noise => "noise (all or some runs)",
                 CompanionPurpose::Increment(_) => "increment",
-                CompanionPurpose::Precision => "precision",
                 CompanionPurpose::Input(_) => "input (all or some parameters)",
             };
             missing.push(format!("{part}: outside the budget"));
@@ -398,9 +369,6 @@ impl QuantityRuns<'_> {
                 let factor = if let CompanionPurpose::Increment(factor) = purpose { factor } else { 1.0 };
                 shortened * change.abs() / (factor - 1.0).abs()
             });
-        let rounding = if request.traits.precision == Precision::Double { ROUNDING_RATIO } else { 1.0 };
-        let precision =
-            self.changes(|p| p == CompanionPurpose::Precision).next().map(|(_, change)| rounding * change.abs());
         let mut found = QuantityUncertainty {
             quantity: request.quantities[self.index].text.clone(),
             value: self.value,
@@ -409,7 +377,6 @@ impl QuantityRuns<'_> {
             behaviour: mesh.map(|m| m.behaviour),
             mesh: mesh.map(|m| m.uncertainty),
             increment,
-            precision,
             noise: self.noise(),
             input: self.input(),
             dominant: None,
@@ -461,14 +428,8 @@ impl QuantityRuns<'_> {
 }
 
 impl QuantityUncertainty {
-    fn parts(&self) -> [(&'static str, Option<f64>); 5] {
-        [
-            ("mesh", self.mesh),
-            ("increment", self.increment),
-            ("precision", self.precision),
-            ("noise", self.noise),
-            ("input", self.input),
-        ]
+    fn parts(&self) -> [(&'static str, Option<f64>); 4] {
+        [("mesh", self.mesh), ("increment", self.increment), ("noise", self.noise), ("input", self.input)]
     }
 
     pub(super) fn dominant_part(&self) -> Option<&'static str> {
@@ -476,9 +437,9 @@ impl QuantityUncertainty {
         known.max_by(|a, b| a.1.total_cmp(&b.1)).map(|part| part.0)
     }
 
-    /// Returns the sum of the numerical parts: mesh, increment and precision; `None` if none is known.
+    /// Returns the sum of the numerical parts: mesh and increment; `None` if none is known.
     pub fn numerical(&self) -> Option<f64> {
-        let known: Vec<f64> = self.parts()[..3].iter().filter_map(|part| part.1).collect();
+        let known: Vec<f64> = self.parts()[..2].iter().filter_map(|part| part.1).collect();
         (!known.is_empty()).then(|| known.iter().sum())
     }
 

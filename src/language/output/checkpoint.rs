@@ -17,7 +17,7 @@ use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struc
 /// Suffix of the file.
 pub const CHECKPOINT: &str = ".checkpoint";
 /// The last byte is the number of the format.
-const MAGIC: [u8; 8] = *b"REVOLVE\x06";
+const MAGIC: [u8; 8] = *b"REVOLVE\x07";
 const SUM: usize = 32;
 
 /// Identity of the job that a state belongs to. Each part is a hexadecimal hash, or the data itself.
@@ -31,8 +31,6 @@ pub struct JobIdentity {
     pub mesh: String,
     /// User subroutines; empty without any.
     pub user: String,
-    /// Floating-point precision of the elements, as requested.
-    pub precision: String,
 }
 
 /// Contents of a checkpoint file.
@@ -60,7 +58,7 @@ pub fn hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-persist_struct!(JobIdentity { deck, parameters, mesh, user, precision });
+persist_struct!(JobIdentity { deck, parameters, mesh, user });
 
 impl Persist for Checkpoint {
     fn persist(&mut self, archive: &mut StateArchive<'_>) {
@@ -126,9 +124,9 @@ impl Checkpoint {
     /// Checks that the state belongs to this job.
     ///
     /// # Errors
-    /// K003 to K005 and K010, with the part that differs.
+    /// K003 to K005, with the part that differs.
     pub fn accept(&self, identity: &JobIdentity) -> Result<(), Diagnostic> {
-        let JobIdentity { deck, parameters, mesh, user, precision } = &self.identity;
+        let JobIdentity { deck, parameters, mesh, user } = &self.identity;
         let refused = |code, what: String| {
             Err(Diagnostic::error(code, what)
                 .help("run without --resume to start from the beginning, or restore the input of the checkpoint"))
@@ -156,13 +154,6 @@ impl Checkpoint {
                 _ => "the sources, compiler or its flags have changed",
             };
             return refused("K005", format!("the checkpoint belongs to a run with different user subroutines: {why}"));
-        }
-        if *precision != identity.precision {
-            let what = format!(
-                "the checkpoint belongs to a run in {precision} precision, and this run is in {}",
-                identity.precision
-            );
-            return refused("K010", what);
         }
         Ok(())
     }
@@ -230,6 +221,5 @@ mod tests {
         );
         assert_eq!(super::differences("", "b = 3.0"), "nothing in the checkpoint, b = 3.0 in this run");
         assert_eq!(code(JobIdentity { user: "u".into(), ..identity.clone() }), "K005");
-        assert_eq!(code(JobIdentity { precision: "single".into(), ..identity.clone() }), "K010");
     }
 }

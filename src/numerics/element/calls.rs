@@ -7,11 +7,12 @@ use rayon::prelude::*;
 
 use super::block::{CornerNodes, ElementBlock, TaskWorkspace};
 use super::constants::ElementConstants;
+use super::eroded::ErodedLanes;
 use super::group::{ElementPass, GroupTotals, PARALLEL, QuadGroup, TASK, UserCalls};
-use super::numbers::{BlockForces, ElementPrecision};
 use super::record::{BlockRecord, ElementRecord};
-use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, wide};
+use crate::kernel::lanes::{BlockCornerForces, LANES};
 use crate::material::Material;
+use crate::material::increment::StrainIncrement;
 use crate::material::user::flow::ReturnScratch;
 use crate::material::user::points::{PointAccess, PointArguments};
 use crate::material::user::{BlockKinematics, CALL_BLOCKS, CallTime, PointCalls};
@@ -29,18 +30,18 @@ const ELEMENTS: usize = CALL_BLOCKS * LANES;
 
 /// Scratch memory of a block between the phases.
 #[derive(Clone)]
-struct BlockScratch<T> {
-    work: TaskWorkspace<T>,
-    nodes: CornerNodes<T>,
+struct BlockScratch {
+    work: TaskWorkspace,
+    nodes: CornerNodes,
 }
 
 /// Scratch memory of the calls, and the failure of the last pass.
 #[derive(Clone)]
-pub(super) struct UserCallBuffers<T> {
+pub(super) struct UserCallBuffers {
     /// Arguments of the calls of a batch, and of the last call of the group, which has fewer points.
     points: Vec<PointArguments>,
     last: PointArguments,
-    blocks: Vec<BlockScratch<T>>,
+    blocks: Vec<BlockScratch>,
     returning: ReturnScratch,
     failure: Option<HaltReason>,
 }
@@ -48,12 +49,12 @@ pub(super) struct UserCallBuffers<T> {
 /// Index of the failed call, and the failure.
 type CallFailure = (usize, LoadFailure);
 
-impl<T: ElementPrecision> UserCallBuffers<T> {
+impl UserCallBuffers {
     /// Creates the buffers of a group of `count` elements.
-    pub fn new<S>(material: &dyn PointCalls<S>, constants: &ElementConstants, count: usize) -> UserCallBuffers<T> {
+    pub fn new<S>(material: &dyn PointCalls<S>, constants: &ElementConstants, count: usize) -> UserCallBuffers {
         // Small groups are computed by one thread, which is fastest with one task per batch.
         let batch = if count < PARALLEL { 1 } else { BATCH.min(count.div_ceil(TASK * LANES)) };
-        let scratch = || BlockScratch { work: TaskWorkspace::new(constants, 1.0, 0), nodes: CornerNodes::default() };
+        let scratch = || BlockScratch { work: TaskWorkspace::new(constants, 0), nodes: CornerNodes::default() };
         UserCallBuffers {
             points: (0..batch * CALLS).map(|_| material.arguments(ELEMENTS)).collect(),
             last: material.arguments(count % ELEMENTS),
@@ -71,16 +72,16 @@ impl<T: ElementPrecision> UserCallBuffers<T> {
 }
 
 /// Data of one task in one phase.
-struct TaskPhase<'a, S, T> {
-    blocks: &'a mut [ElementBlock<S, T>],
-    task: &'a mut TaskWorkspace<T>,
-    scratch: &'a mut [BlockScratch<T>],
+struct TaskPhase<'a, S> {
+    blocks: &'a mut [ElementBlock<S>],
+    task: &'a mut TaskWorkspace,
+    scratch: &'a mut [BlockScratch],
     points: &'a mut [PointArguments],
-    corners: &'a mut [BlockCornerForces<T>],
+    corners: &'a mut [BlockCornerForces],
 }
 
 /// Input that all tasks of a pass share.
-struct PassInput<'a, M: Material<T>, T: ElementPrecision> {
+struct PassInput<'a, M: Material> {
     material: &'a M,
     calls: &'a dyn PointCalls<M::State>,
     constants: &'a ElementConstants,
@@ -92,9 +93,9 @@ struct PassInput<'a, M: Material<T>, T: ElementPrecision> {
     arch: Arch,
 }
 
-impl<M: Material<T>, T: ElementPrecision> PassInput<'_, M, T> {
+impl<M: Material> PassInput<'_, M> {
     /// Computes the kinematics of a task, and stores the arguments of its calls.
-    fn measure<const AREA: bool>(&self, index: usize, phase: TaskPhase<'_, M::State, T>) {
+    fn measure<const AREA: bool>(&self, index: usize, phase: TaskPhase<'_, M::State>) {
         let TaskPhase { blocks, task, scratch, points, .. } = phase;
         task.begin(self.arch, self.cap, self.dt, self.constants);
         for (i, (block, BlockScratch { work, nodes })) in blocks.iter_mut().zip(scratch).enumerate() {
@@ -102,31 +103,30 @@ impl<M: Material<T>, T: ElementPrecision> PassInput<'_, M, T> {
             std::mem::swap(&mut work.task, &mut task.task);
             work.begin(self.arch, self.cap, self.dt, self.constants);
             work.prepare(number, i, self.count - number * LANES);
-            nodes.collect(self.nodes, &block.nodes, 0.0);
+            nodes.collect(self.nodes, &block.nodes);
             self.material.begin(&mut block.state, self.now.total_time);
             block.mask(self.material, nodes, work);
-            block.measure_strain::<M, AREA>(self.constants, T::of(self.dt), nodes, work);
+            block.measure_strain::<M, AREA>(self.constants, self.dt, nodes, work);
             std::mem::swap(&mut work.task, &mut task.task);
-            let corners = |l: usize| [nodes.of(l, 0).inline_map(T::wide), nodes.of(l, 1).inline_map(T::wide)];
-            let strain = work.strain.strain.each_ref().inline_map(wide);
-            let (spin, volume) = (wide(&work.strain.spin), wide(&work.strain.volume));
+            let corners = |l: usize| nodes.places(l);
+            let StrainIncrement { strain, spin, volume, .. } = work.strain;
             let shown = BlockKinematics { strain, spin, volume, corners: &corners };
             self.calls.gather(&mut points[i / CALL_BLOCKS], i % CALL_BLOCKS, &mut block.state, &shown);
         }
     }
 
     /// Reads the results of the calls, and computes the corner forces.
-    fn respond<const AREA: bool>(&self, phase: TaskPhase<'_, M::State, T>) {
+    fn respond<const AREA: bool>(&self, phase: TaskPhase<'_, M::State>) {
         let TaskPhase { blocks, task, scratch, points, corners } = phase;
         let each = blocks.iter_mut().zip(scratch).zip(corners).enumerate();
         for (i, ((block, BlockScratch { work, nodes }), corners)) in each {
             std::mem::swap(&mut work.task, &mut task.task);
             self.calls.scatter(&points[i / CALL_BLOCKS], i % CALL_BLOCKS, &mut block.state);
-            let eroded = work.task.eroded.get(i).filter(|e| e.any()).copied();
+            let eroded = work.task.eroded.get(i).is_some_and(ErodedLanes::any);
             let increment = (self.constants, self.dt);
-            T::finish::<M, AREA>(block, self.material, increment, eroded.as_ref(), nodes, work, corners);
+            block.finish::<M, AREA>(self.material, increment, eroded, nodes, work, corners);
             if !work.task.records.is_empty() {
-                let increment = (wide(&work.strain.spin), self.dt);
+                let increment = (work.strain.spin, self.dt);
                 work.update_record(self.arch, i, &block.stress, M::FLOW, increment);
             }
             std::mem::swap(&mut work.task, &mut task.task);
@@ -136,34 +136,34 @@ impl<M: Material<T>, T: ElementPrecision> PassInput<'_, M, T> {
 }
 
 /// Values of the points of a call that a subroutine may request.
-struct BlockPointAccess<'a, S, T> {
-    blocks: &'a [ElementBlock<S, T>],
+struct BlockPointAccess<'a, S> {
+    blocks: &'a [ElementBlock<S>],
     records: &'a [BlockRecord],
 }
 
-impl<S, T> BlockPointAccess<'_, S, T> {
+impl<S> BlockPointAccess<'_, S> {
     fn followed(&self, point: usize) -> Option<ElementRecord> {
         Some(self.records.get(point / LANES)?.of(point % LANES))
     }
 }
 
-impl<S, T: ElementPrecision> PointAccess for BlockPointAccess<'_, S, T> {
+impl<S> PointAccess for BlockPointAccess<'_, S> {
     fn component(&self, point: usize, part: VariableComponent) -> Option<f64> {
         match part.variable {
-            Variable::Stress => Some(self.blocks[point / LANES].stress[part.component][point % LANES].wide()),
+            Variable::Stress => Some(self.blocks[point / LANES].stress[part.component][point % LANES]),
             _ => self.followed(point)?.value(part),
         }
     }
 }
 
 /// Runs a phase for each task of a batch.
-fn spread<S: Send, T: ElementPrecision>(
+fn spread<S: Send>(
     threads: bool,
-    blocks: &mut [ElementBlock<S, T>],
-    tasks: &mut [TaskWorkspace<T>],
-    corners: &mut [BlockCornerForces<T>],
-    calls: &mut UserCallBuffers<T>,
-    phase: impl Fn(usize, TaskPhase<'_, S, T>) + Sync,
+    blocks: &mut [ElementBlock<S>],
+    tasks: &mut [TaskWorkspace],
+    corners: &mut [BlockCornerForces],
+    calls: &mut UserCallBuffers,
+    phase: impl Fn(usize, TaskPhase<'_, S>) + Sync,
 ) {
     let UserCallBuffers { points, blocks: scratch, .. } = calls;
     if threads {
@@ -181,7 +181,7 @@ fn spread<S: Send, T: ElementPrecision>(
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
     /// Implements [`super::group::ElementGroup::update`] for a material that calls user subroutines.
     pub(super) fn update_with_calls(&mut self, pass: ElementPass<'_>) -> GroupTotals {
         let now = *pass.now;
@@ -196,10 +196,9 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
 
     fn pass_with_calls(&mut self, pass: ElementPass<'_>) -> Result<(), CallFailure> {
         let ElementPass { nodes, dt, before: _, now, threads, mut user, corners, dilation_correction: _ } = pass;
-        let BlockForces::Own(corners) = T::forces(corners) else { return Ok(()) };
         let QuadGroup { material, constants, count, blocks, tasks, calls, arch, cap, .. } = self;
         let (Some(calls), Some(of_material)) = (calls.as_deref_mut(), material.calls()) else { return Ok(()) };
-        let input = &PassInput::<M, T> {
+        let input = &PassInput::<M> {
             material: &**material,
             calls: of_material,
             constants,
@@ -250,8 +249,7 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
         let QuadGroup { material, constants, count, blocks, tasks, calls, arch, cap, .. } = self;
         let (Some(calls), Some(of_material)) = (calls.as_deref_mut(), material.calls()) else { return Ok(None) };
         let (material, count, cap, arch) = (&**material, *count, *cap, *arch);
-        let input =
-            PassInput::<M, T> { material, calls: of_material, constants, count, nodes, now, dt: 0.0, cap, arch };
+        let input = PassInput::<M> { material, calls: of_material, constants, count, nodes, now, dt: 0.0, cap, arch };
         let mut largest: Option<[f64; 2]> = None;
         for (index, (blocks, task)) in blocks.chunks_mut(TASK).zip(tasks).enumerate() {
             let count_of_calls = blocks.len().div_ceil(CALL_BLOCKS);
@@ -274,14 +272,14 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
     }
 }
 
-impl<M: Material<T>, T: ElementPrecision> PassInput<'_, M, T> {
+impl<M: Material> PassInput<'_, M> {
     /// Calls the subroutines of a batch in the order of its elements.
     fn call(
         &self,
         first: usize,
-        blocks: &[ElementBlock<M::State, T>],
-        tasks: &[TaskWorkspace<T>],
-        calls: &mut UserCallBuffers<T>,
+        blocks: &[ElementBlock<M::State>],
+        tasks: &[TaskWorkspace],
+        calls: &mut UserCallBuffers,
         user: &mut PointRoutines<'_>,
     ) -> Result<(), CallFailure> {
         let UserCallBuffers { points, returning, .. } = calls;
@@ -297,7 +295,7 @@ impl<M: Material<T>, T: ElementPrecision> PassInput<'_, M, T> {
     }
 }
 
-impl<T> UserCallBuffers<T> {
+impl UserCallBuffers {
     /// Exchanges the arguments of the group's last call with those at its position, among `calls` calls that begin with
     /// element `first`. A second call reverses the exchange.
     fn exchange_last(&mut self, first: usize, count: usize, calls: usize) {
@@ -308,7 +306,7 @@ impl<T> UserCallBuffers<T> {
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> UserCalls for QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> UserCalls for QuadGroup<M, AREA> {
     fn probe(&mut self, nodes: &[Node], now: &Instant, mut user: PointRoutines<'_>) -> Result<(), HaltReason> {
         let moduli = self.probe_moduli(nodes, now, &mut user).map_err(|failed| self.halt(&failed, now))?;
         if let Some([bulk, shear]) = moduli {

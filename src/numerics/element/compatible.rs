@@ -6,7 +6,7 @@
 
 use super::block::{CornerNodes, TaskWorkspace};
 use crate::kernel::lanes::{BlockCornerForces, LANES, Lanes};
-use crate::state::nodes::NodeAccelerations;
+use crate::state::nodes::{Node, NodeAccelerations};
 
 /// Sums before the increment of a block, and the energy that its elements lose to the forces at the start of the
 /// increment.
@@ -32,9 +32,9 @@ impl TaskWorkspace {
         let mut lost = [0.0; LANES];
         for i in 0..4 {
             for l in 0..LANES {
-                let [_, _, v_r, v_z] = nodes.0[i][l];
+                let Node { v_r, v_z, .. } = nodes.0[i][l];
                 let [a_r, a_z] = before.accelerations.get(of[i][l] as usize).copied().unwrap_or_default();
-                let [f_r, f_z] = corners.0[i][l];
+                let [f_r, f_z] = [corners[i][0][l], corners[i][1][l]];
                 lost[l] += f_r * (half * v_r - share * a_r) + f_z * (half * v_z - share * a_z);
             }
         }
@@ -55,8 +55,8 @@ impl TaskWorkspace {
         let mut lost = owed.lost;
         for i in 0..4 {
             for l in 0..LANES {
-                let [_, _, v_r, v_z] = nodes.0[i][l];
-                let [f_r, f_z] = corners.0[i][l];
+                let Node { v_r, v_z, .. } = nodes.0[i][l];
+                let [f_r, f_z] = [corners[i][0][l], corners[i][1][l]];
                 lost[l] += half * (f_r * v_r + f_z * v_z);
             }
         }

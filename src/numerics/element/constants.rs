@@ -47,7 +47,8 @@ pub struct HourglassControl {
 /// below sqrt(1 + ξ²) + ξ (ABAQUS Analysis User's Guide, "Explicit dynamic analysis").
 #[inline(always)]
 pub(super) fn damped<T: Real>(xi: T) -> T {
-    T::ONE + xi * (T::ONE + T::of(0.5) * xi)
+    let one = xi.like(1.0);
+    one + xi * (one + one.like(0.5) * xi)
 }
 
 impl HourglassControl {

@@ -1,34 +1,35 @@
 //! Resistance to hourglass patterns, which one integration point cannot detect: an hourglass spring and dashpot,
 //! applied with the corner forces of the uniform stress, or stresses of assumed strains, which use intermediate results
 //! of the corner forces.
-#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
+
+use pulp::Simd;
 
 use crate::kernel::assumed::{hoop, ring};
 use crate::kernel::lanes::{Lanes, column, dot};
+use crate::kernel::pack::{Pack, PackPosition};
 use crate::kernel::quad::QuadOperators;
-use crate::kernel::real::Real;
 
 /// Type of hourglass resistance of a block.
-pub(super) trait HourglassScheme<T: Real = f64> {
+pub(super) trait HourglassScheme {
     /// Whether assumed strains replace the hourglass spring.
     const ENHANCED: bool;
 
-    /// Stores the intermediate results of a lane.
-    fn store_lane(&mut self, l: usize, lane: &LaneKinematics<'_, T>);
+    /// Stores the intermediate results of a pack.
+    fn store_pack<S: Simd>(&mut self, at: PackPosition<S>, lane: &LaneKinematics<'_, Pack<S>>);
 }
 
 /// Hourglass spring and dashpot.
 pub(super) struct PatternSpring;
 
-impl<T: Real> HourglassScheme<T> for PatternSpring {
+impl HourglassScheme for PatternSpring {
     const ENHANCED: bool = false;
 
     #[inline(always)]
-    fn store_lane(&mut self, _l: usize, _lane: &LaneKinematics<'_, T>) {}
+    fn store_pack<S: Simd>(&mut self, _at: PackPosition<S>, _lane: &LaneKinematics<'_, Pack<S>>) {}
 }
 
 /// Intermediate results of a lane from the corner forces of the uniform stress.
-pub(super) struct LaneKinematics<'a, T = f64> {
+pub(super) struct LaneKinematics<'a, T> {
     pub g: &'a QuadOperators<T>,
     /// One over the volume.
     pub per: T,
@@ -63,23 +64,17 @@ impl HourglassScheme for EnhancedInput {
     const ENHANCED: bool = true;
 
     #[inline(always)]
-    fn store_lane(&mut self, l: usize, lane: &LaneKinematics<'_>) {
+    fn store_pack<S: Simd>(&mut self, at: PackPosition<S>, lane: &LaneKinematics<'_, Pack<S>>) {
         let (g, shape, [by_r, by_z]) = (lane.g, lane.shape, hoop(lane.g));
-        for i in 0..3 {
-            self.shape[i][l] = shape[i];
-        }
-        for i in 0..4 {
-            self.hoop[0][i][l] = by_r[i];
-            self.hoop[1][i][l] = by_z[i];
-        }
-        self.rate[0][l] = lane.rate[0];
-        self.rate[1][l] = lane.rate[1];
-        self.hoop_rate[0][l] = dot(by_r, lane.v_r);
-        self.hoop_rate[1][l] = dot(by_z, lane.v_r);
+        at.store_all(shape, &mut self.shape);
+        at.store_all(by_r, &mut self.hoop[0]);
+        at.store_all(by_z, &mut self.hoop[1]);
+        at.store_all(lane.rate, &mut self.rate);
+        at.store_all([dot(by_r, lane.v_r), dot(by_z, lane.v_r)], &mut self.hoop_rate);
         let square = lane.per * lane.per;
-        self.ring[l] = ring(g, square);
-        self.volume[l] = g.volume;
-        self.squares[l] = lane.squares * square;
+        at.store(ring(g, square), &mut self.ring);
+        at.store(g.volume, &mut self.volume);
+        at.store(lane.squares * square, &mut self.squares);
     }
 }
 

@@ -2,80 +2,74 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes have the same form as in the other phases.
 
 use super::block::{CornerNodes, ElementBlock, TaskWorkspace};
-use super::eroded::{ErodedLanes, height};
+use super::eroded::height;
 use crate::kernel::lanes::{BlockCornerForces, LANES};
-use crate::kernel::real::Real;
 use crate::material::Material;
+use crate::mesh::corner_forces::clear_lane;
 
-impl<T: Real> TaskWorkspace<T> {
+impl TaskWorkspace {
     /// Replaces a deleted element by a ring at rest with weight 0.
     #[inline(always)]
-    fn mask_lane(&mut self, nodes: &mut CornerNodes<T>, l: usize, height: f64) {
-        nodes.mask(l, height, self.length);
-        if let Some(hourglass) = self.task.hourglass.get_mut(self.at) {
-            hourglass.iter_mut().for_each(|h| h[l] = T::ZERO);
-        }
+    fn mask_lane(&mut self, nodes: &mut CornerNodes, l: usize, height: f64) {
+        nodes.mask(l, height);
+        self.task.controls[self.at].hourglass.iter_mut().for_each(|list| list[l] = 0.0);
         if let Some(assumed) = self.task.enhanced.get_mut(self.at) {
             assumed.clear(l);
         }
-        self.weight[l] = T::ZERO;
+        self.weight[l] = 0.0;
     }
 }
 
-impl<S: Clone, T: Real> ElementBlock<S, T> {
+impl<S: Clone> ElementBlock<S> {
     /// Replaces elements deleted by `*EROSION` by rings of the same volume at rest, with weight 0. Called before an
     /// increment.
     #[inline(never)]
-    pub(super) fn mask_eroded(
-        &mut self,
-        eroded: &ErodedLanes,
-        nodes: &mut CornerNodes<T>,
-        scratch: &mut TaskWorkspace<T>,
-    ) {
+    pub(super) fn mask_eroded(&mut self, nodes: &mut CornerNodes, scratch: &mut TaskWorkspace) {
+        let eroded = scratch.task.eroded[scratch.at];
         for l in (0..LANES).filter(|l| eroded.has(*l)) {
             scratch.mask_lane(nodes, l, eroded.height(l));
-            self.stress.iter_mut().for_each(|s| s[l] = T::ZERO);
+            self.stress.iter_mut().for_each(|s| s[l] = 0.0);
         }
     }
 
     /// Clears the stress and forces of elements deleted by `*EROSION`. Called after an increment, because materials
     /// that compute the stress from the total deformation have set it again.
     #[inline(never)]
-    pub(super) fn clear_eroded(&mut self, eroded: &ErodedLanes, corners: &mut BlockCornerForces<T>) {
+    pub(super) fn clear_eroded(&mut self, scratch: &TaskWorkspace, corners: &mut BlockCornerForces) {
+        let eroded = &scratch.task.eroded[scratch.at];
         for l in (0..LANES).filter(|l| eroded.has(*l)) {
-            self.stress.iter_mut().for_each(|s| s[l] = T::ZERO);
-            corners.clear(l);
+            self.stress.iter_mut().for_each(|s| s[l] = 0.0);
+            clear_lane(corners, l);
         }
     }
 
     /// Restores the stress of the undamaged material, and replaces elements deleted by their material by rings of the
     /// same volume at rest, with weight 0. Called before an increment.
     #[inline(always)]
-    pub(super) fn mask_deleted<M: Material<T, State = S>>(
+    pub(super) fn mask_deleted<M: Material<State = S>>(
         &mut self,
         material: &M,
-        nodes: &mut CornerNodes<T>,
-        scratch: &mut TaskWorkspace<T>,
+        nodes: &mut CornerNodes,
+        scratch: &mut TaskWorkspace,
     ) {
         for l in 0..LANES {
             let share = material.share(&self.state, l);
             // Lanes after the last element repeat it; the element may be deleted.
             if share > 0.0 && l < scratch.strain.count {
-                let share = T::of(share);
                 self.stress.iter_mut().for_each(|s| s[l] = s[l] / share);
                 continue;
             }
             scratch.mask_lane(nodes, l, height(material.initial_volume(&self.state, l)));
-            self.stress.iter_mut().for_each(|s| s[l] = T::ZERO);
+            self.stress.iter_mut().for_each(|s| s[l] = 0.0);
         }
     }
 
     /// Clears the forces of elements deleted by their material.
     #[inline(always)]
-    pub(super) fn clear_deleted<M: Material<T, State = S>>(&self, material: &M, corners: &mut BlockCornerForces<T>) {
+    pub(super) fn clear_deleted<M: Material<State = S>>(&self, material: &M, corners: &mut BlockCornerForces) {
         for l in 0..LANES {
             if material.share(&self.state, l) == 0.0 {
-                corners.clear(l);
+                clear_lane(corners, l);
             }
         }
     }

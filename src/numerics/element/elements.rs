@@ -102,7 +102,7 @@ impl Elements {
         let mut elements = Elements {
             active_nodes: ActiveNodes::new(nodes, &groups),
             // One additional block, which stays zero.
-            corners: CornerForces::new(blocks + 1, groups.iter().all(|g| g.properties().single)),
+            corners: CornerForces::new(blocks + 1),
             groups,
             ids,
             gather,

@@ -117,7 +117,7 @@ impl AssumedForces<'_> {
             let slowest = middle.slow[l] * seen.squares[l] / trace;
             let slowed = if slowest < factor { slowest } else { factor };
             // A triangle, with two coincident corners, has no pattern.
-            let (of_r, of_z) = (nodes.of(l, 0), nodes.of(l, 1));
+            let [of_r, of_z] = nodes.places(l);
             let triangle = (of_r[2] == of_r[3]) & (of_z[2] == of_z[3]);
             let mut grows = if triangle { 0.0 } else { dt * slowed };
             if FAILS {
@@ -181,8 +181,8 @@ impl AssumedForces<'_> {
             ]);
             let along_z = at_corners([0.0, bent[1] * shape[0], bent[1] * shape[1], bent[1] * shape[2]]);
             for i in 0..4 {
-                let [r, z] = corners.0[i][l];
-                corners.0[i][l] = [r - along_r[i], z - along_z[i]];
+                corners[i][0][l] -= along_r[i];
+                corners[i][1][l] -= along_z[i];
             }
         }
         scratch.task.enhanced[scratch.at] = assumed;

@@ -9,19 +9,17 @@ use rayon::prelude::*;
 use crate::element::block::{CornerNodes, ElementBlock, LaneSums, TaskWorkspace, across, is_larger};
 use crate::element::calls::UserCallBuffers;
 use crate::element::constants::{ElementConstants, damped};
-use crate::element::numbers::{BlockForces, ElementPrecision, IncrementInput, widen};
 use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::{BlockRecord, ElementRecord};
 use crate::element::subzonal::SubzonalPressures;
 use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap};
-use crate::kernel::lanes::{Lanes, wide};
 use crate::kernel::quad;
-use crate::kernel::real::Real;
 use crate::kernel::shell::ShellFrame;
 use crate::kernel::topology::{ElementNodes, ElementTopology, MOST_NODES, PerNode};
 use crate::material::{BlockStart, Material, PlasticFlow, PointValue};
-use crate::mesh::corner_forces::CornerForceSlots;
+use crate::mesh::corner_forces::are_zero;
 use crate::routines::PointRoutines;
 use crate::state::Instant;
 use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
@@ -59,8 +57,6 @@ pub struct GroupTotals {
 pub struct GroupProperties {
     /// Shape of the elements.
     pub topology: ElementTopology,
-    /// Whether the group computes in single precision.
-    pub single: bool,
     /// Whether elements can be deleted.
     pub deletable: bool,
     /// Whether bulk viscosity damps the highest modes.
@@ -284,7 +280,7 @@ pub struct ElementPass<'a> {
     /// User subroutines that are called at points.
     pub user: PointRoutines<'a>,
     /// Destination of the corner forces of the group.
-    pub corners: CornerForceSlots<'a>,
+    pub corners: &'a mut [BlockCornerForces],
     /// Averaged minus own volumetric strain increment of each element, block by block; `None` without averaging.
     pub dilation_correction: Option<&'a [Lanes]>,
 }
@@ -298,19 +294,15 @@ impl Clone for Box<dyn ElementGroup> {
 /// Number of elements above which parallel updates are faster.
 pub(super) const PARALLEL: usize = 1000;
 
-/// Quadrilaterals of one material, with volume or area weighting, in double or single precision.
-pub struct QuadGroup<M: Material<T>, const AREA: bool = false, T: ElementPrecision = f64> {
+/// Quadrilaterals of one material, with volume or area weighting.
+pub struct QuadGroup<M: Material, const AREA: bool = false> {
     pub(super) material: Arc<M>,
     pub(super) constants: ElementConstants,
     pub(super) count: usize,
-    pub(super) blocks: Vec<ElementBlock<M::State, T>>,
-    pub(super) tasks: Vec<TaskWorkspace<T>>,
+    pub(super) blocks: Vec<ElementBlock<M::State>>,
+    pub(super) tasks: Vec<TaskWorkspace>,
     /// Buffers of user subroutines; `None` without user subroutines.
-    pub(super) calls: Option<Box<UserCallBuffers<T>>>,
-    /// Unit of lengths and times of blocks and tasks.
-    length: f64,
-    /// Magnitude, a power of two near the speed of sound, at which velocities are rounded; 0 in double precision.
-    sound: f64,
+    pub(super) calls: Option<Box<UserCallBuffers>>,
     pub(super) arch: Arch,
     /// Elements that [`GroupDeletion::newly_deleted`] has already listed.
     listed: Vec<bool>,
@@ -326,7 +318,7 @@ impl<M: Material> QuadGroup<M> {
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
     /// Selects another instruction set; results have the same bits.
     #[must_use]
     pub fn on(mut self, arch: Arch) -> Self {
@@ -351,17 +343,12 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
         elements: &[[u32; 4]],
         nodes: &[Node],
     ) -> Self {
-        let length = T::length(extremes(elements, nodes));
         let fresh = |(index, part): (usize, &[_])| {
             let state = material.initial_state(&block_start(index * LANES, part, nodes));
-            let mut block = block(state, (density, length), part, nodes);
+            let mut block = block(state, density, part, nodes);
             if AREA {
-                block.inverse_mass = [
-                    block.mass.inline_map(|mass| T::of(16.0) / mass),
-                    [T::ZERO; LANES],
-                    [T::ZERO; LANES],
-                    [T::ZERO; LANES],
-                ];
+                block.inverse_mass =
+                    [block.mass.inline_map(|mass| 16.0 / mass), [0.0; LANES], [0.0; LANES], [0.0; LANES]];
             }
             block
         };
@@ -371,10 +358,8 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
             material: Arc::new(material),
             constants,
             count: elements.len(),
-            tasks: blocks.chunks(TASK).map(|part| TaskWorkspace::new(&constants, length, part.len())).collect(),
+            tasks: blocks.chunks(TASK).map(|part| TaskWorkspace::new(&constants, part.len())).collect(),
             blocks,
-            length,
-            sound: T::sound((constants.bulk + 4.0 / 3.0 * constants.shear) / density),
             arch: Arch::new(),
             quiescence: TaskQuiescence::of_tasks(elements),
             listed: if M::FAILS { vec![false; elements.len()] } else { Vec::new() },
@@ -383,7 +368,7 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> Clone for QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> Clone for QuadGroup<M, AREA> {
     fn clone(&self) -> Self {
         QuadGroup {
             material: Arc::clone(&self.material),
@@ -392,8 +377,6 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> Clone for QuadGroup<
             count: self.count,
             blocks: self.blocks.clone(),
             tasks: self.tasks.clone(),
-            length: self.length,
-            sound: self.sound,
             arch: self.arch,
             listed: self.listed.clone(),
             quiescence: self.quiescence.clone(),
@@ -402,7 +385,7 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> Clone for QuadGroup<
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
     /// Returns the recorded values of an element; `None` without a record.
     fn followed(&self, element: usize) -> Option<ElementRecord> {
         let block = element / LANES;
@@ -431,7 +414,7 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
     fn last_rate(&self, element: usize) -> f64 {
         let (block, lane) = (element / LANES, element % LANES);
         let rates = self.tasks[block / TASK].task.own_rates.get(block % TASK);
-        rates.map_or(0.0, |rates| 0.5 * rates[lane].wide())
+        rates.map_or(0.0, |rates| 0.5 * rates[lane])
     }
 
     /// Sets a value of an element. Returns whether its material uses it.
@@ -444,7 +427,7 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
     }
 
     fn corner_masses(&self, element: usize) -> [f64; 4] {
-        self.blocks[element / LANES].corner_masses(element % LANES).inline_map(|mass| self.unit() * mass)
+        self.blocks[element / LANES].corner_masses(element % LANES)
     }
 
     fn is_deleted(&self, element: usize) -> bool {
@@ -462,11 +445,6 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
         GroupTotals { rate: self.constants.with_assumed(totals.rate, self.cap), ..totals }
     }
 
-    /// Returns the unit of energies and masses of the blocks.
-    fn unit(&self) -> f64 {
-        self.length * self.length * self.length
-    }
-
     /// Returns whether an element was deleted by `*EROSION`.
     fn is_eroded(&self, element: usize) -> bool {
         let block = element / LANES;
@@ -474,7 +452,7 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
     /// Keeps all tasks active, by adding a moving node to each; for tests of single increments.
     pub fn keep_awake(&mut self, node: u32) {
         self.quiescence.iter_mut().for_each(|resting| resting.nodes.push(node));
@@ -499,25 +477,13 @@ fn block_start(first: usize, elements: &[[u32; 4]], nodes: &[Node]) -> BlockStar
     start
 }
 
-/// Returns the smallest and the largest volume of elements.
-fn extremes(elements: &[[u32; 4]], nodes: &[Node]) -> [f64; 2] {
-    let volumes = elements.iter().map(|corners| quad::volume(corners.inline_map(|n| nodes[n as usize].place())));
-    volumes.fold([f64::INFINITY, 0.0], |[least, largest], volume| [least.min(volume), largest.max(volume)])
-}
-
-/// Creates a block of at most [`LANES`] elements at rest, in units of `length`.
-fn block<S, T: Real>(
-    state: S,
-    (density, length): (f64, f64),
-    elements: &[[u32; 4]],
-    nodes: &[Node],
-) -> ElementBlock<S, T> {
-    let unit = length * length * length;
+/// Creates a block of at most [`LANES`] elements at rest.
+fn block<S>(state: S, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> ElementBlock<S> {
     let mut block = ElementBlock {
         nodes: [[0; LANES]; 4],
-        stress: [[T::ZERO; LANES]; 4],
-        mass: [T::ZERO; LANES],
-        inverse_mass: [[T::ZERO; LANES]; 4],
+        stress: [[0.0; LANES]; 4],
+        mass: [0.0; LANES],
+        inverse_mass: [[0.0; LANES]; 4],
         state,
     };
     for l in 0..LANES {
@@ -527,9 +493,9 @@ fn block<S, T: Real>(
         let inverse_mass = quad::sums(quad::corner_masses(corners, density).inline_map(|mass| 1.0 / mass));
         for i in 0..4 {
             block.nodes[i][l] = element[i];
-            block.inverse_mass[i][l] = T::of(unit * inverse_mass[i]);
+            block.inverse_mass[i][l] = inverse_mass[i];
         }
-        block.mass[l] = T::of(density * quad::volume(corners) / unit);
+        block.mass[l] = density * quad::volume(corners);
     }
     block
 }
@@ -540,7 +506,7 @@ pub(super) fn block_of_points<S>(state: S, mass: Lanes) -> ElementBlock<S> {
     ElementBlock { nodes, stress: zeros, mass, inverse_mass: zeros, state }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementGroup for QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> ElementGroup for QuadGroup<M, AREA> {
     fn len(&self) -> usize {
         self.count
     }
@@ -548,7 +514,6 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementGroup for Qua
     fn properties(&self) -> GroupProperties {
         GroupProperties {
             topology: ElementTopology::Quadrilateral,
-            single: T::SINGLE,
             // `make_erodible` allocates in all tasks or in none; this function runs once per element in places.
             deletable: self.material.can_delete() || self.tasks.first().is_some_and(|t| !t.task.eroded.is_empty()),
             damped: self.constants.damps(),
@@ -575,63 +540,44 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementGroup for Qua
             constants: &self.constants,
             count: self.count,
             nodes,
-            increment: IncrementInput { dt, before },
-            sound: self.sound,
+            dt,
+            before,
             time: now.total_time,
             cap: self.cap,
             dilation_correction,
         };
         let arch = self.arch;
         let run = |index,
-                   blocks: &mut [ElementBlock<M::State, T>],
-                   mut corners: BlockForces<'_, T>,
-                   scratch: &mut TaskWorkspace<T>,
+                   blocks: &mut [ElementBlock<M::State>],
+                   corners: &mut [BlockCornerForces],
+                   scratch: &mut TaskWorkspace,
                    resting: &mut TaskQuiescence| {
             if resting.quiescent && dilation_correction.is_none() && resting.is_still(nodes) {
                 return;
             }
-            let task = QuadTask::<M, AREA, T> {
-                pass: &pass,
-                arch,
-                index,
-                blocks: &mut *blocks,
-                corners: &mut corners,
-                scratch,
-            };
+            let task =
+                QuadTask::<M, AREA> { pass: &pass, arch, index, blocks: &mut *blocks, corners: &mut *corners, scratch };
             arch.dispatch(task);
             // With dt = 0 nothing has been added to the sums, so they stay valid while the task is quiescent. The
             // pressure of an equation of state is not part of the stress that is checked here.
             resting.quiescent = dt == 0.0
                 && dilation_correction.is_none()
                 && !M::MODULI_VARY
-                && corners.are_zero()
-                && blocks.iter().all(|b| b.stress.as_flattened().iter().all(|x| *x == T::ZERO))
+                && are_zero(corners)
+                && blocks.iter().all(|b| b.stress.as_flattened().iter().all(|x| *x == 0.0))
                 && resting.is_still(nodes);
         };
         if !threads || self.count < PARALLEL {
             let parts = self.blocks.chunks_mut(TASK).zip(self.tasks.iter_mut().zip(&mut self.quiescence)).enumerate();
             let each = |((i, (blocks, (own, resting))), corners)| run(i, blocks, corners, own, resting);
-            match T::forces(corners) {
-                BlockForces::Own(list) => parts.zip(list.chunks_mut(TASK).map(BlockForces::Own)).for_each(each),
-                // Not compiled for double precision.
-                BlockForces::Wider(list) if T::SINGLE => {
-                    parts.zip(list.chunks_mut(TASK).map(BlockForces::Wider)).for_each(each);
-                }
-                BlockForces::Wider(_) => {}
-            }
+            parts.zip(corners.chunks_mut(TASK)).for_each(each);
         } else {
             let parts = self.tasks.par_iter_mut().zip(&mut self.quiescence);
             let parts = self.blocks.par_chunks_mut(TASK).zip(parts).enumerate();
             let each = |((i, (blocks, (own, resting))), corners): ((_, (&mut [_], (&mut _, &mut _))), _)| {
                 run(i, blocks, corners, own, resting);
             };
-            match T::forces(corners) {
-                BlockForces::Own(list) => parts.zip(list.par_chunks_mut(TASK).map(BlockForces::Own)).for_each(each),
-                BlockForces::Wider(list) if T::SINGLE => {
-                    parts.zip(list.par_chunks_mut(TASK).map(BlockForces::Wider)).for_each(each);
-                }
-                BlockForces::Wider(_) => {}
-            }
+            parts.zip(corners.par_chunks_mut(TASK)).for_each(each);
         }
         self.totals()
     }
@@ -639,8 +585,8 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementGroup for Qua
     fn value(&self, element: usize, part: VariableComponent) -> Option<f64> {
         let (block, lane) = (&self.blocks[element / LANES], element % LANES);
         match part.variable {
-            Variable::Stress => Some(block.stress.get(part.component)?[lane].wide()),
-            Variable::Mass => Some(self.unit() * block.mass[lane].wide()),
+            Variable::Stress => Some(block.stress.get(part.component)?[lane]),
+            Variable::Mass => Some(block.mass[lane]),
             Variable::Status => Some(f64::from(u8::from(!self.is_deleted(element)))),
             Variable::PlasticComponents if matches!(M::FLOW, PlasticFlow::None | PlasticFlow::Unknown) => None,
             // For user materials, the recorded energy includes the dissipation that only the material knows.
@@ -701,7 +647,7 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementGroup for Qua
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupExtensions for QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> GroupExtensions for QuadGroup<M, AREA> {
     fn settings(&mut self) -> &mut dyn GroupSettings {
         self
     }
@@ -727,7 +673,7 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupExtensions for 
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementFields for QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> ElementFields for QuadGroup<M, AREA> {
     fn set_field(&mut self, element: usize, variable: usize, value: f64) {
         self.set_value(element, PointValue::Field(variable, value));
     }
@@ -739,7 +685,7 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementFields for Qu
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupSettings for QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> GroupSettings for QuadGroup<M, AREA> {
     fn set_masses(&mut self, element: usize, masses: &[f64]) {
         let Some(masses) = masses.first_chunk::<4>() else { return };
         // The stable time increment of a quiescent task has changed.
@@ -749,10 +695,9 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupSettings for Qu
         if let Some(rates) = self.tasks[block / TASK].task.own_rates.get_mut(block % TASK) {
             let ratio = [0, 1, 2, 3].inline_map(|i| before[i] / masses[i]);
             let raised = ratio.into_iter().fold(0.0, f64::max).sqrt();
-            rates[lane] = rates[lane] * T::of(raised);
+            rates[lane] = rates[lane] * raised;
         }
-        let masses = masses.inline_map(|mass| mass / self.unit());
-        self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
+        self.blocks[element / LANES].set_corner_masses(element % LANES, *masses);
     }
 
     fn keep_rates(&mut self) {
@@ -778,7 +723,7 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupSettings for Qu
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupDeletion for QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> GroupDeletion for QuadGroup<M, AREA> {
     fn make_erodible(&mut self) {
         for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
             scratch.make_erodible(blocks.len());
@@ -809,11 +754,11 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> GroupDeletion for Qu
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> InitialState for QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> InitialState for QuadGroup<M, AREA> {
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
         let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
         for (list, value) in block.stress.iter_mut().zip(stress.into_iter().flatten()) {
-            list[lane] = T::of(value);
+            list[lane] = value;
         }
         if let Some(stress) = stress {
             self.set_value(element, PointValue::Stress(stress));
@@ -840,7 +785,7 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> InitialState for Qua
     }
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementTemperatures for QuadGroup<M, AREA, T> {
+impl<M: Material, const AREA: bool> ElementTemperatures for QuadGroup<M, AREA> {
     fn set_temperatures(&mut self, temperatures: &[f64]) {
         for (e, temperature) in temperatures.iter().enumerate() {
             self.set_value(e, PointValue::NodalTemperature(*temperature));
@@ -867,7 +812,7 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> ElementTemperatures 
             let (block, lane) = (&mut self.blocks[e / LANES], e % LANES);
             let share = self.material.share(&block.state, lane);
             let pressure = share * 3.0 * self.constants.bulk * strain;
-            block.stress[..3].iter_mut().for_each(|list| list[lane] = T::of(list[lane].wide() - pressure));
+            block.stress[..3].iter_mut().for_each(|list| list[lane] -= pressure);
             let corners = [0, 1, 2, 3].inline_map(|c| nodes[block.nodes[c][lane] as usize]);
             let done = 0.5 * pressure * quad::volume_change::<AREA>(corners.inline_map(|n| n.as_array()), dt);
             work += done;
@@ -883,25 +828,25 @@ struct PassContext<'a, M> {
     constants: &'a ElementConstants,
     count: usize,
     nodes: &'a [Node],
-    increment: IncrementInput<'a>,
-    /// Speed of sound; 0 in double precision, which does not use it.
-    sound: f64,
+    /// Length of the increment, and the accelerations that moved the nodes over it.
+    dt: f64,
+    before: NodeAccelerations<'a>,
     time: f64,
     cap: f64,
     dilation_correction: Option<&'a [Lanes]>,
 }
 
 /// Update of the blocks of one task.
-struct QuadTask<'a, 'c, M: Material<T>, const AREA: bool, T: ElementPrecision> {
+struct QuadTask<'a, M: Material, const AREA: bool> {
     pass: &'a PassContext<'a, M>,
     arch: Arch,
     index: usize,
-    blocks: &'a mut [ElementBlock<M::State, T>],
-    corners: &'a mut BlockForces<'c, T>,
-    scratch: &'a mut TaskWorkspace<T>,
+    blocks: &'a mut [ElementBlock<M::State>],
+    corners: &'a mut [BlockCornerForces],
+    scratch: &'a mut TaskWorkspace,
 }
 
-impl<M: Material<T>, const AREA: bool, T: ElementPrecision> NullaryFnOnce for QuadTask<'_, '_, M, AREA, T> {
+impl<M: Material, const AREA: bool> NullaryFnOnce for QuadTask<'_, M, AREA> {
     type Output = ();
 
     /// Updates the blocks of the task. It is inlined into a function compiled for the selected instruction set.
@@ -909,26 +854,18 @@ impl<M: Material<T>, const AREA: bool, T: ElementPrecision> NullaryFnOnce for Qu
     fn call(self) {
         let scratch = self.scratch;
         let pass = self.pass;
-        scratch.begin(self.arch, pass.cap, pass.increment.dt, pass.constants);
+        scratch.begin(self.arch, pass.cap, pass.dt, pass.constants);
         let mut places = CornerNodes::default();
-        let mut own = BlockCornerForces::default();
         for (i, block) in self.blocks.iter_mut().enumerate() {
             let index = self.index * TASK + i;
             scratch.prepare(index, i, pass.count - index * LANES);
-            places.collect(pass.nodes, &block.nodes, pass.sound);
+            places.collect(pass.nodes, &block.nodes);
             scratch.strain.averaging = pass.dilation_correction.map(|list| list[index]);
             pass.material.begin(&mut block.state, pass.time);
-            let corners = match self.corners {
-                BlockForces::Own(list) => &mut list[i],
-                BlockForces::Wider(_) => &mut own,
-            };
-            let increment = &pass.increment;
-            T::update::<M, AREA>(block, pass.material, pass.constants, increment, &mut places, scratch, corners);
-            if let BlockForces::Wider(list) = self.corners {
-                widen(&own, &mut list[i]);
-            }
+            let (increment, corners) = ((pass.dt, pass.before), &mut self.corners[i]);
+            block.update::<M, AREA>(pass.material, pass.constants, increment, &mut places, scratch, corners);
             if !scratch.task.records.is_empty() {
-                let increment = (wide(&scratch.strain.spin), increment.dt);
+                let increment = (scratch.strain.spin, pass.dt);
                 scratch.update_record(self.arch, i, &block.stress, M::FLOW, increment);
             }
         }
@@ -970,15 +907,15 @@ pub(super) fn totals(tasks: impl Iterator<Item = (LaneSums, [Lanes; 2])>, most: 
     totals
 }
 
-persist_struct!(QuadGroup<M, AREA, T> [M: Material<T>, const AREA: bool, T: ElementPrecision] {
+persist_struct!(QuadGroup<M, AREA> [M: Material, const AREA: bool] {
     cap, blocks: fixed, tasks: fixed, listed: fixed, quiescence: fixed
 } derived {
-    material, constants, calls, count, length, sound, arch
+    material, constants, calls, count, arch
 } then persist_called_moduli);
 
 /// Saves the moduli of a user material, which are determined only at time zero.
-fn persist_called_moduli<M: Material<T>, const AREA: bool, T: ElementPrecision>(
-    quads: &mut QuadGroup<M, AREA, T>,
+fn persist_called_moduli<M: Material, const AREA: bool>(
+    quads: &mut QuadGroup<M, AREA>,
     archive: &mut StateArchive<'_>,
 ) {
     if M::CALLS {
@@ -995,12 +932,10 @@ mod tests {
     use super::{ElementGroup, ElementPass, NodeAccelerations, QuadGroup};
     use crate::element::constants::{ElementConstants, HourglassControl};
     use crate::kernel::bulk_viscosity::BulkViscosity;
-    use crate::kernel::lanes::BlockCornerForces;
     use crate::kernel::lanes::LANES;
     use crate::material::plasticity::PiecewiseLinearHardening;
     use crate::material::volumetric::ConstantBulkModulus;
     use crate::material::von_mises::VonMises;
-    use crate::mesh::corner_forces::CornerForceSlots;
     use crate::routines::PointRoutines;
     use crate::state::Instant;
     use crate::state::nodes::Node;
@@ -1031,7 +966,7 @@ mod tests {
             let lines = PiecewiseLinearHardening::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");
             let mut quads =
                 QuadGroup::new(VonMises::new(lines, ConstantBulkModulus), constants, 2.0, &elements, &nodes).on(arch);
-            let mut corners = vec![BlockCornerForces::default(); elements.len().div_ceil(LANES)];
+            let mut corners = vec![[[[0.0; LANES]; 2]; 4]; elements.len().div_ceil(LANES)];
             let totals = (0..3).map(|_| {
                 let now = &Instant::default();
                 quads.update(ElementPass {
@@ -1041,13 +976,13 @@ mod tests {
                     now,
                     threads: false,
                     user: PointRoutines::default(),
-                    corners: CornerForceSlots::Double(&mut corners),
+                    corners: &mut corners,
                     dilation_correction: None,
                 })
             });
             let totals = totals.last().expect("totals");
             let corners: Vec<u64> =
-                corners.iter().flat_map(|c| c.0.as_flattened().as_flattened()).map(|f| f.to_bits()).collect();
+                corners.as_flattened().as_flattened().as_flattened().iter().map(|f| f.to_bits()).collect();
             assert!(totals.plastic > 0.0 && totals.rate > 0.0);
             (corners, totals)
         };

@@ -6,7 +6,6 @@ use pulp::NullaryFnOnce;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::column;
 use crate::kernel::lanes::{InlineMap, LANES};
-use crate::kernel::real::Real;
 use crate::kernel::rotation::{rotate, rotation_of_spin};
 use crate::kernel::stress::mises;
 use crate::material::PlasticFlow;
@@ -61,19 +60,17 @@ impl ElementRecord {
 
 /// Operation that updates a record after the stress update. It is a separate function, so that it is compiled once per
 /// instruction set and not for each material.
-pub(super) struct RecordUpdate<'a, T> {
+pub(super) struct RecordUpdate<'a> {
     pub record: &'a mut BlockRecord,
-    pub stress: &'a [Lanes<T>; 4],
+    pub stress: &'a [Lanes; 4],
     pub flow: PlasticFlow,
     pub spins: Lanes,
     pub dt: f64,
-    /// Factor that converts the volumes of the block to volumes in the units of the deck.
-    pub unit: f64,
-    pub increment: &'a StrainIncrement<T>,
-    pub update: &'a StressUpdate<T>,
+    pub increment: &'a StrainIncrement,
+    pub update: &'a StressUpdate,
 }
 
-impl<T: Real> NullaryFnOnce for RecordUpdate<'_, T> {
+impl NullaryFnOnce for RecordUpdate<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -90,14 +87,14 @@ impl<T: Real> NullaryFnOnce for RecordUpdate<'_, T> {
     }
 }
 
-impl<T: Real> RecordUpdate<'_, T> {
+impl RecordUpdate<'_> {
     #[inline(always)]
     fn follow(&mut self, record: &mut BlockRecord) {
         let per_dt = if self.dt > 0.0 { 1.0 / self.dt } else { 0.0 };
         for l in 0..LANES {
             let turn = rotation_of_spin(self.spins[l]);
             let (strain, plastic) = (rotate(column(&record.strain, l), turn), rotate(column(&record.plastic, l), turn));
-            let increment = column(&self.increment.strain, l).inline_map(T::wide);
+            let increment = column(&self.increment.strain, l);
             for i in 0..4 {
                 record.strain[i][l] = strain[i] + increment[i];
                 record.plastic[i][l] = plastic[i];
@@ -109,9 +106,9 @@ impl<T: Real> RecordUpdate<'_, T> {
     #[inline(always)]
     fn add_material_flow(&self, record: &mut BlockRecord) {
         for l in 0..LANES {
-            record.work[1][l] += self.unit * self.increment.volume[l].wide() * self.update.flow[l].wide();
+            record.work[1][l] += self.increment.volume[l] * self.update.flow[l];
             for i in 0..4 {
-                record.plastic[i][l] += self.update.plastic[i][l].wide();
+                record.plastic[i][l] += self.update.plastic[i][l];
             }
         }
     }
@@ -120,14 +117,13 @@ impl<T: Real> RecordUpdate<'_, T> {
     #[inline(always)]
     fn flow_along_deviator(&self, record: &mut BlockRecord) {
         for l in 0..LANES {
-            let (flow, trial) = (self.update.flow[l].wide(), self.update.trial[l].wide());
+            let (flow, trial) = (self.update.flow[l], self.update.trial[l]);
             let (flows, per) = (flow > 0.0, 1.5 * flow / trial);
-            let work =
-                self.unit * self.increment.volume[l].wide() * mises(column(self.stress, l).inline_map(T::wide)) * flow;
+            let work = self.increment.volume[l] * mises(column(self.stress, l)) * flow;
             let before = record.work[1][l];
             record.work[1][l] = if flows { before + work } else { before };
             for i in 0..4 {
-                let (before, along) = (record.plastic[i][l], self.update.deviator[i][l].wide());
+                let (before, along) = (record.plastic[i][l], self.update.deviator[i][l]);
                 record.plastic[i][l] = if flows { before + per * along } else { before };
             }
         }

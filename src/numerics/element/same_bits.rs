@@ -12,13 +12,13 @@ use crate::material::eos::{IdealGas, Tabulated, UsUp};
 use crate::material::equation_of_state::EquationOfState;
 use crate::material::explosive::{DetonationPoint, HighExplosive, JwlProducts};
 use crate::material::failure::{
-    EvolutionLaw, FailureLaw, FailureStrain, MaterialFailure, NoDamage, StrainCriterion, TensionCutoff,
+    EvolutionLaw, FailureStrain, MaterialFailure, NoDamage, StrainCriterion, TensionCutoff,
 };
 use crate::material::foam::{FoamHardening, FoamMaterial};
 use crate::material::hyperelastic::{HyperelasticMaterial, NeoHooke};
 use crate::material::kinematic::KinematicHardening;
 use crate::material::kinematic_rate::RateKinematicHardening;
-use crate::material::plasticity::{ElasticOnly, HardeningLaw, PiecewiseLinearHardening, RateDependentHardening};
+use crate::material::plasticity::{ElasticOnly, PiecewiseLinearHardening, RateDependentHardening};
 use crate::material::strain_energy::{OgdenEnergy, PolynomialEnergy, VolumetricEnergy};
 use crate::material::volumetric::ConstantBulkModulus;
 use crate::material::von_mises::VonMises;
@@ -64,14 +64,7 @@ fn run<M: Material>(material: M, arch: Arch, enhanced: f64) -> CompositionResult
     if M::EQUATION_OF_STATE {
         quads = quads.with_subzones(&elements, &nodes);
     }
-    moved(quads, nodes, &mut CornerForces::new(elements.len().div_ceil(LANES), false))
-}
-
-/// Runs in single precision, with corner forces of single or double precision.
-fn run_single<M: Material<f32>>(material: M, arch: Arch, single: bool) -> CompositionResult {
-    let (nodes, elements) = (nodes(), elements());
-    let quads = QuadGroup::<_, false, f32>::weighted(material, constants(0.0), 2.0, &elements, &nodes).on(arch);
-    moved(quads, nodes, &mut CornerForces::new(elements.len().div_ceil(LANES), single))
+    moved(quads, nodes, &mut CornerForces::new(elements.len().div_ceil(LANES)))
 }
 
 fn constants(enhanced: f64) -> ElementConstants {
@@ -270,43 +263,4 @@ fn every_composition_of_laws_gives_the_same_bits_on_every_instruction_set() {
     agrees("Ogden", ogden);
     agrees("volumetric foam", compacted);
     agrees("isotropic foam", crushed);
-}
-
-/// Compares single precision: the same bits on every instruction set and for either precision of the corner forces, and
-/// agreement with double precision within the accuracy of single precision.
-fn agrees_in_single<H: HardeningLaw, F: FailureLaw>(name: &str, laws: impl Fn() -> (H, F)) {
-    let laws = || {
-        let (hardening, failure) = laws();
-        VonMises { hardening, volumetric: ConstantBulkModulus, failure }
-    };
-    let plain = run_single(laws(), Arch::Scalar, true);
-    assert_eq!((H::PLASTIC || F::FAILS, F::FAILS), (plain.plastic > 0.0, plain.deleted > 0), "{name}");
-    assert!(plain == run_single(laws(), Arch::Scalar, false), "{name}: wider corner forces");
-    #[cfg(target_arch = "x86_64")]
-    {
-        if let Some(v3) = pulp::x86::V3::try_new() {
-            assert!(plain == run_single(laws(), Arch::V3(v3), true), "{name}: AVX2");
-        }
-        if let Some(v4) = pulp::x86::V4::try_new() {
-            assert!(plain == run_single(laws(), Arch::V4(v4), true), "{name}: AVX-512");
-        }
-    }
-    let double = run(laws(), Arch::Scalar, 0.0);
-    assert_eq!((plain.deleted, plain.bits.len()), (double.deleted, double.bits.len()), "{name}");
-    // Twenty increments with trial stresses near 1, each rounded to a relative 6e-8.
-    let largest = double.bits.iter().map(|b| f64::from_bits(*b).abs()).fold(0.0, f64::max);
-    for (a, b) in plain.bits.iter().zip(&double.bits).map(|(a, b)| (f64::from_bits(*a), f64::from_bits(*b))) {
-        assert!((a - b).abs() <= 1e-5 * b.abs() + 2e-7 * largest, "{name}: {a:e} {b:e}");
-    }
-}
-
-#[test]
-fn single_precision_gives_the_same_bits_on_every_instruction_set() {
-    agrees_in_single("elastic", || (elastic(), NoDamage));
-    agrees_in_single("elastic with cutoff", || (elastic(), tearing()));
-    agrees_in_single("lines", || (lines(), NoDamage));
-    agrees_in_single("Johnson-Cook", || (general(), NoDamage));
-    agrees_in_single("Johnson-Cook with failure", || (general(), failing()));
-    agrees_in_single("kinematic", || (kinematic(), NoDamage));
-    agrees_in_single("rate-dependent kinematic", || (moving(), NoDamage));
 }

@@ -8,12 +8,11 @@ use crate::kernel::real::Real;
 /// cold gas is not heated ahead of the shock.
 #[inline(always)]
 pub(super) fn principal_compression<T: Real>([rr, zz, rz]: [T; 3], shrinking: T) -> T {
-    let half = T::of(0.5);
+    let (half, zero) = (rr.like(0.5), rr.like(0.0));
     let apart = half * (rr - zz);
     let strongest = (apart * apart + rz * rz).root() - half * (rr + zz);
-    let s = if strongest > T::ZERO { strongest } else { T::ZERO };
-    let s = if s < shrinking { s } else { shrinking };
-    if shrinking > T::ZERO { s * s / shrinking } else { T::ZERO }
+    let s = zero.if_less(strongest, strongest, zero).at_most(shrinking);
+    zero.if_less(shrinking, s * s / shrinking, zero)
 }
 
 /// Fraction of the viscosity of a gas that resists each strain rate separately instead of the volumetric rate. With a

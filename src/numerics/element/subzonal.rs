@@ -117,7 +117,8 @@ impl TaskWorkspace {
         // The trace of the stiffness of the quarters relative to that of the whole element bounds the square of their
         // highest frequency.
         for l in 0..LANES {
-            let (by_r, by_z, volume) = volume_gradient(nodes.of(l, 0), nodes.of(l, 1));
+            let [r, z] = nodes.places(l);
+            let (by_r, by_z, volume) = volume_gradient(r, z);
             let light = |i: usize| (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
             whole[l] = volume;
             answers.stiff[l] = -((light(0) + light(1)) + (light(2) + light(3))) / volume;
@@ -126,9 +127,10 @@ impl TaskWorkspace {
         self.add_quarter::<1>(&mut zones, (&whole, nodes), inverse_mass, &mut answers);
         self.add_quarter::<2>(&mut zones, (&whole, nodes), inverse_mass, &mut answers);
         self.add_quarter::<3>(&mut zones, (&whole, nodes), inverse_mass, &mut answers);
-        for (to, list) in corners.0.iter_mut().zip(&answers.forces) {
+        for (to, list) in corners.iter_mut().zip(&answers.forces) {
             for l in 0..LANES {
-                to[l] = [to[l][0] + UNIT * list[l][0], to[l][1] + UNIT * list[l][1]];
+                to[0][l] += UNIT * list[l][0];
+                to[1][l] += UNIT * list[l][1];
             }
         }
         let (block, damped) = (self.number(), damping + (1.0 + damping * damping).sqrt());
@@ -156,8 +158,8 @@ impl TaskWorkspace {
         answers: &mut SubzonalForces,
     ) {
         for l in 0..LANES {
-            let SubzoneVolume { volume, by_r, by_z } = quarter(CORNER, &nodes.of(l, 0), &nodes.of(l, 1));
-            let (v_r, v_z) = (nodes.of(l, 2), nodes.of(l, 3));
+            let ([r, z], [v_r, v_z]) = (nodes.places(l), nodes.velocities(l));
+            let SubzoneVolume { volume, by_r, by_z } = quarter(CORNER, &r, &z);
             let nominal = zones.share[CORNER][l] * whole[l];
             let bounded = if volume > LEAST * nominal { volume } else { LEAST * nominal };
             let pressure = self.stress.bulk[l] * (nominal / bounded - 1.0);

@@ -4,7 +4,8 @@
 //! part, a plate would bend with E instead of E/(1 - ν²).)
 
 use super::lanes::InlineMap;
-use super::quad::{QuadOperators, UNIT, at_corners, squares, sums};
+use super::quad::{QuadOperators, SquareSums, UNIT, at_corners, sums};
+use super::real::Real;
 
 /// Smallest ratio of the squared lengths of the two directions, which limits the stiffness of flattened elements.
 const FLAT: f64 = 1e-4;
@@ -90,21 +91,23 @@ impl AssumedDirections {
         let rest = (self.per[0] + self.per[1]) - (n_a * n_a + n_c * n_c);
         let parts =
             |[b_r, b_z]: [f64; 2], n: f64| [0, 1, 2, 3].inline_map(|i| b_r * by_r[i] + b_z * by_z[i] + n * shape[i]);
-        squares(&[parts(a, n_a), parts(c, n_c)], inverse) + rest * squares(&[shape], inverse)
+        let both = SquareSums::of(parts(a, n_a)).plus(SquareSums::of(parts(c, n_c)));
+        both.weighted(inverse) + rest * SquareSums::of(shape).weighted(inverse)
     }
 }
 
 /// Returns one over the product of mean radius and volume, in the unit of [`QuadOperators`]; `square` is one over the
 /// squared volume. The mean radius follows from the ratio of the volume to the first hoop operator.
 #[inline(always)]
-pub fn ring(g: &QuadOperators, square: f64) -> f64 {
-    4.0 * g.hoop[0] * square
+pub fn ring<T: Real>(g: &QuadOperators<T>, square: T) -> T {
+    square.like(4.0) * g.hoop[0] * square
 }
 
 /// Returns the operators `[r, z]` in base vectors from which [`AssumedDirections`] computes hoop strains.
 #[inline(always)]
-pub fn hoop(g: &QuadOperators) -> [[f64; 4]; 2] {
-    [[-g.hoop[0], g.r[0] - g.hoop[1], g.r[1] - g.hoop[2], g.r[2]], [0.0, g.z[0], g.z[1], g.z[2]]]
+pub fn hoop<T: Real>(g: &QuadOperators<T>) -> [[T; 4]; 2] {
+    let zero = g.volume.like(0.0);
+    [[-g.hoop[0], g.r[0] - g.hoop[1], g.r[1] - g.hoop[2], g.r[2]], [zero, g.z[0], g.z[1], g.z[2]]]
 }
 
 /// Returns the plane stress moduli E/(1 - ν²) and ν E/(1 - ν²) from bulk and shear modulus.

@@ -68,8 +68,8 @@ impl BulkViscosity {
 /// the slow part before. `filter` is that of [`BulkViscosity::filter`].
 #[inline(always)]
 pub fn slow_rate<T: Real>(before: T, rate: T, turn: T, filter: T) -> T {
-    let x = turn * filter;
-    let x = if x < T::ONE { x } else { T::ONE };
+    let one = turn.like(1.0);
+    let x = (turn * filter).at_most(one);
     // 1 - exp(-x) to second order.
-    before + x * (T::ONE - T::of(0.5) * x) * (rate - before)
+    before + x * (one - one.like(0.5) * x) * (rate - before)
 }

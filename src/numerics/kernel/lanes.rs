@@ -1,6 +1,6 @@
 //! Lanes: the arrays of fixed width over which inner loops are written, so that compilers vectorize them.
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::{Arch, WithSimd};
 
 use super::real::Real;
 
@@ -8,7 +8,7 @@ use super::real::Real;
 pub const LANES: usize = 16;
 
 /// One number for each element of a block.
-pub type Lanes<T = f64> = [T; LANES];
+pub type Lanes = [f64; LANES];
 
 /// Inlined replacement of the standard library's `map` of arrays. That one consists of functions that a compiler need
 /// not inline; a call inside a loop compiled for wide vectors is then compiled for the base instruction set.
@@ -17,9 +17,31 @@ pub trait InlineMap<T: Copy, const N: usize> {
     fn inline_map<U: Copy>(self, value: impl FnMut(T) -> U) -> [U; N];
 }
 
-impl<T: Copy, const N: usize> InlineMap<T, N> for [T; N] {
+/// Short arrays without a loop: before it is unrolled, compilers would keep them in memory.
+macro_rules! inline_map {
+    ($($count:literal: $($i:literal)*;)*) => {
+        $(impl<T: Copy> InlineMap<T, $count> for [T; $count] {
+            #[inline(always)]
+            fn inline_map<U: Copy>(self, mut value: impl FnMut(T) -> U) -> [U; $count] {
+                [$(value(self[$i])),*]
+            }
+        })*
+    };
+}
+inline_map! {
+    1: 0;
+    2: 0 1;
+    3: 0 1 2;
+    4: 0 1 2 3;
+    5: 0 1 2 3 4;
+    6: 0 1 2 3 4 5;
+    7: 0 1 2 3 4 5 6;
+    8: 0 1 2 3 4 5 6 7;
+}
+
+impl<T: Copy> InlineMap<T, LANES> for [T; LANES] {
     #[inline(always)]
-    fn inline_map<U: Copy>(self, mut value: impl FnMut(T) -> U) -> [U; N] {
+    fn inline_map<U: Copy>(self, mut value: impl FnMut(T) -> U) -> [U; LANES] {
         inline_from_fn(
             #[inline(always)]
             |i| value(self[i]),
@@ -42,44 +64,21 @@ pub fn inline_from_fn<T: Copy, const N: usize>(mut value: impl FnMut(usize) -> T
 
 /// Runs an operation with an instruction set; it is compiled once for all callers.
 #[inline(never)]
-pub fn dispatch_outlined<F: NullaryFnOnce>(arch: Arch, operation: F) -> F::Output {
+pub fn dispatch_outlined<F: WithSimd>(arch: Arch, operation: F) -> F::Output {
     arch.dispatch(operation)
 }
 
-/// Corner forces `[r, z]` of a block's elements, corner by corner; aligned to cache lines, as all data of the inner
-/// loop.
-#[derive(Clone, Debug, Default, PartialEq)]
-#[repr(C, align(64))]
-pub struct BlockCornerForces<T = f64>(pub [[[T; 2]; LANES]; 4]);
-
-impl<T: Real> BlockCornerForces<T> {
-    /// Sets the forces of an element to zero.
-    #[inline(always)]
-    pub fn clear(&mut self, lane: usize) {
-        self.0.iter_mut().for_each(|corner| corner[lane] = [T::ZERO; 2]);
-    }
-}
-
-/// Converts to double precision.
-#[inline(always)]
-pub fn wide<T: Real>(list: &Lanes<T>) -> Lanes {
-    list.inline_map(T::wide)
-}
-
-/// Rounds to another precision.
-#[inline(always)]
-pub fn near<T: Real>(list: &Lanes) -> Lanes<T> {
-    list.inline_map(T::of)
-}
+/// Corner forces of a block's elements, corner by corner: along r, then along z.
+pub type BlockCornerForces = [[Lanes; 2]; 4];
 
 /// Returns the four values of one element.
 #[inline(always)]
-pub fn column<T: Real>(list: &[Lanes<T>; 4], l: usize) -> [T; 4] {
+pub fn column(list: &[Lanes; 4], l: usize) -> [f64; 4] {
     [list[0][l], list[1][l], list[2][l], list[3][l]]
 }
 
 /// Returns the scalar product of four numbers, summed in this order.
 #[inline(always)]
-pub fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
+pub fn dot<T: Real>(a: [T; 4], b: [T; 4]) -> T {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }

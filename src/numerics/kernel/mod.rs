@@ -19,6 +19,7 @@ pub mod lanes;
 pub mod levels;
 pub mod lists;
 pub mod moduli;
+pub mod pack;
 pub mod plane_stress;
 pub mod profile;
 pub mod quad;

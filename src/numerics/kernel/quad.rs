@@ -58,14 +58,15 @@ impl<T: Real> QuadOperators<T> {
         let section = r[1] * z[2] - r[2] * z[1];
         let (r_first, r_second) = ([r[0] * z[2], -(r[0] * z[1])], [-(r[0] * r[2]), r[0] * r[1]]);
         if AREA {
+            let zero = section.like(0.0);
             return QuadOperators {
-                r: [r_first[0], r_first[1], T::ZERO],
-                z: [r_second[0], r_second[1], T::ZERO],
-                hoop: [section, T::ZERO, T::ZERO],
+                r: [r_first[0], r_first[1], zero],
+                z: [r_second[0], r_second[1], zero],
+                hoop: [section, zero, zero],
                 volume: r[0] * section,
             };
         }
-        let [_, r1, r2, r3] = r.inline_map(|x| x * T::of(1.0 / 3.0));
+        let [_, r1, r2, r3] = r.inline_map(|x| x * x.like(1.0 / 3.0));
         let (first, second) = (r1 * z[3], r2 * z[3]);
         let hoop = [section, first - r3 * z[1], r3 * z[2] - second];
         QuadOperators {
@@ -105,18 +106,43 @@ pub fn dot3<T: Real>(a: [T; 3], b: [T; 3]) -> T {
     (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }
 
-/// Returns the weighted sum over the corners of the squares of fields, given by their components in the base vectors;
-/// the weight is given by its [`sums`].
-#[inline(always)]
-pub fn squares<T: Real, const N: usize>(lists: &[[T; 4]; N], weight: [T; 4]) -> T {
-    let mut sums = [T::ZERO; 4];
-    for [d, a, b, c] in *lists {
-        sums[0] += (d * d + a * a) + (b * b + c * c);
-        sums[1] += d * a + b * c;
-        sums[2] += d * b + a * c;
-        sums[3] += d * c + a * b;
+/// Sums of the squares and products of fields at the corners, from their components in the base vectors.
+#[derive(Clone, Copy)]
+pub struct SquareSums<T>([T; 4]);
+
+impl<T: Real> SquareSums<T> {
+    /// Returns the sums of a field with these components in Sigma, Lambda_1, Lambda_2 and Gamma.
+    #[inline(always)]
+    pub fn of([d, a, b, c]: [T; 4]) -> Self {
+        SquareSums([(d * d + a * a) + (b * b + c * c), d * a + b * c, d * b + a * c, d * c + a * b])
     }
-    sums[0] * weight[0] + T::of(2.0) * ((sums[1] * weight[1] + sums[2] * weight[2]) + sums[3] * weight[3])
+
+    /// Returns the sums of a field without component in Sigma, such as a gradient operator or the hourglass pattern.
+    #[inline(always)]
+    pub fn of_gradient([a, b, c]: [T; 3]) -> Self {
+        SquareSums([a * a + (b * b + c * c), b * c, a * c, a * b])
+    }
+
+    /// Returns the sums of a field without component in Gamma, such as the hoop operator.
+    #[inline(always)]
+    pub fn of_hoop([d, a, b]: [T; 3]) -> Self {
+        SquareSums([(d * d + a * a) + b * b, d * a, d * b, a * b])
+    }
+
+    /// Adds the sums of another field.
+    #[inline(always)]
+    pub fn plus(self, other: Self) -> Self {
+        let (SquareSums(a), SquareSums(b)) = (self, other);
+        SquareSums([a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]])
+    }
+
+    /// Returns the weighted sum over the corners of the squares of the fields; the weight is given by its [`sums`].
+    #[inline(always)]
+    pub fn weighted(self, weight: [T; 4]) -> T {
+        let SquareSums(sums) = self;
+        let products = (sums[1] * weight[1] + sums[2] * weight[2]) + sums[3] * weight[3];
+        sums[0] * weight[0] + products.like(2.0) * products
+    }
 }
 
 /// Integrals over the volume of an element, a full ring, in [`UNIT`].

@@ -1,84 +1,45 @@
-//! Floating-point types of the inner loop: double precision, and single precision for shorter run time at lower
-//! accuracy.
+//! Numbers of the element arithmetic: one `f64`, or the pack of a vector register ([`super::pack::Pack`]).
 
-use super::lanes::InlineMap;
-use std::fmt::Debug;
-use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A floating-point number. In double precision, arithmetic over this trait performs the same operations as arithmetic
-/// over `f64`, in the same order.
+/// A number, or several numbers on which each operation acts in the same way. All types perform the same operations in
+/// the same order, so that results have the same bits.
 pub trait Real:
-    Copy
-    + Debug
-    + Default
-    + PartialEq
-    + PartialOrd
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-    + AddAssign
-    + Send
-    + Sync
-    + 'static
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// Whether the type is single precision; lengths are then scaled by a unit of the element group.
-    const SINGLE: bool;
-    const ZERO: Self;
-    const ONE: Self;
-
-    /// Rounds a number of double precision.
-    fn of(value: f64) -> Self;
-    /// Converts to double precision.
-    fn wide(self) -> f64;
+    /// Returns a constant of the same type.
+    fn like(self, value: f64) -> Self;
     fn root(self) -> Self;
     /// Returns the absolute value.
     fn size(self) -> Self;
-    /// Returns whether the number is NaN.
-    fn is_none(self) -> bool;
-    /// Calls a function with a list in double precision: the list itself, or a converted copy.
-    fn with_wide<R, const N: usize>(list: &[Self; N], call: impl FnOnce(&[f64; N]) -> R) -> R;
+    /// Returns `yes` if the number is less than `limit`, otherwise `no`, also for NaN.
+    fn if_less(self, limit: Self, yes: Self, no: Self) -> Self;
+
+    /// Returns the smaller of two numbers; the limit if either is NaN.
+    #[inline(always)]
+    fn at_most(self, limit: Self) -> Self {
+        self.if_less(limit, self, limit)
+    }
 }
 
-macro_rules! real {
-    ($number:ty, $single:literal, |$list:ident| $wide:expr) => {
-        impl Real for $number {
-            const SINGLE: bool = $single;
-            const ZERO: Self = 0.0;
-            const ONE: Self = 1.0;
+impl Real for f64 {
+    #[inline(always)]
+    fn like(self, value: f64) -> Self {
+        value
+    }
 
-            #[inline(always)]
-            fn of(value: f64) -> Self {
-                value as $number
-            }
+    #[inline(always)]
+    fn root(self) -> Self {
+        self.sqrt()
+    }
 
-            #[inline(always)]
-            fn wide(self) -> f64 {
-                self as f64
-            }
+    #[inline(always)]
+    fn size(self) -> Self {
+        self.abs()
+    }
 
-            #[inline(always)]
-            fn root(self) -> Self {
-                self.sqrt()
-            }
-
-            #[inline(always)]
-            fn size(self) -> Self {
-                self.abs()
-            }
-
-            #[inline(always)]
-            fn is_none(self) -> bool {
-                self.is_nan()
-            }
-
-            #[inline(always)]
-            fn with_wide<R, const N: usize>($list: &[Self; N], call: impl FnOnce(&[f64; N]) -> R) -> R {
-                call($wide)
-            }
-        }
-    };
+    #[inline(always)]
+    fn if_less(self, limit: Self, yes: Self, no: Self) -> Self {
+        if self < limit { yes } else { no }
+    }
 }
-real!(f64, false, |list| list);
-real!(f32, true, |list| &list.inline_map(f64::from));

@@ -12,9 +12,10 @@ pub fn rotated<T: Real>(tensor: [T; 4], spin: T) -> [T; 4] {
 /// 1862): the tangent of half the angle is half the spin increment, which is orthogonal for any increment.
 #[inline(always)]
 pub fn rotation_of_spin<T: Real>(spin: T) -> [T; 2] {
-    let quarter = T::of(0.25) * spin * spin;
-    let inverse = T::ONE / (T::ONE + quarter);
-    [(T::ONE - quarter) * inverse, spin * inverse]
+    let one = spin.like(1.0);
+    let quarter = spin.like(0.25) * spin * spin;
+    let inverse = one / (one + quarter);
+    [(one - quarter) * inverse, spin * inverse]
 }
 
 /// A spin increment given as a quotient; one common inverse yields its rotation and one over the divisor.
@@ -32,49 +33,38 @@ impl<T: Real> SpinQuotient<T> {
     /// Computes the common inverse.
     #[inline(always)]
     pub fn new(dividend: T, divisor: T) -> Self {
-        let inverse = T::ONE / (divisor * (divisor * divisor + T::of(0.25) * dividend * dividend));
+        let inverse = divisor.like(1.0) / (divisor * Self::square_sum(dividend, divisor));
         SpinQuotient { dividend, divisor, inverse }
     }
 
     /// Returns one over the divisor.
     #[inline(always)]
     pub fn per(&self) -> T {
-        (self.divisor * self.divisor + T::of(0.25) * self.dividend * self.dividend) * self.inverse
+        Self::square_sum(self.dividend, self.divisor) * self.inverse
     }
 
-    /// Returns the sine of the rotation, and 1 minus its cosine.
+    /// Returns the square of the divisor plus a quarter of that of the dividend.
     #[inline(always)]
-    pub fn rotation_difference(&self) -> [T; 2] {
-        let per = self.divisor * self.inverse;
-        [self.dividend * self.divisor * per, T::of(0.5) * self.dividend * self.dividend * per]
+    fn square_sum(dividend: T, divisor: T) -> T {
+        divisor * divisor + divisor.like(0.25) * dividend * dividend
     }
 
     /// Returns cosine and sine of the rotation, as [`rotation_of_spin`].
     #[inline(always)]
     pub fn rotation(&self) -> [T; 2] {
-        let (square, quarter) = (self.divisor * self.divisor, T::of(0.25) * self.dividend * self.dividend);
+        let (square, quarter) = (self.divisor * self.divisor, self.dividend.like(0.25) * self.dividend * self.dividend);
         let per = self.divisor * self.inverse;
         [(square - quarter) * per, self.dividend * self.divisor * per]
     }
-}
-
-/// Returns a rotated tensor as the sum of the tensor and its change, from the sine and 1 minus the cosine of the angle:
-/// without rotation, no bit changes.
-#[inline(always)]
-pub fn rotate_by_difference<T: Real>([rr, zz, hoop, rz]: [T; 4], [sine, versine]: [T; 2]) -> [T; 4] {
-    let two = T::of(2.0);
-    let (sine2, versine2) = (two * sine * (T::ONE - versine), two * sine * sine);
-    let radius = T::of(0.5) * (rr - zz);
-    let more = rz * sine2 - radius * versine2;
-    [rr + more, zz - more, hoop, rz - (radius * sine2 + rz * versine2)]
 }
 
 /// Returns a tensor rr, zz, hoop, rz rotated by an angle with this cosine and sine.
 #[inline(always)]
 pub fn rotate<T: Real>([rr, zz, hoop, rz]: [T; 4], [cosine, sine]: [T; 2]) -> [T; 4] {
     // Components rotate by twice the angle.
-    let (cosine2, sine2) = (cosine * cosine - sine * sine, T::of(2.0) * sine * cosine);
-    let (centre, radius) = (T::of(0.5) * (rr + zz), T::of(0.5) * (rr - zz));
+    let half = rr.like(0.5);
+    let (cosine2, sine2) = (cosine * cosine - sine * sine, rr.like(2.0) * sine * cosine);
+    let (centre, radius) = (half * (rr + zz), half * (rr - zz));
     let turned = radius * cosine2 + rz * sine2;
     [centre + turned, centre - turned, hoop, rz * cosine2 - radius * sine2]
 }

@@ -1,24 +1,21 @@
 //! Inputs and outputs of a material in one increment.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use std::any::Any;
-
-use crate::kernel::lanes::{InlineMap, LANES, Lanes};
+use crate::kernel::lanes::{LANES, Lanes};
 use crate::kernel::moduli::ElasticModuli;
-use crate::kernel::real::Real;
 
 /// Kinematics of a block of elements over an increment.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
-pub struct StrainIncrement<T = f64> {
+pub struct StrainIncrement {
     /// Strain increments rr, zz, hoop, rz (tensor shear) in the middle of the increment.
-    pub strain: [Lanes<T>; 4],
+    pub strain: [Lanes; 4],
     /// Previous stress, rotated with the material (Jaumann rate).
-    pub carried: [Lanes<T>; 4],
+    pub carried: [Lanes; 4],
     /// Spin increments in the (r, z) plane, where [`super::Material::USES_SPIN`].
-    pub spin: Lanes<T>,
+    pub spin: Lanes,
     /// Volumes in the middle of the increment; 0 for lanes without element.
-    pub volume: Lanes<T>,
+    pub volume: Lanes,
     /// Current volumes; only for materials with [`super::Material::EQUATION_OF_STATE`], as the next two fields.
     pub current_volume: Lanes,
     /// Masses of the elements.
@@ -40,45 +37,37 @@ pub struct StrainIncrement<T = f64> {
 /// Stress update of a block of elements: the elastic trial on entry, the results of the material on return.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
-pub struct StressUpdate<T = f64> {
-    /// Mean stress of the trial (in single precision: its increment); pressure laws replace it.
-    pub mean: Lanes<T>,
+pub struct StressUpdate {
+    /// Mean stress of the trial; pressure laws replace it.
+    pub mean: Lanes,
     /// Deviator of the trial, relative to the back stress where there is one.
-    pub deviator: [Lanes<T>; 4],
+    pub deviator: [Lanes; 4],
     /// Von Mises stress of the deviator, for laws of [`super::PlasticFlow::Deviatoric`].
-    pub trial: Lanes<T>,
+    pub trial: Lanes,
     /// Result: equivalent plastic strain increments; for [`super::PlasticFlow::Coupled`] the dissipated energy per
     /// volume.
-    pub flow: Lanes<T>,
+    pub flow: Lanes,
     /// Result of [`super::PlasticFlow::Coupled`]: plastic strain increments. Other laws store the rotated back stress
     /// here.
-    pub plastic: [Lanes<T>; 4],
+    pub plastic: [Lanes; 4],
     /// Result: ratio of the returned to the trial stress, 1 without plastic flow.
-    pub returned: Lanes<T>,
-    /// Factor on the trial deviator; in single precision the part that the return subtracts.
-    left: Lanes<T>,
+    pub returned: Lanes,
     /// Result for varying moduli: bulk modulus.
-    pub bulk: Lanes<T>,
+    pub bulk: Lanes,
     /// Result for varying moduli without equation of state: shear modulus.
-    pub shear: Lanes<T>,
+    pub shear: Lanes,
     /// Result of an equation of state: estimated work of the bulk viscosity.
-    pub heat: Lanes<T>,
+    pub heat: Lanes,
     /// Result of a fluid with shear viscosity: work of the viscous stress.
-    pub sheared: Lanes<T>,
+    pub sheared: Lanes,
     /// Work of the stress, summed over the blocks of a task, lane by lane.
-    pub internal: Lanes<T>,
+    pub internal: Lanes,
     /// Energy dissipated by plastic flow and damage, summed in the same way.
-    pub dissipated: Lanes<T>,
+    pub dissipated: Lanes,
     /// Elastic energy lost by damage, a part of `dissipated`.
-    pub damaged: Lanes<T>,
+    pub damaged: Lanes,
     /// Number of elements that the material deleted.
     pub deleted: usize,
-}
-
-/// Casts a value to another type; `None` if the types differ.
-#[inline(always)]
-pub(super) fn as_type<A: 'static, B: 'static>(value: &mut A) -> Option<&mut B> {
-    (value as &mut dyn Any).downcast_mut()
 }
 
 impl StrainIncrement {
@@ -96,30 +85,23 @@ impl StrainIncrement {
     }
 }
 
-impl<T: Real> StressUpdate<T> {
+impl StressUpdate {
     /// Resets the sums of a task.
     #[inline(always)]
     pub fn begin(&mut self) {
-        (self.internal, self.dissipated, self.deleted) = ([T::ZERO; LANES], [T::ZERO; LANES], 0);
-        self.damaged = [T::ZERO; LANES];
-        self.returned = [T::ONE; LANES];
+        (self.internal, self.dissipated, self.deleted) = ([0.0; LANES], [0.0; LANES], 0);
+        self.damaged = [0.0; LANES];
+        self.returned = [1.0; LANES];
     }
 
     /// Scales the deviator back to the yield surface by [`StressUpdate::flow`], and adds the plastic dissipation.
     #[inline(always)]
-    pub(super) fn return_to_yield_surface(&mut self, strain: &StrainIncrement<T>) {
-        let shear3 = T::of(3.0 * strain.moduli.shear);
+    pub(super) fn return_to_yield_surface(&mut self, strain: &StrainIncrement) {
+        let shear3 = 3.0 * strain.moduli.shear;
         for l in 0..LANES {
             let (trial, flow) = (self.trial[l], self.flow[l]);
             let returned = trial - shear3 * flow;
-            let (factor, left) = if T::SINGLE {
-                let taken = if flow > T::ZERO { shear3 * flow / trial } else { T::ZERO };
-                (T::ONE - taken, taken)
-            } else {
-                let factor = if flow > T::ZERO { returned / trial } else { T::ONE };
-                (factor, factor)
-            };
-            self.left[l] = left;
+            let factor = if flow > 0.0 { returned / trial } else { 1.0 };
             self.returned[l] = factor;
             self.dissipated[l] += strain.volume[l] * returned * flow;
         }
@@ -130,62 +112,37 @@ impl<T: Real> StressUpdate<T> {
     #[inline(always)]
     pub(super) fn set_stress<const PLASTIC: bool, const BACK: bool>(
         &mut self,
-        stress: &mut [Lanes<T>; 4],
-        strain: &StrainIncrement<T>,
+        stress: &mut [Lanes; 4],
+        strain: &StrainIncrement,
     ) {
         for l in 0..LANES {
-            let (factor, mean) = (if PLASTIC { self.left[l] } else { T::ONE }, self.mean[l]);
+            let (factor, mean) = (if PLASTIC { self.returned[l] } else { 1.0 }, self.mean[l]);
             let mut s = [
                 mean + factor * self.deviator[0][l],
                 mean + factor * self.deviator[1][l],
                 mean + factor * self.deviator[2][l],
                 factor * self.deviator[3][l],
             ];
-            if T::SINGLE {
-                s = self.add_increment::<PLASTIC>(strain, l);
-            }
             if BACK {
                 self.dissipated[l] += self.work_against_back_stress(strain, l);
-                if !T::SINGLE {
-                    for i in 0..4 {
-                        s[i] += self.plastic[i][l];
-                    }
+                for i in 0..4 {
+                    s[i] += self.plastic[i][l];
                 }
             }
             let double = |i: usize| strain.strain[i][l] * (strain.carried[i][l] + s[i]);
-            self.internal[l] +=
-                T::of(0.5) * strain.volume[l] * ((double(0) + double(1)) + (double(2) + T::of(2.0) * double(3)));
+            self.internal[l] += 0.5 * strain.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
             for i in 0..4 {
                 stress[i][l] = s[i];
             }
         }
     }
 
-    /// Returns the stress of a lane in single precision: the rotated stress plus the increment minus the plastic
-    /// correction. A zero increment or correction changes no digit, so rounding errors do not accumulate.
-    #[inline(always)]
-    fn add_increment<const PLASTIC: bool>(&self, strain: &StrainIncrement<T>, l: usize) -> [T; 4] {
-        let shear2 = T::of(2.0 * strain.moduli.shear);
-        let increment = [0, 1, 2, 3].inline_map(|i: usize| strain.strain[i][l]);
-        let dilation = increment[0] + increment[1] + increment[2];
-        let even = self.mean[l] - shear2 * T::of(1.0 / 3.0) * dilation;
-        [0, 1, 2, 3].inline_map(|i| {
-            let more = if i < 3 { shear2 * increment[i] + even } else { shear2 * increment[i] };
-            let trial = strain.carried[i][l] + more;
-            if PLASTIC { trial - self.left[l] * self.deviator[i][l] } else { trial }
-        })
-    }
-
     /// Returns the plastic work against the back stress of a lane: 3/2 dp times the back stress along the relative
     /// stress.
     #[inline(always)]
-    fn work_against_back_stress(&self, strain: &StrainIncrement<T>, l: usize) -> T {
+    fn work_against_back_stress(&self, strain: &StrainIncrement, l: usize) -> f64 {
         let part = |i: usize| self.plastic[i][l] * self.deviator[i][l];
-        let along = (part(0) + part(1)) + (part(2) + T::of(2.0) * part(3));
-        if self.flow[l] > T::ZERO {
-            T::of(1.5) * strain.volume[l] * self.flow[l] * along / self.trial[l]
-        } else {
-            T::ZERO
-        }
+        let along = (part(0) + part(1)) + (part(2) + 2.0 * part(3));
+        if self.flow[l] > 0.0 { 1.5 * strain.volume[l] * self.flow[l] * along / self.trial[l] } else { 0.0 }
     }
 }

@@ -17,7 +17,6 @@ pub mod volumetric;
 pub mod von_mises;
 
 use crate::kernel::lanes::{LANES, Lanes};
-use crate::kernel::real::Real;
 use crate::state::archive::Persist;
 use crate::variables::VariableComponent;
 use increment::{StrainIncrement, StressUpdate};
@@ -78,7 +77,7 @@ pub enum PointValue {
 
 /// A material law: it computes the stress of a block of elements. The associated constants select the code that is
 /// compiled for its elements; unused features have no cost.
-pub trait Material<T: Real = f64>: Send + Sync + 'static {
+pub trait Material: Send + Sync + 'static {
     /// State variables of a block of elements.
     type State: Clone + Send + Sync + Persist;
 
@@ -108,9 +107,9 @@ pub trait Material<T: Real = f64>: Send + Sync + 'static {
     fn update(
         &self,
         state: &mut Self::State,
-        stress: &mut [Lanes<T>; 4],
-        strain: &StrainIncrement<T>,
-        update: &mut StressUpdate<T>,
+        stress: &mut [Lanes; 4],
+        strain: &StrainIncrement,
+        update: &mut StressUpdate,
     );
 
     /// Adds heat (energy) that the element found after [`Material::update`].

@@ -136,17 +136,17 @@ impl HardeningLaw for PiecewiseLinearHardening {
     /// at p + dp, so dp is the maximum over the lines.
     #[inline(always)]
     fn flow(&self, strain: &mut Lanes, flow: &mut FlowUpdate<'_>) {
-        let mut increment = [0.0; LANES];
+        let (before, mut increment, mut sum) = (*strain, [0.0; LANES], *strain);
         for line in &self.lines {
             for l in 0..LANES {
-                let dp = (flow.trial[l] - (line.start + line.slope * strain[l])) * line.per;
+                let dp = (flow.trial[l] - (line.start + line.slope * before[l])) * line.per;
                 increment[l] = if dp > increment[l] { dp } else { increment[l] };
+                // The sum of the largest increment, since rounding is monotonic; its own loop would not be vectorized.
+                let most = before[l] + dp;
+                sum[l] = if most > sum[l] { most } else { sum[l] };
             }
         }
-        for l in 0..LANES {
-            strain[l] += increment[l];
-        }
-        *flow.increment = increment;
+        (*strain, *flow.increment) = (sum, increment);
     }
 
     fn plastic_strain(&self, strain: &Lanes, lane: usize) -> f64 {

@@ -3,13 +3,12 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::failure::{FailureInput, FailureLaw, InitiationKind, NoDamage};
-use super::increment::{StrainIncrement, StressUpdate, as_type};
+use super::increment::{StrainIncrement, StressUpdate};
 use super::plasticity::{FlowUpdate, HardeningLaw};
 use super::volumetric::{PressureUpdate, VolumetricLaw};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
-use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn, near, wide};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::moduli::ElasticModuli;
-use crate::kernel::real::Real;
 use crate::kernel::rotation::rotated;
 use crate::kernel::stress;
 use crate::state::archive::{Persist, persist_struct};
@@ -41,7 +40,7 @@ impl<H: HardeningLaw, V: VolumetricLaw> VonMises<H, V> {
     }
 }
 
-impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw, T: Real> Material<T> for VonMises<H, V, F> {
+impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, V, F> {
     type State = VonMisesState<H::State, V::State, F::State>;
 
     const FLOW: PlasticFlow = if H::PLASTIC { PlasticFlow::Deviatoric } else { PlasticFlow::None };
@@ -67,47 +66,30 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw, T: Real> Material<T> for 
     fn update(
         &self,
         state: &mut Self::State,
-        stress: &mut [Lanes<T>; 4],
-        strain: &StrainIncrement<T>,
-        update: &mut StressUpdate<T>,
+        stress: &mut [Lanes; 4],
+        strain: &StrainIncrement,
+        update: &mut StressUpdate,
     ) {
         let shear3 = 3.0 * strain.moduli.shear;
         if H::BACKSTRESS {
-            update.plastic = self.hardening.back_stress(&state.hardening).each_ref().inline_map(near);
+            update.plastic = self.hardening.back_stress(&state.hardening);
             update.shift(&strain.spin);
         }
         if H::PLASTIC {
-            let mut increment = [0.0; LANES];
-            T::with_wide(
-                &update.trial,
-                #[inline(always)]
-                |trial| {
-                    let flow = &mut FlowUpdate {
-                        trial,
-                        shear3,
-                        dt: strain.dt,
-                        count: strain.count,
-                        increment: &mut increment,
-                    };
-                    self.hardening.flow(&mut state.hardening, flow);
-                },
-            );
+            let StressUpdate { trial, flow: increment, .. } = &mut *update;
+            let flow = &mut FlowUpdate { trial, shear3, dt: strain.dt, count: strain.count, increment };
+            self.hardening.flow(&mut state.hardening, flow);
             if H::BACKSTRESS {
-                let [back, relative] =
-                    [&update.plastic, &update.deviator].inline_map(|list| list.each_ref().inline_map(wide));
                 self.hardening.update_back_stress(
                     &mut state.hardening,
-                    &back,
-                    &relative,
-                    &wide(&update.trial),
-                    &increment,
+                    &update.plastic,
+                    &update.deviator,
+                    &update.trial,
+                    &update.flow,
                 );
             }
-            update.flow = near(&increment);
         }
-        if V::EOS
-            && let (Some(strain), Some(update)) = (as_same(strain), as_type::<_, StressUpdate>(update))
-        {
+        if V::EOS {
             if !H::PLASTIC && strain.viscosity > 0.0 && strain.dt > 0.0 {
                 update.set_viscous_deviator(strain);
             }
@@ -192,12 +174,6 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw, T: Real> Material<T> for 
     }
 }
 
-/// Casts a shared reference, as [`as_type`] does for other references; `None` if the type differs.
-#[inline(always)]
-fn as_same<T: Real>(strain: &StrainIncrement<T>) -> Option<&StrainIncrement> {
-    (strain as &dyn std::any::Any).downcast_ref()
-}
-
 impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
     fn temperature(&self, state: &VonMisesState<H::State, V::State, F::State>, lane: usize) -> Option<f64> {
         let by_energy = self.volumetric.temperature(&state.volumetric, lane);
@@ -239,16 +215,16 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
     /// Applies failure to the stress of the undamaged material. The added work becomes that of the degraded stress;
     /// lost elastic energy is dissipated.
     #[inline(always)]
-    fn degrade<T: Real>(
+    fn degrade(
         &self,
         state: &mut VonMisesState<H::State, V::State, F::State>,
-        stress: &mut [Lanes<T>; 4],
-        strain: &StrainIncrement<T>,
-        update: &mut StressUpdate<T>,
+        stress: &mut [Lanes; 4],
+        strain: &StrainIncrement,
+        update: &mut StressUpdate,
     ) {
         let ElasticModuli { bulk, shear } = strain.moduli;
         let mut input = FailureInput {
-            plastic: if H::PLASTIC { wide(&update.flow) } else { [0.0; LANES] },
+            plastic: if H::PLASTIC { update.flow } else { [0.0; LANES] },
             mean: [0.0; LANES],
             mises: [0.0; LANES],
             temperature: [0.0; LANES],
@@ -257,7 +233,7 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
         };
         let mut before = [0.0; LANES];
         for l in 0..LANES {
-            let stress = column(stress, l).inline_map(T::wide);
+            let stress = column(stress, l);
             (input.mean[l], input.mises[l]) = (-stress::pressure(stress), stress::mises(stress));
         }
         for l in 0..strain.count {
@@ -268,29 +244,28 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
         let per_shear = if shear > 0.0 { 1.0 / (6.0 * shear) } else { 0.0 };
         for l in 0..strain.count {
             if before[l] == 0.0 {
-                stress.iter_mut().for_each(|s| s[l] = T::ZERO);
+                stress.iter_mut().for_each(|s| s[l] = 0.0);
                 continue;
             }
-            let (full, mean, mises) = (column(stress, l).inline_map(T::wide), input.mean[l], input.mises[l]);
+            let (full, mean, mises) = (column(stress, l), input.mean[l], input.mises[l]);
             let (left, limited) = (left.stress[l], left.mean[l]);
             let shift = [limited - mean, limited - mean, limited - mean, 0.0];
-            let (mut work, volume) = (0.0, strain.volume[l].wide());
+            let (mut work, volume) = (0.0, strain.volume[l]);
             for i in 0..4 {
                 let degraded = left * (full[i] + shift[i]);
-                let (increment, carried) = (strain.strain[i][l].wide(), strain.carried[i][l].wide());
+                let (increment, carried) = (strain.strain[i][l], strain.carried[i][l]);
                 let added = carried + full[i];
                 let twice = if i == 3 { 2.0 } else { 1.0 };
                 work += twice * increment * (before[l] * carried + degraded - added);
-                stress[i][l] = T::of(degraded);
+                stress[i][l] = degraded;
             }
-            update.internal[l] += T::of(0.5 * volume * work);
-            let bulk = if V::EOS { update.bulk[l].wide() } else { bulk };
+            update.internal[l] += 0.5 * volume * work;
+            let bulk = if V::EOS { update.bulk[l] } else { bulk };
             let distortion = mises * mises * per_shear;
             let [energy_before, energy_after] = [(before[l], mean), (left, limited)]
                 .inline_map(|(share, mean)| share * (distortion + mean * mean / (2.0 * bulk)));
-            update.dissipated[l] +=
-                T::of(volume * ((energy_before - energy_after) - (1.0 - left) * mises * input.plastic[l]));
-            update.damaged[l] += T::of(volume * (energy_before - energy_after));
+            update.dissipated[l] += volume * ((energy_before - energy_after) - (1.0 - left) * mises * input.plastic[l]);
+            update.damaged[l] += volume * (energy_before - energy_after);
             update.deleted += usize::from(left == 0.0);
         }
     }
@@ -320,10 +295,10 @@ impl StressUpdate {
     }
 }
 
-impl<T: Real> StressUpdate<T> {
+impl StressUpdate {
     /// Rotates the back stress with the material, and subtracts it from the trial stress.
     #[inline(always)]
-    fn shift(&mut self, spin: &Lanes<T>) {
+    fn shift(&mut self, spin: &Lanes) {
         for l in 0..LANES {
             let back = rotated([0, 1, 2, 3].inline_map(|i| self.plastic[i][l]), spin[l]);
             for i in 0..4 {
@@ -331,7 +306,7 @@ impl<T: Real> StressUpdate<T> {
                 self.deviator[i][l] = self.deviator[i][l] - back[i];
             }
             let [a, b, c, d] = [0, 1, 2, 3].inline_map(|i| self.deviator[i][l] * self.deviator[i][l]);
-            self.trial[l] = (T::of(1.5) * (a + b + c) + T::of(3.0) * d).root();
+            self.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
         }
     }
 }

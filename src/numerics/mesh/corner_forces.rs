@@ -2,92 +2,99 @@
 
 use std::ops::Range;
 
-use crate::kernel::lanes::{BlockCornerForces, InlineMap};
+use crate::kernel::lanes::{BlockCornerForces, LANES};
 use crate::kernel::lists::heap_bytes;
-use crate::kernel::real::Real;
 use crate::state::archive::{Persist, StateArchive};
 
-/// Corner forces of all elements.
-#[derive(Clone, Debug)]
-pub enum CornerForces {
-    /// In double precision.
-    Double(Vec<BlockCornerForces>),
-    /// In single precision, if all elements use single precision.
-    Single(Vec<BlockCornerForces<f32>>),
-}
+/// Numbers of a block.
+pub const BLOCK: usize = 8 * LANES;
+/// Bytes of a cache line. Blocks begin with a line, because a vector register that crosses lines is written slowly.
+const LINE: usize = 64;
 
-/// Mutable corner forces of a range of blocks.
-pub enum CornerForceSlots<'a> {
-    /// In double precision.
-    Double(&'a mut [BlockCornerForces]),
-    /// In single precision.
-    Single(&'a mut [BlockCornerForces<f32>]),
+/// Corner forces of all elements.
+#[derive(Debug)]
+pub struct CornerForces {
+    /// Numbers of all blocks, after those before the first cache line.
+    list: Vec<f64>,
+    start: usize,
 }
 
 impl Default for CornerForces {
     fn default() -> Self {
-        CornerForces::Double(Vec::new())
+        CornerForces::new(0)
+    }
+}
+
+impl Clone for CornerForces {
+    fn clone(&self) -> Self {
+        let mut copy = CornerForces::new(self.values().len() / BLOCK);
+        copy.values_mut().copy_from_slice(self.values());
+        copy
     }
 }
 
 impl CornerForces {
     /// Creates zero forces for a number of blocks.
-    pub fn new(blocks: usize, single: bool) -> Self {
-        if single {
-            CornerForces::Single(vec![BlockCornerForces::default(); blocks])
-        } else {
-            CornerForces::Double(vec![BlockCornerForces::default(); blocks])
-        }
+    pub fn new(blocks: usize) -> Self {
+        let most = LINE / size_of::<f64>();
+        let mut list = vec![0.0; blocks * BLOCK + most];
+        let start = list.as_ptr().align_offset(LINE).min(most);
+        list.truncate(start + blocks * BLOCK);
+        CornerForces { list, start }
     }
 
     /// Returns the corner forces of a range of blocks.
-    pub fn slots(&mut self, blocks: Range<usize>) -> CornerForceSlots<'_> {
-        match self {
-            CornerForces::Double(list) => CornerForceSlots::Double(&mut list[blocks]),
-            CornerForces::Single(list) => CornerForceSlots::Single(&mut list[blocks]),
-        }
+    pub fn slots(&mut self, blocks: Range<usize>) -> &mut [BlockCornerForces] {
+        let lists = self.values_mut().as_chunks_mut::<LANES>().0;
+        &mut lists.as_chunks_mut::<2>().0.as_chunks_mut::<4>().0[blocks]
+    }
+
+    /// Returns the numbers of all blocks: [`LANES`] forces along r and as many along z for each of four corners.
+    #[inline(always)]
+    pub fn values(&self) -> &[f64] {
+        &self.list[self.start..]
+    }
+
+    fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.list[self.start..]
+    }
+
+    /// Returns the index in [`CornerForces::values`] of the force along r on a corner of an element; the force along z
+    /// is [`LANES`] numbers later.
+    pub fn index(block: usize, lane: usize, corner: usize) -> usize {
+        block * BLOCK + corner * 2 * LANES + lane
     }
 
     /// Returns the force `[r, z]` on a corner of an element.
     pub fn of(&self, block: usize, lane: usize, corner: usize) -> [f64; 2] {
-        match self {
-            CornerForces::Double(list) => list[block].0[corner][lane],
-            CornerForces::Single(list) => list[block].0[corner][lane].inline_map(Real::wide),
-        }
+        let index = CornerForces::index(block, lane, corner);
+        [self.values()[index], self.values()[index + LANES]]
     }
 
     /// Sets the corner forces of an element to zero.
     pub fn clear(&mut self, block: usize, lane: usize) {
-        match self {
-            CornerForces::Double(list) => list[block].clear(lane),
-            CornerForces::Single(list) => list[block].clear(lane),
-        }
+        clear_lane(&mut self.slots(block..block + 1)[0], lane);
     }
 
     /// Returns the heap memory in bytes.
     pub fn bytes(&self) -> usize {
-        match self {
-            CornerForces::Double(list) => heap_bytes(list),
-            CornerForces::Single(list) => heap_bytes(list),
-        }
+        heap_bytes(&self.list)
     }
 }
 
-impl CornerForceSlots<'_> {
-    /// Returns the double-precision forces of an element group.
-    pub fn double(&mut self) -> &mut [BlockCornerForces] {
-        match self {
-            CornerForceSlots::Double(list) => list,
-            CornerForceSlots::Single(_) => unreachable!("corner forces are single where all groups are"),
-        }
-    }
+/// Sets the corner forces of a lane to zero.
+#[inline(always)]
+pub fn clear_lane(corners: &mut BlockCornerForces, lane: usize) {
+    corners.as_flattened_mut().iter_mut().for_each(|list| list[lane] = 0.0);
+}
+
+/// Returns whether all forces are zero.
+pub fn are_zero(corners: &[BlockCornerForces]) -> bool {
+    corners.as_flattened().as_flattened().as_flattened().iter().all(|force| *force == 0.0)
 }
 
 impl Persist for CornerForces {
     fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        match self {
-            CornerForces::Double(list) => list.as_mut_slice().persist(archive),
-            CornerForces::Single(list) => list.as_mut_slice().persist(archive),
-        }
+        self.values_mut().persist(archive);
     }
 }

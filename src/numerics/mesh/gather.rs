@@ -2,9 +2,8 @@
 //! threads.
 
 use super::corner_forces::CornerForces;
-use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
+use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
-use crate::kernel::real::Real;
 use crate::kernel::topology::ElementNodes;
 
 /// Corner slots stored inline; most nodes of a quadrilateral mesh have at most four.
@@ -24,13 +23,13 @@ impl NodalAssembly {
     /// and its elements; it starts with a new block.
     pub fn new(count: usize, groups: &[(usize, Vec<ElementNodes>)]) -> Self {
         let blocks: usize = groups.iter().map(|(per, g)| per * g.len().div_ceil(LANES)).sum();
-        let empty = (blocks * 4 * LANES) as u32;
+        let empty = CornerForces::index(blocks, 0, 0) as u32;
         let mut gather = NodalAssembly { slots: vec![[empty; SLOTS]; count], more: Vec::new() };
         let mut block = 0;
         for (per, elements) in groups {
             for (e, nodes) in elements.iter().enumerate() {
                 for (c, &node) in nodes.iter().enumerate() {
-                    let slot = (((block + e / LANES * per) * 4 + c) * LANES + e % LANES) as u32;
+                    let slot = CornerForces::index(block + e / LANES * per + c / 4, e % LANES, c % 4) as u32;
                     match gather.slots[node as usize].iter_mut().find(|s| **s == empty) {
                         Some(free) => *free = slot,
                         None => gather.more.push((node, slot)),
@@ -52,18 +51,8 @@ impl NodalAssembly {
     /// Sums the corner forces of the nodes starting with `first`.
     #[inline(always)]
     pub fn sum(&self, first: usize, corners: &CornerForces, forces: &mut [[f64; 2]]) {
-        match corners {
-            CornerForces::Double(list) => self.add_up(first, list, forces),
-            CornerForces::Single(list) => self.add_up(first, list, forces),
-        }
-    }
-
-    #[inline(always)]
-    fn add_up<T: Real>(&self, first: usize, corners: &[BlockCornerForces<T>], forces: &mut [[f64; 2]]) {
-        let pair = |slot: u32| {
-            let (block, at) = (slot as usize / (4 * LANES), slot as usize % (4 * LANES));
-            corners[block].0.as_flattened()[at].inline_map(T::wide)
-        };
+        let values = corners.values();
+        let pair = |slot: u32| [values[slot as usize], values[slot as usize + LANES]];
         let last = first + forces.len();
         for (force, slots) in forces.iter_mut().zip(&self.slots[first..last]) {
             let [a, b, c, d] = slots.inline_map(pair);

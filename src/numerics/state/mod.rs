@@ -12,7 +12,6 @@ pub mod rigid_body_3d;
 use archive::{Persist, StateArchive, persist_fields, persist_struct};
 
 use crate::kernel::amplitude::SampledAmplitude;
-use crate::kernel::lanes::BlockCornerForces;
 use crate::kernel::topology::{MOST_NODES, PerNode};
 use rigid_body_3d::{PointMotion, RigidBody3d, Wrench};
 
@@ -310,12 +309,6 @@ fn sum(forces: impl Iterator<Item = (u32, f64)>) -> Wrench {
 #[inline]
 pub fn direction(value: f64) -> f64 {
     f64::from(i8::from(value > 0.0) - i8::from(value < 0.0))
-}
-
-impl<T: Persist> Persist for BlockCornerForces<T> {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        self.0.persist(archive);
-    }
 }
 
 impl<T: Persist + Copy + Default> Persist for PerNode<T> {

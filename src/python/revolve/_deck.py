@@ -43,13 +43,11 @@ class Deck:
         *,
         text: str | None = None,
         name: str = "deck.inp",
-        precision: str = "double",
     ) -> None:
         if (path is None) == (text is None):
             raise TypeError("Deck: give either a path or text=")
         self.name = name if path is None else os.fspath(path)
-        self.precision = precision
-        self._deck = _revolve.Deck(self.name, text, precision)
+        self._deck = _revolve.Deck(self.name, text)
         self._evaluators: dict[Any, _revolve.Evaluator] = {}
 
     @property
@@ -58,7 +56,7 @@ class Deck:
         return self._deck.text
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (_again, (self.name, self.text, self.precision))
+        return (_again, (self.name, self.text))
 
     def check(self, *, user: User = None, load: Load | None = None, **parameters: Value) -> list[Diagnostic]:
         """Check the deck; returns errors, warnings and notes with their locations."""
@@ -174,7 +172,7 @@ class Deck:
         """Run a convergence study.
 
         ``refine`` gives values from coarse to fine for parameters of the deck or for ``increment`` (factors),
-        ``load-velocity``, ``hourglass``, ``estimate`` or ``precision``.
+        ``load-velocity``, ``hourglass`` or ``estimate``.
         ``target`` is the largest allowed error (a relative one is a text such as ``"0.5%"``), ``exact`` the exact
         value. Each setting runs ``repeat`` times, one after the other; its run time is the median. ``jitter`` is the
         number of runs with small perturbations that measure the noise (default 8 with contact, failure or element
@@ -264,9 +262,9 @@ class Deck:
         return title + _report.preformatted(found["text"]) + tables + Ledger(found["ledger"])._repr_html_()
 
 
-def _again(name: str, text: str, precision: str) -> Deck:
+def _again(name: str, text: str) -> Deck:
     """Recreate a pickled deck."""
-    return Deck(text=text, name=name, precision=precision)
+    return Deck(text=text, name=name)
 
 
 def _written(value: Value) -> str:

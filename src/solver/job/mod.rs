@@ -17,7 +17,7 @@ use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
 use crate::element::group::TASK;
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::kernel::lanes::LANES;
-use crate::model::{self, DeckUnits, EntityName, Model, Precision, scene::SceneOutline};
+use crate::model::{self, DeckUnits, EntityName, Model, scene::SceneOutline};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, JobIdentity, hash};
 use crate::output::lock::{FolderLock, LockError};
 use crate::output::pvd::{FrameWriter, WrittenFrame, missing_frames};
@@ -77,25 +77,13 @@ pub fn prepare(path: &Path, overrides: &ParameterOverrides, routines: &Routines)
     resolve(deck::read(path, overrides), routines)
 }
 
-/// Prepares a deck file with solid elements in the given floating-point precision, if their materials support it.
-pub fn prepare_in(
-    precision: Precision,
-    path: &Path,
-    overrides: &ParameterOverrides,
-    routines: &Routines,
-) -> PreparedJob {
-    prepare_edited(deck::read(path, overrides), &mut |model| model.settings.precision = precision, routines)
-}
-
-/// Prepares a deck file like [`prepare_in`] and summarises the model; the overview is `None` if the deck has errors.
+/// Prepares a deck file like [`prepare`] and summarises the model; the overview is `None` if the deck has errors.
 pub fn examine(
-    precision: Precision,
     path: &Path,
     overrides: &ParameterOverrides,
     routines: &Routines,
 ) -> (PreparedJob, Option<DeckOverview>) {
-    let set = &mut |model: &mut Model| model.settings.precision = precision;
-    let (prepared, model) = prepared_model(deck::read(path, overrides), set, routines);
+    let (prepared, model) = prepared_model(deck::read(path, overrides), &mut |_| {}, routines);
     let accepted = !prepared.diagnostics.has_errors();
     let overview = accepted.then(|| DeckOverview::of(&model, &prepared.plan, &prepared.state));
     (prepared, overview)
@@ -134,7 +122,6 @@ impl PreparedJob {
             parameters: parameters.collect::<Vec<_>>().join(", "),
             mesh: hash([&points[..], &corners[..]]),
             user: user.into(),
-            precision: self.plan.precision.name().into(),
         }
     }
 }

@@ -32,7 +32,6 @@ mod overlaps;
 mod penalty;
 mod pieces;
 mod places;
-mod precision;
 pub mod revise;
 mod rigid_bodies_3d;
 mod shells;
@@ -60,7 +59,7 @@ use crate::kernel::amplitude::SampledAmplitude;
 use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::model::{
     AmplitudeId, CopyOnWrite, EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity,
-    MaterialDefinition, Mesh, Model, Precision, SurfaceContact,
+    MaterialDefinition, Mesh, Model, SurfaceContact,
 };
 use crate::state::EffectId;
 pub use crate::state::dofs::{Dof, Dofs};
@@ -111,8 +110,6 @@ pub struct Plan {
     pub stores_energy: bool,
     /// Whether viscous dissipation is expected: shocks in materials with an equation of state, requested damping.
     pub expects_dissipation: bool,
-    /// Requested floating-point precision of the elements.
-    pub precision: Precision,
 }
 
 /// Ledger rows of effects that every analysis has.
@@ -278,7 +275,6 @@ fn compile_with(
     compiler.report_overlaps();
     compiler.list_inert();
     compiler.check_plausibility(&state);
-    compiler.warn_without_single_precision(&state);
     compiler.events_row();
     compiler.note_uncalled();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
@@ -312,7 +308,6 @@ fn compile_with(
         labels,
         stores_energy,
         expects_dissipation,
-        precision: model.settings.precision,
     };
     bytes::record_bytes(&mut plan, &state);
     (plan, state, diagnostics)

@@ -47,7 +47,6 @@ impl<'a> Compiler<'a> {
     ) -> Option<Box<dyn ElementGroup>> {
         let model = self.model;
         let material = &model.materials[section.material];
-        self.note_double_precision(section.span, elements.len(), "shells");
         let section_of_group = self.shell(section, material, elements.len())?;
         let corners = |&e: &usize| {
             let ends = [0, 1].map(|i| model.mesh.elements[e].nodes[i]);

@@ -111,12 +111,7 @@ impl Compiler<'_> {
         let subzonal = self.subzonal(section, material, elements.len())?;
         let solid = SolidProperties { constants, density, heats, spared, kept };
         let mut options = GroupOptions { subzonal, ..GroupOptions::new(constants, density) };
-        if triangles {
-            self.note_double_precision(section.span, elements.len(), "CAX6M");
-        } else {
-            options.single_precision = self.is_single(section, material, &constants);
-        }
-        options.by_area = section.controls.by_area && !options.single_precision;
+        options.by_area = section.controls.by_area;
         let law = if options.by_area {
             self.check_by_area(section, material, connectivity)?;
             self.von_mises(material, section.span, None, &solid)?

@@ -53,7 +53,6 @@ impl Compiler<'_> {
             None => self.user_flow(section, material)?,
         };
         let density = material.density?;
-        self.note_double_precision(section.span, elements.len(), "user subroutines");
         self.require_field_routine(section, material)?;
         let takes_lengths = material.user.material.is_some() || material.user.fields.is_some();
         self.require_length_routine(section, material, takes_lengths)?;
@@ -126,7 +125,6 @@ impl Compiler<'_> {
             }
             (Some(density), Ok(moduli)) => {
                 let (count, kind) = (connectivity.count(), connectivity.element_type());
-                self.note_double_precision(section.span, count, "user subroutines");
                 connectivity.add_masses(nodes, density, mass);
                 let hourglass = self.control(section, material, moduli, connectivity)?;
                 let bulk_viscosity = self.bulk_viscosity(false);

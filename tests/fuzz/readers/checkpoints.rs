@@ -32,13 +32,7 @@ fn scene() -> &'static CheckpointSample {
 
 /// Returns a checkpoint with this state and otherwise arbitrary contents.
 pub fn whole(state: Vec<u8>) -> Checkpoint {
-    let identity = JobIdentity {
-        deck: "d".into(),
-        parameters: "p".into(),
-        mesh: "m".into(),
-        user: String::new(),
-        precision: "double".into(),
-    };
+    let identity = JobIdentity { deck: "d".into(), parameters: "p".into(), mesh: "m".into(), user: String::new() };
     let (version, shown) = (env!("CARGO_PKG_VERSION").to_owned(), vec![1, 2, 3]);
     Checkpoint { version, identity, shown, state, ..Default::default() }
 }

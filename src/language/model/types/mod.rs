@@ -13,7 +13,6 @@ mod output;
 mod section;
 mod step;
 
-use std::str::FromStr;
 use std::sync::Arc;
 
 use indexmap::IndexMap;
@@ -63,7 +62,7 @@ pub use step::*;
 pub struct Model {
     /// Source text and ignored cards.
     pub origin: ModelOrigin,
-    /// Title, units, absolute zero and precision.
+    /// Title, units and absolute zero.
     pub settings: AnalysisSettings,
     /// Nodes and elements of all part instances.
     pub mesh: CopyOnWrite<Mesh>,
@@ -127,45 +126,6 @@ pub struct AnalysisSettings {
     pub units: Option<DeckUnits>,
     /// Absolute zero on the temperature scale of the deck (`*PHYSICAL CONSTANTS`); default 0.
     pub absolute_zero: f64,
-    /// Floating-point precision of element arithmetic.
-    pub precision: Precision,
-}
-
-/// Floating-point precision of element arithmetic. Nodal quantities, sums and energies are always in double precision.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Precision {
-    /// 53-bit significand.
-    #[default]
-    Double,
-    /// 24-bit significand, for the element types that support it; faster.
-    Single,
-}
-
-/// Error of parsing a [`Precision`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the precision must be double or single")]
-pub struct UnknownPrecision;
-
-impl FromStr for Precision {
-    type Err = UnknownPrecision;
-
-    fn from_str(text: &str) -> Result<Self, UnknownPrecision> {
-        match text {
-            "double" => Ok(Precision::Double),
-            "single" => Ok(Precision::Single),
-            _ => Err(UnknownPrecision),
-        }
-    }
-}
-
-impl Precision {
-    /// Returns the name of the precision: `double` or `single`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Precision::Double => "double",
-            Precision::Single => "single",
-        }
-    }
 }
 
 /// A card that was read but has no effect in this deck.

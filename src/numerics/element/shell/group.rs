@@ -182,8 +182,7 @@ impl ShellGroup {
             resultants[i] += force;
             resultants[2 + i] += moment;
         }
-        let work =
-            put(&frame.forces(&resultants), &steps, &mut pass.corners.double()[element / LANES], element % LANES);
+        let work = put(&frame.forces(&resultants), &steps, &mut pass.corners[element / LANES], element % LANES);
         let area = frame.area();
         let (plastic, viscous) = (area * dissipated, area * (force * sums[0] + moment * sums[1]));
         if let Some(record) = &mut self.record {
@@ -209,7 +208,7 @@ fn put(forces: &[[f64; 3]; 2], steps: &[[f64; 3]; 2], corners: &mut BlockCornerF
     for (end, (forces, steps)) in forces.iter().zip(steps).enumerate() {
         for (axis, (&force, step)) in forces.iter().zip(steps).enumerate() {
             let (corner, component) = if axis < 2 { (end, axis) } else { (2 + end, 0) };
-            let slot = &mut corners.0[corner][lane][component];
+            let slot = &mut corners[corner][component][lane];
             work -= 0.5 * (*slot + force) * step;
             *slot = force;
         }
@@ -225,7 +224,6 @@ impl ElementGroup for ShellGroup {
     fn properties(&self) -> GroupProperties {
         GroupProperties {
             topology: ElementTopology::Shell,
-            single: false,
             deletable: !self.deleted.is_empty(),
             damped: true,
             holds_pressure: false,

@@ -143,7 +143,7 @@ impl<S: Clone> TriangleBlock<S> {
         if M::EQUATION_OF_STATE {
             scratch.strain.current_volume = work.points[p].current_volume;
             scratch.strain.mass = point.mass;
-            scratch.strain.viscous = scratch.task.viscous.get(at).copied().unwrap_or_default();
+            scratch.strain.viscous = scratch.task.controls[at].viscous;
         }
         point.update_stress(material, constants, scratch);
         // Materials that compute stress from the total deformation have set it again.

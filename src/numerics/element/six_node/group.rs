@@ -20,6 +20,7 @@ use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators, frequency_squared, stiffness};
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
 use crate::material::{Material, PlasticFlow, PointValue};
+use crate::mesh::corner_forces::are_zero;
 use crate::state::archive::{Persist, StateArchive, persist_fields};
 use crate::state::nodes::Node;
 use crate::variables::{Variable, VariableComponent};
@@ -65,7 +66,7 @@ impl<M: Material> SixNodeTriangles<M> {
         // The constants need no hourglass control: there are no hourglass modes.
         let quiescence = TaskQuiescence::of_tasks(elements);
         let tasks = blocks.chunks(TASK).zip(quiescence).map(|(part, quiescence)| TriangleTask {
-            scratch: TaskWorkspace::new(&constants, 1.0, POINTS * part.len()),
+            scratch: TaskWorkspace::new(&constants, POINTS * part.len()),
             work: Box::default(),
             quiescence,
         });
@@ -179,7 +180,6 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
     fn properties(&self) -> GroupProperties {
         GroupProperties {
             topology: ElementTopology::SixNodeTriangle,
-            single: false,
             deletable: self.material.can_delete() || self.erodible,
             damped: self.constants.damps(),
             holds_pressure: Self::HOLDS_PRESSURE,
@@ -198,7 +198,7 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
     }
 
     fn update(&mut self, pass: ElementPass<'_>) -> GroupTotals {
-        let ElementPass { nodes, dt, before, now, threads, mut corners, .. } = pass;
+        let ElementPass { nodes, dt, before, now, threads, corners, .. } = pass;
         let (arch, count, cap) = (self.arch, self.count, self.cap);
         let increment = &TriangleIncrement { nodes, dt, before, time: now.total_time, arch, count };
         let (material, constants) = (&*self.material, &self.constants);
@@ -210,16 +210,15 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
             let idle = |list: &[f64]| list.iter().all(|x| *x == 0.0);
             task.quiescence.quiescent = dt == 0.0
                 && !M::MODULI_VARY
-                && corners.iter().all(|c| idle(c.0.as_flattened().as_flattened()))
+                && are_zero(corners)
                 && blocks.iter().flat_map(|p| &p.points).all(|p| idle(p.stress.as_flattened()))
                 && task.quiescence.is_still(nodes);
         };
-        let list = corners.double();
         if threads && count >= PARALLEL {
-            let parts = self.blocks.par_chunks_mut(TASK).zip(list.par_chunks_mut(TASK * FORCE_BLOCKS));
+            let parts = self.blocks.par_chunks_mut(TASK).zip(corners.par_chunks_mut(TASK * FORCE_BLOCKS));
             parts.zip(&mut self.tasks).enumerate().for_each(run);
         } else {
-            let parts = self.blocks.chunks_mut(TASK).zip(list.chunks_mut(TASK * FORCE_BLOCKS));
+            let parts = self.blocks.chunks_mut(TASK).zip(corners.chunks_mut(TASK * FORCE_BLOCKS));
             parts.zip(&mut self.tasks).enumerate().for_each(run);
         }
         let ElementConstants { bulk, shear, bulk_viscosity: BulkViscosity { linear, .. }, .. } = self.constants;

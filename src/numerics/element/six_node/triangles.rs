@@ -152,7 +152,8 @@ impl TriangleLanes {
         let mut lost = [0.0; LANES];
         for n in 0..NODES {
             for l in 0..LANES {
-                let ([f_r, f_z], motion) = (corners[n / 4].0[n % 4][l], &work.motion[l]);
+                let ([f_r, f_z], motion) =
+                    ([0, 1].inline_map(|axis: usize| corners[n / 4][n % 4][axis][l]), &work.motion[l]);
                 let [a_r, a_z] = before.accelerations.get(self.nodes[n][l] as usize).copied().unwrap_or_default();
                 lost[l] +=
                     f_r * (0.5 * dt * motion.v_r[n] - share * a_r) + f_z * (0.5 * dt * motion.v_z[n] - share * a_z);
@@ -171,7 +172,8 @@ impl TriangleLanes {
     ) -> Lanes {
         for n in 0..NODES {
             for l in 0..LANES {
-                let ([f_r, f_z], motion) = (corners[n / 4].0[n % 4][l], &work.motion[l]);
+                let ([f_r, f_z], motion) =
+                    ([0, 1].inline_map(|axis: usize| corners[n / 4][n % 4][axis][l]), &work.motion[l]);
                 lost[l] += 0.5 * increment.dt * (f_r * motion.v_r[n] + f_z * motion.v_z[n]);
             }
         }
@@ -259,9 +261,10 @@ impl NullaryFnOnce for TriangleAssembly<'_> {
             let rate = if dt > 0.0 || varies { work.dilation_rate[l] } else { 0.0 };
             let fraction = linear - quadratic * quadratic * 2.0 * period * rate.min(0.0);
             let mut slow = 0.0;
-            if let Some(stored) = scratch.task.slow_dilation.get_mut(first) {
-                slow = if dt > 0.0 { slow_rate(stored[l], rate, dt * omega, filter) } else { work.dilation_rate[l] };
-                stored[l] = slow;
+            if constants.bulk_viscosity.filters() {
+                let stored = &mut scratch.task.controls[first].slow_dilation[l];
+                slow = if dt > 0.0 { slow_rate(*stored, rate, dt * omega, filter) } else { work.dilation_rate[l] };
+                *stored = slow;
             }
             let scale = 2.0 * modulus * period;
             let damping = scale * rate * fraction - scale * slow * linear;
@@ -269,17 +272,17 @@ impl NullaryFnOnce for TriangleAssembly<'_> {
             for p in 0..POINTS {
                 stress[p] = column(&own[p], l);
                 stress[p][..3].iter_mut().for_each(|s| *s += damping);
-                if let Some(viscous) = scratch.task.viscous.get_mut(first + p) {
-                    let heat = done[p].volume[l] * 0.5 * (viscous[l] + damping) * dt * rate;
-                    viscous[l] = damping;
-                    scratch.sums.viscous[l] += heat;
-                    done[p].heat[l] += heat;
-                }
+                let viscous = &mut scratch.task.controls[first + p].viscous[l];
+                let heat = done[p].volume[l] * 0.5 * (*viscous + damping) * dt * rate;
+                *viscous = damping;
+                scratch.sums.viscous[l] += heat;
+                done[p].heat[l] += heat;
             }
             let forces = now.forces(&stress);
             for (n, force) in forces.iter().enumerate() {
-                corners[n / 4].0[n % 4][l] =
-                    if triangles.deleted[l] { [0.0; 2] } else { force.inline_map(|f| -2.0 * PI * f) };
+                for (list, force) in corners[n / 4][n % 4].iter_mut().zip(force) {
+                    list[l] = if triangles.deleted[l] { 0.0 } else { -2.0 * PI * force };
+                }
             }
             // As for quadrilaterals (`ElementBlock::forces`).
             let pressing = modulus / constants.bulk;
