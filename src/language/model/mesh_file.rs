@@ -10,9 +10,9 @@ use super::vtk_file::read;
 use super::{gmsh_file, inp_file};
 use crate::deck::{Card, Diagnostic, Span, files};
 
-/// Help text for files that vtkio cannot read.
-const RESAVE: &str = "save it as .vtu with inline (binary) data and zlib or no compression; appended raw data, LZMA and \
-                      legacy files with a FIELD block are not supported";
+/// Help text for VTK files that cannot be read.
+const RESAVE: &str = "save it as one .vtu file with zlib, LZ4 or no compression; LZMA and legacy files with a FIELD block \
+                      are not supported";
 
 /// Reads a mesh file by its extension.
 ///
@@ -20,13 +20,17 @@ const RESAVE: &str = "save it as .vtu with inline (binary) data and zlib or no c
 /// The reason, and a help text if there is one.
 fn read_any(path: &Path) -> Result<MeshFile, (String, Option<&'static str>)> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let text =
-        || files::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).map_err(|e| e.to_string());
+    let text = || files::read(path).map(lossy_text).map_err(|e| e.to_string());
     match ending.as_deref() {
         Some("msh") => text().and_then(|t| gmsh_file::parse(&t)).map_err(|why| (why, None)),
         Some("inp") => text().and_then(|t| inp_file::parse(&t)).map_err(|why| (why, None)),
-        _ => read(path).map_err(|why| (why, Some(RESAVE))),
+        _ => read(path, is_recognized_array).map_err(|why| (why, Some(RESAVE))),
     }
+}
+
+/// Returns the text of a file; valid UTF-8 is not copied.
+fn lossy_text(bytes: Vec<u8>) -> String {
+    String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned())
 }
 
 impl ModelBuilder<'_> {
