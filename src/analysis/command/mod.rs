@@ -172,6 +172,12 @@ fn print_error(error: &(dyn Error + 'static)) {
     }
 }
 
+/// Returns the free disk space at the place of a folder that may not exist yet, in bytes.
+fn free_space(folder: &Path) -> Option<u64> {
+    let mut places = folder.ancestors().map(|place| if place.as_os_str().is_empty() { Path::new(".") } else { place });
+    crate::platform::free_space(places.find(|place| place.is_dir())?)
+}
+
 /// Returns the job of a deck and locks its output folder against other jobs.
 pub fn lock_job(deck: &Path, out: Option<PathBuf>) -> Result<(JobFiles, FolderLock), JobError> {
     let job = job::default_job(deck, out).map_err(JobError::Checkpoint)?;
