@@ -53,9 +53,9 @@ struct TrialRun<'a> {
     output_time: Duration,
 }
 
-/// Largest fraction of the trial time in which frames are written, after the first frames.
+/// Time for frames in any case, and the inverse of the largest share of the trial time for more frames.
+const FRAME_TIME: Duration = Duration::from_millis(50);
 const FRAME_SHARE: u32 = 4;
-const FIRST_FRAMES: f64 = 3.0;
 
 impl TrialRun<'_> {
     /// Returns the mean bytes of frames and rows, if there are any.
@@ -66,7 +66,7 @@ impl TrialRun<'_> {
 
 impl Sink for TrialRun<'_> {
     fn wants_frames(&self) -> bool {
-        let wanted = self.written[0][0] < FIRST_FRAMES || FRAME_SHARE * self.output_time < self.begin.elapsed();
+        let wanted = self.output_time < FRAME_TIME || FRAME_SHARE * self.output_time < self.begin.elapsed();
         self.skipped.set(self.skipped.get() || !wanted);
         wanted
     }
