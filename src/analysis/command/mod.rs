@@ -30,7 +30,7 @@ pub mod words;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use crate::deck::{self, Diagnostic, Diagnostics, Sources};
+use crate::deck::{self, Diagnostic, Diagnostics, Sources, untrusted};
 use crate::job::{self, JobError, PreparedJob};
 use crate::model::{DeckUnits, MaterialDefinition};
 use crate::output::drawing::Drawing;
@@ -88,6 +88,10 @@ impl UserFiles {
     pub fn compiled(&self, quiet: bool) -> Result<Option<Compiled>, AlreadyPrinted> {
         if self.files.is_empty() {
             return Ok(None);
+        }
+        if untrusted::is_restricted() {
+            print_err!("error: --user: user subroutines are not run with --untrusted or {}", untrusted::VARIABLE);
+            return Err(AlreadyPrinted);
         }
         let compiled = compile(&self.files, self.check_user).map_err(|faults| {
             print_findings(&faults, &Sources::default());

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
-use crate::deck::{self, Diagnostic};
+use crate::deck::{self, Diagnostic, untrusted};
 use crate::job::{
     self, FrameOutput, Instructions, JobError, JobOptions, ParameterOverrides, PreparedJob, RestartRequirement,
     RunSummary,
@@ -254,6 +254,14 @@ impl RunCommand {
         let free = super::free_space(&job.folder);
         if !self.is_silent() {
             words::write(format_args!("{}", estimate.render(free)), false);
+        }
+        let is_unknown = estimate.frames.is_none() || estimate.rows.is_none();
+        if untrusted::is_restricted() && (is_unknown || estimate.largest_bytes() > untrusted::MAX_OUTPUT) {
+            let (needed, most) = (overview::size(estimate.largest_bytes()), overview::size(untrusted::MAX_OUTPUT));
+            let message = format!("the results can need {needed}; with --untrusted at most {most} are permitted");
+            return Err(Box::new(
+                Diagnostic::error("K012", message).help("request fewer frames, rows or variables, or use --no-frames"),
+            ));
         }
         match free {
             Some(free) if estimate.bytes() > free as f64 && !self.force && !resumed => {

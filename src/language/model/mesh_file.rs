@@ -8,7 +8,7 @@ use super::mesh_data::{MeshFile, is_recognized_array};
 use super::types::ElementKind;
 use super::vtk_file::read;
 use super::{gmsh_file, inp_file};
-use crate::deck::{Card, Diagnostic, Span, files};
+use crate::deck::{Card, Diagnostic, Span, files, untrusted};
 
 /// Help text for VTK files that cannot be read.
 const RESAVE: &str = "save it as one .vtu file with zlib, LZ4 or no compression; LZMA and legacy files with a FIELD block \
@@ -44,6 +44,13 @@ impl ModelBuilder<'_> {
             None => None,
         };
         let path = self.deck.sources.folder(card.span).join(input.text.replace('\\', "/"));
+        let deck = Span { file: 0, ..Span::default() };
+        if untrusted::forbids(self.deck.sources.folder(deck), &path) {
+            let message = format!("{} is not in the folder of the deck", input.text);
+            let finding = Diagnostic::error("D011", message).at(input.span, "not read with --untrusted");
+            let help = "copy the file into the folder of the deck or a folder below it";
+            return self.diagnostics.push(finding.help(help));
+        }
         match read_any(&path) {
             Ok(mesh) => self.add_mesh(&mesh, kind, card.span),
             Err((why, help)) => {

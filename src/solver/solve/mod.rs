@@ -11,6 +11,7 @@ mod frames;
 mod guard;
 mod increment;
 mod limits;
+mod masses;
 mod observe;
 mod outcome;
 mod penetrations;
@@ -22,6 +23,7 @@ mod run;
 mod timing;
 mod watch;
 mod watch_collapse;
+mod watch_masses;
 
 use std::time::Instant as Stopwatch;
 

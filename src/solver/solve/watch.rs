@@ -3,6 +3,7 @@
 
 use super::collapse::CollapseMonitor;
 use super::energy::{Energy, EnergyBalance};
+use super::masses::MassMonitor;
 use super::run::SolverRun;
 use crate::constraint::ContactResults;
 use crate::kernel::lanes::InlineMap;
@@ -87,6 +88,8 @@ pub(super) struct RunMonitor {
     next_look: u64,
     /// Stable time increments of the elements.
     pub(super) collapse: CollapseMonitor,
+    /// Masses before and after mass scaling.
+    pub(super) masses: MassMonitor,
     /// Limits of the deck on energies that have been reported in this step.
     pub(super) limits_reported: [bool; 2],
     /// Number of warnings that the sink has received.
@@ -428,7 +431,7 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 }
 
 persist_struct!(RunMonitor {
-    unsound, successive_drifts, drift_count, below_zero, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse,
+    unsound, successive_drifts, drift_count, below_zero, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse, masses,
     limits_reported
 } derived {
     shown
