@@ -76,34 +76,45 @@ fn damaged_and_missing_files_are_reported() {
     }
 }
 
-/// Sources: RUSTSEC-2026-0194 (attributes); the number of blocks at the start of a compressed array.
+/// Source: the number of blocks at the start of a compressed array; numbers of points, offsets and sizes that the file
+/// cannot contain.
 #[test]
-fn files_with_too_many_tags_or_blocks_are_rejected() {
+fn declared_sizes_that_a_file_cannot_contain_are_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("mesh.vtu");
-    let message = |text: &str| {
+    let rejected = |text: &[u8], why: &str| {
         std::fs::write(&path, text).expect("a file");
-        errors(&format!("*Mesh, input=\"{}\"\n", path.display()))
+        let message_text = errors(&format!("*Mesh, input=\"{}\"\n", path.display()));
+        assert!(message_text.contains("error[M150]") && message_text.contains("t.inp:1"), "{message_text}");
+        assert!(message_text.contains(why), "{message_text}");
     };
-    let attributes: String = (0..100_000).map(|i| format!(" a{i}=\"\"")).collect();
-    let message_text = message(&SMALL.replace("<Points>", &format!("<Points{attributes}>")));
-    assert!(message_text.contains("error[M150]") && message_text.contains("t.inp:1"), "{message_text}");
-    assert!(
-        message_text.contains("line 4: the tag `Points` has 100000 attributes, at most 64 are allowed"),
-        "{message_text}"
-    );
-    let message_text = message(&SMALL.replace("<CellData>", &format!("{}<CellData>", "<a/>".repeat(100_000))));
-    assert!(message_text.contains("error[M150]") && message_text.contains("more than 100000 tags"), "{message_text}");
-    // 2^40 blocks of zero bytes: base64 of three 8-byte integers.
-    let array = "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"";
-    let blocks = SMALL
-        .replace("header_type=\"UInt64\"", array)
+    let compressed = SMALL
+        .replace("header_type=\"UInt64\"", "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"")
         .replace("format=\"ascii\">1 0<", "format=\"binary\">AAAAAAABAAAAAAAAAAAAAAAAAAAAAAAA<");
-    let message_text = message(&blocks);
-    assert!(
-        message_text.contains("error[M150]") && message_text.contains("more data than the file can contain"),
-        "{message_text}"
+    // 2^40 blocks of zero bytes: base64 of three 8-byte integers.
+    rejected(
+        compressed.as_bytes(),
+        "array `ELSET_NOSE`: it declares 1099511627776 blocks of 0 bytes, expected 2 bytes",
     );
+    let points = |count: &str| SMALL.replace("NumberOfPoints=\"3\"", &format!("NumberOfPoints=\"{count}\""));
+    rejected(points("4000000000").as_bytes(), "fewer than the 12000000000 expected numbers");
+    rejected(points("99999999999").as_bytes(), "more than 2^32 - 1");
+    rejected(points("-3").as_bytes(), "`NumberOfPoints` is not a count");
+    rejected(SMALL.replace("2 4<", "2 4000000000<").as_bytes(), "array `connectivity`");
+    rejected(SMALL.replace("2 4<", "4 2<").as_bytes(), "do not increase");
+    rejected(SMALL.replace("2 4<", "2 nan<").as_bytes(), "do not increase");
+    rejected(SMALL.replace("ascii\">1 0<", "binary\">/////////////w==<").as_bytes(), "it declares");
+    rejected(SMALL.replace("ascii\">1 0<", "ascii\">1.0<").as_bytes(), "it has 1 numbers, expected 2");
+    rejected(SMALL.replace("<CellData>", &"<DataArray/>".repeat(30_000)).as_bytes(), "more than 20000 arrays");
+    // Zeros that are compressed by a factor of 1000: 6.4e6 points in 200 kB.
+    let mut zip = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    std::io::Write::write_all(&mut zip, &vec![0; 6_400_000 * 24]).expect("memory");
+    let zeros = zip.finish().expect("memory");
+    let mut raw: Vec<u8> = [1, 6_400_000 * 24, 0, zeros.len() as u64].iter().flat_map(|n| n.to_le_bytes()).collect();
+    raw.extend(zeros);
+    let appended = appended_file(&raw, "raw", &[0]).replace_bytes("NumberOfPoints=\"3\"", "NumberOfPoints=\"6400000\"");
+    let zlib = "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"";
+    rejected(&appended.replace_bytes("header_type=\"UInt64\"", zlib), "more than a mesh in a file of this size");
 }
 
 const SMALL: &str = r#"<?xml version="1.0"?>
@@ -117,6 +128,61 @@ const SMALL: &str = r#"<?xml version="1.0"?>
 </Piece></UnstructuredGrid></VTKFile>
 "#;
 
+/// Replacement of text in a file with binary data.
+trait ReplaceBytes {
+    fn replace_bytes(&self, from: &str, to: &str) -> Vec<u8>;
+}
+
+impl ReplaceBytes for [u8] {
+    fn replace_bytes(&self, from: &str, to: &str) -> Vec<u8> {
+        let at = self.windows(from.len()).position(|w| w == from.as_bytes()).expect("the text");
+        [&self[..at], to.as_bytes(), &self[at + from.len()..]].concat()
+    }
+}
+
+/// Returns `SMALL` with its arrays in appended data, at the given offsets; the other arrays are unchanged.
+fn appended_file(data: &[u8], encoding: &str, offsets: &[usize]) -> Vec<u8> {
+    let arrays = ["0 0 0 1 1 0 2 4 0", "0 1 1 2", "2 4", "3 3", "1 0"];
+    let mut text = SMALL.to_owned();
+    for (array, offset) in arrays.iter().zip(offsets) {
+        let to = format!("format=\"appended\" offset=\"{offset}\"><");
+        text = text.replace(&format!("format=\"ascii\">{array}<"), &to);
+    }
+    let head = text.strip_suffix("</VTKFile>\n").expect("its end");
+    let open = format!("{head}<AppendedData encoding=\"{encoding}\">\n _");
+    [open.as_bytes(), data, b"</AppendedData>\n</VTKFile>\n"].concat()
+}
+
+/// Appended arrays, raw and as base64, have the values of inline arrays; truncated ones are rejected.
+#[test]
+fn appended_arrays_are_read() {
+    use base64::Engine as _;
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mesh.vtu");
+    let text = format!("*Mesh, input=\"{}\"\n", path.display());
+    let points = [0.0_f64, 0.0, 0.0, 1.0, 1.0, 0.0, 2.0, 4.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let whole = |numbers: &[i64]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
+    let arrays: [Vec<u8>; 5] = [points, whole(&[0, 1, 1, 2]), whole(&[2, 4]), vec![3, 3], vec![1, 0]];
+    for encoding in ["raw", "base64"] {
+        let (mut data, mut offsets) = (Vec::new(), Vec::new());
+        for bytes in &arrays {
+            offsets.push(data.len());
+            let bytes = [&(bytes.len() as u64).to_le_bytes(), bytes.as_slice()].concat();
+            match encoding {
+                "raw" => data.extend(bytes),
+                _ => data.extend(base64::engine::general_purpose::STANDARD.encode(bytes).into_bytes()),
+            }
+        }
+        std::fs::write(&path, appended_file(&data, encoding, &offsets)).expect("a file");
+        let model = build(&text);
+        assert_eq!(model.mesh.points, [[0.0, 0.0], [1.0, 1.0], [2.0, 4.0]]);
+        assert_eq!(model.mesh.elements[1].nodes, [1, 2]);
+        assert_eq!(model.element_sets["NOSE"].members, [0]);
+        std::fs::write(&path, appended_file(&data[..data.len() - 1], encoding, &offsets)).expect("a file");
+        assert!(errors(&text).contains("array `ELSET_NOSE`: it is truncated"), "{}", errors(&text));
+    }
+}
+
 #[test]
 fn files_of_other_programs_are_read_or_rejected_with_a_reason() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -125,11 +191,15 @@ fn files_of_other_programs_are_read_or_rejected_with_a_reason() {
     std::fs::write(&path, SMALL).expect("a file");
     assert_eq!(build(&text).element_sets["NOSE"].members, [0]);
     for (from, to, message_text) in [
-        ("3 3<", "9 3<", "Quad with 2 points"),
+        ("3 3<", "9 3<", "cell 1 is a quadrilateral with 2 points, expected 4"),
+        ("3 3<", "3 12<", "cell 2 has the VTK type 12"),
         ("2 4 0", "2 nan 0", "half-plane"),
         ("Int8\" Name=\"E", "Int9\" Name=\"E", "`Int9`"),
         ("ELSET_NOSE", "NOSE", "not read: NOSE"),
         ("0 1 1 2", "0 1 1 7", "points that do not exist"),
+        ("0 1 1 2", "0 1 1 -1", "points that do not exist"),
+        ("header_type=\"UInt64\"", "compressor=\"vtkLZMADataCompressor\"", "`vtkLZMADataCompressor` is not supported"),
+        ("format=\"ascii\">1 0", "format=\"appended\" offset=\"0\">", "outside the appended data"),
     ] {
         assert!(SMALL.contains(from));
         std::fs::write(&path, SMALL.replace(from, to)).expect("a file");

@@ -499,6 +499,21 @@ fn surplus_and_repeated_input_is_reported() {
         ("*Dsload", "*Dsload, friction=0.1", "M104"),
         ("*Dsload\n FACE, P, 1.", "*Dload\n UPPER, P3, 1., 2.", "M161"),
         (" 9, 2., 2.", " 9, 2., 2., 1.", "M104"),
+        ("*Elastic\n 100., 0.3", "*Elastic, dependencies=1\n 100., 0.3, , 0., 7.\n 90., 0.3, , 1.", "M161"),
+        ("*Plastic\n 0.5, 0.\n 2., 1.", "*Plastic, dependencies=1\n 0.5, 0., , 0., 7.\n 2., 1., , 0.", "M161"),
+        (" TOP, 2, -1.\n", " TOP, 2, -1.\n TOP, 2, -2.\n", "M160"),
+        (" ALL, 20.\n", " ALL, 20.\n*Initial Conditions, type=TEMPERATURE\n ALL, 30.\n", "M160"),
+        ("*Nset, nset=MID", "*Nset, nset=MID, instance=NONE", "M115"),
+        (
+            "**model",
+            "**model\n*Surface Interaction, name=I\n*Gap Conductance\n 1., 0.\n 0., 1.\n*Gap Conductance\n 2., 0.\n 0., 1.",
+            "M160",
+        ),
+        (
+            "**model",
+            "**model\n*Rigid Surface, type=SEGMENTS, name=W\n START, 0., -1.\n LINE, 1., -1.\n*Rigid Surface, type=SEGMENTS, name=W\n START, 0., -1.\n LINE, 2., -1.",
+            "M160",
+        ),
     ] {
         assert!(solid.contains(from), "{from}");
         let codes: Vec<String> = rendered(&solid.replacen(from, to, 1)).into_iter().map(|c| c.0).collect();

@@ -258,6 +258,42 @@ fn job_name_cannot_leave_its_folder() {
     assert_eq!(names.len(), 1, "{names:?}");
 }
 
+/// Decks from unknown sources: no files outside the folder of the deck, no lines of included files, no user code, no
+/// results above the limit.
+#[test]
+fn untrusted_decks_are_restricted() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let folder = scratch.path().join("job");
+    fs::create_dir(&folder).expect("a folder");
+    ogive(&folder);
+    fs::write(scratch.path().join("other.inc"), "*Node\n 1, 0., 0.\n").expect("a file");
+    fs::write(folder.join("own.inc"), "*Node\n 1, secret, 0.\n").expect("a file");
+    let refused = |text: &str, words: &[&str], why: &str| {
+        fs::write(folder.join("deck.inp"), text).expect("a deck");
+        let found = output(&folder, words);
+        assert_eq!(found.status.code(), Some(2), "{}", message_text(&found));
+        assert!(message_text(&found).contains(why), "{}", message_text(&found));
+        message_text(&found)
+    };
+    let check = ["check", "deck.inp", "--untrusted"];
+    refused("*Include, input=../other.inc\n", &check, "error[D011]");
+    refused("*Include, input=/etc/hostname\n", &check, "error[D011]");
+    refused("*Mesh, input=../other.vtu\n", &check, "error[D011]");
+    let text = refused("*Include, input=own.inc\n", &check, "own.inc:2");
+    assert!(!text.contains("1, secret"), "{text}");
+    let text = refused("*Include, input=own.inc\n", &check[..2], "own.inc:2");
+    assert!(text.contains("1, secret"), "{text}");
+    let many = "*Node\n 1, 0., 0.\n 2000001, 1., 0.\n*Ngen\n 1, 2000001\n";
+    refused(many, &check, "at most 1000000 are allowed");
+    refused("", &["run", "ogive.inp", "--user", "a.f", "--untrusted"], "user subroutines are not run");
+    let ogive = fs::read_to_string(folder.join("ogive.inp")).expect("a deck");
+    let frames = ogive.replace("number interval=20", "number interval=9000000");
+    assert_ne!(ogive, frames);
+    refused(&frames, &["run", "deck.inp", "--untrusted"], "error[K012]");
+    let run = limited(&folder, &["run", "ogive.inp", "--out", "out"]).env("REVOLVE_UNTRUSTED", "1").output();
+    assert!(run.expect("it runs").status.success());
+}
+
 /// Pipes, devices and folders in place of every file that is read.
 #[test]
 fn devices_and_folders_are_rejected_as_input_files() {

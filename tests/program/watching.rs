@@ -67,6 +67,42 @@ fn check_estimates_the_run_time() {
     assert!(part["limiting_element"].as_str().is_some_and(|e| e.parse::<u32>().is_ok()), "{part}");
 }
 
+/// `check` announces the bytes of frames and of the history within 5 %, if its trial run is the whole run.
+#[test]
+fn announced_output_matches_written_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = revolve(&["check", "--json", "input/ogive.inp"]);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let announced = &found["overview"]["output"];
+    let out = path_in(&folder, "out");
+    assert!(revolve(&["run", "input/ogive.inp", "-q", "-o", &out]).status.success());
+    let length = |name: &str| std::fs::metadata(folder.path().join("out").join(name)).expect("a file").len() as f64;
+    let frames: f64 = (0..21).map(|i| length(&format!("ogive_{i:04}.vtu"))).sum();
+    assert_eq!(number(&announced["frames"]), 21.0);
+    // A line in the list of frames and one in the list of checksums.
+    let of_frames = 21.0 * (number(&announced["frame_bytes"]) - 110.0);
+    assert!((of_frames / frames - 1.0).abs() < 0.05, "{of_frames} {frames}");
+    let rows = number(&announced["rows"]) * number(&announced["row_bytes"]);
+    assert!((rows / length("ogive_history.csv") - 1.0).abs() < 0.05, "{rows}");
+    assert!(number(&announced["largest_frame_bytes"]) > number(&announced["frame_bytes"]));
+}
+
+/// Values of a file are reported with file, row and column, not as `--set`.
+#[test]
+fn invalid_samples_are_reported_with_their_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, out) = (path_in(&folder, "samples.csv"), path_in(&folder, "out"));
+    let failure = |text: &str| {
+        std::fs::write(&file, text).expect("a file");
+        let words = ["sweep", "input/ogive.inp", "--samples", &file, "--quantity", "final(U2@REF)", "-q", "-o", &out];
+        String::from_utf8_lossy(&revolve(&words).stderr).into_owned()
+    };
+    let found = failure("V,B\n600,0.9\n700,abc\n");
+    assert!(found.contains("samples.csv, row 2, column B: `B=abc`") && !found.contains("--set"), "{found}");
+    let found = failure("V,B\n600,1/0\n");
+    assert!(found.contains("samples.csv, row 1, column B: `B=1/0`") && !found.contains("--set"), "{found}");
+}
+
 fn path_in(folder: &tempfile::TempDir, name: &str) -> String {
     folder.path().join(name).to_str().expect("a name").to_owned()
 }

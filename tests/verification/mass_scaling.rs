@@ -145,19 +145,25 @@ fn scaled_bodies_fall_with_gravity() {
     }
 }
 
-/// Mass added at a velocity v adds m v^2/2 to ALLKE and to ALLWK, and ETOTAL is constant.
+/// Mass added at a velocity v adds m v^2/2 to ALLKE and to ALLMW, not to ALLWK, and ETOTAL is constant. DMASS is the
+/// added mass in percent; more than 5 % is a warning.
 #[test]
-fn added_mass_appears_in_kinetic_energy_and_work() {
+fn added_mass_appears_in_kinetic_energy_and_its_own_work() {
     let text = |scaling: &str| {
         let moves = "*Initial Conditions, type=VELOCITY\n ALL, 2, 3.\n";
-        let output = "*Output, history, frequency=1\n*Energy Output\n ALLKE, ALLWK, ETOTAL\n";
+        let output = "*Output, history, frequency=1\n*Energy Output\n ALLKE, ALLWK, ALLMW, ETOTAL\n*Incrementation Output\n DMASS\n";
         body_with("").replace("*Step\n", &format!("{moves}*Step\n")).replace("*End Step", &format!("{output}*End Step"))
             + &step(scaling)
     };
     let deck = text("*Fixed Mass Scaling, factor=4., elset=THIN\n");
     let (outcome, memory) = run(&deck);
     let gained = 0.5 * 3.0 * THIN * 9.0;
-    assert_near(last(&deck, &memory, "ALLWK"), gained);
+    assert_near(last(&deck, &memory, "ALLMW"), gained);
+    assert!(last(&deck, &memory, "ALLWK").abs() < 1e-12 * gained);
+    assert_near(last(&deck, &memory, "DMASS"), 100.0 * 3.0 * THIN / MASS);
+    assert!(outcome.warnings.iter().any(|w| w.starts_with("R316")), "{:?}", outcome.warnings);
+    let little = run(&text("*Fixed Mass Scaling, factor=1.04, elset=THIN\n")).0;
+    assert!(!little.warnings.iter().any(|w| w.starts_with("R316")), "{:?}", little.warnings);
     assert_near(last(&deck, &memory, "ALLKE"), 0.5 * MASS * 9.0 + gained);
     let total = column(&deck, &memory, "ETOTAL");
     assert!(total.iter().all(|t| (t.1 / total[0].1 - 1.0).abs() < 1e-11), "{total:?}");

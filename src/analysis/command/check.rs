@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use crate::deck::Finding;
 use crate::job::{self, PreparedJob};
-use crate::overview::{self, DeckOverview};
+use crate::overview::{self, DeckOverview, StorageEstimate};
 use crate::plan::ledger::Ledger;
 use clap::Args;
 use serde::Serialize;
@@ -57,9 +57,15 @@ impl CheckCommand {
         let (routines, _) = self.user.routines(self.output.is_silent(), false)?;
         let OutputOptions { quiet: QuietOption { quiet }, json } = self.output;
         let settings = deck_settings(&self.set, self.mesh_refine)?;
-        let (prepared, mut overview) = job::examine(&self.deck, &settings, &routines);
+        let (mut prepared, mut overview) = job::examine(&self.deck, &settings, &routines);
         if let Some(overview) = overview.as_mut().filter(|_| !self.no_look && !quiet) {
             overview.effort = overview::measure(&prepared.plan, &prepared.state, TRIAL_TIME);
+        }
+        let free = job::default_job(&self.deck, None).ok().and_then(|job| super::free_space(&job.folder));
+        if let Some(overview) = overview.as_mut().filter(|_| !quiet) {
+            let state = std::mem::take(&mut prepared.state);
+            let estimate = StorageEstimate::of(&prepared.plan, state, overview.effort.as_ref(), true, false);
+            (overview.output, prepared.state) = (Some(estimate.0), estimate.1);
         }
         if json {
             return print_json(&prepared, overview.as_ref());
@@ -70,6 +76,8 @@ impl CheckCommand {
         }
         if let Some(overview) = &overview {
             words::write(format_args!("{}", overview.render()), true);
+            let output = overview.output.as_ref().map(|output| output.render(free)).unwrap_or_default();
+            words::write(format_args!("{output}"), true);
         }
         words::write(format_args!("{}", prepared.plan.ledger.render(self.bytes)), false);
         Ok(super::output_status())

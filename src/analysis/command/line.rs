@@ -2,10 +2,12 @@
 
 use std::ffi::OsString;
 
+use crate::deck::untrusted;
 use clap::{Parser, Subcommand};
 
+use super::words::print_err;
 use super::{
-    CommandStatus, REFUSED, chart, check, explain, identify, limit, material, mesh, new, print_error, report,
+    CommandStatus, HALTED, REFUSED, chart, check, explain, identify, limit, material, mesh, new, print_error, report,
     resistance, run, scatter, shell, study, sweep,
 };
 
@@ -13,6 +15,11 @@ use super::{
 #[derive(Parser)]
 #[command(name = "revolve", bin_name = "revolve", version, long_version = shell::version(), arg_required_else_help = true)]
 struct ProgramArguments {
+    /// Restrict what a deck can do, for decks from unknown sources: no user subroutines, no files outside the folder of
+    /// the deck, no lines of included files in messages, limits on elements, results and time. REVOLVE_UNTRUSTED=1 does
+    /// the same.
+    #[arg(long, global = true)]
+    untrusted: bool,
     #[command(subcommand)]
     command: ProgramCommand,
 }
@@ -41,7 +48,12 @@ enum ProgramCommand {
 /// status. It installs signal handlers; call it at most once per process.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> CommandStatus {
     let command = match ProgramArguments::try_parse_from(arguments) {
-        Ok(arguments) => arguments.command,
+        Ok(arguments) => {
+            if arguments.untrusted || untrusted::is_requested() {
+                restrict();
+            }
+            arguments.command
+        }
         Err(error) => {
             // An error of standard output cannot be reported anywhere.
             let _ = error.print();
@@ -72,4 +84,14 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> CommandSta
         print_error(&*error);
         CommandStatus(REFUSED)
     })
+}
+
+/// Turns the restrictions for decks from unknown sources on, and ends the process after the longest permitted time.
+fn restrict() {
+    untrusted::restrict();
+    std::thread::spawn(|| {
+        std::thread::sleep(untrusted::MAX_TIME);
+        print_err!("error: the time limit of --untrusted, {} s, is reached", untrusted::MAX_TIME.as_secs());
+        std::process::exit(i32::from(HALTED));
+    });
 }

@@ -30,7 +30,7 @@ pub mod words;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use crate::deck::{self, Diagnostic, Diagnostics, Sources};
+use crate::deck::{self, Diagnostic, Diagnostics, Sources, untrusted};
 use crate::job::{self, JobError, PreparedJob};
 use crate::model::{DeckUnits, MaterialDefinition};
 use crate::output::drawing::Drawing;
@@ -88,6 +88,10 @@ impl UserFiles {
     pub fn compiled(&self, quiet: bool) -> Result<Option<Compiled>, AlreadyPrinted> {
         if self.files.is_empty() {
             return Ok(None);
+        }
+        if untrusted::is_restricted() {
+            print_err!("error: --user: user subroutines are not run with --untrusted or {}", untrusted::VARIABLE);
+            return Err(AlreadyPrinted);
         }
         let compiled = compile(&self.files, self.check_user).map_err(|faults| {
             print_findings(&faults, &Sources::default());
@@ -170,6 +174,12 @@ fn print_error(error: &(dyn Error + 'static)) {
         None if error.is::<AlreadyPrinted>() => {}
         None => print_err!("error: {error}"),
     }
+}
+
+/// Returns the free disk space at the place of a folder that may not exist yet, in bytes.
+fn free_space(folder: &Path) -> Option<u64> {
+    let mut places = folder.ancestors().map(|place| if place.as_os_str().is_empty() { Path::new(".") } else { place });
+    crate::platform::free_space(places.find(|place| place.is_dir())?)
 }
 
 /// Returns the job of a deck and locks its output folder against other jobs.

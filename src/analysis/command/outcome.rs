@@ -22,6 +22,10 @@ pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
     histories(summary, job);
     increments(summary);
     print_out!("energy drift: {:.1e} of the largest energy", summary.energy.drift);
+    if let Some(added) = summary.energy.added_mass {
+        let energy = summary.energy.mass_scaling.unwrap_or(0.0);
+        print_out!("mass scaling: {added:.2} % added to the mass of the deformable bodies, ALLMW {energy:.3e}");
+    }
     if summary.deleted_elements > 0 {
         print_out!("{} elements were deleted", summary.deleted_elements);
     }

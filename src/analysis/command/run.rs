@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
-use crate::deck::{self, Diagnostic};
+use crate::deck::{self, Diagnostic, untrusted};
 use crate::job::{
     self, FrameOutput, Instructions, JobError, JobOptions, ParameterOverrides, PreparedJob, RestartRequirement,
     RunSummary,
@@ -13,6 +13,8 @@ use crate::job::{
 use crate::model::Model;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::{self, FramePoints, RunHistory};
+use crate::overview::{self, StorageEstimate};
+use crate::plan::WriteSchedule;
 use crate::platform::signals::watch_signals;
 use crate::solve::{CheckpointInterval, LOST, Progress, RunPosition};
 use crate::study::quantity::{FinishedRun, Quantity};
@@ -27,11 +29,14 @@ use super::options::{FolderOption, OutputOptions, ThreadOption};
 use super::progress::{self, RunBar};
 use super::uncertainty::{EstimatedRun, UncertaintyOptions};
 use super::watchdog::Watchdog;
-use super::words::{print_err, print_out};
+use super::words::{self, print_err, print_out};
 use super::{CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings};
 
 /// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
 const STACK: usize = 64 << 20;
+
+/// Wall-clock time of the trial run that counts increments, if an output depends on their number.
+const COUNTING_TIME: Duration = Duration::from_millis(30);
 
 /// Run a deck and write frames, histories and a summary file.
 #[derive(Args)]
@@ -83,6 +88,9 @@ pub struct RunCommand {
     /// Write no frames, only histories and the summary file.
     #[arg(long)]
     no_frames: bool,
+    /// Start the run even if its results are probably larger than the free disk space.
+    #[arg(long)]
+    force: bool,
     /// Print the run time of each effect.
     #[arg(long)]
     profile: bool,
@@ -133,6 +141,7 @@ impl RunCommand {
         if !self.is_silent() {
             print_out!("{}", prepared.plan.ledger.render(false));
         }
+        self.announce_output(&mut prepared, &job, from.is_some())?;
         let signal = watch_signals()?;
         // The run takes the state itself, without a copy, which could be large.
         let state = Some(std::mem::take(&mut prepared.state));
@@ -212,6 +221,51 @@ impl RunCommand {
     /// Returns whether informational output is suppressed.
     fn is_silent(&self) -> bool {
         self.output.is_silent()
+    }
+
+    /// Prints the size of the result files. An output that counts increments needs a short trial run.
+    ///
+    /// # Errors
+    /// K011 if the files are larger than the free disk space, except for a restart or with `--force`.
+    fn announce_output(
+        &self,
+        prepared: &mut PreparedJob,
+        job: &output::JobFiles,
+        resumed: bool,
+    ) -> Result<(), Box<Diagnostic>> {
+        let PreparedJob { plan, state, .. } = prepared;
+        let steps = || plan.steps.iter().flat_map(|step| step.outputs.field.iter().chain(&step.outputs.history));
+        let counts = steps().any(|schedule| matches!(schedule, WriteSchedule::Increments(_)));
+        let effort = if counts { overview::measure(plan, state, COUNTING_TIME) } else { None };
+        let (frames, restart) = (!self.no_frames, self.checkpoint_every.is_some());
+        let taken = std::mem::take(state);
+        let (estimate, unchanged) = StorageEstimate::of(plan, taken, effort.as_ref(), frames, restart);
+        *state = unchanged;
+        let free = super::free_space(&job.folder);
+        if !self.is_silent() {
+            words::write(format_args!("{}", estimate.render(free)), false);
+        }
+        let is_unknown = estimate.frames.is_none() || estimate.rows.is_none();
+        if untrusted::is_restricted() && (is_unknown || estimate.largest_bytes() > untrusted::MAX_OUTPUT) {
+            let (needed, most) = (overview::size(estimate.largest_bytes()), overview::size(untrusted::MAX_OUTPUT));
+            let message = format!("the results can need {needed}; with --untrusted at most {most} are permitted");
+            return Err(Box::new(
+                Diagnostic::error("K012", message).help("request fewer frames, rows or variables, or use --no-frames"),
+            ));
+        }
+        match free {
+            Some(free) if estimate.bytes() > free as f64 && !self.force && !resumed => {
+                let (needed, free) = (overview::size(estimate.bytes()), overview::size(free as f64));
+                let message = format!(
+                    "the results need about {needed}, and {free} are free on the disk of {}",
+                    job.folder.display()
+                );
+                Err(Box::new(Diagnostic::error("K011", message).help(
+                    "request fewer frames, rows or variables, choose another folder with --out, or start the run with --force",
+                )))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Returns the checkpoint for a restart if one is requested and exists, and prints notes on it.
@@ -301,8 +355,11 @@ fn run(
 fn print_end(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, signal: usize) -> CommandStatus {
     let Some(reason) = &summary.reason else { return CommandStatus::SUCCESS };
     let last = match frames {
-        FrameOutput::Written(_) => format!("\nthe last valid state is in {}", job.path(".pvd").display()),
-        FrameOutput::Absent => String::new(),
+        // After a failure of the first frame there is no list.
+        FrameOutput::Written(_) if job.path(".pvd").is_file() => {
+            format!("\nthe last valid state is in {}", job.path(".pvd").display())
+        }
+        _ => String::new(),
     };
     print_err!("halted: {reason}{last}");
     if !summary.interrupted {

@@ -1,10 +1,11 @@
 //! The command `revolve sweep`: runs over a grid or table of parameters, also in parts and for Dakota.
 
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use crate::deck::files;
+use crate::deck::{Diagnostics, files};
 use crate::study::cases::{self, CaseRange, SweepPart};
 use crate::study::compare::{Agreement, ReferenceTable};
 use crate::study::dakota;
@@ -51,6 +52,9 @@ pub struct SweepCommand {
     /// Combine the parts in the result folder into the table of the sweep without running; missing cases are listed.
     #[arg(long, conflicts_with_all = ["cases", "dakota", "keep"])]
     gather: bool,
+    /// Continue an interrupted sweep: cases that have finished are not run again.
+    #[arg(long, conflicts_with_all = ["cases", "gather", "dakota", "plan"])]
+    resume: bool,
     /// Print the list of cases as CSV without running.
     #[arg(long, conflicts_with_all = ["gather", "dakota", "keep", "compare", "json"])]
     plan: bool,
@@ -86,6 +90,7 @@ pub struct SweepCommand {
 /// A sweep whose deck and arguments have been checked.
 struct PreparedSweep {
     grid: CaseGrid,
+    origin: CaseOrigin,
     quantities: Vec<Quantity>,
     compiled: Option<Compiled>,
     /// The deck with the values of the first case.
@@ -98,7 +103,7 @@ impl SweepCommand {
         if let Some(files) = &self.dakota {
             return self.answer_dakota(files, quantities);
         }
-        let mut grid = self.grid()?;
+        let (mut grid, origin) = self.grid()?;
         let measured = self.compare_column.as_deref().map(|name| measured(&mut grid, name)).transpose()?;
         let cases =
             self.cases.as_deref().map(CaseRange::parse).transpose()?.map(|cases| cases.of(grid.count())).transpose()?;
@@ -107,21 +112,24 @@ impl SweepCommand {
             return Ok(CommandStatus::SUCCESS);
         }
         let reference = measured.map_or_else(|| self.reference(&grid), |measured| Ok(Some(measured)))?;
-        let prepared = self.prepare(grid, quantities)?;
+        let prepared = self.prepare(grid, origin, quantities)?;
         match cases {
             Some(cases) => self.run_part(&prepared, cases),
             None => self.run_all(&prepared, reference.as_ref()),
         }
     }
 
-    fn grid(&self) -> Result<CaseGrid, Box<dyn Error>> {
+    /// Returns the cases, and the file that gives their values.
+    fn grid(&self) -> Result<(CaseGrid, CaseOrigin), Box<dyn Error>> {
         Ok(match (&self.samples, self.random) {
             (Some(path), _) => {
                 let text = files::read_text(path).map_err(|e| format!("{}: {e}", path.display()))?;
-                CaseGrid::samples(path, &text, &self.set)?
+                let grid = CaseGrid::samples(path, &text, &self.set)?;
+                let origin = CaseOrigin::of_file("--samples", path, &grid, self.set.len());
+                (grid, origin)
             }
-            (None, Some(count)) => CaseGrid::random(&self.set, count, self.seed)?,
-            (None, None) => CaseGrid::parse(&self.set)?,
+            (None, Some(count)) => (CaseGrid::random(&self.set, count, self.seed)?, CaseOrigin::default()),
+            (None, None) => (CaseGrid::parse(&self.set)?, CaseOrigin::default()),
         })
     }
 
@@ -139,16 +147,22 @@ impl SweepCommand {
     }
 
     /// Checks deck, user subroutines and quantities with the parameters of the first case.
-    fn prepare(&self, grid: CaseGrid, quantities: Vec<Quantity>) -> Result<PreparedSweep, Box<dyn Error>> {
+    fn prepare(
+        &self,
+        grid: CaseGrid,
+        origin: CaseOrigin,
+        quantities: Vec<Quantity>,
+    ) -> Result<PreparedSweep, Box<dyn Error>> {
         let compiled = self.user.compiled(self.output.is_silent())?;
         let routines = Compiled::open_any(compiled.as_ref())?;
-        let first = job::prepare(&self.deck, &grid.combination(0), &routines);
+        let mut first = job::prepare(&self.deck, &grid.combination(0), &routines);
+        origin.attribute(&mut first.diagnostics);
         accept(&first, self.output.is_silent())?;
         for quantity in &quantities {
             quantity.check_without_study()?;
             quantity.check(&first.plan)?;
         }
-        Ok(PreparedSweep { grid, quantities, compiled, first })
+        Ok(PreparedSweep { grid, origin, quantities, compiled, first })
     }
 
     /// Runs the given range of cases on all threads.
@@ -157,15 +171,36 @@ impl SweepCommand {
         prepared: &PreparedSweep,
         cases: Range<usize>,
         kept: Option<&output::JobFiles>,
+        listed: Option<&output::JobFiles>,
     ) -> Result<sweep::SweepResults, Box<dyn Error>> {
         let threads = self.threads.count();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string())?;
         let bar = progress::over_runs(cases.len() as u64, self.output.quiet.quiet);
-        let done = || bar.inc(1);
-        let PreparedSweep { grid, quantities, compiled, .. } = prepared;
-        let results =
-            pool.install(|| sweep::run(&self.deck, (grid, cases), quantities, compiled.as_ref(), kept, &done));
+        let PreparedSweep { grid, origin, quantities, compiled, .. } = prepared;
+        let identity = prepared.identity();
+        let part = prepared.part(&identity);
+        let mut known = BTreeMap::new();
+        if let Some(job) = listed.filter(|_| self.resume) {
+            known = part.finished(job)?;
+            bar.inc(known.len() as u64);
+        }
+        let log = listed.map(|job| part.begin_log(job, &known)).transpose()?;
+        let done = |index: usize, case: &sweep::CaseResult| {
+            log.iter().for_each(|log| log.add(index, case));
+            bar.inc(1);
+        };
+        let left: Vec<usize> = cases.clone().filter(|index| !known.contains_key(index)).collect();
+        let run = pool.install(|| sweep::run(&self.deck, (grid, &left), quantities, compiled.as_ref(), kept, &done));
         bar.finish_and_clear();
+        log.map_or(Ok(()), cases::SweepLog::finish)?;
+        known.extend(left.into_iter().zip(run));
+        let mut results = sweep::SweepResults::default();
+        for (index, mut case) in known {
+            if let Err(error) = &mut case.values {
+                origin.attribute_error(index, error);
+            }
+            results.push(grid, index, case);
+        }
         Ok(results)
     }
 
@@ -181,7 +216,7 @@ impl SweepCommand {
         let results = if self.gather {
             prepared.part(&prepared.identity()).gather(&job)?
         } else {
-            self.run(prepared, 0..grid.count(), self.keep.then_some(&job))?
+            self.run(prepared, 0..grid.count(), self.keep.then_some(&job), Some(&job))?
         };
         let compared = sweep::table(grid, quantities, &results, reference);
         // A table without rows does not overwrite an earlier one.
@@ -194,6 +229,10 @@ impl SweepCommand {
                 charts.push(("_measured".to_owned(), chart));
             }
             write_results(&job, "sweep", &compared.table, Vec::new(), &charts, &labels)?;
+        }
+        if !self.gather {
+            // The table contains all cases.
+            let _ = std::fs::remove_file(job.path(cases::LOG));
         }
         if self.output.json {
             print_json(grid, quantities, &results, &compared)?;
@@ -209,7 +248,7 @@ impl SweepCommand {
     fn run_part(&self, prepared: &PreparedSweep, cases: Range<usize>) -> Result<CommandStatus, Box<dyn Error>> {
         let whole = job::default_job(&self.deck, self.folder.out.clone())?;
         job::make_folder(&whole)?;
-        let results = self.run(prepared, cases.clone(), self.keep.then_some(&whole))?;
+        let results = self.run(prepared, cases.clone(), self.keep.then_some(&whole), None)?;
         let path = prepared.part(&prepared.identity()).write(&whole, &cases, &results)?;
         if !self.output.is_silent() {
             print_out!("cases {}-{} of {}: {}", cases.start + 1, cases.end, prepared.grid.count(), path.display());
@@ -224,7 +263,9 @@ impl SweepCommand {
         let [parameters, answers] = files else { return Err("--dakota needs two files".into()) };
         let text = files::read_text(parameters).map_err(|e| format!("{}: {e}", parameters.display()))?;
         let evaluations = dakota::DakotaRequest::read(parameters, &text, &quantities)?;
-        let prepared = match self.prepare(evaluations.grid(&self.set)?, quantities) {
+        let grid = evaluations.grid(&self.set)?;
+        let origin = CaseOrigin::of_file("--dakota", parameters, &grid, self.set.len());
+        let prepared = match self.prepare(grid, origin, quantities) {
             Ok(prepared) => prepared,
             Err(error) => {
                 // Dakota waits for a results file also when the evaluation fails.
@@ -232,11 +273,50 @@ impl SweepCommand {
                 return Err(error);
             }
         };
-        let results = self.run(&prepared, 0..prepared.grid.count(), None)?;
+        let results = self.run(&prepared, 0..prepared.grid.count(), None, None)?;
         output::write_whole(answers, evaluations.answer(&results).as_bytes())?;
         print_run_warnings(&run_warnings(&prepared.grid, &results));
         report_failures(&results);
         Ok(CommandStatus::SUCCESS)
+    }
+}
+
+/// File that gives the values of parameters, for messages on them.
+#[derive(Default)]
+struct CaseOrigin {
+    /// Option and path; empty without a file.
+    file: String,
+    /// Parameters with values in the file.
+    names: Vec<String>,
+}
+
+impl CaseOrigin {
+    /// Creates the origin of a grid whose last `fixed` parameters are given by `--set`.
+    fn of_file(option: &str, path: &Path, grid: &CaseGrid, fixed: usize) -> CaseOrigin {
+        let names = grid.names();
+        let names = names[..names.len() - fixed].iter().map(|name| (*name).to_owned()).collect();
+        CaseOrigin { file: format!("{option} {}", path.display()), names }
+    }
+
+    /// Replaces the option `--set` in a message on a value by the file, row (from 1) and column.
+    fn place(&self, case: usize, message: &str) -> String {
+        let replace = |message: String, name: &String| {
+            let place = |end: char| format!("{}, row {}, column {name}: `{name}{end}", self.file, case + 1);
+            ['=', '`'].into_iter().fold(message, |text, end| text.replace(&format!("`--set {name}{end}"), &place(end)))
+        };
+        self.names.iter().fold(message.to_owned(), replace)
+    }
+
+    /// Names the place of invalid values of the first case.
+    fn attribute(&self, diagnostics: &mut Diagnostics) {
+        diagnostics.iter_mut().for_each(|found| found.message = self.place(0, &found.message));
+    }
+
+    /// Names the place of invalid values of a case.
+    fn attribute_error(&self, case: usize, error: &mut StudyError) {
+        if let StudyError::Refused { text, .. } = error {
+            *text = self.place(case, text);
+        }
     }
 }
 

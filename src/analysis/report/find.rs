@@ -11,6 +11,7 @@ use super::{PageOptions, ReportError, balance, compare, frames, history, limits,
 use crate::deck::files;
 use crate::output::HISTORY;
 use crate::output::sums::Checksums;
+use crate::study::cases::{LOG, finished_table};
 use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 use crate::study::record::CERTIFICATE;
 
@@ -44,6 +45,18 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<ReportPage, ReportEr
         sums.verify(&path)?;
         page.sweeps.push(sweep::table(name, &text(&path)?).map_err(|e| format!("{}: {e}", path.display()))?);
     }
+    let unfinished = with(LOG);
+    for name in &unfinished {
+        let path = folder.join(format!("{name}{LOG}"));
+        let (table, [count, failed]) =
+            finished_table(&text(&path)?).ok_or_else(|| format!("{}: the table is damaged", path.display()))?;
+        let mut table = sweep::table(name, &table).map_err(|e| format!("{}: {e}", path.display()))?;
+        table.notes.push(format!(
+            "the sweep is running or was interrupted: {count} cases have finished, {failed} of them without a result; \
+             --resume continues it"
+        ));
+        page.sweeps.push(table);
+    }
     for name in &studies {
         let path = folder.join(format!("{name}_study.json"));
         sums.verify(&path)?;
@@ -55,7 +68,8 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<ReportPage, ReportEr
         }
     }
     let searched = page.searches.iter().map(|search| &search.table.name);
-    let all: BTreeSet<&String> = jobs.iter().chain(&sweeps).chain(&studies).chain(searched).collect();
+    let all: BTreeSet<&String> =
+        jobs.iter().chain(&sweeps).chain(&unfinished).chain(&studies).chain(searched).collect();
     if all.is_empty() {
         return Err(nothing_found(folder).into());
     }

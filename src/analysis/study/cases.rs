@@ -1,19 +1,27 @@
 //! Parts of a sweep that separate processes run: selection of cases, part files, and gathering of the parts.
 
-use std::fs;
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, Write as _};
 use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant as Stopwatch};
 
 use super::StudyError;
 use super::grid::CaseGrid;
 use super::quantity::Quantity;
-use super::sweep::SweepResults;
+use super::sweep::{CaseResult, SweepResults};
 use crate::deck::files;
 use crate::output::{JobFiles, csv, whole};
 
 /// Environment variables with the index of a task in an array: Slurm, HyperQueue, PBS, Grid Engine, LSF.
 const TASKS: [&str; 5] = ["SLURM_ARRAY_TASK_ID", "HQ_TASK_ID", "PBS_ARRAY_INDEX", "SGE_TASK_ID", "LSB_JOBINDEX"];
 const PART: &str = "_cases_";
+/// Ending of the list of finished cases of a running or interrupted sweep.
+pub const LOG: &str = "_cases_log.csv";
+/// Time between two writings of the list.
+const WRITE_EVERY: Duration = Duration::from_millis(500);
 const HEAD: &str = "# revolve sweep ";
 
 /// Selection of cases of a sweep; cases are numbered from 1.
@@ -113,21 +121,61 @@ impl SweepPart<'_> {
 
     /// Formats the text of a part; numbers have all digits, so that reading them back is exact.
     pub fn text(&self, cases: &Range<usize>, results: &SweepResults) -> String {
-        let mut text = format!("{HEAD}{}\n", self.sweep);
-        let quantities: Vec<&str> = self.quantities.iter().map(|q| q.text.as_str()).collect();
-        text += &header(self.grid, &[&quantities[..], &["doubts", "reason"]].concat());
-        let rows = results.parameters.iter().zip(&results.values).zip(&results.warnings).zip(cases.clone());
-        for (((parameters, values), doubts), index) in rows {
-            let mut row: Vec<String> = vec![(index + 1).to_string()];
-            row.extend(parameters.iter().cloned());
-            match values {
-                Ok(values) => row.extend(values.iter().map(|v| format!("{v:e}"))),
-                Err(_) => row.extend(vec![String::new(); self.quantities.len()]),
-            }
-            row.extend([json(doubts), json(&values.as_ref().err().map(ToString::to_string))]);
-            text += &csv::line(row);
+        let mut text = self.head();
+        for ((values, doubts), index) in results.values.iter().zip(&results.warnings).zip(cases.clone()) {
+            text += &self.line(index, values.as_deref(), doubts);
         }
         text
+    }
+
+    fn head(&self) -> String {
+        let quantities: Vec<&str> = self.quantities.iter().map(|q| q.text.as_str()).collect();
+        let names = header(self.grid, &[&quantities[..], &["doubts", "reason"]].concat());
+        format!("{HEAD}{}\n{names}", self.sweep)
+    }
+
+    /// Formats the row of a case.
+    fn line(&self, index: usize, values: Result<&[f64], &StudyError>, doubts: &[String]) -> String {
+        let mut row: Vec<String> = vec![(index + 1).to_string()];
+        row.extend(self.grid.combination(index).into_iter().map(|pair| pair.1));
+        match values {
+            Ok(values) => row.extend(values.iter().map(|v| format!("{v:e}"))),
+            Err(_) => row.extend(vec![String::new(); self.quantities.len()]),
+        }
+        row.extend([json(&doubts), json(&values.err().map(ToString::to_string))]);
+        csv::line(row)
+    }
+
+    /// Begins the list of finished cases, with those of an interrupted sweep.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn begin_log(&self, job: &JobFiles, known: &BTreeMap<usize, CaseResult>) -> Result<SweepLog<'_>, StudyError> {
+        let lines = known.iter().map(|(index, case)| self.line(*index, case.values.as_deref(), &case.warnings));
+        let text = self.head() + &lines.collect::<String>();
+        let path = job.path(LOG);
+        let cannot = |e: io::Error| StudyError::Setting(format!("{}: {e}", path.display()));
+        whole::write_whole(&path, text.as_bytes()).map_err(cannot)?;
+        let file = fs::OpenOptions::new().append(true).open(&path).map_err(cannot)?;
+        let state = LogState { file, text: String::new(), written: Stopwatch::now(), failed: None };
+        Ok(SweepLog { part: self, path, state: Mutex::new(state) })
+    }
+
+    /// Reads the finished cases of an interrupted sweep; empty if there are none. A last line that is not complete is
+    /// dropped.
+    ///
+    /// # Errors
+    /// If the file belongs to a different sweep or is damaged.
+    pub fn finished(&self, job: &JobFiles) -> Result<BTreeMap<usize, CaseResult>, StudyError> {
+        let path = job.path(LOG);
+        let wrong = |message: String| StudyError::Setting(format!("{}: {message}", path.display()));
+        let text = match files::read_text(&path) {
+            Ok(text) => text,
+            Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(BTreeMap::new()),
+            Err(e) => return Err(wrong(e.to_string())),
+        };
+        let end = text.rfind('\n').map_or(0, |end| end + 1);
+        Ok(self.rows(&text[..end]).map_err(wrong)?.into_iter().collect())
     }
 
     /// Writes the part file atomically.
@@ -141,7 +189,7 @@ impl SweepPart<'_> {
     /// Reads all parts of the sweep in the job's folder. If several parts contain a case, the last one read is used.
     pub fn gather(&self, job: &JobFiles) -> Result<SweepResults, StudyError> {
         let count = self.grid.count();
-        let mut rows: Vec<Option<GatheredCase>> = (0..count).map(|_| None).collect();
+        let mut rows: Vec<Option<CaseResult>> = (0..count).map(|_| None).collect();
         for path in parts_of(job)? {
             let named = |message: String| StudyError::Setting(format!("{}: {message}", path.display()));
             let text = files::read_text(&path).map_err(|e| named(e.to_string()))?;
@@ -155,15 +203,13 @@ impl SweepPart<'_> {
         }
         let mut results = SweepResults::default();
         for (index, row) in rows.into_iter().flatten().enumerate() {
-            results.parameters.push(self.grid.combination(index).into_iter().map(|pair| pair.1).collect());
-            results.values.push(row.values);
-            results.warnings.push(row.warnings);
+            results.push(self.grid, index, row);
         }
         Ok(results)
     }
 
     /// Reads the case indices and rows of a part.
-    fn rows(&self, text: &str) -> Result<Vec<(usize, GatheredCase)>, String> {
+    fn rows(&self, text: &str) -> Result<Vec<(usize, CaseResult)>, String> {
         let mut lines = text.lines().enumerate();
         let head = lines.next().map_or("", |l| l.1);
         if head.strip_prefix(HEAD) != Some(self.sweep) {
@@ -182,7 +228,7 @@ impl SweepPart<'_> {
             .collect()
     }
 
-    fn row(&self, line: &str) -> Option<(usize, GatheredCase)> {
+    fn row(&self, line: &str) -> Option<(usize, CaseResult)> {
         let fields = csv::fields(line);
         let (named, quantity_count) = (self.grid.names().len(), self.quantities.len());
         let [case, rest @ ..] = &fields[..] else { return None };
@@ -197,14 +243,71 @@ impl SweepPart<'_> {
                 Ok(rest[named..named + quantity_count].iter().map(|v| v.parse().ok()).collect::<Option<Vec<f64>>>()?)
             }
         };
-        Some((index, GatheredCase { values, warnings: serde_json::from_str(&rest[named + quantity_count]).ok()? }))
+        Some((index, CaseResult { values, warnings: serde_json::from_str(&rest[named + quantity_count]).ok()? }))
     }
 }
 
-/// Result of a case in a part file.
-struct GatheredCase {
-    values: Result<Vec<f64>, StudyError>,
-    warnings: Vec<String>,
+/// List of the finished cases of a running sweep.
+pub struct SweepLog<'a> {
+    part: &'a SweepPart<'a>,
+    path: PathBuf,
+    state: Mutex<LogState>,
+}
+
+struct LogState {
+    file: File,
+    /// Lines that are not written yet.
+    text: String,
+    written: Stopwatch,
+    failed: Option<io::Error>,
+}
+
+impl LogState {
+    fn write(&mut self) {
+        let written = self.file.write_all(self.text.as_bytes());
+        self.failed = self.failed.take().or(written.err());
+        self.text.clear();
+        self.written = Stopwatch::now();
+    }
+}
+
+impl SweepLog<'_> {
+    /// Adds a case; the lines are written every half second.
+    pub fn add(&self, index: usize, case: &CaseResult) {
+        let line = self.part.line(index, case.values.as_deref(), &case.warnings);
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.text += &line;
+        if state.written.elapsed() > WRITE_EVERY {
+            state.write();
+        }
+    }
+
+    /// Writes the remaining lines.
+    ///
+    /// # Errors
+    /// If a line could not be written.
+    pub fn finish(self) -> Result<(), StudyError> {
+        let mut state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+        state.write();
+        state.failed.map_or(Ok(()), |e| Err(StudyError::Setting(format!("{}: {e}", self.path.display()))))
+    }
+}
+
+/// Returns the table of a list of finished cases without failed ones, and the numbers of all cases and of failed ones.
+pub fn finished_table(text: &str) -> Option<(String, [usize; 2])> {
+    let mut lines = text[..text.rfind('\n')?].lines().skip(1).map(csv::fields);
+    let inner = |fields: &[String]| Some(fields.get(1..fields.len().checked_sub(2)?)?.to_vec());
+    let mut table = csv::line(inner(&lines.next()?)?);
+    let [mut count, mut failed] = [0; 2];
+    for fields in lines {
+        count += 1;
+        if fields.last().is_some_and(|reason| reason == "null") {
+            table += &csv::line(inner(&fields)?);
+        } else {
+            failed += 1;
+        }
+    }
+    Some((table, [count, failed]))
 }
 
 fn json<T: serde::Serialize>(words: &T) -> String {
@@ -213,12 +316,12 @@ fn json<T: serde::Serialize>(words: &T) -> String {
 
 /// Returns the part files of a job's sweep, sorted by name.
 fn parts_of(job: &JobFiles) -> Result<Vec<PathBuf>, StudyError> {
-    let cannot = |e: std::io::Error| StudyError::Setting(format!("{}: {e}", job.folder.display()));
+    let cannot = |e: io::Error| StudyError::Setting(format!("{}: {e}", job.folder.display()));
     let begin = format!("{}{PART}", job.name);
     let mut paths = Vec::new();
     for entry in fs::read_dir(&job.folder).map_err(cannot)? {
         let path = entry.map_err(cannot)?.path();
-        let is_part = |name: &str| name.starts_with(&begin) && name.ends_with(".csv");
+        let is_part = |name: &str| name.starts_with(&begin) && name.ends_with(".csv") && !name.ends_with(LOG);
         if path.file_name().and_then(|name| name.to_str()).is_some_and(is_part) {
             paths.push(path);
         }
@@ -228,7 +331,7 @@ fn parts_of(job: &JobFiles) -> Result<Vec<PathBuf>, StudyError> {
 }
 
 /// Returns the ranges of missing cases in the form of `--cases`, at most `MOST` ranges.
-fn missing(rows: &[Option<GatheredCase>]) -> Vec<String> {
+fn missing(rows: &[Option<CaseResult>]) -> Vec<String> {
     const MOST: usize = 10;
     let mut spans: Vec<String> = Vec::new();
     let mut index = 0;
@@ -255,12 +358,14 @@ fn missing(rows: &[Option<GatheredCase>]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{CaseRange, SweepPart};
+    use std::collections::BTreeMap;
+
+    use super::{CaseRange, SweepPart, finished_table};
     use crate::output::JobFiles;
     use crate::study::StudyError;
     use crate::study::grid::CaseGrid;
     use crate::study::quantity::Quantity;
-    use crate::study::sweep::SweepResults;
+    use crate::study::sweep::{CaseResult, SweepResults};
 
     #[test]
     fn case_ranges_are_parsed() {
@@ -284,6 +389,29 @@ mod tests {
             assert!(ends[0].start == 0 && ends[parts - 1].end == count);
             assert!(ends.windows(2).all(|two| two[0].end == two[1].start));
         }
+    }
+
+    #[test]
+    fn finished_cases_of_an_interrupted_sweep_are_read_back() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let job = JobFiles { folder: folder.path().to_owned(), name: "a".into() };
+        let grid = CaseGrid::parse(&["V=1,2,3".into()]).expect("a grid");
+        let quantities = [Quantity::parse("final(U2@REF)").expect("a quantity")];
+        let part = SweepPart { sweep: "this", grid: &grid, quantities: &quantities };
+        assert_eq!(part.finished(&job), Ok(BTreeMap::new()));
+        let case = |value: f64| CaseResult { values: Ok(vec![value]), warnings: Vec::new() };
+        let failed = CaseResult { values: Err(StudyError::Reported("halted".into())), warnings: vec!["a, b".into()] };
+        let log = part.begin_log(&job, &BTreeMap::from([(2, case(0.1 + 0.2))])).expect("a list");
+        log.add(0, &failed);
+        log.finish().expect("written");
+        let path = job.path(super::LOG);
+        let text = std::fs::read_to_string(&path).expect("a list");
+        // A process that was killed while it wrote a line.
+        std::fs::write(&path, text.clone() + "2,2,1e").expect("a list");
+        assert_eq!(part.finished(&job), Ok(BTreeMap::from([(2, case(0.1 + 0.2)), (0, failed)])));
+        let (table, numbers) = finished_table(&text).expect("a table");
+        assert_eq!((table.as_str(), numbers), ("V,final(U2@REF)\n3,3.0000000000000004e-1\n", [2, 1]));
+        assert!(SweepPart { sweep: "that", ..part }.finished(&job).is_err());
     }
 
     #[test]

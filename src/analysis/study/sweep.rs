@@ -1,6 +1,5 @@
 //! `sweep`: runs of a deck over a grid of parameters on all threads, with comparison to a reference table.
 
-use std::ops::Range;
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -27,7 +26,25 @@ pub struct SweepResults {
     pub warnings: Vec<Vec<String>>,
 }
 
-/// Runs a range of cases of a grid. With `kept`, the summary and histories of each run are written to a separate
+/// Result of one case of a sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaseResult {
+    /// Values of all quantities, or the error of the run.
+    pub values: Result<Vec<f64>, StudyError>,
+    /// Warnings, and notes on bodies that are still moving in a target.
+    pub warnings: Vec<String>,
+}
+
+impl SweepResults {
+    /// Adds the result of the case with this index in the grid.
+    pub fn push(&mut self, grid: &CaseGrid, index: usize, case: CaseResult) {
+        self.parameters.push(grid.combination(index).into_iter().map(|pair| pair.1).collect());
+        self.values.push(case.values);
+        self.warnings.push(case.warnings);
+    }
+}
+
+/// Runs cases of a grid; `done` receives the index and the result of each case when it ends. With `kept`, the summary and histories of each run are written to a separate
 /// folder. The results do not depend on the number of threads: user subroutines are loaded again for each run.
 ///
 /// ```
@@ -36,39 +53,33 @@ pub struct SweepResults {
 ///
 /// let grid = CaseGrid::parse(&["V=569,781".into()])?;
 /// let depth = Quantity::parse("-1000*final(U2@REF)")?;
-/// let results = sweep::run("input/ogive.inp".as_ref(), (&grid, 0..2), &[depth], None, None, &|| {});
-/// let depths = results.values.into_iter().collect::<Result<Vec<_>, StudyError>>()?;
+/// let results = sweep::run("input/ogive.inp".as_ref(), (&grid, &[0, 1]), &[depth], None, None, &|_, _| {});
+/// let depths = results.into_iter().map(|case| case.values).collect::<Result<Vec<_>, StudyError>>()?;
 /// assert!(depths[1][0] > depths[0][0]); // The faster projectile penetrates deeper.
 /// # Ok::<(), StudyError>(())
 /// ```
 pub fn run(
     deck: &Path,
-    (grid, cases): (&CaseGrid, Range<usize>),
+    (grid, cases): (&CaseGrid, &[usize]),
     quantities: &[Quantity],
     user: Option<&Compiled>,
     kept: Option<&JobFiles>,
-    done: &(dyn Fn() + Sync),
-) -> SweepResults {
-    let runs: Vec<_> = cases
-        .into_par_iter()
-        .map(|index| {
+    done: &(dyn Fn(usize, &CaseResult) + Sync),
+) -> Vec<CaseResult> {
+    cases
+        .par_iter()
+        .map(|&index| {
             let combination = grid.combination(index);
             let job =
                 kept.map(|job| JobFiles { folder: job.path(&format!("_{:05}", index + 1)), name: job.name.clone() });
             let result = one(deck, &combination, quantities, user, job.as_ref());
-            done();
-            let (value, warnings) =
-                result.map_or_else(|e| (Err(e), Vec::new()), |(value, warnings)| (Ok(value), warnings));
-            (combination.into_iter().map(|p| p.1).collect(), value, warnings)
+            let (values, warnings) =
+                result.map_or_else(|e| (Err(e), Vec::new()), |(values, warnings)| (Ok(values), warnings));
+            let case = CaseResult { values, warnings };
+            done(index, &case);
+            case
         })
-        .collect();
-    let mut results = SweepResults::default();
-    for (parameters, value, warnings) in runs {
-        results.parameters.push(parameters);
-        results.values.push(value);
-        results.warnings.push(warnings);
-    }
-    results
+        .collect()
 }
 
 /// Runs one case. Returns the quantities and warnings, or the first error.

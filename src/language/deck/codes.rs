@@ -22,6 +22,7 @@ pub static CODES: &[DiagnosticCode] = codes! {
     "D008" "File found at another path" "The given path does not exist; a file of the same name in the folder of the deck is read instead."
     "D009" "Empty deck" "The file has no keyword line; it is empty or has only blank lines and comments."
     "D010" "Input file of another program" "The file begins like an input file of LS-DYNA (*KEYWORD) or OpenRadioss (#RADIOSS STARTER, /BEGIN). Decks have the syntax of ABAQUS/Explicit: convert the file with a pre-processor."
+    "D011" "file outside the folder of the deck" "With `--untrusted` or REVOLVE_UNTRUSTED=1, *INCLUDE, INPUT= and *MESH read only files in the folder of the deck and below it. Symbolic links are followed first."
     "D101" "Unknown keyword" "The word after the star is neither a known keyword of ABAQUS/Explicit (docs/abaqus.md) nor an extension of Revolve. Case and blanks are ignored; unambiguous abbreviations are accepted. The data lines of the card are skipped."
     "D102" "Ambiguous keyword" "The word after the star is an abbreviation of several keywords. Write more letters."
     "D103" "Unknown parameter" "The keyword has no parameter of this name. `revolve explain KEYWORD` lists its parameters."

@@ -26,6 +26,7 @@ pub mod source;
 pub mod syntax;
 pub mod table;
 pub mod template;
+pub mod untrusted;
 pub mod value;
 pub mod ways;
 

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::diagnostic::{Diagnostic, Diagnostics};
-use super::files;
 use super::keywords::{self, InputRule, InputUsage, Keyword, KeywordTier, NameLookup};
 use super::lexer::{self, LineFields, LineIterator, LineKind, LineRange};
 use super::parameters::Parameters;
 use super::rows::is_listing;
 use super::source::{self, SourceFile, Span};
 use super::syntax::{Card, DataLine, Deck, ListingRow, Parameter, Word};
+use super::{files, untrusted};
 
 /// Maximum depth of nested includes.
 const DEEPEST: usize = 32;
@@ -413,6 +413,12 @@ impl Parser {
     fn refusal(&self, path: &Path, file: &Word) -> Option<Diagnostic> {
         let what = |code, message: String, label: &str| Some(Diagnostic::error(code, message).at(file.span, label));
         let shown = path.display();
+        let deck = Span { file: 0, ..Span::default() };
+        if untrusted::forbids(self.deck.sources.folder(deck), path) {
+            let message = format!("{} is not in the folder of the deck", file.text);
+            let found = what("D011", message, "not read with --untrusted")?;
+            return Some(found.help("copy the file into the folder of the deck or a folder below it"));
+        }
         if path.canonicalize().is_ok_and(|p| self.chain.contains(&p)) {
             return what("D003", format!("{shown} includes itself"), "this file is already being read");
         }

@@ -5,6 +5,7 @@ use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Renderer, Snip
 use super::diagnostic::{Diagnostic, Severity, SourceLabel};
 use super::printable::printable;
 use super::source::{Sources, Span};
+use super::untrusted::is_restricted;
 
 /// Maximum number of diagnostics shown per severity; the others are counted.
 const MOST: usize = 20;
@@ -49,7 +50,7 @@ fn group<'a>(diagnostic: &'a Diagnostic, sources: &'a Sources) -> Group<'a> {
     for window in windows(&diagnostic.labels, sources) {
         group = group.element(snippet(&window, &diagnostic.labels, sources));
     }
-    for label in diagnostic.labels.iter().filter(|l| sources.file(l.span).is_none()) {
+    for label in diagnostic.labels.iter().filter(|l| !is_quoted(l, sources)) {
         group = group.element(
             Level::NOTE.message(printable(&format!("{}: {}", sources.describe(label.span), label.text)).into_owned()),
         );
@@ -71,9 +72,14 @@ struct ExcerptWindow {
     labels: Vec<usize>,
 }
 
+/// Returns whether the line of a label is shown. Lines of included files are not shown with `--untrusted`.
+fn is_quoted(label: &SourceLabel, sources: &Sources) -> bool {
+    sources.file(label.span).is_some_and(|file| file.included_at.is_none() || !is_restricted())
+}
+
 fn windows(labels: &[SourceLabel], sources: &Sources) -> Vec<ExcerptWindow> {
     let mut windows: Vec<ExcerptWindow> = Vec::new();
-    for (i, label) in labels.iter().enumerate().filter(|(_, l)| sources.file(l.span).is_some()) {
+    for (i, label) in labels.iter().enumerate().filter(|(_, l)| is_quoted(l, sources)) {
         let line = sources.line_of(label.span.file, label.span.start);
         let near = |w: &&mut ExcerptWindow| w.file == label.span.file && w.last.max(line) - w.first.min(line) <= FAR;
         match windows.iter_mut().find(near) {

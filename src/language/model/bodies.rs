@@ -8,7 +8,7 @@ use super::types::{
 };
 use crate::deck::read::FromValue;
 use crate::deck::table::constraints as cards;
-use crate::deck::{Card, Diagnostic, Word};
+use crate::deck::{Card, Diagnostic, Span, Word};
 
 /// Indices of the values of `TYPE` in the keyword table.
 const FIELD: usize = 5;
@@ -145,10 +145,30 @@ impl ModelBuilder<'_> {
             };
             let members = if kind.applies_to_elements() { self.element_members(set) } else { self.node_members(set) };
             if let Some(members) = members {
+                self.warn_of_repeated_condition(&kind, &members, line.span);
                 self.model.initial_conditions.push(InitialCondition { kind, members, span: line.span });
             }
         }
         self.complete_initial_conditions(from);
+    }
+
+    /// Warns if an earlier condition of the same kind has the same members: it has no effect.
+    fn warn_of_repeated_condition(&mut self, kind: &InitialKind, members: &[usize], span: Span) {
+        let same = |other: &InitialKind| match (kind, other) {
+            (InitialKind::Velocity(dof, _), InitialKind::Velocity(other, _)) => dof == other,
+            (InitialKind::Field(variable, _), InitialKind::Field(other, _)) => variable == other,
+            _ => std::mem::discriminant(kind) == std::mem::discriminant(other),
+        };
+        // The number of conditions can be that of nodes, and each comparison of members is short if they differ.
+        let first = self.repeated_conditions.entry((members.len(), members.first().copied())).or_default();
+        let earlier = first.iter().map(|at| &self.model.initial_conditions[*at]);
+        let repeated = earlier.filter(|c| same(&c.kind) && c.members == members).map(|c| c.span).next();
+        first.push(self.model.initial_conditions.len());
+        if let Some(earlier) = repeated {
+            let message = "this initial condition replaces an earlier one of the same kind on the same members";
+            let diagnostic = Diagnostic::warning("M160", message).at(span, "second definition");
+            self.diagnostics.push(diagnostic.at(earlier, "has no effect").help("remove one definition"));
+        }
     }
 
     pub(super) fn surface_id(&mut self, word: &Word) -> Option<SurfaceId> {

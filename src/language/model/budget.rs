@@ -1,5 +1,6 @@
 //! Limits of the model size, summed over all cards. A card that exceeds a limit is reported before memory is allocated.
 
+use crate::deck::untrusted::{self, is_restricted};
 use crate::platform::memory_of_machine;
 
 /// Items whose total number in a model is limited.
@@ -40,8 +41,9 @@ impl SizeBudget {
     /// A message if a limit is exceeded; nothing is counted then.
     pub fn spend(&mut self, good: BudgetedItem, count: u128, mesh: [usize; 2]) -> Result<(), String> {
         let mut all = [mesh[0] as u128, mesh[1] as u128, u128::from(self.members)];
+        let largest = if is_restricted() { untrusted::MAX_COUNT } else { MAX_COUNT };
         let most =
-            if good == BudgetedItem::Members { MAX_ENTRIES[0] + MAX_ENTRIES[1] * (all[0] + all[1]) } else { MAX_COUNT };
+            if good == BudgetedItem::Members { MAX_ENTRIES[0] + MAX_ENTRIES[1] * (all[0] + all[1]) } else { largest };
         let (name, total) = (ITEMS[good as usize].0, all[good as usize].saturating_add(count));
         if total > most {
             return Err(format!("{total} {name} in all cards up to this one; at most {most} are allowed"));

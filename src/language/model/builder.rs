@@ -54,6 +54,10 @@ pub(super) struct ModelBuilder<'a> {
     pub blocks: Vec<OpenBlock>,
     /// Cards of each part, read again for each instance.
     pub parts: HashMap<String, Vec<&'a Card>>,
+    /// Names of instances.
+    pub instances: HashSet<String>,
+    /// Initial conditions by the number of their members and the first member.
+    pub repeated_conditions: HashMap<(usize, Option<usize>), Vec<usize>>,
     pub recording: Option<String>,
     pub instance: Option<super::parts::InstancePlacement>,
     pub step: Option<StepState>,
@@ -138,6 +142,8 @@ impl<'a> ModelBuilder<'a> {
             scope: String::new(),
             blocks: Vec::new(),
             parts: HashMap::new(),
+            instances: HashSet::new(),
+            repeated_conditions: HashMap::new(),
             recording: None,
             instance: None,
             step: None,

@@ -2,7 +2,7 @@
 
 use super::builder::ModelBuilder;
 use super::names::upper;
-use super::types::PrescribedClearance;
+use super::types::{IgnoredCard, PrescribedClearance, SurfaceContact};
 use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Word};
 
@@ -37,6 +37,7 @@ impl ModelBuilder<'_> {
         for (word, _) in factors.iter().filter(|f| !names.contains(&upper(&f.0.text))) {
             self.unknown("M114", "contact pair set", word, |_| names.clone());
         }
+        self.note_unused_penalties(&factors, &pairs);
         for pair in &mut pairs {
             let is_of = |word: &Word| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text));
             let clearance = clearances.iter().rfind(|c| is_of(&c.0)).map(|c| c.1);
@@ -45,5 +46,17 @@ impl ModelBuilder<'_> {
             pair.penalty = pair.penalty.map(|now| factor.unwrap_or(now));
         }
         self.state().surface_contacts = pairs;
+    }
+
+    /// Lists penalty scale factors of sets without a penalty pair as unused.
+    fn note_unused_penalties(&mut self, factors: &[(Word, f64)], pairs: &[SurfaceContact]) {
+        for (word, _) in factors.iter().filter(|factor| factor.1 != 1.0) {
+            let mut own = pairs.iter().filter(|pair| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text)));
+            if own.clone().next().is_some() && own.all(|pair| pair.penalty.is_none()) {
+                let why = "kinematic contact pairs have no penalty stiffness".to_owned();
+                let keyword = "CONTACT CONTROLS, SCALE PENALTY".to_owned();
+                self.model.origin.inert.push(IgnoredCard { keyword, span: word.span, why });
+            }
+        }
     }
 }

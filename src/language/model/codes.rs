@@ -15,7 +15,7 @@ pub const CODES: &[DiagnosticCode] = codes! {
     "M112" "unknown amplitude" "No *AMPLITUDE has this name."
     "M113" "unknown target" "No *TARGET has this name."
     "M114" "unknown surface" "No *SURFACE has this name."
-    "M115" "unknown part" "No *PART has this name."
+    "M115" "unknown part or instance" "No *PART or *INSTANCE has this name."
     "M116" "unknown section controls" "No *SECTION CONTROLS has this name."
     "M117" "unknown time points" "No *TIME POINTS has this name."
     "M120" "unknown element type" "ABAQUS has no element type with this name."

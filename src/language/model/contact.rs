@@ -61,7 +61,13 @@ impl ModelBuilder<'_> {
         }
         let profile = self.placed(profile);
         let surface = RigidSurface { profile, reference: None, span: card.span };
-        self.model.surfaces.analytical.insert(qualified(&self.scope, &name.text), surface);
+        let key = qualified(&self.scope, &name.text);
+        if let Some(first) = self.model.surfaces.analytical.get(&key).filter(|_| !self.faulty.contains(&card.span)) {
+            let message = format!("the surface {} is defined twice", name.text);
+            let diagnostic = Diagnostic::error("M160", message).at(card.span, "second definition");
+            return self.diagnostics.push(diagnostic.at(first.span, "first definition").help("remove one definition"));
+        }
+        self.model.surfaces.analytical.insert(key, surface);
     }
 
     fn required_lines(&mut self, card: &Card) {

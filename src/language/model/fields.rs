@@ -41,6 +41,10 @@ impl ModelBuilder<'_> {
     /// 0.
     pub(super) fn rows_over_fields(&mut self, card: &Card, values: usize, fields: usize) -> Option<Vec<Vec<f64>>> {
         let first = self.first_line(card)?;
+        let most = values + 1 + fields;
+        for word in card.lines.iter().flat_map(|line| (most..line.fields.len()).filter_map(|at| line.field(at))) {
+            self.report_surplus(word, &format!("DEPENDENCIES={fields} reads {most} values of a row"));
+        }
         let row = |builder: &mut Self, line: &DataLine| -> Option<Vec<f64>> {
             let default = |i: usize| if i == values { f64::NAN } else { 0.0 };
             (0..values + 1 + fields).map(|i| builder.number_or(line, i, default(i))).collect()

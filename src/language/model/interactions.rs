@@ -4,8 +4,8 @@
 use super::builder::ModelBuilder;
 use super::names::upper;
 use super::types::{ContactDamping, CoulombFriction, InteractionLaw, PressureOverclosure, SurfaceInteraction};
-use crate::deck::Card;
 use crate::deck::table::constraints as cards;
+use crate::deck::{Card, Diagnostic};
 
 /// Indices of the values of `PRESSURE-OVERCLOSURE` in the keyword table.
 const HARD: usize = 0;
@@ -75,7 +75,14 @@ impl ModelBuilder<'_> {
         }
         let Some(interaction) = self.model.interactions.last_mut() else { return };
         let heat = &mut interaction.law.heat;
-        *(if over_pressure { &mut heat.over_pressure } else { &mut heat.over_clearance }) = rows;
+        let table = if over_pressure { &mut heat.over_pressure } else { &mut heat.over_clearance };
+        if !table.is_empty() {
+            let over = if over_pressure { "PRESSURE" } else { "the clearance" };
+            let message = format!("*GAP CONDUCTANCE over {over} is defined twice for one *SURFACE INTERACTION");
+            let diagnostic = Diagnostic::error("M160", message).at(card.span, "second definition");
+            return self.diagnostics.push(diagnostic.help("remove one definition"));
+        }
+        *table = rows;
         interaction.heat_cards.push((card.keyword.name, card.span));
     }
 

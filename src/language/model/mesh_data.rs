@@ -65,14 +65,14 @@ impl MeshGroups {
         if highest > 2 {
             return Err("it has three-dimensional elements; mesh the r-z half plane instead".into());
         }
-        let nodes_of: HashMap<i64, (usize, Vec<i64>)> =
-            self.cells.iter().map(|(label, dimension, nodes)| (*label, (*dimension, nodes.clone()))).collect();
+        let nodes_of: HashMap<i64, (usize, &[i64])> =
+            self.cells.iter().map(|(label, dimension, nodes)| (*label, (*dimension, nodes.as_slice()))).collect();
         let mut element_sets: Vec<(String, Vec<i64>)> = Vec::new();
         for (name, labels) in std::mem::take(&mut self.cell_sets) {
             let is_element = |l: &&i64| nodes_of.get(l).is_some_and(|c| c.0 == highest);
             let elements: Vec<i64> = labels.iter().filter(is_element).copied().collect();
             if all || elements.len() < labels.len() {
-                let nodes = labels.iter().filter_map(|l| nodes_of.get(l)).flat_map(|c| &c.1).copied();
+                let nodes = labels.iter().filter_map(|l| nodes_of.get(l)).flat_map(|c| c.1).copied();
                 self.node_sets.entry(name.clone()).or_default().extend(nodes);
             }
             if !elements.is_empty() {

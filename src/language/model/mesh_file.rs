@@ -8,11 +8,11 @@ use super::mesh_data::{MeshFile, is_recognized_array};
 use super::types::ElementKind;
 use super::vtk_file::read;
 use super::{gmsh_file, inp_file};
-use crate::deck::{Card, Diagnostic, Span, files};
+use crate::deck::{Card, Diagnostic, Span, files, untrusted};
 
-/// Help text for files that vtkio cannot read.
-const RESAVE: &str = "save it as .vtu with inline (binary) data and zlib or no compression; appended raw data, LZMA and \
-                      legacy files with a FIELD block are not supported";
+/// Help text for VTK files that cannot be read.
+const RESAVE: &str = "save it as one .vtu file with zlib, LZ4 or no compression; LZMA and legacy files with a FIELD block \
+                      are not supported";
 
 /// Reads a mesh file by its extension.
 ///
@@ -20,13 +20,17 @@ const RESAVE: &str = "save it as .vtu with inline (binary) data and zlib or no c
 /// The reason, and a help text if there is one.
 fn read_any(path: &Path) -> Result<MeshFile, (String, Option<&'static str>)> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let text =
-        || files::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).map_err(|e| e.to_string());
+    let text = || files::read(path).map(lossy_text).map_err(|e| e.to_string());
     match ending.as_deref() {
         Some("msh") => text().and_then(|t| gmsh_file::parse(&t)).map_err(|why| (why, None)),
         Some("inp") => text().and_then(|t| inp_file::parse(&t)).map_err(|why| (why, None)),
-        _ => read(path).map_err(|why| (why, Some(RESAVE))),
+        _ => read(path, is_recognized_array).map_err(|why| (why, Some(RESAVE))),
     }
+}
+
+/// Returns the text of a file; valid UTF-8 is not copied.
+fn lossy_text(bytes: Vec<u8>) -> String {
+    String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned())
 }
 
 impl ModelBuilder<'_> {
@@ -40,6 +44,13 @@ impl ModelBuilder<'_> {
             None => None,
         };
         let path = self.deck.sources.folder(card.span).join(input.text.replace('\\', "/"));
+        let deck = Span { file: 0, ..Span::default() };
+        if untrusted::forbids(self.deck.sources.folder(deck), &path) {
+            let message = format!("{} is not in the folder of the deck", input.text);
+            let finding = Diagnostic::error("D011", message).at(input.span, "not read with --untrusted");
+            let help = "copy the file into the folder of the deck or a folder below it";
+            return self.diagnostics.push(finding.help(help));
+        }
         match read_any(&path) {
             Ok(mesh) => self.add_mesh(&mesh, kind, card.span),
             Err((why, help)) => {

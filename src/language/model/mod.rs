@@ -76,7 +76,9 @@ pub mod vtk_file;
 #[path = "no_vtk_file.rs"]
 mod vtk_file;
 #[cfg(feature = "mesh-files")]
-mod xml_limits;
+mod xml_array;
+#[cfg(feature = "mesh-files")]
+mod xml_mesh;
 
 pub use element_nodes::NodeIndices;
 pub use name::EntityName;

@@ -295,6 +295,7 @@ impl ModelBuilder<'_> {
             return self.integrated_region(card);
         }
         if let Some(word) = card.value("NSET") {
+            self.note_unused_filters(card);
             let members = self.node_members(word)?;
             let (inner, outer) = (qualified(&self.scope, &word.text), upper(&word.text));
             let known = [&inner, &outer].into_iter().find_map(|name| self.model.node_sets.get_index_of(name));
@@ -315,6 +316,17 @@ impl ModelBuilder<'_> {
             return self.pairs_of(card);
         }
         Some(OutputRegion::Whole)
+    }
+
+    /// Lists the filters of pairs of a `*CONTACT OUTPUT` card with NSET as unused.
+    fn note_unused_filters(&mut self, card: &Card) {
+        const FILTERS: [&str; 7] =
+            ["CPSET", "CONTACT PAIR", "GENERAL CONTACT", "SURFACE", "SECOND SURFACE", "MASTER", "SLAVE"];
+        for parameter in FILTERS.iter().filter_map(|name| card.parameter(name)) {
+            let why = "with NSET the contact variables of the nodes include all pairs".to_owned();
+            let keyword = format!("CONTACT OUTPUT, {}", parameter.name);
+            self.model.origin.inert.push(IgnoredCard { keyword, span: parameter.span, why });
+        }
     }
 
     /// Returns the contact pairs selected by a `*CONTACT OUTPUT` card.

@@ -83,6 +83,7 @@ impl<'a> ModelBuilder<'a> {
     fn begin_instance(&mut self, card: &'a Card) {
         self.open("INSTANCE", card);
         let Some(name) = self.required(card, "NAME") else { return };
+        self.instances.insert(upper(&name.text));
         let Some(part) = card.value("PART") else { return };
         let Some(cards) = self.parts.get(&upper(&part.text)).cloned() else {
             let mut names: Vec<String> = self.parts.keys().cloned().collect();

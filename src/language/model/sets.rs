@@ -37,6 +37,10 @@ impl ModelBuilder<'_> {
 
     /// Enters the scope of `INSTANCE=` and returns the previous scope.
     fn enter_instance(&mut self, card: &Card) -> String {
+        if let Some(word) = card.value("INSTANCE").filter(|word| !self.instances.contains(&upper(&word.text))) {
+            let word = word.clone();
+            self.unknown("M115", "instance", &word, |builder| builder.instances.iter().cloned().collect());
+        }
         let inner = card.value("INSTANCE").map_or_else(|| self.scope.clone(), |w| upper(&w.text));
         std::mem::replace(&mut self.scope, inner)
     }

@@ -89,6 +89,15 @@ impl RunHistory {
     }
 }
 
+/// Returns the number of characters of a row in `<job>_history.csv`.
+pub fn row_length(now: &Instant, values: &[f64]) -> usize {
+    let mut text = format!("\n{:?},{}", now.total_time, now.step);
+    for value in values {
+        let _ = write!(text, ",{value:?}");
+    }
+    text.len()
+}
+
 /// Interpolates values at ascending times linearly; `None` outside their range.
 pub fn between(times: &[f64], value: impl Fn(usize) -> f64, time: f64) -> Option<f64> {
     let after = times.partition_point(|t| *t < time);

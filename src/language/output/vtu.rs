@@ -47,6 +47,25 @@ impl VtuWriter {
         VtuWriter { points, compressor, text: String::new(), bytes: Vec::new(), packed: Vec::new() }
     }
 
+    /// Returns an upper bound of the length of a frame's text: the length without compression.
+    pub fn largest_length(frame: &OutputFrame) -> u64 {
+        // Base64 of the data and of the header, the tag, and what zlib adds to incompressible data.
+        let array = |bytes: usize| (bytes + bytes / 1000).div_ceil(3) as u64 * 4 + 12 * (bytes / BLOCK) as u64 + 200;
+        let (points, cells) = (frame.points.len(), frame.cells.len());
+        let field = |field: &FieldArray| {
+            let padded = if field.components == 2 { 3 } else { field.components.max(1) };
+            let padded = if field.components == 4 { 6 } else { padded };
+            let names: usize = field.component_names.iter().map(|name| name.len() + 20).sum();
+            array(field.values.len() / field.components.max(1) * padded * 8) + (2 * field.name.len() + names) as u64
+        };
+        let corners: usize = frame.cells.iter().map(Vec::len).sum();
+        let fields = frame.point_fields.iter().chain(&frame.cell_fields).map(field).sum::<u64>();
+        let labels = frame.point_labels.iter().chain(&frame.cell_labels);
+        let labels: u64 = labels.map(|label| array(4 * label.values.len()) + label.name.len() as u64).sum();
+        // Points, and U if the points have initial coordinates; cells, their offsets, types and blanking.
+        fields + labels + 2 * array(24 * points) + array(8 * corners) + array(8 * cells) + 2 * array(cells) + 1000
+    }
+
     /// Returns the text of a frame. r becomes x, z becomes y, and direction 3 becomes z.
     pub fn text(&mut self, frame: &OutputFrame) -> &str {
         self.text.clear();

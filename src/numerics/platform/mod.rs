@@ -1,4 +1,4 @@
-//! Functions that depend on the operating system or its C library: file options, signals, memory size, portable
+//! Functions that depend on the operating system or its C library: file options, signals, memory size, disk space, portable
 //! `hypot`. Unsafe code is in `user/native`.
 
 mod hypot;

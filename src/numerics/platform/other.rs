@@ -49,3 +49,9 @@ pub fn sync_folder(_folder: &Path) -> io::Result<()> {
 pub fn memory_of_machine() -> Option<u128> {
     None
 }
+
+/// Returns `None`: the free disk space is not determined on these platforms.
+#[cfg(feature = "disk-space")]
+pub fn free_space(_folder: &Path) -> Option<u64> {
+    None
+}

@@ -59,6 +59,13 @@ pub fn sync_folder(folder: &Path) -> io::Result<()> {
     File::open(folder)?.sync_all()
 }
 
+/// Returns the bytes that the user can write to the disk of a folder; `None` if it cannot be determined.
+#[cfg(feature = "disk-space")]
+pub fn free_space(folder: &Path) -> Option<u64> {
+    let disk = rustix::fs::statvfs(folder).ok()?;
+    Some(disk.f_bavail.saturating_mul(disk.f_frsize))
+}
+
 /// Returns the memory size of the machine in bytes; `None` if it cannot be determined.
 pub fn memory_of_machine() -> Option<u128> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;

@@ -1,10 +1,14 @@
 //! Estimate of increments and run time from a short trial run in memory.
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant as Stopwatch};
 
 use serde::Serialize;
 
+use crate::output::OutputFrame;
+use crate::output::history::row_length;
+use crate::output::vtu::VtuWriter;
 use crate::plan::{Plan, State};
 use crate::solve::{self, Instant, Progress, RunControl, Sink, SinkError};
 
@@ -21,6 +25,12 @@ pub struct RunEstimate {
     pub seconds: f64,
     /// Fraction of the run that the trial run covered; 1 for the whole run.
     pub looked_at: f64,
+    /// Mean bytes of a frame and of a history row in the trial run.
+    #[serde(skip)]
+    pub mean_bytes: [Option<f64>; 2],
+    /// Numbers of frames and of history rows if the trial run was the whole run and wrote all of them.
+    #[serde(skip)]
+    pub counted: [Option<f64>; 2],
     /// Reason if the trial run halted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub halt: Option<String>,
@@ -34,10 +44,47 @@ struct TrialRun<'a> {
     increment: f64,
     limiting: String,
     fraction: f64,
+    vtu: VtuWriter,
+    /// Whether frames were left out.
+    skipped: Cell<bool>,
+    /// Number and bytes of frames and of history rows.
+    written: [[f64; 2]; 2],
+    /// Wall-clock time for frames and rows.
+    output_time: Duration,
+}
+
+/// Time for frames in any case, and the inverse of the largest share of the trial time for more frames.
+const FRAME_TIME: Duration = Duration::from_millis(50);
+const FRAME_SHARE: u32 = 4;
+
+impl TrialRun<'_> {
+    /// Returns the mean bytes of frames and rows, if there are any.
+    fn mean_bytes(&self) -> [Option<f64>; 2] {
+        self.written.map(|[number, bytes]| (number > 0.0).then(|| bytes / number))
+    }
 }
 
 impl Sink for TrialRun<'_> {
-    fn row(&mut self, _now: &Instant, _values: &[f64]) -> Result<(), SinkError> {
+    fn wants_frames(&self) -> bool {
+        let wanted = self.output_time < FRAME_TIME || FRAME_SHARE * self.output_time < self.begin.elapsed();
+        self.skipped.set(self.skipped.get() || !wanted);
+        wanted
+    }
+
+    fn frame(&mut self, frame: &OutputFrame) -> Result<(), SinkError> {
+        let begin = Stopwatch::now();
+        let [number, bytes] = &mut self.written[0];
+        (*number, *bytes) = (*number + 1.0, *bytes + self.vtu.text(frame).len() as f64);
+        self.output_time += begin.elapsed();
+        Ok(())
+    }
+
+    fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
+        let begin = Stopwatch::now();
+        let text = row_length(now, values);
+        let [number, bytes] = &mut self.written[1];
+        (*number, *bytes) = (*number + 1.0, *bytes + text as f64);
+        self.output_time += begin.elapsed();
         Ok(())
     }
 
@@ -67,15 +114,33 @@ pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<RunEstima
         increment: 0.0,
         limiting: String::new(),
         fraction: 0.0,
+        vtu: VtuWriter::default(),
+        skipped: Cell::new(false),
+        written: [[0.0; 2]; 2],
+        output_time: Duration::ZERO,
     };
     let control = RunControl { interrupt: Some(&stop), ..RunControl::default() };
     let (outcome, _) = solve::run_with(plan, state.clone(), &mut look, control).ok()?;
-    let TrialRun { increment, limiting, fraction, .. } = look;
+    let (mean_bytes, [[frames, _], [rows, _]]) = (look.mean_bytes(), look.written);
+    let whole = stop.load(Ordering::Relaxed) == 0;
+    let counted = [(whole && !look.skipped.get()).then_some(frames), whole.then_some(rows)];
+    let TrialRun { increment, limiting, fraction, output_time, .. } = look;
+    let run_time = (outcome.seconds - output_time.as_secs_f64()).max(0.0);
     let ended = stop.load(Ordering::Relaxed) == 0;
     let halt = outcome.halt.as_ref().filter(|_| ended).map(|halt| format!("{}: {}", halt.code, halt.reason));
     if ended && halt.is_none() {
-        let (increments, seconds) = (outcome.increments as f64, outcome.seconds);
-        return Some(RunEstimate { increment, limiting_element: limiting, increments, seconds, looked_at: 1.0, halt });
+        let (increments, seconds) = (outcome.increments as f64, run_time);
+        let looked_at = 1.0;
+        return Some(RunEstimate {
+            increment,
+            limiting_element: limiting,
+            increments,
+            seconds,
+            looked_at,
+            mean_bytes,
+            counted,
+            halt,
+        });
     }
     if outcome.increments == 0 || increment <= 0.0 {
         return None;
@@ -83,6 +148,15 @@ pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<RunEstima
     let elapsed_time: f64 = outcome.steps.iter().map(|step| step.time).sum();
     let total: f64 = plan.steps.iter().map(|step| step.duration).sum();
     let increments = outcome.increments as f64 + (total - elapsed_time).max(0.0) / increment;
-    let seconds = increments * outcome.seconds / outcome.increments as f64;
-    Some(RunEstimate { increment, limiting_element: limiting, increments, seconds, looked_at: fraction, halt })
+    let seconds = increments * run_time / outcome.increments as f64;
+    Some(RunEstimate {
+        increment,
+        limiting_element: limiting,
+        increments,
+        seconds,
+        looked_at: fraction,
+        mean_bytes,
+        counted,
+        halt,
+    })
 }

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod effort;
+mod storage;
 mod text;
 
 use serde::Serialize;
@@ -10,6 +11,7 @@ use crate::model::{DeckUnits, EosKind, InitialKind, MaterialDefinition, Model};
 use crate::plan::{Plan, State};
 pub use bodies::PartOverview;
 pub use effort::{RunEstimate, measure};
+pub use storage::{StorageEstimate, size};
 
 /// Summary of a model before it runs.
 #[derive(Clone, Debug, Serialize)]
@@ -33,6 +35,9 @@ pub struct DeckOverview {
     /// Estimated increments and run time; absent if they were not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effort: Option<RunEstimate>,
+    /// Size of the result files.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub output: Option<StorageEstimate>,
 }
 
 /// Speeds of small-strain waves in a material.
@@ -70,6 +75,7 @@ impl DeckOverview {
             temperatures: temperatures(model),
             steps: plan.steps.iter().map(|s| StepTime { name: s.name.clone(), duration: s.duration }).collect(),
             effort: None,
+            output: None,
         }
     }
 

@@ -78,6 +78,7 @@ impl Compiler<'_> {
             }
             return None;
         }
+        self.note_unused_variables(groups.iter().map(|g| g.properties().fields).max().unwrap_or(0));
         let mut id = None;
         let mut steps: Vec<Arc<[NodalFieldValue]>> = Vec::new();
         for (index, step) in model.steps.iter().enumerate() {
@@ -98,6 +99,23 @@ impl Compiler<'_> {
         }
         let start = self.fields_at_start(state.dofs.nodes.len());
         Some(Box::new(PredefinedFields::new(id?, start, steps, groups)))
+    }
+
+    /// Lists field variables from number `most` on, from 0, as unused.
+    fn note_unused_variables(&mut self, most: usize) {
+        let model = self.model;
+        let why = |variable: usize| format!("no material depends on field variable {}", variable + 1);
+        for field in model.steps.iter().flat_map(|s| &s.fields).filter(|field| field.variable >= most) {
+            let what = format!("*FIELD, VARIABLE={}", field.variable + 1);
+            self.add_unused_card(field.span, what, why(field.variable));
+        }
+        for condition in &model.initial_conditions {
+            if let InitialKind::Field(variable, _) = condition.kind
+                && variable >= most
+            {
+                self.add_unused_card(condition.span, "*INITIAL CONDITIONS, TYPE=FIELD", why(variable));
+            }
+        }
     }
 
     /// Returns tables of moduli over temperature and field variables; `None` if the moduli are constant.

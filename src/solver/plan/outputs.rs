@@ -295,7 +295,8 @@ impl Compiler<'_> {
             }
             _ => named.contains(v),
         };
-        self.energies().chain([Variable::TimeIncrement]).filter(meant)
+        let added = self.scales_masses().then_some(Variable::AddedMass);
+        self.energies().chain([Variable::TimeIncrement]).chain(added).filter(meant)
     }
 
     fn node_columns(
@@ -516,6 +517,10 @@ impl Compiler<'_> {
         self.model.steps.first().is_some_and(|s| s.coupled)
     }
 
+    fn scales_masses(&self) -> bool {
+        self.deforms() && self.model.steps.iter().any(|step| !step.mass_scalings.is_empty())
+    }
+
     fn deforms(&self) -> bool {
         !self.places.elements.is_empty()
     }
@@ -525,6 +530,7 @@ impl Compiler<'_> {
         let deforms = self.deforms();
         let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
         let damages = self.materials_present().any(fails);
+        let scales = self.scales_masses();
         let springs = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());
         let walls = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| self.spatial_side(pair).is_some());
         let is_there = move |v: &Variable| {
@@ -533,6 +539,7 @@ impl Compiler<'_> {
                 PreselectRule::PenaltyContact => springs,
                 PreselectRule::ElementDeletion => deletes,
                 PreselectRule::Damage => damages,
+                PreselectRule::MassScaling => scales,
                 _ => true,
             };
             let lost = walls && *v == Variable::ConstraintWork;
@@ -586,6 +593,7 @@ impl Compiler<'_> {
             PreselectRule::HeatConduction
             | PreselectRule::SurfaceContact
             | PreselectRule::PenaltyContact
+            | PreselectRule::MassScaling
             | PreselectRule::Damage => true,
             PreselectRule::SixDofBody => false,
         }

@@ -69,6 +69,23 @@ impl<'a> Compiler<'a> {
         Some(Box::new(group))
     }
 
+    /// Lists cards of a material without effect on shells as unused, unless solid elements have the material too.
+    fn note_unused_on_shells(&mut self, section: &ShellSection, material: &MaterialDefinition) {
+        if self.model.sections.iter().any(|solid| solid.material == section.material) {
+            return;
+        }
+        let why = "it has no effect on shells";
+        if let Some((_, span)) = material.viscosity {
+            self.add_unused_card(span, "*VISCOSITY", why);
+        }
+        if let Some(expansion) = &material.thermal.expansion {
+            self.add_unused_card(expansion.span, "*EXPANSION", why);
+        }
+        if !material.detonation.is_empty() {
+            self.add_unused_card(material.span, "*DETONATION POINT", why);
+        }
+    }
+
     /// Returns the section data of shells. An unsupported material is an error.
     fn shell(
         &mut self,
@@ -83,6 +100,7 @@ impl<'a> Compiler<'a> {
                 .push(finding.help("shells support *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
             return None;
         }
+        self.note_unused_on_shells(section, material);
         let ([young, ratio], density) = (material.elastic?, material.density?);
         let flowing = match &material.plastic {
             None => None,

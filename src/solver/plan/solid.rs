@@ -15,7 +15,8 @@ use crate::kernel::quad;
 use crate::kernel::topology::ElementTopology;
 use crate::mesh::gather::NodalAssembly;
 use crate::model::{
-    FailureCriterion, IncrementControl, InitialKind, MaterialDefinition, RayleighCoefficients, SolidSection, Step,
+    EosKind, FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition,
+    RayleighCoefficients, SolidSection, Step,
 };
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
@@ -292,7 +293,31 @@ impl Compiler<'_> {
     }
 
     /// Sets the initial velocities, stresses, temperatures, energies and state variables.
+    /// Warns of elements of an ideal gas with an initial energy and an initial temperature.
+    fn check_gas_states(&mut self) {
+        let model = self.model;
+        let conditions = || model.initial_conditions.iter();
+        let is_gas = |section: &SolidSection| matches!(&model.materials[section.material].eos, Some(eos) if matches!(eos.kind, EosKind::IdealGas(_)));
+        let gas: Vec<usize> = model.sections.iter().filter(|s| is_gas(s)).flat_map(|s| s.elements.clone()).collect();
+        for energy in conditions().filter(|c| matches!(c.kind, InitialKind::Energy(_)) && !gas.is_empty()) {
+            let both = |heat: &&InitialCondition| {
+                let warm =
+                    |e: &usize| model.mesh.elements[*e].nodes.iter().all(|n| heat.members.binary_search(n).is_ok());
+                matches!(heat.kind, InitialKind::Temperature(_))
+                    && gas.iter().any(|e| energy.members.binary_search(e).is_ok() && warm(e))
+            };
+            if let Some(heat) = conditions().find(both) {
+                let message = "an ideal gas has an initial specific energy and an initial temperature, of which one \
+                               follows from the other; the later condition replaces the earlier one";
+                let finding = Diagnostic::warning("P017", message).at(energy.span, "the energy");
+                self.diagnostics.push(finding.at(heat.span, "the temperature").help("remove one of the conditions"));
+                return;
+            }
+        }
+    }
+
     fn start_solid(&mut self, state: &mut State) {
+        self.check_gas_states();
         let (nodes, groups) = (&mut state.dofs.nodes, &mut state.elements.groups);
         for condition in &self.model.initial_conditions {
             match &condition.kind {

@@ -11,7 +11,7 @@ use crate::state::dofs::Dofs;
 use crate::state::energies::EnergyTotals;
 
 /// Energies at an instant, with ABAQUS names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLCAV
-/// - ALLWK` is constant.
+/// - ALLWK - ALLMW` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     /// Kinetic energy ALLKE of nodes and rigid bodies.
@@ -47,6 +47,12 @@ pub struct Energy {
     /// Energy stored and lost by penalty springs of contact; `None` if none has been under pressure.
     #[serde(rename = "ALLPW", skip_serializing_if = "Option::is_none")]
     pub penalty: Option<f64>,
+    /// Work done in propelling mass added by mass scaling; `None` without mass scaling.
+    #[serde(rename = "ALLMW", skip_serializing_if = "Option::is_none")]
+    pub mass_scaling: Option<f64>,
+    /// Mass added by mass scaling, percent of the original mass of the deformable bodies; `None` without mass scaling.
+    #[serde(rename = "DMASS", skip_serializing_if = "Option::is_none")]
+    pub added_mass: Option<f64>,
     /// Artificial strain energy of hourglass control.
     #[serde(rename = "ALLAE")]
     pub artificial: f64,
@@ -91,6 +97,8 @@ pub struct EnergyBalance {
     departure: f64,
     /// Drift of the total energy at the last instant, as a positive energy.
     departure_now: f64,
+    /// Kinetic energy that added mass has brought along; part of the work on deformable bodies.
+    mass_scaling: f64,
     /// Energies of the deformable bodies.
     solid: EnergyTotals,
     /// Sum of these energies at the start.
@@ -145,6 +153,7 @@ impl EnergyBalance {
             largest: kinetic,
             departure: 0.0,
             departure_now: 0.0,
+            mass_scaling: 0.0,
             solid: EnergyTotals::default(),
             solid_initial: None,
         }
@@ -222,6 +231,11 @@ impl EnergyBalance {
         self.prescribed = prescribed().map(|body| PrescribedBody { body, kinetic: bodies[body].kinetic() }).collect();
     }
 
+    /// Adds the kinetic energy of mass that is added at the current velocities.
+    pub fn add_mass_work(&mut self, gained: f64) {
+        self.mass_scaling += gained;
+    }
+
     /// Replaces the forces at this instant.
     pub fn take_forces(&mut self, forces: &[f64]) {
         self.entries.iter_mut().zip(forces).for_each(|(entry, &force)| entry.force = force);
@@ -288,7 +302,8 @@ impl EnergyBalance {
         self.entries.iter().for_each(|entry| entry.add_to(&mut energy));
         let solid = &self.solid;
         energy.kinetic += solid.kinetic;
-        energy.work += solid.external;
+        energy.work += solid.external - self.mass_scaling;
+        energy.mass_scaling = (self.mass_scaling != 0.0).then_some(self.mass_scaling);
         energy.plastic = solid.plastic - solid.damaged;
         energy.damage = (solid.damaged != 0.0).then_some(solid.damaged);
         energy.strain = solid.internal - solid.plastic;
@@ -301,7 +316,7 @@ impl EnergyBalance {
         energy.contact = solid.contact;
         energy.penalty = (solid.penalty != 0.0).then_some(solid.penalty);
         let dissipated = energy.friction + energy.cavity + energy.viscous + energy.contact + energy.distortion;
-        energy.total = energy.kinetic + energy.internal + dissipated + solid.penalty - energy.work;
+        energy.total = energy.kinetic + energy.internal + dissipated + solid.penalty - energy.work - self.mass_scaling;
         energy.initial += self.solid_initial.unwrap_or(0.0);
         energy.drift = self.drift();
         energy
@@ -311,7 +326,7 @@ impl EnergyBalance {
 // Heat, penalty, damage and deletion are filled in by their owners.
 persist_struct!(Energy {
     kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact, artificial, distortion, total, initial, drift
-} derived { penalty, damage, heat, internal_heat, removed });
+} derived { penalty, mass_scaling, added_mass, damage, heat, internal_heat, removed });
 
 persist_struct!(ForceWork { force, last, work } derived { body, coordinate, account, external, tied });
 
@@ -329,6 +344,7 @@ persist_struct!(EnergyBalance {
     largest,
     departure,
     departure_now,
+    mass_scaling,
     solid,
     solid_initial
 });

@@ -51,6 +51,8 @@ fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
         Variable::ViscousEnergy => energy.viscous,
         Variable::ArtificialEnergy => energy.artificial,
         Variable::ConstraintWork => energy.contact,
+        Variable::MassScalingWork => energy.mass_scaling.unwrap_or(0.0),
+        Variable::AddedMass => energy.added_mass.unwrap_or(0.0),
         Variable::PenaltyWork => energy.penalty.unwrap_or(0.0),
         Variable::DistortionEnergy => energy.distortion,
         Variable::ExternalHeat => energy.heat.unwrap_or(f64::NAN),

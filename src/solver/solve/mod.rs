@@ -11,6 +11,7 @@ mod frames;
 mod guard;
 mod increment;
 mod limits;
+mod masses;
 mod observe;
 mod outcome;
 mod penetrations;
@@ -22,9 +23,11 @@ mod run;
 mod timing;
 mod watch;
 mod watch_collapse;
+mod watch_masses;
 
 use std::time::Instant as Stopwatch;
 
+use crate::output::OutputFrame;
 use crate::plan::{Plan, State};
 pub use crate::state::Instant;
 pub use crate::state::archive::UnfitState;
@@ -128,6 +131,17 @@ pub fn run_with(
     outcome.seconds = begin.elapsed().as_secs_f64();
     outcome.effect_seconds = timing.seconds(plan, outcome.seconds - outcome.checkpoint_seconds);
     Ok((outcome, end))
+}
+
+/// Returns the frame of the initial state, and the state unchanged.
+pub fn initial_frame(plan: &Plan, state: State) -> (OutputFrame, State) {
+    if plan.steps.is_empty() {
+        return (OutputFrame::default(), state);
+    }
+    let run = SolverRun::new(plan, state, None);
+    let frame = frames::frame(&run);
+    let SolverRun { state, .. } = run;
+    (frame, state)
 }
 
 /// Passes new warnings to the sink.

@@ -111,7 +111,7 @@ pub struct StepSummary {
     /// Number of estimates of the highest frequency of the whole model; absent with element-by-element estimates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub global_estimates: Option<u64>,
-    /// Mass added by mass scaling relative to the original mass, at its last update; absent without mass scaling.
+    /// Mass added by mass scaling at its last update; absent without mass scaling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub added_mass: Option<f64>,
     /// Limits on the increments over time.

@@ -375,7 +375,8 @@ impl<'a> SolverRun<'a> {
         let heat = self.heat().map(TemperatureField::energies);
         let removed = self.state.elements.removed.as_ref().map(|r| r.totals(&self.state.dofs.nodes));
         let (external, internal) = (heat.map(|h| h.external), heat.map(|h| h.internal));
-        Energy { heat: external, internal_heat: internal, removed, ..self.balance.energy() }
+        let added_mass = self.state.scaling.as_ref().and_then(|_| self.added_mass_percent());
+        Energy { heat: external, internal_heat: internal, removed, added_mass, ..self.balance.energy() }
     }
 
     /// Returns group and element that limit the increment.
@@ -394,22 +395,6 @@ impl<'a> SolverRun<'a> {
         let carried = self.state.constraints.iter().filter_map(|c| c.view().carried);
         for (carried, out) in carried.zip(&mut self.body_forces.values) {
             *out = carried.force(force);
-        }
-    }
-
-    fn scale_masses(&mut self) {
-        let Some(scaling) = &mut self.state.scaling else { return };
-        let constraints = &mut self.state.constraints;
-        let changed = &mut |n, gained| {
-            constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
-        };
-        if !self.state.elements.scale_masses(scaling, &self.now, &mut self.state.dofs, changed) {
-            return;
-        }
-        let masses = SceneChange::Masses(&self.state.dofs.nodes.mass);
-        self.state.loads.iter_mut().for_each(|load| load.scene_changed(&masses));
-        if let Some(summary) = self.outcome.steps.last_mut() {
-            summary.added_mass = self.state.elements.added_mass(&self.state.dofs.nodes);
         }
     }
 

@@ -3,6 +3,7 @@
 
 use super::collapse::CollapseMonitor;
 use super::energy::{Energy, EnergyBalance};
+use super::masses::MassMonitor;
 use super::run::SolverRun;
 use crate::constraint::ContactResults;
 use crate::kernel::lanes::InlineMap;
@@ -46,6 +47,10 @@ const SIGNS: [[&str; 2]; 2] = [
 
 /// Number of remaining increments above which a step is slow: hours on any machine, except for a few elements.
 const CRAWL: f64 = 1e8;
+/// Ratio of the number of increments to that expected at the start of the step above which a step is slow, and the number
+/// of remaining increments below which this costs too little for a warning.
+const SLOWER: f64 = 10.0;
+const WORTH_A_WARNING: f64 = 1e5;
 
 /// Increments between expensive checks: few at first, then many. The number is odd so that checks do not coincide with
 /// timed increments, which would overestimate their cost.
@@ -76,11 +81,15 @@ pub(super) struct RunMonitor {
     slow_reported: bool,
     /// Whether the last check found increments too small.
     slow: bool,
+    /// Number of increments of the step with the increment of its first check; 0 before it.
+    expected: f64,
     /// Kinetic energy of the pattern at the last check.
     pattern: f64,
     next_look: u64,
     /// Stable time increments of the elements.
     pub(super) collapse: CollapseMonitor,
+    /// Masses before and after mass scaling.
+    pub(super) masses: MassMonitor,
     /// Limits of the deck on energies that have been reported in this step.
     pub(super) limits_reported: [bool; 2],
     /// Number of warnings that the sink has received.
@@ -112,7 +121,7 @@ persist_struct!(NegativeEnergy { count, lowest, increment, total_time });
 impl RunMonitor {
     /// Allows the warning of small increments once in each step.
     pub(super) fn begin_step(&mut self) {
-        (self.slow_reported, self.slow) = (false, false);
+        (self.slow_reported, self.slow, self.expected) = (false, false, 0.0);
     }
 
     /// Returns whether no further check is needed.
@@ -237,7 +246,15 @@ impl SolverRun<'_> {
     /// Checks for very small increments; warns at the second successive check that finds them.
     fn watch_pace(&mut self) {
         let remaining = self.step.duration - self.now.step_time;
-        let slow = self.last_increment > 0.0 && remaining > CRAWL * self.last_increment;
+        if self.last_increment <= 0.0 {
+            return;
+        }
+        let left = remaining / self.last_increment;
+        if self.watch.expected == 0.0 {
+            self.watch.expected = self.step.duration / self.last_increment;
+        }
+        let expected = self.watch.expected;
+        let slow = left > CRAWL || left > WORTH_A_WARNING && left > SLOWER * expected;
         let must_warn = std::mem::replace(&mut self.watch.slow, slow) && slow && !self.watch.slow_reported;
         if !must_warn {
             return;
@@ -249,12 +266,11 @@ impl SolverRun<'_> {
             IncrementControl::Automatic { .. } => self.name_slowest(),
         };
         self.outcome.warn("R306", format!(
-            "the run advances slowly: at increment {}, time {:e} the increment is {:.3e}, and {:.1e} increments remain in the \
-             step{by}",
+            "the run advances slowly: at increment {}, time {:e} the increment is {:.3e}, and {left:.1e} increments remain in the \
+             step; at its start {expected:.1e} were expected{by}",
             self.now.increment,
             self.now.total_time,
-            self.last_increment,
-            remaining / self.last_increment
+            self.last_increment
         ));
     }
 
@@ -415,7 +431,7 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 }
 
 persist_struct!(RunMonitor {
-    unsound, successive_drifts, drift_count, below_zero, contact_below_zero, pattern_reported, slow_reported, slow, pattern, next_look, collapse,
+    unsound, successive_drifts, drift_count, below_zero, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse, masses,
     limits_reported
 } derived {
     shown

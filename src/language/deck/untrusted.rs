@@ -1,0 +1,89 @@
+//! Restrictions of a process that reads decks from unknown sources: `--untrusted`, `REVOLVE_UNTRUSTED=1`.
+
+use std::path::{Component, Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// Environment variable that turns the restrictions on.
+pub const VARIABLE: &str = "REVOLVE_UNTRUSTED";
+/// Largest number of nodes, and of elements.
+pub const MAX_COUNT: u128 = 1_000_000;
+/// Largest number of bytes of the results of a run.
+pub const MAX_OUTPUT: f64 = 2e9;
+/// Longest wall-clock time of a command.
+pub const MAX_TIME: Duration = Duration::from_secs(900);
+
+static RESTRICTED: AtomicBool = AtomicBool::new(false);
+
+/// Turns the restrictions on for the rest of the process.
+pub fn restrict() {
+    RESTRICTED.store(true, Ordering::Relaxed);
+}
+
+/// Returns whether the restrictions are on.
+pub fn is_restricted() -> bool {
+    RESTRICTED.load(Ordering::Relaxed)
+}
+
+/// Returns whether the environment variable turns the restrictions on.
+pub fn is_requested() -> bool {
+    std::env::var_os(VARIABLE).is_some_and(|value| !value.is_empty() && value != "0")
+}
+
+/// Returns whether the restrictions forbid to read a file: it is not in the folder of the deck or below it.
+pub fn forbids(folder: &Path, file: &Path) -> bool {
+    is_restricted() && is_outside(folder, file)
+}
+
+fn is_outside(folder: &Path, file: &Path) -> bool {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    match (folder.canonicalize(), file.canonicalize()) {
+        (Ok(folder), Ok(file)) => !file.starts_with(folder),
+        // A file that does not exist: the message must not depend on this if it is outside.
+        (Ok(folder), Err(_)) => !resolved(file).is_some_and(|file| file.starts_with(folder)),
+        _ => true,
+    }
+}
+
+/// Returns an absolute path without `..`.
+fn resolved(file: &Path) -> Option<PathBuf> {
+    let mut path = PathBuf::new();
+    for part in std::path::absolute(file).ok()?.components() {
+        match part {
+            Component::ParentDir => {
+                path.pop();
+            }
+            other => path.push(other),
+        }
+    }
+    Some(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_outside;
+
+    #[test]
+    fn files_below_the_folder_are_inside() {
+        let scratch = tempfile::tempdir().expect("a folder");
+        let folder = scratch.path().canonicalize().expect("a folder").join("deck");
+        std::fs::create_dir_all(folder.join("parts")).expect("a folder");
+        for (file, outside) in [
+            ("a.inc", false),
+            ("parts/a.inc", false),
+            ("parts/../a.inc", false),
+            ("../a.inc", true),
+            ("../deck2/a.inc", true),
+            ("/etc/hostname", true),
+            ("/no/such/file", true),
+        ] {
+            assert_eq!(is_outside(&folder, &folder.join(file)), outside, "{file}");
+        }
+        #[cfg(unix)]
+        {
+            let link = folder.join("link.inc");
+            std::os::unix::fs::symlink("/etc/hostname", &link).expect("a link");
+            assert!(is_outside(&folder, &link));
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Mass scaling: its energy in the balance, the added mass of the model and of each section, and the warning of it.
+
+use super::run::SolverRun;
+use crate::element::elements::Elements;
+use crate::load::SceneChange;
+
+/// Fraction of added mass above which a warning is issued.
+const NOTABLE: f64 = 0.05;
+/// Largest number of sections that the warning names.
+const NAMED: usize = 4;
+
+impl SolverRun<'_> {
+    /// Scales masses if due. The kinetic energy of added mass is not work of a load, and is booked on its own.
+    pub(super) fn scale_masses(&mut self) {
+        let Some(scaling) = &mut self.state.scaling else { return };
+        if self.watch.masses.original.is_empty() {
+            self.watch.masses.original = group_masses(&self.state.elements).collect();
+        }
+        let (constraints, mut energy) = (&mut self.state.constraints, 0.0);
+        let changed = &mut |n, gained: [f64; 2]| {
+            energy += gained[0] + gained[1];
+            constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
+        };
+        if !self.state.elements.scale_masses(scaling, &self.now, &mut self.state.dofs, changed) {
+            return;
+        }
+        self.balance.add_mass_work(energy);
+        let masses = SceneChange::Masses(&self.state.dofs.nodes.mass);
+        self.state.loads.iter_mut().for_each(|load| load.scene_changed(&masses));
+        if let Some(summary) = self.outcome.steps.last_mut() {
+            summary.added_mass = self.state.elements.added_mass(&self.state.dofs.nodes);
+        }
+        self.warn_of_added_mass();
+    }
+
+    /// Returns the added mass in percent of the original mass of the deformable bodies; `None` without mass scaling.
+    pub(super) fn added_mass_percent(&self) -> Option<f64> {
+        let added = self.state.elements.added_mass(&self.state.dofs.nodes)?;
+        let mass: f64 = self.state.dofs.nodes.mass.iter().sum();
+        Some(100.0 * added / (mass - added))
+    }
+
+    fn warn_of_added_mass(&mut self) {
+        if self.watch.masses.reported {
+            return;
+        }
+        let ratio = |(now, original): (f64, &f64)| if *original > 0.0 { now / original - 1.0 } else { 0.0 };
+        let groups = || group_masses(&self.state.elements).zip(&self.watch.masses.original).map(ratio);
+        let total = self.added_mass_percent().unwrap_or(0.0);
+        if total <= 100.0 * NOTABLE && !groups().any(|added| added > NOTABLE) {
+            return;
+        }
+        let mut sections: Vec<(usize, f64)> = groups().enumerate().filter(|section| section.1 > NOTABLE).collect();
+        sections.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let name = |(group, added): &(usize, f64)| {
+            let (element, material) = (self.plan.element_name(*group, 0), self.plan.material_name(*group, 0));
+            format!("{:.1} % to the section of element {element} (material {material})", 100.0 * added)
+        };
+        let named: Vec<String> = sections.iter().take(NAMED).map(name).collect();
+        let warning = format!(
+            "mass scaling has added {total:.1} % to the mass of the deformable bodies at increment {}, time {:e}: {}. More \
+             than {} % can change inertia and impact forces; compare with a smaller target increment. The histories DMASS, \
+             ALLMW (energy of the added mass) and PARTMASS (mass of a set) show its growth",
+            self.now.increment,
+            self.now.total_time,
+            named.join(", "),
+            100.0 * NOTABLE
+        );
+        self.watch.masses.reported = true;
+        self.outcome.warn("R316", warning);
+    }
+}
+
+/// Returns the mass of each element group.
+fn group_masses(elements: &Elements) -> impl Iterator<Item = f64> {
+    elements.groups.iter().map(|group| (0..group.len()).map(|e| group.masses(e).into_iter().sum::<f64>()).sum())
+}
