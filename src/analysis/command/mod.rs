@@ -10,6 +10,7 @@ pub mod limit;
 pub mod line;
 pub mod material;
 pub mod mesh;
+mod mesh_refine;
 pub mod new;
 pub mod options;
 mod outcome;

@@ -11,6 +11,7 @@ mod findings;
 mod fractions;
 pub mod keywords;
 mod lexer;
+pub mod lines;
 pub mod lists;
 pub mod manual;
 pub use revolve_numerics::names;

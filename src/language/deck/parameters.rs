@@ -49,6 +49,10 @@ pub struct ParameterDefinition {
     pub name: String,
     /// Text after the equals sign.
     pub text: String,
+    /// Source position of the text.
+    pub span: Span,
+    /// Text of an override, in quotes if the value is a text.
+    pub replacement: Option<String>,
 }
 
 impl Parameters {
@@ -95,7 +99,14 @@ impl Parameters {
                     .help("names consist of letters, digits and `_`, and do not begin with a digit"),
             );
         }
-        match self.value_of(name, right.trim(), part(span, line, right.trim()), diagnostics) {
+        let text = right.trim();
+        let span = part(span, line, text);
+        let value = self.value_of(name, text, span, diagnostics);
+        let replacement = self.overrides.get(name).map(|given| match &value {
+            Some(ParameterValue::Text(text)) => format!("\"{text}\""),
+            _ => given.clone(),
+        });
+        match value {
             Some(value) => {
                 self.without_value.remove(name);
                 self.values.insert(name.to_owned(), value);
@@ -105,7 +116,7 @@ impl Parameters {
                 self.without_value.insert(name.to_owned());
             }
         }
-        self.definitions.push(ParameterDefinition { name: name.to_owned(), text: right.trim().to_owned() });
+        self.definitions.push(ParameterDefinition { name: name.to_owned(), text: text.to_owned(), span, replacement });
     }
 
     /// Returns the value of a definition or of its override; `None` after an error. An unknown value of another parameter
