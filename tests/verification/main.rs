@@ -44,6 +44,7 @@ mod properties;
 mod rates;
 mod reference_nodes;
 mod refinement;
+mod relisting;
 mod resistance;
 mod rigid;
 mod rigid_wall;
