@@ -58,6 +58,8 @@ fn written_decks_have_the_results_of_refined_decks() {
     assert_same_results("rod and plate", &rod, &sizes);
     assert_same_results("ogive", &input("ogive.inp"), &[("n", "5"), ("V", "500"), ("mesh", "4")]);
     let bar = |triangles| copper_bar([4, 8], triangles, SKEWED).replace("80.e-6", "5.e-6");
+    let curved = [("mesh", "2"), ("mesh-curved", "45")];
+    assert_same_results("curved triangles", &bar(true), &curved);
     assert_same_results("triangles", &bar(true), &[("mesh", "2")]);
     assert_same_results("six-node triangles", &in_six_node_triangles(&bar(false), [4, 8]), &[("mesh", "2")]);
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::options::QuietOption;
+use super::options::{CurvedOption, QuietOption};
 use super::words::print_out;
 use super::{AlreadyPrinted, CommandStatus, pairs, print_findings};
 use crate::{deck, model};
@@ -18,6 +18,8 @@ pub struct RefineArguments {
     /// Number of parts of each edge; 1 lists the mesh as it is, and 1/2 or 1/3 merges elements.
     #[arg(short = 'k', value_name = "PARTS")]
     parts: String,
+    #[command(flatten)]
+    curved: CurvedOption,
     /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
     #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -32,6 +34,7 @@ impl RefineArguments {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let mut settings = pairs(&self.set)?;
         settings.push((deck::MESH_SETTINGS[0].to_owned(), self.parts));
+        settings.extend(self.curved.setting());
         let (deck, mut findings) = deck::read(&self.deck, &settings);
         let mut text = String::new();
         if !findings.has_errors() {

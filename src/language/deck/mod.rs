@@ -36,7 +36,7 @@ pub use codes::{CODES, find_code};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use finding::Finding;
 pub use findings::tier_findings;
-pub use parameters::{MESH_SETTINGS, ParameterDefinition, is_unresolved};
+pub use parameters::{CURVE_SETTING, MESH_SETTINGS, ParameterDefinition, is_unresolved};
 pub use printable::printable;
 pub use source::{Sources, Span};
 pub use syntax::{Card, DataLine, Deck, MeshScaling, Parameter, ParseGaps, Word};

@@ -20,10 +20,10 @@ use super::derivation::DerivationRequest;
 use super::lost::{MissingDefinitions, is_skipped};
 use super::names::{LabelTable, qualified, upper};
 use super::refinement::curves::EdgeCurves;
-use super::relisting::edits::DeckEdits;
 use super::refinement::mesh::RefinedMesh;
 use super::refinement::pair::NodePair;
 use super::refinement::pass::ReadPass;
+use super::relisting::edits::DeckEdits;
 use super::steps::StepState;
 use super::types::{
     BlastProperty, IgnoredCard, MaterialDefinition, MaterialId, Model, ModelOrigin, SectionControls, SurfaceId,

@@ -98,7 +98,9 @@ pub fn build(deck: &Deck) -> (Model, Diagnostics) {
     }
     let (model, mut diagnostics) = builder.finish();
     match deck.mesh_scaling.filter(|_| !diagnostics.has_errors()) {
-        Some(MeshScaling::Refine(factor)) if factor > 1 => return refinement::apply::read(deck, factor, false).finish(),
+        Some(MeshScaling::Refine(factor)) if factor > 1 => {
+            return refinement::apply::read(deck, factor, &model, false).finish();
+        }
         Some(MeshScaling::Coarsen(factor)) => {
             let builder = coarsening::apply::read(deck, factor, &model, false);
             return coarsening::apply::finish(builder, &model);

@@ -10,8 +10,8 @@ use super::verify::verify;
 use crate::deck::{Deck, Diagnostic, Diagnostics};
 use crate::kernel::lists::sorted_unique;
 use crate::model::builder::ModelBuilder;
-use crate::model::relisting::edits::DeckEdits;
 use crate::model::refinement::pass::ReadPass;
+use crate::model::relisting::edits::DeckEdits;
 use crate::model::types::{LoadKind, Mesh, Model, OutputKind, OutputRegion};
 
 /// Largest number of faults that are reported.
@@ -113,7 +113,7 @@ fn removed(fine: &Mesh, coarse: &Mesh) -> Vec<bool> {
 }
 
 /// Returns the sections and rigid bodies of each element.
-fn regions(model: &Model) -> Regions {
+pub fn regions(model: &Model) -> Regions {
     let mut regions = Regions::new();
     let sections = model.sections.iter().map(|s| &s.elements).chain(model.shell_sections.iter().map(|s| &s.elements));
     let all = sections.chain(model.rigid_bodies.iter().map(|body| &body.elements));

@@ -2,21 +2,23 @@
 
 use std::collections::HashMap;
 
-use crate::model::relisting::edits::DeckEdits;
 use super::lattice;
 use super::mesh::RefinedMesh;
 use super::pass::ReadPass;
+use super::smooth;
 use crate::deck::{Card, Deck, Span, Word};
 use crate::kernel::lists::sorted_unique;
 use crate::model::budget::BudgetedItem;
 use crate::model::builder::ModelBuilder;
+use crate::model::coarsening::apply::regions;
 use crate::model::name::EntityName;
-use crate::model::types::{Element, ElementSide, OutputKind, OutputRegion};
+use crate::model::relisting::edits::DeckEdits;
+use crate::model::types::{Element, ElementSide, Model, OutputKind, OutputRegion};
 use crate::platform::PortableMath as _;
 
-/// Reads a deck without errors again, with a refined mesh. If the deck is to be written, the changes of its text are
-/// recorded.
-pub(in crate::model) fn read(deck: &Deck, factor: usize, is_written: bool) -> ModelBuilder<'_> {
+/// Reads a deck without errors again, with a refined mesh. `coarse` is its model. If the deck is to be written, the
+/// changes of its text are recorded.
+pub(in crate::model) fn read<'a>(deck: &'a Deck, factor: usize, coarse: &Model, is_written: bool) -> ModelBuilder<'a> {
     let mut builder = ModelBuilder::checked(deck);
     let cards = builder.ordered_cards();
     for pass in [ReadPass::Mesh, ReadPass::Rest] {
@@ -25,7 +27,7 @@ pub(in crate::model) fn read(deck: &Deck, factor: usize, is_written: bool) -> Mo
             builder.card(card);
         }
         if pass == ReadPass::Mesh {
-            builder.refine_mesh(factor);
+            builder.refine_mesh(factor, coarse);
             builder.edits = is_written.then(|| Box::new(DeckEdits::of(&builder.model)));
         }
     }
@@ -35,12 +37,15 @@ pub(in crate::model) fn read(deck: &Deck, factor: usize, is_written: bool) -> Mo
 
 impl ModelBuilder<'_> {
     /// Divides all edges into `factor` parts, and extends all sets of nodes and elements.
-    fn refine_mesh(&mut self, factor: usize) {
+    fn refine_mesh(&mut self, factor: usize, coarse: &Model) {
         if !self.affords_refinement(factor) {
             return;
         }
-        let curves = std::mem::take(&mut self.curves);
+        let mut curves = std::mem::take(&mut self.curves);
         let mesh = &mut *self.model.mesh;
+        if let Some(corner) = self.deck.mesh_curves {
+            smooth::fit(mesh, &regions(coarse), corner.to_radians(), &mut curves);
+        }
         let refined = lattice::refine(mesh, factor, &curves);
         name_nodes(&refined, mesh.points.len(), &mut mesh.node_names);
         name_children(&refined, &mut mesh.elements);

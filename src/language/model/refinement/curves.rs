@@ -1,4 +1,5 @@
-//! Curved edges: parts of arcs that `*NGEN, LINE=C` generates, and rows of nodes that `*NFILL` generates between them.
+//! Curved edges: parts of arcs that `*NGEN, LINE=C` generates, rows of nodes that `*NFILL` generates between them, and
+//! smooth curves through listed nodes.
 
 use std::collections::HashMap;
 
@@ -9,6 +10,9 @@ const ROUND: f64 = 1e-6;
 /// Largest number of `*NFILL` cards that generate rows from rows of each other.
 const DEEPEST: usize = 16;
 
+/// Derivatives of a cubic curve at both ends of an edge, with respect to the fraction of the edge.
+pub type Tangents = [[f64; 2]; 2];
+
 /// Shape of an edge from its node with the lower index to the other one.
 #[derive(Clone, Copy, Debug)]
 enum EdgeCurve {
@@ -16,6 +20,8 @@ enum EdgeCurve {
     Arc { centre: [f64; 2], normal: f64 },
     /// Part of a row between two edges, at this fraction of the distance from the first one.
     Row { share: f64, rows: [[usize; 2]; 2] },
+    /// A cubic curve (Hermite).
+    Cubic(Tangents),
 }
 
 /// Edges that are not straight.
@@ -31,6 +37,12 @@ impl EdgeCurves {
             let sign = if pair[0] < pair[1] { 1.0 } else { -1.0 };
             self.curves.insert(sorted_pair([pair[0], pair[1]]), EdgeCurve::Arc { centre, normal: sign * normal });
         }
+    }
+
+    /// Records a cubic curve from the first to the second node, unless the edge has a curve.
+    pub fn record_smooth(&mut self, nodes: [usize; 2], [from, to]: Tangents) {
+        let tangents = if nodes[0] < nodes[1] { [from, to] } else { [to, from].map(|t| t.map(|x| -x)) };
+        self.curves.entry(sorted_pair(nodes)).or_insert(EdgeCurve::Cubic(tangents));
     }
 
     /// Records edges of rows between two lines, if one line is curved there. `rows` are the nodes between each pair of
@@ -62,9 +74,16 @@ impl EdgeCurves {
                 let [a, b] = rows.map(|row| self.at(points, row, along, depth + 1));
                 [0, 1].map(|i| (1.0 - share) * a[i] + share * b[i])
             }
+            Some(EdgeCurve::Cubic(tangents)) => cubic_offset(key.map(|node| points[node]), tangents, along),
             _ => [0.0; 2],
         }
     }
+}
+
+/// Returns the offset of a cubic curve from its chord.
+fn cubic_offset([a, b]: [[f64; 2]; 2], [from, to]: &Tangents, s: f64) -> [f64; 2] {
+    let rest = 1.0 - s;
+    [0, 1].map(|i| s * rest * (rest * (from[i] - (b[i] - a[i])) - s * (to[i] - (b[i] - a[i]))))
 }
 
 /// Returns the offset of an arc from its chord; zero if the nodes were moved off the arc.

@@ -18,13 +18,12 @@ pub fn write(deck: &Deck) -> (String, Diagnostics) {
     }
     let (mut builder, is_coarse) = match deck.mesh_scaling {
         Some(MeshScaling::Coarsen(factor)) => (coarsening::apply::read(deck, factor, &fine, true), true),
-        Some(MeshScaling::Refine(factor)) => (refinement::apply::read(deck, factor, true), false),
-        None => (refinement::apply::read(deck, 1, true), false),
+        Some(MeshScaling::Refine(factor)) => (refinement::apply::read(deck, factor, &fine, true), false),
+        None => (refinement::apply::read(deck, 1, &fine, true), false),
     };
     let edits = *builder.edits.take().unwrap_or_default();
     let is_removed = builder.coarsened.as_ref().map_or_else(Vec::new, |merged| merged.is_removed.clone());
-    let (model, mut diagnostics) =
-        if is_coarse { coarsening::apply::finish(builder, &fine) } else { builder.finish() };
+    let (model, mut diagnostics) = if is_coarse { coarsening::apply::finish(builder, &fine) } else { builder.finish() };
     moved_profiles(deck).for_each(|finding| diagnostics.push(finding));
     if diagnostics.has_errors() {
         return (String::new(), diagnostics);
@@ -57,7 +56,8 @@ fn moved_profiles(deck: &Deck) -> impl Iterator<Item = Diagnostic> {
         }
         let is_profile = card.keyword.name == "RIGID SURFACE" || card.value("TYPE").is_some_and(|w| w.is("SEGMENTS"));
         let moved = part.filter(|part| is_profile && card.keyword.name.ends_with("SURFACE") && is_moved(part))?;
-        let message = format!("the analytical surface of part {moved} cannot be written: an instance of the part is moved");
+        let message =
+            format!("the analytical surface of part {moved} cannot be written: an instance of the part is moved");
         let finding = Diagnostic::error("M192", message).at(card.span, "this surface");
         Some(finding.help("define the surface in the assembly, in the coordinates of the assembly"))
     })

@@ -168,7 +168,8 @@ impl<'a> DeckWriter<'a> {
         let Some(card) = line.card.filter(|_| line.role == LineRole::Keyword).map(|card| &self.deck.cards[card]) else {
             return Vec::new();
         };
-        let is_here = |span: Span| span.file == line.span.file && (line.span.start..line.span.end).contains(&span.start);
+        let is_here =
+            |span: Span| span.file == line.span.file && (line.span.start..line.span.end).contains(&span.start);
         let replaced = |word: &Word| (word.span.start, word.span.end, quoted(scope));
         let name = match card.keyword.name {
             "PART" => card.value("NAME"),
