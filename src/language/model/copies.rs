@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::budget::BudgetedItem;
 use super::builder::ModelBuilder;
-use super::refinement::curves::AffineMap;
+use super::refinement::curves::{AffineMap, polar_point};
 use crate::deck::{Card, DataLine, Diagnostic, Span};
 
 /// An affine map of the r-z plane: fixed point, and images of the unit vectors along r and z.
@@ -241,19 +241,6 @@ impl ModelBuilder<'_> {
             self.diagnostics.push(diagnostic.at(span, label).help(help));
         }
     }
-}
-
-/// Returns the point at a radius and an angle in degrees.
-pub(super) fn polar_point(radius: f64, degrees: f64) -> [f64; 2] {
-    let (sine, cosine) = match degrees.rem_euclid(360.0) {
-        // Multiples of 90 degrees are exact, so that nodes on the axis remain there.
-        0.0 => (0.0, 1.0),
-        90.0 => (1.0, 0.0),
-        180.0 => (0.0, -1.0),
-        270.0 => (-1.0, 0.0),
-        other => libm::sincos(other.to_radians()),
-    };
-    [radius * cosine, radius * sine]
 }
 
 /// Returns the axes of a rectangular system in the r-z plane: from a to b, and perpendicular to it towards c.

@@ -2,10 +2,9 @@
 
 use super::budget::BudgetedItem;
 use super::builder::ModelBuilder;
-use super::copies::polar_point;
 use super::name::EntityName;
 use super::names::{qualified, upper};
-use super::refinement::curves::on_arc;
+use super::refinement::curves::{on_arc, polar_point};
 use crate::deck::rows::label_and_coordinates;
 use crate::deck::{Card, DataLine, Diagnostic, Diagnostics, Span, Word};
 

@@ -4,7 +4,6 @@
 use std::collections::HashMap;
 
 use crate::kernel::lists::sorted_pair;
-use crate::model::copies::polar_point;
 
 /// Largest difference of the distances of both ends of an arc from its centre, relative to the radius.
 const ROUND: f64 = 1e-6;
@@ -227,4 +226,17 @@ pub fn on_arc(a: [f64; 2], b: [f64; 2], c: [f64; 2], normal: f64, s: f64) -> [f6
     let whole = if short * normal < 0.0 { short + normal.signum() * std::f64::consts::TAU } else { short };
     let (sine, cosine) = (s * whole).sin_cos();
     [c[0] + u[0] * cosine - u[1] * sine, c[1] + u[0] * sine + u[1] * cosine]
+}
+
+/// Returns the point at a radius and an angle in degrees.
+pub fn polar_point(radius: f64, degrees: f64) -> [f64; 2] {
+    let (sine, cosine) = match degrees.rem_euclid(360.0) {
+        // Multiples of 90 degrees are exact, so that nodes on the axis remain there.
+        0.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
+        other => libm::sincos(other.to_radians()),
+    };
+    [radius * cosine, radius * sine]
 }

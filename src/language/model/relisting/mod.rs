@@ -3,6 +3,7 @@
 
 pub mod edits;
 mod listing;
+mod record;
 mod text;
 
 use super::types::Model;
