@@ -230,3 +230,28 @@ fn command_reproduces_the_stored_mesh() {
     assert!(String::from_utf8_lossy(&message_text.stderr).contains("line 4"), "{message_text:?}");
     assert!(!folder.path().join("no.inp").exists());
 }
+
+/// `revolve mesh refine` writes a deck that gives the digest of `run --mesh-refine`; invalid input is refused.
+#[test]
+fn refined_decks_are_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| folder.path().join(name).to_str().expect("a path").to_owned();
+    let (deck, out) = (file("fine.inp"), file("results"));
+    let digest = |arguments: &[&str]| {
+        let output = revolve(&[arguments, &["--no-frames", "--json", "--out", &out]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let summary: serde_json::Value = serde_json::from_slice(&output.stdout).expect("a summary");
+        summary["digest"].as_str().expect("a digest").to_owned()
+    };
+    let curved = ["-s", "n=10", "--curved=20"];
+    let written = revolve(&[&["mesh", "refine", "input/ogive.inp", "-k", "2", "--out", &deck], &curved[..]].concat());
+    assert!(written.status.success(), "{}", String::from_utf8_lossy(&written.stderr));
+    let expected = digest(&[&["run", "input/ogive.inp", "--mesh-refine", "2"], &curved[..]].concat());
+    assert_eq!(digest(&["run", &deck]), expected);
+    for (parts, message) in [("0", "D408"), ("1/7", "M191")] {
+        let refused = revolve(&["mesh", "refine", "input/ogive.inp", "-k", parts, "--out", &file("none.inp")]);
+        let text = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(refused.status.code() == Some(2) && text.contains(message), "{text}");
+    }
+    assert!(!folder.path().join("none.inp").exists());
+}

@@ -147,6 +147,43 @@ fn generated_arcs_and_rows_between_them_keep_their_shape() {
     }
 }
 
+/// Arcs that `*NCOPY` copies, that `*NMAP` moves, or that are lines in polar coordinates.
+#[test]
+fn copied_and_mapped_arcs_keep_their_shape() {
+    let ring = |outer: [&str; 2], arc: &str, after: &str| {
+        let centre = if arc.is_empty() { "" } else { ", , 0., 0." };
+        format!(
+            "*Parameter\nn = 2\nm = 4\nlast = 1 + m\nout = 1 + 100*n\noutlast = out + m\n*Node\n 1, 10., 0.\n <last>, {}\n \
+             <out>, 20., 0.\n <outlast>, {}\n*Ngen{arc}, nset=INNER\n 1, <last>, 1{centre}\n*Ngen{arc}, nset=OUTER\n \
+             <out>, <outlast>, 1{centre}\n{after}*Element, type=CAX4R\n 1, 1, 101, 102, 2\n*Elgen, elset=SOLID\n \
+             1, <m>, 1, 1, <n>, 100, 100\n",
+            outer[0], outer[1]
+        )
+    };
+    let fill = "*Nfill, nset=ALL\n INNER, OUTER, <n>, 100\n";
+    let nmap = |set: &str| format!("*Nmap, nset={set}, type=CYLINDRICAL\n 0., 5., 0., 0., 5., 1.\n 1., 5., 0.\n");
+    let polar = ["10., 80.", "20., 80."];
+    let copies = "*Elcopy, element shift=5000, old set=SOLID, shift nodes=5000";
+    let copied = |how: &str| format!("{fill}*Ncopy, change number=5000, old set=ALL, {how}\n");
+    let mirror = copied("reflect=LINE").replace("LINE\n", "LINE\n 0., 0., 0., 1., 0., 0.\n");
+    let turned = copied("shift") + " 0., 50., 0.\n 0., 50., 0., 0., 50., 1., -90.\n";
+    let arcs = ["0., 10.", "0., 20."];
+    let moved =
+        format!("{fill}*Nmap, nset=ALL, type=RECTANGULAR\n 0., 30., 0., 1., 30., 0.\n 0., 31., 0.\n 2., 2., 1.\n");
+    for (what, text) in [
+        ("lines in polar coordinates", ring(polar, "", &(fill.to_owned() + &nmap("ALL")))),
+        ("rows between polar lines", ring(polar, "", &(nmap("INNER") + &nmap("OUTER") + fill))),
+        ("mirror image", ring(arcs, ", line=C", &mirror) + copies + ", reflect\n"),
+        ("turned copy", ring(arcs, ", line=C", &turned) + copies + "\n"),
+        ("copy of polar lines", ring(polar, "", &(nmap("INNER") + &nmap("OUTER") + &turned)) + copies + "\n"),
+        ("mapped arcs", ring(arcs, ", line=C", &moved)),
+    ] {
+        let text = text + &material(200e3, 0.3, 7.85e-9, "");
+        let [coarse, fine] = [[("n", "2"), ("m", "4"), ("mesh", "3")], [("n", "6"), ("m", "12"), ("mesh", "1")]];
+        assert_same_nodes(what, [&model_of(&text, &coarse), &model_of(&text, &fine)]);
+    }
+}
+
 /// Six-node triangles have the nodes of the four-node mesh, divided twice as often.
 #[test]
 fn six_node_triangles_keep_their_midside_nodes() {

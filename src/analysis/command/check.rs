@@ -11,7 +11,7 @@ use crate::plan::ledger::Ledger;
 use clap::Args;
 use serde::Serialize;
 
-use super::options::{OutputOptions, QuietOption};
+use super::options::{CurvedOption, OutputOptions, QuietOption};
 use super::words::print_out;
 use super::{CommandStatus, REFUSED, UserFiles, accept, deck_settings, words};
 
@@ -29,6 +29,8 @@ pub struct CheckCommand {
     /// Divide each edge of the mesh into N equal parts. Sets, surfaces, loads and constraints follow.
     #[arg(long, value_name = "N")]
     mesh_refine: Option<u32>,
+    #[command(flatten)]
+    curved: CurvedOption,
     #[command(flatten)]
     user: UserFiles,
     /// Skip the short trial run that estimates increments and run time.
@@ -56,7 +58,7 @@ impl CheckCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let (routines, _) = self.user.routines(self.output.is_silent(), false)?;
         let OutputOptions { quiet: QuietOption { quiet }, json } = self.output;
-        let settings = deck_settings(&self.set, self.mesh_refine)?;
+        let settings = deck_settings(&self.set, self.mesh_refine, &self.curved)?;
         let (mut prepared, mut overview) = job::examine(&self.deck, &settings, &routines);
         if let Some(overview) = overview.as_mut().filter(|_| !self.no_look && !quiet) {
             overview.effort = overview::measure(&prepared.plan, &prepared.state, TRIAL_TIME);

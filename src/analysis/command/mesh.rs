@@ -1,4 +1,4 @@
-//! `revolve mesh`: generates a quadrilateral mesh of a projectile as a file for `*INCLUDE`.
+//! `revolve mesh`: generates a quadrilateral mesh of a projectile as a file for `*INCLUDE`, or refines the mesh of a deck.
 
 use std::error::Error;
 use std::fs;
@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
+use super::mesh_refine::RefineArguments;
 use super::options::QuietOption;
 use super::words::print_out;
 use super::{CommandStatus, PictureFormat};
@@ -17,7 +18,7 @@ use crate::generate::{
 };
 use crate::output::{self, csv};
 
-/// Generate a CAX4R mesh of a projectile and write it as a file for *INCLUDE.
+/// Generate a CAX4R mesh of a projectile as a file for *INCLUDE, or refine the mesh of a deck.
 #[derive(Args)]
 pub struct MeshCommand {
     #[command(subcommand)]
@@ -67,6 +68,8 @@ enum ProjectileShape {
         #[command(flatten)]
         made: MeshArguments,
     },
+    /// Write a deck with its mesh refined or coarsened, and listed node by node.
+    Refine(RefineArguments),
 }
 
 /// Dimensions of the shank.
@@ -141,6 +144,7 @@ struct MeshArguments {
 impl MeshCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let (nose, shank, made) = match self.shape {
+            ProjectileShape::Refine(refine) => return refine.execute(),
             ProjectileShape::Ogive { crh, shank, made } => (NoseShape::Ogive { crh }, Some(shank), made),
             ProjectileShape::Sphere { shank, made } => (NoseShape::Sphere, Some(shank), made),
             ProjectileShape::Cone { half_angle, shank, made } => (NoseShape::Cone { half_angle }, Some(shank), made),
@@ -259,7 +263,7 @@ fn request_title(wanted: &MeshRequest) -> String {
     format!("{shape}, size {size}{hollow}{graded}")
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(|e| format!("cannot create {}: {e}", folder.display()))?;
     }

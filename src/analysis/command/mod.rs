@@ -10,6 +10,7 @@ pub mod limit;
 pub mod line;
 pub mod material;
 pub mod mesh;
+mod mesh_refine;
 pub mod new;
 pub mod options;
 mod outcome;
@@ -44,6 +45,7 @@ use crate::study::table::TextTable;
 use crate::user::Routines;
 use crate::user::compile::{Compiled, compile};
 use clap::Args;
+use options::CurvedOption;
 use words::print_err;
 
 /// Exit status of a command.
@@ -125,10 +127,15 @@ pub fn pairs(settings: &[String]) -> Result<Vec<(String, String)>, String> {
     settings.iter().map(pair).collect()
 }
 
-/// Parses `--set NAME=VALUE` settings, and adds that of `--mesh-refine`.
-fn deck_settings(settings: &[String], mesh: Option<u32>) -> Result<Vec<(String, String)>, String> {
+/// Parses `--set NAME=VALUE` settings, and adds those of `--mesh-refine` and `--curved`.
+fn deck_settings(
+    settings: &[String],
+    mesh: Option<u32>,
+    curved: &CurvedOption,
+) -> Result<Vec<(String, String)>, String> {
     let mut settings = pairs(settings)?;
     settings.extend(mesh.map(|parts| (deck::MESH_SETTINGS[0].to_owned(), parts.to_string())));
+    settings.extend(curved.setting());
     Ok(settings)
 }
 

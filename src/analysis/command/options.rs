@@ -5,7 +5,24 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::threads;
+use crate::deck::CURVE_SETTING;
 use crate::report::QuantityLabels;
+
+/// Option for curved boundaries of a refined mesh.
+#[derive(Args)]
+pub struct CurvedOption {
+    /// Fit smooth curves to the boundaries of a refined mesh; they have corners where a boundary of the deck turns by more
+    /// than this angle in degrees.
+    #[arg(long, value_name = "ANGLE", num_args = 0..=1, require_equals = true, default_missing_value = "30")]
+    curved: Option<String>,
+}
+
+impl CurvedOption {
+    /// Returns the setting of the deck.
+    pub fn setting(&self) -> Option<(String, String)> {
+        self.curved.as_ref().map(|angle| (CURVE_SETTING.to_owned(), angle.clone()))
+    }
+}
 
 /// Number of threads of a command that runs decks.
 #[derive(Args, Clone, Copy)]

@@ -25,7 +25,7 @@ use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::options::{FolderOption, OutputOptions, ThreadOption};
+use super::options::{CurvedOption, FolderOption, OutputOptions, ThreadOption};
 use super::progress::{self, RunBar};
 use super::uncertainty::{EstimatedRun, UncertaintyOptions};
 use super::watchdog::Watchdog;
@@ -49,6 +49,8 @@ pub struct RunCommand {
     /// Divide each edge of the mesh into N equal parts. Sets, surfaces, loads and constraints follow.
     #[arg(long, value_name = "N")]
     mesh_refine: Option<u32>,
+    #[command(flatten)]
+    curved: CurvedOption,
     #[command(flatten)]
     user: UserFiles,
     /// Run the user subroutines in a separate process: if they crash, the run still writes its results. Not available
@@ -118,7 +120,7 @@ impl RunCommand {
         // Before any thread starts: with --isolate the process is forked here.
         let (routines, user) = self.user.routines(self.is_silent(), self.isolate)?;
         let inputs = self.uncertainty.inputs()?;
-        let settings = deck_settings(&self.set, self.mesh_refine)?;
+        let settings = deck_settings(&self.set, self.mesh_refine, &self.curved)?;
         let (mut prepared, traits) = self.prepared(&settings, &[], &routines)?;
         let quantities = self.uncertainty.quantities(&self.quantity, &traits)?;
         self.start_threads(&prepared)?;

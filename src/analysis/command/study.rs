@@ -21,7 +21,7 @@ use crate::user::compile::Compiled;
 use crate::{deck, job, model};
 use clap::Args;
 
-use super::options::{FolderOption, LabelOption, OutputOptions, ThreadOption};
+use super::options::{CurvedOption, FolderOption, LabelOption, OutputOptions, ThreadOption};
 use super::words::{print_err, print_out};
 use super::{
     CommandStatus, HALTED, ResultFile, UserFiles, accept, lock_job, pairs, print_run_warnings, print_table, progress,
@@ -63,6 +63,8 @@ pub struct StudyCommand {
     #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
+    curved: CurvedOption,
+    #[command(flatten)]
     user: UserFiles,
     #[command(flatten)]
     folder: FolderOption,
@@ -85,7 +87,8 @@ impl StudyCommand {
             return Err("--ablate needs a number as quantity: give the norm an expression, norm(VARIABLE, EXPR)".into());
         }
         let target = self.target.as_deref().map(ErrorTarget::parse).transpose()?;
-        let overrides = pairs(&self.set)?;
+        let mut overrides = pairs(&self.set)?;
+        overrides.extend(self.curved.setting());
         let labels = self.labels.checked([quantity.text.as_str()])?;
         let compiled = self.user.compiled(self.output.is_silent())?;
         let routines = Compiled::open_any(compiled.as_ref())?;

@@ -43,7 +43,7 @@ pub static CODES: &[DiagnosticCode] = codes! {
     "D404" "Bad parameter definition" "The lines of a *PARAMETER block are `name = expression`."
     "D405" "Unsupported form of *PARAMETER" "Tabulated and dependent parameters are not supported."
     "D407" "Bad override" "`--set NAME=VALUE` takes an expression as on *PARAMETER lines, and it must have a finite value."
-    "D408" "Bad mesh refinement" "`--mesh-refine` and the setting `mesh` divide each edge of the mesh into this number of equal parts, a whole number from 1 to 1000. `mesh=1/2` merges two by two elements, `mesh=1/3` three by three. A *PARAMETER of the name `mesh` takes precedence over the setting."
+    "D408" "Bad mesh refinement" "`--mesh-refine` and the setting `mesh` divide each edge of the mesh into this number of equal parts, a whole number from 1 to 1000. `mesh=1/2` merges two by two elements, `mesh=1/3` three by three. A *PARAMETER of the name `mesh` takes precedence over the setting. `--curved` and the setting `mesh-curved` give the angle in degrees, above 0 and up to 60, by which smooth boundaries of a refined mesh turn at most at a node."
 };
 
 /// Returns the explanation of a code; case is ignored.

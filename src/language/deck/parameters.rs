@@ -14,6 +14,9 @@ use super::syntax::{MeshScaling, Word};
 /// Settings that request a refined mesh. The first one is not a valid parameter name.
 pub const MESH_SETTINGS: [&str; 2] = ["mesh-refine", "mesh"];
 
+/// Setting that fits smooth curves to the boundaries of a refined mesh; not a valid parameter name.
+pub const CURVE_SETTING: &str = "mesh-curved";
+
 /// Value that a `*PARAMETER` substitutes into the deck.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterValue {
@@ -49,6 +52,10 @@ pub struct ParameterDefinition {
     pub name: String,
     /// Text after the equals sign.
     pub text: String,
+    /// Source position of the text.
+    pub span: Span,
+    /// Text of an override, in quotes if the value is a text.
+    pub replacement: Option<String>,
 }
 
 impl Parameters {
@@ -95,7 +102,14 @@ impl Parameters {
                     .help("names consist of letters, digits and `_`, and do not begin with a digit"),
             );
         }
-        match self.value_of(name, right.trim(), part(span, line, right.trim()), diagnostics) {
+        let text = right.trim();
+        let span = part(span, line, text);
+        let value = self.value_of(name, text, span, diagnostics);
+        let replacement = self.overrides.get(name).map(|given| match &value {
+            Some(ParameterValue::Text(text)) => format!("\"{text}\""),
+            _ => given.clone(),
+        });
+        match value {
             Some(value) => {
                 self.without_value.remove(name);
                 self.values.insert(name.to_owned(), value);
@@ -105,7 +119,7 @@ impl Parameters {
                 self.without_value.insert(name.to_owned());
             }
         }
-        self.definitions.push(ParameterDefinition { name: name.to_owned(), text: right.trim().to_owned() });
+        self.definitions.push(ParameterDefinition { name: name.to_owned(), text: text.to_owned(), span, replacement });
     }
 
     /// Returns the value of a definition or of its override; `None` after an error. An unknown value of another parameter
@@ -234,10 +248,26 @@ impl Parameters {
         Some((name, value, scaling?))
     }
 
+    /// Returns the largest turning angle of smooth boundaries of a refined mesh, degrees.
+    pub fn mesh_curves(&self, diagnostics: &mut Diagnostics) -> Option<f64> {
+        let text = self.overrides.get(CURVE_SETTING)?;
+        match self.evaluate(text) {
+            Ok(ParameterValue::Number(angle)) if angle > 0.0 && angle <= 60.0 => Some(angle),
+            _ => {
+                let what = Diagnostic::error("D408", format!("`{CURVE_SETTING}={text}`: invalid corner angle"));
+                diagnostics.refuse(what.help(
+                    "give an angle in degrees above 0 and up to 60; boundaries have corners \
+                                              where they turn by more",
+                ))
+            }
+        }
+    }
+
     /// Reports overrides of undefined parameters.
     pub fn check_overrides(&self, diagnostics: &mut Diagnostics) {
         let is_known = |name: &String| self.values.contains_key(name) || self.without_value.contains(name);
-        let is_unknown = |name: &&String| !is_known(name) && !MESH_SETTINGS.contains(&name.as_str());
+        let is_unknown =
+            |name: &&String| !is_known(name) && !MESH_SETTINGS.contains(&name.as_str()) && *name != CURVE_SETTING;
         for name in self.overrides.keys().filter(is_unknown) {
             let what = Diagnostic::error("D403", format!("`--set {name}`: the deck defines no parameter `{name}`"));
             diagnostics.push(what.help(self.suggestion(name)));

@@ -72,6 +72,7 @@ impl Parser {
     pub fn finish(mut self) -> (Deck, Diagnostics) {
         self.parameters.check_overrides(&mut self.diagnostics);
         self.deck.parameters = self.parameters.numbers();
+        self.deck.mesh_curves = self.parameters.mesh_curves(&mut self.diagnostics);
         if let Some((name, value, scaling)) = self.parameters.mesh_scaling(&mut self.diagnostics) {
             self.deck.mesh_scaling = Some(scaling);
             self.deck.parameters.push((name.into(), value));

@@ -21,6 +21,8 @@ pub struct Deck {
     pub definitions: Vec<ParameterDefinition>,
     /// Refinement or coarsening of the mesh; `None` without the setting `mesh`.
     pub mesh_scaling: Option<MeshScaling>,
+    /// Largest turning angle of smooth boundaries of a refined mesh, degrees; `None` if boundaries remain polylines.
+    pub mesh_curves: Option<f64>,
     /// Parts of the deck that could not be read. Each has been reported as an error.
     pub unread: ParseGaps,
 }

@@ -23,6 +23,7 @@ use super::refinement::curves::EdgeCurves;
 use super::refinement::mesh::RefinedMesh;
 use super::refinement::pair::NodePair;
 use super::refinement::pass::ReadPass;
+use super::relisting::edits::DeckEdits;
 use super::steps::StepState;
 use super::types::{
     BlastProperty, IgnoredCard, MaterialDefinition, MaterialId, Model, ModelOrigin, SectionControls, SurfaceId,
@@ -122,6 +123,8 @@ pub(super) struct ModelBuilder<'a> {
     pub regions: Vec<(String, Vec<usize>)>,
     /// Pairs of nodes that `*MPC` links, for a refined mesh.
     pub linked_pairs: Vec<NodePair>,
+    /// Changes of the text for the refined or coarsened mesh, if the deck is to be written.
+    pub edits: Option<Box<DeckEdits>>,
 }
 
 impl<'a> ModelBuilder<'a> {
@@ -180,6 +183,7 @@ impl<'a> ModelBuilder<'a> {
             coarsened: None,
             regions: Vec::new(),
             linked_pairs: Vec::new(),
+            edits: None,
         }
     }
 
@@ -491,8 +495,11 @@ impl<'a> ModelBuilder<'a> {
             }
         }
         if let Some(node) = self.nodes.resolve(&self.scope, word) {
-            let is_removed = self.coarsened.as_ref().is_some_and(|merged| merged.is_removed[node]);
-            return Some(if is_removed { Vec::new() } else { vec![node] });
+            if self.coarsened.as_ref().is_some_and(|merged| merged.is_removed[node]) {
+                self.remove_line(word);
+                return Some(Vec::new());
+            }
+            return Some(vec![node]);
         }
         if let Some(members) = self.nodes_of_element_set(word) {
             return Some(members);
@@ -506,12 +513,18 @@ impl<'a> ModelBuilder<'a> {
     pub fn element_members(&mut self, word: &Word) -> Option<Vec<usize>> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(count) = self.model.element_sets.get(&name).map(|set| set.members.len()) {
-                let affords = self.fits_budget(BudgetedItem::Members, count as u128, word.span);
-                return affords.then(|| self.model.element_sets[&name].members.clone());
+                if !self.fits_budget(BudgetedItem::Members, count as u128, word.span) {
+                    return None;
+                }
+                let members = self.model.element_sets[&name].members.clone();
+                self.edit_elements(word, &members, false);
+                return Some(members);
             }
         }
         if let Some(element) = self.elements.resolve(&self.scope, word) {
-            return Some(self.replacements(element));
+            let members = self.replacements(element);
+            self.edit_elements(word, &members, true);
+            return Some(members);
         }
         let what = if is_label(word) { "element" } else { "element set or element" };
         self.unknown("M110", what, word, |b| b.model.element_sets.keys().cloned().collect());

@@ -302,6 +302,9 @@ impl ModelBuilder<'_> {
     pub(super) fn node_surface(&mut self, card: &Card, name: &Word) {
         let words = card.lines.iter().filter_map(|l| l.field(0));
         let between = self.between_labels(words.clone());
+        if let Some(last) = card.lines.last().filter(|_| !between.is_empty()) {
+            self.add_node_line(last.span, &between, "");
+        }
         let nodes = words.filter_map(|w| self.node_members(w)).flatten();
         let nodes: Vec<usize> = sorted_unique(nodes.chain(between));
         self.model.surfaces.nodes.insert(qualified(&self.scope, &name.text), nodes);

@@ -1,7 +1,10 @@
 //! Copies and coordinate mappings of meshes: `*NCOPY`, `*ELCOPY`, `*NMAP`, `*SYSTEM`, `*TRANSFORM`.
 
+use std::collections::HashMap;
+
 use super::budget::BudgetedItem;
 use super::builder::ModelBuilder;
+use super::refinement::curves::{AffineMap, polar_point};
 use crate::deck::{Card, DataLine, Diagnostic, Span};
 
 /// An affine map of the r-z plane: fixed point, and images of the unit vectors along r and z.
@@ -41,17 +44,22 @@ impl ModelBuilder<'_> {
         if !self.fits_budget(BudgetedItem::Nodes, old.len() as u128, card.span) {
             return;
         }
+        // Nodes of a part have the coordinates of its instance, but the copy is defined in the coordinates of the part.
+        let image = |builder: &Self, point| match &builder.instance {
+            Some(placement) => placement.apply(place(builder, placement.undo(point))),
+            None => place(builder, point),
+        };
         let mut made = Vec::with_capacity(old.len());
+        let mut images = HashMap::new();
         for node in old {
             let Some(label) = self.label_of_index(node) else { continue };
-            let point = self.model.mesh.points[node];
-            // Nodes of a part have the coordinates of its instance, but the copy is defined in the coordinates of the
-            // part.
-            let copy = match &self.instance {
-                Some(placement) => placement.apply(place(self, placement.undo(point))),
-                None => place(self, point),
-            };
+            let copy = image(self, self.model.mesh.points[node]);
             made.push(self.place_generated(label.saturating_add(change), copy, card.span));
+            images.insert(node, made[made.len() - 1]);
+        }
+        if self.deck.mesh_scaling.is_some() {
+            let map = AffineMap::of(|point| image(self, point));
+            self.curves.record_images(&images, &map);
         }
         if let Some(name) = card.value("NEW SET") {
             self.add_node_set(&name.text, made, card.span);
@@ -183,13 +191,26 @@ impl ModelBuilder<'_> {
                 *value = if given == 0.0 { 1.0 } else { given };
             }
         }
-        for node in nodes {
-            let p = self.model.mesh.points[node];
-            let p = self.instance.as_ref().map_or(p, |placement| placement.undo(p));
-            let (first, second) = (scale[0] * p[0], scale[1] * p[1]);
-            let local = if polar { polar_point(first, second) } else { [first, second] };
+        let placement = self.instance.as_ref();
+        let local = |p: [f64; 2]| {
+            let p = placement.map_or(p, |placement| placement.undo(p));
+            [scale[0] * p[0], scale[1] * p[1]]
+        };
+        let global = |local: [f64; 2]| {
             let place = [0, 1].map(|i| a[i] + local[0] * e1[i] + local[1] * e2[i]);
-            self.model.mesh.points[node] = self.instance.as_ref().map_or(place, |placement| placement.apply(place));
+            placement.map_or(place, |placement| placement.apply(place))
+        };
+        let points = &mut self.model.mesh.points;
+        if self.deck.mesh_scaling.is_some() && polar {
+            let places = nodes.iter().map(|&node| (node, local(points[node])));
+            self.curves.record_polar(places, AffineMap::of(global));
+        } else if self.deck.mesh_scaling.is_some() {
+            let same = nodes.iter().map(|&node| (node, node)).collect();
+            self.curves.record_images(&same, &AffineMap::of(|p| global(local(p))));
+        }
+        for node in nodes {
+            let [first, second] = local(points[node]);
+            points[node] = global(if polar { polar_point(first, second) } else { [first, second] });
         }
     }
 
@@ -220,19 +241,6 @@ impl ModelBuilder<'_> {
             self.diagnostics.push(diagnostic.at(span, label).help(help));
         }
     }
-}
-
-/// Returns the point at a radius and an angle in degrees.
-pub(super) fn polar_point(radius: f64, degrees: f64) -> [f64; 2] {
-    let (sine, cosine) = match degrees.rem_euclid(360.0) {
-        // Multiples of 90 degrees are exact, so that nodes on the axis remain there.
-        0.0 => (0.0, 1.0),
-        90.0 => (1.0, 0.0),
-        180.0 => (0.0, -1.0),
-        270.0 => (-1.0, 0.0),
-        other => libm::sincos(other.to_radians()),
-    };
-    [radius * cosine, radius * sine]
 }
 
 /// Returns the axes of a rectangular system in the r-z plane: from a to b, and perpendicular to it towards c.

@@ -32,8 +32,7 @@ impl ModelBuilder<'_> {
 
     fn nodal_heat(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
         let set = self.region(line)?;
-        let mut nodes = self.node_members(set)?;
-        self.keep_original_nodes(&mut nodes);
+        let nodes = self.original_nodes(set)?;
         Some((LoadKind::NodalHeat { nodes, set: set.text.clone() }, self.number(line, 2, "the heat flux")?))
     }
 
@@ -74,7 +73,7 @@ impl ModelBuilder<'_> {
         Some(SideSelection {
             name: set.text.clone(),
             surface: false,
-            faces: self.sides(&elements, &word),
+            faces: self.sides(set, &elements, &word),
             free_face_elements: Vec::new(),
         })
     }

@@ -211,7 +211,7 @@ impl ModelBuilder<'_> {
             let slaves = self.contact_nodes(slave);
             let Some(masters) = self.master_faces(master) else { continue };
             let Some(slaves) = slaves else { continue };
-            let tolerance = tolerance.or_else(|| self.tie_tolerance(&masters));
+            let tolerance = tolerance.or_else(|| self.tie_tolerance(card, &masters));
             let (name, chosen, span) = (upper(&name.text), chosen.clone(), line.span);
             self.model.constraints.ties.push(SurfaceTie { name, slaves, masters, adjust, tolerance, chosen, span });
         }

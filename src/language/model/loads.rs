@@ -71,8 +71,7 @@ impl ModelBuilder<'_> {
 
     fn concentrated(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
         let set = self.region(line)?;
-        let mut nodes = self.node_members(set)?;
-        self.keep_original_nodes(&mut nodes);
+        let nodes = self.original_nodes(set)?;
         let dof = self.integer(line, 1, "the degree of freedom")? as u8;
         let magnitude = self.number(line, 2, "the force")?;
         Some((LoadKind::Concentrated { nodes, dof, set: set.text.clone() }, magnitude))
@@ -124,7 +123,7 @@ impl ModelBuilder<'_> {
         }
         if let Some((traction, face)) = traction(&name) {
             let side = Word { text: if face.is_empty() { "SPOS".into() } else { format!("S{face}") }, ..label.clone() };
-            let faces = self.sides(&elements, &side);
+            let faces = self.sides(set, &elements, &side);
             let sides = SideSelection { name: set.text.clone(), surface: false, faces, free_face_elements: Vec::new() };
             return self.traction(card, line, sides, traction);
         }
@@ -134,13 +133,13 @@ impl ModelBuilder<'_> {
             // P on RAX2: pressure on the positive side (ABAQUS Elements Guide, rigid element library).
             (Some(""), _) | (_, "CAVITY") => {
                 let spos = Word { text: "SPOS".into(), ..label.clone() };
-                let mut sides = self.sides(&elements, &spos);
+                let mut sides = self.sides(set, &elements, &spos);
                 self.orient_shell_sides(&mut sides);
                 sides
             }
             (Some(n), _) if n.parse::<u8>().is_ok_and(|n| (1..=4).contains(&n)) => {
                 let word = Word { text: format!("S{n}"), ..label.clone() };
-                self.sides(&elements, &word)
+                self.sides(set, &elements, &word)
             }
             _ => {
                 self.unknown_label(label);

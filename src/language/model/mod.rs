@@ -57,6 +57,7 @@ mod order;
 mod outputs;
 mod parts;
 mod refinement;
+pub mod relisting;
 pub mod revise;
 mod rubber;
 pub mod scene;
@@ -99,8 +100,13 @@ pub fn build(deck: &Deck) -> (Model, Diagnostics) {
     }
     let (model, mut diagnostics) = builder.finish();
     match deck.mesh_scaling.filter(|_| !diagnostics.has_errors()) {
-        Some(MeshScaling::Refine(factor)) if factor > 1 => return refinement::apply::build(deck, factor),
-        Some(MeshScaling::Coarsen(factor)) => return coarsening::apply::build(deck, factor, &model),
+        Some(MeshScaling::Refine(factor)) if factor > 1 => {
+            return refinement::apply::read(deck, factor, &model, false).finish();
+        }
+        Some(MeshScaling::Coarsen(factor)) => {
+            let builder = coarsening::apply::read(deck, factor, &model, false);
+            return coarsening::apply::finish(builder, &model);
+        }
         _ => {}
     }
     lost::drop_consequential_diagnostics(&mut diagnostics);

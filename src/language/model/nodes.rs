@@ -2,10 +2,9 @@
 
 use super::budget::BudgetedItem;
 use super::builder::ModelBuilder;
-use super::copies::polar_point;
 use super::name::EntityName;
 use super::names::{qualified, upper};
-use super::refinement::curves::on_arc;
+use super::refinement::curves::{on_arc, polar_point};
 use crate::deck::rows::label_and_coordinates;
 use crate::deck::{Card, DataLine, Diagnostic, Diagnostics, Span, Word};
 
@@ -231,11 +230,12 @@ impl ModelBuilder<'_> {
     pub(super) fn nodes_in_order(&mut self, word: &Word) -> Option<Vec<usize>> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(nodes) = self.unsorted.get(&name) {
-                return Some(nodes.clone());
+                let nodes = nodes.clone();
+                self.edit_nodes(word, &nodes, true);
+                return Some(nodes);
             }
         }
-        let mut nodes = self.node_members(word)?;
-        self.keep_original_nodes(&mut nodes);
+        let mut nodes = self.original_nodes(word)?;
         nodes.sort_by_key(|&n| (self.label_of_index(n), n));
         Some(nodes)
     }

@@ -308,6 +308,7 @@ impl ModelBuilder<'_> {
             let members = self.element_members(word)?;
             let (inner, outer) = (qualified(&self.scope, &word.text), upper(&word.text));
             let known = [&inner, &outer].into_iter().find_map(|name| self.model.element_sets.get_index_of(name));
+            self.edit_output_elements(word, if self.model.element_sets.contains_key(&inner) { &inner } else { &outer });
             let set = super::types::MemberSet { members, span: word.span };
             let index = known.unwrap_or_else(|| self.model.element_sets.insert_full(outer, set).0);
             return Some(OutputRegion::Elements(ElementSetId::new(index)));

@@ -34,7 +34,7 @@ impl ModelBuilder<'_> {
             let elements = self.element_members(set).unwrap_or_default();
             match line.field(1) {
                 Some(side) if side.is("INTERIOR") => interior.push((elements, side)),
-                Some(side) => faces.extend(self.sides(&elements, side)),
+                Some(side) => faces.extend(self.sides(set, &elements, side)),
                 None => {
                     faces.extend(self.free_sides(&elements));
                     whole.extend(elements);
@@ -97,7 +97,8 @@ impl ModelBuilder<'_> {
         self.model.origin.inert.push(IgnoredCard { keyword, span: side.span, why });
     }
 
-    pub(super) fn sides(&mut self, elements: &[usize], word: &Word) -> Vec<(usize, ElementSide)> {
+    /// Returns the faces of elements, which `set` names, on a side.
+    pub(super) fn sides(&mut self, set: &Word, elements: &[usize], word: &Word) -> Vec<(usize, ElementSide)> {
         let name = upper(&word.text);
         let mut faces = Vec::new();
         for &element in elements {
@@ -116,6 +117,7 @@ impl ModelBuilder<'_> {
             let is_outer = |&(element, side): &_| refined.is_none_or(|refined| refined.is_outer(element, side));
             faces.extend(sides.map(|side| (element, side)).filter(is_outer));
         }
+        self.edit_sides(set, word, &faces);
         faces
     }
 

@@ -11,20 +11,28 @@ use crate::deck::{Deck, Diagnostic, Diagnostics};
 use crate::kernel::lists::sorted_unique;
 use crate::model::builder::ModelBuilder;
 use crate::model::refinement::pass::ReadPass;
+use crate::model::relisting::edits::DeckEdits;
 use crate::model::types::{LoadKind, Mesh, Model, OutputKind, OutputRegion};
 
 /// Largest number of faults that are reported.
 const REPORTED: usize = 10;
 
-/// Reads a deck without errors again, with groups of `factor` by `factor` elements merged. `fine` is its model.
-pub(in crate::model) fn build(deck: &Deck, factor: usize, fine: &Model) -> (Model, Diagnostics) {
+/// Reads a deck without errors again, with groups of `factor` by `factor` elements merged. `fine` is its model. If the
+/// deck is to be written, the changes of its text are recorded.
+pub(in crate::model) fn read<'a>(deck: &'a Deck, factor: usize, fine: &Model, is_written: bool) -> ModelBuilder<'a> {
     let mut builder = ModelBuilder::checked(deck);
     let cards = builder.ordered_cards();
     builder.pass = ReadPass::Mesh;
     cards.iter().for_each(|card| builder.card(card));
     builder.coarsen_mesh(factor, fine);
+    builder.edits = is_written.then(|| Box::new(DeckEdits::of(&builder.model)));
     builder.pass = ReadPass::Rest;
     cards.iter().for_each(|card| builder.card(card));
+    builder
+}
+
+/// Completes the coarsened model of a deck, and compares it with the model of the deck.
+pub(in crate::model) fn finish(mut builder: ModelBuilder<'_>, fine: &Model) -> (Model, Diagnostics) {
     let merged = builder.coarsened.take();
     let (model, mut diagnostics) = builder.finish();
     if let Some(merged) = merged.filter(|_| !diagnostics.has_errors()) {
@@ -105,7 +113,7 @@ fn removed(fine: &Mesh, coarse: &Mesh) -> Vec<bool> {
 }
 
 /// Returns the sections and rigid bodies of each element.
-fn regions(model: &Model) -> Regions {
+pub fn regions(model: &Model) -> Regions {
     let mut regions = Regions::new();
     let sections = model.sections.iter().map(|s| &s.elements).chain(model.shell_sections.iter().map(|s| &s.elements));
     let all = sections.chain(model.rigid_bodies.iter().map(|body| &body.elements));

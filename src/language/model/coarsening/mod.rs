@@ -6,5 +6,5 @@ mod blocks;
 mod chains;
 mod kept_lines;
 pub mod mesh;
-mod quadrilaterals;
+pub mod quadrilaterals;
 mod verify;

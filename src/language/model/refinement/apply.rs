@@ -5,16 +5,20 @@ use std::collections::HashMap;
 use super::lattice;
 use super::mesh::RefinedMesh;
 use super::pass::ReadPass;
-use crate::deck::{Card, Deck, Diagnostics, Span};
+use super::smooth;
+use crate::deck::{Card, Deck, Span, Word};
 use crate::kernel::lists::sorted_unique;
 use crate::model::budget::BudgetedItem;
 use crate::model::builder::ModelBuilder;
+use crate::model::coarsening::apply::regions;
 use crate::model::name::EntityName;
+use crate::model::relisting::edits::DeckEdits;
 use crate::model::types::{Element, ElementSide, Model, OutputKind, OutputRegion};
 use crate::platform::PortableMath as _;
 
-/// Reads a deck without errors again, with a refined mesh.
-pub(in crate::model) fn build(deck: &Deck, factor: usize) -> (Model, Diagnostics) {
+/// Reads a deck without errors again, with a refined mesh. `coarse` is its model. If the deck is to be written, the
+/// changes of its text are recorded.
+pub(in crate::model) fn read<'a>(deck: &'a Deck, factor: usize, coarse: &Model, is_written: bool) -> ModelBuilder<'a> {
     let mut builder = ModelBuilder::checked(deck);
     let cards = builder.ordered_cards();
     for pass in [ReadPass::Mesh, ReadPass::Rest] {
@@ -23,21 +27,25 @@ pub(in crate::model) fn build(deck: &Deck, factor: usize) -> (Model, Diagnostics
             builder.card(card);
         }
         if pass == ReadPass::Mesh {
-            builder.refine_mesh(factor);
+            builder.refine_mesh(factor, coarse);
+            builder.edits = is_written.then(|| Box::new(DeckEdits::of(&builder.model)));
         }
     }
     builder.refine_relations();
-    builder.finish()
+    builder
 }
 
 impl ModelBuilder<'_> {
     /// Divides all edges into `factor` parts, and extends all sets of nodes and elements.
-    fn refine_mesh(&mut self, factor: usize) {
+    fn refine_mesh(&mut self, factor: usize, coarse: &Model) {
         if !self.affords_refinement(factor) {
             return;
         }
-        let curves = std::mem::take(&mut self.curves);
+        let mut curves = std::mem::take(&mut self.curves);
         let mesh = &mut *self.model.mesh;
+        if let Some(corner) = self.deck.mesh_curves {
+            smooth::fit(mesh, &regions(coarse), corner.to_radians(), &mut curves);
+        }
         let refined = lattice::refine(mesh, factor, &curves);
         name_nodes(&refined, mesh.points.len(), &mut mesh.node_names);
         name_children(&refined, &mut mesh.elements);
@@ -77,21 +85,28 @@ impl ModelBuilder<'_> {
 
     /// Returns the default position tolerance of a tie: 5 % of the mean facet length of the master surface in the mesh
     /// of the deck. `None` if the mesh is not refined.
-    pub(in crate::model) fn tie_tolerance(&self, masters: &[(usize, ElementSide)]) -> Option<f64> {
+    pub(in crate::model) fn tie_tolerance(&mut self, card: &Card, masters: &[(usize, ElementSide)]) -> Option<f64> {
         let (refined, mesh) = (self.refined.as_ref()?, &self.model.mesh);
         let ends = masters.iter().filter_map(|&(element, side)| mesh.side_nodes(element, side));
         let lengths = ends.map(|ends| {
             let [a, b] = ends.map(|node| mesh.points[node]);
             (b[0] - a[0]).portable_hypot(b[1] - a[1])
         });
-        Some(0.05 * refined.factor as f64 * lengths.sum::<f64>() / masters.len() as f64)
+        let tolerance = 0.05 * refined.factor as f64 * lengths.sum::<f64>() / masters.len() as f64;
+        self.add_parameter(card.span, &format!("position tolerance={tolerance:?}"));
+        Some(tolerance)
     }
 
-    /// Removes the nodes that refinement has added.
-    pub(in crate::model) fn keep_original_nodes(&self, nodes: &mut Vec<usize>) {
-        if let Some(refined) = &self.refined {
-            nodes.retain(|&node| refined.is_original(node));
+    /// Returns the nodes of a set or label without those that refinement has added.
+    pub(in crate::model) fn original_nodes(&mut self, word: &Word) -> Option<Vec<usize>> {
+        let mut nodes = self.node_members(word)?;
+        let Some(refined) = &self.refined else { return Some(nodes) };
+        let count = nodes.len();
+        nodes.retain(|&node| refined.is_original(node));
+        if nodes.len() < count {
+            self.edit_nodes(word, &nodes, false);
         }
+        Some(nodes)
     }
 
     /// Reduces sets of one original element to its middle child if history output refers to them, so that the names of

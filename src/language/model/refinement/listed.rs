@@ -4,7 +4,7 @@ use std::hash::Hash;
 
 use indexmap::IndexMap;
 
-use crate::deck::Word;
+use crate::deck::{Span, Word};
 use crate::kernel::lists::sorted_unique;
 use crate::model::builder::ModelBuilder;
 use crate::model::types::{BoundaryCondition, InitialCondition, InitialKind, PrescribedField};
@@ -67,6 +67,9 @@ impl ModelBuilder<'_> {
         let with = |b: &mut BoundaryCondition, nodes, value| (b.nodes, b.value) = (nodes, value);
         let given = self.state().boundaries[from..].to_vec();
         let made = self.completed(&given, of, with);
+        for b in &made {
+            self.add_node_line(given[given.len() - 1].span, &b.nodes, &format!(" {}, {}, {:?}", b.dof, b.dof, b.value));
+        }
         self.state().boundaries.extend(made);
     }
 
@@ -82,6 +85,9 @@ impl ModelBuilder<'_> {
         let with = |f: &mut PrescribedField, nodes, value| (f.nodes, f.value) = (nodes, value);
         let given = self.state().fields[from..].to_vec();
         let made = self.completed(&given, of, with);
+        for f in &made {
+            self.add_node_line(given[given.len() - 1].span, &f.nodes, &format!(" {:?}", f.value));
+        }
         self.state().fields.extend(made);
     }
 
@@ -111,6 +117,15 @@ impl ModelBuilder<'_> {
             }
         };
         let made = self.completed(&self.model.initial_conditions[from..], of, with);
+        let last = self.model.initial_conditions.last().map_or(Span::default(), |c| c.span);
+        for condition in &made {
+            let rest = match condition.kind {
+                InitialKind::Velocity(dof, value) => format!(" {dof}, {value:?}"),
+                InitialKind::Temperature(value) | InitialKind::Field(_, value) => format!(" {value:?}"),
+                _ => continue,
+            };
+            self.add_node_line(last, &condition.members, &rest);
+        }
         self.model.initial_conditions.extend(made);
     }
 

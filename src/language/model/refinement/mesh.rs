@@ -34,6 +34,12 @@ impl RefinedMesh {
         self.first_child[parent]..self.first_child[parent + 1]
     }
 
+    /// Returns whether children belong to the same element of the deck.
+    pub fn has_one_parent(&self, children: &[usize]) -> bool {
+        let parent = |child: usize| self.first_child.partition_point(|&first| first <= child) - 1;
+        children.iter().all(|&child| parent(child) == parent(children[0]))
+    }
+
     /// Returns whether a side of a child is on a side of its parent.
     pub fn is_outer(&self, child: usize, side: ElementSide) -> bool {
         match side {

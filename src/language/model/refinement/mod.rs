@@ -11,3 +11,4 @@ pub mod pair;
 pub mod pass;
 mod relations;
 mod selection;
+mod smooth;

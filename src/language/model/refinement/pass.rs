@@ -21,25 +21,29 @@ impl ReadPass {
             card.keyword.name,
             "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE"
         );
-        let is_mesh = matches!(
-            card.keyword.name,
-            "NODE"
-                | "NGEN"
-                | "NFILL"
-                | "NCOPY"
-                | "NMAP"
-                | "SYSTEM"
-                | "ELEMENT"
-                | "ELGEN"
-                | "ELCOPY"
-                | "NSET"
-                | "ELSET"
-                | "MESH"
-        );
         match self {
             ReadPass::All => true,
-            ReadPass::Mesh => is_block || is_mesh,
-            ReadPass::Rest => !is_mesh,
+            ReadPass::Mesh => is_block || defines_mesh(card),
+            ReadPass::Rest => !defines_mesh(card),
         }
     }
+}
+
+/// Returns whether a card defines nodes, elements or their sets.
+pub fn defines_mesh(card: &Card) -> bool {
+    matches!(
+        card.keyword.name,
+        "NODE"
+            | "NGEN"
+            | "NFILL"
+            | "NCOPY"
+            | "NMAP"
+            | "SYSTEM"
+            | "ELEMENT"
+            | "ELGEN"
+            | "ELCOPY"
+            | "NSET"
+            | "ELSET"
+            | "MESH"
+    )
 }

@@ -149,8 +149,18 @@ impl ModelBuilder<'_> {
             LinearEquation { terms, span }
         });
         let made: Vec<LinearEquation> = made.collect();
+        let cards: String = made.iter().map(|equation| self.equation_card(equation)).collect();
+        self.add_card(&cards);
         self.model.constraints.equations.extend(made);
         findings.into_iter().for_each(|finding| self.diagnostics.push(finding));
+    }
+
+    fn equation_card(&self, equation: &LinearEquation) -> String {
+        let names = &self.model.mesh.node_names;
+        let term = |&(node, dof, c): &(usize, u8, f64)| format!(" {}, {dof}, {c:?}", names[node]);
+        let terms: Vec<String> = equation.terms.iter().map(term).collect();
+        let lines: Vec<String> = terms.chunks(4).map(|terms| terms.join(",")).collect();
+        format!("*Equation\n {}\n{}\n", terms.len(), lines.join(",\n"))
     }
 
     fn refine_pairs(&mut self) {
@@ -162,13 +172,22 @@ impl ModelBuilder<'_> {
             groups.entry((of_sets.get(span).copied(), name)).or_default().push(relation);
         }
         let (made, findings) = refined.complete_groups("constraints", groups.values());
-        self.model.constraints.links.extend(made.into_iter().map(|Relation { at, nodes, span }| NodeLink {
+        let made = made.into_iter().map(|Relation { at, nodes, span }| NodeLink {
             name: self.linked_pairs[at].name.clone(),
             kind: LinkKind::Rigid([true; 2]),
             reference: nodes[1],
             nodes: vec![nodes[0]],
             span,
-        }));
+        });
+        let made: Vec<NodeLink> = made.collect();
+        let names = &self.model.mesh.node_names;
+        let line = |l: &NodeLink| {
+            let kind = l.name.trim_start_matches("MPC ");
+            format!("*Mpc\n {kind}, {}, {}\n", names[l.nodes[0]], names[l.reference])
+        };
+        let cards: String = made.iter().map(line).collect();
+        self.add_card(&cards);
+        self.model.constraints.links.extend(made);
         findings.into_iter().for_each(|finding| self.diagnostics.push(finding));
     }
 }

@@ -1,0 +1,55 @@
+//! `revolve mesh refine`: writes a deck with its mesh refined or coarsened.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::options::{CurvedOption, QuietOption};
+use super::words::print_out;
+use super::{AlreadyPrinted, CommandStatus, pairs, print_findings};
+use crate::{deck, model};
+
+/// Arguments of `revolve mesh refine`.
+#[derive(Args)]
+pub struct RefineArguments {
+    /// Input deck.
+    deck: PathBuf,
+    /// Number of parts of each edge; 1 lists the mesh as it is, and 1/2 or 1/3 merges elements.
+    #[arg(short = 'k', value_name = "PARTS")]
+    parts: String,
+    #[command(flatten)]
+    curved: CurvedOption,
+    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
+    #[arg(short, long = "set", value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Deck to write. It contains all included files.
+    #[arg(short, long, value_name = "FILE")]
+    out: PathBuf,
+    #[command(flatten)]
+    quiet: QuietOption,
+}
+
+impl RefineArguments {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
+        let mut settings = pairs(&self.set)?;
+        settings.push((deck::MESH_SETTINGS[0].to_owned(), self.parts));
+        settings.extend(self.curved.setting());
+        let (deck, mut findings) = deck::read(&self.deck, &settings);
+        let mut text = String::new();
+        if !findings.has_errors() {
+            let (written, found) = model::relisting::write(&deck);
+            text = written;
+            findings.append(found);
+        }
+        if findings.has_errors() {
+            print_findings(&findings, &deck.sources);
+            return Err(AlreadyPrinted.into());
+        }
+        super::mesh::write(&self.out, text.as_bytes())?;
+        if !self.quiet.quiet {
+            print_out!("wrote {}", self.out.display());
+        }
+        Ok(super::output_status())
+    }
+}

@@ -1,0 +1,118 @@
+//! Records the changes of a deck while the cards that refer to its mesh are read.
+
+use std::fmt::Write as _;
+
+use super::edits::{EditCondition, NewSetKind, Replacement};
+use crate::deck::{Span, Word};
+use crate::model::builder::ModelBuilder;
+use crate::model::names::{qualified, upper};
+use crate::model::types::ElementSide;
+
+/// Returns a set name made from a word of the deck and an ending.
+fn derived_name(word: &Word, kind: NewSetKind, ending: &str) -> String {
+    let base = upper(&word.text).replace('.', "-");
+    let base = match kind {
+        NewSetKind::Elements if base.starts_with(|c: char| c.is_ascii_digit()) => format!("ELEMENT-{base}"),
+        _ if base.starts_with(|c: char| c.is_ascii_digit()) => format!("NODE-{base}"),
+        _ => base,
+    };
+    format!("{base}-{ending}")
+}
+
+impl ModelBuilder<'_> {
+    /// Replaces a word by the name of a new set with given members.
+    fn replace_by_set(&mut self, word: &Word, (kind, name): (NewSetKind, &str), members: &[usize], on: EditCondition) {
+        let Some(edits) = &mut self.edits else { return };
+        let name = edits.set(&self.scope, kind, name, members);
+        self.replace_word(word, name, on);
+    }
+
+    fn replace_word(&mut self, word: &Word, text: String, condition: EditCondition) {
+        let Some(edits) = &mut self.edits else { return };
+        let place = (self.scope.clone(), word.span.file, word.span.start);
+        let text = if text.contains([' ', ',', '=']) { format!("\"{text}\"") } else { text };
+        edits.replaced.insert(place, Replacement { end: word.span.end, text, condition });
+    }
+
+    /// Records a reference to elements by a set name or a label.
+    pub(in crate::model) fn edit_elements(&mut self, word: &Word, members: &[usize], is_label: bool) {
+        let Some(first) = members.first().filter(|_| self.edits.is_some()) else { return };
+        let elements = NewSetKind::Elements;
+        if is_label {
+            let name = self.model.mesh.elements[*first].name.to_string();
+            match members {
+                [_] if name == qualified(&self.scope, &word.text) || name == upper(&word.text) => {}
+                [_] if !self.scope.is_empty() => {
+                    let label = name.rsplit('.').next().unwrap_or_default().to_owned();
+                    self.replace_word(word, label, EditCondition::Always);
+                }
+                [_] => self.replace_word(word, name, EditCondition::Always),
+                _ => {
+                    let name = derived_name(word, elements, "PARTS");
+                    self.replace_by_set(word, (elements, &name), members, EditCondition::Always);
+                }
+            }
+        } else if self.refined.as_ref().is_some_and(|refined| members.len() > 1 && refined.has_one_parent(members)) {
+            let names = [qualified(&self.scope, &word.text), upper(&word.text)];
+            let Some(key) = names.into_iter().find(|name| self.model.element_sets.contains_key(name)) else { return };
+            let name = derived_name(word, elements, "PARTS");
+            self.replace_by_set(word, (elements, &name), members, EditCondition::IfReduced(key));
+        }
+    }
+
+    /// Records a reference to elements by an output request, for which history output may reduce the set `key`.
+    pub(in crate::model) fn edit_output_elements(&mut self, word: &Word, key: &str) {
+        let Some(edits) = &mut self.edits else { return };
+        let place = (self.scope.clone(), word.span.file, word.span.start);
+        let Some(known) = edits.replaced.get_mut(&place) else { return };
+        match known.condition {
+            EditCondition::IfReduced(_) => drop(edits.replaced.remove(&place)),
+            _ => known.condition = EditCondition::UnlessReduced(key.to_owned()),
+        }
+    }
+
+    /// Records the elements of a side of a set: those whose side is on the side of an element of the deck.
+    pub(in crate::model) fn edit_sides(&mut self, word: &Word, side: &Word, faces: &[(usize, ElementSide)]) {
+        let is_face = |face: &(usize, ElementSide)| matches!(face.1, ElementSide::Face(_));
+        if self.edits.is_none() || self.refined.is_none() || !faces.iter().all(is_face) {
+            return;
+        }
+        let mut elements: Vec<usize> = faces.iter().map(|face| face.0).collect();
+        elements.dedup();
+        let name = derived_name(word, NewSetKind::Elements, &upper(&side.text));
+        self.replace_by_set(word, (NewSetKind::Elements, &name), &elements, EditCondition::Always);
+    }
+
+    /// Records a reference to the nodes of a set that the deck defines, without new nodes.
+    pub(in crate::model) fn edit_nodes(&mut self, word: &Word, nodes: &[usize], is_ordered: bool) {
+        let (kind, ending) =
+            if is_ordered { (NewSetKind::OrderedNodes, "ORDERED") } else { (NewSetKind::Nodes, "ORIGINAL") };
+        let name = derived_name(word, kind, ending);
+        self.replace_by_set(word, (kind, &name), nodes, EditCondition::Always);
+    }
+
+    /// Records a data line after the line at `after`, with new nodes in its first field.
+    pub(in crate::model) fn add_node_line(&mut self, after: Span, nodes: &[usize], rest: &str) {
+        let Some(edits) = &mut self.edits else { return };
+        let name = edits.set(&self.scope, NewSetKind::Nodes, &format!("NEW-NODES-{}", edits.sets.len() + 1), nodes);
+        let text = edits.added.entry((self.scope.clone(), after.file, after.end)).or_default();
+        let _ = write!(text, "\n {name},{rest}");
+    }
+
+    /// Records a parameter of the current keyword line.
+    pub(in crate::model) fn add_parameter(&mut self, keyword: Span, text: &str) {
+        let Some(edits) = &mut self.edits else { return };
+        edits.added.insert((self.scope.clone(), keyword.file, keyword.end), format!(", {text}"));
+    }
+
+    /// Records that the line of a word refers to removed nodes only.
+    pub(in crate::model) fn remove_line(&mut self, word: &Word) {
+        let place = (self.scope.clone(), word.span.file, word.span.start);
+        self.edits.iter_mut().for_each(|edits| edits.removed.push(place.clone()));
+    }
+
+    /// Records a card at the end of the model data.
+    pub(in crate::model) fn add_card(&mut self, card: &str) {
+        self.edits.iter_mut().for_each(|edits| edits.tail.push_str(card));
+    }
+}
