@@ -62,7 +62,7 @@ pub fn run() {
     };
     let mut without_plasticity =
         QuadGroup::new(VonMises::new(NoPlasticity, ConstantBulkModulus), constants, 7.85e-9, &elements, nodes);
-    let mut corners = CornerForces::new(elements.len().div_ceil(LANES), false);
+    let mut corners = CornerForces::new(elements.len().div_ceil(LANES));
     let [mut deck, mut without, mut with] = [f64::INFINITY; 3];
     for _ in 0..150 {
         time_pass(&mut *elastic.elements.groups[0], nodes, &mut corners, &mut deck);

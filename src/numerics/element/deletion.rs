@@ -56,7 +56,7 @@ impl<S: Clone> ElementBlock<S> {
             let share = material.share(&self.state, l);
             // Lanes after the last element repeat it; the element may be deleted.
             if share > 0.0 && l < scratch.strain.count {
-                self.stress.iter_mut().for_each(|s| s[l] = s[l] / share);
+                self.stress.iter_mut().for_each(|s| s[l] /= share);
                 continue;
             }
             scratch.mask_lane(nodes, l, height(material.initial_volume(&self.state, l)));

@@ -695,7 +695,7 @@ impl<M: Material, const AREA: bool> GroupSettings for QuadGroup<M, AREA> {
         if let Some(rates) = self.tasks[block / TASK].task.own_rates.get_mut(block % TASK) {
             let ratio = [0, 1, 2, 3].inline_map(|i| before[i] / masses[i]);
             let raised = ratio.into_iter().fold(0.0, f64::max).sqrt();
-            rates[lane] = rates[lane] * raised;
+            rates[lane] *= raised;
         }
         self.blocks[element / LANES].set_corner_masses(element % LANES, *masses);
     }

@@ -303,7 +303,7 @@ impl StressUpdate {
             let back = rotated([0, 1, 2, 3].inline_map(|i| self.plastic[i][l]), spin[l]);
             for i in 0..4 {
                 self.plastic[i][l] = back[i];
-                self.deviator[i][l] = self.deviator[i][l] - back[i];
+                self.deviator[i][l] -= back[i];
             }
             let [a, b, c, d] = [0, 1, 2, 3].inline_map(|i| self.deviator[i][l] * self.deviator[i][l]);
             self.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
