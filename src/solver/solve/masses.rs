@@ -2,13 +2,13 @@
 
 use crate::state::archive::persist_struct;
 
-/// Masses without scaling, and whether the warning of added mass has been issued.
+/// Masses without scaling, and the largest kinetic energy with added mass.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MassMonitor {
     /// Original mass of each element group; empty before the first scaling.
     pub original: Vec<f64>,
-    /// Whether the warning has been issued.
-    pub reported: bool,
+    /// Largest kinetic energy of the deformable bodies while added mass was above the limit of the warning.
+    pub kinetic: f64,
 }
 
-persist_struct!(MassMonitor { original, reported });
+persist_struct!(MassMonitor { original, kinetic });

@@ -147,6 +147,7 @@ impl SolverRun<'_> {
         if self.now.increment >= self.watch.next_look {
             self.watch.next_look = self.now.increment + self.now.increment.clamp(LOOK_EVERY[0], LOOK_EVERY[1]);
             self.watch_pattern();
+            self.watch_masses();
             self.watch_pace();
             self.watch_collapse();
         }
@@ -299,6 +300,7 @@ impl SolverRun<'_> {
     /// Warns of energies out of bounds at the end of the run: since when, and where the mesh is distorted most.
     pub(super) fn warn_of_energy(&mut self) {
         self.warn_of_sign();
+        self.warn_of_added_mass();
         let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
         let of_deck = self.step.energy_limit.map_or([false; 2], |l| [l.error.is_some(), l.artificial.is_some()]);
         // A halt for one of these reasons has reported it.

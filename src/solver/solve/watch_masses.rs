@@ -4,8 +4,9 @@ use super::run::SolverRun;
 use crate::element::elements::Elements;
 use crate::load::SceneChange;
 
-/// Fraction of added mass above which a warning is issued.
-const NOTABLE: f64 = 0.05;
+/// Fraction of added mass, and ratio of the kinetic to the largest energy, above which a warning is issued. Where bodies
+/// hardly move, added mass changes little.
+const NOTABLE: [f64; 2] = [0.05, 0.1];
 /// Largest number of sections that the warning names.
 const NAMED: usize = 4;
 
@@ -30,7 +31,7 @@ impl SolverRun<'_> {
         if let Some(summary) = self.outcome.steps.last_mut() {
             summary.added_mass = self.state.elements.added_mass(&self.state.dofs.nodes);
         }
-        self.warn_of_added_mass();
+        self.watch_masses();
     }
 
     /// Returns the added mass in percent of the original mass of the deformable bodies; `None` without mass scaling.
@@ -40,17 +41,31 @@ impl SolverRun<'_> {
         Some(100.0 * added / (mass - added))
     }
 
-    fn warn_of_added_mass(&mut self) {
-        if self.watch.masses.reported {
-            return;
+    /// Records the kinetic energy if much mass has been added.
+    pub(super) fn watch_masses(&mut self) {
+        if self.state.scaling.is_some() && self.balance.kinetic_of_solid() > self.watch.masses.kinetic {
+            let total = self.added_mass_percent().unwrap_or(0.0);
+            if total > 100.0 * NOTABLE[0] || self.added_shares().any(|added| added > NOTABLE[0]) {
+                self.watch.masses.kinetic = self.balance.kinetic_of_solid();
+            }
         }
+    }
+
+    /// Returns the ratio of added to original mass of each element group.
+    fn added_shares(&self) -> impl Iterator<Item = f64> {
         let ratio = |(now, original): (f64, &f64)| if *original > 0.0 { now / original - 1.0 } else { 0.0 };
-        let groups = || group_masses(&self.state.elements).zip(&self.watch.masses.original).map(ratio);
-        let total = self.added_mass_percent().unwrap_or(0.0);
-        if total <= 100.0 * NOTABLE && !groups().any(|added| added > NOTABLE) {
-            return;
-        }
-        let mut sections: Vec<(usize, f64)> = groups().enumerate().filter(|section| section.1 > NOTABLE).collect();
+        group_masses(&self.state.elements).zip(&self.watch.masses.original).map(ratio)
+    }
+
+    /// Warns at the end of a run if much mass has been added to bodies that moved.
+    pub(super) fn warn_of_added_mass(&mut self) {
+        self.watch_masses();
+        let heat = self.energy().heat.map_or(0.0, f64::abs);
+        let moving = self.watch.masses.kinetic / self.balance.largest().max(heat);
+        let total = self.added_mass_percent();
+        let Some(total) = total.filter(|_| moving > NOTABLE[1]) else { return };
+        let mut sections: Vec<(usize, f64)> =
+            self.added_shares().enumerate().filter(|section| section.1 > NOTABLE[0]).collect();
         sections.sort_by(|a, b| b.1.total_cmp(&a.1));
         let name = |(group, added): &(usize, f64)| {
             let (element, material) = (self.plan.element_name(*group, 0), self.plan.material_name(*group, 0));
@@ -58,15 +73,12 @@ impl SolverRun<'_> {
         };
         let named: Vec<String> = sections.iter().take(NAMED).map(name).collect();
         let warning = format!(
-            "mass scaling has added {total:.1} % to the mass of the deformable bodies at increment {}, time {:e}: {}. More \
-             than {} % can change inertia and impact forces; compare with a smaller target increment. The histories DMASS, \
-             ALLMW (energy of the added mass) and PARTMASS (mass of a set) show its growth",
-            self.now.increment,
-            self.now.total_time,
+            "mass scaling has added {total:.1} % to the mass of the deformable bodies: {}; their kinetic energy was up to {:.1} \
+             % of the largest energy. Added mass changes inertia and impact forces; compare with a smaller target increment. \
+             The histories DMASS, ALLMW (energy of the added mass) and PARTMASS (mass of a set) show its growth",
             named.join(", "),
-            100.0 * NOTABLE
+            100.0 * moving
         );
-        self.watch.masses.reported = true;
         self.outcome.warn("R316", warning);
     }
 }
