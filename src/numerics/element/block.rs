@@ -9,7 +9,6 @@ use super::constants::ElementConstants;
 use super::control::{EnhancedInput, HourglassScheme, PatternSpring};
 use super::eroded::ErodedLanes;
 use super::forces::CornerForceUpdate;
-use super::strain::StrainMeasurement;
 use super::subzonal::SubzonalPressures;
 use crate::element::record::{BlockRecord, RecordUpdate};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, dispatch_outlined, inline_from_fn};
@@ -372,28 +371,6 @@ impl<S: Clone> ElementBlock<S> {
         if !matches!(M::FLOW, PlasticFlow::None) && !constants.hourglass.relaxes {
             scratch.stress.returned = [1.0; LANES];
         }
-    }
-
-    /// Computes strain increments at mid-increment, rotates the stress, and computes the elastic trial stress.
-    #[inline(always)]
-    pub(super) fn strain<M: Material, const AREA: bool>(
-        &mut self,
-        constants: &ElementConstants,
-        dt: f64,
-        nodes: &CornerNodes,
-        scratch: &mut TaskWorkspace,
-    ) {
-        let increment = (constants, dt);
-        let measurement = StrainMeasurement::<AREA>::new::<M>(&self.stress, increment, Some(nodes), scratch);
-        dispatch_outlined(measurement.arch(), measurement);
-    }
-
-    /// Rotates the stress with the material, and computes the mean and the deviator of the elastic trial stress, for
-    /// the gradients of [`TaskWorkspace::set_gradients`].
-    #[inline(always)]
-    pub(super) fn trial<M: Material>(&mut self, constants: &ElementConstants, dt: f64, scratch: &mut TaskWorkspace) {
-        let measurement = StrainMeasurement::<false>::new::<M>(&self.stress, (constants, dt), None, scratch);
-        dispatch_outlined(measurement.arch(), measurement);
     }
 }
 

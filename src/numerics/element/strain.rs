@@ -3,9 +3,9 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::block::{CornerNodes, TaskWorkspace};
+use super::block::{CornerNodes, ElementBlock, TaskWorkspace};
 use super::constants::ElementConstants;
-use crate::kernel::lanes::{InlineMap, LANES, Lanes};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes, dispatch_outlined};
 use crate::kernel::pack::{Pack, PackPosition};
 use crate::kernel::quad::{QuadOperators, UNIT, dot3, sums};
 use crate::kernel::real::Real;
@@ -109,6 +109,30 @@ impl<'a, const AREA: bool> StrainMeasurement<'a, AREA> {
             let square = 1.5 * (a + b + c) + 3.0 * d;
             at.store(square.root(), &mut scratch.stress.trial);
         }
+    }
+}
+
+impl<S: Clone> ElementBlock<S> {
+    /// Computes strain increments at mid-increment, rotates the stress, and computes the elastic trial stress.
+    #[inline(always)]
+    pub(super) fn strain<M: Material, const AREA: bool>(
+        &mut self,
+        constants: &ElementConstants,
+        dt: f64,
+        nodes: &CornerNodes,
+        scratch: &mut TaskWorkspace,
+    ) {
+        let increment = (constants, dt);
+        let measurement = StrainMeasurement::<AREA>::new::<M>(&self.stress, increment, Some(nodes), scratch);
+        dispatch_outlined(measurement.arch(), measurement);
+    }
+
+    /// Rotates the stress with the material, and computes the mean and the deviator of the elastic trial stress, for
+    /// the gradients of [`TaskWorkspace::set_gradients`].
+    #[inline(always)]
+    pub(super) fn trial<M: Material>(&mut self, constants: &ElementConstants, dt: f64, scratch: &mut TaskWorkspace) {
+        let measurement = StrainMeasurement::<false>::new::<M>(&self.stress, (constants, dt), None, scratch);
+        dispatch_outlined(measurement.arch(), measurement);
     }
 }
 
