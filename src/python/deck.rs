@@ -178,7 +178,7 @@ fn routines(py: Python<'_>, user: Option<&User>, load: Option<&PythonLoad>) -> P
 
 impl Deck {
     fn prepare(&self, settings: &ParameterSettings, routines: &Routines) -> PreparedJob {
-        job::prepare_edited(self.source.read(settings), &mut |_| {}, routines)
+        job::prepare_read(self.source.read(settings), routines)
     }
 
     /// Like [`prepare`](Self::prepare); without user subroutines the last result is reused for the same parameter

@@ -182,7 +182,7 @@ impl Deck {
         quantity: &Quantity,
     ) -> Result<(Vec<StudyAxis>, Model, usize), StudyError> {
         let routines = revolve::user::compile::Compiled::open_any(user.map(|user| &*user.compiled))?;
-        let first = job::prepare_edited(self.source.read(&request.settings), &mut |_| {}, &routines);
+        let first = job::prepare_read(self.source.read(&request.settings), &routines);
         if first.diagnostics.has_errors() {
             return Err(StudyError::refused(&first));
         }

@@ -12,7 +12,9 @@ pub mod spheres;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use revolve::deck;
 use revolve::job::{self, ParameterOverrides, PreparedJob};
+use revolve::model::{self, Model};
 use revolve::output::{JobFiles, OutputFrame};
 use revolve::solve::{self, Instant, Outcome, Sink, SinkError};
 use revolve::user::Routines;
@@ -93,6 +95,15 @@ pub fn run(text: &str, settings: &[(&str, &str)], routines: &Routines) -> (Outco
     let mut memory = RecordedOutput::default();
     let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
     (outcome, memory)
+}
+
+/// Returns the model of a deck with settings, and asserts that the deck has no errors.
+pub fn model_of(text: &str, settings: &[(&str, &str)]) -> Model {
+    let (deck, found) = deck::read_text("deck.inp", text, &pairs(settings));
+    assert!(!found.has_errors(), "{}", found.render(&deck.sources));
+    let (model, found) = model::build(&deck);
+    assert!(!found.has_errors(), "{}", found.render(&deck.sources));
+    model
 }
 
 /// Returns the text of `input/ogive.inp`.

@@ -96,7 +96,7 @@ lengths = 2.
 /// Returns the quantities of a single run that starts from the text of the deck, or why there are none.
 fn alone(source: &DeckSource, parameter: &str, value: f64, quantities: &[Quantity]) -> Result<Vec<u64>, String> {
     let overrides = [(parameter.to_owned(), format!("{value:?}"))];
-    let prepared = job::prepare_edited(source.read(&overrides), &mut |_| {}, &Routines::none());
+    let prepared = job::prepare_read(source.read(&overrides), &Routines::none());
     if prepared.diagnostics.has_errors() {
         return Err(prepared.diagnostics.render(&prepared.deck.sources));
     }

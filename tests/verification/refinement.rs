@@ -16,16 +16,7 @@ use revolve::user::Routines;
 use crate::common::random::RandomSequence;
 use crate::common::solid::{copper_bar, grid, material};
 use crate::common::spheres::{self, EVEN, SKEWED};
-use crate::common::{self, pairs, project};
-
-/// Returns the model of a deck with settings.
-fn model_of(text: &str, settings: &[(&str, &str)]) -> Model {
-    let (deck, found) = deck::read_text("deck.inp", text, &pairs(settings));
-    assert!(!found.has_errors(), "{}", found.render(&deck.sources));
-    let (model, found) = model::build(&deck);
-    assert!(!found.has_errors(), "{}", found.render(&deck.sources));
-    model
-}
+use crate::common::{self, model_of, pairs, project};
 
 /// Returns the coordinates of the nodes of elements; merged elements leave other nodes without elements.
 fn used_points(model: &Model) -> Vec<[f64; 2]> {

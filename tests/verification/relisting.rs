@@ -99,7 +99,7 @@ fn words_that_refer_to_the_mesh_are_replaced() {
     }
 }
 
-/// Instances of one part, one of them turned: each is a part of its own in the written deck.
+/// Two instances of one part, the second turned: each is a separate part in the written deck.
 #[test]
 fn instances_become_parts() {
     let text = fs::read_to_string(project("tests/deck/words/parts.inp")).expect("a deck");

@@ -10,18 +10,10 @@ use std::fmt::Write as _;
 use revolve::deck;
 use revolve::model::{self, Model};
 
-use crate::common::pairs;
 use crate::common::solid::{grid, material};
+use crate::common::{model_of, pairs};
 
 type Point = [f64; 2];
-
-fn model_of(text: &str, settings: &[(&str, &str)]) -> Model {
-    let (deck, found) = deck::read_text("deck.inp", text, &pairs(settings));
-    assert!(!found.has_errors(), "{}", found.render(&deck.sources));
-    let (model, found) = model::build(&deck);
-    assert!(!found.has_errors(), "{}", found.render(&deck.sources));
-    model
-}
 
 /// Returns the volume of a model.
 fn volume(model: &Model) -> f64 {

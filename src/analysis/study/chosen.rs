@@ -107,9 +107,11 @@ pub fn choose(request: &TargetRequest<'_>) -> Result<ChosenSetting, StudyError> 
 impl ChosenSetting {
     /// Returns the changes of the model.
     pub fn edits(&self) -> Result<Vec<ModelEdit>, StudyError> {
-        let factor = (self.increment != 1.0).then(|| (StudyParameter::Increment, self.increment.to_string()));
-        let edits = factor.into_iter().map(|(parameter, value)| settings::edit(&parameter, &value));
-        Ok(edits.collect::<Result<Vec<_>, _>>().map_err(StudyError::Setting)?.into_iter().flatten().collect())
+        if self.increment == 1.0 {
+            return Ok(Vec::new());
+        }
+        let edit = settings::edit(&StudyParameter::Increment, &self.increment.to_string());
+        Ok(edit.map_err(StudyError::Setting)?.into_iter().collect())
     }
 
     /// Returns the overrides of the deck with the chosen mesh.

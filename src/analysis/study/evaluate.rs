@@ -119,7 +119,7 @@ impl SampleEvaluator {
         quantities: Vec<Quantity>,
         user: UserRoutines,
     ) -> Result<SampleEvaluator, StudyError> {
-        let prepared = accepted(job::prepare_edited(source.read(&fixed), &mut |_| {}, &user.routines()?))?;
+        let prepared = accepted(job::prepare_read(source.read(&fixed), &user.routines()?))?;
         let known: Vec<&str> = prepared.deck.definitions.iter().map(|d| d.name.as_str()).collect();
         if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
             let near = nearest(name, known.iter().copied()).map(|near| format!("; did you mean {near}?"));
@@ -415,7 +415,7 @@ impl SampleBatch<'_> {
         let evaluator = self.evaluator;
         let routines = evaluator.user.routines()?;
         let read = evaluator.source.read(&evaluator.overrides(sample));
-        let mut prepared = accepted(job::prepare_edited(read, &mut |_| {}, &routines))?;
+        let mut prepared = accepted(job::prepare_read(read, &routines))?;
         evaluator.reduce_output(&mut prepared.plan);
         evaluator.run_extended(last_duration(&prepared.plan), &mut |duration| {
             set_last_duration(&mut prepared.plan, duration);

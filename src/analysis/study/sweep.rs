@@ -44,7 +44,8 @@ impl SweepResults {
     }
 }
 
-/// Runs cases of a grid; `done` receives the index and the result of each case when it ends. With `kept`, the summary and histories of each run are written to a separate
+/// Runs cases of a grid; `done` receives the index and the result of each case when it ends. With `kept`, the summary
+/// and histories of each run are written to a separate
 /// folder. The results do not depend on the number of threads: user subroutines are loaded again for each run.
 ///
 /// ```

@@ -23,7 +23,7 @@ pub enum LineRole {
 pub struct DeckLine {
     /// Position of the whole line, without its line end.
     pub span: Span,
-    /// Index of the card to which the line belongs, or after which it stands.
+    /// Index of the card that contains the line, or of the last card before the line.
     pub card: Option<usize>,
     /// Part of the card that the line contains.
     pub role: LineRole,

@@ -308,7 +308,7 @@ impl<S: Clone> ElementBlock<S> {
                 scratch.stress.mean[l] += bulk * averaging[l];
             }
         }
-        if scratch.cap < (f64::INFINITY) {
+        if scratch.cap < f64::INFINITY {
             scratch.measure();
         }
     }

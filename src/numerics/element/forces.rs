@@ -100,7 +100,7 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
         LaneMotion { g, v_r, along, shape, modulus, squares, square, root, inverse, per, omega: root * per, period }
     }
 
-    /// Stores the corner forces of a pack, the negatives of these.
+    /// Stores the corner forces of a pack: the arguments with opposite sign.
     #[inline(always)]
     fn store_forces<S: Simd>(
         &mut self,

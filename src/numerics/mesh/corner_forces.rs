@@ -7,7 +7,7 @@ use crate::kernel::lists::heap_bytes;
 use crate::state::archive::{Persist, StateArchive};
 
 /// Numbers of a block.
-pub const BLOCK: usize = 8 * LANES;
+const BLOCK: usize = 8 * LANES;
 /// Bytes of a cache line. Blocks begin with a line, because a vector register that crosses lines is written slowly.
 const LINE: usize = 64;
 

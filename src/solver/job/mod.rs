@@ -74,7 +74,7 @@ pub struct PreparedJob {
 
 /// Reads a deck file, validates it and plans the analysis.
 pub fn prepare(path: &Path, overrides: &ParameterOverrides, routines: &Routines) -> PreparedJob {
-    resolve(deck::read(path, overrides), routines)
+    prepare_read(deck::read(path, overrides), routines)
 }
 
 /// Prepares a deck file like [`prepare`] and summarises the model; the overview is `None` if the deck has errors.
@@ -92,7 +92,7 @@ pub fn examine(
 /// Reads a deck text, validates it and plans the analysis; `name` is used as its file name in messages and for relative
 /// paths.
 pub fn prepare_text(name: &str, text: &str, overrides: &ParameterOverrides, routines: &Routines) -> PreparedJob {
-    resolve(deck::read_text(name, text, overrides), routines)
+    prepare_read(deck::read_text(name, text, overrides), routines)
 }
 
 impl PreparedJob {
@@ -126,7 +126,8 @@ impl PreparedJob {
     }
 }
 
-fn resolve(read: (Deck, Diagnostics), routines: &Routines) -> PreparedJob {
+/// Validates and plans a deck that has been read.
+pub fn prepare_read(read: (Deck, Diagnostics), routines: &Routines) -> PreparedJob {
     prepare_edited(read, &mut |_| {}, routines)
 }
 

@@ -28,7 +28,7 @@ pub struct RunEstimate {
     /// Mean bytes of a frame and of a history row in the trial run.
     #[serde(skip)]
     pub mean_bytes: [Option<f64>; 2],
-    /// Numbers of frames and of history rows if the trial run was the whole run and wrote all of them.
+    /// Numbers of frames and of history rows if the trial run was the whole run and left out none.
     #[serde(skip)]
     pub counted: [Option<f64>; 2],
     /// Reason if the trial run halted.
@@ -122,39 +122,28 @@ pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<RunEstima
     let control = RunControl { interrupt: Some(&stop), ..RunControl::default() };
     let (outcome, _) = solve::run_with(plan, state.clone(), &mut look, control).ok()?;
     let (mean_bytes, [[frames, _], [rows, _]]) = (look.mean_bytes(), look.written);
-    let whole = stop.load(Ordering::Relaxed) == 0;
-    let counted = [(whole && !look.skipped.get()).then_some(frames), whole.then_some(rows)];
+    let ended = stop.load(Ordering::Relaxed) == 0;
+    let counted = [(ended && !look.skipped.get()).then_some(frames), ended.then_some(rows)];
     let TrialRun { increment, limiting, fraction, output_time, .. } = look;
     let run_time = (outcome.seconds - output_time.as_secs_f64()).max(0.0);
-    let ended = stop.load(Ordering::Relaxed) == 0;
     let halt = outcome.halt.as_ref().filter(|_| ended).map(|halt| format!("{}: {}", halt.code, halt.reason));
-    if ended && halt.is_none() {
-        let (increments, seconds) = (outcome.increments as f64, run_time);
-        let looked_at = 1.0;
-        return Some(RunEstimate {
-            increment,
-            limiting_element: limiting,
-            increments,
-            seconds,
-            looked_at,
-            mean_bytes,
-            counted,
-            halt,
-        });
-    }
-    if outcome.increments == 0 || increment <= 0.0 {
+    let done = outcome.increments as f64;
+    let (increments, seconds, looked_at) = if ended && halt.is_none() {
+        (done, run_time, 1.0)
+    } else if outcome.increments == 0 || increment <= 0.0 {
         return None;
-    }
-    let elapsed_time: f64 = outcome.steps.iter().map(|step| step.time).sum();
-    let total: f64 = plan.steps.iter().map(|step| step.duration).sum();
-    let increments = outcome.increments as f64 + (total - elapsed_time).max(0.0) / increment;
-    let seconds = increments * run_time / outcome.increments as f64;
+    } else {
+        let elapsed_time: f64 = outcome.steps.iter().map(|step| step.time).sum();
+        let total: f64 = plan.steps.iter().map(|step| step.duration).sum();
+        let increments = done + (total - elapsed_time).max(0.0) / increment;
+        (increments, increments * run_time / done, fraction)
+    };
     Some(RunEstimate {
         increment,
         limiting_element: limiting,
         increments,
         seconds,
-        looked_at: fraction,
+        looked_at,
         mean_bytes,
         counted,
         halt,

@@ -1,4 +1,4 @@
-//! Mass scaling: its energy in the balance, the added mass of the model and of each section, and the warning of it.
+//! Mass scaling: its energy in the balance, the added mass of the model and of each section, and the warning of added mass.
 
 use super::run::SolverRun;
 use crate::element::elements::Elements;
@@ -11,7 +11,7 @@ const NOTABLE: [f64; 2] = [0.05, 0.1];
 const NAMED: usize = 4;
 
 impl SolverRun<'_> {
-    /// Scales masses if due. The kinetic energy of added mass is not work of a load, and is booked on its own.
+    /// Scales masses if due. The kinetic energy of added mass is not work of a load, and has an energy account.
     pub(super) fn scale_masses(&mut self) {
         let Some(scaling) = &mut self.state.scaling else { return };
         if self.watch.masses.original.is_empty() {
