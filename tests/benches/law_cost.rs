@@ -39,17 +39,7 @@ const OTHERS: [(&str, &str); 7] = [
 
 /// Returns nanoseconds per element and increment with a law, the best of several runs.
 fn law_nanoseconds(law: &str) -> f64 {
-    let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
-    let begin = text.find("*Elastic").expect("a law");
-    let end = text.find("*Initial").expect("a later card");
-    let (before, after) = (&text[..begin], &text[end..]);
-    let mut text = format!("{before}{law}{after}");
-    if law.contains("*Specific Heat") {
-        text = text.replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, adiabatic\n");
-        text = text.replacen("*Step", "*Initial Conditions, type=TEMPERATURE\n BAR, 20.\n*Step", 1);
-    }
-    let text = text.split("*Output, field").next().expect("text").to_owned()
-        + "*Output, history, number interval=1\n*Energy Output\n ETOTAL\n*End Step\n";
+    let text = common::bar_with_law(law);
     let settings = [("nr", "20"), ("nz", "100")].map(|(n, v)| (n.to_owned(), v.to_owned()));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     pool.install(|| {

@@ -33,6 +33,24 @@ pub fn project(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
+/// Returns the deck of the copper bar with another material law, and with a single row of output.
+pub fn bar_with_law(law: &str) -> String {
+    let text = std::fs::read_to_string(project("input/taylor_copper.inp")).expect("the deck");
+    let (begin, end) = (text.find("*Elastic").expect("a law"), text.find("*Initial").expect("a later card"));
+    let mut text = format!("{}{law}{}", &text[..begin], &text[end..]);
+    if law.contains("*Specific Heat") {
+        text = text.replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, adiabatic\n");
+        text = text.replacen("*Step", "*Initial Conditions, type=TEMPERATURE\n BAR, 20.\n*Step", 1);
+    }
+    with_one_row(&text)
+}
+
+/// Returns a deck of one step whose output, the end of its text, is a single row: output times then limit no increment.
+pub fn with_one_row(deck: &str) -> String {
+    let text = deck.split("*Output").next().expect("text").to_owned();
+    text + "*Output, history, number interval=1\n*Energy Output\n ETOTAL\n*End Step\n"
+}
+
 /// Returns whether a Fortran compiler is installed; without one the test prints that it was left out. CI requires one.
 pub fn fortran(what: &str) -> bool {
     let compiler = std::env::var("FC").unwrap_or_else(|_| "gfortran".into());

@@ -14,6 +14,7 @@ mod fuzz;
 mod growth;
 mod hostile;
 mod identify;
+mod instruction_counts;
 mod language;
 mod manual;
 mod material;

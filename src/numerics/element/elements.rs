@@ -4,6 +4,8 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
+use pulp::Arch;
+
 use super::averaging::DilationAveraging;
 use super::block::is_larger;
 use super::connector::Connectors;
@@ -67,6 +69,8 @@ pub struct Elements {
     pub removed: Option<Box<DeletionRecord>>,
     /// Unscaled masses and mass factors; `None` without mass scaling.
     pub(super) masses: Option<Box<ScaledMasses>>,
+    /// Instruction set of the loops over nodes.
+    pub(super) arch: Arch,
     corners: CornerForces,
     gather: NodalAssembly,
     active_nodes: ActiveNodes,
@@ -239,6 +243,12 @@ impl Elements {
         self.bound_frequency(&dofs.nodes);
     }
 
+    /// Runs a loop over nodes, compiled for the selected instruction set.
+    #[inline(always)]
+    pub fn dispatch<R>(&self, operation: impl FnOnce() -> R) -> R {
+        self.arch.dispatch(operation)
+    }
+
     /// Returns the number of deleted elements.
     pub fn deleted(&self) -> usize {
         self.deleted.0.len()
@@ -387,7 +397,7 @@ fn add(totals: &GroupTotals, energies: &mut EnergyTotals) {
 persist_struct!(Elements {
     limit, active_nodes, pending, deleted, uses_frequency, connectors: present, damping: present, distortion: present, erosion: present,
     removed: present, masses: present, frequency: present, rings: present, groups: each, corners
-} derived { ids, deformed, averagings, lengths, fields, gather, failure } then Elements::check_deleted);
+} derived { ids, deformed, averagings, lengths, fields, arch, gather, failure } then Elements::check_deleted);
 
 impl Elements {
     fn check_deleted(&mut self, archive: &mut StateArchive<'_>) {

@@ -51,8 +51,9 @@ impl Instructions {
 }
 
 impl Elements {
-    /// Selects an instruction set for all groups.
+    /// Selects an instruction set for all groups and for the loops over nodes.
     pub fn use_arch(&mut self, arch: Arch) {
+        self.arch = arch;
         self.groups.iter_mut().for_each(|group| group.extensions().settings().use_instructions(arch));
     }
 }

@@ -21,7 +21,7 @@ pub(super) fn accelerate_nodes(elements: &Elements, dofs: &mut Dofs, parts: &mut
     let mut acceleration = std::mem::take(&mut nodes.acceleration);
     let pass = NodePass { elements, nodes };
     let chunk = |index: usize, accelerations: &mut [[f64; 2]], kinetic: &mut f64| {
-        *kinetic = pass.accelerate(index * CHUNK, accelerations);
+        *kinetic = elements.dispatch(|| pass.accelerate(index * CHUNK, accelerations));
     };
     if threads && nodes.len() >= PARALLEL {
         let chunks = acceleration.par_chunks_mut(CHUNK).zip(&mut *parts).enumerate();
@@ -54,6 +54,7 @@ struct NodePass<'a> {
 impl NodePass<'_> {
     /// Computes accelerations of nodes from index `first` on and returns their kinetic energy. Forces of a few nodes
     /// are gathered first, so that the arithmetic can be vectorised.
+    #[inline(always)]
     fn accelerate(&self, first: usize, accelerations: &mut [[f64; 2]]) -> f64 {
         let mut parts = [0.0; 4];
         let (mut forces, mut energies) = ([[0.0; 2]; FEW], [0.0; FEW]);
@@ -107,17 +108,19 @@ pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64, threa
     }
     let half = 0.5 * (dt + dofs.nodes.previous_dt);
     let chunk = |(index, (nodes, accelerations)): (usize, (&mut [Node], &[[f64; 2]]))| {
-        for (i, (nodes, accelerations)) in nodes.chunks_mut(FEW).zip(accelerations.chunks(FEW)).enumerate() {
-            if !elements.has_work(index * CHUNK + i * FEW) {
-                continue;
+        elements.dispatch(|| {
+            for (i, (nodes, accelerations)) in nodes.chunks_mut(FEW).zip(accelerations.chunks(FEW)).enumerate() {
+                if !elements.has_work(index * CHUNK + i * FEW) {
+                    continue;
+                }
+                for (node, a) in nodes.iter_mut().zip(accelerations) {
+                    node.v_r += half * a[0];
+                    node.v_z += half * a[1];
+                    node.r += dt * node.v_r;
+                    node.z += dt * node.v_z;
+                }
             }
-            for (node, a) in nodes.iter_mut().zip(accelerations) {
-                node.v_r += half * a[0];
-                node.v_z += half * a[1];
-                node.r += dt * node.v_r;
-                node.z += dt * node.v_z;
-            }
-        }
+        });
     };
     let many = threads && dofs.nodes.len() >= PARALLEL;
     let (nodes, accelerations) = dofs.nodes.motion_mut();

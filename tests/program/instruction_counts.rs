@@ -1,0 +1,151 @@
+//! Instructions per increment of scenes, counted by valgrind. Unlike times they do not depend on the load of the machine,
+//! so a change of the run time of an effect is found by a test.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::Command;
+
+use crate::common;
+
+/// Allowed relative change of a count.
+const TOLERANCE: f64 = 0.02;
+/// Table of the counts.
+const TABLE: &str = "tests/program/instruction_counts.txt";
+
+/// Elastic constants of copper.
+const ELASTIC: &str = "*Elastic\n 117.e9, 0.35\n";
+const HARDENING: &str = "*Plastic\n 400.e6, 0.\n 500.e6, 1.\n";
+const JOHNSON_COOK: &str = "*Plastic, hardening=JOHNSON COOK\n 90.e6, 292.e6, 0.31, 1.09, 1083., 20.\n\
+    *Rate Dependent, type=JOHNSON COOK\n 0.025, 1.\n*Specific Heat\n 383.,\n*Inelastic Heat Fraction\n 0.9,\n";
+const DAMAGE: &str =
+    "*Damage Initiation, criterion=DUCTILE\n 0.5, 0., 0.\n*Damage Evolution, type=DISPLACEMENT\n 1.e-3,\n";
+const USUP: &str =
+    "*Eos, type=USUP\n 3940., 1.489, 2.\n*Elastic, type=SHEAR\n 43.e9,\n*Plastic\n 400.e6, 0.\n 500.e6, 1.\n";
+const RUBBER: &str = "*Hyperelastic, neo hooke\n 20.e9, 1.5e-11\n";
+const FOAM: &str = "*Elastic\n 117.e9, 0.\n*Crushable Foam, hardening=ISOTROPIC\n 1., 0.\n*Crushable Foam Hardening\n 2.e9, 0.\n 20.e9, 1.\n";
+
+/// A circular plate of steel under pressure.
+const SHELLS: &str = "*Heading\n*Node, nset=AXIS\n 1, 0., 0.\n*Node, nset=RIM\n 201, 0.2, 0.\n*Ngen\n 1, 201, 1\n\
+    *Element, type=SAX1, elset=PLATE\n 1, 1, 2\n*Elgen, elset=PLATE\n 1, 200, 1, 1\n*Shell Section, elset=PLATE, material=STEEL\n \
+    2.e-3,\n*Material, name=STEEL\n*Density\n 7850.,\n*Elastic\n 200.e9, 0.3\n*Plastic\n 300.e6, 0.\n 500.e6, 0.5\n\
+    *Step, name=Blast\n*Dynamic, Explicit\n , <duration>\n*Boundary\n AXIS, 1, 1\n AXIS, 6, 6\n RIM, ENCASTRE\n*Dload\n PLATE, P, 5.e6\n\
+    *Output, history, number interval=1\n*Energy Output\n ETOTAL\n*End Step\n";
+
+/// A scene: its deck, and two durations of its step.
+struct Scene {
+    name: &'static str,
+    deck: String,
+    durations: [&'static str; 2],
+}
+
+impl Scene {
+    /// Uses a fixed increment, where few increments would otherwise suffice.
+    fn with_increment(mut self, increment: &str) -> Scene {
+        self.deck = self.deck.replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, direct user control\n");
+        self.deck = self.deck.replace(" , <duration>", &format!(" {increment}, <duration>"));
+        self
+    }
+}
+
+/// Returns the copper bar with a law for each scene, and scenes of contact, shells and cavity expansion.
+fn scenes() -> Vec<Scene> {
+    let bar = |name, law: String| {
+        let deck = common::bar_with_law(&law).replace(" , 80.e-6", " , <duration>");
+        Scene { name, deck, durations: ["4.e-6", "20.e-6"] }
+    };
+    let input = |name, file: &str, line: &str, durations| {
+        let deck = std::fs::read_to_string(common::project(file)).expect("the deck");
+        assert_eq!(deck.matches(line).count(), 1, "{file}");
+        Scene { name, deck: common::with_one_row(&deck.replace(line, " , <duration>\n")), durations }
+    };
+    let enhanced = "hourglass=ENHANCED";
+    let mut controlled = bar("ENHANCED hourglass control", format!("{ELASTIC}{HARDENING}"));
+    let (section, controls) = ("material=COPPER\n", format!("*Section Controls, name=C, {enhanced}\n"));
+    controlled.deck = controlled.deck.replacen(section, &format!("material=COPPER, controls=C\n{controls}"), 1);
+    vec![
+        bar("elasticity", ELASTIC.into()),
+        bar("linear hardening", format!("{ELASTIC}{HARDENING}")),
+        bar("Johnson-Cook, rate, adiabatic", format!("{ELASTIC}{JOHNSON_COOK}")),
+        bar("ductile damage", format!("{ELASTIC}{HARDENING}{DAMAGE}")),
+        bar("USUP equation of state", USUP.into()),
+        bar("neo-Hooke", RUBBER.into()),
+        bar("crushable foam", FOAM.into()),
+        controlled,
+        input("contact, friction, heat", "input/press_fit.inp", " , <time>\n", ["1.e-4", "4.e-4"]),
+        Scene { name: "shells", deck: SHELLS.into(), durations: ["0.1e-3", "0.5e-3"] },
+        input("cavity expansion", "input/ogive.inp", " , 1.e-3\n", ["0.2e-3", "1.e-3"]).with_increment("1.e-8"),
+    ]
+}
+
+/// Returns the instructions of the whole program for a deck, and its number of increments.
+fn count(folder: &Path, deck: &str) -> (f64, f64) {
+    let (path, counts) = (folder.join("scene.inp"), folder.join("counts"));
+    std::fs::write(&path, deck).expect("the deck is written");
+    let output = Command::new("valgrind")
+        .args(["--tool=cachegrind", "--cache-sim=no", &format!("--cachegrind-out-file={}", counts.display())])
+        .args([
+            env!("CARGO_BIN_EXE_revolve"),
+            "run",
+            "--threads",
+            "1",
+            "--instructions",
+            "avx2",
+            "--no-frames",
+            "--json",
+        ])
+        .args([path.as_os_str(), "--out".as_ref(), folder.join("out").as_os_str()])
+        .output()
+        .expect("valgrind runs");
+    assert!(output.status.success(), "{}\n{deck}", String::from_utf8_lossy(&output.stderr));
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).expect("a summary");
+    let increments = summary["steps"][0]["increments"].as_f64().expect("increments");
+    let text = std::fs::read_to_string(counts).expect("counts");
+    let total = text.lines().find_map(|line| line.strip_prefix("summary: ")).expect("a sum");
+    (total.trim().parse().expect("a number"), increments)
+}
+
+/// Returns the instructions per increment: start and end of the program cancel in the difference of two durations.
+fn per_increment(folder: &Path, scene: &Scene) -> f64 {
+    let [short, long] = scene.durations.map(|time| count(folder, &scene.deck.replace("<duration>", time)));
+    assert!(long.1 >= short.1 + 50.0, "{}: {} and {} increments", scene.name, short.1, long.1);
+    (long.0 - short.0) / (long.1 - short.1)
+}
+
+fn can_count() -> bool {
+    let found = Command::new("valgrind").arg("--version").output().is_ok_and(|o| o.status.success());
+    assert!(found || std::env::var_os("CI").is_none(), "in CI valgrind must be installed");
+    #[cfg(target_arch = "x86_64")]
+    let suitable = std::arch::is_x86_feature_detected!("avx2") && !cfg!(debug_assertions);
+    #[cfg(not(target_arch = "x86_64"))]
+    let suitable = false;
+    if !found || !suitable {
+        println!("left out: counts of instructions (valgrind, AVX2 and the release profile are required)");
+    }
+    found && suitable
+}
+
+/// A change of the counts by more than 2 % is explained in the commit that updates the table.
+#[test]
+fn instructions_per_increment_are_those_of_the_table() {
+    if !can_count() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let found: Vec<(&str, f64)> =
+        scenes().iter().map(|scene| (scene.name, per_increment(folder.path(), scene))).collect();
+    let (path, mut table) = (common::project(TABLE), String::new());
+    found.iter().for_each(|(name, count)| writeln!(table, "{name}: {count:.0}").expect("text"));
+    if std::env::var_os("REVOLVE_BLESS").is_some() {
+        std::fs::write(&path, &table).expect("the table is written");
+    }
+    let pinned = std::fs::read_to_string(path).expect("the table");
+    let pinned: BTreeMap<&str, f64> = pinned
+        .lines()
+        .filter_map(|line| line.split_once(": "))
+        .map(|(name, count)| (name, count.parse().expect("a count")))
+        .collect();
+    assert_eq!(pinned.len(), found.len(), "run again with REVOLVE_BLESS=1");
+    let changed: Vec<_> = found.iter().filter(|(name, count)| (count / pinned[name] - 1.0).abs() > TOLERANCE).collect();
+    assert!(changed.is_empty(), "pinned: {pinned:?}\nchanged: {changed:?}\nwith REVOLVE_BLESS=1 the table is updated");
+}
