@@ -205,6 +205,12 @@ impl EnergyBalance {
         self.solid.internal + self.solid.artificial
     }
 
+    /// Returns the energies that viscosity, friction and targets have dissipated in deformable bodies.
+    #[inline(always)]
+    pub fn dissipated_in_solid(&self) -> [f64; 3] {
+        [self.solid.viscous, self.solid.friction, self.solid.cavity]
+    }
+
     /// Returns the energy that contact has stored and dissipated in its normal direction, and the energy that friction
     /// has created. It is negative if contact has created energy.
     #[inline(always)]
