@@ -77,8 +77,11 @@ pub(super) struct RunMonitor {
     pub(super) drift_count: u64,
     /// Negative kinetic and negative internal energies.
     below_zero: [NegativeEnergy; 2],
-    /// Largest values so far of the energies dissipated in deformable bodies.
+    /// Largest values so far of the energies dissipated in deformable bodies, and their largest decreases.
     dissipated: [f64; 3],
+    decreases: [f64; 3],
+    /// Lowest strain energy so far.
+    lowest_strain: f64,
     /// Increments with a negative energy of contact, up to the warning, and successive ones with an energy that halts.
     pub(super) contact_below_zero: [u64; 2],
     /// Whether warnings of a pattern and of small increments have been issued.
@@ -138,9 +141,12 @@ impl RunMonitor {
                 *since = unsound.then_some(now.total_time);
             }
         }
-        for (highest, now) in self.dissipated.iter_mut().zip(balance.dissipated_in_solid()) {
+        let dissipated = self.dissipated.iter_mut().zip(&mut self.decreases);
+        for ((highest, decrease), now) in dissipated.zip(balance.dissipated_in_solid()) {
             *highest = highest.max(now);
+            *decrease = decrease.max(*highest - now);
         }
+        self.lowest_strain = self.lowest_strain.min(balance.strain_of_solid());
         let lowest = balance.kinetic_of_solid().min(balance.internal_of_solid());
         let below = lowest.min(balance.absorbed_by_contact()) < -BELOW_ZERO * balance.largest();
         !unsound[0] && !below && now.increment < self.next_look
@@ -195,27 +201,26 @@ impl SolverRun<'_> {
         }
     }
 
-    /// Warns of dissipated energies that have decreased, and of further energies that are negative at the end. ALLPD may
-    /// decrease with kinematic hardening.
+    /// Warns of dissipated energies that have decreased, of negative strain energy, and of further energies that are
+    /// negative at the end. ALLPD may decrease with kinematic hardening.
     fn warn_of_terms(&mut self) {
         let (energy, largest) = (self.balance.energy(), self.balance.largest());
         if self.is_noise() {
             return;
         }
-        let dissipated = ["ALLVD", "ALLFD", "ALLCAV"].into_iter().zip(self.balance.dissipated_in_solid());
-        for ((name, now), highest) in dissipated.zip(self.watch.dissipated) {
-            if highest - now > BELOW_ZERO * largest {
+        for (name, decrease) in ["ALLVD", "ALLFD", "ALLCAV"].into_iter().zip(self.watch.decreases) {
+            if decrease > BELOW_ZERO * largest {
                 self.outcome.warn(
                     "R303",
                     format!(
-                        "{name} of deformable bodies has decreased from {highest:.3e} to {now:.3e}, by {:.1} % of the largest \
-                         energy: dissipated energy cannot decrease; {COMPARE}",
-                        100.0 * (highest - now) / largest
+                        "{name} of deformable bodies has decreased by {decrease:.3e}, {:.1} % of the largest energy: dissipated \
+                         energy cannot decrease; {COMPARE}",
+                        100.0 * decrease / largest
                     ),
                 );
             }
         }
-        let strain = if self.plan.stores_energy { 0.0 } else { energy.strain };
+        let strain = if self.plan.stores_energy { 0.0 } else { self.watch.lowest_strain };
         let lost = energy.damage.unwrap_or(0.0);
         for (name, now) in [
             ("ALLSE", strain),
@@ -228,7 +233,7 @@ impl SolverRun<'_> {
                 self.outcome.warn(
                     "R303",
                     format!(
-                        "{name} is {now:.3e} at the end, negative by {:.1} % of the largest energy; {COMPARE}",
+                        "{name} is {now:.3e}, negative by {:.1} % of the largest energy; {COMPARE}",
                         -100.0 * now / largest
                     ),
                 );
@@ -483,7 +488,7 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 }
 
 persist_struct!(RunMonitor {
-    unsound, successive_drifts, drift_count, below_zero, dissipated, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse, masses,
+    unsound, successive_drifts, drift_count, below_zero, dissipated, decreases, lowest_strain, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse, masses,
     limits_reported
 } derived {
     shown
