@@ -550,7 +550,7 @@ class Builder:
 
     def law(self, name, laws=LAWS):
         allowed = tuple(law for law in laws if law in AREA_LAWS) if self.area else laws
-        law = material(self.dice, self.units, name, allowed, self.heat, laws is not SHELL_LAWS)
+        law = material(self.dice, self.units, name, allowed, self.heat, laws is not SHELL_LAWS and not self.area)
         self.features.add(f"material: {law.law}")
         return law
 
@@ -630,11 +630,11 @@ class Builder:
         if self.bodies and dice.chance(0.3):
             options += ", element by element"
         controls_of_step = ""
-        if self.bodies and dice.chance(0.25):
+        if self.bodies and not self.area and dice.chance(0.25):
             controls_of_step += dice.choice(
                 ("*Bulk Viscosity\n 0., 0.\n", "*Bulk Viscosity, linear term=UNFILTERED\n 0.06, 1.2\n")
             )
-        if not any(b.material.stores for b in self.bodies) and self.bodies:
+        if self.bodies and not self.area and not any(b.material.stores for b in self.bodies):
             controls_of_step += mass_scaling(dice, self.stable(), units, self.features)
         held = f"*Boundary\n{boundary}" if boundary else ""
         steps = [Step(time * units.time, procedure, options, controls_of_step, held + conditions)]

@@ -2,6 +2,7 @@
 
 import argparse
 import collections
+import contextlib
 import math
 import os
 import random
@@ -106,7 +107,8 @@ class Soak:
             print(f"scene {number} ({scene.name}): {'; '.join(verdict.failures)}", flush=True)
 
     def table(self, seconds):
-        count = self.options.count
+        # Fewer than requested after SIGINT.
+        count = self.counts.total()
         print(
             f"\n## Random scenes\n\nSeed {self.options.seed}, {count} scenes, {self.increments} increments, {seconds:.0f} s\n"
         )
@@ -146,8 +148,9 @@ def main():
     failed = False
     if options.count:
         soak, begin = Soak(options), time.monotonic()
-        for number in range(options.first, options.first + options.count):
-            soak.check(number)
+        with contextlib.suppress(KeyboardInterrupt):
+            for number in range(options.first, options.first + options.count):
+                soak.check(number)
         soak.table(time.monotonic() - begin)
         failed |= bool(soak.failures)
     if options.kills:
