@@ -30,6 +30,7 @@ mod restart;
 mod same_bits;
 mod searches;
 mod slurm;
+mod soak;
 mod study;
 mod study_cases;
 mod study_effects;

@@ -144,7 +144,8 @@ impl Elements {
     }
 
     /// Deletes an element. Its forces have acted over the first half of the previous increment only; their work is
-    /// added to its energy. Its stored energy counts as dissipated.
+    /// added to its energy. Its stored energy counts as dissipated; energy that it has released, for example by the
+    /// expansion of a gas, does not.
     fn delete(&mut self, group: usize, element: usize, dofs: &mut Dofs) {
         let own = self.groups[group].nodes(element);
         let nodes = &dofs.nodes;
@@ -155,7 +156,7 @@ impl Elements {
         }
         let stored = self.groups[group].value(element, Variable::ElementStrainEnergy.into()).unwrap_or(0.0);
         dofs.energies.internal += work;
-        dofs.energies.plastic += work + stored;
+        dofs.energies.plastic += (work + stored).max(0.0);
         self.clear_corners(group, element);
         let group = &mut self.groups[group];
         let volume =

@@ -250,13 +250,14 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             let (full, mean, mises) = (column(stress, l), input.mean[l], input.mises[l]);
             let (left, limited) = (left.stress[l], left.mean[l]);
             let shift = [limited - mean, limited - mean, limited - mean, 0.0];
-            let (mut work, volume) = (0.0, strain.volume[l]);
+            let (mut work, mut unloaded, volume) = (0.0, 0.0, strain.volume[l]);
             for i in 0..4 {
                 let degraded = left * (full[i] + shift[i]);
                 let (increment, carried) = (strain.strain[i][l], strain.carried[i][l]);
                 let added = carried + full[i];
                 let twice = if i == 3 { 2.0 } else { 1.0 };
                 work += twice * increment * (before[l] * carried + degraded - added);
+                unloaded += twice * increment * (before[l] * full[i] - degraded);
                 stress[i][l] = degraded;
             }
             update.internal[l] += 0.5 * volume * work;
@@ -264,8 +265,11 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             let distortion = mises * mises * per_shear;
             let [energy_before, energy_after] = [(before[l], mean), (left, limited)]
                 .inline_map(|(share, mean)| share * (distortion + mean * mean / (2.0 * bulk)));
-            update.dissipated[l] += volume * ((energy_before - energy_after) - (1.0 - left) * mises * input.plastic[l]);
-            update.damaged[l] += volume * (energy_before - energy_after);
+            // The work of the increment is that of the degraded stress (trapezoidal rule), without this elastic part.
+            let missing = 0.5 * (unloaded - (before[l] - left) * mises * input.plastic[l]);
+            let lost = (energy_before - energy_after) - missing;
+            update.dissipated[l] += volume * (lost - (1.0 - left) * mises * input.plastic[l]);
+            update.damaged[l] += volume * lost;
             update.deleted += usize::from(left == 0.0);
         }
     }

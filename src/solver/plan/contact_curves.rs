@@ -15,6 +15,8 @@ use crate::model::{ElementSide, GeneralContact, Mesh, SideSelection, SurfaceCont
 const DEEPEST: f64 = 2.0;
 /// Minimum penetration depth of a shell facet, in facet lengths.
 const LEAST_DEPTH: f64 = 0.1;
+/// Distance from the ends of a facet, as a fraction of the facet, at which the thickness of the body is measured.
+const NEAR_END: f64 = 0.05;
 
 /// Points, curves and analytical surfaces of the contact of a step.
 #[derive(Default)]
@@ -307,20 +309,24 @@ impl ContactGeometry {
     ) -> usize {
         let ends = |f: &[u32; 2]| f.map(|p| self.places[p as usize]);
         let lengths: Vec<f64> = facets.iter().map(|(f, _)| length(ends(f))).collect();
-        let mut depths: Vec<f64> = facets[..exposed_count]
+        let mut depths: Vec<[f64; 3]> = facets[..exposed_count]
             .iter()
             .zip(&lengths)
             .map(|((f, element), l)| {
-                let probe = InwardNormal::new(ends(f), *l);
-                let around = solids.edges_of_body(*element, probe.bounds());
-                probe.depth(around.into_iter().chain(shells.iter().copied()))
+                let [first, middle, second] = [NEAR_END, 0.5, 1.0 - NEAR_END].map(|part| {
+                    let probe = InwardNormal::new(ends(f), *l, part);
+                    let around = solids.edges_of_body(*element, probe.bounds());
+                    probe.depth(around.into_iter().chain(shells.iter().copied()))
+                });
+                // The body is thin at an acute corner.
+                [first.min(middle), middle, second.min(middle)]
             })
             .collect();
         // A body may be only one element thick behind an interior facet.
-        depths.extend(lengths[exposed_count..].iter().map(|l| 0.5 * l));
+        depths.extend(lengths[exposed_count..].iter().map(|l| [0.5 * l; 3]));
         // Points beyond the middle surface of a shell are on its other side.
         for (depth, (half, length)) in depths.iter_mut().zip(lift.iter().zip(&lengths)).filter(|d| *d.1.0 > 0.0) {
-            *depth = half.max(LEAST_DEPTH * length);
+            *depth = [half.max(LEAST_DEPTH * length); 3];
         }
         let lengths = &lengths[..exposed_count];
         let longest = lengths.iter().copied().fold(0.0, f64::max);
@@ -338,17 +344,18 @@ fn length([a, b]: [[f64; 2]; 2]) -> f64 {
     libm::hypot(b[0] - a[0], b[1] - a[1])
 }
 
-/// The inward normal at the middle of a facet, along which the opposite side of its body is searched.
+/// The inward normal at a point of a facet, along which the opposite side of its body is searched.
 struct InwardNormal {
-    middle: [f64; 2],
+    start: [f64; 2],
     inward: [f64; 2],
     length: f64,
 }
 
 impl InwardNormal {
-    fn new([a, b]: MeridianEdge, length: f64) -> InwardNormal {
-        let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-        InwardNormal { middle, inward: [-(b[1] - a[1]) / length, (b[0] - a[0]) / length], length }
+    /// Creates the normal at the coordinate `part` of the facet, from 0 to 1.
+    fn new([a, b]: MeridianEdge, length: f64, part: f64) -> InwardNormal {
+        let start = [0, 1].map(|i| (1.0 - part) * a[i] + part * b[i]);
+        InwardNormal { start, inward: [-(b[1] - a[1]) / length, (b[0] - a[0]) / length], length }
     }
 
     /// Distance up to which the opposite side is searched.
@@ -357,16 +364,16 @@ impl InwardNormal {
     }
 
     fn bounds(&self) -> BoundingBox {
-        bounding_box([self.middle, [0, 1].map(|i| self.middle[i] + self.reach() * self.inward[i])])
+        bounding_box([self.start, [0, 1].map(|i| self.start[i] + self.reach() * self.inward[i])])
     }
 
-    /// Returns the penetration depth up to which the facet is in contact: half of the distance to the opposite side of
+    /// Returns the penetration depth up to which the facet is in contact there: half of the distance to the opposite side of
     /// its body, at most [`DEEPEST`] facet lengths.
     fn depth(&self, skin: impl Iterator<Item = MeridianEdge>) -> f64 {
-        let InwardNormal { middle, inward, length } = self;
+        let InwardNormal { start, inward, length } = self;
         let mut nearest = self.reach();
         for [p, q] in skin {
-            let (d, e) = ([p[0] - middle[0], p[1] - middle[1]], [q[0] - p[0], q[1] - p[1]]);
+            let (d, e) = ([p[0] - start[0], p[1] - start[1]], [q[0] - p[0], q[1] - p[1]]);
             let cross = inward[0] * e[1] - inward[1] * e[0];
             let way = (d[0] * e[1] - d[1] * e[0]) / cross;
             let part = (d[0] * inward[1] - d[1] * inward[0]) / cross;

@@ -44,7 +44,7 @@ impl ContactingCurves<'_> {
         let meets = |i: u32, j: u32| {
             let (a, b) = (self.shape(own, i), self.shape(other, j));
             let cosine = a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1];
-            let away = is_beyond(&a, &b, other.depth[j as usize]) && is_beyond(&b, &a, own.depth[i as usize]);
+            let away = is_beyond(&a, &b, other.depth[j as usize][1]) && is_beyond(&b, &a, own.depth[i as usize][1]);
             cosine < FACING && !away
         };
         !own.exposed.iter().any(|&i| other.exposed.iter().any(|&j| meets(i, j)))

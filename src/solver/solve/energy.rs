@@ -205,6 +205,18 @@ impl EnergyBalance {
         self.solid.internal + self.solid.artificial
     }
 
+    /// Returns the recoverable strain energy of deformable bodies.
+    #[inline(always)]
+    pub fn strain_of_solid(&self) -> f64 {
+        self.solid.internal - self.solid.plastic
+    }
+
+    /// Returns the energies that viscosity, friction and targets have dissipated in deformable bodies.
+    #[inline(always)]
+    pub fn dissipated_in_solid(&self) -> [f64; 3] {
+        [self.solid.viscous, self.solid.friction, self.solid.cavity]
+    }
+
     /// Returns the energy that contact has stored and dissipated in its normal direction, and the energy that friction
     /// has created. It is negative if contact has created energy.
     #[inline(always)]

@@ -28,6 +28,9 @@ const ABSORBED: [f64; 2] = [0.05, 0.1];
 /// Size of a negative kinetic or internal energy, as a fraction of the largest energy, above which it is counted.
 const BELOW_ZERO: f64 = 0.01;
 
+/// Remedy for other energies with a wrong sign.
+const COMPARE: &str = "compare with SCALE FACTOR=0.5 on *DYNAMIC or a finer mesh";
+
 /// Number of increments with a negative energy before the warning, because a sudden release causes a few.
 const SEEN: u64 = 10;
 
@@ -74,6 +77,11 @@ pub(super) struct RunMonitor {
     pub(super) drift_count: u64,
     /// Negative kinetic and negative internal energies.
     below_zero: [NegativeEnergy; 2],
+    /// Largest values so far of the energies dissipated in deformable bodies, and their largest decreases.
+    dissipated: [f64; 3],
+    decreases: [f64; 3],
+    /// Lowest strain energy so far.
+    lowest_strain: f64,
     /// Increments with a negative energy of contact, up to the warning, and successive ones with an energy that halts.
     pub(super) contact_below_zero: [u64; 2],
     /// Whether warnings of a pattern and of small increments have been issued.
@@ -133,6 +141,12 @@ impl RunMonitor {
                 *since = unsound.then_some(now.total_time);
             }
         }
+        let dissipated = self.dissipated.iter_mut().zip(&mut self.decreases);
+        for ((highest, decrease), now) in dissipated.zip(balance.dissipated_in_solid()) {
+            *highest = highest.max(now);
+            *decrease = decrease.max(*highest - now);
+        }
+        self.lowest_strain = self.lowest_strain.min(balance.strain_of_solid());
         let lowest = balance.kinetic_of_solid().min(balance.internal_of_solid());
         let below = lowest.min(balance.absorbed_by_contact()) < -BELOW_ZERO * balance.largest();
         !unsound[0] && !below && now.increment < self.next_look
@@ -184,6 +198,46 @@ impl SolverRun<'_> {
                     self.name_folded()
                 ),
             );
+        }
+    }
+
+    /// Warns of dissipated energies that have decreased, of negative strain energy, and of further energies that are
+    /// negative at the end. ALLPD may decrease with kinematic hardening.
+    fn warn_of_terms(&mut self) {
+        let (energy, largest) = (self.balance.energy(), self.balance.largest());
+        if self.is_noise() {
+            return;
+        }
+        for (name, decrease) in ["ALLVD", "ALLFD", "ALLCAV"].into_iter().zip(self.watch.decreases) {
+            if decrease > BELOW_ZERO * largest {
+                self.outcome.warn(
+                    "R303",
+                    format!(
+                        "{name} of deformable bodies has decreased by {decrease:.3e}, {:.1} % of the largest energy: dissipated \
+                         energy cannot decrease; {COMPARE}",
+                        100.0 * decrease / largest
+                    ),
+                );
+            }
+        }
+        let strain = if self.plan.stores_energy { 0.0 } else { self.watch.lowest_strain };
+        let lost = energy.damage.unwrap_or(0.0);
+        for (name, now) in [
+            ("ALLSE", strain),
+            ("ALLPD", energy.plastic),
+            ("ALLDMD", lost),
+            ("ALLAE", energy.artificial),
+            ("ALLDC", energy.distortion),
+        ] {
+            if now < -BELOW_ZERO * largest {
+                self.outcome.warn(
+                    "R303",
+                    format!(
+                        "{name} is {now:.3e}, negative by {:.1} % of the largest energy; {COMPARE}",
+                        -100.0 * now / largest
+                    ),
+                );
+            }
         }
     }
 
@@ -300,6 +354,7 @@ impl SolverRun<'_> {
     /// Warns of energies out of bounds at the end of the run: since when, and where the mesh is distorted most.
     pub(super) fn warn_of_energy(&mut self) {
         self.warn_of_sign();
+        self.warn_of_terms();
         self.warn_of_added_mass();
         let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
         let of_deck = self.step.energy_limit.map_or([false; 2], |l| [l.error.is_some(), l.artificial.is_some()]);
@@ -433,7 +488,7 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 }
 
 persist_struct!(RunMonitor {
-    unsound, successive_drifts, drift_count, below_zero, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse, masses,
+    unsound, successive_drifts, drift_count, below_zero, dissipated, decreases, lowest_strain, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse, masses,
     limits_reported
 } derived {
     shown

@@ -45,8 +45,9 @@ pub struct FacetCurve {
     pub neighbors: Vec<[FacetNeighbor; 2]>,
     /// Distance of the contact surface from each facet: half the thickness of shells.
     pub lift: Vec<f64>,
-    /// Largest overlap at which a point is in contact with the facet: half the thickness of the body there.
-    pub depth: Vec<f64>,
+    /// Largest overlap at which a point is in contact with the facet, at its first point, middle and second point: half
+    /// the thickness of the body there.
+    pub depth: Vec<[f64; 3]>,
     /// Whether each facet is exposed. If elements can be deleted, faces between two elements are facets from the start,
     /// one for each side. They become exposed when the element in front of them is deleted.
     pub is_exposed: Vec<bool>,
@@ -109,9 +110,17 @@ impl FacetShape {
 const SHARP: f64 = 0.29;
 
 impl FacetCurve {
+    /// Returns the largest overlap at the coordinate `part` of a facet, from 0 to 1.
+    #[inline]
+    pub fn depth_at(&self, facet: usize, part: f64) -> f64 {
+        let [first, middle, second] = self.depth[facet];
+        let (end, share) = if part < 0.5 { (first, 1.0 - 2.0 * part) } else { (second, 2.0 * part - 1.0) };
+        middle + share * (end - middle)
+    }
+
     /// Creates a curve of facets between points with the coordinates `places`; a point with r = 0 is on the axis. The
     /// facets from index `bare` on are not exposed at the start.
-    pub fn new(facets: Vec<[u32; 2]>, depth: Vec<f64>, bare: usize, places: &[[f64; 2]]) -> FacetCurve {
+    pub fn new(facets: Vec<[u32; 2]>, depth: Vec<[f64; 3]>, bare: usize, places: &[[f64; 2]]) -> FacetCurve {
         let own: Vec<u32> = sorted_unique(facets.iter().flatten().copied());
         let mut around = vec![Vec::new(); own.len()];
         for (k, facet) in facets.iter().enumerate() {

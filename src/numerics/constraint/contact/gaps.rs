@@ -199,7 +199,7 @@ impl GapIntegrator {
         let j = nearest.facing.facet as usize;
         let (gap, normal, part) = nearest.distance(place, 0.0, &other.shapes[j], other.shapes[j].length);
         let gap = gap - other.lift[j];
-        if gap >= reach || gap <= -other.depth[j] {
+        if gap >= reach || gap <= -other.depth_at(j, part) {
             return None;
         }
         let ends = other.facets[j];
@@ -304,7 +304,7 @@ impl GapIntegrator {
             let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
             let (gap, normal, part) = nearest.distance(place, s, opposite, shape.length);
             let gap = gap - own.lift[k] - other.lift[j];
-            if gap >= reach || gap <= -other.depth[j] {
+            if gap >= reach || gap <= -other.depth_at(j, part) {
                 continue;
             }
             any = true;
@@ -404,7 +404,7 @@ mod tests {
 
     fn curve(places: &[[f64; 2]], first: u32) -> FacetCurve {
         let facets = (0..places.len() as u32 - 1).map(|i| [first + i, first + i + 1]).collect::<Vec<_>>();
-        let (depth, zeros) = (vec![1.0; facets.len()], vec![[-1.0, 0.0]; first as usize]);
+        let (depth, zeros) = (vec![[1.0; 3]; facets.len()], vec![[-1.0, 0.0]; first as usize]);
         let all: Vec<[f64; 2]> = zeros.into_iter().chain(places.iter().copied()).collect();
         let bare = facets.len();
         let mut curve = FacetCurve::new(facets, depth, bare, &all);

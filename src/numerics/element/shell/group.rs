@@ -50,6 +50,8 @@ struct ShellState {
     shear: f64,
     /// Slow parts of the rates of area and curvature.
     slow_rates: [f64; 2],
+    /// Force and moment of bulk viscosity per length.
+    viscous: [f64; 2],
 }
 
 /// Splits a variable at the bottom, middle or top of the shell into the plain variable and the position.
@@ -178,13 +180,16 @@ impl ShellGroup {
         let slow = self.section.slow_rates(&frame, &masses, (before, thickness), rates, dt);
         self.state[element].slow_rates = slow;
         let [force, moment] = self.section.viscosity(&frame, &masses, thickness, rates, slow);
+        let previous = std::mem::replace(&mut self.state[element].viscous, [force, moment]);
         for i in 0..2 {
             resultants[i] += force;
             resultants[2 + i] += moment;
         }
         let work = put(&frame.forces(&resultants), &steps, &mut pass.corners[element / LANES], element % LANES);
         let area = frame.area();
-        let (plastic, viscous) = (area * dissipated, area * (force * sums[0] + moment * sums[1]));
+        // By the trapezoidal rule, as the work of all forces.
+        let viscous = 0.5 * area * ((previous[0] + force) * sums[0] + (previous[1] + moment) * sums[1]);
+        let plastic = area * dissipated;
         if let Some(record) = &mut self.record {
             let followed = &mut record.elements[element];
             followed.section.iter_mut().zip(strains).for_each(|(sum, strain)| *sum += strain);
@@ -365,7 +370,7 @@ impl InitialState for ShellGroup {
     }
 }
 
-persist_struct!(ShellState { thickness, shear, slow_rates });
+persist_struct!(ShellState { thickness, shear, slow_rates, viscous });
 
 persist_struct!(ShellGroup {
     deleted: fixed, masses: fixed, state: fixed, stress: fixed, flow: fixed, record: present

@@ -191,9 +191,11 @@ impl<S: Clone> TriangleBlock<S> {
                     let (mises, mean) = (mises(stress), (stress[0] + stress[1] + stress[2]) / 3.0);
                     let distortion = if constants.shear > 0.0 { mises * mises / (6.0 * constants.shear) } else { 0.0 };
                     let stored = (distortion + 0.5 * mean * mean / done.bulk[l]) / share;
-                    scratch.stress.dissipated[l] += volume * stored;
-                    scratch.stress.damaged[l] += volume * stored;
-                    scratch.add_to_record(POINTS * at + p, l, [0.0, volume * stored]);
+                    // The stress has done half of the work of the increment less.
+                    let lost = volume * stored - undone;
+                    scratch.stress.dissipated[l] += lost;
+                    scratch.stress.damaged[l] += lost;
+                    scratch.add_to_record(POINTS * at + p, l, [0.0, lost]);
                 }
                 point.stress.iter_mut().for_each(|s| s[l] = 0.0);
             }
