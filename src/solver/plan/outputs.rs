@@ -19,7 +19,7 @@ use crate::variables::statistic::Statistic;
 use crate::variables::{PreselectRule, Variable, VariableComponent, VariablePlace};
 
 /// Source of the values of a history column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ColumnSource {
     /// A mesh node of a rigid body.
     Body {
@@ -64,7 +64,7 @@ pub struct IntegratedSection {
 }
 
 /// A column of the history file, with the source of its values.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct HistoryColumn {
     /// `<VARIABLE>@<SET or node>`, or only the variable for the whole model.
     pub name: String,
@@ -75,7 +75,7 @@ pub struct HistoryColumn {
 }
 
 /// An output array of frames.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct FrameField {
     /// Name of the array in the result files.
     pub name: String,
@@ -163,6 +163,7 @@ impl Compiler<'_> {
     pub(super) fn variables(&mut self, state: &mut State) -> (Vec<HistoryColumn>, Vec<FrameField>) {
         let (mut columns, mut fields) = (Vec::new(), Vec::new());
         let model = self.model;
+        self.model_variables = self.find_model_variables();
         let available = self.available_fields(state);
         for step in &model.steps {
             for request in step.outputs.iter().filter(|r| r.interval != OutputInterval::Never) {
@@ -261,7 +262,9 @@ impl Compiler<'_> {
                     self.pair_columns(selection, &ContactPairFilter::default(), columns);
                 }
                 OutputRegion::Pairs(pairs) => self.pair_columns(selection, pairs, columns),
-                OutputRegion::Whole => columns.extend(self.model_variables(selection, request.card).map(model_column)),
+                OutputRegion::Whole => {
+                    columns.extend(self.select_model_variables(selection, request.card).map(model_column));
+                }
             }
             if columns.len() == before {
                 self.note_absent_variable(selection, request);
@@ -279,7 +282,7 @@ impl Compiler<'_> {
     }
 
     /// Returns the variables of the whole model that a name on an output card selects.
-    fn model_variables(&self, selection: VariableRequest, card: OutputCard) -> impl Iterator<Item = Variable> + use<> {
+    fn select_model_variables(&self, selection: VariableRequest, card: OutputCard) -> impl Iterator<Item = Variable> {
         let by_default = match card {
             OutputCard::Output | OutputCard::Energy => Some(VariablePlace::Energy),
             OutputCard::Incrementation => Some(VariablePlace::Increment),
@@ -295,8 +298,7 @@ impl Compiler<'_> {
             }
             _ => named.contains(v),
         };
-        let added = self.scales_masses().then_some(Variable::AddedMass);
-        self.energies().chain([Variable::TimeIncrement]).chain(added).filter(meant)
+        self.model_variables.iter().copied().filter(meant)
     }
 
     fn node_columns(
@@ -364,11 +366,7 @@ impl Compiler<'_> {
 
     /// Returns the index of a list of sources in the plan, and adds the list if it is new.
     fn index_of_sources(&mut self, sources: Vec<ColumnSource>) -> usize {
-        let known = self.sets.iter().position(|s| *s == sources);
-        known.unwrap_or_else(|| {
-            self.sets.push(sources);
-            self.sets.len() - 1
-        })
+        self.sets.insert_full(sources).0
     }
 
     /// Adds columns of a part. A rigid body belongs to it with all its mass if one of its elements does.
@@ -380,7 +378,7 @@ impl Compiler<'_> {
         let source = |element: &usize| match self.places.elements.get(element) {
             Some(&(group, index)) => Some(ColumnSource::Element(group, index)),
             None => {
-                let body = model.rigid_bodies.iter().position(|body| body.elements.contains(element))?;
+                let body = *self.body_of_element.get(element)?;
                 Some(ColumnSource::Body { body, node: model.rigid_bodies[body].reference })
             }
         };
@@ -526,11 +524,17 @@ impl Compiler<'_> {
     }
 
     /// Iterates over the energies of this model.
-    fn energies(&self) -> impl Iterator<Item = Variable> + use<> {
+    fn energies(&self) -> impl Iterator<Item = Variable> {
+        self.model_variables.iter().copied().filter(|v| v.place() == VariablePlace::Energy)
+    }
+
+    /// Returns the variables that this model has as a whole: energies, the time increment and the added mass.
+    fn find_model_variables(&self) -> Vec<Variable> {
         let deforms = self.deforms();
         let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
         let damages = self.materials_present().any(fails);
         let scales = self.scales_masses();
+        let added = scales.then_some(Variable::AddedMass);
         let springs = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());
         let walls = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| self.spatial_side(pair).is_some());
         let is_there = move |v: &Variable| {
@@ -545,7 +549,7 @@ impl Compiler<'_> {
             let lost = walls && *v == Variable::ConstraintWork;
             v.place() == VariablePlace::Energy && (deforms || lost || !v.row().deforming) && available
         };
-        Variable::ALL.iter().copied().filter(is_there)
+        Variable::ALL.iter().copied().filter(is_there).chain([Variable::TimeIncrement]).chain(added).collect()
     }
 
     /// Returns the fields that frames can show: nodal variables, and variables of at least one element group.
@@ -743,12 +747,7 @@ fn once_a_body(sources: &mut Vec<ColumnSource>) {
 }
 
 /// Removes duplicates; the first item remains.
-fn dedup<T: PartialEq + Clone>(items: &mut Vec<T>) {
-    let mut kept: Vec<T> = Vec::new();
-    for item in items.drain(..) {
-        if !kept.contains(&item) {
-            kept.push(item);
-        }
-    }
-    *items = kept;
+fn dedup<T: Eq + std::hash::Hash>(items: &mut Vec<T>) {
+    let kept: IndexSet<T> = items.drain(..).collect();
+    *items = kept.into_iter().collect();
 }
