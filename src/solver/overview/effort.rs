@@ -100,9 +100,9 @@ impl Sink for TrialRun<'_> {
     }
 }
 
-/// Runs a plan for a limited wall-clock time and estimates the whole run; `None` with user subroutines or if no
-/// increment was completed.
-pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<RunEstimate> {
+/// Runs a plan from its initial state for a limited wall-clock time and estimates the whole run; `None` with user
+/// subroutines or if no increment was completed.
+pub fn measure(plan: &Plan, state: State, length: Duration) -> Option<RunEstimate> {
     if plan.routines.any() {
         return None;
     }
@@ -120,7 +120,7 @@ pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<RunEstima
         output_time: Duration::ZERO,
     };
     let control = RunControl { interrupt: Some(&stop), ..RunControl::default() };
-    let (outcome, _) = solve::run_with(plan, state.clone(), &mut look, control).ok()?;
+    let (outcome, _) = solve::run_with(plan, state, &mut look, control).ok()?;
     let (mean_bytes, [[frames, _], [rows, _]]) = (look.mean_bytes(), look.written);
     let ended = stop.load(Ordering::Relaxed) == 0;
     let counted = [(ended && !look.skipped.get()).then_some(frames), ended.then_some(rows)];

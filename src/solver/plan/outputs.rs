@@ -426,7 +426,7 @@ impl Compiler<'_> {
         let mut found = Vec::new();
         for element in by_number(members, name) {
             let Some(&(group, index)) = self.places.elements.get(&element) else { continue };
-            let has = |part: &&VariableComponent| has(state, group, index, **part);
+            let has = |part: &&VariableComponent| self.element_has(state, (group, index), **part);
             let source = ColumnSource::Element(group, index);
             found.extend(parts.iter().filter(has).map(|&part| (part, name(element), source)));
         }
@@ -557,7 +557,7 @@ impl Compiler<'_> {
         let groups = &state.elements.groups;
         // All elements of a group have the same variables.
         let somewhere = |part: &VariableComponent| {
-            groups.iter().enumerate().any(|(g, group)| !group.is_empty() && has(state, g, 0, *part))
+            groups.iter().enumerate().any(|(g, group)| !group.is_empty() && self.element_has(state, (g, 0), *part))
         };
         let mut fields = Vec::new();
         let turns = !self.places.rotations.is_empty();
@@ -603,6 +603,20 @@ impl Compiler<'_> {
         }
     }
 
+    /// Returns whether an element has a variable, also if the variable is integrated only on request.
+    fn element_has(&self, state: &State, (group, element): (usize, usize), part: VariableComponent) -> bool {
+        let heat = state.thermal.as_ref().and_then(|t| t.heat.as_ref());
+        match part.variable {
+            Variable::MassScalingFactor => self.model_variables.contains(&Variable::AddedMass),
+            Variable::Temperature | Variable::HeatFlux
+                if heat.is_some_and(|h| h.element_temperature(group, element).is_some()) =>
+            {
+                true
+            }
+            _ => values::has(&*state.elements.groups[group], state.dofs.nodes.as_slice(), element, part),
+        }
+    }
+
     fn note_absent_variable(&mut self, selection: VariableRequest, request: &OutputRequest) {
         let why = why_absent(selection, request);
         self.add_unused_card(request.span, selection.name(), why);
@@ -639,17 +653,6 @@ fn in_space(selection: VariableRequest, parts: &[VariableComponent]) -> impl Ite
 fn is_deletion_total(variable: Variable) -> bool {
     let row = variable.row();
     row.place == VariablePlace::Energy && row.preselected == PreselectRule::ElementDeletion
-}
-
-/// Returns whether an element has a variable, also if the variable is integrated only on request.
-fn has(state: &State, group: usize, element: usize, part: VariableComponent) -> bool {
-    let heat = state.thermal.as_ref().and_then(|t| t.heat.as_ref());
-    if matches!(part.variable, Variable::Temperature | Variable::HeatFlux)
-        && heat.is_some_and(|h| h.element_temperature(group, element).is_some())
-    {
-        return true;
-    }
-    values::has(&*state.elements.groups[group], state.dofs.nodes.as_slice(), element, part)
 }
 
 /// Returns the reason why a requested variable gives no output.
