@@ -390,3 +390,23 @@ fn model_data_boundaries_are_active_in_all_steps() {
     let moved = deck(&held, [("", ""), ("", "*Boundary, type=VELOCITY\n REF, 2, 2, 1.\n")]);
     assert_close("moved later", final_value(&moved, "U2@REF"), T);
 }
+
+/// A step that needs ten times as many increments as expected at its start causes a warning that names the element, if
+/// these are many.
+#[test]
+fn increments_beyond_the_expectation_cause_a_warning() {
+    let warnings = |length: f64| {
+        let text = solid::grid(1, 1, false, |i, j| [i as f64, j as f64])
+            + &solid::material(100.0, 0.3, 1.0, "")
+            + "*Amplitude, name=A, definition=SMOOTH STEP\n 0., 0., 20., 1.\n"
+            + &format!(
+                "*Step\n*Dynamic, Explicit\n , {length}\n*Boundary\n J0, 2, 2\n*Boundary, amplitude=A\n J1, 2, 2, -0.96\n*End Step\n"
+            );
+        let (outcome, _) = solid::run(&text);
+        println!("{} {:?}", outcome.increments, outcome.warnings);
+        outcome.warnings.into_iter().filter(|warning| warning.starts_with("R306")).collect::<Vec<_>>()
+    };
+    let found = warnings(600.0);
+    assert!(matches!(&found[..], [one] if one.contains("increments remain") && one.contains("element 1")), "{found:?}");
+    assert!(warnings(60.0).is_empty());
+}

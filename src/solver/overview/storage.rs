@@ -47,9 +47,12 @@ impl StorageEstimate {
     /// whether frames and a restart file are written. The numbers of frames and rows follow by
     /// [`StorageEstimate::with_effort`].
     pub fn of(plan: &Plan, mut state: State, frames: bool, restart: bool) -> (StorageEstimate, State) {
-        let mut estimate =
-            StorageEstimate { largest_row_bytes: NUMBER * (plan.columns.len() + 2) as f64, ..StorageEstimate::default() };
-        if frames {
+        let mut estimate = StorageEstimate {
+            largest_row_bytes: NUMBER * (plan.columns.len() + 2) as f64,
+            ..StorageEstimate::default()
+        };
+        // The frame of a large model takes much memory.
+        if frames && plan.steps.iter().any(|step| !step.outputs.field.is_empty()) {
             let (frame, unchanged): (OutputFrame, State) = solve::initial_frame(plan, state);
             (estimate.largest_frame_bytes, state) = (VtuWriter::largest_length(&frame) as f64 + LISTED, unchanged);
         }

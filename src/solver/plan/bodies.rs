@@ -243,8 +243,7 @@ impl Compiler<'_> {
 
     /// Returns whether an initial velocity along z is given for a reference node.
     fn names_reference(&self, condition: &InitialCondition) -> bool {
-        matches!(condition.kind, InitialKind::Velocity(2, _))
-            && self.referenced_bodies(condition).next().is_some()
+        matches!(condition.kind, InitialKind::Velocity(2, _)) && self.referenced_bodies(condition).next().is_some()
     }
 
     /// Iterates over the bodies whose reference nodes are members of an initial condition.

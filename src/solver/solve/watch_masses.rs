@@ -62,8 +62,15 @@ impl SolverRun<'_> {
         let moving = self.watch.masses.kinetic / self.balance.largest().max(heat);
         let total = self.added_mass_percent();
         let Some(total) = total.filter(|_| moving > NOTABLE[1]) else { return };
-        let mut sections: Vec<(usize, f64)> =
-            self.watch.masses.added_shares.iter().copied().enumerate().filter(|section| section.1 > NOTABLE[0]).collect();
+        let mut sections: Vec<(usize, f64)> = self
+            .watch
+            .masses
+            .added_shares
+            .iter()
+            .copied()
+            .enumerate()
+            .filter(|section| section.1 > NOTABLE[0])
+            .collect();
         sections.sort_by(|a, b| b.1.total_cmp(&a.1));
         let name = |(group, added): &(usize, f64)| {
             let (element, material) = (self.plan.element_name(*group, 0), self.plan.material_name(*group, 0));
