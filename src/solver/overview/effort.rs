@@ -75,6 +75,10 @@ impl Sink for TrialRun<'_> {
         wanted
     }
 
+    fn wants_last_instant(&self) -> bool {
+        false
+    }
+
     fn frame(&mut self, frame: &OutputFrame) -> Result<(), SinkError> {
         let begin = Stopwatch::now();
         let [number, bytes] = &mut self.written[0];
