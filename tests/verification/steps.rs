@@ -390,24 +390,3 @@ fn model_data_boundaries_are_active_in_all_steps() {
     let moved = deck(&held, [("", ""), ("", "*Boundary, type=VELOCITY\n REF, 2, 2, 1.\n")]);
     assert_close("moved later", final_value(&moved, "U2@REF"), T);
 }
-
-/// A step that needs ten times as many increments as expected at its start causes a warning that names the element, if
-/// these are many. Here a field variable stiffens the material by a factor of 400, so that the increment decreases by 20.
-#[test]
-fn increments_beyond_the_expectation_cause_a_warning() {
-    let moduli = "*Elastic, dependencies=1\n 100., 0.3, , 0.\n 4.e4, 0.3, , 1.\n";
-    let warnings = |length: f64| {
-        let text = solid::grid(1, 1, false, |i, j| [i as f64, j as f64])
-            + &solid::material(100.0, 0.3, 1.0, "").replace("*Elastic\n 1e2, 0.3\n", moduli)
-            + "*Amplitude, name=A\n 0., 0., 5., 0., 6., 1.\n"
-            + &format!("*Step\n*Dynamic, Explicit\n , {length}\n*Field, variable=1, amplitude=A\n ALL, 1.\n")
-            + "*Boundary\n J0, 2, 2\n*End Step\n";
-        assert!(text.contains(moduli));
-        let (outcome, _) = solid::run(&text);
-        println!("{} {:?}", outcome.increments, outcome.warnings);
-        outcome.warnings.into_iter().filter(|warning| warning.starts_with("R306")).collect::<Vec<_>>()
-    };
-    let found = warnings(600.0);
-    assert!(matches!(&found[..], [one] if one.contains("increments remain") && one.contains("element 1")), "{found:?}");
-    assert!(warnings(60.0).is_empty());
-}
