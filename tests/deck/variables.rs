@@ -54,7 +54,7 @@ fn pressed(deck: &str) -> String {
 /// Returns a deck in which a variable exists: the block, or a ring of shells with the same motion.
 fn scene(variable: Variable, requests: &str) -> String {
     let solid = block_with(variable, requests);
-    if variable.row().preselected == PreselectRule::MassScaling {
+    if variable.row().preselected == PreselectRule::MassScaling || variable == Variable::MassScalingFactor {
         return solid.replacen("*Boundary\n", "*Fixed Mass Scaling, factor=1.01\n*Boundary\n", 1);
     }
     if variable.row().preselected == PreselectRule::PenaltyContact {

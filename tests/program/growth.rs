@@ -24,7 +24,7 @@ const BODY: &str = "*Solid Section, elset=SOLID, material=M\n";
 const METAL: &str = "*Density\n 7850.,\n*Elastic\n 2.1e11, 0.3\n";
 const STEP: &str = "*Step\n*Dynamic, Explicit\n , 1.e-9\n*Boundary\n 1, 2, 2\n";
 
-const DECKS: [RepeatedCards; 14] = [
+const DECKS: [RepeatedCards; 16] = [
     RepeatedCards {
         name: "*CLOAD, one card",
         sections: false,
@@ -111,6 +111,32 @@ const DECKS: [RepeatedCards; 14] = [
         model: |i| {
             format!(
                 "*Elset, elset=E{i}\n {i},\n*Material, name=X{i}\n{METAL}*Solid Section, elset=E{i}, material=Y{i}\n"
+            )
+        },
+        step: |_| String::new(),
+    },
+    RepeatedCards {
+        name: "separate bodies",
+        sections: false,
+        model: |i| {
+            let (node, z) = (100_000 + 4 * i, 2 * i);
+            let [a, b, c, d] = [node, node + 1, node + 2, node + 3];
+            format!(
+                "*Node\n {a}, 1., {z}.\n {b}, 2., {z}.\n {c}, 2., {z}.5\n {d}, 1., {z}.5\n\
+                 *Element, type=CAX4R, elset=P{i}\n {node}, {a}, {b}, {c}, {d}\n*Solid Section, elset=P{i}, material=M\n"
+            )
+        },
+        step: |_| String::new(),
+    },
+    RepeatedCards {
+        name: "rigid bodies",
+        sections: false,
+        model: |i| {
+            let (node, z) = (100_000 + 4 * i, 2 * i);
+            let [a, b, c] = [node, node + 1, node + 2];
+            format!(
+                "*Node\n {a}, 1., {z}.\n {b}, 2., {z}.\n {c}, 0., {z}.\n*Element, type=RAX2, elset=P{i}\n {node}, {a}, {b}\n\
+                 *Rigid Body, ref node={c}, elset=P{i}\n*Element, type=MASS, elset=Q{i}\n {b}, {c}\n*Mass, elset=Q{i}\n 1.,\n"
             )
         },
         step: |_| String::new(),

@@ -294,6 +294,88 @@ fn untrusted_decks_are_restricted() {
     assert!(run.expect("it runs").status.success());
 }
 
+/// A restricted command ends at its time limit, whatever it does then.
+#[test]
+fn untrusted_command_ends_at_its_time_limit() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    ogive(scratch.path());
+    let run = |seconds: &str| {
+        // Increments that need days.
+        let words = ["run", "endless.inp", "--untrusted", "--no-frames", "--out", "out"];
+        let found = limited(scratch.path(), &words).env("REVOLVE_UNTRUSTED_SECONDS", seconds).output();
+        found.expect("the program runs")
+    };
+    let deck = fs::read_to_string(scratch.path().join("ogive.inp")).expect("a deck");
+    let step = deck.split("*Dynamic, Explicit\n").nth(1).and_then(|rest| rest.split('\n').next()).expect("a step");
+    let endless = deck.replace(
+        &format!("*Dynamic, Explicit\n{step}"),
+        &format!("*Dynamic, Explicit, direct user control\n 1.e-16{step}"),
+    );
+    assert_ne!(endless, deck);
+    fs::write(scratch.path().join("endless.inp"), endless).expect("a deck");
+    let ended = run("1.5");
+    assert_eq!(ended.status.code(), Some(1), "{}", message_text(&ended));
+    assert!(
+        message_text(&ended).contains("the time limit of --untrusted, 1.5 s, is reached"),
+        "{}",
+        message_text(&ended)
+    );
+    for wrong in ["0", "-1", "901", "soon", "inf"] {
+        let refused = run(wrong);
+        assert_eq!(refused.status.code(), Some(2), "{wrong}: {}", message_text(&refused));
+        assert!(message_text(&refused).contains("expected a number of seconds above 0, at most 900"), "{wrong}");
+    }
+}
+
+/// Contact and output cards in an included file: restricted commands show none of its lines, in errors, warnings, the
+/// ledger, JSON and results.
+#[test]
+fn untrusted_commands_show_no_lines_of_included_files() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let folder = scratch.path();
+    fs::copy(project("input/rod_plate.inp"), folder.join("rod.inp")).expect("a deck");
+    let deck = fs::read_to_string(folder.join("rod.inp")).expect("a deck");
+    let (head, step) = deck.split_once("*Contact\n").expect("contact");
+    let deck = format!("{head}*Include, input=own.inc\n*End Step\n").replace("40.e-6", "1.e-8");
+    fs::write(folder.join("rod.inp"), deck).expect("a deck");
+    let included = format!("** a private remark\n*Contact\n{step}");
+    let wrong = |card: &str| included.replace("*Output, history", &format!("{card}*Output, history"));
+    let cases = [
+        included.replace("*End Step\n", ""),
+        wrong("*Contact Controls Assignment, type=SCALE PENALTY\n TAIL , ,   1.e3 x, private\n")
+            .replace("*End Step\n", ""),
+        wrong("*Contact Controls, reset, scale penalty=2.,   private=1\n").replace("*End Step\n", ""),
+        included
+            .replace("*Contact Output\n CFN, CFS, CAREA", "*Contact Output\n CFN,  CFS, PRIVAT , CAREA")
+            .replace("*End Step\n", ""),
+        included
+            .replace("*Contact Output\n CFN, CFS, CAREA", "*Contact Output, cpset=NONE,   private=1\n CFN, CFS")
+            .replace("*End Step\n", ""),
+    ];
+    for (number, text) in cases.iter().enumerate() {
+        fs::write(folder.join("own.inc"), text).expect("a file");
+        let is_shown = |output: &Output| {
+            let shown = message_text(output);
+            let is_private = |line: &&str| line.to_lowercase().contains("privat");
+            text.lines().filter(is_private).any(|line| shown.contains(line.trim()))
+        };
+        for words in [
+            &["check", "rod.inp"][..],
+            &["check", "rod.inp", "--bytes"],
+            &["check", "rod.inp", "--json"],
+            &["run", "rod.inp", "--out", "out"],
+        ] {
+            let restricted = output(folder, &[words, &["--untrusted"]].concat());
+            assert!(!is_shown(&restricted), "{words:?}: {}", message_text(&restricted));
+            // An unknown output variable is a warning.
+            let is_valid = number == 0 || text.contains("PRIVAT ");
+            assert_eq!(restricted.status.success(), is_valid, "{words:?}: {}", message_text(&restricted));
+        }
+        // Without the restriction the same check fails for each faulty file.
+        assert_eq!(is_shown(&output(folder, &["check", "rod.inp"])), number > 0);
+    }
+}
+
 /// Pipes, devices and folders in place of every file that is read.
 #[test]
 fn devices_and_folders_are_rejected_as_input_files() {

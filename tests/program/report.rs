@@ -416,6 +416,35 @@ fn page_works_in_a_browser_without_network() {
     );
 }
 
+/// The policy permits the script of the page by its hash and no other: a script that is added to a page does not run.
+#[test]
+fn page_policy_permits_only_the_script_of_the_page() {
+    let (folder, out) = folder();
+    assert!(run("input/ogive.inp", &out, &[]).status.success());
+    assert!(revolve(&["report", &out]).status.success());
+    let path = folder.path().join("report.html");
+    let html = std::fs::read_to_string(&path).expect("a page");
+    let between = |begin: &str, end: &str| {
+        let from = html.find(begin).expect("the beginning") + begin.len();
+        &html[from..from + html[from..].find(end).expect("the end")]
+    };
+    let permitted = between("script-src 'sha256-", "'");
+    let script = between("<script>", "</script>");
+    assert_eq!(permitted, STANDARD.encode(hmac_sha256::Hash::hash(script.as_bytes())));
+    assert!(!between("script-src ", ";").contains("unsafe-inline"));
+
+    let Some(mut browser) = HeadlessBrowser::start() else { return };
+    let foreign = html.replace("</body>", "<script>document.title = 'foreign'</script></body>");
+    assert_ne!(foreign, html);
+    std::fs::write(&path, &foreign).expect("a page");
+    browser.open(&path, "", DESK);
+    assert_ne!(browser.value("document.title"), json!("foreign"));
+    assert!(browser.value("document.querySelectorAll('svg').length").as_u64() > Some(0), "the page's script runs");
+    std::fs::write(&path, foreign.replace(&format!("'sha256-{permitted}'"), "'unsafe-inline'")).expect("a page");
+    browser.open(&path, "", DESK);
+    assert_eq!(browser.value("document.title"), json!("foreign"));
+}
+
 /// On a phone and a desktop screen, light and dark, with units: nothing is cut off, too small or too low in contrast,
 /// curves can be hidden and removed, and the body is visible.
 #[test]

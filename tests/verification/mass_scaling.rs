@@ -87,6 +87,24 @@ fn each_scaling_type_reaches_the_target_increment() {
     }
 }
 
+/// EMSF of each element is its factor, in histories and frames; without mass scaling it is listed as unused.
+#[test]
+fn mass_factors_are_output() {
+    let output = "*Output, history, frequency=1\n*Element Output, elset=THIN\n EMSF\n*Element Output, elset=WIDE\n EMSF\n\
+                  *Output, field, number interval=1\n*Element Output\n EMSF\n";
+    let text = body_with(&format!("*Fixed Mass Scaling, factor=4., elset=THIN\n{output}"));
+    let (_, memory) = run(&text);
+    for (element, factor) in [(1, 1.0), (2, 4.0), (3, 1.0), (4, 4.0)] {
+        assert_eq!(last(&text, &memory, &format!("EMSF@{element}")), factor);
+    }
+    let frame = memory.frames.last().expect("a frame");
+    let field = frame.cell_fields.iter().find(|field| field.name == "EMSF").expect("the field");
+    assert_eq!(field.values, [1.0, 4.0, 1.0, 4.0]);
+    let plain = job::prepare_text("deck.inp", &body_with(output), &[], &Routines::none()).plan;
+    assert!(plain.ledger.unused.iter().any(|unused| unused.what == "EMSF"), "{:?}", plain.ledger.unused);
+    assert!(plain.columns.is_empty() && plain.fields.is_empty());
+}
+
 /// The factor is applied before the increment; it alone exceeds the target increment of the thin elements.
 #[test]
 fn factor_precedes_increment_and_fixed_precedes_variable() {

@@ -175,6 +175,26 @@ fn copied_and_mapped_arcs_keep_their_shape() {
     }
 }
 
+/// `*NMAP` with unequal factors changes arcs into ellipses, which a refined mesh does not keep: a warning.
+#[test]
+fn ellipses_of_a_refined_mesh_cause_a_warning() {
+    let text = |factors: &str| {
+        format!(
+            "*Node\n 1, 10., 0.\n 3, 0., 10.\n 101, 20., 0.\n 103, 0., 20.\n*Ngen, line=C, nset=INNER\n 1, 3, 1, , 0., 0.\n\
+             *Ngen, nset=OUTER\n 101, 103, 1\n*Nset, nset=ALL\n INNER, OUTER\n*Nmap, nset=ALL, type=RECTANGULAR\n 0., 30., 0., 1., 30., 0.\n 0., 31., 0.\n\
+             {factors}\n*Element, type=CAX4R, elset=SOLID\n 1, 1, 101, 102, 2\n 2, 2, 102, 103, 3\n"
+        ) + &material(200e3, 0.3, 7.85e-9, "")
+    };
+    let warns = |factors: &str, settings: &[(&str, &str)]| {
+        let (deck, _) = deck::read_text("deck.inp", &text(factors), &pairs(settings));
+        let (_, diagnostics) = model::build(&deck);
+        diagnostics.findings(&deck.sources).iter().any(|finding| finding.code == "M193")
+    };
+    assert!(warns("2., 3., 1.", &[("mesh", "3")]));
+    assert!(!warns("2., 2., 1.", &[("mesh", "3")]));
+    assert!(!warns("2., 3., 1.", &[]));
+}
+
 /// Six-node triangles have the nodes of the four-node mesh, divided twice as often.
 #[test]
 fn six_node_triangles_keep_their_midside_nodes() {

@@ -6,7 +6,7 @@
 //! 26.1.2 "Thermal expansion" and 6.5.4 "Adiabatic analysis"). The tolerance and its reason are stated at each test.
 
 use crate::common;
-use crate::common::solid::{column, grid, last, run};
+use crate::common::solid::{column, grid, last, material, run};
 use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
 
 const ELASTIC: &str = "*Density\n 1.,\n*Elastic\n 1., 0.3\n*Conductivity\n 0.05,\n*Specific Heat\n 1.,\n";
@@ -254,4 +254,23 @@ fn user_material_receives_mechanical_strain_and_temperature() {
         let expected = -1e-5 * rise / (1.0 - 0.6);
         assert!(s[..3].iter().all(|s| (s / expected - 1.0).abs() < 1e-3), "{s:?} {expected}");
     }
+}
+
+/// Initial temperatures of single nodes: an element has the mean of its nodes, and equal values give the bits of a set.
+#[test]
+fn elements_start_with_the_mean_of_their_nodes() {
+    let start = |conditions: &str| {
+        let text = grid(2, 1, false, |i, j| [i as f64, j as f64])
+            + &material(100.0, 0.3, 1.0, "").replace(", 0.3\n", ", 0.3, 0.\n 50., 0.3, 1000.\n")
+            + &format!(
+                "*Initial Conditions, type=TEMPERATURE\n{conditions}*Step\n*Dynamic, Explicit\n , 1.e-3\n\
+                        *Output, history, number interval=1\n*Element Output, elset=SOLID\n TEMP\n*End Step\n"
+            );
+        let (_, memory) = run(&text);
+        memory.rows[0].1.clone()
+    };
+    assert_eq!(start(" 1, 10.\n 2, 20.\n 3, 30.\n 4, 40.\n 5, 50.\n 6, 60.\n"), [30.0, 40.0]);
+    let each: String = (1..=6).map(|node| format!(" {node}, 0.1\n")).collect();
+    assert_eq!(start(&each), start(" ALL, 0.1\n"));
+    assert_eq!(start(" ALL, 0.1\n"), [0.1; 2]);
 }

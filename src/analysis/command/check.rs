@@ -60,14 +60,13 @@ impl CheckCommand {
         let OutputOptions { quiet: QuietOption { quiet }, json } = self.output;
         let settings = deck_settings(&self.set, self.mesh_refine, &self.curved)?;
         let (mut prepared, mut overview) = job::examine(&self.deck, &settings, &routines);
-        if let Some(overview) = overview.as_mut().filter(|_| !self.no_look && !quiet) {
-            overview.effort = overview::measure(&prepared.plan, &prepared.state, TRIAL_TIME);
-        }
         let free = job::default_job(&self.deck, None).ok().and_then(|job| super::free_space(&job.folder));
         if let Some(overview) = overview.as_mut().filter(|_| !quiet) {
-            let state = std::mem::take(&mut prepared.state);
-            let estimate = StorageEstimate::of(&prepared.plan, state, overview.effort.as_ref(), true, false);
-            (overview.output, prepared.state) = (Some(estimate.0), estimate.1);
+            let (plan, state) = (&prepared.plan, std::mem::take(&mut prepared.state));
+            let (sizes, state) = StorageEstimate::of(plan, state, true, false);
+            // The trial run takes the state itself, without a copy, which could be large.
+            overview.effort = if self.no_look { None } else { overview::measure(plan, state, TRIAL_TIME) };
+            overview.output = Some(sizes.with_effort(plan, overview.effort.as_ref()));
         }
         if json {
             return print_json(&prepared, overview.as_ref());

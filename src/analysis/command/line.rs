@@ -49,8 +49,11 @@ enum ProgramCommand {
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> CommandStatus {
     let command = match ProgramArguments::try_parse_from(arguments) {
         Ok(arguments) => {
-            if arguments.untrusted || untrusted::is_requested() {
-                restrict();
+            if (arguments.untrusted || untrusted::is_requested())
+                && let Err(error) = restrict()
+            {
+                print_err!("error: {error}");
+                return CommandStatus(REFUSED);
             }
             arguments.command
         }
@@ -87,11 +90,13 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> CommandSta
 }
 
 /// Turns the restrictions for decks from unknown sources on, and ends the process after the longest permitted time.
-fn restrict() {
+fn restrict() -> Result<(), String> {
     untrusted::restrict();
-    std::thread::spawn(|| {
-        std::thread::sleep(untrusted::MAX_TIME);
-        print_err!("error: the time limit of --untrusted, {} s, is reached", untrusted::MAX_TIME.as_secs());
+    let limit = untrusted::time_limit()?;
+    std::thread::spawn(move || {
+        std::thread::sleep(limit);
+        print_err!("error: the time limit of --untrusted, {} s, is reached", limit.as_secs_f64());
         std::process::exit(i32::from(HALTED));
     });
+    Ok(())
 }

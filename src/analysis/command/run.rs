@@ -238,11 +238,11 @@ impl RunCommand {
         let PreparedJob { plan, state, .. } = prepared;
         let steps = || plan.steps.iter().flat_map(|step| step.outputs.field.iter().chain(&step.outputs.history));
         let counts = steps().any(|schedule| matches!(schedule, WriteSchedule::Increments(_)));
-        let effort = if counts { overview::measure(plan, state, COUNTING_TIME) } else { None };
         let (frames, restart) = (!self.no_frames, self.checkpoint_every.is_some());
-        let taken = std::mem::take(state);
-        let (estimate, unchanged) = StorageEstimate::of(plan, taken, effort.as_ref(), frames, restart);
+        let (sizes, unchanged) = StorageEstimate::of(plan, std::mem::take(state), frames, restart);
         *state = unchanged;
+        let effort = if counts { overview::measure(plan, state.clone(), COUNTING_TIME) } else { None };
+        let estimate = sizes.with_effort(plan, effort.as_ref());
         let free = super::free_space(&job.folder);
         if !self.is_silent() {
             words::write(format_args!("{}", estimate.render(free)), false);

@@ -12,6 +12,8 @@ pub const MAX_COUNT: u128 = 1_000_000;
 pub const MAX_OUTPUT: f64 = 2e9;
 /// Longest wall-clock time of a command.
 pub const MAX_TIME: Duration = Duration::from_secs(900);
+/// Environment variable with a shorter time in seconds.
+pub const TIME_VARIABLE: &str = "REVOLVE_UNTRUSTED_SECONDS";
 
 static RESTRICTED: AtomicBool = AtomicBool::new(false);
 
@@ -28,6 +30,19 @@ pub fn is_restricted() -> bool {
 /// Returns whether the environment variable turns the restrictions on.
 pub fn is_requested() -> bool {
     std::env::var_os(VARIABLE).is_some_and(|value| !value.is_empty() && value != "0")
+}
+
+/// Returns the wall-clock time after which a restricted command ends.
+///
+/// # Errors
+/// If the environment variable is not a number of seconds above 0 and at most [`MAX_TIME`].
+pub fn time_limit() -> Result<Duration, String> {
+    let Some(text) = std::env::var_os(TIME_VARIABLE) else { return Ok(MAX_TIME) };
+    let text = text.to_string_lossy();
+    let seconds = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    seconds.filter(|time| !time.is_zero() && *time <= MAX_TIME).ok_or_else(|| {
+        format!("{TIME_VARIABLE}={text}: expected a number of seconds above 0, at most {}", MAX_TIME.as_secs())
+    })
 }
 
 /// Returns whether the restrictions forbid to read a file: it is not in the folder of the deck or below it.

@@ -16,6 +16,7 @@ impl ModelBuilder<'_> {
         let amplitude: cards::Amplitude = self.values(card);
         let Some(definition) = self.amplitude_definition(card, &amplitude) else { return };
         let (name, absolute) = (amplitude.name, amplitude.absolute);
+        self.amplitude_places.entry(name.clone()).or_insert(self.model.amplitudes.len());
         self.model.amplitudes.push(Amplitude { name, definition, absolute, span: card.span });
     }
 
@@ -72,7 +73,7 @@ impl ModelBuilder<'_> {
 
     fn find_amplitude(&mut self, word: &Word) -> Option<AmplitudeId> {
         let name = upper(&word.text);
-        let found = self.model.amplitudes.iter().position(|a| a.name == name);
+        let found = self.amplitude_places.get(&name).copied();
         if found.is_none() {
             self.unknown("M112", "amplitude", word, |b| b.model.amplitudes.iter().map(|a| a.name.clone()).collect());
         }

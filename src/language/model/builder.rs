@@ -108,6 +108,8 @@ pub(super) struct ModelBuilder<'a> {
     /// Index of each `*MATERIAL`, and of each `*SURFACE INTERACTION`, by upper-case name.
     pub material_places: IndexMap<String, usize>,
     pub interaction_places: IndexMap<String, usize>,
+    /// Index of each amplitude that was read, by upper-case name.
+    pub amplitude_places: HashMap<String, usize>,
     /// Size of the model so far.
     pub budget: SizeBudget,
     /// Number of unknown names for which similar names were suggested.
@@ -173,6 +175,7 @@ impl<'a> ModelBuilder<'a> {
             clearances: super::named_clearances::named_clearances(deck),
             rotational: Vec::new(),
             derivations: Vec::new(),
+            amplitude_places: HashMap::new(),
             material_places: super::names::places(deck, "MATERIAL"),
             interaction_places: super::names::places(deck, "SURFACE INTERACTION"),
             budget: SizeBudget::default(),

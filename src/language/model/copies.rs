@@ -201,16 +201,23 @@ impl ModelBuilder<'_> {
             placement.map_or(place, |placement| placement.apply(place))
         };
         let points = &mut self.model.mesh.points;
+        let mut is_straightened = false;
         if self.deck.mesh_scaling.is_some() && polar {
             let places = nodes.iter().map(|&node| (node, local(points[node])));
             self.curves.record_polar(places, AffineMap::of(global));
         } else if self.deck.mesh_scaling.is_some() {
             let same = nodes.iter().map(|&node| (node, node)).collect();
-            self.curves.record_images(&same, &AffineMap::of(|p| global(local(p))));
+            is_straightened = self.curves.record_images(&same, &AffineMap::of(|p| global(local(p))));
         }
         for node in nodes {
             let [first, second] = local(points[node]);
             points[node] = global(if polar { polar_point(first, second) } else { [first, second] });
+        }
+        if is_straightened {
+            let message =
+                "unequal scale factors change arcs into ellipses, whose edges are straight in the refined mesh";
+            let diagnostic = Diagnostic::warning("M193", message).at(card.span, "these nodes are on arcs");
+            self.diagnostics.push(diagnostic.help("use equal factors, or fit the boundary with --curved"));
         }
     }
 

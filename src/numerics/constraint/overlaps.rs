@@ -4,6 +4,7 @@ use super::contact::curve::PointCarrier;
 use super::{Constraint, ConstraintUpkeep, StoredConstraint};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
+use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes};
 use crate::state::EffectId;
 use crate::state::archive::{StateArchive, persist_struct};
 use crate::state::dofs::Dofs;
@@ -18,7 +19,7 @@ const EVERY: u64 = 401;
 const FIT: f64 = 0.05;
 
 /// Boundary of a body: points and faces.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct BodyOutline {
     /// Name of the body in warnings.
     pub name: String,
@@ -26,59 +27,124 @@ pub struct BodyOutline {
     pub points: Vec<PointCarrier>,
     /// Faces, as indices of two points, that enclose the body; empty if the surface changes or is not closed.
     pub faces: Vec<[u32; 2]>,
+    /// Whether the body deforms.
+    pub deforms: bool,
+    /// Whether the body consists of solid elements, not of rigid lines.
+    pub is_solid: bool,
 }
 
-/// Two bodies that should not overlap.
-#[derive(Clone, Debug)]
-struct BodyPair {
-    bodies: [usize; 2],
-    /// Whether contact is defined between the two bodies.
-    in_contact: bool,
-    /// Whether the overlap has been reported, or existed at the start.
-    is_reported: bool,
+impl BodyOutline {
+    /// Returns whether this body and another one are checked for overlap: one deforms, one is solid, and one has faces.
+    fn is_checked_against(&self, other: &BodyOutline) -> bool {
+        (self.deforms || other.deforms)
+            && (self.is_solid || other.is_solid)
+            && !(self.faces.is_empty() && other.faces.is_empty())
+    }
 }
 
-/// Check for overlaps of pairs of bodies at fixed intervals.
+/// Contact pairs of each body, by the side of the pair on which the body is, in ascending order.
+#[derive(Clone, Debug, Default)]
+pub struct ContactsOfBodies(pub [Vec<Vec<u32>>; 2]);
+
+impl ContactsOfBodies {
+    /// Returns whether a contact pair has faces of both bodies, one on each side.
+    pub fn connect(&self, [a, b]: [usize; 2]) -> bool {
+        let common = |a: &[u32], b: &[u32]| a.iter().any(|pair| b.binary_search(pair).is_ok());
+        let [first, second] = &self.0;
+        common(&first[a], &second[b]) || common(&first[b], &second[a])
+    }
+
+    fn memory(&self) -> MemoryUse {
+        self.0.iter().map(|lists| MemoryUse::of(lists) + lists.iter().map(MemoryUse::of).sum()).sum()
+    }
+}
+
+/// Check for overlaps of bodies at fixed intervals.
 #[derive(Clone, Debug)]
 pub struct OverlapMonitor {
     id: EffectId,
     outlines: Vec<BodyOutline>,
-    /// Pairs of bodies that are checked.
-    pairs: Vec<BodyPair>,
+    contacts: ContactsOfBodies,
+    /// Pairs of bodies whose overlap has been reported, or existed at the start, in ascending order.
+    reported: Vec<[u32; 2]>,
     /// Current coordinates of the points of each body.
     places: Vec<Vec<[f64; 2]>>,
     /// Lower and upper corner of the bounding box of each body.
-    boxes: Vec<[[f64; 2]; 2]>,
+    boxes: Vec<BoundingBox>,
+    sorted_boxes: SortedBoxes,
+    /// Bodies near another body.
+    near: Vec<u32>,
     /// Faces sorted by their lower ends.
     order: Vec<(f64, u32)>,
     /// Whether the first step has begun.
     has_begun: bool,
-    /// Overlaps that were found: index of the pair, total time, coordinates, depth and length of the nearest face.
-    found: Vec<(u32, [f64; 5])>,
+    /// Overlaps that were found: the two bodies, total time, coordinates, depth and length of the nearest face.
+    found: Vec<([u32; 2], [f64; 5])>,
 }
 
 impl OverlapMonitor {
-    /// Monitors these pairs of bodies, each with whether contact is defined between them.
-    pub fn new(id: EffectId, outlines: Vec<BodyOutline>, pairs: Vec<([usize; 2], bool)>) -> OverlapMonitor {
+    /// Monitors these bodies.
+    pub fn new(id: EffectId, outlines: Vec<BodyOutline>, contacts: ContactsOfBodies) -> OverlapMonitor {
         let faces = outlines.iter().map(|o| o.faces.len()).max().unwrap_or(0);
         OverlapMonitor {
             id,
             places: outlines.iter().map(|o| vec![[0.0; 2]; o.points.len()]).collect(),
             boxes: vec![[[0.0; 2]; 2]; outlines.len()],
+            sorted_boxes: SortedBoxes::with_capacity(outlines.len()),
+            near: Vec::with_capacity(outlines.len()),
             order: Vec::with_capacity(faces),
             has_begun: false,
-            found: Vec::with_capacity(pairs.len()),
-            pairs: pairs
-                .into_iter()
-                .map(|(bodies, in_contact)| BodyPair { bodies, in_contact, is_reported: false })
-                .collect(),
+            found: Vec::with_capacity(outlines.len()),
+            reported: Vec::with_capacity(outlines.len()),
+            contacts,
             outlines,
         }
     }
 
+    /// Returns the number of pairs of bodies that are checked.
+    pub fn count_pairs(outlines: &[BodyOutline]) -> usize {
+        // Bodies of one kind are checked against the same others.
+        let mut kinds: Vec<(&BodyOutline, usize)> = Vec::new();
+        let is_alike = |a: &BodyOutline, b: &BodyOutline| {
+            (a.deforms, a.is_solid, a.faces.is_empty()) == (b.deforms, b.is_solid, b.faces.is_empty())
+        };
+        for outline in outlines {
+            match kinds.iter_mut().find(|kind| is_alike(kind.0, outline)) {
+                Some(kind) => kind.1 += 1,
+                None => kinds.push((outline, 1)),
+            }
+        }
+        let checked = |a: &BodyOutline| kinds.iter().filter(|b| a.is_checked_against(b.0)).map(|b| b.1).sum::<usize>();
+        let with_itself = |a: &BodyOutline| usize::from(a.is_checked_against(a));
+        kinds.iter().map(|(kind, count)| count * (checked(kind) - with_itself(kind))).sum::<usize>() / 2
+    }
+
     /// Calls `report` for each pair that overlaps and has not been reported yet, and marks the pair as reported. The
     /// values are the coordinates of a point, its depth, and the length of the nearest face.
-    fn find_overlaps(&mut self, dofs: &Dofs, mut report: impl FnMut(u32, [f64; 4])) {
+    fn find_overlaps(&mut self, dofs: &Dofs, mut report: impl FnMut([u32; 2], [f64; 4])) {
+        self.update_boxes(dofs);
+        let mut near = std::mem::take(&mut self.near);
+        for a in 0..self.outlines.len() {
+            near.clear();
+            self.sorted_boxes.near(self.boxes[a], 0.0, |b| near.extend((b as usize > a).then_some(b)));
+            near.sort_unstable();
+            for &b in &near {
+                let (pair, b) = ([a as u32, b], b as usize);
+                if !self.outlines[a].is_checked_against(&self.outlines[b]) {
+                    continue;
+                }
+                let Err(place) = self.reported.binary_search(&pair) else { continue };
+                if let Some(found) = self.inside(a, b).or_else(|| self.inside(b, a)) {
+                    self.reported.insert(place, pair);
+                    report(pair, found);
+                }
+            }
+        }
+        self.near = near;
+    }
+
+    /// Updates the places of all points and the boxes of all bodies.
+    fn update_boxes(&mut self, dofs: &Dofs) {
         let OverlapMonitor { outlines, places, boxes, .. } = self;
         for ((outline, places), corners) in outlines.iter().zip(places).zip(boxes) {
             *corners = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
@@ -92,18 +158,7 @@ impl OverlapMonitor {
                 }
             }
         }
-        for at in 0..self.pairs.len() {
-            let BodyPair { bodies: [a, b], is_reported: is_settled, .. } = self.pairs[at];
-            let meets =
-                (0..2).all(|i| self.boxes[a][0][i] < self.boxes[b][1][i] && self.boxes[b][0][i] < self.boxes[a][1][i]);
-            if is_settled || !meets {
-                continue;
-            }
-            if let Some(found) = self.inside(a, b).or_else(|| self.inside(b, a)) {
-                self.pairs[at].is_reported = true;
-                report(at as u32, found);
-            }
-        }
+        self.sorted_boxes.sort(self.boxes.iter().copied().zip(0..));
     }
 
     /// Returns a point of one body that is inside another one, deeper than the tolerance, with its depth and the length
@@ -182,9 +237,9 @@ impl ConstraintUpkeep for OverlapMonitor {
         let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time);
         self.find_overlaps(dofs, |pair, [r, z, depth, length]| found.push((pair, [time, r, z, depth, length])));
         let warnings = found.iter().map(|&(pair, [time, r, z, depth, length])| {
-            let BodyPair { bodies, in_contact, .. } = self.pairs[pair as usize];
+            let bodies = pair.inline_map(|body| body as usize);
             let [a, b] = bodies.inline_map(|body| &self.outlines[body].name);
-            let cause = match in_contact {
+            let cause = match self.contacts.connect(bodies) {
                 true => {
                     "although contact is defined between them: use smaller facets there, a stiffer pressure-overclosure \
                      relationship, or smaller increments"
@@ -213,19 +268,23 @@ impl StoredConstraint for OverlapMonitor {
             + MemoryUse::of(&self.boxes)
             + MemoryUse::of(&self.order)
             + MemoryUse::of(&self.found)
-            + MemoryUse::of(&self.pairs)
+            + MemoryUse::of(&self.reported)
+            + MemoryUse::of(&self.near)
+            + self.sorted_boxes.memory()
+            + self.contacts.memory()
     }
 }
 
-persist_struct!(OverlapMonitor { pairs: fixed, has_begun, found } derived { id, outlines, places, boxes, order } then OverlapMonitor::check_found);
-
-persist_struct!(BodyPair { is_reported } derived { bodies, in_contact });
+persist_struct!(OverlapMonitor { reported, has_begun, found } derived { id, outlines, contacts, places, boxes, sorted_boxes, near, order } then OverlapMonitor::check_bodies);
 
 impl OverlapMonitor {
-    fn check_found(&mut self, archive: &mut StateArchive<'_>) {
-        if self.found.len() > self.pairs.len() || self.found.iter().any(|f| f.0 as usize >= self.pairs.len()) {
+    fn check_bodies(&mut self, archive: &mut StateArchive<'_>) {
+        let is_unknown = |body: &u32| *body as usize >= self.outlines.len();
+        let pairs = self.found.iter().map(|found| &found.0).chain(&self.reported);
+        if pairs.flatten().any(is_unknown) || !self.reported.is_sorted() {
             archive.reject(|| "it contains overlaps of bodies that are not in the deck".into());
             self.found.clear();
+            self.reported.clear();
         }
     }
 }

@@ -97,6 +97,9 @@ pub struct ScaledMasses {
     pub(super) applied: Vec<Vec<f64>>,
     /// Scaled masses of the nodes.
     pub(super) sums: Vec<f64>,
+    /// Sum of the masses of the nodes without scaling, and the mass that scaling has added.
+    pub(super) original: f64,
+    pub(super) added: f64,
 }
 
 impl StepMassScaling {
@@ -144,7 +147,7 @@ impl ScaledMasses {
 
 // Unscaled masses and the set of unscaled nodes follow from the plan; scaled masses are recomputed.
 persist_struct!(ScaledMasses {
-    fixed: fixed_lists, factors: fixed_lists, applied: fixed_lists
+    fixed: fixed_lists, factors: fixed_lists, applied: fixed_lists, added
 } derived {
-    nodes, elements, unscaled, sums
+    nodes, elements, unscaled, sums, original
 });

@@ -32,7 +32,7 @@ impl Elements {
             self.groups.iter().map(|g| (0..g.len()).map(|e| g.masses(e)).collect()).collect();
         let ones: Vec<Vec<f64>> = elements.iter().map(|c| vec![1.0; c.len()]).collect();
         let nodes = nodes.mass.clone();
-        let sums = nodes.clone();
+        let (sums, original) = (nodes.clone(), nodes.iter().sum());
         self.masses = Some(Box::new(ScaledMasses {
             nodes,
             elements,
@@ -41,13 +41,19 @@ impl Elements {
             factors: ones.clone(),
             applied: ones,
             sums,
+            original,
+            added: 0.0,
         }));
     }
 
-    /// Returns the mass added by scaling so far; `None` without mass scaling.
-    pub fn added_mass(&self, nodes: &Nodes) -> Option<f64> {
-        let masses = self.masses.as_deref()?;
-        Some(nodes.mass.iter().zip(&masses.nodes).map(|(scaled, plain)| scaled - plain).sum())
+    /// Returns the mass added by scaling so far, and the mass without scaling; `None` without mass scaling.
+    pub fn added_mass(&self) -> Option<[f64; 2]> {
+        self.masses.as_deref().map(|masses| [masses.added, masses.original])
+    }
+
+    /// Returns the factor of mass scaling on the mass of an element; `None` without mass scaling.
+    pub fn mass_factor(&self, group: usize, element: usize) -> Option<f64> {
+        Some(self.masses.as_deref()?.applied[group][element])
     }
 
     /// Scales the masses if due, before the forces of this instant are computed. Calls `changed` for every node whose
@@ -152,6 +158,7 @@ impl Elements {
                 changed(n, gained);
             }
         }
+        masses.added = dofs.nodes.mass.iter().zip(&masses.nodes).map(|(scaled, plain)| scaled - plain).sum();
         if let Some(connectors) = &mut self.connectors {
             connectors.bound(&dofs.nodes);
         }

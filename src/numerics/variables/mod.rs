@@ -209,6 +209,7 @@ variables! {
     ElementArtificialEnergy: element("ELASE", "Artificial strain energy of hourglass control in an element").followed(None).dimension(ENERGY),
     ElementDamageEnergy: element("ELDMD", "Elastic energy of an element that was lost by damage").followed(Some(Variable::Degradation)).dimension(ENERGY),
     Mass: element("MASS", "Mass of an element").as_extension().dimension(MASS),
+    MassScalingFactor: element("EMSF", "Factor of mass scaling on the mass of an element"),
     SpecificEnergy: point("SPECIFIC_ENERGY", &[], "Internal energy per unit of mass, if an equation of state computes it").as_extension().dimension([2, 0, -2, 0]),
     Degradation: point("SDEG", &[], "Scalar stiffness degradation: the fraction by which damage reduces the stress"),
     DamageInitiation: point("DMICRT", &[], "Damage initiation criterion, the largest of all; damage begins at 1"),

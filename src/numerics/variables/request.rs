@@ -149,7 +149,6 @@ pub const NOT_SIMULATED: &[UnsimulatedVariable] = &[
     known("TEMPMAVG", VariablePlace::Point, "temperature averaged over Eulerian materials"),
     known("ELEDEN", VariablePlace::Element, "energy densities of an element"),
     known("EDT", VariablePlace::Element, "stable increment of an element"),
-    known("EMSF", VariablePlace::Element, "mass scaling factor of an element"),
     known("ALLCD", VariablePlace::Energy, "energy dissipated by viscoelasticity"),
     known("ALLFC", VariablePlace::Energy, "fluid cavity energy"),
     known("CSLIPR", VariablePlace::Node, "rate of contact slip"),
@@ -458,7 +457,7 @@ mod tests {
         for word in ["U4", "S13", "SDV0", "MISES1", "NOSUCH", ""] {
             assert_eq!(VariableRequest::parse(word), None, "{word}");
         }
-        for word in ["CF", "CF2", "EMSF"] {
+        for word in ["CF", "CF2", "EDT"] {
             assert!(matches!(VariableRequest::parse(word), Some(VariableRequest::NotSimulated(_))), "{word}");
         }
         assert_eq!(help("S13", &[]), "S has the components S11, S22, S33, S12");

@@ -25,7 +25,8 @@ pub struct RunEstimate {
     pub seconds: f64,
     /// Fraction of the run that the trial run covered; 1 for the whole run.
     pub looked_at: f64,
-    /// Mean bytes of a frame and of a history row in the trial run.
+    /// Mean bytes of a frame and of a history row. If the trial run covered a part of the run, the frame is its last one:
+    /// frames of a model at rest are smaller.
     #[serde(skip)]
     pub mean_bytes: [Option<f64>; 2],
     /// Numbers of frames and of history rows if the trial run was the whole run and left out none.
@@ -49,6 +50,7 @@ struct TrialRun<'a> {
     skipped: Cell<bool>,
     /// Number and bytes of frames and of history rows.
     written: [[f64; 2]; 2],
+    last_frame: f64,
     /// Wall-clock time for frames and rows.
     output_time: Duration,
 }
@@ -58,9 +60,11 @@ const FRAME_TIME: Duration = Duration::from_millis(50);
 const FRAME_SHARE: u32 = 4;
 
 impl TrialRun<'_> {
-    /// Returns the mean bytes of frames and rows, if there are any.
-    fn mean_bytes(&self) -> [Option<f64>; 2] {
-        self.written.map(|[number, bytes]| (number > 0.0).then(|| bytes / number))
+    /// Returns the bytes of a frame and of a row, if there are any: means, or the last frame after the initial one.
+    fn mean_bytes(&self, has_ended: bool) -> [Option<f64>; 2] {
+        let mean = |[number, bytes]: [f64; 2]| (number > 0.0).then(|| bytes / number);
+        let last = (self.written[0][0] > 1.0).then_some(self.last_frame);
+        [if has_ended { mean(self.written[0]) } else { last }, mean(self.written[1])]
     }
 }
 
@@ -71,10 +75,15 @@ impl Sink for TrialRun<'_> {
         wanted
     }
 
+    fn wants_last_instant(&self) -> bool {
+        false
+    }
+
     fn frame(&mut self, frame: &OutputFrame) -> Result<(), SinkError> {
         let begin = Stopwatch::now();
         let [number, bytes] = &mut self.written[0];
-        (*number, *bytes) = (*number + 1.0, *bytes + self.vtu.text(frame).len() as f64);
+        self.last_frame = self.vtu.text(frame).len() as f64;
+        (*number, *bytes) = (*number + 1.0, *bytes + self.last_frame);
         self.output_time += begin.elapsed();
         Ok(())
     }
@@ -100,9 +109,9 @@ impl Sink for TrialRun<'_> {
     }
 }
 
-/// Runs a plan for a limited wall-clock time and estimates the whole run; `None` with user subroutines or if no
-/// increment was completed.
-pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<RunEstimate> {
+/// Runs a plan from its initial state for a limited wall-clock time and estimates the whole run; `None` with user
+/// subroutines or if no increment was completed.
+pub fn measure(plan: &Plan, state: State, length: Duration) -> Option<RunEstimate> {
     if plan.routines.any() {
         return None;
     }
@@ -117,12 +126,13 @@ pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<RunEstima
         vtu: VtuWriter::default(),
         skipped: Cell::new(false),
         written: [[0.0; 2]; 2],
+        last_frame: 0.0,
         output_time: Duration::ZERO,
     };
     let control = RunControl { interrupt: Some(&stop), ..RunControl::default() };
-    let (outcome, _) = solve::run_with(plan, state.clone(), &mut look, control).ok()?;
-    let (mean_bytes, [[frames, _], [rows, _]]) = (look.mean_bytes(), look.written);
+    let (outcome, _) = solve::run_with(plan, state, &mut look, control).ok()?;
     let ended = stop.load(Ordering::Relaxed) == 0;
+    let (mean_bytes, [[frames, _], [rows, _]]) = (look.mean_bytes(ended), look.written);
     let counted = [(ended && !look.skipped.get()).then_some(frames), ended.then_some(rows)];
     let TrialRun { increment, limiting, fraction, output_time, .. } = look;
     let run_time = (outcome.seconds - output_time.as_secs_f64()).max(0.0);

@@ -43,39 +43,45 @@ pub struct StorageEstimate {
 }
 
 impl StorageEstimate {
-    /// Estimates the result files. Returns the state unchanged. `frames` and `restart` state whether frames and a
-    /// restart file are written.
-    pub fn of(
-        plan: &Plan,
-        mut state: State,
-        effort: Option<&RunEstimate>,
-        frames: bool,
-        restart: bool,
-    ) -> (StorageEstimate, State) {
-        let exact = effort.map_or([None; 2], |effort| effort.counted);
-        let columns = plan.columns.len() as f64;
+    /// Measures one frame, one row and the restart file. Returns the state unchanged. `frames` and `restart` state
+    /// whether frames and a restart file are written. The numbers of frames and rows follow by
+    /// [`StorageEstimate::with_effort`].
+    pub fn of(plan: &Plan, mut state: State, frames: bool, restart: bool) -> (StorageEstimate, State) {
         let mut estimate = StorageEstimate {
-            rows: exact[1].or_else(|| count(plan, effort, |outputs| &outputs.history)),
-            largest_row_bytes: NUMBER * (columns + 2.0),
+            largest_row_bytes: NUMBER * (plan.columns.len() + 2) as f64,
             ..StorageEstimate::default()
         };
-        if frames {
-            estimate.frames = exact[0].or_else(|| count(plan, effort, |outputs| &outputs.field));
+        // The frame of a large model takes much memory.
+        if frames && plan.steps.iter().any(|step| !step.outputs.field.is_empty()) {
             let (frame, unchanged): (OutputFrame, State) = solve::initial_frame(plan, state);
             (estimate.largest_frame_bytes, state) = (VtuWriter::largest_length(&frame) as f64 + LISTED, unchanged);
-        } else {
-            estimate.frames = Some(0.0);
         }
         if restart || plan.steps.iter().any(|step| !step.outputs.restart.is_empty()) {
             let mut bytes = Vec::new();
             state.persist(&mut StateArchive::writer(&mut bytes));
-            estimate.restart_bytes = bytes.len() as f64 + estimate.rows.unwrap_or(0.0) * 8.0 * (columns + 2.0);
+            estimate.restart_bytes = bytes.len() as f64;
         }
-        let [frame, row] = effort.map_or([None; 2], |effort| effort.mean_bytes);
-        let frame = frame.filter(|_| frames).map(|bytes| bytes + LISTED);
-        estimate.frame_bytes = frame.unwrap_or(TYPICAL[0] * estimate.largest_frame_bytes);
-        estimate.row_bytes = row.unwrap_or(TYPICAL[1] * estimate.largest_row_bytes);
         (estimate, state)
+    }
+
+    /// Adds the numbers of frames and rows, and their mean sizes in a trial run if there was one. A restart file also
+    /// contains the rows.
+    pub fn with_effort(self, plan: &Plan, effort: Option<&RunEstimate>) -> StorageEstimate {
+        let [frames, rows] = effort.map_or([None; 2], |effort| effort.counted);
+        let [frame, row] = effort.map_or([None; 2], |effort| effort.mean_bytes);
+        let (writes_frames, writes_restart) = (self.largest_frame_bytes > 0.0, self.restart_bytes > 0.0);
+        let frames = if writes_frames { frames.or_else(|| count(plan, effort, |o| &o.field)) } else { Some(0.0) };
+        let rows = rows.or_else(|| count(plan, effort, |outputs| &outputs.history));
+        let frame = frame.filter(|_| writes_frames).map(|bytes| bytes + LISTED);
+        let kept = if writes_restart { rows.unwrap_or(0.0) * 8.0 * (plan.columns.len() + 2) as f64 } else { 0.0 };
+        StorageEstimate {
+            frames,
+            rows,
+            frame_bytes: frame.unwrap_or(TYPICAL[0] * self.largest_frame_bytes),
+            row_bytes: row.unwrap_or(TYPICAL[1] * self.largest_row_bytes),
+            restart_bytes: self.restart_bytes + kept,
+            ..self
+        }
     }
 
     /// Returns the number of bytes of all files.

@@ -5,9 +5,9 @@ use std::collections::{HashMap, HashSet};
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::facet::Facet;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{heap_bytes, sorted_unique};
 use crate::kernel::quad::corner_masses;
-use crate::model::{ElementKind, InitialCondition, InitialKind, RigidBody, RigidSurface};
+use crate::model::{ElementKind, InitialCondition, InitialKind, Model, RigidBody, RigidSurface};
 
 /// Names of the velocities of an oblique body, by degree of freedom.
 const ALONG: [&str; 6] = ["v_1", "v_2", "v_3", "w_1", "w_2", "w_3"];
@@ -55,11 +55,32 @@ impl PlannedRigidBody {
     }
 }
 
+/// Densities of the elements of rigid bodies, and point masses by node.
+struct MassSources {
+    densities: HashMap<usize, f64>,
+    points: HashMap<usize, Vec<f64>>,
+}
+
+impl MassSources {
+    fn new(model: &Model) -> MassSources {
+        let rigid: HashSet<usize> = model.rigid_bodies.iter().flat_map(|body| &body.elements).copied().collect();
+        let mut densities = HashMap::new();
+        for section in &model.sections {
+            let Some(density) = model.materials[section.material].density else { continue };
+            densities.extend(section.elements.iter().filter(|e| rigid.contains(*e)).map(|e| (*e, density)));
+        }
+        let mut points: HashMap<usize, Vec<f64>> = HashMap::new();
+        model.discrete.masses.iter().for_each(|point| points.entry(point.node).or_default().push(point.mass));
+        MassSources { densities, points }
+    }
+}
+
 impl Compiler<'_> {
     /// Creates all rigid bodies.
     pub(super) fn bodies(&mut self) {
+        let sources = MassSources::new(self.model);
         for body in &self.model.rigid_bodies {
-            self.body(body);
+            self.body(body, &sources);
         }
     }
 
@@ -72,8 +93,9 @@ impl Compiler<'_> {
 
     /// Updates masses and initial velocities of existing bodies from the current model.
     pub(super) fn update_body_masses(&mut self) {
+        let sources = MassSources::new(self.model);
         for (index, rigid) in self.model.rigid_bodies.iter().enumerate() {
-            let lumped_mass = self.lumped_mass(rigid, &self.bodies[index].nodes);
+            let lumped_mass = self.lumped_mass(rigid, &self.bodies[index].nodes, &sources);
             let body = &mut self.bodies[index];
             (body.lumped_mass, body.initial_velocity) = (lumped_mass, 0.0);
         }
@@ -81,7 +103,7 @@ impl Compiler<'_> {
         self.check_masses();
     }
 
-    fn body(&mut self, rigid: &RigidBody) {
+    fn body(&mut self, rigid: &RigidBody, sources: &MassSources) {
         let index = self.bodies.len();
         let mesh = &self.model.mesh;
         let mut nodes: Vec<usize> =
@@ -101,7 +123,7 @@ impl Compiler<'_> {
                 self.refuse_shared_member(rigid, format!("element {}", mesh.elements[element].name));
             }
         }
-        let lumped_mass = self.lumped_mass(rigid, &nodes);
+        let lumped_mass = self.lumped_mass(rigid, &nodes, sources);
         let spatial = self.is_oblique(rigid);
         let along_z = self.extent_along_z(rigid, &nodes);
         let body = PlannedRigidBody {
@@ -143,23 +165,16 @@ impl Compiler<'_> {
 
     /// Returns the lumped nodal masses: row sums of RAX2 elements, point masses, and solid elements with the density of
     /// their section (ABAQUS Analysis User's Guide, "Rigid body definition", "Rigid body mass").
-    fn lumped_mass(&self, rigid: &RigidBody, nodes: &[usize]) -> Vec<(usize, f64)> {
+    fn lumped_mass(&self, rigid: &RigidBody, nodes: &[usize], sources: &MassSources) -> Vec<(usize, f64)> {
         let mesh = &self.model.mesh;
         let mut masses = vec![0.0; nodes.len()];
-        let own: HashSet<usize> = rigid.elements.iter().copied().collect();
-        let mut densities: HashMap<usize, f64> = HashMap::new();
-        for section in &self.model.sections {
-            let density = self.model.materials[section.material].density;
-            let solids = section.elements.iter().filter(|e| own.contains(*e));
-            densities.extend(solids.filter_map(|&e| Some((e, density?))));
-        }
         let mut add = |node: usize, mass: f64| {
             if let Ok(at) = nodes.binary_search(&node) {
                 masses[at] += mass;
             }
         };
         for &element in &rigid.elements {
-            if let Some(&density) = densities.get(&element) {
+            if let Some(&density) = sources.densities.get(&element) {
                 for cell in mesh.cells(element) {
                     let masses = corner_masses(cell.map(|n| mesh.points[n]), density);
                     cell.into_iter().zip(masses).for_each(|(n, mass)| add(n, mass));
@@ -176,8 +191,8 @@ impl Compiler<'_> {
             add(ends[0], if first_is_low { low } else { high });
             add(ends[1], if first_is_low { high } else { low });
         }
-        for point in &self.model.discrete.masses {
-            add(point.node, point.mass);
+        for node in nodes {
+            sources.points.get(node).into_iter().flatten().for_each(|mass| add(*node, *mass));
         }
         nodes.iter().copied().zip(masses).filter(|m| m.1 != 0.0).collect()
     }
@@ -210,8 +225,7 @@ impl Compiler<'_> {
                 }
                 continue;
             }
-            let moved: Vec<usize> =
-                (0..self.bodies.len()).filter(|&b| condition.members.contains(&self.bodies[b].reference)).collect();
+            let moved: Vec<usize> = sorted_unique(self.referenced_bodies(condition));
             if moved.is_empty() {
                 let message = "the initial velocity is given for no reference node and has no effect";
                 let finding = Diagnostic::warning("P104", message).at(condition.span, "no reference node in this set");
@@ -229,8 +243,13 @@ impl Compiler<'_> {
 
     /// Returns whether an initial velocity along z is given for a reference node.
     fn names_reference(&self, condition: &InitialCondition) -> bool {
-        matches!(condition.kind, InitialKind::Velocity(2, _))
-            && self.bodies.iter().any(|b| condition.members.contains(&b.reference))
+        matches!(condition.kind, InitialKind::Velocity(2, _)) && self.referenced_bodies(condition).next().is_some()
+    }
+
+    /// Iterates over the bodies whose reference nodes are members of an initial condition.
+    fn referenced_bodies(&self, condition: &InitialCondition) -> impl Iterator<Item = usize> {
+        let members = condition.members.iter();
+        members.filter_map(|m| self.body_of_node.get(m).copied().filter(|&body| self.bodies[body].reference == *m))
     }
 
     fn is_of_solid(&self, condition: &InitialCondition) -> bool {
@@ -291,9 +310,9 @@ impl Compiler<'_> {
     fn check_masses(&mut self) {
         for body in &self.bodies {
             let held = |b: &crate::model::BoundaryCondition| b.dof == 2 && b.nodes.contains(&body.reference);
-            let free = self.model.steps.iter().any(|s| !s.boundaries.iter().any(held));
+            let is_free = || self.model.steps.iter().any(|s| !s.boundaries.iter().any(held));
             let mass = body.mass();
-            if free && !(mass > 0.0 && mass.is_finite()) {
+            if !(mass > 0.0 && mass.is_finite()) && is_free() {
                 let message = format!("rigid body `{}` has no mass", body.name);
                 let finding = Diagnostic::error("P002", message).at(body.span, format!("its mass is {mass}"));
                 let help = "give DENSITY= and a thickness on the data line, a *SOLID SECTION for solids, or *MASS on the reference node";

@@ -182,7 +182,7 @@ impl Compiler<'_> {
 
     fn pair_number(&self, contact: &SurfaceContact) -> usize {
         let name = pair_name(contact);
-        self.pair_names.iter().position(|n| *n == name).unwrap_or_default()
+        self.pair_names.get_index_of(&name).unwrap_or_default()
     }
 
     fn contact_row(&mut self, contact: &SurfaceContact, found: &ContactGeometry, own: usize) -> usize {

@@ -9,6 +9,8 @@ use crate::model::SurfaceContact;
 
 /// Facets face each other if the cosine of the angle between their normals is below this value, as in contact.
 const FACING: f64 = -0.1;
+/// Number of sectors of directions by which facets are compared.
+const SECTORS: usize = 32;
 /// Accepted change of direction of a rigid surface within one deformable facet, in addition to its sharpest corner,
 /// radians.
 const TURN: f64 = 0.5;
@@ -37,17 +39,30 @@ impl ContactingCurves<'_> {
     /// Returns whether no facet of one curve is in front of a facet of the other.
     fn faces_away(&self) -> bool {
         let [own, other] = self.curves;
+        let shapes = |curve: &FacetCurve| -> Vec<(FacetShape, f64)> {
+            curve.exposed.iter().map(|&k| (self.shape(curve, k), curve.depth[k as usize][1])).collect()
+        };
         let is_beyond = |a: &FacetShape, b: &FacetShape, depth: f64| {
             let way = [0, 1].map(|i| a.from[i] + 0.5 * a.along[i] - b.from[i] - 0.5 * b.along[i]);
             way[0] * b.normal[0] + way[1] * b.normal[1] < -depth
         };
-        let meets = |i: u32, j: u32| {
-            let (a, b) = (self.shape(own, i), self.shape(other, j));
+        let meets = |(a, own): &(FacetShape, f64), (b, other): &(FacetShape, f64)| {
             let cosine = a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1];
-            let away = is_beyond(&a, &b, other.depth[j as usize][1]) && is_beyond(&b, &a, own.depth[i as usize][1]);
+            let away = is_beyond(a, b, *other) && is_beyond(b, a, *own);
             cosine < FACING && !away
         };
-        !own.exposed.iter().any(|&i| other.exposed.iter().any(|&j| meets(i, j)))
+        // Facets of one curve whose normals are in the same sector are skipped together.
+        let mut sectors: Vec<Vec<(FacetShape, f64)>> = vec![Vec::new(); SECTORS];
+        shapes(other).into_iter().for_each(|facet| sectors[sector(facet.0.normal)].push(facet));
+        let half = std::f64::consts::PI / SECTORS as f64;
+        let may_face = |normal: [f64; 2], index: usize| {
+            let (sine, cosine) = libm::sincos((2 * index + 1) as f64 * half);
+            libm::acos((normal[0] * cosine + normal[1] * sine).clamp(-1.0, 1.0)) + half > libm::acos(FACING)
+        };
+        !shapes(own).iter().any(|facet| {
+            let facing = (0..SECTORS).filter(|&index| !sectors[index].is_empty() && may_face(facet.0.normal, index));
+            facing.flat_map(|index| &sectors[index]).any(|opposite| meets(facet, opposite))
+        })
     }
 
     /// Returns the rigid body of the second curve; `None` if its points do not all belong to one rigid body.
@@ -90,6 +105,12 @@ impl ContactingCurves<'_> {
         let found = other.exposed.iter().copied().find(|&k| around(k) > TURN)?;
         Some(self.places[other.facets[found as usize][1] as usize])
     }
+}
+
+/// Returns the sector of directions that contains a normal.
+fn sector([r, z]: [f64; 2]) -> usize {
+    let turns = libm::atan2(z, r) / std::f64::consts::TAU;
+    ((turns.rem_euclid(1.0) * SECTORS as f64) as usize).min(SECTORS - 1)
 }
 
 impl Compiler<'_> {

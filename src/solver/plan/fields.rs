@@ -18,6 +18,13 @@ fn dependencies(material: &MaterialDefinition) -> usize {
     plastic.max(of(&material.elastic_table))
 }
 
+/// Returns the number of field variables that a material reads: all with user subroutines, else those of its tables.
+fn fields_read(material: &MaterialDefinition) -> usize {
+    let hardens = matches!(material.plastic, Some(PlasticityModel::User(_)));
+    let calls_routines = material.user.material.is_some() || material.user.fields.is_some() || hardens;
+    if calls_routines { usize::MAX } else { dependencies(material) }
+}
+
 impl Compiler<'_> {
     fn given_fields(&self) -> usize {
         let start = self.model.initial_conditions.iter().filter_map(|c| match c.kind {
@@ -67,7 +74,8 @@ impl Compiler<'_> {
         let model = self.model;
         let cards = || model.steps.iter().flat_map(|s| &s.fields);
         let groups = &state.elements.groups;
-        if groups.iter().all(|g| g.properties().fields == 0) {
+        let most_read = self.materials_present().map(fields_read).max().unwrap_or(0);
+        if most_read == 0 {
             for field in cards() {
                 let what = format!("*FIELD, VARIABLE={}", field.variable + 1);
                 self.add_unused_card(field.span, what, "no material depends on field variables");
@@ -78,7 +86,7 @@ impl Compiler<'_> {
             }
             return None;
         }
-        self.note_unused_variables(groups.iter().map(|g| g.properties().fields).max().unwrap_or(0));
+        self.note_unused_variables(most_read);
         let mut id = None;
         let mut steps: Vec<Arc<[NodalFieldValue]>> = Vec::new();
         for (index, step) in model.steps.iter().enumerate() {

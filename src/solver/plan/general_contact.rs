@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use std::rc::Rc;
 
 use super::Compiler;
-use super::pieces::pieces;
+use super::pieces::{SetsOfParts, exterior_faces_of, pieces};
 use crate::kernel::lists::sorted_unique;
 use crate::model::{
     AnalyticalSide, ContactDomain, ElementKind, ElementSide, GeneralContact, RigidSurfaceId, SideSelection, Step,
@@ -68,11 +68,7 @@ impl Compiler<'_> {
             }
             let general = step.general_contact.iter().flat_map(|general| self.general_pairs(general));
             let pairs: Vec<SurfaceContact> = step.surface_contacts.iter().cloned().chain(general).collect();
-            for name in pairs.iter().map(pair_name) {
-                if !self.pair_names.contains(&name) {
-                    self.pair_names.push(name);
-                }
-            }
+            self.pair_names.extend(pairs.iter().map(pair_name));
             self.pairs.push(Rc::new(pairs));
         }
     }
@@ -214,11 +210,14 @@ impl Compiler<'_> {
         let known = |e: &usize| self.places.elements.contains_key(e) || self.body_of_element.contains_key(e);
         let elements: Vec<usize> =
             (0..mesh.elements.len()).filter(|e| !mesh.elements[*e].kind.is_discrete()).filter(known).collect();
-        let outside = mesh.exterior_faces();
+        let pieces = pieces(mesh, &elements);
+        let outside = exterior_faces_of(mesh, pieces.iter().map(Vec::as_slice));
         let mut surfaces: Vec<SideSelection> = Vec::new();
-        for piece in pieces(mesh, &elements) {
-            let name = self.name_of_piece(&piece, &surfaces);
-            let solid = outside.iter().filter(|f| piece.binary_search(&f.0).is_ok()).copied().collect();
+        let sets = SetsOfParts::new(self.model, pieces.iter().map(Vec::as_slice));
+        let mut taken = HashSet::new();
+        for (piece, solid) in pieces.into_iter().zip(outside) {
+            let name = self.name_of_piece(&piece, &sets, |name| taken.contains(name));
+            taken.insert(name.clone());
             let shells =
                 piece.iter().filter(|&&e| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1));
             let both = |side: ElementSide| shells.clone().map(move |&e| (e, side)).collect::<Vec<ElementFace>>();
@@ -236,15 +235,16 @@ impl Compiler<'_> {
 
     /// Returns the name of a connected part: its instance, or the smallest element set that contains it, with a number
     /// if the name is already used.
-    pub(super) fn name_of_piece(&self, piece: &[usize], taken: &[SideSelection]) -> String {
+    pub(super) fn name_of_piece(
+        &self,
+        piece: &[usize],
+        sets: &SetsOfParts<'_>,
+        is_taken: impl Fn(&str) -> bool,
+    ) -> String {
         let model = self.model;
         let instance = model.mesh.elements[piece[0]].name.rsplit_once('.').map(|(i, _)| i.to_uppercase());
-        let holds = |members: &[usize]| piece.iter().all(|e| members.binary_search(e).is_ok());
-        let sets = model.element_sets.iter().filter(|s| holds(&s.1.members));
-        let set = sets.min_by_key(|s| s.1.members.len()).map(|s| s.0.clone());
-        let base = instance.or(set).unwrap_or_else(|| format!("ELEMENT{}", model.mesh.elements[piece[0]].name));
-        let is_taken =
-            |name: &str| taken.iter().any(|t| t.name.trim_end_matches("_SPOS").trim_end_matches("_SNEG") == name);
+        let base = instance.or_else(|| sets.smallest_around(piece).map(str::to_owned));
+        let base = base.unwrap_or_else(|| format!("ELEMENT{}", model.mesh.elements[piece[0]].name));
         let numbered = |n: usize| if n == 1 { base.clone() } else { format!("{base}{n}") };
         (1..).map(numbered).find(|name| !is_taken(name)).unwrap_or(base.clone())
     }

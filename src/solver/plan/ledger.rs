@@ -1,6 +1,7 @@
 //! The ledger: a list of the effects of an analysis with the cards that request them, their memory and their share of
 //! the run time.
 
+use indexmap::IndexSet;
 use serde::Serialize;
 
 use crate::output::columns::wrapped;
@@ -29,7 +30,7 @@ pub struct LedgerRow {
 }
 
 /// A card of the deck that has no effect.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct UnusedCard {
     /// Keyword or load label.
     pub what: String,
@@ -45,7 +46,7 @@ pub struct Ledger {
     /// Effects that the analysis includes.
     pub effects: Vec<LedgerRow>,
     /// Cards without effect.
-    pub unused: Vec<UnusedCard>,
+    pub unused: IndexSet<UnusedCard>,
 }
 
 impl Ledger {

@@ -263,8 +263,9 @@ impl Compiler<'_> {
             }
             self.links.first.get_or_insert(span);
         }
-        for (index, tie) in model.constraints.ties.iter().enumerate() {
-            let count = ties.iter().filter(|t| t.tie == index).count();
+        let mut counts = vec![0; model.constraints.ties.len()];
+        ties.iter().for_each(|tied| counts[tied.tie] += 1);
+        for (tie, count) in model.constraints.ties.iter().zip(counts) {
             if count > 0 {
                 let adjusted = if tie.adjust { ", moved onto it" } else { "" };
                 let detail = format!("{}: each follows the nearest point of the master surface{adjusted}", tie.name);

@@ -51,7 +51,7 @@ mod wall_contact;
 use std::collections::HashSet;
 use std::rc::Rc;
 
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 
 use crate::constraint::tie::TiedNodes;
 use crate::deck::{Diagnostic, Diagnostics, Span};
@@ -64,6 +64,7 @@ use crate::model::{
 use crate::state::EffectId;
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::user::Routines;
+use crate::variables::Variable;
 pub use bodies::PlannedRigidBody;
 pub use changes::StepChanges;
 pub use doubts::unit_warning;
@@ -194,7 +195,9 @@ struct Compiler<'a> {
     /// Surfaces over which history columns are integrated.
     sections: Vec<IntegratedSection>,
     /// Members of the sets over which history columns are statistics.
-    sets: Vec<Vec<ColumnSource>>,
+    sets: IndexSet<Vec<ColumnSource>>,
+    /// Variables of the whole model that histories can show.
+    model_variables: Vec<Variable>,
     /// Expressions of history columns.
     expressions: Vec<RowExpression>,
     /// Nodes of slave surfaces with their points on the master surfaces.
@@ -205,7 +208,7 @@ struct Compiler<'a> {
     unresisted_dofs: HashSet<(usize, usize)>,
     /// Contact pairs of each step, and the names of all pairs for histories.
     pairs: Vec<Rc<Vec<SurfaceContact>>>,
-    pair_names: Vec<String>,
+    pair_names: IndexSet<String>,
     /// Active effects of the last compiled step.
     in_force: steps::ActiveEffects<'a>,
     /// Names of the user subroutines that are called.
@@ -241,13 +244,14 @@ fn compile_with(
         user_amplitude_count: 0,
         ties: Vec::new(),
         sections: Vec::new(),
-        sets: Vec::new(),
+        sets: IndexSet::new(),
+        model_variables: Vec::new(),
         expressions: Vec::new(),
         surface_ties,
         links: links::LinkSet::default(),
         unresisted_dofs: HashSet::new(),
         pairs: Vec::new(),
-        pair_names: Vec::new(),
+        pair_names: IndexSet::new(),
         in_force: steps::ActiveEffects::default(),
         called_routines: Vec::new(),
         diagnostics: Diagnostics::default(),
@@ -284,7 +288,7 @@ fn compile_with(
     state.user_amplitudes = vec![SampledAmplitude::default(); compiler.user_amplitude_count];
     state.amplitude_routines = compiler.amplitudes;
     let Compiler { ledger, bodies, places, sections, sets, expressions, diagnostics: found, .. } = compiler;
-    let labels = FrameLabels::of(model);
+    let (labels, sets) = (FrameLabels::of(model), sets.into_iter().collect());
     diagnostics.append(found);
     // If there are errors, warnings and notes would only hide them.
     if diagnostics.has_errors() {
@@ -356,9 +360,7 @@ impl Compiler<'_> {
     fn add_unused_card(&mut self, span: Span, what: impl Into<String>, why: impl Into<String>) {
         let unused =
             UnusedCard { what: what.into(), asked_by: self.model.origin.sources.describe(span), why: why.into() };
-        if !self.ledger.unused.contains(&unused) {
-            self.ledger.unused.push(unused);
-        }
+        self.ledger.unused.insert(unused);
     }
 
     fn scale_and_estimate(&mut self, state: &mut State) {

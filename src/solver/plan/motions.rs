@@ -1,25 +1,29 @@
 //! Prescribed motions of a step: rigid bodies along z, nodes along r and z, rotations of shells, and the axis of
 //! symmetry.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use super::Compiler;
 use super::steps::{ConstraintList, ConstraintOrigin};
 use crate::constraint::Constraint;
 use crate::constraint::motion::{PrescribedMotion, PrescribedQuantity};
 use crate::constraint::user_motion::{UserDof, UserMotion};
-use crate::deck::Diagnostic;
+use crate::deck::{Diagnostic, Span};
 use crate::model::{self, BoundaryCondition, Step};
 use crate::state::dofs::Dof;
 use crate::state::magnitude::Magnitude;
 
 /// Degrees of freedom of rigid bodies whose motion is prescribed, with the kind of motion and its value.
-type BodyMotions = Vec<(Dof, PrescribedQuantity, f64)>;
+type BodyMotions = HashMap<usize, (PrescribedQuantity, f64)>;
+
+/// Names of the directions that each line of `*BOUNDARY` prescribes, by its place, set and kind of motion.
+type LineDirections<'a> = HashMap<(Span, &'a str, model::MotionKind), Vec<&'static str>>;
 
 impl<'a> Compiler<'a> {
     /// Adds the prescribed motions of a step and the condition r = 0 on the axis.
     pub(super) fn motions(&mut self, step: &'a Step, list: &mut ConstraintList<'a>) {
         let (mut taken, mut nodes) = (BodyMotions::new(), HashSet::new());
+        let directions = self.directions_of_lines(step);
         for boundary in step.boundaries.iter().filter(|b| b.kind != model::MotionKind::Temperature) {
             let dofs = self.dofs(boundary, &mut taken, &mut nodes);
             if dofs.is_empty() {
@@ -27,7 +31,8 @@ impl<'a> Compiler<'a> {
             }
             let origin = ConstraintOrigin::Motion(boundary, dofs.iter().map(|d| d.0).collect());
             let Err(origin) = list.keep(origin) else { continue };
-            if let Some(motion) = self.motion(boundary, &self.ways(boundary, step), dofs, list) {
+            let ways = directions.get(&line_of(boundary)).map_or_else(String::new, |ways| ways.join(" and "));
+            if let Some(motion) = self.motion(boundary, &ways, dofs, list) {
                 list.add(origin, motion);
             }
         }
@@ -69,15 +74,15 @@ impl<'a> Compiler<'a> {
                 radial = true;
             } else if self.bodies[body].reference != node {
                 self.dependent_node(boundary, node);
-            } else if let Some(other) = taken.iter().find(|t| t.0 == Dof::Body(body)) {
-                if (other.1, other.2) != (kind, value) {
+            } else if let Some(other) = taken.get(&body) {
+                if *other != (kind, value) {
                     let message =
                         format!("body `{}` has two different prescribed motions along z", self.bodies[body].name);
                     self.diagnostics
                         .push(Diagnostic::error("P008", message).at(boundary.span, "second prescribed motion"));
                 }
             } else {
-                taken.push((Dof::Body(body), kind, value));
+                taken.insert(body, (kind, value));
                 dofs.push((Dof::Body(body), node));
             }
         }
@@ -87,15 +92,15 @@ impl<'a> Compiler<'a> {
         dofs
     }
 
-    /// Returns the names of all directions of a boundary line, which may be several (ENCASTRE).
-    fn ways(&self, boundary: &BoundaryCondition, step: &Step) -> String {
+    /// Returns the names of all directions of each boundary line, which may be several (ENCASTRE).
+    fn directions_of_lines(&self, step: &'a Step) -> LineDirections<'a> {
         let turns = |b: &BoundaryCondition| b.dof == 6 && b.nodes.iter().any(|n| self.places.rotations.contains_key(n));
-        let of_line =
-            |b: &&BoundaryCondition| b.span == boundary.span && b.set == boundary.set && b.kind == boundary.kind;
-        let all = step.boundaries.iter().filter(of_line).filter(|b| b.dof <= 2 || turns(b));
-        let mut ways: Vec<&str> = all.map(along).collect();
-        ways.dedup();
-        ways.join(" and ")
+        let mut directions = LineDirections::new();
+        for boundary in step.boundaries.iter().filter(|b| b.dof <= 2 || turns(b)) {
+            directions.entry(line_of(boundary)).or_default().push(along(boundary));
+        }
+        directions.values_mut().for_each(Vec::dedup);
+        directions
     }
 
     fn motion(
@@ -203,6 +208,11 @@ impl<'a> Compiler<'a> {
         let finding = Diagnostic::error("P007", message).at(boundary.span, "here");
         self.diagnostics.push(finding.help("prescribe the motion of the body's REF NODE"));
     }
+}
+
+/// Returns the line of `*BOUNDARY` of a condition: its place, set and kind of motion.
+fn line_of(boundary: &BoundaryCondition) -> (Span, &str, model::MotionKind) {
+    (boundary.span, &boundary.set, boundary.kind)
 }
 
 fn along(boundary: &BoundaryCondition) -> &'static str {

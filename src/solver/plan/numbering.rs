@@ -14,7 +14,9 @@ const NEAR: f64 = 256.0;
 /// Z-order curve (G. M. Morton 1966).
 pub(super) fn in_order(elements: Vec<usize>, mesh: &Mesh) -> Vec<usize> {
     let limit = NEAR + SCATTERED * (elements.len() as f64).sqrt();
-    if mean_distance(&elements, mesh) <= limit { elements } else { along_curve(elements, mesh) }
+    // Distances are below the number of elements.
+    let is_short = elements.len() as f64 <= limit;
+    if is_short || mean_distance(&elements, mesh) <= limit { elements } else { along_curve(elements, mesh) }
 }
 
 /// Returns the mean distance, in the list, between consecutive elements of a node.

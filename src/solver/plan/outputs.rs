@@ -19,7 +19,7 @@ use crate::variables::statistic::Statistic;
 use crate::variables::{PreselectRule, Variable, VariableComponent, VariablePlace};
 
 /// Source of the values of a history column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ColumnSource {
     /// A mesh node of a rigid body.
     Body {
@@ -64,7 +64,7 @@ pub struct IntegratedSection {
 }
 
 /// A column of the history file, with the source of its values.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct HistoryColumn {
     /// `<VARIABLE>@<SET or node>`, or only the variable for the whole model.
     pub name: String,
@@ -75,7 +75,7 @@ pub struct HistoryColumn {
 }
 
 /// An output array of frames.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct FrameField {
     /// Name of the array in the result files.
     pub name: String,
@@ -163,6 +163,7 @@ impl Compiler<'_> {
     pub(super) fn variables(&mut self, state: &mut State) -> (Vec<HistoryColumn>, Vec<FrameField>) {
         let (mut columns, mut fields) = (Vec::new(), Vec::new());
         let model = self.model;
+        self.model_variables = self.find_model_variables();
         let available = self.available_fields(state);
         for step in &model.steps {
             for request in step.outputs.iter().filter(|r| r.interval != OutputInterval::Never) {
@@ -261,7 +262,9 @@ impl Compiler<'_> {
                     self.pair_columns(selection, &ContactPairFilter::default(), columns);
                 }
                 OutputRegion::Pairs(pairs) => self.pair_columns(selection, pairs, columns),
-                OutputRegion::Whole => columns.extend(self.model_variables(selection, request.card).map(model_column)),
+                OutputRegion::Whole => {
+                    columns.extend(self.select_model_variables(selection, request.card).map(model_column));
+                }
             }
             if columns.len() == before {
                 self.note_absent_variable(selection, request);
@@ -279,7 +282,7 @@ impl Compiler<'_> {
     }
 
     /// Returns the variables of the whole model that a name on an output card selects.
-    fn model_variables(&self, selection: VariableRequest, card: OutputCard) -> impl Iterator<Item = Variable> + use<> {
+    fn select_model_variables(&self, selection: VariableRequest, card: OutputCard) -> impl Iterator<Item = Variable> {
         let by_default = match card {
             OutputCard::Output | OutputCard::Energy => Some(VariablePlace::Energy),
             OutputCard::Incrementation => Some(VariablePlace::Increment),
@@ -295,8 +298,7 @@ impl Compiler<'_> {
             }
             _ => named.contains(v),
         };
-        let added = self.scales_masses().then_some(Variable::AddedMass);
-        self.energies().chain([Variable::TimeIncrement]).chain(added).filter(meant)
+        self.model_variables.iter().copied().filter(meant)
     }
 
     fn node_columns(
@@ -364,11 +366,7 @@ impl Compiler<'_> {
 
     /// Returns the index of a list of sources in the plan, and adds the list if it is new.
     fn index_of_sources(&mut self, sources: Vec<ColumnSource>) -> usize {
-        let known = self.sets.iter().position(|s| *s == sources);
-        known.unwrap_or_else(|| {
-            self.sets.push(sources);
-            self.sets.len() - 1
-        })
+        self.sets.insert_full(sources).0
     }
 
     /// Adds columns of a part. A rigid body belongs to it with all its mass if one of its elements does.
@@ -380,7 +378,7 @@ impl Compiler<'_> {
         let source = |element: &usize| match self.places.elements.get(element) {
             Some(&(group, index)) => Some(ColumnSource::Element(group, index)),
             None => {
-                let body = model.rigid_bodies.iter().position(|body| body.elements.contains(element))?;
+                let body = *self.body_of_element.get(element)?;
                 Some(ColumnSource::Body { body, node: model.rigid_bodies[body].reference })
             }
         };
@@ -428,7 +426,7 @@ impl Compiler<'_> {
         let mut found = Vec::new();
         for element in by_number(members, name) {
             let Some(&(group, index)) = self.places.elements.get(&element) else { continue };
-            let has = |part: &&VariableComponent| has(state, group, index, **part);
+            let has = |part: &&VariableComponent| self.element_has(state, (group, index), **part);
             let source = ColumnSource::Element(group, index);
             found.extend(parts.iter().filter(has).map(|&part| (part, name(element), source)));
         }
@@ -526,11 +524,17 @@ impl Compiler<'_> {
     }
 
     /// Iterates over the energies of this model.
-    fn energies(&self) -> impl Iterator<Item = Variable> + use<> {
+    fn energies(&self) -> impl Iterator<Item = Variable> {
+        self.model_variables.iter().copied().filter(|v| v.place() == VariablePlace::Energy)
+    }
+
+    /// Returns the variables that this model has as a whole: energies, the time increment and the added mass.
+    fn find_model_variables(&self) -> Vec<Variable> {
         let deforms = self.deforms();
         let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
         let damages = self.materials_present().any(fails);
         let scales = self.scales_masses();
+        let added = scales.then_some(Variable::AddedMass);
         let springs = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());
         let walls = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| self.spatial_side(pair).is_some());
         let is_there = move |v: &Variable| {
@@ -545,7 +549,7 @@ impl Compiler<'_> {
             let lost = walls && *v == Variable::ConstraintWork;
             v.place() == VariablePlace::Energy && (deforms || lost || !v.row().deforming) && available
         };
-        Variable::ALL.iter().copied().filter(is_there)
+        Variable::ALL.iter().copied().filter(is_there).chain([Variable::TimeIncrement]).chain(added).collect()
     }
 
     /// Returns the fields that frames can show: nodal variables, and variables of at least one element group.
@@ -553,7 +557,7 @@ impl Compiler<'_> {
         let groups = &state.elements.groups;
         // All elements of a group have the same variables.
         let somewhere = |part: &VariableComponent| {
-            groups.iter().enumerate().any(|(g, group)| !group.is_empty() && has(state, g, 0, *part))
+            groups.iter().enumerate().any(|(g, group)| !group.is_empty() && self.element_has(state, (g, 0), *part))
         };
         let mut fields = Vec::new();
         let turns = !self.places.rotations.is_empty();
@@ -599,6 +603,20 @@ impl Compiler<'_> {
         }
     }
 
+    /// Returns whether an element has a variable, also if the variable is integrated only on request.
+    fn element_has(&self, state: &State, (group, element): (usize, usize), part: VariableComponent) -> bool {
+        let heat = state.thermal.as_ref().and_then(|t| t.heat.as_ref());
+        match part.variable {
+            Variable::MassScalingFactor => self.model_variables.contains(&Variable::AddedMass),
+            Variable::Temperature | Variable::HeatFlux
+                if heat.is_some_and(|h| h.element_temperature(group, element).is_some()) =>
+            {
+                true
+            }
+            _ => values::has(&*state.elements.groups[group], state.dofs.nodes.as_slice(), element, part),
+        }
+    }
+
     fn note_absent_variable(&mut self, selection: VariableRequest, request: &OutputRequest) {
         let why = why_absent(selection, request);
         self.add_unused_card(request.span, selection.name(), why);
@@ -635,17 +653,6 @@ fn in_space(selection: VariableRequest, parts: &[VariableComponent]) -> impl Ite
 fn is_deletion_total(variable: Variable) -> bool {
     let row = variable.row();
     row.place == VariablePlace::Energy && row.preselected == PreselectRule::ElementDeletion
-}
-
-/// Returns whether an element has a variable, also if the variable is integrated only on request.
-fn has(state: &State, group: usize, element: usize, part: VariableComponent) -> bool {
-    let heat = state.thermal.as_ref().and_then(|t| t.heat.as_ref());
-    if matches!(part.variable, Variable::Temperature | Variable::HeatFlux)
-        && heat.is_some_and(|h| h.element_temperature(group, element).is_some())
-    {
-        return true;
-    }
-    values::has(&*state.elements.groups[group], state.dofs.nodes.as_slice(), element, part)
 }
 
 /// Returns the reason why a requested variable gives no output.
@@ -743,12 +750,7 @@ fn once_a_body(sources: &mut Vec<ColumnSource>) {
 }
 
 /// Removes duplicates; the first item remains.
-fn dedup<T: PartialEq + Clone>(items: &mut Vec<T>) {
-    let mut kept: Vec<T> = Vec::new();
-    for item in items.drain(..) {
-        if !kept.contains(&item) {
-            kept.push(item);
-        }
-    }
-    *items = kept;
+fn dedup<T: Eq + std::hash::Hash>(items: &mut Vec<T>) {
+    let kept: IndexSet<T> = items.drain(..).collect();
+    *items = kept.into_iter().collect();
 }

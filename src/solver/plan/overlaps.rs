@@ -2,15 +2,17 @@
 //! the run.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
-use super::pieces::pieces;
+use super::pieces::{SetsOfParts, exterior_faces_of, part_of_elements, pieces};
 use super::{Compiler, State};
 use crate::constraint::Constraint;
 use crate::constraint::contact::curve::PointCarrier;
-use crate::constraint::overlaps::{BodyOutline, OverlapMonitor, distance};
+use crate::constraint::overlaps::{BodyOutline, ContactsOfBodies, OverlapMonitor, distance};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::lists::sorted_unique;
-use crate::model::{ElementKind, ElementSide, Mesh, SideSelection, SurfaceContact};
+use crate::kernel::sorted_boxes::SortedBoxes;
+use crate::model::{ElementKind, ElementSide, Mesh};
 
 /// Accepted penetration of a node, as a fraction of the face length: meshes of matching curved surfaces overlap
 /// slightly.
@@ -37,17 +39,22 @@ impl Compiler<'_> {
     /// Warns of overlapping parts, once per pair.
     pub(super) fn report_overlaps(&mut self) {
         let pieces = self.pieces();
-        for a in 0..pieces.len() {
-            for b in a + 1..pieces.len() {
-                if !pieces[a].meets(&pieces[b]) || self.may_meet([&pieces[a], &pieces[b]]) {
-                    continue;
-                }
-                let found = [self.inside(&pieces[a], &pieces[b]), self.inside(&pieces[b], &pieces[a])];
-                let count = found.iter().map(|f| f.0).sum::<usize>();
-                let depth = found.iter().map(|f| f.1).fold(0.0, f64::max);
-                if count > 0 {
-                    self.report_overlap([&pieces[a], &pieces[b]], count, depth);
-                }
+        let mut pairs = pairs_that_meet(&pieces);
+        if pairs.is_empty() {
+            return;
+        }
+        let contacts = self.contacts_of(&pieces);
+        pairs.retain(|pair| !contacts.connect(*pair));
+        if pairs.is_empty() {
+            return;
+        }
+        let faces = exterior_faces_of(&self.model.mesh, elements_of(&pieces));
+        for [a, b] in pairs {
+            let found = [[a, b], [b, a]].map(|[a, b]| self.inside(&pieces[a], &pieces[b], &faces[b]));
+            let count = found.iter().map(|f| f.0).sum::<usize>();
+            let depth = found.iter().map(|f| f.1).fold(0.0, f64::max);
+            if count > 0 {
+                self.report_overlap([&pieces[a], &pieces[b]], count, depth);
             }
         }
     }
@@ -86,24 +93,38 @@ impl Compiler<'_> {
         let count = solids.len();
         let all: Vec<ConnectedPart> = solids.into_iter().chain(lines).collect();
         let deforms = |piece: &ConnectedPart| self.places.elements.contains_key(&piece.elements[0]);
-        let mut pairs = Vec::new();
-        for a in 0..count {
-            for b in a + 1..all.len() {
-                if deforms(&all[a]) || deforms(&all[b]) {
-                    pairs.push(([a, b], self.may_meet([&all[a], &all[b]])));
-                }
-            }
-        }
-        let step = self.model.steps.first().filter(|_| !pairs.is_empty())?;
-        let outside = self.model.mesh.exterior_faces();
-        let outlines: Vec<BodyOutline> = all.iter().map(|piece| self.outline(piece, &outside, state)).collect();
-        pairs.retain(|(pair, _)| pair.iter().any(|&body| !outlines[body].faces.is_empty()));
-        if pairs.is_empty() {
+        let step = self.model.steps.first().filter(|_| all.len() > 1 && all.iter().any(deforms))?;
+        let faces = exterior_faces_of(&self.model.mesh, elements_of(&all));
+        let sets = SetsOfParts::new(self.model, elements_of(&all));
+        let outline = |(index, piece): (usize, &ConnectedPart)| BodyOutline {
+            name: self.name_of_piece(&piece.elements, &sets, |_| false),
+            deforms: deforms(piece),
+            is_solid: index < count,
+            ..self.outline(piece, &faces[index], state)
+        };
+        let outlines: Vec<BodyOutline> = all.iter().enumerate().map(outline).collect();
+        let pairs = OverlapMonitor::count_pairs(&outlines);
+        if pairs == 0 {
             return None;
         }
         let detail = "check for overlap of bodies";
-        let id = self.ledger_row(step.span, "look at bodies", pairs.len(), "pairs", detail.into());
-        Some(Box::new(OverlapMonitor::new(id, outlines, pairs)))
+        let id = self.ledger_row(step.span, "look at bodies", pairs, "pairs", detail.into());
+        Some(Box::new(OverlapMonitor::new(id, outlines, self.contacts_of(&all))))
+    }
+
+    /// Returns the contact pairs of all steps, by the parts on their sides.
+    fn contacts_of(&self, parts: &[ConnectedPart]) -> ContactsOfBodies {
+        let part_of = part_of_elements(&self.model.mesh, elements_of(parts));
+        let mut contacts = ContactsOfBodies([(); 2].map(|()| vec![Vec::new(); parts.len()]));
+        let is_new = |step: &usize| *step == 0 || !Rc::ptr_eq(&self.pairs[*step], &self.pairs[*step - 1]);
+        let pairs = (0..self.pairs.len()).filter(is_new).flat_map(|step| self.pairs[step].iter());
+        for (contact, index) in pairs.zip(0..) {
+            for (side, lists) in contact.sides.iter().zip(&mut contacts.0) {
+                let on_side: Vec<u32> = sorted_unique(side.faces.iter().filter_map(|face| part_of[face.0]));
+                on_side.into_iter().for_each(|part| lists[part as usize].push(index));
+            }
+        }
+        contacts
     }
 
     /// Returns the outline of a part. If its elements can be deleted, the outline changes, and only its points are
@@ -129,8 +150,7 @@ impl Compiler<'_> {
                 points.len() as u32 - 1
             })
         };
-        let edges = outside.iter().filter(|f| piece.elements.binary_search(&f.0).is_ok());
-        for ends in edges.filter_map(|&(e, side)| mesh.side_nodes(e, side)) {
+        for ends in outside.iter().filter_map(|&(e, side)| mesh.side_nodes(e, side)) {
             faces.push(ends.map(&mut add));
         }
         if !mesh.elements[piece.elements[0]].kind.is_solid() {
@@ -141,7 +161,7 @@ impl Compiler<'_> {
         if !encloses {
             faces.clear();
         }
-        BodyOutline { name: self.name_of_piece(&piece.elements, &[]), points, faces }
+        BodyOutline { points, faces, ..BodyOutline::default() }
     }
 
     fn pieces_of(&self, is: impl Fn(ElementKind) -> bool) -> Vec<ConnectedPart> {
@@ -157,21 +177,9 @@ impl Compiler<'_> {
         pieces(mesh, &solids).into_iter().map(piece).collect()
     }
 
-    /// Returns whether a step has contact between two parts.
-    fn may_meet(&self, pieces: [&ConnectedPart; 2]) -> bool {
-        let on = |sides: &SideSelection, piece: &ConnectedPart| {
-            sides.faces.iter().any(|f| piece.elements.binary_search(&f.0).is_ok())
-        };
-        let between = |c: &SurfaceContact, [a, b]: [&ConnectedPart; 2]| on(&c.sides[0], a) && on(&c.sides[1], b);
-        self.pairs
-            .iter()
-            .flat_map(|pairs| pairs.iter())
-            .any(|c| between(c, pieces) || between(c, [pieces[1], pieces[0]]))
-    }
-
-    /// Returns the number of nodes of a part inside another one, beyond the accepted penetration, and their maximum
-    /// depth.
-    fn inside(&self, piece: &ConnectedPart, other: &ConnectedPart) -> (usize, f64) {
+    /// Returns the number of nodes of a part inside another one with these exterior faces, beyond the accepted
+    /// penetration, and their maximum depth.
+    fn inside(&self, piece: &ConnectedPart, other: &ConnectedPart, faces: &[(usize, ElementSide)]) -> (usize, f64) {
         let mesh = &self.model.mesh;
         let mut nodes: Vec<usize> =
             sorted_unique(piece.elements.iter().flat_map(|&e| mesh.elements[e].nodes.iter().copied()));
@@ -179,7 +187,8 @@ impl Compiler<'_> {
         if nodes.is_empty() {
             return (0, 0.0);
         }
-        let skin = self.skin(other);
+        let ends = faces.iter().filter_map(|&(e, side)| mesh.side_nodes(e, side));
+        let skin: Vec<[[f64; 2]; 2]> = ends.map(|edge| edge.map(|n| mesh.points[n])).collect();
         let (mut count, mut deepest) = (0, 0.0_f64);
         for n in nodes {
             let p = mesh.points[n];
@@ -198,10 +207,21 @@ impl Compiler<'_> {
         }
         (count, deepest)
     }
+}
 
-    fn skin(&self, piece: &ConnectedPart) -> Vec<[[f64; 2]; 2]> {
-        let mesh = &self.model.mesh;
-        let own = mesh.exterior_faces().into_iter().filter(|f| piece.elements.binary_search(&f.0).is_ok());
-        own.filter_map(|(e, side)| mesh.side_nodes(e, side)).map(|edge| edge.map(|n| mesh.points[n])).collect()
+fn elements_of(parts: &[ConnectedPart]) -> impl Iterator<Item = &[usize]> + Clone {
+    parts.iter().map(|part| &part.elements[..])
+}
+
+/// Returns the pairs of parts whose boxes overlap, in ascending order.
+fn pairs_that_meet(parts: &[ConnectedPart]) -> Vec<[usize; 2]> {
+    let mut boxes = SortedBoxes::with_capacity(parts.len());
+    boxes.sort(parts.iter().map(|part| [part.low, part.high]).zip(0..));
+    let mut pairs = Vec::new();
+    for (a, part) in parts.iter().enumerate() {
+        boxes.near([part.low, part.high], 0.0, |b| pairs.push([a, b as usize]));
     }
+    pairs.retain(|&[a, b]| a < b && parts[a].meets(&parts[b]));
+    pairs.sort_unstable();
+    pairs
 }

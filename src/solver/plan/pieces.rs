@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::kernel::disjoint_sets::DisjointSets;
-use crate::model::Mesh;
+use crate::model::{ElementSide, Mesh, Model};
 
 /// Splits elements into parts that are connected by common nodes, in the order of their first elements.
 pub(super) fn pieces(mesh: &Mesh, elements: &[usize]) -> Vec<Vec<usize>> {
@@ -23,4 +23,48 @@ pub(super) fn pieces(mesh: &Mesh, elements: &[usize]) -> Vec<Vec<usize>> {
         pieces[at].push(e);
     }
     pieces
+}
+
+/// Returns the index of the part to which each element of the mesh belongs.
+pub(super) fn part_of_elements<'a>(mesh: &Mesh, parts: impl Iterator<Item = &'a [usize]>) -> Vec<Option<u32>> {
+    let mut part_of = vec![None; mesh.elements.len()];
+    for (part, index) in parts.zip(0..) {
+        part.iter().for_each(|&e| part_of[e] = Some(index));
+    }
+    part_of
+}
+
+/// Returns the exterior faces of the mesh that belong to each part.
+pub(super) fn exterior_faces_of<'a>(
+    mesh: &Mesh,
+    parts: impl Iterator<Item = &'a [usize]> + Clone,
+) -> Vec<Vec<(usize, ElementSide)>> {
+    let part_of = part_of_elements(mesh, parts.clone());
+    let mut faces = vec![Vec::new(); parts.count()];
+    for face in mesh.exterior_faces() {
+        part_of[face.0].into_iter().for_each(|part| faces[part as usize].push(face));
+    }
+    faces
+}
+
+/// Element sets that contain the first element of a part, from the smallest to the largest, by that element.
+pub(super) struct SetsOfParts<'a>(HashMap<usize, Vec<(&'a str, &'a [usize])>>);
+
+impl<'a> SetsOfParts<'a> {
+    pub(super) fn new<'p>(model: &'a Model, parts: impl Iterator<Item = &'p [usize]>) -> SetsOfParts<'a> {
+        let mut by_first: HashMap<usize, Vec<(&str, &[usize])>> = parts.map(|part| (part[0], Vec::new())).collect();
+        for (name, set) in &model.element_sets {
+            for member in &set.members {
+                by_first.entry(*member).and_modify(|sets| sets.push((name, &set.members)));
+            }
+        }
+        by_first.values_mut().for_each(|sets| sets.sort_by_key(|set| set.1.len()));
+        SetsOfParts(by_first)
+    }
+
+    /// Returns the name of the smallest element set that contains a part; the first one of equally large sets.
+    pub(super) fn smallest_around(&self, part: &[usize]) -> Option<&'a str> {
+        let holds = |members: &[usize]| part.iter().all(|e| members.binary_search(e).is_ok());
+        self.0.get(part.first()?)?.iter().find(|set| holds(set.1)).map(|set| set.0)
+    }
 }

@@ -5,7 +5,7 @@
 use std::collections::HashSet;
 use std::rc::Rc;
 
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 
 use super::steps::ActiveEffects;
 use super::{Compiler, Plan, State, bodies::PlannedRigidBody, links, surface_ties};
@@ -22,7 +22,7 @@ pub struct PlanReviser {
     body_of_node: IndexMap<usize, usize>,
     body_of_element: IndexMap<usize, usize>,
     ties: Vec<TiedNodes>,
-    pair_names: Vec<String>,
+    pair_names: IndexSet<String>,
     called: Vec<&'static str>,
     /// Number of cards without effect in the ledger.
     unused: usize,
@@ -83,7 +83,8 @@ impl PlanReviser {
             user_amplitude_count: 0,
             ties: std::mem::take(&mut self.ties),
             sections: Vec::new(),
-            sets: Vec::new(),
+            sets: IndexSet::new(),
+            model_variables: Vec::new(),
             expressions: Vec::new(),
             surface_ties: Vec::<surface_ties::TiedNode>::new(),
             links: links::LinkSet::default(),

@@ -1,5 +1,7 @@
 //! Deformable solids of the plan: element groups from sections, nodal masses, initial conditions.
 
+use std::collections::HashMap;
+
 use super::user_material::calls_routines_at_points;
 use super::{Compiler, MeshIndexMap, State, numbering};
 use crate::deck::Diagnostic;
@@ -114,6 +116,7 @@ impl Compiler<'_> {
         }
         let mut state = State { dofs: Dofs { nodes, ..Dofs::default() }, elements, ..State::default() };
         self.start_solid(&mut state);
+        self.start_temperatures(&mut state.elements.groups);
         self.start_fields(&mut state);
         self.note_unused_rate_dependence();
         state
@@ -292,7 +295,6 @@ impl Compiler<'_> {
         }
     }
 
-    /// Sets the initial velocities, stresses, temperatures, energies and state variables.
     /// Warns of elements of an ideal gas with an initial energy and an initial temperature.
     fn check_gas_states(&mut self) {
         let model = self.model;
@@ -316,6 +318,33 @@ impl Compiler<'_> {
         }
     }
 
+    /// Sets the initial temperatures of elements to the means of their nodes. An element without a temperature at all
+    /// nodes keeps its default.
+    fn start_temperatures(&self, groups: &mut [Box<dyn ElementGroup>]) {
+        let mut nodal: HashMap<usize, f64> = HashMap::new();
+        for condition in &self.model.initial_conditions {
+            if let InitialKind::Temperature(value) = condition.kind {
+                nodal.extend(condition.members.iter().map(|n| (*n, value)));
+            }
+        }
+        if nodal.is_empty() {
+            return;
+        }
+        let mut values = Vec::new();
+        for (e, &(group, i)) in self.places.elements.iter() {
+            let nodes = &self.model.mesh.elements[*e].nodes;
+            values.clear();
+            values.extend(nodes.iter().filter_map(|n| nodal.get(n)));
+            if values.len() == nodes.len() {
+                // The mean of equal values has their bits.
+                let is_uniform = values.iter().all(|v| *v == values[0]);
+                let mean = if is_uniform { values[0] } else { values.iter().sum::<f64>() / values.len() as f64 };
+                groups[group].extensions().initial_state().set(i, None, Some(mean));
+            }
+        }
+    }
+
+    /// Sets the initial velocities, stresses, energies and state variables.
     fn start_solid(&mut self, state: &mut State) {
         self.check_gas_states();
         let (nodes, groups) = (&mut state.dofs.nodes, &mut state.elements.groups);
@@ -332,14 +361,8 @@ impl Compiler<'_> {
                     }
                 }
                 InitialKind::Velocity(..) => {}
-                InitialKind::Temperature(value) => {
-                    let mesh = &self.model.mesh;
-                    for (&e, &(group, i)) in self.places.elements.iter() {
-                        if mesh.elements[e].nodes.iter().all(|n| condition.members.binary_search(n).is_ok()) {
-                            groups[group].extensions().initial_state().set(i, None, Some(*value));
-                        }
-                    }
-                }
+                // Set in `start_temperatures`: elements have the mean values of their nodes.
+                InitialKind::Temperature(_) => {}
                 InitialKind::Energy(value) => {
                     for (group, i) in condition.members.iter().filter_map(|e| self.places.elements.get(e)) {
                         if groups[*group].value(*i, Variable::SpecificEnergy.into()).is_none() {

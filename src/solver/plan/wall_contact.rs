@@ -88,7 +88,7 @@ impl Compiler<'_> {
         };
         let detail =
             format!("{} on {}, kinematic{}", pair.sides[side].name, pair.sides[1 - side].name, friction_of(pair));
-        let number = self.pair_names.iter().position(|n| *n == pair_name(pair)).unwrap_or_default();
+        let number = self.pair_names.get_index_of(&pair_name(pair)).unwrap_or_default();
         let id = self.ledger_row(pair.span, "contact with a wall", rings.len(), "rings", detail);
         let pair = WallPair { id, number, first: side == 0, bodies: [body, wall], friction: pair.law.friction };
         Ok(RigidWallContact::new(pair, profile, rings, spatial.stations, travel))

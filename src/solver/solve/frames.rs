@@ -207,6 +207,9 @@ impl SolverRun<'_> {
         if let Some(value) = thermal {
             return value;
         }
+        if part.variable == Variable::MassScalingFactor {
+            return self.state.elements.mass_factor(group, e).unwrap_or(f64::NAN);
+        }
         values::value(&*self.state.elements.groups[group], self.state.dofs.nodes.as_slice(), e, part)
             .unwrap_or(f64::NAN)
     }

@@ -7,8 +7,10 @@ use crate::state::archive::persist_struct;
 pub(super) struct MassMonitor {
     /// Original mass of each element group; empty before the first scaling.
     pub original: Vec<f64>,
+    /// Ratio of added to original mass of each element group, since the last scaling.
+    pub added_shares: Vec<f64>,
     /// Largest kinetic energy of the deformable bodies while added mass was above the limit of the warning.
     pub kinetic: f64,
 }
 
-persist_struct!(MassMonitor { original, kinetic });
+persist_struct!(MassMonitor { original, added_shares, kinetic });

@@ -99,7 +99,7 @@ pub fn run_with(
         (first, control, restored) = (index, Some(taken_up), true);
     }
     let mut keeping =
-        Checkpointer::new(asked, !run.state.elements.is_empty() && sink.wants_frames() && !plan.routines.any());
+        Checkpointer::new(asked, !run.state.elements.is_empty() && sink.wants_last_instant() && !plan.routines.any());
     for index in first..plan.steps.len() {
         let begins = if std::mem::take(&mut restored) { StepStart::Restored } else { StepStart::Step(index) };
         if let Err(halt) = step(&mut run, begins, &mut control, &mut observing, &mut keeping, sink) {

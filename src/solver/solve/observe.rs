@@ -54,6 +54,10 @@ pub trait Sink {
     fn wants_frames(&self) -> bool {
         false
     }
+    /// Returns whether the sink needs the last complete instant after a halt, for which states are stored in memory.
+    fn wants_last_instant(&self) -> bool {
+        self.wants_frames()
+    }
     /// Receives a frame.
     ///
     /// # Errors

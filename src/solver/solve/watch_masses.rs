@@ -1,5 +1,6 @@
 //! Mass scaling: its energy in the balance, the added mass of the model and of each section, and the warning of added mass.
 
+use super::masses::MassMonitor;
 use super::run::SolverRun;
 use crate::element::elements::Elements;
 use crate::load::SceneChange;
@@ -29,32 +30,29 @@ impl SolverRun<'_> {
         let masses = SceneChange::Masses(&self.state.dofs.nodes.mass);
         self.state.loads.iter_mut().for_each(|load| load.scene_changed(&masses));
         if let Some(summary) = self.outcome.steps.last_mut() {
-            summary.added_mass = self.state.elements.added_mass(&self.state.dofs.nodes);
+            summary.added_mass = self.state.elements.added_mass().map(|[added, _]| added);
         }
+        let ratio = |(now, original): (f64, &f64)| if *original > 0.0 { now / original - 1.0 } else { 0.0 };
+        let MassMonitor { original, added_shares, .. } = &mut self.watch.masses;
+        added_shares.clear();
+        added_shares.extend(group_masses(&self.state.elements).zip(&*original).map(ratio));
         self.watch_masses();
     }
 
     /// Returns the added mass in percent of the original mass of the deformable bodies; `None` without mass scaling.
     pub(super) fn added_mass_percent(&self) -> Option<f64> {
-        let added = self.state.elements.added_mass(&self.state.dofs.nodes)?;
-        let mass: f64 = self.state.dofs.nodes.mass.iter().sum();
-        Some(100.0 * added / (mass - added))
+        let [added, original] = self.state.elements.added_mass()?;
+        Some(100.0 * added / original)
     }
 
     /// Records the kinetic energy if much mass has been added.
     pub(super) fn watch_masses(&mut self) {
         if self.state.scaling.is_some() && self.balance.kinetic_of_solid() > self.watch.masses.kinetic {
             let total = self.added_mass_percent().unwrap_or(0.0);
-            if total > 100.0 * NOTABLE[0] || self.added_shares().any(|added| added > NOTABLE[0]) {
+            if total > 100.0 * NOTABLE[0] || self.watch.masses.added_shares.iter().any(|added| *added > NOTABLE[0]) {
                 self.watch.masses.kinetic = self.balance.kinetic_of_solid();
             }
         }
-    }
-
-    /// Returns the ratio of added to original mass of each element group.
-    fn added_shares(&self) -> impl Iterator<Item = f64> {
-        let ratio = |(now, original): (f64, &f64)| if *original > 0.0 { now / original - 1.0 } else { 0.0 };
-        group_masses(&self.state.elements).zip(&self.watch.masses.original).map(ratio)
     }
 
     /// Warns at the end of a run if much mass has been added to bodies that moved.
@@ -64,8 +62,15 @@ impl SolverRun<'_> {
         let moving = self.watch.masses.kinetic / self.balance.largest().max(heat);
         let total = self.added_mass_percent();
         let Some(total) = total.filter(|_| moving > NOTABLE[1]) else { return };
-        let mut sections: Vec<(usize, f64)> =
-            self.added_shares().enumerate().filter(|section| section.1 > NOTABLE[0]).collect();
+        let mut sections: Vec<(usize, f64)> = self
+            .watch
+            .masses
+            .added_shares
+            .iter()
+            .copied()
+            .enumerate()
+            .filter(|section| section.1 > NOTABLE[0])
+            .collect();
         sections.sort_by(|a, b| b.1.total_cmp(&a.1));
         let name = |(group, added): &(usize, f64)| {
             let (element, material) = (self.plan.element_name(*group, 0), self.plan.material_name(*group, 0));

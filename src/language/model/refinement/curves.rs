@@ -104,11 +104,13 @@ impl EdgeCurves {
         }
     }
 
-    /// Records the images of curves under a map of nodes: copies, or the moved nodes themselves.
-    pub fn record_images(&mut self, nodes: &HashMap<usize, usize>, map: &AffineMap) {
+    /// Records the images of curves under a map of nodes: copies, or the moved nodes themselves. Returns whether a curve
+    /// has no image of its form, so that the edge is straight.
+    pub fn record_images(&mut self, nodes: &HashMap<usize, usize>, map: &AffineMap) -> bool {
         let inside = |key: &[usize; 2]| Some([*nodes.get(&key[0])?, *nodes.get(&key[1])?]);
         let images: Vec<([usize; 2], Option<EdgeCurve>)> =
             self.curves.iter().filter_map(|(key, curve)| Some((inside(key)?, curve.image(nodes, map)))).collect();
+        let is_lost = images.iter().any(|image| image.1.is_none());
         for (ends, image) in images {
             let image = image.map(|curve| if ends[0] < ends[1] { curve } else { curve.reversed() });
             match image {
@@ -126,6 +128,7 @@ impl EdgeCurves {
             });
             self.polar.insert(*new, (image, local));
         }
+        is_lost
     }
 
     /// Records nodes that are mapped from polar coordinates: radius, and angle in degrees.

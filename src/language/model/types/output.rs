@@ -104,7 +104,7 @@ impl OutputCard {
 
 /// `POSITION` of `*ELEMENT OUTPUT`: location at which field output of integration points is written. Elements have one
 /// such point, at the centroid.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum OutputPosition {
     /// `INTEGRATION POINTS` or `CENTROIDAL`: one value per element.
     #[default]
