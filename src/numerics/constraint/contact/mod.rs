@@ -8,6 +8,7 @@
 //! analytical surface each point has a separate gap ([`analytical`]). Contact does not limit the time increment.
 
 pub mod analytical;
+mod area;
 mod continuation;
 pub mod curve;
 mod direct;
@@ -111,12 +112,12 @@ impl ContactPair {
         ContactPair { analytical: Some(analytical), ..ContactPair::new(id, number, [own, own], length) }
     }
 
-    /// Returns the index of the law of an own point.
     /// Returns the key of a point of the own curve; [`NONE`] for other points.
     fn key_of(&self, own: &FacetCurve, point: u32) -> u32 {
         own.own.binary_search(&point).map_or(NONE, |index| self.first_key + index as u32)
     }
 
+    /// Returns the index of the law of an own point.
     fn law_of(&self, index: usize) -> u32 {
         (if self.springs { self.law + index } else { self.law }) as u32
     }
@@ -757,8 +758,8 @@ fn add_point_row(
     let place = (point, places[point as usize]);
     let seen = gaps.point_gap(place, normals, against, candidates, pair.search.reach());
     let Some((mut seen, facet)) = seen else { return };
-    if let Some(corner) = corner {
     let is_corner = corner.is_some();
+    if let Some(corner) = corner {
         seen.gap[0] += corner.accepted_overlap(pair, against, facet);
         if !corner.pressed && seen.gap[0] > -CORNER_OVERLAP * pair.search.length {
             return;
