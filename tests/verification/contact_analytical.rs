@@ -152,7 +152,7 @@ fn rough_analytical_plane_fixes_the_foot() {
 
 /// The nodal pressures of a spherical punch in a block are those of Hertz for its force, their sum is that force, and
 /// the contact area matches. With eight elements over the contact radius, pressures agree to 3 % of the maximum within
-/// three quarters of the radius, and the area to half an element.
+/// three quarters of the radius, and the contact radius to 0.15 of an element.
 #[test]
 fn spherical_punch_pressure_matches_hertz() {
     let (depth, nu, cells) = (0.01_f64, 0.3, 8_usize);
@@ -195,7 +195,7 @@ fn spherical_punch_pressure_matches_hertz() {
     let ring = (last(&deck, &memory, "CAREA@BALL_J1") / std::f64::consts::PI).sqrt() / radius - 1.0;
     println!("spherical punch: error of pressures {worst:.3} of the largest, of the radius {ring:.3}");
     assert!(worst < 0.03, "{worst}");
-    assert!(ring.abs() < 0.5 / cells as f64, "{ring}");
+    assert!(ring.abs() < 0.15 / cells as f64, "{ring}");
 }
 
 /// A shell touches an analytical plane at half its thickness from its nodes, or at its nodes with NO THICKNESS.

@@ -75,9 +75,13 @@ fn filtered_viscosity_raises_the_order_of_fronts() {
     assert!(filtered[2][0] < 0.92 * whole[2][0] && filtered[2][1] < 0.55 * whole[2][1], "{filtered:?} {whole:?}");
 }
 
+/// Units of [`pulled_tube`]: mm, t, s.
+const ORIGINAL: [f64; 3] = [1.0; 3];
+
 /// Pulls a tube of radii 4 and 5, which an inner pressure of 10 presses to a rigid hollow cylinder, and returns the
-/// displacement of its end over that of statics, F^2/(2 E A f) with the friction f per length. mm, t, s.
-fn pulled_tube([nr, nz]: [usize; 2], mu: f64, friction: &str) -> (f64, Vec<String>) {
+/// displacement of its end over that of statics, F^2/(2 E A f) with the friction f per length. The units are mm, t and s
+/// times `units`.
+fn pulled_tube([nr, nz]: [usize; 2], mu: f64, friction: &str, units: [f64; 3]) -> (f64, Vec<String>) {
     let (modulus, pressure, stress) = (2e5, 10.0, 520.0 * mu);
     // Lame's tube with u = 0 at the outer radius and without lateral contraction.
     let c = -pressure / (-1.0 / 25.0 - 1.0 / 16.0);
@@ -85,25 +89,41 @@ fn pulled_tube([nr, nz]: [usize; 2], mu: f64, friction: &str) -> (f64, Vec<Strin
     let area = PI * 9.0;
     let exact = (stress * area).powi(2) / (2.0 * modulus * area * mu * wall * 10.0 * PI);
     let end = 1 + nz * (nr + 1);
+    let [length, mass, time] = units;
+    let stresses = mass / (length * time * time);
     let deck = part(
         "TUBE",
         [nr, nz],
-        |i, j| [4.0 + i as f64 / nr as f64, 100.0 * j as f64 / nz as f64],
+        |i, j| [4.0 + i as f64 / nr as f64, 100.0 * j as f64 / nz as f64].map(|x| x * length),
         &format!("*Nset, nset=END\n {end},\n"),
-    ) + &rigid_line("WALL", &[[5.0, -10.0], [5.0, 120.0]], "")
+    ) + &rigid_line("WALL", &[[5.0, -10.0], [5.0, 120.0]].map(|place| place.map(|x| x * length)), "")
         + &assembly(&["TUBE", "WALL"], "*Rigid Body, ref node=WALL.REF, elset=WALL.E\n")
-        + &elastic("TUBE", [modulus, 0.0, 7.85e-9], "")
+        + &elastic("TUBE", [modulus * stresses, 0.0, 7.85e-9 * mass / length.powi(3)], "")
         + &format!(
-            "*Surface Interaction, name=I\n*Friction{friction}\n {mu}\n*Amplitude, name=PRESS, definition=SMOOTH STEP\n 0., 0., 3.e-4, 1.\n\
-             *Amplitude, name=PULL, definition=SMOOTH STEP\n 0., 0., 4.e-4, 0., 1.4e-3, 1.\n*Step\n*Dynamic, Explicit\n , 1.6e-3\n\
+            "*Surface Interaction, name=I\n*Friction{friction}\n {mu}\n\
+             *Amplitude, name=PRESS, definition=SMOOTH STEP\n 0., 0., {}, 1.\n\
+             *Amplitude, name=PULL, definition=SMOOTH STEP\n 0., 0., {}, 0., {}, 1.\n*Step\n*Dynamic, Explicit\n , {}\n\
              *Boundary\n WALL.REF, ENCASTRE\n TUBE.J0, 2, 2\n*Contact Pair, interaction=I\n TUBE.I1, WALL.SKIN\n\
-             *Dsload, amplitude=PRESS\n TUBE.I0, P, {pressure}\n*Dsload, amplitude=PULL\n TUBE.J1, P, {}\n\
+             *Dsload, amplitude=PRESS\n TUBE.I0, P, {}\n*Dsload, amplitude=PULL\n TUBE.J1, P, {}\n\
              *Output, history, number interval=1\n*Node Output, nset=TUBE.END\n U2\n*End Step\n",
-            -stress
+            3e-4 * time,
+            4e-4 * time,
+            1.4e-3 * time,
+            1.6e-3 * time,
+            pressure * stresses,
+            -stress * stresses
         );
     let ran = run(&deck).whole();
     let moved = ran.column("U2@TUBE.END").last().expect("a row")[1];
-    (moved / exact, ran.outcome.warnings)
+    (moved / (exact * length), ran.outcome.warnings)
+}
+
+/// Friction and the damping of flutter contain no value with a unit: units that differ by powers of two give the same
+/// bits.
+#[test]
+fn friction_does_not_depend_on_units() {
+    let [one, other] = [ORIGINAL, [8.0, 0.25, 32.0]].map(|units| pulled_tube([2, 50], 0.1, "", units));
+    assert!(one == other && one.0 > 0.9, "{one:?} {other:?}");
 }
 
 /// On 4x200 elements with a coefficient of 0.1 the tube flutters without damping, its end moves twice as far, and a
@@ -111,11 +131,11 @@ fn pulled_tube([nr, nz]: [usize; 2], mu: f64, friction: &str) -> (f64, Vec<Strin
 #[test]
 fn pulled_tube_keeps_its_friction_force_on_fine_meshes() {
     for (mesh, mu) in [([2, 100], 0.3), ([4, 200], 0.1)] {
-        let (ratio, warnings) = pulled_tube(mesh, mu, "");
+        let (ratio, warnings) = pulled_tube(mesh, mu, "", ORIGINAL);
         println!("pulled tube: {ratio:.4} of the displacement of statics");
         assert!((ratio - 1.0).abs() < 0.02 && warnings.is_empty(), "{ratio} {warnings:?}");
     }
-    let (undamped, warnings) = pulled_tube([4, 200], 0.1, ", slip damping=0");
+    let (undamped, warnings) = pulled_tube([4, 200], 0.1, ", slip damping=0", ORIGINAL);
     println!("pulled tube without damping: {undamped:.4}, {warnings:?}");
     assert!(undamped > 1.3 && warnings.iter().any(|w| w.contains("flutter")), "{undamped} {warnings:?}");
 }

@@ -159,6 +159,9 @@ pub trait ContactResults {
     /// Returns the forces of a contact pair over the previous increment; `None` if the pair is not in force.
     fn forces_of_pair(&self, pair: usize) -> Option<PairForces>;
 
+    /// Returns the area in contact of a pair; `None` if the pair is not in force, NaN if its area is not computed.
+    fn area_of_pair(&self, pair: usize) -> Option<f64>;
+
     /// Returns the pair that has absorbed the least energy: its name, this energy, and the coordinates of the largest
     /// release in an increment.
     fn lowest_energy(&self) -> Option<(&str, f64, [f64; 2])>;
@@ -171,8 +174,6 @@ pub struct PairForces {
     pub forces: [[f64; 3]; 2],
     /// Time over which they act; with it they give the impulse.
     pub duration: f64,
-    /// Area in contact; NaN if it is not computed.
-    pub area: f64,
 }
 
 /// Heat exchange of nodes across contact surfaces.

@@ -411,7 +411,11 @@ impl ContactResults for RigidWallContact {
     fn forces_of_pair(&self, pair: usize) -> Option<PairForces> {
         let sign = if self.pair.first { 1.0 } else { -1.0 };
         let forces = self.forces.inline_map(|force| times(sign, force));
-        (pair == self.pair.number).then_some(PairForces { forces, duration: self.duration, area: f64::NAN })
+        (pair == self.pair.number).then_some(PairForces { forces, duration: self.duration })
+    }
+
+    fn area_of_pair(&self, pair: usize) -> Option<f64> {
+        (pair == self.pair.number).then_some(f64::NAN)
     }
 }
 

@@ -63,9 +63,9 @@ impl ContactMeans {
         let Instant { total_time, .. } = run.now;
         let interval = total_time - std::mem::replace(&mut self.row_time, total_time);
         for pair in &mut self.pairs {
-            // A pair that is not in force in this step transmits no force.
-            let found = run.contacts().find_map(|contact| contact.forces_of_pair(pair.pair));
-            pair.area = found.map_or(0.0, |found| found.area);
+            // A pair that is not in force in this step is not in contact.
+            let area = run.contacts().find_map(|contact| contact.area_of_pair(pair.pair));
+            pair.area = area.unwrap_or(0.0);
             if interval > 0.0 {
                 pair.mean = std::mem::take(&mut pair.impulse).inline_map(|sum| sum.inline_map(|sum| sum / interval));
             }

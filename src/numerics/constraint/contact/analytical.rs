@@ -230,15 +230,13 @@ impl ContactConstraint {
         off
     }
 
-    /// Returns the forces of pressure and of friction on the own surface of a pair with an analytical one, and the
-    /// contact area.
-    pub(super) fn forces_of_rows(&self, pair: &ContactPair) -> [f64; 5] {
+    /// Returns the forces of pressure and of friction on the own surface of a pair with an analytical one.
+    pub(super) fn forces_of_rows(&self, pair: &ContactPair) -> [f64; 4] {
         let keys = pair.first_key..pair.first_key + self.keys_of(pair);
-        let mut sum = [0.0; 5];
+        let mut sum = [0.0; 4];
         for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.acts()) {
             let [pressure, shear] = self.stresses(row.key as usize);
             let Some(foot) = row.closest_point.map(|f| feet_dofs(self, f)) else { continue };
-            sum[4] += if row.is_single_point || pressure == 0.0 { 0.0 } else { row.area };
             for term in self.rows.terms_of(row) {
                 if let Some(axis) = foot.iter().position(|d| *d == term.dof) {
                     sum[axis] += pressure * term.normal;

@@ -660,4 +660,23 @@ mod tests {
             assert!(swept == 0 || law.is_soft(), "{law:?}: {swept} of {scenes}");
         }
     }
+
+    /// A point near the beginning of a long surface does not widen the band of the matrix: contact needs no sweep.
+    #[test]
+    fn row_of_a_corner_is_next_to_rows_of_its_facet() {
+        let (mut rows, mut motion) = scene(&mut RandomNumbers(7), 200, None);
+        rows.open();
+        rows.terms.extend([4, 5, 6, 7].map(|dof| GapTerm { dof, normal: 0.3 * f64::from(dof - 4), slip: 0.1 }));
+        let mut corner = ContactRow::of(200, 0);
+        (corner.area, corner.is_single_point) = (1.0, true);
+        rows.close_after(corner, [2, 3]);
+        assert_eq!(rows.rows.iter().map(|row| row.key).collect::<Vec<_>>()[2..6], [2, 3, 200, 4]);
+        let law = InteractionLaw { friction: CoulombFriction::of(0.2), ..InteractionLaw::default() };
+        let (span, before) = (ContactInterval { dt: 1.0, half: 1.0 }, vec![[0.0; 2]; 201]);
+        let given = ContactStep { laws: std::slice::from_ref(&law), before: &before, span };
+        let reference = rows.begin(&motion, given).expect("surfaces approach");
+        rows.solve(&mut motion, reference, given);
+        assert_eq!(rows.sweeps, 0);
+        holds(&rows, &motion, &law);
+    }
 }

@@ -8,6 +8,7 @@
 //! analytical surface each point has a separate gap ([`analytical`]). Contact does not limit the time increment.
 
 pub mod analytical;
+mod area;
 mod continuation;
 pub mod curve;
 mod direct;
@@ -109,6 +110,11 @@ impl ContactPair {
     /// Creates a pair of a curve and an analytical surface.
     pub fn in_front_of(id: EffectId, number: usize, own: usize, analytical: usize, length: f64) -> ContactPair {
         ContactPair { analytical: Some(analytical), ..ContactPair::new(id, number, [own, own], length) }
+    }
+
+    /// Returns the key of a point of the own curve; [`NONE`] for other points.
+    fn key_of(&self, own: &FacetCurve, point: u32) -> u32 {
+        own.own.binary_search(&point).map_or(NONE, |index| self.first_key + index as u32)
     }
 
     /// Returns the index of the law of an own point.
@@ -724,10 +730,7 @@ struct CornerRow<'a> {
 impl CornerRow<'_> {
     /// Returns the overlap that the initial clearances of an own facet accept.
     fn accepted_overlap(&self, pair: &ContactPair, own: &FacetCurve, facet: u32) -> f64 {
-        let fit = |point: u32| {
-            let at = own.own.binary_search(&point).ok()?;
-            self.fits.get(pair.first_key as usize + at).copied()
-        };
+        let fit = |point: u32| self.fits.get(pair.key_of(own, point) as usize).copied();
         own.facets[facet as usize].into_iter().filter_map(fit).fold(0.0, |accepted, fit| accepted.max(-fit))
     }
 }
@@ -755,6 +758,7 @@ fn add_point_row(
     let place = (point, places[point as usize]);
     let seen = gaps.point_gap(place, normals, against, candidates, pair.search.reach());
     let Some((mut seen, facet)) = seen else { return };
+    let is_corner = corner.is_some();
     if let Some(corner) = corner {
         seen.gap[0] += corner.accepted_overlap(pair, against, facet);
         if !corner.pressed && seen.gap[0] > -CORNER_OVERLAP * pair.search.length {
@@ -767,7 +771,11 @@ fn add_point_row(
     }
     let mut row = ContactRow::of(key, pair.of_points as u32);
     (row.is_single_point, row.area, row.gap) = (true, seen.area[0], seen.gap[0]);
-    rows.close(row);
+    if is_corner {
+        rows.close_after(row, against.facets[facet as usize].inline_map(|point| pair.key_of(against, point)));
+    } else {
+        rows.close(row);
+    }
 }
 
 impl Constraint for ContactConstraint {

@@ -95,13 +95,12 @@ impl ContactConstraint {
         [pressure, shear + self.slip_damping.stress(key)].inline_map(|stress| stress * self.output_share)
     }
 
-    /// Returns the forces of pressure and of friction on the own surface of a pair, each along r and z, and the contact
-    /// area.
-    fn forces(&self, pair: &ContactPair) -> [f64; 5] {
+    /// Returns the forces of pressure and of friction on the own surface of a pair, each along r and z.
+    fn forces(&self, pair: &ContactPair) -> [f64; 4] {
         if pair.analytical.is_some() {
             return self.forces_of_rows(pair);
         }
-        let (own, mut sum) = (&self.curves[pair.own], [0.0; 5]);
+        let (own, mut sum) = (&self.curves[pair.own], [0.0; 4]);
         for &k in &own.exposed {
             let (facet, seen) = (&own.facets[k as usize], &pair.facet_gaps[k as usize]);
             if seen.area == [0.0; 2] {
@@ -113,7 +112,6 @@ impl ContactConstraint {
                 if pressure == 0.0 && shear == 0.0 {
                     continue;
                 }
-                sum[4] += if pressure > 0.0 { seen.area[end] } else { 0.0 };
                 for share in self.gaps.shares_of(seen).iter().filter(|s| facet.contains(&s.point)) {
                     let of = share.of[end];
                     sum[0] += pressure * of[0];
@@ -128,7 +126,7 @@ impl ContactConstraint {
     }
 
     /// Adds the forces on the own surface of a pair from single points of the other surface.
-    fn add_forces_of_points(&self, pair: &ContactPair, sum: &mut [f64; 5]) {
+    fn add_forces_of_points(&self, pair: &ContactPair, sum: &mut [f64; 4]) {
         let own = &self.curves[pair.own].own;
         let keys = pair.first_key + own.len() as u32..pair.first_key + self.keys_of(pair);
         for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.acts()) {
@@ -178,9 +176,13 @@ impl ContactResults for ContactConstraint {
         let pair = self.pairs.iter().find(|p| p.number == number)?;
         // The forces on the two surfaces are opposite.
         let sign = if pair.first { 1.0 } else { -1.0 };
-        let [n_r, n_z, t_r, t_z, area] = self.forces(pair);
+        let [n_r, n_z, t_r, t_z] = self.forces(pair);
         let forces = [[sign * n_r, sign * n_z, 0.0], [sign * t_r, sign * t_z, 0.0]];
-        Some(PairForces { forces, duration: self.half / self.output_share, area })
+        Some(PairForces { forces, duration: self.half / self.output_share })
+    }
+
+    fn area_of_pair(&self, number: usize) -> Option<f64> {
+        self.pairs.iter().find(|p| p.number == number).map(|pair| self.contact_area(pair))
     }
 }
 

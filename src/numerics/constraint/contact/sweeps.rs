@@ -232,6 +232,16 @@ impl ContactRows {
         self.rows.push(row);
     }
 
+    /// Adds the open row after the last row with one of the `keys`, so that the matrix of [`super::direct`] has a narrow
+    /// band.
+    pub(super) fn close_after(&mut self, row: ContactRow, keys: [u32; 2]) {
+        self.close(row);
+        let last = self.rows.len() - 1;
+        if let Some(at) = self.rows[..last].iter().rposition(|row| keys.contains(&row.key)) {
+            self.rows[at + 1..].rotate_right(1);
+        }
+    }
+
     /// Solves for the impulses after [`ContactRows::begin`], which returned the `reference` velocity; `motion` then
     /// holds the velocities after them. Sweeps are used if the direct solver fails.
     pub fn solve(&mut self, motion: &mut ContactVelocities, reference: f64, given: ContactStep<'_>) {

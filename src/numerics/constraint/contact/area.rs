@@ -1,0 +1,153 @@
+//! Area in contact. Facets with pressure at both points count with the area that the other surface covers. On a facet
+//! with pressure at one point, contact ends where the gap begins.
+//!
+//! Next to the edge of a smooth contact, the gap grows as `x^(3/2)` with the distance `x` (Johnson 1985, Contact
+//! Mechanics, 5.1). The ratio of the gaps of two open points gives the distance of the edge. The first open point
+//! is not used: its gap has the largest error of discretisation. Errors of the position are proportional to the
+//! facet length, because the discrete solution at the edge has no other length.
+
+use super::curve::{FacetCurve, FacetNeighbor};
+use super::{ContactConstraint, ContactPair};
+use crate::kernel::lanes::{InlineMap, inline_from_fn};
+
+/// Number of bisections for the position of an edge.
+const BISECTIONS: usize = 40;
+
+/// Distances of points along the surface from the last point with pressure, and the gaps there.
+type OpenPoints = [(f64, f64); 4];
+
+impl ContactConstraint {
+    /// Returns the area in contact of a pair.
+    pub(super) fn contact_area(&self, pair: &ContactPair) -> f64 {
+        let own = &self.curves[pair.own];
+        let areas = own.exposed.iter().map(|&k| {
+            let covered = match pair.analytical {
+                Some(_) => own.hat_areas(k as usize),
+                None => pair.facet_gaps[k as usize].area,
+            };
+            match own.facets[k as usize].inline_map(|point| self.has_pressure(pair, point)) {
+                [true, true] => covered[0] + covered[1],
+                [true, false] => self.area_up_to_edge(pair, (k, 0), covered),
+                [false, true] => self.area_up_to_edge(pair, (k, 1), covered),
+                [false, false] => 0.0,
+            }
+        });
+        areas.sum()
+    }
+
+    fn has_pressure(&self, pair: &ContactPair, point: u32) -> bool {
+        let own = &self.curves[pair.own];
+        let key = pair.key_of(own, point) as usize;
+        // In front of re-entrant corners of analytical surfaces a point has two keys.
+        let has_two = pair.analytical.is_some() && self.keys_of(pair) as usize > own.own.len();
+        self.pressures[key][0] > 0.0 || has_two && self.pressures[key + own.own.len()][0] > 0.0
+    }
+
+    /// Returns the part of the `covered` area of a facet that is in contact, if only the point at `end` has pressure.
+    /// Without three open points with increasing gaps beyond it, this is the area of the hat function of the point.
+    fn area_up_to_edge(&self, pair: &ContactPair, (facet, end): (u32, usize), covered: [f64; 2]) -> f64 {
+        let own = &self.curves[pair.own];
+        let edge = self.open_points(pair, (facet, end)).and_then(|open| {
+            let [_, near, far, _] = open;
+            (0.0 < near.1 && near.1 < far.1).then(|| distance_of_edge(open, pair.analytical.is_some()))
+        });
+        let Some(edge) = edge else { return covered[end] };
+        let shape = &own.shapes[facet as usize];
+        let [here, there] = inline_from_fn(|i| shape.from[0] + (if i == end { 0.0 } else { shape.along[0] }));
+        let part = edge / shape.length;
+        let area = std::f64::consts::TAU * edge * (here + 0.5 * part * (there - here));
+        area.min(covered[0] + covered[1])
+    }
+
+    /// Returns the points from the other end of a facet on, with zero gap for the last one, which is only the end of a
+    /// facet. Returns `None` if the surface ends before, or if a point has pressure or no gap.
+    fn open_points(&self, pair: &ContactPair, (facet, end): (u32, usize)) -> Option<OpenPoints> {
+        let own = &self.curves[pair.own];
+        let (mut facet, mut distance, mut open) = (facet as usize, 0.0, [(0.0, 0.0); 4]);
+        for at in 0..open.len() {
+            distance += own.shapes[facet].length;
+            open[at].0 = distance;
+            if at == open.len() - 1 {
+                break;
+            }
+            let point = own.facets[facet][1 - end];
+            open[at].1 = self.shown.opening[pair.key_of(own, point) as usize];
+            let FacetNeighbor::Facet(next) = own.neighbors[facet][1 - end] else { return None };
+            if self.has_pressure(pair, point) || open[at].1.is_nan() {
+                return None;
+            }
+            facet = next as usize;
+        }
+        Some(open)
+    }
+}
+
+impl FacetCurve {
+    /// Returns the areas of the hat functions of a facet's two points, of the surface of revolution.
+    fn hat_areas(&self, facet: usize) -> [f64; 2] {
+        let shape = &self.shapes[facet];
+        let radii = [shape.from[0], shape.from[0] + shape.along[0]];
+        [0, 1].inline_map(|end| std::f64::consts::PI / 3.0 * shape.length * (2.0 * radii[end] + radii[1 - end]))
+    }
+}
+
+/// Returns the distance at which the gap begins, from the ratio of the gaps of the second and third open point. `at_points`
+/// states whether they are the gaps of points instead of means over hat functions.
+fn distance_of_edge(open: OpenPoints, at_points: bool) -> f64 {
+    let [first, near, far, last] = open;
+    let law = |[left, middle, right]: [f64; 3], edge: f64| match at_points {
+        true => power(middle - edge) * (middle - edge),
+        false => mean_over_hat([left - edge, middle - edge, right - edge]),
+    };
+    let (mut low, mut high) = (0.0, first.0);
+    for _ in 0..BISECTIONS {
+        let edge = 0.5 * (low + high);
+        let [inner, outer] =
+            [[first.0, near.0, far.0], [near.0, far.0, last.0]].inline_map(|positions| law(positions, edge));
+        if inner * far.1 > outer * near.1 {
+            low = edge;
+        } else {
+            high = edge;
+        }
+    }
+    0.5 * (low + high)
+}
+
+fn power(x: f64) -> f64 {
+    x.max(0.0).sqrt()
+}
+
+/// Returns the mean of `x^(3/2)` over the hat function between positions, up to a constant factor.
+fn mean_over_hat([left, middle, right]: [f64; 3]) -> f64 {
+    let [l, m, r] = [left, middle, right].inline_map(|x| x * x * x * power(x));
+    ((r - m) / (right - middle) - (m - l) / (middle - left)) / (right - left)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::distance_of_edge;
+
+    /// Means of a gap that grows as the power 3/2 from the edge give the position of the edge, on unequal facets.
+    #[test]
+    fn edge_of_a_smooth_contact_is_found_exactly() {
+        let (positions, edge, points) = ([1.0, 2.2, 3.1, 4.5], 0.37, 4000);
+        let gap = |x: f64| (x - edge).powf(1.5);
+        let mean = |[left, middle, right]: [f64; 3]| {
+            let sample = |i: usize| {
+                let x = left + (right - left) * (i as f64 + 0.5) / points as f64;
+                let hat = ((x - left) / (middle - left)).min((right - x) / (right - middle));
+                [hat, hat * gap(x)]
+            };
+            let sums = (0..points).map(sample).fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
+            sums[1] / sums[0]
+        };
+        let of = |gaps: [f64; 2]| {
+            let gaps = [0.0, gaps[0], gaps[1], 0.0];
+            std::array::from_fn(|i| (positions[i], gaps[i]))
+        };
+        let means = of([0, 1].map(|i| mean([positions[i], positions[i + 1], positions[i + 2]])));
+        assert!((distance_of_edge(means, false) - edge).abs() < 1e-6);
+        let values = of([positions[1], positions[2]].map(gap));
+        assert!((distance_of_edge(values, true) - edge).abs() < 1e-9);
+    }
+}
