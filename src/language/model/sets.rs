@@ -138,8 +138,14 @@ impl ModelBuilder<'_> {
     }
 }
 
+/// Adds members; cards that extend a set in ascending order cost no sorting of the members before.
 fn unite(set: &mut MemberSet, members: Vec<usize>) {
+    let last = set.members.last().copied();
+    let continues =
+        members.is_sorted_by(|a, b| a < b) && last.is_none_or(|last| members.first().is_none_or(|m| *m > last));
     set.members.extend(members);
-    set.members.sort_unstable();
-    set.members.dedup();
+    if !continues {
+        set.members.sort_unstable();
+        set.members.dedup();
+    }
 }

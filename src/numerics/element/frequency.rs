@@ -7,7 +7,6 @@
 //! that it remains a bound. After too much deformation it is replaced by the bound of single elements, and computed
 //! again when the gain is likely to exceed its cost.
 
-use crate::kernel::lanes::InlineMap;
 use nalgebra::SMatrix;
 use sprs::CsMatI;
 
@@ -26,15 +25,18 @@ pub(super) const WORN: f64 = 0.1;
 /// Smallest and largest pause, in increments, after an estimate that did not pay.
 const PAUSE: [u64; 2] = [100, 20_000];
 
-/// Symmetric sparse matrix by rows, with a 2x2 block `[rr, rz, zr, zz]` for each pair of nodes.
-type SparseOperator = CsMatI<[f64; 4], u32>;
+/// Pairs of nodes with common elements: the rows and columns of a sparse matrix without its values.
+type NodePairs = CsMatI<(), u32>;
 
 /// Estimator of the highest frequency: operator, vectors and current estimate.
 #[derive(Clone, Debug)]
 pub struct HighestFrequency {
     pub id: EffectId,
-    /// M^-1/2 K M^-1/2.
-    operator: SparseOperator,
+    /// Rows and columns of the operator M^-1/2 K M^-1/2.
+    pairs: NodePairs,
+    /// Values of the operator: a block `[rr, rz, zr, zz]` for each pair of nodes. Empty before the first step, as are
+    /// the vectors, so that a model that is only checked needs no memory for them.
+    values: Vec<[f64; 4]>,
     /// Inverse square root of the mass of each degree of freedom; 0 for prescribed motion.
     roots: Vec<[f64; 2]>,
     vectors: [Vec<[f64; 2]>; 3],
@@ -68,20 +70,19 @@ impl HighestFrequency {
         if groups.iter().any(|g| !g.is_empty() && g.stiffness(0, nodes.as_slice()).is_none()) {
             return None;
         }
-        let zeros = || vec![[0.0; 2]; nodes.len()];
-        let (operator, roots) = (pattern(groups, nodes.len()), zeros());
         Some(HighestFrequency {
             id: 0,
-            operator,
-            roots,
-            vectors: [zeros(), zeros(), zeros()],
+            pairs: pattern(groups, nodes.len()),
+            values: Vec::new(),
+            roots: vec![[0.0; 2]; nodes.len()],
+            vectors: Default::default(),
             state: EstimateState::default(),
         })
     }
 
-    /// Returns names and bytes of the arrays.
+    /// Returns names and bytes of the arrays during a run.
     pub fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let operator = self.operator.nnz() * 36 + self.operator.indptr().len() * 4;
+        let operator = self.pairs.nnz() * 36 + self.pairs.indptr().len() * 4;
         vec![("sparse operator", operator), ("Lanczos vectors", 4 * size_of_val(&*self.roots))]
     }
 
@@ -91,6 +92,8 @@ impl HighestFrequency {
         // to their stability limit.
         let holds = groups.iter().any(|g| !g.is_empty() && !g.properties().damped);
         self.state = EstimateState { count: self.state.count, holds, ..EstimateState::default() };
+        self.values.resize(self.pairs.nnz(), [0.0; 4]);
+        self.vectors.iter_mut().for_each(|vector| vector.resize(nodes.len(), [0.0; 2]));
         for (roots, mass) in self.roots.iter_mut().zip(&nodes.mass) {
             *roots = [1.0 / mass.sqrt(); 2];
         }
@@ -108,7 +111,7 @@ impl HighestFrequency {
 
     /// Assembles the stiffness of all elements into the operator.
     fn assemble(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes) {
-        self.operator.data_mut().fill([0.0; 4]);
+        self.values.fill([0.0; 4]);
         for group in groups {
             for e in 0..group.len() {
                 let Some(matrix) = group.stiffness(e, nodes.as_slice()) else { continue };
@@ -120,11 +123,10 @@ impl HighestFrequency {
     fn add(&mut self, nodes: &ElementNodes, ElementStiffness(matrix): &ElementStiffness) {
         let roots = nodes.map(|n| self.roots[n as usize]);
         for (a, &row) in nodes.iter().enumerate() {
-            let starts = self.operator.indptr();
-            let [begin, end] = [row, row + 1].inline_map(|r| starts.raw_storage()[r as usize] as usize);
+            let of_row = self.pairs.indptr().outer_inds_sz(row as usize);
             for (b, column) in nodes.iter().enumerate() {
-                let at = begin + self.operator.indices()[begin..end].partition_point(|c| c < column);
-                for (i, entry) in self.operator.data_mut()[at].iter_mut().enumerate() {
+                let at = of_row.start + self.pairs.indices()[of_row.clone()].partition_point(|c| c < column);
+                for (i, entry) in self.values[at].iter_mut().enumerate() {
                     let (along, across) = (i / 2, i % 2);
                     *entry += matrix[2 * a + along][2 * b + across] * roots[a][along] * roots[b][across];
                 }
@@ -157,7 +159,7 @@ impl HighestFrequency {
         scale(now, 1.0 / length);
         let mut last = 0.0;
         for step in 0..STEPS {
-            multiply(&self.operator, now, next);
+            multiply(&self.pairs, &self.values, now, next);
             subtract(next, last, before);
             diagonal[step] = dot(next, now);
             subtract(next, diagonal[step], now);
@@ -175,11 +177,14 @@ impl HighestFrequency {
     }
 }
 
-fn multiply(operator: &SparseOperator, vector: &[[f64; 2]], product: &mut [[f64; 2]]) {
-    for (row, out) in operator.outer_iterator().zip(product) {
+fn multiply(pairs: &NodePairs, values: &[[f64; 4]], vector: &[[f64; 2]], product: &mut [[f64; 2]]) {
+    let mut rest = values;
+    for (row, out) in pairs.outer_iterator().zip(product) {
         let mut sum = [0.0; 2];
-        for (column, [rr, rz, zr, zz]) in row.iter() {
-            let [r, z] = vector[column];
+        let (blocks, later) = rest.split_at(row.nnz());
+        rest = later;
+        for (column, [rr, rz, zr, zz]) in row.indices().iter().zip(blocks) {
+            let [r, z] = vector[*column as usize];
             sum = [sum[0] + (rr * r + rz * z), sum[1] + (zr * r + zz * z)];
         }
         *out = sum;
@@ -229,8 +234,8 @@ fn dot(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-/// Returns the sparsity pattern, with zero entries for each pair of nodes that share an element.
-fn pattern(groups: &[Box<dyn ElementGroup>], count: usize) -> SparseOperator {
+/// Returns the pairs of nodes that share an element.
+fn pattern(groups: &[Box<dyn ElementGroup>], count: usize) -> NodePairs {
     // Elements at each node in one list, and the start of each node's range in it.
     let corners = || groups.iter().flat_map(|group| (0..group.len()).map(|e| group.nodes(e)));
     let mut ends = vec![0_u32; count + 1];
@@ -258,8 +263,8 @@ fn pattern(groups: &[Box<dyn ElementGroup>], count: usize) -> SparseOperator {
         columns.extend_from_slice(&list);
         starts.push(columns.len() as u32);
     }
-    let zeros = vec![[0.0; 4]; columns.len()];
-    SparseOperator::new((count, count), starts, columns, zeros)
+    let no_values = vec![(); columns.len()];
+    NodePairs::new((count, count), starts, columns, no_values)
 }
 
 impl EstimateState {
@@ -344,7 +349,7 @@ impl HighestFrequency {
 }
 
 // The operator is recomputed with each estimate.
-persist_struct!(HighestFrequency { roots: fixed, state } derived { id, operator, vectors });
+persist_struct!(HighestFrequency { roots: fixed, state } derived { id, pairs, values, vectors });
 
 persist_struct!(EstimateState { found, growth, predicted_growth, age, pause, by_elements, gain, count, holds });
 
@@ -415,9 +420,10 @@ mod tests {
             let (frequency, found) = estimate(&elements, &nodes);
             let size = 2 * nodes.len();
             let mut dense = Mat::<f64>::zeros(size, size);
-            for (row, list) in frequency.operator.outer_iterator().enumerate() {
-                for (column, square) in list.iter() {
-                    for (i, value) in square.iter().enumerate() {
+            let mut values = frequency.values.iter();
+            for (row, list) in frequency.pairs.outer_iterator().enumerate() {
+                for (column, _) in list.iter() {
+                    for (i, value) in values.next().expect("a value for each pair").iter().enumerate() {
                         dense[(2 * row + i / 2, 2 * column + i % 2)] = *value;
                     }
                 }
