@@ -20,6 +20,7 @@ pub mod levels;
 pub mod lists;
 pub mod moduli;
 pub mod pack;
+pub mod plane_return;
 pub mod plane_stress;
 pub mod profile;
 pub mod quad;

@@ -62,29 +62,47 @@ impl PlaneElastic {
         [strain, temperature]: [f64; 2],
         dt: f64,
     ) -> PlaneReturn {
-        let elastic = PlaneReturn { stress: trial, ..PlaneReturn::default() };
-        let return_of = |x: f64| self.scaled(trial, x);
-        let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
-        let residual = |x: f64| {
-            let flow = 2.0 / 3.0 * x * mises(return_of(x));
-            mises(return_of(x)) - law.at(strain + flow, flow * per_dt, temperature)
+        let Some(x) = self.unknown(law, trial, [strain, temperature], dt) else {
+            return PlaneReturn { stress: trial, ..PlaneReturn::default() };
         };
-        let at_zero = residual(0.0);
-        if at_zero <= 0.0 || at_zero.is_nan() {
-            return elastic;
-        }
-        let x = self.root(residual, at_zero, mises(trial));
-        let stress = return_of(x);
+        let stress = self.scaled(trial, x);
         // Associated flow: dp_i = x (2 s_i - s_j)/3.
         let plastic = [x / 3.0 * (2.0 * stress[0] - stress[1]), x / 3.0 * (2.0 * stress[1] - stress[0])];
         let mises = mises(stress);
         PlaneReturn { stress, mises, flow: 2.0 / 3.0 * x * mises, plastic }
     }
 
+    /// Returns the unknown x of the return to the yield surface; `None` for an elastic increment.
+    pub(super) fn unknown(
+        &self,
+        law: &dyn YieldStress,
+        trial: [f64; 2],
+        [strain, temperature]: [f64; 2],
+        dt: f64,
+    ) -> Option<f64> {
+        let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+        let residual = |x: f64| {
+            let mises = mises(self.scaled(trial, x));
+            let flow = 2.0 / 3.0 * x * mises;
+            mises - law.at(strain + flow, flow * per_dt, temperature)
+        };
+        let at_zero = residual(0.0);
+        let flows = at_zero > 0.0;
+        flows.then(|| self.root(residual, at_zero, mises(trial)))
+    }
+
+    /// Returns the coefficients of x in the denominators of p and d.
+    #[inline(always)]
+    pub(super) fn scaling_rates(&self) -> [f64; 2] {
+        [self.young / (3.0 * (1.0 - self.ratio)), 2.0 * self.shear()]
+    }
+
     /// Returns the trial stress with p and d scaled for the unknown x.
-    fn scaled(&self, trial: [f64; 2], x: f64) -> [f64; 2] {
-        let p = (trial[0] + trial[1]) / (1.0 + x * self.young / (3.0 * (1.0 - self.ratio)));
-        let d = (trial[0] - trial[1]) / (1.0 + 2.0 * self.shear() * x);
+    #[inline(always)]
+    pub(super) fn scaled(&self, trial: [f64; 2], x: f64) -> [f64; 2] {
+        let [a, b] = self.scaling_rates();
+        let p = (trial[0] + trial[1]) / (1.0 + a * x);
+        let d = (trial[0] - trial[1]) / (1.0 + b * x);
         [0.5 * (p + d), 0.5 * (p - d)]
     }
 

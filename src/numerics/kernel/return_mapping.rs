@@ -108,7 +108,7 @@ pub fn plastic_increments(law: &FlowStress, trial: TrialState<'_>, count: usize)
 impl FlowStress {
     /// Returns the temperature factor of a Johnson-Cook yield stress; 1 for tables.
     #[inline(always)]
-    fn softening(&self, temperature: &Lanes) -> Lanes {
+    pub(super) fn softening(&self, temperature: &Lanes) -> Lanes {
         match &self.base {
             StaticYield::JohnsonCook(law) => law.softening(temperature),
             StaticYield::Tables(_) => [1.0; LANES],
@@ -117,7 +117,7 @@ impl FlowStress {
 
     /// Returns the yield stress at zero rate.
     #[inline(always)]
-    fn at_rest(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> Lanes {
+    pub(super) fn at_rest(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> Lanes {
         let [mut value, ..] = self.static_yield(strain, temperature, softening);
         if let Some(RateFactor::Ratio(tables)) = &self.factor {
             let [ratio, ..] = tables.lanes(&ZERO, temperature);
@@ -137,7 +137,14 @@ impl FlowStress {
     /// Returns the yield stress and its derivatives with respect to strain; the rate increases by `per_dt` per unit of
     /// strain.
     #[inline(always)]
-    fn lanes(&self, strain: &Lanes, rate: &Lanes, temperature: &Lanes, softening: &Lanes, per_dt: f64) -> CurveLanes {
+    pub(super) fn lanes(
+        &self,
+        strain: &Lanes,
+        rate: &Lanes,
+        temperature: &Lanes,
+        softening: &Lanes,
+        per_dt: f64,
+    ) -> CurveLanes {
         let [mut value, mut slope, mut bend] = self.static_yield(strain, temperature, softening);
         if let Some(factor) = &self.factor {
             let [times, grows, bends] = factor.lanes(rate, temperature);
@@ -277,7 +284,7 @@ impl LinearTable {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::kernel::hardening::YieldStress;
 
@@ -286,7 +293,7 @@ mod tests {
     }
 
     /// Returns every law with every rate factor, in MPa, at 20 to 900 degrees.
-    fn laws() -> Vec<FlowStress> {
+    pub fn laws() -> Vec<FlowStress> {
         let rows = [[400.0, 0.0], [480.0, 0.02], [520.0, 0.1], [600.0, 0.4]];
         let over = |a: f64, b: f64| LinearTable { rows: vec![[a, 20.0], [b, 600.0]] };
         let tables = vec![(20.0, table(&rows, 1.0)), (300.0, table(&rows, 0.7)), (800.0, table(&rows, 0.2))];

@@ -18,52 +18,58 @@
 //! points to. The six nodal velocities contain one rigid-body mode and five strain modes; there is no hourglass mode.
 
 use super::lanes::InlineMap;
+use super::real::Real;
 use std::f64::consts::PI;
 
 use super::plane_stress::PlaneElastic;
 
 /// Strains, or stress resultants per length, in the order of the table above.
-pub type SectionComponents = [f64; 5];
+pub type SectionComponents<T = f64> = [T; 5];
 
 /// Shear correction factor of a parabolic shear stress over the thickness.
 const SHEAR_SHARE: f64 = 5.0 / 6.0;
 
-/// Geometry of an element.
+/// Geometry of an element, or of the elements in a pack.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShellFrame {
+pub struct ShellFrame<T = f64> {
     /// Unit vector from the first node to the second.
-    pub t: [f64; 2],
+    pub t: [T; 2],
     /// Length of the meridian.
-    pub length: f64,
+    pub length: T,
     /// Radius at the middle of the meridian.
-    pub radius: f64,
+    pub radius: T,
 }
 
-impl ShellFrame {
+impl<T: Real> ShellFrame<T> {
     /// Creates the frame of a shell between two nodes `[r, z]`.
-    pub fn new([a, b]: [[f64; 2]; 2]) -> ShellFrame {
+    #[inline(always)]
+    pub fn new([a, b]: [[T; 2]; 2]) -> ShellFrame<T> {
         let (dr, dz) = (b[0] - a[0], b[1] - a[1]);
-        let length = (dr * dr + dz * dz).sqrt();
-        ShellFrame { t: [dr / length, dz / length], length, radius: 0.5 * (a[0] + b[0]) }
+        let length = (dr * dr + dz * dz).root();
+        ShellFrame { t: [dr / length, dz / length], length, radius: length.like(0.5) * (a[0] + b[0]) }
     }
 
     /// Returns the unit normal.
-    pub fn n(&self) -> [f64; 2] {
+    #[inline(always)]
+    pub fn n(&self) -> [T; 2] {
         [-self.t[1], self.t[0]]
     }
 
     /// Returns the area of the middle surface, a full ring.
-    pub fn area(&self) -> f64 {
-        2.0 * PI * self.radius * self.length
+    #[inline(always)]
+    pub fn area(&self) -> T {
+        self.length.like(2.0 * PI) * self.radius * self.length
     }
 
     /// Returns the strains for displacements `[r, z]` and a rotation of each node.
-    pub fn strains(&self, [a, b]: [[f64; 3]; 2]) -> SectionComponents {
+    #[inline(always)]
+    pub fn strains(&self, [a, b]: [[T; 3]; 2]) -> SectionComponents<T> {
         let (along, n) = ([b[0] - a[0], b[1] - a[1]], self.n());
-        let turn = 0.5 * (a[2] + b[2]);
+        let half = self.length.like(0.5);
+        let turn = half * (a[2] + b[2]);
         [
             (along[0] * self.t[0] + along[1] * self.t[1]) / self.length,
-            0.5 * (a[0] + b[0]) / self.radius,
+            half * (a[0] + b[0]) / self.radius,
             -(b[2] - a[2]) / self.length,
             -turn * self.t[0] / self.radius,
             (along[0] * n[0] + along[1] * n[1]) / self.length - turn,
@@ -71,18 +77,80 @@ impl ShellFrame {
     }
 
     /// Returns forces and moments of the stress resultants on both nodes; their power is minus that of the strains.
-    pub fn forces(&self, [n_s, n_h, m_s, m_h, q]: &SectionComponents) -> [[f64; 3]; 2] {
-        let (area, n) = (self.area(), self.n());
-        let pull = [0, 1].inline_map(|i| (n_s * self.t[i] + q * n[i]) / self.length);
-        let hoop = 0.5 * n_h / self.radius;
-        let turn = 0.5 * (m_h * self.t[0] / self.radius + q);
-        let bend = m_s / self.length;
+    #[inline(always)]
+    pub fn forces(&self, [n_s, n_h, m_s, m_h, q]: &SectionComponents<T>) -> [[T; 3]; 2] {
+        let (area, n, half) = (self.area(), self.n(), self.length.like(0.5));
+        let pull = [0, 1].inline_map(|i: usize| (*n_s * self.t[i] + *q * n[i]) / self.length);
+        let hoop = half * *n_h / self.radius;
+        let turn = half * (*m_h * self.t[0] / self.radius + *q);
+        let bend = *m_s / self.length;
         [
             [area * (pull[0] - hoop), area * pull[1], area * (turn - bend)],
             [-area * (pull[0] + hoop), -area * pull[1], area * (turn + bend)],
         ]
     }
 
+    /// Returns a bound of the highest frequency of the single element, radians per time. The eigenvalues of the
+    /// operator of the five strains are real, so that the eighth root of the trace of its eighth power bounds the
+    /// largest one.
+    #[inline(always)]
+    pub fn frequency(&self, masses: &[T; 4], thickness: T, shear_stiffness: f64, elastic: &PlaneElastic) -> T {
+        let operator = self.operator(masses, thickness, shear_stiffness, elastic);
+        let scale = operator[0][0] + operator[1][1] + operator[2][2] + operator[3][3] + operator[4][4];
+        let inverse = scale.like(1.0) / scale;
+        let [a, b, c, d, e] = &operator;
+        let relative =
+            [scaled(a, inverse), scaled(b, inverse), scaled(c, inverse), scaled(d, inverse), scaled(e, inverse)];
+        let fourth = square(&square(&relative));
+        let [a, b, c, d, e] = fourth;
+        let eighth = product(a, &fourth, 0)
+            + product(b, &fourth, 1)
+            + product(c, &fourth, 2)
+            + product(d, &fourth, 3)
+            + product(e, &fourth, 4);
+        (scale * eighth.root().root().root()).root()
+    }
+
+    /// Returns the elasticity matrix times B M⁻¹ Bᵀ.
+    #[inline(always)]
+    fn operator(
+        &self,
+        m: &[T; 4],
+        thickness: T,
+        shear_stiffness: f64,
+        elastic: &PlaneElastic,
+    ) -> [SectionComponents<T>; 5] {
+        let (l, r, t_r, n_r) = (self.length, self.radius, self.t[0], -self.t[1]);
+        let like = |value: f64| l.like(value);
+        let (zero, half, quarter) = (like(0.0), like(0.5), like(0.25));
+        let [a, b, c, d] = m.inline_map(|mass| like(1.0) / mass);
+        let ([sum, difference], [turns, twist]) = ([a + b, b - a], [c + d, d - c]);
+        let (membrane, bending) = (half * t_r * difference / (l * r), half * t_r * twist / (l * r));
+        let (by_hoop, by_bend, by_turn) =
+            (half * n_r * difference / (l * r), half * twist / l, quarter * turns * t_r / r);
+        let compliance = [
+            [sum / (l * l), membrane, zero, zero, zero],
+            [membrane, quarter * sum / (r * r), zero, zero, by_hoop],
+            [zero, zero, turns / (l * l), bending, by_bend],
+            [zero, zero, bending, quarter * turns * t_r * t_r / (r * r), by_turn],
+            [zero, by_hoop, by_bend, by_turn, sum / (l * l) + quarter * turns],
+        ];
+        let stretch = self.area() * like(elastic.modulus()) * thickness;
+        let bend = stretch * thickness * thickness / like(12.0);
+        let ratio = like(elastic.ratio);
+        let [s, h, k, c, q] = &compliance;
+        let shear = self.area() * like(shear_stiffness);
+        [
+            coupled(stretch, ratio, s, h),
+            coupled(stretch, ratio, h, s),
+            coupled(bend, ratio, k, c),
+            coupled(bend, ratio, c, k),
+            scaled(q, shear),
+        ]
+    }
+}
+
+impl ShellFrame {
     /// Returns the lumped masses of both nodes, each for its half of the meridian, and their rotary inertias, from the
     /// mass per area and the initial thickness.
     ///
@@ -102,52 +170,47 @@ impl ShellFrame {
     pub fn shear_stiffness(thickness: f64, elastic: &PlaneElastic) -> f64 {
         SHEAR_SHARE * elastic.shear() * thickness
     }
-
-    /// Returns a bound of the highest frequency of the single element, radians per time. The eigenvalues of the
-    /// operator of the five strains are real, so that the eighth root of the trace of its eighth power bounds the
-    /// largest one.
-    pub fn frequency(&self, masses: &[f64; 4], thickness: f64, shear_stiffness: f64, elastic: &PlaneElastic) -> f64 {
-        let operator = self.operator(masses, thickness, shear_stiffness, elastic);
-        let scale: f64 = (0..5).map(|i| operator[i][i]).sum();
-        let fourth = square(&square(&operator.inline_map(|row| row.inline_map(|x| x / scale))));
-        let eighth: f64 = (0..5).map(|i| (0..5).map(|j| fourth[i][j] * fourth[j][i]).sum::<f64>()).sum();
-        (scale * eighth.sqrt().sqrt().sqrt()).sqrt()
-    }
-
-    /// Returns the elasticity matrix times B M⁻¹ Bᵀ.
-    fn operator(
-        &self,
-        m: &[f64; 4],
-        thickness: f64,
-        shear_stiffness: f64,
-        elastic: &PlaneElastic,
-    ) -> [SectionComponents; 5] {
-        let (l, r, t_r, n_r) = (self.length, self.radius, self.t[0], -self.t[1]);
-        let [sum, difference] = [1.0 / m[0] + 1.0 / m[1], 1.0 / m[1] - 1.0 / m[0]];
-        let [turns, twist] = [1.0 / m[2] + 1.0 / m[3], 1.0 / m[3] - 1.0 / m[2]];
-        let (membrane, bending) = (0.5 * t_r * difference / (l * r), 0.5 * t_r * twist / (l * r));
-        let (by_hoop, by_bend, by_turn) = (0.5 * n_r * difference / (l * r), 0.5 * twist / l, 0.25 * turns * t_r / r);
-        let compliance = [
-            [sum / (l * l), membrane, 0.0, 0.0, 0.0],
-            [membrane, 0.25 * sum / (r * r), 0.0, 0.0, by_hoop],
-            [0.0, 0.0, turns / (l * l), bending, by_bend],
-            [0.0, 0.0, bending, 0.25 * turns * t_r * t_r / (r * r), by_turn],
-            [0.0, by_hoop, by_bend, by_turn, sum / (l * l) + 0.25 * turns],
-        ];
-        let stretch = self.area() * elastic.modulus() * thickness;
-        let bend = stretch * thickness * thickness / 12.0;
-        let pair = |factor: f64, a: &SectionComponents, b: &SectionComponents| {
-            [0, 1, 2, 3, 4].inline_map(|j| factor * (a[j] + elastic.ratio * b[j]))
-        };
-        let [s, h, k, c, q] = &compliance;
-        let shear = q.inline_map(|x| self.area() * shear_stiffness * x);
-        [pair(stretch, s, h), pair(stretch, h, s), pair(bend, k, c), pair(bend, c, k), shear]
-    }
 }
 
-fn square(a: &[SectionComponents; 5]) -> [SectionComponents; 5] {
-    let entry = |i: usize, j: usize| (0..5).map(|k| a[i][k] * a[k][j]).sum();
-    [0, 1, 2, 3, 4].inline_map(|i| [0, 1, 2, 3, 4].inline_map(|j| entry(i, j)))
+// Functions in place of closures: closures within closures are not always inlined.
+
+#[inline(always)]
+fn square<T: Real>(a: &[SectionComponents<T>; 5]) -> [SectionComponents<T>; 5] {
+    [times(a[0], a), times(a[1], a), times(a[2], a), times(a[3], a), times(a[4], a)]
+}
+
+/// Returns a row times a matrix.
+#[inline(always)]
+fn times<T: Real>(row: SectionComponents<T>, a: &[SectionComponents<T>; 5]) -> SectionComponents<T> {
+    [product(row, a, 0), product(row, a, 1), product(row, a, 2), product(row, a, 3), product(row, a, 4)]
+}
+
+/// Returns the scalar product of a row and a column of a matrix.
+#[inline(always)]
+fn product<T: Real>(row: SectionComponents<T>, a: &[SectionComponents<T>; 5], column: usize) -> T {
+    row[0] * a[0][column]
+        + row[1] * a[1][column]
+        + row[2] * a[2][column]
+        + row[3] * a[3][column]
+        + row[4] * a[4][column]
+}
+
+/// Returns `factor (a + ratio b)`.
+#[inline(always)]
+fn coupled<T: Real>(factor: T, ratio: T, a: &SectionComponents<T>, b: &SectionComponents<T>) -> SectionComponents<T> {
+    [
+        factor * (a[0] + ratio * b[0]),
+        factor * (a[1] + ratio * b[1]),
+        factor * (a[2] + ratio * b[2]),
+        factor * (a[3] + ratio * b[3]),
+        factor * (a[4] + ratio * b[4]),
+    ]
+}
+
+/// Returns a row times a factor.
+#[inline(always)]
+fn scaled<T: Real>(a: &SectionComponents<T>, factor: T) -> SectionComponents<T> {
+    [a[0] * factor, a[1] * factor, a[2] * factor, a[3] * factor, a[4] * factor]
 }
 
 /// Returns Simpson's rule over a unit thickness: position of each point between -1 (the side opposite to n) and 1, and

@@ -6,16 +6,17 @@
 
 use std::sync::Arc;
 
-use super::point::{ShellPointState, advance};
+use pulp::Arch;
+
+use super::block::ShellBlockUpdate;
 use super::record::{PointStrains, ShellRecord};
-use super::section::{ShellProperties, ThicknessRule};
+use super::section::ShellProperties;
 use crate::element::block::is_larger;
-use crate::element::constants::CHANGE;
 use crate::element::group::{
     ElementGroup, ElementPass, ElementStiffness, GroupDeletion, GroupExtensions, GroupProperties, GroupSettings,
     GroupTotals, InitialState,
 };
-use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
+use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::shell::{SectionComponents, ShellFrame};
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
 use crate::state::archive::persist_struct;
@@ -25,33 +26,43 @@ use crate::variables::{Variable, VariableComponent};
 /// Group of shell elements with the same section.
 #[derive(Clone)]
 pub struct ShellGroup {
-    section: Arc<ShellProperties>,
+    pub(super) section: Arc<ShellProperties>,
+    /// Instruction set of the update.
+    arch: Arch,
     /// Nodes, then their rotations.
-    ends: Vec<[u32; 4]>,
+    pub(super) ends: Vec<[u32; 4]>,
     /// Masses of the nodes, then rotary inertias.
-    masses: Vec<[f64; 4]>,
-    state: Vec<ShellState>,
+    pub(super) masses: Vec<[f64; 4]>,
+    pub(super) state: Vec<ShellState>,
     /// Stress along meridian and hoop at the section points, element by element.
-    stress: Vec<[f64; 2]>,
+    pub(super) stress: Vec<[f64; 2]>,
     /// Plastic state of the section points; empty for an elastic section.
-    flow: Vec<ShellPointState>,
+    pub(super) flow: Vec<ShellPointState>,
     /// Record for output; `None` if not requested.
-    record: Option<Box<ShellRecord>>,
+    pub(super) record: Option<Box<ShellRecord>>,
     /// Deleted elements; empty if no element can be deleted.
     deleted: Vec<bool>,
 }
 
 /// State of an element apart from its section points.
 #[derive(Clone, Copy, Debug, Default)]
-struct ShellState {
+pub(super) struct ShellState {
     /// Current thickness, length.
-    thickness: f64,
+    pub thickness: f64,
     /// Transverse shear force per length.
-    shear: f64,
+    pub shear: f64,
     /// Slow parts of the rates of area and curvature.
-    slow_rates: [f64; 2],
+    pub slow_rates: [f64; 2],
     /// Force and moment of bulk viscosity per length.
-    viscous: [f64; 2],
+    pub viscous: [f64; 2],
+}
+
+/// Plastic state of a section point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct ShellPointState {
+    /// Equivalent plastic strain.
+    pub strain: f64,
+    pub temperature: f64,
 }
 
 /// Splits a variable at the bottom, middle or top of the shell into the plain variable and the position.
@@ -96,6 +107,7 @@ impl ShellGroup {
             stress: vec![[0.0; 2]; points],
             flow: if section.flowing.is_some() { vec![ShellPointState::default(); points] } else { Vec::new() },
             section: Arc::new(section),
+            arch: Arch::new(),
             ends,
             record: None,
             deleted: Vec::new(),
@@ -106,7 +118,7 @@ impl ShellGroup {
         frame(&self.ends[element], nodes)
     }
 
-    fn is_deleted(&self, element: usize) -> bool {
+    pub(super) fn is_deleted(&self, element: usize) -> bool {
         self.deleted.get(element) == Some(&true)
     }
 
@@ -118,31 +130,6 @@ impl ShellGroup {
             ThicknessPosition::Top => count - 1,
         };
         element * count + point
-    }
-
-    /// Updates the section points over an increment. Returns the plastic work per area.
-    fn strain(&mut self, element: usize, strains: &SectionComponents, dt: f64) -> f64 {
-        let count = self.section.points.len();
-        let thickness = self.state[element].thickness;
-        let (mut thinning, mut plastic) = (0.0, 0.0);
-        for (i, [place, weight]) in self.section.points.iter().enumerate() {
-            let (at, height) = (element * count + i, 0.5 * place * thickness);
-            let strain = [strains[0] + height * strains[2], strains[1] + height * strains[3]];
-            let step = advance(&self.section, &mut self.stress[at], self.flow.get_mut(at), strain, dt);
-            plastic += weight * thickness * step.returned.mises * step.returned.flow;
-            thinning += weight * step.thinning;
-            if let Some(record) = &mut self.record {
-                let strain = [strain[0], strain[1], step.thinning];
-                record.points[at].follow(strain, step.returned.plastic, dt);
-            }
-        }
-        if let ThicknessRule::Ratio(ratio) = self.section.thinning {
-            thinning = -ratio / (1.0 - ratio) * (strains[0] + strains[1]);
-        }
-        let state = &mut self.state[element];
-        state.thickness *= libm::exp(thinning);
-        state.shear += self.section.shear_stiffness() * strains[4];
-        plastic
     }
 
     /// Returns forces and moments of the stress per length.
@@ -160,65 +147,11 @@ impl ShellGroup {
         }
         sums
     }
-
-    /// Updates one element over an increment, and replaces its corner forces. Returns its work (of stress, plastic flow
-    /// and viscosity) and its rate.
-    fn advance(&mut self, element: usize, pass: &mut ElementPass<'_>) -> ([f64; 3], f64) {
-        let (nodes, dt, masses) = (pass.nodes, pass.dt, self.masses[element]);
-        let ends = self.ends[element].inline_map(|n| nodes[n as usize]);
-        let steps = [0, 1].inline_map(|i| [dt * ends[i].v_r, dt * ends[i].v_z, dt * ends[i + 2].v_r]);
-        let middle =
-            ShellFrame::new([0, 1].inline_map(|i| [ends[i].r - 0.5 * steps[i][0], ends[i].z - 0.5 * steps[i][1]]));
-        let strains = middle.strains(steps);
-        let dissipated = if dt > 0.0 { self.strain(element, &strains, dt) } else { 0.0 };
-        let frame = ShellFrame::new([0, 1].inline_map(|i| ends[i].place()));
-        let thickness = self.state[element].thickness;
-        let mut resultants = self.resultants(element);
-        let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
-        let sums = [strains[0] + strains[1], strains[2] + strains[3]];
-        let (rates, before) = (sums.inline_map(|s| per_dt * s), self.state[element].slow_rates);
-        let slow = self.section.slow_rates(&frame, &masses, (before, thickness), rates, dt);
-        self.state[element].slow_rates = slow;
-        let [force, moment] = self.section.viscosity(&frame, &masses, thickness, rates, slow);
-        let previous = std::mem::replace(&mut self.state[element].viscous, [force, moment]);
-        for i in 0..2 {
-            resultants[i] += force;
-            resultants[2 + i] += moment;
-        }
-        let work = put(&frame.forces(&resultants), &steps, &mut pass.corners[element / LANES], element % LANES);
-        let area = frame.area();
-        // By the trapezoidal rule, as the work of all forces.
-        let viscous = 0.5 * area * ((previous[0] + force) * sums[0] + (previous[1] + moment) * sums[1]);
-        let plastic = area * dissipated;
-        if let Some(record) = &mut self.record {
-            let followed = &mut record.elements[element];
-            followed.section.iter_mut().zip(strains).for_each(|(sum, strain)| *sum += strain);
-            followed.work = [followed.work[0] + (work - viscous), followed.work[1] + plastic];
-        }
-        let own = self.section.rate(&frame, &masses, thickness, per_dt * sums[0]);
-        let change = per_dt * (strains[0].abs() + strains[1].abs()) / CHANGE;
-        ([work - viscous, plastic, viscous], if is_larger(change, own) { change } else { own })
-    }
 }
 
 /// Returns the current frame of two nodes.
 fn frame(ends: &[u32; 4], nodes: &[Node]) -> ShellFrame {
     ShellFrame::new([ends[0], ends[1]].inline_map(|n| nodes[n as usize].place()))
-}
-
-/// Replaces the forces of an element and returns the work of the previous and the new forces over the increment, by the
-/// trapezoidal rule: energy gained by the element.
-fn put(forces: &[[f64; 3]; 2], steps: &[[f64; 3]; 2], corners: &mut BlockCornerForces, lane: usize) -> f64 {
-    let mut work = 0.0;
-    for (end, (forces, steps)) in forces.iter().zip(steps).enumerate() {
-        for (axis, (&force, step)) in forces.iter().zip(steps).enumerate() {
-            let (corner, component) = if axis < 2 { (end, axis) } else { (2 + end, 0) };
-            let slot = &mut corners[corner][component][lane];
-            work -= 0.5 * (*slot + force) * step;
-            *slot = force;
-        }
-    }
-    work
 }
 
 impl ElementGroup for ShellGroup {
@@ -244,18 +177,20 @@ impl ElementGroup for ShellGroup {
         self.masses[element].into()
     }
 
-    fn update(&mut self, mut pass: ElementPass<'_>) -> GroupTotals {
-        let mut totals = GroupTotals::default();
-        for element in 0..self.ends.len() {
-            if self.is_deleted(element) {
-                continue;
-            }
-            let ([internal, plastic, viscous], rate) = self.advance(element, &mut pass);
-            totals.internal += internal;
-            totals.plastic += plastic;
-            totals.viscous += viscous;
-            if is_larger(rate, totals.rate) {
-                (totals.rate, totals.limiting) = (rate, element);
+    fn update(&mut self, pass: ElementPass<'_>) -> GroupTotals {
+        let ElementPass { nodes, dt, corners, .. } = pass;
+        let (arch, mut totals) = (self.arch, GroupTotals::default());
+        for (index, corners) in corners.iter_mut().enumerate() {
+            let found = arch.dispatch(ShellBlockUpdate { group: self, index, nodes, dt, corners });
+            for element in (index * LANES..self.ends.len().min((index + 1) * LANES)).filter(|e| !self.is_deleted(*e)) {
+                let l = element % LANES;
+                let [internal, plastic, viscous] = found.work.inline_map(|list| list[l]);
+                totals.internal += internal;
+                totals.plastic += plastic;
+                totals.viscous += viscous;
+                if is_larger(found.rate[l], totals.rate) {
+                    (totals.rate, totals.limiting) = (found.rate[l], element);
+                }
             }
         }
         totals
@@ -335,6 +270,10 @@ impl GroupExtensions for ShellGroup {
 }
 
 impl GroupSettings for ShellGroup {
+    fn use_instructions(&mut self, arch: Arch) {
+        self.arch = arch;
+    }
+
     fn set_masses(&mut self, element: usize, masses: &[f64]) {
         self.masses[element].copy_from_slice(masses);
     }
@@ -370,10 +309,12 @@ impl InitialState for ShellGroup {
     }
 }
 
+persist_struct!(ShellPointState { strain, temperature });
+
 persist_struct!(ShellState { thickness, shear, slow_rates, viscous });
 
 persist_struct!(ShellGroup {
     deleted: fixed, masses: fixed, state: fixed, stress: fixed, flow: fixed, record: present
 } derived {
-    section, ends
+    section, arch, ends
 });

@@ -1,7 +1,7 @@
 //! Two-node axisymmetric shells (SAX1): element group, section properties, points through the thickness.
 
+mod block;
 mod group;
-mod point;
 mod record;
 pub mod section;
 

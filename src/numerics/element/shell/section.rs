@@ -7,6 +7,7 @@ use crate::kernel::hardening::FlowStress;
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::plane_stress::PlaneElastic;
+use crate::kernel::real::Real;
 use crate::kernel::shell::ShellFrame;
 
 /// Rule for the thickness change from the membrane strains (`POISSON` of `*SHELL SECTION`).
@@ -48,14 +49,16 @@ impl ShellProperties {
     /// A fraction ξ of critical damping reduces the increment to 2/ω (sqrt(1 + ξ²) - ξ) (ABAQUS Theory Guide 2.4.5).
     /// Viscosity acts on the sum of both membrane strains: relative to elasticity at most 2/(1 + ν) times as much as on
     /// one strain.
-    pub fn rate(&self, frame: &ShellFrame, masses: &[f64; 4], thickness: f64, area_rate: f64) -> f64 {
+    #[inline(always)]
+    pub fn rate<T: Real>(&self, frame: &ShellFrame<T>, masses: &[T; 4], thickness: T, area_rate: T) -> T {
+        let like = |value: f64| thickness.like(value);
         let frequency = frame.frequency(masses, thickness, self.shear_stiffness(), &self.elastic);
         let speed = self.wave_speed(frame, masses, thickness);
         let BulkViscosity { linear, quadratic, .. } = self.bulk_viscosity;
-        let closing = (-area_rate).max(0.0) * frame.length / speed;
-        let viscosity = (linear + quadratic * quadratic * closing) / (1.0 + self.elastic.ratio);
+        let closing = area_rate.if_less(like(0.0), -area_rate, like(0.0)) * frame.length / speed;
+        let viscosity = (like(linear) + like(quadratic * quadratic) * closing) / like(1.0 + self.elastic.ratio);
         let xi = viscosity * frame.length * frequency / speed;
-        0.5 * frequency * damped(xi)
+        like(0.5) * frequency * damped(xi)
     }
 
     /// Returns the transverse shear force per length and shear angle.
@@ -64,43 +67,48 @@ impl ShellProperties {
     }
 
     /// Returns the wave speed in the plane of the shell.
-    pub fn wave_speed(&self, frame: &ShellFrame, masses: &[f64; 4], thickness: f64) -> f64 {
-        (self.elastic.modulus() * frame.area() * thickness / (masses[0] + masses[1])).sqrt()
+    #[inline(always)]
+    pub fn wave_speed<T: Real>(&self, frame: &ShellFrame<T>, masses: &[T; 4], thickness: T) -> T {
+        (thickness.like(self.elastic.modulus()) * frame.area() * thickness / (masses[0] + masses[1])).root()
     }
 
     /// Returns the slow parts of the rates of area and curvature after an increment `dt`.
-    pub fn slow_rates(
+    #[inline(always)]
+    pub fn slow_rates<T: Real>(
         &self,
-        frame: &ShellFrame,
-        masses: &[f64; 4],
-        (before, thickness): ([f64; 2], f64),
-        rates: [f64; 2],
+        frame: &ShellFrame<T>,
+        masses: &[T; 4],
+        (before, thickness): ([T; 2], T),
+        rates: [T; 2],
         dt: f64,
-    ) -> [f64; 2] {
-        let turn = 2.0 * dt * self.wave_speed(frame, masses, thickness) / frame.length;
-        let filter = self.bulk_viscosity.filter();
-        [0, 1].inline_map(|i| slow_rate(before[i], rates[i], turn, filter))
+    ) -> [T; 2] {
+        let turn = thickness.like(2.0 * dt) * self.wave_speed(frame, masses, thickness) / frame.length;
+        let filter = turn.like(self.bulk_viscosity.filter());
+        [0, 1].inline_map(|i: usize| slow_rate(before[i], rates[i], turn, filter))
     }
 
     /// Returns force and moment per length of the bulk viscosity, equal in both directions, for the rates of area and
     /// of curvature (sums over both directions) and their slow parts. The force is linear, and also quadratic if the
     /// area shrinks (ABAQUS Theory Guide 2.4.5); the moment is linear only (ABAQUS Theory Guide 3.6.5, "Rotational bulk
     /// viscosity for explicit dynamics").
-    pub fn viscosity(
+    #[inline(always)]
+    pub fn viscosity<T: Real>(
         &self,
-        frame: &ShellFrame,
-        masses: &[f64; 4],
-        thickness: f64,
-        [area, curvature]: [f64; 2],
-        slow: [f64; 2],
-    ) -> [f64; 2] {
+        frame: &ShellFrame<T>,
+        masses: &[T; 4],
+        thickness: T,
+        [area, curvature]: [T; 2],
+        slow: [T; 2],
+    ) -> [T; 2] {
         let BulkViscosity { linear, quadratic, .. } = self.bulk_viscosity;
+        let like = |value: f64| thickness.like(value);
         // Density times thickness.
         let per_area = (masses[0] + masses[1]) / frame.area();
         let (l, speed) = (frame.length, self.wave_speed(frame, masses, thickness));
-        let closing = area.min(0.0) * l * quadratic;
-        let force = per_area * (linear * speed * l * (area - slow[0]) - closing * closing);
-        let moment = self.thickness * self.thickness / 12.0 * per_area * linear * speed * l * (curvature - slow[1]);
+        let closing = area.if_less(like(0.0), area, like(0.0)) * l * like(quadratic);
+        let viscous = per_area * like(linear) * speed * l;
+        let force = viscous * (area - slow[0]) - per_area * closing * closing;
+        let moment = like(self.thickness * self.thickness / 12.0) * viscous * (curvature - slow[1]);
         [force, moment]
     }
 }

@@ -1,0 +1,348 @@
+//! Update of a block of shells over an increment: strains, section points, thickness, nodal forces and stable rate.
+
+use pulp::{Simd, WithSimd};
+
+use super::group::{ShellGroup, ShellState};
+use super::record::ShellRecord;
+use super::section::{ShellProperties, ThicknessRule};
+use crate::element::constants::CHANGE;
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes};
+use crate::kernel::pack::{Pack, PackPosition};
+use crate::kernel::plane_return::{PlaneReturns, PlaneTrial};
+use crate::kernel::real::Real;
+use crate::kernel::shell::{SectionComponents, ShellFrame};
+use crate::kernel::transcendental::exp;
+use crate::state::nodes::Node;
+
+const ZERO: Lanes = [0.0; LANES];
+
+/// Kinematics and sums of the elements of a block.
+#[derive(Clone, Copy, Debug)]
+struct ShellLanes {
+    /// Coordinates of both ends at the end of the increment.
+    places: [[Lanes; 2]; 2],
+    /// Displacements of both ends and their rotations over the increment.
+    steps: [[Lanes; 3]; 2],
+    masses: [Lanes; 4],
+    thickness: Lanes,
+    shear: Lanes,
+    slow_rates: [Lanes; 2],
+    viscous: [Lanes; 2],
+    strains: [Lanes; 5],
+    /// Forces and moments of the stress per thickness and half thickness: integrals over a unit thickness.
+    integrals: [Lanes; 4],
+    /// Plastic work per thickness and area, and the strain through the thickness.
+    plastic: Lanes,
+    thinning: Lanes,
+}
+
+/// Results of the elements of a block.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ShellBlockTotals {
+    /// Work of the stress, plastic work, work of the viscosity.
+    pub work: [Lanes; 3],
+    /// One over the stable time increment.
+    pub rate: Lanes,
+}
+
+/// Update of the elements of the block `index`.
+pub(super) struct ShellBlockUpdate<'a> {
+    pub group: &'a mut ShellGroup,
+    pub index: usize,
+    pub nodes: &'a [Node],
+    pub dt: f64,
+    pub corners: &'a mut BlockCornerForces,
+}
+
+impl WithSimd for ShellBlockUpdate<'_> {
+    type Output = ShellBlockTotals;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) -> ShellBlockTotals {
+        let mut lanes = self.read();
+        for at in (0..PackPosition::<S>::COUNT).map(|index| PackPosition::new(simd, index)) {
+            lanes.measure_strains(at);
+        }
+        self.update_points(&mut lanes);
+        lanes.update_thickness(&self.group.section, self.dt);
+        let mut totals = ShellBlockTotals { work: [ZERO; 3], rate: ZERO };
+        for at in (0..PackPosition::<S>::COUNT).map(|index| PackPosition::new(simd, index)) {
+            lanes.update_forces(at, (&self.group.section, self.dt), self.corners, &mut totals);
+        }
+        self.store(&lanes, &totals);
+        totals
+    }
+}
+
+impl ShellBlockUpdate<'_> {
+    /// Returns the element of a lane. Lanes beyond the last element repeat it.
+    fn element(&self, lane: usize) -> usize {
+        (self.index * LANES + lane).min(self.group.ends.len() - 1)
+    }
+
+    /// Returns the number of lanes with an element.
+    fn count(&self) -> usize {
+        LANES.min(self.group.ends.len() - self.index * LANES)
+    }
+
+    #[inline(always)]
+    fn read(&self) -> ShellLanes {
+        let mut lanes = ShellLanes {
+            places: [[ZERO; 2]; 2],
+            steps: [[ZERO; 3]; 2],
+            masses: [ZERO; 4],
+            thickness: ZERO,
+            shear: ZERO,
+            slow_rates: [ZERO; 2],
+            viscous: [ZERO; 2],
+            strains: [ZERO; 5],
+            integrals: [ZERO; 4],
+            plastic: ZERO,
+            thinning: ZERO,
+        };
+        for l in 0..LANES {
+            let element = self.element(l);
+            let ends = self.group.ends[element].inline_map(|n| &self.nodes[n as usize]);
+            for end in 0..2 {
+                let (node, turn) = (ends[end], ends[2 + end]);
+                (lanes.places[end][0][l], lanes.places[end][1][l]) = (node.r, node.z);
+                for (axis, velocity) in [node.v_r, node.v_z, turn.v_r].into_iter().enumerate() {
+                    lanes.steps[end][axis][l] = self.dt * velocity;
+                }
+            }
+            lanes.masses.iter_mut().zip(self.group.masses[element]).for_each(|(list, mass)| list[l] = mass);
+            let ShellState { thickness, shear, slow_rates, viscous } = self.group.state[element];
+            (lanes.thickness[l], lanes.shear[l]) = (thickness, shear);
+            for i in 0..2 {
+                (lanes.slow_rates[i][l], lanes.viscous[i][l]) = (slow_rates[i], viscous[i]);
+            }
+        }
+        lanes
+    }
+
+    /// Updates the section points, and integrates stress, plastic work and strain through the thickness.
+    #[inline(always)]
+    fn update_points(&mut self, lanes: &mut ShellLanes) {
+        let section = self.group.section.clone();
+        for (point, [place, weight]) in section.points.iter().enumerate() {
+            let stress = self.update_point(&section, lanes, (point, *place, *weight));
+            for l in 0..LANES {
+                for axis in 0..2 {
+                    lanes.integrals[axis][l] += weight * stress[axis][l];
+                    lanes.integrals[2 + axis][l] += weight * place * stress[axis][l];
+                }
+            }
+        }
+    }
+
+    /// Updates a section point of all lanes; returns its stress.
+    #[inline(always)]
+    fn update_point(
+        &mut self,
+        section: &ShellProperties,
+        lanes: &mut ShellLanes,
+        (point, place, weight): (usize, f64, f64),
+    ) -> [Lanes; 2] {
+        let index = |element: usize| element * section.points.len() + point;
+        let mut before = [ZERO; 2];
+        for l in 0..LANES {
+            let stress = self.group.stress[index(self.element(l))];
+            (before[0][l], before[1][l]) = (stress[0], stress[1]);
+        }
+        if self.dt == 0.0 {
+            return before;
+        }
+        let mut strain = [ZERO; 2];
+        for l in 0..LANES {
+            let height = 0.5 * place * lanes.thickness[l];
+            for axis in 0..2 {
+                strain[axis][l] = lanes.strains[axis][l] + height * lanes.strains[2 + axis][l];
+            }
+        }
+        let returned = self.return_point(section, (&before, &strain), index);
+        let mut thinning = ZERO;
+        let ratio = section.elastic.ratio / section.elastic.young;
+        for l in 0..LANES {
+            let change = [0, 1].inline_map(|axis: usize| returned.stress[axis][l] - before[axis][l]);
+            thinning[l] = -ratio * (change[0] + change[1]) - (returned.plastic[0][l] + returned.plastic[1][l]);
+            lanes.thinning[l] += weight * thinning[l];
+            lanes.plastic[l] += weight * returned.mises[l] * returned.flow[l];
+        }
+        for l in 0..self.count() {
+            let at = index(self.element(l));
+            if self.group.is_deleted(self.element(l)) {
+                continue;
+            }
+            self.group.stress[at] = returned.stress.inline_map(|list| list[l]);
+            if let Some(ShellRecord { points, .. }) = self.group.record.as_deref_mut() {
+                let strain = [strain[0][l], strain[1][l], thinning[l]];
+                points[at].follow(strain, returned.plastic.inline_map(|list| list[l]), self.dt);
+            }
+        }
+        returned.stress
+    }
+
+    /// Returns the stress of a section point after a strain increment, and updates its plastic state.
+    #[inline(always)]
+    fn return_point(
+        &mut self,
+        section: &ShellProperties,
+        (before, strain): (&[Lanes; 2], &[Lanes; 2]),
+        index: impl Fn(usize) -> usize,
+    ) -> PlaneReturns {
+        let (modulus, ratio) = (section.elastic.modulus(), section.elastic.ratio);
+        let mut trial = *before;
+        for l in 0..LANES {
+            trial[0][l] += modulus * (strain[0][l] + ratio * strain[1][l]);
+            trial[1][l] += modulus * (strain[1][l] + ratio * strain[0][l]);
+        }
+        let Some(flowing) = &section.flowing else {
+            return PlaneReturns { stress: trial, mises: ZERO, flow: ZERO, plastic: [ZERO; 2] };
+        };
+        let (mut plastic, mut temperature) = (ZERO, ZERO);
+        for l in 0..LANES {
+            let state = self.group.flow[index(self.element(l))];
+            (plastic[l], temperature[l]) = (state.strain, state.temperature);
+        }
+        let given = PlaneTrial { stress: &trial, strain: &plastic, temperature: &temperature, dt: self.dt };
+        let returned = section.elastic.returned_lanes(&flowing.law, given, self.count());
+        for l in (0..self.count()).filter(|l| returned.flow[*l] != 0.0) {
+            let at = index(self.element(l));
+            let state = &mut self.group.flow[at];
+            state.strain += returned.flow[l];
+            state.temperature += flowing.heating.rise(state.temperature, [returned.mises[l], returned.flow[l]]);
+        }
+        returned
+    }
+
+    /// Stores the state of the elements, and their recorded strains and work.
+    #[inline(always)]
+    fn store(&mut self, lanes: &ShellLanes, totals: &ShellBlockTotals) {
+        for l in 0..self.count() {
+            let element = self.element(l);
+            if self.group.is_deleted(element) {
+                continue;
+            }
+            self.group.state[element] = ShellState {
+                thickness: lanes.thickness[l],
+                shear: lanes.shear[l],
+                slow_rates: lanes.slow_rates.inline_map(|list| list[l]),
+                viscous: lanes.viscous.inline_map(|list| list[l]),
+            };
+            if let Some(ShellRecord { elements, .. }) = self.group.record.as_deref_mut() {
+                let followed = &mut elements[element];
+                followed.section.iter_mut().zip(&lanes.strains).for_each(|(sum, strain)| *sum += strain[l]);
+                let [stress, plastic, _] = totals.work;
+                followed.work = [followed.work[0] + stress[l], followed.work[1] + plastic[l]];
+            }
+        }
+    }
+}
+
+impl ShellLanes {
+    #[inline(always)]
+    fn places<S: Simd>(&self, at: PackPosition<S>) -> [[Pack<S>; 2]; 2] {
+        [at.load_all(&self.places[0]), at.load_all(&self.places[1])]
+    }
+
+    #[inline(always)]
+    fn steps<S: Simd>(&self, at: PackPosition<S>) -> [[Pack<S>; 3]; 2] {
+        [at.load_all(&self.steps[0]), at.load_all(&self.steps[1])]
+    }
+
+    /// Measures the strains at mid-increment.
+    #[inline(always)]
+    fn measure_strains<S: Simd>(&mut self, at: PackPosition<S>) {
+        let ([a, b], [c, d]) = (self.places(at), self.steps(at));
+        let half = at.splat(0.5);
+        let middle =
+            ShellFrame::new([[a[0] - half * c[0], a[1] - half * c[1]], [b[0] - half * d[0], b[1] - half * d[1]]]);
+        let strains = middle.strains([c, d]);
+        for (list, strain) in self.strains.iter_mut().zip(strains) {
+            at.store(strain, list);
+        }
+    }
+
+    #[inline(always)]
+    fn update_thickness(&mut self, section: &ShellProperties, dt: f64) {
+        if dt == 0.0 {
+            return;
+        }
+        for l in 0..LANES {
+            if let ThicknessRule::Ratio(ratio) = section.thinning {
+                self.thinning[l] = -ratio / (1.0 - ratio) * (self.strains[0][l] + self.strains[1][l]);
+            }
+            self.shear[l] += section.shear_stiffness() * self.strains[4][l];
+            // Plastic work is per thickness before the change.
+            self.plastic[l] *= self.thickness[l];
+        }
+        let factor = exp(&self.thinning);
+        for l in 0..LANES {
+            self.thickness[l] *= factor[l];
+        }
+    }
+
+    /// Returns forces and moments of the stress per length.
+    #[inline(always)]
+    fn resultants<S: Simd>(&self, at: PackPosition<S>) -> SectionComponents<Pack<S>> {
+        let thickness = at.load(&self.thickness);
+        let bending = at.splat(0.5) * thickness * thickness;
+        let [n_s, n_h, m_s, m_h] = at.load_all(&self.integrals);
+        [thickness * n_s, thickness * n_h, bending * m_s, bending * m_h, at.load(&self.shear)]
+    }
+
+    /// Replaces the corner forces; computes the work over the increment and the stable rate.
+    #[inline(always)]
+    fn update_forces<S: Simd>(
+        &mut self,
+        at: PackPosition<S>,
+        (section, dt): (&ShellProperties, f64),
+        corners: &mut BlockCornerForces,
+        totals: &mut ShellBlockTotals,
+    ) {
+        let frame = ShellFrame::new(self.places(at));
+        let (masses, thickness) = (at.load_all(&self.masses), at.load(&self.thickness));
+        let strains = [0, 1, 2, 3].inline_map(|i: usize| at.load(&self.strains[i]));
+        let per_dt = at.splat(if dt > 0.0 { 1.0 / dt } else { 0.0 });
+        let sums = [strains[0] + strains[1], strains[2] + strains[3]];
+        let rates = sums.inline_map(|sum| per_dt * sum);
+        let before = (at.load_all(&self.slow_rates), thickness);
+        let slow = section.slow_rates(&frame, &masses, before, rates, dt);
+        let [force, moment] = section.viscosity(&frame, &masses, thickness, rates, slow);
+        let [n_s, n_h, m_s, m_h, q] = self.resultants(at);
+        let forces = frame.forces(&[n_s + force, n_h + force, m_s + moment, m_h + moment, q]);
+        let work = put(at, &forces, &self.steps(at), corners);
+        let area = frame.area();
+        let previous = at.load_all(&self.viscous);
+        // By the trapezoidal rule, as the work of all forces.
+        let viscous = at.splat(0.5) * area * ((previous[0] + force) * sums[0] + (previous[1] + moment) * sums[1]);
+        at.store_all([work - viscous, area * at.load(&self.plastic), viscous], &mut totals.work);
+        at.store_all(slow, &mut self.slow_rates);
+        at.store_all([force, moment], &mut self.viscous);
+        let own = section.rate(&frame, &masses, thickness, rates[0]);
+        let change = per_dt * (strains[0].size() + strains[1].size()) / at.splat(CHANGE);
+        at.store(change.if_larger_rate(own, change, own), &mut totals.rate);
+    }
+}
+
+/// Replaces the forces of a pack and returns the work of the previous and the new forces over the increment, by the
+/// trapezoidal rule: energy gained by the elements.
+#[inline(always)]
+fn put<S: Simd>(
+    at: PackPosition<S>,
+    forces: &[[Pack<S>; 3]; 2],
+    steps: &[[Pack<S>; 3]; 2],
+    corners: &mut BlockCornerForces,
+) -> Pack<S> {
+    let half = at.splat(0.5);
+    let mut work = at.splat(0.0);
+    for end in 0..2 {
+        for axis in 0..3 {
+            let (corner, component) = if axis < 2 { (end, axis) } else { (2 + end, 0) };
+            let list = &mut corners[corner][component];
+            work = work - half * (at.load(list) + forces[end][axis]) * steps[end][axis];
+            at.store(forces[end][axis], list);
+        }
+    }
+    work
+}
