@@ -16,6 +16,15 @@ export function deckCommandLine(command: string, deck: string, further: string[]
   return { words: [command, ...further, argument], cwd: path.dirname(deck) };
 }
 
+/**
+ * Returns a call that gives the same results in any working folder. In a window without a folder VS Code starts processes of
+ * tasks in the home folder only.
+ */
+export function absoluteCommandLine(command: string, deck: string, further: string[] = []): string[] {
+  const place = command === "run" ? ["--out", resultFolders(deck, [])[0]] : [];
+  return [command, ...place, ...further, deck];
+}
+
 /** Returns the folders that may contain the results of a deck: that of runs in the folder of the deck comes first. */
 export function resultFolders(deck: string, workspaceFolders: string[]): string[] {
   const name = path.parse(deck).name;

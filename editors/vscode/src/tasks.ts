@@ -1,8 +1,9 @@
 // Tasks `revolve run` and `revolve check`: made by the commands of the extension, and defined in tasks.json.
 
+import * as os from "node:os";
 import * as path from "node:path";
 import * as vscode from "vscode";
-import { deckCommandLine } from "./commandLine";
+import { absoluteCommandLine, deckCommandLine } from "./commandLine";
 import { configuredProgram, hasCommand, reportMissing } from "./program";
 
 /** Definition of a task in tasks.json. */
@@ -25,7 +26,10 @@ export function createDeckTask(
 ): vscode.Task {
   const deck = path.resolve(folder?.uri.fsPath ?? ".", definition.deck);
   const program = configuredProgram();
-  const { words, cwd } = deckCommandLine(definition.command, deck, definition.arguments);
+  const hasFolder = Boolean(vscode.workspace.workspaceFolders?.length);
+  const { words, cwd } = hasFolder
+    ? deckCommandLine(definition.command, deck, definition.arguments)
+    : { words: absoluteCommandLine(definition.command, deck, definition.arguments), cwd: os.homedir() };
   const execution = new vscode.ProcessExecution(program.path, words, { cwd, env: program.variables });
   const label = `${definition.command} ${path.basename(deck)}`;
   const matchers = serverRuns ? [] : ["$revolve"];

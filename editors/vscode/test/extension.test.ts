@@ -16,6 +16,8 @@ const folder = realpathSync(mkdtempSync(path.join(tmpdir(), "revolve 'commands' 
 const program = path.join(folder, "my program.mjs");
 const deck = path.join(folder, "models 1", 'long "rod" $HOME.inp');
 
+const workspaceFolder = { uri: fake.Uri.file(folder) };
+
 /** Starts a command of the extension. */
 const command = (name: string, ...words: unknown[]) => Promise.resolve(recorded.commands.get(`revolve.${name}`)?.(...words));
 
@@ -40,7 +42,7 @@ before(async () => {
 beforeEach(() => {
   Object.assign(recorded, { messages: [], panels: [], tasks: [], answer: undefined, executed: [], saved: 0 });
   Object.assign(recorded.settings, { path: program, mode: "auto" });
-  Object.assign(fake.workspace, { textDocuments: [], isTrusted: true, workspaceFolders: undefined });
+  Object.assign(fake.workspace, { textDocuments: [], isTrusted: true, workspaceFolders: [workspaceFolder] });
   rmSync(path.join(path.dirname(deck), "out"), { recursive: true, force: true });
   delete process.env.REVOLVE_LACKS;
   fake.openDocument(deck);
@@ -63,6 +65,14 @@ test("run and check pass the name of the deck as one argument, in its folder", a
     assert.deepEqual([task.execution.process, task.source], [program, "revolve"]);
   }
   assert.deepEqual(recorded.messages, []);
+});
+
+test("without a workspace folder the deck and its results have absolute paths", async () => {
+  fake.workspace.workspaceFolders = undefined;
+  const results = path.join(path.dirname(deck), "out", path.parse(deck).name);
+  assert.deepEqual([await command("run"), await command("check")], [0, 0]);
+  const words = recorded.tasks.map(({ output }) => JSON.parse(output).words);
+  assert.deepEqual(words, [["run", "--out", results, deck], ["check", deck]]);
 });
 
 test("a deck with changes is saved first, and a deck from the explorer is used", async () => {
@@ -98,7 +108,6 @@ test("a missing program is reported, with a way to the setting", async () => {
 });
 
 test("tasks of tasks.json have further arguments before the deck and keep their definition", () => {
-  const workspaceFolder = { uri: fake.Uri.file(folder) };
   const definition: DeckTaskDefinition = {
     type: "revolve",
     command: "run",
@@ -114,7 +123,6 @@ test("tasks of tasks.json have further arguments before the deck and keep their 
 });
 
 test("both commands are offered as tasks for the deck in the editor", () => {
-  fake.workspace.workspaceFolders = [{ uri: fake.Uri.file(folder) }];
   const offered = new DeckTaskProvider(() => true).provideTasks() as never as fake.Task[];
   assert.deepEqual(offered.map((task) => task.definition), ["run", "check"].map((name) => ({
     type: "revolve",
@@ -148,7 +156,6 @@ test("a report offers to run the deck, and its panel is used again", async () =>
 });
 
 test("results of runs in a workspace folder are found", async () => {
-  fake.workspace.workspaceFolders = [{ uri: fake.Uri.file(folder) }];
   const results = path.join(folder, "out", path.parse(deck).name);
   mkdirSync(results, { recursive: true });
   await command("report");

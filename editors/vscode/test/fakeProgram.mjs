@@ -20,7 +20,8 @@ if (words.includes("--help")) {
 }
 const deck = words.at(-1);
 if (command === "run") {
-  mkdirSync(path.join("out", path.parse(deck).name), { recursive: true });
+  const out = words.indexOf("--out");
+  mkdirSync(out < 0 ? path.join("out", path.parse(deck).name) : words[out + 1], { recursive: true });
 }
 if (command === "report") {
   writeFileSync(path.join(deck, "report.html"), `<html><head><title>${path.basename(deck)}</title></head></html>`);

@@ -2,6 +2,7 @@
 
 import { spawn } from "node:child_process";
 import { readFileSync } from "node:fs";
+import { homedir } from "node:os";
 import * as path from "node:path";
 
 type Listener<T> = (event: T) => unknown;
@@ -145,6 +146,10 @@ export const tasks = {
   async executeTask(task: Task) {
     const execution = { task };
     const { process: program, args, options } = task.execution;
+    const isEmpty = !workspace.workspaceFolders?.length;
+    if (isEmpty && options.cwd !== homedir()) {
+      throw new Error("a window without a folder starts tasks in the home folder only");
+    }
     const child = spawn(program, args, { cwd: options.cwd, env: { ...process.env, ...options.env } });
     let output = "";
     child.stdout.on("data", (data) => (output += data));
